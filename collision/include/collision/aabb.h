@@ -1,0 +1,63 @@
+#pragma once
+
+#include <collision/shape.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+namespace atl::collision {
+
+/// Axis-aligned box in single precision. One made from doubles is rounded outwards, so it always contains
+/// what it was made from, however far from the origin.
+struct Aabb {
+  std::array<float, 3> lower;
+  std::array<float, 3> upper;
+
+  static Aabb empty() {
+    constexpr float inf = std::numeric_limits<float>::infinity();
+    return {{inf, inf, inf}, {-inf, -inf, -inf}};
+  }
+
+  /// The smallest float box around [lower, upper].
+  static Aabb around(const Vector3& lower, const Vector3& upper);
+
+  bool overlaps(const Aabb& other) const {
+    // Bitwise, so that the six comparisons cost no branches.
+    return (lower[0] <= other.upper[0]) & (other.lower[0] <= upper[0]) & (lower[1] <= other.upper[1]) &
+           (other.lower[1] <= upper[1]) & (lower[2] <= other.upper[2]) & (other.lower[2] <= upper[2]);
+  }
+
+  bool contains(const Aabb& other) const {
+    return (lower[0] <= other.lower[0]) & (other.upper[0] <= upper[0]) & (lower[1] <= other.lower[1]) &
+           (other.upper[1] <= upper[1]) & (lower[2] <= other.lower[2]) & (other.upper[2] <= upper[2]);
+  }
+
+  Aabb joined(const Aabb& other) const {
+    Aabb result;
+    for (std::size_t i = 0; i < 3; ++i) {
+      result.lower[i] = std::min(lower[i], other.lower[i]);
+      result.upper[i] = std::max(upper[i], other.upper[i]);
+    }
+    return result;
+  }
+
+  /// Half the surface area.
+  float half_area() const {
+    const float x = upper[0] - lower[0];
+    const float y = upper[1] - lower[1];
+    const float z = upper[2] - lower[2];
+    return x * y + y * z + z * x;
+  }
+
+  friend bool operator==(const Aabb&, const Aabb&) = default;
+};
+
+/// Tight bounds of a bounded shape (not a half-space) at a pose, as lower and upper corner in double.
+struct Bounds {
+  Vector3 lower;
+  Vector3 upper;
+};
+Bounds bounds_of(const Shape& shape, const Vector3& position, const Matrix3& rotation);
+
+}  // namespace atl::collision

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <collision/manifold.h>
+#include <collision/pose.h>
+
+namespace atl::collision {
+
+/// What found a manifold.
+enum class Narrowphase { ClosedForm, Fcl };
+
+/// Finds the contact points of a pair that are no farther apart than `margin` (m, >= 0). `second` is the pose
+/// of the second shape in the frame of the first; the first is of the lower or the same kind. A pair of
+/// half-spaces has none. On entry `manifold.axis` is the axis of the pair's last manifold, or 0: of two faces
+/// that are equally good references, the one used before stays.
+Narrowphase collide(const Shape& first_shape, const Shape& second_shape, const Pose& second, double margin,
+                    Manifold& manifold);
+
+/// The pairs' own functions, which collide() chooses from.
+void collide_boxes(const Vector3& half_first, const Vector3& half_second, const Pose& second, double margin,
+                   Manifold& manifold);
+void collide_spheres(double radius_first, double radius_second, const Pose& second, double margin, Manifold& manifold);
+void collide_sphere_box(double radius, const Vector3& half_extents, const Pose& box, double margin, Manifold& manifold);
+void collide_sphere_half_space(double radius, const Shape& half_space, const Pose& second, double margin,
+                               Manifold& manifold);
+void collide_box_half_space(const Vector3& half_extents, const Shape& half_space, const Pose& second, double margin,
+                            Manifold& manifold);
+
+}  // namespace atl::collision

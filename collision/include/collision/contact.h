@@ -1,0 +1,79 @@
+#pragma once
+
+#include <collision/manifold.h>
+#include <collision/pair.h>
+#include <collision/pose.h>
+
+#include <array>
+#include <cstdint>
+
+namespace atl::collision {
+
+/// What the solver reads and writes of a contact: rows of four floats, that kernels load for many contacts at
+/// once by transposes. World axes; the normal points from the first shape to the second.
+///
+/// All points of a manifold share the normal, so a point is where it lies in the tangent plane: (x, y) from
+/// the centre, along the tangents that tangents() makes of the normal.
+struct alignas(64) ContactManifold {
+  float normal[3];
+  float friction;         ///< Coulomb coefficient of the pair
+  float anchor_first[3];  ///< m, of the centre from the first body's centre of mass
+  float restitution;
+  float anchor_second[3];
+  float lever;  ///< m, mean distance of the points from the centre: the arm of friction against twisting
+  float x[max_points];
+  float y[max_points];
+  float separation[max_points];      ///< no_point where there is none
+  float normal_impulse[max_points];  ///< N s, of the last substep
+  float friction_impulse[3];         ///< N s, in the tangent plane, on the second body
+  float twist_impulse;               ///< N m s, about the normal, on the second body
+};
+static_assert(sizeof(ContactManifold) == 128);
+
+/// So far apart that no speed closes it: such a point's impulse is always zero.
+inline constexpr float no_point = 1e10f;
+
+/// Two unit vectors that make a right-handed frame with a unit normal (t1 x t2 = n). Duff et al., "Building an
+/// orthonormal basis, revisited", JCGT 2017. The kernels do the same operations in the same order.
+struct Tangents {
+  std::array<float, 3> first;
+  std::array<float, 3> second;
+};
+Tangents tangents(const float normal[3]);
+
+/// A pair and what its last manifold looked like, in the frames of its shapes, so that separations can follow
+/// small motion in closed form. "Incident" and "reference" as in Manifold.
+struct Contact {
+  Pair pair;
+  bool reference_is_second = false;
+  std::uint8_t count = 0;
+  std::uint16_t axis = 0;
+  std::array<FeatureId, max_points> ids = {};
+  std::array<float, max_points> separation = {};             ///< m, at capture
+  std::array<std::array<float, 3>, max_points> offset = {};  ///< m, from the centre, reference frame, at capture
+  std::array<float, 3> normal = {};                          ///< reference frame
+  std::array<float, 4> orientation = {};                     ///< x, y, z, w of incident in reference, at capture
+  float margin = -1;                                         ///< m, speculative at capture; -1 before the first
+  /// m, mean of the points, incident frame; the origin where there are none.
+  Vector3 centre_incident = Vector3::Zero();
+  Vector3 centre_reference = Vector3::Zero();  ///< m, the same point in the reference frame, at capture
+};
+
+/// How far the incident shape has moved against the reference shape since the manifold was captured.
+struct Drift {
+  Vector3 shift;                   ///< m, of the centre, reference frame
+  std::array<float, 3> half_turn;  ///< vector part of the rotation's quaternion
+  float cosine;                    ///< its scalar part
+};
+Drift drift_since_capture(const Contact& contact, const Pose& incident);
+
+/// Stores a fresh manifold, which may have no points, found with the given margin. What it replaces is lost:
+/// match impulses before.
+void capture(Contact& contact, const Manifold& manifold, const Pose& incident, double margin);
+
+/// Writes the geometry of a contact, moved by a drift, to what the solver reads; impulses stay. Exact for
+/// fixed features. `margin` weighs the points for the centre: those farther apart count for less.
+void place(const Contact& contact, const Drift& drift, const Pose& first, const Pose& second, double margin,
+           ContactManifold& manifold);
+
+}  // namespace atl::collision

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <collision/shape.h>
+
+#include <array>
+#include <cstdint>
+
+namespace atl::collision {
+
+/// Which pair of features makes a contact point. Equal features have equal ids from step to step, and the
+/// features of one manifold have different ones. See feature_id.h for how they are put together.
+using FeatureId = std::uint32_t;
+
+inline constexpr int max_points = 4;
+
+/// Contact points of a pair as the narrowphase finds them. Everything is in the frame of the reference shape:
+/// the one whose face (or, where there is none, whose side) the points are measured against.
+struct Manifold {
+  struct Point {
+    Vector3 position;   ///< m, on the incident shape
+    double separation;  ///< m, from the reference surface along the normal; negative inside
+    FeatureId id;
+  };
+
+  bool reference_is_second = false;
+  Vector3 normal = Vector3::UnitZ();  ///< unit, out of the reference shape
+  std::uint32_t axis = 0;             ///< the axis the normal was found on; 0: none
+  int count = 0;
+  std::array<Point, max_points> points;
+
+  void add(const Vector3& position, double separation, FeatureId id) {
+    points[static_cast<std::size_t>(count++)] = {position, separation, id};
+  }
+};
+
+/// Chooses four points that span the contact: the deepest, the one farthest from it, and one on either side
+/// of the line between them that adds most area. `count` may be at most max_points already; then all are kept.
+void reduce_points(const Manifold::Point* points, int count, Manifold& manifold);
+
+}  // namespace atl::collision
