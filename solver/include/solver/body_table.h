@@ -1,0 +1,76 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace atl::solver {
+
+using Vector3 = Eigen::Vector3d;
+using Matrix3 = Eigen::Matrix3d;
+using Quaternion = Eigen::Quaternion<double, Eigen::DontAlign>;
+
+enum class Mobility : std::uint8_t { Fixed, Kinematic, Dynamic };
+
+/// State and mass properties of all bodies of a world as flat arrays, one entry a body index. This is what
+/// lasts from step to step; what a step computes with is made from it (see SolverBodies).
+struct BodyTable {
+  std::vector<double> positions;           ///< 3 a body, m
+  std::vector<double> orientations;        ///< 4 a body: x, y, z, w
+  std::vector<double> velocities;          ///< 3 a body, m/s
+  std::vector<double> angular_velocities;  ///< 3 a body, rad/s
+  std::vector<double> forces;              ///< 3 a body, N, for the next step only
+  std::vector<double> torques;             ///< 3 a body, N m, for the next step only
+
+  std::vector<Mobility> mobility;
+  std::vector<double> inverse_mass;      ///< 1/kg; 0 unless dynamic
+  std::vector<Matrix3> inertia;          ///< kg m^2, body frame; zero unless dynamic
+  std::vector<Matrix3> inverse_inertia;  ///< body frame; zero unless dynamic
+  std::vector<std::uint8_t> gyroscopic;  ///< 1 if the inertia depends on the direction
+  std::vector<double> gravity_scale;
+  std::vector<double> linear_damping;   ///< 1/s
+  std::vector<double> angular_damping;  ///< 1/s
+
+  std::size_t size() const { return mobility.size(); }
+  void resize(std::size_t count);
+
+  auto position(std::size_t body) { return Eigen::Map<Vector3>(positions.data() + 3 * body); }
+  auto position(std::size_t body) const { return Eigen::Map<const Vector3>(positions.data() + 3 * body); }
+  auto velocity(std::size_t body) { return Eigen::Map<Vector3>(velocities.data() + 3 * body); }
+  auto velocity(std::size_t body) const { return Eigen::Map<const Vector3>(velocities.data() + 3 * body); }
+  auto angular_velocity(std::size_t body) { return Eigen::Map<Vector3>(angular_velocities.data() + 3 * body); }
+  auto angular_velocity(std::size_t body) const {
+    return Eigen::Map<const Vector3>(angular_velocities.data() + 3 * body);
+  }
+  auto force(std::size_t body) { return Eigen::Map<Vector3>(forces.data() + 3 * body); }
+  auto force(std::size_t body) const { return Eigen::Map<const Vector3>(forces.data() + 3 * body); }
+  auto torque(std::size_t body) { return Eigen::Map<Vector3>(torques.data() + 3 * body); }
+  auto torque(std::size_t body) const { return Eigen::Map<const Vector3>(torques.data() + 3 * body); }
+
+  Quaternion orientation(std::size_t body) const {
+    const double* q = orientations.data() + 4 * body;
+    return {q[3], q[0], q[1], q[2]};
+  }
+  void set_orientation(std::size_t body, const Quaternion& q) {
+    Eigen::Map<Eigen::Vector4d>(orientations.data() + 4 * body) = q.coeffs();
+  }
+};
+
+inline void BodyTable::resize(std::size_t count) {
+  for (std::vector<double>* three : {&positions, &velocities, &angular_velocities, &forces, &torques}) {
+    three->resize(3 * count, 0.0);
+  }
+  orientations.resize(4 * count, 0.0);
+  mobility.resize(count, Mobility::Fixed);
+  inverse_mass.resize(count, 0.0);
+  inertia.resize(count, Matrix3::Zero());
+  inverse_inertia.resize(count, Matrix3::Zero());
+  gyroscopic.resize(count, 0);
+  gravity_scale.resize(count, 1.0);
+  linear_damping.resize(count, 0.0);
+  angular_damping.resize(count, 0.0);
+}
+
+}  // namespace atl::solver

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <solver/contact_block.h>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace atl::solver {
+
+/// A contact as the kernels see it: bodies by index into SolverBodies.
+struct LocalContact {
+  std::uint32_t first;
+  std::uint32_t second;
+  std::uint32_t slot;
+};
+
+/// Blocks that may be solved at once: no two share a dynamic body.
+struct Colour {
+  std::size_t begin_block;
+  std::size_t end_block;
+  bool serial;  ///< not so: these must be solved one after another
+};
+
+/// Colours contacts greedily, in order, each with the first colour that neither of its dynamic bodies has; an
+/// island's colours are thus its own, whatever shares the group. Writes bodies, slots and masks of the blocks,
+/// colour after colour; a block's other fields are left. A body with more than 64 contacts gets the rest of
+/// them one by one.
+///
+/// Bodies below `first_dynamic` may appear in any number of contacts of a colour.
+class Colouring {
+ public:
+  void build(std::span<const LocalContact> contacts, std::uint32_t first_dynamic, std::uint32_t body_count,
+             std::vector<ContactBlock>& blocks);
+
+  std::span<const Colour> colours() const { return colours_; }
+  std::size_t block_count() const { return colours_.empty() ? 0 : colours_.back().end_block; }
+
+ private:
+  std::vector<std::uint64_t> used_;  // by body: the colours of its contacts
+  std::vector<std::uint8_t> colour_of_;
+  std::vector<Colour> colours_;
+};
+
+}  // namespace atl::solver

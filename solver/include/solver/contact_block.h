@@ -1,0 +1,53 @@
+#pragma once
+
+#include <collision/contact.h>
+#include <solver/solver_bodies.h>
+
+#include <cstdint>
+
+namespace atl::solver {
+
+using collision::max_points;
+
+/// Eight contacts of one colour, one a lane, for the wide kernels: no two share a dynamic body.
+///
+/// The points of a manifold share the normal, so all four are solved in three relative speeds: along the
+/// normal at the centre (u), and of spin about the two tangents (w1, w2). Point i closes at
+/// u + y_i w1 - x_i w2, and K maps impulses to changes of the three. Lanes without a contact hold zeros and
+/// K00 = 1.
+struct alignas(64) ContactBlock {
+  template <std::size_t n>
+  using Lanes = float[n][block_lanes];
+
+  std::int32_t first[block_lanes];  ///< index into SolverBodies
+  std::int32_t second[block_lanes];
+  Lanes<3> normal;
+  Lanes<3> tangent;  ///< the first; the second is normal x tangent
+  Lanes<3> anchor_first;
+  Lanes<3> anchor_second;
+  Lanes<4> x;
+  Lanes<4> y;
+  Lanes<4> start_separation;  ///< at the start of the step
+  Lanes<4> separation;        ///< as of the last sweep that looked
+  Lanes<4> normal_impulse;
+  Lanes<6> k;  ///< 00, 01, 02, 11, 12, 22
+  Lanes<2> inverse_mass;
+  Lanes<2> friction_impulse;
+  float twist_impulse[block_lanes];
+  Lanes<3> friction_mass;  ///< inverse of the tangential 2 x 2 matrix: 11, 12, 22
+  float twist_mass[block_lanes];
+  float friction[block_lanes];
+  float lever[block_lanes];
+  std::int32_t slot[block_lanes];  ///< of the contact; -1 in a lane without one
+  std::uint8_t write_first;        ///< bit a lane: the first body is dynamic
+  std::uint8_t write_second;
+};
+
+/// What a block needs beside, if its group has restitution.
+struct alignas(64) BounceBlock {
+  float approach[4][block_lanes];     ///< m/s, closing speed (negative) at the start of the step
+  float max_impulse[4][block_lanes];  ///< N s, over the substeps: zero if the point never touched
+  float restitution[block_lanes];
+};
+
+}  // namespace atl::solver

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <solver/body_table.h>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace atl::solver {
+
+/// A touching pair: the bodies and the contact's slot.
+struct TouchingPair {
+  std::uint32_t first;
+  std::uint32_t second;
+  std::uint32_t slot;
+};
+
+/// The connected components of awake dynamic bodies under touching contacts. Fixed and kinematic bodies join
+/// nothing. Islands are in order of their lowest body; bodies and contacts within one in order of index and
+/// of pair, so all order is a function of the contact graph alone.
+class Islands {
+ public:
+  /// `pairs` in order; `awake[body]` is 1 for the bodies that take part. Each pair has an awake dynamic body.
+  void build(const BodyTable& bodies, std::span<const std::uint8_t> awake, std::span<const TouchingPair> pairs);
+
+  std::size_t count() const { return body_start_.empty() ? 0 : body_start_.size() - 1; }
+  std::span<const std::uint32_t> bodies(std::size_t begin, std::size_t end) const;  ///< of islands [begin, end)
+  std::span<const TouchingPair> contacts(std::size_t begin, std::size_t end) const;
+  std::size_t contact_count(std::size_t island) const { return contact_start_[island + 1] - contact_start_[island]; }
+
+  /// Position of a body in the list of all islands' bodies. Valid for bodies of islands only.
+  std::uint32_t rank(std::uint32_t body) const { return rank_[body]; }
+  std::uint32_t first_rank(std::size_t island) const { return body_start_[island]; }
+
+  /// Awake dynamic bodies that touch nothing, in order.
+  std::span<const std::uint32_t> free_bodies() const { return free_bodies_; }
+
+ private:
+  std::uint32_t find(std::uint32_t body);
+
+  std::vector<std::uint32_t> parent_;  // union-find; a root is the lowest of its set
+  std::vector<std::uint32_t> rank_;
+  std::vector<std::uint32_t> island_of_;
+  std::vector<std::uint8_t> touched_;
+  std::vector<std::uint32_t> bodies_, body_start_;
+  std::vector<TouchingPair> contacts_;
+  std::vector<std::uint32_t> contact_start_;
+  std::vector<std::uint32_t> cursor_;
+  std::vector<std::uint32_t> free_bodies_;
+};
+
+/// Consecutive islands that are solved together: one task, sharing lanes.
+struct IslandGroup {
+  std::size_t begin;
+  std::size_t end;
+  bool large;  ///< a single island, worth all workers at once
+};
+
+/// Packs islands into groups whose working set stays in a core's cache.
+void pack_groups(const Islands& islands, std::vector<IslandGroup>& groups);
+
+}  // namespace atl::solver

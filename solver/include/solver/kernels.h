@@ -1,0 +1,60 @@
+#pragma once
+
+#include <solver/contact_block.h>
+#include <solver/solver_bodies.h>
+#include <solver/solver_settings.h>
+
+#include <cstddef>
+#include <string_view>
+#include <vector>
+
+namespace atl::solver {
+
+/// What the contact kernels work on.
+struct ContactKernelData {
+  SolverBodies& bodies;
+  ContactBlock* blocks;
+  BounceBlock* bounces;                   ///< one a block, or null if nothing bounces
+  collision::ContactManifold* manifolds;  ///< by contact slot
+  const SubstepConstants& constants;
+};
+
+/// A sweep of projected Gauss-Seidel over blocks.
+struct Sweep {
+  bool bias;     ///< push overlap apart (softly); else only stop approach
+  bool refresh;  ///< recompute separations from the bodies' displacements first
+  Friction friction;
+};
+
+/// The wide kernels for one instruction set. Each runs over [begin, end): of blocks, or of body indices in
+/// multiples of block_lanes. The same operations in the same order in every lane on each set, without fused
+/// multiply-add or approximations, so all give the same bits.
+struct Kernels {
+  const char* name;
+  std::size_t lanes;
+
+  /// Makes blocks, whose indices are filled in, from their manifolds.
+  void (*prepare)(const ContactKernelData& data, std::size_t begin, std::size_t end);
+  /// Applies the accumulated impulses.
+  void (*warm_start)(const ContactKernelData& data, std::size_t begin, std::size_t end);
+  void (*sweep)(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end);
+  /// Gives points that hit faster than the threshold their part of the closing speed back.
+  void (*restitute)(const ContactKernelData& data, std::size_t begin, std::size_t end);
+  /// Writes impulses back to the manifolds.
+  void (*store)(const ContactKernelData& data, std::size_t begin, std::size_t end);
+
+  /// Starts a substep: forces and gyroscopic torque, then, if `carry_over`, what constraints changed in the
+  /// last substep once more (their warm start).
+  void (*integrate_velocities)(SolverBodies& bodies, const SubstepConstants& constants, bool carry_over,
+                               std::size_t begin, std::size_t end);
+  void (*integrate_positions)(SolverBodies& bodies, const SubstepConstants& constants, std::size_t begin,
+                              std::size_t end);
+};
+
+/// The sets that this machine runs, best first: of "avx512", "avx2", "sse4", "neon" and always "portable".
+const std::vector<const Kernels*>& available_kernels();
+
+/// Null if this machine lacks it.
+const Kernels* find_kernels(std::string_view name);
+
+}  // namespace atl::solver

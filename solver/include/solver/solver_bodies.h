@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace atl::solver {
+
+/// Contacts that a kernel works on at a time, on every instruction set: a narrower one takes a block in parts.
+inline constexpr std::size_t block_lanes = 8;
+
+// The hot state of an island group's bodies, in rows of four floats that kernels load for several bodies at
+// once by transposes. Velocities are of the world frame; displacements are since the start of the step, so
+// single precision is enough however far from the origin a body is.
+
+struct alignas(32) VelocityRows {
+  float linear[3];   ///< m/s
+  float inertia_xx;  ///< of the inverse inertia, world frame, 1/(kg m^2); it rides along
+  float angular[3];  ///< rad/s
+  float inertia_yy;
+};
+
+struct alignas(16) InertiaRow {
+  float zz, xy, xz, yz;  ///< the rest of the inverse inertia
+};
+
+struct alignas(32) DisplacementRows {
+  float linear[3];  ///< m
+  float unused;
+  float rotation[4];  ///< x, y, z, w, world frame
+};
+
+/// Velocity at the start of the substep, before constraints: what they changed since is what warm-starts the
+/// next substep.
+struct alignas(32) FreeVelocityRows {
+  float linear[3];
+  float inverse_mass;  ///< 1/kg
+  float angular[3];
+  float unused;
+};
+
+struct alignas(32) AccelerationRows {
+  float linear[3];        ///< m/s^2
+  float linear_damping;   ///< factor a substep
+  float angular[3];       ///< rad/s^2
+  float angular_damping;  ///< factor a substep
+};
+
+/// Inertia, world frame, for gyroscopic torque; the identity where there is none.
+struct alignas(32) GyroscopicRows {
+  float xx, yy, zz, unused;
+  float xy, xz, yz, active;  ///< active: 1 or 0
+};
+
+/// Bodies of one island group. Index 0 stands for every fixed body and is never written; copies of kinematic
+/// bodies follow, then the islands' dynamic bodies. The count is padded to full blocks.
+struct SolverBodies {
+  std::vector<VelocityRows> velocity;
+  std::vector<InertiaRow> inertia;
+  std::vector<DisplacementRows> displacement;
+  std::vector<FreeVelocityRows> free_velocity;
+  std::vector<AccelerationRows> acceleration;
+  std::vector<GyroscopicRows> gyroscopic;  ///< empty if no body needs it
+
+  void reset(std::size_t count, bool with_gyroscopic) {
+    const std::size_t padded = (count + block_lanes - 1) / block_lanes * block_lanes;
+    velocity.assign(padded, {});
+    inertia.assign(padded, {});
+    displacement.assign(padded, {{0, 0, 0}, 0, {0, 0, 0, 1}});
+    free_velocity.assign(padded, {});
+    acceleration.assign(padded, {{0, 0, 0}, 1, {0, 0, 0}, 1});
+    gyroscopic.assign(with_gyroscopic ? padded : 0, {1, 1, 1, 0, 0, 0, 0, 0});
+  }
+  std::size_t padded_count() const { return velocity.size(); }
+};
+
+}  // namespace atl::solver

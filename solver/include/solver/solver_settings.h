@@ -1,0 +1,62 @@
+#pragma once
+
+namespace atl::solver {
+
+enum class Friction { None, Cone, Pyramid };
+
+/// How islands are solved. Ranges and meanings as in atoll/settings.h.
+struct SolverSettings {
+  int substeps = 4;
+  int iterations = 1;
+  int relax_iterations = 1;
+  bool pyramid = false;
+  bool warm_starting = true;
+  double contact_hertz = 30;
+  double contact_damping_ratio = 10;
+  double contact_push_speed = 3;
+  double restitution_threshold = 1;
+};
+
+/// A soft constraint's coefficients: the impulse of a damped spring integrated implicitly over a substep, as a
+/// velocity constraint with bias (Catto, "Soft Constraints", GDC 2011; the form of "Solver2D", 2024).
+struct Softness {
+  float bias_rate = 0;      ///< 1/s, speed asked for per metre of overlap
+  float mass_scale = 1;     ///< of the effective mass
+  float impulse_scale = 0;  ///< of the accumulated impulse, which it lets leak
+
+  /// hertz > 0, damping_ratio >= 0, h > 0 in s.
+  static Softness of(double hertz, double damping_ratio, double h) {
+    const double omega = 2 * 3.14159265358979323846 * hertz;
+    const double a1 = 2 * damping_ratio + h * omega;
+    const double a2 = h * omega * a1;
+    const double a3 = 1 / (1 + a2);
+    return {static_cast<float>(omega / a1), static_cast<float>(a2 * a3), static_cast<float>(a3)};
+  }
+};
+
+/// What the kernels need to know of a substep.
+struct SubstepConstants {
+  float h;          ///< s
+  float inverse_h;  ///< 1/s
+  Softness dynamic_contact;
+  Softness fixed_contact;  ///< against a body of infinite mass
+  float push_speed;        ///< m/s
+  float restitution_threshold;
+
+  static SubstepConstants of(const SolverSettings& settings, double dt) {
+    const double h = dt / settings.substeps;
+    // A contact much stiffer than the substep can follow would be integrated badly.
+    const double limit = 0.25 / h;
+    const double hertz = settings.contact_hertz < limit ? settings.contact_hertz : limit;
+    SubstepConstants c;
+    c.h = static_cast<float>(h);
+    c.inverse_h = static_cast<float>(1 / h);
+    c.dynamic_contact = Softness::of(hertz, settings.contact_damping_ratio, h);
+    c.fixed_contact = Softness::of(2 * hertz, settings.contact_damping_ratio, h);
+    c.push_speed = static_cast<float>(settings.contact_push_speed);
+    c.restitution_threshold = static_cast<float>(settings.restitution_threshold);
+    return c;
+  }
+};
+
+}  // namespace atl::solver

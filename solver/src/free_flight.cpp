@@ -1,0 +1,102 @@
+#include <solver/free_flight.h>
+#include <solver/trigonometry.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace atl::solver {
+namespace {
+
+void move_linear(BodyTable& bodies, std::uint32_t body, const Vector3& acceleration, double dt, int substeps) {
+  auto position = bodies.position(body);
+  auto velocity = bodies.velocity(body);
+  const double damping = bodies.linear_damping[body];
+  if (damping == 0) {
+    position += dt * velocity + (0.5 * dt * dt) * acceleration;
+    velocity += dt * acceleration;
+    return;
+  }
+  const double h = dt / substeps;
+  for (int i = 0; i < substeps; ++i) {
+    const Vector3 start = velocity;
+    velocity = (velocity + h * acceleration) / (1 + h * damping);
+    position += (0.5 * h) * (start + velocity);
+  }
+}
+
+// Rate of change of the orientation at a given angular momentum: q' = w q / 2.
+Eigen::Vector4d orientation_rate(const Eigen::Vector4d& q, const Matrix3& inverse_inertia, const Vector3& momentum) {
+  const Quaternion orientation = Quaternion(q[3], q[0], q[1], q[2]).normalized();
+  const Vector3 w = orientation * (inverse_inertia * (orientation.conjugate() * momentum));
+  return 0.5 * (Quaternion(0, w.x(), w.y(), w.z()) * Quaternion(q[3], q[0], q[1], q[2])).coeffs();
+}
+
+void move_gyroscopic(BodyTable& bodies, std::uint32_t body, double dt, int substeps) {
+  // Steps short enough that a fast top turns less than a twentieth of a radian in each.
+  const double turn = bodies.angular_velocity(body).norm() * dt;
+  const int steps = std::max(substeps, static_cast<int>(std::min(turn / 0.05, 4096.0)));
+  const double h = dt / steps;
+  const Matrix3& inverse_inertia = bodies.inverse_inertia[body];
+  Quaternion orientation = bodies.orientation(body);
+  Vector3 momentum =
+      orientation * (bodies.inertia[body] * (orientation.conjugate() * Vector3(bodies.angular_velocity(body))));
+  const double damping = 1 / (1 + h * bodies.angular_damping[body]);
+  for (int i = 0; i < steps; ++i) {
+    momentum += h * bodies.torque(body);
+    const Eigen::Vector4d q = orientation.coeffs();
+    const Eigen::Vector4d k1 = orientation_rate(q, inverse_inertia, momentum);
+    const Eigen::Vector4d k2 = orientation_rate(q + 0.5 * h * k1, inverse_inertia, momentum);
+    const Eigen::Vector4d k3 = orientation_rate(q + 0.5 * h * k2, inverse_inertia, momentum);
+    const Eigen::Vector4d k4 = orientation_rate(q + h * k3, inverse_inertia, momentum);
+    orientation.coeffs() = (q + (h / 6) * (k1 + 2 * k2 + 2 * k3 + k4)).normalized();
+    momentum *= damping;
+  }
+  bodies.set_orientation(body, orientation);
+  bodies.angular_velocity(body) = orientation * (inverse_inertia * (orientation.conjugate() * momentum));
+}
+
+void turn_by(BodyTable& bodies, std::uint32_t body, const Vector3& rotation_vector) {
+  bodies.set_orientation(body, (rotation_by(rotation_vector) * bodies.orientation(body)).normalized());
+}
+
+void move_isotropic(BodyTable& bodies, std::uint32_t body, double dt, int substeps) {
+  auto w = bodies.angular_velocity(body);
+  const Vector3 acceleration = bodies.inverse_inertia[body](0, 0) * bodies.torque(body);
+  const double damping = bodies.angular_damping[body];
+  const int steps = damping == 0 ? 1 : substeps;
+  const double h = dt / steps;
+  for (int i = 0; i < steps; ++i) {
+    const Vector3 start = w;
+    w = (w + h * acceleration) / (1 + h * damping);
+    turn_by(bodies, body, (0.5 * h) * (start + w));
+  }
+}
+
+}  // namespace
+
+Quaternion rotation_by(const Vector3& rotation_vector) {
+  const double angle = rotation_vector.norm();
+  const SineCosine half = sine_cosine(0.5 * angle);
+  // sin(x/2) / x tends to 1/2.
+  const double scale = angle > 1e-8 ? half.sine / angle : 0.5;
+  const Vector3 v = scale * rotation_vector;
+  return {half.cosine, v.x(), v.y(), v.z()};
+}
+
+void move_free_body(BodyTable& bodies, std::uint32_t body, const Vector3& gravity, double dt, int substeps) {
+  const Vector3 acceleration =
+      gravity * bodies.gravity_scale[body] + bodies.inverse_mass[body] * Vector3(bodies.force(body));
+  move_linear(bodies, body, acceleration, dt, substeps);
+  if (bodies.gyroscopic[body]) {
+    move_gyroscopic(bodies, body, dt, substeps);
+  } else {
+    move_isotropic(bodies, body, dt, substeps);
+  }
+}
+
+void move_kinematic_body(BodyTable& bodies, std::uint32_t body, double dt) {
+  bodies.position(body) += dt * bodies.velocity(body);
+  turn_by(bodies, body, dt * bodies.angular_velocity(body));
+}
+
+}  // namespace atl::solver

@@ -1,0 +1,223 @@
+#include <solver/group_solver.h>
+
+#include <algorithm>
+
+namespace atl::solver {
+namespace {
+
+// Stands in for a team where the calling thread does it all.
+struct Serial {
+  template <typename Body>
+  void parallel_for(std::size_t count, std::size_t, const Body& body) {
+    if (count > 0) body(std::size_t{0}, count);
+  }
+};
+
+// Runs a kernel over the blocks colour by colour.
+template <typename Executor, typename Kernel>
+void for_each_colour(std::span<const Colour> colours, Executor& executor, const Kernel& kernel) {
+  constexpr std::size_t grain = 8;  // blocks: a few microseconds
+  for (const Colour& colour : colours) {
+    if (colour.serial) {
+      kernel(colour.begin_block, colour.end_block);
+    } else {
+      executor.parallel_for(colour.end_block - colour.begin_block, grain, [&](std::size_t begin, std::size_t end) {
+        kernel(colour.begin_block + begin, colour.begin_block + end);
+      });
+    }
+  }
+}
+
+void set3(float (&to)[3], const Vector3& from) {
+  for (int i = 0; i < 3; ++i) to[i] = static_cast<float>(from[i]);
+}
+Vector3 get3(const float (&from)[3]) { return {from[0], from[1], from[2]}; }
+
+}  // namespace
+
+GroupReport GroupSolver::solve(const SolveInput& input, const IslandGroup& group) {
+  Serial serial;
+  return run(input, group, serial);
+}
+
+GroupReport GroupSolver::solve(const SolveInput& input, const IslandGroup& group, jobs::WorkerTeam& team) {
+  return run(input, group, team);
+}
+
+template <typename Executor>
+GroupReport GroupSolver::run(const SolveInput& input, const IslandGroup& group, Executor& executor) {
+  const SolverSettings& settings = input.settings;
+  const SubstepConstants constants = SubstepConstants::of(settings, input.dt);
+  const std::span<const std::uint32_t> body_ids = input.islands.bodies(group.begin, group.end);
+
+  GroupReport report;
+  collect_contacts(input, group, report);
+  colouring_.build(contacts_, first_dynamic_, first_dynamic_ + static_cast<std::uint32_t>(body_ids.size()), blocks_);
+  report.colours = colouring_.colours().size();
+  for (const std::uint32_t body : body_ids) report.gyroscopic |= input.bodies.gyroscopic[body] != 0;
+
+  bodies_.reset(first_dynamic_ + body_ids.size(), report.gyroscopic);
+  load_kinematic_bodies(input);
+  constexpr std::size_t body_grain = 128;
+  executor.parallel_for(body_ids.size(), body_grain, [&](std::size_t begin, std::size_t end) {
+    load_bodies(input, body_ids, begin, end, input.dt / settings.substeps);
+  });
+
+  const Kernels& kernels = input.kernels;
+  const std::size_t block_count = colouring_.block_count();
+  if (report.restitution && bounces_.size() < block_count) bounces_.resize(block_count);
+  const ContactKernelData data{bodies_, blocks_.data(), report.restitution ? bounces_.data() : nullptr, input.manifolds,
+                               constants};
+  constexpr std::size_t block_grain = 16;
+  executor.parallel_for(block_count, block_grain,
+                        [&](std::size_t begin, std::size_t end) { kernels.prepare(data, begin, end); });
+
+  const auto each_colour = [&](const auto& kernel) { for_each_colour(colouring_.colours(), executor, kernel); };
+  const auto each_body = [&](const auto& kernel) {
+    constexpr std::size_t grain = 256;
+    executor.parallel_for(bodies_.padded_count() / block_lanes, grain / block_lanes,
+                          [&](std::size_t begin, std::size_t end) { kernel(begin * block_lanes, end * block_lanes); });
+  };
+  const Friction friction = !report.friction ? Friction::None : settings.pyramid ? Friction::Pyramid : Friction::Cone;
+  // Friction belongs to the sweep that sees the true velocities, without the position bias.
+  const bool relaxes = settings.relax_iterations > 0;
+  const Friction bias_friction = relaxes ? Friction::None : friction;
+
+  for (int substep = 0; substep < settings.substeps; ++substep) {
+    const bool carry_over = settings.warm_starting && substep > 0;
+    each_body([&](std::size_t begin, std::size_t end) {
+      kernels.integrate_velocities(bodies_, constants, carry_over, begin, end);
+    });
+    if (!settings.warm_starting) {
+      clear_impulses();
+    } else if (substep == 0) {
+      each_colour([&](std::size_t begin, std::size_t end) { kernels.warm_start(data, begin, end); });
+    }
+    for (int i = 0; i < settings.iterations; ++i) {
+      const Sweep sweep{true, !relaxes && substep > 0 && i == 0, bias_friction};
+      each_colour([&](std::size_t begin, std::size_t end) { kernels.sweep(data, sweep, begin, end); });
+    }
+    each_body([&](std::size_t begin, std::size_t end) { kernels.integrate_positions(bodies_, constants, begin, end); });
+    for (int i = 0; i < settings.relax_iterations; ++i) {
+      const Sweep sweep{false, i == 0, friction};
+      each_colour([&](std::size_t begin, std::size_t end) { kernels.sweep(data, sweep, begin, end); });
+    }
+  }
+  if (report.restitution) {
+    each_colour([&](std::size_t begin, std::size_t end) { kernels.restitute(data, begin, end); });
+  }
+  executor.parallel_for(block_count, block_grain,
+                        [&](std::size_t begin, std::size_t end) { kernels.store(data, begin, end); });
+  executor.parallel_for(body_ids.size(), body_grain,
+                        [&](std::size_t begin, std::size_t end) { write_back(input, body_ids, begin, end); });
+  return report;
+}
+
+// Translates the contacts to the group's own body indices.
+void GroupSolver::collect_contacts(const SolveInput& input, const IslandGroup& group, GroupReport& report) {
+  const std::span<const TouchingPair> pairs = input.islands.contacts(group.begin, group.end);
+  const std::vector<Mobility>& mobility = input.bodies.mobility;
+  kinematic_.clear();
+  for (const TouchingPair& pair : pairs) {
+    if (mobility[pair.first] == Mobility::Kinematic) kinematic_.push_back(pair.first);
+    if (mobility[pair.second] == Mobility::Kinematic) kinematic_.push_back(pair.second);
+  }
+  std::sort(kinematic_.begin(), kinematic_.end());
+  kinematic_.erase(std::unique(kinematic_.begin(), kinematic_.end()), kinematic_.end());
+  first_dynamic_ = 1 + static_cast<std::uint32_t>(kinematic_.size());
+
+  const std::uint32_t first_rank = input.islands.first_rank(group.begin);
+  const auto local = [&](std::uint32_t body) -> std::uint32_t {
+    switch (mobility[body]) {
+      case Mobility::Fixed:
+        return 0;
+      case Mobility::Kinematic:
+        return 1 + static_cast<std::uint32_t>(std::lower_bound(kinematic_.begin(), kinematic_.end(), body) -
+                                              kinematic_.begin());
+      case Mobility::Dynamic:
+        break;
+    }
+    return first_dynamic_ + input.islands.rank(body) - first_rank;
+  };
+  contacts_.clear();
+  for (const TouchingPair& pair : pairs) {
+    contacts_.push_back({local(pair.first), local(pair.second), pair.slot});
+    const collision::ContactManifold& manifold = input.manifolds[pair.slot];
+    report.friction |= manifold.friction > 0;
+    report.restitution |= manifold.restitution > 0;
+  }
+}
+
+void GroupSolver::load_bodies(const SolveInput& input, std::span<const std::uint32_t> bodies, std::size_t begin,
+                              std::size_t end, double substep) {
+  const BodyTable& table = input.bodies;
+  for (std::size_t i = begin; i < end; ++i) {
+    const std::uint32_t body = bodies[i];
+    const std::size_t local = first_dynamic_ + i;
+    const Matrix3 rotation = table.orientation(body).toRotationMatrix();
+    const Matrix3 inverse_inertia = rotation * table.inverse_inertia[body] * rotation.transpose();
+
+    VelocityRows& velocity = bodies_.velocity[local];
+    set3(velocity.linear, table.velocity(body));
+    set3(velocity.angular, table.angular_velocity(body));
+    velocity.inertia_xx = static_cast<float>(inverse_inertia(0, 0));
+    velocity.inertia_yy = static_cast<float>(inverse_inertia(1, 1));
+    bodies_.inertia[local] = {static_cast<float>(inverse_inertia(2, 2)), static_cast<float>(inverse_inertia(0, 1)),
+                              static_cast<float>(inverse_inertia(0, 2)), static_cast<float>(inverse_inertia(1, 2))};
+
+    FreeVelocityRows& free_velocity = bodies_.free_velocity[local];
+    set3(free_velocity.linear, table.velocity(body));
+    set3(free_velocity.angular, table.angular_velocity(body));
+    free_velocity.inverse_mass = static_cast<float>(table.inverse_mass[body]);
+
+    AccelerationRows& acceleration = bodies_.acceleration[local];
+    set3(acceleration.linear, input.gravity * table.gravity_scale[body] + table.inverse_mass[body] * table.force(body));
+    set3(acceleration.angular, inverse_inertia * table.torque(body));
+    acceleration.linear_damping = static_cast<float>(1 / (1 + substep * table.linear_damping[body]));
+    acceleration.angular_damping = static_cast<float>(1 / (1 + substep * table.angular_damping[body]));
+
+    if (table.gyroscopic[body]) {
+      const Matrix3 inertia = rotation * table.inertia[body] * rotation.transpose();
+      bodies_.gyroscopic[local] = {
+          static_cast<float>(inertia(0, 0)), static_cast<float>(inertia(1, 1)), static_cast<float>(inertia(2, 2)), 0,
+          static_cast<float>(inertia(0, 1)), static_cast<float>(inertia(0, 2)), static_cast<float>(inertia(1, 2)), 1};
+    }
+  }
+}
+
+void GroupSolver::load_kinematic_bodies(const SolveInput& input) {
+  for (std::size_t i = 0; i < kinematic_.size(); ++i) {
+    VelocityRows& velocity = bodies_.velocity[1 + i];
+    set3(velocity.linear, input.bodies.velocity(kinematic_[i]));
+    set3(velocity.angular, input.bodies.angular_velocity(kinematic_[i]));
+    FreeVelocityRows& free_velocity = bodies_.free_velocity[1 + i];
+    std::copy_n(velocity.linear, 3, free_velocity.linear);
+    std::copy_n(velocity.angular, 3, free_velocity.angular);
+  }
+}
+
+void GroupSolver::write_back(const SolveInput& input, std::span<const std::uint32_t> bodies, std::size_t begin,
+                             std::size_t end) {
+  BodyTable& table = input.bodies;
+  for (std::size_t i = begin; i < end; ++i) {
+    const std::uint32_t body = bodies[i];
+    const std::size_t local = first_dynamic_ + i;
+    table.velocity(body) = get3(bodies_.velocity[local].linear);
+    table.angular_velocity(body) = get3(bodies_.velocity[local].angular);
+    table.position(body) += get3(bodies_.displacement[local].linear);
+    const float(&turn)[4] = bodies_.displacement[local].rotation;
+    const Quaternion orientation = Quaternion(turn[3], turn[0], turn[1], turn[2]) * table.orientation(body);
+    table.set_orientation(body, orientation.normalized());
+  }
+}
+
+void GroupSolver::clear_impulses() {
+  for (std::size_t b = 0; b < colouring_.block_count(); ++b) {
+    ContactBlock& block = blocks_[b];
+    for (auto& point : block.normal_impulse) std::fill_n(point, block_lanes, 0.0f);
+    for (auto& axis : block.friction_impulse) std::fill_n(axis, block_lanes, 0.0f);
+    std::fill_n(block.twist_impulse, block_lanes, 0.0f);
+  }
+}
+
+}  // namespace atl::solver

@@ -1,0 +1,114 @@
+#include <solver/islands.h>
+
+#include <numeric>
+
+namespace atl::solver {
+namespace {
+
+// Of about 250 bytes a contact with its share of bodies, these stay well within the 1 MB of second-level cache
+// that current server cores have; throughput was flat from 100 to 3500 contacts a group.
+constexpr std::size_t group_contacts = 512;
+
+// An island of this many contacts takes one worker about a millisecond: the rest should help.
+constexpr std::size_t large_contacts = 2048;
+
+}  // namespace
+
+std::uint32_t Islands::find(std::uint32_t body) {
+  while (parent_[body] != body) {
+    parent_[body] = parent_[parent_[body]];
+    body = parent_[body];
+  }
+  return body;
+}
+
+void Islands::build(const BodyTable& bodies, std::span<const std::uint8_t> awake, std::span<const TouchingPair> pairs) {
+  const std::size_t body_count = bodies.size();
+  parent_.resize(body_count);
+  std::iota(parent_.begin(), parent_.end(), 0u);
+  touched_.assign(body_count, 0);
+  for (const TouchingPair& pair : pairs) {
+    const bool first_dynamic = bodies.mobility[pair.first] == Mobility::Dynamic;
+    const bool second_dynamic = bodies.mobility[pair.second] == Mobility::Dynamic;
+    touched_[pair.first] |= first_dynamic;
+    touched_[pair.second] |= second_dynamic;
+    if (!first_dynamic || !second_dynamic) continue;
+    const std::uint32_t a = find(pair.first);
+    const std::uint32_t b = find(pair.second);
+    parent_[std::max(a, b)] = std::min(a, b);
+  }
+
+  // Islands are numbered as their lowest body comes up; then a counting sort of bodies by island.
+  constexpr std::uint32_t none = ~0u;
+  island_of_.assign(body_count, none);
+  free_bodies_.clear();
+  body_start_.assign(1, 0);
+  for (std::uint32_t body = 0; body < body_count; ++body) {
+    if (!awake[body] || bodies.mobility[body] != Mobility::Dynamic) continue;
+    if (!touched_[body]) {
+      free_bodies_.push_back(body);
+      continue;
+    }
+    const std::uint32_t root = find(body);
+    if (root == body) {
+      island_of_[body] = static_cast<std::uint32_t>(body_start_.size()) - 1;
+      body_start_.push_back(0);
+    } else {
+      island_of_[body] = island_of_[root];
+    }
+    ++body_start_[island_of_[body] + 1];
+  }
+  std::partial_sum(body_start_.begin(), body_start_.end(), body_start_.begin());
+  bodies_.resize(body_start_.back());
+  rank_.resize(body_count);
+  cursor_.assign(body_start_.begin(), body_start_.end());
+  for (std::uint32_t body = 0; body < body_count; ++body) {
+    if (island_of_[body] == none) continue;
+    rank_[body] = cursor_[island_of_[body]]++;
+    bodies_[rank_[body]] = body;
+  }
+
+  const auto island_of_pair = [&](const TouchingPair& pair) {
+    const std::uint32_t island = island_of_[pair.first];
+    return island != none ? island : island_of_[pair.second];
+  };
+  contact_start_.assign(body_start_.size(), 0);
+  for (const TouchingPair& pair : pairs) ++contact_start_[island_of_pair(pair) + 1];
+  std::partial_sum(contact_start_.begin(), contact_start_.end(), contact_start_.begin());
+  contacts_.resize(pairs.size());
+  cursor_.assign(contact_start_.begin(), contact_start_.end());
+  for (const TouchingPair& pair : pairs) contacts_[cursor_[island_of_pair(pair)]++] = pair;
+}
+
+std::span<const std::uint32_t> Islands::bodies(std::size_t begin, std::size_t end) const {
+  return std::span(bodies_).subspan(body_start_[begin], body_start_[end] - body_start_[begin]);
+}
+
+std::span<const TouchingPair> Islands::contacts(std::size_t begin, std::size_t end) const {
+  return std::span(contacts_).subspan(contact_start_[begin], contact_start_[end] - contact_start_[begin]);
+}
+
+void pack_groups(const Islands& islands, std::vector<IslandGroup>& groups) {
+  groups.clear();
+  std::size_t begin = 0;
+  std::size_t contacts = 0;
+  const auto close = [&](std::size_t end) {
+    if (begin < end) groups.push_back({begin, end, false});
+    begin = end;
+    contacts = 0;
+  };
+  for (std::size_t island = 0; island < islands.count(); ++island) {
+    const std::size_t here = islands.contact_count(island);
+    if (here >= large_contacts) {
+      close(island);
+      groups.push_back({island, island + 1, true});
+      begin = island + 1;
+    } else {
+      if (contacts + here > group_contacts) close(island);
+      contacts += here;
+    }
+  }
+  close(islands.count());
+}
+
+}  // namespace atl::solver
