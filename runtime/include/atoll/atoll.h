@@ -1,0 +1,12 @@
+#pragma once
+/// Atoll: a multithreaded, island-parallel rigid-body runtime. This header includes the whole public API.
+
+#include <atoll/body.h>
+#include <atoll/error.h>
+#include <atoll/errors.h>
+#include <atoll/report.h>
+#include <atoll/scene.h>
+#include <atoll/settings.h>
+#include <atoll/shapes.h>
+#include <atoll/types.h>
+#include <atoll/world.h>

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <atoll/shapes.h>
+#include <atoll/types.h>
+
+#include <optional>
+
+namespace atl {
+
+enum class BodyType {
+  Static,     ///< never moves, infinite mass
+  Kinematic,  ///< moves at the velocity it is given, infinite mass
+  Dynamic,    ///< moves under forces and contacts
+};
+
+/// Surface properties. Of two touching bodies the friction is the geometric mean and the restitution the
+/// larger of the two.
+struct Material {
+  double friction = 0.6;     ///< Coulomb coefficient, >= 0
+  double restitution = 0.0;  ///< Newton coefficient, in [0, 1]
+};
+
+/// Everything a body starts with. All values must be finite.
+struct BodyDef {
+  BodyType type = BodyType::Dynamic;
+  Shape shape = Box{};
+  Vector3 position = Vector3::Zero();               ///< m, world frame, of the centre of mass
+  Quaternion orientation = Quaternion::Identity();  ///< normalised on use, must not be zero
+  Vector3 velocity = Vector3::Zero();               ///< m/s, world frame; zero for static bodies
+  Vector3 angular_velocity = Vector3::Zero();       ///< rad/s, world frame; zero for static bodies
+  double density = 1000;                            ///< kg/m^3, > 0; used where mass is not given
+  std::optional<double> mass = {};                  ///< kg, > 0; inertia follows from shape and mass
+  /// kg m^2, body frame, about the centre of mass: symmetric, positive definite, principal moments
+  /// obeying the triangle inequality. Needs mass.
+  std::optional<Matrix3> inertia = {};
+  Material material = {};
+  double gravity_scale = 1;    ///< multiplies the world's gravity
+  double linear_damping = 0;   ///< 1/s, >= 0: v' = -c v
+  double angular_damping = 0;  ///< 1/s, >= 0: w' = -c w
+};
+
+}  // namespace atl

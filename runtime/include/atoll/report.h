@@ -1,0 +1,58 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace atl {
+
+/// The phases of World::step, in order.
+enum class Phase {
+  Plan,
+  FindPairs,
+  UpdateContacts,
+  BuildIslands,
+  SolveIslands,
+  SweepFastBodies,
+  Finish,
+};
+inline constexpr int phase_count = 7;
+
+/// "plan", "find_pairs", "update_contacts", ...
+const char* phase_name(Phase phase);
+
+/// One stage of the step plan: whether this step ran it, and why or why not, in words.
+struct StageReport {
+  const char* name = "";
+  bool run = false;
+  const char* why = "";
+  double ms = 0;
+};
+
+struct StepCounts {
+  std::int64_t pairs = 0;     ///< of bodies whose fat bounds overlap
+  std::int64_t contacts = 0;  ///< pairs with at least one manifold point, among awake bodies
+  std::int64_t points = 0;    ///< manifold points of these
+  std::int64_t joints = 0;
+  std::int64_t islands = 0;         ///< awake islands with at least one contact
+  std::int64_t groups = 0;          ///< island groups, each one task
+  std::int64_t colours = 0;         ///< of the group with the most
+  std::int64_t fcl_calls = 0;       ///< pairs for which FCL ran this step
+  std::int64_t kept_manifolds = 0;  ///< pairs whose manifold was refreshed in closed form instead
+  std::int64_t id_matches = 0;      ///< points of FCL's new manifolds that inherited an impulse by feature id
+  std::int64_t id_misses = 0;       ///< points of such manifolds, of pairs that touched before, that did not
+  std::int64_t asleep = 0;          ///< bodies
+};
+
+/// What one step did, and how long it took.
+struct StepReport {
+  double ms = 0;  ///< wall time of the whole step
+  std::array<double, phase_count> phase_ms = {};
+  StepCounts counts = {};
+  std::vector<StageReport> stages = {};
+  /// Lowest-numbered body whose state stopped being finite in this step, or -1. Its state and the
+  /// world's stay as the step left them.
+  std::int64_t first_non_finite_body = -1;
+};
+
+}  // namespace atl

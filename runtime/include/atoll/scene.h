@@ -1,0 +1,74 @@
+#pragma once
+
+#include <atoll/body.h>
+#include <atoll/errors.h>
+#include <atoll/settings.h>
+#include <atoll/world.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace atl {
+
+/// A body of a scene: its definition and its name ("" or unique within the scene).
+struct SceneBody {
+  std::string name;
+  BodyDef def;
+};
+
+/// A world to simulate, as data: what a scene file or a built-in scene turns into.
+struct Scene {
+  std::string name;
+  Vector3 gravity = {0, 0, -9.81};
+  double dt = 1.0 / 60;
+  int steps = 300;
+  Settings settings = {};
+  /// The bodies start in their ideal rest pose, so sink, drift and tilt are errors.
+  bool starts_at_rest = false;
+  std::vector<SceneBody> bodies;
+};
+
+/// Thrown for a scene that cannot be read. what() is one line: the file (or the scene's name), the JSON
+/// pointer or line, what was found and what was expected.
+class SceneError : public Error {
+ public:
+  using Error::Error;
+};
+
+/// A parameter of a built-in scene.
+struct SceneParameter {
+  std::string name;
+  double value;  ///< default
+  double min, max;
+  bool integer;
+  std::string help;
+};
+
+struct BuiltinScene {
+  std::string name;
+  std::string help;
+  std::vector<SceneParameter> parameters;
+};
+
+/// All built-in scenes, in the order to show them.
+const std::vector<BuiltinScene>& builtin_scenes();
+
+/// A built-in scene from "name" or "name:param=value,param=value" (as "pyramid3d:layers=18"), or a scene
+/// file where the text ends in ".json" or names an existing file. `seed` feeds the scenes that have
+/// random content; the same seed gives the same scene on every machine. Throws SceneError.
+Scene load_scene(std::string_view text, std::uint64_t seed = 1);
+
+/// A scene file's text, `origin` naming it in messages. Throws SceneError.
+Scene parse_scene(std::string_view json, const std::string& origin, std::uint64_t seed = 1);
+
+/// Adds all bodies in order and returns their ids. Throws Error.
+std::vector<BodyId> build_scene(const Scene& scene, World& world);
+
+/// Shapes at the scene's starting poses, and at a world's current ones, for the error measures.
+std::vector<PlacedShape> placed_shapes(const Scene& scene);
+std::vector<PlacedShape> placed_shapes(const Scene& scene, const World& world, const std::vector<BodyId>& ids);
+
+}  // namespace atl

@@ -1,0 +1,35 @@
+#pragma once
+
+namespace atl {
+
+enum class FrictionModel {
+  Cone,     ///< |tangential impulse| <= mu * normal impulse, isotropic
+  Pyramid,  ///< each of two tangential components clamped alone: cheaper in theory, wrong off the axes
+};
+
+/// The vector instruction set of the solver's kernels. The result is the same, bit for bit, on each.
+enum class Simd { Auto, Portable, Sse4, Avx2, Avx512, Neon };
+
+/// How a step is solved. The defaults suit 60 Hz and metre-sized bodies at any density.
+struct Settings {
+  int substeps = 4;          ///< in [1, 1024]; error falls with its square, cost rises linearly
+  int iterations = 1;        ///< sweeps over all contacts with the position bias, a substep; in [1, 1024]
+  int relax_iterations = 1;  ///< sweeps without it after the positions moved; in [0, 1024]
+  FrictionModel friction = FrictionModel::Cone;
+  bool warm_starting = true;
+
+  /// Stiffness of a contact as a damped spring, Hz, > 0. Limited to a quarter of the substep rate, and
+  /// doubled against static and kinematic bodies.
+  double contact_hertz = 30;
+  double contact_damping_ratio = 10;  ///< >= 0; 1 is critical
+  double contact_push_speed = 3;      ///< m/s, > 0: the fastest that overlap is pushed apart
+  double restitution_threshold = 1;   ///< m/s, >= 0: slower impacts don't bounce
+
+  bool sleeping = false;
+  double sleep_speed = 0.05;   ///< m/s (and rad/s times the bounding radius): below it a body is at rest
+  double time_to_sleep = 0.5;  ///< s at rest after which an island falls asleep
+
+  Simd simd = Simd::Auto;
+};
+
+}  // namespace atl

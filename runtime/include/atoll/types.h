@@ -1,0 +1,34 @@
+#pragma once
+/// Vocabulary types of the public API. Units are SI, angles radians, everywhere.
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <compare>
+#include <cstdint>
+#include <limits>
+
+namespace atl {
+
+using Vector3 = Eigen::Vector3d;
+using Matrix3 = Eigen::Matrix3d;
+
+/// Unaligned, so that a program compiled with other vector flags than the library agrees on the
+/// layout of every public struct. Converts to and from Eigen::Quaterniond.
+using Quaternion = Eigen::Quaternion<double, Eigen::DontAlign>;
+
+/// Position of a body's centre of mass and its orientation (body frame to world frame).
+struct Pose {
+  Vector3 position = Vector3::Zero();
+  Quaternion orientation = Quaternion::Identity();
+};
+
+/// Names a body for its lifetime. The index is the body's column in the bulk views; it is used again
+/// after the body is removed, with another generation, so a stale id is always recognised.
+struct BodyId {
+  std::uint32_t index = std::numeric_limits<std::uint32_t>::max();
+  std::uint32_t generation = 0;
+
+  friend auto operator<=>(const BodyId&, const BodyId&) = default;
+};
+
+}  // namespace atl

@@ -1,0 +1,94 @@
+#pragma once
+
+#include <atoll/body.h>
+#include <atoll/error.h>
+#include <atoll/report.h>
+#include <atoll/settings.h>
+#include <atoll/types.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+namespace atl {
+
+struct WorldDef {
+  Vector3 gravity = {0, 0, -9.81};  ///< m/s^2
+  int threads = 1;                  ///< workers, the caller among them; in [1, 1024]
+  Settings settings = {};
+};
+
+/// Force that body a's surface exerts on body b at one manifold point, averaged over the last step.
+struct ContactForce {
+  BodyId a;
+  BodyId b;
+  Vector3 position;     ///< m, world frame
+  Vector3 normal;       ///< unit, from a to b
+  double normal_force;  ///< N, >= 0
+  Vector3 friction;     ///< N, tangential, on b: the point's share of the manifold's friction by normal force
+  double separation;    ///< m, negative where the shapes overlap, as the step started
+  std::uint32_t feature_id;
+};
+
+/// A world of rigid bodies. Independent worlds may be used from different threads; one world may be used
+/// from one thread at a time. Same calls, same bits: whatever the threads, vector width or machine.
+class World {
+ public:
+  /// Throws Error on a setting out of range, or an instruction set that this machine lacks.
+  explicit World(const WorldDef& def = {});
+  ~World();
+  World(World&&) noexcept;
+  World& operator=(World&&) noexcept;
+
+  /// Throws Error naming the field and the value if the definition is unusable.
+  BodyId add_body(const BodyDef& def);
+  /// Wakes what touched it. Throws Error on a stale id, as do all calls below that take one.
+  void remove_body(BodyId id);
+  bool contains(BodyId id) const;
+  std::size_t body_count() const;
+
+  Pose pose(BodyId id) const;
+  Vector3 velocity(BodyId id) const;
+  Vector3 angular_velocity(BodyId id) const;
+  double mass(BodyId id) const;  ///< kg; infinite for static and kinematic bodies
+  BodyType type(BodyId id) const;
+  bool is_asleep(BodyId id) const;
+
+  void set_pose(BodyId id, const Pose& pose);
+  void set_velocity(BodyId id, const Vector3& linear, const Vector3& angular);
+  /// Adds to the force (N) through the centre of mass and the torque (N m) of the next step only.
+  void apply_force(BodyId id, const Vector3& force, const Vector3& torque = Vector3::Zero());
+  /// Changes the velocities at once by an impulse (N s) at a world-frame point (m).
+  void apply_impulse(BodyId id, const Vector3& impulse, const Vector3& point);
+  void wake(BodyId id);
+
+  void set_gravity(const Vector3& gravity);
+  void set_settings(const Settings& settings);
+  const Settings& settings() const;
+  const Vector3& gravity() const;
+  int threads() const;
+  Simd simd() const;  ///< the instruction set in use, never Auto
+
+  /// Advances by dt seconds. dt in (0, 1], else Error; nothing else is ever thrown from a step.
+  StepReport step(double dt);
+
+  /// After a step: one entry a manifold point that carries force, in order of body ids and features.
+  std::span<const ContactForce> contact_forces() const;
+
+  /// Bulk views over all bodies, one column a body index (BodyId::index). Columns of removed bodies
+  /// keep their last values until the index is used again. Valid until a body is added.
+  Eigen::Map<const Eigen::Matrix3Xd> positions() const;           ///< m
+  Eigen::Map<const Eigen::Matrix4Xd> orientations() const;        ///< x, y, z, w
+  Eigen::Map<const Eigen::Matrix3Xd> velocities() const;          ///< m/s
+  Eigen::Map<const Eigen::Matrix3Xd> angular_velocities() const;  ///< rad/s
+
+  /// 64-bit hash of everything that the future of this world depends on.
+  std::uint64_t state_hash() const;
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace atl

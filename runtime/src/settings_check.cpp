@@ -1,0 +1,87 @@
+#include "settings_check.h"
+
+#include <atoll/error.h>
+
+#include <array>
+#include <cmath>
+#include <sstream>
+#include <utility>
+
+namespace atl {
+namespace {
+
+template <typename Value>
+[[noreturn]] void refuse(const char* field, Value found, const char* expected) {
+  std::ostringstream message;
+  message << "Settings." << field << " is " << found << "; expected " << expected;
+  throw Error(message.str());
+}
+
+void check_count(const char* field, int value, int least) {
+  if (value < least || value > 1024) refuse(field, value, least == 0 ? "0 to 1024" : "1 to 1024");
+}
+
+void check_positive(const char* field, double value) {
+  if (!(std::isfinite(value) && value > 0)) refuse(field, value, "a finite number above 0");
+}
+
+void check_not_negative(const char* field, double value) {
+  if (!(std::isfinite(value) && value >= 0)) refuse(field, value, "a finite number not below 0");
+}
+
+constexpr std::array<std::pair<Simd, const char*>, 5> set_names = {{{Simd::Portable, "portable"},
+                                                                    {Simd::Sse4, "sse4"},
+                                                                    {Simd::Avx2, "avx2"},
+                                                                    {Simd::Avx512, "avx512"},
+                                                                    {Simd::Neon, "neon"}}};
+
+}  // namespace
+
+void check(const Settings& settings) {
+  check_count("substeps", settings.substeps, 1);
+  check_count("iterations", settings.iterations, 1);
+  check_count("relax_iterations", settings.relax_iterations, 0);
+  check_positive("contact_hertz", settings.contact_hertz);
+  check_not_negative("contact_damping_ratio", settings.contact_damping_ratio);
+  check_positive("contact_push_speed", settings.contact_push_speed);
+  check_not_negative("restitution_threshold", settings.restitution_threshold);
+  check_not_negative("sleep_speed", settings.sleep_speed);
+  check_not_negative("time_to_sleep", settings.time_to_sleep);
+  kernels_for(settings.simd);
+}
+
+solver::SolverSettings solver_settings(const Settings& settings) {
+  solver::SolverSettings s;
+  s.substeps = settings.substeps;
+  s.iterations = settings.iterations;
+  s.relax_iterations = settings.relax_iterations;
+  s.pyramid = settings.friction == FrictionModel::Pyramid;
+  s.warm_starting = settings.warm_starting;
+  s.contact_hertz = settings.contact_hertz;
+  s.contact_damping_ratio = settings.contact_damping_ratio;
+  s.contact_push_speed = settings.contact_push_speed;
+  s.restitution_threshold = settings.restitution_threshold;
+  return s;
+}
+
+const solver::Kernels& kernels_for(Simd simd) {
+  if (simd == Simd::Auto) return *solver::available_kernels().front();
+  for (const auto& [set, name] : set_names) {
+    if (set != simd) continue;
+    if (const solver::Kernels* kernels = solver::find_kernels(name)) return *kernels;
+    std::ostringstream message;
+    message << "Settings.simd is " << name << ", which this machine lacks; expected auto";
+    for (const solver::Kernels* kernels : solver::available_kernels()) message << ", " << kernels->name;
+    throw Error(message.str());
+  }
+  refuse("simd", static_cast<int>(simd), "a value of Simd");
+}
+
+Simd simd_of(const solver::Kernels& kernels) {
+  for (const auto& [set, name] : set_names) {
+    if (std::string_view(kernels.name) == name) return set;
+  }
+  return Simd::Portable;
+}
+
+}  // namespace atl

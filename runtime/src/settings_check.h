@@ -1,0 +1,19 @@
+#pragma once
+
+#include <atoll/settings.h>
+#include <solver/kernels.h>
+#include <solver/solver_settings.h>
+
+namespace atl {
+
+/// Throws Error naming the setting, the value and what was expected.
+void check(const Settings& settings);
+
+/// The solver's share of the settings.
+solver::SolverSettings solver_settings(const Settings& settings);
+
+/// The kernels for an instruction set. Throws Error if this machine lacks it, naming those it has.
+const solver::Kernels& kernels_for(Simd simd);
+Simd simd_of(const solver::Kernels& kernels);
+
+}  // namespace atl

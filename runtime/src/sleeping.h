@@ -1,0 +1,38 @@
+#pragma once
+
+#include <atoll/settings.h>
+#include <collision/shape.h>
+#include <solver/body_table.h>
+#include <solver/islands.h>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace atl {
+
+/// Which bodies are awake. An island falls asleep as a whole when all its bodies have been at rest for long
+/// enough, and its bodies are linked in a ring, so that waking one wakes them all.
+struct Sleeping {
+  std::vector<std::uint8_t> awake;  ///< by body; 1 for every dynamic body that is not asleep
+  std::vector<double> rest_time;    ///< s, by body
+  std::vector<std::uint32_t> ring;  ///< by body: the next body of its sleeping island
+  std::int64_t asleep = 0;          ///< bodies
+
+  void resize(std::size_t count);
+  bool is_asleep(std::uint32_t body) const { return ring[body] != none; }
+  /// Wakes a body and what sleeps with it; resets the rest time of one that is awake.
+  void wake(std::uint32_t body);
+  /// After a step: rest times, and islands (and lone bodies) that fall asleep; their velocities become zero.
+  void update(const solver::Islands& islands, solver::BodyTable& bodies, std::span<const collision::Shape> shapes,
+              const Settings& settings, double dt);
+
+ private:
+  static constexpr std::uint32_t none = ~0u;
+
+  double update_rest_time(const solver::BodyTable& bodies, const collision::Shape& shape, std::uint32_t body,
+                          double speed_limit, double dt);
+  void put_to_sleep(std::span<const std::uint32_t> island, solver::BodyTable& bodies);
+};
+
+}  // namespace atl

@@ -1,0 +1,83 @@
+#include <bit>
+
+#include "world_impl.h"
+
+namespace atl {
+namespace {
+
+// 64-bit hash over words: multiply and fold, as in wyhash (Wang Yi, public domain), whose mixing step this is.
+class Hash {
+ public:
+  void add(std::uint64_t word) {
+    const __uint128_t product = static_cast<__uint128_t>(state_ ^ word) * 0xa0761d6478bd642fu;
+    state_ = (static_cast<std::uint64_t>(product) ^ static_cast<std::uint64_t>(product >> 64)) + 0xe7037ed1a0b428dbu;
+  }
+  void add(double value) { add(std::bit_cast<std::uint64_t>(value)); }
+  void add(float value) { add(std::uint64_t{std::bit_cast<std::uint32_t>(value)}); }
+  void add(std::uint32_t value) { add(std::uint64_t{value}); }
+  void add(std::uint8_t value) { add(std::uint64_t{value}); }
+
+  template <typename Range>
+  void add_all(const Range& range) {
+    add(static_cast<std::uint64_t>(std::size(range)));
+    for (const auto& value : range) add(value);
+  }
+
+  std::uint64_t value() const { return state_; }
+
+ private:
+  std::uint64_t state_ = 0x9e3779b97f4a7c15u;
+};
+
+void add_box(Hash& hash, const collision::Aabb& box) {
+  hash.add_all(box.lower);
+  hash.add_all(box.upper);
+}
+
+// What the next step reads of a contact: how its manifold was captured, and the impulses.
+void add_contact(Hash& hash, const collision::Contact& contact, const collision::ContactManifold& manifold) {
+  hash.add(contact.pair.key());
+  hash.add(std::uint64_t{contact.count} << 32 | std::uint64_t{contact.axis} << 8 |
+           std::uint64_t{contact.reference_is_second});
+  hash.add(contact.margin);
+  for (std::size_t i = 0; i < contact.count; ++i) {
+    hash.add(contact.ids[i]);
+    hash.add(contact.separation[i]);
+    hash.add_all(contact.offset[i]);
+    hash.add(manifold.normal_impulse[i]);
+  }
+  hash.add_all(contact.normal);
+  hash.add_all(contact.orientation);
+  for (int i = 0; i < 3; ++i) {
+    hash.add(contact.centre_incident[i]);
+    hash.add(contact.centre_reference[i]);
+    hash.add(manifold.friction_impulse[i]);
+  }
+  hash.add(manifold.twist_impulse);
+}
+
+}  // namespace
+
+std::uint64_t World::Impl::state_hash() const {
+  Hash hash;
+  hash.add_all(records.alive);
+  hash.add_all(records.generation);
+  hash.add_all(records.free);
+  hash.add_all(bodies.positions);
+  hash.add_all(bodies.orientations);
+  hash.add_all(bodies.velocities);
+  hash.add_all(bodies.angular_velocities);
+  hash.add_all(bodies.forces);
+  hash.add_all(bodies.torques);
+  hash.add_all(sleeping.awake);
+  hash.add_all(sleeping.rest_time);
+  hash.add_all(sleeping.ring);
+  for (std::uint32_t body = 0; body < bodies.size(); ++body) {
+    if (records.alive[body] && !broadphase.is_half_space(body)) add_box(hash, broadphase.fat_box(body));
+  }
+  hash.add(static_cast<std::uint64_t>(cache.order.size()));
+  for (const std::uint32_t slot : cache.order) add_contact(hash, cache.contacts[slot], cache.manifolds[slot]);
+  return hash.value();
+}
+
+}  // namespace atl

@@ -1,0 +1,242 @@
+#include <jobs/worker_team.h>
+#include <solver/free_flight.h>
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include "settings_check.h"
+#include "world_impl.h"
+
+namespace atl {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double ms_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+}  // namespace
+
+StepReport World::Impl::step(double dt) {
+  const Clock::time_point start = Clock::now();
+  dt_ = dt;
+  report_ = {};
+  contact_forces_valid_ = false;
+  const auto run = [this](Phase phase, void (Impl::*body)()) {
+    const Clock::time_point phase_start = Clock::now();
+    (this->*body)();
+    report_.phase_ms[static_cast<std::size_t>(phase)] = ms_since(phase_start);
+  };
+  run(Phase::Plan, &Impl::plan);                       // who may move
+  run(Phase::FindPairs, &Impl::find_pairs);            // moved proxies -> new pairs, in id order
+  run(Phase::UpdateContacts, &Impl::update_contacts);  // pairs -> manifolds: keep, refresh or ask FCL
+  run(Phase::BuildIslands, &Impl::build_islands);      // touching contacts -> islands -> groups; wake
+  run(Phase::SolveIslands, &Impl::solve_islands);      // groups are tasks: prepare, substeps, restitution, store
+  run(Phase::SweepFastBodies, &Impl::sweep_fast_bodies);
+  run(Phase::Finish, &Impl::finish);  // sleep, checks, report
+  last_dt_ = dt;
+  note_stages();
+  report_.ms = ms_since(start);
+  return report_;
+}
+
+void World::Impl::plan() {
+  active_.resize(bodies.size());
+  for (std::uint32_t body = 0; body < bodies.size(); ++body) {
+    active_[body] = sleeping.awake[body];
+    if (bodies.mobility[body] == solver::Mobility::Kinematic) {
+      active_[body] = !(bodies.velocity(body).isZero(0) && bodies.angular_velocity(body).isZero(0));
+    }
+  }
+}
+
+void World::Impl::find_pairs() {
+  constexpr std::size_t grain = 256;
+  new_boxes_.resize(bodies.size());
+  outgrown_.assign(bodies.size(), 0);
+  arena.parallel_for(bodies.size(), grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto body = static_cast<std::uint32_t>(i);
+      if (!active_[body] || broadphase.is_half_space(body)) continue;
+      bool outgrown = false;
+      new_boxes_[body] = fat_box(body, outgrown);
+      outgrown_[body] = outgrown;
+    }
+  });
+  for (std::uint32_t body = 0; body < bodies.size(); ++body) {
+    if (outgrown_[body]) broadphase.move_box(body, new_boxes_[body]);
+    if (active_[body] && broadphase.is_half_space(body)) move_proxy(body);
+  }
+  cache.add(broadphase.find_new_pairs(cache.pairs, arena), [this](collision::Pair pair) {
+    const Material& a = records.material[pair.first];
+    const Material& b = records.material[pair.second];
+    return std::pair(static_cast<float>(std::sqrt(a.friction * b.friction)),
+                     static_cast<float>(std::max(a.restitution, b.restitution)));
+  });
+}
+
+void World::Impl::update_contacts() {
+  const collision::ContactUpdateInput input{records.shape,
+                                            {bodies.positions.data(), bodies.orientations.data()},
+                                            active_,
+                                            bodies.velocities.data(),
+                                            bodies.angular_velocities.data(),
+                                            dt_};
+  const collision::ContactUpdateCounts counts = collision::update_contacts(cache, broadphase, input, arena, status_);
+  broadphase.forget_moves();
+  report_.counts.fcl_calls = counts.fcl_calls;
+  report_.counts.kept_manifolds = counts.kept;
+  report_.counts.id_matches = counts.id_matches;
+  report_.counts.id_misses = counts.id_misses;
+}
+
+void World::Impl::build_islands() {
+  if (sleeping.asleep > 0) wake_touched_sleepers();
+  collect_touching_pairs();
+  islands_.build(bodies, sleeping.awake, touching_);
+  solver::pack_groups(islands_, groups_);
+}
+
+// An active body that touches a sleeping one wakes its island.
+void World::Impl::wake_touched_sleepers() {
+  for (std::size_t i = 0; i < cache.order.size(); ++i) {
+    if (status_[i] != collision::ContactStatus::Touching) continue;
+    const collision::Pair pair = cache.contacts[cache.order[i]].pair;
+    if (active_[pair.first] && sleeping.is_asleep(pair.second)) sleeping.wake(pair.second);
+    if (active_[pair.second] && sleeping.is_asleep(pair.first)) sleeping.wake(pair.first);
+  }
+}
+
+// Lost pairs go. Contacts of bodies that were just woken count with the points they fell asleep with.
+void World::Impl::collect_touching_pairs() {
+  touching_.clear();
+  bool lost = false;
+  for (std::size_t i = 0; i < cache.order.size(); ++i) {
+    const std::uint32_t slot = cache.order[i];
+    const collision::Contact& contact = cache.contacts[slot];
+    if (status_[i] == collision::ContactStatus::Lost) {
+      lost = true;
+      continue;
+    }
+    if (status_[i] == collision::ContactStatus::Apart || contact.count == 0) continue;
+    if (!sleeping.awake[contact.pair.first] && !sleeping.awake[contact.pair.second]) continue;
+    touching_.push_back({contact.pair.first, contact.pair.second, slot});
+    report_.counts.points += contact.count;
+  }
+  if (lost) {
+    std::size_t i = 0;
+    cache.remove_if([&](std::uint32_t) { return status_[i++] == collision::ContactStatus::Lost; });
+  }
+  report_.counts.pairs = static_cast<std::int64_t>(cache.order.size());
+  report_.counts.contacts = static_cast<std::int64_t>(touching_.size());
+}
+
+void World::Impl::solve_islands() {
+  solve_groups();
+  move_unconstrained_bodies();
+}
+
+void World::Impl::solve_groups() {
+  const solver::SolverSettings how = solver_settings(settings);
+  const solver::SolveInput input{islands_, bodies, cache.manifolds.data(), gravity, dt_, how, *kernels};
+  group_reports_.assign(groups_.size(), {});
+  arena.parallel_for(groups_.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t g = begin; g < end; ++g) {
+      if (groups_[g].large && arena.threads() > 1) continue;
+      group_reports_[g] = group_solvers_.local().solve(input, groups_[g]);
+    }
+  });
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    if (!groups_[g].large || arena.threads() == 1) continue;
+    jobs::WorkerTeam team(arena);
+    group_reports_[g] = group_solvers_.local().solve(input, groups_[g], team);
+  }
+}
+
+void World::Impl::move_unconstrained_bodies() {
+  constexpr std::size_t grain = 256;
+  const std::span<const std::uint32_t> free = islands_.free_bodies();
+  arena.parallel_for(free.size(), grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      solver::move_free_body(bodies, free[i], gravity, dt_, settings.substeps);
+    }
+  });
+  if (contents.kinematic == 0) return;
+  for (std::uint32_t body = 0; body < bodies.size(); ++body) {
+    if (bodies.mobility[body] == solver::Mobility::Kinematic && active_[body]) {
+      solver::move_kinematic_body(bodies, body, dt_);
+    }
+  }
+}
+
+// Continuous collision is not there yet: speculative margins stop what closes up to half a body's size a step.
+void World::Impl::sweep_fast_bodies() {}
+
+void World::Impl::finish() {
+  std::fill(bodies.forces.begin(), bodies.forces.end(), 0.0);
+  std::fill(bodies.torques.begin(), bodies.torques.end(), 0.0);
+  report_.first_non_finite_body = first_non_finite_body();
+  if (settings.sleeping) sleeping.update(islands_, bodies, records.shape, settings, dt_);
+  StepCounts& counts = report_.counts;
+  counts.islands = static_cast<std::int64_t>(islands_.count());
+  counts.groups = static_cast<std::int64_t>(groups_.size());
+  for (const solver::GroupReport& group : group_reports_) {
+    counts.colours = std::max(counts.colours, static_cast<std::int64_t>(group.colours));
+  }
+  counts.asleep = sleeping.asleep;
+}
+
+std::int64_t World::Impl::first_non_finite_body() {
+  constexpr std::size_t grain = 1024;
+  std::atomic<std::int64_t> first{std::numeric_limits<std::int64_t>::max()};
+  arena.parallel_for(bodies.size(), grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      // Finite terms of any size keep 0 * sum at 0; one that is not makes it NaN.
+      const double probe = 0 * (bodies.position(i).sum() + bodies.velocity(i).sum() + bodies.angular_velocity(i).sum() +
+                                bodies.orientation(i).coeffs().sum());
+      if (probe == 0) continue;
+      std::int64_t lowest = first.load();
+      const auto here = static_cast<std::int64_t>(i);
+      while (here < lowest && !first.compare_exchange_weak(lowest, here)) {
+      }
+      break;
+    }
+  });
+  return first == std::numeric_limits<std::int64_t>::max() ? -1 : first.load();
+}
+
+void World::Impl::note_stages() {
+  bool friction = false;
+  bool restitution = false;
+  bool gyroscopic = false;
+  for (const solver::GroupReport& group : group_reports_) {
+    friction |= group.friction;
+    restitution |= group.restitution;
+    gyroscopic |= group.gyroscopic;
+  }
+  const auto ms = [this](Phase phase) { return report_.phase_ms[static_cast<std::size_t>(phase)]; };
+  const auto note = [this](const char* name, bool run, const char* why_run, const char* why_not, double time) {
+    report_.stages.push_back({name, run, run ? why_run : why_not, run ? time : 0});
+  };
+  const StepCounts& counts = report_.counts;
+  // Stages inside the solver's tasks share its time, and have none of their own.
+  note("narrowphase", counts.fcl_calls + counts.kept_manifolds + counts.contacts > 0, "bodies are near each other",
+       "no two bodies are near each other", ms(Phase::UpdateContacts));
+  note("contact_solver", counts.contacts > 0, "bodies touch", "nothing touches", ms(Phase::SolveIslands));
+  note("friction", friction, "touching materials have friction", "no contact has friction", 0);
+  note("restitution", restitution, "touching materials bounce", "no contact bounces", 0);
+  note("gyroscopic_torque", gyroscopic, "touching bodies have unequal moments of inertia",
+       "no touching body has unequal moments of inertia", 0);
+  note("warm_starting", counts.contacts > 0 && settings.warm_starting, "it is on", "it is off, or nothing touches", 0);
+  note("free_flight", !islands_.free_bodies().empty(), "some bodies touch nothing",
+       "every awake body touches something", 0);
+  note("kinematic_bodies", contents.kinematic > 0, "there are some", "there are none", 0);
+  note("joints", false, "", "there are none", 0);
+  note("sleeping", settings.sleeping, "it is on", "it is off", ms(Phase::Finish));
+  note("sweep_fast_bodies", false, "", "no body asks for continuous collision", 0);
+}
+
+}  // namespace atl

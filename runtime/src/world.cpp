@@ -1,0 +1,153 @@
+// The public face of World: checks arguments and hands on.
+
+#include <atoll/world.h>
+
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+#include "body_definition.h"
+#include "settings_check.h"
+#include "world_impl.h"
+
+namespace atl {
+namespace {
+
+int checked_threads(int threads) {
+  if (threads >= 1 && threads <= 1024) return threads;
+  std::ostringstream message;
+  message << "WorldDef.threads is " << threads << "; expected 1 to 1024";
+  throw Error(message.str());
+}
+
+const Settings& checked(const Settings& settings) {
+  check(settings);
+  return settings;
+}
+
+}  // namespace
+
+World::Impl::Impl(const WorldDef& def)
+    : gravity(def.gravity),
+      settings(checked(def.settings)),
+      kernels(&kernels_for(def.settings.simd)),
+      arena(checked_threads(def.threads)),
+      group_solvers_(def.threads) {
+  check_finite("WorldDef.gravity", def.gravity);
+}
+
+World::World(const WorldDef& def) : impl_(std::make_unique<Impl>(def)) {}
+World::~World() = default;
+World::World(World&&) noexcept = default;
+World& World::operator=(World&&) noexcept = default;
+
+BodyId World::add_body(const BodyDef& def) { return impl_->add_body(def); }
+void World::remove_body(BodyId id) { impl_->remove_body(id); }
+
+bool World::contains(BodyId id) const {
+  return id.index < impl_->bodies.size() && impl_->records.alive[id.index] &&
+         impl_->records.generation[id.index] == id.generation;
+}
+
+std::size_t World::body_count() const { return impl_->records.count; }
+
+Pose World::pose(BodyId id) const {
+  const std::uint32_t body = impl_->index_of(id, "pose");
+  return {impl_->bodies.position(body), impl_->bodies.orientation(body)};
+}
+
+Vector3 World::velocity(BodyId id) const { return impl_->bodies.velocity(impl_->index_of(id, "velocity")); }
+
+Vector3 World::angular_velocity(BodyId id) const {
+  return impl_->bodies.angular_velocity(impl_->index_of(id, "angular_velocity"));
+}
+
+double World::mass(BodyId id) const {
+  const double inverse = impl_->bodies.inverse_mass[impl_->index_of(id, "mass")];
+  return inverse > 0 ? 1 / inverse : std::numeric_limits<double>::infinity();
+}
+
+BodyType World::type(BodyId id) const { return impl_->records.type[impl_->index_of(id, "type")]; }
+
+bool World::is_asleep(BodyId id) const { return impl_->sleeping.is_asleep(impl_->index_of(id, "is_asleep")); }
+
+void World::set_pose(BodyId id, const Pose& pose) { impl_->set_pose(id, pose); }
+
+void World::set_velocity(BodyId id, const Vector3& linear, const Vector3& angular) {
+  check_finite("World::set_velocity: linear", linear);
+  check_finite("World::set_velocity: angular", angular);
+  const std::uint32_t index = impl_->index_of(id, "set_velocity");
+  if (impl_->records.type[index] == BodyType::Static && !(linear.isZero(0) && angular.isZero(0))) {
+    throw Error("World::set_velocity: the body is static; expected a dynamic or kinematic one");
+  }
+  const std::uint32_t body = impl_->awaken(id, "set_velocity");
+  impl_->bodies.velocity(body) = linear;
+  impl_->bodies.angular_velocity(body) = angular;
+}
+
+void World::apply_force(BodyId id, const Vector3& force, const Vector3& torque) {
+  check_finite("World::apply_force: force", force);
+  check_finite("World::apply_force: torque", torque);
+  const std::uint32_t body = impl_->awaken(id, "apply_force");
+  impl_->bodies.force(body) += force;
+  impl_->bodies.torque(body) += torque;
+}
+
+void World::apply_impulse(BodyId id, const Vector3& impulse, const Vector3& point) {
+  check_finite("World::apply_impulse: impulse", impulse);
+  check_finite("World::apply_impulse: point", point);
+  const std::uint32_t body = impl_->awaken(id, "apply_impulse");
+  solver::BodyTable& bodies = impl_->bodies;
+  const solver::Quaternion orientation = bodies.orientation(body);
+  const Vector3 moment = (point - bodies.position(body)).cross(impulse);
+  bodies.velocity(body) += bodies.inverse_mass[body] * impulse;
+  bodies.angular_velocity(body) += orientation * (bodies.inverse_inertia[body] * (orientation.conjugate() * moment));
+}
+
+void World::wake(BodyId id) { impl_->awaken(id, "wake"); }
+
+void World::set_gravity(const Vector3& gravity) {
+  check_finite("World::set_gravity: gravity", gravity);
+  if (gravity != impl_->gravity) impl_->wake_all();
+  impl_->gravity = gravity;
+}
+
+void World::set_settings(const Settings& settings) {
+  check(settings);
+  if (!settings.sleeping) impl_->wake_all();
+  impl_->settings = settings;
+  impl_->kernels = &kernels_for(settings.simd);
+}
+
+const Settings& World::settings() const { return impl_->settings; }
+const Vector3& World::gravity() const { return impl_->gravity; }
+int World::threads() const { return impl_->arena.threads(); }
+Simd World::simd() const { return simd_of(*impl_->kernels); }
+
+StepReport World::step(double dt) {
+  if (!(dt > 0 && dt <= 1)) {
+    std::ostringstream message;
+    message << "World::step: dt is " << dt << "; expected a number above 0 and at most 1 (s)";
+    throw Error(message.str());
+  }
+  return impl_->step(dt);
+}
+
+std::span<const ContactForce> World::contact_forces() const { return impl_->contact_forces(); }
+
+Eigen::Map<const Eigen::Matrix3Xd> World::positions() const {
+  return {impl_->bodies.positions.data(), 3, static_cast<Eigen::Index>(impl_->bodies.size())};
+}
+Eigen::Map<const Eigen::Matrix4Xd> World::orientations() const {
+  return {impl_->bodies.orientations.data(), 4, static_cast<Eigen::Index>(impl_->bodies.size())};
+}
+Eigen::Map<const Eigen::Matrix3Xd> World::velocities() const {
+  return {impl_->bodies.velocities.data(), 3, static_cast<Eigen::Index>(impl_->bodies.size())};
+}
+Eigen::Map<const Eigen::Matrix3Xd> World::angular_velocities() const {
+  return {impl_->bodies.angular_velocities.data(), 3, static_cast<Eigen::Index>(impl_->bodies.size())};
+}
+
+std::uint64_t World::state_hash() const { return impl_->state_hash(); }
+
+}  // namespace atl
