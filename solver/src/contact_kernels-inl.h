@@ -254,8 +254,9 @@ void sweep_blocks(const ContactKernelData& data, std::size_t begin, std::size_t 
     for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
       ContactLanes c = load_contacts(data, block, lane);
       if constexpr (refresh) refresh_separations(data, block, lane, c);
-      if constexpr (friction != Friction::None) solve_friction<friction>(block, lane, c);
+      // Friction last, so that its bound is the normal impulse that it goes with.
       solve_normals<bias>(data, block, lane, c);
+      if constexpr (friction != Friction::None) solve_friction<friction>(block, lane, c);
       store_contact_bodies(c, data, block, lane);
     }
     if (bias && data.bounces != nullptr) {
