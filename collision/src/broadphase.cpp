@@ -24,15 +24,16 @@ void Broadphase::add_box(std::uint32_t shape, const Aabb& fat, bool fixed) {
   proxy.leaf = (fixed ? fixed_ : moving_).insert(shape, fat);
 }
 
-void Broadphase::add_half_space(std::uint32_t shape, const Vector3& normal, double offset) {
+void Broadphase::add_half_space(std::uint32_t shape, const Plane& plane) {
   claim(shape, Kind::HalfSpace);
-  planes_.insert(planes_.begin() + static_cast<std::ptrdiff_t>(plane_index(shape)), Plane{shape, normal, offset});
+  half_spaces_.insert(half_spaces_.begin() + static_cast<std::ptrdiff_t>(half_space_index(shape)),
+                      HalfSpace{shape, plane});
 }
 
 void Broadphase::remove(std::uint32_t shape) {
   Proxy& proxy = proxies_[shape];
   if (proxy.kind == Kind::HalfSpace) {
-    std::erase_if(planes_, [shape](const Plane& plane) { return plane.shape == shape; });
+    std::erase_if(half_spaces_, [shape](const HalfSpace& other) { return other.shape == shape; });
   } else {
     (proxy.kind == Kind::Fixed ? fixed_ : moving_).remove(proxy.leaf);
   }
@@ -47,18 +48,16 @@ void Broadphase::move_box(std::uint32_t shape, const Aabb& fat) {
   mark_moved(shape);
 }
 
-void Broadphase::move_half_space(std::uint32_t shape, const Vector3& normal, double offset) {
-  Plane& plane = planes_[plane_index(shape)];
-  plane.normal = normal;
-  plane.offset = offset;
+void Broadphase::move_half_space(std::uint32_t shape, const Plane& plane) {
+  half_spaces_[half_space_index(shape)].plane = plane;
   mark_moved(shape);
 }
 
-// Of a shape without a plane: where it would stand.
-std::size_t Broadphase::plane_index(std::uint32_t shape) const {
-  const auto place = std::lower_bound(planes_.begin(), planes_.end(), shape,
-                                      [](const Plane& plane, std::uint32_t s) { return plane.shape < s; });
-  return static_cast<std::size_t>(place - planes_.begin());
+// Of a shape that is none: where it would stand.
+std::size_t Broadphase::half_space_index(std::uint32_t shape) const {
+  const auto place = std::lower_bound(half_spaces_.begin(), half_spaces_.end(), shape,
+                                      [](const HalfSpace& other, std::uint32_t s) { return other.shape < s; });
+  return static_cast<std::size_t>(place - half_spaces_.begin());
 }
 
 // In double: the plane may be far from the world's origin.
@@ -77,7 +76,7 @@ bool Broadphase::overlap(std::uint32_t a, std::uint32_t b) const {
   if (!plane_a && !plane_b) return proxies_[a].fat.overlaps(proxies_[b].fat);
   if (plane_a && plane_b) return false;
   const std::uint32_t shape = plane_a ? a : b;
-  return touches(planes_[plane_index(shape)], proxies_[plane_a ? b : a].fat);
+  return touches(half_spaces_[half_space_index(shape)].plane, proxies_[plane_a ? b : a].fat);
 }
 
 void Broadphase::query(std::uint32_t shape, const PairSet& known, std::vector<Pair>& found) const {
@@ -89,7 +88,7 @@ void Broadphase::query(std::uint32_t shape, const PairSet& known, std::vector<Pa
     if (!known.contains(pair)) found.push_back(pair);
   };
   if (proxy.kind == Kind::HalfSpace) {
-    const Plane& plane = planes_[plane_index(shape)];
+    const Plane& plane = half_spaces_[half_space_index(shape)].plane;
     for (std::uint32_t other = 0; other < proxies_.size(); ++other) {
       if (proxies_[other].kind == Kind::Moving && touches(plane, proxies_[other].fat)) consider(other);
     }
@@ -98,8 +97,8 @@ void Broadphase::query(std::uint32_t shape, const PairSet& known, std::vector<Pa
   moving_.query(proxy.fat, consider);
   if (proxy.kind == Kind::Fixed) return;
   fixed_.query(proxy.fat, consider);
-  for (const Plane& plane : planes_) {
-    if (touches(plane, proxy.fat)) consider(plane.shape);
+  for (const HalfSpace& half_space : half_spaces_) {
+    if (touches(half_space.plane, proxy.fat)) consider(half_space.shape);
   }
 }
 

@@ -142,46 +142,45 @@ void World::Impl::wake_touching(std::uint32_t body) {
   }
 }
 
-// Bounds, grown by what the body's share of the speculative margin may be and by where it may get to in a step;
-// and, so that it needn't be asked again at once, by some slack. `outgrown` is set if the old box is too small.
-collision::Aabb World::Impl::fat_box(std::uint32_t body, bool& outgrown) const {
+// The box needed now: bounds, grown by the speculative margin and where the body may get to in a step. And the
+// fat one: with some slack, so that it needn't be asked again at once.
+World::Impl::ProxyBoxes World::Impl::proxy_boxes(std::uint32_t body) const {
   const collision::Shape& shape = records.shape[body];
-  const solver::Quaternion orientation = bodies.orientation(body);
-  const Vector3 position = bodies.position(body);
-  outgrown = false;
-  if (!position.allFinite() || !orientation.coeffs().allFinite()) return broadphase.fat_box(body);
-  const collision::Bounds bounds = collision::bounds_of(shape, position, orientation.toRotationMatrix());
+  const collision::Bounds bounds =
+      collision::bounds_of(shape, bodies.position(body), bodies.orientation(body).toRotationMatrix());
   const double reach =
       (bodies.velocity(body).norm() + bodies.angular_velocity(body).norm() * shape.bounding_radius) * dt_;
   const Vector3 margin = Vector3::Constant(collision::speculative_margin(shape, shape, reach));
-  const collision::Aabb needed = collision::Aabb::around(bounds.lower - margin, bounds.upper + margin);
-  if (broadphase.fat_box(body).contains(needed)) return needed;
-  outgrown = true;
   // 15% of the inner radius is 7.5 cm for a cube of 1 m.
   const Vector3 slack = margin + Vector3::Constant(0.15 * shape.inner_radius);
-  return collision::Aabb::around(bounds.lower - slack, bounds.upper + slack);
+  return {collision::Aabb::around(bounds.lower - margin, bounds.upper + margin),
+          collision::Aabb::around(bounds.lower - slack, bounds.upper + slack)};
+}
+
+bool World::Impl::is_finite(std::uint32_t body) const {
+  return bodies.position(body).allFinite() && bodies.orientation(body).coeffs().allFinite();
+}
+
+collision::Plane World::Impl::world_plane(std::uint32_t body) const {
+  const collision::Shape& shape = records.shape[body];
+  const Vector3 normal = bodies.orientation(body) * shape.normal;
+  return {normal, shape.offset + normal.dot(bodies.position(body))};
 }
 
 void World::Impl::add_proxy(std::uint32_t body) {
-  const collision::Shape& shape = records.shape[body];
-  if (shape.kind == collision::ShapeKind::HalfSpace) {
-    broadphase.add_half_space(body, shape.normal, shape.offset);
+  if (records.shape[body].kind == collision::ShapeKind::HalfSpace) {
+    broadphase.add_half_space(body, world_plane(body));
   } else {
-    broadphase.add_box(body, collision::Aabb::empty(), bodies.mobility[body] == solver::Mobility::Fixed);
+    broadphase.add_box(body, proxy_boxes(body).fat, bodies.mobility[body] == solver::Mobility::Fixed);
   }
-  move_proxy(body);
 }
 
 void World::Impl::move_proxy(std::uint32_t body) {
   if (broadphase.is_half_space(body)) {
-    const collision::Shape& shape = records.shape[body];
-    const Vector3 normal = bodies.orientation(body) * shape.normal;
-    broadphase.move_half_space(body, normal, shape.offset + normal.dot(bodies.position(body)));
-    return;
+    broadphase.move_half_space(body, world_plane(body));
+  } else {
+    broadphase.move_box(body, proxy_boxes(body).fat);
   }
-  bool outgrown = false;
-  const collision::Aabb box = fat_box(body, outgrown);
-  if (outgrown) broadphase.move_box(body, box);
 }
 
 }  // namespace atl

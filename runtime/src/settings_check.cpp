@@ -41,7 +41,7 @@ void check(const Settings& settings) {
   check_count("substeps", settings.substeps, 1);
   check_count("iterations", settings.iterations, 1);
   check_count("relax_iterations", settings.relax_iterations, 0);
-  check_positive("contact_hertz", settings.contact_hertz);
+  if (settings.contact_hertz) check_positive("contact_hertz", *settings.contact_hertz);
   check_not_negative("contact_damping_ratio", settings.contact_damping_ratio);
   check_positive("contact_push_speed", settings.contact_push_speed);
   check_not_negative("restitution_threshold", settings.restitution_threshold);
@@ -57,7 +57,7 @@ solver::SolverSettings solver_settings(const Settings& settings) {
   s.relax_iterations = settings.relax_iterations;
   s.pyramid = settings.friction == FrictionModel::Pyramid;
   s.warm_starting = settings.warm_starting;
-  s.contact_hertz = settings.contact_hertz;
+  s.contact_hertz = settings.contact_hertz.value_or(0);
   s.contact_damping_ratio = settings.contact_damping_ratio;
   s.contact_push_speed = settings.contact_push_speed;
   s.restitution_threshold = settings.restitution_threshold;

@@ -60,10 +60,10 @@ void World::Impl::find_pairs() {
   arena.parallel_for(bodies.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto body = static_cast<std::uint32_t>(i);
-      if (!active_[body] || broadphase.is_half_space(body)) continue;
-      bool outgrown = false;
-      new_boxes_[body] = fat_box(body, outgrown);
-      outgrown_[body] = outgrown;
+      if (!active_[body] || broadphase.is_half_space(body) || !is_finite(body)) continue;
+      const ProxyBoxes boxes = proxy_boxes(body);
+      outgrown_[body] = !broadphase.fat_box(body).contains(boxes.needed);
+      new_boxes_[body] = boxes.fat;
     }
   });
   for (std::uint32_t body = 0; body < bodies.size(); ++body) {

@@ -78,7 +78,13 @@ class World::Impl {
   void sweep_fast_bodies();
   void finish();
 
-  collision::Aabb fat_box(std::uint32_t body, bool& outgrown) const;
+  struct ProxyBoxes {
+    collision::Aabb needed;
+    collision::Aabb fat;
+  };
+  ProxyBoxes proxy_boxes(std::uint32_t body) const;
+  collision::Plane world_plane(std::uint32_t body) const;
+  bool is_finite(std::uint32_t body) const;
   void add_proxy(std::uint32_t body);
   void move_proxy(std::uint32_t body);
   void wake_touched_sleepers();

@@ -10,6 +10,12 @@
 
 namespace atl::collision {
 
+/// Solid where normal . p <= offset, in the world frame.
+struct Plane {
+  Vector3 normal;
+  double offset;
+};
+
 /// Finds the pairs of shapes that come near each other. A shape has a fat box: its bounds, plus where it may
 /// get to, plus some slack, so that only a shape that leaves its fat box causes work.
 ///
@@ -19,13 +25,12 @@ class Broadphase {
  public:
   /// `shape` numbers the shape, and must be free. A box is fixed if its shape can't move.
   void add_box(std::uint32_t shape, const Aabb& fat, bool fixed);
-  /// Solid where normal . p <= offset, in the world frame.
-  void add_half_space(std::uint32_t shape, const Vector3& normal, double offset);
+  void add_half_space(std::uint32_t shape, const Plane& plane);
   void remove(std::uint32_t shape);
 
   /// Gives a shape a new fat box, or a half-space a new plane. It will be asked for new partners.
   void move_box(std::uint32_t shape, const Aabb& fat);
-  void move_half_space(std::uint32_t shape, const Vector3& normal, double offset);
+  void move_half_space(std::uint32_t shape, const Plane& plane);
 
   const Aabb& fat_box(std::uint32_t shape) const { return proxies_[shape].fat; }
   bool is_half_space(std::uint32_t shape) const { return proxies_[shape].kind == Kind::HalfSpace; }
@@ -48,20 +53,19 @@ class Broadphase {
     bool moved = false;
   };
 
-  struct Plane {
+  struct HalfSpace {
     std::uint32_t shape;
-    Vector3 normal;
-    double offset;
+    Plane plane;
   };
 
   Proxy& claim(std::uint32_t shape, Kind kind);
   void mark_moved(std::uint32_t shape);
-  std::size_t plane_index(std::uint32_t shape) const;
+  std::size_t half_space_index(std::uint32_t shape) const;
   static bool touches(const Plane& plane, const Aabb& box);
   void query(std::uint32_t shape, const PairSet& known, std::vector<Pair>& found) const;
 
-  std::vector<Proxy> proxies_;  // by shape
-  std::vector<Plane> planes_;   // in order of shape
+  std::vector<Proxy> proxies_;          // by shape
+  std::vector<HalfSpace> half_spaces_;  // in order of shape
   AabbTree moving_;
   AabbTree fixed_;
   std::vector<std::uint32_t> moved_;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 namespace atl {
 
 enum class FrictionModel {
@@ -12,15 +14,16 @@ enum class Simd { Auto, Portable, Sse4, Avx2, Avx512, Neon };
 
 /// How a step is solved. The defaults suit 60 Hz and metre-sized bodies at any density.
 struct Settings {
-  int substeps = 4;          ///< in [1, 1024]; error falls with its square, cost rises linearly
+  int substeps = 4;          ///< in [1, 1024]; overlap falls with its square, cost rises linearly
   int iterations = 1;        ///< sweeps over all contacts with the position bias, a substep; in [1, 1024]
   int relax_iterations = 1;  ///< sweeps without it after the positions moved; in [0, 1024]
   FrictionModel friction = FrictionModel::Cone;
   bool warm_starting = true;
 
-  /// Stiffness of a contact as a damped spring, Hz, > 0. Limited to a quarter of the substep rate, and
-  /// doubled against static and kinematic bodies.
-  double contact_hertz = 30;
+  /// Stiffness of a contact as a damped spring, Hz, > 0. Limited to a quarter of the substep rate, and doubled
+  /// against static and kinematic bodies. Left out, it is an eighth of the substep rate: as stiff as the
+  /// substeps can well follow (30 Hz at the defaults), so that more substeps mean less overlap.
+  std::optional<double> contact_hertz = {};
   double contact_damping_ratio = 10;  ///< >= 0; 1 is critical
   double contact_push_speed = 3;      ///< m/s, > 0: the fastest that overlap is pushed apart
   double restitution_threshold = 1;   ///< m/s, >= 0: slower impacts don't bounce

@@ -19,7 +19,7 @@ struct WorldDef {
   Settings settings = {};
 };
 
-/// Force that body a's surface exerts on body b at one manifold point, averaged over the last step.
+/// Force that body a's surface exerts on body b at one manifold point, in the last substep.
 struct ContactForce {
   BodyId a;
   BodyId b;

@@ -11,7 +11,7 @@ struct SolverSettings {
   int relax_iterations = 1;
   bool pyramid = false;
   bool warm_starting = true;
-  double contact_hertz = 30;
+  double contact_hertz = 0;  ///< 0: an eighth of the substep rate
   double contact_damping_ratio = 10;
   double contact_push_speed = 3;
   double restitution_threshold = 1;
@@ -47,7 +47,8 @@ struct SubstepConstants {
     const double h = dt / settings.substeps;
     // A contact much stiffer than the substep can follow would be integrated badly.
     const double limit = 0.25 / h;
-    const double hertz = settings.contact_hertz < limit ? settings.contact_hertz : limit;
+    const double wanted = settings.contact_hertz > 0 ? settings.contact_hertz : 0.125 / h;
+    const double hertz = wanted < limit ? wanted : limit;
     SubstepConstants c;
     c.h = static_cast<float>(h);
     c.inverse_h = static_cast<float>(1 / h);
