@@ -22,16 +22,9 @@ struct Aabb {
   /// The smallest float box around [lower, upper].
   static Aabb around(const Vector3& lower, const Vector3& upper);
 
-  bool overlaps(const Aabb& other) const {
-    // Bitwise, so that the six comparisons cost no branches.
-    return (lower[0] <= other.upper[0]) & (other.lower[0] <= upper[0]) & (lower[1] <= other.upper[1]) &
-           (other.lower[1] <= upper[1]) & (lower[2] <= other.upper[2]) & (other.lower[2] <= upper[2]);
-  }
+  bool overlaps(const Aabb& other) const { return ordered(lower, other.upper) && ordered(other.lower, upper); }
 
-  bool contains(const Aabb& other) const {
-    return (lower[0] <= other.lower[0]) & (other.upper[0] <= upper[0]) & (lower[1] <= other.lower[1]) &
-           (other.upper[1] <= upper[1]) & (lower[2] <= other.lower[2]) & (other.upper[2] <= upper[2]);
-  }
+  bool contains(const Aabb& other) const { return ordered(lower, other.lower) && ordered(other.upper, upper); }
 
   Aabb joined(const Aabb& other) const {
     Aabb result;
@@ -51,6 +44,12 @@ struct Aabb {
   }
 
   friend bool operator==(const Aabb&, const Aabb&) = default;
+
+ private:
+  // a <= b in each component; summed, so that the comparisons cost no branches.
+  static bool ordered(const std::array<float, 3>& a, const std::array<float, 3>& b) {
+    return int{a[0] <= b[0]} + int{a[1] <= b[1]} + int{a[2] <= b[2]} == 3;
+  }
 };
 
 /// Tight bounds of a bounded shape (not a half-space) at a pose, as lower and upper corner in double.
