@@ -57,10 +57,11 @@ WorkerTeam::~WorkerTeam() {
 void WorkerTeam::run(Function function, const void* context, std::size_t count, std::size_t grain) {
   const std::uint32_t loop = loop_of(ticket_.load(std::memory_order_relaxed)) + 1;
   const auto chunks = static_cast<std::uint32_t>(Arena::chunk_count(count, grain));
-  function_.store(function, std::memory_order_relaxed);
-  context_.store(context, std::memory_order_relaxed);
-  count_.store(count, std::memory_order_relaxed);
-  grain_.store(grain, std::memory_order_relaxed);
+  // Whoever sees one of these sees the last ticket closed (acquire and release), and its claim fails.
+  function_.store(function, std::memory_order_release);
+  context_.store(context, std::memory_order_release);
+  count_.store(count, std::memory_order_release);
+  grain_.store(grain, std::memory_order_release);
   chunks_done_.store(0, std::memory_order_relaxed);
   ticket_.store(make_ticket(loop, 0), std::memory_order_release);
 
@@ -69,7 +70,7 @@ void WorkerTeam::run(Function function, const void* context, std::size_t count, 
   Backoff backoff;
   while (chunks_done_.load(std::memory_order_acquire) != chunks) backoff.wait();
   // A helper may hold the last ticket still. Closing it makes its claim fail before the next loop is written.
-  ticket_.store(make_ticket(loop, closed), std::memory_order_seq_cst);
+  ticket_.store(make_ticket(loop, closed), std::memory_order_relaxed);
 }
 
 // Claims one chunk of the given loop and runs it. False when the loop has none left or is over.
@@ -77,10 +78,10 @@ bool WorkerTeam::take_chunk(std::uint32_t loop) {
   std::uint64_t ticket = ticket_.load(std::memory_order_acquire);
   while (true) {
     if (loop_of(ticket) != loop || chunk_of(ticket) == closed) return false;
-    const std::size_t count = count_.load(std::memory_order_relaxed);
-    const std::size_t grain = grain_.load(std::memory_order_relaxed);
-    const Function function = function_.load(std::memory_order_relaxed);
-    const void* context = context_.load(std::memory_order_relaxed);
+    const std::size_t count = count_.load(std::memory_order_acquire);
+    const std::size_t grain = grain_.load(std::memory_order_acquire);
+    const Function function = function_.load(std::memory_order_acquire);
+    const void* context = context_.load(std::memory_order_acquire);
     const std::size_t begin = chunk_of(ticket) * grain;
     if (begin >= count) return false;
     // Success proves that the loop has not ended since the ticket was read, so what was read is its own.

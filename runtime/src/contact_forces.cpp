@@ -7,8 +7,8 @@ std::span<const ContactForce> World::Impl::contact_forces() const {
   if (contact_forces_valid_) return contact_forces_;
   contact_forces_.clear();
   contact_forces_valid_ = true;
-  if (last_dt_ == 0) return contact_forces_;
-  const double per_impulse = settings.substeps / last_dt_;
+  if (last_substep_ == 0) return contact_forces_;
+  const double per_impulse = 1 / last_substep_;
   for (const std::uint32_t slot : cache.order) {
     const collision::Contact& contact = cache.contacts[slot];
     const collision::ContactManifold& manifold = cache.manifolds[slot];

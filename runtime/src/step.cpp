@@ -37,7 +37,7 @@ StepReport World::Impl::step(double dt) {
   run(Phase::SolveIslands, &Impl::solve_islands);      // groups are tasks: prepare, substeps, restitution, store
   run(Phase::SweepFastBodies, &Impl::sweep_fast_bodies);
   run(Phase::Finish, &Impl::finish);  // sleep, checks, report
-  last_dt_ = dt;
+  last_substep_ = dt / settings.substeps;
   note_stages();
   report_.ms = ms_since(start);
   return report_;
@@ -218,11 +218,11 @@ void World::Impl::note_stages() {
     gyroscopic |= group.gyroscopic;
   }
   const auto ms = [this](Phase phase) { return report_.phase_ms[static_cast<std::size_t>(phase)]; };
-  const auto note = [this](const char* name, bool run, const char* why_run, const char* why_not, double time) {
-    report_.stages.push_back({name, run, run ? why_run : why_not, run ? time : 0});
+  std::size_t noted = 0;
+  const auto note = [&](const char* name, bool run, const char* why_run, const char* why_not, double time) {
+    report_.stages[noted++] = {name, run, run ? why_run : why_not, run ? time : 0};
   };
   const StepCounts& counts = report_.counts;
-  // Stages inside the solver's tasks share its time, and have none of their own.
   note("narrowphase", counts.fcl_calls + counts.kept_manifolds + counts.contacts > 0, "bodies are near each other",
        "no two bodies are near each other", ms(Phase::UpdateContacts));
   note("contact_solver", counts.contacts > 0, "bodies touch", "nothing touches", ms(Phase::SolveIslands));

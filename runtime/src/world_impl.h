@@ -96,7 +96,7 @@ class World::Impl {
 
   // The step in progress, and what its phases hand on.
   double dt_ = 0;
-  double last_dt_ = 0;
+  double last_substep_ = 0;  // s; 0 before the first step
   StepReport report_;
   std::vector<std::uint8_t> active_;  // 1: may move in this step
   std::vector<collision::Aabb> new_boxes_;

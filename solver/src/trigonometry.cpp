@@ -5,13 +5,14 @@
 namespace atl::solver {
 
 SineCosine sine_cosine(double angle) {
-  // Reduction by multiples of pi/2 in two parts (Cody and Waite, 1980): the first has 33 bits, so its product
-  // with any multiple below 2^20 is exact.
+  // Reduction by multiples of pi/2 in three parts (Cody and Waite, 1980): the first two have 33 bits each, so
+  // their products with any multiple below 2^20 are exact.
   constexpr double two_over_pi = 0.63661977236758134308;
   constexpr double half_pi_high = 1.57079632673412561417e+00;
-  constexpr double half_pi_low = 6.07710050650619224932e-11;
+  constexpr double half_pi_middle = 6.07710050630396597660e-11;
+  constexpr double half_pi_low = 2.02226624879595063154e-21;
   const double multiple = std::nearbyint(angle * two_over_pi);
-  const double r = (angle - multiple * half_pi_high) - multiple * half_pi_low;
+  const double r = ((angle - multiple * half_pi_high) - multiple * half_pi_middle) - multiple * half_pi_low;
   const double r2 = r * r;
 
   // Taylor's series; |r| <= pi/4, so the first terms left out are below 1e-18.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tbb/global_control.h>
+#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -16,13 +17,13 @@ class Arena {
  public:
   /// threads >= 1, the calling thread among them. More threads than cores is allowed.
   explicit Arena(int threads) : threads_(threads), arena_(threads) {
-    if (threads > 1) allowed_.emplace(tbb::global_control::max_allowed_parallelism, threads);
+    // Only to raise the process's limit: the lowest of all such controls holds, for everybody's tasks.
+    if (threads > tbb::info::default_concurrency()) {
+      allowed_.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+    }
   }
 
   int threads() const { return threads_; }
-
-  /// Which of the workers runs this, in [0, threads). Valid inside the body of a loop.
-  static int worker() { return std::max(0, tbb::this_task_arena::current_thread_index()); }
 
   /// Runs body(begin, end) over the chunks of [0, count). Returns when all have run.
   template <typename Body>

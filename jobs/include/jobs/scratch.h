@@ -1,7 +1,9 @@
 #pragma once
 
-#include <jobs/arena.h>
+#include <tbb/task_arena.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <memory>
 #include <vector>
 
@@ -16,7 +18,12 @@ class Scratch {
     for (int i = 0; i < threads; ++i) items_.push_back(std::make_unique<T>());
   }
 
-  T& local() { return *items_[static_cast<std::size_t>(Arena::worker())]; }
+  /// The calling worker's, inside a loop of the arena. A loop that its caller runs alone may find itself in
+  /// somebody else's arena, with any index: there is no second worker then to share with.
+  T& local() {
+    const auto worker = static_cast<std::size_t>(std::max(0, tbb::this_task_arena::current_thread_index()));
+    return *items_[worker < items_.size() ? worker : 0];
+  }
 
  private:
   std::vector<std::unique_ptr<T>> items_;

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <vector>
 
 namespace atl {
 
@@ -21,7 +20,10 @@ inline constexpr int phase_count = 7;
 /// "plan", "find_pairs", "update_contacts", ...
 const char* phase_name(Phase phase);
 
+inline constexpr int stage_count = 11;
+
 /// One stage of the step plan: whether this step ran it, and why or why not, in words.
+/// Stages inside the solver's tasks (friction and the like) share the time of contact_solver and report 0.
 struct StageReport {
   const char* name = "";
   bool run = false;
@@ -49,7 +51,7 @@ struct StepReport {
   double ms = 0;  ///< wall time of the whole step
   std::array<double, phase_count> phase_ms = {};
   StepCounts counts = {};
-  std::vector<StageReport> stages = {};
+  std::array<StageReport, stage_count> stages = {};
   /// Lowest-numbered body whose state stopped being finite in this step, or -1. Its state and the
   /// world's stay as the step left them.
   std::int64_t first_non_finite_body = -1;
