@@ -1,0 +1,17 @@
+# Installs the libraries, the public headers, the command and the package that find_package(atoll) reads.
+include(CMakePackageConfigHelpers)
+set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/atoll)
+
+install(TARGETS atoll atoll_scene atoll_runtime atoll_solver atoll_collision atoll_jobs EXPORT atollTargets
+        FILE_SET HEADERS)
+install(EXPORT atollTargets NAMESPACE atoll:: DESTINATION ${package_dir})
+if(TARGET atoll_command)
+  install(TARGETS atoll_command)
+endif()
+
+configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/atollConfig.cmake.in ${PROJECT_BINARY_DIR}/atollConfig.cmake
+                              INSTALL_DESTINATION ${package_dir})
+# Before 1.0 a minor version may break its users.
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/atollConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/atollConfig.cmake ${PROJECT_BINARY_DIR}/atollConfigVersion.cmake
+        DESTINATION ${package_dir})

@@ -1,0 +1,13 @@
+#!/usr/bin/env bash
+# Builds the atoll command, first installing what the build needs, and runs it with the arguments given.
+# Without any it simulates a pile of 5000 boxes.
+set -euo pipefail
+
+root=$(dirname "$(dirname "$(realpath "${BASH_SOURCE[0]}")")")
+# shellcheck source=runtime/setup.sh
+source "$root/runtime/setup.sh"
+
+(($#)) || set -- run pile
+install_packages
+(cd "$root" && build release atoll_command)
+exec "$root/build/release/bin/atoll" "$@"

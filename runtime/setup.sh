@@ -1,0 +1,55 @@
+# shellcheck shell=bash
+# What runtime/run.sh and tests/run.sh share: the packages that a build needs, and the build.
+
+# Debian's names.
+packages=(cmake make g++ libc6-dev libeigen3-dev libtbb-dev libccd-dev libfcl-dev libhwy-dev libcli11-dev
+          nlohmann-json3-dev libgtest-dev libbenchmark-dev)
+
+say() {
+  printf 'atoll: %s\n' "$*" >&2
+}
+
+# Installs the packages that are missing. A machine that has them all needs neither network nor root. One
+# where they can't be installed is told what to install, and may go on: cmake stops at what it doesn't find.
+install_packages() {
+  if ! command -v apt-get >/dev/null; then
+    say "no apt-get here; the build needs what Debian calls ${packages[*]}"
+    return
+  fi
+
+  local package missing=()
+  for package in "${packages[@]}"; do
+    [[ "$(dpkg-query --show --showformat='${db:Status-Status}' "$package" 2>/dev/null)" == installed ]] ||
+      missing+=("$package")
+  done
+  ((${#missing[@]})) || return 0
+
+  local apt=(env DEBIAN_FRONTEND=noninteractive apt-get --quiet --yes)
+  if ((EUID != 0)); then
+    if ! command -v sudo >/dev/null; then
+      say "as root, run: apt-get install ${missing[*]}"
+      return
+    fi
+    apt=(sudo "${apt[@]}")
+  fi
+  say "installing ${missing[*]}"
+  local install=("${apt[@]}" install --no-install-recommends "${missing[@]}")
+  # The index is fetched where it doesn't know a package, or is too old for the mirror.
+  if ! "${install[@]}" --simulate >/dev/null 2>&1 || ! "${install[@]}" >&2; then
+    "${apt[@]}" update >&2
+    "${install[@]}" >&2
+  fi
+}
+
+# build PRESET TARGET [CMAKE OPTION]...
+build() {
+  local preset=$1 target=$2
+  shift 2
+  if ! command -v cmake >/dev/null; then
+    say 'cmake was not found'
+    return 1
+  fi
+  say "building $target ($preset)"
+  cmake --preset "$preset" "$@" >&2
+  cmake --build --preset "$preset" --target "$target" --parallel "$(nproc)" >&2
+}

@@ -1,0 +1,45 @@
+#!/usr/bin/env bash
+# Builds Atoll, first installing what the build needs, and runs its tests. With CI=true in the
+# environment a warning is an error.
+set -euo pipefail
+
+root=$(dirname "$(dirname "$(realpath "${BASH_SOURCE[0]}")")")
+# shellcheck source=runtime/setup.sh
+source "$root/runtime/setup.sh"
+
+usage() {
+  cat <<'END'
+usage: bash tests/run.sh [--label LABEL] [--preset PRESET] [--long]
+
+  --label LABEL    only these: unit, accuracy, stability, determinism, cli, layers or package
+  --preset PRESET  release (the default), debug, asan or tsan
+  --long           the heavier matrix of scenes, threads and settings
+END
+}
+
+usage_error() {
+  usage >&2
+  say "$1"
+  exit 2
+}
+
+preset=release
+selection=()
+while (($#)); do
+  case $1 in
+    --label | --preset) (($# > 1)) || usage_error "$1 needs a value" ;;&
+    --label) selection=(--label-regex "^$2\$") && shift ;;
+    --preset) preset=$2 && shift ;;
+    --long) export ATOLL_LONG_TESTS=1 ;;
+    -h | --help) usage && exit ;;
+    *) usage_error "unknown option $1" ;;
+  esac
+  shift
+done
+
+options=()
+[[ ${CI:-} != true ]] || options=(-DATOLL_WERROR=ON)
+install_packages
+cd "$root"
+build "$preset" all "${options[@]}"
+ctest --preset "$preset" "${selection[@]}"
