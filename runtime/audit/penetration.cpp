@@ -1,0 +1,123 @@
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "placed.h"
+
+namespace atl {
+namespace {
+
+using audit::Placed;
+
+/// Overlap up to this counts as touching.
+constexpr double touching = 10e-6;
+
+/// A finite shape on its way through the sweep.
+struct Entry {
+  Vector3 low, high;  ///< world-frame bounds
+  Placed shape;
+  double bounding_radius;  ///< m
+  bool dynamic;
+};
+
+Entry make_entry(const PlacedShape& from) {
+  Entry entry{.low = {},
+              .high = {},
+              .shape = audit::place(from),
+              .bounding_radius = 0,
+              .dynamic = from.type == BodyType::Dynamic};
+  Vector3 reach;
+  if (const auto* box = std::get_if<audit::PlacedBox>(&entry.shape)) {
+    reach = box->axes.cwiseAbs() * box->half_extents;
+    entry.bounding_radius = box->half_extents.norm();
+  } else {
+    entry.bounding_radius = std::get<audit::PlacedSphere>(entry.shape).radius;
+    reach.setConstant(entry.bounding_radius);
+  }
+  entry.low = from.pose.position - reach;
+  entry.high = from.pose.position + reach;
+  return entry;
+}
+
+/// The axis along which the centres have the largest variance.
+int sweep_axis(const std::vector<Entry>& entries) {
+  Vector3 mean = Vector3::Zero();
+  for (const Entry& entry : entries) mean += (entry.low + entry.high) / 2;
+  mean /= std::max<double>(1, static_cast<double>(entries.size()));
+  Vector3 variance = Vector3::Zero();
+  for (const Entry& entry : entries) variance += ((entry.low + entry.high) / 2 - mean).cwiseAbs2();
+  int axis = 0;
+  variance.maxCoeff(&axis);
+  return axis;
+}
+
+/// Depths of the overlapping pairs, in a fixed order.
+class Tally {
+ public:
+  void add(double depth, double smaller_radius) {
+    if (depth <= touching) return;
+    depths_.push_back(depth);
+    max_relative_ = std::max(max_relative_, depth / smaller_radius);
+  }
+
+  PenetrationReport report() && {
+    PenetrationReport report{.max_relative = max_relative_, .pairs = depths_.size()};
+    if (depths_.empty()) return report;
+    for (double depth : depths_) report.mean += depth;
+    report.mean /= static_cast<double>(depths_.size());
+    std::sort(depths_.begin(), depths_.end());
+    report.max = depths_.back();
+    const std::size_t rank = (depths_.size() * 99 + 99) / 100;  // nearest rank: ceil(0.99 n)
+    report.p99 = depths_[rank - 1];
+    return report;
+  }
+
+ private:
+  std::vector<double> depths_;
+  double max_relative_ = 0;
+};
+
+/// Sorts by the lower bound on the axis and hands every pair whose bounds overlap to `visit`.
+template <class Visit>
+void sweep(std::vector<Entry>& entries, const Visit& visit) {
+  const int axis = sweep_axis(entries);
+  std::stable_sort(entries.begin(), entries.end(),
+                   [axis](const Entry& a, const Entry& b) { return a.low[axis] < b.low[axis]; });
+  for (auto a = entries.begin(); a != entries.end(); ++a) {
+    for (auto b = a + 1; b != entries.end() && b->low[axis] <= a->high[axis]; ++b) {
+      if ((a->low.array() <= b->high.array()).all() && (b->low.array() <= a->high.array()).all()) visit(*a, *b);
+    }
+  }
+}
+
+}  // namespace
+
+PenetrationReport measure_penetration(std::span<const PlacedShape> shapes) {
+  std::vector<Entry> entries;
+  std::vector<Placed> grounds;
+  entries.reserve(shapes.size());
+  for (const PlacedShape& shape : shapes) {
+    if (std::holds_alternative<HalfSpace>(shape.shape)) {
+      grounds.push_back(audit::place(shape));
+      continue;
+    }
+    Entry entry = make_entry(shape);
+    // A body that is not finite overlaps nothing and would break the sort; the step's report names it.
+    if (entry.low.allFinite() && entry.high.allFinite()) entries.push_back(entry);
+  }
+
+  Tally tally;
+  for (const Entry& entry : entries) {
+    if (!entry.dynamic) continue;
+    for (const Placed& ground : grounds) tally.add(audit::overlap(entry.shape, ground), entry.bounding_radius);
+  }
+  sweep(entries, [&tally](const Entry& a, const Entry& b) {
+    if (!a.dynamic && !b.dynamic) return;
+    tally.add(audit::overlap(a.shape, b.shape), std::min(a.bounding_radius, b.bounding_radius));
+  });
+  return std::move(tally).report();
+}
+
+}  // namespace atl
