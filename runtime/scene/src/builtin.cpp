@@ -1,0 +1,148 @@
+#include "builtin.h"
+
+#include <charconv>
+#include <cmath>
+
+#include "words.h"
+
+namespace atl {
+namespace scene {
+namespace {
+
+struct Entry {
+  BuiltinScene scene;
+  SceneBuilder build;
+};
+
+const std::vector<Entry>& entries() {
+  static const std::vector<Entry> all = {
+      {{"pyramid3d",
+        "square pyramid of unit boxes, each on the four below it",
+        {{"layers", 18, 1, 300, true, "layers; the lowest has layers x layers boxes"}}},
+       &build_pyramid3d},
+      {{"wall",
+        "triangular wall of unit boxes in running bond, sides touching",
+        {{"base", 100, 1, 4000, true, "boxes in the lowest row; each row has one fewer"}}},
+       &build_wall},
+      {{"islands",
+        "many walls that never touch each other, on a square grid",
+        {{"count", 400, 1, 1000000, true, "walls"}, {"base", 10, 1, 4000, true, "boxes in a wall's lowest row"}}},
+       &build_islands},
+      {{"pile",
+        "random boxes, half extents 0.25 to 0.75 m, dropped into a container of 20 m x 20 m",
+        {{"bodies", 5000, 1, 100000, true, "boxes"}}},
+       &build_pile},
+      {{"stack",
+        "tower of unit boxes",
+        {{"height", 10, 1, 10000, true, "boxes"},
+         {"ratio", 1, 1e-6, 1e6, false, "density of the top box over that of the others"}}},
+       &build_stack},
+  };
+  return all;
+}
+
+std::vector<std::string_view> scene_names() {
+  std::vector<std::string_view> names;
+  for (const Entry& entry : entries()) names.push_back(entry.scene.name);
+  return names;
+}
+
+const Entry& find_entry(std::string_view name) {
+  for (const Entry& entry : entries()) {
+    if (entry.scene.name == name) return entry;
+  }
+  throw SceneError("unknown scene " + quote(name) + ": expected " + listed(scene_names()) +
+                   ", or a scene file ending in .json" + suggestion(name, scene_names()));
+}
+
+std::string range_words(const SceneParameter& parameter) {
+  return (parameter.integer ? "an integer in [" : "a number in [") + number_text(parameter.min) + ", " +
+         number_text(parameter.max) + "]";
+}
+
+double read_value(const BuiltinScene& scene, const SceneParameter& parameter, std::string_view text) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const bool whole = error == std::errc{} && end == text.data() + text.size() && !text.empty();
+  if (!whole || !(value >= parameter.min && value <= parameter.max) ||
+      (parameter.integer && std::trunc(value) != value)) {
+    throw SceneError(scene.name + ": " + parameter.name + ": found " + quote(text) + ", expected " +
+                     range_words(parameter));
+  }
+  return value;
+}
+
+const SceneParameter& find_parameter(const BuiltinScene& scene, std::string_view name) {
+  std::vector<std::string_view> names;
+  for (const SceneParameter& parameter : scene.parameters) {
+    if (parameter.name == name) return parameter;
+    names.push_back(parameter.name);
+  }
+  throw SceneError(scene.name + ": unknown parameter " + quote(name) + ": expected " + listed(names) +
+                   suggestion(name, names));
+}
+
+// "param=value,param=value".
+void read_values(const BuiltinScene& scene, std::string_view text, ParameterValues& values) {
+  std::vector<std::string_view> given;
+  for (bool more = true; more;) {
+    const std::size_t comma = text.find(',');
+    const std::string_view item = text.substr(0, comma);
+    more = comma != std::string_view::npos;
+    if (more) text.remove_prefix(comma + 1);
+
+    const std::size_t equals = item.find('=');
+    if (equals == std::string_view::npos) {
+      throw SceneError(scene.name + ": found " + quote(item) + ", expected parameter=value after the colon");
+    }
+    const SceneParameter& parameter = find_parameter(scene, item.substr(0, equals));
+    for (const std::string_view name : given) {
+      if (name == parameter.name) throw SceneError(scene.name + ": parameter " + quote(name) + " is given twice");
+    }
+    given.push_back(parameter.name);
+    values.set(parameter.name, read_value(scene, parameter, item.substr(equals + 1)));
+  }
+}
+
+}  // namespace
+
+ParameterValues::ParameterValues(const BuiltinScene& scene) : scene_(&scene) {
+  for (const SceneParameter& parameter : scene.parameters) values_.push_back(parameter.value);
+}
+
+std::size_t ParameterValues::index(std::string_view name) const {
+  std::size_t i = 0;
+  while (scene_->parameters.at(i).name != name) ++i;
+  return i;
+}
+
+std::string ParameterValues::address() const {
+  std::string address = scene_->name;
+  for (std::size_t i = 0; i < values_.size(); ++i) {
+    address += (i == 0 ? ":" : ",") + scene_->parameters[i].name + "=" + number_text(values_[i]);
+  }
+  return address;
+}
+
+Scene load_builtin(std::string_view text, std::uint64_t seed) {
+  const std::size_t colon = text.find(':');
+  const Entry& entry = find_entry(text.substr(0, colon));
+  ParameterValues values(entry.scene);
+  if (colon != std::string_view::npos) read_values(entry.scene, text.substr(colon + 1), values);
+  Scene scene = entry.build(values, seed);
+  scene.name = values.address();
+  return scene;
+}
+
+}  // namespace scene
+
+const std::vector<BuiltinScene>& builtin_scenes() {
+  static const std::vector<BuiltinScene> all = [] {
+    std::vector<BuiltinScene> scenes;
+    for (const scene::Entry& entry : scene::entries()) scenes.push_back(entry.scene);
+    return scenes;
+  }();
+  return all;
+}
+
+}  // namespace atl

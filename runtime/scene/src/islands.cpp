@@ -1,0 +1,28 @@
+#include <cmath>
+
+#include "building_blocks.h"
+#include "builtin.h"
+#include "limits.h"
+#include "words.h"
+
+namespace atl::scene {
+
+Scene build_islands(const ParameterValues& values, std::uint64_t) {
+  const int count = values.integer("count"), base = values.integer("base");
+  const Lattice wall = wall_lattice(base);
+  if (count * wall.size() >= static_cast<double>(most_bodies)) {
+    throw SceneError(values.address() + ": found " + number_text(count * wall.size()) + " boxes, expected fewer than " +
+                     std::to_string(most_bodies));
+  }
+  // A wall is as wide as its base, so 2 m are left between walls in a row and more between the rows.
+  const double pitch = base + 2;
+  const int side = static_cast<int>(std::ceil(std::sqrt(count)));
+  std::vector<Vector3> centres = Lattice{.count = {side, side, 1}, .spacing = {pitch, pitch, 1}}.points();
+  centres.resize(static_cast<std::size_t>(count));
+
+  Scene scene = scene_on_ground(100, true);
+  for (const Vector3& centre : centres) add_unit_boxes(scene, wall, centre);
+  return scene;
+}
+
+}  // namespace atl::scene

@@ -1,0 +1,10 @@
+#pragma once
+
+#include <cstddef>
+
+namespace atl::scene {
+
+/// What a scene may have, built-in or from a file: a mistyped count should not exhaust the memory.
+inline constexpr std::size_t most_bodies = 10'000'000;
+
+}  // namespace atl::scene

@@ -1,0 +1,140 @@
+#include <Eigen/Eigenvalues>
+
+#include "schema.h"
+#include "words.h"
+
+namespace atl::scene {
+namespace {
+
+// A string names an entry of the library, anything else is read as a definition.
+template <class Part>
+Part named_or_inline(const Reader& in, const std::map<std::string, Part, std::less<>>& library, const char* kind,
+                     Part (*read)(const Reader&)) {
+  if (!in.is_string()) return read(in);
+  const std::string& name = in.string();
+  if (const auto found = library.find(name); found != library.end()) return found->second;
+  std::vector<std::string_view> names;
+  names.reserve(library.size());
+  for (const auto& [known, part] : library) names.push_back(known);
+  in.expected("the name of a " + std::string(kind) + " in /" + kind + "s, " +
+              (names.empty() ? "which has none" : "which has " + listed(names)) + suggestion(name, names));
+}
+
+BodyType read_type(const Reader& in) {
+  constexpr std::array types = {BodyType::Dynamic, BodyType::Static, BodyType::Kinematic};
+  return types[in.choice({"dynamic", "static", "kinematic"})];
+}
+
+Quaternion read_orientation(const Reader& in) {
+  const auto [x, y, z, w] = in.numbers<4>("a quaternion of four numbers, [x, y, z, w]");
+  constexpr double least_norm = 1e-6;
+  const double norm = Quaternion(w, x, y, z).norm();
+  if (!(norm > least_norm) || !std::isfinite(norm)) {
+    in.fail("a quaternion of norm " + number_text(norm), "a norm that can be scaled to 1");
+  }
+  return {w, x, y, z};
+}
+
+// Three principal moments, or all six of a symmetric matrix.
+Matrix3 read_inertia(const Reader& in) {
+  constexpr const char* what = "an array of three numbers, [Ixx, Iyy, Izz], or of six with Ixy, Ixz, Iyz";
+  Matrix3 inertia = Matrix3::Zero();
+  if (in.size(what) == 3) {
+    const auto [xx, yy, zz] = in.numbers<3>(what);
+    inertia.diagonal() = Vector3(xx, yy, zz);
+  } else {
+    const auto [xx, yy, zz, xy, xz, yz] = in.numbers<6>(what);
+    inertia << xx, xy, xz, xy, yy, yz, xz, yz, zz;
+  }
+  const Vector3 moments = Eigen::SelfAdjointEigenSolver<Matrix3>(inertia, Eigen::EigenvaluesOnly).eigenvalues();
+  const std::string found =
+      "principal moments " + number_text(moments[0]) + ", " + number_text(moments[1]) + ", " + number_text(moments[2]);
+  if (!(moments[0] > 0)) in.fail(found, "all of them > 0");
+  // A flat plate meets the bound exactly, so rounding must not refuse it.
+  constexpr double tolerance = 1e-9;
+  if (moments[2] > (moments[0] + moments[1]) * (1 + tolerance)) {
+    in.fail(found, "none larger than the sum of the others, which no rigid body can exceed");
+  }
+  return inertia;
+}
+
+void read_mass(const Reader& in, BodyDef& def) {
+  for (const char* key : {"density", "mass", "inertia", "gravity_scale", "linear_damping", "angular_damping"}) {
+    if (def.type != BodyType::Dynamic && in.has(key)) {
+      in.fail_at(key, "it on a body that is not dynamic", "it on dynamic bodies only: others do not move under forces");
+    }
+  }
+  if (in.has("density") && in.has("mass")) in.fail_at("mass", "both a mass and a density", "one of them");
+  if (in.has("inertia") && !in.has("mass")) in.fail_at("mass", "an inertia without a mass", "both");
+  in.get("density", def.density, above(0));
+  if (const auto mass = in.find("mass")) def.mass = mass->number(above(0));
+  if (const auto inertia = in.find("inertia")) def.inertia = read_inertia(*inertia);
+}
+
+}  // namespace
+
+Material read_material(const Reader& in) {
+  in.only_keys({"friction", "restitution"});
+  Material material;
+  in.get("friction", material.friction, at_least(0));
+  in.get("restitution", material.restitution, between(0, 1));
+  return material;
+}
+
+Shape read_shape(const Reader& in) {
+  in.only_keys({"type", "half_extents", "radius", "normal", "offset"});
+  switch (in.at("type", "box, sphere or half_space").choice({"box", "sphere", "half_space"})) {
+    case 0:
+      in.only_keys({"type", "half_extents"});
+      return Box{in.at("half_extents", "[x, y, z] in m").vector(above(0))};
+    case 1:
+      in.only_keys({"type", "radius"});
+      return Sphere{in.at("radius", "a number > 0, in m").number(above(0))};
+    default:
+      in.only_keys({"type", "normal", "offset"});
+      HalfSpace half_space;
+      in.get("normal", half_space.normal);
+      in.get("offset", half_space.offset);
+      const double norm = half_space.normal.norm();
+      if (!(norm > 0) || !std::isfinite(norm)) {
+        in.fail_at("normal", "a vector of length " + number_text(norm), "a length above 0");
+      }
+      return half_space;
+  }
+}
+
+SceneBody read_body(const Reader& in, const Library& library) {
+  in.only_keys({"name", "type", "shape", "material", "position", "orientation", "velocity", "angular_velocity",
+                "density", "mass", "inertia", "gravity_scale", "linear_damping", "angular_damping"});
+  SceneBody body;
+  BodyDef& def = body.def;
+  in.get("name", body.name);
+  if (const auto type = in.find("type")) def.type = read_type(*type);
+
+  const Reader shape = in.at("shape", "a shape or the name of one");
+  def.shape = named_or_inline(shape, library.shapes, "shape", &read_shape);
+  if (def.type == BodyType::Dynamic && std::holds_alternative<HalfSpace>(def.shape)) {
+    shape.fail("a half-space on a dynamic body", "a box or a sphere: a half-space has infinite mass");
+  }
+  if (const auto material = in.find("material")) {
+    def.material = named_or_inline(*material, library.materials, "material", &read_material);
+  }
+
+  in.get("position", def.position);
+  if (const auto orientation = in.find("orientation")) def.orientation = read_orientation(*orientation);
+  for (const char* key : {"velocity", "angular_velocity"}) {
+    if (def.type == BodyType::Static && in.has(key)) {
+      in.fail_at(key, "it on a static body", "it on dynamic and kinematic bodies only");
+    }
+  }
+  in.get("velocity", def.velocity);
+  in.get("angular_velocity", def.angular_velocity);
+
+  read_mass(in, def);
+  in.get("gravity_scale", def.gravity_scale);
+  in.get("linear_damping", def.linear_damping, at_least(0));
+  in.get("angular_damping", def.angular_damping, at_least(0));
+  return body;
+}
+
+}  // namespace atl::scene

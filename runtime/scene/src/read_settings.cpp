@@ -1,0 +1,27 @@
+#include "schema.h"
+
+namespace atl::scene {
+
+Settings read_settings(const Reader& in) {
+  in.only_keys({"substeps", "iterations", "relax_iterations", "friction", "warm_starting", "contact_hertz",
+                "contact_damping_ratio", "contact_push_speed", "restitution_threshold", "sleeping", "sleep_speed",
+                "time_to_sleep"});
+  Settings settings;
+  in.get("substeps", settings.substeps, 1, 1024);
+  in.get("iterations", settings.iterations, 1, 1024);
+  in.get("relax_iterations", settings.relax_iterations, 0, 1024);
+  if (const auto friction = in.find("friction")) {
+    settings.friction = friction->choice({"cone", "pyramid"}) == 0 ? FrictionModel::Cone : FrictionModel::Pyramid;
+  }
+  in.get("warm_starting", settings.warm_starting);
+  if (in.find("contact_hertz")) in.get("contact_hertz", settings.contact_hertz.emplace(), above(0));
+  in.get("contact_damping_ratio", settings.contact_damping_ratio, at_least(0));
+  in.get("contact_push_speed", settings.contact_push_speed, above(0));
+  in.get("restitution_threshold", settings.restitution_threshold, at_least(0));
+  in.get("sleeping", settings.sleeping);
+  in.get("sleep_speed", settings.sleep_speed, at_least(0));
+  in.get("time_to_sleep", settings.time_to_sleep, at_least(0));
+  return settings;
+}
+
+}  // namespace atl::scene

@@ -1,0 +1,106 @@
+#include <atoll/scene.h>
+
+#include <filesystem>
+#include <unordered_set>
+
+#include "limits.h"
+#include "schema.h"
+#include "words.h"
+
+namespace atl {
+namespace scene {
+namespace {
+
+constexpr double newest_version = 1;
+constexpr int most_steps = 1'000'000'000;
+
+void read_format(const Reader& in) {
+  const Reader format = in.at("format", quote("atoll-scene"));
+  if (!format.is_string() || format.string() != "atoll-scene") format.expected(quote("atoll-scene"));
+  const Reader version = in.at("version", number_text(newest_version));
+  if (!version.is_number(newest_version)) version.expected(number_text(newest_version));
+}
+
+Library read_library(const Reader& in) {
+  Library library;
+  if (const auto materials = in.find("materials")) {
+    for (const JsonValue::Member& member : materials->members()) {
+      library.materials[member.key] = read_material(materials->member(member));
+    }
+  }
+  if (const auto shapes = in.find("shapes")) {
+    for (const JsonValue::Member& member : shapes->members()) {
+      library.shapes[member.key] = read_shape(shapes->member(member));
+    }
+  }
+  return library;
+}
+
+// Adds bodies to a scene and sees to it that no two have one name.
+class BodyList {
+ public:
+  explicit BodyList(std::vector<SceneBody>& bodies) : bodies_(bodies) {}
+
+  std::size_t room() const { return most_bodies - bodies_.size(); }
+
+  void add(SceneBody body, const Reader& in) {
+    if (!body.name.empty() && !names_.insert(body.name).second) {
+      in.fail_at("name", "a second body named " + quote(body.name), "a name that no other body has");
+    }
+    bodies_.push_back(std::move(body));
+  }
+
+ private:
+  std::vector<SceneBody>& bodies_;
+  std::unordered_set<std::string> names_;
+};
+
+void read_bodies(const Reader& in, const Library& library, BodyList& list) {
+  const std::size_t count = in.size("an array of bodies");
+  if (count > most_bodies) {
+    in.fail(std::to_string(count) + " bodies", "at most " + std::to_string(most_bodies));
+  }
+  for (std::size_t i = 0; i < count; ++i) list.add(read_body(in.element(i), library), in.element(i));
+}
+
+void read_generators(const Reader& in, const Library& library, std::uint64_t seed, BodyList& list) {
+  const std::size_t count = in.size("an array of generators");
+  for (std::size_t i = 0; i < count; ++i) {
+    const Reader generator = in.element(i);
+    for (SceneBody& body : read_generator(generator, library, list.room(), seed, i)) {
+      list.add(std::move(body), generator.at("body", ""));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace scene
+
+Scene parse_scene(std::string_view json, const std::string& origin, std::uint64_t seed) {
+  using namespace scene;
+  const JsonDocument document = parse_json(json, origin);
+  const Reader in(document);
+  // The format first: of another kind of file, no other message would make sense.
+  read_format(in);
+  in.only_keys({"format", "version", "name", "description", "gravity", "dt", "steps", "starts_at_rest", "settings",
+                "materials", "shapes", "bodies", "generators"});
+
+  Scene scene;
+  scene.name = std::filesystem::path(origin).stem().string();
+  in.get("name", scene.name);
+  if (const auto description = in.find("description")) description->string();
+  in.get("gravity", scene.gravity);
+  in.get("dt", scene.dt, above_up_to(0, 1));
+  in.get("steps", scene.steps, 1, most_steps);
+  in.get("starts_at_rest", scene.starts_at_rest);
+  if (const auto settings = in.find("settings")) scene.settings = read_settings(*settings);
+
+  const Library library = read_library(in);
+  BodyList list(scene.bodies);
+  if (const auto bodies = in.find("bodies")) read_bodies(*bodies, library, list);
+  if (const auto generators = in.find("generators")) read_generators(*generators, library, seed, list);
+  if (scene.bodies.empty()) in.fail_at("bodies", "no bodies", "at least one, here or from a generator");
+  return scene;
+}
+
+}  // namespace atl

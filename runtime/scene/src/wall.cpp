@@ -1,0 +1,12 @@
+#include "building_blocks.h"
+#include "builtin.h"
+
+namespace atl::scene {
+
+Scene build_wall(const ParameterValues& values, std::uint64_t) {
+  Scene scene = scene_on_ground(200, true);
+  add_unit_boxes(scene, wall_lattice(values.integer("base")));
+  return scene;
+}
+
+}  // namespace atl::scene

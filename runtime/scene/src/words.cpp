@@ -1,0 +1,84 @@
+#include "words.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <vector>
+
+namespace atl::scene {
+namespace {
+
+constexpr std::size_t longest_quote = 60;
+
+// Optimal string alignment (Damerau-Levenshtein without overlapping edits), on three rows of the table.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> before(b.size() + 1), above(b.size() + 1), row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) above[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      row[j] = std::min({above[j] + 1, row[j - 1] + 1, above[j - 1] + (a[i - 1] != b[j - 1])});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) row[j] = std::min(row[j], before[j - 2] + 1);
+    }
+    std::swap(before, above);
+    std::swap(above, row);
+  }
+  return above[b.size()];
+}
+
+}  // namespace
+
+std::string quote(std::string_view text) {
+  constexpr const char* hex = "0123456789abcdef";
+  std::string result = "\"";
+  std::size_t length = std::min(text.size(), longest_quote);
+  const auto continues = [](char c) { return (static_cast<unsigned char>(c) & 0xc0) == 0x80; };
+  while (length < text.size() && length > 0 && continues(text[length])) --length;  // leave UTF-8 whole
+  for (const char c : text.substr(0, length)) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < 0x20 || byte == 0x7f) {
+      result += {'\\', 'x', hex[byte >> 4], hex[byte & 15]};
+    } else {
+      result += c;
+    }
+  }
+  return result + (length < text.size() ? "...\"" : "\"");
+}
+
+std::string number_text(double value) {
+  constexpr double most_integer = 1e15;  // shown with all digits
+  if (std::trunc(value) == value && std::abs(value) < most_integer) {
+    return std::to_string(static_cast<long long>(value));
+  }
+  std::array<char, 32> digits;
+  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
+  return {digits.data(), end};
+}
+
+std::string listed(std::span<const std::string_view> names) {
+  std::string result;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (i > 0) result += i + 1 < names.size() ? ", " : " or ";
+    result += names[i];
+  }
+  return result;
+}
+
+std::string suggestion(std::string_view found, std::span<const std::string_view> names) {
+  if (found.size() > longest_quote) return "";
+  std::size_t least = std::max<std::size_t>(1, found.size() / 3) + 1;
+  std::string_view nearest;
+  for (const std::string_view name : names) {
+    // A name that starts with what was typed is near however much is missing.
+    const bool starts = found.size() >= 3 && name.starts_with(found);
+    const std::size_t distance = starts ? 1 : edit_distance(found, name);
+    if (distance < least) {
+      least = distance;
+      nearest = name;
+    }
+  }
+  return nearest.empty() ? "" : " (did you mean " + quote(nearest) + "?)";
+}
+
+}  // namespace atl::scene

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace atl::scene {
+
+/// The text in double quotes, on one line: control characters as \xNN, and cut off where it is long.
+std::string quote(std::string_view text);
+
+/// The shortest decimal that reads back as the same number, whatever the locale; integers in full.
+std::string number_text(double value);
+
+/// "a, b or c".
+std::string listed(std::span<const std::string_view> names);
+
+/// " (did you mean "x"?)" with the name nearest to a mistyped one, or "" where none is near: nearest by
+/// edit distance with transpositions counted as one edit.
+std::string suggestion(std::string_view found, std::span<const std::string_view> names);
+
+}  // namespace atl::scene
