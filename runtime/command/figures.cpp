@@ -1,0 +1,54 @@
+#include "figures.h"
+
+#include <cinttypes>
+#include <cstdio>
+
+namespace atl::command {
+
+std::vector<Count> named_counts(const StepCounts& c) {
+  return {{"pairs", c.pairs},     {"contacts", c.contacts},     {"points", c.points},
+          {"joints", c.joints},   {"islands", c.islands},       {"groups", c.groups},
+          {"colours", c.colours}, {"fcl_calls", c.fcl_calls},   {"kept_manifolds", c.kept_manifolds},
+          {"asleep", c.asleep},   {"id_matches", c.id_matches}, {"id_misses", c.id_misses}};
+}
+
+std::vector<ErrorMeasure> named_errors(const RunResult& result) {
+  const PenetrationReport& p = result.penetration;
+  std::vector<ErrorMeasure> errors = {{"penetration_max", p.max, "m"},
+                                      {"penetration_p99", p.p99, "m"},
+                                      {"penetration_mean", p.mean, "m"},
+                                      {"penetration_max_relative", p.max_relative, ""}};
+  if (result.rest) {
+    errors.push_back({"sink_max", result.rest->sink_max, "m"});
+    errors.push_back({"sink_mean", result.rest->sink_mean, "m"});
+    errors.push_back({"drift_max", result.rest->drift_max, "m"});
+    errors.push_back({"tilt_max", result.rest->tilt_max, "rad"});
+  }
+  return errors;
+}
+
+BodyCounts body_counts(const Scene& scene) {
+  BodyCounts counts;
+  for (const SceneBody& body : scene.bodies) {
+    switch (body.def.type) {
+      case BodyType::Dynamic:
+        ++counts.dynamic;
+        break;
+      case BodyType::Static:
+        ++counts.fixed;
+        break;
+      case BodyType::Kinematic:
+        ++counts.kinematic;
+        break;
+    }
+  }
+  return counts;
+}
+
+std::string hash_text(std::uint64_t hash) {
+  char text[19];
+  std::snprintf(text, sizeof text, "0x%016" PRIx64, hash);
+  return text;
+}
+
+}  // namespace atl::command

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "simulation.h"
+
+namespace atl::command {
+
+/// The figures of a run under the names that both reports give them, in their order.
+
+struct Count {
+  const char* name;
+  std::int64_t value;
+};
+std::vector<Count> named_counts(const StepCounts& counts);
+
+struct ErrorMeasure {
+  const char* name;
+  double value;
+  const char* unit;
+};
+std::vector<ErrorMeasure> named_errors(const RunResult& result);
+
+struct BodyCounts {
+  std::int64_t dynamic = 0;
+  std::int64_t fixed = 0;
+  std::int64_t kinematic = 0;
+};
+BodyCounts body_counts(const Scene& scene);
+
+/// "0x" and 16 hexadecimal digits.
+std::string hash_text(std::uint64_t hash);
+
+}  // namespace atl::command

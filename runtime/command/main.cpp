@@ -1,0 +1,62 @@
+#include <atoll/scene.h>
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "failure.h"
+#include "list_scenes.h"
+#include "run.h"
+
+namespace {
+
+using atl::command::Status;
+
+int exit_with(Status status, const std::string& message) {
+  std::cerr << "atoll: " << message << "\n";
+  return static_cast<int>(status);
+}
+
+int usage_error(const CLI::ParseError& error, const CLI::App& run) {
+  std::string message = error.what();
+  message = message.substr(0, message.find('\n'));
+  return exit_with(Status::Usage, message + (run.parsed() ? " (see atoll run --help)" : " (see atoll --help)"));
+}
+
+// Parses and runs; what goes wrong is thrown, but for help and usage, which CLI11 words.
+int command(int argc, char** argv) {
+  CLI::App app("Atoll: deterministic, island-parallel rigid-body simulation.", "atoll");
+  app.set_version_flag("--version", "atoll " ATOLL_VERSION);
+  app.footer("Exit status: 0 done, 1 a check failed, 2 usage, 3 bad scene, 4 the simulation became non-finite.");
+
+  CLI::App* run = app.add_subcommand("run", "simulate a scene file or a built-in scene and report time and error");
+  atl::command::RunOptions options;
+  atl::command::add_run_options(*run, options);
+  const CLI::App* scenes = app.add_subcommand("scenes", "list the built-in scenes and their parameters");
+
+  try {
+    app.parse(argc, argv);
+    // CLI11's require_subcommand would hide that "atoll rnu" has an argument that is not understood.
+    if (app.get_subcommands().empty()) throw CLI::RequiredError("A command, run or scenes,");
+    if (run->parsed()) atl::command::run(options);
+    if (scenes->parsed()) atl::command::list_scenes(std::cout);
+    return static_cast<int>(Status::Done);
+  } catch (const CLI::ParseError& error) {
+    return error.get_exit_code() == 0 ? app.exit(error) : usage_error(error, *run);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return command(argc, argv);
+  } catch (const atl::SceneError& error) {
+    return exit_with(Status::BadScene, error.what());
+  } catch (const atl::command::Failure& failure) {
+    return exit_with(failure.status(), failure.what());
+  } catch (const std::bad_alloc&) {
+    return exit_with(Status::BadScene, "the scene needs more memory than there is");
+  } catch (const std::exception& error) {
+    return exit_with(Status::CheckFailed, std::string("internal error: ") + error.what());
+  }
+}

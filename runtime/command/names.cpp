@@ -1,0 +1,52 @@
+#include "names.h"
+
+#include <array>
+#include <iomanip>
+#include <sstream>
+#include <stdexcept>
+
+namespace atl::command {
+namespace {
+
+template <class Enum>
+struct Named {
+  Enum value;
+  const char* name;
+};
+
+constexpr std::array frictions = {Named<FrictionModel>{FrictionModel::Cone, "cone"},
+                                  Named<FrictionModel>{FrictionModel::Pyramid, "pyramid"}};
+constexpr std::array simds = {Named<Simd>{Simd::Auto, "auto"},     Named<Simd>{Simd::Portable, "portable"},
+                              Named<Simd>{Simd::Sse4, "sse4"},     Named<Simd>{Simd::Avx2, "avx2"},
+                              Named<Simd>{Simd::Avx512, "avx512"}, Named<Simd>{Simd::Neon, "neon"}};
+
+template <class Enum, std::size_t size>
+const char* find_name(const std::array<Named<Enum>, size>& all, Enum value) {
+  for (const auto& entry : all) {
+    if (entry.value == value) return entry.name;
+  }
+  return "unknown";
+}
+
+template <class Enum, std::size_t size>
+Enum find_value(const std::array<Named<Enum>, size>& all, std::string_view name) {
+  for (const auto& entry : all) {
+    if (entry.name == name) return entry.value;
+  }
+  throw std::logic_error("an option let an unknown name pass: " + std::string(name));
+}
+
+}  // namespace
+
+const char* name_of(FrictionModel friction) { return find_name(frictions, friction); }
+const char* name_of(Simd simd) { return find_name(simds, simd); }
+FrictionModel friction_named(std::string_view name) { return find_value(frictions, name); }
+Simd simd_named(std::string_view name) { return find_value(simds, name); }
+
+std::string fixed(double value, int decimals) {
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(decimals) << value;
+  return text.str();
+}
+
+}  // namespace atl::command

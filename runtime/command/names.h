@@ -1,0 +1,19 @@
+#pragma once
+
+#include <atoll/settings.h>
+
+#include <string>
+#include <string_view>
+
+namespace atl::command {
+
+/// The words that options and reports have for the library's enumerations.
+const char* name_of(FrictionModel friction);
+const char* name_of(Simd simd);
+FrictionModel friction_named(std::string_view name);
+Simd simd_named(std::string_view name);
+
+/// A fixed number of decimals, as "3.140".
+std::string fixed(double value, int decimals);
+
+}  // namespace atl::command

@@ -1,0 +1,78 @@
+#include "report_json.h"
+
+#include <nlohmann/json.hpp>
+#include <ostream>
+
+#include "figures.h"
+#include "names.h"
+
+namespace atl::command {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json settings_json(const Settings& s) {
+  return {{"substeps", s.substeps},
+          {"iterations", s.iterations},
+          {"relax_iterations", s.relax_iterations},
+          {"friction", name_of(s.friction)},
+          {"warm_starting", s.warm_starting},
+          {"contact_hertz", s.contact_hertz ? Json(*s.contact_hertz) : Json("auto")},
+          {"contact_damping_ratio", s.contact_damping_ratio},
+          {"contact_push_speed", s.contact_push_speed},
+          {"restitution_threshold", s.restitution_threshold},
+          {"sleeping", s.sleeping},
+          {"sleep_speed", s.sleep_speed},
+          {"time_to_sleep", s.time_to_sleep}};
+}
+
+Json phases_json(const RunResult& result) {
+  Json phases = Json::object();
+  for (int i = 0; i < phase_count; ++i) phases[phase_name(static_cast<Phase>(i))] = result.phase_ms[i];
+  return phases;
+}
+
+Json counts_json(const StepCounts& counts) {
+  Json object = Json::object();
+  for (const Count& count : named_counts(counts)) object[count.name] = count.value;
+  return object;
+}
+
+Json errors_json(const RunResult& result) {
+  Json object = Json::object();
+  for (const ErrorMeasure& error : named_errors(result)) object[error.name] = error.value;
+  return object;
+}
+
+Json stages_json(const std::array<StageReport, stage_count>& stages) {
+  Json array = Json::array();
+  for (const StageReport& stage : stages) {
+    array.push_back({{"name", stage.name}, {"run", stage.run}, {"why", stage.why}, {"ms", stage.ms}});
+  }
+  return array;
+}
+
+}  // namespace
+
+void write_json(std::ostream& out, const Scene& scene, const World& world, const RunResult& result) {
+  const StepTimes& times = result.step_times;
+  const Json object = {
+      {"scene", scene.name},
+      {"bodies", body_counts(scene).dynamic},
+      {"steps", scene.steps},
+      {"dt", scene.dt},
+      {"threads", world.threads()},
+      {"simd", name_of(world.simd())},
+      {"settings", settings_json(scene.settings)},
+      {"ms_per_step", {{"mean", times.mean}, {"median", times.median}, {"p99", times.p99}, {"max", times.max}}},
+      {"phases_ms", phases_json(result)},
+      {"counts", counts_json(result.last.counts)},
+      {"errors", errors_json(result)},
+      {"stages", stages_json(result.last.stages)},
+      {"hash", hash_text(result.hash)},
+  };
+  // A name from a scene file is valid UTF-8 by then; one from a file's name need not be.
+  out << object.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
+}
+
+}  // namespace atl::command

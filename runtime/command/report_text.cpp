@@ -1,0 +1,104 @@
+#include "report_text.h"
+
+#include <iomanip>
+#include <ostream>
+#include <sstream>
+
+#include "figures.h"
+#include "names.h"
+
+namespace atl::command {
+namespace {
+
+constexpr int name_width = 26;
+constexpr int number_width = 12;
+constexpr int share_width = 9;
+
+std::string plural(std::int64_t count, const char* noun) {
+  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+}
+
+std::string significant(double value, int digits) {
+  std::ostringstream text;
+  text << std::setprecision(digits) << value;
+  return text.str();
+}
+
+void write_name(std::ostream& out, const char* name) { out << "  " << std::left << std::setw(name_width) << name; }
+
+void write_number(std::ostream& out, const std::string& number) {
+  out << std::right << std::setw(number_width) << number;
+}
+
+void write_head(std::ostream& out, const Scene& scene, const World& world) {
+  const BodyCounts bodies = body_counts(scene);
+  const Settings& s = scene.settings;
+  out << "scene     " << scene.name << "\n"
+      << "bodies    " << bodies.dynamic << " dynamic, " << bodies.fixed << " static, " << bodies.kinematic
+      << " kinematic\n"
+      << "run       " << plural(scene.steps, "step") << " of " << significant(1000 * scene.dt, 4) << " ms, "
+      << significant(scene.steps * scene.dt, 4) << " s in all; " << plural(world.threads(), "thread") << ", "
+      << name_of(world.simd()) << "\n"
+      << "settings  " << plural(s.substeps, "substep") << ", " << plural(s.iterations, "iteration") << ", "
+      << s.relax_iterations << " to relax, friction " << name_of(s.friction) << ", warm starting "
+      << (s.warm_starting ? "on" : "off") << ", sleeping " << (s.sleeping ? "on" : "off") << "\n";
+}
+
+void write_times(std::ostream& out, const RunResult& result) {
+  const StepTimes& times = result.step_times;
+  out << "\n" << std::left << std::setw(name_width + 2) << "time a step, mean of the run";
+  write_number(out, "ms");
+  out << std::setw(share_width) << "%"
+      << "\n";
+  for (int i = 0; i < phase_count; ++i) {
+    write_name(out, phase_name(static_cast<Phase>(i)));
+    write_number(out, fixed(result.phase_ms[i], 4));
+    out << std::setw(share_width) << fixed(times.mean > 0 ? 100 * result.phase_ms[i] / times.mean : 0, 1) << "\n";
+  }
+  write_name(out, "step");
+  write_number(out, fixed(times.mean, 4));
+  out << "    median " << fixed(times.median, 4) << ", p99 " << fixed(times.p99, 4) << ", max " << fixed(times.max, 4)
+      << "\n";
+}
+
+void write_counts(std::ostream& out, const StepCounts& counts) {
+  constexpr int columns = 3, column_width = 17, value_width = 10;
+  out << "\ncounts of the last step\n";
+  int column = 0;
+  for (const Count& count : named_counts(counts)) {
+    out << "  " << std::left << std::setw(column_width) << count.name << std::right << std::setw(value_width)
+        << count.value;
+    column = (column + 1) % columns;
+    out << (column == 0 ? "\n" : "  ");
+  }
+}
+
+void write_stages(std::ostream& out, const std::array<StageReport, stage_count>& stages) {
+  out << "\nstages of the last step\n";
+  for (const StageReport& stage : stages) {
+    write_name(out, stage.name);
+    out << (stage.run ? "run      " : "skipped  ") << stage.why << "\n";
+  }
+}
+
+void write_errors(std::ostream& out, const RunResult& result) {
+  out << "\nerrors of the final poses\n";
+  for (const ErrorMeasure& error : named_errors(result)) {
+    write_name(out, error.name);
+    write_number(out, significant(error.value, 4));
+    out << (*error.unit == '\0' ? "" : " ") << error.unit << "\n";
+  }
+}
+
+}  // namespace
+
+void write_text(std::ostream& out, const Scene& scene, const World& world, const RunResult& result) {
+  write_head(out, scene, world);
+  write_times(out, result);
+  write_counts(out, result.last.counts);
+  write_stages(out, result.last.stages);
+  write_errors(out, result);
+  out << "\nhash      " << hash_text(result.hash) << "\n";
+}
+
+}  // namespace atl::command

@@ -1,0 +1,95 @@
+#include "run.h"
+
+#include <iostream>
+#include <optional>
+
+#include "failure.h"
+#include "figures.h"
+#include "output_file.h"
+#include "report_json.h"
+#include "report_text.h"
+#include "simulation.h"
+
+namespace atl::command {
+namespace {
+
+// The files of a run, known to be writable before a long simulation starts.
+struct Outputs {
+  std::optional<OutputFile> json;
+  std::optional<OutputFile> final_state;
+};
+
+Outputs check_outputs(const RunOptions& options) {
+  Outputs outputs;
+  if (!options.out.empty()) outputs.json.emplace("--out", options.out);
+  if (!options.final_state.empty()) outputs.final_state.emplace("--final-state", options.final_state);
+  if (outputs.json && outputs.final_state && outputs.json->target() == outputs.final_state->target()) {
+    throw Failure(Status::Usage, "--final-state: found the file of --out, expected another one");
+  }
+  return outputs;
+}
+
+World make_world(const RunOptions& options, const Scene& scene) {
+  try {
+    return World({.gravity = scene.gravity, .threads = options.threads, .settings = scene.settings});
+  } catch (const Error& error) {
+    throw Failure(Status::Usage, error.what());
+  }
+}
+
+std::vector<BodyId> add_bodies(const Scene& scene, World& world) {
+  try {
+    return build_scene(scene, world);
+  } catch (const Error& error) {
+    throw Failure(Status::BadScene, error.what());
+  }
+}
+
+void write_final_state(const Outputs& outputs, const Scene& scene, const std::vector<BodyId>& ids,
+                       const RunResult& result) {
+  if (!outputs.final_state) return;
+  outputs.final_state->write([&](std::ostream& out) { result.final_state.write_csv(out, scene, ids); });
+}
+
+[[noreturn]] void fail_non_finite(const Scene& scene, const NonFinite& where, const Outputs& outputs) {
+  std::string body = "body " + std::to_string(where.body);
+  if (where.body < scene.bodies.size() && !scene.bodies[where.body].name.empty()) {
+    body += " \"" + scene.bodies[where.body].name + "\"";
+  }
+  throw Failure(Status::NonFinite, scene.name + ": " + body + " became non-finite in step " +
+                                       std::to_string(where.step) + " of " + std::to_string(scene.steps) +
+                                       (outputs.final_state ? "; --final-state has the state before that step" : ""));
+}
+
+void print(const RunOptions& options, const Scene& scene, const World& world, const RunResult& result) {
+  if (options.format == Format::Json) {
+    write_json(std::cout, scene, world, result);
+  } else {
+    write_text(std::cout, scene, world, result);
+    if (options.hash) std::cout << hash_text(result.hash) << "\n";
+  }
+  if (!std::cout.flush()) throw Failure(Status::Usage, "cannot write the results to standard output");
+}
+
+}  // namespace
+
+void run(const RunOptions& options) {
+  const Outputs outputs = check_outputs(options);
+  Scene scene = load_scene(options.scene, options.seed);
+  apply(options, scene);
+  World world = make_world(options, scene);
+  const std::vector<BodyId> ids = add_bodies(scene, world);
+
+  const RunResult result = simulate(scene, world, ids, outputs.final_state.has_value());
+  write_final_state(outputs, scene, ids, result);
+  if (result.non_finite) fail_non_finite(scene, *result.non_finite, outputs);
+  try {
+    if (outputs.json) outputs.json->write([&](std::ostream& out) { write_json(out, scene, world, result); });
+  } catch (const Failure&) {
+    print(options, scene, world, result);  // a disk that filled up meanwhile should not cost the results
+    throw;
+  }
+  print(options, scene, world, result);
+}
+
+}  // namespace atl::command

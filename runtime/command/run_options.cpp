@@ -1,0 +1,156 @@
+#include "run_options.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
+#include <functional>
+#include <thread>
+
+#include "names.h"
+
+namespace atl::command {
+namespace {
+
+constexpr int most_threads = 1024;
+constexpr int most_steps = 1'000'000'000;
+
+template <class Number>
+bool parse_whole(const std::string& text, Number& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc{} && end == text.data() + text.size();
+}
+
+// CLI11's own Range lets NaN pass and does not say what it wants of a text that is no number.
+CLI::Validator integer_in(int min, int max) {
+  const std::string range = "[" + std::to_string(min) + ", " + std::to_string(max) + "]";
+  const auto check = [=](std::string& text) -> std::string {
+    int value = 0;
+    if (parse_whole(text, value) && value >= min && value <= max) return "";
+    return "found \"" + text + "\", expected an integer in " + range;
+  };
+  return {check, range, "integer"};
+}
+
+CLI::Validator step_length() {
+  const auto check = [](std::string& text) -> std::string {
+    double value = 0;
+    if (parse_whole(text, value) && value > 0 && value <= 1) return "";
+    return "found \"" + text + "\", expected a number in (0, 1]";
+  };
+  return {check, "(0, 1]", "step length"};
+}
+
+CLI::Validator seed_number() {
+  const auto check = [](std::string& text) -> std::string {
+    std::uint64_t value = 0;
+    if (parse_whole(text, value)) return "";
+    return "found \"" + text + "\", expected an integer in [0, 2^64)";
+  };
+  return {check, "[0, 2^64)", "seed"};
+}
+
+using Choices = std::vector<std::string>;
+
+std::string joined(const Choices& names) {
+  std::string all;
+  for (const std::string& name : names) all += (all.empty() ? "" : "|") + name;
+  return all;
+}
+
+// An option that takes one of a few words.
+CLI::Option* add_choice(CLI::App& command, const char* option, const Choices& names, const char* help,
+                        const std::function<void(const std::string&)>& set) {
+  const auto check = [names](std::string& text) -> std::string {
+    if (std::find(names.begin(), names.end(), text) != names.end()) return "";
+    return "found \"" + text + "\", expected " + joined(names);
+  };
+  return command.add_option_function<std::string>(option, set, help)
+      ->check(CLI::Validator(check, "", "choice"))
+      ->type_name(joined(names));
+}
+
+CLI::Validator file_name() {
+  const auto check = [](std::string& text) -> std::string { return text.empty() ? "expected a file name" : ""; };
+  return {check, "", "file name"};
+}
+
+}  // namespace
+
+void add_run_options(CLI::App& command, RunOptions& options) {
+  const unsigned cores = std::thread::hardware_concurrency();  // 0 where it is unknown
+  options.threads = std::clamp(static_cast<int>(cores), 1, most_threads);
+
+  command
+      .add_option("SCENE", options.scene, "scene file, or a built-in scene such as wall:base=100 (see atoll scenes)")
+      ->required();
+
+  const char* time = "Time";
+  command.add_option("--steps", options.steps, "steps to simulate (default: the scene's)")
+      ->check(integer_in(1, most_steps))
+      ->group(time);
+  command.add_option("--dt", options.dt, "s of simulated time a step (default: the scene's)")
+      ->check(step_length())
+      ->group(time);
+
+  const char* solver = "Solver (default: the scene's settings)";
+  command.add_option("--substeps", options.substeps, "substeps a step; error falls with their square")
+      ->check(integer_in(1, 1024))
+      ->group(solver);
+  command.add_option("--iterations", options.iterations, "sweeps over the contacts a substep")
+      ->check(integer_in(1, 1024))
+      ->group(solver);
+  command.add_option("--relax-iterations", options.relax_iterations, "sweeps without position bias a substep")
+      ->check(integer_in(0, 1024))
+      ->group(solver);
+  add_choice(command, "--friction", {"cone", "pyramid"}, "friction model", [&options](const std::string& name) {
+    options.friction = friction_named(name);
+  })->group(solver);
+  command.add_flag("--no-warm-start", options.no_warm_start, "start every step from zero impulses")->group(solver);
+  command.add_flag("--sleeping", options.sleeping, "let islands at rest fall asleep")->group(solver);
+
+  const char* machine = "Machine (none of these changes a bit of the result)";
+  command.add_option("--threads", options.threads, "worker threads (default: all cores)")
+      ->check(integer_in(1, most_threads))
+      ->group(machine);
+  add_choice(command, "--simd", {"auto", "portable", "sse4", "avx2", "avx512"}, "vector instructions of the solver",
+             [&options](const std::string& name) { options.simd = simd_named(name); })
+      ->group(machine);
+
+  const char* output = "Scene content and output";
+  command.add_option("--seed", options.seed, "seed of a scene's random content (default: 1)")
+      ->check(seed_number())
+      ->group(output);
+  command.add_option("--out", options.out, "write the results as one JSON object to this file")
+      ->check(file_name())
+      ->type_name("FILE")
+      ->group(output);
+  command
+      .add_option("--final-state", options.final_state,
+                  "write the final pose and velocity of every body to this CSV file")
+      ->check(file_name())
+      ->type_name("FILE")
+      ->group(output);
+  const auto set_format = [&options](const std::string& name) {
+    options.format = name == "json" ? Format::Json : Format::Text;
+  };
+  add_choice(command, "--format", {"text", "json"}, "what to print on stdout (default: text)", set_format)
+      ->group(output);
+  command.add_flag("--hash", options.hash, "with text, end with a line that holds the state hash alone")->group(output);
+}
+
+void apply(const RunOptions& options, Scene& scene) {
+  const auto override_by = [](const auto& option, auto& value) {
+    if (option) value = *option;
+  };
+  override_by(options.steps, scene.steps);
+  override_by(options.dt, scene.dt);
+  override_by(options.substeps, scene.settings.substeps);
+  override_by(options.iterations, scene.settings.iterations);
+  override_by(options.relax_iterations, scene.settings.relax_iterations);
+  override_by(options.friction, scene.settings.friction);
+  if (options.no_warm_start) scene.settings.warm_starting = false;
+  if (options.sleeping) scene.settings.sleeping = true;
+  scene.settings.simd = options.simd;
+}
+
+}  // namespace atl::command

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <atoll/scene.h>
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "state_csv.h"
+
+namespace atl::command {
+
+/// Over the steps of a run, ms.
+struct StepTimes {
+  double mean = 0;
+  double median = 0;
+  double p99 = 0;  ///< nearest rank
+  double max = 0;
+};
+
+/// Where a run stopped being a simulation.
+struct NonFinite {
+  int step;          ///< the first is 1
+  std::size_t body;  ///< place in the scene's list
+};
+
+/// What a run of a scene gave.
+struct RunResult {
+  StepTimes step_times;
+  std::array<double, phase_count> phase_ms = {};  ///< mean
+  StepReport last;                                ///< of the last step
+  std::optional<NonFinite> non_finite;            ///< where set, the measures below are not
+  PenetrationReport penetration;
+  std::optional<RestReport> rest;  ///< for scenes that start at rest
+  std::uint64_t hash = 0;
+  BodyStates final_state;  ///< the last finite one, where it was asked for
+};
+
+/// Runs a scene that was built into the world as `ids`, then measures its errors.
+RunResult simulate(const Scene& scene, World& world, const std::vector<BodyId>& ids, bool keep_state);
+
+}  // namespace atl::command
