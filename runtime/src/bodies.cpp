@@ -69,6 +69,7 @@ BodyId World::Impl::add_body(const BodyDef& def) {
   bodies.inertia[body] = checked.inertia;
   bodies.inverse_inertia[body] = checked.inverse_inertia;
   bodies.gyroscopic[body] = checked.gyroscopic;
+  bodies.ball[body] = checked.shape.kind == collision::ShapeKind::Sphere;
   bodies.gravity_scale[body] = def.gravity_scale;
   bodies.linear_damping[body] = def.linear_damping;
   bodies.angular_damping[body] = def.angular_damping;

@@ -34,6 +34,18 @@ void add_box(Hash& hash, const collision::Aabb& box) {
   hash.add_all(box.upper);
 }
 
+// All that shapes the result: the instruction set does not.
+void add_settings(Hash& hash, const Settings& s) {
+  for (const int value : {s.substeps, s.iterations, s.relax_iterations, static_cast<int>(s.friction),
+                          int{s.warm_starting}, int{s.sleeping}}) {
+    hash.add(static_cast<std::uint64_t>(value));
+  }
+  for (const double value : {s.contact_hertz.value_or(0), s.contact_damping_ratio, s.contact_push_speed,
+                             s.restitution_threshold, s.sleep_speed, s.time_to_sleep}) {
+    hash.add(value);
+  }
+}
+
 // What the next step reads of a contact: how its manifold was captured, and the impulses.
 void add_contact(Hash& hash, const collision::Contact& contact, const collision::ContactManifold& manifold) {
   hash.add(contact.pair.key());
@@ -60,6 +72,8 @@ void add_contact(Hash& hash, const collision::Contact& contact, const collision:
 
 std::uint64_t World::Impl::state_hash() const {
   Hash hash;
+  add_settings(hash, settings);
+  for (int i = 0; i < 3; ++i) hash.add(gravity[i]);
   hash.add_all(records.alive);
   hash.add_all(records.generation);
   hash.add_all(records.free);

@@ -142,15 +142,17 @@ HWY_INLINE void refresh_separations(const ContactKernelData& data, ContactBlock&
                                     const ContactLanes& c) {
   const DisplacementRows* displacement = data.bodies.displacement.data();
   const auto linear_of = [=](const std::int32_t* index) {
-    const V4 p = load_rows([=](std::size_t k) { return displacement[index[k]].linear; });
-    return V3{p.x, p.y, p.z};
+    return load_rows([=](std::size_t k) { return displacement[index[k]].linear; });
   };
   const auto rotation_of = [=](const std::int32_t* index) {
     return load_rows([=](std::size_t k) { return displacement[index[k]].rotation; });
   };
-  const V3 change_first = turned_normal_change(rotation_of(c.first.index), c.normal);
-  const V3 change_second = turned_normal_change(rotation_of(c.second.index), c.normal);
-  const V3 moved = linear_of(c.second.index) - linear_of(c.first.index);
+  const V4 first = linear_of(c.first.index);
+  const V4 second = linear_of(c.second.index);
+  // A rolling ball's lowest point does not rise with its surface.
+  const V3 change_first = first.w * turned_normal_change(rotation_of(c.first.index), c.normal);
+  const V3 change_second = second.w * turned_normal_change(rotation_of(c.second.index), c.normal);
+  const V3 moved = V3{second.x, second.y, second.z} - V3{first.x, first.y, first.z};
   const V turned = hn::Sub(dot(change_second, c.anchor_second), dot(change_first, c.anchor_first));
   const V at_centre = hn::Add(dot(c.normal, moved), turned);
   const V3 change = change_second - change_first;
@@ -259,7 +261,7 @@ void sweep_blocks(const ContactKernelData& data, std::size_t begin, std::size_t 
       if constexpr (friction != Friction::None) solve_friction<friction>(block, lane, c);
       store_contact_bodies(c, data, block, lane);
     }
-    if (bias && data.bounces != nullptr) {
+    if (data.bounces != nullptr) {
       BounceBlock& bounce = data.bounces[b];
       for (std::size_t i = 0; i < max_points; ++i) {
         for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
@@ -316,6 +318,9 @@ inline void warm_start(const ContactKernelData& data, std::size_t begin, std::si
   }
 }
 
+// Over the points of each contact: with one, a face that hits flat would leave spinning.
+constexpr std::size_t restitution_sweeps = 16;
+
 inline void restitute(const ContactKernelData& data, std::size_t begin, std::size_t end) {
   const V threshold = splat(-data.constants.restitution_threshold);
   for (std::size_t b = begin; b < end; ++b) {
@@ -325,7 +330,8 @@ inline void restitute(const ContactKernelData& data, std::size_t begin, std::siz
       ContactLanes c = load_contacts(data, block, lane);
       const V restitution = load(bounce.restitution + lane);
       NormalSolve solve(c);
-      for (std::size_t i = 0; i < max_points; ++i) {
+      for (std::size_t n = 0; n < restitution_sweeps * max_points; ++n) {
+        const std::size_t i = n % max_points;
         const V x = load(block.x[i] + lane);
         const V y = load(block.y[i] + lane);
         const V old_impulse = load(block.normal_impulse[i] + lane);

@@ -79,12 +79,12 @@ GroupReport GroupSolver::run(const SolveInput& input, const IslandGroup& group, 
                           [&](std::size_t begin, std::size_t end) { kernel(begin * block_lanes, end * block_lanes); });
   };
   const Friction friction = !report.friction ? Friction::None : settings.pyramid ? Friction::Pyramid : Friction::Cone;
-  // Friction belongs to the sweep that sees the true velocities, without the position bias.
   const bool relaxes = settings.relax_iterations > 0;
-  const Friction bias_friction = relaxes ? Friction::None : friction;
 
   for (int substep = 0; substep < settings.substeps; ++substep) {
     const bool carry_over = settings.warm_starting && substep > 0;
+    // The relaxing sweeps' friction is carried over; a contact that has just begun has none yet to carry.
+    const Friction biased_friction = relaxes && carry_over ? Friction::None : friction;
     each_body([&](std::size_t begin, std::size_t end) {
       kernels.integrate_velocities(bodies_, constants, carry_over, begin, end);
     });
@@ -94,7 +94,7 @@ GroupReport GroupSolver::run(const SolveInput& input, const IslandGroup& group, 
       each_colour([&](std::size_t begin, std::size_t end) { kernels.warm_start(data, begin, end); });
     }
     for (int i = 0; i < settings.iterations; ++i) {
-      const Sweep sweep{true, !relaxes && substep > 0 && i == 0, bias_friction};
+      const Sweep sweep{true, !relaxes && substep > 0 && i == 0, biased_friction};
       each_colour([&](std::size_t begin, std::size_t end) { kernels.sweep(data, sweep, begin, end); });
     }
     each_body([&](std::size_t begin, std::size_t end) { kernels.integrate_positions(bodies_, constants, begin, end); });
@@ -169,6 +169,8 @@ void GroupSolver::load_bodies(const SolveInput& input, std::span<const std::uint
     set3(free_velocity.linear, table.velocity(body));
     set3(free_velocity.angular, table.angular_velocity(body));
     free_velocity.inverse_mass = static_cast<float>(table.inverse_mass[body]);
+
+    bodies_.displacement[local].carries = table.ball[body] ? 0.0f : 1.0f;
 
     AccelerationRows& acceleration = bodies_.acceleration[local];
     set3(acceleration.linear, input.gravity * table.gravity_scale[body] + table.inverse_mass[body] * table.force(body));

@@ -15,20 +15,20 @@ namespace atl {
 
 /// A body of a scene: its definition and its name ("" or unique within the scene).
 struct SceneBody {
-  std::string name;
-  BodyDef def;
+  std::string name = {};
+  BodyDef def = {};
 };
 
 /// A world to simulate, as data: what a scene file or a built-in scene turns into.
 struct Scene {
-  std::string name;
+  std::string name = {};
   Vector3 gravity = {0, 0, -9.81};
   double dt = 1.0 / 60;
   int steps = 300;
   Settings settings = {};
   /// The bodies start in their ideal rest pose, so sink, drift and tilt are errors.
   bool starts_at_rest = false;
-  std::vector<SceneBody> bodies;
+  std::vector<SceneBody> bodies = {};
 };
 
 /// Thrown for a scene that cannot be read. what() is one line: the file (or the scene's name), the JSON

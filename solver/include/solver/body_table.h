@@ -29,6 +29,7 @@ struct BodyTable {
   std::vector<Matrix3> inertia;          ///< kg m^2, body frame; zero unless dynamic
   std::vector<Matrix3> inverse_inertia;  ///< body frame; zero unless dynamic
   std::vector<std::uint8_t> gyroscopic;  ///< 1 if the inertia depends on the direction
+  std::vector<std::uint8_t> ball;        ///< 1 for a sphere about the centre of mass: it looks the same turned
   std::vector<double> gravity_scale;
   std::vector<double> linear_damping;   ///< 1/s
   std::vector<double> angular_damping;  ///< 1/s
@@ -68,6 +69,7 @@ inline void BodyTable::resize(std::size_t count) {
   inertia.resize(count, Matrix3::Zero());
   inverse_inertia.resize(count, Matrix3::Zero());
   gyroscopic.resize(count, 0);
+  ball.resize(count, 0);
   gravity_scale.resize(count, 1.0);
   linear_damping.resize(count, 0.0);
   angular_damping.resize(count, 0.0);

@@ -25,8 +25,8 @@ struct alignas(16) InertiaRow {
 };
 
 struct alignas(32) DisplacementRows {
-  float linear[3];  ///< m
-  float unused;
+  float linear[3];    ///< m
+  float carries;      ///< 1 if contact points turn with the body; 0 for a ball, on which they stay behind
   float rotation[4];  ///< x, y, z, w, world frame
 };
 
@@ -66,7 +66,7 @@ struct SolverBodies {
     const std::size_t padded = (count + block_lanes - 1) / block_lanes * block_lanes;
     velocity.assign(padded, {});
     inertia.assign(padded, {});
-    displacement.assign(padded, {{0, 0, 0}, 0, {0, 0, 0, 1}});
+    displacement.assign(padded, {{0, 0, 0}, 1, {0, 0, 0, 1}});
     free_velocity.assign(padded, {});
     acceleration.assign(padded, {{0, 0, 0}, 1, {0, 0, 0}, 1});
     gyroscopic.assign(with_gyroscopic ? padded : 0, {1, 1, 1, 0, 0, 0, 0, 0});
