@@ -69,19 +69,21 @@ void collide_box_half_space(const Vector3& half_extents, const Shape& half_space
   const Matrix3 rotation = second.orientation.conjugate().toRotationMatrix();
   const Vector3 centre = rotation * -second.position;
   const double centre_height = half_space.normal.dot(centre) - half_space.offset;
-  const Vector3 reach = (rotation.transpose() * half_space.normal).cwiseProduct(half_extents);
+  const Vector3 up = rotation.transpose() * half_space.normal;
+  const Vector3 reach = up.cwiseProduct(half_extents);
   if (!(centre_height - reach.cwiseAbs().sum() <= margin)) return;
 
-  std::array<Manifold::Point, 8> points;
-  int count = 0;
+  // The corners of the face that looks most directly down; it has the lowest corner.
+  Eigen::Index axis = 0;
+  up.cwiseAbs().maxCoeff(&axis);
+  const int lower_side = up[axis] > 0 ? 1 : 0;  // 1: the negative one
   for (int corner = 0; corner < 8; ++corner) {
+    if ((corner >> axis & 1) != lower_side) continue;
     const Vector3 sign(corner & 1 ? -1 : 1, corner & 2 ? -1 : 1, corner & 4 ? -1 : 1);
     const double separation = centre_height + sign.dot(reach);
     if (separation > margin) continue;
-    const Vector3 position = centre + rotation * sign.cwiseProduct(half_extents);
-    points[static_cast<std::size_t>(count++)] = {position, separation, corner_id(corner)};
+    manifold.add(centre + rotation * sign.cwiseProduct(half_extents), separation, corner_id(corner));
   }
-  reduce_points(points.data(), count, manifold);
 }
 
 }  // namespace atl::collision

@@ -112,8 +112,11 @@ CheckedBody check(const BodyDef& def) {
   check_finite("BodyDef.angular_velocity", def.angular_velocity);
   body.position = def.position;
   body.orientation = checked_orientation("BodyDef.orientation", def.orientation);
-  if (def.type == BodyType::Static && !(def.velocity.isZero(0) && def.angular_velocity.isZero(0))) {
-    refuse("BodyDef.velocity or angular_velocity of a static body", def.velocity, "zero");
+  if (def.type == BodyType::Static) {
+    if (!def.velocity.isZero(0)) refuse("BodyDef.velocity", def.velocity, "zero for a static body");
+    if (!def.angular_velocity.isZero(0)) {
+      refuse("BodyDef.angular_velocity", def.angular_velocity, "zero for a static body");
+    }
   }
   check_not_negative("BodyDef.material.friction", def.material.friction);
   if (!(def.material.restitution >= 0 && def.material.restitution <= 1)) {
