@@ -1,0 +1,183 @@
+// What a run prints and writes.
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "cli/command.h"
+
+namespace atl::test {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::vector<std::string> keys_of(const Json& object) {
+  std::vector<std::string> keys;
+  for (const auto& [key, value] : object.items()) keys.push_back(key);
+  return keys;
+}
+
+using Keys = std::vector<std::string>;
+
+TEST(CommandRun, JsonHasTheKeysInTheirOrder) {
+  const CommandResult result =
+      run_atoll({"run", "stack:height=3", "--steps", "5", "--dt", "0.01", "--threads", "2", "--substeps", "2",
+                 "--friction", "pyramid", "--no-warm-start", "--sleeping", "--format", "json"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+  const Json json = Json::parse(result.out);
+  EXPECT_EQ(keys_of(json), (Keys{"scene", "bodies", "steps", "dt", "threads", "simd", "settings", "ms_per_step",
+                                 "phases_ms", "counts", "errors", "stages", "hash"}));
+  EXPECT_EQ(keys_of(json["ms_per_step"]), (Keys{"mean", "median", "p99", "max"}));
+  EXPECT_EQ(keys_of(json["phases_ms"]), (Keys{"plan", "find_pairs", "update_contacts", "build_islands", "solve_islands",
+                                              "sweep_fast_bodies", "finish"}));
+  EXPECT_EQ(keys_of(json["counts"]), (Keys{"pairs", "contacts", "points", "joints", "islands", "groups", "colours",
+                                           "fcl_calls", "kept_manifolds", "asleep", "id_matches", "id_misses"}));
+  EXPECT_EQ(keys_of(json["errors"]),
+            (Keys{"penetration_max", "penetration_p99", "penetration_mean", "penetration_max_relative", "sink_max",
+                  "sink_mean", "drift_max", "tilt_max"}));
+  for (const Json& stage : json["stages"]) EXPECT_EQ(keys_of(stage), (Keys{"name", "run", "why", "ms"}));
+
+  EXPECT_EQ(json["scene"], "stack:height=3,ratio=1");
+  EXPECT_EQ(json["bodies"], 3);
+  EXPECT_EQ(json["steps"], 5);
+  EXPECT_EQ(json["dt"], 0.01);
+  EXPECT_EQ(json["threads"], 2);
+  EXPECT_NE(json["simd"], "auto");
+  EXPECT_EQ(json["settings"]["substeps"], 2);
+  EXPECT_EQ(json["settings"]["friction"], "pyramid");
+  EXPECT_EQ(json["settings"]["warm_starting"], false);
+  EXPECT_EQ(json["settings"]["sleeping"], true);
+  const std::string hash = json["hash"];
+  EXPECT_EQ(hash.size(), 18u);
+  EXPECT_EQ(hash.find_first_not_of("0123456789abcdef", 2), std::string::npos) << hash;
+
+  const Json& ms = json["ms_per_step"];
+  EXPECT_LE(ms["median"], ms["p99"]);
+  EXPECT_LE(ms["p99"], ms["max"]);
+  EXPECT_LE(ms["mean"], ms["max"]);
+}
+
+TEST(CommandRun, RestErrorsAreForScenesAtRest) {
+  const CommandResult result = run_atoll({"run", "pile:bodies=5", "--steps", "2", "--format", "json"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const Json json = Json::parse(result.out);
+  EXPECT_EQ(keys_of(json["errors"]),
+            (Keys{"penetration_max", "penetration_p99", "penetration_mean", "penetration_max_relative"}));
+  EXPECT_EQ(json["bodies"], 5);
+}
+
+TEST(CommandRun, OutHoldsTheSameObject) {
+  const ScratchDirectory scratch;
+  const CommandResult result =
+      run_atoll({"run", "stack", "--steps", "2", "--format", "json", "--out", scratch.path("out.json")});
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(read_text(scratch.path("out.json")), result.out);
+  EXPECT_EQ(scratch.files(), Keys{"out.json"});
+}
+
+TEST(CommandRun, TextEndsWithTheHash) {
+  const CommandResult text = run_atoll({"run", "stack", "--steps", "2"});
+  ASSERT_EQ(text.status, 0) << text.err;
+  for (const char* word : {"stack:height=10,ratio=1", "10 dynamic, 1 static", "2 steps", "solve_islands", "median",
+                           "contacts", "penetration_max", "tilt_max", "hash"}) {
+    EXPECT_NE(text.out.find(word), std::string::npos) << word;
+  }
+  const CommandResult hash = run_atoll({"run", "stack", "--steps", "2", "--hash"});
+  const std::string last = lines_of(hash.out).back();
+  EXPECT_TRUE(last.starts_with("0x") && last.size() == 18) << last;
+  EXPECT_TRUE(lines_of(text.out).back().ends_with(last));
+}
+
+TEST(CommandRun, SeedChangesThePile) {
+  const auto last_line = [](const char* seed) {
+    return lines_of(run_atoll({"run", "pile:bodies=5", "--steps", "1", "--hash", "--seed", seed}).out).back();
+  };
+  EXPECT_EQ(last_line("5"), last_line("5"));
+  EXPECT_NE(last_line("5"), last_line("6"));
+}
+
+TEST(CommandRun, FinalStateIsCsvThatReadsBackExactly) {
+  const ScratchDirectory scratch;
+  const std::string scene = scratch.write("named.json", R"({"format": "atoll-scene", "version": 1, "gravity": [0, 0, 0],
+    "bodies": [{"name": "a, \"b\"", "type": "static", "shape": {"type": "sphere", "radius": 1}},
+               {"shape": {"type": "sphere", "radius": 1}, "position": [0.1, 1e-300, 1e17],
+                "velocity": [0, 0, 0]}]})");
+  const std::string csv = scratch.path("state.csv");
+  const CommandResult result = run_atoll({"run", scene, "--steps", "1", "--final-state", csv});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const std::vector<std::string> lines = lines_of(read_text(csv));
+  ASSERT_EQ(lines.size(), 3u);
+  EXPECT_EQ(lines[0], "id,name,px,py,pz,qx,qy,qz,qw,vx,vy,vz,wx,wy,wz");
+  EXPECT_TRUE(lines[1].starts_with("0,\"a, \"\"b\"\"\",0,0,0,")) << lines[1];
+  EXPECT_TRUE(lines[2].starts_with("1,,0.10000000000000001,")) << lines[2];
+
+  std::vector<double> numbers;
+  std::istringstream row(lines[2].substr(3));
+  for (std::string cell; std::getline(row, cell, ',');) numbers.push_back(std::strtod(cell.c_str(), nullptr));
+  ASSERT_EQ(numbers.size(), 13u);
+  EXPECT_EQ(numbers[0], 0.1);
+  EXPECT_EQ(numbers[1], 1e-300);
+  EXPECT_EQ(numbers[2], 1e17);
+  EXPECT_EQ(numbers[6], 1);
+}
+
+TEST(CommandRun, FilesAreCheckedBeforeTheRun) {
+  const ScratchDirectory scratch;
+  const std::string plain = scratch.write("plain", "kept");
+  for (const std::string option : {"--final-state", "--out"}) {
+    SCOPED_TRACE(option);
+    // Steps that would take days.
+    const auto run_to = [&](const std::string& path) {
+      return run_atoll({"run", "pyramid3d", "--steps", "1000000000", option, path});
+    };
+    expect_refused(run_to(scratch.path("none/state")), 2, {option, "none/state", "No such file or directory"});
+    expect_refused(run_to(plain + "/state"), 2, {option, "Not a directory"});
+    expect_refused(run_to(scratch.path("")), 2, {option, "is a directory"});
+    expect_refused(run_to("/proc/atoll"), 2, {option, "/proc/atoll"});
+  }
+  expect_refused(run_atoll({"run", "stack", "--out", plain, "--final-state", plain}), 2, {"--final-state", "--out"});
+  EXPECT_EQ(read_text(plain), "kept");
+  EXPECT_EQ(scratch.files(), Keys{"plain"});
+}
+
+TEST(CommandRun, DevicesAreWrittenNotReplaced) {
+  const CommandResult result = run_atoll({"run", "stack", "--steps", "1", "--out", "/dev/null"});
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_TRUE(std::filesystem::is_character_file("/dev/null"));
+  // The results are on stdout all the same where the file turns out not to take them.
+  const CommandResult full = run_atoll({"run", "stack", "--steps", "1", "--out", "/dev/full"});
+  EXPECT_EQ(full.status, 2);
+  EXPECT_NE(full.err.find("No space left"), std::string::npos) << full.err;
+  EXPECT_NE(full.out.find("hash"), std::string::npos);
+}
+
+TEST(CommandRun, SymbolicLinksAreFollowed) {
+  const ScratchDirectory scratch;
+  scratch.write("target", "old");
+  std::filesystem::create_symlink("target", scratch.path("link"));
+  ASSERT_EQ(run_atoll({"run", "stack", "--steps", "1", "--out", scratch.path("link")}).status, 0);
+  EXPECT_TRUE(std::filesystem::is_symlink(scratch.path("link")));
+  EXPECT_NE(read_text(scratch.path("target")), "old");
+}
+
+TEST(CommandRun, BrokenSimulationKeepsTheLastFiniteState) {
+  const ScratchDirectory scratch;
+  // A body that speeds up until no double holds its position.
+  const std::string scene = scratch.write("fast.json", R"({"format": "atoll-scene", "version": 1, "dt": 1,
+    "gravity": [1e307, 0, 0], "steps": 1000,
+    "bodies": [{"name": "rocket", "shape": {"type": "sphere", "radius": 1}}]})");
+  const std::string csv = scratch.path("state.csv");
+  const CommandResult result = run_atoll({"run", scene, "--final-state", csv});
+  expect_refused(result, 4, {"body 0 \"rocket\"", "non-finite in step", "of 1000", "--final-state"});
+  const std::string state = read_text(csv);
+  EXPECT_EQ(lines_of(state).size(), 2u);
+  EXPECT_EQ(state.find("nan"), std::string::npos) << state;
+  EXPECT_EQ(state.find("inf"), std::string::npos) << state;
+}
+
+}  // namespace
+}  // namespace atl::test

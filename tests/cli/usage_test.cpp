@@ -1,0 +1,103 @@
+// Help, listings and what the command does not accept.
+
+#include <gtest/gtest.h>
+
+#include "cli/command.h"
+
+namespace atl::test {
+namespace {
+
+TEST(CommandUsage, VersionAndHelp) {
+  const CommandResult version = run_atoll({"--version"});
+  EXPECT_EQ(version.status, 0);
+  EXPECT_TRUE(version.out.starts_with("atoll ")) << version.out;
+  EXPECT_EQ(version.err, "");
+
+  const CommandResult help = run_atoll({"--help"});
+  EXPECT_EQ(help.status, 0);
+  for (const char* word : {"run", "scenes", "--version", "Exit status", "non-finite"}) {
+    EXPECT_NE(help.out.find(word), std::string::npos) << word;
+  }
+}
+
+TEST(CommandUsage, HelpOfRunHasEveryOption) {
+  const CommandResult help = run_atoll({"run", "--help"});
+  EXPECT_EQ(help.status, 0);
+  for (const char* word :
+       {"SCENE", "--steps", "--dt", "--threads", "--substeps", "--iterations", "--relax-iterations",
+        "--friction cone|pyramid", "--no-warm-start", "--sleeping", "--simd auto|portable|sse4|avx2|avx512", "--seed",
+        "--out FILE", "--final-state FILE", "--format text|json", "--hash"}) {
+    EXPECT_NE(help.out.find(word), std::string::npos) << word;
+  }
+}
+
+TEST(CommandUsage, ScenesListsAllWithParameters) {
+  const CommandResult scenes = run_atoll({"scenes"});
+  EXPECT_EQ(scenes.status, 0);
+  EXPECT_EQ(scenes.err, "");
+  for (const char* word :
+       {"pyramid3d", "layers", "wall", "base", "islands", "count", "pile", "bodies", "stack", "height", "ratio"}) {
+    EXPECT_NE(scenes.out.find(word), std::string::npos) << word;
+  }
+}
+
+TEST(CommandUsage, RefusesBadArguments) {
+  expect_refused(run_atoll({}), 2, {"run or scenes"});
+  expect_refused(run_atoll({"walk"}), 2, {"walk"});
+  expect_refused(run_atoll({"run"}), 2, {"SCENE"});
+  expect_refused(run_atoll({"run", "stack", "wall"}), 2, {"wall"});
+  expect_refused(run_atoll({"run", "stack", "--bogus"}), 2, {"--bogus"});
+  expect_refused(run_atoll({"run", "stack", "--threads"}), 2, {"--threads"});
+}
+
+TEST(CommandUsage, RefusesBadValues) {
+  const struct {
+    const char* option;
+    const char* value;
+    const char* expected;
+  } cases[] = {
+      {"--threads", "0", "an integer in [1, 1024]"},
+      {"--threads", "-1", "an integer in [1, 1024]"},
+      {"--threads", "two", "an integer in [1, 1024]"},
+      {"--threads", "99999999999999999999", "an integer in [1, 1024]"},
+      {"--steps", "0", "an integer in [1, 1000000000]"},
+      {"--steps", "1e3", "an integer in [1, 1000000000]"},
+      {"--dt", "0", "a number in (0, 1]"},
+      {"--dt", "1.5", "a number in (0, 1]"},
+      {"--dt", "nan", "a number in (0, 1]"},
+      {"--dt", "0.1s", "a number in (0, 1]"},
+      {"--substeps", "0", "an integer in [1, 1024]"},
+      {"--iterations", "1025", "an integer in [1, 1024]"},
+      {"--relax-iterations", "-1", "an integer in [0, 1024]"},
+      {"--friction", "0.5", "cone|pyramid"},
+      {"--simd", "mmx", "auto|portable|sse4|avx2|avx512"},
+      {"--format", "xml", "text|json"},
+      {"--seed", "-1", "an integer in [0, 2^64)"},
+      {"--out", "", "a file name"},
+      {"--final-state", "", "a file name"},
+  };
+  for (const auto& refused : cases) {
+    SCOPED_TRACE(std::string(refused.option) + " " + refused.value);
+    expect_refused(run_atoll({"run", "stack", refused.option, refused.value}), 2, {refused.option, refused.expected});
+  }
+}
+
+TEST(CommandUsage, RefusesBadScenes) {
+  const ScratchDirectory scratch;
+  const std::string truncated = scratch.write("truncated.json", "{\"format\": \"atoll-scene\",\n\"version\"");
+  const std::string heavy = scratch.write("heavy.json", R"({"format": "atoll-scene", "version": 1,
+    "bodies": [{"shape": {"type": "sphere", "radius": 1}, "mass": -1}]})");
+  const std::string light = scratch.write("light.json", R"({"format": "atoll-scene", "version": 1,
+    "bodies": [{"name": "dust", "shape": {"type": "sphere", "radius": 1}, "mass": 1e-320}]})");
+  expect_refused(run_atoll({"run", "missing.json"}), 3, {"missing.json", "No such file"});
+  expect_refused(run_atoll({"run", scratch.path("")}), 3, {"Is a directory"});
+  expect_refused(run_atoll({"run", truncated}), 3, {truncated + ":2:10: found end of input", "expected"});
+  expect_refused(run_atoll({"run", heavy}), 3, {heavy + ":2: /bodies/0/mass: found -1, expected a number > 0"});
+  expect_refused(run_atoll({"run", light}), 3, {"light: body 0 \"dust\"", "mass"});
+  expect_refused(run_atoll({"run", "stak"}), 3, {"unknown scene \"stak\"", "did you mean \"stack\"?"});
+  expect_refused(run_atoll({"run", "stack:hight=3"}), 3, {"unknown parameter \"hight\"", "did you mean \"height\"?"});
+  expect_refused(run_atoll({"run", "stack:height=0"}), 3, {"height: found \"0\"", "an integer in [1, 10000]"});
+}
+
+}  // namespace
+}  // namespace atl::test

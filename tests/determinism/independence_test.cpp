@@ -1,0 +1,91 @@
+// A world's result is its own: other worlds in the process, the thread it runs on and a move change nothing.
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdint>
+#include <string_view>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "support/scene_run.h"
+
+namespace atl::test {
+namespace {
+
+constexpr std::string_view scene = "islands:count=8,base=5";
+constexpr int steps = 60;
+
+std::uint64_t final_hash(const WorldDef& def = {}) {
+  SceneRun islands(scene, def);
+  run(islands.world, steps);
+  return islands.world.state_hash();
+}
+
+TEST(Independence, WorldsThatStepAtTheSameTimeDoNotMix) {
+  const std::uint64_t expected = final_hash();
+  std::atomic<bool> stop = false;
+  std::thread busy([&stop] {
+    SceneRun pile("pile:bodies=100", {.threads = 2});
+    while (!stop) pile.world.step(dt);
+  });
+  std::vector<std::uint64_t> hashes(2);
+  std::vector<std::thread> threads;
+  for (std::uint64_t& hash : hashes) {
+    threads.emplace_back([&hash] { hash = final_hash({.threads = 2}); });
+  }
+  for (std::thread& thread : threads) thread.join();
+  stop = true;
+  busy.join();
+  for (const std::uint64_t hash : hashes) EXPECT_EQ(hash, expected);
+}
+
+TEST(Independence, WorldsThatTakeTurnsDoNotMix) {
+  const std::uint64_t expected = final_hash();
+  SceneRun first(scene), second(scene), other("pile:bodies=50");
+  for (int i = 0; i < steps; ++i) {
+    first.world.step(dt);
+    other.world.step(dt);
+    second.world.step(dt);
+  }
+  EXPECT_EQ(first.world.state_hash(), expected);
+  EXPECT_EQ(second.world.state_hash(), expected);
+}
+
+TEST(Independence, MovedWorldContinuesFromAnyThread) {
+  const std::uint64_t expected = final_hash();
+  SceneRun islands(scene);
+  run(islands.world, steps / 2);
+  World moved = std::move(islands.world);
+  std::thread([&moved] { run(moved, steps - steps / 2); }).join();
+  EXPECT_EQ(moved.state_hash(), expected);
+}
+
+TEST(Independence, ReadingStateBetweenStepsChangesNothing) {
+  const std::uint64_t expected = final_hash();
+  SceneRun islands(scene);
+  for (int i = 0; i < steps; ++i) {
+    islands.world.step(dt);
+    islands.penetration();
+    (void)islands.world.contact_forces();
+    (void)islands.world.state_hash();
+  }
+  EXPECT_EQ(islands.world.state_hash(), expected);
+}
+
+TEST(Independence, ForcesThatAreDueDoNotDependOnTheOrderOfOtherBodies) {
+  // A far bystander, added last and removed again, leaves the result of the others as it was.
+  const auto positions = [](bool bystander) {
+    World world;
+    world.add_body(ground());
+    const std::vector<BodyId> stack = add_stack(world, 4);
+    if (bystander) world.remove_body(world.add_body(box({100, 0, 0.5})));
+    run(world, steps);
+    return world.pose(stack.back()).position;
+  };
+  EXPECT_EQ(positions(false), positions(true));
+}
+
+}  // namespace
+}  // namespace atl::test

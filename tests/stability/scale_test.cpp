@@ -1,0 +1,83 @@
+// The same stack far from the origin, and small and large: a double holds 1e6 m to 1e-10 m, and solver arithmetic is on
+// changes within a step, so distance costs nothing.
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "support/scene_run.h"
+
+namespace atl::test {
+namespace {
+
+/// Poses of a stack of five after five seconds, relative to where it was built.
+std::vector<Pose> stack_at(const Vector3& base) {
+  World world;
+  world.add_body({.type = BodyType::Static, .shape = HalfSpace{}, .position = base});
+  const std::vector<BodyId> ids = add_stack(world, 5, base);
+  run_finite(world, 300);
+  std::vector<Pose> poses;
+  for (BodyId id : ids) {
+    poses.push_back(world.pose(id));
+    poses.back().position -= base;
+  }
+  return poses;
+}
+
+TEST(Scale, StackFarFromTheOriginStandsAsAtTheOrigin) {
+  const std::vector<Pose> near = stack_at({0, 0, 0});
+  for (const Vector3& base : {Vector3(1e6, 0, 0), Vector3(-1e6, 1e6, 1e6)}) {
+    const std::vector<Pose> far = stack_at(base);
+    for (std::size_t i = 0; i < near.size(); ++i) {
+      EXPECT_LT((far[i].position - near[i].position).norm(), 1e-3) << i;
+      EXPECT_LT(far[i].orientation.angularDistance(near[i].orientation), 1e-3) << i;
+    }
+  }
+}
+
+TEST(Scale, BoxDroppedFarFromTheOriginLandsOnItsGround) {
+  const Vector3 base(1e6, -1e6, 0);
+  World world;
+  world.add_body(static_box(base, {5, 5, 0.5}));
+  const BodyId crate = world.add_body(box(base + Vector3(0.3, 0.2, 2)));
+  run_finite(world, 180);
+  EXPECT_LT((world.pose(crate).position - base - Vector3(0.3, 0.2, 1)).norm(), 2e-3);
+}
+
+/// Sizes are edges in m. The soft contact's give is a length that does not scale with the boxes.
+TEST(Scale, StacksOfSmallAndLargeBoxesStand) {
+  for (const double size : {0.01, 0.1, 10.0, 100.0}) {
+    World world;
+    world.add_body(ground());
+    const std::vector<BodyId> ids = add_stack(world, 3, Vector3::Zero(), size);
+    run_finite(world, 300);
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      SCOPED_TRACE("size " + std::to_string(size) + ", box " + std::to_string(i));
+      const Vector3 position = world.pose(ids[i]).position;
+      EXPECT_LT(position.head<2>().norm(), 0.02 * size);
+      EXPECT_NEAR(position.z(), (static_cast<double>(i) + 0.5) * size, std::max(0.002 * size, 3e-3));
+      EXPECT_LT(tilt(world, ids[i]), 0.02);
+    }
+  }
+}
+
+TEST(Scale, DensityDoesNotMatterToAStackOfOneMaterial) {
+  std::vector<double> heights;
+  for (const double density : {1.0, 1000.0, 20000.0}) {
+    World world;
+    world.add_body(ground());
+    std::vector<BodyId> ids;
+    for (int i = 0; i < 5; ++i) {
+      BodyDef def = box({0, 0, i + 0.5});
+      def.density = density;
+      ids.push_back(world.add_body(def));
+    }
+    run_finite(world, 180);
+    heights.push_back(world.pose(ids.back()).position.z());
+  }
+  EXPECT_NEAR(heights[0], heights[1], 1e-5);
+  EXPECT_NEAR(heights[2], heights[1], 1e-5);
+}
+
+}  // namespace
+}  // namespace atl::test

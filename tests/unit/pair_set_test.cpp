@@ -1,0 +1,73 @@
+// PairSet against std::set.
+
+#include <collision/pair_set.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "random.h"
+
+namespace atl::collision {
+namespace {
+
+void expect_same_as_std_set(std::uint32_t bodies, int operations, double insert_chance) {
+  test::Random random(bodies);
+  PairSet set;
+  std::set<Pair> expected;
+  for (int i = 0; i < operations; ++i) {
+    const std::uint32_t a = random.below(bodies);
+    const std::uint32_t b = (a + 1 + random.below(bodies - 1)) % bodies;
+    const Pair pair = Pair::of(a, b);
+    const bool present = expected.count(pair) != 0;
+    ASSERT_EQ(set.contains(pair), present) << "operation " << i;
+    if (!present && random.chance(insert_chance)) {
+      set.insert(pair);
+      expected.insert(pair);
+    } else if (present && !random.chance(insert_chance)) {
+      set.erase(pair);
+      expected.erase(pair);
+    }
+    ASSERT_EQ(set.size(), expected.size());
+  }
+  for (std::uint32_t a = 0; a < bodies; ++a) {
+    for (std::uint32_t b = a + 1; b < bodies && bodies < 1000; ++b) {
+      ASSERT_EQ(set.contains({a, b}), expected.count({a, b}) != 0) << a << ", " << b;
+    }
+  }
+}
+
+TEST(PairSet, EmptyContainsNothing) { EXPECT_FALSE(PairSet().contains({0, 1})); }
+
+// Few bodies: pairs come and go, and long runs of neighbours form and are cut.
+TEST(PairSet, DenseUseMatchesStdSet) { expect_same_as_std_set(40, 100'000, 0.5); }
+
+TEST(PairSet, GrowingUseMatchesStdSet) { expect_same_as_std_set(5000, 100'000, 0.9); }
+
+TEST(PairSet, ErasingAllLeavesNone) {
+  PairSet set;
+  constexpr std::uint32_t count = 20'000;
+  for (std::uint32_t i = 0; i < count; ++i) set.insert({i, i + 1});
+  for (std::uint32_t i = 0; i < count; ++i) set.erase({i, i + 1});
+  EXPECT_EQ(set.size(), 0u);
+  for (std::uint32_t i = 0; i < count; ++i) EXPECT_FALSE(set.contains({i, i + 1}));
+}
+
+// Highest numbers: the key of no pair is the one that marks a vacant slot.
+TEST(PairSet, TakesTheHighestNumbers) {
+  PairSet set;
+  const Pair last = Pair::of(0xffffffffu, 0xfffffffeu);
+  set.insert(last);
+  EXPECT_TRUE(set.contains(last));
+  EXPECT_FALSE(set.contains({0, 0xffffffffu}));
+  set.erase(last);
+  EXPECT_FALSE(set.contains(last));
+}
+
+TEST(Pair, IsOrderedByFirstThenSecond) {
+  EXPECT_EQ(Pair::of(7, 3), (Pair{3, 7}));
+  EXPECT_LT((Pair{1, 9}), (Pair{2, 3}));
+  EXPECT_LT((Pair{2, 3}), (Pair{2, 0xffffffffu}));
+}
+
+}  // namespace
+}  // namespace atl::collision
