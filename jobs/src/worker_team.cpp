@@ -1,3 +1,4 @@
+#include <jobs/task_order.h>
 #include <jobs/worker_team.h>
 
 #include <thread>
@@ -43,8 +44,15 @@ constexpr std::uint64_t make_ticket(std::uint32_t loop, std::uint32_t chunk) {
 
 WorkerTeam::WorkerTeam(Arena& arena) : arena_(arena), helpers_(arena.threads() - 1) {
   if (helpers_ == 0) return;
+  before_tasks();
   arena_.tbb_arena().execute([this] {
-    for (int i = 0; i < helpers_; ++i) group_.run([this] { help(); });
+    for (int i = 0; i < helpers_; ++i) {
+      group_.run([this] {
+        task_begins();
+        help();
+        task_ends();
+      });
+    }
   });
 }
 
@@ -52,6 +60,7 @@ WorkerTeam::~WorkerTeam() {
   if (helpers_ == 0) return;
   stop_.store(true, std::memory_order_release);
   arena_.tbb_arena().execute([this] { group_.wait(); });
+  after_tasks();
 }
 
 void WorkerTeam::run(Function function, const void* context, std::size_t count, std::size_t grain) {

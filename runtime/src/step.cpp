@@ -172,7 +172,7 @@ void World::Impl::move_unconstrained_bodies() {
   }
 }
 
-// Continuous collision is not there yet: speculative margins stop what closes up to half a body's size a step.
+// Not there yet. Speculative margins see what closes up to half the smaller shape's size in a step coming.
 void World::Impl::sweep_fast_bodies() {}
 
 void World::Impl::finish() {
@@ -194,6 +194,7 @@ std::int64_t World::Impl::first_non_finite_body() {
   std::atomic<std::int64_t> first{std::numeric_limits<std::int64_t>::max()};
   arena.parallel_for(bodies.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
+      if (!records.alive[i]) continue;
       // Finite terms of any size keep 0 * sum at 0; one that is not makes it NaN.
       const double probe = 0 * (bodies.position(i).sum() + bodies.velocity(i).sum() + bodies.angular_velocity(i).sum() +
                                 bodies.orientation(i).coeffs().sum());
@@ -236,7 +237,7 @@ void World::Impl::note_stages() {
   note("kinematic_bodies", contents.kinematic > 0, "there are some", "there are none", 0);
   note("joints", false, "", "there are none", 0);
   note("sleeping", settings.sleeping, "it is on", "it is off", ms(Phase::Finish));
-  note("sweep_fast_bodies", false, "", "no body asks for continuous collision", 0);
+  note("sweep_fast_bodies", false, "", "there is no continuous collision yet", 0);
 }
 
 }  // namespace atl

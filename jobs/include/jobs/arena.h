@@ -1,5 +1,6 @@
 #pragma once
 
+#include <jobs/task_order.h>
 #include <tbb/global_control.h>
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
@@ -33,7 +34,14 @@ class Arena {
     if (threads_ == 1 || chunks <= 1) {
       for (std::size_t chunk = 0; chunk < chunks; ++chunk) run_chunk(chunk);
     } else {
-      arena_.execute([&] { tbb::parallel_for(std::size_t{0}, chunks, run_chunk); });
+      const auto run_task = [&](std::size_t chunk) {
+        task_begins();
+        run_chunk(chunk);
+        task_ends();
+      };
+      before_tasks();
+      arena_.execute([&] { tbb::parallel_for(std::size_t{0}, chunks, run_task); });
+      after_tasks();
     }
   }
 
