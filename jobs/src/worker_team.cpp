@@ -34,11 +34,12 @@ class Backoff {
 };
 
 constexpr std::uint32_t loop_of(std::uint64_t ticket) { return static_cast<std::uint32_t>(ticket >> 32); }
-constexpr std::uint32_t chunk_of(std::uint64_t ticket) { return static_cast<std::uint32_t>(ticket); }
-constexpr std::uint32_t closed = 0xffffffff;  // in place of a chunk: this loop is over
-constexpr std::uint64_t make_ticket(std::uint32_t loop, std::uint32_t chunk) {
-  return std::uint64_t{loop} << 32 | chunk;
-}
+constexpr std::size_t taken_in_front(std::uint64_t ticket) { return ticket >> 16 & 0xffff; }
+constexpr std::size_t taken_at_back(std::uint64_t ticket) { return ticket & 0xffff; }
+constexpr std::uint64_t one_in_front = 1 << 16;
+constexpr std::uint64_t one_at_back = 1;
+constexpr std::uint64_t closed = 0xffff0000;  // more in front than any loop has: this one is over
+constexpr std::size_t most_chunks = 0xfffe;
 
 }  // namespace
 
@@ -65,6 +66,8 @@ WorkerTeam::~WorkerTeam() {
 
 void WorkerTeam::run(Function function, const void* context, std::size_t count, std::size_t grain) {
   const std::uint32_t loop = loop_of(ticket_.load(std::memory_order_relaxed)) + 1;
+  const std::uint64_t fresh_ticket = std::uint64_t{loop} << 32;
+  grain = std::max(grain, Arena::chunk_count(count, most_chunks));
   const auto chunks = static_cast<std::uint32_t>(Arena::chunk_count(count, grain));
   // Whoever sees one of these sees the last ticket closed (acquire and release), and its claim fails.
   function_.store(function, std::memory_order_release);
@@ -72,29 +75,33 @@ void WorkerTeam::run(Function function, const void* context, std::size_t count, 
   count_.store(count, std::memory_order_release);
   grain_.store(grain, std::memory_order_release);
   chunks_done_.store(0, std::memory_order_relaxed);
-  ticket_.store(make_ticket(loop, 0), std::memory_order_release);
+  ticket_.store(fresh_ticket, std::memory_order_release);
 
-  while (take_chunk(loop)) {
+  while (take_chunk(loop, End::Front)) {
   }
   Backoff backoff;
   while (chunks_done_.load(std::memory_order_acquire) != chunks) backoff.wait();
   // A helper may hold the last ticket still. Closing it makes its claim fail before the next loop is written.
-  ticket_.store(make_ticket(loop, closed), std::memory_order_relaxed);
+  ticket_.store(fresh_ticket | closed, std::memory_order_relaxed);
 }
 
-// Claims one chunk of the given loop and runs it. False when the loop has none left or is over.
-bool WorkerTeam::take_chunk(std::uint32_t loop) {
+// Claims one chunk of the given loop, from one end, and runs it. False when the loop has none left or is over.
+bool WorkerTeam::take_chunk(std::uint32_t loop, End end) {
   std::uint64_t ticket = ticket_.load(std::memory_order_acquire);
   while (true) {
-    if (loop_of(ticket) != loop || chunk_of(ticket) == closed) return false;
+    if (loop_of(ticket) != loop) return false;
     const std::size_t count = count_.load(std::memory_order_acquire);
     const std::size_t grain = grain_.load(std::memory_order_acquire);
     const Function function = function_.load(std::memory_order_acquire);
     const void* context = context_.load(std::memory_order_acquire);
-    const std::size_t begin = chunk_of(ticket) * grain;
-    if (begin >= count) return false;
+    const std::size_t chunks = Arena::chunk_count(count, grain);
+    const std::size_t front = taken_in_front(ticket);
+    const std::size_t back = taken_at_back(ticket);
+    if (front + back >= chunks) return false;
+    const std::size_t begin = (end == End::Front ? front : chunks - 1 - back) * grain;
+    const std::uint64_t claimed = ticket + (end == End::Front ? one_in_front : one_at_back);
     // Success proves that the loop has not ended since the ticket was read, so what was read is its own.
-    if (!ticket_.compare_exchange_weak(ticket, ticket + 1, std::memory_order_acq_rel)) continue;
+    if (!ticket_.compare_exchange_weak(ticket, claimed, std::memory_order_acq_rel)) continue;
     function(context, begin, std::min(count, begin + grain));
     chunks_done_.fetch_add(1, std::memory_order_release);
     return true;
@@ -110,7 +117,7 @@ void WorkerTeam::help() {
       backoff.wait();
       continue;
     }
-    while (take_chunk(loop)) {
+    while (take_chunk(loop, End::Back)) {
     }
     finished = loop;
     backoff = {};

@@ -39,9 +39,11 @@ class WorkerTeam {
  private:
   using Function = void (*)(const void* context, std::size_t begin, std::size_t end);
 
+  enum class End { Front, Back };
+
   void run(Function function, const void* context, std::size_t count, std::size_t grain);
   void help();
-  bool take_chunk(std::uint32_t loop);
+  bool take_chunk(std::uint32_t loop, End end);
 
   Arena& arena_;
   int helpers_;
@@ -54,7 +56,9 @@ class WorkerTeam {
   std::atomic<std::size_t> count_{0};
   std::atomic<std::size_t> grain_{1};
 
-  // Number of the loop (high half; 0 is none yet) and its next chunk (low half).
+  // Number of the loop (high half; 0 is none yet) and how many chunks are taken: in front (by the caller) and
+  // at the back (by helpers), 16 bits each. Each end belongs to somebody, so that where one loop after another
+  // runs over the same data, most of it stays in the same core's cache.
   alignas(64) std::atomic<std::uint64_t> ticket_{0};
   alignas(64) std::atomic<std::uint32_t> chunks_done_{0};
   alignas(64) std::atomic<bool> stop_{false};
