@@ -7,13 +7,15 @@
 #define ATOLL_SOLVER_BODY_KERNELS_INL_H_
 #endif
 
+#include <jobs/lanes-inl.h>
+#include <solver/solver_bodies.h>
 #include <solver/solver_settings.h>
-
-#include "lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace atl::solver {
 namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+using namespace jobs::HWY_NAMESPACE;
 
 // One Newton step on I (w' - w) + h w' x I w' = 0 from w' = w: implicit, so no spin of any speed gains energy
 // (Catto, "Numerical Methods", GDC 2015).

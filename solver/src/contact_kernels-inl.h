@@ -8,13 +8,14 @@
 #define ATOLL_SOLVER_CONTACT_KERNELS_INL_H_
 #endif
 
+#include <jobs/lanes-inl.h>
 #include <solver/kernels.h>
-
-#include "lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace atl::solver {
 namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+using namespace jobs::HWY_NAMESPACE;
 
 // The bodies of one side of a block's contacts.
 struct BodyLanes {
@@ -258,6 +259,9 @@ void sweep_blocks(const ContactKernelData& data, std::size_t begin, std::size_t 
       if constexpr (refresh) refresh_separations(data, block, lane, c);
       // Friction last, so that its bound is the normal impulse that it goes with.
       solve_normals<bias>(data, block, lane, c);
+      // Where both run it is the first substep, and contacts may be new: one round over the points leaves a body that
+      // lands flat tilted, and friction with too low a bound.
+      if constexpr (bias && friction != Friction::None) solve_normals<bias>(data, block, lane, c);
       if constexpr (friction != Friction::None) solve_friction<friction>(block, lane, c);
       store_contact_bodies(c, data, block, lane);
     }

@@ -17,21 +17,6 @@ HWY_BEFORE_NAMESPACE();
 namespace atl::solver {
 namespace HWY_NAMESPACE {
 
-const char* set_name() {
-  switch (HWY_TARGET) {
-    case HWY_AVX3:
-      return "avx512";
-    case HWY_AVX2:
-      return "avx2";
-    case HWY_SSE4:
-      return "sse4";
-    case HWY_NEON:
-      return "neon";
-    default:
-      return "portable";
-  }
-}
-
 const Kernels* kernels() {
   static const Kernels table = {
       set_name(),          lanes, &prepare, &warm_start, &sweep, &restitute, &store_impulses, &integrate_velocities,

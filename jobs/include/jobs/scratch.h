@@ -9,8 +9,8 @@
 
 namespace atl::jobs {
 
-/// One default-made T a worker, kept between steps so that a steady state allocates nothing. What a loop
-/// leaves in one must not outlive the chunk that wrote it: which worker runs a chunk is not fixed.
+/// One default-made T a worker, kept between steps so that a steady state allocates nothing. Which worker
+/// runs a chunk is not fixed: what a loop leaves in one is for that chunk alone, or to be put in order after.
 template <typename T>
 class Scratch {
  public:
@@ -23,6 +23,12 @@ class Scratch {
   T& local() {
     const auto worker = static_cast<std::size_t>(std::max(0, tbb::this_task_arena::current_thread_index()));
     return *items_[worker < items_.size() ? worker : 0];
+  }
+
+  /// Calls visit(item) for all, outside any loop. What they hold was spread over them by chance: order it.
+  template <typename Visit>
+  void for_each(const Visit& visit) {
+    for (const std::unique_ptr<T>& item : items_) visit(*item);
   }
 
  private:

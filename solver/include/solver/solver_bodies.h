@@ -1,13 +1,14 @@
 #pragma once
 
+#include <jobs/block_lanes.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
 namespace atl::solver {
 
-/// Contacts that a kernel works on at a time, on every instruction set: a narrower one takes a block in parts.
-inline constexpr std::size_t block_lanes = 8;
+using jobs::block_lanes;
 
 // The hot state of an island group's bodies, in rows of four floats that kernels load for several bodies at
 // once by transposes. Velocities are of the world frame; displacements are since the start of the step, so

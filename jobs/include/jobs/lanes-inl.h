@@ -1,19 +1,36 @@
-// Small vector algebra and row transposes over lanes. Included once for each instruction set.
+// Small vector algebra and row transposes over lanes, for the kernels of the layers above. Included once for each
+// instruction set, by a file that Highway compiles for each.
 
-#if defined(ATOLL_SOLVER_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef ATOLL_SOLVER_LANES_INL_H_
-#undef ATOLL_SOLVER_LANES_INL_H_
+#if defined(ATOLL_JOBS_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef ATOLL_JOBS_LANES_INL_H_
+#undef ATOLL_JOBS_LANES_INL_H_
 #else
-#define ATOLL_SOLVER_LANES_INL_H_
+#define ATOLL_JOBS_LANES_INL_H_
 #endif
 
 #include <hwy/highway.h>
-#include <solver/solver_bodies.h>
+#include <jobs/block_lanes.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace atl::solver {
+namespace atl::jobs {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
+
+// What users call the instruction set.
+HWY_INLINE const char* set_name() {
+  switch (HWY_TARGET) {
+    case HWY_AVX3:
+      return "avx512";
+    case HWY_AVX2:
+      return "avx2";
+    case HWY_SSE4:
+      return "sse4";
+    case HWY_NEON:
+      return "neon";
+    default:
+      return "portable";
+  }
+}
 
 // A whole block where the set is wide enough, else a part of it.
 using D = hn::CappedTag<float, block_lanes>;
@@ -149,7 +166,7 @@ HWY_INLINE void store_rows(const V4& columns, const RowOf& row_of, unsigned mask
 #endif  // HWY_TARGET == HWY_SCALAR
 
 }  // namespace HWY_NAMESPACE
-}  // namespace atl::solver
+}  // namespace atl::jobs
 HWY_AFTER_NAMESPACE();
 
-#endif  // ATOLL_SOLVER_LANES_INL_H_
+#endif  // ATOLL_JOBS_LANES_INL_H_
