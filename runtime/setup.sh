@@ -2,7 +2,7 @@
 # What runtime/run.sh and tests/run.sh share: the packages that a build needs, and the build.
 
 # Debian's names.
-packages=(cmake make g++ libc6-dev libeigen3-dev libtbb-dev libccd-dev libfcl-dev libhwy-dev libcli11-dev
+packages=(cmake make g++ libc6-dev libeigen3-dev libtbb-dev libccd-dev libfcl-dev libhwy-dev libqhull-dev libcli11-dev
           nlohmann-json3-dev libgtest-dev libbenchmark-dev)
 
 say() {

@@ -1,18 +1,80 @@
 #include <collision/aabb.h>
+#include <collision/height_field.h>
+#include <collision/hull.h>
+#include <collision/triangle_mesh.h>
 
-#include <cmath>
+#include <algorithm>
+#include <bit>
+#include <cstdint>
 
 namespace atl::collision {
 namespace {
 
+// Runs for every shape in every step, where std::nextafter is slow and a branch on the rounding a coin toss.
 float round_down(double value) {
   const auto rounded = static_cast<float>(value);
-  return rounded <= value ? rounded : std::nextafter(rounded, -std::numeric_limits<float>::infinity());
+  const bool above = static_cast<double>(rounded) > value;
+  if (rounded == 0) return above ? -std::numeric_limits<float>::denorm_min() : rounded;
+  // Counting down through positive floats, or up through negative ones, gives the next lower.
+  const int step = static_cast<int>(above) * (rounded > 0 ? -1 : 1);
+  return std::bit_cast<float>(std::bit_cast<std::int32_t>(rounded) + step);
 }
 
-float round_up(double value) {
-  const auto rounded = static_cast<float>(value);
-  return rounded >= value ? rounded : std::nextafter(rounded, std::numeric_limits<float>::infinity());
+float round_up(double value) { return -round_down(-value); }
+
+// How far a disc of radius 1 about z reaches along the axes that the rotation turns it against.
+Vector3 disc_reach(const Matrix3& rotation) {
+  return (rotation.col(0).cwiseAbs2() + rotation.col(1).cwiseAbs2()).cwiseSqrt();
+}
+
+template <typename Points>
+Bounds bounds_of_points(const Points& points, const Vector3& position, const Matrix3& rotation) {
+  Vector3 lower = Vector3::Constant(std::numeric_limits<double>::infinity());
+  Vector3 upper = -lower;
+  for (const Vector3& point : points) {
+    const Vector3 turned = rotation * point;
+    lower = lower.cwiseMin(turned);
+    upper = upper.cwiseMax(turned);
+  }
+  return {position + lower, position + upper};
+}
+
+Bounds bounds_of_box(const Vector3& lower, const Vector3& upper, const Vector3& position, const Matrix3& rotation) {
+  const Vector3 centre = position + rotation * (lower + upper) / 2;
+  const Vector3 half = rotation.cwiseAbs() * (upper - lower) / 2;
+  return {centre - half, centre + half};
+}
+
+// How far a mesh reaches along a direction, past the subtrees that reach less far than what was found.
+double reach_of_mesh(const TriangleMesh& mesh, const Vector3& direction) {
+  double reach = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < mesh.tree.nodes.size();) {
+    const TriangleTree::Node& node = mesh.tree.nodes[i];
+    double limit = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto& side = direction[axis] < 0 ? node.box.lower : node.box.upper;
+      limit += direction[axis] * side[static_cast<std::size_t>(axis)];
+    }
+    if (limit <= reach) {
+      i = node.skip;
+      continue;
+    }
+    if (node.item != TriangleTree::no_item) {
+      for (const std::uint32_t v : mesh.triangles[node.item]) reach = std::max(reach, mesh.vertices[v].dot(direction));
+    }
+    ++i;
+  }
+  return reach;
+}
+
+Bounds bounds_of_mesh(const TriangleMesh& mesh, const Vector3& position, const Matrix3& rotation) {
+  Bounds bounds{position, position};
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vector3 direction = rotation.row(axis).transpose();
+    bounds.lower[axis] -= reach_of_mesh(mesh, -direction);
+    bounds.upper[axis] += reach_of_mesh(mesh, direction);
+  }
+  return bounds;
 }
 
 }  // namespace
@@ -23,9 +85,39 @@ Aabb Aabb::around(const Vector3& lower, const Vector3& upper) {
 }
 
 Bounds bounds_of(const Shape& shape, const Vector3& position, const Matrix3& rotation) {
-  Vector3 half = Vector3::Constant(shape.radius);
-  if (shape.kind == ShapeKind::Box) half = rotation.cwiseAbs() * shape.half_extents;
-  return {position - half, position + half};
+  const Vector3 axis = shape.half_height * rotation.col(2);
+  switch (shape.kind) {
+    case ShapeKind::Sphere:
+    case ShapeKind::Capsule: {
+      const Vector3 half = axis.cwiseAbs() + Vector3::Constant(shape.radius);
+      return {position - half, position + half};
+    }
+    case ShapeKind::Box: {
+      const Vector3 half = rotation.cwiseAbs() * shape.half_extents;
+      return {position - half, position + half};
+    }
+    case ShapeKind::Cylinder: {
+      const Vector3 half = axis.cwiseAbs() + shape.radius * disc_reach(rotation);
+      return {position - half, position + half};
+    }
+    case ShapeKind::Cone: {
+      const Vector3 base = shape.radius * disc_reach(rotation);
+      return {position + axis.cwiseMin(-axis - base), position + axis.cwiseMax(base - axis)};
+    }
+    case ShapeKind::Hull:
+      return bounds_of_points(shape.hull->vertices, position, rotation);
+    case ShapeKind::Mesh:
+      return bounds_of_mesh(*shape.mesh, position, rotation);
+    case ShapeKind::HeightField: {
+      const HeightField& field = *shape.field;
+      const Vector3 upper((field.columns - 1) * field.spacing_x, (field.rows - 1) * field.spacing_y, field.highest);
+      return bounds_of_box({0, 0, field.lowest}, upper, position, rotation);
+    }
+    case ShapeKind::HalfSpace:
+      break;
+  }
+  const Vector3 everywhere = Vector3::Constant(std::numeric_limits<double>::infinity());
+  return {-everywhere, everywhere};
 }
 
 }  // namespace atl::collision

@@ -5,173 +5,184 @@
 namespace atl::collision {
 
 std::int32_t AabbTree::allocate() {
-  if (free_ == none) {
+  if (free_ == Node::none) {
     nodes_.emplace_back();
     return static_cast<std::int32_t>(nodes_.size()) - 1;
   }
   const std::int32_t node = free_;
   free_ = at(node).parent;
-  at(node) = Node{};
+  at(node) = Node();
   return node;
 }
 
 void AabbTree::release(std::int32_t node) {
-  at(node) = Node{};
+  at(node) = Node();
   at(node).parent = free_;
   free_ = node;
 }
 
-// Walks down to the node that grows least, in area, by getting the new leaf as its sibling.
-std::int32_t AabbTree::best_sibling(const Aabb& box) const {
-  std::int32_t node = root_;
-  while (!at(node).is_leaf()) {
-    const Node& here = at(node);
-    const float joined = here.box.joined(box).half_area();
-    const float cost_here = 2 * joined;                           // a new parent of this node and the leaf
-    const float inherited = 2 * (joined - here.box.half_area());  // this node's growth, if it goes deeper
+// Puts a child into a slot; none is the place of the root.
+void AabbTree::put(std::int32_t slot, std::int32_t child, const Aabb& box) {
+  if (slot == Node::none) {
+    root_ = child;
+  } else {
+    at(slot / 2).child[slot % 2] = child;
+    at(slot / 2).set_box(slot % 2, box);
+  }
+  if (Node::is_node(child)) {
+    at(child).parent = slot;
+  } else {
+    slots_[item_of(child)] = slot;
+  }
+}
+
+// Walks down to the slot whose content grows least, in area, by getting the new leaf as its sibling.
+std::int32_t AabbTree::best_slot(const Aabb& box) const {
+  std::int32_t slot = Node::none;
+  std::int32_t content = root_;
+  Aabb around = at(root_).joined();
+  while (Node::is_node(content)) {
+    const Node& node = at(content);
+    const float joined = around.joined(box).half_area();
+    const float cost_here = 2 * joined;                         // a new parent of this node and the leaf
+    const float inherited = 2 * (joined - around.half_area());  // this node's growth, if it goes deeper
     float cost[2];
     for (int side = 0; side < 2; ++side) {
-      const Node& child = at(here.child[side]);
-      const float grown = child.box.joined(box).half_area();
-      cost[side] = inherited + (child.is_leaf() ? grown : grown - child.box.half_area());
+      const Aabb child = node.box(side);
+      const float grown = child.joined(box).half_area();
+      cost[side] = inherited + (Node::is_leaf(node.child[side]) ? grown : grown - child.half_area());
     }
     if (cost_here < cost[0] && cost_here < cost[1]) break;
-    node = here.child[cost[1] < cost[0] ? 1 : 0];
+    const int side = cost[1] < cost[0] ? 1 : 0;
+    slot = 2 * content + side;
+    around = node.box(side);
+    content = node.child[side];
   }
-  return node;
+  return slot;
 }
 
-std::int32_t AabbTree::insert(std::uint32_t item, const Aabb& box) {
-  const std::int32_t leaf = allocate();
-  at(leaf).box = box;
-  at(leaf).item = item;
-  ++leaf_count_;
+void AabbTree::insert(std::uint32_t item, const Aabb& box) {
+  if (item >= slots_.size()) slots_.resize(item + std::size_t{1}, Node::none);
+  ++size_;
   ++changes_;
-  if (root_ == none) {
-    root_ = leaf;
-    return leaf;
-  }
-  const std::int32_t sibling = best_sibling(box);
-  const std::int32_t parent = allocate();
-  const std::int32_t grandparent = at(sibling).parent;
-  at(parent).parent = grandparent;
-  at(parent).child[0] = sibling;
-  at(parent).child[1] = leaf;
-  at(sibling).parent = parent;
-  at(leaf).parent = parent;
-  if (grandparent == none) {
-    root_ = parent;
-  } else {
-    Node& above = at(grandparent);
-    above.child[above.child[1] == sibling ? 1 : 0] = parent;
-  }
-  refit(parent);
-  if (at(root_).height > max_depth / 2) rebuild();
-  return leaf;
-}
-
-void AabbTree::remove(std::int32_t leaf) {
-  --leaf_count_;
-  ++changes_;
-  const std::int32_t parent = at(leaf).parent;
-  release(leaf);
-  if (parent == none) {
-    root_ = none;
+  if (size_ <= 2) {
+    // The root alone may have fewer than two children.
+    if (size_ == 1) root_ = allocate();
+    put(2 * root_ + (at(root_).child[0] == Node::none ? 0 : 1), leaf_of(item), box);
     return;
   }
-  const std::int32_t sibling = at(parent).child[at(parent).child[0] == leaf ? 1 : 0];
-  const std::int32_t grandparent = at(parent).parent;
-  at(sibling).parent = grandparent;
-  release(parent);
-  if (grandparent == none) {
-    root_ = sibling;
-  } else {
-    Node& above = at(grandparent);
-    above.child[above.child[1] == parent ? 1 : 0] = sibling;
-    refit(grandparent);
+  const std::int32_t slot = best_slot(box);
+  const std::int32_t sibling = slot == Node::none ? root_ : at(slot / 2).child[slot % 2];
+  const Aabb sibling_box = slot == Node::none ? at(root_).joined() : at(slot / 2).box(slot % 2);
+  const std::int32_t parent = allocate();
+  put(2 * parent, sibling, sibling_box);
+  put(2 * parent + 1, leaf_of(item), box);
+  update_height(parent);
+  put(slot, parent, at(parent).joined());
+  if (slot != Node::none) refit(slot / 2);
+  if (at(root_).height >= max_height) rebuild();
+}
+
+void AabbTree::remove(std::uint32_t item) {
+  --size_;
+  ++changes_;
+  const std::int32_t slot = slots_[item];
+  const std::int32_t node = slot / 2;
+  slots_[item] = Node::none;
+  at(node).clear(slot % 2);
+  if (size_ == 0) {
+    root_ = Node::none;
+    release(node);
+  } else if (const std::int32_t other = at(node).child[1 - slot % 2]; node != root_ || Node::is_node(other)) {
+    // Where the node was, its other child comes.
+    const Aabb box = at(node).box(1 - slot % 2);
+    const std::int32_t above = at(node).parent;
+    release(node);
+    put(above, other, box);
+    if (above != Node::none) refit(above / 2);
   }
 }
 
-void AabbTree::move(std::int32_t leaf, const Aabb& box) {
-  at(leaf).box = box;
+void AabbTree::move(std::uint32_t item, const Aabb& box) {
+  const std::int32_t slot = slots_[item];
+  // Far from its neighbours a leaf would make the boxes around all of them large.
+  if (size_ > 2 && !at(slot / 2).box(slot % 2).overlaps(box)) {
+    remove(item);
+    insert(item, box);
+    return;
+  }
   ++changes_;
-  refit(at(leaf).parent);
+  at(slot / 2).set_box(slot % 2, box);
+  refit_boxes(slot / 2);
+}
+
+// Recomputes boxes from a node's parent upwards, as far as they change.
+void AabbTree::refit_boxes(std::int32_t node) {
+  for (std::int32_t slot = at(node).parent; slot != Node::none; slot = at(slot / 2).parent) {
+    const Aabb box = at(node).joined();
+    node = slot / 2;
+    if (box == at(node).box(slot % 2)) return;
+    at(node).set_box(slot % 2, box);
+  }
+}
+
+std::int32_t AabbTree::height_of(std::int32_t child) const { return Node::is_node(child) ? at(child).height : 0; }
+
+void AabbTree::update_height(std::int32_t node) {
+  at(node).height = 1 + std::max(height_of(at(node).child[0]), height_of(at(node).child[1]));
+}
+
+// Where one child is much higher than the other, swaps the other for the higher one's higher child: as an AVL
+// tree's rotation, but seldom, as it pays no regard to boxes. Without it, insertion along a line makes a list.
+void AabbTree::balance(std::int32_t node) {
+  // Low enough to bound the height by about twice the ideal, high enough to leave a rebuilt tree alone.
+  constexpr std::int32_t most_difference = 4;
+  const std::int32_t difference = height_of(at(node).child[0]) - height_of(at(node).child[1]);
+  if (difference >= -most_difference && difference <= most_difference) return;
+  const int high = difference > 0 ? 0 : 1;
+  const std::int32_t tall = at(node).child[high];
+  const std::int32_t low = at(node).child[1 - high];
+  const Aabb low_box = at(node).box(1 - high);
+  const int higher = height_of(at(tall).child[0]) >= height_of(at(tall).child[1]) ? 0 : 1;
+  const std::int32_t risen = at(tall).child[higher];
+  const Aabb risen_box = at(tall).box(higher);
+  put(2 * tall + higher, low, low_box);
+  put(2 * node + (1 - high), risen, risen_box);
+  put(2 * node + high, tall, at(tall).joined());
+  update_height(tall);
 }
 
 // Recomputes boxes and heights from a node upwards, as far as they change.
 void AabbTree::refit(std::int32_t node) {
-  while (node != none) {
-    Node& here = at(node);
-    const Node& left = at(here.child[0]);
-    const Node& right = at(here.child[1]);
-    const Aabb box = left.box.joined(right.box);
-    const std::int32_t height = 1 + std::max(left.height, right.height);
-    if (box == here.box && height == here.height) return;
-    here.box = box;
-    here.height = height;
-    node = here.parent;
+  while (true) {
+    const std::int32_t old_height = at(node).height;
+    balance(node);
+    update_height(node);
+    const std::int32_t slot = at(node).parent;
+    if (slot == Node::none) return;
+    const Aabb box = at(node).joined();
+    const bool same_height = at(node).height == old_height;
+    node = slot / 2;
+    if (same_height && box == at(node).box(slot % 2)) return;
+    at(node).set_box(slot % 2, box);
   }
 }
 
 void AabbTree::rebuild_if_worn() {
-  if (changes_ > leaf_count_ && leaf_count_ > 2) rebuild();
+  if (changes_ >= size_ && size_ > 2) rebuild();
 }
 
 void AabbTree::rebuild() {
   changes_ = 0;
-  leaves_.clear();
-  // Every node that is not a leaf goes; leaves keep their numbers, which are handles.
-  std::int32_t stack[max_depth];
-  int top = 0;
-  stack[top++] = root_;
-  while (top > 0) {
-    const std::int32_t node = stack[--top];
-    if (at(node).is_leaf()) {
-      leaves_.push_back(node);
-    } else {
-      stack[top++] = at(node).child[1];
-      stack[top++] = at(node).child[0];
-      release(node);
+  builder_.leaves.clear();
+  for (const Node& node : nodes_) {
+    for (const int side : {0, 1}) {
+      if (Node::is_leaf(node.child[side])) builder_.leaves.push_back({node.box(side), item_of(node.child[side])});
     }
   }
-  root_ = build(leaves_.data(), leaves_.data() + leaves_.size(), none);
-}
-
-std::int32_t AabbTree::build(std::int32_t* begin, std::int32_t* end, std::int32_t parent) {
-  if (end - begin == 1) {
-    at(*begin).parent = parent;
-    return *begin;
-  }
-  // Twice the centres: their sum has no rounding to halve.
-  const auto centre = [this](std::int32_t leaf, std::size_t axis) {
-    return at(leaf).box.lower[axis] + at(leaf).box.upper[axis];
-  };
-  Aabb box = Aabb::empty();
-  Aabb centres = Aabb::empty();
-  for (const std::int32_t* leaf = begin; leaf != end; ++leaf) {
-    box = box.joined(at(*leaf).box);
-    const std::array<float, 3> c = {centre(*leaf, 0), centre(*leaf, 1), centre(*leaf, 2)};
-    centres = centres.joined({c, c});
-  }
-  std::size_t axis = 0;
-  for (std::size_t i = 1; i < 3; ++i) {
-    if (centres.upper[i] - centres.lower[i] > centres.upper[axis] - centres.lower[axis]) axis = i;
-  }
-  std::int32_t* middle = begin + (end - begin) / 2;
-  std::nth_element(begin, middle, end, [&](std::int32_t a, std::int32_t b) {
-    const float ca = centre(a, axis);
-    const float cb = centre(b, axis);
-    return ca != cb ? ca < cb : at(a).item < at(b).item;
-  });
-  const std::int32_t node = allocate();
-  at(node).box = box;
-  at(node).parent = parent;
-  const std::int32_t left = build(begin, middle, node);
-  const std::int32_t right = build(middle, end, node);
-  at(node).child[0] = left;
-  at(node).child[1] = right;
-  at(node).height = 1 + std::max(at(left).height, at(right).height);
-  return node;
+  builder_.build(nodes_, slots_);
+  root_ = nodes_.empty() ? Node::none : 0;
+  free_ = Node::none;
 }
 
 }  // namespace atl::collision

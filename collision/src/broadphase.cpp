@@ -1,31 +1,75 @@
 #include <collision/broadphase.h>
 
 #include <algorithm>
-#include <cmath>
 
 namespace atl::collision {
 
-Broadphase::Proxy& Broadphase::claim(std::uint32_t shape, Kind kind) {
-  if (shape >= proxies_.size()) proxies_.resize(shape + std::size_t{1});
+Broadphase::Proxy& Broadphase::claim(std::uint32_t shape, Kind kind, const Filter& filter) {
+  if (shape >= proxies_.size()) {
+    proxies_.resize(shape + std::size_t{1});
+    flags_.resize(shape + std::size_t{1});
+  }
   proxies_[shape].kind = kind;
+  link(shape, filter);
   mark_moved(shape);
   return proxies_[shape];
 }
 
+Broadphase::Owner& Broadphase::owner(std::uint32_t number) {
+  if (number >= owners_.size()) owners_.resize(number + std::size_t{1});
+  return owners_[number];
+}
+
+// Gives a shape its filter and a place among those of its owner.
+void Broadphase::link(std::uint32_t shape, const Filter& filter) {
+  Proxy& proxy = proxies_[shape];
+  proxy.filter = filter;
+  if (filter.owner == Filter::own_shape) proxy.filter.owner = shape;
+  std::uint32_t& first = owner(proxy.filter.owner).first_shape;
+  proxy.next_of_owner = first;
+  proxy.previous_of_owner = no_shape;
+  if (first != no_shape) proxies_[first].previous_of_owner = shape;
+  first = shape;
+  restrict(shape);
+}
+
+void Broadphase::unlink(std::uint32_t shape) {
+  const Proxy& proxy = proxies_[shape];
+  const std::uint32_t next = proxy.next_of_owner;
+  const std::uint32_t previous = proxy.previous_of_owner;
+  if (next != no_shape) proxies_[next].previous_of_owner = previous;
+  (previous != no_shape ? proxies_[previous].next_of_owner : owners_[proxy.filter.owner].first_shape) = next;
+}
+
+// Two shapes without restrictions may meet, without a look at their filters: their owners differ.
+void Broadphase::restrict(std::uint32_t shape) {
+  const Filter& filter = proxies_[shape].filter;
+  const bool restricted = filter != Filter{.owner = shape} || owners_[filter.owner].ignored_owners > 0;
+  flags_[shape] = static_cast<std::uint8_t>((flags_[shape] & ~restricted_flag) | (restricted ? restricted_flag : 0));
+}
+
 void Broadphase::mark_moved(std::uint32_t shape) {
-  if (proxies_[shape].moved) return;
-  proxies_[shape].moved = true;
+  if (has_moved(shape)) return;
+  flags_[shape] |= moved_flag;
   moved_.push_back(shape);
 }
 
-void Broadphase::add_box(std::uint32_t shape, const Aabb& fat, bool fixed) {
-  Proxy& proxy = claim(shape, fixed ? Kind::Fixed : Kind::Moving);
-  proxy.fat = fat;
-  proxy.leaf = (fixed ? fixed_ : moving_).insert(shape, fat);
+// After a change of what the owner ignores.
+void Broadphase::mark_shapes_of(std::uint32_t owner) {
+  for (std::uint32_t shape = owners_[owner].first_shape; shape != no_shape; shape = proxies_[shape].next_of_owner) {
+    restrict(shape);
+    mark_moved(shape);
+  }
 }
 
-void Broadphase::add_half_space(std::uint32_t shape, const Plane& plane) {
-  claim(shape, Kind::HalfSpace);
+void Broadphase::add_box(std::uint32_t shape, const Aabb& fat, bool fixed, const Filter& filter) {
+  Proxy& proxy = claim(shape, fixed ? Kind::Fixed : Kind::Moving, filter);
+  proxy.fat = fat.known_or_nan();
+  tree_of(proxy).insert(shape, proxy.fat);
+}
+
+void Broadphase::add_half_space(std::uint32_t shape, const Plane& plane, const Filter& filter) {
+  claim(shape, Kind::HalfSpace, filter);
   half_spaces_.insert(half_spaces_.begin() + static_cast<std::ptrdiff_t>(half_space_index(shape)),
                       HalfSpace{shape, plane});
 }
@@ -33,18 +77,54 @@ void Broadphase::add_half_space(std::uint32_t shape, const Plane& plane) {
 void Broadphase::remove(std::uint32_t shape) {
   Proxy& proxy = proxies_[shape];
   if (proxy.kind == Kind::HalfSpace) {
-    std::erase_if(half_spaces_, [shape](const HalfSpace& other) { return other.shape == shape; });
+    half_spaces_.erase(half_spaces_.begin() + static_cast<std::ptrdiff_t>(half_space_index(shape)));
   } else {
-    (proxy.kind == Kind::Fixed ? fixed_ : moving_).remove(proxy.leaf);
+    tree_of(proxy).remove(shape);
   }
-  if (proxy.moved) std::erase(moved_, shape);
+  unlink(shape);
+  // Its entry in moved_, if there is one, stays until all are forgotten: to look for it takes too long.
   proxy = Proxy{};
+}
+
+void Broadphase::set_filter(std::uint32_t shape, const Filter& filter) {
+  unlink(shape);
+  link(shape, filter);
+  mark_moved(shape);
+}
+
+void Broadphase::ignore(std::uint32_t owner_a, std::uint32_t owner_b) {
+  const Pair owners = Pair::of(owner_a, owner_b);
+  if (owner_a == owner_b || ignored_.contains(owners)) return;
+  ignored_.insert(owners);
+  for (const std::uint32_t number : {owner_a, owner_b}) {
+    ++owner(number).ignored_owners;
+    mark_shapes_of(number);
+  }
+}
+
+void Broadphase::unignore(std::uint32_t owner_a, std::uint32_t owner_b) {
+  const Pair owners = Pair::of(owner_a, owner_b);
+  if (!ignored_.contains(owners)) return;
+  ignored_.erase(owners);
+  for (const std::uint32_t number : {owner_a, owner_b}) {
+    --owner(number).ignored_owners;
+    mark_shapes_of(number);
+  }
+}
+
+bool Broadphase::allowed(std::uint32_t a, std::uint32_t b) const {
+  if (((flags_[a] | flags_[b]) & restricted_flag) == 0) return a != b;
+  const Filter& x = proxies_[a].filter;
+  const Filter& y = proxies_[b].filter;
+  if (!may_meet(x, y)) return false;
+  if (owners_[x.owner].ignored_owners == 0 || owners_[y.owner].ignored_owners == 0) return true;
+  return !ignored_.contains(Pair::of(x.owner, y.owner));
 }
 
 void Broadphase::move_box(std::uint32_t shape, const Aabb& fat) {
   Proxy& proxy = proxies_[shape];
-  proxy.fat = fat;
-  (proxy.kind == Kind::Fixed ? fixed_ : moving_).move(proxy.leaf, fat);
+  proxy.fat = fat.known_or_nan();
+  tree_of(proxy).move(shape, proxy.fat);
   mark_moved(shape);
 }
 
@@ -60,17 +140,8 @@ std::size_t Broadphase::half_space_index(std::uint32_t shape) const {
   return static_cast<std::size_t>(place - half_spaces_.begin());
 }
 
-// In double: the plane may be far from the world's origin.
-bool Broadphase::touches(const Plane& plane, const Aabb& box) {
-  double lowest = 0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const double n = plane.normal[static_cast<Eigen::Index>(i)];
-    lowest += n * static_cast<double>(n > 0 ? box.lower[i] : box.upper[i]);
-  }
-  return lowest <= plane.offset;
-}
-
 bool Broadphase::overlap(std::uint32_t a, std::uint32_t b) const {
+  if (!allowed(a, b)) return false;
   const bool plane_a = is_half_space(a);
   const bool plane_b = is_half_space(b);
   if (!plane_a && !plane_b) return proxies_[a].fat.overlaps(proxies_[b].fat);
@@ -79,19 +150,18 @@ bool Broadphase::overlap(std::uint32_t a, std::uint32_t b) const {
   return touches(half_spaces_[half_space_index(shape)].plane, proxies_[plane_a ? b : a].fat);
 }
 
-void Broadphase::query(std::uint32_t shape, const PairSet& known, std::vector<Pair>& found) const {
+// The pairs that a shape that moved has to report, known or not.
+void Broadphase::find_partners(std::uint32_t shape, std::vector<Pair>& found) const {
   const Proxy& proxy = proxies_[shape];
   const auto consider = [&](std::uint32_t other) {
-    // Of two shapes that both moved, the lower one reports the pair.
-    if (other == shape || (proxies_[other].moved && other < shape)) return;
-    const Pair pair = Pair::of(shape, other);
-    if (!known.contains(pair)) found.push_back(pair);
+    // Of two shapes that both moved, the lower one reports the pair. And this one moved.
+    if (other <= shape && has_moved(other)) return;
+    if (allowed(shape, other)) found.push_back(Pair::of(shape, other));
   };
+  if (proxy.kind == Kind::Free) return;
   if (proxy.kind == Kind::HalfSpace) {
     const Plane& plane = half_spaces_[half_space_index(shape)].plane;
-    for (std::uint32_t other = 0; other < proxies_.size(); ++other) {
-      if (proxies_[other].kind == Kind::Moving && touches(plane, proxies_[other].fat)) consider(other);
-    }
+    moving_.query_if([&plane](const Aabb& box) { return touches(plane, box); }, consider);
     return;
   }
   moving_.query(proxy.fat, consider);
@@ -105,7 +175,6 @@ void Broadphase::query(std::uint32_t shape, const PairSet& known, std::vector<Pa
 std::span<const Pair> Broadphase::find_new_pairs(const PairSet& known, jobs::Arena& arena) {
   moving_.rebuild_if_worn();
   fixed_.rebuild_if_worn();
-  std::sort(moved_.begin(), moved_.end());
 
   constexpr std::size_t grain = 64;
   const std::size_t chunks = jobs::Arena::chunk_count(moved_.size(), grain);
@@ -113,19 +182,21 @@ std::span<const Pair> Broadphase::find_new_pairs(const PairSet& known, jobs::Are
   arena.parallel_for(moved_.size(), grain, [&](std::size_t begin, std::size_t end) {
     std::vector<Pair>& found = found_[begin / grain];
     found.clear();
-    for (std::size_t i = begin; i < end; ++i) query(moved_[i], known, found);
+    for (std::size_t i = begin; i < end; ++i) find_partners(moved_[i], found);
+    known.drop_contained(found, 0);
   });
 
   new_pairs_.clear();
   for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
     new_pairs_.insert(new_pairs_.end(), found_[chunk].begin(), found_[chunk].end());
   }
-  std::sort(new_pairs_.begin(), new_pairs_.end());
+  // No pair is found twice, so sorted they show neither the order of moves nor the trees' shape.
+  sort_pairs(new_pairs_, sort_scratch_);
   return new_pairs_;
 }
 
 void Broadphase::forget_moves() {
-  for (const std::uint32_t shape : moved_) proxies_[shape].moved = false;
+  for (const std::uint32_t shape : moved_) flags_[shape] &= static_cast<std::uint8_t>(~moved_flag);
   moved_.clear();
 }
 

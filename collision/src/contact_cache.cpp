@@ -19,9 +19,26 @@ std::uint32_t ContactCache::claim_slot() {
   return slot;
 }
 
+bool ContactCache::touches(Pair pair) const {
+  auto entry = std::lower_bound(order.begin(), order.end(), pair,
+                                [this](std::uint32_t slot, Pair p) { return contacts[slot].pair < p; });
+  for (; entry != order.end() && contacts[*entry].pair == pair; ++entry) {
+    if (contacts[*entry].count > 0) return true;
+  }
+  return false;
+}
+
+// Both parts are in order. From the back, so that nothing is overwritten before it has moved.
 void ContactCache::merge_into_order(std::size_t old_count) {
-  std::inplace_merge(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(old_count), order.end(),
-                     [this](std::uint32_t a, std::uint32_t b) { return contacts[a].pair < contacts[b].pair; });
+  added_.assign(order.begin() + static_cast<std::ptrdiff_t>(old_count), order.end());
+  std::size_t old_left = old_count;
+  std::size_t added_left = added_.size();
+  while (added_left > 0) {
+    const std::uint32_t added = added_[added_left - 1];
+    const bool old_is_later = old_left > 0 && contacts[added].pair < contacts[order[old_left - 1]].pair;
+    order[old_left + added_left - 1] = old_is_later ? order[old_left - 1] : added;
+    --(old_is_later ? old_left : added_left);
+  }
 }
 
 }  // namespace atl::collision

@@ -2,11 +2,17 @@
 // FCL's and Eigen's asserts would abort the process on degenerate shapes, and boxBox2 is twice as fast
 // instantiated here, through its overload on plain matrices, as it is in the packaged library.
 
+#include <collision/convex.h>
 #include <collision/fcl_narrowphase.h>
+#include <collision/hull.h>
+#include <collision/polytope.h>
+#include <fcl/narrowphase/detail/convexity_based_algorithm/gjk_libccd.h>
 #include <fcl/narrowphase/detail/primitive_shape_algorithm/box_box.h>
 #include <fcl/narrowphase/detail/primitive_shape_algorithm/sphere_box.h>
 #include <fcl/narrowphase/detail/primitive_shape_algorithm/sphere_sphere.h>
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 namespace atl::collision::fcl_narrowphase {
@@ -53,6 +59,83 @@ fcl::Transform3d translation(const Vector3& position) {
   return transform;
 }
 
+// What libccd asks of a solid. The refinement's first loops have no bound of their own, so a body that has
+// been asked too often answers with a point so far behind that any loop sees it missed the origin.
+struct Body {
+  const Shape* shape;
+  Polytope hull;  // of a hull
+  Vector3 position = Vector3::Zero();
+  Matrix3 rotation = Matrix3::Identity();
+  Vector3 centre = Vector3::Zero();  // inner point, shape's frame
+  double scale = 1;                  // about the centre
+  double grown = 0;                  // m, in all directions
+  int questions = 0;
+
+  static constexpr int most_questions = 1000;
+
+  Vector3 support(const Vector3& direction) {
+    if (++questions > most_questions) return -1e6 * (shape->bounding_radius + position.norm() + 1) * direction;
+    const Vector3 local = rotation.transpose() * direction;
+    return position + rotation * local_support(local);
+  }
+
+ private:
+  // libccd's directions have unit length, but for rounding and the very first one.
+  Vector3 local_support(const Vector3& direction) const {
+    switch (shape->kind) {
+      case ShapeKind::Hull:
+        return centre + scale * (hull.vertices[hull.support(direction)] - centre);
+      case ShapeKind::Sphere:
+      case ShapeKind::Capsule: {
+        const double end = direction.z() < 0 ? -shape->half_height : shape->half_height;
+        return (shape->radius + grown) / direction.norm() * direction + end * Vector3::UnitZ();
+      }
+      default:
+        return scale * support_point(*shape, direction);
+    }
+  }
+};
+
+Vector3 to_vector(const ccd_vec3_t& v) { return {v.v[0], v.v[1], v.v[2]}; }
+
+void body_support(const void* object, const ccd_vec3_t* direction, ccd_vec3_t* point) {
+  // libccd passes on as const what GJKCollide takes as mutable.
+  const Vector3 p = static_cast<Body*>(const_cast<void*>(object))->support(to_vector(*direction));
+  ccdVec3Set(point, p.x(), p.y(), p.z());
+}
+
+void body_centre(const void* object, ccd_vec3_t* centre) {
+  const Body& body = *static_cast<const Body*>(object);
+  const Vector3 p = body.position + body.rotation * body.centre;
+  ccdVec3Set(centre, p.x(), p.y(), p.z());
+}
+
+// A body that reaches at least `margin` farther in every direction. Scaling keeps the directions of faces and
+// edges, and so what the refinement converges to.
+Body grown_body(const Shape& shape, double margin) {
+  Body body;
+  body.shape = &shape;
+  double inner = shape.inner_radius;  // of a sphere about the centre
+  switch (shape.kind) {
+    case ShapeKind::Sphere:
+    case ShapeKind::Capsule:
+      body.grown = margin;
+      return body;
+    case ShapeKind::Cone:
+      inner = shape.half_height * std::min(1.0, shape.radius / std::sqrt(shape.radius * shape.radius +
+                                                                         4 * shape.half_height * shape.half_height));
+      break;
+    case ShapeKind::Hull:
+      body.centre = shape.hull->mass.centre;
+      body.hull = polytope_of(*shape.hull);
+      break;
+    default:
+      break;
+  }
+  body.scale = 1 + margin / inner;
+  return body;
+}
+
 }  // namespace
 
 bool box_box(const Vector3& half_first, const Vector3& half_second, const Vector3& position, const Matrix3& rotation,
@@ -81,6 +164,26 @@ bool sphere_box(double radius, const Vector3& half_extents, const Vector3& centr
   fcl::detail::sphereBoxIntersect(fcl::Sphered(radius + margin), translation(centre), fcl::Boxd(sides),
                                   translation(Vector3::Zero()), &contacts);
   return accept(contacts, margin, axis);
+}
+
+bool convex(const Shape& first_shape, const Shape& second_shape, const Vector3& position, const Matrix3& rotation,
+            double margin, Axis& axis) {
+  if (!position.allFinite() || !rotation.allFinite()) return false;
+  const double size = std::min(first_shape.inner_radius, second_shape.inner_radius);
+  const double tolerance = 1e-2 * size;
+  const double growth = margin + 1.5 * tolerance;
+  const bool grow_first = first_shape.inner_radius >= second_shape.inner_radius;
+  Body first = grown_body(first_shape, grow_first ? growth : 0);
+  Body second = grown_body(second_shape, grow_first ? 0 : growth);
+  second.position = position;
+  second.rotation = rotation;
+  // The descent that follows makes up for the loose tolerance, which is what bounds the time for round shapes.
+  constexpr unsigned max_iterations = 30;
+  Vector3 point;
+  double depth = 0;
+  axis.code = 1;
+  return fcl::detail::GJKCollide<double>(&first, body_support, body_centre, &second, body_support, body_centre,
+                                         max_iterations, tolerance, &point, &depth, &axis.normal);
 }
 
 }  // namespace atl::collision::fcl_narrowphase

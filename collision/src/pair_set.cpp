@@ -18,6 +18,19 @@ bool PairSet::contains(Pair pair) const {
   return false;
 }
 
+void PairSet::drop_contained(std::vector<Pair>& pairs, std::size_t begin) const {
+  if (keys_.empty()) return;
+  constexpr std::size_t ahead = 16;
+  std::size_t kept = begin;
+  for (std::size_t i = begin; i < pairs.size(); ++i) {
+    if (i + ahead < pairs.size()) __builtin_prefetch(&keys_[home(pairs[i + ahead].key())]);
+    const Pair pair = pairs[i];
+    pairs[kept] = pair;
+    kept += contains(pair) ? 0 : 1;
+  }
+  pairs.resize(kept);
+}
+
 void PairSet::insert(Pair pair) {
   if (2 * (size_ + 1) > keys_.size()) grow();
   std::size_t slot = home(pair.key());

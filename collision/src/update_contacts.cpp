@@ -1,86 +1,188 @@
 #include <collision/collide.h>
+#include <collision/convex.h>
+#include <collision/match_points.h>
+#include <collision/surface_contacts.h>
 #include <collision/update_contacts.h>
 
 #include <algorithm>
+#include <limits>
+#include <utility>
 
 namespace atl::collision {
 namespace {
-
-// A pair may drift this part of the smaller shape's inner radius, or turn this far (rad), before its features
-// are found anew. Separations stay exact for fixed features; what goes stale is where the outlines cross, by
-// at most the drift. Chosen so that a resting scene keeps everything and a sliding box asks FCL every few
-// millimetres.
-constexpr double drift_tolerance = 2e-3;
-constexpr double turn_tolerance = 2e-3;
 
 // A new point that matches no old one by id takes over the impulse of one that lies this near, as part of the
 // smaller shape's inner radius.
 constexpr double match_distance = 0.04;
 
-struct Motion {
-  Eigen::Map<const Vector3> velocity;
-  Eigen::Map<const Vector3> angular_velocity;
+// Contacts of one loop chunk; they are refreshed in blocks of lanes.
+constexpr std::size_t grain = 128;
 
-  Motion(const ContactUpdateInput& input, std::size_t shape)
-      : velocity(input.velocities + 3 * shape), angular_velocity(input.angular_velocities + 3 * shape) {}
+// Pose of a shape that isn't its body's, for a lane of a block.
+struct alignas(16) PlacedLane {
+  std::array<float, 4> offset = {};
+  std::array<double, 4> orientation;
+  std::array<double, 3> position;
+};
+alignas(16) constexpr std::array<float, 4> no_offset = {};
 
-  // How far the surface gets in a step by turning. A half-space turns about its origin: not bounded here.
-  double turn_reach(const Shape& shape, double dt) const {
-    return shape.kind == ShapeKind::HalfSpace ? 0 : angular_velocity.norm() * shape.bounding_radius * dt;
-  }
+// The update of a stretch of the cache's order, on one thread.
+class Stretch {
+ public:
+  Stretch(ContactCache& cache, const Broadphase& broadphase, const ContactUpdateInput& input)
+      : cache_(cache), broadphase_(broadphase), input_(input) {}
+
+  ContactUpdateCounts run(std::size_t begin, std::size_t end, ContactStatus* status);
+
+ private:
+  // Entries of the order, collected for refresh() until they fill a block.
+  struct Batch {
+    std::array<std::uint32_t, block_lanes> entries;
+    std::size_t count = 0;
+  };
+
+  bool is_lost(Pair pair) const;
+  void add_to(Batch& batch, std::size_t entry, bool fresh);
+  void refresh(Batch& batch, bool fresh);
+  void fill_lane(const Contact& contact, ContactManifold& manifold, std::size_t lane);
+  void find_anew(std::size_t entry);
+  void set_apart(std::size_t entry, const Pose& incident, double margin, double gap);
+  void find_surface_parts(std::size_t entry);
+  void replace(std::size_t entry, const Manifold& fresh, const Pose& incident, double margin);
+  double margin_of(const Contact& contact) const;
+  float tolerance_of(Pair pair, const Manifold& fresh) const;
+
+  Contact& contact_at(std::size_t entry) { return cache_.contacts[cache_.order[entry]]; }
+  std::size_t parts_from(std::size_t entry) const;
+
+  ContactCache& cache_;
+  const Broadphase& broadphase_;
+  const ContactUpdateInput& input_;
+  ContactStatus* status_ = nullptr;
+  ContactUpdateCounts counts_;
+  RefreshBlock block_;
+  std::array<PlacedLane, block_lanes> placed_reference_;
+  std::array<PlacedLane, block_lanes> placed_incident_;
+  Batch kept_batch_;
+  Batch fresh_batch_;
+  // A chunk and the rest of its last pair's parts.
+  std::array<std::uint32_t, grain + max_surface_manifolds> stale_;
+  std::size_t stale_count_ = 0;
 };
 
-// Impulses of the old manifold, by what identifies their points.
-struct OldPoints {
-  int count;
-  std::array<FeatureId, max_points> ids;
-  std::array<float, max_points> impulses;
-  std::array<Vector3, max_points> positions;  // reference frame
-  bool reference_is_second;
-};
-
-OldPoints remember(const Contact& contact, const ContactManifold& manifold) {
-  OldPoints old{contact.count, contact.ids, {}, {}, contact.reference_is_second};
-  for (std::size_t i = 0; i < contact.count; ++i) {
-    const std::array<float, 3>& offset = contact.offset[i];
-    old.impulses[i] = manifold.normal_impulse[i];
-    old.positions[i] = contact.centre_reference + Vector3(offset[0], offset[1], offset[2]);
-  }
-  return old;
+double Stretch::margin_of(const Contact& contact) const {
+  const StepReach& first = input_.reaches[contact.body_first];
+  const StepReach& second = input_.reaches[contact.body_second];
+  const Vector3 closing(first.shift[0] - second.shift[0], first.shift[1] - second.shift[1],
+                        first.shift[2] - second.shift[2]);
+  return speculative_margin(static_cast<double>(contact.size), closing.norm() + first.turn + second.turn);
 }
 
-// Hands impulses on: by feature id first, then, among what is left, to the nearest point within reach.
-void match_points(const OldPoints& old, const Manifold& fresh, double reach, ContactManifold& manifold,
-                  ContactUpdateCounts& counts) {
-  std::array<bool, max_points> taken = {};
-  std::array<bool, max_points> matched = {};
-  for (std::size_t i = 0; i < max_points; ++i) manifold.normal_impulse[i] = 0;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(fresh.count); ++i) {
-    for (std::size_t j = 0; j < static_cast<std::size_t>(old.count); ++j) {
-      if (taken[j] || old.ids[j] != fresh.points[i].id) continue;
-      manifold.normal_impulse[i] = old.impulses[j];
-      taken[j] = matched[i] = true;
-      ++counts.id_matches;
-      break;
+bool Stretch::is_lost(Pair pair) const {
+  return (broadphase_.has_moved(pair.first) || broadphase_.has_moved(pair.second)) &&
+         !broadphase_.overlap(pair.first, pair.second);
+}
+
+std::size_t Stretch::parts_from(std::size_t entry) const {
+  std::size_t end = entry + 1;
+  while (end < cache_.order.size() && cache_.contacts[cache_.order[end]].part > 0) ++end;
+  return end - entry;
+}
+
+ContactUpdateCounts Stretch::run(std::size_t begin, std::size_t end, ContactStatus* status) {
+  status_ = status;
+  stale_count_ = 0;
+  // A pair's parts stay together: they belong to the chunk in which they begin.
+  while (begin < end && contact_at(begin).part > 0) ++begin;
+  if (begin < end) end += parts_from(end - 1) - 1;
+
+  for (std::size_t i = begin; i < end; ++i) {
+    const Contact& contact = contact_at(i);
+    if (!input_.active[contact.body_first] && !input_.active[contact.body_second]) {
+      status_[i] = ContactStatus::Idle;
+    } else if (is_lost(contact.pair)) {
+      status_[i] = ContactStatus::Lost;
+    } else {
+      add_to(kept_batch_, i, false);
     }
   }
-  if (old.count == 0) return;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(fresh.count); ++i) {
-    if (matched[i]) continue;
-    ++counts.id_misses;
-    if (old.reference_is_second != fresh.reference_is_second) continue;
-    double nearest = reach * reach;
-    std::size_t best = max_points;
-    for (std::size_t j = 0; j < static_cast<std::size_t>(old.count); ++j) {
-      const double distance = (old.positions[j] - fresh.points[i].position).squaredNorm();
-      if (taken[j] || distance >= nearest) continue;
-      nearest = distance;
-      best = j;
+  refresh(kept_batch_, false);
+
+  for (std::size_t i = 0; i < stale_count_; ++i) {
+    const std::uint32_t entry = stale_[i];
+    // Parts are found together, by the first of them that is stale.
+    if (status_[entry] != ContactStatus::Idle) continue;
+    if (is_surface(input_.colliders.shape[contact_at(entry).pair.first].kind) ||
+        is_surface(input_.colliders.shape[contact_at(entry).pair.second].kind)) {
+      find_surface_parts(entry - contact_at(entry).part);
+    } else {
+      find_anew(entry);
     }
-    if (best == max_points) continue;
-    manifold.normal_impulse[i] = old.impulses[best];
-    taken[best] = true;
   }
+  refresh(fresh_batch_, true);
+  return std::exchange(counts_, {});
+}
+
+void Stretch::add_to(Batch& batch, std::size_t entry, bool fresh) {
+  batch.entries[batch.count++] = static_cast<std::uint32_t>(entry);
+  if (batch.count == block_lanes) refresh(batch, fresh);
+}
+
+void Stretch::refresh(Batch& batch, bool fresh) {
+  const std::size_t count = std::exchange(batch.count, 0);
+  if (count == 0) return;
+  for (std::size_t lane = 0; lane < block_lanes; ++lane) {
+    const std::uint32_t slot = cache_.order[batch.entries[std::min(lane, count - 1)]];
+    fill_lane(cache_.contacts[slot], cache_.manifolds[slot], lane);
+  }
+  const unsigned kept = input_.kernels.refresh(block_, count, fresh);
+  if (fresh) return;
+  for (std::size_t lane = 0; lane < count; ++lane) {
+    const std::uint32_t entry = batch.entries[lane];
+    if ((kept >> lane & 1) != 0) {
+      // A pair found apart is kept as well: it stays apart, but for the tolerance, while it doesn't move.
+      status_[entry] = contact_at(entry).count > 0 ? ContactStatus::Touching : ContactStatus::Apart;
+      counts_.kept += contact_at(entry).part == 0;
+    } else {
+      status_[entry] = ContactStatus::Idle;
+      stale_[stale_count_++] = entry;
+    }
+  }
+}
+
+void Stretch::fill_lane(const Contact& contact, ContactManifold& manifold, std::size_t lane) {
+  block_.contact[lane] = &contact;
+  block_.manifold[lane] = &manifold;
+  block_.reach_first[lane] = &input_.reaches[contact.body_first];
+  block_.reach_second[lane] = &input_.reaches[contact.body_second];
+
+  const bool swapped = contact.reference_is_second;
+  const std::size_t reference = swapped ? contact.body_second : contact.body_first;
+  const std::size_t incident = swapped ? contact.body_first : contact.body_second;
+  block_.position_reference[lane] = input_.poses.positions + 3 * reference;
+  block_.orientation_reference[lane] = input_.poses.orientations + 4 * reference;
+  block_.position_incident[lane] = input_.poses.positions + 3 * incident;
+  block_.orientation_incident[lane] = input_.poses.orientations + 4 * incident;
+  block_.offset_reference[lane] = block_.offset_incident[lane] = no_offset.data();
+  if (!contact.placed) return;
+
+  const auto place = [&](std::uint32_t collider, PlacedLane& to) {
+    const Pose pose = input_.colliders.pose(collider, input_.poses);
+    const Vector3 offset = pose.position - input_.poses[input_.colliders.body[collider]].position;
+    Eigen::Map<Vector3>(to.position.data()) = pose.position;
+    Eigen::Map<Eigen::Vector4d>(to.orientation.data()) = pose.orientation.coeffs();
+    Eigen::Map<Eigen::Vector3f>(to.offset.data()) = offset.cast<float>();
+  };
+  PlacedLane& at_reference = placed_reference_[lane];
+  PlacedLane& at_incident = placed_incident_[lane];
+  place(swapped ? contact.pair.second : contact.pair.first, at_reference);
+  place(swapped ? contact.pair.first : contact.pair.second, at_incident);
+  block_.position_reference[lane] = at_reference.position.data();
+  block_.orientation_reference[lane] = at_reference.orientation.data();
+  block_.offset_reference[lane] = at_reference.offset.data();
+  block_.position_incident[lane] = at_incident.position.data();
+  block_.orientation_incident[lane] = at_incident.orientation.data();
+  block_.offset_incident[lane] = at_incident.offset.data();
 }
 
 void clear_impulses(ContactManifold& manifold) {
@@ -89,75 +191,135 @@ void clear_impulses(ContactManifold& manifold) {
   manifold.twist_impulse = 0;
 }
 
-// Only where FCL's axis search is what costs is there anything to keep.
-bool worth_keeping(const Shape& first, const Shape& second) {
-  return first.kind == ShapeKind::Box && second.kind == ShapeKind::Box;
+// A sphere's contact is found in closed form faster than it could be kept.
+float Stretch::tolerance_of(Pair pair, const Manifold& fresh) const {
+  const auto is = [&](auto... kinds) {
+    const ShapeKind first = input_.colliders.shape[pair.first].kind;
+    const ShapeKind second = input_.colliders.shape[pair.second].kind;
+    return ((first == kinds || second == kinds) || ...);
+  };
+  if (is(ShapeKind::Sphere)) return fresh.count > 0 ? 0 : flat_tolerance;
+  const bool rolls = fresh.count < 3 && is(ShapeKind::Capsule, ShapeKind::Cylinder, ShapeKind::Cone);
+  return rolls && fresh.count > 0 ? round_tolerance : flat_tolerance;
 }
 
-bool within_tolerance(const Drift& drift, double size) {
-  const double turn_squared = static_cast<double>(drift.half_turn[0]) * drift.half_turn[0] +
-                              static_cast<double>(drift.half_turn[1]) * drift.half_turn[1] +
-                              static_cast<double>(drift.half_turn[2]) * drift.half_turn[2];
-  return drift.shift.squaredNorm() < drift_tolerance * size * drift_tolerance * size &&
-         turn_squared < 0.25 * turn_tolerance * turn_tolerance;
+// Stores what the narrowphase found, and hands impulses on.
+void Stretch::replace(std::size_t entry, const Manifold& fresh, const Pose& incident, double margin) {
+  Contact& contact = contact_at(entry);
+  ContactManifold& manifold = cache_.manifolds[cache_.order[entry]];
+  if (fresh.count == 0) {
+    clear_impulses(manifold);
+  } else {
+    const OldPoints old = OldPoints::of(contact, manifold);
+    const PointMatches matches = match_points(old, fresh, match_distance * static_cast<double>(contact.size), manifold);
+    counts_.id_matches += matches.by_id;
+    counts_.id_misses += matches.missed;
+  }
+  capture(contact, fresh, incident, margin, tolerance_of(contact.pair, fresh));
+  status_[entry] = fresh.count > 0 ? ContactStatus::Touching : ContactStatus::Apart;
+  if (fresh.count > 0) add_to(fresh_batch_, entry, true);
 }
 
-ContactStatus update_contact(Contact& contact, ContactManifold& manifold, const Broadphase& broadphase,
-                             const ContactUpdateInput& input, ContactUpdateCounts& counts) {
-  std::size_t first = contact.pair.first;
-  std::size_t second = contact.pair.second;
-  if (!input.active[first] && !input.active[second]) return ContactStatus::Idle;
-  if ((broadphase.has_moved(contact.pair.first) || broadphase.has_moved(contact.pair.second)) &&
-      !broadphase.overlap(contact.pair.first, contact.pair.second)) {
-    return ContactStatus::Lost;
+// A lower bound of the distance between two solids, or a solid and a half-space, in the frame of the first: of the
+// planes across the line of their centres, cheap enough to ask before anything else. Nothing is said of surfaces.
+double gap_between(const Shape& first, const Shape& second, const Pose& pose) {
+  if (!is_convex_solid(first.kind)) return -std::numeric_limits<double>::infinity();
+  if (second.kind == ShapeKind::HalfSpace) {
+    const Vector3 normal = pose.orientation * second.normal;
+    return -normal.dot(pose.position) - second.offset - reach_along(first, -normal);
   }
+  if (!is_convex_solid(second.kind)) return -std::numeric_limits<double>::infinity();
+  const double distance = pose.position.norm();
+  if (!(distance > 0)) return 0;
+  const Vector3 direction = pose.position / distance;
+  return distance - reach_along(first, direction) - reach_along(second, -(pose.orientation.conjugate() * direction));
+}
 
-  const Pose pose_first = input.poses[first];
-  const Pose pose_second = input.poses[second];
-  const Shape& shape_first = input.shapes[first];
-  const Shape& shape_second = input.shapes[second];
-  const double size = std::min(shape_first.inner_radius, shape_second.inner_radius);
-  const Motion motion_first(input, first);
-  const Motion motion_second(input, second);
-  const double approach = (motion_first.velocity - motion_second.velocity).norm() * input.dt +
-                          motion_first.turn_reach(shape_first, input.dt) +
-                          motion_second.turn_reach(shape_second, input.dt);
-  const double margin = speculative_margin(shape_first, shape_second, approach);
+// A pair found apart with room to spare stays so, whatever its features, until it has used the room up: a third of
+// it by drifting (which the tolerance limits, in distance and in turn), the rest by its margin's growing.
+void Stretch::set_apart(std::size_t entry, const Pose& incident, double margin, double gap) {
+  Contact& contact = contact_at(entry);
+  clear_impulses(cache_.manifolds[cache_.order[entry]]);
+  const double third = (gap - margin) / 3;
+  const double lever = static_cast<double>(contact.size) + input_.colliders.shape[contact.pair.second].bounding_radius;
+  capture(contact, Manifold{}, incident, margin + third, static_cast<float>(third / lever));
+  status_[entry] = ContactStatus::Apart;
+}
 
-  // A pair found apart is kept as well: it stays apart, but for the tolerance, while it doesn't move.
-  if (worth_keeping(shape_first, shape_second) && margin <= contact.margin + drift_tolerance * size) {
-    const Pose incident =
-        contact.reference_is_second ? relative(pose_second, pose_first) : relative(pose_first, pose_second);
-    const Drift drift = drift_since_capture(contact, incident);
-    if (within_tolerance(drift, size)) {
-      ++counts.kept;
-      if (contact.count == 0) return ContactStatus::Apart;
-      place(contact, drift, pose_first, pose_second, margin, manifold);
-      return ContactStatus::Touching;
-    }
-  }
+void Stretch::find_anew(std::size_t entry) {
+  const Contact& contact = contact_at(entry);
+  const Pair pair = contact.pair;
+  const ColliderTable& colliders = input_.colliders;
+  const Pose first = colliders.pose(pair.first, input_.poses);
+  const Pose second = colliders.pose(pair.second, input_.poses);
+  const double margin = margin_of(contact);
+  const Shape& shape_first = colliders.shape[pair.first];
+  const Shape& shape_second = colliders.shape[pair.second];
 
   // The narrowphase wants the lower kind first.
   const bool swap = shape_second.kind < shape_first.kind;
+  const Pose in_first = relative(first, second);
+  const double gap = swap ? gap_between(shape_second, shape_first, relative(second, first))
+                          : gap_between(shape_first, shape_second, in_first);
+  if (gap > margin && shape_second.bounding_radius < std::numeric_limits<double>::infinity()) {
+    set_apart(entry, in_first, margin, gap);
+    return;
+  }
   Manifold fresh;
   fresh.axis = contact.axis;
-  const Narrowphase by = swap ? collide(shape_second, shape_first, relative(pose_second, pose_first), margin, fresh)
-                              : collide(shape_first, shape_second, relative(pose_first, pose_second), margin, fresh);
+  const Narrowphase by = swap ? collide(shape_second, shape_first, relative(second, first), margin, fresh)
+                              : collide(shape_first, shape_second, in_first, margin, fresh);
   fresh.reference_is_second ^= swap;
-  if (by == Narrowphase::Fcl) ++counts.fcl_calls;
+  counts_.fcl_calls += by == Narrowphase::Fcl;
+  replace(entry, fresh, fresh.reference_is_second ? relative(second, first) : in_first, margin);
+}
 
-  const OldPoints old = remember(contact, manifold);
-  const Pose incident =
-      fresh.reference_is_second ? relative(pose_second, pose_first) : relative(pose_first, pose_second);
-  capture(contact, fresh, incident, margin);
-  if (fresh.count == 0) {
-    clear_impulses(manifold);
-    return ContactStatus::Apart;
+// The manifolds of a solid and a surface go to the parts that had the most similar normals.
+void Stretch::find_surface_parts(std::size_t entry) {
+  const Contact& contact = contact_at(entry);
+  const Pair pair = contact.pair;
+  const ColliderTable& colliders = input_.colliders;
+  const bool surface_second = is_surface(colliders.shape[pair.second].kind);
+  const std::uint32_t solid = surface_second ? pair.first : pair.second;
+  const std::uint32_t surface = surface_second ? pair.second : pair.first;
+  const Pose incident = relative(colliders.pose(surface, input_.poses), colliders.pose(solid, input_.poses));
+  const double margin = margin_of(contact);
+  SurfaceManifolds found;
+  collide_surface(colliders.shape[solid], colliders.shape[surface], incident, margin, found);
+
+  constexpr auto parts = static_cast<std::size_t>(max_surface_manifolds);
+  std::array<int, parts> assigned;  // manifold of a part, or -1
+  assigned.fill(-1);
+  std::array<bool, parts> placed = {};
+  const auto assign_best = [&](double least_cosine) {
+    for (int m = 0; m < found.count; ++m) {
+      if (placed[static_cast<std::size_t>(m)]) continue;
+      double best = least_cosine;
+      std::size_t chosen = parts;
+      for (std::size_t part = 0; part < parts; ++part) {
+        if (assigned[part] >= 0) continue;
+        const Contact& old = contact_at(entry + part);
+        const Vector3 normal(old.normal[0], old.normal[1], old.normal[2]);
+        const double cosine = old.count > 0 ? normal.dot(found.manifolds[static_cast<std::size_t>(m)].normal) : -1.0;
+        if (cosine < best || (chosen != parts && cosine == best)) continue;
+        best = cosine;
+        chosen = part;
+      }
+      if (chosen == parts) continue;
+      assigned[chosen] = m;
+      placed[static_cast<std::size_t>(m)] = true;
+    }
+  };
+  assign_best(0.9);   // the same face as before
+  assign_best(-2.0);  // whatever is left
+
+  for (std::size_t part = 0; part < parts; ++part) {
+    Manifold none;
+    none.reference_is_second = surface_second;
+    Manifold& fresh = assigned[part] < 0 ? none : found.manifolds[static_cast<std::size_t>(assigned[part])];
+    fresh.reference_is_second = surface_second;
+    replace(entry + part, fresh, incident, margin);
   }
-  match_points(old, fresh, match_distance * size, manifold, counts);
-  const Drift none{Vector3::Zero(), {0, 0, 0}, 1};
-  place(contact, none, pose_first, pose_second, margin, manifold);
-  return ContactStatus::Touching;
 }
 
 }  // namespace
@@ -170,29 +332,17 @@ ContactUpdateCounts& ContactUpdateCounts::operator+=(const ContactUpdateCounts& 
   return *this;
 }
 
-double speculative_margin(const Shape& a, const Shape& b, double approach) {
-  // 5% of the inner radius is 2.5 cm for a cube of 1 m: a resting neighbour across a 2 cm gap is watched.
-  const double size = std::min(a.inner_radius, b.inner_radius);
-  return 0.05 * size + std::min(approach, 0.5 * size);
-}
-
-ContactUpdateCounts update_contacts(ContactCache& cache, const Broadphase& broadphase, const ContactUpdateInput& input,
-                                    jobs::Arena& arena, std::vector<ContactStatus>& status) {
-  constexpr std::size_t grain = 128;
+void update_contacts(ContactCache& cache, const Broadphase& broadphase, const ContactUpdateInput& input,
+                     jobs::Arena& arena, ContactUpdate& update) {
   const std::size_t count = cache.order.size();
-  status.resize(count);
-  std::vector<ContactUpdateCounts> chunk_counts(jobs::Arena::chunk_count(count, grain));
+  update.status.resize(count);
+  update.by_chunk.resize(jobs::Arena::chunk_count(count, grain));
   arena.parallel_for(count, grain, [&](std::size_t begin, std::size_t end) {
-    ContactUpdateCounts counts;
-    for (std::size_t i = begin; i < end; ++i) {
-      const std::uint32_t slot = cache.order[i];
-      status[i] = update_contact(cache.contacts[slot], cache.manifolds[slot], broadphase, input, counts);
-    }
-    chunk_counts[begin / grain] = counts;
+    Stretch stretch(cache, broadphase, input);
+    update.by_chunk[begin / grain] = stretch.run(begin, end, update.status.data());
   });
-  ContactUpdateCounts total;
-  for (const ContactUpdateCounts& counts : chunk_counts) total += counts;
-  return total;
+  update.counts = {};
+  for (const ContactUpdateCounts& counts : update.by_chunk) update.counts += counts;
 }
 
 }  // namespace atl::collision

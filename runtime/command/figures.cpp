@@ -9,7 +9,8 @@ std::vector<Count> named_counts(const StepCounts& c) {
   return {{"pairs", c.pairs},     {"contacts", c.contacts},     {"points", c.points},
           {"joints", c.joints},   {"islands", c.islands},       {"groups", c.groups},
           {"colours", c.colours}, {"fcl_calls", c.fcl_calls},   {"kept_manifolds", c.kept_manifolds},
-          {"asleep", c.asleep},   {"id_matches", c.id_matches}, {"id_misses", c.id_misses}};
+          {"asleep", c.asleep},   {"id_matches", c.id_matches}, {"id_misses", c.id_misses},
+          {"swept", c.swept},     {"stopped", c.stopped}};
 }
 
 std::vector<ErrorMeasure> named_errors(const RunResult& result) {

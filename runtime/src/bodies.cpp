@@ -46,20 +46,23 @@ BodyId World::Impl::add_body(const BodyDef& def) {
     records.generation.resize(count, 0);
     records.alive.resize(count, 0);
     records.type.resize(count, BodyType::Static);
-    records.shape.resize(count);
     records.material.resize(count);
+    records.centre.resize(count, Vector3::Zero());
+    records.first_collider.resize(count, collision::ColliderTable::none);
+    records.continuous.resize(count, 0);
   } else {
     body = records.free.back();
     records.free.pop_back();
   }
   records.alive[body] = 1;
   records.type[body] = def.type;
-  records.shape[body] = checked.shape;
   records.material[body] = def.material;
+  records.centre[body] = checked.centre;
+  records.continuous[body] = def.continuous;
   ++records.count;
 
   bodies.mobility[body] = mobility_of(def.type);
-  bodies.position(body) = checked.position;
+  bodies.position(body) = checked.position + checked.orientation * checked.centre;
   bodies.set_orientation(body, checked.orientation);
   bodies.velocity(body) = def.velocity;
   bodies.angular_velocity(body) = def.angular_velocity;
@@ -69,7 +72,9 @@ BodyId World::Impl::add_body(const BodyDef& def) {
   bodies.inertia[body] = checked.inertia;
   bodies.inverse_inertia[body] = checked.inverse_inertia;
   bodies.gyroscopic[body] = checked.gyroscopic;
-  bodies.ball[body] = checked.shape.kind == collision::ShapeKind::Sphere;
+  bodies.ball[body] = checked.colliders.size() == 1 &&
+                      checked.colliders.front().shape.kind == collision::ShapeKind::Sphere &&
+                      checked.centre.isZero(0) && checked.colliders.front().local.position.isZero(0);
   bodies.gravity_scale[body] = def.gravity_scale;
   bodies.linear_damping[body] = def.linear_damping;
   bodies.angular_damping[body] = def.angular_damping;
@@ -77,7 +82,7 @@ BodyId World::Impl::add_body(const BodyDef& def) {
   sleeping.awake[body] = def.type == BodyType::Dynamic;
   sleeping.rest_time[body] = 0;
   contents.count(bodies, records, body, +1);
-  add_proxy(body);
+  add_colliders(body, checked, def.filter);
   return {body, records.generation[body]};
 }
 
@@ -86,10 +91,9 @@ void World::Impl::remove_body(BodyId id) {
   wake_touching(body);
   sleeping.wake(body);
   cache.remove_if([&](std::uint32_t slot) {
-    const collision::Pair pair = cache.contacts[slot].pair;
-    return pair.first == body || pair.second == body;
+    return cache.contacts[slot].body_first == body || cache.contacts[slot].body_second == body;
   });
-  broadphase.remove(body);
+  remove_colliders(body);
   contents.count(bodies, records, body, -1);
   sleeping.awake[body] = 0;
   bodies.mobility[body] = solver::Mobility::Fixed;
@@ -116,7 +120,16 @@ std::uint32_t World::Impl::index_of(BodyId id, const char* call) const {
 std::uint32_t World::Impl::awaken(BodyId id, const char* call) {
   const std::uint32_t body = index_of(id, call);
   sleeping.wake(body);
+  look_again(body);
   return body;
+}
+
+Pose World::Impl::pose(BodyId id) const {
+  const std::uint32_t body = index_of(id, "pose");
+  const Quaternion orientation = bodies.orientation(body);
+  const Vector3& centre = records.centre[body];
+  const Vector3 position = bodies.position(body);
+  return {centre.isZero(0) ? position : Vector3(position - orientation * centre), orientation};
 }
 
 void World::Impl::set_pose(BodyId id, const Pose& pose) {
@@ -125,9 +138,37 @@ void World::Impl::set_pose(BodyId id, const Pose& pose) {
   const Quaternion orientation = checked_orientation("World::set_pose: pose.orientation", pose.orientation);
   wake_touching(body);
   sleeping.wake(body);
-  bodies.position(body) = pose.position;
+  bodies.position(body) = pose.position + orientation * records.centre[body];
   bodies.set_orientation(body, orientation);
-  move_proxy(body);
+  move_proxies(body);
+}
+
+void World::Impl::set_filter(BodyId id, const CollisionFilter& filter) {
+  const std::uint32_t body = index_of(id, "set_filter");
+  wake_touching(body);
+  sleeping.wake(body);
+  for_each_collider(body, [&](std::uint32_t collider) {
+    broadphase.set_filter(collider, {filter.category, filter.mask, filter.group, body});
+  });
+}
+
+void World::Impl::set_collision_enabled(BodyId a, BodyId b, bool enabled) {
+  const std::uint32_t first = index_of(a, "set_collision_enabled");
+  const std::uint32_t second = index_of(b, "set_collision_enabled");
+  if (first == second) throw Error("World::set_collision_enabled: both bodies are the same; expected two bodies");
+  sleeping.wake(first);
+  sleeping.wake(second);
+  std::vector<std::uint32_t>& of_first = records.ignored[first];
+  std::vector<std::uint32_t>& of_second = records.ignored[second];
+  std::erase(of_first, second);
+  std::erase(of_second, first);
+  if (enabled) {
+    broadphase.unignore(first, second);
+  } else {
+    of_first.push_back(second);
+    of_second.push_back(first);
+    broadphase.ignore(first, second);
+  }
 }
 
 void World::Impl::wake_all() {
@@ -138,50 +179,13 @@ void World::Impl::wake_touching(std::uint32_t body) {
   for (const std::uint32_t slot : cache.order) {
     const collision::Contact& contact = cache.contacts[slot];
     if (contact.count == 0) continue;
-    if (contact.pair.first == body) sleeping.wake(contact.pair.second);
-    if (contact.pair.second == body) sleeping.wake(contact.pair.first);
+    if (contact.body_first == body) sleeping.wake(contact.body_second);
+    if (contact.body_second == body) sleeping.wake(contact.body_first);
   }
-}
-
-// The box needed now: bounds, grown by the speculative margin and where the body may get to in a step. And the
-// fat one: with some slack, so that it needn't be asked again at once.
-World::Impl::ProxyBoxes World::Impl::proxy_boxes(std::uint32_t body) const {
-  const collision::Shape& shape = records.shape[body];
-  const collision::Bounds bounds =
-      collision::bounds_of(shape, bodies.position(body), bodies.orientation(body).toRotationMatrix());
-  const double reach =
-      (bodies.velocity(body).norm() + bodies.angular_velocity(body).norm() * shape.bounding_radius) * dt_;
-  const Vector3 margin = Vector3::Constant(collision::speculative_margin(shape, shape, reach));
-  // 15% of the inner radius is 7.5 cm for a cube of 1 m.
-  const Vector3 slack = margin + Vector3::Constant(0.15 * shape.inner_radius);
-  return {collision::Aabb::around(bounds.lower - margin, bounds.upper + margin),
-          collision::Aabb::around(bounds.lower - slack, bounds.upper + slack)};
 }
 
 bool World::Impl::is_finite(std::uint32_t body) const {
   return bodies.position(body).allFinite() && bodies.orientation(body).coeffs().allFinite();
-}
-
-collision::Plane World::Impl::world_plane(std::uint32_t body) const {
-  const collision::Shape& shape = records.shape[body];
-  const Vector3 normal = bodies.orientation(body) * shape.normal;
-  return {normal, shape.offset + normal.dot(bodies.position(body))};
-}
-
-void World::Impl::add_proxy(std::uint32_t body) {
-  if (records.shape[body].kind == collision::ShapeKind::HalfSpace) {
-    broadphase.add_half_space(body, world_plane(body));
-  } else {
-    broadphase.add_box(body, proxy_boxes(body).fat, bodies.mobility[body] == solver::Mobility::Fixed);
-  }
-}
-
-void World::Impl::move_proxy(std::uint32_t body) {
-  if (broadphase.is_half_space(body)) {
-    broadphase.move_half_space(body, world_plane(body));
-  } else {
-    broadphase.move_box(body, proxy_boxes(body).fat);
-  }
 }
 
 }  // namespace atl

@@ -5,6 +5,8 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <sstream>
+#include <string>
+#include <utility>
 
 namespace atl {
 namespace {
@@ -34,28 +36,72 @@ void check_not_negative(const std::string& field, double value) {
   if (!(std::isfinite(value) && value >= 0)) refuse(field, value, "a finite number not below 0");
 }
 
-collision::Shape check_shape(const Box& box) {
-  if (!box.half_extents.allFinite() || !(box.half_extents.minCoeff() > 0)) {
-    refuse("BodyDef.shape: Box.half_extents", box.half_extents, "three finite numbers above 0");
-  }
-  return collision::Shape::box(box.half_extents);
-}
+// Appends the colliders of a shape; `what` names it.
+struct ShapeCheck {
+  std::string what;
+  std::vector<CheckedCollider>& colliders;
 
-collision::Shape check_shape(const Sphere& sphere) {
-  check_positive("BodyDef.shape: Sphere.radius", sphere.radius);
-  return collision::Shape::sphere(sphere.radius);
-}
+  void add(const collision::Shape& shape, std::shared_ptr<const void> geometry = {}) const {
+    colliders.push_back({shape, {Vector3::Zero(), collision::Quaternion::Identity()}, std::move(geometry)});
+  }
 
-collision::Shape check_shape(const HalfSpace& half_space) {
-  const double length = half_space.normal.norm();
-  if (!half_space.normal.allFinite() || !(length > 0)) {
-    refuse("BodyDef.shape: HalfSpace.normal", half_space.normal, "a finite vector that is not zero");
+  void operator()(const Box& box) const {
+    if (!box.half_extents.allFinite() || !(box.half_extents.minCoeff() > 0)) {
+      refuse(what + ": Box.half_extents", box.half_extents, "three finite numbers above 0");
+    }
+    add(collision::Shape::box(box.half_extents));
   }
-  if (!std::isfinite(half_space.offset)) {
-    refuse("BodyDef.shape: HalfSpace.offset", half_space.offset, "a finite number");
+
+  void operator()(const Sphere& sphere) const {
+    check_positive(what + ": Sphere.radius", sphere.radius);
+    add(collision::Shape::sphere(sphere.radius));
   }
-  return collision::Shape::half_space(half_space.normal / length, half_space.offset);
-}
+
+  void operator()(const Capsule& capsule) const {
+    check_positive(what + ": Capsule.radius", capsule.radius);
+    check_positive(what + ": Capsule.half_height", capsule.half_height);
+    add(collision::Shape::capsule(capsule.radius, capsule.half_height));
+  }
+
+  void operator()(const Cylinder& cylinder) const {
+    check_positive(what + ": Cylinder.radius", cylinder.radius);
+    check_positive(what + ": Cylinder.half_height", cylinder.half_height);
+    add(collision::Shape::cylinder(cylinder.radius, cylinder.half_height));
+  }
+
+  void operator()(const Cone& cone) const {
+    check_positive(what + ": Cone.radius", cone.radius);
+    check_positive(what + ": Cone.half_height", cone.half_height);
+    add(collision::Shape::cone(cone.radius, cone.half_height));
+  }
+
+  void operator()(const HalfSpace& half_space) const {
+    const double length = half_space.normal.norm();
+    if (!half_space.normal.allFinite() || !(length > 0)) {
+      refuse(what + ": HalfSpace.normal", half_space.normal, "a finite vector that is not zero");
+    }
+    if (!std::isfinite(half_space.offset)) refuse(what + ": HalfSpace.offset", half_space.offset, "a finite number");
+    add(collision::Shape::half_space(half_space.normal / length, half_space.offset));
+  }
+
+  // These have been checked as they were made.
+  void operator()(const ConvexHull& hull) const { add(collision::Shape::convex_hull(*hull.data()), hull.data()); }
+  void operator()(const TriangleMesh& mesh) const { add(collision::Shape::triangle_mesh(*mesh.data()), mesh.data()); }
+  void operator()(const HeightField& field) const { add(collision::Shape::height_field(*field.data()), field.data()); }
+
+  void operator()(const Compound& compound) const {
+    if (compound.children.empty()) throw Error(what + ": Compound.children is empty; expected at least one child");
+    for (std::size_t i = 0; i < compound.children.size(); ++i) {
+      const CompoundChild& child = compound.children[i];
+      const std::string name = what + ": Compound.children[" + std::to_string(i) + "]";
+      if (!child.position.allFinite()) refuse(name + ".position", child.position, "three finite numbers");
+      check_positive(name + ".density_factor", child.density_factor);
+      const Quaternion orientation = checked_orientation((name + ".orientation").c_str(), child.orientation);
+      std::visit(ShapeCheck{name, colliders}, child.shape);
+      colliders.back().local = {child.position, orientation};
+    }
+  }
+};
 
 // A rigid body's principal moments can't be just any: each is at most the sum of the other two.
 void check_inertia(const Matrix3& inertia) {
@@ -77,11 +123,17 @@ void check_mass(const BodyDef& def, CheckedBody& body) {
   if (def.inertia && !def.mass) throw Error("BodyDef.inertia is given without a mass; expected both or neither");
   if (def.inertia) check_inertia(*def.inertia);
   if (def.type != BodyType::Dynamic) return;
-  if (body.shape.kind == collision::ShapeKind::HalfSpace) {
-    throw Error("BodyDef.shape is a HalfSpace on a dynamic body; expected type Static or Kinematic");
+  const collision::ShapeKind kind = body.colliders.front().shape.kind;
+  if (kind == collision::ShapeKind::HalfSpace || collision::is_surface(kind)) {
+    const char* name = kind == collision::ShapeKind::HalfSpace ? "HalfSpace"
+                       : kind == collision::ShapeKind::Mesh    ? "TriangleMesh"
+                                                               : "HeightField";
+    throw Error(std::string("BodyDef.shape is a ") + name + " on a dynamic body; expected type Static or Kinematic");
   }
-  const double mass = def.mass ? *def.mass : def.density * collision::volume(body.shape);
-  body.inertia = def.inertia ? *def.inertia : Matrix3(mass * collision::unit_inertia(body.shape));
+  const MassProperties of_shape = mass_properties(def.shape);
+  const double mass = def.mass ? *def.mass : def.density * of_shape.mass;
+  body.centre = of_shape.centre;
+  body.inertia = def.inertia ? *def.inertia : Matrix3(mass / of_shape.mass * of_shape.inertia);
   body.inverse_mass = 1 / mass;
   body.inverse_inertia = body.inertia.inverse();
   if (!std::isfinite(body.inverse_mass) || !(body.inverse_mass > 0) || !body.inverse_inertia.allFinite()) {
@@ -104,9 +156,15 @@ Quaternion checked_orientation(const char* what, const Quaternion& value) {
   return value.normalized();
 }
 
+std::vector<CheckedCollider> checked_colliders(const char* what, const Shape& shape) {
+  std::vector<CheckedCollider> colliders;
+  std::visit(ShapeCheck{what, colliders}, shape);
+  return colliders;
+}
+
 CheckedBody check(const BodyDef& def) {
   CheckedBody body;
-  body.shape = std::visit([](const auto& shape) { return check_shape(shape); }, def.shape);
+  body.colliders = checked_colliders("BodyDef.shape", def.shape);
   check_finite("BodyDef.position", def.position);
   check_finite("BodyDef.velocity", def.velocity);
   check_finite("BodyDef.angular_velocity", def.angular_velocity);

@@ -19,13 +19,13 @@ std::span<const ContactForce> World::Impl::contact_forces() const {
     const Vector3 t1(frame.first[0], frame.first[1], frame.first[2]);
     const Vector3 t2(frame.second[0], frame.second[1], frame.second[2]);
     // Where the contact was as the step started: the bodies have moved since, by far less than their size.
-    const Vector3 centre = bodies.position(contact.pair.first) + vector(manifold.anchor_first);
+    const Vector3 centre = bodies.position(contact.body_first) + vector(manifold.anchor_first);
     double total = 0;
     for (const float impulse : manifold.normal_impulse) total += static_cast<double>(impulse);
     for (std::size_t i = 0; i < contact.count; ++i) {
       const double impulse = manifold.normal_impulse[i];
       if (!(impulse > 0)) continue;
-      contact_forces_.push_back({id(contact.pair.first), id(contact.pair.second),
+      contact_forces_.push_back({id(contact.body_first), id(contact.body_second),
                                  centre + manifold.x[i] * t1 + manifold.y[i] * t2, vector(manifold.normal),
                                  impulse * per_impulse,
                                  vector(manifold.friction_impulse) * (per_impulse * impulse / total),

@@ -25,10 +25,9 @@ void Sleeping::wake(std::uint32_t body) {
   } while (member != body);
 }
 
-double Sleeping::update_rest_time(const solver::BodyTable& bodies, const collision::Shape& shape, std::uint32_t body,
-                                  double speed_limit, double dt) {
+double Sleeping::update_rest_time(const solver::BodyTable& bodies, std::uint32_t body, double speed_limit, double dt) {
   const double speed =
-      std::max(bodies.velocity(body).norm(), bodies.angular_velocity(body).norm() * shape.bounding_radius);
+      std::max(bodies.velocity(body).norm(), bodies.angular_velocity(body).norm() * bodies.radius[body]);
   rest_time[body] = speed < speed_limit ? rest_time[body] + dt : 0;
   return rest_time[body];
 }
@@ -44,12 +43,11 @@ void Sleeping::put_to_sleep(std::span<const std::uint32_t> island, solver::BodyT
   asleep += static_cast<std::int64_t>(island.size());
 }
 
-void Sleeping::update(const solver::Islands& islands, solver::BodyTable& bodies,
-                      std::span<const collision::Shape> shapes, const Settings& settings, double dt) {
+void Sleeping::update(const solver::Islands& islands, solver::BodyTable& bodies, const Settings& settings, double dt) {
   const auto settle = [&](std::span<const std::uint32_t> island) {
     double rested = std::numeric_limits<double>::infinity();
     for (const std::uint32_t body : island) {
-      rested = std::min(rested, update_rest_time(bodies, shapes[body], body, settings.sleep_speed, dt));
+      rested = std::min(rested, update_rest_time(bodies, body, settings.sleep_speed, dt));
     }
     if (rested >= settings.time_to_sleep) put_to_sleep(island, bodies);
   };

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <atoll/settings.h>
-#include <collision/shape.h>
 #include <solver/body_table.h>
 #include <solver/islands.h>
 
@@ -24,14 +23,12 @@ struct Sleeping {
   /// Wakes a body and what sleeps with it; resets the rest time of one that is awake.
   void wake(std::uint32_t body);
   /// After a step: rest times, and islands (and lone bodies) that fall asleep; their velocities become zero.
-  void update(const solver::Islands& islands, solver::BodyTable& bodies, std::span<const collision::Shape> shapes,
-              const Settings& settings, double dt);
+  void update(const solver::Islands& islands, solver::BodyTable& bodies, const Settings& settings, double dt);
 
  private:
   static constexpr std::uint32_t none = ~0u;
 
-  double update_rest_time(const solver::BodyTable& bodies, const collision::Shape& shape, std::uint32_t body,
-                          double speed_limit, double dt);
+  double update_rest_time(const solver::BodyTable& bodies, std::uint32_t body, double speed_limit, double dt);
   void put_to_sleep(std::span<const std::uint32_t> island, solver::BodyTable& bodies);
 };
 

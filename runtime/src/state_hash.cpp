@@ -37,7 +37,7 @@ void add_box(Hash& hash, const collision::Aabb& box) {
 // All that shapes the result: the instruction set does not.
 void add_settings(Hash& hash, const Settings& s) {
   for (const int value : {s.substeps, s.iterations, s.relax_iterations, static_cast<int>(s.friction),
-                          int{s.warm_starting}, int{s.sleeping}}) {
+                          int{s.warm_starting}, int{s.sleeping}, int{s.contact_events}}) {
     hash.add(static_cast<std::uint64_t>(value));
   }
   for (const double value : {s.contact_hertz.value_or(0), s.contact_damping_ratio, s.contact_push_speed,
@@ -49,18 +49,18 @@ void add_settings(Hash& hash, const Settings& s) {
 // What the next step reads of a contact: how its manifold was captured, and the impulses.
 void add_contact(Hash& hash, const collision::Contact& contact, const collision::ContactManifold& manifold) {
   hash.add(contact.pair.key());
-  hash.add(std::uint64_t{contact.count} << 32 | std::uint64_t{contact.axis} << 8 |
+  hash.add(std::uint64_t{contact.axis} << 32 | std::uint64_t{contact.count} << 16 | std::uint64_t{contact.part} << 8 |
            std::uint64_t{contact.reference_is_second});
   hash.add(contact.margin);
+  hash.add(contact.tolerance);
   for (std::size_t i = 0; i < contact.count; ++i) {
     hash.add(contact.ids[i]);
-    hash.add(contact.separation[i]);
-    hash.add_all(contact.offset[i]);
+    hash.add_all(contact.points[i]);
     hash.add(manifold.normal_impulse[i]);
   }
   hash.add_all(contact.normal);
   hash.add_all(contact.orientation);
-  for (int i = 0; i < 3; ++i) {
+  for (std::size_t i = 0; i < 3; ++i) {
     hash.add(contact.centre_incident[i]);
     hash.add(contact.centre_reference[i]);
     hash.add(manifold.friction_impulse[i]);
@@ -86,8 +86,19 @@ std::uint64_t World::Impl::state_hash() const {
   hash.add_all(sleeping.awake);
   hash.add_all(sleeping.rest_time);
   hash.add_all(sleeping.ring);
-  for (std::uint32_t body = 0; body < bodies.size(); ++body) {
-    if (records.alive[body] && !broadphase.is_half_space(body)) add_box(hash, broadphase.fat_box(body));
+  hash.add_all(bodies.slack);
+  hash.add_all(bodies.outgrown);
+  hash.add_all(stretch_);
+  hash.add(last_dt_);
+  hash.add_all(colliders.free);
+  for (std::uint32_t collider = 0; collider < colliders.size(); ++collider) {
+    hash.add(colliders.body[collider]);
+    if (colliders.body[collider] == collision::ColliderTable::none) continue;
+    if (!broadphase.is_half_space(collider)) add_box(hash, broadphase.fat_box(collider));
+  }
+  for (const auto& [a, b] : touched_) {
+    hash.add(std::uint64_t{a.index} << 32 | b.index);
+    hash.add(std::uint64_t{a.generation} << 32 | b.generation);
   }
   hash.add(static_cast<std::uint64_t>(cache.order.size()));
   for (const std::uint32_t slot : cache.order) add_contact(hash, cache.contacts[slot], cache.manifolds[slot]);

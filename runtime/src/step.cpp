@@ -30,14 +30,15 @@ StepReport World::Impl::step(double dt) {
     (this->*body)();
     report_.phase_ms[static_cast<std::size_t>(phase)] = ms_since(phase_start);
   };
-  run(Phase::Plan, &Impl::plan);                       // who may move
-  run(Phase::FindPairs, &Impl::find_pairs);            // moved proxies -> new pairs, in id order
-  run(Phase::UpdateContacts, &Impl::update_contacts);  // pairs -> manifolds: keep, refresh or ask FCL
-  run(Phase::BuildIslands, &Impl::build_islands);      // touching contacts -> islands -> groups; wake
-  run(Phase::SolveIslands, &Impl::solve_islands);      // groups are tasks: prepare, substeps, restitution, store
-  run(Phase::SweepFastBodies, &Impl::sweep_fast_bodies);
-  run(Phase::Finish, &Impl::finish);  // sleep, checks, report
+  run(Phase::Plan, &Impl::plan);                          // who may move
+  run(Phase::FindPairs, &Impl::find_pairs);               // moved proxies -> new pairs, in id order
+  run(Phase::UpdateContacts, &Impl::update_contacts);     // pairs -> manifolds: keep, refresh or ask FCL
+  run(Phase::BuildIslands, &Impl::build_islands);         // touching contacts -> islands -> groups; wake
+  run(Phase::SolveIslands, &Impl::solve_islands);         // groups are tasks: prepare, substeps, restitution, store
+  run(Phase::SweepFastBodies, &Impl::sweep_fast_bodies);  // nothing passes through anything
+  run(Phase::Finish, &Impl::finish);                      // sleep, checks, report
   last_substep_ = dt / settings.substeps;
+  last_dt_ = dt;
   note_stages();
   report_.ms = ms_since(start);
   return report_;
@@ -53,44 +54,35 @@ void World::Impl::plan() {
   }
 }
 
-void World::Impl::find_pairs() {
-  constexpr std::size_t grain = 256;
-  new_boxes_.resize(bodies.size());
-  outgrown_.assign(bodies.size(), 0);
-  arena.parallel_for(bodies.size(), grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const auto body = static_cast<std::uint32_t>(i);
-      if (!active_[body] || broadphase.is_half_space(body) || !is_finite(body)) continue;
-      const ProxyBoxes boxes = proxy_boxes(body);
-      outgrown_[body] = !broadphase.fat_box(body).contains(boxes.needed);
-      new_boxes_[body] = boxes.fat;
-    }
-  });
-  for (std::uint32_t body = 0; body < bodies.size(); ++body) {
-    if (outgrown_[body]) broadphase.move_box(body, new_boxes_[body]);
-    if (active_[body] && broadphase.is_half_space(body)) move_proxy(body);
-  }
-  cache.add(broadphase.find_new_pairs(cache.pairs, arena), [this](collision::Pair pair) {
-    const Material& a = records.material[pair.first];
-    const Material& b = records.material[pair.second];
-    return std::pair(static_cast<float>(std::sqrt(a.friction * b.friction)),
-                     static_cast<float>(std::max(a.restitution, b.restitution)));
-  });
-}
-
 void World::Impl::update_contacts() {
-  const collision::ContactUpdateInput input{records.shape,
-                                            {bodies.positions.data(), bodies.orientations.data()},
-                                            active_,
-                                            bodies.velocities.data(),
-                                            bodies.angular_velocities.data(),
-                                            dt_};
-  const collision::ContactUpdateCounts counts = collision::update_contacts(cache, broadphase, input, arena, status_);
+  note_reaches();
+  const collision::ContactUpdateInput input{
+      colliders, {bodies.positions.data(), bodies.orientations.data()}, active_, reaches_, *refresh_kernels};
+  collision::update_contacts(cache, broadphase, input, arena, contact_update_);
   broadphase.forget_moves();
+  const collision::ContactUpdateCounts& counts = contact_update_.counts;
   report_.counts.fcl_calls = counts.fcl_calls;
   report_.counts.kept_manifolds = counts.kept;
   report_.counts.id_matches = counts.id_matches;
   report_.counts.id_misses = counts.id_misses;
+}
+
+// How far bodies get in this step at the speeds they have.
+void World::Impl::note_reaches() {
+  constexpr std::size_t grain = 1024;
+  reaches_.resize(bodies.size());
+  arena.parallel_for(bodies.size(), grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t body = begin; body < end; ++body) {
+      collision::StepReach& reach = reaches_[body];
+      if (!active_[body]) {
+        reach = {};
+        continue;
+      }
+      const Vector3 shift = dt_ * bodies.velocity(body);
+      for (int i = 0; i < 3; ++i) reach.shift[i] = static_cast<float>(shift[i]);
+      reach.turn = static_cast<float>(dt_ * bodies.angular_velocity(body).norm() * bodies.radius[body]);
+    }
+  });
 }
 
 void World::Impl::build_islands() {
@@ -103,10 +95,10 @@ void World::Impl::build_islands() {
 // An active body that touches a sleeping one wakes its island.
 void World::Impl::wake_touched_sleepers() {
   for (std::size_t i = 0; i < cache.order.size(); ++i) {
-    if (status_[i] != collision::ContactStatus::Touching) continue;
-    const collision::Pair pair = cache.contacts[cache.order[i]].pair;
-    if (active_[pair.first] && sleeping.is_asleep(pair.second)) sleeping.wake(pair.second);
-    if (active_[pair.second] && sleeping.is_asleep(pair.first)) sleeping.wake(pair.first);
+    if (contact_update_.status[i] != collision::ContactStatus::Touching) continue;
+    const collision::Contact& contact = cache.contacts[cache.order[i]];
+    if (active_[contact.body_first] && sleeping.is_asleep(contact.body_second)) sleeping.wake(contact.body_second);
+    if (active_[contact.body_second] && sleeping.is_asleep(contact.body_first)) sleeping.wake(contact.body_first);
   }
 }
 
@@ -114,23 +106,24 @@ void World::Impl::wake_touched_sleepers() {
 void World::Impl::collect_touching_pairs() {
   touching_.clear();
   bool lost = false;
+  const std::vector<collision::ContactStatus>& status = contact_update_.status;
   for (std::size_t i = 0; i < cache.order.size(); ++i) {
     const std::uint32_t slot = cache.order[i];
     const collision::Contact& contact = cache.contacts[slot];
-    if (status_[i] == collision::ContactStatus::Lost) {
+    if (status[i] == collision::ContactStatus::Lost) {
       lost = true;
       continue;
     }
-    if (status_[i] == collision::ContactStatus::Apart || contact.count == 0) continue;
-    if (!sleeping.awake[contact.pair.first] && !sleeping.awake[contact.pair.second]) continue;
-    touching_.push_back({contact.pair.first, contact.pair.second, slot});
+    if (status[i] == collision::ContactStatus::Apart || contact.count == 0) continue;
+    if (!sleeping.awake[contact.body_first] && !sleeping.awake[contact.body_second]) continue;
+    touching_.push_back({contact.body_first, contact.body_second, slot});
     report_.counts.points += contact.count;
   }
   if (lost) {
     std::size_t i = 0;
-    cache.remove_if([&](std::uint32_t) { return status_[i++] == collision::ContactStatus::Lost; });
+    cache.remove_if([&](std::uint32_t) { return status[i++] == collision::ContactStatus::Lost; });
   }
-  report_.counts.pairs = static_cast<std::int64_t>(cache.order.size());
+  report_.counts.pairs = static_cast<std::int64_t>(cache.pairs.size());
   report_.counts.contacts = static_cast<std::int64_t>(touching_.size());
 }
 
@@ -141,7 +134,7 @@ void World::Impl::solve_islands() {
 
 void World::Impl::solve_groups() {
   const solver::SolverSettings how = solver_settings(settings);
-  const solver::SolveInput input{islands_, bodies, cache.manifolds.data(), gravity, dt_, how, *kernels};
+  const solver::SolveInput input{islands_, bodies, cache.manifolds.data(), gravity, dt_, how, *kernels, fast_};
   group_reports_.assign(groups_.size(), {});
   arena.parallel_for(groups_.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t g = begin; g < end; ++g) {
@@ -161,25 +154,25 @@ void World::Impl::move_unconstrained_bodies() {
   const std::span<const std::uint32_t> free = islands_.free_bodies();
   arena.parallel_for(free.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      solver::move_free_body(bodies, free[i], gravity, dt_, settings.substeps);
+      solver::move_free_body(bodies, free[i], gravity, dt_, settings.substeps, fast_);
     }
   });
   if (contents.kinematic == 0) return;
   for (std::uint32_t body = 0; body < bodies.size(); ++body) {
     if (bodies.mobility[body] == solver::Mobility::Kinematic && active_[body]) {
-      solver::move_kinematic_body(bodies, body, dt_);
+      solver::move_kinematic_body(bodies, body, dt_, fast_);
     }
   }
 }
 
-// Not there yet. Speculative margins see what closes up to half the smaller shape's size in a step coming.
-void World::Impl::sweep_fast_bodies() {}
-
 void World::Impl::finish() {
+  catch_up_boxes();
   std::fill(bodies.forces.begin(), bodies.forces.end(), 0.0);
   std::fill(bodies.torques.begin(), bodies.torques.end(), 0.0);
   report_.first_non_finite_body = first_non_finite_body();
-  if (settings.sleeping) sleeping.update(islands_, bodies, records.shape, settings, dt_);
+  contact_events_.clear();
+  if (settings.contact_events) note_events();
+  if (settings.sleeping) sleeping.update(islands_, bodies, settings, dt_);
   StepCounts& counts = report_.counts;
   counts.islands = static_cast<std::int64_t>(islands_.count());
   counts.groups = static_cast<std::int64_t>(groups_.size());
@@ -237,7 +230,8 @@ void World::Impl::note_stages() {
   note("kinematic_bodies", contents.kinematic > 0, "there are some", "there are none", 0);
   note("joints", false, "", "there are none", 0);
   note("sleeping", settings.sleeping, "it is on", "it is off", ms(Phase::Finish));
-  note("sweep_fast_bodies", false, "", "there is no continuous collision yet", 0);
+  note("sweep_fast_bodies", counts.swept > 0, "some bodies moved farther than their size allows",
+       "no body moved farther than margins see", ms(Phase::SweepFastBodies));
 }
 
 }  // namespace atl

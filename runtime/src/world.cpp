@@ -31,8 +31,11 @@ World::Impl::Impl(const WorldDef& def)
     : gravity(def.gravity),
       settings(checked(def.settings)),
       kernels(&kernels_for(def.settings.simd)),
+      refresh_kernels(collision::find_refresh_kernels(kernels->name)),
       arena(checked_threads(def.threads)),
-      group_solvers_(def.threads) {
+      group_solvers_(def.threads),
+      fast_(def.threads),
+      nearby_(def.threads) {
   check_finite("WorldDef.gravity", def.gravity);
 }
 
@@ -51,10 +54,9 @@ bool World::contains(BodyId id) const {
 
 std::size_t World::body_count() const { return impl_->records.count; }
 
-Pose World::pose(BodyId id) const {
-  const std::uint32_t body = impl_->index_of(id, "pose");
-  return {impl_->bodies.position(body), impl_->bodies.orientation(body)};
-}
+Pose World::pose(BodyId id) const { return impl_->pose(id); }
+
+Vector3 World::centre_of_mass(BodyId id) const { return impl_->bodies.position(impl_->index_of(id, "centre_of_mass")); }
 
 Vector3 World::velocity(BodyId id) const { return impl_->bodies.velocity(impl_->index_of(id, "velocity")); }
 
@@ -106,6 +108,10 @@ void World::apply_impulse(BodyId id, const Vector3& impulse, const Vector3& poin
 
 void World::wake(BodyId id) { impl_->awaken(id, "wake"); }
 
+void World::set_filter(BodyId id, const CollisionFilter& filter) { impl_->set_filter(id, filter); }
+
+void World::set_collision_enabled(BodyId a, BodyId b, bool enabled) { impl_->set_collision_enabled(a, b, enabled); }
+
 void World::set_gravity(const Vector3& gravity) {
   check_finite("World::set_gravity: gravity", gravity);
   if (gravity != impl_->gravity) impl_->wake_all();
@@ -117,6 +123,7 @@ void World::set_settings(const Settings& settings) {
   if (!settings.sleeping) impl_->wake_all();
   impl_->settings = settings;
   impl_->kernels = &kernels_for(settings.simd);
+  impl_->refresh_kernels = collision::find_refresh_kernels(impl_->kernels->name);
 }
 
 const Settings& World::settings() const { return impl_->settings; }
@@ -134,6 +141,7 @@ StepReport World::step(double dt) {
 }
 
 std::span<const ContactForce> World::contact_forces() const { return impl_->contact_forces(); }
+std::span<const ContactEvent> World::contact_events() const { return impl_->contact_events(); }
 
 Eigen::Map<const Eigen::Matrix3Xd> World::positions() const {
   return {impl_->bodies.positions.data(), 3, static_cast<Eigen::Index>(impl_->bodies.size())};

@@ -2,7 +2,9 @@
 
 #include <atoll/world.h>
 #include <collision/broadphase.h>
+#include <collision/collider_table.h>
 #include <collision/contact_cache.h>
+#include <collision/sweep.h>
 #include <collision/update_contacts.h>
 #include <jobs/arena.h>
 #include <jobs/scratch.h>
@@ -10,6 +12,9 @@
 #include <solver/group_solver.h>
 #include <solver/islands.h>
 
+#include <map>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "sleeping.h"
@@ -21,8 +26,14 @@ struct BodyRecords {
   std::vector<std::uint32_t> generation;
   std::vector<std::uint8_t> alive;
   std::vector<BodyType> type;
-  std::vector<collision::Shape> shape;
   std::vector<Material> material;
+  std::vector<Vector3> centre;                ///< m, of mass, body frame
+  std::vector<std::uint32_t> first_collider;  ///< the others follow, see ColliderTable::next
+  std::vector<std::uint8_t> continuous;
+  /// What shapes point to, of the bodies with hulls or surfaces.
+  std::map<std::uint32_t, std::vector<std::shared_ptr<const void>>> geometry;
+  /// Bodies that were told not to touch a body, of those that were.
+  std::map<std::uint32_t, std::vector<std::uint32_t>> ignored;
   std::vector<std::uint32_t> free;  ///< indices of removed bodies; the last is used first
   std::size_t count = 0;            ///< alive
 };
@@ -37,6 +48,8 @@ struct Contents {
   void count(const solver::BodyTable& bodies, const BodyRecords& records, std::uint32_t body, int sign);
 };
 
+struct CheckedBody;
+
 class World::Impl {
  public:
   explicit Impl(const WorldDef& def);
@@ -49,20 +62,26 @@ class World::Impl {
   void remove_body(BodyId id);
   std::uint32_t index_of(BodyId id, const char* call) const;
   std::uint32_t awaken(BodyId id, const char* call);
+  Pose pose(BodyId id) const;
   void set_pose(BodyId id, const Pose& pose);
+  void set_filter(BodyId id, const CollisionFilter& filter);
+  void set_collision_enabled(BodyId a, BodyId b, bool enabled);
   void wake_all();
   void wake_touching(std::uint32_t body);
 
   // Results: contact_forces.cpp, state_hash.cpp.
   std::span<const ContactForce> contact_forces() const;
+  std::span<const ContactEvent> contact_events() const { return contact_events_; }
   std::uint64_t state_hash() const;
 
   Vector3 gravity;
   Settings settings;
   const solver::Kernels* kernels;
+  const collision::RefreshKernels* refresh_kernels;
   jobs::Arena arena;
 
   solver::BodyTable bodies;
+  collision::ColliderTable colliders;
   BodyRecords records;
   Contents contents;
   Sleeping sleeping;
@@ -78,15 +97,36 @@ class World::Impl {
   void sweep_fast_bodies();
   void finish();
 
-  struct ProxyBoxes {
-    collision::Aabb needed;
+  // Where a collider's fat box is to be, and how far its surface may move before it must be looked at again.
+  struct ProxyBox {
     collision::Aabb fat;
+    double slack;
+    bool outgrown;  // it doesn't fit in the box that it has
   };
-  ProxyBoxes proxy_boxes(std::uint32_t body) const;
-  collision::Plane world_plane(std::uint32_t body) const;
+  template <typename Visit>
+  void for_each_collider(std::uint32_t body, const Visit& visit) const {
+    for (std::uint32_t c = records.first_collider[body]; c != collision::ColliderTable::none; c = colliders.next[c]) {
+      visit(c);
+    }
+  }
+  void add_colliders(std::uint32_t body, const CheckedBody& checked, const CollisionFilter& filter);
+  void remove_colliders(std::uint32_t body);
+  ProxyBox proxy_box(std::uint32_t collider, const collision::Aabb* current) const;
+  collision::Plane world_plane(std::uint32_t collider) const;
   bool is_finite(std::uint32_t body) const;
-  void add_proxy(std::uint32_t body);
-  void move_proxy(std::uint32_t body);
+  void move_proxies(std::uint32_t body);
+  double stretch_of(std::uint32_t body) const;
+  void note_stretch(std::uint32_t body);
+  void shrink_boxes();
+  void catch_up_boxes();
+  void look_again(std::uint32_t body) { bodies.outgrown[body] = 1; }
+  void note_reaches();
+  void note_events();
+  const solver::FastBody* find_fast(std::uint32_t body) const;
+  collision::Motion step_motion(std::uint32_t collider, const Vector3& centre) const;
+  double closing_distance(const solver::FastBody& fast, std::uint32_t other) const;
+  collision::Aabb swept_box(const solver::FastBody& fast) const;
+  double first_hit(const solver::FastBody& fast, std::vector<std::uint32_t>& nearby) const;
   void wake_touched_sleepers();
   void collect_touching_pairs();
   void solve_groups();
@@ -96,17 +136,29 @@ class World::Impl {
 
   // The step in progress, and what its phases hand on.
   double dt_ = 0;
+  double last_dt_ = 0;
   double last_substep_ = 0;  // s; 0 before the first step
   StepReport report_;
-  std::vector<std::uint8_t> active_;  // 1: may move in this step
-  std::vector<collision::Aabb> new_boxes_;
-  std::vector<std::uint8_t> outgrown_;
-  std::vector<collision::ContactStatus> status_;
+  std::vector<std::uint8_t> active_;      // 1: may move in this step
+  std::vector<std::uint32_t> looked_at_;  // bodies
+  std::vector<ProxyBox> new_boxes_;       // by collider
+  std::vector<double> stretch_;           // m, of a body's fat boxes along its motion
+  std::vector<std::uint32_t> stretched_;  // bodies with such boxes
+  std::vector<collision::StepReach> reaches_;
+  collision::ContactUpdate contact_update_;
   std::vector<solver::TouchingPair> touching_;
   solver::Islands islands_;
   std::vector<solver::IslandGroup> groups_;
   std::vector<solver::GroupReport> group_reports_;
   jobs::Scratch<solver::GroupSolver> group_solvers_;
+  solver::FastBodies fast_;
+  std::vector<solver::FastBody> fast_in_order_;
+  std::vector<std::uint32_t> rushed_;  // fast bodies that left their boxes
+  std::vector<double> first_hits_;     // by fast body: when it met something, as part of the step
+  jobs::Scratch<std::vector<std::uint32_t>> nearby_;
+  std::vector<ContactEvent> contact_events_;
+  std::vector<std::pair<BodyId, BodyId>> touched_;  // in order, as of the last step with events
+  std::vector<std::pair<BodyId, BodyId>> touched_before_;
 
   mutable std::vector<ContactForce> contact_forces_;
   mutable bool contact_forces_valid_ = false;

@@ -83,7 +83,9 @@ Quaternion rotation_by(const Vector3& rotation_vector) {
   return {half.cosine, v.x(), v.y(), v.z()};
 }
 
-void move_free_body(BodyTable& bodies, std::uint32_t body, const Vector3& gravity, double dt, int substeps) {
+void move_free_body(BodyTable& bodies, std::uint32_t body, const Vector3& gravity, double dt, int substeps,
+                    FastBodies& fast) {
+  const BodyPose start{bodies.position(body), bodies.orientation(body)};
   const Vector3 acceleration =
       gravity * bodies.gravity_scale[body] + bodies.inverse_mass[body] * Vector3(bodies.force(body));
   move_linear(bodies, body, acceleration, dt, substeps);
@@ -92,11 +94,14 @@ void move_free_body(BodyTable& bodies, std::uint32_t body, const Vector3& gravit
   } else {
     move_isotropic(bodies, body, dt, substeps);
   }
+  note_motion(bodies, body, start, dt, fast);
 }
 
-void move_kinematic_body(BodyTable& bodies, std::uint32_t body, double dt) {
+void move_kinematic_body(BodyTable& bodies, std::uint32_t body, double dt, FastBodies& fast) {
+  const BodyPose start{bodies.position(body), bodies.orientation(body)};
   bodies.position(body) += dt * bodies.velocity(body);
   turn_by(bodies, body, dt * bodies.angular_velocity(body));
+  note_motion(bodies, body, start, dt, fast);
 }
 
 }  // namespace atl::solver

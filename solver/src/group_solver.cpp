@@ -204,12 +204,14 @@ void GroupSolver::write_back(const SolveInput& input, std::span<const std::uint3
   for (std::size_t i = begin; i < end; ++i) {
     const std::uint32_t body = bodies[i];
     const std::size_t local = first_dynamic_ + i;
+    const BodyPose start{table.position(body), table.orientation(body)};
     table.velocity(body) = get3(bodies_.velocity[local].linear);
     table.angular_velocity(body) = get3(bodies_.velocity[local].angular);
     table.position(body) += get3(bodies_.displacement[local].linear);
     const float(&turn)[4] = bodies_.displacement[local].rotation;
     const Quaternion orientation = Quaternion(turn[3], turn[0], turn[1], turn[2]) * table.orientation(body);
     table.set_orientation(body, orientation.normalized());
+    note_motion(table, body, start, input.dt, input.fast);
   }
 }
 

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
+#include <set>
 #include <vector>
 
 #include "random.h"
@@ -21,11 +23,7 @@ Aabb random_box(Random& random, double reach, double largest) {
   return Aabb::around(lower, lower + size);
 }
 
-struct Entry {
-  std::int32_t leaf;
-  Aabb box;
-};
-using Entries = std::map<std::uint32_t, Entry>;  // by item
+using Entries = std::map<std::uint32_t, Aabb>;  // by item
 
 std::vector<std::uint32_t> found_in(const AabbTree& tree, const Aabb& box) {
   std::vector<std::uint32_t> found;
@@ -36,8 +34,8 @@ std::vector<std::uint32_t> found_in(const AabbTree& tree, const Aabb& box) {
 
 std::vector<std::uint32_t> expected_in(const Entries& entries, const Aabb& box) {
   std::vector<std::uint32_t> expected;
-  for (const auto& [item, entry] : entries) {
-    if (entry.box.overlaps(box)) expected.push_back(item);
+  for (const auto& [item, box_of_item] : entries) {
+    if (box_of_item.overlaps(box)) expected.push_back(item);
   }
   return expected;
 }
@@ -58,16 +56,17 @@ TEST(AabbTree, MatchesBruteForceUnderRandomChanges) {
     const double insert_share = change / 4000 % 2 == 0 ? 0.5 : 0.1;
     if (entries.empty() || what < insert_share) {
       const Aabb box = random_box(random, 10, 2);
-      entries[next_item] = {tree.insert(next_item, box), box};
+      tree.insert(next_item, box);
+      entries[next_item] = box;
       ++next_item;
     } else {
       auto entry = entries.lower_bound(random.below(next_item));
       if (entry == entries.end()) entry = entries.begin();
       if (what < 0.7) {
-        entry->second.box = random_box(random, 10, 2);
-        tree.move(entry->second.leaf, entry->second.box);
+        entry->second = random_box(random, 10, 2);
+        tree.move(entry->first, entry->second);
       } else {
-        tree.remove(entry->second.leaf);
+        tree.remove(entry->first);
         entries.erase(entry);
       }
     }
@@ -84,12 +83,12 @@ TEST(AabbTree, SurvivesSortedNestedAndEqualBoxes) {
   const auto expect_all_found = [](std::uint32_t count, auto&& box_of) {
     AabbTree tree;
     Entries entries;
-    for (std::uint32_t item = 0; item < count; ++item) entries[item] = {tree.insert(item, box_of(item)), box_of(item)};
+    for (std::uint32_t item = 0; item < count; ++item) tree.insert(item, entries[item] = box_of(item));
     for (std::uint32_t item = 0; item < count; item += 97) {
       EXPECT_EQ(found_in(tree, box_of(item)), expected_in(entries, box_of(item)));
     }
     // From one end, so that what is left hangs from one side.
-    for (std::uint32_t item = 0; item < count - 5; ++item) tree.remove(entries[item].leaf);
+    for (std::uint32_t item = 0; item < count - 5; ++item) tree.remove(item);
     entries.erase(entries.begin(), std::prev(entries.end(), 5));
     const Aabb last = box_of(count - 1);
     EXPECT_EQ(found_in(tree, last), expected_in(entries, last));
@@ -119,15 +118,168 @@ TEST(AabbTree, SurvivesBoxesThatAreNotFinite) {
     Aabb box = random_box(random, 10, 1);
     if (item % 7 == 0) box = {{nan, nan, nan}, {nan, nan, nan}};
     if (item % 11 == 0) box = {{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}};
-    entries[item] = {tree.insert(item, box), box};
+    tree.insert(item, entries[item] = box);
   }
   for (int round = 0; round < 3; ++round) {
-    for (const auto& [item, entry] : entries) tree.move(entry.leaf, entry.box);
+    for (const auto& [item, box] : entries) tree.move(item, box);
     tree.rebuild_if_worn();
   }
   EXPECT_EQ(tree.size(), entries.size());
-  for (const auto& [item, entry] : entries) tree.remove(entry.leaf);
+  for (const auto& entry : entries) tree.remove(entry.first);
   EXPECT_EQ(tree.size(), 0u);
+}
+
+// Also under insertions, refits and a rebuild: a box that isn't finite hides no other.
+TEST(AabbTree, FindsTheRestAmongBoxesThatAreNotFinite) {
+  constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+  constexpr float infinity = std::numeric_limits<float>::infinity();
+  Random random(5);
+  AabbTree tree;
+  Entries entries;
+  for (std::uint32_t item = 0; item < 400; ++item) {
+    Aabb box = random_box(random, 10, 1);
+    if (item % 5 == 0) box.lower[item % 3] = nan;
+    if (item % 5 == 1) box.upper[item % 3] = nan;
+    if (item % 11 == 0) box.upper[item % 3] = infinity;
+    if (item % 13 == 0) box.lower = {-infinity, -infinity, -infinity};
+    if (item == 50) box = {{1e30f, 1e30f, 1e30f}, {2e30f, 2e30f, 2e30f}};
+    tree.insert(item, entries[item] = box);
+  }
+  for (int round = 0; round < 3; ++round) {
+    for (int i = 0; i < 100; ++i) {
+      const Aabb probe = random_box(random, 10, 4);
+      ASSERT_EQ(found_in(tree, probe), expected_in(entries, probe)) << "round " << round;
+    }
+    const Aabb all{{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}};
+    ASSERT_EQ(found_in(tree, all), expected_in(entries, all));
+    ASSERT_TRUE(found_in(tree, {{nan, -1, -1}, {1, 1, 1}}).empty());
+    for (const auto& [item, box] : entries) tree.move(item, box);
+    tree.rebuild_if_worn();
+  }
+}
+
+struct Ray {
+  Vector3 origin, direction;
+  double max_t;
+  Vector3 half_extents;
+};
+
+// In long double, whose rounding is 2000 times finer: clearly hit, clearly missed or too close to tell.
+enum class Verdict { Hit, Missed, Close };
+Verdict verdict(const Ray& ray, const Aabb& box) {
+  long double enter = 0, leave = ray.max_t, scale = 1e-30L;
+  bool inside_slabs = true;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto i = static_cast<Eigen::Index>(axis);
+    const long double lower = static_cast<long double>(box.lower[axis]) - ray.half_extents[i] - ray.origin[i];
+    const long double upper = static_cast<long double>(box.upper[axis]) + ray.half_extents[i] - ray.origin[i];
+    const long double d = ray.direction[i];
+    if (d == 0) {
+      inside_slabs &= lower <= 0 && upper >= 0;
+      continue;
+    }
+    enter = std::max(enter, std::min(lower / d, upper / d));
+    leave = std::min(leave, std::max(lower / d, upper / d));
+    scale = std::max({scale, std::abs(lower / d), std::abs(upper / d)});
+  }
+  if (!inside_slabs) return Verdict::Missed;
+  if (enter <= leave) return Verdict::Hit;
+  return enter - leave < 1e-13L * scale ? Verdict::Close : Verdict::Missed;
+}
+
+TEST(AabbTree, RaysMissNothing) {
+  Random random(6);
+  AabbTree tree;
+  Entries entries;
+  for (std::uint32_t item = 0; item < 500; ++item) {
+    // Many have faces at whole numbers, where rays then graze them.
+    Aabb box = random_box(random, 10, 3);
+    for (std::size_t axis = 0; axis < 3 && item % 2 == 0; ++axis) {
+      box.lower[axis] = std::floor(box.lower[axis]);
+      box.upper[axis] = std::ceil(box.upper[axis]);
+    }
+    tree.insert(item, entries[item] = box);
+  }
+  std::size_t hits = 0;
+  for (int i = 0; i < 3000; ++i) {
+    Ray ray{random.vector(12), random.real(0.01, 10) * random.direction(), random.real(0, 4), Vector3::Zero()};
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      if (random.chance(0.3)) ray.origin[axis] = std::round(ray.origin[axis]);
+      if (random.chance(0.2)) ray.direction[axis] = random.chance(0.8) ? 0 : random.chance(0.5) ? 1e-310 : -1e-305;
+    }
+    if (random.chance(0.1)) ray.direction = ray.origin.array().round().matrix() - ray.origin.array().floor().matrix();
+    if (random.chance(0.3)) ray.half_extents = {random.real(0, 1), 0.1, random.real(0, 1)};
+    if (random.chance(0.1)) ray.max_t = std::numeric_limits<double>::infinity();
+    std::set<std::uint32_t> found;
+    const double left = tree.ray_query(
+        ray.origin, ray.direction, ray.max_t,
+        [&](std::uint32_t item, double t_enter) {
+          EXPECT_TRUE(found.insert(item).second);
+          EXPECT_TRUE(t_enter >= 0 && t_enter <= ray.max_t);
+          return ray.max_t;
+        },
+        ray.half_extents);
+    EXPECT_EQ(left, ray.max_t);
+    for (const auto& [item, box] : entries) {
+      const Verdict expected = verdict(ray, box);
+      if (expected == Verdict::Hit) {
+        ASSERT_TRUE(found.count(item)) << "ray " << i << ", item " << item;
+      }
+      // A component too small to invert thickens the slab without a bound if the ray has no end.
+      if (expected == Verdict::Missed && ray.max_t < 1e9) {
+        ASSERT_FALSE(found.count(item)) << "ray " << i << ", item " << item;
+      }
+      hits += expected == Verdict::Hit;
+    }
+  }
+  EXPECT_GT(hits, 5000u);
+}
+
+// Cutting the ray at the nearest box so far finds the nearest, and spares most of the others.
+TEST(AabbTree, RaysEndAtTheNearestBox) {
+  Random random(7);
+  AabbTree tree;
+  Entries entries;
+  for (std::uint32_t item = 0; item < 3000; ++item) tree.insert(item, entries[item] = random_box(random, 20, 2));
+  tree.rebuild_if_worn();
+  std::size_t visits = 0, all = 0;
+  for (int i = 0; i < 300; ++i) {
+    const Vector3 origin = random.vector(20);
+    const Vector3 direction = random.direction();
+    double expected = 100;
+    tree.ray_query(origin, direction, 100, [&](std::uint32_t, double t_enter) {
+      ++all;
+      expected = std::min(expected, t_enter);
+      return 100.0;
+    });
+    double nearest = 100;
+    tree.ray_query(origin, direction, 100, [&](std::uint32_t, double t_enter) {
+      ++visits;
+      return nearest = std::min(nearest, t_enter);
+    });
+    EXPECT_EQ(nearest, expected);
+    int stopped = 0;
+    tree.ray_query(origin, direction, 100, [&](std::uint32_t, double) { return ++stopped, -1.0; });
+    EXPECT_LE(stopped, 1);
+  }
+  EXPECT_LT(2 * visits, all);
+}
+
+TEST(AabbTree, RaysThatAreNotFiniteHitNothing) {
+  AabbTree tree;
+  tree.insert(0, {{-1, -1, -1}, {1, 1, 1}});
+  const auto hits = [&](const Vector3& origin, const Vector3& direction, double max_t) {
+    int count = 0;
+    tree.ray_query(origin, direction, max_t, [&](std::uint32_t, double) { return ++count, max_t; });
+    return count;
+  };
+  EXPECT_EQ(hits({0, 0, 0}, {1, 0, 0}, 1), 1);
+  EXPECT_EQ(hits({0, 0, 0}, {0, 0, 0}, 0), 1);
+  EXPECT_EQ(hits({NAN, 0, 0}, {1, 0, 0}, 1), 0);
+  EXPECT_EQ(hits({0, 0, 0}, {1, NAN, 0}, 1), 0);
+  EXPECT_EQ(hits({0, 0, 0}, {INFINITY, 0, 0}, 1), 0);
+  EXPECT_EQ(hits({0, 0, 0}, {1, 0, 0}, NAN), 0);
+  EXPECT_EQ(hits({0, 0, 0}, {1, 0, 0}, -1), 0);
 }
 
 TEST(Aabb, RoundsOutwardsToTheNextFloat) {

@@ -1,9 +1,11 @@
 // New pairs against brute force, under random motion, additions and removals.
 
 #include <collision/broadphase.h>
+#include <collision/fat_box.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <set>
 #include <vector>
 
@@ -22,6 +24,7 @@ struct Model {
     Kind kind = Kind::Free;
     Aabb box = Aabb::empty();
     Plane plane = {Vector3::UnitZ(), 0};
+    Filter filter;
     bool moved = false;
   };
 
@@ -34,11 +37,19 @@ struct Model {
     return false;
   }
 
+  bool meets(const Filter& x, const Filter& y) const {
+    if (x.owner == y.owner || ignored.count(Pair::of(x.owner, y.owner)) != 0) return false;
+    if (x.group == y.group && x.group > 0) return true;
+    if (x.group == y.group && x.group < 0) return false;
+    return (x.category & y.mask) != 0 && (y.category & x.mask) != 0;
+  }
+
   bool paired(std::uint32_t a, std::uint32_t b) const {
     const Proxy& x = proxies[a];
     const Proxy& y = proxies[b];
     if (x.kind == Kind::Free || y.kind == Kind::Free) return false;
     if (x.kind != Kind::Moving && y.kind != Kind::Moving) return false;
+    if (!meets(x.filter, y.filter)) return false;
     if (x.kind == Kind::HalfSpace) return below(x.plane, y.box);
     if (y.kind == Kind::HalfSpace) return below(y.plane, x.box);
     return x.box.overlaps(y.box);
@@ -56,6 +67,7 @@ struct Model {
   }
 
   std::vector<Proxy> proxies;
+  std::set<Pair> ignored;  // owners
 };
 
 class Motion {
@@ -74,8 +86,13 @@ class Motion {
         remove(shape);
       } else if (random_.chance(0.3)) {
         move(shape);
+      } else if (random_.chance(0.03)) {
+        model_.proxies[shape].filter = random_filter(shape);
+        model_.proxies[shape].moved = true;
+        broadphase_.set_filter(shape, model_.proxies[shape].filter);
       }
     }
+    for (int i = 0; i < 4; ++i) change_ignored();
     const auto known = known_;
     for (const Pair pair : known) {
       EXPECT_EQ(broadphase_.overlap(pair.first, pair.second), model_.paired(pair.first, pair.second));
@@ -102,18 +119,47 @@ class Motion {
     return Aabb::around(centre - half, centre + half);
   }
 
+  // Often none; else such that a good part of all pairs may meet.
+  Filter random_filter(std::uint32_t shape) {
+    Filter filter{.owner = shape};
+    if (random_.chance(0.5)) return filter;
+    filter.category = 1u << random_.below(3);
+    filter.mask = random_.below(8);
+    filter.group = static_cast<std::int32_t>(random_.below(5)) - 2;
+    filter.owner = shape - shape % 3;
+    return filter;
+  }
+
+  void change_ignored() {
+    const auto count = static_cast<std::uint32_t>(model_.proxies.size());
+    const bool lift = !model_.ignored.empty() && random_.chance(0.4);
+    const Pair owners = lift ? *model_.ignored.begin() : Pair::of(random_.below(count), random_.below(count));
+    if (owners.first == owners.second) return;
+    if (lift) {
+      model_.ignored.erase(owners);
+      broadphase_.unignore(owners.second, owners.first);
+    } else {
+      model_.ignored.insert(owners);
+      broadphase_.ignore(owners.second, owners.first);
+    }
+    for (Model::Proxy& proxy : model_.proxies) {
+      if (proxy.filter.owner == owners.first || proxy.filter.owner == owners.second) proxy.moved = true;
+    }
+  }
+
   void add(std::uint32_t shape) {
     Model::Proxy& proxy = model_.proxies[shape];
     const double what = random_.real(0, 1);
     proxy = {};
     proxy.moved = true;
+    proxy.filter = random_filter(shape);
     proxy.kind = what < 0.02 ? Kind::HalfSpace : what < 0.3 ? Kind::Fixed : Kind::Moving;
     if (proxy.kind == Kind::HalfSpace) {
       proxy.plane = {random_.direction(), random_.real(-8, -4)};
-      broadphase_.add_half_space(shape, proxy.plane);
+      broadphase_.add_half_space(shape, proxy.plane, proxy.filter);
     } else {
       proxy.box = random_box();
-      broadphase_.add_box(shape, proxy.box, proxy.kind == Kind::Fixed);
+      broadphase_.add_box(shape, proxy.box, proxy.kind == Kind::Fixed, proxy.filter);
     }
   }
 
@@ -189,6 +235,183 @@ TEST(Broadphase, OnlyMovesAreAskedForPartners) {
   EXPECT_TRUE(broadphase.find_new_pairs({}, arena).empty());
   broadphase.move_box(1, box);
   EXPECT_EQ(broadphase.find_new_pairs({}, arena).size(), 1u);
+}
+
+constexpr Aabb unit_box{{0, 0, 0}, {1, 1, 1}};
+
+bool pair_found(const Filter& a, const Filter& b) {
+  jobs::Arena arena(1);
+  Broadphase broadphase;
+  broadphase.add_box(0, unit_box, false, a);
+  broadphase.add_box(1, unit_box, false, b);
+  const bool found = broadphase.find_new_pairs({}, arena).size() == 1;
+  EXPECT_EQ(broadphase.overlap(0, 1), found);
+  EXPECT_EQ(broadphase.overlap(1, 0), found);
+  return found;
+}
+
+TEST(Broadphase, FiltersDecideWhoMayMeet) {
+  EXPECT_TRUE(pair_found({}, {}));
+  EXPECT_TRUE(pair_found({.category = 2, .mask = 4}, {.category = 4, .mask = 2}));
+  EXPECT_FALSE(pair_found({.category = 2, .mask = 4}, {.category = 4, .mask = 1}));
+  EXPECT_FALSE(pair_found({.category = 2, .mask = 1}, {.category = 4, .mask = 2}));
+  EXPECT_TRUE(pair_found({.mask = 0, .group = 3}, {.mask = 0, .group = 3}));
+  EXPECT_FALSE(pair_found({.group = -3}, {.group = -3}));
+  EXPECT_TRUE(pair_found({.group = -3}, {.group = -4}));
+  EXPECT_FALSE(pair_found({.group = 3, .owner = 7}, {.group = 3, .owner = 7}));
+  EXPECT_FALSE(pair_found({.owner = 1}, {}));
+}
+
+// A pair that is no longer allowed doesn't overlap, and is found anew when it is allowed again, with nothing moved.
+TEST(Broadphase, ChangesOfFiltersTakeEffectWithoutMotion) {
+  jobs::Arena arena(1);
+  Broadphase broadphase;
+  broadphase.ignore(5, 6);  // before anybody has such an owner
+  broadphase.add_box(0, unit_box, false, {.owner = 5});
+  broadphase.add_box(1, unit_box, false, {.owner = 6});
+  const auto found = [&] {
+    const std::size_t count = broadphase.find_new_pairs({}, arena).size();
+    EXPECT_EQ(broadphase.overlap(0, 1), count == 1);
+    broadphase.forget_moves();
+    return count == 1;
+  };
+  EXPECT_FALSE(found());
+  broadphase.unignore(6, 5);
+  EXPECT_TRUE(broadphase.has_moved(0) && broadphase.has_moved(1));
+  EXPECT_TRUE(found());
+  broadphase.set_filter(1, {.mask = 0, .owner = 6});
+  EXPECT_TRUE(broadphase.has_moved(1));
+  EXPECT_FALSE(found());
+  broadphase.set_filter(1, {});
+  EXPECT_TRUE(found());
+  EXPECT_FALSE(broadphase.has_moved(0));
+}
+
+// Takes minutes if removing one shape takes a search of all that moved.
+TEST(Broadphase, RemovesManyShapesAndTheirMoves) {
+  jobs::Arena arena(1);
+  Broadphase broadphase;
+  constexpr std::uint32_t count = 100'000;
+  for (std::uint32_t shape = 0; shape < count; ++shape) {
+    const auto x = static_cast<float>(shape);
+    broadphase.add_box(shape, {{x, 0, 0}, {x + 1.5f, 1, 1}}, false, {.owner = count / 2 + shape % 2});
+  }
+  for (std::uint32_t shape = 0; shape < count; ++shape) broadphase.remove(shape);
+  EXPECT_TRUE(broadphase.find_new_pairs({}, arena).empty());
+  // A number is free again, whether or not its moves are forgotten.
+  broadphase.add_box(7, unit_box, false);
+  broadphase.add_box(8, unit_box, false);
+  EXPECT_EQ(broadphase.find_new_pairs({}, arena).size(), 1u);
+  broadphase.forget_moves();
+  EXPECT_FALSE(broadphase.has_moved(7));
+}
+
+TEST(Broadphase, BoxesWithNanMeetNobodyAndInfiniteOnesEverybody) {
+  constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+  constexpr float infinity = std::numeric_limits<float>::infinity();
+  jobs::Arena arena(1);
+  Broadphase broadphase;
+  broadphase.add_half_space(0, {Vector3::UnitZ(), 5});
+  broadphase.add_box(1, {{nan, 0, 0}, {1, 1, 1}}, false);
+  broadphase.add_box(2, {{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}}, false);
+  broadphase.add_box(3, {{0, 0, nan}, {1, 1, 1}}, false);
+  broadphase.add_box(4, unit_box, false);
+  broadphase.add_box(5, {{50, 0, 0}, {51, 1, 1}}, false);
+  const std::vector<Pair> expected = {{0, 2}, {0, 4}, {0, 5}, {2, 4}, {2, 5}};
+  for (int round = 0; round < 3; ++round) {  // as inserted, refitted and rebuilt
+    const std::span<const Pair> pairs = broadphase.find_new_pairs({}, arena);
+    EXPECT_EQ(std::vector<Pair>(pairs.begin(), pairs.end()), expected);
+    for (std::uint32_t shape = 1; shape <= 5; ++shape) broadphase.move_box(shape, broadphase.fat_box(shape));
+  }
+  broadphase.move_box(1, unit_box);
+  EXPECT_TRUE(broadphase.overlap(1, 4));
+}
+
+TEST(Broadphase, QueriesSeeAllKindsOfShapes) {
+  Random random(11);
+  Broadphase broadphase;
+  std::vector<Aabb> boxes;
+  for (std::uint32_t shape = 0; shape < 300; ++shape) {
+    const Vector3 lower = random.vector(10);
+    boxes.push_back(Aabb::around(lower, lower + Vector3(random.real(0, 2), random.real(0, 2), random.real(0, 2))));
+    broadphase.add_box(shape, boxes.back(), shape % 3 == 0, {.mask = 0});
+  }
+  const Plane plane{Vector3(0.6, 0, 0.8), -6};
+  broadphase.add_half_space(300, plane);
+  const Vector3 half(0.3, 0.1, 0.2);
+  std::size_t plane_hits = 0;
+  for (int i = 0; i < 300; ++i) {
+    const Vector3 centre = random.vector(10);
+    const Aabb probe = Aabb::around(centre - half, centre + half);
+    std::set<std::uint32_t> expected, found, along;
+    for (std::uint32_t shape = 0; shape < 300; ++shape) {
+      if (boxes[shape].overlaps(probe)) expected.insert(shape);
+    }
+    if (Model::below(plane, probe)) expected.insert(300);
+    plane_hits += expected.count(300);
+    broadphase.query_box(probe, [&](std::uint32_t shape) { EXPECT_TRUE(found.insert(shape).second); });
+    EXPECT_EQ(found, expected);
+    // A sweep that goes nowhere is a query of a box; the float boxes are rounded outwards, so may hold more.
+    broadphase.query_ray(
+        centre, Vector3::Zero(), 1,
+        [&](std::uint32_t shape, double t_enter) {
+          EXPECT_EQ(t_enter, 0);
+          EXPECT_TRUE(along.insert(shape).second);
+          return 1.0;
+        },
+        half);
+    EXPECT_TRUE(std::includes(expected.begin(), expected.end(), along.begin(), along.end()));
+    EXPECT_GE(along.size() + 1, expected.size());
+  }
+  EXPECT_GT(plane_hits, 10u);
+}
+
+// Against the closed form: the half-space z <= 1 from above, inside and sideways.
+TEST(Broadphase, RaysEnterHalfSpacesWhereTheyShould) {
+  Broadphase broadphase;
+  broadphase.add_half_space(4, {Vector3::UnitZ(), 1});
+  const auto enter = [&](const Vector3& origin, const Vector3& direction, double max_t, const Vector3& half) {
+    double entered = -1;
+    broadphase.query_ray(
+        origin, direction, max_t,
+        [&](std::uint32_t, double t_enter) {
+          entered = t_enter;
+          return max_t;
+        },
+        half);
+    return entered;
+  };
+  EXPECT_NEAR(enter({3, 4, 5}, {0, 0, -2}, 10, Vector3::Zero()), 2, 1e-12);
+  EXPECT_NEAR(enter({3, 4, 5}, {1, 0, -2}, 10, Vector3::Constant(0.5)), 1.75, 1e-12);
+  EXPECT_EQ(enter({3, 4, 5}, {0, 0, -2}, 1.99, Vector3::Zero()), -1);
+  EXPECT_EQ(enter({3, 4, 5}, {1, 0, 0}, 1e6, Vector3::Zero()), -1);
+  EXPECT_EQ(enter({3, 4, 5}, {0, 0, 1}, 1e6, Vector3::Zero()), -1);
+  EXPECT_EQ(enter({3, 4, 0}, {0, 0, 1}, 1e6, Vector3::Zero()), 0);
+}
+
+// A fat box holds the shape for as many steps as predicted, on its way and with the slack on all sides.
+TEST(FatBox, ContainsTheShapeAsLongAsPredicted) {
+  Random random(12);
+  for (int i = 0; i < 500; ++i) {
+    const Vector3 lower = random.vector(100);
+    const Vector3 upper = lower + Vector3(random.real(0.5, 2), random.real(0.5, 2), 1);
+    const Vector3 displacement = random.real(0, 0.1) * random.direction();
+    const double slack = random.real(0, 0.2);
+    const Aabb fat = fattened({lower, upper}, slack, displacement);
+    for (int step = 0; step <= static_cast<int>(predicted_steps); ++step) {
+      const Vector3 at = step * displacement * (1 - 1e-12);
+      const Vector3 margin = Vector3::Constant(slack * (1 - 1e-12));
+      EXPECT_TRUE(fat.contains(Aabb::around(lower + at - 0.999 * margin, upper + at + 0.999 * margin)));
+    }
+    const Vector3 volume_of_sweep = upper - lower + predicted_steps * displacement.cwiseAbs();
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      EXPECT_NEAR(fat.upper[axis] - fat.lower[axis], volume_of_sweep[static_cast<Eigen::Index>(axis)] + 2 * slack,
+                  1e-4);
+    }
+  }
+  // One that crosses a thousand times its size in a step gets a box of twice its size.
+  const Aabb fast = fattened({Vector3::Zero(), Vector3::Ones()}, 0, Vector3(1000, 0, 0));
+  EXPECT_EQ(fast, (Aabb{{0, 0, 0}, {2, 1, 1}}));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // Spheres against spheres and boxes, against closed forms.
 
 #include <collision/collide.h>
+#include <collision/convex.h>
 #include <collision/feature_id.h>
 #include <gtest/gtest.h>
 
@@ -139,7 +140,8 @@ TEST(CollideRound, PosesThatAreNotFiniteTouchNothing) {
     EXPECT_EQ(manifold.count, 0);
     collide_sphere_box(1, Vector3::Ones(), {Vector3::Zero(), Quaternion(bad, 0, 0, 0)}, 0.1, manifold);
     EXPECT_EQ(manifold.count, 0);
-    collide_sphere_half_space(1, Shape::half_space(Vector3::UnitZ(), 0), {Vector3(0, 0, bad), turned}, 0.1, manifold);
+    collide_half_space(Shape::sphere(1), Shape::half_space(Vector3::UnitZ(), 0), {Vector3(0, 0, bad), turned}, 0.1,
+                       manifold);
     if (bad != bad) {
       EXPECT_EQ(manifold.count, 0);
     }

@@ -1,13 +1,19 @@
-// Spheres and boxes on half-spaces, against closed forms.
+// Solids on half-spaces, against closed forms.
 
 #include <collision/collide.h>
+#include <collision/convex.h>
 #include <collision/feature_id.h>
+#include <collision/hull.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <set>
+#include <string>
+#include <variant>
+#include <vector>
 
 #include "random.h"
 
@@ -121,10 +127,106 @@ TEST(BoxOnHalfSpace, PoseThatIsNotFiniteTouchesNothing) {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   const Shape plane = Shape::half_space(Vector3::UnitZ(), 0);
   Manifold manifold;
-  collide_box_half_space(Vector3::Ones(), plane, {Vector3(0, 0, nan), Quaternion::Identity()}, 0.1, manifold);
+  collide_half_space(Shape::box(Vector3::Ones()), plane, {Vector3(0, 0, nan), Quaternion::Identity()}, 0.1, manifold);
   EXPECT_EQ(manifold.count, 0);
-  collide_box_half_space(Vector3::Ones(), plane, {Vector3::Zero(), Quaternion(nan, 0, 0, 0)}, 0.1, manifold);
+  collide_half_space(Shape::box(Vector3::Ones()), plane, {Vector3::Zero(), Quaternion(nan, 0, 0, 0)}, 0.1, manifold);
   EXPECT_EQ(manifold.count, 0);
+}
+
+Hull random_hull(Random& random) {
+  std::vector<Vector3> points;
+  for (int i = 0; i < 20; ++i) points.push_back(random.direction());
+  return std::get<Hull>(build_hull(points));
+}
+
+// The deepest point is the solid's lowest, wherever points are they lie on the solid, and none is beyond the
+// margin.
+TEST(SolidOnHalfSpace, DeepestPointIsTheLowest) {
+  Random random(4);
+  const Hull hull = random_hull(random);
+  const Shape solids[] = {Shape::capsule(0.3, 0.5), Shape::cylinder(0.4, 0.7), Shape::cone(0.5, 0.6),
+                          Shape::convex_hull(hull)};
+  for (const Shape& solid : solids) {
+    for (int i = 0; i < 1000; ++i) {
+      const Shape plane = Shape::half_space(random.direction(), random.real(-5, 5));
+      const double gap = random.real(-0.3, 0.1) * solid.inner_radius;
+      const double margin = random.real(0, 0.15) * solid.inner_radius;
+      const Quaternion turn = random.rotation();
+      const double reach = reach_along(solid, -(turn.conjugate() * plane.normal));
+      const Pose pose{(plane.offset + reach + gap) * plane.normal + plane.normal.unitOrthogonal(), turn};
+      Manifold manifold;
+      EXPECT_EQ(collide(solid, plane, half_space_seen_from(pose), margin, manifold), Narrowphase::ClosedForm);
+      const std::string what = std::to_string(static_cast<int>(solid.kind)) + " #" + std::to_string(i);
+      if (gap > margin) {
+        ASSERT_EQ(manifold.count, 0) << what;
+        continue;
+      }
+      ASSERT_GT(manifold.count, 0) << what;
+      ASSERT_TRUE(manifold.reference_is_second);
+      ASSERT_EQ(manifold.normal, plane.normal);
+      double deepest = 1;
+      std::set<FeatureId> ids;
+      for (int k = 0; k < manifold.count; ++k) {
+        const Manifold::Point& point = manifold.points[static_cast<std::size_t>(k)];
+        ASSERT_LE(point.separation, margin) << what;
+        ASSERT_NEAR(point.separation, plane.normal.dot(point.position) - plane.offset, 1e-12) << what;
+        // A sphere about the point is within the solid's reach.
+        const Vector3 local = turn.conjugate() * (point.position - pose.position);
+        ASSERT_LE(local.norm(), solid.bounding_radius * (1 + 1e-12)) << what;
+        deepest = std::min(deepest, point.separation);
+        ids.insert(point.id);
+      }
+      ASSERT_NEAR(deepest, gap, 1e-4 * solid.inner_radius) << what;
+      ASSERT_EQ(static_cast<int>(ids.size()), manifold.count) << what;
+    }
+  }
+}
+
+TEST(SolidOnHalfSpace, WhatRestsHasAllItsPointsAndTheirIdsLast) {
+  constexpr double pi = std::numbers::pi;
+  const auto about_y = [](double angle) { return Quaternion(Eigen::AngleAxisd(angle, Vector3::UnitY())); };
+  // The cone's side leans by this against its axis, and lies that high above its middle.
+  const double lean = std::atan2(0.5, 1.2);
+  std::vector<Vector3> ring;
+  for (int i = 0; i < 9; ++i) {
+    for (const double z : {-0.4, 0.4}) ring.push_back({std::cos(i * 2 * pi / 9), std::sin(i * 2 * pi / 9), z});
+  }
+  const Hull prism = std::get<Hull>(build_hull(ring));
+  struct Rest {
+    const char* name;
+    Shape solid;
+    double height;
+    Quaternion turn;
+    int points;
+  };
+  const Rest rests[] = {
+      {"capsule lying", Shape::capsule(0.3, 0.5), 0.3, about_y(pi / 2), 2},
+      {"capsule upright", Shape::capsule(0.3, 0.5), 0.8, about_y(0), 1},
+      {"cylinder standing", Shape::cylinder(0.4, 0.7), 0.7, about_y(0), 4},
+      {"cylinder upside down", Shape::cylinder(0.4, 0.7), 0.7, about_y(pi), 4},
+      {"cylinder lying", Shape::cylinder(0.4, 0.7), 0.4, about_y(pi / 2), 2},
+      {"cylinder on its rim", Shape::cylinder(0.4, 0.7), 0.4 * std::sin(0.8) + 0.7 * std::cos(0.8), about_y(0.8), 1},
+      {"cone on its base", Shape::cone(0.5, 0.6), 0.6, about_y(0), 4},
+      {"cone on its side", Shape::cone(0.5, 0.6), 0.6 * std::sin(lean), about_y(pi / 2 + lean), 2},
+      {"cone on its apex", Shape::cone(0.5, 0.6), 0.6, about_y(pi), 1},
+      {"prism standing", Shape::convex_hull(prism), 0.4, about_y(0), 4}};
+  const Shape plane = Shape::half_space(Vector3::UnitZ(), 0);
+  Random random(5);
+  for (const Rest& rest : rests) {
+    std::set<FeatureId> ids;
+    for (int i = 0; i < 200; ++i) {
+      const Pose pose{Vector3(1, 2, rest.height) + random.vector(1e-7), rest.turn * random.rotation(1e-6)};
+      Manifold manifold;
+      collide(rest.solid, plane, half_space_seen_from(pose), 0.01, manifold);
+      ASSERT_EQ(manifold.count, rest.points) << rest.name;
+      for (int k = 0; k < manifold.count; ++k) {
+        const Manifold::Point& point = manifold.points[static_cast<std::size_t>(k)];
+        EXPECT_NEAR(point.separation, 0, 2e-6) << rest.name;
+        ids.insert(point.id);
+      }
+    }
+    EXPECT_EQ(static_cast<int>(ids.size()), rest.points) << rest.name;
+  }
 }
 
 TEST(HalfSpaces, TouchNothingOfTheirKind) {

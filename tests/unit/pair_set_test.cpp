@@ -3,7 +3,9 @@
 #include <collision/pair_set.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
+#include <vector>
 
 #include "random.h"
 
@@ -61,6 +63,42 @@ TEST(PairSet, TakesTheHighestNumbers) {
   EXPECT_FALSE(set.contains({0, 0xffffffffu}));
   set.erase(last);
   EXPECT_FALSE(set.contains(last));
+}
+
+TEST(PairSet, DropsContainedPairsInPlace) {
+  test::Random random(8);
+  PairSet set;
+  std::set<Pair> expected_set;
+  for (int i = 0; i < 3000; ++i) {
+    const Pair pair = Pair::of(random.below(100), 100 + random.below(100));
+    if (expected_set.insert(pair).second) set.insert(pair);
+  }
+  std::vector<Pair> pairs, expected;
+  for (int i = 0; i < 5000; ++i) {
+    const Pair pair = Pair::of(random.below(100), 100 + random.below(100));
+    pairs.push_back(pair);
+    if (i < 1000 || expected_set.count(pair) == 0) expected.push_back(pair);
+  }
+  PairSet().drop_contained(pairs, 0);
+  EXPECT_EQ(pairs.size(), 5000u);
+  set.drop_contained(pairs, 1000);
+  EXPECT_EQ(pairs, expected);
+}
+
+// Few and many, of small numbers and of any.
+TEST(Pair, SortsAsStdSortDoes) {
+  test::Random random(9);
+  std::vector<Pair> scratch;
+  for (const std::uint32_t largest : {1u, 200u, 70'000u, 0xffffffffu}) {
+    for (const std::size_t count : {0u, 1u, 2u, 299u, 300u, 5000u}) {
+      std::vector<Pair> pairs;
+      for (std::size_t i = 0; i < count; ++i) pairs.push_back(Pair::of(random.below(largest), random.below(largest)));
+      std::vector<Pair> expected = pairs;
+      std::sort(expected.begin(), expected.end());
+      sort_pairs(pairs, scratch);
+      EXPECT_EQ(pairs, expected) << count << " pairs, numbers below " << largest;
+    }
+  }
 }
 
 TEST(Pair, IsOrderedByFirstThenSecond) {

@@ -35,6 +35,14 @@ struct Aabb {
     return result;
   }
 
+  /// This box, or if any of its numbers is NaN, one of NaNs only, that overlaps nothing in any test.
+  Aabb known_or_nan() const {
+    bool known = true;
+    for (std::size_t i = 0; i < 3; ++i) known &= lower[i] == lower[i] && upper[i] == upper[i];
+    constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+    return known ? *this : Aabb{{nan, nan, nan}, {nan, nan, nan}};
+  }
+
   /// Half the surface area.
   float half_area() const {
     const float x = upper[0] - lower[0];

@@ -20,9 +20,5 @@ void collide_boxes(const Vector3& half_first, const Vector3& half_second, const 
                    Manifold& manifold);
 void collide_spheres(double radius_first, double radius_second, const Pose& second, double margin, Manifold& manifold);
 void collide_sphere_box(double radius, const Vector3& half_extents, const Pose& box, double margin, Manifold& manifold);
-void collide_sphere_half_space(double radius, const Shape& half_space, const Pose& second, double margin,
-                               Manifold& manifold);
-void collide_box_half_space(const Vector3& half_extents, const Shape& half_space, const Pose& second, double margin,
-                            Manifold& manifold);
 
 }  // namespace atl::collision

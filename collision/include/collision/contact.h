@@ -42,38 +42,34 @@ struct Tangents {
 Tangents tangents(const float normal[3]);
 
 /// A pair and what its last manifold looked like, in the frames of its shapes, so that separations can follow
-/// small motion in closed form. "Incident" and "reference" as in Manifold.
-struct Contact {
-  Pair pair;
+/// small motion in closed form. "Incident" and "reference" as in Manifold. Rows of four floats are for kernels.
+struct alignas(16) Contact {
+  Pair pair;  ///< colliders
+  std::uint32_t body_first = 0;
+  std::uint32_t body_second = 0;
+  std::array<float, 4> orientation = {};  ///< x, y, z, w of incident in reference, at capture
+  std::array<float, 3> normal = {};       ///< reference frame
+  float margin = -1;                      ///< m, speculative at capture; -1 before the first
+  /// By point: m, from the centre, in the reference frame, and the separation, at capture.
+  std::array<std::array<float, 4>, max_points> points = {};
+  /// m, mean of the points, incident frame; the incident's origin where there are none.
+  std::array<double, 3> centre_incident = {};
+  std::array<double, 3> centre_reference = {};  ///< m, the same point in the reference frame, at capture
+  std::array<FeatureId, max_points> ids = {};
+  float size = 0;       ///< m, inner radius of the smaller shape: tolerances are parts of it
+  float tolerance = 0;  ///< how far the pair may drift, as part of the size, and turn, rad, before it is found anew
+  std::uint32_t axis = 0;
   bool reference_is_second = false;
   std::uint8_t count = 0;
-  std::uint16_t axis = 0;
-  std::array<FeatureId, max_points> ids = {};
-  std::array<float, max_points> separation = {};             ///< m, at capture
-  std::array<std::array<float, 3>, max_points> offset = {};  ///< m, from the centre, reference frame, at capture
-  std::array<float, 3> normal = {};                          ///< reference frame
-  std::array<float, 4> orientation = {};                     ///< x, y, z, w of incident in reference, at capture
-  float margin = -1;                                         ///< m, speculative at capture; -1 before the first
-  /// m, mean of the points, incident frame; the origin where there are none.
-  Vector3 centre_incident = Vector3::Zero();
-  Vector3 centre_reference = Vector3::Zero();  ///< m, the same point in the reference frame, at capture
+  /// Of a solid and a surface: which of the pair's contacts this is. They stand in a row, each with a normal of
+  /// its own, and those not needed have no points.
+  std::uint8_t part = 0;
+  bool placed = false;  ///< a shape of it isn't at its body's centre of mass, or turned
 };
-
-/// How far the incident shape has moved against the reference shape since the manifold was captured.
-struct Drift {
-  Vector3 shift;                   ///< m, of the centre, reference frame
-  std::array<float, 3> half_turn;  ///< vector part of the rotation's quaternion
-  float cosine;                    ///< its scalar part
-};
-Drift drift_since_capture(const Contact& contact, const Pose& incident);
 
 /// Stores a fresh manifold, which may have no points, found with the given margin. What it replaces is lost:
-/// match impulses before.
-void capture(Contact& contact, const Manifold& manifold, const Pose& incident, double margin);
-
-/// Writes the geometry of a contact, moved by a drift, to what the solver reads; impulses stay. Exact for
-/// fixed features. `margin` weighs the points for the centre: those farther apart count for less.
-void place(const Contact& contact, const Drift& drift, const Pose& first, const Pose& second, double margin,
-           ContactManifold& manifold);
+/// match impulses before. `incident` is the pose of the incident shape in the frame of the reference. `tolerance` is
+/// how long it may be kept, see Contact.
+void capture(Contact& contact, const Manifold& manifold, const Pose& incident, double margin, float tolerance);
 
 }  // namespace atl::collision

@@ -9,7 +9,7 @@ namespace atl::collision {
 
 /// Which pair of features makes a contact point. Equal features have equal ids from step to step, and the
 /// features of one manifold have different ones. See feature_id.h for how they are put together.
-using FeatureId = std::uint32_t;
+using FeatureId = std::uint64_t;
 
 inline constexpr int max_points = 4;
 
@@ -33,8 +33,12 @@ struct Manifold {
   }
 };
 
+/// More points than any two faces make; see Outline.
+inline constexpr int max_points_to_reduce = 512;
+
 /// Chooses four points that span the contact: the deepest, the one farthest from it, and one on either side
-/// of the line between them that adds most area. `count` may be at most max_points already; then all are kept.
+/// of the line between them that adds most area; the first of those that are about as good, so that rounding
+/// doesn't choose. `count` may be at most max_points already; then all are kept.
 void reduce_points(const Manifold::Point* points, int count, Manifold& manifold);
 
 }  // namespace atl::collision

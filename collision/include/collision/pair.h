@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 namespace atl::collision {
 
@@ -15,5 +16,8 @@ struct Pair {
   friend bool operator==(const Pair&, const Pair&) = default;
   friend bool operator<(const Pair& x, const Pair& y) { return x.key() < y.key(); }
 };
+
+/// Sorts pairs; `scratch` keeps its memory for the next time.
+void sort_pairs(std::vector<Pair>& pairs, std::vector<Pair>& scratch);
 
 }  // namespace atl::collision

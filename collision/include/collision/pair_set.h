@@ -16,6 +16,10 @@ class PairSet {
   void erase(Pair pair);   ///< the pair must be in it
   std::size_t size() const { return size_; }
 
+  /// Drops from `pairs`, from the one at `begin` on, those that are in the set. The others keep their order.
+  /// Much faster than one lookup after another, as it fetches ahead.
+  void drop_contained(std::vector<Pair>& pairs, std::size_t begin) const;
+
  private:
   static constexpr std::uint64_t vacant = ~std::uint64_t{0};
 

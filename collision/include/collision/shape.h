@@ -9,28 +9,57 @@ namespace atl::collision {
 using Vector3 = Eigen::Vector3d;
 using Matrix3 = Eigen::Matrix3d;
 
-/// In the order that pairs are dispatched in: of two shapes the one of the lower kind comes first.
-enum class ShapeKind : std::uint8_t { Sphere, Box, HalfSpace };
+struct Hull;
+struct TriangleMesh;
+struct HeightField;
 
-/// A convex shape in its body's frame. Which fields count depends on the kind.
+/// In the order that pairs are dispatched in: of two shapes the one of the lower kind comes first. Those up to
+/// Hull are bounded and convex; a mesh and a height field are surfaces, on static and kinematic bodies only.
+enum class ShapeKind : std::uint8_t { Sphere, Capsule, Box, Cylinder, Cone, Hull, HalfSpace, Mesh, HeightField };
+
+constexpr bool is_convex_solid(ShapeKind kind) { return kind <= ShapeKind::Hull; }
+constexpr bool is_surface(ShapeKind kind) { return kind >= ShapeKind::Mesh; }
+
+/// A shape in a frame of its own, which a collider places on a body. Which fields count depends on the kind.
+/// Geometry that is pointed to is immutable and outlives the shape.
 struct Shape {
   ShapeKind kind = ShapeKind::Box;
   Vector3 half_extents = Vector3::Zero();  ///< box, m
-  double radius = 0;                       ///< sphere, m
-  Vector3 normal = Vector3::UnitZ();       ///< half-space: solid where normal . p <= offset
-  double offset = 0;                       ///< half-space, m
-  double bounding_radius = 0;              ///< m, about the body's origin; infinite for half-spaces
-  double inner_radius = 0;                 ///< m, of the largest inscribed sphere; infinite for half-spaces
+  double radius = 0;                       ///< sphere, capsule, cylinder, base of the cone, m
+  /// Along z, m. Capsule: of the segment between the centres of the caps. Cone: base at -half_height, apex at
+  /// +half_height.
+  double half_height = 0;
+  Vector3 normal = Vector3::UnitZ();  ///< half-space: solid where normal . p <= offset
+  double offset = 0;                  ///< half-space, m
+  union {
+    const Hull* hull = nullptr;
+    const TriangleMesh* mesh;
+    const HeightField* field;
+  };
+  double bounding_radius = 0;  ///< m, about the shape's origin; infinite for half-spaces
+  /// m, of the largest inscribed sphere: the size that tolerances are parts of. Infinite for half-spaces and
+  /// surfaces, which have no size of their own.
+  double inner_radius = 0;
 
   static Shape sphere(double radius);
+  static Shape capsule(double radius, double half_height);
   static Shape box(const Vector3& half_extents);
+  static Shape cylinder(double radius, double half_height);
+  static Shape cone(double radius, double half_height);
+  static Shape convex_hull(const Hull& hull);
   static Shape half_space(const Vector3& unit_normal, double offset);
+  static Shape triangle_mesh(const TriangleMesh& mesh);
+  static Shape height_field(const HeightField& field);
 };
 
-/// m^3; infinite for half-spaces.
-double volume(const Shape& shape);
-
-/// Inertia of the shape about its centre of mass per kg of mass, body frame, in m^2.
-Matrix3 unit_inertia(const Shape& shape);
+/// Volume, centre of mass and inertia of a solid of uniform density. Unbounded shapes and surfaces have an
+/// infinite volume and inertia, about their origin.
+struct MassProperties {
+  double volume = 0;                 ///< m^3
+  Vector3 centre = Vector3::Zero();  ///< m, in the shape's frame
+  /// About the centre, per kg of mass, in m^2, along the axes of the shape's frame.
+  Matrix3 unit_inertia = Matrix3::Zero();
+};
+MassProperties mass_properties(const Shape& shape);
 
 }  // namespace atl::collision

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <collision/broadphase.h>
+#include <collision/collider_table.h>
 #include <collision/contact_cache.h>
+#include <collision/refresh.h>
 #include <jobs/arena.h>
 
 #include <cstdint>
@@ -10,14 +12,12 @@
 
 namespace atl::collision {
 
-/// What the update reads of the shapes, each by shape number.
 struct ContactUpdateInput {
-  std::span<const Shape> shapes;
-  PoseView poses;
-  std::span<const std::uint8_t> active;  ///< 1 if the shape may move this step; a pair with none is left alone
-  const double* velocities;              ///< 3 a shape, m/s
-  const double* angular_velocities;      ///< 3 a shape, rad/s
-  double dt;                             ///< s
+  const ColliderTable& colliders;
+  PoseView poses;                        ///< of bodies
+  std::span<const std::uint8_t> active;  ///< by body: 1 if it may move this step; a pair with none is left alone
+  std::span<const StepReach> reaches;    ///< by body: in this step, at its present velocity
+  const RefreshKernels& kernels;
 };
 
 /// One entry of ContactCache::order each.
@@ -37,15 +37,16 @@ struct ContactUpdateCounts {
   ContactUpdateCounts& operator+=(const ContactUpdateCounts& other);
 };
 
-/// Separation below which a pair gets contact points before it touches: part of the smaller shape's size, and
-/// what the pair's speeds can close in one step (up to half that size), so that a contact is there in the
-/// substep in which it is needed.
-double speculative_margin(const Shape& a, const Shape& b, double approach);
+struct ContactUpdate {
+  std::vector<ContactStatus> status;  ///< that of cache.order[i] at i
+  ContactUpdateCounts counts;
+  std::vector<ContactUpdateCounts> by_chunk;  ///< memory that is used again
+};
 
 /// Brings all contacts up to date with the poses: closed-form refresh where the pair has hardly moved against
 /// each other since its manifold was found, else the narrowphase, handing impulses on by feature id. Contacts
-/// are independent, so this runs in parallel; status[i] is that of cache.order[i].
-ContactUpdateCounts update_contacts(ContactCache& cache, const Broadphase& broadphase, const ContactUpdateInput& input,
-                                    jobs::Arena& arena, std::vector<ContactStatus>& status);
+/// are independent, so this runs in parallel.
+void update_contacts(ContactCache& cache, const Broadphase& broadphase, const ContactUpdateInput& input,
+                     jobs::Arena& arena, ContactUpdate& update);
 
 }  // namespace atl::collision

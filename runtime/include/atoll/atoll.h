@@ -4,6 +4,7 @@
 #include <atoll/body.h>
 #include <atoll/error.h>
 #include <atoll/errors.h>
+#include <atoll/queries.h>
 #include <atoll/report.h>
 #include <atoll/scene.h>
 #include <atoll/settings.h>

@@ -3,6 +3,7 @@
 #include <atoll/shapes.h>
 #include <atoll/types.h>
 
+#include <cstdint>
 #include <optional>
 
 namespace atl {
@@ -20,13 +21,21 @@ struct Material {
   double restitution = 0.0;  ///< Newton coefficient, in [0, 1]
 };
 
+/// Which bodies may touch. Two do if the mask of each has a bit of the other's category, unless they share a
+/// group other than 0: then they do if it is positive, and don't if it is negative.
+struct CollisionFilter {
+  std::uint32_t category = 1;
+  std::uint32_t mask = ~0u;
+  std::int32_t group = 0;
+};
+
 /// Everything a body starts with. All values must be finite.
 struct BodyDef {
   BodyType type = BodyType::Dynamic;
   Shape shape = Box{};
-  Vector3 position = Vector3::Zero();               ///< m, world frame, of the centre of mass
+  Vector3 position = Vector3::Zero();               ///< m, world frame, of the body frame's origin
   Quaternion orientation = Quaternion::Identity();  ///< normalised on use, must not be zero
-  Vector3 velocity = Vector3::Zero();               ///< m/s, world frame; zero for static bodies
+  Vector3 velocity = Vector3::Zero();               ///< m/s, world frame, of the centre of mass; zero for static bodies
   Vector3 angular_velocity = Vector3::Zero();       ///< rad/s, world frame; zero for static bodies
   double density = 1000;                            ///< kg/m^3, > 0; used where mass is not given
   std::optional<double> mass = {};                  ///< kg, > 0; inertia follows from shape and mass
@@ -37,6 +46,10 @@ struct BodyDef {
   double gravity_scale = 1;    ///< multiplies the world's gravity
   double linear_damping = 0;   ///< 1/s, >= 0: v' = -c v
   double angular_damping = 0;  ///< 1/s, >= 0: w' = -c w
+  CollisionFilter filter = {};
+  /// Looks for what the body may have passed through after every step in which it moved at all. Without it that
+  /// is done in steps in which it moved farther than three quarters of its inner radius.
+  bool continuous = false;
 };
 
 }  // namespace atl

@@ -44,6 +44,8 @@ struct StepCounts {
   std::int64_t id_matches = 0;      ///< points of FCL's new manifolds that inherited an impulse by feature id
   std::int64_t id_misses = 0;       ///< points of such manifolds, of pairs that touched before, that did not
   std::int64_t asleep = 0;          ///< bodies
+  std::int64_t swept = 0;           ///< bodies that continuous collision looked at
+  std::int64_t stopped = 0;         ///< of these, those that met something
 };
 
 /// What one step did, and how long it took.

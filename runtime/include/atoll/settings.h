@@ -32,6 +32,8 @@ struct Settings {
   double sleep_speed = 0.05;   ///< m/s (and rad/s times the bounding radius): below it a body is at rest
   double time_to_sleep = 0.5;  ///< s at rest after which an island falls asleep
 
+  bool contact_events = false;  ///< World::contact_events() has something to tell
+
   Simd simd = Simd::Auto;
 };
 

@@ -16,9 +16,9 @@ using Matrix3 = Eigen::Matrix3d;
 /// layout of every public struct. Converts to and from Eigen::Quaterniond.
 using Quaternion = Eigen::Quaternion<double, Eigen::DontAlign>;
 
-/// Position of a body's centre of mass and its orientation (body frame to world frame).
+/// Where the frame of a body, in which its shape is given, lies in the world.
 struct Pose {
-  Vector3 position = Vector3::Zero();
+  Vector3 position = Vector3::Zero();  ///< m, of the frame's origin
   Quaternion orientation = Quaternion::Identity();
 };
 

@@ -28,7 +28,14 @@ struct ContactForce {
   double normal_force;  ///< N, >= 0
   Vector3 friction;     ///< N, tangential, on b: the point's share of the manifold's friction by normal force
   double separation;    ///< m, negative where the shapes overlap, as the step started
-  std::uint32_t feature_id;
+  std::uint64_t feature_id;
+};
+
+/// Two bodies that began or ceased to touch in the last step: to press on each other, or overlap.
+struct ContactEvent {
+  BodyId a;
+  BodyId b;
+  bool began;
 };
 
 /// A world of rigid bodies. Independent worlds may be used from different threads; one world may be used
@@ -49,11 +56,13 @@ class World {
   std::size_t body_count() const;
 
   Pose pose(BodyId id) const;
-  Vector3 velocity(BodyId id) const;
+  Vector3 velocity(BodyId id) const;  ///< m/s, of the centre of mass
   Vector3 angular_velocity(BodyId id) const;
   double mass(BodyId id) const;  ///< kg; infinite for static and kinematic bodies
   BodyType type(BodyId id) const;
   bool is_asleep(BodyId id) const;
+
+  Vector3 centre_of_mass(BodyId id) const;  ///< m, world frame; the frame's origin where there is no mass
 
   void set_pose(BodyId id, const Pose& pose);
   void set_velocity(BodyId id, const Vector3& linear, const Vector3& angular);
@@ -62,6 +71,9 @@ class World {
   /// Changes the velocities at once by an impulse (N s) at a world-frame point (m).
   void apply_impulse(BodyId id, const Vector3& impulse, const Vector3& point);
   void wake(BodyId id);
+  void set_filter(BodyId id, const CollisionFilter& filter);
+  /// Whether two bodies may touch at all, whatever their filters say. Holds until either is removed.
+  void set_collision_enabled(BodyId a, BodyId b, bool enabled);
 
   void set_gravity(const Vector3& gravity);
   void set_settings(const Settings& settings);
@@ -76,17 +88,22 @@ class World {
   /// After a step: one entry a manifold point that carries force, in order of body ids and features.
   std::span<const ContactForce> contact_forces() const;
 
+  /// After a step with Settings::contact_events: what began and what ended, in order of body ids.
+  std::span<const ContactEvent> contact_events() const;
+
   /// Bulk views over all bodies, one column a body index (BodyId::index). Columns of removed bodies
   /// keep their last values until the index is used again. Valid until a body is added.
-  Eigen::Map<const Eigen::Matrix3Xd> positions() const;           ///< m
+  Eigen::Map<const Eigen::Matrix3Xd> positions() const;           ///< m, of centres of mass
   Eigen::Map<const Eigen::Matrix4Xd> orientations() const;        ///< x, y, z, w
-  Eigen::Map<const Eigen::Matrix3Xd> velocities() const;          ///< m/s
+  Eigen::Map<const Eigen::Matrix3Xd> velocities() const;          ///< m/s, of centres of mass
   Eigen::Map<const Eigen::Matrix3Xd> angular_velocities() const;  ///< rad/s
 
   /// 64-bit hash of everything that the future of this world depends on.
   std::uint64_t state_hash() const;
 
  private:
+  friend struct QueryAccess;  // see queries.h
+
   class Impl;
   std::unique_ptr<Impl> impl_;
 };

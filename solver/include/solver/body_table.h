@@ -34,6 +34,13 @@ struct BodyTable {
   std::vector<double> linear_damping;   ///< 1/s
   std::vector<double> angular_damping;  ///< 1/s
 
+  // How far bodies get, kept up to date as they move, so that what asks for it needn't look at all of them.
+  std::vector<double> radius;          ///< m, of the shapes about the centre of mass; 0 where unbounded
+  std::vector<double> slack;           ///< m that the surface may still move before its bounds must be looked at
+  std::vector<double> reach_limit;     ///< m: no more reach in a step than this counts against the slack
+  std::vector<double> sweep_distance;  ///< m: who moves farther in a step may have passed through something
+  std::vector<std::uint8_t> outgrown;  ///< 1 if the slack may be used up
+
   std::size_t size() const { return mobility.size(); }
   void resize(std::size_t count);
 
@@ -73,6 +80,11 @@ inline void BodyTable::resize(std::size_t count) {
   gravity_scale.resize(count, 1.0);
   linear_damping.resize(count, 0.0);
   angular_damping.resize(count, 0.0);
+  radius.resize(count, 0.0);
+  slack.resize(count, 0.0);
+  reach_limit.resize(count, 0.0);
+  sweep_distance.resize(count, 0.0);
+  outgrown.resize(count, 0);
 }
 
 }  // namespace atl::solver

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <solver/body_table.h>
+#include <solver/motion.h>
 
 #include <cstdint>
 
@@ -10,10 +10,11 @@ namespace atl::solver {
 /// would miss half a h^2 a step), exact for a spin about a fixed axis. With an anisotropic inertia the angular
 /// momentum is held exactly and the orientation follows it by the classical Runge-Kutta method. Damping acts at
 /// the end of each substep, implicitly, as it does on bodies in contact.
-void move_free_body(BodyTable& bodies, std::uint32_t body, const Vector3& gravity, double dt, int substeps);
+void move_free_body(BodyTable& bodies, std::uint32_t body, const Vector3& gravity, double dt, int substeps,
+                    FastBodies& fast);
 
 /// Moves a kinematic body at its velocities.
-void move_kinematic_body(BodyTable& bodies, std::uint32_t body, double dt);
+void move_kinematic_body(BodyTable& bodies, std::uint32_t body, double dt, FastBodies& fast);
 
 /// Rotation by a rotation vector (rad).
 Quaternion rotation_by(const Vector3& rotation_vector);

@@ -6,6 +6,7 @@
 #include <solver/colouring.h>
 #include <solver/islands.h>
 #include <solver/kernels.h>
+#include <solver/motion.h>
 #include <solver/solver_settings.h>
 
 #include <cstdint>
@@ -22,6 +23,7 @@ struct SolveInput {
   double dt;                              ///< s
   const SolverSettings& settings;
   const Kernels& kernels;
+  FastBodies& fast;
 };
 
 struct GroupReport {

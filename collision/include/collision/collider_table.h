@@ -1,0 +1,63 @@
+#pragma once
+
+#include <collision/pose.h>
+#include <collision/shape.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace atl::collision {
+
+/// The shapes of all bodies, each at its place on its body, as flat arrays. A compound has several, linked in
+/// order of its children. "Body frame" here is that of the body's centre of mass.
+struct ColliderTable {
+  static constexpr std::uint32_t none = ~0u;
+
+  std::vector<std::uint32_t> body;   ///< none where a collider is free
+  std::vector<std::uint32_t> child;  ///< its number in a compound, else 0
+  std::vector<std::uint32_t> next;   ///< the body's next collider, or none
+  std::vector<Shape> shape;
+  std::vector<Pose> local;           ///< of the shape, in the body frame
+  std::vector<std::uint8_t> placed;  ///< 0 if `local` is the identity
+  std::vector<std::uint32_t> free;   ///< the last is used first
+
+  std::size_t size() const { return body.size(); }
+
+  std::uint32_t add(std::uint32_t of_body, std::uint32_t number, const Shape& what, const Pose& where) {
+    std::uint32_t collider = static_cast<std::uint32_t>(size());
+    if (free.empty()) {
+      const std::size_t count = size() + 1;
+      body.resize(count);
+      child.resize(count);
+      next.resize(count);
+      shape.resize(count);
+      local.resize(count);
+      placed.resize(count);
+    } else {
+      collider = free.back();
+      free.pop_back();
+    }
+    body[collider] = of_body;
+    child[collider] = number;
+    next[collider] = none;
+    shape[collider] = what;
+    local[collider] = where;
+    placed[collider] = !where.position.isZero(0) || !where.orientation.vec().isZero(0);
+    return collider;
+  }
+
+  void remove(std::uint32_t collider) {
+    body[collider] = none;
+    free.push_back(collider);
+  }
+
+  /// World pose of a collider.
+  Pose pose(std::uint32_t collider, const PoseView& bodies) const {
+    const Pose frame = bodies[body[collider]];
+    if (!placed[collider]) return frame;
+    const Pose& at = local[collider];
+    return {frame.position + frame.orientation * at.position, frame.orientation * at.orientation};
+  }
+};
+
+}  // namespace atl::collision

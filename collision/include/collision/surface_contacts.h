@@ -1,0 +1,43 @@
+#pragma once
+
+#include <collision/manifold.h>
+#include <collision/pose.h>
+#include <collision/shape.h>
+#include <collision/triangle.h>
+
+#include <array>
+#include <cstdint>
+
+namespace atl::collision {
+
+/// Manifolds that a solid and a surface can have, each with a normal of its own: floor, two walls of a corner, and
+/// one to spare.
+inline constexpr int max_surface_manifolds = 4;
+
+struct SurfaceManifolds {
+  int count = 0;
+  std::array<Manifold, max_surface_manifolds> manifolds;
+};
+
+/// Contact points of a convex solid (Sphere to Hull) with the front of one triangle, no farther apart than `margin`
+/// (m, >= 0). `solid_pose` is in the frame of the triangle's surface, which is always the reference, so the normal
+/// points out of the front. `number` is the triangle's, part of the points' ids.
+///
+/// Over the triangle the normal is its own, and separations are those from its plane. At a convex edge or at a vertex
+/// of one the normal is the best one between the triangle's and the neighbours'; what is nearer along a neighbour's
+/// own is left to the neighbour. At edges that aren't convex the normal stays the triangle's, and there are points
+/// only over the triangle. A solid wholly behind has none; one that is partly behind is pushed to the front, never to
+/// the back. A pose that isn't finite has none.
+void collide_triangle(const Shape& solid, const Triangle& triangle, std::uint32_t number, const Pose& solid_pose,
+                      double margin, Manifold& manifold);
+
+/// Contact points of a convex solid with a triangle mesh or height field. `solid_pose` is in the frame of the
+/// surface, which is the reference of all manifolds. Triangles that look the same way (within a degree) make one
+/// manifold, as if they were one face; where there are more ways than manifolds, similar ones (within 15 degrees) are
+/// put together, and then the shallowest are left out. Of faces that bend away from each other, only those push that
+/// the solid leaves soonest. Nothing is allocated. A
+/// pose that isn't finite has none.
+void collide_surface(const Shape& solid, const Shape& surface, const Pose& solid_pose, double margin,
+                     SurfaceManifolds& result);
+
+}  // namespace atl::collision

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <collision/triangle.h>
+#include <collision/triangle_tree.h>
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace atl::collision {
+
+/// A surface of triangles, made once and never changed.
+struct TriangleMesh {
+  std::vector<Vector3> vertices;                         ///< m
+  std::vector<std::array<std::uint32_t, 3>> triangles;   ///< vertices, counter-clockwise seen from the front
+  std::vector<Vector3> normals;                          ///< unit, by triangle
+  std::vector<std::array<std::uint32_t, 3>> neighbours;  ///< triangle beyond edge i -> i + 1; no_triangle
+  std::vector<std::uint8_t> convex_edges;                ///< bits, by triangle; see Triangle
+  TriangleTree tree;
+  Vector3 lower = Vector3::Zero();  ///< m, bounds
+  Vector3 upper = Vector3::Zero();
+  double bounding_radius = 0;  ///< m, about the origin
+  bool closed = false;         ///< every edge has two triangles
+
+  static constexpr std::uint32_t no_triangle = ~0u;
+
+  Triangle triangle(std::uint32_t index) const;
+};
+
+/// Error text where there is no surface: no triangle, a vertex that isn't finite (or beyond 1e30 m), an index
+/// out of range, a triangle without area (named), or an edge that more than two triangles share or that two run
+/// along in the same direction. Triangles are neighbours where they share two vertices by index and, beyond
+/// that, where the edges of just two coincide exactly, as in files that repeat vertices.
+std::variant<TriangleMesh, std::string> build_triangle_mesh(std::span<const Vector3> vertices,
+                                                            std::span<const std::array<std::uint32_t, 3>> triangles);
+
+}  // namespace atl::collision

@@ -1,0 +1,68 @@
+#include <collision/convex.h>
+#include <collision/hull.h>
+
+#include <cmath>
+
+namespace atl::collision {
+namespace {
+
+// A disc of the given radius about z, at a height.
+Vector3 disc_support(double radius, double height, const Vector3& direction) {
+  const double across = std::sqrt(direction.x() * direction.x() + direction.y() * direction.y());
+  const double scale = across > 0 ? radius / across : 0;
+  return {scale * direction.x(), scale * direction.y(), height};
+}
+
+double with_sign(double size, double sign) { return sign < 0 ? -size : size; }
+
+// Every vertex: up to the few dozen of usual hulls that is faster than to walk along edges. The first of equals.
+Vector3 hull_support(const Hull& hull, const Vector3& direction) {
+  std::size_t best = 0;
+  double farthest = hull.vertices[0].dot(direction);
+  for (std::size_t i = 1; i < hull.vertices.size(); ++i) {
+    const double reach = hull.vertices[i].dot(direction);
+    if (reach <= farthest) continue;
+    farthest = reach;
+    best = i;
+  }
+  return hull.vertices[best];
+}
+
+}  // namespace
+
+Vector3 support_point(const Shape& shape, const Vector3& direction) {
+  switch (shape.kind) {
+    case ShapeKind::Sphere:
+      return shape.radius * direction.normalized();
+    case ShapeKind::Capsule: {
+      const Vector3 cap(0, 0, with_sign(shape.half_height, direction.z()));
+      return cap + shape.radius * direction.normalized();
+    }
+    case ShapeKind::Box: {
+      const Vector3& half = shape.half_extents;
+      return {with_sign(half.x(), direction.x()), with_sign(half.y(), direction.y()),
+              with_sign(half.z(), direction.z())};
+    }
+    case ShapeKind::Cylinder:
+      return disc_support(shape.radius, with_sign(shape.half_height, direction.z()), direction);
+    case ShapeKind::Cone: {
+      const double apex = shape.half_height * direction.z();
+      const double across = std::sqrt(direction.x() * direction.x() + direction.y() * direction.y());
+      const double rim = shape.radius * across - apex;
+      return apex >= rim ? Vector3(0, 0, shape.half_height) : disc_support(shape.radius, -shape.half_height, direction);
+    }
+    case ShapeKind::Hull:
+      return hull_support(*shape.hull, direction);
+    case ShapeKind::HalfSpace:
+    case ShapeKind::Mesh:
+    case ShapeKind::HeightField:
+      break;
+  }
+  return Vector3::Zero();
+}
+
+double reach_along(const Shape& shape, const Vector3& unit_direction) {
+  return support_point(shape, unit_direction).dot(unit_direction);
+}
+
+}  // namespace atl::collision

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <collision/convex.h>
+#include <collision/polytope.h>
+
+namespace atl::collision {
+
+/// A solid in the frame of a surface.
+struct SurfaceSolid {
+  const Shape& shape;
+  Vector3 position;  ///< m
+  Matrix3 rotation;
+  Core core;
+
+  SurfaceSolid(const Shape& solid, const Pose& pose)
+      : shape(solid), position(pose.position), rotation(pose.orientation.toRotationMatrix()) {
+    core.build(solid);
+  }
+
+  Vector3 turned(const Vector3& direction) const { return rotation.transpose() * direction; }
+  Vector3 seen(const Vector3& point) const { return rotation.transpose() * (point - position); }
+  Vector3 placed(const Vector3& point) const { return position + rotation * point; }
+
+  /// The farthest point along a unit direction, and how far that is (m) from a point.
+  Vector3 support(const Vector3& direction) const { return placed(support_point(shape, turned(direction))); }
+  double reach(const Vector3& direction, const Vector3& from) const {
+    return direction.dot(position - from) + reach_along(shape, turned(direction));
+  }
+  /// How far (m) the solid is from a point along a unit direction; negative where it reaches behind it.
+  double height(const Vector3& direction, const Vector3& from) const {
+    return direction.dot(position - from) - reach_along(shape, turned(Vector3(-direction)));
+  }
+};
+
+}  // namespace atl::collision

@@ -1,0 +1,246 @@
+// Bodies' shapes, and their boxes in the broadphase.
+
+#include <collision/fat_box.h>
+#include <collision/surface_contacts.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "body_definition.h"
+#include "world_impl.h"
+
+namespace atl {
+namespace {
+
+// Room that a fat box leaves beyond what is needed now, as part of the inner radius: 7.5 cm for a cube of 1 m.
+constexpr double slack_share = 0.15;
+
+// A body that moves farther than this part of its inner radius in a step is swept. What is nearer than half of that
+// radius at the start has been seen by the speculative margin, so of two bodies that meet head on, at this speed
+// each, the centres can't pass each other unseen.
+constexpr double sweep_share = 0.75;
+// One that asks for it, from this part on: not for what rounding does to a body at rest.
+constexpr double continuous_share = 1e-3;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+bool is_bounded(const collision::Shape& shape) { return shape.kind != collision::ShapeKind::HalfSpace; }
+
+// What tolerances of a collider are parts of. A surface has no size of its own, and doesn't move freely.
+double size_of(const collision::Shape& shape) {
+  return shape.inner_radius < infinity ? shape.inner_radius : 0.01 * shape.bounding_radius;
+}
+
+// How far bounds may grow on every side before they leave a box.
+double room_in(const collision::Aabb& box, const collision::Bounds& bounds) {
+  double room = infinity;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto axis = static_cast<Eigen::Index>(i);
+    room = std::min({room, static_cast<double>(box.upper[i]) - bounds.upper[axis],
+                     bounds.lower[axis] - static_cast<double>(box.lower[i])});
+  }
+  return room;
+}
+
+}  // namespace
+
+void World::Impl::add_colliders(std::uint32_t body, const CheckedBody& checked, const CollisionFilter& filter) {
+  std::uint32_t previous = collision::ColliderTable::none;
+  std::uint32_t child = 0;
+  double radius = 0;
+  double size = infinity;
+  for (const CheckedCollider& part : checked.colliders) {
+    const collision::Pose local{part.local.position - checked.centre, part.local.orientation};
+    const std::uint32_t collider = colliders.add(body, child++, part.shape, local);
+    (previous == collision::ColliderTable::none ? records.first_collider[body] : colliders.next[previous]) = collider;
+    previous = collider;
+    if (part.geometry) records.geometry[body].push_back(part.geometry);
+    if (is_bounded(part.shape)) {
+      radius = std::max(radius, local.position.norm() + part.shape.bounding_radius);
+      size = std::min(size, size_of(part.shape));
+    }
+  }
+  bodies.radius[body] = radius;
+  bodies.reach_limit[body] = collision::approach_share * size;
+  // Only dynamic bodies are stopped by what they hit.
+  bodies.sweep_distance[body] = bodies.mobility[body] != solver::Mobility::Dynamic
+                                    ? infinity
+                                    : (records.continuous[body] ? continuous_share : sweep_share) * size;
+  bodies.slack[body] = infinity;
+  stretch_.resize(bodies.size(), 0.0);
+  stretch_[body] = 0;
+  // Its speed has not been accounted for: how long a step is shows when there is one.
+  bodies.outgrown[body] = 1;
+  const bool fixed = bodies.mobility[body] == solver::Mobility::Fixed;
+  for_each_collider(body, [&](std::uint32_t collider) {
+    const collision::Filter in_broadphase{filter.category, filter.mask, filter.group, body};
+    if (is_bounded(colliders.shape[collider])) {
+      const ProxyBox box = proxy_box(collider, nullptr);
+      broadphase.add_box(collider, box.fat, fixed, in_broadphase);
+      bodies.slack[body] = std::min(bodies.slack[body], box.slack);
+    } else {
+      broadphase.add_half_space(collider, world_plane(collider), in_broadphase);
+      bodies.slack[body] = 0;
+    }
+  });
+  note_stretch(body);
+}
+
+void World::Impl::remove_colliders(std::uint32_t body) {
+  for (std::uint32_t c = records.first_collider[body]; c != collision::ColliderTable::none;) {
+    const std::uint32_t next = colliders.next[c];
+    broadphase.remove(c);
+    colliders.remove(c);
+    c = next;
+  }
+  records.first_collider[body] = collision::ColliderTable::none;
+  records.geometry.erase(body);
+  if (const auto found = records.ignored.find(body); found != records.ignored.end()) {
+    for (const std::uint32_t other : found->second) {
+      broadphase.unignore(body, other);
+      std::erase(records.ignored[other], body);
+    }
+    records.ignored.erase(body);
+  }
+}
+
+// What must fit into a fat box: the bounds, grown by the speculative margin and where the body may get to in a
+// step. A new fat box has some room beyond, so that it needn't be asked again at once.
+World::Impl::ProxyBox World::Impl::proxy_box(std::uint32_t collider, const collision::Aabb* current) const {
+  const std::uint32_t body = colliders.body[collider];
+  const collision::Shape& shape = colliders.shape[collider];
+  const collision::Pose pose = colliders.pose(collider, {bodies.positions.data(), bodies.orientations.data()});
+  const collision::Bounds bounds = collision::bounds_of(shape, pose.position, pose.orientation.toRotationMatrix());
+  const double size = size_of(shape);
+  const double reach =
+      (bodies.velocity(body).norm() + bodies.angular_velocity(body).norm() * bodies.radius[body]) * dt_;
+  const double still = collision::speculative_margin(size, 0);
+  const double needed = collision::speculative_margin(size, reach);
+
+  const double room = current ? room_in(*current, bounds) : -1;
+  if (room >= needed) return {*current, room - still, false};
+  const double slack = needed + slack_share * size;
+  return {collision::fattened(bounds, slack, dt_ * bodies.velocity(body)), slack - still, true};
+}
+
+collision::Plane World::Impl::world_plane(std::uint32_t collider) const {
+  const collision::Shape& shape = colliders.shape[collider];
+  const collision::Pose pose = colliders.pose(collider, {bodies.positions.data(), bodies.orientations.data()});
+  const Vector3 normal = pose.orientation * shape.normal;
+  return {normal, shape.offset + normal.dot(pose.position)};
+}
+
+// A body was put elsewhere, or got out of its boxes.
+void World::Impl::move_proxies(std::uint32_t body) {
+  if (!is_finite(body)) return;
+  bodies.slack[body] = infinity;
+  for_each_collider(body, [&](std::uint32_t collider) {
+    if (is_bounded(colliders.shape[collider])) {
+      const ProxyBox box = proxy_box(collider, nullptr);
+      broadphase.move_box(collider, box.fat);
+      bodies.slack[body] = std::min(bodies.slack[body], box.slack);
+    } else {
+      broadphase.move_half_space(collider, world_plane(collider));
+      bodies.slack[body] = 0;
+    }
+  });
+  note_stretch(body);
+}
+
+// A body that was pushed along farther than its speed had let expect is out of its boxes already: queries between
+// steps go by them.
+void World::Impl::catch_up_boxes() {
+  for (std::uint32_t body = 0; body < bodies.size(); ++body) {
+    if (bodies.outgrown[body] && !(bodies.slack[body] >= 0)) move_proxies(body);
+  }
+}
+
+void World::Impl::note_stretch(std::uint32_t body) {
+  const double stretch = stretch_of(body);
+  if (stretch > 0 && stretch_[body] == 0) stretched_.push_back(body);
+  stretch_[body] = std::max(stretch, stretch_[body]);
+}
+
+// How far a body's fat boxes are stretched along its motion, where that is worth mentioning.
+double World::Impl::stretch_of(std::uint32_t body) const {
+  const double stretch = collision::predicted_steps * dt_ * bodies.velocity(body).norm();
+  return stretch > slack_share / collision::approach_share * bodies.reach_limit[body] ? stretch : 0;
+}
+
+// Boxes that were stretched along a motion which has slowed down since are made anew, or a body that comes to rest
+// would have pairs with all that lies where it was going.
+void World::Impl::shrink_boxes() {
+  std::erase_if(stretched_, [this](std::uint32_t body) {
+    if (stretch_[body] > 0 && records.alive[body] && is_finite(body)) {
+      const double now = stretch_of(body);
+      if (now > 0.5 * stretch_[body]) return false;
+      move_proxies(body);
+      stretch_[body] = now;
+      if (now > 0) return false;
+    }
+    stretch_[body] = 0;
+    return true;
+  });
+}
+
+// Only bodies that may have used up the slack of their boxes are looked at: the cost follows motion.
+void World::Impl::find_pairs() {
+  // A longer step reaches farther than was accounted for.
+  if (dt_ > last_dt_) std::fill(bodies.outgrown.begin(), bodies.outgrown.end(), std::uint8_t{1});
+  shrink_boxes();
+  looked_at_.clear();
+  for (std::uint32_t body = 0; body < bodies.size(); ++body) {
+    if (bodies.outgrown[body] && active_[body]) looked_at_.push_back(body);
+  }
+  new_boxes_.resize(colliders.size());
+  constexpr std::size_t grain = 256;
+  arena.parallel_for(looked_at_.size(), grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::uint32_t body = looked_at_[i];
+      if (!is_finite(body)) continue;
+      bodies.outgrown[body] = 0;
+      bodies.slack[body] = infinity;
+      for_each_collider(body, [&](std::uint32_t collider) {
+        double slack = 0;
+        if (is_bounded(colliders.shape[collider])) {
+          new_boxes_[collider] = proxy_box(collider, &broadphase.fat_box(collider));
+          slack = new_boxes_[collider].slack;
+        }
+        bodies.slack[body] = std::min(bodies.slack[body], slack);
+      });
+    }
+  });
+  for (const std::uint32_t body : looked_at_) {
+    if (!is_finite(body)) continue;
+    bool outgrown = false;
+    for_each_collider(body, [&](std::uint32_t collider) {
+      if (!is_bounded(colliders.shape[collider])) {
+        broadphase.move_half_space(collider, world_plane(collider));
+      } else if (new_boxes_[collider].outgrown) {
+        broadphase.move_box(collider, new_boxes_[collider].fat);
+        outgrown = true;
+      }
+    });
+    if (outgrown) note_stretch(body);
+  }
+  cache.add(broadphase.find_new_pairs(cache.pairs, arena), [this](collision::Pair pair) {
+    const std::uint32_t first = colliders.body[pair.first];
+    const std::uint32_t second = colliders.body[pair.second];
+    const Material& a = records.material[first];
+    const Material& b = records.material[second];
+    const collision::Shape& shape_first = colliders.shape[pair.first];
+    const collision::Shape& shape_second = colliders.shape[pair.second];
+    const bool surface = collision::is_surface(shape_first.kind) || collision::is_surface(shape_second.kind);
+    return collision::ContactCache::Start{
+        .body_first = first,
+        .body_second = second,
+        .friction = static_cast<float>(std::sqrt(a.friction * b.friction)),
+        .restitution = static_cast<float>(std::max(a.restitution, b.restitution)),
+        .size = static_cast<float>(std::min(shape_first.inner_radius, shape_second.inner_radius)),
+        .placed = colliders.placed[pair.first] != 0 || colliders.placed[pair.second] != 0,
+        .parts = surface ? collision::max_surface_manifolds : 1};
+  });
+}
+
+}  // namespace atl

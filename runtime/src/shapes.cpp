@@ -1,0 +1,97 @@
+// Geometry that shapes share: made once, checked as it is made.
+
+#include <atoll/error.h>
+#include <atoll/shapes.h>
+#include <collision/height_field.h>
+#include <collision/hull.h>
+#include <collision/triangle_mesh.h>
+
+#include <sstream>
+#include <string>
+#include <utility>
+
+namespace atl {
+namespace {
+
+template <typename Geometry>
+std::shared_ptr<const Geometry> built(const char* what, std::variant<Geometry, std::string>&& result) {
+  if (const std::string* problem = std::get_if<std::string>(&result)) throw Error(std::string(what) + ": " + *problem);
+  return std::make_shared<const Geometry>(std::get<Geometry>(std::move(result)));
+}
+
+void check_factors(const char* what, const Vector3& factors) {
+  if (factors.allFinite() && factors.cwiseAbs().minCoeff() > 0) return;
+  std::ostringstream out;
+  out << what << ": factors are (" << factors.x() << ", " << factors.y() << ", " << factors.z()
+      << "); expected three finite numbers other than 0";
+  throw Error(out.str());
+}
+
+std::vector<Vector3> stretched(std::span<const Vector3> points, const Vector3& factors) {
+  std::vector<Vector3> result;
+  result.reserve(points.size());
+  for (const Vector3& point : points) result.emplace_back(point.cwiseProduct(factors));
+  return result;
+}
+
+}  // namespace
+
+ConvexHull::ConvexHull(std::span<const Vector3> points) : hull_(built("ConvexHull", collision::build_hull(points))) {}
+
+ConvexHull ConvexHull::scaled(const Vector3& factors) const {
+  check_factors("ConvexHull::scaled", factors);
+  auto result = collision::build_hull(stretched(hull_->vertices, factors));
+  if (auto* hull = std::get_if<collision::Hull>(&result)) hull->simplified = hull->simplified || hull_->simplified;
+  ConvexHull copy = *this;
+  copy.hull_ = built("ConvexHull::scaled", std::move(result));
+  return copy;
+}
+
+std::span<const Vector3> ConvexHull::vertices() const { return hull_->vertices; }
+std::size_t ConvexHull::face_count() const { return hull_->face_count(); }
+
+std::span<const std::uint16_t> ConvexHull::face(std::size_t index) const {
+  const std::size_t count = hull_->face_count();
+  if (index >= count) {
+    throw Error("ConvexHull::face: index is " + std::to_string(index) +
+                "; expected less than face_count() = " + std::to_string(count));
+  }
+  const std::size_t begin = hull_->face_start[index];
+  return std::span(hull_->face_vertices).subspan(begin, hull_->face_start[index + 1] - begin);
+}
+
+bool ConvexHull::simplified() const { return hull_->simplified; }
+double ConvexHull::volume() const { return hull_->mass.volume; }
+Vector3 ConvexHull::centre_of_mass() const { return hull_->mass.centre; }
+
+TriangleMesh::TriangleMesh(std::span<const Vector3> vertices, std::span<const Indices> triangles)
+    : mesh_(built("TriangleMesh", collision::build_triangle_mesh(vertices, triangles))) {}
+
+TriangleMesh TriangleMesh::scaled(const Vector3& factors) const {
+  check_factors("TriangleMesh::scaled", factors);
+  std::vector<Indices> triangles = mesh_->triangles;
+  if ((factors.array() < 0).count() % 2 == 1) {
+    for (Indices& corners : triangles) std::swap(corners[1], corners[2]);
+  }
+  TriangleMesh copy = *this;
+  copy.mesh_ =
+      built("TriangleMesh::scaled", collision::build_triangle_mesh(stretched(mesh_->vertices, factors), triangles));
+  return copy;
+}
+
+std::span<const Vector3> TriangleMesh::vertices() const { return mesh_->vertices; }
+std::span<const TriangleMesh::Indices> TriangleMesh::triangles() const { return mesh_->triangles; }
+bool TriangleMesh::closed() const { return mesh_->closed; }
+
+HeightField::HeightField(std::uint32_t columns, std::uint32_t rows, double spacing_x, double spacing_y,
+                         std::vector<double> heights)
+    : field_(built("HeightField",
+                   collision::build_height_field(columns, rows, spacing_x, spacing_y, std::move(heights)))) {}
+
+std::uint32_t HeightField::columns() const { return field_->columns; }
+std::uint32_t HeightField::rows() const { return field_->rows; }
+double HeightField::spacing_x() const { return field_->spacing_x; }
+double HeightField::spacing_y() const { return field_->spacing_y; }
+std::span<const double> HeightField::heights() const { return field_->heights; }
+
+}  // namespace atl

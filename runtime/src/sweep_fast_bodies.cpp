@@ -1,0 +1,175 @@
+// Continuous collision: bodies that moved far in a step are put back to where they first met something in their
+// way, so that the next step finds the contact. They keep their velocity. Only these bodies cost anything.
+
+#include <collision/sweep.h>
+
+#include <algorithm>
+#include <numbers>
+
+#include "world_impl.h"
+
+namespace atl {
+namespace {
+
+using collision::Motion;
+using collision::ShapeKind;
+
+// How near a body is put to what it met, as part of its inner radius: well within the margin in which a contact
+// has points.
+constexpr double stop_share = 0.25 * static_cast<double>(collision::margin_share);
+
+// What is touched already is left to its contact, unless the core gets to it: the shape with this part of its
+// inner radius taken off.
+constexpr double core_share = 0.5;
+
+struct Core {
+  collision::Shape shape;
+  Vector3 centre = Vector3::Zero();  // of it, in the frame of the whole shape
+};
+
+Core core_of(const collision::Shape& shape) {
+  const double off = core_share * shape.inner_radius;
+  switch (shape.kind) {
+    case ShapeKind::Capsule:
+      return {collision::Shape::capsule(shape.radius - off, shape.half_height)};
+    case ShapeKind::Box:
+      return {collision::Shape::box(shape.half_extents - Vector3::Constant(off))};
+    case ShapeKind::Cylinder:
+      return {collision::Shape::cylinder(shape.radius - off, shape.half_height - off)};
+    default:
+      return {collision::Shape::sphere(shape.inner_radius - off), collision::mass_properties(shape).centre};
+  }
+}
+
+collision::Pose to_collision(const solver::BodyPose& pose) { return {pose.position, pose.orientation}; }
+
+collision::Pose placed(const collision::Pose& body, const collision::Pose& local) {
+  return {body.position + body.orientation * local.position, body.orientation * local.orientation};
+}
+
+}  // namespace
+
+// Where a body was at the start of the step, if it was fast; else it counts as being where it is now.
+const solver::FastBody* World::Impl::find_fast(std::uint32_t body) const {
+  const auto found = std::lower_bound(fast_in_order_.begin(), fast_in_order_.end(), body,
+                                      [](const solver::FastBody& fast, std::uint32_t b) { return fast.body < b; });
+  return found != fast_in_order_.end() && found->body == body ? &*found : nullptr;
+}
+
+// The collider's motion in this step, of its shape or of a part of it that is centred at `centre`.
+collision::Motion World::Impl::step_motion(std::uint32_t collider, const Vector3& centre) const {
+  const std::uint32_t body = colliders.body[collider];
+  const collision::PoseView poses{bodies.positions.data(), bodies.orientations.data()};
+  collision::Pose local = colliders.local[collider];
+  local.position += local.orientation * centre;
+  const collision::Pose end = placed(poses[body], local);
+  const solver::FastBody* fast = find_fast(body);
+  if (!fast) return Motion::still(end);
+  // In the shape's frame the body's centre of mass, about which it turns.
+  const Vector3 pivot = -(local.orientation.conjugate() * local.position);
+  return Motion::between(placed(to_collision(fast->start), local), end, pivot);
+}
+
+// Everywhere that the body has been in this step.
+collision::Aabb World::Impl::swept_box(const solver::FastBody& fast) const {
+  const Vector3 reach = Vector3::Constant(bodies.radius[fast.body]);
+  const Vector3 end = bodies.position(fast.body);
+  return collision::Aabb::around(fast.start.position.cwiseMin(end) - reach, fast.start.position.cwiseMax(end) + reach);
+}
+
+// How far the surfaces of two bodies may have come towards each other in this step. Up to half the smaller one's size
+// the speculative margin has seen it coming.
+double World::Impl::closing_distance(const solver::FastBody& fast, std::uint32_t other) const {
+  const auto turn = [this](const solver::FastBody& moved) {
+    // An arc of up to half a turn is at most pi / 2 times its chord.
+    const Quaternion change = moved.start.orientation.conjugate() * bodies.orientation(moved.body);
+    return std::numbers::pi * bodies.radius[moved.body] * change.vec().norm();
+  };
+  Vector3 shift = bodies.position(fast.body) - fast.start.position;
+  const solver::FastBody* also_fast = find_fast(other);
+  if (!also_fast) return shift.norm() + turn(fast);
+  shift -= bodies.position(other) - also_fast->start.position;
+  return shift.norm() + turn(fast) + turn(*also_fast);
+}
+
+double World::Impl::first_hit(const solver::FastBody& fast, std::vector<std::uint32_t>& nearby) const {
+  double first = 1;
+  for_each_collider(fast.body, [&](std::uint32_t collider) {
+    const collision::Shape& shape = colliders.shape[collider];
+    nearby.clear();
+    broadphase.query_box(swept_box(fast), [&](std::uint32_t other) { nearby.push_back(other); });
+    std::sort(nearby.begin(), nearby.end());
+    const Motion motion = step_motion(collider, Vector3::Zero());
+    for (const std::uint32_t other : nearby) {
+      if (other == collider || !broadphase.allowed(collider, other)) continue;
+      const double size = std::min(shape.inner_radius, colliders.shape[other].inner_radius);
+      if (closing_distance(fast, colliders.body[other]) <= collision::approach_share * size) continue;
+      const Motion other_motion = step_motion(other, Vector3::Zero());
+      collision::SweepHit hit;
+      if (!cache.touches(collision::Pair::of(collider, other))) {
+        const collision::SweepGoal goal{stop_share * size, 1e-3 * size};
+        if (!collision::sweep(shape, motion, colliders.shape[other], other_motion, goal, first, hit)) continue;
+        if (!hit.started_overlapping && hit.t > 0) {
+          first = hit.t;
+          continue;
+        }
+      }
+      const Core core = core_of(shape);
+      const Motion core_motion = step_motion(collider, core.centre);
+      const collision::SweepGoal goal{0, 1e-3 * size};
+      if (collision::sweep(core.shape, core_motion, colliders.shape[other], other_motion, goal, first, hit) &&
+          !hit.started_overlapping) {
+        first = hit.t;
+      }
+    }
+  });
+  return first;
+}
+
+void World::Impl::sweep_fast_bodies() {
+  fast_in_order_.clear();
+  fast_.for_each([this](std::vector<solver::FastBody>& of_worker) {
+    fast_in_order_.insert(fast_in_order_.end(), of_worker.begin(), of_worker.end());
+    of_worker.clear();
+  });
+  if (fast_in_order_.empty()) return;
+  std::sort(fast_in_order_.begin(), fast_in_order_.end(),
+            [](const solver::FastBody& x, const solver::FastBody& y) { return x.body < y.body; });
+
+  // For fast bodies to find each other their boxes must show where they went, as those that were stretched along the
+  // motion often do. All are swept along the motion that the solver gave them before any is put back.
+  rushed_.clear();
+  for (const solver::FastBody& fast : fast_in_order_) {
+    if (!is_finite(fast.body)) continue;
+    const collision::Aabb swept = swept_box(fast);
+    bool rushed = false;
+    for_each_collider(fast.body, [&](std::uint32_t collider) {
+      if (broadphase.fat_box(collider).contains(swept)) return;
+      broadphase.move_box(collider, swept);
+      rushed = true;
+    });
+    if (rushed) rushed_.push_back(fast.body);
+  }
+  first_hits_.assign(fast_in_order_.size(), 1.0);
+  arena.parallel_for(fast_in_order_.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      if (!is_finite(fast_in_order_[i].body)) continue;
+      first_hits_[i] = first_hit(fast_in_order_[i], nearby_.local());
+    }
+  });
+  for (std::size_t i = 0; i < fast_in_order_.size(); ++i) {
+    if (first_hits_[i] >= 1) continue;
+    const solver::FastBody& fast = fast_in_order_[i];
+    const Motion motion = Motion::between(to_collision(fast.start),
+                                          {bodies.position(fast.body), bodies.orientation(fast.body)}, Vector3::Zero());
+    const collision::Pose pose = motion.at(first_hits_[i]);
+    bodies.position(fast.body) = pose.position;
+    bodies.set_orientation(fast.body, pose.orientation);
+    look_again(fast.body);
+    ++report_.counts.stopped;
+  }
+  for (const std::uint32_t body : rushed_) move_proxies(body);
+  report_.counts.swept = static_cast<std::int64_t>(fast_in_order_.size());
+}
+
+}  // namespace atl

@@ -1,0 +1,19 @@
+#include <solver/motion.h>
+
+#include <algorithm>
+
+namespace atl::solver {
+
+void note_motion(BodyTable& bodies, std::uint32_t body, const BodyPose& start, double dt, FastBodies& fast) {
+  const double radius = bodies.radius[body];
+  // A point turns along a chord of 2 r sin(angle / 2), and the sine is the length of the quaternion's vector.
+  const Quaternion turn = start.orientation.conjugate() * bodies.orientation(body);
+  const double moved = (bodies.position(body) - start.position).norm() + 2 * radius * turn.vec().norm();
+  bodies.slack[body] -= moved;
+  const double next = (bodies.velocity(body).norm() + bodies.angular_velocity(body).norm() * radius) * dt;
+  // Written so that a body which is no longer finite is looked at, and found out.
+  if (!(bodies.slack[body] >= std::min(next, bodies.reach_limit[body]))) bodies.outgrown[body] = 1;
+  if (moved > bodies.sweep_distance[body]) fast.local().push_back({body, start});
+}
+
+}  // namespace atl::solver
