@@ -14,7 +14,7 @@ using audit::Placed;
 /// Overlap up to this counts as touching.
 constexpr double touching = 10e-6;
 
-/// A finite shape on its way through the sweep.
+/// A bounded shape on its way through the sweep.
 struct Entry {
   Vector3 low, high;  ///< world-frame bounds
   Placed shape;
@@ -23,22 +23,13 @@ struct Entry {
 };
 
 Entry make_entry(const PlacedShape& from) {
-  Entry entry{.low = {},
-              .high = {},
-              .shape = audit::place(from),
-              .bounding_radius = 0,
-              .dynamic = from.type == BodyType::Dynamic};
-  Vector3 reach;
-  if (const auto* box = std::get_if<audit::PlacedBox>(&entry.shape)) {
-    reach = box->axes.cwiseAbs() * box->half_extents;
-    entry.bounding_radius = box->half_extents.norm();
-  } else {
-    entry.bounding_radius = std::get<audit::PlacedSphere>(entry.shape).radius;
-    reach.setConstant(entry.bounding_radius);
-  }
-  entry.low = from.pose.position - reach;
-  entry.high = from.pose.position + reach;
-  return entry;
+  Placed shape = audit::place(from);
+  const Eigen::AlignedBox3d bounds = audit::bounds_of(shape);
+  return {.low = bounds.min(),
+          .high = bounds.max(),
+          .shape = std::move(shape),
+          .bounding_radius = audit::bounding_radius(from.shape),
+          .dynamic = from.type == BodyType::Dynamic};
 }
 
 /// The axis along which the centres have the largest variance.
@@ -99,13 +90,14 @@ PenetrationReport measure_penetration(std::span<const PlacedShape> shapes) {
   std::vector<Placed> grounds;
   entries.reserve(shapes.size());
   for (const PlacedShape& shape : shapes) {
-    if (std::holds_alternative<HalfSpace>(shape.shape)) {
+    // Both are solid without bounds below.
+    if (std::holds_alternative<HalfSpace>(shape.shape) || std::holds_alternative<HeightField>(shape.shape)) {
       grounds.push_back(audit::place(shape));
       continue;
     }
     Entry entry = make_entry(shape);
     // A body that is not finite overlaps nothing and would break the sort; the step's report names it.
-    if (entry.low.allFinite() && entry.high.allFinite()) entries.push_back(entry);
+    if (entry.low.allFinite() && entry.high.allFinite()) entries.push_back(std::move(entry));
   }
 
   Tally tally;

@@ -7,36 +7,17 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <random>
 #include <vector>
+
+#include "support/placing.h"
 
 namespace atl {
 namespace {
 
 using std::numbers::pi;
-
-PlacedShape place(const Shape& shape, const Vector3& position, const Quaternion& orientation = Quaternion::Identity(),
-                  BodyType type = BodyType::Dynamic) {
-  return {.type = type, .shape = shape, .pose = {.position = position, .orientation = orientation}};
-}
-
-Quaternion turn(double angle, const Vector3& axis) { return Quaternion(Eigen::AngleAxisd(angle, axis.normalized())); }
-
-class Random {
- public:
-  double between(double low, double high) { return std::uniform_real_distribution(low, high)(engine_); }
-  Vector3 vector(double low, double high) { return {between(low, high), between(low, high), between(low, high)}; }
-  Vector3 direction() {
-    for (;;) {
-      const Vector3 v = vector(-1, 1);
-      if (v.norm() > 0.1 && v.norm() < 1) return v.normalized();
-    }
-  }
-  Quaternion orientation() { return turn(between(0, 2 * pi), direction()); }
-
- private:
-  std::mt19937 engine_{12345};
-};
+using test::place;
+using test::Random;
+using test::turn;
 
 /// Half the length of the box's shadow on a direction.
 double shadow(const PlacedShape& box, const Vector3& direction) {
