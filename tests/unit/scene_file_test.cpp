@@ -112,7 +112,8 @@ TEST(SceneFile, ExamplesLoadWithoutOverlap) {
   const struct {
     const char* file;
     std::size_t bodies;
-  } examples[] = {{"crates", 6}, {"walls", 25 * 55 + 1}, {"mixer", 8 * 8 * 6 + 4 * 4 * 6 + 6}};
+  } examples[] = {
+      {"crates", 6}, {"walls", 25 * 55 + 1}, {"mixer", 8 * 8 * 6 + 4 * 4 * 6 + 6}, {"shapes", 10 + 3 * 3 * 5}};
   for (const auto& example : examples) {
     SCOPED_TRACE(example.file);
     const Scene scene = load_scene(std::string(ATOLL_SOURCE_DIR "/runtime/scene/examples/") + example.file + ".json");

@@ -20,19 +20,17 @@ Part named_or_inline(const Reader& in, const std::map<std::string, Part, std::le
               (names.empty() ? "which has none" : "which has " + listed(names)) + suggestion(name, names));
 }
 
+// What only bodies that don't move under forces may be; null for a solid.
+const char* name_of_unbounded(const Shape& shape) {
+  if (std::holds_alternative<HalfSpace>(shape)) return "a half-space";
+  if (std::holds_alternative<TriangleMesh>(shape)) return "a mesh";
+  if (std::holds_alternative<HeightField>(shape)) return "a height field";
+  return nullptr;
+}
+
 BodyType read_type(const Reader& in) {
   constexpr std::array types = {BodyType::Dynamic, BodyType::Static, BodyType::Kinematic};
   return types[in.choice({"dynamic", "static", "kinematic"})];
-}
-
-Quaternion read_orientation(const Reader& in) {
-  const auto [x, y, z, w] = in.numbers<4>("a quaternion of four numbers, [x, y, z, w]");
-  constexpr double least_norm = 1e-6;
-  const double norm = Quaternion(w, x, y, z).norm();
-  if (!(norm > least_norm) || !std::isfinite(norm)) {
-    in.fail("a quaternion of norm " + number_text(norm), "a norm that can be scaled to 1");
-  }
-  return {w, x, y, z};
 }
 
 // Three principal moments, or all six of a symmetric matrix.
@@ -73,34 +71,22 @@ void read_mass(const Reader& in, BodyDef& def) {
 
 }  // namespace
 
+Quaternion read_orientation(const Reader& in) {
+  const auto [x, y, z, w] = in.numbers<4>("a quaternion of four numbers, [x, y, z, w]");
+  constexpr double least_norm = 1e-6;
+  const double norm = Quaternion(w, x, y, z).norm();
+  if (!(norm > least_norm) || !std::isfinite(norm)) {
+    in.fail("a quaternion of norm " + number_text(norm), "a norm that can be scaled to 1");
+  }
+  return {w, x, y, z};
+}
+
 Material read_material(const Reader& in) {
   in.only_keys({"friction", "restitution"});
   Material material;
   in.get("friction", material.friction, at_least(0));
   in.get("restitution", material.restitution, between(0, 1));
   return material;
-}
-
-Shape read_shape(const Reader& in) {
-  in.only_keys({"type", "half_extents", "radius", "normal", "offset"});
-  switch (in.at("type", "box, sphere or half_space").choice({"box", "sphere", "half_space"})) {
-    case 0:
-      in.only_keys({"type", "half_extents"});
-      return Box{in.at("half_extents", "[x, y, z] in m").vector(above(0))};
-    case 1:
-      in.only_keys({"type", "radius"});
-      return Sphere{in.at("radius", "a number > 0, in m").number(above(0))};
-    default:
-      in.only_keys({"type", "normal", "offset"});
-      HalfSpace half_space;
-      in.get("normal", half_space.normal);
-      in.get("offset", half_space.offset);
-      const double norm = half_space.normal.norm();
-      if (!(norm > 0) || !std::isfinite(norm)) {
-        in.fail_at("normal", "a vector of length " + number_text(norm), "a length above 0");
-      }
-      return half_space;
-  }
 }
 
 SceneBody read_body(const Reader& in, const Library& library) {
@@ -113,8 +99,8 @@ SceneBody read_body(const Reader& in, const Library& library) {
 
   const Reader shape = in.at("shape", "a shape or the name of one");
   def.shape = named_or_inline(shape, library.shapes, "shape", &read_shape);
-  if (def.type == BodyType::Dynamic && std::holds_alternative<HalfSpace>(def.shape)) {
-    shape.fail("a half-space on a dynamic body", "a box or a sphere: a half-space has infinite mass");
+  if (const char* unbounded = name_of_unbounded(def.shape); def.type == BodyType::Dynamic && unbounded != nullptr) {
+    shape.fail(std::string(unbounded) + " on a dynamic body", "a solid there: this has no mass");
   }
   if (const auto material = in.find("material")) {
     def.material = named_or_inline(*material, library.materials, "material", &read_material);

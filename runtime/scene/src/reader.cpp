@@ -27,9 +27,14 @@ std::string described(const JsonValue& value) {
 }
 
 [[noreturn]] void refuse(const JsonDocument& document, const JsonValue& value, const std::string& pointer,
-                         const std::string& found, const std::string& expected) {
+                         const std::string& words) {
   throw SceneError(document.origin + ":" + std::to_string(value.line) + ": " + (pointer.empty() ? "" : pointer + ": ") +
-                   "found " + found + ", expected " + expected);
+                   words);
+}
+
+[[noreturn]] void refuse(const JsonDocument& document, const JsonValue& value, const std::string& pointer,
+                         const std::string& found, const std::string& expected) {
+  refuse(document, value, pointer, "found " + found + ", expected " + expected);
 }
 
 }  // namespace
@@ -157,6 +162,10 @@ void Reader::fail_at(std::string_view key, const std::string& found, const std::
   std::string pointer = document_->pointer_to(*value_);
   append_key(pointer, key);
   refuse(*document_, *value_, pointer, found, expected);
+}
+
+void Reader::complain(const std::string& words) const {
+  refuse(*document_, *value_, document_->pointer_to(*value_), words);
 }
 
 void Reader::expected(const std::string& what) const { fail(described(*value_), what); }

@@ -55,6 +55,9 @@ class Reader {
   std::array<double, size> numbers(const char* what, const Range& range = any_number) const;
   Vector3 vector(const Range& range = any_number) const;
 
+  /// The name of the file that the value is in.
+  const std::string& origin() const { return document_->origin; }
+
   /// An array's size; `what` names what is expected of it.
   std::size_t size(const char* what) const;
   Reader element(std::size_t i) const;
@@ -79,6 +82,8 @@ class Reader {
   [[noreturn]] void fail(const std::string& found, const std::string& expected) const;
   /// The same, about the member `key`, which may be missing.
   [[noreturn]] void fail_at(std::string_view key, const std::string& found, const std::string& expected) const;
+  /// The same, with words of its own for what was found and expected.
+  [[noreturn]] void complain(const std::string& words) const;
   /// The same, with the value itself as what was found.
   [[noreturn]] void expected(const std::string& what) const;
 
