@@ -1,0 +1,167 @@
+// The public shapes: what they share, how they scale, their mass properties, and what they refuse.
+
+#include <atoll/shapes.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "support/expect_error.h"
+
+namespace atl {
+namespace {
+
+using test::expect_error;
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+const std::vector<Vector3> tetrahedron = {{0, 0, 0}, {2, 0, 0}, {0, 3, 0}, {0, 0, 5}};
+const std::vector<TriangleMesh::Indices> tetrahedron_faces = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
+
+TEST(ConvexHull, ShowsWhatItIs) {
+  const ConvexHull hull(tetrahedron);
+  ASSERT_EQ(hull.vertices().size(), 4u);
+  EXPECT_EQ(hull.vertices()[1], Vector3(2, 0, 0));
+  ASSERT_EQ(hull.face_count(), 4u);
+  EXPECT_EQ(hull.face(0).size(), 3u);
+  EXPECT_DOUBLE_EQ(hull.volume(), 5);
+  EXPECT_LT((hull.centre_of_mass() - Vector3(0.5, 0.75, 1.25)).norm(), 1e-15);
+  EXPECT_FALSE(hull.simplified());
+  const ConvexHull copy = hull;
+  EXPECT_EQ(copy.vertices().data(), hull.vertices().data());
+}
+
+// Also mirrored, faces run counter-clockwise seen from outside.
+TEST(ConvexHull, ScaledIsTheHullOfScaledPoints) {
+  const ConvexHull hull(tetrahedron);
+  for (const Vector3& factors : {Vector3(2, 0.5, 3), Vector3(-1, 1, 1), Vector3(-2, -1, -0.1)}) {
+    const ConvexHull scaled = hull.scaled(factors);
+    EXPECT_NEAR(scaled.volume(), 5 * std::abs(factors.prod()), 1e-14);
+    EXPECT_LT((scaled.centre_of_mass() - hull.centre_of_mass().cwiseProduct(factors)).norm(), 1e-14);
+    for (std::size_t f = 0; f < scaled.face_count(); ++f) {
+      const auto corners = scaled.face(f);
+      const Vector3 a = scaled.vertices()[corners[0]];
+      const Vector3 normal = (scaled.vertices()[corners[1]] - a).cross(scaled.vertices()[corners[2]] - a);
+      EXPECT_LT(normal.dot(scaled.centre_of_mass() - a), 0);
+    }
+  }
+}
+
+TEST(TriangleMesh, ScaledKeepsFrontsOutside) {
+  const TriangleMesh mesh(tetrahedron, tetrahedron_faces);
+  EXPECT_TRUE(mesh.closed());
+  EXPECT_EQ(mesh.triangles().size(), 4u);
+  for (const Vector3& factors : {Vector3(2, 3, 4), Vector3(1, -1, 1), Vector3(-1, -2, 1), Vector3(-1, -1, -1)}) {
+    const TriangleMesh scaled = mesh.scaled(factors);
+    EXPECT_EQ(scaled.vertices()[3], Vector3(0, 0, 5 * factors.z()));
+    double volume = 0;
+    for (const auto& [a, b, c] : scaled.triangles()) {
+      volume += scaled.vertices()[a].dot(scaled.vertices()[b].cross(scaled.vertices()[c])) / 6;
+    }
+    EXPECT_NEAR(volume, 5 * std::abs(factors.prod()), 1e-13);
+  }
+}
+
+TEST(HeightField, ShowsWhatItIs) {
+  const HeightField field(3, 2, 0.5, 0.25, {1, 2, 3, 4, 5, 6});
+  EXPECT_EQ(field.columns(), 3u);
+  EXPECT_EQ(field.rows(), 2u);
+  EXPECT_EQ(field.spacing_x(), 0.5);
+  EXPECT_EQ(field.spacing_y(), 0.25);
+  EXPECT_EQ(field.heights()[4], 5);
+}
+
+void expect_near(const MassProperties& found, double mass, const Vector3& centre, const Matrix3& inertia) {
+  EXPECT_NEAR(found.mass, mass, 1e-12 * mass);
+  EXPECT_LT((found.centre - centre).norm(), 1e-12);
+  EXPECT_LT((found.inertia - inertia).norm(), 1e-12 * inertia.norm());
+}
+
+TEST(MassPropertiesOfShapes, AreTheClosedForms) {
+  const double pi = std::numbers::pi;
+  expect_near(mass_properties(Box{{0.5, 1, 1.5}}), 6, {0, 0, 0}, Vector3(6.5, 5, 2.5).asDiagonal());
+  const double ball = 4.0 / 3 * pi * 8;
+  expect_near(mass_properties(Sphere{2}), ball, {0, 0, 0}, Matrix3::Identity() * (ball * 1.6));
+  const double disc = 2 * pi * 4 * 3;
+  expect_near(mass_properties(Cylinder{2, 3}), disc, {0, 0, 0}, disc * Vector3(4, 4, 2).asDiagonal());
+  const double cone = 2.0 / 3 * pi * 4 * 3;
+  expect_near(mass_properties(Cone{2, 3}), cone, {0, 0, -1.5}, cone * Vector3(1.95, 1.95, 1.2).asDiagonal());
+  // A capsule is its cylinder and the two halves of a ball: exact about z, where no arm counts.
+  const MassProperties capsule = mass_properties(Capsule{2, 3});
+  EXPECT_NEAR(capsule.mass, disc + ball, 1e-12 * disc);
+  EXPECT_NEAR(capsule.inertia(2, 2), disc * 2 + ball * 1.6, 1e-12 * disc);
+}
+
+TEST(MassPropertiesOfShapes, OfACompoundOfHalvesAreTheWhole) {
+  Compound halves;
+  halves.children.push_back({.shape = Box{{0.25, 1, 1.5}}, .position = {-0.25, 0, 0}});
+  // The other half lies on its side and is turned into place.
+  halves.children.push_back({.shape = Box{{1, 0.25, 1.5}},
+                             .position = {0.25, 0, 0},
+                             .orientation = Quaternion(Eigen::AngleAxisd(std::numbers::pi / 2, Vector3::UnitZ()))});
+  expect_near(mass_properties(halves), 6, {0, 0, 0}, Vector3(6.5, 5, 2.5).asDiagonal());
+  for (CompoundChild& child : halves.children) child.position += Vector3(3, -4, 5);
+  expect_near(mass_properties(halves), 6, {3, -4, 5}, Vector3(6.5, 5, 2.5).asDiagonal());
+}
+
+// A dumbbell: parallel axes by hand.
+TEST(MassPropertiesOfShapes, OfACompoundWeighDensities) {
+  Compound dumbbell;
+  dumbbell.children.push_back({.shape = Sphere{1}, .position = {-2, 0, 0}, .density_factor = 3});
+  dumbbell.children.push_back({.shape = Sphere{1}, .position = {2, 0, 0}});
+  const double m = 4.0 / 3 * std::numbers::pi;
+  const MassProperties found = mass_properties(dumbbell);
+  expect_near(found, 4 * m, {-1, 0, 0}, m * Vector3(1.6, 1.6 + 3 * 1 + 9, 1.6 + 3 * 1 + 9).asDiagonal());
+  EXPECT_NEAR(found.volume, 2 * m, 1e-14);
+}
+
+// The centre of a child need not be its origin.
+TEST(MassPropertiesOfShapes, OfACompoundOfConesMeetAtTheirBases) {
+  Compound spindle;
+  spindle.children.push_back({.shape = Cone{1, 1}, .position = {0, 0, 1}});
+  spindle.children.push_back(
+      {.shape = Cone{1, 1}, .position = {0, 0, -1}, .orientation = Quaternion(0, 1, 0, 0)});  // half a turn about x
+  const double m = 2.0 / 3 * std::numbers::pi;  // of one, height 2; its centre 0.5 from the base
+  const double across = 3.0 / 20 * 2 + 0.25;
+  expect_near(mass_properties(spindle), 2 * m, {0, 0, 0}, 2 * m * Vector3(across, across, 0.3).asDiagonal());
+}
+
+TEST(MassPropertiesOfShapes, RefuseWhatHasNone) {
+  expect_error([] { mass_properties(HalfSpace{}); }, {"shape is a HalfSpace", "expected a solid"});
+  expect_error([] { mass_properties(TriangleMesh(tetrahedron, tetrahedron_faces)); }, {"shape is a TriangleMesh"});
+  expect_error([] { mass_properties(HeightField(2, 2, 1, 1, {0, 0, 0, 0})); }, {"shape is a HeightField"});
+  expect_error([] { mass_properties(Compound{}); }, {"Compound.children", "empty"});
+  expect_error([] { mass_properties(Capsule{-1, 1}); }, {"Capsule.radius", "-1"});
+}
+
+TEST(Shapes, RefuseBadGeometry) {
+  expect_error(
+      [] {
+        ConvexHull(std::vector<Vector3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
+      },
+      {"ConvexHull", "found 3 distinct points", "expected at least 4"});
+  expect_error([] { ConvexHull(std::vector<Vector3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}); }, {"plane"});
+  expect_error([] { ConvexHull(tetrahedron).scaled({1, 0, 1}); }, {"ConvexHull::scaled", "(1, 0, 1)", "other than 0"});
+  expect_error([] { ConvexHull(tetrahedron).scaled({1, 1, 1e-9}); }, {"ConvexHull::scaled", "plane"});
+  expect_error([] { ConvexHull(tetrahedron).face(4); }, {"index is 4", "face_count() = 4"});
+  expect_error(
+      [] {
+        TriangleMesh(tetrahedron, std::vector<TriangleMesh::Indices>{{0, 1, 4}});
+      },
+      {"TriangleMesh", "found vertex 4 in triangle 0", "below 4"});
+  expect_error(
+      [] {
+        TriangleMesh(tetrahedron, tetrahedron_faces).scaled({nan, 1, 1});
+      },
+      {"TriangleMesh::scaled", "nan"});
+  expect_error(
+      [] {
+        HeightField(3, 2, 1, 1, {0, 0, 0, 0, nan, 0});
+      },
+      {"HeightField", "found a height of nan at column 1, row 1"});
+  expect_error([] { HeightField(3, 2, 1, 1, {0}); }, {"found 1 heights", "3 * 2 = 6"});
+}
+
+}  // namespace
+}  // namespace atl

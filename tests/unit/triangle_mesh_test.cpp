@@ -1,0 +1,250 @@
+// Meshes: adjacency, which edges are convex, the tree against brute force, and what is refused.
+
+#include <collision/triangle_mesh.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "random.h"
+
+namespace atl::collision {
+namespace {
+
+using test::Random;
+using Vertices = std::vector<Vector3>;
+using Triangles = std::vector<std::array<std::uint32_t, 3>>;
+constexpr std::uint32_t none = TriangleMesh::no_triangle;
+
+TriangleMesh mesh_of(const Vertices& vertices, const Triangles& triangles) {
+  auto result = build_triangle_mesh(vertices, triangles);
+  const std::string* problem = std::get_if<std::string>(&result);
+  EXPECT_EQ(problem, nullptr) << *problem;
+  return problem == nullptr ? std::get<TriangleMesh>(std::move(result)) : TriangleMesh{};
+}
+
+void expect_problem(const Vertices& vertices, const Triangles& triangles, const std::string& words) {
+  const auto result = build_triangle_mesh(vertices, triangles);
+  const std::string* problem = std::get_if<std::string>(&result);
+  ASSERT_NE(problem, nullptr) << "expected a problem: " << words;
+  EXPECT_NE(problem->find(words), std::string::npos) << *problem;
+}
+
+const Vertices cube_vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
+const Triangles cube_triangles = {{0, 2, 1}, {0, 3, 2}, {4, 5, 6}, {4, 6, 7}, {0, 1, 5}, {0, 5, 4},
+                                  {2, 3, 7}, {2, 7, 6}, {1, 2, 6}, {1, 6, 5}, {3, 0, 4}, {3, 4, 7}};
+
+// Two triangles of 1 m that share the y axis; the one at x > 0 climbs by an angle.
+Vertices fold(double angle) { return {{0, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {std::cos(angle), 0, std::sin(angle)}}; }
+const Triangles fold_triangles = {{0, 1, 2}, {1, 0, 3}};
+
+// A surface over a grid of n x n cells with random heights; corners of triangles not shared where `soup`.
+struct Surface {
+  Vertices vertices;
+  Triangles triangles;
+};
+Surface random_surface(std::uint32_t n, Random& random, bool soup) {
+  Vertices samples;
+  for (std::uint32_t j = 0; j <= n; ++j) {
+    for (std::uint32_t i = 0; i <= n; ++i) samples.emplace_back(i, j, random.real(0, 1));
+  }
+  Surface surface;
+  for (std::uint32_t j = 0; j < n; ++j) {
+    for (std::uint32_t i = 0; i < n; ++i) {
+      const std::uint32_t a = j * (n + 1) + i;
+      surface.triangles.push_back({a, a + 1, a + n + 2});
+      surface.triangles.push_back({a, a + n + 2, a + n + 1});
+    }
+  }
+  surface.vertices = samples;
+  if (!soup) return surface;
+  surface.vertices.clear();
+  for (auto& triangle : surface.triangles) {
+    for (std::uint32_t& corner : triangle) {
+      surface.vertices.push_back(samples[corner]);
+      corner = static_cast<std::uint32_t>(surface.vertices.size() - 1);
+    }
+  }
+  return surface;
+}
+
+TEST(TriangleMesh, OfACubeIsClosedAndConvexAtItsTwelveEdges) {
+  const TriangleMesh mesh = mesh_of(cube_vertices, cube_triangles);
+  EXPECT_TRUE(mesh.closed);
+  int convex = 0;
+  for (std::uint32_t t = 0; t < 12; ++t) {
+    const Triangle triangle = mesh.triangle(t);
+    const Vector3 middle = (triangle.vertices[0] + triangle.vertices[1] + triangle.vertices[2]) / 3;
+    EXPECT_GT(triangle.normal.dot(middle - Vector3::Constant(0.5)), 0.4);  // outwards
+    for (unsigned e = 0; e < 3; ++e) {
+      const std::uint32_t neighbour = mesh.neighbours[t][e];
+      ASSERT_NE(neighbour, none);
+      EXPECT_EQ(triangle.neighbour_normals[e], mesh.normals[neighbour]);
+      const bool is_convex = (triangle.convex_edges >> e & 1) != 0;
+      EXPECT_EQ(is_convex, triangle.normal.dot(mesh.normals[neighbour]) < 0.5);  // not at the diagonals
+      convex += is_convex;
+    }
+  }
+  EXPECT_EQ(convex, 24);  // each from both sides
+  EXPECT_EQ(mesh.lower, Vector3::Zero());
+  EXPECT_EQ(mesh.upper, Vector3::Ones());
+  EXPECT_DOUBLE_EQ(mesh.bounding_radius, std::sqrt(3.0));
+}
+
+TEST(TriangleMesh, EdgesAreConvexWhereTheSurfaceBendsOutwards) {
+  for (const double angle : {-3.0, -1.5, -0.1, -0.002}) {
+    const TriangleMesh mesh = mesh_of(fold(angle), fold_triangles);
+    EXPECT_EQ(mesh.neighbours[0][0], 1u);
+    EXPECT_EQ(mesh.neighbours[1][0], 0u);
+    EXPECT_EQ(mesh.convex_edges[0], 7);
+    EXPECT_EQ(mesh.convex_edges[1], 7);
+  }
+  for (const double angle : {-0.0005, 0.0, 0.0005, 0.1, 1.5, 3.0}) {
+    const TriangleMesh mesh = mesh_of(fold(angle), fold_triangles);
+    EXPECT_EQ(mesh.convex_edges[0], 6) << angle;
+    EXPECT_EQ(mesh.convex_edges[1], 6) << angle;
+  }
+}
+
+// Two triangles back to back are a plate that can be touched at its rim.
+TEST(TriangleMesh, PlateIsConvexAtItsRim) {
+  const TriangleMesh mesh = mesh_of({{0, 0, 0}, {1, 0.3, 0.2}, {0.1, 1, 0.7}}, {{0, 1, 2}, {1, 0, 2}});
+  EXPECT_TRUE(mesh.closed);
+  EXPECT_EQ(mesh.convex_edges[0], 7);
+  EXPECT_EQ(mesh.convex_edges[1], 7);
+}
+
+TEST(TriangleMesh, NeighboursAreMutualAndShareTheEdge) {
+  Random random(1);
+  const Surface surface = random_surface(12, random, false);
+  const TriangleMesh mesh = mesh_of(surface.vertices, surface.triangles);
+  int open = 0;
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Triangle triangle = mesh.triangle(t);
+    for (unsigned e = 0; e < 3; ++e) {
+      const std::uint32_t neighbour = mesh.neighbours[t][e];
+      if (neighbour == none) {
+        ++open;
+        EXPECT_EQ(triangle.neighbour_normals[e], triangle.normal);
+        EXPECT_NE(triangle.convex_edges >> e & 1, 0);
+        continue;
+      }
+      // The neighbour's far corner lies behind this triangle's plane just where the edge is convex.
+      const auto& back = mesh.neighbours[neighbour];
+      const auto there = static_cast<std::size_t>(std::find(back.begin(), back.end(), t) - back.begin());
+      ASSERT_LT(there, 3u);
+      EXPECT_EQ(mesh.triangles[neighbour][there], mesh.triangles[t][(e + 1) % 3]);
+      EXPECT_EQ(mesh.triangles[neighbour][(there + 1) % 3], mesh.triangles[t][e]);
+      const Vector3 far = mesh.vertices[mesh.triangles[neighbour][(there + 2) % 3]] - triangle.vertices[e];
+      const double height = far.dot(triangle.normal);
+      if (std::abs(height) > 0.01) {
+        EXPECT_EQ((triangle.convex_edges >> e & 1) != 0, height < 0);
+      }
+    }
+  }
+  EXPECT_EQ(open, 48);
+  EXPECT_FALSE(mesh.closed);
+}
+
+// As in files that repeat vertices for each triangle.
+TEST(TriangleMesh, RepeatedVerticesGiveTheSameNeighbours) {
+  Random shared(2);
+  Random repeated(2);
+  const Surface surface = random_surface(9, shared, false);
+  const Surface soup = random_surface(9, repeated, true);
+  const TriangleMesh expected = mesh_of(surface.vertices, surface.triangles);
+  const TriangleMesh found = mesh_of(soup.vertices, soup.triangles);
+  EXPECT_EQ(found.neighbours, expected.neighbours);
+  EXPECT_EQ(found.convex_edges, expected.convex_edges);
+}
+
+// Two cubes that touch along an edge, each with vertices of its own, stay two closed surfaces.
+TEST(TriangleMesh, TouchingSurfacesKeepTheirOwnNeighbours) {
+  Vertices vertices = cube_vertices;
+  Triangles triangles = cube_triangles;
+  for (const Vector3& vertex : cube_vertices) vertices.emplace_back(vertex + Vector3(1, 1, 0));
+  for (const auto& corners : cube_triangles) triangles.push_back({corners[0] + 8, corners[1] + 8, corners[2] + 8});
+  const TriangleMesh mesh = mesh_of(vertices, triangles);
+  const TriangleMesh cube = mesh_of(cube_vertices, cube_triangles);
+  EXPECT_TRUE(mesh.closed);
+  for (std::size_t t = 0; t < 12; ++t) {
+    EXPECT_EQ(mesh.neighbours[t], cube.neighbours[t]);
+    EXPECT_EQ(mesh.convex_edges[t + 12], cube.convex_edges[t]);
+  }
+}
+
+TEST(TriangleTree, QueriesMatchBruteForce) {
+  Random random(3);
+  for (const std::uint32_t count : {1u, 2u, 3u, 10u, 1000u}) {
+    std::vector<Aabb> boxes;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const Vector3 lower = random.vector(10);
+      boxes.push_back(Aabb::around(lower, lower + Vector3(random.real(0, 2), random.real(0, 2), 0)));
+    }
+    TriangleTree tree;
+    tree.build(boxes);
+    EXPECT_EQ(tree.nodes.size(), 2 * count - 1);
+    for (int trial = 0; trial < 300; ++trial) {
+      const Vector3 lower = random.vector(12);
+      const Aabb box = Aabb::around(lower, lower + random.vector(3).cwiseAbs());
+      std::vector<std::uint32_t> found, expected;
+      tree.query(box, [&](std::uint32_t item) { found.push_back(item); });
+      for (std::uint32_t i = 0; i < count; ++i) {
+        if (boxes[i].overlaps(box)) expected.push_back(i);
+      }
+      std::sort(found.begin(), found.end());
+      EXPECT_EQ(found, expected);
+    }
+  }
+}
+
+// Boxes that no split can tell apart, and ones whose sizes span all magnitudes.
+TEST(TriangleTree, DegenerateBoxesAreAllFound) {
+  std::vector<Aabb> equal(5000, Aabb{{0, 0, 0}, {1, 1, 1}});
+  std::vector<Aabb> nested;
+  for (int i = 0; i < 200; ++i) {
+    const float size = std::ldexp(1.0f, i - 100);
+    nested.push_back({{size, 0, 0}, {2 * size, size, size}});
+  }
+  for (const std::vector<Aabb>& boxes : {equal, nested}) {
+    TriangleTree tree;
+    tree.build(boxes);
+    std::size_t found = 0;
+    tree.query({{-1, -1, -1}, {1e38f, 1e38f, 1e38f}}, [&](std::uint32_t) { ++found; });
+    EXPECT_EQ(found, boxes.size());
+  }
+}
+
+// A small query looks at a small part of the tree: of a surface of 20 000 triangles, at few more than it finds.
+TEST(TriangleTree, SmallQueriesVisitFewNodes) {
+  Random random(4);
+  const Surface surface = random_surface(100, random, false);
+  const TriangleMesh mesh = mesh_of(surface.vertices, surface.triangles);
+  std::size_t visited = 0;
+  for (int trial = 0; trial < 100; ++trial) {
+    const Vector3 lower(random.real(0, 98), random.real(0, 98), 0);
+    const Aabb box = Aabb::around(lower, lower + Vector3(1, 1, 1));
+    for (std::size_t i = 0; i < mesh.tree.nodes.size(); ++visited) {
+      i = mesh.tree.nodes[i].box.overlaps(box) ? i + 1 : mesh.tree.nodes[i].skip;
+    }
+  }
+  EXPECT_LT(visited, 100u * 100u);
+}
+
+TEST(TriangleMesh, RefusesWhatIsNoSurface) {
+  const Vertices quad = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}};
+  expect_problem(quad, {}, "found no triangle");
+  expect_problem(quad, {{0, 1, 2}, {0, 2, 5}}, "found vertex 5 in triangle 1, expected a number below 5");
+  expect_problem(quad, {{0, 1, 2}, {0, 3, 3}}, "found no area in triangle 1 (vertices 0, 3, 3)");
+  expect_problem({{0, 0, 0}, {1, 1, 1}, {3, 3, 3}}, {{0, 1, 2}}, "found no area in triangle 0 (vertices 0, 1, 2)");
+  expect_problem(quad, {{0, 1, 2}, {2, 0, 3}, {2, 0, 4}},
+                 "found the edge between vertices 0 and 2 in triangles 0, 1 and 2");
+  expect_problem(quad, {{0, 1, 2}, {0, 1, 3}}, "found triangles 0 and 1 that both run from vertex 0 to vertex 1");
+  const double infinity = std::numeric_limits<double>::infinity();
+  expect_problem({{0, 0, 0}, {1, 0, 0}, {0, infinity, 0}}, {{0, 1, 2}}, "found vertex 2 at (0, inf, 0)");
+}
+
+}  // namespace
+}  // namespace atl::collision
