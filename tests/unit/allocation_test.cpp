@@ -1,0 +1,95 @@
+// A step of a scene in a steady state allocates nothing.
+
+#include <atoll/atoll.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstddef>
+#include <cstdlib>
+#include <new>
+
+#include "support/bodies.h"
+
+namespace {
+
+std::atomic<std::size_t> allocations{0};
+
+void* counted(std::size_t size, std::size_t alignment) {
+  ++allocations;
+  const std::size_t rounded = (size + alignment - 1) / alignment * alignment;
+  void* memory = alignment > alignof(std::max_align_t) ? std::aligned_alloc(alignment, rounded) : std::malloc(size);
+  if (memory == nullptr) throw std::bad_alloc();
+  return memory;
+}
+
+}  // namespace
+
+void* operator new(std::size_t size) { return counted(size, 1); }
+void* operator new[](std::size_t size) { return counted(size, 1); }
+void* operator new(std::size_t size, std::align_val_t alignment) {
+  return counted(size, static_cast<std::size_t>(alignment));
+}
+void* operator new[](std::size_t size, std::align_val_t alignment) {
+  return counted(size, static_cast<std::size_t>(alignment));
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete[](void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }
+void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
+void operator delete[](void* memory, std::align_val_t) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
+void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
+
+namespace atl::test {
+namespace {
+
+std::size_t allocations_of(World& world, int steps) {
+  const std::size_t before = allocations;
+  for (int i = 0; i < steps; ++i) world.step(dt);
+  return allocations - before;
+}
+
+TEST(Allocation, TheHookCounts) {
+  const std::size_t before = allocations;
+  delete new int(1);
+  EXPECT_EQ(allocations - before, 1u);
+}
+
+class SteadyState : public testing::TestWithParam<int> {};
+
+TEST_P(SteadyState, RestingBodiesOfAllShapes) {
+  World world({.threads = GetParam(), .settings = {.contact_events = true}});
+  world.add_body(ground());
+  const std::vector<Vector3> corners = {{0.4, 0.4, -0.5}, {-0.4, 0.4, -0.5}, {0, -0.5, -0.5}, {0.1, 0, 0.6}};
+  const Shape shapes[] = {Box{}, Sphere{}, Capsule{0.3, 0.4}, Cylinder{}, Cone{}, ConvexHull(corners)};
+  for (int row = 0; row < 6; ++row) {
+    int column = 0;
+    for (const Shape& shape : shapes) {
+      world.add_body({.shape = shape, .position = {2.0 * column++, 2.0 * row, 0.51}});
+      world.add_body({.shape = Box{{0.3, 0.3, 0.1}}, .position = {2.0 * column, 2.0 * row, 1.6}});
+    }
+  }
+  run(world, 240);
+  EXPECT_EQ(allocations_of(world, 60), 0u);
+}
+
+TEST_P(SteadyState, ALargeIslandInMotion) {
+  World world({.threads = GetParam()});
+  world.add_body(static_box({0, 0, -0.5}, {20, 20, 0.5}));
+  BodyDef piston = box({0, 0, 0.25}, {8, 0.2, 0.2});
+  piston.type = BodyType::Kinematic;
+  piston.angular_velocity = {0, 0, 1};
+  world.add_body(piston);
+  for (int i = 0; i < 800; ++i) {
+    world.add_body(box({-4 + 1.01 * (i % 9), -4 + 1.01 * (i / 9 % 9), 1.2 + 1.01 * (i / 81)}));
+  }
+  run(world, 900);
+  // Things still move about, so a list may still grow now and then; not in every step.
+  EXPECT_LE(allocations_of(world, 120), 12u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Threads, SteadyState, testing::Values(1, 2));
+
+}  // namespace
+}  // namespace atl::test

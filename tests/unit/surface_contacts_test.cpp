@@ -1,0 +1,501 @@
+// Solids on meshes and height fields: a flat one is a half-space, a bent one has the normals of its parts.
+
+#include <collision/convex.h>
+#include <collision/height_field.h>
+#include <collision/hull.h>
+#include <collision/surface_contacts.h>
+#include <collision/triangle_mesh.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <set>
+#include <vector>
+
+#include "random.h"
+
+namespace atl::collision {
+namespace {
+
+using test::Random;
+
+// Cells over [-reach, reach]^2, at heights given by (x, y).
+TriangleMesh grid(int cells, double reach, const std::function<double(double, double)>& height) {
+  std::vector<Vector3> vertices;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  const auto row = static_cast<std::uint32_t>(cells + 1);
+  for (int j = 0; j <= cells; ++j) {
+    for (int i = 0; i <= cells; ++i) {
+      const double x = reach * (2.0 * i / cells - 1);
+      const double y = reach * (2.0 * j / cells - 1);
+      vertices.emplace_back(x, y, height(x, y));
+    }
+  }
+  for (std::uint32_t j = 0; j + 1 < row; ++j) {
+    for (std::uint32_t i = 0; i + 1 < row; ++i) {
+      const std::uint32_t a = j * row + i;
+      triangles.push_back({a, a + 1, a + row + 1});
+      triangles.push_back({a, a + row + 1, a + row});
+    }
+  }
+  return std::get<TriangleMesh>(build_triangle_mesh(vertices, triangles));
+}
+
+double flat(double, double) { return 0; }
+
+TriangleMesh box_mesh(const Vector3& half) {
+  std::vector<Vector3> vertices;
+  for (int i = 0; i < 8; ++i) {
+    vertices.emplace_back(i & 1 ? half.x() : -half.x(), i & 2 ? half.y() : -half.y(), i & 4 ? half.z() : -half.z());
+  }
+  const std::vector<std::array<std::uint32_t, 3>> triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6},
+                                                               {0, 1, 5}, {0, 5, 4}, {2, 6, 7}, {2, 7, 3},
+                                                               {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+  return std::get<TriangleMesh>(build_triangle_mesh(vertices, triangles));
+}
+
+Quaternion turned(double angle, const Vector3& axis) {
+  const Vector3 v = std::sin(0.5 * angle) * axis;
+  return {std::cos(0.5 * angle), v.x(), v.y(), v.z()};
+}
+
+SurfaceManifolds touch(const Shape& solid, const Shape& surface, const Pose& pose, double margin) {
+  SurfaceManifolds result;
+  collide_surface(solid, surface, pose, margin, result);
+  return result;
+}
+
+double deepest(const Manifold& manifold) {
+  double separation = INFINITY;
+  for (int i = 0; i < manifold.count; ++i) {
+    separation = std::min(separation, manifold.points[static_cast<std::size_t>(i)].separation);
+  }
+  return separation;
+}
+
+Vector3 centre(const Manifold& manifold) {
+  Vector3 sum = Vector3::Zero();
+  for (int i = 0; i < manifold.count; ++i) sum += manifold.points[static_cast<std::size_t>(i)].position;
+  return sum / manifold.count;
+}
+
+Hull random_hull(std::uint32_t seed) {
+  Random random(seed);
+  std::vector<Vector3> points;
+  for (int i = 0; i < 24; ++i) points.push_back(0.5 * random.direction());
+  return std::get<Hull>(build_hull(points));
+}
+
+struct Solids {
+  Hull hull = random_hull(5);
+  std::vector<Shape> shapes = {Shape::sphere(0.4),        Shape::capsule(0.2, 0.4), Shape::box({0.5, 0.3, 0.4}),
+                               Shape::cylinder(0.4, 0.3), Shape::cone(0.4, 0.4),    Shape::convex_hull(hull)};
+};
+
+double lowest(const Shape& solid, const Pose& pose) {
+  const Vector3 down = pose.orientation.conjugate() * Vector3(-Vector3::UnitZ());
+  return pose.position.z() - reach_along(solid, down);
+}
+
+void expect_sound(const Shape& solid, const Pose& pose, const SurfaceManifolds& found) {
+  std::set<std::pair<int, FeatureId>> ids;
+  for (int m = 0; m < found.count; ++m) {
+    const Manifold& manifold = found.manifolds[static_cast<std::size_t>(m)];
+    EXPECT_GT(manifold.count, 0);
+    EXPECT_TRUE(manifold.reference_is_second);
+    EXPECT_NEAR(manifold.normal.norm(), 1, 1e-9);
+    for (int i = 0; i < manifold.count; ++i) {
+      const Manifold::Point& point = manifold.points[static_cast<std::size_t>(i)];
+      EXPECT_TRUE(ids.emplace(m, point.id).second) << "two points with one id";
+      EXPECT_TRUE(point.position.allFinite());
+      EXPECT_TRUE(std::isfinite(point.separation));
+      // A disc's face is a polygon around it, up to 2% larger, and may be tilted.
+      EXPECT_LT((point.position - pose.position).norm(), solid.bounding_radius * 1.03);
+    }
+  }
+}
+
+// Whatever the solid, and however the triangles lie under it.
+TEST(FlatMesh, IsAHalfSpaceForEverySolid) {
+  const Solids solids;
+  for (const int cells : {2, 7, 40}) {
+    const TriangleMesh mesh = grid(cells, 3, flat);
+    const Shape surface = Shape::triangle_mesh(mesh);
+    const Shape plane = Shape::half_space(Vector3::UnitZ(), 0);
+    Random random(1);
+    for (int i = 0; i < 600; ++i) {
+      const Shape& solid = solids.shapes[static_cast<std::size_t>(i % 6)];
+      Pose pose{{random.real(-2, 2), random.real(-2, 2), 0}, random.rotation()};
+      const double separation = random.real(-0.1, 0.015);
+      pose.position.z() = separation - lowest(solid, pose);
+      const SurfaceManifolds found = touch(solid, surface, pose, 0.02);
+      ASSERT_EQ(found.count, 1) << "solid " << i % 6 << ", cells " << cells;
+      const Manifold& manifold = found.manifolds[0];
+      EXPECT_LT((manifold.normal - Vector3::UnitZ()).norm(), 1e-12);
+      EXPECT_NEAR(deepest(manifold), separation, 1e-9) << "solid " << i % 6 << ", cells " << cells;
+      Manifold expected;
+      collide_half_space(solid, plane, relative(pose, {Vector3::Zero(), Quaternion::Identity()}), 0.02, expected);
+      EXPECT_EQ(manifold.count, expected.count) << "solid " << i % 6 << ", cells " << cells;
+      for (int k = 0; k < manifold.count; ++k) {
+        const Manifold::Point& point = manifold.points[static_cast<std::size_t>(k)];
+        EXPECT_NEAR(point.separation, point.position.z(), 1e-12);
+      }
+      expect_sound(solid, pose, found);
+    }
+  }
+}
+
+TEST(FlatMesh, HoldsABoxByItsFourCornersAtEveryYaw) {
+  const TriangleMesh mesh = grid(20, 2, flat);
+  const Shape surface = Shape::triangle_mesh(mesh);
+  const Shape box = Shape::box({0.5, 0.3, 0.4});
+  Random random(2);
+  for (int i = 0; i < 300; ++i) {
+    const double yaw = random.real(-4, 4);
+    const Pose pose{{random.real(-1, 1), random.real(-1, 1), 0.4 + random.real(-1e-3, 1e-3)},
+                    turned(yaw, Vector3::UnitZ())};
+    const SurfaceManifolds found = touch(box, surface, pose, 0.01);
+    ASSERT_EQ(found.count, 1);
+    ASSERT_EQ(found.manifolds[0].count, 4);
+    for (const Manifold::Point& point : found.manifolds[0].points) {
+      const Vector3 local = pose.orientation.conjugate() * (point.position - pose.position);
+      EXPECT_LT((local.cwiseAbs() - Vector3(0.5, 0.3, 0.4)).norm(), 1e-9);
+    }
+  }
+}
+
+// Corners right on the lines and vertices of the grid belong to several triangles, and count once.
+TEST(FlatMesh, HoldsABoxWhoseCornersAreVerticesOfTheMesh) {
+  const TriangleMesh mesh = grid(16, 2, flat);
+  const Shape box = Shape::box({0.5, 0.25, 0.4});
+  for (int i = -4; i <= 4; ++i) {
+    for (const double aside : {0.0, 1e-7, -1e-7, 1e-9, 0.1}) {
+      const Pose pose{{0.25 * i + aside, 0.25 * i, 0.4}, {1, 0, 0, 0}};
+      const SurfaceManifolds found = touch(box, Shape::triangle_mesh(mesh), pose, 0.01);
+      ASSERT_EQ(found.count, 1);
+      ASSERT_EQ(found.manifolds[0].count, 4);
+      for (const Manifold::Point& point : found.manifolds[0].points) {
+        EXPECT_LT(((point.position - pose.position).cwiseAbs() - Vector3(0.5, 0.25, 0.4)).norm(), 1e-9);
+      }
+    }
+  }
+}
+
+// Ids of corners don't depend on the triangle below: what carried before the box moved on still does.
+TEST(FlatMesh, KeepsTheIdsOfABoxThatSlides) {
+  const TriangleMesh mesh = grid(20, 2, flat);
+  const Shape box = Shape::box({0.5, 0.3, 0.4});
+  std::set<FeatureId> first;
+  for (int i = 0; i < 100; ++i) {
+    const Pose pose{{-0.8 + 0.016 * i, 0.3 - 0.007 * i, 0.4}, turned(0.2, Vector3::UnitZ())};
+    const SurfaceManifolds found = touch(box, Shape::triangle_mesh(mesh), pose, 0.01);
+    ASSERT_EQ(found.count, 1);
+    std::set<FeatureId> ids;
+    for (int k = 0; k < found.manifolds[0].count; ++k) {
+      ids.insert(found.manifolds[0].points[static_cast<std::size_t>(k)].id);
+    }
+    if (i == 0) first = ids;
+    EXPECT_EQ(ids, first);
+  }
+}
+
+TEST(FlatMesh, HoldsAStandingCylinderByFourPointsOfItsRim) {
+  const TriangleMesh mesh = grid(20, 2, flat);
+  const Shape cylinder = Shape::cylinder(0.5, 0.7);
+  Random random(3);
+  for (int i = 0; i < 200; ++i) {
+    const Pose pose{{random.real(-1, 1), random.real(-1, 1), 0.699}, turned(random.real(-4, 4), Vector3::UnitZ())};
+    const SurfaceManifolds found = touch(cylinder, Shape::triangle_mesh(mesh), pose, 0.01);
+    ASSERT_EQ(found.count, 1);
+    ASSERT_EQ(found.manifolds[0].count, 4);
+    EXPECT_LT((centre(found.manifolds[0]) - (pose.position - Vector3(0, 0, 0.7))).norm(), 1e-9);
+  }
+}
+
+TEST(FlatField, IsTheSameAsAMesh) {
+  const HeightField field =
+      std::get<HeightField>(build_height_field(21, 21, 0.2, 0.2, std::vector<double>(21 * 21, 0.0)));
+  const Solids solids;
+  Random random(4);
+  for (int i = 0; i < 600; ++i) {
+    const Shape& solid = solids.shapes[static_cast<std::size_t>(i % 6)];
+    Pose pose{{random.real(1, 3), random.real(1, 3), 0}, random.rotation()};
+    pose.position.z() = random.real(-0.1, 0.015) - lowest(solid, pose);
+    const SurfaceManifolds found = touch(solid, Shape::height_field(field), pose, 0.02);
+    ASSERT_EQ(found.count, 1);
+    EXPECT_NEAR(deepest(found.manifolds[0]), lowest(solid, pose), 1e-9);
+  }
+}
+
+// One half sunk in, a corner or the whole of it: always pushed to the front. Behind the surface: not at all.
+TEST(FlatMesh, PushesWhatSankInToTheFront) {
+  const TriangleMesh mesh = grid(10, 3, flat);
+  const Solids solids;
+  Random random(5);
+  for (int i = 0; i < 600; ++i) {
+    const Shape& solid = solids.shapes[static_cast<std::size_t>(i % 6)];
+    Pose pose{{random.real(-2, 2), random.real(-2, 2), random.real(-0.15, 0)}, random.rotation()};
+    const SurfaceManifolds found = touch(solid, Shape::triangle_mesh(mesh), pose, 0.02);
+    ASSERT_EQ(found.count, 1);
+    EXPECT_LT((found.manifolds[0].normal - Vector3::UnitZ()).norm(), 1e-12);
+    EXPECT_NEAR(deepest(found.manifolds[0]), lowest(solid, pose), 1e-9);
+    pose.position.z() = -1.000001 * solid.bounding_radius;
+    EXPECT_EQ(touch(solid, Shape::triangle_mesh(mesh), pose, 0.02).count, 0);
+  }
+}
+
+// A box mesh is a box: its edges and corners push as those of the exact rounded shape.
+TEST(ConvexMesh, PushesASphereAwayFromItsNearestPoint) {
+  const Vector3 half(1, 0.8, 0.6);
+  const TriangleMesh mesh = box_mesh(half);
+  const Shape sphere = Shape::sphere(0.3);
+  Random random(6);
+  int touching = 0;
+  for (int i = 0; i < 4000; ++i) {
+    const Vector3 at = random.vector(1.3);
+    const Vector3 nearest = at.cwiseMax(-half).cwiseMin(half);
+    const double distance = (at - nearest).norm();
+    if (distance < 1e-3) continue;
+    const SurfaceManifolds found = touch(sphere, Shape::triangle_mesh(mesh), {at, random.rotation()}, 0.1);
+    if (distance > 0.4 + 1e-9) {
+      EXPECT_EQ(found.count, 0) << at.transpose();
+      continue;
+    }
+    ++touching;
+    ASSERT_EQ(found.count, 1) << at.transpose();
+    const Manifold& manifold = found.manifolds[0];
+    ASSERT_EQ(manifold.count, 1) << at.transpose();
+    EXPECT_LT((manifold.normal - (at - nearest) / distance).norm(), 1e-6) << at.transpose();
+    EXPECT_NEAR(manifold.points[0].separation, distance - 0.3, 1e-9) << at.transpose();
+  }
+  EXPECT_GT(touching, 1000);
+}
+
+// Apart from a box mesh, every solid's separation is its distance from the box; where it sinks in a little, that along
+// the best axis that the audit of two solids finds.
+TEST(ConvexMesh, SeparationIsTheDistanceFromTheSolidItBounds) {
+  const Vector3 half(1, 0.8, 0.6);
+  const TriangleMesh mesh = box_mesh(half);
+  const Shape box = Shape::box(half);
+  const Solids solids;
+  Random random(10);
+  int apart = 0;
+  int shallow = 0;
+  for (int i = 0; i < 6000; ++i) {
+    const Shape& solid = solids.shapes[static_cast<std::size_t>(i % 6)];
+    const Pose pose{random.vector(1.6), random.rotation()};
+    const ClosestPoints closest = closest_points(box, solid, pose);
+    const SurfaceManifolds found = touch(solid, Shape::triangle_mesh(mesh), pose, 0.1);
+    double least = INFINITY;
+    for (int m = 0; m < found.count; ++m) {
+      least = std::min(least, deepest(found.manifolds[static_cast<std::size_t>(m)]));
+    }
+    if (closest.distance > 0.1 + 1e-9) {
+      EXPECT_EQ(found.count, 0) << i << " solid " << i % 6;
+    } else if (closest.distance > 1e-6) {
+      ++apart;
+      EXPECT_NEAR(least, closest.distance, 0.02 * solid.inner_radius + 1e-6) << i << " solid " << i % 6;
+    } else {
+      if (solid.kind == ShapeKind::Sphere) continue;
+      Manifold expected;
+      expected.axis = 0;
+      const Pose from = relative(pose, {Vector3::Zero(), Quaternion::Identity()});
+      collide_convex(solid, box, from, 0.1, expected);
+      const double depth = -deepest(expected);
+      if (!(depth > 0 && depth < 0.1 * solid.inner_radius)) continue;
+      ++shallow;
+      EXPECT_NEAR(least, -depth, 0.03 * solid.inner_radius) << i << " solid " << i % 6;
+    }
+  }
+  EXPECT_GT(apart, 500);
+  EXPECT_GT(shallow, 100);
+}
+
+TEST(ConvexMesh, TurnsTheNormalOfASphereContinuouslyOverARidge) {
+  const TriangleMesh mesh = grid(8, 2, [](double x, double) { return -0.7 * std::abs(x); });
+  const Shape sphere = Shape::sphere(0.25);
+  Vector3 previous = Vector3::Zero();
+  for (int i = 0; i <= 4000; ++i) {
+    const double x = -0.4 + 0.8 * i / 4000.0;
+    // On the surface that runs at 0.25 m from the mesh.
+    const double reach = 0.25 * 0.7 / std::hypot(1, 0.7);
+    const double z = std::abs(x) < reach ? std::sqrt(0.0625 - x * x) : -0.7 * std::abs(x) + 0.25 * std::hypot(1, 0.7);
+    const SurfaceManifolds found = touch(sphere, Shape::triangle_mesh(mesh), {{x, 0.13, z}, {1, 0, 0, 0}}, 0.01);
+    ASSERT_EQ(found.count, 1) << x;
+    EXPECT_NEAR(found.manifolds[0].points[0].separation, 0, 1e-9) << x;
+    if (i > 0) {
+      EXPECT_LT((found.manifolds[0].normal - previous).norm(), 2e-3) << x;
+    }
+    previous = found.manifolds[0].normal;
+  }
+}
+
+// Two slopes that meet in a valley have a manifold each.
+TEST(ConcaveMesh, ValleyHoldsASolidFromBothSides) {
+  const TriangleMesh mesh = grid(8, 2, [](double x, double) { return std::abs(x); });
+  const double s = std::sqrt(0.5);
+  const auto check = [&](const Shape& solid, const Pose& pose, double separation, int points) {
+    const SurfaceManifolds found = touch(solid, Shape::triangle_mesh(mesh), pose, 0.01);
+    ASSERT_EQ(found.count, 2);
+    for (int i = 0; i < 2; ++i) {
+      const Manifold& manifold = found.manifolds[static_cast<std::size_t>(i)];
+      EXPECT_NEAR(std::abs(manifold.normal.x()), s, 1e-12);
+      EXPECT_NEAR(manifold.normal.z(), s, 1e-12);
+      EXPECT_NEAR(deepest(manifold), separation, 1e-9);
+      EXPECT_EQ(manifold.count, points);
+    }
+    EXPECT_LT(found.manifolds[0].normal.dot(found.manifolds[1].normal), 0.01);
+  };
+  check(Shape::sphere(0.3), {{0, 0.1, 0.299 / s}, {1, 0, 0, 0}}, -0.001, 1);
+  const double eighth = 0.78539816339744831;
+  check(Shape::box({0.3, 0.3, 0.3}), {{0, 0.1, 0.299 / s}, turned(eighth, Vector3::UnitY())}, -0.001, 4);
+}
+
+TEST(ConcaveMesh, CornerOfFloorAndWallsHoldsABoxFromThreeSides) {
+  // The inside of a box.
+  TriangleMesh outside = box_mesh({2, 2, 2});
+  for (auto& triangle : outside.triangles) std::swap(triangle[0], triangle[1]);
+  const TriangleMesh mesh = std::get<TriangleMesh>(build_triangle_mesh(outside.vertices, outside.triangles));
+  const Shape box = Shape::box({0.5, 0.5, 0.5});
+  const SurfaceManifolds found = touch(box, Shape::triangle_mesh(mesh), {{-1.501, -1.502, -1.503}, {1, 0, 0, 0}}, 0.01);
+  ASSERT_EQ(found.count, 3);
+  for (int i = 0; i < 3; ++i) {
+    const Manifold& manifold = found.manifolds[static_cast<std::size_t>(i)];
+    EXPECT_EQ(manifold.count, 4);
+    EXPECT_NEAR(deepest(manifold), -Vector3(0.001, 0.002, 0.003).dot(manifold.normal), 1e-12);
+  }
+}
+
+TEST(ConvexMesh, BoxOverhangingAnEdgeIsHeldByTheTopAlone) {
+  const TriangleMesh mesh = box_mesh({2, 2, 1});
+  const Shape box = Shape::box({0.5, 0.4, 0.3});
+  Random random(7);
+  for (int i = 0; i < 500; ++i) {
+    const double yaw = random.real(-4, 4);
+    const double depth = random.real(0, 0.005);
+    const Pose pose{{2 + random.real(-0.3, 0.1), random.real(-2, 2), 1.3 - depth}, turned(yaw, Vector3::UnitZ())};
+    const SurfaceManifolds found = touch(box, Shape::triangle_mesh(mesh), pose, 0.01);
+    ASSERT_EQ(found.count, 1) << i;
+    EXPECT_LT((found.manifolds[0].normal - Vector3::UnitZ()).norm(), 1e-9) << i;
+    EXPECT_NEAR(deepest(found.manifolds[0]), -depth, 1e-9) << i;
+    EXPECT_GE(found.manifolds[0].count, 3) << i;
+  }
+}
+
+// Standing on a floor right by a step, a little inside it: the wall pushes sideways, the step's top not at all.
+TEST(ConvexMesh, StepPushesABoxSideways) {
+  const TriangleMesh mesh = box_mesh({2, 2, 1});
+  const Shape box = Shape::box({0.5, 0.5, 0.5});
+  for (const double y : {-1.3, -0.2, 0.0, 0.4, 1.7}) {
+    for (const double z : {-0.4, 0.2, 0.7}) {
+      const SurfaceManifolds found = touch(box, Shape::triangle_mesh(mesh), {{2.499, y, z}, {1, 0, 0, 0}}, 0.01);
+      ASSERT_EQ(found.count, 1) << y << " " << z;
+      EXPECT_LT((found.manifolds[0].normal - Vector3::UnitX()).norm(), 1e-9);
+      EXPECT_NEAR(deepest(found.manifolds[0]), -0.001, 1e-9);
+      EXPECT_EQ(found.manifolds[0].count, 4);
+    }
+  }
+}
+
+// One that has gone through a slab is still pushed out of the side that its centre is on.
+TEST(ConvexMesh, ThinSlabPushesBackWhatPokesThrough) {
+  const TriangleMesh mesh = box_mesh({2, 2, 0.05});
+  const Solids solids;
+  Random random(11);
+  for (int i = 0; i < 300; ++i) {
+    const Shape& solid = solids.shapes[static_cast<std::size_t>(i % 6)];
+    Pose pose{{random.real(-1, 1), random.real(-1, 1), 0}, random.rotation()};
+    const double depth = random.real(0.101, 0.13);
+    pose.position.z() = 0.05 - depth - lowest(solid, pose);
+    const SurfaceManifolds found = touch(solid, Shape::triangle_mesh(mesh), pose, 0.02);
+    ASSERT_EQ(found.count, 1) << i % 6;
+    EXPECT_LT((found.manifolds[0].normal - Vector3::UnitZ()).norm(), 1e-9) << i % 6;
+    EXPECT_NEAR(deepest(found.manifolds[0]), -depth, 1e-9) << i % 6;
+  }
+}
+
+TEST(ConvexMesh, RidgeCarriesABoxAlongItsLine) {
+  const TriangleMesh mesh = grid(8, 2, [](double x, double) { return -std::abs(x); });
+  const Shape box = Shape::box({0.5, 0.4, 0.3});
+  for (const double yaw : {0.0, 0.3, 1.1, 1.5707963267948966}) {
+    const Pose pose{{0.02, 0.1, 0.299}, turned(yaw, Vector3::UnitZ())};
+    const SurfaceManifolds found = touch(box, Shape::triangle_mesh(mesh), pose, 0.01);
+    ASSERT_EQ(found.count, 1);
+    const Manifold& manifold = found.manifolds[0];
+    EXPECT_LT((manifold.normal - Vector3::UnitZ()).norm(), 1e-9);
+    EXPECT_NEAR(deepest(manifold), -0.001, 1e-9);
+    ASSERT_GE(manifold.count, 2);
+    double span = 0;
+    for (int i = 0; i < manifold.count; ++i) {
+      const Vector3& p = manifold.points[static_cast<std::size_t>(i)].position;
+      EXPECT_NEAR(p.x(), 0, 1e-9);
+      span = std::max(span, std::abs(p.y() - manifold.points[0].position.y()));
+    }
+    EXPECT_GT(span, 0.75);
+  }
+}
+
+TEST(ConvexMesh, PeakCarriesABoxByItsTip) {
+  const TriangleMesh mesh = grid(2, 1, [](double x, double y) { return -std::abs(x) - std::abs(y); });
+  const Pose pose{{0.05, -0.1, 0.299}, turned(0.4, Vector3::UnitZ())};
+  const SurfaceManifolds found = touch(Shape::box({0.5, 0.4, 0.3}), Shape::triangle_mesh(mesh), pose, 0.01);
+  ASSERT_EQ(found.count, 1);
+  EXPECT_LT((found.manifolds[0].normal - Vector3::UnitZ()).norm(), 1e-9);
+  ASSERT_EQ(found.manifolds[0].count, 1);
+  EXPECT_NEAR(found.manifolds[0].points[0].separation, -0.001, 1e-9);
+}
+
+// Depths are those of the half-space of the mesh's face, whatever the ratio of sizes.
+TEST(FlatMesh, AnyRatioOfSizesWorks) {
+  const Solids solids;
+  for (const double cell : {0.02, 0.3, 50.0, 1e4}) {
+    const TriangleMesh mesh = grid(100, 50 * cell, flat);
+    Random random(8);
+    for (int i = 0; i < 60; ++i) {
+      const Shape& solid = solids.shapes[static_cast<std::size_t>(i % 6)];
+      Pose pose{{random.real(-20, 20) * cell, random.real(-20, 20) * cell, 0}, random.rotation()};
+      pose.position.z() = -0.01 - lowest(solid, pose);
+      const SurfaceManifolds found = touch(solid, Shape::triangle_mesh(mesh), pose, 0.02);
+      ASSERT_EQ(found.count, 1) << cell << " " << i % 6;
+      EXPECT_NEAR(deepest(found.manifolds[0]), -0.01, 1e-9) << cell << " " << i % 6;
+    }
+  }
+}
+
+TEST(RoughMesh, ManifoldsAreSoundAndTheSameEveryTime) {
+  Random random(9);
+  std::vector<double> bumps;
+  for (int i = 0; i < 21 * 21; ++i) bumps.push_back(random.real(-0.3, 0.3));
+  const HeightField field = std::get<HeightField>(build_height_field(21, 21, 0.3, 0.2, bumps));
+  const Shape surface = Shape::height_field(field);
+  const Solids solids;
+  int touching = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const Shape& solid = solids.shapes[static_cast<std::size_t>(i % 6)];
+    const Pose pose{{random.real(-1, 7), random.real(-1, 5), random.real(-0.5, 0.8)}, random.rotation()};
+    const SurfaceManifolds found = touch(solid, surface, pose, 0.05);
+    touching += found.count > 0;
+    expect_sound(solid, pose, found);
+    const SurfaceManifolds again = touch(solid, surface, pose, 0.05);
+    ASSERT_EQ(found.count, again.count);
+    for (int m = 0; m < found.count; ++m) {
+      const auto k = static_cast<std::size_t>(m);
+      EXPECT_EQ(found.manifolds[k].normal, again.manifolds[k].normal);
+      EXPECT_EQ(found.manifolds[k].count, again.manifolds[k].count);
+    }
+  }
+  EXPECT_GT(touching, 1000);
+}
+
+TEST(Surface, PosesThatAreNotFiniteTouchNothing) {
+  const TriangleMesh mesh = grid(2, 3, flat);
+  const Shape box = Shape::box({0.5, 0.5, 0.5});
+  const Pose nowhere{{0, std::nan(""), 0}, {1, 0, 0, 0}};
+  const Pose skewed{{0, 0, 0}, {std::nan(""), 0, 0, 0}};
+  EXPECT_EQ(touch(box, Shape::triangle_mesh(mesh), nowhere, 0.1).count, 0);
+  EXPECT_EQ(touch(box, Shape::triangle_mesh(mesh), skewed, 0.1).count, 0);
+}
+
+}  // namespace
+}  // namespace atl::collision
