@@ -1,0 +1,276 @@
+// Queries of a world: answers against closed forms, filters, batches, and what is refused.
+
+#include <atoll/queries.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "random.h"
+#include "support/bodies.h"
+#include "support/expect_error.h"
+
+namespace atl::test {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+// Along x: a ball, a static box, a kinematic capsule upright, a compound of two boxes, over a half-space at z = -1.
+class QueriesTest : public testing::Test {
+ protected:
+  QueriesTest() {
+    floor_ = world_.add_body({.type = BodyType::Static, .shape = HalfSpace{.offset = -1}});
+    ball_ = world_.add_body({.shape = Sphere{0.5}, .position = {2, 0, 0}, .filter = {.category = 2}});
+    wall_ = world_.add_body({.type = BodyType::Static, .shape = Box{{0.1, 1, 1}}, .position = {4, 0, 0}});
+    post_ = world_.add_body({.type = BodyType::Kinematic, .shape = Capsule{0.25, 0.5}, .position = {6, 0, 0}});
+    const Box side{{0.5, 0.5, 0.5}};
+    const Compound pair{{{.shape = side, .position = {-1, 0, 0}}, {.shape = side, .position = {1, 0, 0}}}};
+    pair_ = world_.add_body({.shape = pair, .position = {9, 0, 0}});
+  }
+
+  World world_{{.gravity = Vector3::Zero(), .threads = 2}};
+  Queries queries_{world_};
+  BodyId floor_, ball_, wall_, post_, pair_;
+  const Ray along_x_{.origin = Vector3::Zero(), .direction = {3, 0, 0}};
+};
+
+TEST_F(QueriesTest, RayMeetsBodiesInTurn) {
+  const std::vector<RayHit> hits = queries_.cast_ray_through(along_x_);
+  ASSERT_EQ(hits.size(), 5u);
+  const BodyId bodies[] = {ball_, wall_, post_, pair_, pair_};
+  const double distances[] = {1.5, 3.9, 5.75, 7.5, 9.5};
+  for (std::size_t i = 0; i < 5; ++i) {
+    EXPECT_EQ(hits[i].body, bodies[i]);
+    EXPECT_NEAR(hits[i].distance, distances[i], 1e-12);
+    EXPECT_LT((hits[i].point - Vector3(distances[i], 0, 0)).norm(), 1e-12);
+    EXPECT_LT((hits[i].normal + Vector3::UnitX()).norm(), 1e-12);
+    EXPECT_EQ(hits[i].child, i == 4 ? 1u : 0u);
+    EXPECT_FALSE(hits[i].triangle);
+    EXPECT_FALSE(hits[i].started_inside);
+  }
+  const std::optional<RayHit> first = queries_.cast_ray(along_x_);
+  ASSERT_TRUE(first);
+  EXPECT_EQ(first->body, ball_);
+  EXPECT_EQ(first->distance, hits[0].distance);
+  EXPECT_TRUE(queries_.is_blocked(along_x_));
+  EXPECT_FALSE(queries_.cast_ray({.origin = Vector3::Zero(), .direction = {1, 0, 0}, .max_distance = 1.49}));
+  EXPECT_FALSE(queries_.is_blocked({.origin = Vector3::Zero(), .direction = {1, 0, 0}, .max_distance = 1.49}));
+  const std::optional<RayHit> down = queries_.cast_ray({.origin = {-5, 2, 3}, .direction = {0, 0, -1}});
+  ASSERT_TRUE(down);
+  EXPECT_EQ(down->body, floor_);
+  EXPECT_NEAR(down->distance, 4, 1e-12);
+  const std::optional<RayHit> inside = queries_.cast_ray({.origin = {2.1, 0, 0}, .direction = {0, 1, 0}});
+  ASSERT_TRUE(inside);
+  EXPECT_TRUE(inside->started_inside);
+  EXPECT_EQ(inside->distance, 0);
+}
+
+TEST_F(QueriesTest, FiltersLeaveBodiesOut) {
+  const auto first = [&](const QueryFilter& filter) {
+    const std::optional<RayHit> hit = queries_.cast_ray(along_x_, filter);
+    return hit ? hit->body : BodyId{};
+  };
+  EXPECT_EQ(first({.dynamic_bodies = false}), wall_);
+  EXPECT_EQ(first({.static_bodies = false, .dynamic_bodies = false}), post_);
+  EXPECT_EQ(first({.static_bodies = false, .kinematic_bodies = false, .dynamic_bodies = false}), BodyId{});
+  EXPECT_EQ(first({.mask = ~2u}), wall_);
+  EXPECT_EQ(first({.mask = 2}), ball_);
+  const std::vector<BodyId> near{wall_, ball_};
+  EXPECT_EQ(first({.ignore = near}), post_);
+  EXPECT_EQ(first({.predicate = [&](BodyId body, std::uint32_t child) { return body == pair_ && child == 1; }}), pair_);
+  // A body that lets only category 4 meet it.
+  world_.set_filter(ball_, {.category = 2, .mask = 4});
+  EXPECT_EQ(first({.category = 3}), wall_);
+  EXPECT_EQ(first({.category = 4}), ball_);
+  // What was removed is hit no more, and its id in a list doesn't stand for who comes next.
+  const std::vector<BodyId> stale{ball_};
+  world_.remove_body(ball_);
+  EXPECT_EQ(first({}), wall_);
+  const BodyId next = world_.add_body(sphere({1, 0, 0}, 0.1));
+  EXPECT_EQ(next.index, stale[0].index);
+  EXPECT_EQ(first({.ignore = stale}), next);
+}
+
+TEST_F(QueriesTest, ShapeCastStopsAtContact) {
+  const ShapeCast cast{.shape = Sphere{0.25}, .position = {0, 0, 0}, .translation = {20, 0, 0}};
+  const std::vector<ShapeHit> hits = queries_.cast_shape_through(cast);
+  ASSERT_EQ(hits.size(), 5u);
+  const double distances[] = {1.25, 3.65, 5.5, 7.25, 9.25};
+  for (std::size_t i = 0; i < 5; ++i) {
+    EXPECT_NEAR(hits[i].distance, distances[i], 1e-7);
+    EXPECT_LE(hits[i].distance, distances[i]);
+    EXPECT_LT((hits[i].point - Vector3(distances[i] + 0.25, 0, 0)).norm(), 1e-6);
+    EXPECT_LT((hits[i].normal + Vector3::UnitX()).norm(), 1e-6);
+  }
+  const std::optional<ShapeHit> first = queries_.cast_shape(cast);
+  ASSERT_TRUE(first);
+  EXPECT_EQ(first->body, ball_);
+  EXPECT_EQ(first->distance, hits[0].distance);
+  // A box that is turned by 45 degrees comes down on its edge.
+  const Quaternion turned(Eigen::AngleAxisd(EIGEN_PI / 4, Vector3::UnitX()));
+  const std::optional<ShapeHit> edge =
+      queries_.cast_shape({.shape = Box{}, .position = {-3, 0, 5}, .orientation = turned, .translation = {0, 0, -10}});
+  ASSERT_TRUE(edge);
+  EXPECT_EQ(edge->body, floor_);
+  EXPECT_NEAR(edge->distance, 6 - std::sqrt(0.5), 1e-6);
+  // Nothing in the way, or overlapping at the start.
+  EXPECT_FALSE(queries_.cast_shape({.shape = Box{}, .position = {-3, 0, 5}, .translation = {0, 0, 10}}));
+  const std::optional<ShapeHit> stuck = queries_.cast_shape({.position = {4, 0, 0}, .translation = {0, 1, 0}});
+  ASSERT_TRUE(stuck);
+  EXPECT_TRUE(stuck->started_overlapping);
+  EXPECT_EQ(stuck->body, wall_);
+  EXPECT_EQ(stuck->distance, 0);
+}
+
+TEST_F(QueriesTest, OverlapsAndClosestPoints) {
+  const QueryShape slab{.shape = Box{{1.2, 0.2, 0.2}}, .position = {3.2, 0, 0}};
+  EXPECT_EQ(queries_.overlapping(slab), (std::vector<BodyId>{ball_, wall_}));
+  // Both parts of the compound, but the body once.
+  const QueryShape across{.shape = Cylinder{0.3, 3},
+                          .position = {9, 0, 0},
+                          .orientation = Quaternion(Eigen::AngleAxisd(EIGEN_PI / 2, Vector3::UnitY()))};
+  EXPECT_EQ(queries_.overlapping(across), (std::vector<BodyId>{post_, pair_}));
+  EXPECT_TRUE(queries_.overlapping(QueryShape{.shape = Sphere{0.4}, .position = {0, 0, 3}}).empty());
+
+  const std::optional<ClosestPoint> near = queries_.closest_point({.position = {2, 0, 3}}, 10);
+  ASSERT_TRUE(near);
+  EXPECT_EQ(near->body, ball_);
+  EXPECT_NEAR(near->distance, 2.5, 1e-12);
+  EXPECT_LT((near->on_body - Vector3(2, 0, 0.5)).norm(), 1e-12);
+  EXPECT_LT((near->on_shape - Vector3(2, 0, 3)).norm(), 1e-12);
+  EXPECT_LT((near->normal - Vector3::UnitZ()).norm(), 1e-12);
+  EXPECT_FALSE(queries_.closest_point({.position = {2, 0, 3}}, 2.4));
+  const std::optional<ClosestPoint> hull =
+      queries_.closest_point({.shape = Cone{0.5, 0.5}, .position = {0, 30, 1}}, 100);
+  ASSERT_TRUE(hull);
+  EXPECT_EQ(hull->body, floor_);
+  EXPECT_NEAR(hull->distance, 1.5, 1e-9);
+  const std::optional<ClosestPoint> part = queries_.closest_point({.position = {10, 0, 0.75}}, 1);
+  ASSERT_TRUE(part);
+  EXPECT_EQ(part->child, 1u);
+  EXPECT_NEAR(part->distance, 0.25, 1e-12);
+}
+
+TEST_F(QueriesTest, SurfacesNameTheirTriangles) {
+  const HeightField field(3, 3, 1, 1, std::vector<double>(9, 0.0));
+  const BodyId ground = world_.add_body({.type = BodyType::Static, .shape = field, .position = {100, 0, 5}});
+  const std::optional<RayHit> hit = queries_.cast_ray({.origin = {101.7, 0.2, 9}, .direction = {0, 0, -1}});
+  ASSERT_TRUE(hit);
+  EXPECT_EQ(hit->body, ground);
+  EXPECT_EQ(hit->triangle, 2u);  // below the diagonal of the second cell
+  EXPECT_NEAR(hit->distance, 4, 1e-12);
+  const Ray from_below{.origin = {101.7, 0.2, 2}, .direction = {0, 0, 1}};
+  EXPECT_FALSE(queries_.cast_ray(from_below));
+  Ray both = from_below;
+  both.both_sides = true;
+  ASSERT_TRUE(queries_.cast_ray(both));
+  EXPECT_LT((queries_.cast_ray(both)->normal + Vector3::UnitZ()).norm(), 1e-12);
+  const std::optional<ClosestPoint> near = queries_.closest_point({.position = {100.2, 1.7, 6}}, 5);
+  ASSERT_TRUE(near);
+  EXPECT_EQ(near->triangle, 5u);
+  EXPECT_NEAR(near->distance, 1, 1e-12);
+}
+
+// Batches give the bits of single questions, in their order, with any number of threads.
+TEST(QueryBatches, MatchSingleQuestions) {
+  for (const int threads : {1, 2, 3}) {
+    World world({.threads = threads});
+    Random random(1);
+    world.add_body(ground());
+    for (int i = 0; i < 200; ++i) {
+      BodyDef def = i % 2 ? box(random.vector(8), {0.3, 0.5, 0.7}) : sphere(random.vector(8), 0.4);
+      def.orientation = random.rotation();
+      world.add_body(def);
+    }
+    const Queries queries(world);
+    std::vector<Ray> rays(500);
+    std::vector<QueryShape> shapes(300);
+    std::vector<ShapeCast> casts(100);
+    for (Ray& ray : rays) ray = {.origin = random.vector(10), .direction = random.vector(1), .max_distance = 15};
+    for (QueryShape& shape : shapes) {
+      shape = {.shape = Capsule{0.5, 1}, .position = random.vector(10), .orientation = random.rotation()};
+    }
+    for (ShapeCast& cast : casts) {
+      cast = {.shape = Box{}, .position = random.vector(10), .translation = random.vector(10)};
+    }
+    const auto hits = queries.cast_rays(rays);
+    const auto blocked = queries.are_blocked(rays);
+    std::size_t found = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const std::optional<RayHit> single = queries.cast_ray(rays[i]);
+      ASSERT_EQ(hits[i].has_value(), single.has_value());
+      EXPECT_EQ(blocked[i] != 0, single.has_value());
+      if (!single) continue;
+      ++found;
+      EXPECT_EQ(hits[i]->body, single->body);
+      EXPECT_EQ(hits[i]->distance, single->distance);
+      EXPECT_EQ(hits[i]->normal, single->normal);
+    }
+    EXPECT_GT(found, 100u);
+    const auto overlaps = queries.overlapping(shapes);
+    const auto closest = queries.closest_points(shapes, 5);
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+      EXPECT_EQ(overlaps[i], queries.overlapping(shapes[i]));
+      const std::optional<ClosestPoint> single = queries.closest_point(shapes[i], 5);
+      ASSERT_EQ(closest[i].has_value(), single.has_value());
+      if (!single) continue;
+      EXPECT_EQ(closest[i]->body, single->body);
+      EXPECT_EQ(closest[i]->distance, single->distance);
+      EXPECT_EQ(closest[i]->distance == 0, !overlaps[i].empty());
+    }
+    const auto stops = queries.cast_shapes(casts);
+    for (std::size_t i = 0; i < casts.size(); ++i) {
+      const std::optional<ShapeHit> single = queries.cast_shape(casts[i]);
+      ASSERT_EQ(stops[i].has_value(), single.has_value());
+      if (single) {
+        EXPECT_EQ(stops[i]->distance, single->distance);
+      }
+    }
+    EXPECT_TRUE(queries.cast_rays({}).empty());
+  }
+}
+
+// Answers follow the bodies, wherever steps and calls put them.
+TEST(QueriesAfterSteps, FindBodiesWhereTheyAre) {
+  World world;
+  world.add_body(ground());
+  const BodyId falling = world.add_body(sphere({0, 0, 10}));
+  const BodyId pushed = world.add_body(sphere({5, 0, 0.5}));
+  const Queries queries(world);
+  for (int i = 0; i < 100; ++i) {
+    world.step(dt);
+    if (i == 50) world.set_velocity(pushed, {60, 0, 0}, Vector3::Zero());
+    const Pose pose = world.pose(falling);
+    const std::optional<RayHit> hit = queries.cast_ray({.origin = {0, 0, 20}, .direction = {0, 0, -1}});
+    ASSERT_TRUE(hit);
+    EXPECT_EQ(hit->body, falling);
+    EXPECT_NEAR(hit->distance, 20 - pose.position.z() - 0.5, 1e-9);
+    const Vector3 at = world.pose(pushed).position;
+    EXPECT_EQ(queries.overlapping(QueryShape{.position = at}), std::vector<BodyId>{pushed});
+  }
+  world.set_pose(falling, {{40, 40, 3}, Quaternion::Identity()});
+  EXPECT_EQ(queries.overlapping(QueryShape{.position = {40.2, 40.2, 3.3}}), std::vector<BodyId>{falling});
+}
+
+TEST_F(QueriesTest, BadQuestionsAreRefusedByName) {
+  expect_error([&] { queries_.cast_ray({.origin = {0, nan, 0}}); }, {"ray.origin", "nan"});
+  expect_error([&] { queries_.cast_ray({.direction = {0, 0, 0}}); }, {"ray.direction", "zero"});
+  expect_error([&] { queries_.is_blocked({.direction = {0, infinity, 0}}); }, {"ray.direction", "inf"});
+  expect_error([&] { queries_.cast_ray_through({.max_distance = -1}); }, {"ray.max_distance", "-1"});
+  expect_error([&] { queries_.cast_ray({.max_distance = nan}); }, {"ray.max_distance", "nan"});
+  expect_error([&] { queries_.cast_shape({.shape = Sphere{-2}}); }, {"cast.shape", "Sphere.radius", "-2"});
+  expect_error([&] { queries_.cast_shape({.translation = {0, 0, nan}}); }, {"cast.translation", "nan"});
+  expect_error([&] { queries_.overlapping(QueryShape{.orientation = {0, 0, 0, 0}}); }, {"shape.orientation", "0"});
+  expect_error([&] { queries_.closest_point({}, infinity); }, {"max_distance", "inf", "finite"});
+  expect_error([&] { queries_.closest_point({.position = {nan, 0, 0}}, 1); }, {"shape.position", "nan"});
+  std::vector<Ray> rays(3);
+  rays[2].direction = {0, nan, 0};
+  expect_error([&] { queries_.cast_rays(rays); }, {"rays[2].direction", "nan"});
+  EXPECT_TRUE(queries_.cast_ray({.direction = {1e-200, 0, 0}}));
+  EXPECT_TRUE(queries_.cast_ray({.direction = {1e200, 0, 0}}));
+}
+
+}  // namespace
+}  // namespace atl::test
