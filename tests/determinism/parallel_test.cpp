@@ -23,11 +23,15 @@ bool long_tests() {
   return value != nullptr && std::string_view(value) == "1";
 }
 
+/// Every kind of shape, dropped on a height field.
+const std::string all_shapes = ATOLL_SOURCE_DIR "/runtime/scene/examples/shapes.json";
+
 std::vector<std::string> scenes() {
   if (!long_tests()) {
-    return {"pyramid3d:layers=6", "wall:base=14", "islands:count=20,base=6", "pile:bodies=300", "stack:height=10"};
+    return {"pyramid3d:layers=6", "wall:base=14",    "islands:count=20,base=6",
+            "pile:bodies=300",    "stack:height=10", all_shapes};
   }
-  std::vector<std::string> full;
+  std::vector<std::string> full = {all_shapes};
   for (const BuiltinScene& scene : builtin_scenes()) full.push_back(scene.name);
   return full;
 }
@@ -116,8 +120,43 @@ TEST_P(ParallelTest, NorWithSleepingAndEveryOtherSettingTurned) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, ParallelTest, testing::ValuesIn(scenes()),
-                         [](const auto& scene) { return scene.param.substr(0, scene.param.find(':')); });
+INSTANTIATE_TEST_SUITE_P(Scenes, ParallelTest, testing::ValuesIn(scenes()), [](const auto& scene) {
+  if (scene.param == all_shapes) return std::string("all_shapes");
+  return scene.param.substr(0, scene.param.find(':'));
+});
+
+// Bullets among falling boxes: who is swept, and to where, and who is told.
+TEST(Parallel, SweepsAndEventsDoNotDependOnThreads) {
+  const auto run_bullets = [](const WorldDef& def) {
+    World world(def);
+    world.add_body({.type = BodyType::Static, .shape = HalfSpace{}});
+    for (int i = 0; i < 150; ++i) {
+      world.add_body(
+          {.shape = Box{{0.2, 0.3, 0.25}}, .position = {0.7 * (i % 6), 0.7 * (i / 6 % 5), 0.5 + 0.6 * (i / 30)}});
+      world.add_body({.shape = Sphere{0.05},
+                      .position = {-20.0 - 0.37 * i, 0.02 * i, 0.3 + 0.02 * i},
+                      .velocity = {150.0 + i, 0.1 * i, 1}});
+    }
+    std::vector<std::uint64_t> trail;
+    std::int64_t stopped = 0;
+    for (int step = 0; step < 60; ++step) {
+      stopped += world.step(1.0 / 60).counts.stopped;
+      trail.push_back(world.state_hash());
+      for (const ContactEvent& event : world.contact_events()) {
+        trail.push_back(std::uint64_t{event.a.index} << 33 | std::uint64_t{event.b.index} << 1 | event.began);
+      }
+    }
+    EXPECT_GT(stopped, 20);
+    return trail;
+  };
+  const std::vector<std::uint64_t> expected = run_bullets({.settings = {.contact_events = true}});
+  for (const Simd simd : supported()) {
+    for (const int threads : {1, 2, 4}) {
+      EXPECT_EQ(run_bullets({.threads = threads, .settings = {.contact_events = true, .simd = simd}}), expected)
+          << threads << " threads on " << simd_name(simd);
+    }
+  }
+}
 
 TEST(Simd, AutoIsOneOfTheSupportedSets) {
   const std::vector<Simd> levels = supported();
