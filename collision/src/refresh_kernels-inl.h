@@ -181,16 +181,6 @@ HWY_INLINE unsigned bits_of(M mask) {
   return bytes[0];
 }
 
-// As tangents() of contact.h.
-HWY_INLINE void make_tangents(const V3& n, V3& first, V3& second) {
-  const V sign = hn::CopySign(splat(1), n.z);
-  const V a = hn::Div(splat(-1), hn::Add(sign, n.z));
-  const V b = hn::Mul(hn::Mul(n.x, n.y), a);
-  first = {hn::Add(splat(1), hn::Mul(sign, hn::Mul(hn::Mul(n.x, n.x), a))), hn::Mul(sign, b),
-           hn::Neg(hn::Mul(sign, n.x))};
-  second = {b, hn::Add(sign, hn::Mul(hn::Mul(n.y, n.y), a)), hn::Neg(n.y)};
-}
-
 // Speculative margin of the lanes; see speculative_margin().
 HWY_INLINE V margins(const RefreshBlock& block, std::size_t lane, V size) {
   const V4 first = load_rows([&](std::size_t k) { return block.reach_first[lane + k]->shift; });
@@ -270,9 +260,9 @@ HWY_INLINE unsigned refresh_lanes(const RefreshBlock& block, const Narrowed& pos
 
   const V side = load(sides);
   const V3 normal = side * rotate(to_world, to_world_w, normal_local);
-  V3 tangent[2];
-  make_tangents(normal, tangent[0], tangent[1]);
-  const V3 tangent_local[2] = {rotate(to_local, to_world_w, tangent[0]), rotate(to_local, to_world_w, tangent[1])};
+  const TangentLanes tangent = tangent_lanes(normal);
+  const V3 tangent_local[2] = {rotate(to_local, to_world_w, tangent.first),
+                               rotate(to_local, to_world_w, tangent.second)};
 
   // Friction acts half-way between the surfaces, at the centre.
   const V3 from_centre = rotate(to_world, to_world_w, centre - hn::Mul(splat(0.5f), mean_separation) * normal_local);

@@ -379,15 +379,6 @@ HWY_INLINE void store4(const V4& v, float (*rows)[block_lanes], std::size_t lane
   store(v.w, rows[3] + lane);
 }
 
-// As collision::tangents().
-HWY_INLINE V3 first_tangent(const V3& n) {
-  const V sign = hn::CopySign(splat(1), n.z);
-  const V a = hn::Div(splat(-1), hn::Add(sign, n.z));
-  const V b = hn::Mul(hn::Mul(n.x, n.y), a);
-  return {hn::Add(splat(1), hn::Mul(sign, hn::Mul(hn::Mul(n.x, n.x), a))), hn::Mul(sign, b),
-          hn::Neg(hn::Mul(sign, n.x))};
-}
-
 // J M^-1 J^T for two rows with angular parts j (on both bodies, towards the second) and linear parts alike.
 HWY_INLINE V angular_response(const ContactLanes& c, const V3& j_first, const V3& j_second, const V3& i_first,
                               const V3& i_second) {
@@ -456,7 +447,7 @@ inline void prepare(const ContactKernelData& data, std::size_t begin, std::size_
       const ManifoldLanes m = load_manifolds(manifold_of);
       ContactLanes c;
       c.normal = {m.normal.x, m.normal.y, m.normal.z};
-      c.tangent1 = first_tangent(c.normal);
+      c.tangent1 = tangent_lanes(c.normal).first;
       c.tangent2 = cross(c.normal, c.tangent1);
       c.anchor_first = {m.anchor_first.x, m.anchor_first.y, m.anchor_first.z};
       c.anchor_second = {m.anchor_second.x, m.anchor_second.y, m.anchor_second.z};

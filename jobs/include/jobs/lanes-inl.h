@@ -67,6 +67,21 @@ HWY_INLINE V3 cross(const V3& a, const V3& b) {
   return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)), hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
           hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
 }
+
+// Two unit vectors that make a right-handed frame with a unit vector. The same operations in the same order as in
+// collision::tangents(), which names the source.
+struct TangentLanes {
+  V3 first, second;
+};
+HWY_INLINE TangentLanes tangent_lanes(const V3& n) {
+  const V sign = hn::CopySign(splat(1), n.z);
+  const V a = hn::Div(splat(-1), hn::Add(sign, n.z));
+  const V b = hn::Mul(hn::Mul(n.x, n.y), a);
+  return {
+      {hn::Add(splat(1), hn::Mul(sign, hn::Mul(hn::Mul(n.x, n.x), a))), hn::Mul(sign, b), hn::Neg(hn::Mul(sign, n.x))},
+      {b, hn::Add(sign, hn::Mul(hn::Mul(n.y, n.y), a)), hn::Neg(n.y)}};
+}
+
 HWY_INLINE V clamp_to(V value, V bound) { return hn::Max(hn::Neg(bound), hn::Min(value, bound)); }
 
 struct SymmetricMatrix {
