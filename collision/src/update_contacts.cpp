@@ -253,25 +253,25 @@ void Stretch::find_anew(std::size_t entry) {
   const Pose first = colliders.pose(pair.first, input_.poses);
   const Pose second = colliders.pose(pair.second, input_.poses);
   const double margin = margin_of(contact);
-  const Shape& shape_first = colliders.shape[pair.first];
-  const Shape& shape_second = colliders.shape[pair.second];
 
   // The narrowphase wants the lower kind first.
-  const bool swap = shape_second.kind < shape_first.kind;
-  const Pose in_first = relative(first, second);
-  const double gap = swap ? gap_between(shape_second, shape_first, relative(second, first))
-                          : gap_between(shape_first, shape_second, in_first);
-  if (gap > margin && shape_second.bounding_radius < std::numeric_limits<double>::infinity()) {
-    set_apart(entry, in_first, margin, gap);
+  const bool swap = colliders.shape[pair.second].kind < colliders.shape[pair.first].kind;
+  const Shape& lower = colliders.shape[swap ? pair.second : pair.first];
+  const Shape& higher = colliders.shape[swap ? pair.first : pair.second];
+  const Pose in_lower = swap ? relative(second, first) : relative(first, second);
+  const double gap = gap_between(lower, higher, in_lower);
+  if (gap > margin && colliders.shape[pair.second].bounding_radius < std::numeric_limits<double>::infinity()) {
+    set_apart(entry, swap ? relative(first, second) : in_lower, margin, gap);
     return;
   }
   Manifold fresh;
   fresh.axis = contact.axis;
-  const Narrowphase by = swap ? collide(shape_second, shape_first, relative(second, first), margin, fresh)
-                              : collide(shape_first, shape_second, in_first, margin, fresh);
+  const Narrowphase by = collide(lower, higher, in_lower, margin, fresh);
   fresh.reference_is_second ^= swap;
   counts_.fcl_calls += by == Narrowphase::Fcl;
-  replace(entry, fresh, fresh.reference_is_second ? relative(second, first) : in_first, margin);
+  const bool lower_is_reference = fresh.reference_is_second == swap;
+  const Pose incident = lower_is_reference ? in_lower : swap ? relative(first, second) : relative(second, first);
+  replace(entry, fresh, incident, margin);
 }
 
 // The manifolds of a solid and a surface go to the parts that had the most similar normals.

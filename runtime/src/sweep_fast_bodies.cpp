@@ -43,10 +43,6 @@ Core core_of(const collision::Shape& shape) {
 
 collision::Pose to_collision(const solver::BodyPose& pose) { return {pose.position, pose.orientation}; }
 
-collision::Pose placed(const collision::Pose& body, const collision::Pose& local) {
-  return {body.position + body.orientation * local.position, body.orientation * local.orientation};
-}
-
 }  // namespace
 
 // Where a body was at the start of the step, if it was fast; else it counts as being where it is now.
@@ -94,11 +90,11 @@ double World::Impl::closing_distance(const solver::FastBody& fast, std::uint32_t
 
 double World::Impl::first_hit(const solver::FastBody& fast, std::vector<std::uint32_t>& nearby) const {
   double first = 1;
+  nearby.clear();
+  broadphase.query_box(swept_box(fast), [&](std::uint32_t other) { nearby.push_back(other); });
+  std::sort(nearby.begin(), nearby.end());
   for_each_collider(fast.body, [&](std::uint32_t collider) {
     const collision::Shape& shape = colliders.shape[collider];
-    nearby.clear();
-    broadphase.query_box(swept_box(fast), [&](std::uint32_t other) { nearby.push_back(other); });
-    std::sort(nearby.begin(), nearby.end());
     const Motion motion = step_motion(collider, Vector3::Zero());
     for (const std::uint32_t other : nearby) {
       if (other == collider || !broadphase.allowed(collider, other)) continue;

@@ -54,9 +54,7 @@ struct ColliderTable {
   /// World pose of a collider.
   Pose pose(std::uint32_t collider, const PoseView& bodies) const {
     const Pose frame = bodies[body[collider]];
-    if (!placed[collider]) return frame;
-    const Pose& at = local[collider];
-    return {frame.position + frame.orientation * at.position, frame.orientation * at.orientation};
+    return placed[collider] ? collision::placed(frame, local[collider]) : frame;
   }
 };
 

@@ -25,6 +25,11 @@ struct PoseView {
   }
 };
 
+/// World pose of what has the pose `local` in a frame.
+inline Pose placed(const Pose& frame, const Pose& local) {
+  return {frame.position + frame.orientation * local.position, frame.orientation * local.orientation};
+}
+
 /// The frame of `b` as seen from that of `a`.
 inline Pose relative(const Pose& a, const Pose& b) {
   const Quaternion inverse = a.orientation.conjugate();
