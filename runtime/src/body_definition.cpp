@@ -123,11 +123,7 @@ void check_mass(const BodyDef& def, CheckedBody& body) {
   if (def.inertia && !def.mass) throw Error("BodyDef.inertia is given without a mass; expected both or neither");
   if (def.inertia) check_inertia(*def.inertia);
   if (def.type != BodyType::Dynamic) return;
-  const collision::ShapeKind kind = body.colliders.front().shape.kind;
-  if (kind == collision::ShapeKind::HalfSpace || collision::is_surface(kind)) {
-    const char* name = kind == collision::ShapeKind::HalfSpace ? "HalfSpace"
-                       : kind == collision::ShapeKind::Mesh    ? "TriangleMesh"
-                                                               : "HeightField";
+  if (const char* name = massless_name(body.colliders.front().shape.kind)) {
     throw Error(std::string("BodyDef.shape is a ") + name + " on a dynamic body; expected type Static or Kinematic");
   }
   const MassProperties of_shape = mass_properties(def.shape);
@@ -154,6 +150,19 @@ Quaternion checked_orientation(const char* what, const Quaternion& value) {
     refuse(what, value.coeffs(), "a finite quaternion that is not zero (here as x, y, z, w)");
   }
   return value.normalized();
+}
+
+const char* massless_name(collision::ShapeKind kind) {
+  switch (kind) {
+    case collision::ShapeKind::HalfSpace:
+      return "HalfSpace";
+    case collision::ShapeKind::Mesh:
+      return "TriangleMesh";
+    case collision::ShapeKind::HeightField:
+      return "HeightField";
+    default:
+      return nullptr;
+  }
 }
 
 std::vector<CheckedCollider> checked_colliders(const char* what, const Shape& shape) {

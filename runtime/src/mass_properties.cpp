@@ -14,19 +14,6 @@ double density_factor(const Shape& shape, std::size_t part) {
   return compound == nullptr ? 1 : compound->children[part].density_factor;
 }
 
-const char* unbounded_name(collision::ShapeKind kind) {
-  switch (kind) {
-    case collision::ShapeKind::HalfSpace:
-      return "HalfSpace";
-    case collision::ShapeKind::Mesh:
-      return "TriangleMesh";
-    case collision::ShapeKind::HeightField:
-      return "HeightField";
-    default:
-      return nullptr;
-  }
-}
-
 // Second moments of a unit mass at `arm` from the axes' origin.
 Matrix3 point_inertia(const Vector3& arm) { return arm.squaredNorm() * Matrix3::Identity() - arm * arm.transpose(); }
 
@@ -38,7 +25,7 @@ MassProperties mass_properties(const Shape& shape) {
   MassProperties total;
   Vector3 moment = Vector3::Zero();
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    if (const char* name = unbounded_name(parts[i].shape.kind)) {
+    if (const char* name = massless_name(parts[i].shape.kind)) {
       throw Error(std::string("mass_properties: shape is a ") + name + "; expected a solid, which has a volume");
     }
     const collision::MassProperties part = collision::mass_properties(parts[i].shape);
