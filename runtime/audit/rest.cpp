@@ -1,3 +1,4 @@
+#include <atoll/error.h>
 #include <atoll/errors.h>
 
 #include <algorithm>

@@ -13,21 +13,6 @@ std::vector<Count> named_counts(const StepCounts& c) {
           {"swept", c.swept},     {"stopped", c.stopped}};
 }
 
-std::vector<ErrorMeasure> named_errors(const RunResult& result) {
-  const PenetrationReport& p = result.penetration;
-  std::vector<ErrorMeasure> errors = {{"penetration_max", p.max, "m"},
-                                      {"penetration_p99", p.p99, "m"},
-                                      {"penetration_mean", p.mean, "m"},
-                                      {"penetration_max_relative", p.max_relative, ""}};
-  if (result.rest) {
-    errors.push_back({"sink_max", result.rest->sink_max, "m"});
-    errors.push_back({"sink_mean", result.rest->sink_mean, "m"});
-    errors.push_back({"drift_max", result.rest->drift_max, "m"});
-    errors.push_back({"tilt_max", result.rest->tilt_max, "rad"});
-  }
-  return errors;
-}
-
 BodyCounts body_counts(const Scene& scene) {
   BodyCounts counts;
   for (const SceneBody& body : scene.bodies) {

@@ -16,13 +16,6 @@ struct Count {
 };
 std::vector<Count> named_counts(const StepCounts& counts);
 
-struct ErrorMeasure {
-  const char* name;
-  double value;
-  const char* unit;
-};
-std::vector<ErrorMeasure> named_errors(const RunResult& result);
-
 struct BodyCounts {
   std::int64_t dynamic = 0;
   std::int64_t fixed = 0;

@@ -82,11 +82,11 @@ void write_stages(std::ostream& out, const std::array<StageReport, stage_count>&
 }
 
 void write_errors(std::ostream& out, const RunResult& result) {
-  out << "\nerrors of the final poses\n";
-  for (const ErrorMeasure& error : named_errors(result)) {
-    write_name(out, error.name);
+  out << "\nerrors\n";
+  for (const ErrorMeasure& error : result.errors) {
+    write_name(out, error.name.c_str());
     write_number(out, significant(error.value, 4));
-    out << (*error.unit == '\0' ? "" : " ") << error.unit << "\n";
+    out << (error.unit.empty() ? "" : " ") << error.unit << "\n";
   }
 }
 

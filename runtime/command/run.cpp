@@ -80,7 +80,8 @@ void run(const RunOptions& options) {
   World world = make_world(options, scene);
   const std::vector<BodyId> ids = add_bodies(scene, world);
 
-  const RunResult result = simulate(scene, world, ids, outputs.final_state.has_value());
+  const RunResult result =
+      simulate(scene, world, ids, {.final_state = outputs.final_state.has_value(), .errors = options.errors});
   write_final_state(outputs, scene, ids, result);
   if (result.non_finite) fail_non_finite(scene, *result.non_finite, outputs);
   try {

@@ -135,6 +135,10 @@ void add_run_options(CLI::App& command, RunOptions& options) {
   };
   add_choice(command, "--format", {"text", "json"}, "what to print on stdout (default: text)", set_format)
       ->group(output);
+  command
+      .add_flag("--errors", options.errors,
+                "measure the errors of every step, contact residual and closed form among them; takes time")
+      ->group(output);
   command.add_flag("--hash", options.hash, "with text, end with a line that holds the state hash alone")->group(output);
 }
 
@@ -150,6 +154,7 @@ void apply(const RunOptions& options, Scene& scene) {
   override_by(options.friction, scene.settings.friction);
   if (options.no_warm_start) scene.settings.warm_starting = false;
   if (options.sleeping) scene.settings.sleeping = true;
+  scene.settings.keep_contact_problem = options.errors;
   scene.settings.simd = options.simd;
 }
 

@@ -31,6 +31,7 @@ struct RunOptions {
   std::string out;          ///< file for the JSON object, or ""
   std::string final_state;  ///< file for the CSV, or ""
   Format format = Format::Text;
+  bool errors = false;
   bool hash = false;
 };
 

@@ -1,10 +1,13 @@
 #include "simulation.h"
 
+#include <atoll/error_meter.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
 #include "progress.h"
+#include "residual_meter.h"
 
 namespace atl::command {
 namespace {
@@ -24,40 +27,42 @@ std::size_t place_of(std::int64_t index, const std::vector<BodyId>& ids) {
   return static_cast<std::size_t>(found - ids.begin());
 }
 
-// Steps until the end or until a body is no longer finite; fills in times, last report and state.
-void run_steps(const Scene& scene, World& world, const std::vector<BodyId>& ids, bool keep_state, RunResult& result) {
+}  // namespace
+
+RunResult simulate(const Scene& scene, World& world, const std::vector<BodyId>& ids, const Keep& keep) {
+  RunResult result;
   Progress progress(scene.steps);
+  ErrorMeter meter(scene, keep.errors ? ErrorMeter::Follow::Run : ErrorMeter::Follow::End);
+  ResidualMeter residual;
+  const auto observe = [&](int step) {
+    meter.observe(step * scene.dt, body_states(world, ids),
+                  meter.needs_loads() ? contact_loads(world, ids) : std::vector<ContactLoad>());
+  };
   std::vector<double> ms;
-  for (int step = 1; step <= scene.steps && !result.non_finite; ++step) {
-    if (keep_state) result.final_state.copy(world);
+  for (int step = 1; step <= scene.steps; ++step) {
+    if (keep.final_state) result.final_state.copy(world);
+    apply_forces(scene, world, ids);
     result.last = world.step(scene.dt);
     ms.push_back(result.last.ms);
     for (int phase = 0; phase < phase_count; ++phase) result.phase_ms[phase] += result.last.phase_ms[phase];
     if (result.last.first_non_finite_body >= 0) {
       result.non_finite = NonFinite{step, place_of(result.last.first_non_finite_body, ids)};
+      break;
     }
+    if (keep.errors) residual.observe(world);
+    if (keep.errors || step == scene.steps) observe(step);
     progress.update(step);
   }
   for (double& phase : result.phase_ms) phase /= static_cast<double>(ms.size());
   result.step_times = step_times(std::move(ms));
-}
-
-}  // namespace
-
-RunResult simulate(const Scene& scene, World& world, const std::vector<BodyId>& ids, bool keep_state) {
-  RunResult result;
-  run_steps(scene, world, ids, keep_state, result);
   if (result.non_finite) return result;
 
-  if (keep_state) result.final_state.copy(world);
+  if (keep.final_state) result.final_state.copy(world);
   result.hash = world.state_hash();
-  const std::vector<PlacedShape> shapes = placed_shapes(scene, world, ids);
-  result.penetration = measure_penetration(shapes);
-  if (scene.starts_at_rest) {
-    // Without gravity no direction is down; the scenes' own up is as good as any.
-    const double g = scene.gravity.norm();
-    const Vector3 up = g > 0 ? Vector3(-scene.gravity / g) : Vector3(0, 0, 1);
-    result.rest = measure_rest(placed_shapes(scene), shapes, up);
+  result.errors = meter.errors();
+  if (keep.errors) {
+    result.errors.push_back({"contact_residual", residual.last(), ""});
+    result.errors.push_back({"contact_residual_max", residual.max(), ""});
   }
   return result;
 }

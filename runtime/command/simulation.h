@@ -31,13 +31,18 @@ struct RunResult {
   std::array<double, phase_count> phase_ms = {};  ///< mean
   StepReport last;                                ///< of the last step
   std::optional<NonFinite> non_finite;            ///< where set, the measures below are not
-  PenetrationReport penetration;
-  std::optional<RestReport> rest;  ///< for scenes that start at rest
+  std::vector<ErrorMeasure> errors;
   std::uint64_t hash = 0;
   BodyStates final_state;  ///< the last finite one, where it was asked for
 };
 
-/// Runs a scene that was built into the world as `ids`, then measures its errors.
-RunResult simulate(const Scene& scene, World& world, const std::vector<BodyId>& ids, bool keep_state);
+/// What simulate() keeps and measures on the way.
+struct Keep {
+  bool final_state = false;
+  bool errors = false;  ///< of every step; else of the final state only
+};
+
+/// Runs a scene that was built into the world as `ids`, and measures its errors.
+RunResult simulate(const Scene& scene, World& world, const std::vector<BodyId>& ids, const Keep& keep);
 
 }  // namespace atl::command

@@ -87,6 +87,7 @@ BodyId World::Impl::add_body(const BodyDef& def) {
 }
 
 void World::Impl::remove_body(BodyId id) {
+  captured_ = false;
   const std::uint32_t body = index_of(id, "remove_body");
   wake_touching(body);
   sleeping.wake(body);

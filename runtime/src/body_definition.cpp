@@ -117,6 +117,15 @@ void check_inertia(const Matrix3& inertia) {
   }
 }
 
+// What the definition of a dynamic body says of its mass; the shape has one.
+MassProperties mass_of(const BodyDef& def) {
+  MassProperties properties = mass_properties(def.shape);
+  const double mass = def.mass ? *def.mass : def.density * properties.mass;
+  properties.inertia = def.inertia ? *def.inertia : Matrix3(mass / properties.mass * properties.inertia);
+  properties.mass = mass;
+  return properties;
+}
+
 void check_mass(const BodyDef& def, CheckedBody& body) {
   check_positive("BodyDef.density", def.density);
   if (def.mass) check_positive("BodyDef.mass", *def.mass);
@@ -126,14 +135,13 @@ void check_mass(const BodyDef& def, CheckedBody& body) {
   if (const char* name = massless_name(body.colliders.front().shape.kind)) {
     throw Error(std::string("BodyDef.shape is a ") + name + " on a dynamic body; expected type Static or Kinematic");
   }
-  const MassProperties of_shape = mass_properties(def.shape);
-  const double mass = def.mass ? *def.mass : def.density * of_shape.mass;
-  body.centre = of_shape.centre;
-  body.inertia = def.inertia ? *def.inertia : Matrix3(mass / of_shape.mass * of_shape.inertia);
-  body.inverse_mass = 1 / mass;
+  const MassProperties properties = mass_of(def);
+  body.centre = properties.centre;
+  body.inertia = properties.inertia;
+  body.inverse_mass = 1 / properties.mass;
   body.inverse_inertia = body.inertia.inverse();
   if (!std::isfinite(body.inverse_mass) || !(body.inverse_mass > 0) || !body.inverse_inertia.allFinite()) {
-    refuse("BodyDef: mass", mass, "a mass and inertia whose inverses are finite");
+    refuse("BodyDef: mass", properties.mass, "a mass and inertia whose inverses are finite");
   }
   const double moment = body.inertia(0, 0);
   body.gyroscopic = (body.inertia - moment * Matrix3::Identity()).cwiseAbs().maxCoeff() > 1e-12 * moment;
@@ -194,6 +202,14 @@ CheckedBody check(const BodyDef& def) {
   check_not_negative("BodyDef.angular_damping", def.angular_damping);
   check_mass(def, body);
   return body;
+}
+
+MassProperties body_mass(const BodyDef& def) {
+  if (def.type != BodyType::Dynamic) {
+    throw Error("body_mass: BodyDef.type is Static or Kinematic; expected Dynamic: others have no finite mass");
+  }
+  check(def);
+  return mass_of(def);
 }
 
 }  // namespace atl

@@ -25,6 +25,7 @@ StepReport World::Impl::step(double dt) {
   dt_ = dt;
   report_ = {};
   contact_forces_valid_ = false;
+  captured_ = settings.keep_contact_problem;
   const auto run = [this](Phase phase, void (Impl::*body)()) {
     const Clock::time_point phase_start = Clock::now();
     (this->*body)();
@@ -134,7 +135,10 @@ void World::Impl::solve_islands() {
 
 void World::Impl::solve_groups() {
   const solver::SolverSettings how = solver_settings(settings);
-  const solver::SolveInput input{islands_, bodies, cache.manifolds.data(), gravity, dt_, how, *kernels, fast_};
+  if (settings.keep_contact_problem) capture_.resize(cache.manifolds.size(), bodies.size());
+  const solver::SolveInput input{islands_, bodies, cache.manifolds.data(),
+                                 gravity,  dt_,    how,
+                                 *kernels, fast_,  settings.keep_contact_problem ? &capture_ : nullptr};
   group_reports_.assign(groups_.size(), {});
   arena.parallel_for(groups_.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t g = begin; g < end; ++g) {

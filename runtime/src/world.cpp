@@ -56,6 +56,11 @@ std::size_t World::body_count() const { return impl_->records.count; }
 
 Pose World::pose(BodyId id) const { return impl_->pose(id); }
 
+BodyState World::state(BodyId id) const {
+  const std::uint32_t body = impl_->index_of(id, "state");
+  return {impl_->pose(id), impl_->bodies.velocity(body), impl_->bodies.angular_velocity(body)};
+}
+
 Vector3 World::centre_of_mass(BodyId id) const { return impl_->bodies.position(impl_->index_of(id, "centre_of_mass")); }
 
 Vector3 World::velocity(BodyId id) const { return impl_->bodies.velocity(impl_->index_of(id, "velocity")); }
@@ -141,6 +146,7 @@ StepReport World::step(double dt) {
 }
 
 std::span<const ContactForce> World::contact_forces() const { return impl_->contact_forces(); }
+ContactProblem World::contact_problem() const { return impl_->contact_problem(); }
 std::span<const ContactEvent> World::contact_events() const { return impl_->contact_events(); }
 
 Eigen::Map<const Eigen::Matrix3Xd> World::positions() const {

@@ -69,8 +69,9 @@ class World::Impl {
   void wake_all();
   void wake_touching(std::uint32_t body);
 
-  // Results: contact_forces.cpp, state_hash.cpp.
+  // Results: contact_forces.cpp, contact_problem.cpp, state_hash.cpp.
   std::span<const ContactForce> contact_forces() const;
+  ContactProblem contact_problem() const;
   std::span<const ContactEvent> contact_events() const { return contact_events_; }
   std::uint64_t state_hash() const;
 
@@ -159,6 +160,9 @@ class World::Impl {
   std::vector<ContactEvent> contact_events_;
   std::vector<std::pair<BodyId, BodyId>> touched_;  // in order, as of the last step with events
   std::vector<std::pair<BodyId, BodyId>> touched_before_;
+
+  solver::ContactCapture capture_;
+  bool captured_ = false;  // by the last step
 
   mutable std::vector<ContactForce> contact_forces_;
   mutable bool contact_forces_valid_ = false;

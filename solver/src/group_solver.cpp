@@ -103,6 +103,7 @@ GroupReport GroupSolver::run(const SolveInput& input, const IslandGroup& group, 
       each_colour([&](std::size_t begin, std::size_t end) { kernels.sweep(data, sweep, begin, end); });
     }
   }
+  if (input.capture != nullptr) capture(input, body_ids);
   if (report.restitution) {
     each_colour([&](std::size_t begin, std::size_t end) { kernels.restitute(data, begin, end); });
   }
@@ -221,6 +222,38 @@ void GroupSolver::clear_impulses() {
     for (auto& point : block.normal_impulse) std::fill_n(point, block_lanes, 0.0f);
     for (auto& axis : block.friction_impulse) std::fill_n(axis, block_lanes, 0.0f);
     std::fill_n(block.twist_impulse, block_lanes, 0.0f);
+  }
+}
+
+void GroupSolver::capture(const SolveInput& input, std::span<const std::uint32_t> bodies) const {
+  for (std::size_t b = 0; b < colouring_.block_count(); ++b) {
+    const ContactBlock& block = blocks_[b];
+    for (std::size_t lane = 0; lane < block_lanes; ++lane) {
+      if (block.slot[lane] < 0) continue;
+      ContactCapture::Answer& answer = input.capture->answers[static_cast<std::size_t>(block.slot[lane])];
+      for (std::size_t i = 0; i < max_points; ++i) {
+        answer.separation[i] = block.separation[i][lane];
+        answer.normal_impulse[i] = block.normal_impulse[i][lane];
+      }
+      const float normal[3] = {block.normal[0][lane], block.normal[1][lane], block.normal[2][lane]};
+      const collision::Tangents t = collision::tangents(normal);
+      for (std::size_t i = 0; i < 3; ++i) {
+        answer.friction_impulse[i] =
+            block.friction_impulse[0][lane] * t.first[i] + block.friction_impulse[1][lane] * t.second[i];
+      }
+      answer.twist_impulse = block.twist_impulse[lane];
+    }
+  }
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const std::size_t local = first_dynamic_ + i;
+    const VelocityRows& v = bodies_.velocity[local];
+    const InertiaRow& rest = bodies_.inertia[local];
+    ContactCapture::Motion& motion = input.capture->motions[bodies[i]];
+    motion.free_velocity = get3(bodies_.free_velocity[local].linear);
+    motion.free_angular_velocity = get3(bodies_.free_velocity[local].angular);
+    motion.inverse_inertia << v.inertia_xx, rest.xy, rest.xz,  //
+        rest.xy, v.inertia_yy, rest.yz,                        //
+        rest.xz, rest.yz, rest.zz;
   }
 }
 

@@ -39,7 +39,7 @@ TEST(CommandRun, JsonHasTheKeysInTheirOrder) {
                   "kept_manifolds", "asleep", "id_matches", "id_misses", "swept", "stopped"}));
   EXPECT_EQ(keys_of(json["errors"]),
             (Keys{"penetration_max", "penetration_p99", "penetration_mean", "penetration_max_relative", "sink_max",
-                  "sink_mean", "drift_max", "tilt_max"}));
+                  "sink_mean", "drift_max", "tilt_max", "energy_drift"}));
   for (const Json& stage : json["stages"]) EXPECT_EQ(keys_of(stage), (Keys{"name", "run", "why", "ms"}));
 
   EXPECT_EQ(json["scene"], "stack:height=3,ratio=1");
@@ -66,8 +66,8 @@ TEST(CommandRun, RestErrorsAreForScenesAtRest) {
   const CommandResult result = run_atoll({"run", "pile:bodies=5", "--steps", "2", "--format", "json"});
   ASSERT_EQ(result.status, 0) << result.err;
   const Json json = Json::parse(result.out);
-  EXPECT_EQ(keys_of(json["errors"]),
-            (Keys{"penetration_max", "penetration_p99", "penetration_mean", "penetration_max_relative"}));
+  EXPECT_EQ(keys_of(json["errors"]), (Keys{"penetration_max", "penetration_p99", "penetration_mean",
+                                           "penetration_max_relative", "energy_drift"}));
   EXPECT_EQ(json["bodies"], 5);
 }
 
@@ -178,6 +178,20 @@ TEST(CommandRun, BrokenSimulationKeepsTheLastFiniteState) {
   EXPECT_EQ(lines_of(state).size(), 2u);
   EXPECT_EQ(state.find("nan"), std::string::npos) << state;
   EXPECT_EQ(state.find("inf"), std::string::npos) << state;
+}
+
+TEST(CommandRun, ErrorsOfEveryStepAreMeasuredOnRequestAndChangeNothing) {
+  const std::vector<std::string> plain = {"run", "stack:height=3", "--steps", "30", "--format", "json"};
+  std::vector<std::string> with_errors = plain;
+  with_errors.push_back("--errors");
+  const Json without = Json::parse(run_atoll(plain).out), with = Json::parse(run_atoll(with_errors).out);
+  EXPECT_FALSE(without["errors"].contains("contact_residual"));
+  ASSERT_TRUE(with["errors"].contains("contact_residual"));
+  // Landing: the solver's answer is not exact, but nearer than none.
+  EXPECT_GT(with["errors"]["contact_residual_max"], 0.0);
+  EXPECT_LT(with["errors"]["contact_residual_max"], 1.0);
+  EXPECT_LE(with["errors"]["contact_residual"], with["errors"]["contact_residual_max"]);
+  EXPECT_EQ(with["hash"], without["hash"]);
 }
 
 }  // namespace

@@ -2,7 +2,10 @@
 /// Atoll: a multithreaded, island-parallel rigid-body runtime. This header includes the whole public API.
 
 #include <atoll/body.h>
+#include <atoll/closed_form.h>
+#include <atoll/contact_problem.h>
 #include <atoll/error.h>
+#include <atoll/error_meter.h>
 #include <atoll/errors.h>
 #include <atoll/queries.h>
 #include <atoll/report.h>

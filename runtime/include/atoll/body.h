@@ -52,4 +52,8 @@ struct BodyDef {
   bool continuous = false;
 };
 
+/// What a body weighs, as a world takes it from the definition. Throws Error unless the body is dynamic and its
+/// definition usable.
+MassProperties body_mass(const BodyDef& def);
+
 }  // namespace atl

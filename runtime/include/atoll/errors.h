@@ -1,10 +1,10 @@
 #pragma once
 
 #include <atoll/body.h>
+#include <atoll/contact_problem.h>
+#include <atoll/error.h>
 #include <atoll/types.h>
-#include <atoll/world.h>
 
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -32,6 +32,32 @@ struct RestReport {
   double sink_mean = 0;  ///< m, signed
   double drift_max = 0;  ///< m, across gravity
   double tilt_max = 0;   ///< rad
+};
+
+/// How far a contact problem's impulses are from solving it.
+struct ResidualReport {
+  /// The natural map's norm over all patches, relative to that of the free velocities at the contacts, or, where
+  /// these are 0, of what the impulses make of them: 0 at a solution, about 1 where nothing was done.
+  double relative = 0;
+  double absolute = 0;  ///< m/s, that norm before the division
+  double worst = 0;     ///< m/s, of one patch
+  std::size_t worst_patch = 0;
+  std::vector<double> by_patch;  ///< m/s
+};
+
+/// Mechanical energy and momentum of some bodies.
+struct MotionReport {
+  double kinetic = 0;                          ///< J
+  double potential = 0;                        ///< J, against the world's origin
+  Vector3 momentum = Vector3::Zero();          ///< kg m/s
+  Vector3 angular_momentum = Vector3::Zero();  ///< kg m^2/s, about the world's origin
+};
+
+/// A body in motion as the audit sees it.
+struct MovingBody {
+  MassProperties mass = {};
+  BodyState state = {};
+  double gravity_scale = 1;
 };
 
 /// Signed overlap in m of two placed shapes, in double, by code that shares nothing with the simulation's narrowphase.
@@ -62,5 +88,21 @@ PenetrationReport measure_penetration(std::span<const PlacedShape> shapes);
 
 /// `ideal` and `actual` hold the same bodies in the same order; up is a unit vector against gravity.
 RestReport measure_rest(std::span<const PlacedShape> ideal, std::span<const PlacedShape> actual, const Vector3& up);
+
+/// In double, from the problem and its impulses alone: velocities follow from the impulses and not from what the solver
+/// made of them. Rows of spin are taken per lever arm, r_w / L and L u_w, so that all have the same units, and K is the
+/// patch's friction cone {r_i >= 0, |r_T| <= mu R, |r_w / L| <= mu R}. With u corrected as de Saxce and Feng do ("The
+/// bipotential method", 1998), by max(gap_i, 0) / h + mu (|u_T| + L |u_w|) at the normal rows, the residual of a patch
+/// is that of the natural map, |r - P_K(r - m u)| / m, a velocity and zero exactly at a solution. m is the harmonic
+/// mean of the effective masses of the patch's rows: one number a patch, so that P_K is the orthogonal projection.
+///
+/// The norm of the free u counts the gaps but not friction's term: of all points that would close within the substep,
+/// and of the rows of friction of the patches that have such a point.
+///
+/// Without friction there are no rows of friction, and with L = 0 none of spin. Throws Error on a body that is not
+/// there, a patch without points or with more than 4, friction or lever < 0, a twist impulse where L = 0, substep <= 0.
+ResidualReport measure_contact_residual(const ContactProblem& problem);
+
+MotionReport measure_motion(std::span<const MovingBody> bodies, const Vector3& gravity);
 
 }  // namespace atl

@@ -1,12 +1,14 @@
 #pragma once
 
 #include <atoll/body.h>
+#include <atoll/closed_form.h>
 #include <atoll/errors.h>
 #include <atoll/settings.h>
 #include <atoll/world.h>
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,6 +19,7 @@ namespace atl {
 struct SceneBody {
   std::string name = {};
   BodyDef def = {};
+  Vector3 force = Vector3::Zero();  ///< N, world frame, through the centre of mass, in every step
 };
 
 /// A world to simulate, as data: what a scene file or a built-in scene turns into.
@@ -29,6 +32,7 @@ struct Scene {
   /// The bodies start in their ideal rest pose, so sink, drift and tilt are errors.
   bool starts_at_rest = false;
   std::vector<SceneBody> bodies = {};
+  std::optional<ClosedForm> closed_form = {};  ///< of a scene whose motion is known
 };
 
 /// Thrown for a scene that cannot be read. what() is one line: the file (or the scene's name), the JSON
@@ -66,6 +70,14 @@ Scene parse_scene(std::string_view json, const std::string& origin, std::uint64_
 
 /// Adds all bodies in order and returns their ids. Throws Error.
 std::vector<BodyId> build_scene(const Scene& scene, World& world);
+
+/// Gives the scene's constant forces to the world's next step.
+void apply_forces(const Scene& scene, World& world, const std::vector<BodyId>& ids);
+
+/// What the world makes of the scene's bodies, in the scene's order.
+std::vector<BodyState> body_states(const World& world, const std::vector<BodyId>& ids);
+/// Forces between them as of the end of the last step, in order of pairs of body ids.
+std::vector<ContactLoad> contact_loads(const World& world, const std::vector<BodyId>& ids);
 
 /// Shapes at the scene's starting poses, and at a world's current ones, for the error measures.
 std::vector<PlacedShape> placed_shapes(const Scene& scene);

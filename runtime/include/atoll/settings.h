@@ -34,6 +34,8 @@ struct Settings {
 
   bool contact_events = false;  ///< World::contact_events() has something to tell
 
+  bool keep_contact_problem = false;  ///< World::contact_problem() has something to tell
+
   Simd simd = Simd::Auto;
 };
 

@@ -22,6 +22,13 @@ struct Pose {
   Quaternion orientation = Quaternion::Identity();
 };
 
+/// How a body moves: what any engine can tell of it.
+struct BodyState {
+  Pose pose = {};                              ///< of the body's frame
+  Vector3 velocity = Vector3::Zero();          ///< m/s, world frame, of the centre of mass
+  Vector3 angular_velocity = Vector3::Zero();  ///< rad/s, world frame
+};
+
 /// Names a body for its lifetime. The index is the body's column in the bulk views; it is used again
 /// after the body is removed, with another generation, so a stale id is always recognised.
 struct BodyId {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atoll/body.h>
+#include <atoll/contact_problem.h>
 #include <atoll/error.h>
 #include <atoll/report.h>
 #include <atoll/settings.h>
@@ -90,6 +91,13 @@ class World {
 
   /// After a step with Settings::contact_events: what began and what ended, in order of body ids.
   std::span<const ContactEvent> contact_events() const;
+
+  /// After a step with Settings::keep_contact_problem: what the last substep's sweeps had to solve, and their answer,
+  /// before restitution. Empty after a step without it, or once a body has been removed.
+  ContactProblem contact_problem() const;
+
+  /// Pose and velocities of one body.
+  BodyState state(BodyId id) const;
 
   /// Bulk views over all bodies, one column a body index (BodyId::index). Columns of removed bodies
   /// keep their last values until the index is used again. Valid until a body is added.

@@ -4,6 +4,7 @@
 #include <jobs/worker_team.h>
 #include <solver/body_table.h>
 #include <solver/colouring.h>
+#include <solver/contact_capture.h>
 #include <solver/islands.h>
 #include <solver/kernels.h>
 #include <solver/motion.h>
@@ -24,6 +25,7 @@ struct SolveInput {
   const SolverSettings& settings;
   const Kernels& kernels;
   FastBodies& fast;
+  ContactCapture* capture = nullptr;  ///< null where nobody asks
 };
 
 struct GroupReport {
@@ -51,6 +53,7 @@ class GroupSolver {
   void load_kinematic_bodies(const SolveInput& input);
   void write_back(const SolveInput& input, std::span<const std::uint32_t> bodies, std::size_t begin, std::size_t end);
   void clear_impulses();
+  void capture(const SolveInput& input, std::span<const std::uint32_t> bodies) const;
 
   std::vector<std::uint32_t> kinematic_;  // bodies that the group's contacts touch, in order
   std::uint32_t first_dynamic_ = 1;       // index in bodies_

@@ -1,0 +1,200 @@
+#include <atoll/error.h>
+#include <atoll/errors.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "friction_cone.h"
+
+namespace atl {
+namespace {
+
+using audit::PatchVector;
+
+struct Velocity {
+  Vector3 linear = Vector3::Zero();
+  Vector3 angular = Vector3::Zero();
+};
+
+[[noreturn]] void refuse(std::size_t patch, const std::string& found) {
+  throw Error("contact problem: patch " + std::to_string(patch) + ": " + found);
+}
+
+void check(const ContactProblem& problem) {
+  if (!problem.patches.empty() && !(problem.substep > 0)) {
+    throw Error("contact problem: substep: found " + std::to_string(problem.substep) + ", expected a time > 0");
+  }
+  for (std::size_t i = 0; i < problem.patches.size(); ++i) {
+    const ContactProblem::Patch& patch = problem.patches[i];
+    for (const std::size_t body : {patch.first, patch.second}) {
+      if (body == ContactProblem::fixed || body < problem.bodies.size()) continue;
+      refuse(i, "found body " + std::to_string(body) + ", expected one of " + std::to_string(problem.bodies.size()) +
+                    " or fixed");
+    }
+    if (patch.points.empty() || patch.points.size() > 4) {
+      refuse(i, "found " + std::to_string(patch.points.size()) + " points, expected 1 to 4");
+    }
+    if (!(patch.friction >= 0)) {
+      refuse(i, "found friction " + std::to_string(patch.friction) + ", expected a number >= 0");
+    }
+    if (!(patch.lever >= 0)) refuse(i, "found lever " + std::to_string(patch.lever) + " m, expected a length >= 0");
+    if (patch.lever == 0 && patch.twist_impulse != 0) {
+      refuse(i,
+             "found a twist impulse of " + std::to_string(patch.twist_impulse) + " N m s at a lever of 0, expected 0");
+    }
+  }
+}
+
+// One patch with its bodies. Velocities are of the second body against the first.
+class Rows {
+ public:
+  Rows(const ContactProblem& problem, const ContactProblem::Patch& patch)
+      : patch_(patch), tangents_{patch.tangent, patch.normal.cross(patch.tangent)} {
+    if (patch.first != ContactProblem::fixed) first_ = &problem.bodies[patch.first];
+    if (patch.second != ContactProblem::fixed) second_ = &problem.bodies[patch.second];
+  }
+
+  // Adds M^-1 J^T r.
+  void accelerate(std::vector<Velocity>& velocities) const {
+    Vector3 impulse = patch_.friction_impulse;
+    Vector3 angular = patch_.twist_impulse * patch_.normal;
+    for (const ContactProblem::Point& point : patch_.points) {
+      impulse += point.impulse * patch_.normal;
+      angular += arm(point).cross(point.impulse * patch_.normal);
+    }
+    const auto add = [&](const ContactProblem::Body* body, std::size_t index, const Vector3& anchor, double sign) {
+      if (body == nullptr) return;
+      velocities[index].linear += sign * body->inverse_mass * impulse;
+      velocities[index].angular += sign * (body->inverse_inertia * (anchor.cross(impulse) + angular));
+    };
+    add(first_, patch_.first, patch_.anchor_first, -1);
+    add(second_, patch_.second, patch_.anchor_second, 1);
+  }
+
+  PatchVector velocity(const std::vector<Velocity>& velocities) const {
+    const Velocity first = first_ == nullptr ? Velocity{} : velocities[patch_.first];
+    const Velocity second = second_ == nullptr ? Velocity{} : velocities[patch_.second];
+    const Vector3 at_centre = second.linear + second.angular.cross(patch_.anchor_second) - first.linear -
+                              first.angular.cross(patch_.anchor_first);
+    const Vector3 spin = second.angular - first.angular;
+    PatchVector u{.points = patch_.points.size(),
+                  .tangential = {tangents_[0].dot(at_centre), tangents_[1].dot(at_centre)},
+                  .twist = patch_.lever * patch_.normal.dot(spin)};
+    for (std::size_t i = 0; i < u.points; ++i) {
+      u.normal[i] = patch_.normal.dot(at_centre + spin.cross(arm(patch_.points[i])));
+    }
+    return u;
+  }
+
+  PatchVector impulse() const {
+    PatchVector r{.points = patch_.points.size(),
+                  .tangential = {tangents_[0].dot(patch_.friction_impulse), tangents_[1].dot(patch_.friction_impulse)},
+                  .twist = patch_.lever > 0 ? patch_.twist_impulse / patch_.lever : 0};
+    for (std::size_t i = 0; i < r.points; ++i) r.normal[i] = patch_.points[i].impulse;
+    return r;
+  }
+
+  // Harmonic mean of the rows' effective masses, kg; infinite where nothing can move.
+  double effective_mass() const {
+    double sum = 0, rows = 0;
+    const auto add = [&](const Vector3& direction, const Vector3& arm, double scale) {
+      sum += scale * (response(first_, direction, patch_.anchor_first + arm) +
+                      response(second_, direction, patch_.anchor_second + arm));
+      rows += 1;
+    };
+    for (const ContactProblem::Point& point : patch_.points) add(patch_.normal, arm(point), 1);
+    if (patch_.friction > 0) {
+      for (const Vector3& tangent : tangents_) add(tangent, Vector3::Zero(), 1);
+      if (patch_.lever > 0) {
+        for (const ContactProblem::Body* body : {first_, second_}) {
+          if (body == nullptr) continue;
+          sum += patch_.lever * patch_.lever * patch_.normal.dot(body->inverse_inertia * patch_.normal);
+        }
+        rows += 1;
+      }
+    }
+    return rows / sum;
+  }
+
+ private:
+  Vector3 arm(const ContactProblem::Point& point) const { return point.x * tangents_[0] + point.y * tangents_[1]; }
+
+  static double response(const ContactProblem::Body* body, const Vector3& direction, const Vector3& anchor) {
+    if (body == nullptr) return 0;
+    const Vector3 moment = anchor.cross(direction);
+    return body->inverse_mass + moment.dot(body->inverse_inertia * moment);
+  }
+
+  const ContactProblem::Patch& patch_;
+  Vector3 tangents_[2];
+  const ContactProblem::Body* first_ = nullptr;
+  const ContactProblem::Body* second_ = nullptr;
+};
+
+// Closing as much of the gap as is there is no approach.
+void allow_gaps(PatchVector& u, const ContactProblem::Patch& patch, double substep) {
+  for (std::size_t i = 0; i < u.points; ++i) u.normal[i] += std::max(0.0, patch.points[i].gap) / substep;
+}
+
+// In m/s.
+double natural_map(const Rows& rows, PatchVector u, double friction) {
+  const double mass = rows.effective_mass();
+  if (!std::isfinite(mass)) return 0;
+  // De Saxce and Feng's correction makes sliding along the cone normal to it.
+  const double correction = friction * (u.tangential.norm() + std::abs(u.twist));
+  const PatchVector r = rows.impulse();
+  PatchVector z = r;
+  for (std::size_t i = 0; i < z.points; ++i) z.normal[i] -= mass * (u.normal[i] + correction);
+  z.tangential -= mass * u.tangential;
+  z.twist -= mass * u.twist;
+  return std::sqrt((r - audit::project_on_cone(z, friction)).squared_norm()) / mass;
+}
+
+// Square of the speeds at the rows of a patch some point of which would close without impulses.
+double square_within_reach(const PatchVector& u, double friction) {
+  double closing = 0;
+  for (std::size_t i = 0; i < u.points; ++i) closing += std::pow(std::min(0.0, u.normal[i]), 2);
+  if (closing == 0 || friction == 0) return closing;
+  return closing + u.tangential.squaredNorm() + u.twist * u.twist;
+}
+
+}  // namespace
+
+ResidualReport measure_contact_residual(const ContactProblem& problem) {
+  check(problem);
+  std::vector<Velocity> free, after;
+  for (const ContactProblem::Body& body : problem.bodies) {
+    free.push_back({body.free_velocity, body.free_angular_velocity});
+  }
+  after = free;
+  for (const ContactProblem::Patch& patch : problem.patches) Rows(problem, patch).accelerate(after);
+
+  ResidualReport report;
+  double sum = 0, free_scale = 0, response_scale = 0;
+  for (std::size_t i = 0; i < problem.patches.size(); ++i) {
+    const ContactProblem::Patch& patch = problem.patches[i];
+    const Rows rows(problem, patch);
+    PatchVector u_free = rows.velocity(free);
+    PatchVector u = rows.velocity(after);
+    response_scale += (u - u_free).squared_norm();
+    allow_gaps(u_free, patch, problem.substep);
+    allow_gaps(u, patch, problem.substep);
+    free_scale += square_within_reach(u_free, patch.friction);
+
+    const double residual = natural_map(rows, u, patch.friction);
+    report.by_patch.push_back(residual);
+    sum += residual * residual;
+    if (residual > report.worst) {
+      report.worst = residual;
+      report.worst_patch = i;
+    }
+  }
+  report.absolute = std::sqrt(sum);
+  // Where nothing would close, no impulse should act: those that do are compared with what they make of the velocities.
+  const double scale = free_scale > 0 ? free_scale : response_scale;
+  if (scale > 0) report.relative = std::sqrt(sum / scale);
+  return report;
+}
+
+}  // namespace atl

@@ -1,0 +1,67 @@
+#include "world_impl.h"
+
+namespace atl {
+namespace {
+
+template <typename Floats>
+Vector3 vector(const Floats& v) {
+  return {v[0], v[1], v[2]};
+}
+
+}  // namespace
+
+ContactProblem World::Impl::contact_problem() const {
+  ContactProblem problem;
+  if (!captured_) return problem;
+  problem.substep = last_substep_;
+
+  std::vector<std::size_t> place(bodies.size(), ContactProblem::fixed);
+  const auto place_of = [&](std::uint32_t body) {
+    if (bodies.mobility[body] == solver::Mobility::Fixed || place[body] != ContactProblem::fixed) return place[body];
+    ContactProblem::Body entry{.index = body};
+    if (bodies.mobility[body] == solver::Mobility::Dynamic) {
+      const solver::ContactCapture::Motion& motion = capture_.motions[body];
+      entry.inverse_mass = bodies.inverse_mass[body];
+      entry.inverse_inertia = motion.inverse_inertia;
+      entry.free_velocity = motion.free_velocity;
+      entry.free_angular_velocity = motion.free_angular_velocity;
+    } else {
+      entry.free_velocity = bodies.velocity(body);
+      entry.free_angular_velocity = bodies.angular_velocity(body);
+    }
+    problem.bodies.push_back(entry);
+    return place[body] = problem.bodies.size() - 1;
+  };
+
+  for (const solver::TouchingPair& pair : touching_) {
+    const collision::ContactManifold& manifold = cache.manifolds[pair.slot];
+    const solver::ContactCapture::Answer& answer = capture_.answers[pair.slot];
+    // Of unit length and square in double, as the solver's are in single precision only.
+    const Vector3 normal = vector(manifold.normal).normalized();
+    const Vector3 first_tangent = vector(collision::tangents(manifold.normal).first);
+    const Vector3 tangent = (first_tangent - normal.dot(first_tangent) * normal).normalized();
+    const Vector3 friction = vector(answer.friction_impulse);
+    // A ball is touched on the line through its centre, see the solver's prepare().
+    const auto anchor = [&](std::uint32_t body, const float(&from_centre)[3]) {
+      const Vector3 arm = vector(from_centre);
+      return bodies.ball[body] != 0 ? Vector3(normal.dot(arm) * normal) : arm;
+    };
+    ContactProblem::Patch patch{.first = place_of(pair.first),
+                                .second = place_of(pair.second),
+                                .normal = normal,
+                                .tangent = tangent,
+                                .anchor_first = anchor(pair.first, manifold.anchor_first),
+                                .anchor_second = anchor(pair.second, manifold.anchor_second),
+                                .friction = manifold.friction,
+                                .lever = manifold.lever,
+                                .friction_impulse = friction - normal.dot(friction) * normal,
+                                .twist_impulse = answer.twist_impulse};
+    for (std::size_t i = 0; i < cache.contacts[pair.slot].count; ++i) {
+      patch.points.push_back({manifold.x[i], manifold.y[i], answer.separation[i], answer.normal_impulse[i]});
+    }
+    problem.patches.push_back(std::move(patch));
+  }
+  return problem;
+}
+
+}  // namespace atl

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <solver/body_table.h>
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace atl::solver {
+
+/// What the last substep's sweeps had to solve and what they answered, before restitution, for the error audit. Groups
+/// write the entries of their own bodies and contacts.
+struct ContactCapture {
+  struct Answer {
+    std::array<float, 4> separation;      ///< m, as the sweeps saw it
+    std::array<float, 4> normal_impulse;  ///< N s
+    std::array<float, 3> friction_impulse;
+    float twist_impulse;  ///< N m s
+  };
+  struct Motion {
+    Vector3 free_velocity;  ///< after forces, before contact impulses
+    Vector3 free_angular_velocity;
+    Matrix3 inverse_inertia;  ///< world frame
+  };
+
+  std::vector<Answer> answers;  ///< by contact slot
+  std::vector<Motion> motions;  ///< by body, of the dynamic ones that contacts touch
+
+  void resize(std::size_t slots, std::size_t bodies) {
+    answers.resize(slots);
+    motions.resize(bodies);
+  }
+};
+
+}  // namespace atl::solver
