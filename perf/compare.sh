@@ -37,8 +37,12 @@ shift
 atoll_options=("$@")
 [[ " $* " == *" --threads"* ]] || atoll_options+=(--threads 2)
 
-packages+=(libbullet-dev)
+# An engine that can't be installed is left out.
 install_packages
+for package in libbullet-dev libode-dev libmujoco-dev; do
+  packages=("$package")
+  install_packages || say "could not install $package; its engine is left out"
+done
 (cd "$root" && build release atoll_compare -DATOLL_BUILD_PEERS=ON)
 
 results=$(mktemp -d)
@@ -48,8 +52,10 @@ for driver in "$root"/build/release/bin/atoll_peer_*; do
   [[ ! -x $driver ]] || engines+=("${driver##*_peer_}")
 done
 
-# The engines take turns, so that a machine that slows down slows all of them.
+# The engines take turns, so that a machine that slows down slows all of them. One that can't simulate the scene has said
+# why, and is left out from then on.
 for ((i = 1; i <= repeats; ++i)); do
+  able=()
   for engine in "${engines[@]}"; do
     say "$engine, run $i of $repeats"
     if [[ $engine == atoll ]]; then
@@ -57,8 +63,15 @@ for ((i = 1; i <= repeats; ++i)); do
     else
       run=("$root/build/release/bin/atoll_peer_$engine" "$scene")
     fi
-    "${run[@]}" "${common[@]}" --format json >"$results/$engine.$i"
+    if "${run[@]}" "${common[@]}" --format json >"$results/$engine.$i"; then
+      able+=("$engine")
+    elif [[ $engine == atoll ]]; then
+      exit 1
+    else
+      say "$engine is left out"
+    fi
   done
+  engines=("${able[@]}")
 done
 
 # value FILE OBJECT KEY: a number of a JSON report; - where it has none.

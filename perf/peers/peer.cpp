@@ -5,13 +5,14 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <fstream>
 #include <iomanip>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <numeric>
+
+#include "run.h"
 
 namespace peer {
 namespace {
@@ -21,47 +22,26 @@ using Json = nlohmann::ordered_json;
 struct Options {
   std::string scene;
   int steps = 0;  // 0: as many as the scene says
+  double dt = 0;  // 0: the scene's
   std::uint64_t seed = 1;
+  Setting setting;
+  double time = 0;
+  bool timed = false;
+  bool errors = false;
+  bool describe = false;
   std::string format = "text";
   std::string final_state;
 };
 
-// The scene as Atoll has it. Gives the masses, and takes the engine's last state to be measured.
-struct Mirror {
-  explicit Mirror(const atl::Scene& scene) : ids(atl::build_scene(scene, world)) {}
-
-  std::vector<double> masses() const {
-    std::vector<double> masses;
-    for (const atl::BodyId id : ids) masses.push_back(world.mass(id));
-    return masses;
+Json describe(const Engine& engine) {
+  Json settings = Json::array();
+  for (const NamedSetting& setting : engine.settings) {
+    settings.push_back({{"label", setting.label}, {"options", setting.options}, {"large", setting.large}});
   }
-
-  void copy(const std::vector<BodyState>& state) {
-    for (std::size_t i = 0; i < ids.size(); ++i) {
-      if (world.type(ids[i]) != atl::BodyType::Dynamic) continue;
-      world.set_pose(ids[i], state[i].pose);
-      world.set_velocity(ids[i], state[i].velocity, state[i].angular_velocity);
-    }
-  }
-
-  atl::World world;
-  std::vector<atl::BodyId> ids;
-};
-
-std::vector<double> time_steps(Simulation& simulation, const atl::Scene& scene) {
-  using Clock = std::chrono::steady_clock;
-  std::vector<double> ms;
-  for (int i = 0; i < scene.steps; ++i) {
-    const Clock::time_point start = Clock::now();
-    simulation.step(scene.dt);
-    ms.push_back(std::chrono::duration<double, std::milli>(Clock::now() - start).count());
-  }
-  return ms;
-}
-
-bool is_finite(const BodyState& body) {
-  return body.pose.position.allFinite() && body.pose.orientation.coeffs().allFinite() && body.velocity.allFinite() &&
-         body.angular_velocity.allFinite();
+  return {{"engine", engine.name},
+          {"version", engine.version},
+          {"precision", engine.precision},
+          {"settings", std::move(settings)}};
 }
 
 Json times_json(std::vector<double> ms) {
@@ -74,18 +54,18 @@ Json times_json(std::vector<double> ms) {
           {"max", ms.back()}};
 }
 
-Json errors_json(const atl::Scene& scene, const Mirror& mirror) {
-  const std::vector<atl::PlacedShape> shapes = atl::placed_shapes(scene, mirror.world, mirror.ids);
-  atl::command::RunResult result;
-  result.penetration = atl::measure_penetration(shapes);
-  if (scene.starts_at_rest) {
-    const double g = scene.gravity.norm();
-    const atl::Vector3 up = g > 0 ? atl::Vector3(-scene.gravity / g) : atl::Vector3(0, 0, 1);
-    result.rest = atl::measure_rest(atl::placed_shapes(scene), shapes, up);
-  }
+void add_outcome(Json& report, const Outcome& outcome) {
   Json errors = Json::object();
-  for (const atl::command::ErrorMeasure& error : atl::command::named_errors(result)) errors[error.name] = error.value;
-  return errors;
+  for (const atl::ErrorMeasure& error : outcome.errors) errors[error.name] = error.value;
+  report["errors"] = std::move(errors);
+  report["fell"] = outcome.fell;
+}
+
+void add_times(Json& report, const TimedRuns& timed, const atl::Scene& scene) {
+  const double steps = static_cast<double>(timed.runs) * scene.steps;
+  report["cpu_s_per_simulated_s"] = timed.cpu / (steps * scene.dt);
+  report["ms_per_step"] = {{"mean", 1e3 * timed.wall / steps}};
+  report["runs"] = timed.runs;
 }
 
 // One line a value, objects flattened to dotted names.
@@ -99,74 +79,114 @@ void print_text(const Json& report) {
   }
 }
 
-void write_final_state(const std::string& path, const atl::Scene& scene, const Mirror& mirror) {
-  atl::command::BodyStates states;
-  states.copy(mirror.world);
+void write_final_state(const std::string& path, const atl::Scene& scene, const std::vector<atl::BodyState>& states) {
+  atl::World world;
+  const std::vector<atl::BodyId> ids = atl::build_scene(scene, world);
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    if (world.type(ids[i]) == atl::BodyType::Static) continue;
+    world.set_pose(ids[i], states[i].pose);
+    world.set_velocity(ids[i], states[i].velocity, states[i].angular_velocity);
+  }
+  atl::command::BodyStates table;
+  table.copy(world);
   std::ofstream file(path);
-  states.write_csv(file, scene, mirror.ids);
+  table.write_csv(file, scene, ids);
   if (!file.flush()) throw std::runtime_error("cannot write " + path);
 }
 
-int simulate(const Engine& engine, const Options& options) {
+Json simulate(const Engine& engine, const Options& options) {
   atl::Scene scene = atl::load_scene(options.scene, options.seed);
   if (options.steps > 0) scene.steps = options.steps;
-  Mirror mirror(scene);
-  const std::unique_ptr<Simulation> simulation = engine.load(scene, mirror.masses());
-  const std::vector<double> ms = time_steps(*simulation, scene);
-
-  const std::vector<BodyState> state = simulation->state();
-  const auto broken = std::find_if_not(state.begin(), state.end(), is_finite);
-  if (broken != state.end()) {
-    std::cerr << engine.name << ": body " << broken - state.begin() << " is not finite after the run\n";
-    return 4;
-  }
-  mirror.copy(state);
-  if (!options.final_state.empty()) write_final_state(options.final_state, scene, mirror);
-  const Json report = {{"engine", engine.name},
-                       {"version", engine.version},
-                       {"setting", engine.setting},
-                       {"scene", scene.name},
-                       {"bodies", atl::command::body_counts(scene).dynamic},
-                       {"steps", scene.steps},
-                       {"dt", scene.dt},
-                       {"threads", 1},
-                       {"ms_per_step", times_json(ms)},
-                       {"errors", errors_json(scene, mirror)}};
-  if (options.format == "json") {
-    std::cout << report.dump(2) << '\n';
+  if (options.dt > 0) scene.dt = options.dt;
+  const Setting& setting = options.setting;
+  Json report = {
+      {"engine", engine.name},
+      {"version", engine.version},
+      {"precision", engine.precision},
+      {"setting", {{"substeps", setting.substeps}, {"iterations", setting.iterations}, {"variant", setting.variant}}},
+      {"scene", scene.name},
+      {"bodies", atl::command::body_counts(scene).dynamic},
+      {"steps", scene.steps},
+      {"dt", scene.dt},
+      {"threads", 1}};
+  if (options.errors) {
+    add_outcome(report, run_observed(engine, scene, setting));
+  } else if (options.timed) {
+    add_times(report, run_timed(engine, scene, setting, options.time), scene);
   } else {
-    print_text(report);
+    const SteppedRun run = run_stepped(engine, scene, setting);
+    if (!options.final_state.empty()) write_final_state(options.final_state, scene, run.states);
+    report["ms_per_step"] = times_json(run.ms);
+    add_outcome(report, run.outcome);
   }
-  return 0;
+  return report;
+}
+
+void add_options(CLI::App& app, const Engine& engine, Options& options) {
+  auto* describe = app.add_flag("--describe", options.describe, "print the engine and the settings worth a sweep");
+  auto* scene = app.add_option("SCENE", options.scene, "scene file or built-in scene");
+  scene->excludes(describe);
+  app.add_option("--steps", options.steps, "steps to simulate (default: the scene's)")->check(CLI::Range(1, 1'000'000));
+  app.add_option("--dt", options.dt, "length of a step, s (default: the scene's)")->check(CLI::Range(1e-9, 1.0));
+  app.add_option("--seed", options.seed, "seed of a scene's random content")->capture_default_str();
+  app.add_option("--substeps", options.setting.substeps, "engine steps in a step, each of dt / substeps")
+      ->check(CLI::Range(1, 100'000))
+      ->capture_default_str();
+  app.add_option("--iterations", options.setting.iterations, "iterations of the engine's solver")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  app.add_option("--variant", options.setting.variant, "how the engine solves")
+      ->check(CLI::IsMember(engine.variants))
+      ->capture_default_str();
+  auto* time = app.add_option("--time", options.time, "time whole runs until they took this much CPU time, s");
+  time->check(CLI::Range(0.0, 1e6));
+  auto* errors = app.add_flag("--errors", options.errors, "measure errors over all steps; no times");
+  errors->excludes(time);
+  app.add_option("--format", options.format, "text or json")
+      ->check(CLI::IsMember({"text", "json"}))
+      ->capture_default_str();
+  app.add_option("--final-state", options.final_state, "write pose and velocity of every body to this CSV file")
+      ->excludes(time)
+      ->excludes(errors);
+  app.callback([&options, scene, describe, time] {
+    options.timed = time->count() > 0;
+    if (scene->count() + describe->count() == 0) throw CLI::RequiredError("SCENE");
+  });
 }
 
 }  // namespace
 
 int run(const Engine& engine, int argc, char** argv) {
   Options options;
-  CLI::App app("Simulates an Atoll scene in " + engine.name + " " + engine.version + " (" + engine.setting + ").");
-  app.add_option("SCENE", options.scene, "scene file or built-in scene")->required();
-  app.add_option("--steps", options.steps, "steps to simulate (default: the scene's)")->check(CLI::Range(1, 1'000'000));
-  app.add_option("--seed", options.seed, "seed of a scene's random content")->capture_default_str();
-  app.add_option("--format", options.format, "text or json")
-      ->check(CLI::IsMember({"text", "json"}))
-      ->capture_default_str();
-  app.add_option("--final-state", options.final_state, "write pose and velocity of every body to this CSV file");
+  options.setting = {.iterations = engine.iterations, .variant = engine.variants.front()};
+  CLI::App app("Simulates an Atoll scene in " + engine.name + " " + engine.version + " (" + engine.precision +
+               " precision, one thread).");
+  add_options(app, engine, options);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
 
+  int status = 2;
   try {
-    return simulate(engine, options);
-  } catch (const atl::Error& error) {
+    const Json report = options.describe ? describe(engine) : simulate(engine, options);
+    if (options.describe || options.format == "json") {
+      std::cout << report.dump(2) << '\n';
+    } else {
+      print_text(report);
+    }
+    return 0;
+  } catch (const NonFinite& error) {
+    status = 4;
     std::cerr << engine.name << ": " << error.what() << '\n';
-    return 3;
+  } catch (const atl::Error& error) {
+    status = 3;
+    std::cerr << engine.name << ": " << error.what() << '\n';
   } catch (const std::exception& error) {
     std::cerr << engine.name << ": " << error.what() << '\n';
-    return 2;
   }
+  return status;
 }
 
 }  // namespace peer

@@ -1,25 +1,33 @@
 #pragma once
 /// What the drivers of other engines share: the command line, the run, its timing and its report. A driver
-/// turns an atl::Scene into its engine's world and gives the bodies' state back; errors are measured by
-/// Atoll's audit on that state, as for Atoll itself.
+/// turns an atl::Scene into its engine's world and gives the bodies' states back; errors are measured by
+/// atl::ErrorMeter on those, as for Atoll itself.
 
 #include <atoll/scene.h>
 
 #include <functional>
 #include <memory>
-#include <span>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 namespace peer {
 
-struct BodyState {
-  atl::Pose pose = {};
-  atl::Vector3 velocity = atl::Vector3::Zero();          ///< m/s, world frame
-  atl::Vector3 angular_velocity = atl::Vector3::Zero();  ///< rad/s, world frame
+/// How an engine is to solve a step.
+struct Setting {
+  int substeps = 1;     ///< engine steps in a step of the scene, each of dt / substeps
+  int iterations = 0;   ///< of the engine's solver
+  std::string variant;  ///< one of Engine::variants
 };
 
-/// A scene in another engine.
+/// A setting worth measuring, as the command line takes it.
+struct NamedSetting {
+  std::string label;
+  std::vector<std::string> options;
+  bool large = false;  ///< worth the time in scenes of thousands of bodies too
+};
+
+/// A scene in another engine, at Setting::substeps engine steps a step.
 class Simulation {
  public:
   Simulation() = default;
@@ -27,17 +35,33 @@ class Simulation {
   Simulation& operator=(const Simulation&) = delete;
   virtual ~Simulation() = default;
 
-  virtual void step(double dt) = 0;
-  virtual std::vector<BodyState> state() const = 0;  ///< in the order of the scene's bodies
+  virtual void step() = 0;
+  /// Whether a step had to set up anew what the scene turned out too large for. It won't in the next simulation of it,
+  /// and times of this one don't count.
+  virtual bool started_over() const { return false; }
+  virtual std::vector<atl::BodyState> states() const = 0;  ///< in the order of the scene's bodies
+
+  /// From now on loads() will be asked for.
+  virtual void keep_loads() {}
+  /// Of the last engine step; one entry a pair of bodies, in order, a before b.
+  virtual std::vector<atl::ContactLoad> loads() const = 0;
+};
+
+/// Thrown by a step of an engine that noticed so itself.
+class NonFinite : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
 };
 
 struct Engine {
   std::string name;
   std::string version;
-  std::string setting;  ///< in words: what the engine runs with
-  /// Gets the bodies' masses too, as Atoll takes them from their definitions (kg, infinite where nothing moves
-  /// them). Throws atl::Error on a scene that the engine or its driver has no equal for.
-  std::function<std::unique_ptr<Simulation>(const atl::Scene&, std::span<const double> masses)> load;
+  std::string precision;              ///< "single" or "double"
+  int iterations = 0;                 ///< the engine's default
+  std::vector<std::string> variants;  ///< the default first
+  std::vector<NamedSetting> settings;
+  /// Throws atl::Error on a scene that the engine or its driver has no equal for.
+  std::function<std::unique_ptr<Simulation>(const atl::Scene&, const Setting&)> load;
 };
 
 /// A driver's main. Returns its exit status: 0, 2 on a wrong command line, 3 on an unusable scene, 4 on a

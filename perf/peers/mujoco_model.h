@@ -1,0 +1,62 @@
+#pragma once
+/// A scene as a MuJoCo model, by way of the XML (MJCF) that MuJoCo reads.
+
+#include <atoll/scene.h>
+#include <mujoco/mujoco.h>
+
+#include <string>
+#include <vector>
+
+#include "peer.h"
+#include "solid.h"
+
+namespace peer {
+
+/// What a setting's variant stands for.
+struct MujocoOptions {
+  std::string name;
+  std::string cone = "pyramidal";
+  std::string solver = "Newton";
+  std::string integrator = "Euler";
+  /// Contacts as stiff as the step allows: a time constant of two steps, and a hundredth to a thousandth of the force
+  /// for the regularisation, instead of 20 ms and a tenth to a twentieth.
+  bool stiff = false;
+  double impratio = 1;    ///< how much harder friction is than the normal direction
+  bool multiccd = false;  ///< more than one point where a hull, or a cylinder not on a plane, touches
+};
+const std::vector<MujocoOptions>& mujoco_variants();
+
+/// Built once, compiled again with more room where a scene turns out to have more contacts.
+class MujocoScene {
+ public:
+  /// Throws atl::Error on what MuJoCo or this driver has no equal for.
+  MujocoScene(const atl::Scene& scene, const Setting& setting);
+
+  /// A new model with room for that many contacts; the caller deletes it. Throws atl::Error, with MuJoCo's own words.
+  mjModel* compile(int contacts) const;
+
+  /// The most contacts there can be room for: MuJoCo stores dense matrices of all constraint rows by all degrees of
+  /// freedom and by all rows, sparse or not, in one buffer of less than 2 GiB.
+  int most_contacts() const;
+
+  const std::vector<Solid>& solids() const { return solids_; }
+  /// Scene bodies that move, in the order of the model's bodies 1, 2, ...
+  const std::vector<std::size_t>& moving() const { return moving_; }
+  /// Scene body of each of the model's geoms.
+  const std::vector<std::size_t>& owners() const { return owners_; }
+
+ private:
+  void add_geoms(const atl::BodyDef& def, std::size_t body, std::string& xml);
+  void set_dynamics(mjModel& model) const;
+
+  const atl::Scene& scene_;
+  std::string options_;
+  std::string assets_;
+  std::string world_;
+  std::vector<Solid> solids_;
+  std::vector<std::size_t> moving_;
+  std::vector<std::size_t> owners_;
+  std::vector<std::vector<float>> heights_;  // of the model's height fields, in [0, 1]
+};
+
+}  // namespace peer
