@@ -1,3 +1,4 @@
+#include <solver/free_flight.h>
 #include <solver/group_solver.h>
 
 #include <algorithm>
@@ -202,15 +203,25 @@ void GroupSolver::load_kinematic_bodies(const SolveInput& input) {
 void GroupSolver::write_back(const SolveInput& input, std::span<const std::uint32_t> bodies, std::size_t begin,
                              std::size_t end) {
   BodyTable& table = input.bodies;
+  const double substep = input.dt / input.settings.substeps;
   for (std::size_t i = begin; i < end; ++i) {
     const std::uint32_t body = bodies[i];
     const std::size_t local = first_dynamic_ + i;
     const BodyPose start{table.position(body), table.orientation(body)};
-    table.velocity(body) = get3(bodies_.velocity[local].linear);
-    table.angular_velocity(body) = get3(bodies_.velocity[local].angular);
+    const Vector3 velocity = get3(bodies_.velocity[local].linear);
+    const Vector3 spin = get3(bodies_.velocity[local].angular);
+    const Vector3 gained = velocity - table.velocity(body);
+    const Vector3 gained_spin = spin - table.angular_velocity(body);
+    table.velocity(body) = velocity;
+    table.angular_velocity(body) = spin;
     table.position(body) += get3(bodies_.displacement[local].linear);
     const float(&turn)[4] = bodies_.displacement[local].rotation;
-    const Quaternion orientation = Quaternion(turn[3], turn[0], turn[1], turn[2]) * table.orientation(body);
+    Quaternion orientation = Quaternion(turn[3], turn[0], turn[1], turn[2]) * table.orientation(body);
+    const double smooth = 4 * input.dt * get3(bodies_.acceleration[local].linear).norm();
+    if (gained.norm() <= smooth && gained_spin.norm() * table.radius[body] <= smooth) {
+      table.position(body) -= 0.5 * substep * gained;
+      orientation = rotation_by(-0.5 * substep * gained_spin) * orientation;
+    }
     table.set_orientation(body, orientation.normalized());
     note_motion(table, body, start, input.dt, input.fast);
   }
