@@ -422,6 +422,26 @@ HWY_INLINE void prepare_masses(ContactBlock& block, std::size_t lane, const Cont
         block.twist_mass + lane);
 }
 
+// m/s^2, of the forces on the bodies, along the normal; negative where they bring them together.
+HWY_INLINE V closing_acceleration(const SolverBodies& bodies, const ContactBlock& block, std::size_t lane,
+                                  const V3& normal) {
+  const auto of = [&](const std::int32_t* index) {
+    const V4 a = load_rows([&](std::size_t k) { return bodies.acceleration[index[k]].linear; });
+    return V3{a.x, a.y, a.z};
+  };
+  return dot(normal, of(block.second + lane) - of(block.first + lane));
+}
+
+// With what speed (negative) a point that closes at `speed` arrives, having fallen through its separation: as if the
+// impact were found to the instant, so that bodies bounce off with the energy that they came with. Separations of
+// vacant points are so large that they are left out, where they could overflow.
+HWY_INLINE V impact_speed(V speed, V separation, V acceleration) {
+  const M falls = hn::And(hn::Lt(speed, zero()), hn::And(hn::Gt(separation, zero()), hn::Lt(separation, splat(1e5f))));
+  const V gained = hn::Mul(hn::Mul(splat(2), acceleration), separation);
+  const V square = hn::Max(hn::Sub(hn::Mul(speed, speed), gained), zero());
+  return hn::IfThenElse(falls, hn::Neg(hn::Sqrt(square)), speed);
+}
+
 inline void prepare(const ContactKernelData& data, std::size_t begin, std::size_t end) {
   // What a lane without a contact reads.
   static constexpr collision::ContactManifold vacant = {
@@ -484,8 +504,10 @@ inline void prepare(const ContactKernelData& data, std::size_t begin, std::size_
         const NormalSolve solve(c);
         const V x[4] = {m.x.x, m.x.y, m.x.z, m.x.w};
         const V y[4] = {m.y.x, m.y.y, m.y.z, m.y.w};
+        const V separation[4] = {m.separation.x, m.separation.y, m.separation.z, m.separation.w};
+        const V pull = closing_acceleration(data.bodies, block, lane, c.normal);
         for (std::size_t i = 0; i < max_points; ++i) {
-          store(solve.speed(x[i], y[i]), bounce.approach[i] + lane);
+          store(impact_speed(solve.speed(x[i], y[i]), separation[i], pull), bounce.approach[i] + lane);
           store(zero(), bounce.max_impulse[i] + lane);
         }
         store(m.anchor_first.w, bounce.restitution + lane);
