@@ -3,6 +3,9 @@
 #include <collision/fcl_narrowphase.h>
 #include <collision/feature_id.h>
 
+#include <algorithm>
+#include <cmath>
+
 namespace atl::collision {
 
 Narrowphase collide(const Shape& first_shape, const Shape& second_shape, const Pose& second, double margin,
@@ -42,6 +45,22 @@ void collide_spheres(double radius_first, double radius_second, const Pose& seco
   manifold.reference_is_second = false;
   manifold.normal = axis.normal;
   manifold.add(second.position - radius_second * axis.normal, axis.separation, single_point_id());
+}
+
+void meet_at_impact(double radius_first, double radius_second, const Pose& second, const Vector3& shift,
+                    Manifold& manifold) {
+  const double reach = radius_first + radius_second;
+  const Vector3& start = second.position;
+  // |start + t shift| = reach, t in [0, 1]; the root that does not cancel.
+  const double a = shift.squaredNorm();
+  const double b = -start.dot(shift);
+  const double c = start.squaredNorm() - reach * reach;
+  if (!(c > 0) || !(b > 0)) return;
+  const double discriminant = b * b - a * c;
+  const double time = std::min(discriminant >= 0 ? c / (b + std::sqrt(discriminant)) : b / a, 1.0);
+  manifold.normal = (start + time * shift).normalized();
+  manifold.count = 0;
+  manifold.add(start - radius_second * manifold.normal, manifold.normal.dot(start) - reach, single_point_id());
 }
 
 void collide_sphere_box(double radius, const Vector3& half_extents, const Pose& box, double margin,

@@ -171,10 +171,6 @@ HWY_INLINE V3 rotate(const V3& u, V w, const V3& v) {
 }
 
 HWY_INLINE V3 negated(const V3& v) { return {hn::Neg(v.x), hn::Neg(v.y), hn::Neg(v.z)}; }
-HWY_INLINE V3 select(M mask, const V3& yes, const V3& no) {
-  return {hn::IfThenElse(mask, yes.x, no.x), hn::IfThenElse(mask, yes.y, no.y), hn::IfThenElse(mask, yes.z, no.z)};
-}
-
 HWY_INLINE unsigned bits_of(M mask) {
   std::uint8_t bytes[8] = {};
   hn::StoreMaskBits(D(), mask, bytes);

@@ -49,6 +49,7 @@ class Stretch {
   void set_apart(std::size_t entry, const Pose& incident, double margin, double gap);
   void find_surface_parts(std::size_t entry);
   void replace(std::size_t entry, const Manifold& fresh, const Pose& incident, double margin);
+  Vector3 shift_between(const Contact& contact) const;
   double margin_of(const Contact& contact) const;
   float tolerance_of(Pair pair, const Manifold& fresh) const;
 
@@ -70,12 +71,17 @@ class Stretch {
   std::size_t stale_count_ = 0;
 };
 
+// m, of the second body against the first in this step.
+Vector3 Stretch::shift_between(const Contact& contact) const {
+  const float(&first)[3] = input_.reaches[contact.body_first].shift;
+  const float(&second)[3] = input_.reaches[contact.body_second].shift;
+  return {second[0] - first[0], second[1] - first[1], second[2] - first[2]};
+}
+
 double Stretch::margin_of(const Contact& contact) const {
-  const StepReach& first = input_.reaches[contact.body_first];
-  const StepReach& second = input_.reaches[contact.body_second];
-  const Vector3 closing(first.shift[0] - second.shift[0], first.shift[1] - second.shift[1],
-                        first.shift[2] - second.shift[2]);
-  return speculative_margin(static_cast<double>(contact.size), closing.norm() + first.turn + second.turn);
+  const float turn = input_.reaches[contact.body_first].turn + input_.reaches[contact.body_second].turn;
+  return speculative_margin(static_cast<double>(contact.size),
+                            shift_between(contact).norm() + static_cast<double>(turn));
 }
 
 bool Stretch::is_lost(Pair pair) const {
@@ -267,6 +273,10 @@ void Stretch::find_anew(std::size_t entry) {
   Manifold fresh;
   fresh.axis = contact.axis;
   const Narrowphase by = collide(lower, higher, in_lower, margin, fresh);
+  if (fresh.count > 0 && higher.kind == ShapeKind::Sphere && !contact.placed) {
+    meet_at_impact(lower.radius, higher.radius, in_lower, first.orientation.conjugate() * shift_between(contact),
+                   fresh);
+  }
   fresh.reference_is_second ^= swap;
   counts_.fcl_calls += by == Narrowphase::Fcl;
   const bool lower_is_reference = fresh.reference_is_second == swap;

@@ -72,6 +72,8 @@ BodyId World::Impl::add_body(const BodyDef& def) {
   bodies.inertia[body] = checked.inertia;
   bodies.inverse_inertia[body] = checked.inverse_inertia;
   bodies.gyroscopic[body] = checked.gyroscopic;
+  bodies.principal_axes[body] = checked.principal_axes;
+  bodies.moments[body] = checked.moments;
   bodies.ball[body] = checked.colliders.size() == 1 &&
                       checked.colliders.front().shape.kind == collision::ShapeKind::Sphere &&
                       checked.centre.isZero(0) && checked.colliders.front().local.position.isZero(0);

@@ -126,6 +126,16 @@ MassProperties mass_of(const BodyDef& def) {
   return properties;
 }
 
+void find_principal_axes(CheckedBody& body) {
+  body.moments = body.inertia.diagonal();
+  if (body.inertia.isDiagonal()) return;
+  const Eigen::SelfAdjointEigenSolver<Matrix3> principal(body.inertia);
+  Matrix3 axes = principal.eigenvectors();
+  if (axes.determinant() < 0) axes = -axes;
+  body.principal_axes = Quaternion(axes);
+  body.moments = principal.eigenvalues();
+}
+
 void check_mass(const BodyDef& def, CheckedBody& body) {
   check_positive("BodyDef.density", def.density);
   if (def.mass) check_positive("BodyDef.mass", *def.mass);
@@ -145,6 +155,7 @@ void check_mass(const BodyDef& def, CheckedBody& body) {
   }
   const double moment = body.inertia(0, 0);
   body.gyroscopic = (body.inertia - moment * Matrix3::Identity()).cwiseAbs().maxCoeff() > 1e-12 * moment;
+  if (body.gyroscopic) find_principal_axes(body);
 }
 
 }  // namespace

@@ -26,6 +26,9 @@ struct CheckedBody {
   Matrix3 inertia = Matrix3::Zero();
   Matrix3 inverse_inertia = Matrix3::Zero();
   bool gyroscopic = false;
+  // Of gyroscopic bodies: the axes, in the body's frame, in which the inertia is diagonal, and the moments about them.
+  Quaternion principal_axes = Quaternion::Identity();
+  Vector3 moments = Vector3::Zero();
 };
 
 /// Throws Error naming the field, the value and what was expected.

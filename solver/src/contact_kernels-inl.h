@@ -422,24 +422,67 @@ HWY_INLINE void prepare_masses(ContactBlock& block, std::size_t lane, const Cont
         block.twist_mass + lane);
 }
 
-// m/s^2, of the forces on the bodies, along the normal; negative where they bring them together.
-HWY_INLINE V closing_acceleration(const SolverBodies& bodies, const ContactBlock& block, std::size_t lane,
-                                  const V3& normal) {
-  const auto of = [&](const std::int32_t* index) {
+// m/s^2, of the forces on the bodies along the normal.
+struct Pull {
+  V relative;  // negative where it brings them together
+  V most;      // either could be held up by something else: as if both came
+};
+HWY_INLINE Pull pull_together(const SolverBodies& bodies, const ContactBlock& block, std::size_t lane,
+                              const V3& normal) {
+  const auto along_normal = [&](const std::int32_t* index) {
     const V4 a = load_rows([&](std::size_t k) { return bodies.acceleration[index[k]].linear; });
-    return V3{a.x, a.y, a.z};
+    return dot({a.x, a.y, a.z}, normal);
   };
-  return dot(normal, of(block.second + lane) - of(block.first + lane));
+  const V first = along_normal(block.first + lane);
+  const V second = along_normal(block.second + lane);
+  return {hn::Sub(second, first), hn::Neg(hn::Add(hn::Abs(first), hn::Abs(second)))};
 }
 
-// With what speed (negative) a point that closes at `speed` arrives, having fallen through its separation: as if the
-// impact were found to the instant, so that bodies bounce off with the energy that they came with. Separations of
-// vacant points are so large that they are left out, where they could overflow.
+// Whether a point that closes at `speed` under `acceleration` gets through its separation within the step.
+HWY_INLINE M meets(V speed, V separation, V acceleration, float step) {
+  const V shift = hn::Mul(splat(step), hn::Add(speed, hn::Mul(splat(0.5f * step), acceleration)));
+  return hn::Or(hn::Le(separation, zero()), hn::Lt(hn::Add(separation, shift), zero()));
+}
+
+// The speed (negative) with which such a point arrives: as if the impact were found to the instant, so that bodies
+// bounce off with the energy that they came with.
 HWY_INLINE V impact_speed(V speed, V separation, V acceleration) {
-  const M falls = hn::And(hn::Lt(speed, zero()), hn::And(hn::Gt(separation, zero()), hn::Lt(separation, splat(1e5f))));
   const V gained = hn::Mul(hn::Mul(splat(2), acceleration), separation);
   const V square = hn::Max(hn::Sub(hn::Mul(speed, speed), gained), zero());
-  return hn::IfThenElse(falls, hn::Neg(hn::Sqrt(square)), speed);
+  return hn::IfThenElse(hn::And(hn::Lt(speed, zero()), hn::Gt(separation, zero())), hn::Neg(hn::Sqrt(square)), speed);
+}
+
+// Bounces go from body to body one step after the other: a bouncy point that would meet nothing in this step, if it
+// were not for other impacts, waits for the next. Solved at once, as one impact, they would end as one that shares its
+// motion.
+HWY_INLINE void prepare_bounces(const ContactKernelData& data, ContactBlock& block, BounceBlock& bounce,
+                                std::size_t lane, const ContactLanes& c, V restitution) {
+  const NormalSolve solve(c);
+  const Pull pull = pull_together(data.bodies, block, lane, c.normal);
+  const M bouncy = hn::Gt(restitution, zero());
+  for (std::size_t i = 0; i < max_points; ++i) {
+    const V speed = solve.speed(load(block.x[i] + lane), load(block.y[i] + lane));
+    const V separation = load(block.start_separation[i] + lane);
+    const M comes = meets(speed, separation, pull.most, data.constants.step);
+    const V seen = hn::IfThenElse(hn::Or(comes, hn::Not(bouncy)), separation, splat(collision::no_point));
+    store(seen, block.start_separation[i] + lane);
+    store(seen, block.separation[i] + lane);
+    store(hn::IfThenElse(comes, impact_speed(speed, separation, pull.relative), zero()), bounce.approach[i] + lane);
+    store(zero(), bounce.max_impulse[i] + lane);
+  }
+  store(restitution, bounce.restitution + lane);
+}
+
+// A ball is touched where the normal through its centre leaves it. Its contact may be some way from there: as the step
+// starts, it may yet have to travel to where it will be hit.
+HWY_INLINE void put_on_line_of_centres(const SolverBodies& bodies, const ContactBlock& block, std::size_t lane,
+                                       ContactLanes& c) {
+  const auto on_line = [&](const std::int32_t* index, const V3& anchor) {
+    const V carries = load_rows([&](std::size_t k) { return bodies.displacement[index[k]].linear; }).w;
+    return select(hn::Gt(carries, zero()), anchor, dot(anchor, c.normal) * c.normal);
+  };
+  c.anchor_first = on_line(block.first + lane, c.anchor_first);
+  c.anchor_second = on_line(block.second + lane, c.anchor_second);
 }
 
 inline void prepare(const ContactKernelData& data, std::size_t begin, std::size_t end) {
@@ -480,6 +523,8 @@ inline void prepare(const ContactKernelData& data, std::size_t begin, std::size_
       c.inverse_mass_first = inverse_mass_of(block.first + lane);
       c.inverse_mass_second = inverse_mass_of(block.second + lane);
 
+      if (data.bodies.balls) put_on_line_of_centres(data.bodies, block, lane, c);
+
       store3(c.normal, block.normal, lane);
       store3(c.tangent1, block.tangent, lane);
       store3(c.anchor_first, block.anchor_first, lane);
@@ -499,19 +544,7 @@ inline void prepare(const ContactKernelData& data, std::size_t begin, std::size_
       store(m.friction.w, block.twist_impulse + lane);
       prepare_masses(block, lane, c);
 
-      if (data.bounces != nullptr) {
-        BounceBlock& bounce = data.bounces[b];
-        const NormalSolve solve(c);
-        const V x[4] = {m.x.x, m.x.y, m.x.z, m.x.w};
-        const V y[4] = {m.y.x, m.y.y, m.y.z, m.y.w};
-        const V separation[4] = {m.separation.x, m.separation.y, m.separation.z, m.separation.w};
-        const V pull = closing_acceleration(data.bodies, block, lane, c.normal);
-        for (std::size_t i = 0; i < max_points; ++i) {
-          store(impact_speed(solve.speed(x[i], y[i]), separation[i], pull), bounce.approach[i] + lane);
-          store(zero(), bounce.max_impulse[i] + lane);
-        }
-        store(m.anchor_first.w, bounce.restitution + lane);
-      }
+      if (data.bounces != nullptr) prepare_bounces(data, block, data.bounces[b], lane, c, m.anchor_first.w);
     }
   }
 }

@@ -24,11 +24,12 @@ void move_linear(BodyTable& bodies, std::uint32_t body, const Vector3& accelerat
   }
 }
 
-// Rate of change of the orientation at a given angular momentum: q' = w q / 2.
-Eigen::Vector4d orientation_rate(const Eigen::Vector4d& q, const Matrix3& inverse_inertia, const Vector3& momentum) {
-  const Quaternion orientation = Quaternion(q[3], q[0], q[1], q[2]).normalized();
-  const Vector3 w = orientation * (inverse_inertia * (orientation.conjugate() * momentum));
-  return 0.5 * (Quaternion(0, w.x(), w.y(), w.z()) * Quaternion(q[3], q[0], q[1], q[2])).coeffs();
+// Rate of change of the rotation vector of a body since the start of a step, in its frame then, that spins at w in its
+// frame now: Bortz, "A new mathematical formulation for strapdown inertial navigation", 1971, to third order in the
+// vector. Where w is constant so is the rate, and a steady spin is followed exactly.
+Vector3 rotation_rate(const Vector3& turned, const Vector3& w) {
+  const Vector3 drift = turned.cross(w);
+  return w + 0.5 * drift + (1.0 / 12) * turned.cross(drift);
 }
 
 void move_gyroscopic(BodyTable& bodies, std::uint32_t body, double dt, int substeps) {
@@ -43,12 +44,15 @@ void move_gyroscopic(BodyTable& bodies, std::uint32_t body, double dt, int subst
   const double damping = 1 / (1 + h * bodies.angular_damping[body]);
   for (int i = 0; i < steps; ++i) {
     momentum += h * bodies.torque(body);
-    const Eigen::Vector4d q = orientation.coeffs();
-    const Eigen::Vector4d k1 = orientation_rate(q, inverse_inertia, momentum);
-    const Eigen::Vector4d k2 = orientation_rate(q + 0.5 * h * k1, inverse_inertia, momentum);
-    const Eigen::Vector4d k3 = orientation_rate(q + 0.5 * h * k2, inverse_inertia, momentum);
-    const Eigen::Vector4d k4 = orientation_rate(q + h * k3, inverse_inertia, momentum);
-    orientation.coeffs() = (q + (h / 6) * (k1 + 2 * k2 + 2 * k3 + k4)).normalized();
+    const Vector3 start = orientation.conjugate() * momentum;  // in the frame of the rotation vector
+    const auto rate = [&](const Vector3& turned) {
+      return rotation_rate(turned, inverse_inertia * (rotation_by(-turned) * start));
+    };
+    const Vector3 k1 = inverse_inertia * start;
+    const Vector3 k2 = rate(0.5 * h * k1);
+    const Vector3 k3 = rate(0.5 * h * k2);
+    const Vector3 k4 = rate(h * k3);
+    orientation = (orientation * rotation_by((h / 6) * (k1 + 2 * k2 + 2 * k3 + k4))).normalized();
     momentum *= damping;
   }
   bodies.set_orientation(body, orientation);

@@ -1,8 +1,7 @@
 // Newton's law of restitution: the speed of parting is e times the speed of approach.
 //
-// A step knows the speed of approach at its start, so a falling ball may be short of up to g dt of it, and it leaves
-// the surface at the end of a step, up to dt late. Rebounding from height h with v = sqrt(2 g h), the apex e^2 h is off
-// by at most e^2 v dt from the first and e v dt from the second.
+// The speed of approach is that of the impact, wherever within a step it falls, so a ball returns to e^2 of its height
+// but for single-precision arithmetic. It leaves the surface at the end of a step, up to dt late.
 
 #include <gtest/gtest.h>
 
@@ -45,7 +44,9 @@ double apex(double restitution, double step) {
 TEST(Restitution, BallReturnsToESquaredOfItsHeight) {
   for (const double e : {0.5, 0.8, 1.0}) {
     for (const double step : {1.0 / 60, 1.0 / 480}) {
-      EXPECT_NEAR(apex(e, step), e * e * height, (e * e + e) * impact * step) << "e " << e << ", dt " << step;
+      // Heights are seen at the ends of steps only, up to half a step from the top.
+      const double sampling = g * step * step / 8;
+      EXPECT_NEAR(apex(e, step), e * e * height, sampling + 1e-4 * height) << "e " << e << ", dt " << step;
     }
   }
 }
@@ -76,7 +77,7 @@ TEST(Restitution, ImpactBelowTheThresholdDoesNotBounce) {
   }
 }
 
-TEST(Restitution, ElasticBallGainsNoEnergyOverManyBounces) {
+TEST(Restitution, ElasticBallKeepsItsEnergyOverManyBounces) {
   World world;
   world.add_body(ground());
   const BodyId id = world.add_body(ball({0, 0, height + radius}, 1));
@@ -84,7 +85,7 @@ TEST(Restitution, ElasticBallGainsNoEnergyOverManyBounces) {
     world.step(dt);
     const double drop = world.pose(id).position.z() - radius;
     const double energy = g * drop + 0.5 * world.velocity(id).squaredNorm();
-    ASSERT_LT(energy, 1.001 * g * height) << "step " << i;
+    ASSERT_NEAR(energy, g * height, 5e-4 * g * height) << "step " << i;
   }
 }
 
@@ -125,6 +126,18 @@ TEST(Restitution, BoxesThatMeetFaceToFaceBounceWithoutTurning) {
   EXPECT_LT(world.velocity(a).norm(), 1e-3);
   EXPECT_LT((world.velocity(b) - left.velocity).norm(), 1e-3);
   EXPECT_LT(world.angular_velocity(a).norm() + world.angular_velocity(b).norm(), 1e-3);
+}
+
+TEST(Restitution, SpheresThatMissEachOtherKeepTheirVelocities) {
+  for (const double clearance : {1e-3, 0.05}) {
+    World world({.gravity = Vector3::Zero()});
+    BodyDef left = ball({-3.03, 0, 0}, 1), right = ball({0, 2 * radius + clearance, 0}, 1);
+    left.velocity = {20, 0, 0};
+    const BodyId a = world.add_body(left), b = world.add_body(right);
+    run(world, 30);
+    EXPECT_EQ(world.velocity(a), left.velocity) << clearance;
+    EXPECT_TRUE(world.velocity(b).isZero(0)) << clearance;
+  }
 }
 
 }  // namespace

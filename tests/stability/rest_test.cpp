@@ -84,5 +84,24 @@ TEST(Rest, StaticBoxStopsWhatSlidesIntoIt) {
   EXPECT_LT(world.velocity(crate).norm(), 1e-3);
 }
 
+TEST(Rest, StackOfBouncyBoxesComesToRest) {
+  for (const double gap : {0.0, 1e-5, 1e-3}) {
+    World world;
+    world.add_body(ground());
+    std::vector<BodyId> ids;
+    for (int i = 0; i < 6; ++i) {
+      BodyDef def = box({0, 0, 0.5 + i * (1 + gap)});
+      def.material.restitution = 0.8;
+      ids.push_back(world.add_body(def));
+    }
+    run_finite(world, 200);
+    for (int i = 0; i < 60; ++i) {
+      world.step(dt);
+      ASSERT_LT(kinetic_energy(world, ids), 1e-6) << gap << ", step " << i;
+    }
+    EXPECT_NEAR(world.pose(ids.back()).position.z(), 5.5, 2e-2) << gap;
+  }
+}
+
 }  // namespace
 }  // namespace atl::test

@@ -35,13 +35,20 @@ TEST(Scale, StackFarFromTheOriginStandsAsAtTheOrigin) {
   }
 }
 
-TEST(Scale, BoxDroppedFarFromTheOriginLandsOnItsGround) {
-  const Vector3 base(1e6, -1e6, 0);
+/// Where a box dropped on another ends, from the lower one's centre.
+Vector3 landing_at(const Vector3& base) {
   World world;
   world.add_body(static_box(base, {5, 5, 0.5}));
   const BodyId crate = world.add_body(box(base + Vector3(0.3, 0.2, 2)));
   run_finite(world, 180);
-  EXPECT_LT((world.pose(crate).position - base - Vector3(0.3, 0.2, 1)).norm(), 2e-3);
+  return world.pose(crate).position - base;
+}
+
+TEST(Scale, BoxDroppedFarFromTheOriginLandsAsAtTheOrigin) {
+  const Vector3 near = landing_at(Vector3::Zero());
+  // It may slide a little as it lands: its four corners take up the impact one after the other.
+  EXPECT_LT((near - Vector3(0.3, 0.2, 1)).norm(), 5e-3);
+  EXPECT_LT((landing_at({1e6, -1e6, 0}) - near).norm(), 1e-3);
 }
 
 /// Sizes are edges in m. The soft contact's give is a length that does not scale with the boxes.

@@ -148,5 +148,40 @@ TEST(CollideRound, PosesThatAreNotFiniteTouchNothing) {
   }
 }
 
+/// The contact of two unit spheres, the second `offset` away and moved by `shift` in the step.
+Manifold meeting(const Vector3& offset, const Vector3& shift) {
+  const Pose second{offset, Quaternion::Identity()};
+  Manifold manifold;
+  collide_spheres(1, 1, second, 100, manifold);
+  meet_at_impact(1, 1, second, shift, manifold);
+  return manifold;
+}
+
+TEST(MeetAtImpact, TakesTheLineOfCentresOfTheImpact) {
+  // Side by side by 1.2 m, with radii of 1 m: they meet when the other way is 1.6 m.
+  const Manifold manifold = meeting({3.6, 1.2, 0}, {-4, 0, 0});
+  ASSERT_EQ(manifold.count, 1);
+  EXPECT_LT((manifold.normal - Vector3(0.8, 0.6, 0)).norm(), 1e-12);
+  // Closed at the speed along the normal after half the step.
+  EXPECT_NEAR(manifold.points[0].separation, 0.5 * 4 * 0.8, 1e-12);
+}
+
+TEST(MeetAtImpact, LetsThemPassEachOther) {
+  const Vector3 shift(-10, 0, 0);
+  const Manifold manifold = meeting({3, 2.01, 0}, shift);
+  ASSERT_EQ(manifold.count, 1);
+  EXPECT_GT(manifold.points[0].separation + manifold.normal.dot(shift), 0);
+}
+
+TEST(MeetAtImpact, LeavesContactsAloneThatTouchOrPart) {
+  for (const auto& [offset, shift] : {std::pair(Vector3(1.9, 0.3, 0), Vector3(-1, 0, 0)),
+                                      {Vector3(3, 0.3, 0), Vector3(1, 0, 0)},
+                                      {Vector3(3, 0.3, 0), Vector3(0, 0, 0)}}) {
+    const Manifold manifold = meeting(offset, shift);
+    EXPECT_LT((manifold.normal - offset.normalized()).norm(), 1e-12);
+    EXPECT_NEAR(manifold.points[0].separation, offset.norm() - 2, 1e-12);
+  }
+}
+
 }  // namespace
 }  // namespace atl::collision

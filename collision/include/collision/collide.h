@@ -19,6 +19,11 @@ Narrowphase collide(const Shape& first_shape, const Shape& second_shape, const P
 void collide_boxes(const Vector3& half_first, const Vector3& half_second, const Pose& second, double margin,
                    Manifold& manifold);
 void collide_spheres(double radius_first, double radius_second, const Pose& second, double margin, Manifold& manifold);
+/// Turns the contact of two spheres that are apart and near each other to where they will meet in the step, or pass by:
+/// with the line of centres of the step's start they would bounce off the wrong way, or off each other where they miss.
+/// `shift`: m, of the second against the first in the step, frame of the first.
+void meet_at_impact(double radius_first, double radius_second, const Pose& second, const Vector3& shift,
+                    Manifold& manifold);
 void collide_sphere_box(double radius, const Vector3& half_extents, const Pose& box, double margin, Manifold& manifold);
 
 }  // namespace atl::collision

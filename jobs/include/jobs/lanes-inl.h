@@ -68,6 +68,10 @@ HWY_INLINE V3 cross(const V3& a, const V3& b) {
           hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
 }
 
+HWY_INLINE V3 select(M mask, const V3& yes, const V3& no) {
+  return {hn::IfThenElse(mask, yes.x, no.x), hn::IfThenElse(mask, yes.y, no.y), hn::IfThenElse(mask, yes.z, no.z)};
+}
+
 // Two unit vectors that make a right-handed frame with a unit vector. The same operations in the same order as in
 // collision::tangents(), which names the source.
 struct TangentLanes {

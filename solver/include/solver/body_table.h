@@ -25,11 +25,13 @@ struct BodyTable {
   std::vector<double> torques;             ///< 3 a body, N m, for the next step only
 
   std::vector<Mobility> mobility;
-  std::vector<double> inverse_mass;      ///< 1/kg; 0 unless dynamic
-  std::vector<Matrix3> inertia;          ///< kg m^2, body frame; zero unless dynamic
-  std::vector<Matrix3> inverse_inertia;  ///< body frame; zero unless dynamic
-  std::vector<std::uint8_t> gyroscopic;  ///< 1 if the inertia depends on the direction
-  std::vector<std::uint8_t> ball;        ///< 1 for a sphere about the centre of mass: it looks the same turned
+  std::vector<double> inverse_mass;        ///< 1/kg; 0 unless dynamic
+  std::vector<Matrix3> inertia;            ///< kg m^2, body frame; zero unless dynamic
+  std::vector<Matrix3> inverse_inertia;    ///< body frame; zero unless dynamic
+  std::vector<std::uint8_t> gyroscopic;    ///< 1 if the inertia depends on the direction
+  std::vector<Quaternion> principal_axes;  ///< body frame, in which the inertia is diagonal; of gyroscopic bodies
+  std::vector<Vector3> moments;            ///< kg m^2, about these
+  std::vector<std::uint8_t> ball;          ///< 1 for a sphere about the centre of mass: it looks the same turned
   std::vector<double> gravity_scale;
   std::vector<double> linear_damping;   ///< 1/s
   std::vector<double> angular_damping;  ///< 1/s
@@ -76,6 +78,8 @@ inline void BodyTable::resize(std::size_t count) {
   inertia.resize(count, Matrix3::Zero());
   inverse_inertia.resize(count, Matrix3::Zero());
   gyroscopic.resize(count, 0);
+  principal_axes.resize(count, Quaternion::Identity());
+  moments.resize(count, Vector3::Zero());
   ball.resize(count, 0);
   gravity_scale.resize(count, 1.0);
   linear_damping.resize(count, 0.0);

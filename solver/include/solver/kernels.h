@@ -43,10 +43,12 @@ struct Kernels {
   /// Writes impulses back to the manifolds.
   void (*store)(const ContactKernelData& data, std::size_t begin, std::size_t end);
 
-  /// Starts a substep: forces and gyroscopic torque, then, if `carry_over`, what constraints changed in the
+  /// Starts a substep: forces, then, if `carry_over`, what constraints changed in the
   /// last substep once more (their warm start).
   void (*integrate_velocities)(SolverBodies& bodies, const SubstepConstants& constants, bool carry_over,
                                std::size_t begin, std::size_t end);
+  /// Moves and turns; bodies with unequal moments of inertia tumble. What contacts see of their
+  /// inertia stays that of the start of the step.
   void (*integrate_positions)(SolverBodies& bodies, const SubstepConstants& constants, std::size_t begin,
                               std::size_t end);
 };

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <jobs/block_lanes.h>
+#include <solver/body_table.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -47,10 +48,24 @@ struct alignas(32) AccelerationRows {
   float angular_damping;  ///< factor a substep
 };
 
-/// Inertia, world frame, for gyroscopic torque; the identity where there is none.
-struct alignas(32) GyroscopicRows {
-  float xx, yy, zz, unused;
-  float xy, xz, yz, active;  ///< active: 1 or 0
+/// How a body with unequal moments of inertia tumbles: what Euler's equations need.
+struct alignas(16) GyroscopicRows {
+  float principal[4] = {0, 0, 0, 1};  ///< x, y, z, w: orientation of its principal axes at the start of the step
+  float ratio[3] = {0, 0, 0};         ///< (I2 - I3) / I1, (I3 - I1) / I2, (I1 - I2) / I3
+  float active = 0;                   ///< 1, or 0 where the moments are equal
+  float moment[4] = {1, 1, 1, 0};     ///< kg m^2
+
+  /// `axes` of the world frame.
+  static GyroscopicRows of(const Quaternion& axes, const Vector3& moment) {
+    GyroscopicRows rows;
+    for (int k = 0; k < 4; ++k) rows.principal[k] = static_cast<float>(axes.coeffs()[k]);
+    for (int k = 0; k < 3; ++k) {
+      rows.ratio[k] = static_cast<float>((moment[(k + 1) % 3] - moment[(k + 2) % 3]) / moment[k]);
+      rows.moment[k] = static_cast<float>(moment[k]);
+    }
+    rows.active = 1;
+    return rows;
+  }
 };
 
 /// Bodies of one island group. Index 0 stands for every fixed body and is never written; copies of kinematic
@@ -62,6 +77,7 @@ struct SolverBodies {
   std::vector<FreeVelocityRows> free_velocity;
   std::vector<AccelerationRows> acceleration;
   std::vector<GyroscopicRows> gyroscopic;  ///< empty if no body needs it
+  bool balls = true;                       ///< some body may be one (see DisplacementRows::carries)
 
   void reset(std::size_t count, bool with_gyroscopic) {
     const std::size_t padded = (count + block_lanes - 1) / block_lanes * block_lanes;
@@ -70,7 +86,7 @@ struct SolverBodies {
     displacement.assign(padded, {{0, 0, 0}, 1, {0, 0, 0, 1}});
     free_velocity.assign(padded, {});
     acceleration.assign(padded, {{0, 0, 0}, 1, {0, 0, 0}, 1});
-    gyroscopic.assign(with_gyroscopic ? padded : 0, {1, 1, 1, 0, 0, 0, 0, 0});
+    gyroscopic.assign(with_gyroscopic ? padded : 0, {});
   }
   std::size_t padded_count() const { return velocity.size(); }
 };

@@ -36,6 +36,7 @@ struct Softness {
 
 /// What the kernels need to know of a substep.
 struct SubstepConstants {
+  float step;       ///< s, of all substeps together
   float h;          ///< s
   float inverse_h;  ///< 1/s
   Softness dynamic_contact;
@@ -50,6 +51,7 @@ struct SubstepConstants {
     const double wanted = settings.contact_hertz > 0 ? settings.contact_hertz : 0.125 / h;
     const double hertz = wanted < limit ? wanted : limit;
     SubstepConstants c;
+    c.step = static_cast<float>(dt);
     c.h = static_cast<float>(h);
     c.inverse_h = static_cast<float>(1 / h);
     c.dynamic_contact = Softness::of(hertz, settings.contact_damping_ratio, h);
