@@ -29,7 +29,8 @@ const std::string all_shapes = ATOLL_SOURCE_DIR "/runtime/scene/examples/shapes.
 std::vector<std::string> scenes() {
   if (!long_tests()) {
     return {"pyramid3d:layers=6", "wall:base=14",    "islands:count=20,base=6",
-            "pile:bodies=300",    "stack:height=10", all_shapes};
+            "pile:bodies=300",    "stack:height=10", "heavy-top",
+            "rocking-block",      "cradle",          all_shapes};
   }
   std::vector<std::string> full = {all_shapes};
   for (const BuiltinScene& scene : builtin_scenes()) full.push_back(scene.name);
@@ -122,7 +123,9 @@ TEST_P(ParallelTest, NorWithSleepingAndEveryOtherSettingTurned) {
 
 INSTANTIATE_TEST_SUITE_P(Scenes, ParallelTest, testing::ValuesIn(scenes()), [](const auto& scene) {
   if (scene.param == all_shapes) return std::string("all_shapes");
-  return scene.param.substr(0, scene.param.find(':'));
+  std::string name = scene.param.substr(0, scene.param.find(':'));
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
 });
 
 // Bullets among falling boxes: who is swept, and to where, and who is told.

@@ -97,6 +97,17 @@ TEST(SceneFile, ReadsEveryFieldOfABody) {
   EXPECT_EQ(body(std::string(ball) + R"(, "type": "kinematic", "velocity": [1, 0, 0])").type, BodyType::Kinematic);
 }
 
+TEST(SceneFile, ReadsForces) {
+  const Scene scene = parse(R"("bodies": [{)" + std::string(ball) + "}, {" + std::string(ball) +
+                            R"(, "force": [1, -2, 3]}],
+                               "generators": [{"count": [2, 1, 1], "body": {)" +
+                            std::string(ball) + R"(, "force": [0, 0, 4]}}])");
+  EXPECT_EQ(scene.bodies[0].force, Vector3::Zero());
+  EXPECT_EQ(scene.bodies[1].force, Vector3(1, -2, 3));
+  EXPECT_EQ(scene.bodies[2].force, Vector3(0, 0, 4));
+  EXPECT_EQ(scene.bodies[3].force, Vector3(0, 0, 4));
+}
+
 TEST(SceneFile, NamesReferToTheLibrary) {
   const Scene scene = parse(R"("materials": {"ice": {"friction": 0}, "": {"friction": 2}},
                                "shapes": {"slope": {"type": "half_space", "normal": [1, 0, 1], "offset": 4}},

@@ -27,7 +27,7 @@ class ParameterValues {
   std::vector<double> values_;
 };
 
-/// Bodies, steps and whether it starts at rest; name, gravity and dt are set by the caller.
+/// All of a scene but its name, which the caller sets.
 using SceneBuilder = Scene (*)(const ParameterValues& values, std::uint64_t seed);
 
 Scene build_pyramid3d(const ParameterValues& values, std::uint64_t seed);

@@ -57,7 +57,8 @@ Matrix3 read_inertia(const Reader& in) {
 }
 
 void read_mass(const Reader& in, BodyDef& def) {
-  for (const char* key : {"density", "mass", "inertia", "gravity_scale", "linear_damping", "angular_damping"}) {
+  for (const char* key :
+       {"density", "mass", "inertia", "gravity_scale", "linear_damping", "angular_damping", "force"}) {
     if (def.type != BodyType::Dynamic && in.has(key)) {
       in.fail_at(key, "it on a body that is not dynamic", "it on dynamic bodies only: others do not move under forces");
     }
@@ -91,7 +92,7 @@ Material read_material(const Reader& in) {
 
 SceneBody read_body(const Reader& in, const Library& library) {
   in.only_keys({"name", "type", "shape", "material", "position", "orientation", "velocity", "angular_velocity",
-                "density", "mass", "inertia", "gravity_scale", "linear_damping", "angular_damping"});
+                "density", "mass", "inertia", "gravity_scale", "linear_damping", "angular_damping", "force"});
   SceneBody body;
   BodyDef& def = body.def;
   in.get("name", body.name);
@@ -120,6 +121,7 @@ SceneBody read_body(const Reader& in, const Library& library) {
   in.get("gravity_scale", def.gravity_scale);
   in.get("linear_damping", def.linear_damping, at_least(0));
   in.get("angular_damping", def.angular_damping, at_least(0));
+  in.get("force", body.force);
   return body;
 }
 
