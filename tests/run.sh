@@ -37,6 +37,7 @@ while (($#)); do
   shift
 done
 
+packages+=(chromium) # looks at the page that atoll sweep writes
 options=()
 [[ ${CI:-} != true ]] || options=(-DATOLL_WERROR=ON)
 install_packages

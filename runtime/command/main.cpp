@@ -6,6 +6,7 @@
 #include "failure.h"
 #include "list_scenes.h"
 #include "run.h"
+#include "sweep/sweep.h"
 
 namespace {
 
@@ -16,10 +17,12 @@ int exit_with(Status status, const std::string& message) {
   return static_cast<int>(status);
 }
 
-int usage_error(const CLI::ParseError& error, const CLI::App& run) {
+int usage_error(const CLI::ParseError& error, const CLI::App& app) {
   std::string message = error.what();
   message = message.substr(0, message.find('\n'));
-  return exit_with(Status::Usage, message + (run.parsed() ? " (see atoll run --help)" : " (see atoll --help)"));
+  std::string command = "atoll";
+  for (const CLI::App* parsed : app.get_subcommands()) command += " " + parsed->get_name();
+  return exit_with(Status::Usage, message + " (see " + command + " --help)");
 }
 
 // Parses and runs; what goes wrong is thrown, but for help and usage, which CLI11 words.
@@ -31,17 +34,21 @@ int command(int argc, char** argv) {
   CLI::App* run = app.add_subcommand("run", "simulate a scene file or a built-in scene and report time and error");
   atl::command::RunOptions options;
   atl::command::add_run_options(*run, options);
+  CLI::App* sweep = app.add_subcommand("sweep", "run scenes over many settings and draw error against run time");
+  atl::command::SweepOptions sweep_options;
+  atl::command::add_sweep_options(*sweep, sweep_options);
   const CLI::App* scenes = app.add_subcommand("scenes", "list the built-in scenes and their parameters");
 
   try {
     app.parse(argc, argv);
     // CLI11's require_subcommand would hide that "atoll rnu" has an argument that is not understood.
-    if (app.get_subcommands().empty()) throw CLI::RequiredError("A command, run or scenes,");
+    if (app.get_subcommands().empty()) throw CLI::RequiredError("A command, run, sweep or scenes,");
     if (run->parsed()) atl::command::run(options);
+    if (sweep->parsed()) atl::command::sweep(sweep_options);
     if (scenes->parsed()) atl::command::list_scenes(std::cout);
     return static_cast<int>(Status::Done);
   } catch (const CLI::ParseError& error) {
-    return error.get_exit_code() == 0 ? app.exit(error) : usage_error(error, *run);
+    return error.get_exit_code() == 0 ? app.exit(error) : usage_error(error, app);
   }
 }
 

@@ -1,23 +1,28 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
+#include <string>
 
 namespace atl::command {
 
-/// A bar with rate and time left on stderr, where that is a terminal; elsewhere nothing.
+/// A bar with time left on stderr, where that is a terminal; elsewhere nothing.
 class Progress {
  public:
-  explicit Progress(int steps);
+  /// `total` of some unit of work, as "steps", of which count and rate are shown; of a nameless one the share that is
+  /// done.
+  explicit Progress(std::int64_t total, std::string unit = "steps");
   ~Progress();  ///< clears the bar
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  void update(int steps_done);
+  void update(std::int64_t done);
 
  private:
   using Clock = std::chrono::steady_clock;
 
-  int steps_;
+  std::int64_t total_;
+  std::string unit_;
   bool terminal_;
   bool shown_ = false;
   Clock::time_point start_;

@@ -2,52 +2,14 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <charconv>
 #include <functional>
 #include <thread>
 
 #include "names.h"
+#include "option_checks.h"
 
 namespace atl::command {
 namespace {
-
-constexpr int most_threads = 1024;
-constexpr int most_steps = 1'000'000'000;
-
-template <class Number>
-bool parse_whole(const std::string& text, Number& value) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc{} && end == text.data() + text.size();
-}
-
-// CLI11's own Range lets NaN pass and does not say what it wants of a text that is no number.
-CLI::Validator integer_in(int min, int max) {
-  const std::string range = "[" + std::to_string(min) + ", " + std::to_string(max) + "]";
-  const auto check = [=](std::string& text) -> std::string {
-    int value = 0;
-    if (parse_whole(text, value) && value >= min && value <= max) return "";
-    return "found \"" + text + "\", expected an integer in " + range;
-  };
-  return {check, range, "integer"};
-}
-
-CLI::Validator step_length() {
-  const auto check = [](std::string& text) -> std::string {
-    double value = 0;
-    if (parse_whole(text, value) && value > 0 && value <= 1) return "";
-    return "found \"" + text + "\", expected a number in (0, 1]";
-  };
-  return {check, "(0, 1]", "step length"};
-}
-
-CLI::Validator seed_number() {
-  const auto check = [](std::string& text) -> std::string {
-    std::uint64_t value = 0;
-    if (parse_whole(text, value)) return "";
-    return "found \"" + text + "\", expected an integer in [0, 2^64)";
-  };
-  return {check, "[0, 2^64)", "seed"};
-}
 
 using Choices = std::vector<std::string>;
 
@@ -89,7 +51,7 @@ void add_run_options(CLI::App& command, RunOptions& options) {
       ->check(integer_in(1, most_steps))
       ->group(time);
   command.add_option("--dt", options.dt, "s of simulated time a step (default: the scene's)")
-      ->check(step_length())
+      ->check(number_above_zero(1))
       ->group(time);
 
   const char* solver = "Solver (default: the scene's settings)";

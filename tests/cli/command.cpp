@@ -16,10 +16,14 @@
 namespace atl::test {
 
 CommandResult run_atoll(const std::vector<std::string>& arguments) {
-  const ScratchDirectory scratch;
-  const std::string out = scratch.path("out"), err = scratch.path("err");
   std::vector<std::string> words = {ATOLL_COMMAND_PATH};
   words.insert(words.end(), arguments.begin(), arguments.end());
+  return run_program(std::move(words));
+}
+
+CommandResult run_program(std::vector<std::string> words) {
+  const ScratchDirectory scratch;
+  const std::string out = scratch.path("out"), err = scratch.path("err");
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
@@ -32,7 +36,7 @@ CommandResult run_atoll(const std::vector<std::string>& arguments) {
   pid_t child = 0;
   const int failed = posix_spawn(&child, argv[0], &actions, nullptr, argv.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
-  if (failed != 0) throw std::runtime_error("cannot run " ATOLL_COMMAND_PATH);
+  if (failed != 0) throw std::runtime_error("cannot run " + words.front());
 
   int status = 0;
   waitpid(child, &status, 0);

@@ -13,6 +13,8 @@ struct CommandResult {
 };
 
 CommandResult run_atoll(const std::vector<std::string>& arguments);
+/// The first word is the program's path.
+CommandResult run_program(std::vector<std::string> words);
 
 /// A directory of the running test's own, removed with everything in it.
 class ScratchDirectory {

@@ -31,6 +31,17 @@ TEST(CommandUsage, HelpOfRunHasEveryOption) {
   }
 }
 
+TEST(CommandUsage, HelpOfSweepHasEveryOption) {
+  const CommandResult help = run_atoll({"sweep", "--help"});
+  EXPECT_EQ(help.status, 0);
+  for (const char* word :
+       {"SCENE", "--analytic", "--substeps LIST", "--iterations LIST", "--dt LIST", "--friction LIST",
+        "--warm-start LIST", "--relax-iterations LIST", "--threads LIST", "--simd LIST", "--quick", "--steps",
+        "--repeats", "--time", "--seed", "--peer PROGRAM", "--peer-limit", "--out DIR"}) {
+    EXPECT_NE(help.out.find(word), std::string::npos) << word;
+  }
+}
+
 TEST(CommandUsage, ScenesListsAllWithParameters) {
   const CommandResult scenes = run_atoll({"scenes"});
   EXPECT_EQ(scenes.status, 0);
@@ -42,7 +53,7 @@ TEST(CommandUsage, ScenesListsAllWithParameters) {
 }
 
 TEST(CommandUsage, RefusesBadArguments) {
-  expect_refused(run_atoll({}), 2, {"run or scenes"});
+  expect_refused(run_atoll({}), 2, {"run, sweep or scenes"});
   expect_refused(run_atoll({"walk"}), 2, {"walk"});
   expect_refused(run_atoll({"run"}), 2, {"SCENE"});
   expect_refused(run_atoll({"run", "stack", "wall"}), 2, {"wall"});

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <string>
+
+namespace atl::command {
+
+/// Reads a number that is all of the text.
+template <class Number>
+bool parse_whole(const std::string& text, Number& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc{} && end == text.data() + text.size();
+}
+
+/// Checks of an option's text that say what was found and what was expected. (CLI11's own Range lets NaN pass and does
+/// not say what it wants of a text that is no number.)
+CLI::Validator integer_in(int min, int max);
+CLI::Validator number_above_zero(double max);
+CLI::Validator seed_number();
+
+constexpr int most_threads = 1024;
+constexpr int most_steps = 1'000'000'000;
+
+}  // namespace atl::command

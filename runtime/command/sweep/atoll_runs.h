@@ -1,0 +1,24 @@
+#pragma once
+
+#include <functional>
+
+#include "grid.h"
+#include "record.h"
+
+namespace atl::command {
+
+/// What a configuration is called and where it lies, with nothing measured yet.
+Record describe(const ScenePlan& plan, const Configuration& configuration);
+
+/// Simulates once, observed after every step, and fills in outcome, errors and hash. The errors are those of
+/// atl::ErrorMeter, and the largest and the median contact residual over the steps.
+void measure_errors(const ScenePlan& plan, const Configuration& configuration, Record& record);
+
+/// Simulates in fresh worlds, diagnostics off, until at least `least_time` s were spent in steps and the forces before
+/// them, and adds the time of that as one sample. Throws Failure unless it ends in the record's state, bit for bit.
+void measure_time(const ScenePlan& plan, const Configuration& configuration, double least_time, Record& record);
+
+/// CPU time of this process, s.
+double process_time();
+
+}  // namespace atl::command

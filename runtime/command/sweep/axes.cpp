@@ -1,0 +1,181 @@
+#include "axes.h"
+
+#include <atoll/world.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <stdexcept>
+
+#include "../names.h"
+#include "../option_checks.h"
+
+namespace atl::command {
+namespace {
+
+template <int min, int max>
+bool accepts_integer(const std::string& text) {
+  int value = 0;
+  return parse_whole(text, value) && value >= min && value <= max;
+}
+
+int integer(const std::string& text) {
+  int value = 0;
+  parse_whole(text, value);
+  return value;
+}
+
+std::string plural(int count, const char* noun) { return std::to_string(count) + " " + noun + (count == 1 ? "" : "s"); }
+
+// The shortest text that reads back as the same number.
+std::string shortest(double value) {
+  std::array<char, 32> text;
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value);
+  return {text.data(), end.ptr};
+}
+
+// A number of seconds, or "1/60".
+double seconds(const std::string& text) {
+  const std::size_t slash = text.find('/');
+  double value = 0, divisor = 1;
+  const bool whole = parse_whole(text.substr(0, slash), value) &&
+                     (slash == std::string::npos || parse_whole(text.substr(slash + 1), divisor));
+  return whole ? value / divisor : std::nan("");
+}
+
+bool accepts_seconds(const std::string& text) { return seconds(text) > 0 && seconds(text) <= 1; }
+
+std::string step_label(const Configuration& c) {
+  const double rate = 1 / c.dt;
+  const bool whole = std::abs(rate - std::round(rate)) < 1e-9 * rate;
+  return "dt " + (whole ? "1/" + std::to_string(std::lround(rate)) : shortest(c.dt)) + " s";
+}
+
+const char* on_off(bool on) { return on ? "on" : "off"; }
+
+constexpr std::array table = {
+    Axis{.name = "substeps",
+         .help = "substeps a step",
+         .numeric = true,
+         .changes_result = true,
+         .expected = "an integer in [1, 1024]",
+         .accepts = accepts_integer<1, 1024>,
+         .apply = [](const std::string& value, Configuration& c) { c.settings.substeps = integer(value); },
+         .value = [](const Configuration& c) { return std::to_string(c.settings.substeps); },
+         .label = [](const Configuration& c) { return plural(c.settings.substeps, "substep"); }},
+    Axis{.name = "iterations",
+         .help = "sweeps over the contacts a substep",
+         .numeric = true,
+         .changes_result = true,
+         .expected = "an integer in [1, 1024]",
+         .accepts = accepts_integer<1, 1024>,
+         .apply = [](const std::string& value, Configuration& c) { c.settings.iterations = integer(value); },
+         .value = [](const Configuration& c) { return std::to_string(c.settings.iterations); },
+         .label = [](const Configuration& c) { return plural(c.settings.iterations, "iteration"); }},
+    Axis{.name = "dt",
+         .help = "s of simulated time a step, as 1/60 or 0.01; the steps change with it, the simulated time stays",
+         .numeric = true,
+         .changes_result = true,
+         .expected = "a number in (0, 1], as 1/60 or 0.01",
+         .accepts = accepts_seconds,
+         .apply = [](const std::string& value, Configuration& c) { c.dt = seconds(value); },
+         .value = [](const Configuration& c) { return shortest(c.dt); },
+         .label = step_label},
+    Axis{.name = "friction",
+         .help = "friction models",
+         .numeric = false,
+         .changes_result = true,
+         .expected = "cone or pyramid",
+         .accepts = [](const std::string& value) { return value == "cone" || value == "pyramid"; },
+         .apply = [](const std::string& value, Configuration& c) { c.settings.friction = friction_named(value); },
+         .value = [](const Configuration& c) { return std::string(name_of(c.settings.friction)); },
+         .label = [](const Configuration& c) { return "friction " + std::string(name_of(c.settings.friction)); }},
+    Axis{.name = "warm_start",
+         .help = "whether a step starts from the impulses of the one before",
+         .numeric = false,
+         .changes_result = true,
+         .expected = "on or off",
+         .accepts = [](const std::string& value) { return value == "on" || value == "off"; },
+         .apply = [](const std::string& value, Configuration& c) { c.settings.warm_starting = value == "on"; },
+         .value = [](const Configuration& c) { return std::string(on_off(c.settings.warm_starting)); },
+         .label = [](const Configuration& c) { return std::string("warm start ") + on_off(c.settings.warm_starting); }},
+    Axis{.name = "relax_iterations",
+         .help = "sweeps without position bias a substep",
+         .numeric = true,
+         .changes_result = true,
+         .expected = "an integer in [0, 1024]",
+         .accepts = accepts_integer<0, 1024>,
+         .apply = [](const std::string& value, Configuration& c) { c.settings.relax_iterations = integer(value); },
+         .value = [](const Configuration& c) { return std::to_string(c.settings.relax_iterations); },
+         .label = [](const Configuration& c) { return plural(c.settings.relax_iterations, "relax iteration"); }},
+    Axis{.name = "threads",
+         .help = "worker threads",
+         .numeric = true,
+         .changes_result = false,
+         .expected = "an integer in [1, 1024]",
+         .accepts = accepts_integer<1, most_threads>,
+         .apply = [](const std::string& value, Configuration& c) { c.threads = integer(value); },
+         .value = [](const Configuration& c) { return std::to_string(c.threads); },
+         .label = [](const Configuration& c) { return plural(c.threads, "thread"); }},
+    Axis{.name = "simd",
+         .help = "vector instructions of the solver",
+         .numeric = false,
+         .changes_result = false,
+         .expected = "auto, portable, sse4, avx2, avx512 or neon, as far as this machine has it",
+         .accepts =
+             [](const std::string& value) {
+               const std::vector<std::string> all = available_simds();
+               return value == "auto" || std::find(all.begin(), all.end(), value) != all.end();
+             },
+         .apply = [](const std::string& value, Configuration& c) { c.settings.simd = simd_named(value); },
+         .value = [](const Configuration& c) { return std::string(name_of(c.settings.simd)); },
+         .label = [](const Configuration& c) { return std::string(name_of(c.settings.simd)); }},
+};
+
+}  // namespace
+
+std::span<const Axis> axes() { return table; }
+
+const Axis& find_axis(std::string_view name) {
+  for (const Axis& axis : table) {
+    if (axis.name == name) return axis;
+  }
+  throw std::logic_error("there is no axis " + std::string(name));
+}
+
+std::string option_of(const Axis& axis) {
+  std::string option = std::string("--") + axis.name;
+  std::replace(option.begin(), option.end(), '_', '-');
+  return option;
+}
+
+bool same_place(const Configuration& a, const Configuration& b) {
+  return std::all_of(table.begin(), table.end(), [&](const Axis& axis) { return axis.value(a) == axis.value(b); });
+}
+
+std::string label_of(const Configuration& configuration, const Configuration& scenes_own) {
+  std::string label;
+  for (const Axis& axis : table) {
+    if (axis.value(configuration) == axis.value(scenes_own)) continue;
+    label += (label.empty() ? "" : ", ") + axis.label(configuration);
+  }
+  return label.empty() ? "default" : label;
+}
+
+std::vector<std::string> available_simds() {
+  std::vector<std::string> available;
+  for (const Simd simd : {Simd::Portable, Simd::Sse4, Simd::Avx2, Simd::Avx512, Simd::Neon}) {
+    try {
+      WorldDef def;
+      def.settings.simd = simd;
+      const World world(def);
+      available.push_back(name_of(simd));
+    } catch (const Error&) {
+      // This machine or build lacks it.
+    }
+  }
+  return available;
+}
+
+}  // namespace atl::command

@@ -1,0 +1,10 @@
+#pragma once
+
+namespace atl::command::page {
+
+/// The files of page/, as they were built in.
+extern const char* const index;
+extern const char* const style;
+extern const char* const script;
+
+}  // namespace atl::command::page

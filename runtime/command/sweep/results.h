@@ -1,0 +1,41 @@
+#pragma once
+
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+#include "scene_report.h"
+#include "surroundings.h"
+
+namespace atl::command {
+
+struct EngineVersion {
+  std::string name;
+  std::string version;
+  std::string precision;
+};
+
+/// What a sweep writes. The errors of Atoll in it are the same on every machine; what follows from times is not.
+struct SweepResults {
+  Surroundings surroundings;
+  std::vector<EngineVersion> engines;  ///< Atoll first
+  bool quick = false;
+  int repeats = 1;
+  double time = 0;  ///< s
+  std::uint64_t seed = 1;
+  std::vector<SceneReport> scenes;
+};
+
+/// All figures, fronts and verdicts.
+void write_results_json(std::ostream& out, const SweepResults& results);
+
+/// One row a run.
+void write_results_csv(std::ostream& out, const SweepResults& results);
+
+/// One HTML page that needs no other file. `date` is shown.
+void write_results_page(std::ostream& out, const SweepResults& results, const std::string& date);
+
+/// For people, on a terminal: a paragraph a scene.
+void write_results_text(std::ostream& out, const SweepResults& results);
+
+}  // namespace atl::command

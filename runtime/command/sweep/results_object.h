@@ -1,0 +1,12 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "results.h"
+
+namespace atl::command {
+
+/// What results.json holds, and the page draws.
+nlohmann::ordered_json results_object(const SweepResults& results);
+
+}  // namespace atl::command

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "comparison.h"
+#include "grid.h"
+#include "record.h"
+
+namespace atl::command {
+
+/// All that a sweep found out about one scene.
+struct SceneReport {
+  ScenePlan plan;
+  std::vector<Record> records;          ///< Atoll's default first, then its others, then engine by engine
+  std::vector<Comparison> comparisons;  ///< by measure; the first is the one to look at
+
+  /// Neither a closed form nor an ideal rest pose: no two engines end in the same state.
+  bool chaotic() const { return !plan.scene.closed_form && !plan.scene.starts_at_rest; }
+};
+
+/// Compares by every measure that some run has: the closed form's error first, else mean penetration.
+void compare_all(SceneReport& report);
+
+/// Of a measure, in words; the scene's own words for the error against its closed form.
+std::string describe_measure(const std::string& name, const Scene& scene);
+/// "m", "rad" or "".
+std::string unit_of(const std::string& measure, const std::vector<Record>& records);
+
+}  // namespace atl::command

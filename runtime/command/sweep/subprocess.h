@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace atl::command {
+
+/// How another program ended, and what it printed.
+struct SubprocessResult {
+  enum class End { Exited, Signalled, TimedOut };
+
+  End end = End::Exited;
+  int code = 0;  ///< exit status, or the signal
+  std::string out;
+  std::string err;
+};
+
+/// Runs a program, found as a shell would find it but without a shell, with nothing on its standard input. It is
+/// killed after `limit` s. Throws Failure with Status::Usage if it can't be started.
+SubprocessResult run_subprocess(const std::vector<std::string>& words, double limit);
+
+}  // namespace atl::command

@@ -1,0 +1,129 @@
+#include "sweep.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <iostream>
+
+#include "../failure.h"
+#include "../names.h"
+#include "../output_file.h"
+#include "../progress.h"
+#include "results.h"
+#include "scene_sweep.h"
+
+namespace atl::command {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The files of a sweep, known to be writable before it starts.
+struct Outputs {
+  OutputFile json;
+  OutputFile csv;
+  OutputFile page;
+};
+
+Outputs check_outputs(const std::string& directory) {
+  std::error_code error;
+  fs::create_directories(directory, error);
+  if (error) throw Failure(Status::Usage, "--out: cannot make the directory " + directory + ": " + error.message());
+  const auto file = [&](const char* name) { return OutputFile("--out", (fs::path(directory) / name).string()); };
+  return {file("results.json"), file("results.csv"), file("index.html")};
+}
+
+std::vector<std::string> scene_addresses(const SweepOptions& options) {
+  std::vector<std::string> addresses;
+  if (options.analytic) {
+    for (const BuiltinScene& scene : builtin_scenes()) {
+      if (load_scene(scene.name, options.seed).closed_form) addresses.push_back(scene.name);
+    }
+  }
+  addresses.insert(addresses.end(), options.scenes.begin(), options.scenes.end());
+  if (addresses.empty()) throw Failure(Status::Usage, "found no scene, expected SCENE or --analytic");
+  return addresses;
+}
+
+std::vector<PeerDriver> ask_drivers(const SweepOptions& options) {
+  const double limit = options.peer_limit.value_or(options.quick ? 6 : 25);
+  std::vector<PeerDriver> drivers;
+  for (const std::string& program : options.peers) {
+    PeerDriver driver(program, limit);
+    const auto same = [&](const PeerDriver& other) { return other.engine() == driver.engine(); };
+    if (driver.engine() == "Atoll" || std::any_of(drivers.begin(), drivers.end(), same)) {
+      throw Failure(Status::Usage, "--peer: " + program + ": found a second engine named \"" + driver.engine() +
+                                       "\", expected each once");
+    }
+    drivers.push_back(std::move(driver));
+  }
+  return drivers;
+}
+
+std::vector<EngineVersion> engine_versions(const std::vector<PeerDriver>& drivers) {
+  std::vector<EngineVersion> engines = {
+      {"Atoll", ATOLL_VERSION, "double poses, single velocities, " + std::string(name_of(World().simd()))}};
+  for (const PeerDriver& driver : drivers) {
+    engines.push_back({driver.engine(), driver.version(), driver.precision()});
+  }
+  return engines;
+}
+
+// Where there is no terminal to draw a bar on.
+void log_scene(const SceneReport& report, double seconds) {
+  if (::isatty(STDERR_FILENO) != 0) return;
+  std::cerr << "atoll: " << report.plan.scene.name << ": " << report.records.size() << " settings in "
+            << fixed(seconds, 1) << " s" << std::endl;
+}
+
+void sweep_scenes(std::vector<ScenePlan> plans, const std::vector<PeerDriver>& drivers, const RunPolicy& policy,
+                  SweepResults& results) {
+  using Clock = std::chrono::steady_clock;
+  std::vector<std::int64_t> work;
+  std::int64_t all_work = 0;
+  for (const ScenePlan& plan : plans) {
+    work.push_back(estimate_work(plan, drivers, policy));
+    all_work += work.back();
+  }
+  Progress progress(all_work, "");
+  std::int64_t before = 0;
+  for (std::size_t i = 0; i < plans.size(); ++i) {
+    const Clock::time_point start = Clock::now();
+    std::int64_t done = 0;
+    const WorkDone work_done = [&](std::int64_t more) { progress.update(before + (done += more)); };
+    results.scenes.push_back(sweep_scene(std::move(plans[i]), drivers, policy, results.seed, work_done));
+    before += work[i];
+    log_scene(results.scenes.back(), std::chrono::duration<double>(Clock::now() - start).count());
+  }
+}
+
+}  // namespace
+
+void sweep(const SweepOptions& options) {
+  std::vector<ScenePlan> plans;
+  for (const std::string& address : scene_addresses(options)) plans.push_back(plan_scene(address, options));
+  const std::vector<PeerDriver> drivers = ask_drivers(options);
+  const Outputs outputs = check_outputs(options.out);
+
+  const RunPolicy policy = {.repeats = options.repeats.value_or(options.quick ? 1 : 3),
+                            .least_time = options.time.value_or(options.quick ? 0.02 : 0.03),
+                            .peer_budget = options.quick ? 1.0 : 15.0};
+  SweepResults results = {.surroundings = surroundings(),
+                          .engines = engine_versions(drivers),
+                          .quick = options.quick,
+                          .repeats = policy.repeats,
+                          .time = policy.least_time,
+                          .seed = options.seed,
+                          .scenes = {}};
+  sweep_scenes(std::move(plans), drivers, policy, results);
+
+  outputs.json.write([&](std::ostream& out) { write_results_json(out, results); });
+  outputs.csv.write([&](std::ostream& out) { write_results_csv(out, results); });
+  outputs.page.write([&](std::ostream& out) { write_results_page(out, results, today()); });
+  write_results_text(std::cout, results);
+  std::cout << "wrote " << (fs::path(options.out) / "index.html").string() << ", results.json and results.csv\n";
+  if (!std::cout.flush()) throw Failure(Status::Usage, "cannot write the results to standard output");
+}
+
+}  // namespace atl::command

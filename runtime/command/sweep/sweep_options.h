@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace CLI {  // NOLINT(readability-identifier-naming): CLI11 chose it
+class App;
+}
+
+namespace atl::command {
+
+/// What `atoll sweep` was asked to do.
+struct SweepOptions {
+  std::vector<std::string> scenes;
+  bool analytic = false;                                  ///< and all built-in scenes that have a closed form
+  std::map<std::string, std::vector<std::string>> lists;  ///< values by axis; the grid's own where there is none
+  bool quick = false;
+  std::vector<std::string> peers;    ///< driver programs
+  std::optional<double> peer_limit;  ///< s that one run of a driver may take
+  std::optional<int> repeats;        ///< timing rounds
+  std::optional<int> steps;          ///< at the scene's own dt
+  std::uint64_t seed = 1;
+  std::optional<double> time;  ///< s, the least that one timing run spends in steps
+  std::string out = "sweep";
+};
+
+/// Declares the options, to be parsed into `options`, which has to outlive the parsing.
+void add_sweep_options(CLI::App& command, SweepOptions& options);
+
+}  // namespace atl::command

@@ -1,0 +1,118 @@
+// The page that a sweep writes, in a browser.
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <set>
+
+#include "cli/browser.h"
+#include "cli/command.h"
+#include "cli/driver_script.h"
+
+namespace atl::test {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// A sweep with runs of every kind: done, without error, fallen, non-finite, stopped.
+class SweepPage : public testing::Test {
+ protected:
+  void SetUp() override {
+    const CommandResult result = run_atoll({"sweep",         "stack:height=2",
+                                            "pile:bodies=3", hostile_scene(),
+                                            "--substeps",    "1,4",
+                                            "--iterations",  "1",
+                                            "--simd",        "auto",
+                                            "--steps",       "30",
+                                            "--repeats",     "2",
+                                            "--time",        "1e-6",
+                                            "--peer",        write_driver(scratch_, "Mock"),
+                                            "--peer-limit",  "1",
+                                            "--out",         scratch_.path("out")});
+    ASSERT_EQ(result.status, 0) << result.err;
+    results_ = Json::parse(read_text(scratch_.path("out") + "/results.json"));
+  }
+
+  std::string page() const { return scratch_.path("out") + "/index.html"; }
+
+  std::string hostile_scene() const {
+    return scratch_.write("<!--<script>&amp;.json", R"({"format": "atoll-scene", "version": 1,
+      "bodies": [{"shape": {"type": "sphere", "radius": 1}}]})");
+  }
+
+  ScratchDirectory scratch_;
+  Json results_;
+};
+
+std::size_t count(const std::string& text, const std::string& word) {
+  std::size_t found = 0;
+  for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) ++found;
+  return found;
+}
+
+// Runs that have a place in a scene's first diagram.
+std::set<std::size_t> drawn_runs(const Json& scene) {
+  const std::string measure = scene["comparisons"][0]["measure"];
+  std::set<std::size_t> drawn;
+  for (std::size_t i = 0; i < scene["runs"].size(); ++i) {
+    const Json& run = scene["runs"][i];
+    const bool broken = run["outcome"] == "fell" || run["outcome"] == "non_finite";
+    const bool placed = run["outcome"] == "done" && run["errors"].contains(measure);
+    if (!run["same_bits"] && (broken || placed)) drawn.insert(i);
+  }
+  return drawn;
+}
+
+TEST_F(SweepPage, NamesNothingOutsideItself) {
+  const std::string text = read_text(page());
+  const std::regex outside(
+      R"re((src|href|action|srcset)\s*=\s*["']?(https?:|//)|@import|url\(|fetch\(|XMLHttpRequest)re");
+  std::smatch found;
+  EXPECT_FALSE(std::regex_search(text, found, outside)) << found.str();
+  EXPECT_EQ(text.find("http://www.w3.org/2000/svg"), text.rfind("http"));
+}
+
+TEST_F(SweepPage, DrawsEveryRunWithoutAConsoleMessage) {
+  const std::optional<std::string> browser = find_browser();
+  if (!browser) {
+    const char* ci = std::getenv("CI");
+    if (ci != nullptr && std::string(ci) == "true") FAIL() << "no Chromium was found, expected one where CI=true";
+    GTEST_SKIP() << "no Chromium was found: the page is not looked at";
+  }
+  for (const int width : {1200, 500}) {
+    SCOPED_TRACE(width);
+    const LoadedPage loaded = load_page(*browser, page(), width);
+    ASSERT_EQ(loaded.status, 0);
+    EXPECT_EQ(loaded.console, "");
+
+    std::vector<std::string> sections;
+    const std::regex opening(R"re(<section class="scene")re");
+    for (std::sregex_iterator at(loaded.document.begin(), loaded.document.end(), opening), end; at != end; ++at) {
+      sections.push_back(loaded.document.substr(static_cast<std::size_t>(at->position())));
+      if (sections.size() > 1) {
+        std::string& before = sections[sections.size() - 2];
+        before.resize(before.size() - sections.back().size());
+      }
+    }
+    ASSERT_EQ(sections.size(), results_["scenes"].size());
+    for (std::size_t i = 0; i < sections.size(); ++i) {
+      std::set<std::size_t> drawn;
+      const std::regex point(R"re(<g class="point[^"]*" data-run="(\d+)" transform="translate\([-\d.]+ [-\d.]+\)")re");
+      for (std::sregex_iterator at(sections[i].begin(), sections[i].end(), point), end; at != end; ++at) {
+        drawn.insert(std::stoul((*at)[1]));
+      }
+      EXPECT_EQ(drawn, drawn_runs(results_["scenes"][i])) << results_["scenes"][i]["name"];
+      EXPECT_GE(count(sections[i], "class=\"ring\""), 1u);
+      EXPECT_GE(count(sections[i], "class=\"front atoll\" d=") + count(sections[i], "\" class=\"front atoll\""), 1u);
+    }
+    EXPECT_EQ(count(loaded.document, "NaN"), 0u);
+    EXPECT_GE(count(loaded.document, "point hollow"), 2u);
+    EXPECT_NE(loaded.document.find("took longer than 1 s"), std::string::npos);
+    EXPECT_NE(loaded.document.find("Chaotic"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace atl::test
