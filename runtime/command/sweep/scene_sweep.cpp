@@ -71,7 +71,7 @@ class SceneSweep {
         driver.measure_errors(setting, run, record);
       } else {
         record.outcome = Outcome::Skipped;
-        record.why = "not tried, as the settings before took over " + fixed(policy_.peer_budget, 0) + " s";
+        record.why = "not tried, as the settings before took over " + fixed(policy_.peer_budget, 1) + " s";
       }
       work_done_(work_of_peer(plan));
       report_.records.push_back(std::move(record));
