@@ -77,6 +77,10 @@ BodyId World::Impl::add_body(const BodyDef& def) {
   bodies.ball[body] = checked.colliders.size() == 1 &&
                       checked.colliders.front().shape.kind == collision::ShapeKind::Sphere &&
                       checked.centre.isZero(0) && checked.colliders.front().local.position.isZero(0);
+  const solver::Surface surface = {def.surface_velocity, def.material.rolling_friction,
+                                   def.material.torsional_friction};
+  if (!surface.is_plain() && bodies.surfaces.empty()) bodies.surfaces.resize(bodies.size());
+  if (!bodies.surfaces.empty()) bodies.surfaces[body] = surface;
   bodies.gravity_scale[body] = def.gravity_scale;
   bodies.linear_damping[body] = def.linear_damping;
   bodies.angular_damping[body] = def.angular_damping;

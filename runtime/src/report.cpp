@@ -22,4 +22,26 @@ const char* phase_name(Phase phase) {
   return "";
 }
 
+const char* solver_stage_name(SolverStage stage) {
+  switch (stage) {
+    case SolverStage::Colour:
+      return "colour";
+    case SolverStage::Prepare:
+      return "prepare";
+    case SolverStage::WarmStart:
+      return "warm_start";
+    case SolverStage::Solve:
+      return "solve";
+    case SolverStage::Relax:
+      return "relax";
+    case SolverStage::Integrate:
+      return "integrate";
+    case SolverStage::Restitution:
+      return "restitution";
+    case SolverStage::Store:
+      return "store";
+  }
+  return "";
+}
+
 }  // namespace atl

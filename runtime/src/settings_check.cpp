@@ -41,6 +41,13 @@ void check(const Settings& settings) {
   check_count("substeps", settings.substeps, 1);
   check_count("iterations", settings.iterations, 1);
   check_count("relax_iterations", settings.relax_iterations, 0);
+  check_not_negative("tolerance", settings.tolerance);
+  if (settings.stabilisation < Stabilisation::Soft || settings.stabilisation > Stabilisation::SplitImpulse) {
+    refuse("stabilisation", static_cast<int>(settings.stabilisation), "a value of Stabilisation");
+  }
+  if (!(settings.correction > 0 && settings.correction <= 1)) {
+    refuse("correction", settings.correction, "a number in (0, 1]");
+  }
   if (settings.contact_hertz) check_positive("contact_hertz", *settings.contact_hertz);
   check_not_negative("contact_damping_ratio", settings.contact_damping_ratio);
   check_positive("contact_push_speed", settings.contact_push_speed);
@@ -57,6 +64,10 @@ solver::SolverSettings solver_settings(const Settings& settings) {
   s.relax_iterations = settings.relax_iterations;
   s.pyramid = settings.friction == FrictionModel::Pyramid;
   s.warm_starting = settings.warm_starting;
+  s.tolerance = settings.tolerance;
+  s.stabilisation = static_cast<solver::Stabilisation>(settings.stabilisation);
+  s.correction = settings.correction;
+  s.profile = settings.profile;
   s.contact_hertz = settings.contact_hertz.value_or(0);
   s.contact_damping_ratio = settings.contact_damping_ratio;
   s.contact_push_speed = settings.contact_push_speed;

@@ -136,9 +136,17 @@ void World::Impl::solve_islands() {
 void World::Impl::solve_groups() {
   const solver::SolverSettings how = solver_settings(settings);
   if (settings.keep_contact_problem) capture_.resize(cache.manifolds.size(), bodies.size());
-  const solver::SolveInput input{islands_, bodies, cache.manifolds.data(),
-                                 gravity,  dt_,    how,
-                                 *kernels, fast_,  settings.keep_contact_problem ? &capture_ : nullptr};
+  if (!bodies.surfaces.empty()) rolling_impulses_.resize(cache.manifolds.size());
+  const solver::SolveInput input{.islands = islands_,
+                                 .bodies = bodies,
+                                 .manifolds = cache.manifolds.data(),
+                                 .gravity = gravity,
+                                 .dt = dt_,
+                                 .settings = how,
+                                 .kernels = *kernels,
+                                 .fast = fast_,
+                                 .capture = settings.keep_contact_problem ? &capture_ : nullptr,
+                                 .rolling_impulses = bodies.surfaces.empty() ? nullptr : rolling_impulses_.data()};
   group_reports_.assign(groups_.size(), {});
   arena.parallel_for(groups_.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t g = begin; g < end; ++g) {

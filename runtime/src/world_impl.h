@@ -12,6 +12,7 @@
 #include <solver/group_solver.h>
 #include <solver/islands.h>
 
+#include <array>
 #include <map>
 #include <memory>
 #include <utility>
@@ -160,6 +161,8 @@ class World::Impl {
   std::vector<ContactEvent> contact_events_;
   std::vector<std::pair<BodyId, BodyId>> touched_;  // in order, as of the last step with events
   std::vector<std::pair<BodyId, BodyId>> touched_before_;
+
+  std::vector<std::array<float, 3>> rolling_impulses_;  // by contact slot; empty while all surfaces are plain
 
   solver::ContactCapture capture_;
   bool captured_ = false;  // by the last step

@@ -14,11 +14,17 @@ enum class BodyType {
   Dynamic,    ///< moves under forces and contacts
 };
 
-/// Surface properties. Of two touching bodies the friction is the geometric mean and the restitution the
-/// larger of the two.
+/// Surface properties. Of two touching bodies the friction is the geometric mean, and everything else the larger of
+/// the two.
 struct Material {
   double friction = 0.6;     ///< Coulomb coefficient, >= 0
   double restitution = 0.0;  ///< Newton coefficient, in [0, 1]
+  /// m, >= 0: the torque that holds back rolling is at most this times the normal force, as if that acted so far ahead
+  /// of the contact (Johnson, "Contact Mechanics", 9.2).
+  double rolling_friction = 0;
+  /// m, >= 0: the torque that holds back spinning about the normal is at most this times the normal force, on top of
+  /// what the friction of a contact's points comes to.
+  double torsional_friction = 0;
 };
 
 /// Which bodies may touch. Two do if the mask of each has a bit of the other's category, unless they share a
@@ -43,6 +49,9 @@ struct BodyDef {
   /// obeying the triangle inequality. Needs mass.
   std::optional<Matrix3> inertia = {};
   Material material = {};
+  /// m/s, body frame: how fast the surface runs along the body, as a conveyor's belt. Friction sees its part in the
+  /// tangent plane of a contact; the body itself stays.
+  Vector3 surface_velocity = Vector3::Zero();
   double gravity_scale = 1;    ///< multiplies the world's gravity
   double linear_damping = 0;   ///< 1/s, >= 0: v' = -c v
   double angular_damping = 0;  ///< 1/s, >= 0: w' = -c w

@@ -31,6 +31,22 @@ struct StageReport {
   double ms = 0;
 };
 
+/// What the contact solver does within a step.
+enum class SolverStage {
+  Colour,       ///< bodies and contacts are gathered and coloured
+  Prepare,      ///< bodies and constraints are loaded
+  WarmStart,    ///< the last step's impulses are applied
+  Solve,        ///< sweeps with the position bias
+  Relax,        ///< sweeps without it
+  Integrate,    ///< velocities and positions
+  Restitution,  ///< bounces
+  Store,        ///< impulses and states are written back
+};
+inline constexpr int solver_stage_count = 8;
+
+/// "colour", "prepare", ...
+const char* solver_stage_name(SolverStage stage);
+
 struct StepCounts {
   std::int64_t pairs = 0;     ///< of bodies whose fat bounds overlap
   std::int64_t contacts = 0;  ///< pairs with at least one manifold point, among awake bodies
@@ -43,6 +59,7 @@ struct StepCounts {
   std::int64_t kept_manifolds = 0;  ///< pairs that kept their features (or their having none) instead
   std::int64_t id_matches = 0;      ///< points of FCL's new manifolds that inherited an impulse by feature id
   std::int64_t id_misses = 0;       ///< points of such manifolds, of pairs that touched before, that did not
+  std::int64_t sweeps = 0;          ///< over an island group's contacts, all groups and substeps together
   std::int64_t asleep = 0;          ///< bodies
   std::int64_t swept = 0;           ///< bodies that continuous collision looked at
   std::int64_t stopped = 0;         ///< of these, those that met something
@@ -54,6 +71,8 @@ struct StepReport {
   std::array<double, phase_count> phase_ms = {};
   StepCounts counts = {};
   std::array<StageReport, stage_count> stages = {};
+  /// With Settings::profile: ms on the worker that solves it, summed over island groups.
+  std::array<double, solver_stage_count> solver_ms = {};
   /// Lowest-numbered body whose state stopped being finite in this step, or -1. Its state and the
   /// world's stay as the step left them.
   std::int64_t first_non_finite_body = -1;

@@ -9,6 +9,18 @@ enum class FrictionModel {
   Pyramid,  ///< each of two tangential components clamped alone: cheaper in theory, wrong off the axes
 };
 
+/// How contacts get bodies out of each other.
+enum class Stabilisation {
+  /// A contact is a stiff damped spring, and sweeps without it take the speed back with which it pushed.
+  Soft,
+  /// A contact is rigid and asks for a part of the overlap as speed, which bodies keep: it adds energy (Baumgarte,
+  /// "Stabilization of constraints and integrals of motion in dynamical systems", 1972).
+  Baumgarte,
+  /// The same part, in velocities of their own that only move bodies and are then forgotten (Catto, "Modeling and
+  /// Solving Constraints", GDC 2009).
+  SplitImpulse,
+};
+
 /// The vector instruction set of the solver's kernels. The result is the same, bit for bit, on each.
 enum class Simd { Auto, Portable, Sse4, Avx2, Avx512, Neon };
 
@@ -16,12 +28,18 @@ enum class Simd { Auto, Portable, Sse4, Avx2, Avx512, Neon };
 struct Settings {
   int substeps = 4;          ///< in [1, 1024]; overlap falls with its square, cost rises linearly
   int iterations = 1;        ///< sweeps over all contacts with the position bias, a substep; in [1, 1024]
-  int relax_iterations = 1;  ///< sweeps without it after the positions moved; in [0, 1024]
+  int relax_iterations = 1;  ///< sweeps without it after the positions moved; in [0, 1024]; with Soft only
+  /// m/s, >= 0: an island whose sweep changed no relative speed at a contact by more than this is done with the sweeps
+  /// of that kind in the substep. 0 never stops early.
+  double tolerance = 0;
   FrictionModel friction = FrictionModel::Cone;
   bool warm_starting = true;
 
-  /// Stiffness of a contact as a damped spring, Hz, > 0. Limited to a quarter of the substep rate, and doubled
-  /// against static and kinematic bodies. Left out, it is an eighth of the substep rate: as stiff as the
+  Stabilisation stabilisation = Stabilisation::Soft;
+  double correction = 0.2;  ///< of the overlap that Baumgarte and SplitImpulse remove a substep, in (0, 1]
+
+  /// With Soft: stiffness of a contact as a damped spring, Hz, > 0. Limited to a quarter of the substep rate, and
+  /// doubled against static and kinematic bodies. Left out, it is an eighth of the substep rate: as stiff as the
   /// substeps can well follow (30 Hz at the defaults), so that more substeps mean less overlap.
   std::optional<double> contact_hertz = {};
   double contact_damping_ratio = 10;  ///< >= 0; 1 is critical
@@ -35,6 +53,8 @@ struct Settings {
   bool contact_events = false;  ///< World::contact_events() has something to tell
 
   bool keep_contact_problem = false;  ///< World::contact_problem() has something to tell
+
+  bool profile = false;  ///< StepReport::solver_ms has something to tell; no bit of the result changes
 
   Simd simd = Simd::Auto;
 };

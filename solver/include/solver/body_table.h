@@ -14,6 +14,15 @@ using Quaternion = Eigen::Quaternion<double, Eigen::DontAlign>;
 
 enum class Mobility : std::uint8_t { Fixed, Kinematic, Dynamic };
 
+/// What the surface of a body does that plain friction doesn't know. See atoll/body.h.
+struct Surface {
+  Vector3 velocity = Vector3::Zero();  ///< m/s, body frame
+  double rolling_friction = 0;         ///< m
+  double torsional_friction = 0;       ///< m
+
+  bool is_plain() const { return velocity.isZero(0) && rolling_friction == 0 && torsional_friction == 0; }
+};
+
 /// State and mass properties of all bodies of a world as flat arrays, one entry a body index. This is what
 /// lasts from step to step; what a step computes with is made from it (see SolverBodies).
 struct BodyTable {
@@ -32,6 +41,7 @@ struct BodyTable {
   std::vector<Quaternion> principal_axes;  ///< body frame, in which the inertia is diagonal; of gyroscopic bodies
   std::vector<Vector3> moments;            ///< kg m^2, about these
   std::vector<std::uint8_t> ball;          ///< 1 for a sphere about the centre of mass: it looks the same turned
+  std::vector<Surface> surfaces;           ///< empty while all are plain
   std::vector<double> gravity_scale;
   std::vector<double> linear_damping;   ///< 1/s
   std::vector<double> angular_damping;  ///< 1/s
@@ -81,6 +91,7 @@ inline void BodyTable::resize(std::size_t count) {
   principal_axes.resize(count, Quaternion::Identity());
   moments.resize(count, Vector3::Zero());
   ball.resize(count, 0);
+  if (!surfaces.empty()) surfaces.resize(count);
   gravity_scale.resize(count, 1.0);
   linear_damping.resize(count, 0.0);
   angular_damping.resize(count, 0.0);

@@ -10,6 +10,7 @@
 #include <solver/motion.h>
 #include <solver/solver_settings.h>
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -26,6 +27,8 @@ struct SolveInput {
   const Kernels& kernels;
   FastBodies& fast;
   ContactCapture* capture = nullptr;  ///< null where nobody asks
+  /// By contact slot: N m s, in the tangent plane, on the second body. Null while all surfaces are plain.
+  std::array<float, 3>* rolling_impulses = nullptr;
 };
 
 struct GroupReport {

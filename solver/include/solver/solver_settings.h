@@ -3,6 +3,7 @@
 namespace atl::solver {
 
 enum class Friction { None, Cone, Pyramid };
+enum class Stabilisation { Soft, Baumgarte, SplitImpulse };
 
 /// How islands are solved. Ranges and meanings as in atoll/settings.h.
 struct SolverSettings {
@@ -11,6 +12,10 @@ struct SolverSettings {
   int relax_iterations = 1;
   bool pyramid = false;
   bool warm_starting = true;
+  double tolerance = 0;
+  Stabilisation stabilisation = Stabilisation::Soft;
+  double correction = 0.2;
+  bool profile = false;
   double contact_hertz = 0;  ///< 0: an eighth of the substep rate
   double contact_damping_ratio = 10;
   double contact_push_speed = 3;
