@@ -90,7 +90,8 @@ void World::Impl::build_islands() {
   if (sleeping.asleep > 0) wake_touched_sleepers();
   collect_touching_pairs();
   islands_.build(bodies, sleeping.awake, touching_);
-  solver::pack_groups(islands_, groups_);
+  // Each island stops sweeping when it is done.
+  solver::pack_groups(islands_, settings.tolerance > 0, groups_);
 }
 
 // An active body that touches a sleeping one wakes its island.
@@ -136,7 +137,7 @@ void World::Impl::solve_islands() {
 void World::Impl::solve_groups() {
   const solver::SolverSettings how = solver_settings(settings);
   if (settings.keep_contact_problem) capture_.resize(cache.manifolds.size(), bodies.size());
-  if (!bodies.surfaces.empty()) rolling_impulses_.resize(cache.manifolds.size());
+  if (!bodies.surfaces.empty()) surface_contacts_.resize(cache.manifolds.size());
   const solver::SolveInput input{.islands = islands_,
                                  .bodies = bodies,
                                  .manifolds = cache.manifolds.data(),
@@ -146,7 +147,7 @@ void World::Impl::solve_groups() {
                                  .kernels = *kernels,
                                  .fast = fast_,
                                  .capture = settings.keep_contact_problem ? &capture_ : nullptr,
-                                 .rolling_impulses = bodies.surfaces.empty() ? nullptr : rolling_impulses_.data()};
+                                 .surface_contacts = bodies.surfaces.empty() ? nullptr : surface_contacts_.data()};
   group_reports_.assign(groups_.size(), {});
   arena.parallel_for(groups_.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t g = begin; g < end; ++g) {
@@ -190,6 +191,8 @@ void World::Impl::finish() {
   counts.groups = static_cast<std::int64_t>(groups_.size());
   for (const solver::GroupReport& group : group_reports_) {
     counts.colours = std::max(counts.colours, static_cast<std::int64_t>(group.colours));
+    counts.sweeps += group.sweeps;
+    for (std::size_t i = 0; i < solver_stage_count; ++i) report_.solver_ms[i] += group.stage_ms[i];
   }
   counts.asleep = sleeping.asleep;
 }

@@ -162,7 +162,7 @@ class World::Impl {
   std::vector<std::pair<BodyId, BodyId>> touched_;  // in order, as of the last step with events
   std::vector<std::pair<BodyId, BodyId>> touched_before_;
 
-  std::vector<std::array<float, 3>> rolling_impulses_;  // by contact slot; empty while all surfaces are plain
+  std::vector<solver::SurfaceContact> surface_contacts_;  // by contact slot; empty while all surfaces are plain
 
   solver::ContactCapture capture_;
   bool captured_ = false;  // by the last step

@@ -47,6 +47,13 @@ inline void integrate_velocities(SolverBodies& bodies, const SubstepConstants& c
   }
 }
 
+inline void clear_corrections(SolverBodies& bodies, std::size_t begin, std::size_t end) {
+  // With the inertia that rides along.
+  for (std::size_t i = begin; i < end; ++i) {
+    bodies.correction[i] = {{0, 0, 0}, bodies.velocity[i].inertia_xx, {0, 0, 0}, bodies.velocity[i].inertia_yy};
+  }
+}
+
 struct Q {
   V3 vector;
   V scalar;
@@ -168,6 +175,7 @@ inline void integrate_positions(SolverBodies& bodies, const SubstepConstants& co
   const V h = splat(constants.h);
   const V half_h = splat(0.5f * constants.h);
   const bool gyroscopic = !bodies.gyroscopic.empty();
+  const bool corrects = !bodies.correction.empty();
   for (std::size_t i = begin; i < end; i += lanes) {
     const auto linear_row = [&](std::size_t k) { return bodies.displacement[i + k].linear; };
     const auto rotation_row = [&](std::size_t k) { return bodies.displacement[i + k].rotation; };
@@ -176,8 +184,14 @@ inline void integrate_positions(SolverBodies& bodies, const SubstepConstants& co
     const V4 p = load_rows(linear_row);
     const V4 q4 = load_rows(rotation_row);
 
-    const V3 moved = V3{p.x, p.y, p.z} + h * V3{v.x, v.y, v.z};
-    const Q q{{q4.x, q4.y, q4.z}, q4.w};
+    V3 moved = V3{p.x, p.y, p.z} + h * V3{v.x, v.y, v.z};
+    Q q{{q4.x, q4.y, q4.z}, q4.w};
+    if (corrects) {
+      const V4 cv = load_rows([&](std::size_t k) { return bodies.correction[i + k].linear; });
+      const V4 cw = load_rows([&](std::size_t k) { return bodies.correction[i + k].angular; });
+      moved = moved + h * V3{cv.x, cv.y, cv.z};
+      q = normalized(advanced(q, {cw.x, cw.y, cw.z}, half_h));
+    }
     Q turn = normalized(advanced(q, {w.x, w.y, w.z}, half_h));
     if (gyroscopic) turn = tumble(bodies, i, q, turn, h);
     store_rows({moved.x, moved.y, moved.z, p.w}, linear_row, ~0u);

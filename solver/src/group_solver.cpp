@@ -1,6 +1,9 @@
 #include <solver/group_solver.h>
 
 #include <algorithm>
+#include <atomic>
+#include <bit>
+#include <chrono>
 
 namespace atl::solver {
 namespace {
@@ -27,6 +30,40 @@ void for_each_colour(std::span<const Colour> colours, Executor& executor, const 
     }
   }
 }
+
+// Sums up where the time goes, for those who ask.
+class StageClock {
+ public:
+  StageClock(bool runs, std::array<double, solver_stage_count>& ms) : runs_(runs), ms_(ms) {
+    if (runs_) last_ = std::chrono::steady_clock::now();
+  }
+  void lap(SolverStage stage) {
+    if (!runs_) return;
+    const auto now = std::chrono::steady_clock::now();
+    ms_[static_cast<std::size_t>(stage)] += std::chrono::duration<double, std::milli>(now - last_).count();
+    last_ = now;
+  }
+
+ private:
+  bool runs_;
+  std::array<double, solver_stage_count>& ms_;
+  std::chrono::steady_clock::time_point last_;
+};
+
+// The largest of what several workers find, none of it negative: bit patterns are then in order of the numbers.
+class LargestOf {
+ public:
+  void add(float value) {
+    const auto bits = std::bit_cast<std::uint32_t>(value);
+    std::uint32_t most = bits_.load(std::memory_order_relaxed);
+    while (bits > most && !bits_.compare_exchange_weak(most, bits, std::memory_order_relaxed)) {
+    }
+  }
+  float value() const { return std::bit_cast<float>(bits_.load(std::memory_order_relaxed)); }
+
+ private:
+  std::atomic<std::uint32_t> bits_{0};
+};
 
 // Substeps move bodies at the velocity that they end with. Where a velocity changes steadily, as of a body that slides,
 // rolls or tips, the trapezoidal rule moves them by half a substep's gain less, and to second order instead of first;
@@ -56,33 +93,29 @@ GroupReport GroupSolver::run(const SolveInput& input, const IslandGroup& group, 
   const SolverSettings& settings = input.settings;
   const SubstepConstants constants = SubstepConstants::of(settings, input.dt);
   const std::span<const std::uint32_t> body_ids = input.islands.bodies(group.begin, group.end);
-
   GroupReport report;
+  StageClock clock(settings.profile, report.stage_ms);
+
   collect_contacts(input, group, report);
   colouring_.build(contacts_, first_dynamic_, first_dynamic_ + static_cast<std::uint32_t>(body_ids.size()), blocks_);
   report.colours = colouring_.colours().size();
-  bool balls = false;
-  for (const std::uint32_t body : body_ids) {
-    report.gyroscopic |= input.bodies.gyroscopic[body] != 0;
-    balls |= input.bodies.ball[body] != 0;
-  }
+  clock.lap(SolverStage::Colour);
 
-  bodies_.reset(first_dynamic_ + body_ids.size(), report.gyroscopic);
-  bodies_.balls = balls;
+  const bool splits = settings.stabilisation == Stabilisation::SplitImpulse;
+  note_bodies(input, body_ids, report);
+  bodies_.reset(first_dynamic_ + body_ids.size(), report.gyroscopic, splits);
   load_kinematic_bodies(input);
   constexpr std::size_t body_grain = 128;
   executor.parallel_for(body_ids.size(), body_grain, [&](std::size_t begin, std::size_t end) {
     load_bodies(input, body_ids, begin, end, input.dt / settings.substeps);
   });
-
   const Kernels& kernels = input.kernels;
   const std::size_t block_count = colouring_.block_count();
-  if (report.restitution && bounces_.size() < block_count) bounces_.resize(block_count);
-  const ContactKernelData data{bodies_, blocks_.data(), report.restitution ? bounces_.data() : nullptr, input.manifolds,
-                               constants};
+  const ContactKernelData data = kernel_data(input, report, constants, splits);
   constexpr std::size_t block_grain = 16;
   executor.parallel_for(block_count, block_grain,
                         [&](std::size_t begin, std::size_t end) { kernels.prepare(data, begin, end); });
+  clock.lap(SolverStage::Prepare);
 
   const auto each_colour = [&](const auto& kernel) { for_each_colour(colouring_.colours(), executor, kernel); };
   const auto each_body = [&](const auto& kernel) {
@@ -90,40 +123,88 @@ GroupReport GroupSolver::run(const SolveInput& input, const IslandGroup& group, 
     executor.parallel_for(bodies_.padded_count() / block_lanes, grain / block_lanes,
                           [&](std::size_t begin, std::size_t end) { kernel(begin * block_lanes, end * block_lanes); });
   };
+  // Sweeps until the residual is small, or for as often as is asked for.
+  const auto sweep = [&](Sweep how, int iterations) {
+    how.measures = settings.tolerance > 0;
+    for (int i = 0; i < iterations; ++i) {
+      LargestOf residual;
+      each_colour([&](std::size_t begin, std::size_t end) { residual.add(kernels.sweep(data, how, begin, end)); });
+      ++report.sweeps;
+      if (how.measures && static_cast<double>(residual.value()) <= settings.tolerance) return;
+      how.refresh = false;  // nothing moves between sweeps
+    }
+  };
   const Friction friction = !report.friction ? Friction::None : settings.pyramid ? Friction::Pyramid : Friction::Cone;
-  const bool relaxes = settings.relax_iterations > 0;
+  const bool relaxes = settings.stabilisation == Stabilisation::Soft && settings.relax_iterations > 0;
 
   for (int substep = 0; substep < settings.substeps; ++substep) {
     const bool carry_over = settings.warm_starting && substep > 0;
-    // The relaxing sweeps' friction is carried over; a contact that has just begun has none yet to carry.
-    const Friction biased_friction = relaxes && carry_over ? Friction::None : friction;
     each_body([&](std::size_t begin, std::size_t end) {
       kernels.integrate_velocities(bodies_, constants, carry_over, begin, end);
     });
+    clock.lap(SolverStage::Integrate);
     if (!settings.warm_starting) {
-      clear_impulses();
+      clear_impulses(report);
     } else if (substep == 0) {
       each_colour([&](std::size_t begin, std::size_t end) { kernels.warm_start(data, begin, end); });
     }
-    for (int i = 0; i < settings.iterations; ++i) {
-      const Sweep sweep{true, !relaxes && substep > 0 && i == 0, biased_friction};
-      each_colour([&](std::size_t begin, std::size_t end) { kernels.sweep(data, sweep, begin, end); });
+    clock.lap(SolverStage::WarmStart);
+
+    // The relaxing sweeps' friction is carried over; a contact that has just begun has none yet to carry.
+    const Friction solved_friction = relaxes && carry_over ? Friction::None : friction;
+    // Where sweeps relax they have seen the positions that the last substep ended with.
+    const bool refresh = !relaxes && substep > 0;
+    sweep({splits ? Push::None : Push::Bias, refresh, solved_friction}, settings.iterations);
+    if (splits) {
+      each_body([&](std::size_t begin, std::size_t end) { kernels.clear_corrections(bodies_, begin, end); });
+      clear_split_impulses();
+      bodies_.velocity.swap(bodies_.correction);
+      sweep({Push::Split, false, Friction::None}, settings.iterations);
+      bodies_.velocity.swap(bodies_.correction);
     }
+    clock.lap(SolverStage::Solve);
     each_body([&](std::size_t begin, std::size_t end) { kernels.integrate_positions(bodies_, constants, begin, end); });
-    for (int i = 0; i < settings.relax_iterations; ++i) {
-      const Sweep sweep{false, i == 0, friction};
-      each_colour([&](std::size_t begin, std::size_t end) { kernels.sweep(data, sweep, begin, end); });
-    }
+    clock.lap(SolverStage::Integrate);
+    if (relaxes) sweep({Push::None, true, friction}, settings.relax_iterations);
+    clock.lap(SolverStage::Relax);
   }
   if (input.capture != nullptr) capture(input, body_ids);
   if (report.restitution) {
     each_colour([&](std::size_t begin, std::size_t end) { kernels.restitute(data, begin, end); });
   }
+  clock.lap(SolverStage::Restitution);
   executor.parallel_for(block_count, block_grain,
                         [&](std::size_t begin, std::size_t end) { kernels.store(data, begin, end); });
   executor.parallel_for(body_ids.size(), body_grain,
                         [&](std::size_t begin, std::size_t end) { write_back(input, body_ids, begin, end); });
+  clock.lap(SolverStage::Store);
   return report;
+}
+
+// Which kernels the group's bodies call for.
+void GroupSolver::note_bodies(const SolveInput& input, std::span<const std::uint32_t> bodies, GroupReport& report) {
+  bodies_.balls = false;
+  for (const std::uint32_t body : bodies) {
+    report.gyroscopic |= input.bodies.gyroscopic[body] != 0;
+    bodies_.balls |= input.bodies.ball[body] != 0;
+  }
+}
+
+ContactKernelData GroupSolver::kernel_data(const SolveInput& input, const GroupReport& report,
+                                           const SubstepConstants& constants, bool splits) {
+  const std::size_t block_count = colouring_.block_count();
+  const auto one_a_block = [&](auto& blocks, bool needed) {
+    if (needed && blocks.size() < block_count) blocks.resize(block_count);
+    return needed ? blocks.data() : nullptr;
+  };
+  return {.bodies = bodies_,
+          .blocks = blocks_.data(),
+          .bounces = one_a_block(bounces_, report.restitution),
+          .manifolds = input.manifolds,
+          .constants = constants,
+          .surface_blocks = one_a_block(surface_blocks_, report.surfaces),
+          .surface_contacts = input.surface_contacts,
+          .split_blocks = one_a_block(split_blocks_, splits)};
 }
 
 // Translates the contacts to the group's own body indices.
@@ -158,7 +239,22 @@ void GroupSolver::collect_contacts(const SolveInput& input, const IslandGroup& g
     const collision::ContactManifold& manifold = input.manifolds[pair.slot];
     report.friction |= manifold.friction > 0;
     report.restitution |= manifold.restitution > 0;
+    if (input.surface_contacts != nullptr) report.surfaces |= note_surfaces(input, pair);
   }
+  report.friction |= report.surfaces;
+}
+
+// Whether a pair's surfaces do more than plain friction.
+bool GroupSolver::note_surfaces(const SolveInput& input, const TouchingPair& pair) {
+  const Surface& first = input.bodies.surfaces[pair.first];
+  const Surface& second = input.bodies.surfaces[pair.second];
+  const Vector3 slip =
+      input.bodies.orientation(pair.second) * second.velocity - input.bodies.orientation(pair.first) * first.velocity;
+  SurfaceContact& contact = input.surface_contacts[pair.slot];
+  set3(contact.slip, slip);
+  contact.rolling_friction = static_cast<float>(std::max(first.rolling_friction, second.rolling_friction));
+  contact.torsional_friction = static_cast<float>(std::max(first.torsional_friction, second.torsional_friction));
+  return !first.is_plain() || !second.is_plain();
 }
 
 void GroupSolver::load_bodies(const SolveInput& input, std::span<const std::uint32_t> bodies, std::size_t begin,
@@ -239,14 +335,18 @@ void GroupSolver::write_back(const SolveInput& input, std::span<const std::uint3
   }
 }
 
-void GroupSolver::clear_impulses() {
+void GroupSolver::clear_impulses(const GroupReport& report) {
   for (std::size_t b = 0; b < colouring_.block_count(); ++b) {
     ContactBlock& block = blocks_[b];
     for (auto& point : block.normal_impulse) std::fill_n(point, block_lanes, 0.0f);
     for (auto& axis : block.friction_impulse) std::fill_n(axis, block_lanes, 0.0f);
     std::fill_n(block.twist_impulse, block_lanes, 0.0f);
+    if (!report.surfaces) continue;
+    for (auto& axis : surface_blocks_[b].rolling_impulse) std::fill_n(axis, block_lanes, 0.0f);
   }
 }
+
+void GroupSolver::clear_split_impulses() { std::fill_n(split_blocks_.begin(), colouring_.block_count(), SplitBlock{}); }
 
 void GroupSolver::capture(const SolveInput& input, std::span<const std::uint32_t> bodies) const {
   for (std::size_t b = 0; b < colouring_.block_count(); ++b) {

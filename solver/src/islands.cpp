@@ -88,7 +88,7 @@ std::span<const TouchingPair> Islands::contacts(std::size_t begin, std::size_t e
   return std::span(contacts_).subspan(contact_start_[begin], contact_start_[end] - contact_start_[begin]);
 }
 
-void pack_groups(const Islands& islands, std::vector<IslandGroup>& groups) {
+void pack_groups(const Islands& islands, bool one_each, std::vector<IslandGroup>& groups) {
   groups.clear();
   std::size_t begin = 0;
   std::size_t contacts = 0;
@@ -104,7 +104,7 @@ void pack_groups(const Islands& islands, std::vector<IslandGroup>& groups) {
       groups.push_back({island, island + 1, true});
       begin = island + 1;
     } else {
-      if (contacts + here > group_contacts) close(island);
+      if (one_each || contacts + here > group_contacts) close(island);
       contacts += here;
     }
   }

@@ -11,16 +11,25 @@
 #include <hwy/highway.h>
 
 #include "body_kernels-inl.h"
-#include "contact_kernels-inl.h"
+#include "contact_impulses-inl.h"
+#include "contact_prepare-inl.h"
+#include "contact_sweep-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace atl::solver {
 namespace HWY_NAMESPACE {
 
 const Kernels* kernels() {
-  static const Kernels table = {
-      set_name(),          lanes, &prepare, &warm_start, &sweep, &restitute, &store_impulses, &integrate_velocities,
-      &integrate_positions};
+  static const Kernels table = {set_name(),
+                                lanes,
+                                &prepare,
+                                &warm_start,
+                                &sweep,
+                                &restitute,
+                                &store_impulses,
+                                &integrate_velocities,
+                                &clear_corrections,
+                                &integrate_positions};
   return &table;
 }
 

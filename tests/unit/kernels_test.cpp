@@ -111,10 +111,10 @@ void simulate(Group& group, const Kernels& kernels) {
     if (!again) {
       each_colour(group, [&](std::size_t begin, std::size_t end) { kernels.warm_start(data, begin, end); });
     }
-    sweep(group, kernels, {true, again, Friction::Cone});
+    sweep(group, kernels, {Push::Bias, again, Friction::Cone});
     kernels.integrate_positions(group.bodies, group.constants, 0, bodies);
-    sweep(group, kernels, {false, true, again ? Friction::Pyramid : Friction::Cone});
-    sweep(group, kernels, {false, false, Friction::None});
+    sweep(group, kernels, {Push::None, true, again ? Friction::Pyramid : Friction::Cone});
+    sweep(group, kernels, {Push::None, false, Friction::None});
   }
   each_colour(group, [&](std::size_t begin, std::size_t end) { kernels.restitute(data, begin, end); });
   kernels.store(data, 0, group.colouring.block_count());
@@ -148,7 +148,7 @@ TEST(Kernels, NeverPullAndNeverWriteABodyThatIsNotDynamic) {
   const Group start = group;
   const Kernels& kernels = *available_kernels().front();
   kernels.prepare(group.data(), 0, group.colouring.block_count());
-  for (int i = 0; i < 5; ++i) sweep(group, kernels, {true, false, Friction::Cone});
+  for (int i = 0; i < 5; ++i) sweep(group, kernels, {Push::Bias, false, Friction::Cone});
   kernels.store(group.data(), 0, group.colouring.block_count());
   for (const ContactManifold& manifold : group.manifolds) {
     float normal = 0;
@@ -187,7 +187,7 @@ TEST(Kernels, SweepsKeepMomentum) {
   const Kernels& kernels = *available_kernels().front();
   kernels.prepare(group.data(), 0, group.colouring.block_count());
   const Eigen::Vector3d before = momentum();
-  for (int i = 0; i < 10; ++i) sweep(group, kernels, {true, false, Friction::Cone});
+  for (int i = 0; i < 10; ++i) sweep(group, kernels, {Push::Bias, false, Friction::Cone});
   EXPECT_LT((momentum() - before).norm(), 1e-4);
 }
 
@@ -237,7 +237,7 @@ TEST(Kernels, MassesAreThoseOfTheTextbookAndApproachStops) {
     const int column[6] = {0, 1, 2, 1, 2, 2};
     for (int i = 0; i < 6; ++i) EXPECT_NEAR(block.k[i][0], k(row[i], column[i]), 1e-5 * scale) << i;
 
-    for (int i = 0; i < 500; ++i) sweep(group, kernels, {false, false, Friction::None});
+    for (int i = 0; i < 500; ++i) sweep(group, kernels, {Push::None, false, Friction::None});
     Eigen::Matrix<double, 12, 1> velocity;
     for (int side = 0; side < 2; ++side) {
       const VelocityRows& v = group.bodies.velocity[one[0].first + static_cast<std::uint32_t>(side)];
@@ -271,7 +271,7 @@ TEST(Kernels, NormalImpulsesDoNotTurnBalls) {
     group.colouring.build(one, first_dynamic, 8, group.blocks);
     const Kernels& kernels = *available_kernels().front();
     kernels.prepare(group.data(), 0, 1);
-    for (int i = 0; i < 10; ++i) sweep(group, kernels, {false, false, Friction::None});
+    for (int i = 0; i < 10; ++i) sweep(group, kernels, {Push::None, false, Friction::None});
     for (const std::uint32_t body : {4u, 5u}) {
       for (const float spin : group.bodies.velocity[body].angular) EXPECT_NEAR(spin, 0, 1e-5) << seed;
     }

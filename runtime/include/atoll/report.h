@@ -42,7 +42,7 @@ enum class SolverStage {
   Restitution,  ///< bounces
   Store,        ///< impulses and states are written back
 };
-inline constexpr int solver_stage_count = 8;
+inline constexpr std::size_t solver_stage_count = 8;
 
 /// "colour", "prepare", ...
 const char* solver_stage_name(SolverStage stage);

@@ -50,4 +50,21 @@ struct alignas(64) BounceBlock {
   float restitution[block_lanes];
 };
 
+/// What a block needs beside, if surfaces in its group run, or hold back rolling or spinning.
+struct alignas(64) SurfaceBlock {
+  template <std::size_t n>
+  using Lanes = float[n][block_lanes];
+
+  Lanes<2> slip;                ///< m/s, along the tangents
+  Lanes<2> rolling_impulse;     ///< N m s, about the tangents
+  Lanes<3> rolling_mass;        ///< inverse of the tangential 2 x 2 matrix of spins: 11, 12, 22
+  Lanes<1> rolling_friction;    ///< m
+  Lanes<1> torsional_friction;  ///< m
+};
+
+/// What a block needs beside, if overlap is removed by velocities of its own.
+struct alignas(64) SplitBlock {
+  float impulse[4][block_lanes];  ///< N s, of this substep
+};
+
 }  // namespace atl::solver

@@ -26,15 +26,21 @@ struct SolveInput {
   const SolverSettings& settings;
   const Kernels& kernels;
   FastBodies& fast;
-  ContactCapture* capture = nullptr;  ///< null where nobody asks
-  /// By contact slot: N m s, in the tangent plane, on the second body. Null while all surfaces are plain.
-  std::array<float, 3>* rolling_impulses = nullptr;
+  ContactCapture* capture = nullptr;           ///< null where nobody asks
+  SurfaceContact* surface_contacts = nullptr;  ///< by contact slot; null while all surfaces are plain
 };
+
+/// What the time of a group goes into. As atoll/report.h has them.
+enum class SolverStage { Colour, Prepare, WarmStart, Solve, Relax, Integrate, Restitution, Store };
+inline constexpr std::size_t solver_stage_count = 8;
 
 struct GroupReport {
   std::size_t colours = 0;
-  bool friction = false;  ///< some contact has it
+  std::int64_t sweeps = 0;                               ///< over its contacts
+  std::array<double, solver_stage_count> stage_ms = {};  ///< with SolverSettings::profile
+  bool friction = false;                                 ///< some contact has it
   bool restitution = false;
+  bool surfaces = false;  ///< some surface runs, or holds back rolling or spinning
   bool gyroscopic = false;
 };
 
@@ -55,7 +61,12 @@ class GroupSolver {
                    double substep);
   void load_kinematic_bodies(const SolveInput& input);
   void write_back(const SolveInput& input, std::span<const std::uint32_t> bodies, std::size_t begin, std::size_t end);
-  void clear_impulses();
+  void note_bodies(const SolveInput& input, std::span<const std::uint32_t> bodies, GroupReport& report);
+  bool note_surfaces(const SolveInput& input, const TouchingPair& pair);
+  ContactKernelData kernel_data(const SolveInput& input, const GroupReport& report, const SubstepConstants& constants,
+                                bool splits);
+  void clear_impulses(const GroupReport& report);
+  void clear_split_impulses();
   void capture(const SolveInput& input, std::span<const std::uint32_t> bodies) const;
 
   std::vector<std::uint32_t> kinematic_;  // bodies that the group's contacts touch, in order
@@ -65,6 +76,8 @@ class GroupSolver {
   SolverBodies bodies_;
   std::vector<ContactBlock> blocks_;
   std::vector<BounceBlock> bounces_;
+  std::vector<SurfaceBlock> surface_blocks_;
+  std::vector<SplitBlock> split_blocks_;
 };
 
 }  // namespace atl::solver

@@ -56,7 +56,7 @@ struct IslandGroup {
   bool large;  ///< a single island, worth all workers at once
 };
 
-/// Packs islands into groups whose working set stays in a core's cache.
-void pack_groups(const Islands& islands, std::vector<IslandGroup>& groups);
+/// Packs islands into groups whose working set stays in a core's cache, or gives each a group of its own.
+void pack_groups(const Islands& islands, bool one_each, std::vector<IslandGroup>& groups);
 
 }  // namespace atl::solver

@@ -3,6 +3,7 @@
 #include <solver/contact_block.h>
 #include <solver/solver_bodies.h>
 #include <solver/solver_settings.h>
+#include <solver/surface_contact.h>
 
 #include <cstddef>
 #include <string_view>
@@ -17,13 +18,24 @@ struct ContactKernelData {
   BounceBlock* bounces;                   ///< one a block, or null if nothing bounces
   collision::ContactManifold* manifolds;  ///< by contact slot
   const SubstepConstants& constants;
+  SurfaceBlock* surface_blocks = nullptr;      ///< one a block, or null if all surfaces are plain
+  SurfaceContact* surface_contacts = nullptr;  ///< by contact slot, with them
+  SplitBlock* split_blocks = nullptr;          ///< one a block, or null where nothing asks
+};
+
+/// What a sweep does about overlap.
+enum class Push {
+  None,   ///< nothing: it only stops approach
+  Bias,   ///< asks for a speed that gets bodies apart
+  Split,  ///< the same, in SolverBodies::correction and impulses of its own, and nothing else
 };
 
 /// A sweep of projected Gauss-Seidel over blocks.
 struct Sweep {
-  bool bias;     ///< push overlap apart (softly); else only stop approach
-  bool refresh;  ///< recompute separations from the bodies' displacements first
-  Friction friction;
+  Push push;
+  bool refresh;           ///< recompute separations from the bodies' displacements first
+  Friction friction;      ///< None with Push::Split
+  bool measures = false;  ///< tell the residual
 };
 
 /// The wide kernels for one instruction set. Each runs over [begin, end): of blocks, or of body indices in
@@ -37,7 +49,9 @@ struct Kernels {
   void (*prepare)(const ContactKernelData& data, std::size_t begin, std::size_t end);
   /// Applies the accumulated impulses.
   void (*warm_start)(const ContactKernelData& data, std::size_t begin, std::size_t end);
-  void (*sweep)(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end);
+  /// Returns, if the sweep measures, its residual, m/s: the largest change that an impulse made to the relative speed
+  /// which it is there for, at the time it was found. Spins count with the lever they have at the contact.
+  float (*sweep)(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end);
   /// Gives points that hit faster than the threshold their part of the closing speed back.
   void (*restitute)(const ContactKernelData& data, std::size_t begin, std::size_t end);
   /// Writes impulses back to the manifolds.
@@ -47,6 +61,8 @@ struct Kernels {
   /// last substep once more (their warm start).
   void (*integrate_velocities)(SolverBodies& bodies, const SubstepConstants& constants, bool carry_over,
                                std::size_t begin, std::size_t end);
+  /// Starts the corrections of a substep at zero, where there are any.
+  void (*clear_corrections)(SolverBodies& bodies, std::size_t begin, std::size_t end);
   /// Moves and turns; bodies with unequal moments of inertia tumble. What contacts see of their
   /// inertia stays that of the start of the step.
   void (*integrate_positions)(SolverBodies& bodies, const SubstepConstants& constants, std::size_t begin,

@@ -77,9 +77,10 @@ struct SolverBodies {
   std::vector<FreeVelocityRows> free_velocity;
   std::vector<AccelerationRows> acceleration;
   std::vector<GyroscopicRows> gyroscopic;  ///< empty if no body needs it
+  std::vector<VelocityRows> correction;    ///< by which overlap is removed in this substep; empty where nothing asks
   bool balls = true;                       ///< some body may be one (see DisplacementRows::carries)
 
-  void reset(std::size_t count, bool with_gyroscopic) {
+  void reset(std::size_t count, bool with_gyroscopic, bool with_correction = false) {
     const std::size_t padded = (count + block_lanes - 1) / block_lanes * block_lanes;
     velocity.assign(padded, {});
     inertia.assign(padded, {});
@@ -87,6 +88,7 @@ struct SolverBodies {
     free_velocity.assign(padded, {});
     acceleration.assign(padded, {{0, 0, 0}, 1, {0, 0, 0}, 1});
     gyroscopic.assign(with_gyroscopic ? padded : 0, {});
+    correction.assign(with_correction ? padded : 0, {});
   }
   std::size_t padded_count() const { return velocity.size(); }
 };

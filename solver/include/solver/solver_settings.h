@@ -37,6 +37,9 @@ struct Softness {
     const double a3 = 1 / (1 + a2);
     return {static_cast<float>(omega / a1), static_cast<float>(a2 * a3), static_cast<float>(a3)};
   }
+
+  /// A rigid one that asks for a part of the overlap back within a substep (Baumgarte).
+  static Softness rigid(double correction, double h) { return {static_cast<float>(correction / h), 1, 0}; }
 };
 
 /// What the kernels need to know of a substep.
@@ -59,8 +62,12 @@ struct SubstepConstants {
     c.step = static_cast<float>(dt);
     c.h = static_cast<float>(h);
     c.inverse_h = static_cast<float>(1 / h);
-    c.dynamic_contact = Softness::of(hertz, settings.contact_damping_ratio, h);
-    c.fixed_contact = Softness::of(2 * hertz, settings.contact_damping_ratio, h);
+    if (settings.stabilisation == Stabilisation::Soft) {
+      c.dynamic_contact = Softness::of(hertz, settings.contact_damping_ratio, h);
+      c.fixed_contact = Softness::of(2 * hertz, settings.contact_damping_ratio, h);
+    } else {
+      c.dynamic_contact = c.fixed_contact = Softness::rigid(settings.correction, h);
+    }
     c.push_speed = static_cast<float>(settings.contact_push_speed);
     c.restitution_threshold = static_cast<float>(settings.restitution_threshold);
     return c;

@@ -1,0 +1,172 @@
+// A block's contacts in lanes: their bodies, and the relative speeds that impulses change. Included once for each
+// instruction set. Symbols are those of ContactBlock: u, w1, w2 the relative speeds of a manifold, K how impulses
+// change them.
+
+#if defined(ATOLL_SOLVER_CONTACT_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef ATOLL_SOLVER_CONTACT_LANES_INL_H_
+#undef ATOLL_SOLVER_CONTACT_LANES_INL_H_
+#else
+#define ATOLL_SOLVER_CONTACT_LANES_INL_H_
+#endif
+
+#include <jobs/lanes-inl.h>
+#include <solver/kernels.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace atl::solver {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+using namespace jobs::HWY_NAMESPACE;
+
+// The bodies of one side of a block's contacts.
+struct BodyLanes {
+  const std::int32_t* index;
+  V3 v, w;
+  SymmetricMatrix inverse_inertia;
+};
+
+HWY_INLINE BodyLanes load_bodies(const SolverBodies& bodies, const std::int32_t* index) {
+  const VelocityRows* velocity = bodies.velocity.data();
+  const InertiaRow* inertia = bodies.inertia.data();
+  const V4 v = load_rows([=](std::size_t k) { return velocity[index[k]].linear; });
+  const V4 w = load_rows([=](std::size_t k) { return velocity[index[k]].angular; });
+  const V4 i = load_rows([=](std::size_t k) { return &inertia[index[k]].zz; });
+  return {index, {v.x, v.y, v.z}, {w.x, w.y, w.z}, {v.w, w.w, i.x, i.y, i.z, i.w}};
+}
+
+HWY_INLINE void store_bodies(const BodyLanes& body, SolverBodies& bodies, unsigned mask) {
+  VelocityRows* velocity = bodies.velocity.data();
+  const std::int32_t* index = body.index;
+  store_rows(
+      {body.v.x, body.v.y, body.v.z, body.inverse_inertia.xx}, [=](std::size_t k) { return velocity[index[k]].linear; },
+      mask);
+  store_rows(
+      {body.w.x, body.w.y, body.w.z, body.inverse_inertia.yy},
+      [=](std::size_t k) { return velocity[index[k]].angular; }, mask);
+}
+
+// A block's contacts from `lane` on, with their bodies.
+struct ContactLanes {
+  BodyLanes first, second;
+  V3 normal, tangent1, tangent2;
+  V3 anchor_first, anchor_second;
+  V inverse_mass_first, inverse_mass_second;
+};
+
+HWY_INLINE ContactLanes load_contacts(const ContactKernelData& data, const ContactBlock& block, std::size_t lane) {
+  ContactLanes c;
+  c.first = load_bodies(data.bodies, block.first + lane);
+  c.second = load_bodies(data.bodies, block.second + lane);
+  c.normal = load3(block.normal, lane);
+  c.tangent1 = load3(block.tangent, lane);
+  c.tangent2 = cross(c.normal, c.tangent1);
+  c.anchor_first = load3(block.anchor_first, lane);
+  c.anchor_second = load3(block.anchor_second, lane);
+  c.inverse_mass_first = load(block.inverse_mass[0] + lane);
+  c.inverse_mass_second = load(block.inverse_mass[1] + lane);
+  return c;
+}
+
+HWY_INLINE void store_contact_bodies(const ContactLanes& c, const ContactKernelData& data, const ContactBlock& block,
+                                     std::size_t lane) {
+  store_bodies(c.first, data.bodies, static_cast<unsigned>(block.write_first) >> lane);
+  store_bodies(c.second, data.bodies, static_cast<unsigned>(block.write_second) >> lane);
+}
+
+// Velocity of the second body against the first at the centre, and relative spin.
+HWY_INLINE V3 relative_velocity(const ContactLanes& c) {
+  return (c.second.v + cross(c.second.w, c.anchor_second)) - (c.first.v + cross(c.first.w, c.anchor_first));
+}
+HWY_INLINE V3 relative_spin(const ContactLanes& c) { return c.second.w - c.first.w; }
+
+// An impulse at the centre and an angular impulse, on the second body; the opposite on the first.
+HWY_INLINE void apply(ContactLanes& c, const V3& impulse, const V3& angular) {
+  c.first.v = c.first.v - c.inverse_mass_first * impulse;
+  c.first.w = c.first.w - c.first.inverse_inertia * (cross(c.anchor_first, impulse) + angular);
+  c.second.v = c.second.v + c.inverse_mass_second * impulse;
+  c.second.w = c.second.w + c.second.inverse_inertia * (cross(c.anchor_second, impulse) + angular);
+}
+
+// Two impulses, scaled down to the disc of a radius where they leave it.
+HWY_INLINE void clamp_to_disc(V& a, V& b, V radius) {
+  const V length = hn::Sqrt(hn::Add(hn::Mul(a, a), hn::Mul(b, b)));
+  const M outside = hn::Gt(length, radius);
+  const V scale = hn::IfThenElse(outside, hn::Div(radius, hn::IfThenElse(outside, length, splat(1))), splat(1));
+  a = hn::Mul(scale, a);
+  b = hn::Mul(scale, b);
+}
+
+// A symmetric 2 x 2 matrix, as blocks hold them.
+struct Plane {
+  V m11, m12, m22;
+
+  template <std::size_t n>
+  HWY_INLINE static Plane load_from(const float (&rows)[n][block_lanes], std::size_t lane) {
+    static_assert(n == 3);
+    return {load(rows[0] + lane), load(rows[1] + lane), load(rows[2] + lane)};
+  }
+  HWY_INLINE void store_to(float (*rows)[block_lanes], std::size_t lane) const {
+    store(m11, rows[0] + lane);
+    store(m12, rows[1] + lane);
+    store(m22, rows[2] + lane);
+  }
+  HWY_INLINE V first(V a, V b) const { return hn::Add(hn::Mul(m11, a), hn::Mul(m12, b)); }
+  HWY_INLINE V second(V a, V b) const { return hn::Add(hn::Mul(m12, a), hn::Mul(m22, b)); }
+  HWY_INLINE V determinant() const { return hn::Sub(hn::Mul(m11, m22), hn::Mul(m12, m12)); }
+  HWY_INLINE Plane inverse() const {
+    const V over = hn::Div(splat(1), determinant());
+    return {hn::Mul(m22, over), hn::Neg(hn::Mul(m12, over)), hn::Mul(m11, over)};
+  }
+};
+
+// The normal impulses of a manifold's points and the speeds that they change.
+struct NormalSolve {
+  V u, w1, w2;
+  V sum = zero(), sum_y = zero(), sum_minus_x = zero();  // of the impulses applied
+
+  HWY_INLINE NormalSolve(const ContactLanes& c) {
+    u = dot(c.normal, relative_velocity(c));
+    const V3 spin = relative_spin(c);
+    w1 = dot(c.tangent1, spin);
+    w2 = dot(c.tangent2, spin);
+  }
+
+  HWY_INLINE V speed(V x, V y) const { return hn::Sub(hn::Add(u, hn::Mul(y, w1)), hn::Mul(x, w2)); }
+
+  HWY_INLINE void finish(ContactLanes& c) const {
+    apply(c, sum * c.normal, sum_y * c.tangent1 + sum_minus_x * c.tangent2);
+  }
+};
+
+// Column of K J^T for one point, J = (1, y, -x), and the point's effective mass.
+struct PointResponse {
+  V u, w1, w2;
+  V own;   // of the point's own speed
+  V mass;  // its inverse
+
+  HWY_INLINE PointResponse(const ContactBlock& block, std::size_t lane, V x, V y) {
+    const V k01 = load(block.k[1] + lane);
+    const V k02 = load(block.k[2] + lane);
+    const V k12 = load(block.k[4] + lane);
+    u = hn::Sub(hn::Add(load(block.k[0] + lane), hn::Mul(y, k01)), hn::Mul(x, k02));
+    w1 = hn::Sub(hn::Add(k01, hn::Mul(y, load(block.k[3] + lane))), hn::Mul(x, k12));
+    w2 = hn::Sub(hn::Add(k02, hn::Mul(y, k12)), hn::Mul(x, load(block.k[5] + lane)));
+    own = hn::Sub(hn::Add(u, hn::Mul(y, w1)), hn::Mul(x, w2));
+    mass = hn::Div(splat(1), own);
+  }
+
+  HWY_INLINE void apply(V impulse, V x, V y, NormalSolve& solve) const {
+    solve.u = hn::Add(solve.u, hn::Mul(impulse, u));
+    solve.w1 = hn::Add(solve.w1, hn::Mul(impulse, w1));
+    solve.w2 = hn::Add(solve.w2, hn::Mul(impulse, w2));
+    solve.sum = hn::Add(solve.sum, impulse);
+    solve.sum_y = hn::Add(solve.sum_y, hn::Mul(impulse, y));
+    solve.sum_minus_x = hn::Sub(solve.sum_minus_x, hn::Mul(impulse, x));
+  }
+};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace atl::solver
+HWY_AFTER_NAMESPACE();
+
+#endif  // ATOLL_SOLVER_CONTACT_LANES_INL_H_
