@@ -1,5 +1,6 @@
 #include "reference_solver.h"
 
+#include <atoll/error.h>
 #include <atoll/errors.h>
 
 #include <Eigen/Dense>
@@ -113,6 +114,13 @@ class Search {
 }  // namespace
 
 ReferenceSolution solve_contact_problem(const ContactProblem& problem, double tolerance) {
+  for (const ContactProblem::Patch& patch : problem.patches) {
+    if (patch.torsional_friction > 0 || patch.rolling_friction > 0 || !patch.slip.isZero(0)) {
+      throw Error(
+          "contact problem: found a patch with rolling or torsional friction or a running surface, expected "
+          "plain friction");
+    }
+  }
   ReferenceSolution given{.problem = problem, .residual = measure_contact_residual(problem).relative};
   given.solved = given.residual <= tolerance;
   return given.solved ? given : Search(problem, tolerance).run();

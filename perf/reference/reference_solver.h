@@ -18,7 +18,7 @@ struct ReferenceSolution {
 /// Solves a contact problem from the impulses that it comes with, by Gauss-Seidel to get near and by Newton's method
 /// from there, until the relative residual is within the tolerance or a budget is used up. Meant for up to some hundred
 /// patches. Where several sets of impulses solve the problem it is one of them; with friction, velocities may differ
-/// too. Throws Error as measure_contact_residual does.
+/// too. Throws Error as measure_contact_residual does, and where there is more than plain friction.
 ReferenceSolution solve_contact_problem(const ContactProblem& problem, double tolerance = 1e-10);
 
 /// Velocity after the impulses of a problem, or before them.

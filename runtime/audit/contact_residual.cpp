@@ -21,6 +21,16 @@ struct Velocity {
   throw Error("contact problem: patch " + std::to_string(patch) + ": " + found);
 }
 
+// m, by which angular impulses about the normal are divided.
+double twist_arm(const ContactProblem::Patch& patch) { return patch.lever + patch.torsional_friction; }
+
+audit::FrictionBounds bounds_of(const ContactProblem::Patch& patch) {
+  const double arm = twist_arm(patch);
+  return {.tangential = patch.friction,
+          .twist = arm > 0 ? (patch.friction * patch.lever + patch.torsional_friction) / arm : 0,
+          .rolling = patch.rolling_friction > 0 ? 1.0 : 0.0};  // their arm is the bound
+}
+
 void check(const ContactProblem& problem) {
   if (!problem.patches.empty() && !(problem.substep > 0)) {
     throw Error("contact problem: substep: found " + std::to_string(problem.substep) + ", expected a time > 0");
@@ -38,10 +48,20 @@ void check(const ContactProblem& problem) {
     if (!(patch.friction >= 0)) {
       refuse(i, "found friction " + std::to_string(patch.friction) + ", expected a number >= 0");
     }
-    if (!(patch.lever >= 0)) refuse(i, "found lever " + std::to_string(patch.lever) + " m, expected a length >= 0");
-    if (patch.lever == 0 && patch.twist_impulse != 0) {
-      refuse(i,
-             "found a twist impulse of " + std::to_string(patch.twist_impulse) + " N m s at a lever of 0, expected 0");
+    const auto check_length = [&](const char* name, double value) {
+      if (!(value >= 0))
+        refuse(i, std::string("found ") + name + " " + std::to_string(value) + " m, expected a length >= 0");
+    };
+    check_length("lever", patch.lever);
+    check_length("torsional friction", patch.torsional_friction);
+    check_length("rolling friction", patch.rolling_friction);
+    if (twist_arm(patch) == 0 && patch.twist_impulse != 0) {
+      refuse(i, "found a twist impulse of " + std::to_string(patch.twist_impulse) +
+                    " N m s with neither a lever nor torsional friction, expected 0");
+    }
+    if (patch.rolling_friction == 0 && !patch.rolling_impulse.isZero(0)) {
+      refuse(i, "found a rolling impulse of " + std::to_string(patch.rolling_impulse.norm()) +
+                    " N m s without rolling friction, expected 0");
     }
   }
 }
@@ -58,7 +78,7 @@ class Rows {
   // Adds M^-1 J^T r.
   void accelerate(std::vector<Velocity>& velocities) const {
     Vector3 impulse = patch_.friction_impulse;
-    Vector3 angular = patch_.twist_impulse * patch_.normal;
+    Vector3 angular = patch_.twist_impulse * patch_.normal + patch_.rolling_impulse;
     for (const ContactProblem::Point& point : patch_.points) {
       impulse += point.impulse * patch_.normal;
       angular += arm(point).cross(point.impulse * patch_.normal);
@@ -78,9 +98,11 @@ class Rows {
     const Vector3 at_centre = second.linear + second.angular.cross(patch_.anchor_second) - first.linear -
                               first.angular.cross(patch_.anchor_first);
     const Vector3 spin = second.angular - first.angular;
+    const Vector3 sliding = at_centre + patch_.slip;
     PatchVector u{.points = patch_.points.size(),
-                  .tangential = {tangents_[0].dot(at_centre), tangents_[1].dot(at_centre)},
-                  .twist = patch_.lever * patch_.normal.dot(spin)};
+                  .tangential = along_tangents(sliding),
+                  .twist = twist_arm(patch_) * patch_.normal.dot(spin),
+                  .rolling = patch_.rolling_friction * along_tangents(spin)};
     for (std::size_t i = 0; i < u.points; ++i) {
       u.normal[i] = patch_.normal.dot(at_centre + spin.cross(arm(patch_.points[i])));
     }
@@ -89,8 +111,10 @@ class Rows {
 
   PatchVector impulse() const {
     PatchVector r{.points = patch_.points.size(),
-                  .tangential = {tangents_[0].dot(patch_.friction_impulse), tangents_[1].dot(patch_.friction_impulse)},
-                  .twist = patch_.lever > 0 ? patch_.twist_impulse / patch_.lever : 0};
+                  .tangential = along_tangents(patch_.friction_impulse),
+                  .twist = per_arm(patch_.twist_impulse, twist_arm(patch_)),
+                  .rolling = {per_arm(tangents_[0].dot(patch_.rolling_impulse), patch_.rolling_friction),
+                              per_arm(tangents_[1].dot(patch_.rolling_impulse), patch_.rolling_friction)}};
     for (std::size_t i = 0; i < r.points; ++i) r.normal[i] = patch_.points[i].impulse;
     return r;
   }
@@ -104,20 +128,26 @@ class Rows {
       rows += 1;
     };
     for (const ContactProblem::Point& point : patch_.points) add(patch_.normal, arm(point), 1);
-    if (patch_.friction > 0) {
-      for (const Vector3& tangent : tangents_) add(tangent, Vector3::Zero(), 1);
-      if (patch_.lever > 0) {
-        for (const ContactProblem::Body* body : {first_, second_}) {
-          if (body == nullptr) continue;
-          sum += patch_.lever * patch_.lever * patch_.normal.dot(body->inverse_inertia * patch_.normal);
-        }
-        rows += 1;
+    const auto add_turn = [&](const Vector3& axis, double arm) {
+      for (const ContactProblem::Body* body : {first_, second_}) {
+        if (body != nullptr) sum += arm * arm * axis.dot(body->inverse_inertia * axis);
       }
+      rows += 1;
+    };
+    const audit::FrictionBounds bounds = bounds_of(patch_);
+    if (bounds.tangential > 0) {
+      for (const Vector3& tangent : tangents_) add(tangent, Vector3::Zero(), 1);
+    }
+    if (bounds.twist > 0) add_turn(patch_.normal, twist_arm(patch_));
+    if (bounds.rolling > 0) {
+      for (const Vector3& tangent : tangents_) add_turn(tangent, patch_.rolling_friction);
     }
     return rows / sum;
   }
 
  private:
+  Eigen::Vector2d along_tangents(const Vector3& v) const { return {tangents_[0].dot(v), tangents_[1].dot(v)}; }
+  static double per_arm(double angular, double arm) { return arm > 0 ? angular / arm : 0; }
   Vector3 arm(const ContactProblem::Point& point) const { return point.x * tangents_[0] + point.y * tangents_[1]; }
 
   static double response(const ContactProblem::Body* body, const Vector3& direction, const Vector3& anchor) {
@@ -138,25 +168,30 @@ void allow_gaps(PatchVector& u, const ContactProblem::Patch& patch, double subst
 }
 
 // In m/s.
-double natural_map(const Rows& rows, PatchVector u, double friction) {
+double natural_map(const Rows& rows, const PatchVector& u, const audit::FrictionBounds& friction) {
   const double mass = rows.effective_mass();
   if (!std::isfinite(mass)) return 0;
   // De Saxce and Feng's correction makes sliding along the cone normal to it.
-  const double correction = friction * (u.tangential.norm() + std::abs(u.twist));
+  const double correction = friction.tangential * u.tangential.norm() + friction.twist * std::abs(u.twist) +
+                            friction.rolling * u.rolling.norm();
   const PatchVector r = rows.impulse();
   PatchVector z = r;
   for (std::size_t i = 0; i < z.points; ++i) z.normal[i] -= mass * (u.normal[i] + correction);
   z.tangential -= mass * u.tangential;
   z.twist -= mass * u.twist;
+  z.rolling -= mass * u.rolling;
   return std::sqrt((r - audit::project_on_cone(z, friction)).squared_norm()) / mass;
 }
 
 // Square of the speeds at the rows of a patch some point of which would close without impulses.
-double square_within_reach(const PatchVector& u, double friction) {
+double square_within_reach(const PatchVector& u, const audit::FrictionBounds& friction) {
   double closing = 0;
   for (std::size_t i = 0; i < u.points; ++i) closing += std::pow(std::min(0.0, u.normal[i]), 2);
-  if (closing == 0 || friction == 0) return closing;
-  return closing + u.tangential.squaredNorm() + u.twist * u.twist;
+  if (closing == 0) return closing;
+  if (friction.tangential > 0) closing += u.tangential.squaredNorm();
+  if (friction.twist > 0) closing += u.twist * u.twist;
+  if (friction.rolling > 0) closing += u.rolling.squaredNorm();
+  return closing;
 }
 
 }  // namespace
@@ -180,9 +215,9 @@ ResidualReport measure_contact_residual(const ContactProblem& problem) {
     response_scale += (u - u_free).squared_norm();
     allow_gaps(u_free, patch, problem.substep);
     allow_gaps(u, patch, problem.substep);
-    free_scale += square_within_reach(u_free, patch.friction);
+    free_scale += square_within_reach(u_free, bounds_of(patch));
 
-    const double residual = natural_map(rows, u, patch.friction);
+    const double residual = natural_map(rows, u, bounds_of(patch));
     report.by_patch.push_back(residual);
     sum += residual * residual;
     if (residual > report.worst) {

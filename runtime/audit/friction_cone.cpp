@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <span>
 
 namespace atl::audit {
 namespace {
@@ -43,62 +44,85 @@ class SortedNormals {
   std::array<double, 4> joins_ = {};
 };
 
-// R of the projection, for mu > 0 and a z outside of the polar cone.
-double projected_sum(const SortedNormals& normals, double tangential, double twist, double friction) {
+// A frictional part of z, and its bound.
+struct Part {
+  double length;
+  double friction;
+
+  double excess(double sum) const { return friction * std::max(0.0, length - friction * sum); }
+};
+
+// R of the projection, for a z outside of the polar cone. Parts without friction are not among these.
+double projected_sum(const SortedNormals& normals, std::span<const Part> parts) {
   const auto excess = [&](double sum) {
-    return normals.lift(sum) - friction * (std::max(0.0, tangential - friction * sum) +  //
-                                           std::max(0.0, twist - friction * sum));
+    double lift = normals.lift(sum);
+    for (const Part& part : parts) lift -= part.excess(sum);
+    return lift;
   };
   double below = 0;  // the last breakpoint that is not past the zero
   const auto visit = [&](double breakpoint) {
     if (breakpoint > below && excess(breakpoint) <= 0) below = breakpoint;
   };
   for (std::size_t i = 1; i < normals.count(); ++i) visit(normals.join(i));
-  visit(tangential / friction);
-  visit(twist / friction);
+  for (const Part& part : parts) visit(part.length / part.friction);
 
-  const std::size_t k = normals.active(below);
-  double clamped = 0, rows = 0;
-  for (const double length : {tangential, twist}) {
-    if (length / friction <= below) continue;  // compared as above, so that rounding cannot tell another tale
-    clamped += length;
-    rows += 1;
+  const double n = static_cast<double>(normals.active(below));
+  double clamped = normals.sum_of_first(normals.active(below));
+  double rows = 1;
+  for (const Part& part : parts) {
+    if (part.length / part.friction <= below) continue;  // compared as above, so that rounding cannot tell another tale
+    clamped += n * part.friction * part.length;
+    rows += n * part.friction * part.friction;
   }
-  const double n = static_cast<double>(k);
-  return (normals.sum_of_first(k) + n * friction * clamped) / (1 + n * friction * friction * rows);
+  return clamped / rows;
+}
+
+Eigen::Vector2d clamp(const Eigen::Vector2d& z, double bound) {
+  const double length = z.norm();
+  return length > bound ? Eigen::Vector2d(z * (bound / length)) : z;
 }
 
 }  // namespace
 
 double PatchVector::squared_norm() const {
-  double sum = tangential.squaredNorm() + twist * twist;
+  double sum = tangential.squaredNorm() + twist * twist + rolling.squaredNorm();
   for (std::size_t i = 0; i < points; ++i) sum += normal[i] * normal[i];
   return sum;
 }
 
 PatchVector operator-(const PatchVector& a, const PatchVector& b) {
-  PatchVector difference{.points = a.points, .tangential = a.tangential - b.tangential, .twist = a.twist - b.twist};
+  PatchVector difference{.points = a.points,
+                         .tangential = a.tangential - b.tangential,
+                         .twist = a.twist - b.twist,
+                         .rolling = a.rolling - b.rolling};
   for (std::size_t i = 0; i < a.points; ++i) difference.normal[i] = a.normal[i] - b.normal[i];
   return difference;
 }
 
-PatchVector project_on_cone(const PatchVector& z, double friction) {
+PatchVector project_on_cone(const PatchVector& z, const FrictionBounds& friction) {
   PatchVector nearest{.points = z.points};
-  if (friction == 0) {
-    for (std::size_t i = 0; i < z.points; ++i) nearest.normal[i] = std::max(0.0, z.normal[i]);
-    return nearest;
-  }
-  const SortedNormals normals(z);
-  const double tangential = z.tangential.norm();
-  const double twist = std::abs(z.twist);
-  if (normals.largest() + friction * (tangential + twist) <= 0) return nearest;  // the polar cone
+  std::array<Part, 3> all;
+  std::size_t count = 0;
+  const auto add = [&](double length, double bound) {
+    if (bound > 0) all[count++] = {length, bound};
+  };
+  add(z.tangential.norm(), friction.tangential);
+  add(std::abs(z.twist), friction.twist);
+  add(z.rolling.norm(), friction.rolling);
+  const std::span<const Part> parts(all.data(), count);
 
-  const double sum = projected_sum(normals, tangential, twist, friction);
-  const double bound = friction * sum;
-  const double lift = friction * (std::max(0.0, tangential - bound) + std::max(0.0, twist - bound));
+  const SortedNormals normals(z);
+  double polar = normals.largest();
+  for (const Part& part : parts) polar += part.excess(0);
+  if (polar <= 0) return nearest;
+
+  const double sum = projected_sum(normals, parts);
+  double lift = 0;
+  for (const Part& part : parts) lift += part.excess(sum);
   for (std::size_t i = 0; i < z.points; ++i) nearest.normal[i] = std::max(0.0, z.normal[i] + lift);
-  nearest.tangential = tangential > bound ? Eigen::Vector2d(z.tangential * (bound / tangential)) : z.tangential;
-  nearest.twist = std::clamp(z.twist, -bound, bound);
+  nearest.tangential = clamp(z.tangential, friction.tangential * sum);
+  nearest.twist = std::clamp(z.twist, -friction.twist * sum, friction.twist * sum);
+  nearest.rolling = clamp(z.rolling, friction.rolling * sum);
   return nearest;
 }
 

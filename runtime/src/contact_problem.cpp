@@ -56,6 +56,14 @@ ContactProblem World::Impl::contact_problem() const {
                                 .lever = manifold.lever,
                                 .friction_impulse = friction - normal.dot(friction) * normal,
                                 .twist_impulse = answer.twist_impulse};
+    if (!surface_contacts_.empty()) {
+      const solver::SurfaceContact& surface = surface_contacts_[pair.slot];
+      const Vector3 rolling = vector(answer.rolling_impulse);
+      patch.torsional_friction = surface.torsional_friction;
+      patch.rolling_friction = surface.rolling_friction;
+      patch.slip = vector(surface.slip);
+      patch.rolling_impulse = rolling - normal.dot(rolling) * normal;
+    }
     for (std::size_t i = 0; i < cache.contacts[pair.slot].count; ++i) {
       patch.points.push_back({manifold.x[i], manifold.y[i], answer.separation[i], answer.normal_impulse[i]});
     }

@@ -168,7 +168,7 @@ GroupReport GroupSolver::run(const SolveInput& input, const IslandGroup& group, 
     if (relaxes) sweep({Push::None, true, friction}, settings.relax_iterations);
     clock.lap(SolverStage::Relax);
   }
-  if (input.capture != nullptr) capture(input, body_ids);
+  if (input.capture != nullptr) capture(input, report, body_ids);
   if (report.restitution) {
     each_colour([&](std::size_t begin, std::size_t end) { kernels.restitute(data, begin, end); });
   }
@@ -348,7 +348,8 @@ void GroupSolver::clear_impulses(const GroupReport& report) {
 
 void GroupSolver::clear_split_impulses() { std::fill_n(split_blocks_.begin(), colouring_.block_count(), SplitBlock{}); }
 
-void GroupSolver::capture(const SolveInput& input, std::span<const std::uint32_t> bodies) const {
+void GroupSolver::capture(const SolveInput& input, const GroupReport& report,
+                          std::span<const std::uint32_t> bodies) const {
   for (std::size_t b = 0; b < colouring_.block_count(); ++b) {
     const ContactBlock& block = blocks_[b];
     for (std::size_t lane = 0; lane < block_lanes; ++lane) {
@@ -365,6 +366,12 @@ void GroupSolver::capture(const SolveInput& input, std::span<const std::uint32_t
             block.friction_impulse[0][lane] * t.first[i] + block.friction_impulse[1][lane] * t.second[i];
       }
       answer.twist_impulse = block.twist_impulse[lane];
+      answer.rolling_impulse = {0, 0, 0};
+      if (!report.surfaces) continue;
+      const auto& rolling = surface_blocks_[b].rolling_impulse;
+      for (std::size_t i = 0; i < 3; ++i) {
+        answer.rolling_impulse[i] = rolling[0][lane] * t.first[i] + rolling[1][lane] * t.second[i];
+      }
     }
   }
   for (std::size_t i = 0; i < bodies.size(); ++i) {

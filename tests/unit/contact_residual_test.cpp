@@ -15,6 +15,7 @@
 namespace atl {
 namespace {
 
+using audit::FrictionBounds;
 using audit::PatchVector;
 using audit::project_on_cone;
 using test::Random;
@@ -305,12 +306,15 @@ TEST(ContactResidual, RefusesAProblemThatIsNone) {
         p.patches[0].twist_impulse = 1;
       },
       "twist impulse");
+  refused([](ContactProblem& p) { p.patches[0].torsional_friction = -1; }, "torsional friction");
+  refused([](ContactProblem& p) { p.patches[0].rolling_friction = -1; }, "rolling friction");
+  refused([](ContactProblem& p) { p.patches[0].rolling_impulse = {1, 0, 0}; }, "rolling impulse");
 }
 
 // The projection.
 
 double dot(const PatchVector& a, const PatchVector& b) {
-  double sum = a.tangential.dot(b.tangential) + a.twist * b.twist;
+  double sum = a.tangential.dot(b.tangential) + a.twist * b.twist + a.rolling.dot(b.rolling);
   for (std::size_t i = 0; i < a.points; ++i) sum += a.normal[i] * b.normal[i];
   return sum;
 }
@@ -322,6 +326,7 @@ PatchVector random_vector(Random& random) {
   for (std::size_t i = 0; i < z.points; ++i) z.normal[i] = value();
   z.tangential = {value(), value()};
   z.twist = value();
+  z.rolling = {value(), value()};
   return z;
 }
 
@@ -332,19 +337,21 @@ double sum(const PatchVector& r) {
 }
 
 // Moreau: p is the projection of z on a closed convex cone if and only if p is in the cone, z - p in its polar, and the
-// two are orthogonal. The polar cone here is {v_i + mu (|v_T| + |v_w|) <= 0 for all i}.
+// two are orthogonal. The polar cone here is {v_i + mu_T |v_T| + mu_w |v_w| + mu_r |v_r| <= 0 for all i}.
 TEST(FrictionCone, ProjectionObeysMoreausDecomposition) {
   Random random(4);
   for (int i = 0; i < 100000; ++i) {
     const PatchVector z = random_vector(random);
-    const double friction = random.chance(0.2) ? 0.5 * random.below(3) : random.magnitude(1e-2, 1e2);
+    const auto bound = [&] { return random.chance(0.2) ? 0.5 * random.below(3) : random.magnitude(1e-2, 1e2); };
+    const FrictionBounds friction = {bound(), bound(), bound()};
     const PatchVector p = project_on_cone(z, friction);
     const PatchVector rest = z - p;
-    const double tolerance = 1e-13 * (1 + friction);
-    const double bound = friction * sum(p) + tolerance;
-    ASSERT_LE(p.tangential.norm(), bound);
-    ASSERT_LE(std::abs(p.twist), bound);
-    const double friction_part = friction * (rest.tangential.norm() + std::abs(rest.twist));
+    const double tolerance = 1e-13 * (1 + friction.tangential + friction.twist + friction.rolling);
+    ASSERT_LE(p.tangential.norm(), friction.tangential * sum(p) + tolerance);
+    ASSERT_LE(std::abs(p.twist), friction.twist * sum(p) + tolerance);
+    ASSERT_LE(p.rolling.norm(), friction.rolling * sum(p) + tolerance);
+    const double friction_part = friction.tangential * rest.tangential.norm() + friction.twist * std::abs(rest.twist) +
+                                 friction.rolling * rest.rolling.norm();
     for (std::size_t k = 0; k < z.points; ++k) {
       ASSERT_GE(p.normal[k], 0);
       ASSERT_LE(rest.normal[k] + friction_part, tolerance);
@@ -357,7 +364,8 @@ TEST(FrictionCone, NoMemberIsNearerThanTheProjection) {
   Random random(5);
   for (int i = 0; i < 300; ++i) {
     const PatchVector z = random_vector(random);
-    const double friction = random.magnitude(0.1, 10);
+    const auto bound = [&] { return random.magnitude(0.1, 10); };
+    const FrictionBounds friction = {bound(), bound(), bound()};
     const PatchVector p = project_on_cone(z, friction);
     const double nearest = (z - p).squared_norm();
     // Members near the projection and far from it.
@@ -368,10 +376,14 @@ TEST(FrictionCone, NoMemberIsNearerThanTheProjection) {
       for (std::size_t n = 0; n < z.points; ++n) {
         member.normal[n] = std::max(0.0, member.normal[n] + random.real(-reach, reach));
       }
-      const double bound = friction * sum(member);
-      member.tangential += reach * random.vector(1).head<2>();
-      member.tangential *= std::min(1.0, bound / member.tangential.norm());
-      member.twist = std::clamp(member.twist + random.real(-reach, reach), -bound, bound);
+      const auto move_within = [&](Eigen::Vector2d& part, double mu) {
+        part += reach * random.vector(1).head<2>();
+        part *= std::min(1.0, mu * sum(member) / part.norm());
+      };
+      move_within(member.tangential, friction.tangential);
+      move_within(member.rolling, friction.rolling);
+      const double most_twist = friction.twist * sum(member);
+      member.twist = std::clamp(member.twist + random.real(-reach, reach), -most_twist, most_twist);
       const double distance = (z - member).squared_norm();
       ASSERT_GE(distance, nearest - 1e-14);
       least = std::min(least, distance);

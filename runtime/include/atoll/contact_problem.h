@@ -14,8 +14,9 @@ namespace atl {
 /// Find impulses such that the velocities after them, v = free + M^-1 J^T r, obey, with u the relative velocity of the
 /// second body against the first at a patch:
 ///   at each point i    0 <= u_n,i + max(gap_i, 0) / h   perpendicular to   r_i >= 0
-///   at each patch      |r_T| <= mu R,      r_T opposite to u_T where it slides,    R the sum of its r_i
-///                      |r_w| <= mu L R,    r_w opposite to the spin u_w where it twists
+///   at each patch      |r_T| <= mu R,        r_T opposite to u_T + slip where it slides,    R the sum of its r_i
+///                      |r_w| <= (mu L + t) R,  r_w opposite to the spin u_w where it twists
+///                      |r_r| <= p R,         r_r opposite to the tangential spin where it rolls
 struct ContactProblem {
   static constexpr std::size_t fixed = static_cast<std::size_t>(-1);
 
@@ -44,9 +45,13 @@ struct ContactProblem {
     Vector3 anchor_second;
     double friction = 0;                         ///< mu
     double lever = 0;                            ///< m, L: the arm of friction against twisting
+    double torsional_friction = 0;               ///< m, t
+    double rolling_friction = 0;                 ///< m, p
+    Vector3 slip = Vector3::Zero();              ///< m/s: how fast the second surface runs against the first
     std::vector<Point> points = {};              ///< one to four
     Vector3 friction_impulse = Vector3::Zero();  ///< N s, tangential, on the second body at the centre
     double twist_impulse = 0;                    ///< N m s, about the normal, on the second body
+    Vector3 rolling_impulse = Vector3::Zero();   ///< N m s, in the tangent plane, on the second body
   };
 
   double substep = 0;  ///< s, h

@@ -15,7 +15,8 @@ struct ContactCapture {
     std::array<float, 4> separation;      ///< m, as the sweeps saw it
     std::array<float, 4> normal_impulse;  ///< N s
     std::array<float, 3> friction_impulse;
-    float twist_impulse;  ///< N m s
+    float twist_impulse;                               ///< N m s
+    std::array<float, 3> rolling_impulse = {0, 0, 0};  ///< N m s
   };
   struct Motion {
     Vector3 free_velocity;  ///< after forces, before contact impulses

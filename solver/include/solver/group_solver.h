@@ -67,7 +67,7 @@ class GroupSolver {
                                 bool splits);
   void clear_impulses(const GroupReport& report);
   void clear_split_impulses();
-  void capture(const SolveInput& input, std::span<const std::uint32_t> bodies) const;
+  void capture(const SolveInput& input, const GroupReport& report, std::span<const std::uint32_t> bodies) const;
 
   std::vector<std::uint32_t> kinematic_;  // bodies that the group's contacts touch, in order
   std::uint32_t first_dynamic_ = 1;       // index in bodies_
