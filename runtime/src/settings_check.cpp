@@ -67,6 +67,7 @@ solver::SolverSettings solver_settings(const Settings& settings) {
   s.tolerance = settings.tolerance;
   s.stabilisation = static_cast<solver::Stabilisation>(settings.stabilisation);
   s.correction = settings.correction;
+  s.slop = settings.slop;
   s.profile = settings.profile;
   s.contact_hertz = settings.contact_hertz.value_or(0);
   s.contact_damping_ratio = settings.contact_damping_ratio;

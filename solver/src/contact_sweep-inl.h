@@ -53,7 +53,7 @@ HWY_INLINE void refresh_separations(const ContactKernelData& data, ContactBlock&
 }
 
 // What is known of a sweep when it is compiled. `special` is what few scenes need and may cost something: running
-// surfaces, rolling and torsional friction, and a residual; whether those refresh they ask as they run.
+// surfaces, rolling and torsional friction, slop, and a residual; whether those refresh they ask as they run.
 enum class Refresh { No, Yes, Asks };
 
 template <Push push_, Refresh refresh_, Friction friction_>
@@ -179,7 +179,9 @@ HWY_INLINE void solve_normals(const ContactKernelData& data, ContactBlock& block
     if constexpr (how::push == Push::None) {
       speed_bias = hn::IfThenElse(apart, speed_bias, zero());
     } else {
-      const V push = hn::Max(hn::Mul(soft_rate, separation), splat(-constants.push_speed));
+      V overlap = separation;
+      if constexpr (how::special) overlap = hn::Min(hn::Add(separation, splat(constants.slop)), zero());
+      const V push = hn::Max(hn::Mul(soft_rate, overlap), splat(-constants.push_speed));
       speed_bias = hn::IfThenElse(apart, how::push == Push::Split ? zero() : speed_bias, push);
       mass = hn::IfThenElse(apart, mass, hn::Mul(mass, soft_mass));
       leak = hn::IfThenElse(apart, zero(), hn::Mul(soft_impulse, old_impulse));
@@ -244,7 +246,7 @@ float sweep_with_friction(const ContactKernelData& data, const Sweep& sweep, std
 
 template <Push push>
 float sweep_with_push(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end) {
-  if (sweep.measures || data.surface_blocks != nullptr) {
+  if (sweep.measures || data.surface_blocks != nullptr || data.constants.slop > 0) {
     return sweep_with_friction<push, Refresh::Asks>(data, sweep, begin, end);
   }
   if (sweep.refresh) return sweep_with_friction<push, Refresh::Yes>(data, sweep, begin, end);

@@ -15,6 +15,7 @@ struct SolverSettings {
   double tolerance = 0;
   Stabilisation stabilisation = Stabilisation::Soft;
   double correction = 0.2;
+  double slop = 5e-4;
   bool profile = false;
   double contact_hertz = 0;  ///< 0: an eighth of the substep rate
   double contact_damping_ratio = 10;
@@ -50,6 +51,7 @@ struct SubstepConstants {
   Softness dynamic_contact;
   Softness fixed_contact;  ///< against a body of infinite mass
   float push_speed;        ///< m/s
+  float slop;              ///< m, overlap that is left alone
   float restitution_threshold;
 
   static SubstepConstants of(const SolverSettings& settings, double dt) {
@@ -62,11 +64,13 @@ struct SubstepConstants {
     c.step = static_cast<float>(dt);
     c.h = static_cast<float>(h);
     c.inverse_h = static_cast<float>(1 / h);
+    c.slop = 0;
     if (settings.stabilisation == Stabilisation::Soft) {
       c.dynamic_contact = Softness::of(hertz, settings.contact_damping_ratio, h);
       c.fixed_contact = Softness::of(2 * hertz, settings.contact_damping_ratio, h);
     } else {
       c.dynamic_contact = c.fixed_contact = Softness::rigid(settings.correction, h);
+      c.slop = static_cast<float>(settings.slop);
     }
     c.push_speed = static_cast<float>(settings.contact_push_speed);
     c.restitution_threshold = static_cast<float>(settings.restitution_threshold);
