@@ -7,6 +7,8 @@
 #define ATOLL_SOLVER_CONTACT_SWEEP_INL_H_
 #endif
 
+#include <type_traits>
+
 #include "contact_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -148,6 +150,12 @@ HWY_INLINE void solve_friction(ContactBlock& block, SurfaceBlock* surface, std::
   }
 }
 
+// One round over the points of a contact leaves a body that lands flat turning, and it jumps sideways. A contact that
+// closes faster than this at its centre gets this many rounds: a box of 1 m dropped flat from 3 m then slides by 0.05
+// mm instead of 15, from 10 m by 4 mm instead of 150.
+constexpr float landing_speed = 0.5f;  // m/s
+constexpr int landing_rounds = 8;
+
 template <typename how>
 HWY_INLINE void solve_normals(const ContactKernelData& data, ContactBlock& block, float (*impulses)[block_lanes],
                               std::size_t lane, ContactLanes& c, Residual& residual) {
@@ -164,7 +172,8 @@ HWY_INLINE void solve_normals(const ContactKernelData& data, ContactBlock& block
   const V soft_impulse = soft(with_fixed.impulse_scale, with_dynamic.impulse_scale);
 
   NormalSolve solve(c);
-  for (std::size_t i = 0; i < max_points; ++i) {
+  const M lands = hn::Lt(solve.u, splat(-landing_speed));
+  const auto solve_point = [&](std::size_t i, auto again) HWY_ATTR {
     const V x = load(block.x[i] + lane);
     const V y = load(block.y[i] + lane);
     const V old_impulse = load(impulses[i] + lane);
@@ -189,10 +198,17 @@ HWY_INLINE void solve_normals(const ContactKernelData& data, ContactBlock& block
     // All but the product with the speed is off the chain from point to point.
     const V offset = hn::Neg(hn::Add(hn::Mul(mass, speed_bias), leak));
     const V wanted = hn::Sub(offset, hn::Mul(mass, solve.speed(x, y)));
-    const V impulse = hn::Max(wanted, hn::Neg(old_impulse));
+    V impulse = hn::Max(wanted, hn::Neg(old_impulse));
+    if constexpr (again.value) impulse = hn::IfThenElseZero(lands, impulse);
     store(hn::Add(old_impulse, impulse), impulses[i] + lane);
     response.apply(impulse, x, y, solve);
     if constexpr (how::special) residual.add(hn::Mul(impulse, response.own));
+  };
+  for (std::size_t i = 0; i < max_points; ++i) solve_point(i, std::false_type());
+  if (!hn::AllFalse(D(), lands)) {
+    for (int round = 1; round < landing_rounds; ++round) {
+      for (std::size_t i = 0; i < max_points; ++i) solve_point(i, std::true_type());
+    }
   }
   solve.finish(c);
 }
