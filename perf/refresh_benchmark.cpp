@@ -32,6 +32,7 @@ struct Columns {
     broadphase.add_box(body, Aabb::around(position - reach, position + reach), false);
     if (level == 0) return;
     const Pair pair{body - 1, body};
+    cache.set_active(std::span(&body, 1), {});
     cache.add(std::span(&pair, 1),
               [](Pair p) { return ContactCache::Start{p.first, p.second, 0.6f, 0, 0.5f, false, 1}; });
   }

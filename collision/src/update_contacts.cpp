@@ -17,6 +17,8 @@ constexpr double match_distance = 0.04;
 
 // Contacts of one loop chunk; they are refreshed in blocks of lanes.
 constexpr std::size_t grain = 128;
+// A chunk and the rest of its last pair's parts.
+constexpr std::size_t longest_stretch = grain + max_surface_manifolds;
 
 // Pose of a shape that isn't its body's, for a lane of a block.
 struct alignas(16) PlacedLane {
@@ -32,7 +34,13 @@ class Stretch {
   Stretch(ContactCache& cache, const Broadphase& broadphase, const ContactUpdateInput& input)
       : cache_(cache), broadphase_(broadphase), input_(input) {}
 
-  ContactUpdateCounts run(std::size_t begin, std::size_t end, ContactStatus* status);
+  // Writes those that touch to `touching`, over those of the last update.
+  struct Result {
+    ContactUpdateCounts counts;
+    std::size_t touching = 0;
+    bool changed = false;  // what touches, up to their number
+  };
+  Result run(std::size_t begin, std::size_t end, ContactStatus* status, std::span<TouchingPair> touching);
 
  private:
   // Entries of the order, collected for refresh() until they fill a block.
@@ -42,6 +50,7 @@ class Stretch {
   };
 
   bool is_lost(Pair pair) const;
+  void list_touching(std::size_t begin, std::size_t end, std::span<TouchingPair> touching, Result& result);
   void add_to(Batch& batch, std::size_t entry, bool fresh);
   void refresh(Batch& batch, bool fresh);
   void fill_lane(const Contact& contact, ContactManifold& manifold, std::size_t lane);
@@ -66,8 +75,7 @@ class Stretch {
   std::array<PlacedLane, block_lanes> placed_incident_;
   Batch kept_batch_;
   Batch fresh_batch_;
-  // A chunk and the rest of its last pair's parts.
-  std::array<std::uint32_t, grain + max_surface_manifolds> stale_;
+  std::array<std::uint32_t, longest_stretch> stale_;
   std::size_t stale_count_ = 0;
 };
 
@@ -95,7 +103,8 @@ std::size_t Stretch::parts_from(std::size_t entry) const {
   return end - entry;
 }
 
-ContactUpdateCounts Stretch::run(std::size_t begin, std::size_t end, ContactStatus* status) {
+Stretch::Result Stretch::run(std::size_t begin, std::size_t end, ContactStatus* status,
+                             std::span<TouchingPair> touching) {
   status_ = status;
   stale_count_ = 0;
   // A pair's parts stay together: they belong to the chunk in which they begin.
@@ -103,11 +112,9 @@ ContactUpdateCounts Stretch::run(std::size_t begin, std::size_t end, ContactStat
   if (begin < end) end += parts_from(end - 1) - 1;
 
   for (std::size_t i = begin; i < end; ++i) {
-    const Contact& contact = contact_at(i);
-    if (!input_.active[contact.body_first] && !input_.active[contact.body_second]) {
-      status_[i] = ContactStatus::Idle;
-    } else if (is_lost(contact.pair)) {
+    if (is_lost(contact_at(i).pair)) {
       status_[i] = ContactStatus::Lost;
+      ++counts_.lost;
     } else {
       add_to(kept_batch_, i, false);
     }
@@ -117,7 +124,7 @@ ContactUpdateCounts Stretch::run(std::size_t begin, std::size_t end, ContactStat
   for (std::size_t i = 0; i < stale_count_; ++i) {
     const std::uint32_t entry = stale_[i];
     // Parts are found together, by the first of them that is stale.
-    if (status_[entry] != ContactStatus::Idle) continue;
+    if (status_[entry] != ContactStatus::Stale) continue;
     if (is_surface(input_.colliders.shape[contact_at(entry).pair.first].kind) ||
         is_surface(input_.colliders.shape[contact_at(entry).pair.second].kind)) {
       find_surface_parts(entry - contact_at(entry).part);
@@ -126,7 +133,24 @@ ContactUpdateCounts Stretch::run(std::size_t begin, std::size_t end, ContactStat
     }
   }
   refresh(fresh_batch_, true);
-  return std::exchange(counts_, {});
+
+  Result result;
+  list_touching(begin, end, touching, result);
+  result.counts = std::exchange(counts_, {});
+  return result;
+}
+
+void Stretch::list_touching(std::size_t begin, std::size_t end, std::span<TouchingPair> touching, Result& result) {
+  for (std::size_t i = begin; i < end; ++i) {
+    if (status_[i] != ContactStatus::Touching) continue;
+    const Contact& contact = contact_at(i);
+    if (!input_.dynamic[contact.body_first] && !input_.dynamic[contact.body_second]) continue;
+    const TouchingPair pair{contact.body_first, contact.body_second, cache_.order[i]};
+    TouchingPair& listed = touching[result.touching++];
+    result.changed |= listed != pair;
+    listed = pair;
+    counts_.points += contact.count;
+  }
 }
 
 void Stretch::add_to(Batch& batch, std::size_t entry, bool fresh) {
@@ -150,7 +174,7 @@ void Stretch::refresh(Batch& batch, bool fresh) {
       status_[entry] = contact_at(entry).count > 0 ? ContactStatus::Touching : ContactStatus::Apart;
       counts_.kept += contact_at(entry).part == 0;
     } else {
-      status_[entry] = ContactStatus::Idle;
+      status_[entry] = ContactStatus::Stale;
       stale_[stale_count_++] = entry;
     }
   }
@@ -339,20 +363,68 @@ ContactUpdateCounts& ContactUpdateCounts::operator+=(const ContactUpdateCounts& 
   kept += other.kept;
   id_matches += other.id_matches;
   id_misses += other.id_misses;
+  points += other.points;
+  lost += other.lost;
   return *this;
+}
+
+// The chunks' lists, one after another.
+void ContactUpdate::collect_touching(jobs::Arena& arena) {
+  std::size_t total = 0;
+  for (Chunk& chunk : chunks_) {
+    chunk.offset = total;
+    total += chunk.touching;
+  }
+  touching.resize(total);
+  constexpr std::size_t chunks_at_once = 16;
+  arena.parallel_for(chunks_.size(), chunks_at_once, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      std::copy_n(by_chunk_.data() + i * longest_stretch, chunks_[i].touching, touching.data() + chunks_[i].offset);
+    }
+  });
+}
+
+void ContactUpdate::add_touching(const ContactCache& cache, std::span<const std::uint32_t> slots) {
+  const auto updated = static_cast<std::ptrdiff_t>(touching.size());
+  for (const std::uint32_t slot : slots) {
+    const Contact& contact = cache.contacts[slot];
+    if (contact.count == 0) continue;
+    touching.push_back({contact.body_first, contact.body_second, slot});
+    counts.points += contact.count;
+    added_to_ = touching_changed = true;
+  }
+  // No pair is in both parts, and of a pair the contacts are in order.
+  std::inplace_merge(touching.begin(), touching.begin() + updated, touching.end(),
+                     [&cache](const TouchingPair& a, const TouchingPair& b) {
+                       return cache.contacts[a.slot].pair < cache.contacts[b.slot].pair;
+                     });
 }
 
 void update_contacts(ContactCache& cache, const Broadphase& broadphase, const ContactUpdateInput& input,
                      jobs::Arena& arena, ContactUpdate& update) {
   const std::size_t count = cache.order.size();
+  const std::size_t chunk_count = jobs::Arena::chunk_count(count, grain);
+  update.touching_changed = update.added_to_ || update.chunks_.size() != chunk_count;
+  update.added_to_ = false;
   update.status.resize(count);
-  update.by_chunk.resize(jobs::Arena::chunk_count(count, grain));
+  update.chunks_.resize(chunk_count);
+  update.by_chunk_.resize(std::max(update.by_chunk_.size(), chunk_count * longest_stretch));
   arena.parallel_for(count, grain, [&](std::size_t begin, std::size_t end) {
+    ContactUpdate::Chunk& chunk = update.chunks_[begin / grain];
+    const std::span<TouchingPair> place =
+        std::span(update.by_chunk_).subspan(begin / grain * longest_stretch, longest_stretch);
     Stretch stretch(cache, broadphase, input);
-    update.by_chunk[begin / grain] = stretch.run(begin, end, update.status.data());
+    const Stretch::Result result = stretch.run(begin, end, update.status.data(), place);
+    chunk.changed = result.changed || result.touching != chunk.touching;
+    chunk.touching = result.touching;
+    chunk.counts = result.counts;
   });
   update.counts = {};
-  for (const ContactUpdateCounts& counts : update.by_chunk) update.counts += counts;
+  for (const ContactUpdate::Chunk& chunk : update.chunks_) {
+    update.counts += chunk.counts;
+    update.touching_changed |= chunk.changed;
+  }
+  if (update.touching_changed) update.collect_touching(arena);
 }
 
 }  // namespace atl::collision

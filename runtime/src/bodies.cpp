@@ -46,16 +46,20 @@ BodyId World::Impl::add_body(const BodyDef& def) {
     records.generation.resize(count, 0);
     records.alive.resize(count, 0);
     records.type.resize(count, BodyType::Static);
+    records.dynamic.resize(count, 0);
     records.material.resize(count);
     records.centre.resize(count, Vector3::Zero());
     records.first_collider.resize(count, collision::ColliderTable::none);
     records.continuous.resize(count, 0);
+    active_.resize(count);
+    reaches_.resize(count);
   } else {
     body = records.free.back();
     records.free.pop_back();
   }
   records.alive[body] = 1;
   records.type[body] = def.type;
+  records.dynamic[body] = def.type == BodyType::Dynamic;
   records.material[body] = def.material;
   records.centre[body] = checked.centre;
   records.continuous[body] = def.continuous;
@@ -88,6 +92,7 @@ BodyId World::Impl::add_body(const BodyDef& def) {
   sleeping.awake[body] = def.type == BodyType::Dynamic;
   sleeping.rest_time[body] = 0;
   contents.count(bodies, records, body, +1);
+  note_arrival_or_departure(body);
   add_colliders(body, checked, def.filter);
   return {body, records.generation[body]};
 }
@@ -97,12 +102,12 @@ void World::Impl::remove_body(BodyId id) {
   const std::uint32_t body = index_of(id, "remove_body");
   wake_touching(body);
   sleeping.wake(body);
-  cache.remove_if([&](std::uint32_t slot) {
-    return cache.contacts[slot].body_first == body || cache.contacts[slot].body_second == body;
-  });
+  cache.remove_contacts_of(body);
   remove_colliders(body);
   contents.count(bodies, records, body, -1);
   sleeping.awake[body] = 0;
+  records.dynamic[body] = 0;
+  note_arrival_or_departure(body);
   bodies.mobility[body] = solver::Mobility::Fixed;
   bodies.gyroscopic[body] = 0;
   bodies.velocity(body).setZero();
@@ -128,7 +133,14 @@ std::uint32_t World::Impl::awaken(BodyId id, const char* call) {
   const std::uint32_t body = index_of(id, call);
   sleeping.wake(body);
   look_again(body);
+  if (bodies.mobility[body] == solver::Mobility::Kinematic) may_start_or_stop_.push_back(body);
   return body;
+}
+
+void World::Impl::apply_force(std::uint32_t body, const Vector3& force, const Vector3& torque) {
+  if (bodies.force(body).isZero(0) && bodies.torque(body).isZero(0)) pushed_.push_back(body);
+  bodies.force(body) += force;
+  bodies.torque(body) += torque;
 }
 
 Pose World::Impl::pose(BodyId id) const {
@@ -183,12 +195,18 @@ void World::Impl::wake_all() {
 }
 
 void World::Impl::wake_touching(std::uint32_t body) {
-  for (const std::uint32_t slot : cache.order) {
+  cache.for_each_contact_of(body, [&](std::uint32_t slot) {
     const collision::Contact& contact = cache.contacts[slot];
-    if (contact.count == 0) continue;
+    if (contact.count == 0) return;
     if (contact.body_first == body) sleeping.wake(contact.body_second);
     if (contact.body_second == body) sleeping.wake(contact.body_first);
-  }
+  });
+}
+
+// Islands are made anew even if the index was used again for a body that looks the same to them.
+void World::Impl::note_arrival_or_departure(std::uint32_t body) {
+  may_start_or_stop_.push_back(body);
+  islands_stale_ = true;
 }
 
 bool World::Impl::is_finite(std::uint32_t body) const {

@@ -151,7 +151,7 @@ void World::Impl::move_proxies(std::uint32_t body) {
 // A body that was pushed along farther than its speed had let expect is out of its boxes already: queries between
 // steps go by them.
 void World::Impl::catch_up_boxes() {
-  for (std::uint32_t body = 0; body < bodies.size(); ++body) {
+  for (const std::uint32_t body : active_.in_order()) {
     if (bodies.outgrown[body] && !(bodies.slack[body] >= 0)) move_proxies(body);
   }
 }
@@ -190,8 +190,8 @@ void World::Impl::find_pairs() {
   if (dt_ > last_dt_) std::fill(bodies.outgrown.begin(), bodies.outgrown.end(), std::uint8_t{1});
   shrink_boxes();
   looked_at_.clear();
-  for (std::uint32_t body = 0; body < bodies.size(); ++body) {
-    if (bodies.outgrown[body] && active_[body]) looked_at_.push_back(body);
+  for (const std::uint32_t body : active_.in_order()) {
+    if (bodies.outgrown[body]) looked_at_.push_back(body);
   }
   new_boxes_.resize(colliders.size());
   constexpr std::size_t grain = 256;

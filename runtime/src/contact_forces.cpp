@@ -9,7 +9,7 @@ std::span<const ContactForce> World::Impl::contact_forces() const {
   contact_forces_valid_ = true;
   if (last_substep_ == 0) return contact_forces_;
   const double per_impulse = 1 / last_substep_;
-  for (const std::uint32_t slot : cache.order) {
+  for (const std::uint32_t slot : cache.all_in_order()) {
     const collision::Contact& contact = cache.contacts[slot];
     const collision::ContactManifold& manifold = cache.manifolds[slot];
     if (contact.count == 0) continue;

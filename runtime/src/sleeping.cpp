@@ -21,6 +21,7 @@ void Sleeping::wake(std::uint32_t body) {
     awake[member] = 1;
     rest_time[member] = 0;
     --asleep;
+    changed.push_back(member);
     member = next;
   } while (member != body);
 }
@@ -37,6 +38,7 @@ void Sleeping::put_to_sleep(std::span<const std::uint32_t> island, solver::BodyT
     const std::uint32_t body = island[i];
     ring[body] = island[(i + 1) % island.size()];
     awake[body] = 0;
+    changed.push_back(body);
     bodies.velocity(body).setZero();
     bodies.angular_velocity(body).setZero();
   }

@@ -13,10 +13,11 @@ namespace atl {
 /// Which bodies are awake. An island falls asleep as a whole when all its bodies have been at rest for long
 /// enough, and its bodies are linked in a ring, so that waking one wakes them all.
 struct Sleeping {
-  std::vector<std::uint8_t> awake;  ///< by body; 1 for every dynamic body that is not asleep
-  std::vector<double> rest_time;    ///< s, by body
-  std::vector<std::uint32_t> ring;  ///< by body: the next body of its sleeping island
-  std::int64_t asleep = 0;          ///< bodies
+  std::vector<std::uint8_t> awake;     ///< by body; 1 for every dynamic body that is not asleep
+  std::vector<double> rest_time;       ///< s, by body
+  std::vector<std::uint32_t> ring;     ///< by body: the next body of its sleeping island
+  std::int64_t asleep = 0;             ///< bodies
+  std::vector<std::uint32_t> changed;  ///< bodies that fell asleep or woke, in the order in which they did
 
   void resize(std::size_t count);
   bool is_asleep(std::uint32_t body) const { return ring[body] != none; }

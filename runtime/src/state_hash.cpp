@@ -100,8 +100,8 @@ std::uint64_t World::Impl::state_hash() const {
     hash.add(std::uint64_t{a.index} << 32 | b.index);
     hash.add(std::uint64_t{a.generation} << 32 | b.generation);
   }
-  hash.add(static_cast<std::uint64_t>(cache.order.size()));
-  for (const std::uint32_t slot : cache.order) add_contact(hash, cache.contacts[slot], cache.manifolds[slot]);
+  hash.add(static_cast<std::uint64_t>(cache.size()));
+  for (const std::uint32_t slot : cache.all_in_order()) add_contact(hash, cache.contacts[slot], cache.manifolds[slot]);
   return hash.value();
 }
 

@@ -46,19 +46,30 @@ StepReport World::Impl::step(double dt) {
 }
 
 void World::Impl::plan() {
-  active_.resize(bodies.size());
-  for (std::uint32_t body = 0; body < bodies.size(); ++body) {
-    active_[body] = sleeping.awake[body];
-    if (bodies.mobility[body] == solver::Mobility::Kinematic) {
-      active_[body] = !(bodies.velocity(body).isZero(0) && bodies.angular_velocity(body).isZero(0));
-    }
-  }
+  if (update_active_bodies()) cache.set_active(active_.started(), active_.stopped());
+}
+
+bool World::Impl::may_move(std::uint32_t body) const {
+  if (bodies.mobility[body] != solver::Mobility::Kinematic) return sleeping.awake[body] != 0;
+  return !(bodies.velocity(body).isZero(0) && bodies.angular_velocity(body).isZero(0));
+}
+
+// Follows what fell asleep, woke, came, went or got a velocity. Returns whether the active bodies changed.
+bool World::Impl::update_active_bodies() {
+  may_start_or_stop_.insert(may_start_or_stop_.end(), sleeping.changed.begin(), sleeping.changed.end());
+  sleeping.changed.clear();
+  const bool changed = active_.update(may_start_or_stop_, [this](std::uint32_t body) { return may_move(body); });
+  may_start_or_stop_.clear();
+  if (!changed) return false;
+  for (const std::uint32_t body : active_.stopped()) reaches_[body] = {};
+  islands_stale_ = true;
+  return true;
 }
 
 void World::Impl::update_contacts() {
   note_reaches();
   const collision::ContactUpdateInput input{
-      colliders, {bodies.positions.data(), bodies.orientations.data()}, active_, reaches_, *refresh_kernels};
+      colliders, {bodies.positions.data(), bodies.orientations.data()}, records.dynamic, reaches_, *refresh_kernels};
   collision::update_contacts(cache, broadphase, input, arena, contact_update_);
   broadphase.forget_moves();
   const collision::ContactUpdateCounts& counts = contact_update_.counts;
@@ -66,19 +77,17 @@ void World::Impl::update_contacts() {
   report_.counts.kept_manifolds = counts.kept;
   report_.counts.id_matches = counts.id_matches;
   report_.counts.id_misses = counts.id_misses;
+  report_.counts.active_bodies = static_cast<std::int64_t>(active_.in_order().size());
+  report_.counts.active_contacts = static_cast<std::int64_t>(cache.order.size());
 }
 
 // How far bodies get in this step at the speeds they have.
 void World::Impl::note_reaches() {
   constexpr std::size_t grain = 1024;
-  reaches_.resize(bodies.size());
-  arena.parallel_for(bodies.size(), grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t body = begin; body < end; ++body) {
+  const std::span<const std::uint32_t> active = active_.in_order();
+  arena.parallel_for(active.size(), grain, [&](std::size_t begin, std::size_t end) {
+    for (const std::uint32_t body : active.subspan(begin, end - begin)) {
       collision::StepReach& reach = reaches_[body];
-      if (!active_[body]) {
-        reach = {};
-        continue;
-      }
       const Vector3 shift = dt_ * bodies.velocity(body);
       for (int i = 0; i < 3; ++i) reach.shift[i] = static_cast<float>(shift[i]);
       reach.turn = static_cast<float>(dt_ * bodies.angular_velocity(body).norm() * bodies.radius[body]);
@@ -86,47 +95,40 @@ void World::Impl::note_reaches() {
   });
 }
 
+// Islands depend on who is awake and what touches, so while both stay what they were, the islands do.
 void World::Impl::build_islands() {
   if (sleeping.asleep > 0) wake_touched_sleepers();
-  collect_touching_pairs();
-  islands_.build(bodies, sleeping.awake, touching_);
-  // Each island stops sweeping when it is done.
-  solver::pack_groups(islands_, settings.tolerance > 0, groups_);
+  remove_lost_contacts();
+  if (update_active_bodies()) {
+    // Contacts of bodies that were just woken count with the points they fell asleep with.
+    contact_update_.add_touching(cache, cache.set_active(active_.started(), active_.stopped()));
+  }
+  touching_ = contact_update_.touching;
+  const bool one_each = settings.tolerance > 0;
+  islands_rebuilt_ = islands_stale_ || contact_update_.touching_changed || one_each != one_each_;
+  if (islands_rebuilt_) {
+    islands_.build(active_.in_order(), sleeping.awake, touching_);
+    solver::pack_groups(islands_, one_each, groups_);
+    one_each_ = one_each;
+    islands_stale_ = false;
+  }
+  report_.counts.pairs = static_cast<std::int64_t>(cache.pairs.size());
+  report_.counts.contacts = static_cast<std::int64_t>(touching_.size());
+  report_.counts.points = contact_update_.counts.points;
 }
 
 // An active body that touches a sleeping one wakes its island.
 void World::Impl::wake_touched_sleepers() {
-  for (std::size_t i = 0; i < cache.order.size(); ++i) {
-    if (contact_update_.status[i] != collision::ContactStatus::Touching) continue;
-    const collision::Contact& contact = cache.contacts[cache.order[i]];
-    if (active_[contact.body_first] && sleeping.is_asleep(contact.body_second)) sleeping.wake(contact.body_second);
-    if (active_[contact.body_second] && sleeping.is_asleep(contact.body_first)) sleeping.wake(contact.body_first);
+  for (const solver::TouchingPair& pair : contact_update_.touching) {
+    if (active_.contains(pair.first) && sleeping.is_asleep(pair.second)) sleeping.wake(pair.second);
+    if (active_.contains(pair.second) && sleeping.is_asleep(pair.first)) sleeping.wake(pair.first);
   }
 }
 
-// Lost pairs go. Contacts of bodies that were just woken count with the points they fell asleep with.
-void World::Impl::collect_touching_pairs() {
-  touching_.clear();
-  bool lost = false;
-  const std::vector<collision::ContactStatus>& status = contact_update_.status;
-  for (std::size_t i = 0; i < cache.order.size(); ++i) {
-    const std::uint32_t slot = cache.order[i];
-    const collision::Contact& contact = cache.contacts[slot];
-    if (status[i] == collision::ContactStatus::Lost) {
-      lost = true;
-      continue;
-    }
-    if (status[i] == collision::ContactStatus::Apart || contact.count == 0) continue;
-    if (!sleeping.awake[contact.body_first] && !sleeping.awake[contact.body_second]) continue;
-    touching_.push_back({contact.body_first, contact.body_second, slot});
-    report_.counts.points += contact.count;
-  }
-  if (lost) {
-    std::size_t i = 0;
-    cache.remove_if([&](std::uint32_t) { return status[i++] == collision::ContactStatus::Lost; });
-  }
-  report_.counts.pairs = static_cast<std::int64_t>(cache.pairs.size());
-  report_.counts.contacts = static_cast<std::int64_t>(touching_.size());
+void World::Impl::remove_lost_contacts() {
+  if (contact_update_.counts.lost == 0) return;
+  std::size_t i = 0;
+  cache.remove_if([&](std::uint32_t) { return contact_update_.status[i++] == collision::ContactStatus::Lost; });
 }
 
 void World::Impl::solve_islands() {
@@ -151,14 +153,17 @@ void World::Impl::solve_groups() {
   group_reports_.assign(groups_.size(), {});
   arena.parallel_for(groups_.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t g = begin; g < end; ++g) {
-      if (groups_[g].large && arena.threads() > 1) continue;
-      group_reports_[g] = group_solvers_.local().solve(input, groups_[g]);
+      if (!groups_[g].large) group_reports_[g] = group_solvers_.local().solve(input, groups_[g]);
     }
   });
+  // Large ones are solved one after another, by all workers, and keep their colours while islands stay what they are.
+  const auto contacts = islands_rebuilt_ ? solver::GroupContacts::New : solver::GroupContacts::Kept;
+  std::size_t large = 0;
   for (std::size_t g = 0; g < groups_.size(); ++g) {
-    if (!groups_[g].large || arena.threads() == 1) continue;
+    if (!groups_[g].large) continue;
+    if (large == large_solvers_.size()) large_solvers_.push_back(std::make_unique<solver::GroupSolver>());
     jobs::WorkerTeam team(arena);
-    group_reports_[g] = group_solvers_.local().solve(input, groups_[g], team);
+    group_reports_[g] = large_solvers_[large++]->solve(input, groups_[g], team, contacts);
   }
 }
 
@@ -171,20 +176,25 @@ void World::Impl::move_unconstrained_bodies() {
     }
   });
   if (contents.kinematic == 0) return;
-  for (std::uint32_t body = 0; body < bodies.size(); ++body) {
-    if (bodies.mobility[body] == solver::Mobility::Kinematic && active_[body]) {
-      solver::move_kinematic_body(bodies, body, dt_, fast_);
-    }
+  for (const std::uint32_t body : active_.in_order()) {
+    if (bodies.mobility[body] == solver::Mobility::Kinematic) solver::move_kinematic_body(bodies, body, dt_, fast_);
   }
 }
 
 void World::Impl::finish() {
   catch_up_boxes();
-  std::fill(bodies.forces.begin(), bodies.forces.end(), 0.0);
-  std::fill(bodies.torques.begin(), bodies.torques.end(), 0.0);
+  for (const std::uint32_t body : pushed_) {
+    bodies.force(body).setZero();
+    bodies.torque(body).setZero();
+  }
+  pushed_.clear();
   report_.first_non_finite_body = first_non_finite_body();
-  contact_events_.clear();
-  if (settings.contact_events) note_events();
+  if (settings.contact_events) {
+    note_events();
+  } else {
+    contact_events_.clear();
+  }
+  events_noted_ = settings.contact_events;
   if (settings.sleeping) sleeping.update(islands_, bodies, settings, dt_);
   StepCounts& counts = report_.counts;
   counts.islands = static_cast<std::int64_t>(islands_.count());
@@ -200,9 +210,9 @@ void World::Impl::finish() {
 std::int64_t World::Impl::first_non_finite_body() {
   constexpr std::size_t grain = 1024;
   std::atomic<std::int64_t> first{std::numeric_limits<std::int64_t>::max()};
-  arena.parallel_for(bodies.size(), grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      if (!records.alive[i]) continue;
+  const std::span<const std::uint32_t> active = active_.in_order();
+  arena.parallel_for(active.size(), grain, [&](std::size_t begin, std::size_t end) {
+    for (const std::uint32_t i : active.subspan(begin, end - begin)) {
       // Finite terms of any size keep 0 * sum at 0; one that is not makes it NaN.
       const double probe = 0 * (bodies.position(i).sum() + bodies.velocity(i).sum() + bodies.angular_velocity(i).sum() +
                                 bodies.orientation(i).coeffs().sum());

@@ -96,8 +96,7 @@ void World::apply_force(BodyId id, const Vector3& force, const Vector3& torque) 
   check_finite("World::apply_force: force", force);
   check_finite("World::apply_force: torque", torque);
   const std::uint32_t body = impl_->awaken(id, "apply_force");
-  impl_->bodies.force(body) += force;
-  impl_->bodies.torque(body) += torque;
+  impl_->apply_force(body, force, torque);
 }
 
 void World::apply_impulse(BodyId id, const Vector3& impulse, const Vector3& point) {

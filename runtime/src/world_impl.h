@@ -18,6 +18,7 @@
 #include <utility>
 #include <vector>
 
+#include "active_bodies.h"
 #include "sleeping.h"
 
 namespace atl {
@@ -27,6 +28,7 @@ struct BodyRecords {
   std::vector<std::uint32_t> generation;
   std::vector<std::uint8_t> alive;
   std::vector<BodyType> type;
+  std::vector<std::uint8_t> dynamic;  ///< 1 for dynamic bodies
   std::vector<Material> material;
   std::vector<Vector3> centre;                ///< m, of mass, body frame
   std::vector<std::uint32_t> first_collider;  ///< the others follow, see ColliderTable::next
@@ -63,6 +65,7 @@ class World::Impl {
   void remove_body(BodyId id);
   std::uint32_t index_of(BodyId id, const char* call) const;
   std::uint32_t awaken(BodyId id, const char* call);
+  void apply_force(std::uint32_t body, const Vector3& force, const Vector3& torque);
   Pose pose(BodyId id) const;
   void set_pose(BodyId id, const Pose& pose);
   void set_filter(BodyId id, const CollisionFilter& filter);
@@ -122,6 +125,9 @@ class World::Impl {
   void shrink_boxes();
   void catch_up_boxes();
   void look_again(std::uint32_t body) { bodies.outgrown[body] = 1; }
+  bool may_move(std::uint32_t body) const;
+  bool update_active_bodies();
+  void note_arrival_or_departure(std::uint32_t body);
   void note_reaches();
   void note_events();
   const solver::FastBody* find_fast(std::uint32_t body) const;
@@ -130,7 +136,7 @@ class World::Impl {
   collision::Aabb swept_box(const solver::FastBody& fast) const;
   double first_hit(const solver::FastBody& fast, std::vector<std::uint32_t>& nearby) const;
   void wake_touched_sleepers();
-  void collect_touching_pairs();
+  void remove_lost_contacts();
   void solve_groups();
   void move_unconstrained_bodies();
   void note_stages();
@@ -141,18 +147,23 @@ class World::Impl {
   double last_dt_ = 0;
   double last_substep_ = 0;  // s; 0 before the first step
   StepReport report_;
-  std::vector<std::uint8_t> active_;      // 1: may move in this step
-  std::vector<std::uint32_t> looked_at_;  // bodies
-  std::vector<ProxyBox> new_boxes_;       // by collider
-  std::vector<double> stretch_;           // m, of a body's fat boxes along its motion
-  std::vector<std::uint32_t> stretched_;  // bodies with such boxes
+  ActiveBodies active_;
+  std::vector<std::uint32_t> may_start_or_stop_;  // bodies that came, went or got a velocity, see active_
+  std::vector<std::uint32_t> pushed_;             // bodies with a force or torque on them
+  std::vector<std::uint32_t> looked_at_;          // bodies
+  std::vector<ProxyBox> new_boxes_;               // by collider
+  std::vector<double> stretch_;                   // m, of a body's fat boxes along its motion
+  std::vector<std::uint32_t> stretched_;          // bodies with such boxes
   std::vector<collision::StepReach> reaches_;
   collision::ContactUpdate contact_update_;
-  std::vector<solver::TouchingPair> touching_;
+  std::span<const solver::TouchingPair> touching_;
   solver::Islands islands_;
+  bool islands_stale_ = true;  // bodies started, stopped, came or went since they were made
   std::vector<solver::IslandGroup> groups_;
+  bool one_each_ = false;  // a group for each island, that stops sweeping when it is done
   std::vector<solver::GroupReport> group_reports_;
   jobs::Scratch<solver::GroupSolver> group_solvers_;
+  std::vector<std::unique_ptr<solver::GroupSolver>> large_solvers_;  // of large groups, in order
   solver::FastBodies fast_;
   std::vector<solver::FastBody> fast_in_order_;
   std::vector<std::uint32_t> rushed_;  // fast bodies that left their boxes
@@ -161,6 +172,9 @@ class World::Impl {
   std::vector<ContactEvent> contact_events_;
   std::vector<std::pair<BodyId, BodyId>> touched_;  // in order, as of the last step with events
   std::vector<std::pair<BodyId, BodyId>> touched_before_;
+  std::vector<std::pair<BodyId, BodyId>> touched_now_;  // scratch: of active contacts
+  bool events_noted_ = false;                           // by the last step
+  bool islands_rebuilt_ = false;                        // by the last step
 
   std::vector<solver::SurfaceContact> surface_contacts_;  // by contact slot; empty while all surfaces are plain
 

@@ -81,23 +81,30 @@ Vector3 get3(const float (&from)[3]) { return {from[0], from[1], from[2]}; }
 
 GroupReport GroupSolver::solve(const SolveInput& input, const IslandGroup& group) {
   Serial serial;
-  return run(input, group, serial);
+  return run(input, group, serial, GroupContacts::New);
 }
 
-GroupReport GroupSolver::solve(const SolveInput& input, const IslandGroup& group, jobs::WorkerTeam& team) {
-  return run(input, group, team);
+GroupReport GroupSolver::solve(const SolveInput& input, const IslandGroup& group, jobs::WorkerTeam& team,
+                               GroupContacts contacts) {
+  return run(input, group, team, contacts);
 }
 
 template <typename Executor>
-GroupReport GroupSolver::run(const SolveInput& input, const IslandGroup& group, Executor& executor) {
+GroupReport GroupSolver::run(const SolveInput& input, const IslandGroup& group, Executor& executor,
+                             GroupContacts contacts) {
   const SolverSettings& settings = input.settings;
   const SubstepConstants constants = SubstepConstants::of(settings, input.dt);
   const std::span<const std::uint32_t> body_ids = input.islands.bodies(group.begin, group.end);
   GroupReport report;
   StageClock clock(settings.profile, report.stage_ms);
 
-  collect_contacts(input, group, report);
-  colouring_.build(contacts_, first_dynamic_, first_dynamic_ + static_cast<std::uint32_t>(body_ids.size()), blocks_);
+  if (contacts == GroupContacts::New) {
+    collect_contacts(input, group);
+    colouring_.build(contacts_, first_dynamic_, first_dynamic_ + static_cast<std::uint32_t>(body_ids.size()), blocks_);
+  }
+  report.surfaces = note_surfaces(input, group);
+  report.friction = friction_ || report.surfaces;
+  report.restitution = restitution_;
   report.colours = colouring_.colours().size();
   clock.lap(SolverStage::Colour);
 
@@ -208,7 +215,7 @@ ContactKernelData GroupSolver::kernel_data(const SolveInput& input, const GroupR
 }
 
 // Translates the contacts to the group's own body indices.
-void GroupSolver::collect_contacts(const SolveInput& input, const IslandGroup& group, GroupReport& report) {
+void GroupSolver::collect_contacts(const SolveInput& input, const IslandGroup& group) {
   const std::span<const TouchingPair> pairs = input.islands.contacts(group.begin, group.end);
   const std::vector<Mobility>& mobility = input.bodies.mobility;
   kinematic_.clear();
@@ -234,27 +241,30 @@ void GroupSolver::collect_contacts(const SolveInput& input, const IslandGroup& g
     return first_dynamic_ + input.islands.rank(body) - first_rank;
   };
   contacts_.clear();
+  friction_ = restitution_ = false;
   for (const TouchingPair& pair : pairs) {
     contacts_.push_back({local(pair.first), local(pair.second), pair.slot});
     const collision::ContactManifold& manifold = input.manifolds[pair.slot];
-    report.friction |= manifold.friction > 0;
-    report.restitution |= manifold.restitution > 0;
-    if (input.surface_contacts != nullptr) report.surfaces |= note_surfaces(input, pair);
+    friction_ |= manifold.friction > 0;
+    restitution_ |= manifold.restitution > 0;
   }
-  report.friction |= report.surfaces;
 }
 
-// Whether a pair's surfaces do more than plain friction.
-bool GroupSolver::note_surfaces(const SolveInput& input, const TouchingPair& pair) {
-  const Surface& first = input.bodies.surfaces[pair.first];
-  const Surface& second = input.bodies.surfaces[pair.second];
-  const Vector3 slip =
-      input.bodies.orientation(pair.second) * second.velocity - input.bodies.orientation(pair.first) * first.velocity;
-  SurfaceContact& contact = input.surface_contacts[pair.slot];
-  set3(contact.slip, slip);
-  contact.rolling_friction = static_cast<float>(std::max(first.rolling_friction, second.rolling_friction));
-  contact.torsional_friction = static_cast<float>(std::max(first.torsional_friction, second.torsional_friction));
-  return !first.is_plain() || !second.is_plain();
+// Notes what the surfaces of touching pairs do in this step. Whether that is more than plain friction anywhere.
+bool GroupSolver::note_surfaces(const SolveInput& input, const IslandGroup& group) {
+  if (input.surface_contacts == nullptr) return false;
+  bool any = false;
+  for (const TouchingPair& pair : input.islands.contacts(group.begin, group.end)) {
+    const Surface& first = input.bodies.surfaces[pair.first];
+    const Surface& second = input.bodies.surfaces[pair.second];
+    SurfaceContact& contact = input.surface_contacts[pair.slot];
+    set3(contact.slip, input.bodies.orientation(pair.second) * second.velocity -
+                           input.bodies.orientation(pair.first) * first.velocity);
+    contact.rolling_friction = static_cast<float>(std::max(first.rolling_friction, second.rolling_friction));
+    contact.torsional_friction = static_cast<float>(std::max(first.torsional_friction, second.torsional_friction));
+    any |= !first.is_plain() || !second.is_plain();
+  }
+  return any;
 }
 
 void GroupSolver::load_bodies(const SolveInput& input, std::span<const std::uint32_t> bodies, std::size_t begin,

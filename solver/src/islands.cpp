@@ -1,5 +1,6 @@
 #include <solver/islands.h>
 
+#include <algorithm>
 #include <numeric>
 
 namespace atl::solver {
@@ -22,30 +23,61 @@ std::uint32_t Islands::find(std::uint32_t body) {
   return body;
 }
 
-void Islands::build(const BodyTable& bodies, std::span<const std::uint8_t> awake, std::span<const TouchingPair> pairs) {
-  const std::size_t body_count = bodies.size();
-  parent_.resize(body_count);
-  std::iota(parent_.begin(), parent_.end(), 0u);
-  touched_.assign(body_count, 0);
+void Islands::build(std::span<const std::uint32_t> candidates, std::span<const std::uint8_t> awake,
+                    std::span<const TouchingPair> pairs) {
+  for (const std::uint32_t body : bodies_) island_of_[body] = none;
+  parent_.resize(awake.size());
+  rank_.resize(awake.size());
+  island_of_.resize(awake.size(), none);
+  join(candidates, awake, pairs);
+  number(candidates, awake);
+
+  // Counting sorts of bodies and pairs by island.
+  std::partial_sum(body_start_.begin(), body_start_.end(), body_start_.begin());
+  bodies_.resize(body_start_.back());
+  cursor_.assign(body_start_.begin(), body_start_.end());
+  for (const std::uint32_t body : candidates) {
+    if (island_of_[body] == none) continue;
+    rank_[body] = cursor_[island_of_[body]]++;
+    bodies_[rank_[body]] = body;
+  }
+  contact_start_.assign(body_start_.size(), 0);
+  island_of_pair_.resize(pairs.size());
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const std::uint32_t island = island_of_[pairs[i].first];
+    island_of_pair_[i] = island != none ? island : island_of_[pairs[i].second];
+    ++contact_start_[island_of_pair_[i] + 1];
+  }
+  std::partial_sum(contact_start_.begin(), contact_start_.end(), contact_start_.begin());
+  contacts_.resize(pairs.size());
+  cursor_.assign(contact_start_.begin(), contact_start_.end());
+  for (std::size_t i = 0; i < pairs.size(); ++i) contacts_[cursor_[island_of_pair_[i]]++] = pairs[i];
+}
+
+// Finds the components.
+void Islands::join(std::span<const std::uint32_t> candidates, std::span<const std::uint8_t> awake,
+                   std::span<const TouchingPair> pairs) {
+  for (const std::uint32_t body : candidates) parent_[body] = none;
+  const auto touch = [this](std::uint32_t body) {
+    if (parent_[body] == none) parent_[body] = body;
+  };
   for (const TouchingPair& pair : pairs) {
-    const bool first_dynamic = bodies.mobility[pair.first] == Mobility::Dynamic;
-    const bool second_dynamic = bodies.mobility[pair.second] == Mobility::Dynamic;
-    touched_[pair.first] |= first_dynamic;
-    touched_[pair.second] |= second_dynamic;
-    if (!first_dynamic || !second_dynamic) continue;
+    if (awake[pair.first]) touch(pair.first);
+    if (awake[pair.second]) touch(pair.second);
+    if (!awake[pair.first] || !awake[pair.second]) continue;
     const std::uint32_t a = find(pair.first);
     const std::uint32_t b = find(pair.second);
     parent_[std::max(a, b)] = std::min(a, b);
   }
+}
 
-  // Islands are numbered as their lowest body comes up; then a counting sort of bodies by island.
-  constexpr std::uint32_t none = ~0u;
-  island_of_.assign(body_count, none);
+// Numbers islands as their lowest body comes up, and counts their bodies.
+void Islands::number(std::span<const std::uint32_t> candidates, std::span<const std::uint8_t> awake) {
   free_bodies_.clear();
   body_start_.assign(1, 0);
-  for (std::uint32_t body = 0; body < body_count; ++body) {
-    if (!awake[body] || bodies.mobility[body] != Mobility::Dynamic) continue;
-    if (!touched_[body]) {
+  for (const std::uint32_t body : candidates) {
+    if (!awake[body]) continue;
+    if (parent_[body] == none) {
       free_bodies_.push_back(body);
       continue;
     }
@@ -58,26 +90,6 @@ void Islands::build(const BodyTable& bodies, std::span<const std::uint8_t> awake
     }
     ++body_start_[island_of_[body] + 1];
   }
-  std::partial_sum(body_start_.begin(), body_start_.end(), body_start_.begin());
-  bodies_.resize(body_start_.back());
-  rank_.resize(body_count);
-  cursor_.assign(body_start_.begin(), body_start_.end());
-  for (std::uint32_t body = 0; body < body_count; ++body) {
-    if (island_of_[body] == none) continue;
-    rank_[body] = cursor_[island_of_[body]]++;
-    bodies_[rank_[body]] = body;
-  }
-
-  const auto island_of_pair = [&](const TouchingPair& pair) {
-    const std::uint32_t island = island_of_[pair.first];
-    return island != none ? island : island_of_[pair.second];
-  };
-  contact_start_.assign(body_start_.size(), 0);
-  for (const TouchingPair& pair : pairs) ++contact_start_[island_of_pair(pair) + 1];
-  std::partial_sum(contact_start_.begin(), contact_start_.end(), contact_start_.begin());
-  contacts_.resize(pairs.size());
-  cursor_.assign(contact_start_.begin(), contact_start_.end());
-  for (const TouchingPair& pair : pairs) contacts_[cursor_[island_of_pair(pair)]++] = pair;
 }
 
 std::span<const std::uint32_t> Islands::bodies(std::size_t begin, std::size_t end) const {

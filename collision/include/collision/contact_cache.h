@@ -10,14 +10,15 @@
 namespace atl::collision {
 
 /// All contacts of a world, kept from step to step with their manifolds and impulses. A contact has a slot
-/// for its lifetime; `order` lists the slots in order of pairs, which is the order of everything that is
-/// done to contacts.
-struct ContactCache {
+/// for its lifetime. Those with an active body are in `order`, by pair, which is the order of everything that is
+/// done to contacts. The others are idle: nothing visits them until one of their bodies becomes active or goes.
+class ContactCache {
+ public:
   std::vector<Contact> contacts;           ///< by slot
   std::vector<ContactManifold> manifolds;  ///< by slot
-  std::vector<std::uint32_t> order;        ///< slots in use
+  std::vector<std::uint32_t> order;        ///< slots of active contacts
   std::vector<std::uint32_t> free_slots;   ///< the last is used first
-  PairSet pairs;                           ///< those in `order`
+  PairSet pairs;                           ///< of all contacts, idle ones too
 
   /// What a contact starts with.
   struct Start {
@@ -34,23 +35,69 @@ struct ContactCache {
   template <typename StartOf>
   void add(std::span<const Pair> fresh, const StartOf& start_of);
 
-  /// Whether a pair has contact points. In time logarithmic in the number of contacts.
+  /// Bodies that have become active, or ceased to be; before the first call none are. Returns the slots of contacts
+  /// that were idle and are active now, in order, valid until the next change. The cost follows the contacts of
+  /// what becomes active, and the active ones.
+  std::span<const std::uint32_t> set_active(std::span<const std::uint32_t> started,
+                                            std::span<const std::uint32_t> stopped);
+
+  /// Whether a pair with an active body has contact points. In time logarithmic in the number of active contacts.
   bool touches(Pair pair) const;
 
-  /// Removes the contacts for which gone(slot) holds: of a pair, all parts or none.
+  /// Removes the active contacts for which gone(slot) holds, asked in order: of a pair, all parts or none.
   template <typename Gone>
   void remove_if(const Gone& gone);
 
- private:
-  std::uint32_t claim_slot();
-  void merge_into_order(std::size_t old_count);
+  /// Removes the contacts of a body, idle or not.
+  void remove_contacts_of(std::uint32_t body);
 
-  std::vector<std::uint32_t> added_;  // scratch
+  /// Calls visit(slot) for the contacts of a body, idle or not, in no order to rely on.
+  template <typename Visit>
+  void for_each_contact_of(std::uint32_t body, const Visit& visit) const;
+
+  std::size_t size() const { return contacts.size() - free_slots.size(); }
+
+  /// All slots in use, of idle contacts too, in order. Sorts them if some are idle and any came or went since the
+  /// last call. Valid until the next change.
+  std::span<const std::uint32_t> all_in_order() const;
+
+ private:
+  static constexpr std::uint32_t none = ~std::uint32_t{0};
+
+  enum class State : std::uint8_t { Free, Active, Idle };
+
+  // A contact is in the lists of both its bodies, by its ends: 2 * slot for the first body, + 1 for the second.
+  struct Link {
+    std::uint32_t next = none;
+    std::uint32_t previous = none;
+  };
+
+  std::uint32_t body_of(std::uint32_t end) const {
+    const Contact& contact = contacts[end / 2];
+    return end % 2 == 0 ? contact.body_first : contact.body_second;
+  }
+  bool is_active(const Contact& contact) const {
+    return active_[contact.body_first] != 0 || active_[contact.body_second] != 0;
+  }
+  bool precedes(std::uint32_t a, std::uint32_t b) const;
+  void claim_body(std::uint32_t body);
+  std::uint32_t claim_slot();
+  void link(std::uint32_t slot);
+  void release(std::uint32_t slot);
+  void merge_into_order();
+
+  std::vector<State> state_;              // by slot
+  std::vector<Link> links_;               // by end
+  std::vector<std::uint32_t> first_end_;  // by body
+  std::vector<std::uint8_t> active_;      // by body
+  std::vector<std::uint32_t> added_;      // scratch: slots, in order
+  mutable std::vector<std::uint32_t> all_;
+  mutable bool all_stale_ = false;
 };
 
 template <typename StartOf>
 void ContactCache::add(std::span<const Pair> fresh, const StartOf& start_of) {
-  const std::size_t old_count = order.size();
+  added_.clear();
   for (const Pair pair : fresh) {
     const Start start = start_of(pair);
     for (int part = 0; part < start.parts; ++part) {
@@ -63,11 +110,12 @@ void ContactCache::add(std::span<const Pair> fresh, const StartOf& start_of) {
       contacts[slot].part = static_cast<std::uint8_t>(part);
       manifolds[slot].friction = start.friction;
       manifolds[slot].restitution = start.restitution;
-      order.push_back(slot);
+      link(slot);
+      if (state_[slot] == State::Active) added_.push_back(slot);
     }
     pairs.insert(pair);
   }
-  merge_into_order(old_count);
+  merge_into_order();
 }
 
 template <typename Gone>
@@ -75,13 +123,18 @@ void ContactCache::remove_if(const Gone& gone) {
   std::size_t kept = 0;
   for (const std::uint32_t slot : order) {
     if (gone(slot)) {
-      if (contacts[slot].part == 0) pairs.erase(contacts[slot].pair);
-      free_slots.push_back(slot);
+      release(slot);
     } else {
       order[kept++] = slot;
     }
   }
   order.resize(kept);
+}
+
+template <typename Visit>
+void ContactCache::for_each_contact_of(std::uint32_t body, const Visit& visit) const {
+  if (body >= first_end_.size()) return;
+  for (std::uint32_t end = first_end_[body]; end != none; end = links_[end].next) visit(end / 2);
 }
 
 }  // namespace atl::collision

@@ -4,6 +4,7 @@
 #include <collision/collider_table.h>
 #include <collision/contact_cache.h>
 #include <collision/refresh.h>
+#include <collision/touching_pair.h>
 #include <jobs/arena.h>
 
 #include <cstdint>
@@ -14,9 +15,9 @@ namespace atl::collision {
 
 struct ContactUpdateInput {
   const ColliderTable& colliders;
-  PoseView poses;                        ///< of bodies
-  std::span<const std::uint8_t> active;  ///< by body: 1 if it may move this step; a pair with none is left alone
-  std::span<const StepReach> reaches;    ///< by body: in this step, at its present velocity
+  PoseView poses;                         ///< of bodies
+  std::span<const std::uint8_t> dynamic;  ///< by body: 1 if contacts move it
+  std::span<const StepReach> reaches;     ///< by body: in this step, at its present velocity
   const RefreshKernels& kernels;
 };
 
@@ -24,7 +25,7 @@ struct ContactUpdateInput {
 enum class ContactStatus : std::uint8_t {
   Apart,     ///< no points
   Touching,  ///< points, at least within the speculative margin
-  Idle,      ///< not updated: nothing of it may move
+  Stale,     ///< while it is being updated: it is to be found anew
   Lost,      ///< the fat boxes parted; to be removed
 };
 
@@ -33,17 +34,43 @@ struct ContactUpdateCounts {
   std::int64_t kept = 0;
   std::int64_t id_matches = 0;
   std::int64_t id_misses = 0;
+  std::int64_t points = 0;  ///< of touching pairs
+  std::int64_t lost = 0;    ///< contacts
 
   ContactUpdateCounts& operator+=(const ContactUpdateCounts& other);
 };
 
-struct ContactUpdate {
+/// What an update found, and memory that the next one uses again.
+class ContactUpdate {
+ public:
   std::vector<ContactStatus> status;  ///< that of cache.order[i] at i
   ContactUpdateCounts counts;
-  std::vector<ContactUpdateCounts> by_chunk;  ///< memory that is used again
+  std::vector<TouchingPair> touching;  ///< in order
+  bool touching_changed = false;       ///< it is not what it was after the update before
+
+  /// Adds those of the contacts, which are in order and were not updated, that touch as they last did.
+  void add_touching(const ContactCache& cache, std::span<const std::uint32_t> slots);
+
+ private:
+  friend void update_contacts(ContactCache&, const Broadphase&, const ContactUpdateInput&, jobs::Arena&,
+                              ContactUpdate&);
+
+  // Chunks of the loop over contacts list what touches each in a place of its own, where the last update's list still
+  // stands: so they see whether it changed.
+  struct Chunk {
+    ContactUpdateCounts counts;
+    std::size_t touching = 0;
+    std::size_t offset = 0;  // in `touching`
+    bool changed = false;
+  };
+  void collect_touching(jobs::Arena& arena);
+
+  std::vector<Chunk> chunks_;
+  std::vector<TouchingPair> by_chunk_;
+  bool added_to_ = false;  // `touching` has more than the chunks do
 };
 
-/// Brings all contacts up to date with the poses: closed-form refresh where the pair has hardly moved against
+/// Brings all active contacts up to date with the poses: closed-form refresh where the pair has hardly moved against
 /// each other since its manifold was found, else the narrowphase, handing impulses on by feature id. Contacts
 /// are independent, so this runs in parallel.
 void update_contacts(ContactCache& cache, const Broadphase& broadphase, const ContactUpdateInput& input,

@@ -48,9 +48,11 @@ inline constexpr std::size_t solver_stage_count = 8;
 const char* solver_stage_name(SolverStage stage);
 
 struct StepCounts {
-  std::int64_t pairs = 0;     ///< of bodies whose fat bounds overlap
-  std::int64_t contacts = 0;  ///< pairs with at least one manifold point, among awake bodies
-  std::int64_t points = 0;    ///< manifold points of these
+  std::int64_t active_bodies = 0;    ///< awake, or kinematic with a velocity: no other is looked at
+  std::int64_t active_contacts = 0;  ///< of pairs with one of these: no other is looked at
+  std::int64_t pairs = 0;            ///< of bodies whose fat bounds overlap
+  std::int64_t contacts = 0;         ///< pairs with at least one manifold point, among awake bodies
+  std::int64_t points = 0;           ///< manifold points of these
   std::int64_t joints = 0;
   std::int64_t islands = 0;         ///< awake islands with at least one contact
   std::int64_t groups = 0;          ///< island groups, each one task

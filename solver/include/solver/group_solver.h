@@ -44,25 +44,30 @@ struct GroupReport {
   bool gyroscopic = false;
 };
 
+/// Whether a group's contacts may have changed since the same solver solved it last.
+enum class GroupContacts { New, Kept };
+
 /// Solves island groups: soft substeps with relaxation ("TGS soft": Catto, "Solver2D", 2024) over coloured
-/// blocks. Its memory is reused from group to group and stays in cache; nothing in it outlives a solve.
+/// blocks. Its memory is reused from group to group and stays in cache; only the colours of contacts that are kept
+/// outlive a solve.
 class GroupSolver {
  public:
   /// All on the calling thread.
   GroupReport solve(const SolveInput& input, const IslandGroup& group);
-  /// Every loop shared with a team; the same bits.
-  GroupReport solve(const SolveInput& input, const IslandGroup& group, jobs::WorkerTeam& team);
+  /// Every loop shared with a team; the same bits. A group whose contacts, their order and bodies are those of the last
+  /// call is not coloured again.
+  GroupReport solve(const SolveInput& input, const IslandGroup& group, jobs::WorkerTeam& team, GroupContacts contacts);
 
  private:
   template <typename Executor>
-  GroupReport run(const SolveInput& input, const IslandGroup& group, Executor& executor);
-  void collect_contacts(const SolveInput& input, const IslandGroup& group, GroupReport& report);
+  GroupReport run(const SolveInput& input, const IslandGroup& group, Executor& executor, GroupContacts contacts);
+  void collect_contacts(const SolveInput& input, const IslandGroup& group);
   void load_bodies(const SolveInput& input, std::span<const std::uint32_t> bodies, std::size_t begin, std::size_t end,
                    double substep);
   void load_kinematic_bodies(const SolveInput& input);
   void write_back(const SolveInput& input, std::span<const std::uint32_t> bodies, std::size_t begin, std::size_t end);
   void note_bodies(const SolveInput& input, std::span<const std::uint32_t> bodies, GroupReport& report);
-  bool note_surfaces(const SolveInput& input, const TouchingPair& pair);
+  bool note_surfaces(const SolveInput& input, const IslandGroup& group);
   ContactKernelData kernel_data(const SolveInput& input, const GroupReport& report, const SubstepConstants& constants,
                                 bool splits);
   void clear_impulses(const GroupReport& report);
@@ -72,6 +77,8 @@ class GroupSolver {
   std::vector<std::uint32_t> kinematic_;  // bodies that the group's contacts touch, in order
   std::uint32_t first_dynamic_ = 1;       // index in bodies_
   std::vector<LocalContact> contacts_;
+  bool friction_ = false;  // some contact has it
+  bool restitution_ = false;
   Colouring colouring_;
   SolverBodies bodies_;
   std::vector<ContactBlock> blocks_;

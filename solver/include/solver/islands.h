@@ -1,6 +1,6 @@
 #pragma once
 
-#include <solver/body_table.h>
+#include <collision/touching_pair.h>
 
 #include <cstdint>
 #include <span>
@@ -8,20 +8,17 @@
 
 namespace atl::solver {
 
-/// A touching pair: the bodies and the contact's slot.
-struct TouchingPair {
-  std::uint32_t first;
-  std::uint32_t second;
-  std::uint32_t slot;
-};
+using collision::TouchingPair;
 
 /// The connected components of awake dynamic bodies under touching contacts. Fixed and kinematic bodies join
 /// nothing. Islands are in order of their lowest body; bodies and contacts within one in order of index and
 /// of pair, so all order is a function of the contact graph alone.
 class Islands {
  public:
-  /// `pairs` in order; `awake[body]` is 1 for the bodies that take part. Each pair has an awake dynamic body.
-  void build(const BodyTable& bodies, std::span<const std::uint8_t> awake, std::span<const TouchingPair> pairs);
+  /// `awake[body]` is 1 for the bodies that take part, all of which are among `candidates`. Both these and `pairs` are
+  /// in order, and each pair has an awake body. The cost follows candidates and pairs, however many bodies there are.
+  void build(std::span<const std::uint32_t> candidates, std::span<const std::uint8_t> awake,
+             std::span<const TouchingPair> pairs);
 
   std::size_t count() const { return body_start_.empty() ? 0 : body_start_.size() - 1; }
   std::span<const std::uint32_t> bodies(std::size_t begin, std::size_t end) const;  ///< of islands [begin, end)
@@ -36,12 +33,17 @@ class Islands {
   std::span<const std::uint32_t> free_bodies() const { return free_bodies_; }
 
  private:
-  std::uint32_t find(std::uint32_t body);
+  static constexpr std::uint32_t none = ~std::uint32_t{0};
 
-  std::vector<std::uint32_t> parent_;  // union-find; a root is the lowest of its set
-  std::vector<std::uint32_t> rank_;
-  std::vector<std::uint32_t> island_of_;
-  std::vector<std::uint8_t> touched_;
+  std::uint32_t find(std::uint32_t body);
+  void join(std::span<const std::uint32_t> candidates, std::span<const std::uint8_t> awake,
+            std::span<const TouchingPair> pairs);
+  void number(std::span<const std::uint32_t> candidates, std::span<const std::uint8_t> awake);
+
+  std::vector<std::uint32_t> parent_;     // by body: union-find; a root is the lowest of its set; none if untouched
+  std::vector<std::uint32_t> rank_;       // by body
+  std::vector<std::uint32_t> island_of_;  // by body; none if in no island
+  std::vector<std::uint32_t> island_of_pair_;
   std::vector<std::uint32_t> bodies_, body_start_;
   std::vector<TouchingPair> contacts_;
   std::vector<std::uint32_t> contact_start_;
