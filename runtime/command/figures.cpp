@@ -10,7 +10,7 @@ std::vector<Count> named_counts(const StepCounts& c) {
           {"joints", c.joints},   {"islands", c.islands},       {"groups", c.groups},
           {"colours", c.colours}, {"fcl_calls", c.fcl_calls},   {"kept_manifolds", c.kept_manifolds},
           {"asleep", c.asleep},   {"id_matches", c.id_matches}, {"id_misses", c.id_misses},
-          {"swept", c.swept},     {"stopped", c.stopped}};
+          {"swept", c.swept},     {"stopped", c.stopped},       {"sweeps", c.sweeps}};
 }
 
 BodyCounts body_counts(const Scene& scene) {

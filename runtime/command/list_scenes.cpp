@@ -8,7 +8,7 @@
 namespace atl::command {
 
 void list_scenes(std::ostream& out) {
-  constexpr int width = 16;
+  constexpr int width = 22;
   for (const BuiltinScene& scene : builtin_scenes()) {
     out << std::left << std::setw(width) << scene.name << scene.help << "\n";
     for (const SceneParameter& parameter : scene.parameters) {

@@ -15,8 +15,12 @@ Json settings_json(const Settings& s) {
   return {{"substeps", s.substeps},
           {"iterations", s.iterations},
           {"relax_iterations", s.relax_iterations},
+          {"tolerance", s.tolerance},
           {"friction", name_of(s.friction)},
           {"warm_starting", s.warm_starting},
+          {"stabilisation", name_of(s.stabilisation)},
+          {"correction", s.correction},
+          {"slop", s.slop},
           {"contact_hertz", s.contact_hertz ? Json(*s.contact_hertz) : Json("auto")},
           {"contact_damping_ratio", s.contact_damping_ratio},
           {"contact_push_speed", s.contact_push_speed},
@@ -30,6 +34,14 @@ Json phases_json(const RunResult& result) {
   Json phases = Json::object();
   for (int i = 0; i < phase_count; ++i) phases[phase_name(static_cast<Phase>(i))] = result.phase_ms[i];
   return phases;
+}
+
+Json solver_json(const RunResult& result) {
+  Json stages = Json::object();
+  for (std::size_t i = 0; i < solver_stage_count; ++i) {
+    stages[solver_stage_name(static_cast<SolverStage>(i))] = result.solver_ms[i];
+  }
+  return stages;
 }
 
 Json counts_json(const StepCounts& counts) {
@@ -56,7 +68,7 @@ Json stages_json(const std::array<StageReport, stage_count>& stages) {
 
 void write_json(std::ostream& out, const Scene& scene, const World& world, const RunResult& result) {
   const StepTimes& times = result.step_times;
-  const Json object = {
+  Json object = {
       {"scene", scene.name},
       {"bodies", body_counts(scene).dynamic},
       {"steps", scene.steps},
@@ -66,11 +78,12 @@ void write_json(std::ostream& out, const Scene& scene, const World& world, const
       {"settings", settings_json(scene.settings)},
       {"ms_per_step", {{"mean", times.mean}, {"median", times.median}, {"p99", times.p99}, {"max", times.max}}},
       {"phases_ms", phases_json(result)},
-      {"counts", counts_json(result.last.counts)},
-      {"errors", errors_json(result)},
-      {"stages", stages_json(result.last.stages)},
-      {"hash", hash_text(result.hash)},
   };
+  if (scene.settings.profile) object["solver_ms"] = solver_json(result);
+  object["counts"] = counts_json(result.last.counts);
+  object["errors"] = errors_json(result);
+  object["stages"] = stages_json(result.last.stages);
+  object["hash"] = hash_text(result.hash);
   // A name from a scene file is valid UTF-8 by then; one from a file's name need not be.
   out << object.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
 }

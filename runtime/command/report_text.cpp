@@ -1,6 +1,7 @@
 #include "report_text.h"
 
 #include <iomanip>
+#include <numeric>
 #include <ostream>
 #include <sstream>
 
@@ -30,6 +31,11 @@ void write_number(std::ostream& out, const std::string& number) {
   out << std::right << std::setw(number_width) << number;
 }
 
+std::string stabilisation_words(const Settings& s) {
+  const std::string name = std::string("stabilisation ") + name_of(s.stabilisation);
+  return s.stabilisation == Stabilisation::Soft ? name : name + " of " + significant(s.correction, 4) + " a substep";
+}
+
 void write_head(std::ostream& out, const Scene& scene, const World& world) {
   const BodyCounts bodies = body_counts(scene);
   const Settings& s = scene.settings;
@@ -41,7 +47,9 @@ void write_head(std::ostream& out, const Scene& scene, const World& world) {
       << name_of(world.simd()) << "\n"
       << "settings  " << plural(s.substeps, "substep") << ", " << plural(s.iterations, "iteration") << ", "
       << s.relax_iterations << " to relax, friction " << name_of(s.friction) << ", warm starting "
-      << (s.warm_starting ? "on" : "off") << ", sleeping " << (s.sleeping ? "on" : "off") << "\n";
+      << (s.warm_starting ? "on" : "off") << ", sleeping " << (s.sleeping ? "on" : "off") << ",\n          "
+      << stabilisation_words(s) << (s.tolerance > 0 ? ", tolerance " + significant(s.tolerance, 4) + " m/s" : "")
+      << "\n";
 }
 
 void write_times(std::ostream& out, const RunResult& result) {
@@ -59,6 +67,27 @@ void write_times(std::ostream& out, const RunResult& result) {
   write_number(out, fixed(times.mean, 4));
   out << "    median " << fixed(times.median, 4) << ", p99 " << fixed(times.p99, 4) << ", max " << fixed(times.max, 4)
       << "\n";
+}
+
+// The stages that go over all points once or more a substep.
+bool sweeps_points(SolverStage stage) { return stage == SolverStage::Solve || stage == SolverStage::Relax; }
+
+void write_solver_times(std::ostream& out, const Scene& scene, const RunResult& result) {
+  if (!scene.settings.profile) return;
+  const double all = std::accumulate(result.solver_ms.begin(), result.solver_ms.end(), 0.0);
+  const double points = result.points * scene.settings.substeps;
+  out << "\n" << std::left << std::setw(name_width + 2) << "contact solver, all groups";
+  write_number(out, "ms");
+  out << std::setw(share_width) << "%"
+      << "    ns a point and substep\n";
+  for (std::size_t i = 0; i < solver_stage_count; ++i) {
+    const auto stage = static_cast<SolverStage>(i);
+    write_name(out, solver_stage_name(stage));
+    write_number(out, fixed(result.solver_ms[i], 4));
+    out << std::setw(share_width) << fixed(all > 0 ? 100 * result.solver_ms[i] / all : 0, 1);
+    if (sweeps_points(stage) && points > 0) out << "    " << fixed(1e6 * result.solver_ms[i] / points, 1);
+    out << "\n";
+  }
 }
 
 void write_counts(std::ostream& out, const StepCounts& counts) {
@@ -95,6 +124,7 @@ void write_errors(std::ostream& out, const RunResult& result) {
 void write_text(std::ostream& out, const Scene& scene, const World& world, const RunResult& result) {
   write_head(out, scene, world);
   write_times(out, result);
+  write_solver_times(out, scene, result);
   write_counts(out, result.last.counts);
   write_stages(out, result.last.stages);
   write_errors(out, result);

@@ -67,6 +67,22 @@ void add_run_options(CLI::App& command, RunOptions& options) {
   add_choice(command, "--friction", {"cone", "pyramid"}, "friction model", [&options](const std::string& name) {
     options.friction = friction_named(name);
   })->group(solver);
+  command
+      .add_option("--tolerance", options.tolerance,
+                  "m/s; sweeps of an island end with one that changes no speed at a contact by more; 0: never")
+      ->check(number_not_below_zero())
+      ->group(solver);
+  add_choice(command, "--stabilisation", {"soft", "baumgarte", "split_impulse"}, "how contacts get bodies apart",
+             [&options](const std::string& name) { options.stabilisation = stabilisation_named(name); })
+      ->group(solver);
+  command
+      .add_option("--correction", options.correction,
+                  "of the overlap that baumgarte and split_impulse remove a substep")
+      ->check(number_above_zero(1))
+      ->group(solver);
+  command.add_option("--slop", options.slop, "m of overlap that these leave alone")
+      ->check(number_not_below_zero())
+      ->group(solver);
   command.add_flag("--no-warm-start", options.no_warm_start, "start every step from zero impulses")->group(solver);
   command.add_flag("--sleeping", options.sleeping, "let islands at rest fall asleep")->group(solver);
 
@@ -101,6 +117,10 @@ void add_run_options(CLI::App& command, RunOptions& options) {
       .add_flag("--errors", options.errors,
                 "measure the errors of every step, contact residual and closed form among them; takes time")
       ->group(output);
+  command
+      .add_flag("--profile", options.profile,
+                "tell what the contact solver spends its time on; takes a little time, and changes no bit")
+      ->group(output);
   command.add_flag("--hash", options.hash, "with text, end with a line that holds the state hash alone")->group(output);
 }
 
@@ -114,9 +134,14 @@ void apply(const RunOptions& options, Scene& scene) {
   override_by(options.iterations, scene.settings.iterations);
   override_by(options.relax_iterations, scene.settings.relax_iterations);
   override_by(options.friction, scene.settings.friction);
+  override_by(options.stabilisation, scene.settings.stabilisation);
+  override_by(options.correction, scene.settings.correction);
+  override_by(options.slop, scene.settings.slop);
+  override_by(options.tolerance, scene.settings.tolerance);
   if (options.no_warm_start) scene.settings.warm_starting = false;
   if (options.sleeping) scene.settings.sleeping = true;
   scene.settings.keep_contact_problem = options.errors;
+  scene.settings.profile = options.profile;
   scene.settings.simd = options.simd;
 }
 

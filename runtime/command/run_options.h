@@ -24,6 +24,10 @@ struct RunOptions {
   std::optional<int> iterations;
   std::optional<int> relax_iterations;
   std::optional<FrictionModel> friction;
+  std::optional<Stabilisation> stabilisation;
+  std::optional<double> correction;
+  std::optional<double> slop;       ///< m
+  std::optional<double> tolerance;  ///< m/s
   bool no_warm_start = false;
   bool sleeping = false;
   Simd simd = Simd::Auto;
@@ -32,6 +36,7 @@ struct RunOptions {
   std::string final_state;  ///< file for the CSV, or ""
   Format format = Format::Text;
   bool errors = false;
+  bool profile = false;
   bool hash = false;
 };
 

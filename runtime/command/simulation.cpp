@@ -45,6 +45,9 @@ RunResult simulate(const Scene& scene, World& world, const std::vector<BodyId>& 
     result.last = world.step(scene.dt);
     ms.push_back(result.last.ms);
     for (int phase = 0; phase < phase_count; ++phase) result.phase_ms[phase] += result.last.phase_ms[phase];
+    for (std::size_t stage = 0; stage < solver_stage_count; ++stage)
+      result.solver_ms[stage] += result.last.solver_ms[stage];
+    result.points += static_cast<double>(result.last.counts.points);
     if (result.last.first_non_finite_body >= 0) {
       result.non_finite = NonFinite{step, place_of(result.last.first_non_finite_body, ids)};
       break;
@@ -53,7 +56,10 @@ RunResult simulate(const Scene& scene, World& world, const std::vector<BodyId>& 
     if (keep.errors || step == scene.steps) observe(step);
     progress.update(step);
   }
-  for (double& phase : result.phase_ms) phase /= static_cast<double>(ms.size());
+  const auto steps = static_cast<double>(ms.size());
+  for (double& phase : result.phase_ms) phase /= steps;
+  for (double& stage : result.solver_ms) stage /= steps;
+  result.points /= steps;
   result.step_times = step_times(std::move(ms));
   if (result.non_finite) return result;
 

@@ -29,8 +29,11 @@ struct NonFinite {
 struct RunResult {
   StepTimes step_times;
   std::array<double, phase_count> phase_ms = {};  ///< mean
-  StepReport last;                                ///< of the last step
-  std::optional<NonFinite> non_finite;            ///< where set, the measures below are not
+  /// Means, with Settings::profile only.
+  std::array<double, solver_stage_count> solver_ms = {};
+  double points = 0;                    ///< mean, of manifolds
+  StepReport last;                      ///< of the last step
+  std::optional<NonFinite> non_finite;  ///< where set, the measures below are not
   std::vector<ErrorMeasure> errors;
   std::uint64_t hash = 0;
   BodyStates final_state;  ///< the last finite one, where it was asked for

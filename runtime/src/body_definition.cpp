@@ -208,6 +208,9 @@ CheckedBody check(const BodyDef& def) {
   if (!(def.material.restitution >= 0 && def.material.restitution <= 1)) {
     refuse("BodyDef.material.restitution", def.material.restitution, "a number in [0, 1]");
   }
+  check_not_negative("BodyDef.material.rolling_friction", def.material.rolling_friction);
+  check_not_negative("BodyDef.material.torsional_friction", def.material.torsional_friction);
+  check_finite("BodyDef.surface_velocity", def.surface_velocity);
   if (!std::isfinite(def.gravity_scale)) refuse("BodyDef.gravity_scale", def.gravity_scale, "a finite number");
   check_not_negative("BodyDef.linear_damping", def.linear_damping);
   check_not_negative("BodyDef.angular_damping", def.angular_damping);

@@ -48,6 +48,7 @@ void check(const Settings& settings) {
   if (!(settings.correction > 0 && settings.correction <= 1)) {
     refuse("correction", settings.correction, "a number in (0, 1]");
   }
+  check_not_negative("slop", settings.slop);
   if (settings.contact_hertz) check_positive("contact_hertz", *settings.contact_hertz);
   check_not_negative("contact_damping_ratio", settings.contact_damping_ratio);
   check_positive("contact_push_speed", settings.contact_push_speed);

@@ -34,16 +34,25 @@ void add_box(Hash& hash, const collision::Aabb& box) {
   hash.add_all(box.upper);
 }
 
-// All that shapes the result: the instruction set does not.
+// All that shapes the result: the instruction set and a profile do not.
 void add_settings(Hash& hash, const Settings& s) {
-  for (const int value : {s.substeps, s.iterations, s.relax_iterations, static_cast<int>(s.friction),
-                          int{s.warm_starting}, int{s.sleeping}, int{s.contact_events}}) {
+  for (const int value :
+       {s.substeps, s.iterations, s.relax_iterations, static_cast<int>(s.friction), static_cast<int>(s.stabilisation),
+        int{s.warm_starting}, int{s.sleeping}, int{s.contact_events}}) {
     hash.add(static_cast<std::uint64_t>(value));
   }
-  for (const double value : {s.contact_hertz.value_or(0), s.contact_damping_ratio, s.contact_push_speed,
-                             s.restitution_threshold, s.sleep_speed, s.time_to_sleep}) {
+  for (const double value : {s.tolerance, s.correction, s.slop, s.contact_hertz.value_or(0), s.contact_damping_ratio,
+                             s.contact_push_speed, s.restitution_threshold, s.sleep_speed, s.time_to_sleep}) {
     hash.add(value);
   }
+}
+
+void add_surface(Hash& hash, std::size_t body, const solver::Surface& surface) {
+  if (surface.is_plain()) return;
+  hash.add(static_cast<std::uint64_t>(body));
+  hash.add_all(surface.velocity);
+  hash.add(surface.rolling_friction);
+  hash.add(surface.torsional_friction);
 }
 
 // What the next step reads of a contact: how its manifold was captured, and the impulses.
@@ -83,6 +92,9 @@ std::uint64_t World::Impl::state_hash() const {
   hash.add_all(bodies.angular_velocities);
   hash.add_all(bodies.forces);
   hash.add_all(bodies.torques);
+  for (std::size_t body = 0; body < bodies.surfaces.size(); ++body) {
+    if (records.alive[body]) add_surface(hash, body, bodies.surfaces[body]);
+  }
   hash.add_all(sleeping.awake);
   hash.add_all(sleeping.rest_time);
   hash.add_all(sleeping.ring);
@@ -101,7 +113,10 @@ std::uint64_t World::Impl::state_hash() const {
     hash.add(std::uint64_t{a.generation} << 32 | b.generation);
   }
   hash.add(static_cast<std::uint64_t>(cache.size()));
-  for (const std::uint32_t slot : cache.all_in_order()) add_contact(hash, cache.contacts[slot], cache.manifolds[slot]);
+  for (const std::uint32_t slot : cache.all_in_order()) {
+    add_contact(hash, cache.contacts[slot], cache.manifolds[slot]);
+    if (slot < surface_contacts_.size()) hash.add_all(surface_contacts_[slot].rolling_impulse);
+  }
   return hash.value();
 }
 

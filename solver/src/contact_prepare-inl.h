@@ -97,12 +97,14 @@ HWY_INLINE void prepare_surfaces(const ContactKernelData& data, const ContactBlo
   V r1 = dot(c.tangent1, {rolling.x, rolling.y, rolling.z});
   V r2 = dot(c.tangent2, {rolling.x, rolling.y, rolling.z});
   clamp_to_disc(r1, r2, hn::Mul(slip.w, normal_impulse));
-  store(r1, surface.rolling_impulse[0] + lane);
-  store(r2, surface.rolling_impulse[1] + lane);
+  // A disc of radius zero lets pass what is so small that its square is zero.
+  const M rolls_hard = hn::Gt(slip.w, zero());
+  store(hn::IfThenElse(rolls_hard, r1, zero()), surface.rolling_impulse[0] + lane);
+  store(hn::IfThenElse(rolls_hard, r2, zero()), surface.rolling_impulse[1] + lane);
 
   // Bodies that can't turn are not to be held from rolling.
   Plane spins{load(block.k[3] + lane), load(block.k[4] + lane), load(block.k[5] + lane)};
-  const M turn = hn::Gt(spins.determinant(), zero());
+  const M turn = hn::And(rolls_hard, hn::Gt(spins.determinant(), zero()));
   spins = {hn::IfThenElse(turn, spins.m11, splat(1)), hn::IfThenElse(turn, spins.m12, zero()),
            hn::IfThenElse(turn, spins.m22, splat(1))};
   const Plane mass = spins.inverse();

@@ -226,10 +226,14 @@ float sweep_blocks(const ContactKernelData& data, [[maybe_unused]] const Sweep& 
       if (how::refresh == Refresh::Yes || (how::special && sweep.refresh)) refresh_separations(data, block, lane, c);
       // Friction last, so that its bound is the normal impulse that it goes with.
       solve_normals<how>(data, block, impulses, lane, c, residual);
+      // Rigid contacts have no softness to forgive what a round over the points leaves.
+      if (how::push == Push::Split) solve_normals<how>(data, block, impulses, lane, c, residual);
       if constexpr (how::friction != Friction::None) {
         // With a bias it is the first substep, and contacts may be new: one round over the points leaves a body that
         // lands flat tilted, and friction with too low a bound.
-        if constexpr (how::push == Push::Bias) solve_normals<how>(data, block, impulses, lane, c, residual);
+        if (how::push == Push::Bias || (how::special && data.split_blocks != nullptr)) {
+          solve_normals<how>(data, block, impulses, lane, c, residual);
+        }
         solve_friction<how>(block, surface, lane, c, residual);
       }
       store_contact_bodies(c, data, block, lane);

@@ -63,6 +63,26 @@ TEST(AnalyticScene, SpheresRoll) {
   EXPECT_LT(error("incline-sphere"), 1e-4);
 }
 
+// What stops within a substep may stop a substep late.
+TEST(AnalyticScene, RollingFrictionStopsSpheresInAllDirections) {
+  for (const char* scene : {"rolling-resistance", "rolling-resistance:rolling_friction=0.01,speed=1"}) {
+    const Errors errors = run_closed_form(scene, {});
+    EXPECT_LT(errors.at("analytic_error"), 1e-3) << scene;
+    EXPECT_LT(errors.at("lateral_drift"), 1e-4) << scene;
+    EXPECT_LT(errors.at("speed_error"), 2e-3) << scene;
+    EXPECT_LT(errors.at("spin_error"), 2e-3) << scene;
+  }
+}
+
+TEST(AnalyticScene, TorsionalFrictionStopsSpins) {
+  for (const char* scene : {"torsion", "torsion:spin=1,torsional_friction=0.002"}) {
+    const Errors errors = run_closed_form(scene, {});
+    EXPECT_LT(errors.at("analytic_error"), 1e-3) << scene;
+    EXPECT_LT(errors.at("spin_error"), 5e-3) << scene;
+    EXPECT_LT(errors.at("drift"), 1e-4) << scene;
+  }
+}
+
 // The balls press the box unevenly as they fall behind, which tilts it by the give of its contacts.
 TEST(AnalyticScene, PushedBoxCarriesItsBalls) {
   for (const char* scene : {"pushed-box", "pushed-box:angle=0"}) {

@@ -23,9 +23,30 @@ std::vector<std::string> keys_of(const Json& object) {
 using Keys = std::vector<std::string>;
 
 TEST(CommandRun, JsonHasTheKeysInTheirOrder) {
-  const CommandResult result =
-      run_atoll({"run", "stack:height=3", "--steps", "5", "--dt", "0.01", "--threads", "2", "--substeps", "2",
-                 "--friction", "pyramid", "--no-warm-start", "--sleeping", "--format", "json"});
+  const CommandResult result = run_atoll({"run",
+                                          "stack:height=3",
+                                          "--steps",
+                                          "5",
+                                          "--dt",
+                                          "0.01",
+                                          "--threads",
+                                          "2",
+                                          "--substeps",
+                                          "2",
+                                          "--friction",
+                                          "pyramid",
+                                          "--no-warm-start",
+                                          "--sleeping",
+                                          "--stabilisation",
+                                          "split_impulse",
+                                          "--correction",
+                                          "0.3",
+                                          "--slop",
+                                          "1e-4",
+                                          "--tolerance",
+                                          "1e-3",
+                                          "--format",
+                                          "json"});
   ASSERT_EQ(result.status, 0) << result.err;
   EXPECT_EQ(result.err, "");
   const Json json = Json::parse(result.out);
@@ -36,7 +57,7 @@ TEST(CommandRun, JsonHasTheKeysInTheirOrder) {
                                               "sweep_fast_bodies", "finish"}));
   EXPECT_EQ(keys_of(json["counts"]),
             (Keys{"pairs", "contacts", "points", "joints", "islands", "groups", "colours", "fcl_calls",
-                  "kept_manifolds", "asleep", "id_matches", "id_misses", "swept", "stopped"}));
+                  "kept_manifolds", "asleep", "id_matches", "id_misses", "swept", "stopped", "sweeps"}));
   EXPECT_EQ(keys_of(json["errors"]),
             (Keys{"penetration_max", "penetration_p99", "penetration_mean", "penetration_max_relative", "sink_max",
                   "sink_mean", "drift_max", "tilt_max", "energy_drift"}));
@@ -52,6 +73,10 @@ TEST(CommandRun, JsonHasTheKeysInTheirOrder) {
   EXPECT_EQ(json["settings"]["friction"], "pyramid");
   EXPECT_EQ(json["settings"]["warm_starting"], false);
   EXPECT_EQ(json["settings"]["sleeping"], true);
+  EXPECT_EQ(json["settings"]["stabilisation"], "split_impulse");
+  EXPECT_EQ(json["settings"]["correction"], 0.3);
+  EXPECT_EQ(json["settings"]["slop"], 1e-4);
+  EXPECT_EQ(json["settings"]["tolerance"], 0.001);
   const std::string hash = json["hash"];
   EXPECT_EQ(hash.size(), 18u);
   EXPECT_EQ(hash.find_first_not_of("0123456789abcdef", 2), std::string::npos) << hash;
@@ -60,6 +85,45 @@ TEST(CommandRun, JsonHasTheKeysInTheirOrder) {
   EXPECT_LE(ms["median"], ms["p99"]);
   EXPECT_LE(ms["p99"], ms["max"]);
   EXPECT_LE(ms["mean"], ms["max"]);
+}
+
+TEST(CommandRun, ProfileTellsTheSolversStagesAndChangesNothing) {
+  const std::vector<std::string> plain = {"run", "stack:height=3", "--steps", "30", "--threads", "1"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), plain.begin(), plain.end());
+    return run_atoll(more);
+  };
+  const Json profile = Json::parse(with({"--profile", "--format", "json"}).out);
+  const Json without = Json::parse(with({"--format", "json"}).out);
+  EXPECT_EQ(profile["hash"], without["hash"]);
+  EXPECT_FALSE(without.contains("solver_ms"));
+  ASSERT_TRUE(profile.contains("solver_ms"));
+  EXPECT_EQ(keys_of(profile["solver_ms"]),
+            (Keys{"colour", "prepare", "warm_start", "solve", "relax", "integrate", "restitution", "store"}));
+  double all = 0;
+  for (const char* stage : {"prepare", "solve", "relax", "integrate", "store"}) {
+    EXPECT_GT(profile["solver_ms"][stage], 0) << stage;
+  }
+  for (const Json& ms : profile["solver_ms"]) all += ms.get<double>();
+  EXPECT_LE(all, profile["phases_ms"]["solve_islands"].get<double>()) << "on one thread they are parts of the phase";
+  // Nothing bounces, and Baumgarte does not relax.
+  EXPECT_LT(profile["solver_ms"]["restitution"], profile["solver_ms"]["solve"]);
+  const Json baumgarte = Json::parse(with({"--profile", "--stabilisation", "baumgarte", "--format", "json"}).out);
+  EXPECT_LT(baumgarte["solver_ms"]["relax"], baumgarte["solver_ms"]["solve"]);
+
+  const std::string text = with({"--profile"}).out;
+  for (const char* word : {"contact solver, all groups", "ns a point and substep", "warm_start", "relax", "store"}) {
+    EXPECT_NE(text.find(word), std::string::npos) << word;
+  }
+  EXPECT_EQ(with({}).out.find("contact solver, all groups"), std::string::npos);
+}
+
+TEST(CommandRun, CountsSweeps) {
+  // One island in one group: 5 substeps of 3 sweeps and 2 to relax.
+  const Json json = Json::parse(run_atoll({"run", "stack:height=3", "--steps", "30", "--substeps", "5", "--iterations",
+                                           "3", "--relax-iterations", "2", "--format", "json"})
+                                    .out);
+  EXPECT_EQ(json["counts"]["sweeps"], 25);
 }
 
 TEST(CommandRun, RestErrorsAreForScenesAtRest) {

@@ -23,10 +23,28 @@ TEST(CommandUsage, VersionAndHelp) {
 TEST(CommandUsage, HelpOfRunHasEveryOption) {
   const CommandResult help = run_atoll({"run", "--help"});
   EXPECT_EQ(help.status, 0);
-  for (const char* word :
-       {"SCENE", "--steps", "--dt", "--threads", "--substeps", "--iterations", "--relax-iterations",
-        "--friction cone|pyramid", "--no-warm-start", "--sleeping", "--simd auto|portable|sse4|avx2|avx512", "--seed",
-        "--out FILE", "--final-state FILE", "--format text|json", "--hash"}) {
+  for (const char* word : {"SCENE",
+                           "--steps",
+                           "--dt",
+                           "--threads",
+                           "--substeps",
+                           "--iterations",
+                           "--relax-iterations",
+                           "--friction cone|pyramid",
+                           "--no-warm-start",
+                           "--sleeping",
+                           "--simd auto|portable|sse4|avx2|avx512",
+                           "--seed",
+                           "--tolerance",
+                           "--stabilisation soft|baumgarte|split_impulse",
+                           "--correction",
+                           "--slop",
+                           "--out FILE",
+                           "--final-state FILE",
+                           "--format text|json",
+                           "--errors",
+                           "--profile",
+                           "--hash"}) {
     EXPECT_NE(help.out.find(word), std::string::npos) << word;
   }
 }
@@ -34,10 +52,26 @@ TEST(CommandUsage, HelpOfRunHasEveryOption) {
 TEST(CommandUsage, HelpOfSweepHasEveryOption) {
   const CommandResult help = run_atoll({"sweep", "--help"});
   EXPECT_EQ(help.status, 0);
-  for (const char* word :
-       {"SCENE", "--analytic", "--substeps LIST", "--iterations LIST", "--dt LIST", "--friction LIST",
-        "--warm-start LIST", "--relax-iterations LIST", "--threads LIST", "--simd LIST", "--quick", "--steps",
-        "--repeats", "--time", "--seed", "--peer PROGRAM", "--peer-limit", "--out DIR"}) {
+  for (const char* word : {"SCENE",
+                           "--analytic",
+                           "--substeps LIST",
+                           "--iterations LIST",
+                           "--dt LIST",
+                           "--friction LIST",
+                           "--warm-start LIST",
+                           "--relax-iterations LIST",
+                           "--stabilisation LIST",
+                           "--tolerance LIST",
+                           "--threads LIST",
+                           "--simd LIST",
+                           "--quick",
+                           "--steps",
+                           "--repeats",
+                           "--time",
+                           "--seed",
+                           "--peer PROGRAM",
+                           "--peer-limit",
+                           "--out DIR"}) {
     EXPECT_NE(help.out.find(word), std::string::npos) << word;
   }
 }
@@ -73,6 +107,13 @@ TEST(CommandUsage, RefusesBadValues) {
       {"--threads", "99999999999999999999", "an integer in [1, 1024]"},
       {"--steps", "0", "an integer in [1, 1000000000]"},
       {"--steps", "1e3", "an integer in [1, 1000000000]"},
+      {"--tolerance", "-1", "a finite number >= 0"},
+      {"--tolerance", "nan", "a finite number >= 0"},
+      {"--tolerance", "inf", "a finite number >= 0"},
+      {"--stabilisation", "hard", "soft|baumgarte|split_impulse"},
+      {"--slop", "-1", "a finite number >= 0"},
+      {"--correction", "0", "a number in (0, 1]"},
+      {"--correction", "1.5", "a number in (0, 1]"},
       {"--dt", "0", "a number in (0, 1]"},
       {"--dt", "1.5", "a number in (0, 1]"},
       {"--dt", "nan", "a number in (0, 1]"},

@@ -87,5 +87,37 @@ TEST(Independence, ForcesThatAreDueDoNotDependOnTheOrderOfOtherBodies) {
   EXPECT_EQ(positions(false), positions(true));
 }
 
+// What kernels a group of islands is solved with depends on all of its contacts; what they make of one must not.
+TEST(Independence, ABeltAndARollingBallFarAwayChangeNoBitOfOthers) {
+  for (const Stabilisation stabilisation :
+       {Stabilisation::Soft, Stabilisation::Baumgarte, Stabilisation::SplitImpulse}) {
+    const auto trail = [=](bool belt) {
+      World world({.settings = {.stabilisation = stabilisation}});
+      world.add_body(ground());
+      std::vector<BodyId> ids = add_stack(world, 4);
+      BodyDef ball = sphere({-1, 0.2, 2.5}, 0.3);
+      ball.velocity = {4, 0, 0};
+      ids.push_back(world.add_body(ball));
+      BodyDef platform = static_box({100, 0, 0.5}, {5, 5, 0.5});
+      if (belt) platform.surface_velocity = {1, 2, 0};
+      world.add_body(platform);
+      world.add_body(box({100, 0, 1.5}));
+      BodyDef other = sphere({102, 0, 1.5});
+      if (belt) other.material.rolling_friction = other.material.torsional_friction = 0.1;
+      world.add_body(other);
+      std::vector<double> places;
+      for (int i = 0; i < steps; ++i) {
+        world.step(dt);
+        for (const BodyId id : ids) {
+          for (const double x : world.pose(id).position) places.push_back(x);
+          for (const double x : world.angular_velocity(id)) places.push_back(x);
+        }
+      }
+      return places;
+    };
+    EXPECT_EQ(trail(true), trail(false)) << static_cast<int>(stabilisation);
+  }
+}
+
 }  // namespace
 }  // namespace atl::test

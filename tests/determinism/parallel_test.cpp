@@ -28,9 +28,18 @@ const std::string all_shapes = ATOLL_SOURCE_DIR "/runtime/scene/examples/shapes.
 
 std::vector<std::string> scenes() {
   if (!long_tests()) {
-    return {"pyramid3d:layers=6", "wall:base=14",    "islands:count=20,base=6",
-            "pile:bodies=300",    "stack:height=10", "heavy-top",
-            "rocking-block",      "cradle",          all_shapes};
+    return {"pyramid3d:layers=6",
+            "wall:base=14",
+            "islands:count=20,base=6",
+            "pile:bodies=300",
+            "stack:height=10",
+            "heavy-top",
+            "conveyor:boxes=4,speed=3",
+            "rolling-resistance",
+            "torsion",
+            "rocking-block",
+            "cradle",
+            all_shapes};
   }
   std::vector<std::string> full = {all_shapes};
   for (const BuiltinScene& scene : builtin_scenes()) full.push_back(scene.name);
@@ -104,6 +113,19 @@ TEST_P(ParallelTest, ThreadsAndVectorWidthDoNotChangeABit) {
   expect_same(expected, {});
   for (const Simd simd : supported()) {
     for (const int threads : {1, 2, 4}) expect_same(expected, {.threads = threads, .settings = {.simd = simd}});
+  }
+}
+
+TEST_P(ParallelTest, NorWithAnyStabilisationAndSweepsThatEndEarly) {
+  for (const Stabilisation stabilisation :
+       {Stabilisation::Soft, Stabilisation::Baumgarte, Stabilisation::SplitImpulse}) {
+    Settings settings = {.iterations = 6, .tolerance = 1e-3, .stabilisation = stabilisation, .correction = 0.3};
+    const std::vector<std::uint64_t> expected = hashes(scene_, {.settings = settings});
+    settings.profile = true;
+    for (const Simd simd : supported()) {
+      settings.simd = simd;
+      expect_same(expected, {.threads = 4, .settings = settings});
+    }
   }
 }
 

@@ -108,7 +108,48 @@ TEST(StateHash, SeesSettingsGravityAndForcesThatAwaitTheNextStep) {
   hashes.insert(hash_after(10, [](Crates& crates) { crates.world.apply_force(crates.ids[3], {0, 0, 0}, {1, 0, 0}); }));
   hashes.insert(hash_after(10, [](Crates& crates) { crates.world.set_gravity({0, 0, -9.8}); }));
   hashes.insert(hash_after(10, [](Crates& crates) { crates.world.set_settings({.substeps = 5}); }));
-  EXPECT_EQ(hashes.size(), 5u);
+  hashes.insert(hash_after(10, [](Crates& crates) { crates.world.set_settings({.tolerance = 1e-9}); }));
+  hashes.insert(hash_after(10, [](Crates& crates) { crates.world.set_settings({.correction = 0.25}); }));
+  hashes.insert(hash_after(10, [](Crates& crates) { crates.world.set_settings({.slop = 1e-3}); }));
+  for (const Stabilisation stabilisation : {Stabilisation::Baumgarte, Stabilisation::SplitImpulse}) {
+    hashes.insert(hash_after(10, [=](Crates& crates) { crates.world.set_settings({.stabilisation = stabilisation}); }));
+  }
+  EXPECT_EQ(hashes.size(), 10u);
+}
+
+TEST(StateHash, IsBlindToAProfile) {
+  EXPECT_EQ(hash_after(10, [](Crates& crates) { crates.world.set_settings({.profile = true}); }), hash_after(10));
+}
+
+TEST(StateHash, SeesSurfaces) {
+  // A body far away whose surface nothing has touched yet.
+  const auto hash_with = [](const BodyDef& def) {
+    return hash_after(10, [&](Crates& crates) { crates.world.add_body(def); });
+  };
+  BodyDef belt = static_box({100, 0, 0}, {1, 1, 1});
+  std::set<std::uint64_t> hashes = {hash_with(belt)};
+  for (int axis = 0; axis < 3; ++axis) {
+    BodyDef other = belt;
+    other.surface_velocity = 1e-300 * Vector3::Unit(axis);
+    hashes.insert(hash_with(other));
+  }
+  belt.material.rolling_friction = 1e-300;
+  hashes.insert(hash_with(belt));
+  belt.material = {.torsional_friction = 1e-300};
+  hashes.insert(hash_with(belt));
+  EXPECT_EQ(hashes.size(), 6u);
+}
+
+TEST(StateHash, ForgetsTheSurfaceOfARemovedBody) {
+  // The same id and place in the free list, once with a belt that is gone.
+  const auto hash_without = [](const Vector3& surface_velocity) {
+    return hash_after(10, [&](Crates& crates) {
+      BodyDef belt = static_box({100, 0, 0}, {1, 1, 1});
+      belt.surface_velocity = surface_velocity;
+      crates.world.remove_body(crates.world.add_body(belt));
+    });
+  };
+  EXPECT_EQ(hash_without({0, 0, 0}), hash_without({1, 0, 0}));
 }
 
 TEST(StateHash, SeesSleepTimers) {

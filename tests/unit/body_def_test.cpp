@@ -65,6 +65,8 @@ TEST(BodyDef, StateMustBeFinite) {
       {{.orientation = Quaternion(1, nan, 0, 0)}, "orientation", "nan"},
       {{.velocity = {0, 0, -infinity}}, "velocity", "inf"},
       {{.angular_velocity = {nan, 0, 0}}, "angular_velocity", "nan"},
+      {{.surface_velocity = {0, nan, 0}}, "surface_velocity", "nan"},
+      {{.type = BodyType::Static, .surface_velocity = {infinity, 0, 0}}, "surface_velocity", "inf"},
       {{.gravity_scale = nan}, "gravity_scale", "nan"},
   });
 }
@@ -109,6 +111,10 @@ TEST(BodyDef, MaterialAndDampingHaveTheirRanges) {
       {{.material = {.friction = nan}}, "friction", "nan"},
       {{.material = {.restitution = -0.25}}, "restitution", "-0.25"},
       {{.material = {.restitution = 1.25}}, "restitution", "1.25"},
+      {{.material = {.rolling_friction = -1.5}}, "rolling_friction", "-1.5"},
+      {{.material = {.rolling_friction = infinity}}, "rolling_friction", "inf"},
+      {{.material = {.torsional_friction = -1.5}}, "torsional_friction", "-1.5"},
+      {{.material = {.torsional_friction = nan}}, "torsional_friction", "nan"},
       {{.linear_damping = -1.5}, "linear_damping", "-1.5"},
       {{.linear_damping = infinity}, "linear_damping", "inf"},
       {{.angular_damping = -1.5}, "angular_damping", "-1.5"},

@@ -116,6 +116,60 @@ TEST(ClosedForm, RollingSphere) {
   EXPECT_NEAR(errors.at("speed_error"), 0.01, 1e-3);
 }
 
+TEST(ClosedForm, RollingResistance) {
+  const Scene scene = load_scene("rolling-resistance:speed=3,rolling_friction=0.1,headings=12");
+  // The kinetic energy, 7/10 m v^2, is spent at rho m g / r a metre.
+  const double deceleration = 0.1 * g / 0.5 * 5 / 7;
+  const Motion motion = [&](double t, std::vector<BodyState>& states) {
+    const double speed = std::max(0.0, 3 - deceleration * t);
+    for (std::size_t i = 1; i < states.size(); ++i) states[i].angular_velocity *= speed / 3;
+    move_on(states, 1, (9 - speed * speed) / (2 * deceleration), speed);
+  };
+  expect_exact(scene, motion);
+  const double path = 9 / (2 * deceleration);
+  const Errors errors = errors_of(
+      scene,
+      [&](double t, std::vector<BodyState>& states) {
+        motion(t, states);
+        states[4].pose.position += Vector3(-0.01 * path, 0.02 * path, 0);  // heading 90 degrees
+        states[5].angular_velocity *= 0.9;
+        states[6].velocity *= 1.2;
+      },
+      scene.dt);
+  EXPECT_NEAR(errors.at("lateral_drift"), 0.01, 1e-9);
+  EXPECT_NEAR(errors.at("analytic_error"), std::hypot(0.01, 0.02), 1e-9);
+  EXPECT_NEAR(errors.at("spin_error"), 0.1, 2e-3) << "in the first step";
+  EXPECT_NEAR(errors.at("speed_error"), 0.2, 4e-3);
+}
+
+TEST(ClosedForm, Torsion) {
+  const Scene scene = load_scene("torsion:spin=2,torsional_friction=0.02");
+  // Moments of inertia over mass: 2/5 r^2, and (a^2 + b^2) / 12 of a box.
+  const std::array decelerations = {0.02 * g / 0.1, 0.01 * g / 0.1, 0.0, 0.02 * g * 6};
+  const Motion motion = [&](double t, std::vector<BodyState>& states) {
+    for (std::size_t i = 0; i < decelerations.size(); ++i) {
+      const double speed = std::max(0.0, 2 - decelerations[i] * t);
+      const double turned = decelerations[i] > 0 ? (4 - speed * speed) / (2 * decelerations[i]) : 2 * t;
+      states[i + 1].angular_velocity.z() = speed;
+      states[i + 1].pose.orientation = Quaternion(Eigen::AngleAxisd(turned, Vector3::UnitZ()));
+    }
+  };
+  expect_exact(scene, motion, 1e-7);  // an angle from a scalar product of quaternions
+  const double duration = 2 / decelerations[0] + 0.5;
+  const Errors errors = errors_of(
+      scene,
+      [&](double t, std::vector<BodyState>& states) {
+        motion(t, states);
+        states[1].pose.position.x() += 0.005;
+        states[3].angular_velocity.y() = 0.3;
+        states[4].pose.orientation = states[4].pose.orientation * Quaternion(Eigen::AngleAxisd(0.1, Vector3::UnitX()));
+      },
+      scene.dt);
+  EXPECT_NEAR(errors.at("drift"), 0.01, 1e-9);
+  EXPECT_NEAR(errors.at("spin_error"), 0.15, 1e-9);
+  EXPECT_NEAR(errors.at("analytic_error"), 0.1 / (2 * duration), 1e-7);
+}
+
 TEST(ClosedForm, PushedBox) {
   const Scene scene = load_scene("pushed-box");
   // Newton's law for box and balls together: the force and friction of the ground are all that pushes them.

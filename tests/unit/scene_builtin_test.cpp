@@ -53,7 +53,7 @@ TEST(SceneBuiltin, AllHaveWhatTheyShare) {
     EXPECT_EQ(scene.dt, 1.0 / 60);
     if (scene.closed_form) continue;  // those are as simple as their formula wants them
     EXPECT_EQ(scene.gravity, Vector3(0, 0, -9.81));
-    EXPECT_EQ(scene.starts_at_rest, builtin.name != "pile");
+    EXPECT_EQ(scene.starts_at_rest, builtin.name != "pile" && builtin.name != "conveyor");
     EXPECT_EQ(scene.bodies.front().name, "ground");
     EXPECT_EQ(scene.bodies.front().def.type, BodyType::Static);
     std::set<std::string> names;
@@ -89,10 +89,12 @@ TEST(SceneBuiltin, CountsAndSteps) {
     const char* scene;
     std::size_t bodies;
     int steps;
-  } cases[] = {
-      {"pyramid3d", 2109, 300}, {"pyramid3d:layers=1", 1, 300},      {"wall", 5050, 200}, {"wall:base=3", 6, 200},
-      {"islands", 22000, 100},  {"islands:count=7,base=2", 21, 100}, {"pile", 5000, 600}, {"pile:bodies=17", 17, 600},
-      {"stack", 10, 600},       {"stack:height=3,ratio=100", 3, 600}};
+  } cases[] = {{"pyramid3d", 2109, 300}, {"pyramid3d:layers=1", 1, 300},
+               {"wall", 5050, 200},      {"wall:base=3", 6, 200},
+               {"islands", 22000, 100},  {"islands:count=7,base=2", 21, 100},
+               {"pile", 5000, 600},      {"pile:bodies=17", 17, 600},
+               {"stack", 10, 600},       {"stack:height=3,ratio=100", 3, 600},
+               {"conveyor", 12, 600},    {"conveyor:boxes=3", 3, 600}};
   for (const auto& expected : cases) {
     const Scene scene = load_scene(expected.scene);
     EXPECT_EQ(dynamic_bodies(scene).size(), expected.bodies) << expected.scene;
@@ -192,7 +194,7 @@ TEST(SceneBuiltin, RefusesWhatItDoesNotKnow) {
     std::initializer_list<std::string_view> words;
   } cases[] = {
       {"stak",
-       {"unknown scene \"stak\"", "pyramid3d, wall, islands, pile, stack, free-flight", "or cradle",
+       {"unknown scene \"stak\"", "pyramid3d, wall, islands, pile, stack, conveyor, free-flight", "or cradle",
         "did you mean \"stack\"?"}},
       {"pyramid", {"did you mean \"pyramid3d\"?"}},
       {"", {"unknown scene \"\""}},

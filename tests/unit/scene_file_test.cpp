@@ -26,6 +26,10 @@ TEST(SceneFile, DefaultsAreThoseOfTheApi) {
   EXPECT_EQ(scene.steps, none.steps);
   EXPECT_FALSE(scene.starts_at_rest);
   EXPECT_EQ(scene.settings.substeps, none.settings.substeps);
+  EXPECT_EQ(scene.settings.tolerance, none.settings.tolerance);
+  EXPECT_EQ(scene.settings.stabilisation, none.settings.stabilisation);
+  EXPECT_EQ(scene.settings.correction, none.settings.correction);
+  EXPECT_EQ(scene.settings.slop, none.settings.slop);
 
   ASSERT_EQ(scene.bodies.size(), 1u);
   const BodyDef& def = scene.bodies[0].def;
@@ -55,8 +59,9 @@ TEST(SceneFile, ReadsTheWorld) {
 }
 
 TEST(SceneFile, ReadsEverySetting) {
-  const Settings s = parse(R"("settings": {"substeps": 8, "iterations": 2, "relax_iterations": 0, "friction": "pyramid",
-                              "warm_starting": false, "contact_hertz": 60, "contact_damping_ratio": 1,
+  const Settings s = parse(R"("settings": {"substeps": 8, "iterations": 2, "relax_iterations": 0, "tolerance": 0.001,
+                              "friction": "pyramid", "warm_starting": false, "stabilisation": "baumgarte",
+                              "correction": 0.3, "slop": 0.25, "contact_hertz": 60, "contact_damping_ratio": 1,
                               "contact_push_speed": 2, "restitution_threshold": 0.5, "sleeping": true,
                               "sleep_speed": 0.1, "time_to_sleep": 1}, "bodies": [{)" +
                            std::string(ball) + "}]")
@@ -66,6 +71,10 @@ TEST(SceneFile, ReadsEverySetting) {
   EXPECT_EQ(s.relax_iterations, 0);
   EXPECT_EQ(s.friction, FrictionModel::Pyramid);
   EXPECT_FALSE(s.warm_starting);
+  EXPECT_EQ(s.tolerance, 0.001);
+  EXPECT_EQ(s.stabilisation, Stabilisation::Baumgarte);
+  EXPECT_EQ(s.correction, 0.3);
+  EXPECT_EQ(s.slop, 0.25);
   EXPECT_EQ(s.contact_hertz, 60);
   EXPECT_EQ(s.contact_damping_ratio, 1);
   EXPECT_EQ(s.contact_push_speed, 2);
@@ -75,15 +84,30 @@ TEST(SceneFile, ReadsEverySetting) {
   EXPECT_EQ(s.time_to_sleep, 1);
 }
 
+TEST(SceneFile, ReadsEveryStabilisation) {
+  const auto stabilisation = [](const std::string& name) {
+    return parse(R"("settings": {"stabilisation": ")" + name + R"("}, "bodies": [{)" + std::string(ball) + "}]")
+        .settings.stabilisation;
+  };
+  EXPECT_EQ(stabilisation("soft"), Stabilisation::Soft);
+  EXPECT_EQ(stabilisation("baumgarte"), Stabilisation::Baumgarte);
+  EXPECT_EQ(stabilisation("split_impulse"), Stabilisation::SplitImpulse);
+}
+
 TEST(SceneFile, ReadsEveryFieldOfABody) {
   const BodyDef def = body(R"("type": "dynamic", "shape": {"type": "box", "half_extents": [1, 2, 3]},
-                              "material": {"friction": 0.1, "restitution": 1}, "position": [1, 2, 3],
+                              "material": {"friction": 0.1, "restitution": 1, "rolling_friction": 0.02,
+                                           "torsional_friction": 0.03},
+                              "surface_velocity": [10, 11, 12], "position": [1, 2, 3],
                               "orientation": [0, 0, 2, 0], "velocity": [4, 5, 6], "angular_velocity": [7, 8, 9],
                               "mass": 3, "inertia": [2, 2, 3, 0.1, 0.2, 0.3], "gravity_scale": -1,
                               "linear_damping": 0.5, "angular_damping": 0.25)");
   EXPECT_EQ(std::get<Box>(def.shape).half_extents, Vector3(1, 2, 3));
   EXPECT_EQ(def.material.friction, 0.1);
   EXPECT_EQ(def.material.restitution, 1);
+  EXPECT_EQ(def.material.rolling_friction, 0.02);
+  EXPECT_EQ(def.material.torsional_friction, 0.03);
+  EXPECT_EQ(def.surface_velocity, Vector3(10, 11, 12));
   EXPECT_EQ(def.position, Vector3(1, 2, 3));
   EXPECT_EQ(def.orientation.coeffs(), Eigen::Vector4d(0, 0, 2, 0));
   EXPECT_EQ(def.velocity, Vector3(4, 5, 6));
@@ -94,6 +118,7 @@ TEST(SceneFile, ReadsEveryFieldOfABody) {
   EXPECT_EQ(def.linear_damping, 0.5);
   EXPECT_EQ(def.angular_damping, 0.25);
   EXPECT_EQ(body(std::string(ball) + R"(, "mass": 1, "inertia": [1, 1, 2])").inertia->diagonal(), Vector3(1, 1, 2));
+  EXPECT_EQ(body(std::string(ball) + R"(, "type": "static", "surface_velocity": [1, 0, 0])").surface_velocity.x(), 1);
   EXPECT_EQ(body(std::string(ball) + R"(, "type": "kinematic", "velocity": [1, 0, 0])").type, BodyType::Kinematic);
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <set>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -58,6 +59,17 @@ std::vector<BadSettings> bad_settings() {
       {{.iterations = 1025}, "iterations", "1025"},
       {{.relax_iterations = -1}, "relax_iterations", "-1"},
       {{.relax_iterations = 1025}, "relax_iterations", "1025"},
+      {{.tolerance = -0.5}, "tolerance", "-0.5"},
+      {{.tolerance = infinity}, "tolerance", "inf"},
+      {{.tolerance = nan}, "tolerance", "nan"},
+      {{.stabilisation = static_cast<Stabilisation>(7)}, "stabilisation", "7"},
+      {{.stabilisation = static_cast<Stabilisation>(-1)}, "stabilisation", "-1"},
+      {{.correction = 0}, "correction", "0"},
+      {{.correction = -0.5}, "correction", "-0.5"},
+      {{.correction = 1.25}, "correction", "1.25"},
+      {{.correction = nan}, "correction", "nan"},
+      {{.slop = -0.5}, "slop", "-0.5"},
+      {{.slop = nan}, "slop", "nan"},
       {{.contact_hertz = 0}, "contact_hertz", "0"},
       {{.contact_hertz = nan}, "contact_hertz", "nan"},
       {{.contact_damping_ratio = -1.5}, "contact_damping_ratio", "-1.5"},
@@ -78,6 +90,25 @@ TEST(World, SettingsOutOfRangeAreRefusedByName) {
     EXPECT_EQ(world.settings().substeps, 7);
     EXPECT_EQ(world.state_hash(), hash);
   }
+}
+
+TEST(World, SolverTimesAreTheProfilesAlone) {
+  for (const bool profile : {false, true}) {
+    World world({.settings = {.profile = profile}});
+    world.add_body(ground());
+    add_stack(world, 3);
+    const StepReport report = run(world, 5);
+    double all = 0;
+    for (const double ms : report.solver_ms) all += ms;
+    EXPECT_EQ(all > 0, profile);
+  }
+}
+
+TEST(World, SolverStagesHaveNamesOfTheirOwn) {
+  std::set<std::string_view> names;
+  for (std::size_t i = 0; i < solver_stage_count; ++i) names.insert(solver_stage_name(static_cast<SolverStage>(i)));
+  EXPECT_EQ(names.size(), solver_stage_count);
+  EXPECT_FALSE(names.contains(""));
 }
 
 TEST(World, SettingsGravityAndThreadsReadBack) {

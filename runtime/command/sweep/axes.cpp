@@ -44,6 +44,17 @@ double seconds(const std::string& text) {
   return whole ? value / divisor : std::nan("");
 }
 
+bool accepts_speed(const std::string& text) {
+  double value = 0;
+  return parse_whole(text, value) && std::isfinite(value) && value >= 0;
+}
+
+double number(const std::string& text) {
+  double value = 0;
+  parse_whole(text, value);
+  return value;
+}
+
 bool accepts_seconds(const std::string& text) { return seconds(text) > 0 && seconds(text) <= 1; }
 
 std::string step_label(const Configuration& c) {
@@ -109,6 +120,29 @@ constexpr std::array table = {
          .apply = [](const std::string& value, Configuration& c) { c.settings.relax_iterations = integer(value); },
          .value = [](const Configuration& c) { return std::to_string(c.settings.relax_iterations); },
          .label = [](const Configuration& c) { return plural(c.settings.relax_iterations, "relax iteration"); }},
+    Axis{.name = "stabilisation",
+         .help = "how contacts get bodies apart",
+         .numeric = false,
+         .changes_result = true,
+         .expected = "soft, baumgarte or split_impulse",
+         .accepts =
+             [](const std::string& value) {
+               return value == "soft" || value == "baumgarte" || value == "split_impulse";
+             },
+         .apply = [](const std::string& value,
+                     Configuration& c) { c.settings.stabilisation = stabilisation_named(value); },
+         .value = [](const Configuration& c) { return std::string(name_of(c.settings.stabilisation)); },
+         .label = [](const Configuration& c) { return std::string(name_of(c.settings.stabilisation)); }},
+    Axis{.name = "tolerance",
+         .help = "m/s; sweeps of an island end with one that changes no speed at a contact by more, 0: never; with the "
+                 "most iterations of that list",
+         .numeric = true,
+         .changes_result = true,
+         .expected = "a finite number >= 0",
+         .accepts = accepts_speed,
+         .apply = [](const std::string& value, Configuration& c) { c.settings.tolerance = number(value); },
+         .value = [](const Configuration& c) { return shortest(c.settings.tolerance); },
+         .label = [](const Configuration& c) { return "tolerance " + shortest(c.settings.tolerance) + " m/s"; }},
     Axis{.name = "threads",
          .help = "worker threads",
          .numeric = true,

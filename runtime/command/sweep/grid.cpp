@@ -26,6 +26,8 @@ Values default_values(const Axis& axis, bool large, bool quick) {
   if (name == "friction") return {"cone", "pyramid"};
   if (name == "warm_start") return {"on", "off"};
   if (name == "relax_iterations") return {"0", "1", "2"};
+  if (name == "stabilisation") return {"soft", "baumgarte", "split_impulse"};
+  if (name == "tolerance") return quick ? Values{"0.001"} : Values{"0.01", "0.001", "0.0001"};
   if (name == "threads") return {"1", "2"};
   if (name == "simd") return available_simds();
   return {};
@@ -52,9 +54,9 @@ class Grid {
     }
   }
 
-  void add_line(const Axis& axis, const Values& values) {
+  void add_line(const Axis& axis, const Values& values, const Configuration& through) {
     for (const std::string& value : values) {
-      Configuration configuration = scenes_own_;
+      Configuration configuration = through;
       axis.apply(value, configuration);
       add(configuration);
     }
@@ -67,6 +69,17 @@ class Grid {
   std::vector<Configuration> all_;
 };
 
+// With the most iterations of a list.
+Configuration with_most(const Axis& iterations, const Values& values, const Configuration& scenes_own) {
+  Configuration most = scenes_own;
+  for (const std::string& value : values) {
+    Configuration other = scenes_own;
+    iterations.apply(value, other);
+    if (other.settings.iterations > most.settings.iterations) most = other;
+  }
+  return most;
+}
+
 std::vector<Configuration> configurations(const Scene& scene, bool large, const SweepOptions& options) {
   const auto values = [&](const Axis& axis) {
     const auto given = options.lists.find(axis.name);
@@ -77,12 +90,17 @@ std::vector<Configuration> configurations(const Scene& scene, bool large, const 
   // Iterations on top of many substeps cost large scenes much and say little.
   const bool thin = large && !options.lists.contains("substeps") && !options.lists.contains("iterations");
   const int most_sweeps = options.quick ? 16 : 32;
-  Grid grid({.settings = scene.settings, .dt = scene.dt, .threads = 1});
+  const Configuration scenes_own = {.settings = scene.settings, .dt = scene.dt, .threads = 1};
+  const Axis& tolerance = find_axis("tolerance");
+  const Configuration most_iterations = with_most(iterations, values(iterations), scenes_own);
+  Grid grid(scenes_own);
   grid.add_plane(substeps, values(substeps), iterations, values(iterations), [&](const Configuration& c) {
     return !thin || c.settings.iterations == 1 || c.settings.substeps * c.settings.iterations <= most_sweeps;
   });
   for (const Axis& axis : axes()) {
-    if (axis.name != substeps.name && axis.name != iterations.name) grid.add_line(axis, values(axis));
+    if (axis.name == substeps.name || axis.name == iterations.name) continue;
+    // A tolerance can spare sweeps only where there are several.
+    grid.add_line(axis, values(axis), axis.name == tolerance.name ? most_iterations : scenes_own);
   }
   return grid.take();
 }

@@ -26,7 +26,8 @@ struct ScenePlan {
 /// body steps (--quick: 0.1 million), but at least 10.
 inline constexpr std::size_t most_bodies_of_small = 1000;
 
-/// Substeps times iterations, and from the scene's own settings each other axis for itself. No configuration twice.
+/// Substeps times iterations, and from the scene's own settings each other axis for itself: the tolerance with the most
+/// iterations. No configuration twice.
 ScenePlan plan_scene(const std::string& address, const SweepOptions& options);
 
 }  // namespace atl::command

@@ -12,6 +12,8 @@ Scene build_sliding_blocks(const ParameterValues& values, std::uint64_t seed);
 Scene build_incline(const ParameterValues& values, std::uint64_t seed);
 Scene build_tipping_block(const ParameterValues& values, std::uint64_t seed);
 Scene build_rolling_sphere(const ParameterValues& values, std::uint64_t seed);
+Scene build_rolling_resistance(const ParameterValues& values, std::uint64_t seed);
+Scene build_torsion(const ParameterValues& values, std::uint64_t seed);
 Scene build_incline_sphere(const ParameterValues& values, std::uint64_t seed);
 Scene build_pushed_box(const ParameterValues& values, std::uint64_t seed);
 Scene build_bouncing_ball(const ParameterValues& values, std::uint64_t seed);

@@ -34,6 +34,7 @@ Scene build_pyramid3d(const ParameterValues& values, std::uint64_t seed);
 Scene build_wall(const ParameterValues& values, std::uint64_t seed);
 Scene build_islands(const ParameterValues& values, std::uint64_t seed);
 Scene build_pile(const ParameterValues& values, std::uint64_t seed);
+Scene build_conveyor(const ParameterValues& values, std::uint64_t seed);
 Scene build_stack(const ParameterValues& values, std::uint64_t seed);
 
 /// The scene that "name" or "name:param=value,param=value" describes. Throws SceneError.

@@ -83,16 +83,19 @@ Quaternion read_orientation(const Reader& in) {
 }
 
 Material read_material(const Reader& in) {
-  in.only_keys({"friction", "restitution"});
+  in.only_keys({"friction", "restitution", "rolling_friction", "torsional_friction"});
   Material material;
   in.get("friction", material.friction, at_least(0));
   in.get("restitution", material.restitution, between(0, 1));
+  in.get("rolling_friction", material.rolling_friction, at_least(0));
+  in.get("torsional_friction", material.torsional_friction, at_least(0));
   return material;
 }
 
 SceneBody read_body(const Reader& in, const Library& library) {
   in.only_keys({"name", "type", "shape", "material", "position", "orientation", "velocity", "angular_velocity",
-                "density", "mass", "inertia", "gravity_scale", "linear_damping", "angular_damping", "force"});
+                "surface_velocity", "density", "mass", "inertia", "gravity_scale", "linear_damping", "angular_damping",
+                "force"});
   SceneBody body;
   BodyDef& def = body.def;
   in.get("name", body.name);
@@ -116,6 +119,7 @@ SceneBody read_body(const Reader& in, const Library& library) {
   }
   in.get("velocity", def.velocity);
   in.get("angular_velocity", def.angular_velocity);
+  in.get("surface_velocity", def.surface_velocity);
 
   read_mass(in, def);
   in.get("gravity_scale", def.gravity_scale);

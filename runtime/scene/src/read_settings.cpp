@@ -1,19 +1,33 @@
+#include <array>
+
 #include "schema.h"
 
 namespace atl::scene {
+namespace {
+
+Stabilisation read_stabilisation(const Reader& in) {
+  constexpr std::array stabilisations = {Stabilisation::Soft, Stabilisation::Baumgarte, Stabilisation::SplitImpulse};
+  return stabilisations[in.choice({"soft", "baumgarte", "split_impulse"})];
+}
+
+}  // namespace
 
 Settings read_settings(const Reader& in) {
-  in.only_keys({"substeps", "iterations", "relax_iterations", "friction", "warm_starting", "contact_hertz",
-                "contact_damping_ratio", "contact_push_speed", "restitution_threshold", "sleeping", "sleep_speed",
-                "time_to_sleep"});
+  in.only_keys({"substeps", "iterations", "relax_iterations", "tolerance", "friction", "warm_starting", "stabilisation",
+                "correction", "slop", "contact_hertz", "contact_damping_ratio", "contact_push_speed",
+                "restitution_threshold", "sleeping", "sleep_speed", "time_to_sleep"});
   Settings settings;
   in.get("substeps", settings.substeps, 1, 1024);
   in.get("iterations", settings.iterations, 1, 1024);
   in.get("relax_iterations", settings.relax_iterations, 0, 1024);
+  in.get("tolerance", settings.tolerance, at_least(0));
   if (const auto friction = in.find("friction")) {
     settings.friction = friction->choice({"cone", "pyramid"}) == 0 ? FrictionModel::Cone : FrictionModel::Pyramid;
   }
   in.get("warm_starting", settings.warm_starting);
+  if (const auto stabilisation = in.find("stabilisation")) settings.stabilisation = read_stabilisation(*stabilisation);
+  in.get("correction", settings.correction, above_up_to(0, 1));
+  in.get("slop", settings.slop, at_least(0));
   if (in.find("contact_hertz")) in.get("contact_hertz", settings.contact_hertz.emplace(), above(0));
   in.get("contact_damping_ratio", settings.contact_damping_ratio, at_least(0));
   in.get("contact_push_speed", settings.contact_push_speed, above(0));
