@@ -81,10 +81,7 @@ BodyId World::Impl::add_body(const BodyDef& def) {
   bodies.ball[body] = checked.colliders.size() == 1 &&
                       checked.colliders.front().shape.kind == collision::ShapeKind::Sphere &&
                       checked.centre.isZero(0) && checked.colliders.front().local.position.isZero(0);
-  const solver::Surface surface = {def.surface_velocity, def.material.rolling_friction,
-                                   def.material.torsional_friction};
-  if (!surface.is_plain() && bodies.surfaces.empty()) bodies.surfaces.resize(bodies.size());
-  if (!bodies.surfaces.empty()) bodies.surfaces[body] = surface;
+  set_surface(body, {def.surface_velocity, def.material.rolling_friction, def.material.torsional_friction});
   bodies.gravity_scale[body] = def.gravity_scale;
   bodies.linear_damping[body] = def.linear_damping;
   bodies.angular_damping[body] = def.angular_damping;
@@ -160,6 +157,19 @@ void World::Impl::set_pose(BodyId id, const Pose& pose) {
   bodies.position(body) = pose.position + orientation * records.centre[body];
   bodies.set_orientation(body, orientation);
   move_proxies(body);
+}
+
+void World::Impl::set_surface(std::uint32_t body, const solver::Surface& surface) {
+  if (!surface.is_plain() && bodies.surfaces.empty()) bodies.surfaces.resize(bodies.size());
+  if (!bodies.surfaces.empty()) bodies.surfaces[body] = surface;
+}
+
+void World::Impl::set_surface_velocity(BodyId id, const Vector3& velocity) {
+  const std::uint32_t body = index_of(id, "set_surface_velocity");
+  wake_touching(body);
+  sleeping.wake(body);
+  const Material& material = records.material[body];
+  set_surface(body, {velocity, material.rolling_friction, material.torsional_friction});
 }
 
 void World::Impl::set_filter(BodyId id, const CollisionFilter& filter) {

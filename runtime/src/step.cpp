@@ -195,7 +195,10 @@ void World::Impl::finish() {
     contact_events_.clear();
   }
   events_noted_ = settings.contact_events;
-  if (settings.sleeping) sleeping.update(islands_, bodies, settings, dt_);
+  if (settings.sleeping) {
+    if (!bodies.surfaces.empty()) keep_belts_awake();
+    sleeping.update(islands_, bodies, settings, dt_);
+  }
   StepCounts& counts = report_.counts;
   counts.islands = static_cast<std::int64_t>(islands_.count());
   counts.groups = static_cast<std::int64_t>(groups_.size());
@@ -205,6 +208,15 @@ void World::Impl::finish() {
     for (std::size_t i = 0; i < solver_stage_count; ++i) report_.solver_ms[i] += group.stage_ms[i];
   }
   counts.asleep = sleeping.asleep;
+}
+
+// However slow a belt runs, what lies on it is not at rest.
+void World::Impl::keep_belts_awake() {
+  for (const solver::TouchingPair& pair : touching_) {
+    if (bodies.surfaces[pair.first].velocity.isZero(0) && bodies.surfaces[pair.second].velocity.isZero(0)) continue;
+    sleeping.rest_time[pair.first] = 0;
+    sleeping.rest_time[pair.second] = 0;
+  }
 }
 
 std::int64_t World::Impl::first_non_finite_body() {

@@ -92,6 +92,11 @@ void World::set_velocity(BodyId id, const Vector3& linear, const Vector3& angula
   impl_->bodies.angular_velocity(body) = angular;
 }
 
+void World::set_surface_velocity(BodyId id, const Vector3& velocity) {
+  check_finite("World::set_surface_velocity: velocity", velocity);
+  impl_->set_surface_velocity(id, velocity);
+}
+
 void World::apply_force(BodyId id, const Vector3& force, const Vector3& torque) {
   check_finite("World::apply_force: force", force);
   check_finite("World::apply_force: torque", torque);

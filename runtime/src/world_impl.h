@@ -68,6 +68,8 @@ class World::Impl {
   void apply_force(std::uint32_t body, const Vector3& force, const Vector3& torque);
   Pose pose(BodyId id) const;
   void set_pose(BodyId id, const Pose& pose);
+  void set_surface(std::uint32_t body, const solver::Surface& surface);
+  void set_surface_velocity(BodyId id, const Vector3& velocity);
   void set_filter(BodyId id, const CollisionFilter& filter);
   void set_collision_enabled(BodyId a, BodyId b, bool enabled);
   void wake_all();
@@ -140,6 +142,7 @@ class World::Impl {
   void solve_groups();
   void move_unconstrained_bodies();
   void note_stages();
+  void keep_belts_awake();
   std::int64_t first_non_finite_body();
 
   // The step in progress, and what its phases hand on.

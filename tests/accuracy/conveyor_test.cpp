@@ -219,5 +219,30 @@ TEST(Conveyor, SceneCarriesItsBoxesOntoTheLastBelt) {
   EXPECT_LT(conveyor.penetration().max, 1e-2);
 }
 
+TEST(Conveyor, ABeltSlowerThanWhatCountsAsRestCarriesOn) {
+  const double slow = 0.02;
+  World world({.settings = {.sleeping = true}});
+  ASSERT_LT(slow, world.settings().sleep_speed);
+  world.add_body(belt({slow, 0, 0}));
+  const BodyId box = world.add_body(crate());
+  run(world, 300);
+  EXPECT_NEAR(world.pose(box).position.x(), slow * 300 * dt, 1e-3);
+}
+
+TEST(Conveyor, StartsAndStopsWhatSleepsOnIt) {
+  World world({.settings = {.sleeping = true}});
+  const BodyId ground = world.add_body(belt({0, 0, 0}));
+  const BodyId box = world.add_body(crate());
+  run(world, 120);
+  ASSERT_TRUE(world.is_asleep(box));
+  world.set_surface_velocity(ground, {speed, 0, 0});
+  run(world, 120);
+  EXPECT_NEAR(world.velocity(box).x(), speed, 1e-4);
+  world.set_surface_velocity(ground, {0, 0, 0});
+  run(world, 180);
+  EXPECT_TRUE(world.is_asleep(box));
+  EXPECT_THROW(world.set_surface_velocity(ground, {std::nan(""), 0, 0}), Error);
+}
+
 }  // namespace
 }  // namespace atl::test

@@ -9,7 +9,8 @@ enum class FrictionModel {
   Pyramid,  ///< each of two tangential components clamped alone: cheaper in theory, wrong off the axes
 };
 
-/// How contacts get bodies out of each other.
+/// How contacts get bodies out of each other. Rigid ones, the last two, want four iterations or more where bodies are
+/// stacked.
 enum class Stabilisation {
   /// A contact is a stiff damped spring, and sweeps without it take the speed back with which it pushed.
   Soft,

@@ -67,6 +67,8 @@ class World {
 
   void set_pose(BodyId id, const Pose& pose);
   void set_velocity(BodyId id, const Vector3& linear, const Vector3& angular);
+  /// How fast the surface runs along the body, m/s, body frame: see BodyDef::surface_velocity. Wakes what touches it.
+  void set_surface_velocity(BodyId id, const Vector3& velocity);
   /// Adds to the force (N) through the centre of mass and the torque (N m) of the next step only.
   void apply_force(BodyId id, const Vector3& force, const Vector3& torque = Vector3::Zero());
   /// Changes the velocities at once by an impulse (N s) at a world-frame point (m).
