@@ -4,6 +4,7 @@
 #include <collision/update_contacts.h>
 #include <solver/kernels.h>
 
+#include <numeric>
 #include <vector>
 
 namespace {
@@ -19,6 +20,8 @@ struct Columns {
       }
     }
     active.assign(colliders.size(), 1);
+    bodies.resize(colliders.size());
+    std::iota(bodies.begin(), bodies.end(), 0u);
     reaches.assign(colliders.size(), StepReach{});
   }
 
@@ -39,7 +42,7 @@ struct Columns {
 
   ContactUpdateCounts update(const RefreshKernels& kernels) {
     const PoseView poses{positions.data(), orientations.data()};
-    update_contacts(cache, broadphase, {colliders, poses, active, reaches, kernels}, arena, result);
+    update_contacts(cache, broadphase, {colliders, poses, active, active, bodies, reaches, kernels}, arena, result);
     return result.counts;
   }
 
@@ -47,6 +50,7 @@ struct Columns {
   std::vector<double> positions;
   std::vector<double> orientations;
   std::vector<std::uint8_t> active;
+  std::vector<std::uint32_t> bodies;
   std::vector<StepReach> reaches;
   Broadphase broadphase;
   ContactCache cache;

@@ -1,4 +1,5 @@
-// What a scene at rest costs: 100,000 boxes on the ground, awake or asleep. Counters are phases of the step.
+// What a scene at rest costs: 100,000 boxes on the ground, awake or asleep, or all asleep but for one. Counters are
+// phases of the step.
 
 #include <atoll/atoll.h>
 #include <benchmark/benchmark.h>
@@ -13,27 +14,41 @@ double median(std::vector<double>& values) {
   return values[values.size() / 2];
 }
 
+enum Rest { Awake, Asleep, AllButOneAsleep };
+
 void resting_bodies(benchmark::State& state) {
-  atl::World world({.threads = static_cast<int>(state.range(1)), .settings = {.sleeping = state.range(2) != 0}});
+  const auto rest = static_cast<Rest>(state.range(2));
+  atl::World world({.threads = static_cast<int>(state.range(1)), .settings = {.sleeping = rest != Awake}});
   world.add_body({.type = atl::BodyType::Static, .shape = atl::HalfSpace{}});
   const auto count = static_cast<int>(state.range(0));
-  for (int i = 0; i < count; ++i) world.add_body({.position = {2.0 * (i % 400), 2.0 * (i / 400), 0.5}});
+  atl::BodyId last = {};
+  for (int i = 0; i < count; ++i) last = world.add_body({.position = {2.0 * (i % 400), 2.0 * (i / 400), 0.5}});
   for (int i = 0; i < 60; ++i) world.step(1.0 / 60);
+  std::vector<double> whole;
   std::vector<double> find_pairs;
   std::vector<double> update_contacts;
+  std::vector<double> build_islands;
   for (auto _ : state) {
+    if (rest == AllButOneAsleep) world.wake(last);
     const atl::StepReport report = world.step(1.0 / 60);
-    find_pairs.push_back(report.phase_ms[static_cast<std::size_t>(atl::Phase::FindPairs)]);
-    update_contacts.push_back(report.phase_ms[static_cast<std::size_t>(atl::Phase::UpdateContacts)]);
+    const auto phase = [&](atl::Phase which) { return report.phase_ms[static_cast<std::size_t>(which)]; };
+    whole.push_back(report.ms);
+    find_pairs.push_back(phase(atl::Phase::FindPairs));
+    update_contacts.push_back(phase(atl::Phase::UpdateContacts));
+    build_islands.push_back(phase(atl::Phase::BuildIslands));
   }
+  state.counters["step_ms"] = median(whole);
   state.counters["find_pairs_ms"] = median(find_pairs);
   state.counters["update_contacts_ms"] = median(update_contacts);
+  state.counters["build_islands_ms"] = median(build_islands);
 }
 
 BENCHMARK(resting_bodies)
-    ->ArgNames({"bodies", "threads", "sleeping"})
-    ->Args({100'000, 1, 0})
-    ->Args({100'000, 1, 1})
+    ->ArgNames({"bodies", "threads", "rest"})
+    ->Args({100'000, 1, Awake})
+    ->Args({100'000, 1, Asleep})
+    ->Args({100'000, 1, AllButOneAsleep})
+    ->Args({100'000, 2, Asleep})
     ->Unit(benchmark::kMillisecond)
     ->Iterations(50);
 

@@ -283,7 +283,10 @@ void collide_boxes(const Vector3& half_first, const Vector3& half_second, const 
   if (axis.code == 0) return;  // so far away that sums overflow
   const fcl_narrowphase::Axis edge = best_edge_axis(pair);
   const double separation = std::max(face_separation, edge.separation);
-  if (!(separation <= margin)) return;
+  if (!(separation <= margin)) {
+    manifold.gap = separation;
+    return;
+  }
   // FCL drops pairs that don't overlap: it is shown the first box grown by the margin then.
   const Vector3 grown = half_first + Vector3::Constant(separation > 0 ? margin : 0);
   fcl_narrowphase::Axis found;

@@ -18,6 +18,7 @@ void capture(Contact& contact, const Manifold& manifold, const Pose& incident, d
   contact.count = static_cast<std::uint8_t>(manifold.count);
   contact.margin = static_cast<float>(margin);
   contact.tolerance = tolerance;
+  contact.gap = 0;
 
   Vector3 centre = manifold.count > 0 ? Vector3(Vector3::Zero()) : incident.position;
   for (int i = 0; i < manifold.count; ++i) {

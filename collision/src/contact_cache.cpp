@@ -71,11 +71,10 @@ std::span<const std::uint32_t> ContactCache::set_active(std::span<const std::uin
     active_[body] = 1;
   }
   if (!stopped.empty()) {
-    std::erase_if(order, [this](std::uint32_t slot) {
-      if (is_active(contacts[slot])) return false;
-      state_[slot] = State::Idle;
-      return true;
-    });
+    for (const std::uint32_t slot : order) {
+      if (!is_active(contacts[slot])) state_[slot] = State::Idle;
+    }
+    drop_inactive();
   }
   added_.clear();
   for (const std::uint32_t body : started) {
@@ -91,12 +90,26 @@ std::span<const std::uint32_t> ContactCache::set_active(std::span<const std::uin
 }
 
 bool ContactCache::touches(Pair pair) const {
-  auto entry = std::lower_bound(order.begin(), order.end(), pair,
-                                [this](std::uint32_t slot, Pair p) { return contacts[slot].pair < p; });
-  for (; entry != order.end() && contacts[*entry].pair == pair; ++entry) {
-    if (contacts[*entry].count > 0) return true;
+  for (std::size_t entry = first_entry_of(pair); entry < order.size() && keys_[entry] == pair.key(); ++entry) {
+    if (contacts[order[entry]].count > 0) return true;
   }
   return false;
+}
+
+std::size_t ContactCache::first_entry_of(Pair pair) const {
+  return static_cast<std::size_t>(std::lower_bound(keys_.begin(), keys_.end(), pair.key()) - keys_.begin());
+}
+
+// Takes from the order what is idle or gone by its state.
+void ContactCache::drop_inactive() {
+  std::size_t kept = 0;
+  for (std::size_t entry = 0; entry < order.size(); ++entry) {
+    if (state_[order[entry]] != State::Active) continue;
+    order[kept] = order[entry];
+    keys_[kept++] = keys_[entry];
+  }
+  order.resize(kept);
+  keys_.resize(kept);
 }
 
 void ContactCache::remove_contacts_of(std::uint32_t body) {
@@ -104,8 +117,10 @@ void ContactCache::remove_contacts_of(std::uint32_t body) {
   for_each_contact_of(body, [this](std::uint32_t slot) { added_.push_back(slot); });
   for (const std::uint32_t slot : added_) {
     if (state_[slot] == State::Active) {
-      order.erase(std::lower_bound(order.begin(), order.end(), slot,
-                                   [this](std::uint32_t a, std::uint32_t b) { return precedes(a, b); }));
+      std::size_t entry = first_entry_of(contacts[slot].pair);
+      while (order[entry] != slot) ++entry;
+      order.erase(order.begin() + static_cast<std::ptrdiff_t>(entry));
+      keys_.erase(keys_.begin() + static_cast<std::ptrdiff_t>(entry));
     }
     release(slot);
   }
@@ -114,13 +129,16 @@ void ContactCache::remove_contacts_of(std::uint32_t body) {
 // Both parts are in order. From the back, so that nothing is overwritten before it has moved.
 void ContactCache::merge_into_order() {
   std::size_t old_left = order.size();
-  std::size_t added_left = added_.size();
-  order.resize(old_left + added_left);
-  while (added_left > 0) {
-    const std::uint32_t added = added_[added_left - 1];
-    const bool old_is_later = old_left > 0 && contacts[added].pair < contacts[order[old_left - 1]].pair;
-    order[old_left + added_left - 1] = old_is_later ? order[old_left - 1] : added;
-    --(old_is_later ? old_left : added_left);
+  order.resize(old_left + added_.size());
+  keys_.resize(order.size());
+  for (std::size_t added_left = added_.size(); added_left > 0; --added_left) {
+    const std::uint64_t key = contacts[added_[added_left - 1]].pair.key();
+    for (; old_left > 0 && keys_[old_left - 1] > key; --old_left) {
+      order[old_left + added_left - 1] = order[old_left - 1];
+      keys_[old_left + added_left - 1] = keys_[old_left - 1];
+    }
+    order[old_left + added_left - 1] = added_[added_left - 1];
+    keys_[old_left + added_left - 1] = key;
   }
 }
 

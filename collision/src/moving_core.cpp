@@ -116,6 +116,19 @@ double radius_about(const ConvexCore& core, const Vector3& centre, const Vector3
   return farthest + core.radius;
 }
 
+// Whether a plane across a direction keeps the two farther apart than `aim` up to t_limit, for the price of two support
+// points: most pairs that a sweep is asked for only pass by each other.
+bool stay_parted(const MovingCore& first, const MovingCore& second, double aim, double near, const Vector3& direction,
+                 double t_limit) {
+  const double length = direction.norm();
+  if (!(length > 0)) return false;
+  const Vector3 unit = direction / length;
+  const double separation = -second.reach(second.motion.start, -unit) - first.reach(first.motion.start, unit);
+  if (!(separation > near)) return false;
+  const double closing = first.advance_along(unit) + second.advance_along(-unit);
+  return !(closing > 0) || separation - aim > closing * t_limit;
+}
+
 }  // namespace
 
 Motion Motion::between(const Pose& start, const Pose& end, const Vector3& centre) {
@@ -155,6 +168,7 @@ bool advance(const MovingCore& first, const MovingCore& second, const SweepGoal&
   Pose pose_second = second.motion.start;
   Vector3 guess = pose_second.position - pose_first.position;
   if (second.core.kind == ConvexCore::Kind::Triangle) guess += pose_second.orientation * second.core.triangle[0];
+  if (stay_parted(first, second, aim, near, guess, t_limit)) return false;
   double t = 0;
   SweepHit last;
   for (int i = 0; i < max_distances; ++i) {

@@ -15,6 +15,9 @@ namespace {
 // smaller shape's inner radius.
 constexpr double match_distance = 0.04;
 
+// Faster than any body: for the largest margin.
+constexpr double any_approach = std::numeric_limits<double>::infinity();
+
 // Contacts of one loop chunk; they are refreshed in blocks of lanes.
 constexpr std::size_t grain = 128;
 // A chunk and the rest of its last pair's parts.
@@ -31,8 +34,8 @@ alignas(16) constexpr std::array<float, 4> no_offset = {};
 // The update of a stretch of the cache's order, on one thread.
 class Stretch {
  public:
-  Stretch(ContactCache& cache, const Broadphase& broadphase, const ContactUpdateInput& input)
-      : cache_(cache), broadphase_(broadphase), input_(input) {}
+  Stretch(ContactCache& cache, const Broadphase& broadphase, const ContactUpdateInput& input, const BodyTurns& turns)
+      : cache_(cache), broadphase_(broadphase), input_(input), turns_(turns) {}
 
   // Writes those that touch to `touching`, over those of the last update.
   struct Result {
@@ -55,19 +58,23 @@ class Stretch {
   void refresh(Batch& batch, bool fresh);
   void fill_lane(const Contact& contact, ContactManifold& manifold, std::size_t lane);
   void find_anew(std::size_t entry);
-  void set_apart(std::size_t entry, const Pose& incident, double margin, double gap);
+  void set_apart(std::size_t entry, double margin, double gap);
+  bool still_apart(const Contact& contact) const;
+  void fetch_ahead(std::size_t entry) const;
   void find_surface_parts(std::size_t entry);
   void replace(std::size_t entry, const Manifold& fresh, const Pose& incident, double margin);
   Vector3 shift_between(const Contact& contact) const;
   double margin_of(const Contact& contact) const;
   float tolerance_of(Pair pair, const Manifold& fresh) const;
 
+  void note_points(std::size_t entry) { points_[entry - begin_] = contact_at(entry).count; }
   Contact& contact_at(std::size_t entry) { return cache_.contacts[cache_.order[entry]]; }
   std::size_t parts_from(std::size_t entry) const;
 
   ContactCache& cache_;
   const Broadphase& broadphase_;
   const ContactUpdateInput& input_;
+  const BodyTurns& turns_;
   ContactStatus* status_ = nullptr;
   ContactUpdateCounts counts_;
   RefreshBlock block_;
@@ -76,6 +83,10 @@ class Stretch {
   Batch kept_batch_;
   Batch fresh_batch_;
   std::array<std::uint32_t, longest_stretch> stale_;
+  // Of the entries from begin_ on: noted as they pass, since to come back to all contacts costs more.
+  std::size_t begin_ = 0;
+  std::array<TouchingPair, longest_stretch> pairs_;
+  std::array<std::uint8_t, longest_stretch> points_;
   std::size_t stale_count_ = 0;
 };
 
@@ -111,8 +122,11 @@ Stretch::Result Stretch::run(std::size_t begin, std::size_t end, ContactStatus* 
   while (begin < end && contact_at(begin).part > 0) ++begin;
   if (begin < end) end += parts_from(end - 1) - 1;
 
+  begin_ = begin;
   for (std::size_t i = begin; i < end; ++i) {
-    if (is_lost(contact_at(i).pair)) {
+    const Contact& contact = contact_at(i);
+    pairs_[i - begin] = {contact.body_first, contact.body_second, cache_.order[i]};
+    if (is_lost(contact.pair)) {
       status_[i] = ContactStatus::Lost;
       ++counts_.lost;
     } else {
@@ -127,9 +141,12 @@ Stretch::Result Stretch::run(std::size_t begin, std::size_t end, ContactStatus* 
     if (status_[entry] != ContactStatus::Stale) continue;
     if (is_surface(input_.colliders.shape[contact_at(entry).pair.first].kind) ||
         is_surface(input_.colliders.shape[contact_at(entry).pair.second].kind)) {
-      find_surface_parts(entry - contact_at(entry).part);
+      const std::size_t first = entry - contact_at(entry).part;
+      find_surface_parts(first);
+      for (std::size_t part = 0; part < max_surface_manifolds; ++part) note_points(first + part);
     } else {
       find_anew(entry);
+      note_points(entry);
     }
   }
   refresh(fresh_batch_, true);
@@ -141,21 +158,57 @@ Stretch::Result Stretch::run(std::size_t begin, std::size_t end, ContactStatus* 
 }
 
 void Stretch::list_touching(std::size_t begin, std::size_t end, std::span<TouchingPair> touching, Result& result) {
-  for (std::size_t i = begin; i < end; ++i) {
-    if (status_[i] != ContactStatus::Touching) continue;
-    const Contact& contact = contact_at(i);
-    if (!input_.dynamic[contact.body_first] && !input_.dynamic[contact.body_second]) continue;
-    const TouchingPair pair{contact.body_first, contact.body_second, cache_.order[i]};
-    TouchingPair& listed = touching[result.touching++];
-    result.changed |= listed != pair;
-    listed = pair;
-    counts_.points += contact.count;
+  std::size_t listed = 0;
+  std::uint32_t difference = 0;
+  std::int64_t points = 0;
+  for (std::size_t i = 0; i < end - begin; ++i) {
+    if (status_[begin + i] != ContactStatus::Touching) continue;
+    const TouchingPair pair = pairs_[i];
+    if (!input_.dynamic[pair.first] && !input_.dynamic[pair.second]) continue;
+    TouchingPair& place = touching[listed++];
+    difference |= (pair.first ^ place.first) | (pair.second ^ place.second) | (pair.slot ^ place.slot);
+    place = pair;
+    points += points_[i];
   }
+  result.touching = listed;
+  result.changed = difference != 0;
+  counts_.points += points;
 }
 
 void Stretch::add_to(Batch& batch, std::size_t entry, bool fresh) {
+  if (!fresh) {
+    fetch_ahead(entry);
+    if (const Contact& contact = contact_at(entry); contact.gap > 0) {
+      if (still_apart(contact)) {
+        status_[entry] = ContactStatus::Apart;
+        ++counts_.kept;
+      } else {
+        status_[entry] = ContactStatus::Stale;
+        stale_[stale_count_++] = static_cast<std::uint32_t>(entry);
+      }
+      return;
+    }
+  }
   batch.entries[batch.count++] = static_cast<std::uint32_t>(entry);
   if (batch.count == block_lanes) refresh(batch, fresh);
+}
+
+// Slots are in no order: what is needed soon is asked of memory now.
+void Stretch::fetch_ahead(std::size_t entry) const {
+  constexpr std::size_t ahead = 16;
+  if (entry + ahead < cache_.order.size()) __builtin_prefetch(&cache_.contacts[cache_.order[entry + ahead]]);
+}
+
+// Whether two solids that were found apart are so still, whatever their features: by how far the centres have moved
+// against each other since, and how much the bodies have turned.
+bool Stretch::still_apart(const Contact& contact) const {
+  const Eigen::Map<const Vector3> first(input_.poses.positions + 3 * std::size_t{contact.body_first});
+  const Eigen::Map<const Vector3> second(input_.poses.positions + 3 * std::size_t{contact.body_second});
+  const Eigen::Map<const Vector3> from(contact.apart_from.data());
+  const double moved = (second - first - from).norm();
+  const double turned = turns_[contact.body_first] + turns_[contact.body_second] - contact.turned;
+  const double left = static_cast<double>(contact.gap) - moved - static_cast<double>(contact.lever) * turned;
+  return left > speculative_margin(static_cast<double>(contact.size), any_approach) || left > margin_of(contact);
 }
 
 void Stretch::refresh(Batch& batch, bool fresh) {
@@ -171,6 +224,7 @@ void Stretch::refresh(Batch& batch, bool fresh) {
     const std::uint32_t entry = batch.entries[lane];
     if ((kept >> lane & 1) != 0) {
       // A pair found apart is kept as well: it stays apart, but for the tolerance, while it doesn't move.
+      note_points(entry);
       status_[entry] = contact_at(entry).count > 0 ? ContactStatus::Touching : ContactStatus::Apart;
       counts_.kept += contact_at(entry).part == 0;
     } else {
@@ -250,29 +304,31 @@ void Stretch::replace(std::size_t entry, const Manifold& fresh, const Pose& inci
   if (fresh.count > 0) add_to(fresh_batch_, entry, true);
 }
 
-// A lower bound of the distance between two solids, or a solid and a half-space, in the frame of the first: of the
-// planes across the line of their centres, cheap enough to ask before anything else. Nothing is said of surfaces.
+// A lower bound of the distance between two solids, in the frame of the first: of the planes across the line of their
+// centres, cheap enough to ask before anything else.
 double gap_between(const Shape& first, const Shape& second, const Pose& pose) {
-  if (!is_convex_solid(first.kind)) return -std::numeric_limits<double>::infinity();
-  if (second.kind == ShapeKind::HalfSpace) {
-    const Vector3 normal = pose.orientation * second.normal;
-    return -normal.dot(pose.position) - second.offset - reach_along(first, -normal);
-  }
-  if (!is_convex_solid(second.kind)) return -std::numeric_limits<double>::infinity();
   const double distance = pose.position.norm();
   if (!(distance > 0)) return 0;
   const Vector3 direction = pose.position / distance;
   return distance - reach_along(first, direction) - reach_along(second, -(pose.orientation.conjugate() * direction));
 }
 
-// A pair found apart with room to spare stays so, whatever its features, until it has used the room up: a third of
-// it by drifting (which the tolerance limits, in distance and in turn), the rest by its margin's growing.
-void Stretch::set_apart(std::size_t entry, const Pose& incident, double margin, double gap) {
+// Two solids found apart are left alone until they have used their gap up, or, where that hardly exceeds the margin,
+// until they have moved by the tolerance.
+void Stretch::set_apart(std::size_t entry, double margin, double gap) {
   Contact& contact = contact_at(entry);
+  const ColliderTable& colliders = input_.colliders;
   clear_impulses(cache_.manifolds[cache_.order[entry]]);
-  const double third = (gap - margin) / 3;
-  const double lever = static_cast<double>(contact.size) + input_.colliders.shape[contact.pair.second].bounding_radius;
-  capture(contact, Manifold{}, incident, margin + third, static_cast<float>(third / lever));
+  capture(contact, Manifold{}, {Vector3::Zero(), Quaternion::Identity()}, margin, 0);
+  const auto lever = [&](std::uint32_t collider) {
+    return colliders.local[collider].position.norm() + colliders.shape[collider].bounding_radius;
+  };
+  const double size = static_cast<double>(contact.size);
+  contact.gap = static_cast<float>(std::max(gap, margin + static_cast<double>(flat_tolerance) * size));
+  contact.lever = static_cast<float>(std::max(lever(contact.pair.first), lever(contact.pair.second)));
+  const Vector3 between = input_.poses[contact.body_second].position - input_.poses[contact.body_first].position;
+  Eigen::Map<Vector3>(contact.apart_from.data()) = between;
+  contact.turned = turns_[contact.body_first] + turns_[contact.body_second];
   status_[entry] = ContactStatus::Apart;
 }
 
@@ -289,14 +345,22 @@ void Stretch::find_anew(std::size_t entry) {
   const Shape& lower = colliders.shape[swap ? pair.second : pair.first];
   const Shape& higher = colliders.shape[swap ? pair.first : pair.second];
   const Pose in_lower = swap ? relative(second, first) : relative(first, second);
-  const double gap = gap_between(lower, higher, in_lower);
-  if (gap > margin && colliders.shape[pair.second].bounding_radius < std::numeric_limits<double>::infinity()) {
-    set_apart(entry, swap ? relative(first, second) : in_lower, margin, gap);
-    return;
+  const bool bounded = is_convex_solid(higher.kind);
+  if (bounded) {
+    const double gap = gap_between(lower, higher, in_lower);
+    if (gap > margin) {
+      set_apart(entry, margin, gap);
+      return;
+    }
   }
   Manifold fresh;
   fresh.axis = contact.axis;
   const Narrowphase by = collide(lower, higher, in_lower, margin, fresh);
+  if (fresh.count == 0 && bounded) {
+    counts_.fcl_calls += by == Narrowphase::Fcl;
+    set_apart(entry, margin, fresh.gap);
+    return;
+  }
   if (fresh.count > 0 && higher.kind == ShapeKind::Sphere && !contact.placed) {
     meet_at_impact(lower.radius, higher.radius, in_lower, first.orientation.conjugate() * shift_between(contact),
                    fresh);
@@ -402,6 +466,12 @@ void ContactUpdate::add_touching(const ContactCache& cache, std::span<const std:
 
 void update_contacts(ContactCache& cache, const Broadphase& broadphase, const ContactUpdateInput& input,
                      jobs::Arena& arena, ContactUpdate& update) {
+  // A body that isn't active moves only by being put elsewhere, and its boxes with it.
+  update.turns.follow(input.active_bodies, input.active.size(), input.poses, arena);
+  for (const std::uint32_t shape : broadphase.moved()) {
+    const std::uint32_t body = input.colliders.body[shape];
+    if (body < input.active.size() && !input.active[body]) update.turns.follow(body, input.poses);
+  }
   const std::size_t count = cache.order.size();
   const std::size_t chunk_count = jobs::Arena::chunk_count(count, grain);
   update.touching_changed = update.added_to_ || update.chunks_.size() != chunk_count;
@@ -413,7 +483,7 @@ void update_contacts(ContactCache& cache, const Broadphase& broadphase, const Co
     ContactUpdate::Chunk& chunk = update.chunks_[begin / grain];
     const std::span<TouchingPair> place =
         std::span(update.by_chunk_).subspan(begin / grain * longest_stretch, longest_stretch);
-    Stretch stretch(cache, broadphase, input);
+    Stretch stretch(cache, broadphase, input, update.turns);
     const Stretch::Result result = stretch.run(begin, end, update.status.data(), place);
     chunk.changed = result.changed || result.touching != chunk.touching;
     chunk.touching = result.touching;

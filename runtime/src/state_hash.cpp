@@ -61,6 +61,12 @@ void add_contact(Hash& hash, const collision::Contact& contact, const collision:
   hash.add(std::uint64_t{contact.axis} << 32 | std::uint64_t{contact.count} << 16 | std::uint64_t{contact.part} << 8 |
            std::uint64_t{contact.reference_is_second});
   hash.add(contact.margin);
+  hash.add(contact.gap);
+  if (contact.gap > 0) {
+    hash.add(contact.lever);
+    hash.add_all(contact.apart_from);
+    hash.add(contact.turned);
+  }
   hash.add(contact.tolerance);
   for (std::size_t i = 0; i < contact.count; ++i) {
     hash.add(contact.ids[i]);

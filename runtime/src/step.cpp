@@ -68,8 +68,13 @@ bool World::Impl::update_active_bodies() {
 
 void World::Impl::update_contacts() {
   note_reaches();
-  const collision::ContactUpdateInput input{
-      colliders, {bodies.positions.data(), bodies.orientations.data()}, records.dynamic, reaches_, *refresh_kernels};
+  const collision::ContactUpdateInput input{.colliders = colliders,
+                                            .poses = {bodies.positions.data(), bodies.orientations.data()},
+                                            .dynamic = records.dynamic,
+                                            .active = active_.flags(),
+                                            .active_bodies = active_.in_order(),
+                                            .reaches = reaches_,
+                                            .kernels = *refresh_kernels};
   collision::update_contacts(cache, broadphase, input, arena, contact_update_);
   broadphase.forget_moves();
   const collision::ContactUpdateCounts& counts = contact_update_.counts;

@@ -1,6 +1,7 @@
 // Continuous collision: bodies that moved far in a step are put back to where they first met something in their
 // way, so that the next step finds the contact. They keep their velocity. Only these bodies cost anything.
 
+#include <collision/convex.h>
 #include <collision/sweep.h>
 
 #include <algorithm>
@@ -39,6 +40,20 @@ Core core_of(const collision::Shape& shape) {
     default:
       return {collision::Shape::sphere(shape.inner_radius - off), collision::mass_properties(shape).centre};
   }
+}
+
+// Two solids at the start of a step that can't meet in it: the plane across the line of their centres keeps them
+// apart, where the surfaces come towards each other by `closing` at most, of which `shift` (of the first against the
+// second) is known by its direction.
+bool pass_by(const collision::Shape& first, const collision::Pose& at_first, const collision::Shape& second,
+             const collision::Pose& at_second, const Vector3& shift, double closing, double goal) {
+  const Vector3 between = at_second.position - at_first.position;
+  const double distance = between.norm();
+  if (!(distance > 0)) return false;
+  const Vector3 direction = between / distance;
+  const double gap = distance - collision::reach_along(first, at_first.orientation.conjugate() * direction) -
+                     collision::reach_along(second, -(at_second.orientation.conjugate() * direction));
+  return gap - goal > closing - shift.norm() + std::max(0.0, shift.dot(direction));
 }
 
 collision::Pose to_collision(const solver::BodyPose& pose) { return {pose.position, pose.orientation}; }
@@ -90,16 +105,29 @@ double World::Impl::closing_distance(const solver::FastBody& fast, std::uint32_t
 
 double World::Impl::first_hit(const solver::FastBody& fast, std::vector<std::uint32_t>& nearby) const {
   double first = 1;
+  const collision::PoseView poses{bodies.positions.data(), bodies.orientations.data()};
   nearby.clear();
   broadphase.query_box(swept_box(fast), [&](std::uint32_t other) { nearby.push_back(other); });
   std::sort(nearby.begin(), nearby.end());
   for_each_collider(fast.body, [&](std::uint32_t collider) {
     const collision::Shape& shape = colliders.shape[collider];
     const Motion motion = step_motion(collider, Vector3::Zero());
+    const Vector3 own_shift = bodies.position(fast.body) - fast.start.position;
     for (const std::uint32_t other : nearby) {
       if (other == collider || !broadphase.allowed(collider, other)) continue;
       const double size = std::min(shape.inner_radius, colliders.shape[other].inner_radius);
-      if (closing_distance(fast, colliders.body[other]) <= collision::approach_share * size) continue;
+      const double closing = closing_distance(fast, colliders.body[other]);
+      if (closing <= collision::approach_share * size) continue;
+      // Before the look-up in the cache, as most of what is near is passed by.
+      if (collision::is_convex_solid(colliders.shape[other].kind)) {
+        const std::uint32_t body = colliders.body[other];
+        const solver::FastBody* moved = find_fast(body);
+        const collision::Pose at =
+            moved ? placed(to_collision(moved->start), colliders.local[other]) : colliders.pose(other, poses);
+        const Vector3 shift = moved ? Vector3(own_shift - (bodies.position(body) - moved->start.position)) : own_shift;
+        const double goal = (stop_share + 1e-3) * size;
+        if (pass_by(shape, motion.start, colliders.shape[other], at, shift, closing, goal)) continue;
+      }
       const Motion other_motion = step_motion(other, Vector3::Zero());
       collision::SweepHit hit;
       if (!cache.touches(collision::Pair::of(collider, other))) {

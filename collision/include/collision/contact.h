@@ -42,11 +42,25 @@ struct Tangents {
 Tangents tangents(const float normal[3]);
 
 /// A pair and what its last manifold looked like, in the frames of its shapes, so that separations can follow
-/// small motion in closed form. "Incident" and "reference" as in Manifold. Rows of four floats are for kernels.
-struct alignas(16) Contact {
+/// small motion in closed form. "Incident" and "reference" as in Manifold. Rows of four floats are for kernels. The
+/// first cache line is all that is read of a pair that stays apart.
+struct alignas(64) Contact {
   Pair pair;  ///< colliders
   std::uint32_t body_first = 0;
   std::uint32_t body_second = 0;
+  float size = 0;  ///< m, inner radius of the smaller shape: tolerances are parts of it
+  bool reference_is_second = false;
+  std::uint8_t count = 0;
+  /// Of a solid and a surface: which of the pair's contacts this is. They stand in a row, each with a normal of
+  /// its own, and those not needed have no points.
+  std::uint8_t part = 0;
+  bool placed = false;  ///< a shape of it isn't at its body's centre of mass, or turned
+  /// Of two solids found apart: m, how far, at least. Else 0. The next three say where they were then.
+  float gap = 0;
+  float lever = 0;                        ///< m, no point of a shape is farther from its body's centre of mass
+  std::array<double, 3> apart_from = {};  ///< m, world: centre of mass of the second body from the first's
+  double turned = 0;                      ///< sum of the bodies' BodyTurns
+
   std::array<float, 4> orientation = {};  ///< x, y, z, w of incident in reference, at capture
   std::array<float, 3> normal = {};       ///< reference frame
   float margin = -1;                      ///< m, speculative at capture; -1 before the first
@@ -56,16 +70,10 @@ struct alignas(16) Contact {
   std::array<double, 3> centre_incident = {};
   std::array<double, 3> centre_reference = {};  ///< m, the same point in the reference frame, at capture
   std::array<FeatureId, max_points> ids = {};
-  float size = 0;       ///< m, inner radius of the smaller shape: tolerances are parts of it
   float tolerance = 0;  ///< how far the pair may drift, as part of the size, and turn, rad, before it is found anew
   std::uint32_t axis = 0;
-  bool reference_is_second = false;
-  std::uint8_t count = 0;
-  /// Of a solid and a surface: which of the pair's contacts this is. They stand in a row, each with a normal of
-  /// its own, and those not needed have no points.
-  std::uint8_t part = 0;
-  bool placed = false;  ///< a shape of it isn't at its body's centre of mass, or turned
 };
+static_assert(sizeof(Contact) == 256);
 
 /// Stores a fresh manifold, which may have no points, found with the given margin. What it replaces is lost:
 /// match impulses before. `incident` is the pose of the incident shape in the frame of the reference. `tolerance` is

@@ -85,7 +85,10 @@ class ContactCache {
   void link(std::uint32_t slot);
   void release(std::uint32_t slot);
   void merge_into_order();
+  void drop_inactive();
+  std::size_t first_entry_of(Pair pair) const;
 
+  std::vector<std::uint64_t> keys_;       // of the pairs in `order`: to search them needn't touch contacts
   std::vector<State> state_;              // by slot
   std::vector<Link> links_;               // by end
   std::vector<std::uint32_t> first_end_;  // by body
@@ -120,15 +123,10 @@ void ContactCache::add(std::span<const Pair> fresh, const StartOf& start_of) {
 
 template <typename Gone>
 void ContactCache::remove_if(const Gone& gone) {
-  std::size_t kept = 0;
   for (const std::uint32_t slot : order) {
-    if (gone(slot)) {
-      release(slot);
-    } else {
-      order[kept++] = slot;
-    }
+    if (gone(slot)) release(slot);
   }
-  order.resize(kept);
+  drop_inactive();
 }
 
 template <typename Visit>

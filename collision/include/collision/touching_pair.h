@@ -10,8 +10,6 @@ struct TouchingPair {
   std::uint32_t first;
   std::uint32_t second;
   std::uint32_t slot;
-
-  friend bool operator==(const TouchingPair&, const TouchingPair&) = default;
 };
 
 }  // namespace atl::collision

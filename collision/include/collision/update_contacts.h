@@ -1,5 +1,6 @@
 #pragma once
 
+#include <collision/body_turns.h>
 #include <collision/broadphase.h>
 #include <collision/collider_table.h>
 #include <collision/contact_cache.h>
@@ -15,9 +16,11 @@ namespace atl::collision {
 
 struct ContactUpdateInput {
   const ColliderTable& colliders;
-  PoseView poses;                         ///< of bodies
-  std::span<const std::uint8_t> dynamic;  ///< by body: 1 if contacts move it
-  std::span<const StepReach> reaches;     ///< by body: in this step, at its present velocity
+  PoseView poses;                                ///< of bodies
+  std::span<const std::uint8_t> dynamic;         ///< by body: 1 if contacts move it
+  std::span<const std::uint8_t> active;          ///< by body: 1 if it may move in this step
+  std::span<const std::uint32_t> active_bodies;  ///< these, in order
+  std::span<const StepReach> reaches;            ///< by body: in this step, at its present velocity
   const RefreshKernels& kernels;
 };
 
@@ -45,6 +48,7 @@ class ContactUpdate {
  public:
   std::vector<ContactStatus> status;  ///< that of cache.order[i] at i
   ContactUpdateCounts counts;
+  BodyTurns turns;                     ///< of all bodies, carried on from step to step
   std::vector<TouchingPair> touching;  ///< in order
   bool touching_changed = false;       ///< it is not what it was after the update before
 

@@ -1,0 +1,195 @@
+// Pairs found apart are left alone for as long as motion can't have brought them together, and no longer.
+
+#include <collision/body_turns.h>
+#include <collision/collide.h>
+#include <collision/update_contacts.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <numbers>
+#include <span>
+#include <vector>
+
+#include "random.h"
+
+namespace atl::collision {
+namespace {
+
+using test::Random;
+
+const RefreshKernels& any_kernels() {
+  for (const char* name : {"avx512", "avx2", "sse4", "neon", "portable"}) {
+    if (const RefreshKernels* found = find_refresh_kernels(name)) return *found;
+  }
+  ADD_FAILURE() << "no kernels";
+  std::abort();
+}
+
+// Two bodies of one shape each, whose fat boxes always overlap.
+struct TwoBodies {
+  TwoBodies(const Shape& first, const Shape& second, const Pose& local) {
+    const std::array<const Shape*, 2> shapes = {&first, &second};
+    for (std::uint32_t body = 0; body < 2; ++body) {
+      colliders.add(body, 0, *shapes[body], local);
+      broadphase.add_box(body, everywhere, false);
+    }
+    const Pair pair{0, 1};
+    const auto size = static_cast<float>(std::min(first.inner_radius, second.inner_radius));
+    cache.set_active(both, {});
+    cache.add(std::span(&pair, 1),
+              [&](Pair) { return ContactCache::Start{0, 1, 0.5f, 0, size, colliders.placed[0] != 0, 1}; });
+    update();
+  }
+
+  void put(std::size_t body, const Vector3& position, const Quaternion& orientation) {
+    for (std::size_t i = 0; i < 3; ++i) positions[3 * body + i] = position[static_cast<Eigen::Index>(i)];
+    for (std::size_t i = 0; i < 4; ++i) {
+      orientations[4 * body + i] = orientation.coeffs()[static_cast<Eigen::Index>(i)];
+    }
+  }
+
+  PoseView poses() const { return {positions.data(), orientations.data()}; }
+
+  void update() {
+    update_contacts(cache, broadphase, {colliders, poses(), active, active, both, reaches, any_kernels()}, arena,
+                    result);
+    broadphase.forget_moves();
+  }
+
+  bool found_touching() const { return cache.contacts[0].count > 0; }
+
+  // Whether the narrowphase finds points at this part of the margin.
+  bool touching(double share) const {
+    const bool swap = colliders.shape[1].kind < colliders.shape[0].kind;
+    const std::uint32_t lower = swap ? 1 : 0;
+    const Pose second = relative(colliders.pose(lower, poses()), colliders.pose(1 - lower, poses()));
+    const double margin = speculative_margin(static_cast<double>(cache.contacts[0].size), 0);
+    Manifold manifold;
+    collide(colliders.shape[lower], colliders.shape[1 - lower], second, share * margin, manifold);
+    return manifold.count > 0;
+  }
+
+  static inline const Aabb everywhere = Aabb::around(Vector3::Constant(-100), Vector3::Constant(100));
+  ColliderTable colliders;
+  std::array<double, 6> positions = {0, 0, 0, 10, 0, 0};
+  std::array<double, 8> orientations = {0, 0, 0, 1, 0, 0, 0, 1};
+  static constexpr std::array<std::uint32_t, 2> both = {0, 1};
+  std::array<std::uint8_t, 2> active = {1, 1};
+  std::array<StepReach, 2> reaches = {};
+  Broadphase broadphase;
+  ContactCache cache;
+  jobs::Arena arena{1};
+  ContactUpdate result;
+};
+
+const Pose centred{Vector3::Zero(), Quaternion::Identity()};
+
+TEST(Apart, NoneThatComesWithinTheMarginIsMissed) {
+  Random random(7);
+  const std::vector<Shape> shapes = {Shape::box({0.2, 0.5, 1.5}), Shape::capsule(0.2, 1), Shape::cylinder(0.6, 0.3)};
+  int touching = 0;
+  std::int64_t kept = 0;
+  for (int run = 0; run < 60; ++run) {
+    const Pose local = random.chance(0.5) ? centred : Pose{random.vector(0.7), random.rotation()};
+    TwoBodies bodies(shapes[random.below(3)], shapes[random.below(3)], local);
+    std::array<Vector3, 2> at = {random.vector(1.5), random.vector(1.5)};
+    std::array<Quaternion, 2> turned = {random.rotation(), random.rotation()};
+    const double pace = random.magnitude(1e-3, 0.3);
+    for (int step = 0; step < 100; ++step) {
+      for (std::size_t body = 0; body < 2; ++body) {
+        at[body] = 0.98 * (at[body] + random.vector(pace));
+        turned[body] = (random.rotation(pace) * turned[body]).normalized();
+        bodies.put(body, at[body], turned[body]);
+      }
+      bodies.update();
+      kept += bodies.found_touching() ? 0 : bodies.result.counts.kept;
+      if (!bodies.touching(0.5)) continue;
+      ++touching;
+      ASSERT_TRUE(bodies.found_touching()) << "run " << run << ", step " << step;
+    }
+  }
+  // Both happen.
+  EXPECT_GT(touching, 100);
+  EXPECT_GT(kept, 100);
+}
+
+// The boxes' centres stay where they are, and the second's longest axis comes round.
+TEST(Apart, TurningAloneEndsIt) {
+  TwoBodies bodies(Shape::box(Vector3::Constant(0.5)), Shape::box({0.25, 2, 0.25}), centred);
+  const Vector3 beside(1.5, 0, 0);
+  bodies.put(1, beside, Quaternion::Identity());
+  bodies.update();
+  ASSERT_FALSE(bodies.found_touching());
+  for (int degrees = 1; degrees <= 90; ++degrees) {
+    const double half = degrees * std::numbers::pi / 360;
+    bodies.put(1, beside, {std::cos(half), 0, 0, std::sin(half)});
+    bodies.update();
+    if (bodies.touching(0.5)) break;
+  }
+  EXPECT_TRUE(bodies.touching(0.5));
+  EXPECT_TRUE(bodies.found_touching());
+}
+
+// What is at rest and is put elsewhere turns as well, though it isn't active, and though nobody looks that step.
+TEST(Apart, ABodyAtRestThatIsTurnedByHandIsSeen) {
+  TwoBodies bodies(Shape::box(Vector3::Constant(0.5)), Shape::box({0.25, 2, 0.25}), centred);
+  const Vector3 beside(1.5, 0, 0);
+  bodies.put(1, beside, Quaternion::Identity());
+  bodies.update();
+  ASSERT_FALSE(bodies.found_touching());
+  bodies.active = {0, 0};
+  const double half = std::numbers::pi / 4;
+  bodies.put(1, beside, {std::cos(half), 0, 0, std::sin(half)});
+  bodies.broadphase.move_box(1, TwoBodies::everywhere);
+  bodies.update();
+  bodies.active = {1, 0};
+  bodies.update();
+  EXPECT_TRUE(bodies.found_touching());
+}
+
+// Together through space, as boxes that fall side by side: nothing is asked anew.
+TEST(Apart, MovingTogetherCostsNothing) {
+  TwoBodies bodies(Shape::box(Vector3::Constant(0.5)), Shape::box(Vector3::Constant(0.5)), centred);
+  for (int step = 0; step < 20; ++step) {
+    const Vector3 fallen(0, 0, -0.3 * step);
+    bodies.put(0, fallen, Quaternion::Identity());
+    bodies.put(1, fallen + 1.2 * Vector3::UnitX(), Quaternion::Identity());
+    bodies.update();
+    EXPECT_EQ(bodies.result.counts.kept, 1) << "step " << step;
+    EXPECT_EQ(bodies.result.counts.fcl_calls, 0);
+  }
+}
+
+TEST(Apart, AnOdometerOfTurnsBoundsHowFarAnyPointGot) {
+  Random random(11);
+  for (int run = 0; run < 50; ++run) {
+    const double pace = random.magnitude(1e-4, 3);
+    const Quaternion start = random.rotation();
+    const Vector3 point = random.direction();
+    Quaternion now = start;
+    const std::vector<std::uint32_t> body = {0};
+    const std::array<double, 3> origin = {0, 0, 0};
+    jobs::Arena arena(1);
+    BodyTurns turns;
+    double farthest = 0;
+    double way = 0;
+    turns.follow(body, 1, {origin.data(), now.coeffs().data()}, arena);
+    const double before = turns[0];
+    for (int step = 0; step < 20; ++step) {
+      const Quaternion last = now;
+      now = (random.rotation(pace) * now).normalized();
+      turns.follow(body, 1, {origin.data(), now.coeffs().data()}, arena);
+      farthest = std::max(farthest, (now * point - start * point).norm());
+      way += 2 * (last.conjugate() * now).vec().norm();
+    }
+    EXPECT_GE(turns[0] - before, farthest - 1e-12);
+    EXPECT_NEAR(turns[0] - before, way, 1e-12);
+  }
+}
+
+}  // namespace
+}  // namespace atl::collision
