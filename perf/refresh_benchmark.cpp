@@ -4,7 +4,6 @@
 #include <collision/update_contacts.h>
 #include <solver/kernels.h>
 
-#include <numeric>
 #include <vector>
 
 namespace {
@@ -19,9 +18,8 @@ struct Columns {
         add({2.0 * (column % 64), 2.0 * (column / 64), 0.9999 * level}, level);
       }
     }
-    active.assign(colliders.size(), 1);
-    bodies.resize(colliders.size());
-    std::iota(bodies.begin(), bodies.end(), 0u);
+    dynamic.assign(colliders.size(), 1);
+    turned.assign(colliders.size(), 0.0);
     reaches.assign(colliders.size(), StepReach{});
   }
 
@@ -42,15 +40,15 @@ struct Columns {
 
   ContactUpdateCounts update(const RefreshKernels& kernels) {
     const PoseView poses{positions.data(), orientations.data()};
-    update_contacts(cache, broadphase, {colliders, poses, active, active, bodies, reaches, kernels}, arena, result);
+    update_contacts(cache, broadphase, {colliders, poses, dynamic, turned, reaches, kernels}, arena, result);
     return result.counts;
   }
 
   ColliderTable colliders;
   std::vector<double> positions;
   std::vector<double> orientations;
-  std::vector<std::uint8_t> active;
-  std::vector<std::uint32_t> bodies;
+  std::vector<std::uint8_t> dynamic;
+  std::vector<double> turned;
   std::vector<StepReach> reaches;
   Broadphase broadphase;
   ContactCache cache;

@@ -34,8 +34,8 @@ alignas(16) constexpr std::array<float, 4> no_offset = {};
 // The update of a stretch of the cache's order, on one thread.
 class Stretch {
  public:
-  Stretch(ContactCache& cache, const Broadphase& broadphase, const ContactUpdateInput& input, const BodyTurns& turns)
-      : cache_(cache), broadphase_(broadphase), input_(input), turns_(turns) {}
+  Stretch(ContactCache& cache, const Broadphase& broadphase, const ContactUpdateInput& input)
+      : cache_(cache), broadphase_(broadphase), input_(input) {}
 
   // Writes those that touch to `touching`, over those of the last update.
   struct Result {
@@ -74,7 +74,6 @@ class Stretch {
   ContactCache& cache_;
   const Broadphase& broadphase_;
   const ContactUpdateInput& input_;
-  const BodyTurns& turns_;
   ContactStatus* status_ = nullptr;
   ContactUpdateCounts counts_;
   RefreshBlock block_;
@@ -206,7 +205,7 @@ bool Stretch::still_apart(const Contact& contact) const {
   const Eigen::Map<const Vector3> second(input_.poses.positions + 3 * std::size_t{contact.body_second});
   const Eigen::Map<const Vector3> from(contact.apart_from.data());
   const double moved = (second - first - from).norm();
-  const double turned = turns_[contact.body_first] + turns_[contact.body_second] - contact.turned;
+  const double turned = input_.turned[contact.body_first] + input_.turned[contact.body_second] - contact.turned;
   const double left = static_cast<double>(contact.gap) - moved - static_cast<double>(contact.lever) * turned;
   return left > speculative_margin(static_cast<double>(contact.size), any_approach) || left > margin_of(contact);
 }
@@ -328,7 +327,7 @@ void Stretch::set_apart(std::size_t entry, double margin, double gap) {
   contact.lever = static_cast<float>(std::max(lever(contact.pair.first), lever(contact.pair.second)));
   const Vector3 between = input_.poses[contact.body_second].position - input_.poses[contact.body_first].position;
   Eigen::Map<Vector3>(contact.apart_from.data()) = between;
-  contact.turned = turns_[contact.body_first] + turns_[contact.body_second];
+  contact.turned = input_.turned[contact.body_first] + input_.turned[contact.body_second];
   status_[entry] = ContactStatus::Apart;
 }
 
@@ -466,12 +465,6 @@ void ContactUpdate::add_touching(const ContactCache& cache, std::span<const std:
 
 void update_contacts(ContactCache& cache, const Broadphase& broadphase, const ContactUpdateInput& input,
                      jobs::Arena& arena, ContactUpdate& update) {
-  // A body that isn't active moves only by being put elsewhere, and its boxes with it.
-  update.turns.follow(input.active_bodies, input.active.size(), input.poses, arena);
-  for (const std::uint32_t shape : broadphase.moved()) {
-    const std::uint32_t body = input.colliders.body[shape];
-    if (body < input.active.size() && !input.active[body]) update.turns.follow(body, input.poses);
-  }
   const std::size_t count = cache.order.size();
   const std::size_t chunk_count = jobs::Arena::chunk_count(count, grain);
   update.touching_changed = update.added_to_ || update.chunks_.size() != chunk_count;
@@ -483,7 +476,7 @@ void update_contacts(ContactCache& cache, const Broadphase& broadphase, const Co
     ContactUpdate::Chunk& chunk = update.chunks_[begin / grain];
     const std::span<TouchingPair> place =
         std::span(update.by_chunk_).subspan(begin / grain * longest_stretch, longest_stretch);
-    Stretch stretch(cache, broadphase, input, update.turns);
+    Stretch stretch(cache, broadphase, input);
     const Stretch::Result result = stretch.run(begin, end, update.status.data(), place);
     chunk.changed = result.changed || result.touching != chunk.touching;
     chunk.touching = result.touching;

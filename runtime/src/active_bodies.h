@@ -15,7 +15,6 @@ class ActiveBodies {
   void resize(std::size_t count) { active_.resize(count, 0); }
   bool contains(std::uint32_t body) const { return active_[body] != 0; }
   std::span<const std::uint32_t> in_order() const { return bodies_; }
-  std::span<const std::uint8_t> flags() const { return active_; }  ///< by body: 1 for the active ones
 
   /// Asks may_move(body) of bodies for which it may have changed, named in any order and any number of times. Returns
   /// whether it has for some.

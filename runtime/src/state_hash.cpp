@@ -104,6 +104,7 @@ std::uint64_t World::Impl::state_hash() const {
   hash.add_all(sleeping.awake);
   hash.add_all(sleeping.rest_time);
   hash.add_all(sleeping.ring);
+  hash.add_all(bodies.turned);
   hash.add_all(bodies.slack);
   hash.add_all(bodies.outgrown);
   hash.add_all(stretch_);

@@ -71,8 +71,7 @@ void World::Impl::update_contacts() {
   const collision::ContactUpdateInput input{.colliders = colliders,
                                             .poses = {bodies.positions.data(), bodies.orientations.data()},
                                             .dynamic = records.dynamic,
-                                            .active = active_.flags(),
-                                            .active_bodies = active_.in_order(),
+                                            .turned = bodies.turned,
                                             .reaches = reaches_,
                                             .kernels = *refresh_kernels};
   collision::update_contacts(cache, broadphase, input, arena, contact_update_);

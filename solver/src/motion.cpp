@@ -8,7 +8,9 @@ void note_motion(BodyTable& bodies, std::uint32_t body, const BodyPose& start, d
   const double radius = bodies.radius[body];
   // A point turns along a chord of 2 r sin(angle / 2), and the sine is the length of the quaternion's vector.
   const Quaternion turn = start.orientation.conjugate() * bodies.orientation(body);
-  const double moved = (bodies.position(body) - start.position).norm() + 2 * radius * turn.vec().norm();
+  const double chord = 2 * turn.vec().norm();
+  const double moved = (bodies.position(body) - start.position).norm() + radius * chord;
+  bodies.turned[body] += chord;
   bodies.slack[body] -= moved;
   const double next = (bodies.velocity(body).norm() + bodies.angular_velocity(body).norm() * radius) * dt;
   // Written so that a body which is no longer finite is looked at, and found out.

@@ -45,8 +45,6 @@ class Broadphase {
   bool is_half_space(std::uint32_t shape) const { return proxies_[shape].kind == Kind::HalfSpace; }
   /// Whether a shape got a new fat box or filter (or was added) since the last forget_moves().
   bool has_moved(std::uint32_t shape) const { return (flags_[shape] & moved_flag) != 0; }
-  /// These shapes, some of which may have been removed since.
-  std::span<const std::uint32_t> moved() const { return moved_; }
   /// Whether two shapes may meet and their fat boxes overlap. Only a pair with a shape that moved can change.
   bool overlap(std::uint32_t a, std::uint32_t b) const;
 

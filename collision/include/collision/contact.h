@@ -59,7 +59,7 @@ struct alignas(64) Contact {
   float gap = 0;
   float lever = 0;                        ///< m, no point of a shape is farther from its body's centre of mass
   std::array<double, 3> apart_from = {};  ///< m, world: centre of mass of the second body from the first's
-  double turned = 0;                      ///< sum of the bodies' BodyTurns
+  double turned = 0;                      ///< sum of how much the bodies had turned in all
 
   std::array<float, 4> orientation = {};  ///< x, y, z, w of incident in reference, at capture
   std::array<float, 3> normal = {};       ///< reference frame

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <collision/body_turns.h>
 #include <collision/broadphase.h>
 #include <collision/collider_table.h>
 #include <collision/contact_cache.h>
@@ -16,11 +15,12 @@ namespace atl::collision {
 
 struct ContactUpdateInput {
   const ColliderTable& colliders;
-  PoseView poses;                                ///< of bodies
-  std::span<const std::uint8_t> dynamic;         ///< by body: 1 if contacts move it
-  std::span<const std::uint8_t> active;          ///< by body: 1 if it may move in this step
-  std::span<const std::uint32_t> active_bodies;  ///< these, in order
-  std::span<const StepReach> reaches;            ///< by body: in this step, at its present velocity
+  PoseView poses;                         ///< of bodies
+  std::span<const std::uint8_t> dynamic;  ///< by body: 1 if contacts move it
+  /// By body: how much it has turned in all, as the sum of the chords 2 sin(angle / 2) of its turns, an odometer. What
+  /// that differs by bounds how far a point 1 m from the origin got by turning.
+  std::span<const double> turned;
+  std::span<const StepReach> reaches;  ///< by body: in this step, at its present velocity
   const RefreshKernels& kernels;
 };
 
@@ -48,7 +48,6 @@ class ContactUpdate {
  public:
   std::vector<ContactStatus> status;  ///< that of cache.order[i] at i
   ContactUpdateCounts counts;
-  BodyTurns turns;                     ///< of all bodies, carried on from step to step
   std::vector<TouchingPair> touching;  ///< in order
   bool touching_changed = false;       ///< it is not what it was after the update before
 

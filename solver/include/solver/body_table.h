@@ -48,6 +48,7 @@ struct BodyTable {
 
   // How far bodies get, kept up to date as they move, so that what asks for it needn't look at all of them.
   std::vector<double> radius;          ///< m, of the shapes about the centre of mass; 0 where unbounded
+  std::vector<double> turned;          ///< sum of all turns' chords 2 sin(angle / 2): an odometer
   std::vector<double> slack;           ///< m that the surface may still move before its bounds must be looked at
   std::vector<double> reach_limit;     ///< m: no more reach in a step than this counts against the slack
   std::vector<double> sweep_distance;  ///< m: who moves farther in a step may have passed through something
@@ -96,6 +97,7 @@ inline void BodyTable::resize(std::size_t count) {
   linear_damping.resize(count, 0.0);
   angular_damping.resize(count, 0.0);
   radius.resize(count, 0.0);
+  turned.resize(count, 0.0);
   slack.resize(count, 0.0);
   reach_limit.resize(count, 0.0);
   sweep_distance.resize(count, 0.0);
