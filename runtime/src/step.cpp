@@ -214,12 +214,15 @@ void World::Impl::finish() {
   counts.asleep = sleeping.asleep;
 }
 
-// However slow a belt runs, what lies on it is not at rest.
+// However slow a belt runs, what it carries is not at rest; what it slips under may be.
 void World::Impl::keep_belts_awake() {
   for (const solver::TouchingPair& pair : touching_) {
-    if (bodies.surfaces[pair.first].velocity.isZero(0) && bodies.surfaces[pair.second].velocity.isZero(0)) continue;
-    sleeping.rest_time[pair.first] = 0;
-    sleeping.rest_time[pair.second] = 0;
+    const double belt =
+        std::max(bodies.surfaces[pair.first].velocity.norm(), bodies.surfaces[pair.second].velocity.norm());
+    if (belt == 0) continue;
+    for (const std::uint32_t body : {pair.first, pair.second}) {
+      if (bodies.velocity(body).norm() > 0.5 * belt) sleeping.rest_time[body] = 0;
+    }
   }
 }
 

@@ -153,7 +153,7 @@ double World::Impl::first_hit(const solver::FastBody& fast, std::vector<std::uin
 void World::Impl::sweep_fast_bodies() {
   fast_in_order_.clear();
   fast_.for_each([this](std::vector<solver::FastBody>& of_worker) {
-    fast_in_order_.insert(fast_in_order_.end(), of_worker.begin(), of_worker.end());
+    for (const solver::FastBody& fast : of_worker) fast_in_order_.push_back(fast);  // grows by more than it needs
     of_worker.clear();
   });
   if (fast_in_order_.empty()) return;
@@ -174,7 +174,8 @@ void World::Impl::sweep_fast_bodies() {
     });
     if (rushed) rushed_.push_back(fast.body);
   }
-  first_hits_.assign(fast_in_order_.size(), 1.0);
+  first_hits_.resize(fast_in_order_.size());
+  std::fill(first_hits_.begin(), first_hits_.end(), 1.0);
   arena.parallel_for(fast_in_order_.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       if (!is_finite(fast_in_order_[i].body)) continue;

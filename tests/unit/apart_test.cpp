@@ -135,23 +135,6 @@ TEST(Apart, TurningAloneEndsIt) {
   EXPECT_TRUE(bodies.found_touching());
 }
 
-// What is at rest and is put elsewhere turns as well, though it isn't active, and though nobody looks that step.
-TEST(Apart, ABodyAtRestThatIsTurnedByHandIsSeen) {
-  TwoBodies bodies(Shape::box(Vector3::Constant(0.5)), Shape::box({0.25, 2, 0.25}), centred);
-  const Vector3 beside(1.5, 0, 0);
-  bodies.put(1, beside, Quaternion::Identity());
-  bodies.update();
-  ASSERT_FALSE(bodies.found_touching());
-  bodies.active = {0, 0};
-  const double half = std::numbers::pi / 4;
-  bodies.put(1, beside, {std::cos(half), 0, 0, std::sin(half)});
-  bodies.broadphase.move_box(1, TwoBodies::everywhere);
-  bodies.update();
-  bodies.active = {1, 0};
-  bodies.update();
-  EXPECT_TRUE(bodies.found_touching());
-}
-
 // Together through space, as boxes that fall side by side: nothing is asked anew.
 TEST(Apart, MovingTogetherCostsNothing) {
   TwoBodies bodies(Shape::box(Vector3::Constant(0.5)), Shape::box(Vector3::Constant(0.5)), centred);

@@ -13,7 +13,7 @@ namespace {
 constexpr double g = 9.81;  // m/s^2
 
 TEST(ClosedForm, SaysWhatItMeasures) {
-  ASSERT_EQ(closed_form_scenes().size(), 15u);
+  ASSERT_EQ(closed_form_scenes().size(), 17u);
   for (const std::string& name : closed_form_scenes()) {
     const Scene scene = load_scene(name);
     EXPECT_FALSE(scene.closed_form->metric.empty()) << name;

@@ -17,7 +17,7 @@ TEST(Motion, AnOdometerOfTurnsBoundsHowFarAnyPointGot) {
   for (int run = 0; run < 50; ++run) {
     BodyTable bodies;
     bodies.resize(1);
-    FastBodies fast;
+    FastBodies fast(1);
     const double pace = random.magnitude(1e-4, 3);
     const Quaternion start = random.rotation();
     const Vector3 point = random.direction();

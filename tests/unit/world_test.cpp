@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <numbers>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -300,6 +302,22 @@ TEST(World, MoveTakesTheBodiesAlong) {
   EXPECT_EQ(other.body_count(), 1u);
   other.step(dt);
   EXPECT_LT(other.pose(id).position.z(), 5);
+}
+
+// A pair that was found apart is left alone until something moves. Turning by hand is moving.
+TEST(World, TurningARestingBodyByHandIntoAnotherIsSeen) {
+  World world({.gravity = Vector3::Zero(), .settings = {.contact_events = true}});
+  world.add_body({.shape = Box{.half_extents = {0.5, 0.5, 0.5}}});
+  const Pose beside{.position = {1.4, 0, 0}};
+  const BodyId bar = world.add_body(
+      {.type = BodyType::Static, .shape = Box{.half_extents = {0.25, 2, 0.25}}, .position = beside.position});
+  for (int i = 0; i < 3; ++i) world.step(1.0 / 60);
+  ASSERT_TRUE(world.contact_events().empty());
+  const double half_turn = std::numbers::pi / 4;  // of a right angle
+  world.set_pose(bar, {.position = beside.position, .orientation = {std::cos(half_turn), 0, 0, std::sin(half_turn)}});
+  world.step(1.0 / 60);
+  ASSERT_EQ(world.contact_events().size(), 1u);
+  EXPECT_TRUE(world.contact_events()[0].began);
 }
 
 }  // namespace

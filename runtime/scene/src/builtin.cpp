@@ -82,7 +82,7 @@ const std::vector<Entry>& entries() {
        &build_rolling_resistance},
       {{"torsion",
         "spinning balls and a box without other friction, until torsional friction stops them",
-        {{"spin", 3, 0.1, 20, false, "rad/s"}, {"torsional_friction", 0.01, 0.001, 0.1, false, "m"}}},
+        {{"spin", 2.5, 0.1, 20, false, "rad/s"}, {"torsional_friction", 0.01, 0.001, 0.1, false, "m"}}},
        &build_torsion},
       {{"incline-sphere",
         "spheres on a slope, with friction around what makes them roll",
