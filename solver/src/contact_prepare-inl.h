@@ -177,6 +177,7 @@ HWY_INLINE void put_on_line_of_centres(const SolverBodies& bodies, const Contact
 }
 
 inline void prepare(const ContactKernelData& data, std::size_t begin, std::size_t end) {
+  constexpr std::size_t ahead = 2;
   // What a lane without a contact reads.
   static constexpr collision::ContactManifold vacant = {
       {0, 0, 1},
@@ -193,6 +194,13 @@ inline void prepare(const ContactKernelData& data, std::size_t begin, std::size_
       0};
   for (std::size_t b = begin; b < end; ++b) {
     ContactBlock& block = data.blocks[b];
+    if (b + ahead < end) {
+      for (const std::int32_t slot : data.blocks[b + ahead].slot) {
+        const auto* manifold = reinterpret_cast<const char*>(data.manifolds + (slot < 0 ? 0 : slot));
+        __builtin_prefetch(manifold);
+        __builtin_prefetch(manifold + 64);
+      }
+    }
     for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
       const auto manifold_of = [&](std::size_t k) -> const collision::ContactManifold& {
         const std::int32_t slot = block.slot[lane + k];
