@@ -61,6 +61,7 @@ class Stretch {
   void set_apart(std::size_t entry, double margin, double gap);
   bool still_apart(const Contact& contact) const;
   void fetch_ahead(std::size_t entry) const;
+  void fetch_rest(std::uint32_t slot) const;
   void find_surface_parts(std::size_t entry);
   void replace(std::size_t entry, const Manifold& fresh, const Pose& incident, double margin);
   Vector3 shift_between(const Contact& contact) const;
@@ -188,8 +189,18 @@ void Stretch::add_to(Batch& batch, std::size_t entry, bool fresh) {
       return;
     }
   }
+  fetch_rest(cache_.order[entry]);
   batch.entries[batch.count++] = static_cast<std::uint32_t>(entry);
   if (batch.count == block_lanes) refresh(batch, fresh);
+}
+
+// What a refresh reads beside the first line of a contact, while its batch fills.
+void Stretch::fetch_rest(std::uint32_t slot) const {
+  constexpr std::size_t line = 64;
+  const auto* contact = reinterpret_cast<const char*>(&cache_.contacts[slot]);
+  for (std::size_t at = line; at < sizeof(Contact); at += line) __builtin_prefetch(contact + at);
+  const auto* manifold = reinterpret_cast<const char*>(&cache_.manifolds[slot]);
+  for (std::size_t at = 0; at < sizeof(ContactManifold); at += line) __builtin_prefetch(manifold + at);
 }
 
 // Slots are in no order: what is needed soon is asked of memory now.
