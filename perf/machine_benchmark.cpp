@@ -52,7 +52,7 @@ void arithmetic(benchmark::State& state) {
     multiply_and_add(values, factor, 1.0f, rounds);
     benchmark::DoNotOptimize(values);
   }
-  state.counters["flop/s"] = benchmark::Counter(2.0 * chains * rounds, benchmark::Counter::kIsIterationInvariantRate);
+  state.SetItemsProcessed(static_cast<std::int64_t>(2 * chains * rounds) * state.iterations());  // operations
 }
 
 // From the first-level cache to memory.
