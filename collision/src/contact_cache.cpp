@@ -16,6 +16,17 @@ void ContactCache::claim_body(std::uint32_t body) {
   first_end_.resize(body + std::size_t{1}, none);
 }
 
+// At once, as a scene starts with most of its contacts.
+void ContactCache::make_room_for(std::size_t count) {
+  const std::size_t needed = size() + count;
+  if (needed <= contacts.capacity()) return;
+  const std::size_t room = std::max(needed, 2 * contacts.capacity());
+  contacts.reserve(room);
+  manifolds.reserve(room);
+  state_.reserve(room);
+  links_.reserve(2 * room);
+}
+
 std::uint32_t ContactCache::claim_slot() {
   std::uint32_t slot;
   if (free_slots.empty()) {

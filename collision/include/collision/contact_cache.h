@@ -80,6 +80,7 @@ class ContactCache {
     return active_[contact.body_first] != 0 || active_[contact.body_second] != 0;
   }
   bool precedes(std::uint32_t a, std::uint32_t b) const;
+  void make_room_for(std::size_t count);
   void claim_body(std::uint32_t body);
   std::uint32_t claim_slot();
   void link(std::uint32_t slot);
@@ -101,6 +102,7 @@ class ContactCache {
 template <typename StartOf>
 void ContactCache::add(std::span<const Pair> fresh, const StartOf& start_of) {
   added_.clear();
+  make_room_for(fresh.size());
   for (const Pair pair : fresh) {
     const Start start = start_of(pair);
     for (int part = 0; part < start.parts; ++part) {
