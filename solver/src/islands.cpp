@@ -25,7 +25,6 @@ std::uint32_t Islands::find(std::uint32_t body) {
 
 void Islands::build(std::span<const std::uint32_t> candidates, std::span<const std::uint8_t> awake,
                     std::span<const TouchingPair> pairs) {
-  ++generation_;
   for (const std::uint32_t body : bodies_) island_of_[body] = none;
   parent_.resize(awake.size());
   rank_.resize(awake.size());

@@ -20,9 +20,6 @@ class Islands {
   void build(std::span<const std::uint32_t> candidates, std::span<const std::uint8_t> awake,
              std::span<const TouchingPair> pairs);
 
-  /// How often they were built: what was made for islands serves while this stays what it is.
-  std::uint64_t generation() const { return generation_; }
-
   std::size_t count() const { return body_start_.empty() ? 0 : body_start_.size() - 1; }
   std::span<const std::uint32_t> bodies(std::size_t begin, std::size_t end) const;  ///< of islands [begin, end)
   std::span<const TouchingPair> contacts(std::size_t begin, std::size_t end) const;
@@ -52,7 +49,6 @@ class Islands {
   std::vector<std::uint32_t> contact_start_;
   std::vector<std::uint32_t> cursor_;
   std::vector<std::uint32_t> free_bodies_;
-  std::uint64_t generation_ = 0;
 };
 
 /// Consecutive islands that are solved together: one task, sharing lanes.
