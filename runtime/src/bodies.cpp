@@ -155,7 +155,7 @@ void World::Impl::set_pose(BodyId id, const Pose& pose) {
   wake_touching(body);
   sleeping.wake(body);
   bodies.position(body) = pose.position + orientation * records.centre[body];
-  bodies.turned[body] += 2 * (bodies.orientation(body).conjugate() * orientation).vec().norm();
+  bodies.turned[body] += solver::turn_chord(bodies.orientation(body), orientation);
   bodies.set_orientation(body, orientation);
   move_proxies(body);
 }

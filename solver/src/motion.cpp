@@ -6,9 +6,7 @@ namespace atl::solver {
 
 void note_motion(BodyTable& bodies, std::uint32_t body, const BodyPose& start, double dt, FastBodies& fast) {
   const double radius = bodies.radius[body];
-  // A point turns along a chord of 2 r sin(angle / 2), and the sine is the length of the quaternion's vector.
-  const Quaternion turn = start.orientation.conjugate() * bodies.orientation(body);
-  const double chord = 2 * turn.vec().norm();
+  const double chord = turn_chord(start.orientation, bodies.orientation(body));
   const double moved = (bodies.position(body) - start.position).norm() + radius * chord;
   bodies.turned[body] += chord;
   bodies.slack[body] -= moved;
