@@ -2,6 +2,7 @@
 #include <collision/hull.h>
 
 #include <cmath>
+#include <limits>
 
 namespace atl::collision {
 namespace {
@@ -63,6 +64,15 @@ Vector3 support_point(const Shape& shape, const Vector3& direction) {
 
 double reach_along(const Shape& shape, const Vector3& unit_direction) {
   return support_point(shape, unit_direction).dot(unit_direction);
+}
+
+CentreLine centre_line(const Shape& first, const Pose& at_first, const Shape& second, const Pose& at_second) {
+  const Vector3 between = at_second.position - at_first.position;
+  const double distance = between.norm();
+  if (!(distance > 0)) return {Vector3::Zero(), -std::numeric_limits<double>::infinity()};
+  const Vector3 direction = between / distance;
+  return {direction, distance - reach_along(first, at_first.orientation.conjugate() * direction) -
+                         reach_along(second, -(at_second.orientation.conjugate() * direction))};
 }
 
 }  // namespace atl::collision

@@ -3,6 +3,7 @@
 #include <collision/match_points.h>
 #include <collision/surface_contacts.h>
 #include <collision/update_contacts.h>
+#include <jobs/prefetch.h>
 
 #include <algorithm>
 #include <limits>
@@ -196,11 +197,8 @@ void Stretch::add_to(Batch& batch, std::size_t entry, bool fresh) {
 
 // What a refresh reads beside the first line of a contact, while its batch fills.
 void Stretch::fetch_rest(std::uint32_t slot) const {
-  constexpr std::size_t line = 64;
-  const auto* contact = reinterpret_cast<const char*>(&cache_.contacts[slot]);
-  for (std::size_t at = line; at < sizeof(Contact); at += line) __builtin_prefetch(contact + at);
-  const auto* manifold = reinterpret_cast<const char*>(&cache_.manifolds[slot]);
-  for (std::size_t at = 0; at < sizeof(ContactManifold); at += line) __builtin_prefetch(manifold + at);
+  jobs::prefetch(cache_.contacts[slot], jobs::cache_line);
+  jobs::prefetch(cache_.manifolds[slot]);
 }
 
 // Slots are in no order: what is needed soon is asked of memory now.
@@ -314,15 +312,6 @@ void Stretch::replace(std::size_t entry, const Manifold& fresh, const Pose& inci
   if (fresh.count > 0) add_to(fresh_batch_, entry, true);
 }
 
-// A lower bound of the distance between two solids, in the frame of the first: of the planes across the line of their
-// centres, cheap enough to ask before anything else.
-double gap_between(const Shape& first, const Shape& second, const Pose& pose) {
-  const double distance = pose.position.norm();
-  if (!(distance > 0)) return 0;
-  const Vector3 direction = pose.position / distance;
-  return distance - reach_along(first, direction) - reach_along(second, -(pose.orientation.conjugate() * direction));
-}
-
 // Two solids found apart are left alone until they have used their gap up, or, where that hardly exceeds the margin,
 // until they have moved by the tolerance.
 void Stretch::set_apart(std::size_t entry, double margin, double gap) {
@@ -357,7 +346,7 @@ void Stretch::find_anew(std::size_t entry) {
   const Pose in_lower = swap ? relative(second, first) : relative(first, second);
   const bool bounded = is_convex_solid(higher.kind);
   if (bounded) {
-    const double gap = gap_between(lower, higher, in_lower);
+    const double gap = centre_line(lower, {Vector3::Zero(), Quaternion::Identity()}, higher, in_lower).gap;
     if (gap > margin) {
       set_apart(entry, margin, gap);
       return;

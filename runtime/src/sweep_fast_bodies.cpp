@@ -47,12 +47,7 @@ Core core_of(const collision::Shape& shape) {
 // second) is known by its direction.
 bool pass_by(const collision::Shape& first, const collision::Pose& at_first, const collision::Shape& second,
              const collision::Pose& at_second, const Vector3& shift, double closing, double goal) {
-  const Vector3 between = at_second.position - at_first.position;
-  const double distance = between.norm();
-  if (!(distance > 0)) return false;
-  const Vector3 direction = between / distance;
-  const double gap = distance - collision::reach_along(first, at_first.orientation.conjugate() * direction) -
-                     collision::reach_along(second, -(at_second.orientation.conjugate() * direction));
+  const auto [direction, gap] = collision::centre_line(first, at_first, second, at_second);
   return gap - goal > closing - shift.norm() + std::max(0.0, shift.dot(direction));
 }
 

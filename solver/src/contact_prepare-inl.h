@@ -7,6 +7,8 @@
 #define ATOLL_SOLVER_CONTACT_PREPARE_INL_H_
 #endif
 
+#include <jobs/prefetch.h>
+
 #include "contact_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -195,11 +197,7 @@ inline void prepare(const ContactKernelData& data, std::size_t begin, std::size_
   for (std::size_t b = begin; b < end; ++b) {
     ContactBlock& block = data.blocks[b];
     if (b + ahead < end) {
-      for (const std::int32_t slot : data.blocks[b + ahead].slot) {
-        const auto* manifold = reinterpret_cast<const char*>(data.manifolds + (slot < 0 ? 0 : slot));
-        __builtin_prefetch(manifold);
-        __builtin_prefetch(manifold + 64);
-      }
+      for (const std::int32_t slot : data.blocks[b + ahead].slot) jobs::prefetch(data.manifolds[slot < 0 ? 0 : slot]);
     }
     for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
       const auto manifold_of = [&](std::size_t k) -> const collision::ContactManifold& {

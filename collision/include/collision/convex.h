@@ -17,6 +17,13 @@ Vector3 support_point(const Shape& shape, const Vector3& direction);
 /// How far the solid reaches along a unit direction: support_point . direction.
 double reach_along(const Shape& shape, const Vector3& unit_direction);
 
+/// What the planes across the line of their centres tell of two solids, cheap enough to ask before anything else.
+struct CentreLine {
+  Vector3 direction;  ///< unit, from the first centre to the second; zero where they coincide
+  double gap;         ///< m, a lower bound of the distance; minus infinity where they coincide
+};
+CentreLine centre_line(const Shape& first, const Pose& at_first, const Shape& second, const Pose& at_second);
+
 /// Closest points of two solids that are apart. Where they overlap (or touch) the distance is 0 and the rest
 /// is unspecified but finite.
 struct ClosestPoints {

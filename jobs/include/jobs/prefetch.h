@@ -1,0 +1,16 @@
+#pragma once
+
+#include <cstddef>
+
+namespace atl::jobs {
+
+inline constexpr std::size_t cache_line = 64;  ///< bytes
+
+/// Asks memory for an object that will be needed soon, from a byte of it on.
+template <typename T>
+inline void prefetch(const T& object, std::size_t from = 0) {
+  const auto* bytes = reinterpret_cast<const char*>(&object);
+  for (std::size_t at = from; at < sizeof(T); at += cache_line) __builtin_prefetch(bytes + at);
+}
+
+}  // namespace atl::jobs
