@@ -1,4 +1,4 @@
-// Sine and cosine against the C library in long double.
+// Sine, cosine and arctangent against the C library in long double.
 
 #include <gtest/gtest.h>
 #include <solver/trigonometry.h>
@@ -60,6 +60,83 @@ TEST(SineCosine, StaysOnTheCircleForHugeAngles) {
   for (double angle : {1e6, 1e9, 1e12, 1e15}) {
     const SineCosine result = sine_cosine(angle);
     EXPECT_NEAR(result.sine * result.sine + result.cosine * result.cosine, 1, 1e-12) << angle;
+  }
+}
+
+void expect_close_arctangent(double y, double x) {
+  const long double truth = std::atan2(static_cast<long double>(y), static_cast<long double>(x));
+  ASSERT_LE(error_in_ulps(arctangent(y, x), truth), 4) << "arctangent of " << y << ", " << x;
+  ASSERT_EQ(std::signbit(arctangent(y, x)), std::signbit(y)) << y << ", " << x;
+}
+
+TEST(Arctangent, IsWithinFourUnitsInTheLastPlaceAllRound) {
+  test::Random random(3);
+  for (int i = 0; i < 200'000 && !HasFatalFailure(); ++i) {
+    expect_close_arctangent(random.real(-1, 1), random.real(-1, 1));
+  }
+}
+
+TEST(Arctangent, IsWithinFourUnitsInTheLastPlaceForAllRatios) {
+  test::Random random(4);
+  for (int i = 0; i < 200'000 && !HasFatalFailure(); ++i) {
+    const double ratio = std::exp2(random.real(-60, 60)), length = std::exp2(random.real(-400, 400));
+    for (const double y : {ratio * length, -ratio * length}) {
+      expect_close_arctangent(y, length);
+      expect_close_arctangent(y, -length);
+    }
+  }
+}
+
+// Where the reduction changes, and where what is left of it cancels.
+TEST(Arctangent, IsWithinFourUnitsInTheLastPlaceNearMultiplesOfTwelfthsOfPi) {
+  test::Random random(5);
+  for (int twelfth = -12; twelfth <= 12; ++twelfth) {
+    for (int i = 0; i < 2000 && !HasFatalFailure(); ++i) {
+      const double angle = twelfth * std::numbers::pi / 12 + random.real(-1, 1) * std::exp2(random.real(-50, -3));
+      const SineCosine direction = sine_cosine(angle);
+      expect_close_arctangent(direction.sine, direction.cosine);
+    }
+  }
+}
+
+TEST(Arctangent, KnowsTheAxesAndTheSignsOfZeros) {
+  constexpr double pi = std::numbers::pi, inf = std::numeric_limits<double>::infinity();
+  constexpr double least = std::numeric_limits<double>::denorm_min(), most = std::numeric_limits<double>::max();
+  for (const double y : {0.0, least, 1e-300, 1.0, most, inf}) {
+    for (const double x : {0.0, least, 1e-300, 1.0, most, inf}) {
+      for (const double signed_y : {y, -y}) {
+        for (const double signed_x : {x, -x}) {
+          const double angle = arctangent(signed_y, signed_x), expected = std::atan2(signed_y, signed_x);
+          EXPECT_DOUBLE_EQ(angle, expected) << signed_y << ", " << signed_x;
+          EXPECT_EQ(std::signbit(angle), std::signbit(expected)) << signed_y << ", " << signed_x;
+        }
+      }
+    }
+  }
+  EXPECT_EQ(arctangent(0, -1), pi);
+  EXPECT_EQ(arctangent(-0.0, -1), -pi);
+  EXPECT_EQ(arctangent(1, 0), pi / 2);
+  EXPECT_EQ(arctangent(-1, 0), -pi / 2);
+  EXPECT_EQ(arctangent(1, 1), pi / 4);
+  EXPECT_EQ(arctangent(-1, -1), -3 * pi / 4);
+  EXPECT_EQ(arctangent(-inf, -inf), -3 * pi / 4);
+  EXPECT_EQ(arctangent(1e-300, 1), 1e-300);
+}
+
+TEST(Arctangent, IsNotANumberOfOne) {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const double other : {0.0, -1.0, 1.0, std::numeric_limits<double>::infinity(), nan}) {
+    EXPECT_TRUE(std::isnan(arctangent(nan, other))) << other;
+    EXPECT_TRUE(std::isnan(arctangent(other, nan))) << other;
+  }
+}
+
+TEST(Arctangent, UndoesSineAndCosine) {
+  test::Random random(6);
+  for (int i = 0; i < 10'000; ++i) {
+    const double angle = random.real(-std::numbers::pi, std::numbers::pi);
+    const SineCosine direction = sine_cosine(angle);
+    EXPECT_NEAR(arctangent(direction.sine, direction.cosine), angle, 2e-15);
   }
 }
 

@@ -11,4 +11,9 @@ struct SineCosine {
 /// defines to the bit: the C library's differ between versions.
 SineCosine sine_cosine(double angle);
 
+/// The angle of (x, y) from the x axis, rad, in [-pi, pi], to within 4 units in the last place, by such operations
+/// too. Signs of zeros and infinities count as in IEEE 754's atan2: with x = -0 or less, y = 0 gives pi and -0 gives
+/// -pi, with x = 0 or more y itself; two infinities make a diagonal. NaN if either is.
+double arctangent(double y, double x);
+
 }  // namespace atl::solver
