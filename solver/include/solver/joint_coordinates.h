@@ -1,0 +1,72 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace atl::solver {
+
+/// One coordinate of two bodies against each other, and the row of the Jacobian that turns their velocities into its
+/// rate:
+///   rate = linear . (v_B - v_A) + angular_second . w_B - angular_first . w_A
+/// Rows are exact derivatives at any pose. World axes throughout.
+struct JointRow {
+  Eigen::Vector3d linear = Eigen::Vector3d::Zero();
+  Eigen::Vector3d angular_first = Eigen::Vector3d::Zero();   ///< m for a coordinate in m, 1 for one in rad
+  Eigen::Vector3d angular_second = Eigen::Vector3d::Zero();  ///< likewise
+  double value = 0;                                          ///< m or rad
+
+  double rate(const Eigen::Vector3d& v_first, const Eigen::Vector3d& w_first, const Eigen::Vector3d& v_second,
+              const Eigen::Vector3d& w_second) const {
+    return linear.dot(v_second - v_first) + angular_second.dot(w_second) - angular_first.dot(w_first);
+  }
+};
+
+/// Where the two frames of a joint are. Each is fixed to its body; a joint asks that some of the coordinates between
+/// them be zero, stay in a range or move as a motor or a spring wants.
+struct JointFrames {
+  Eigen::Vector3d arm_first;   ///< m, of the first frame's origin from the first body's centre of mass
+  Eigen::Vector3d arm_second;  ///< m
+  Eigen::Vector3d offset;      ///< m, from the first frame's origin to the second's
+  Eigen::Matrix3d axes_first;  ///< columns: the frame's x, y, z
+  Eigen::Matrix3d axes_second;
+};
+
+/// The offset along axis `axis` of the first frame, m.
+JointRow offset_along(const JointFrames& frames, int axis);
+
+/// The distance of the origins, m. Where they coincide it has no direction: then along the first frame's x axis.
+JointRow distance(const JointFrames& frames);
+
+/// Twice the sine of half the angle by which the frames are turned against each other, about each axis of the first:
+/// zero for all three if they are parallel, and of size up to 2 (the vector of their relative quaternion, twice;
+/// Shabana, "Computational Dynamics", 2010, 8.5).
+JointRow turn_about(const JointFrames& frames, int axis);
+
+/// Cosine of the angle between an axis of the first and one of the second frame: zero where they are at right angles.
+JointRow cosine_between(const JointFrames& frames, int axis_first, int axis_second);
+
+/// Angle of the twist of the second frame about the x axes, rad in (-pi, pi], and of the swing between the x axes, rad
+/// in [0, pi]: the relative rotation as a twist about x and then a swing about an axis across it (Dobrowolski,
+/// "Swing-twist decomposition in Clifford algebra", 2015). The twist has no value, and the row no meaning, at a swing
+/// of pi; nor has the swing's row at a swing of 0 or pi, where it is about the y axis of the first frame.
+JointRow twist(const JointFrames& frames);
+JointRow swing(const JointFrames& frames);
+
+/// Angle about axis `about` of the first frame by which axis `of` of the second has turned from that of the first, rad
+/// in (-pi, pi]: of a cross of two hinges, whose axes these two are. Where they are parallel it has no value: then 0,
+/// and the row is about the first of them.
+JointRow angle_about_first(const JointFrames& frames, int about, int of);
+
+/// Angle about axis `about` of the second frame by which axis `of` of the second has turned from that of the first,
+/// likewise.
+JointRow angle_about_second(const JointFrames& frames, int about, int of);
+
+/// Rate of turning about an axis of the first frame, rad/s: of no coordinate, so the value is 0.
+JointRow spin_about(const JointFrames& frames, int axis);
+
+/// Rate of the first about its x axis plus `ratio` times that of the second about its own, both in space; as a rack, of
+/// the second along its x axis, against the first. The value is 0.
+JointRow gear(const JointFrames& frames, double ratio);
+JointRow rack(const JointFrames& frames, double ratio);
+
+}  // namespace atl::solver
