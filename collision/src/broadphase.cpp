@@ -158,7 +158,7 @@ void Broadphase::find_partners(std::uint32_t shape, std::vector<Pair>& found) co
     if (other <= shape && has_moved(other)) return;
     if (allowed(shape, other)) found.push_back(Pair::of(shape, other));
   };
-  if (proxy.kind == Kind::Free) return;
+  if (proxy.kind == Kind::Free || meets_nothing(proxy.filter)) return;
   if (proxy.kind == Kind::HalfSpace) {
     const Plane& plane = half_spaces_[half_space_index(shape)].plane;
     moving_.query_if([&plane](const Aabb& box) { return touches(plane, box); }, consider);

@@ -1,72 +1,144 @@
 #include <solver/colouring.h>
 
 #include <algorithm>
-#include <array>
 #include <bit>
 
 namespace atl::solver {
 namespace {
 
-constexpr std::uint8_t overflow = 64;
+constexpr std::size_t overflow = 64;
 
-void clear_lanes(ContactBlock& block) {
+// Within a colour constraints are in order of their rank, and blocks begin anew where another kind does.
+constexpr std::size_t rank_of(const LocalContact&) { return 0; }
+constexpr std::size_t rank_count(const LocalContact*) { return 1; }
+constexpr bool starts_kind(const LocalContact*, std::size_t) { return false; }
+
+constexpr std::size_t most_rows = 6;
+// A point alone; a point with rows, from many to few; rows alone.
+constexpr std::size_t rank_of(const LocalJoint& joint) {
+  const std::size_t rows = joint.rows;
+  if (joint.point) return rows == 0 ? 0 : 1 + most_rows - rows;
+  return 1 + most_rows + most_rows - rows;
+}
+constexpr std::size_t rank_count(const LocalJoint*) { return 2 + 2 * most_rows; }
+constexpr bool starts_kind(const LocalJoint*, std::size_t rank) { return rank == 1 || rank == 1 + most_rows; }
+
+constexpr std::size_t round_up(std::size_t lane) { return (lane + block_lanes - 1) / block_lanes * block_lanes; }
+
+auto& label_of(ContactBlock& block) { return block.slot; }
+auto& label_of(JointBlock& block) { return block.joint; }
+std::uint32_t label_of(const LocalContact& contact) { return contact.slot; }
+std::uint32_t label_of(const LocalJoint& joint) { return joint.joint; }
+
+template <typename Block>
+void clear_lanes(Block& block) {
   std::fill_n(block.first, block_lanes, 0);
   std::fill_n(block.second, block_lanes, 0);
-  std::fill_n(block.slot, block_lanes, -1);
+  std::fill_n(label_of(block), block_lanes, -1);
   block.write_first = 0;
   block.write_second = 0;
 }
 
-void set_lane(ContactBlock& block, std::size_t lane, const LocalContact& contact, std::uint32_t first_dynamic) {
-  block.first[lane] = static_cast<std::int32_t>(contact.first);
-  block.second[lane] = static_cast<std::int32_t>(contact.second);
-  block.slot[lane] = static_cast<std::int32_t>(contact.slot);
+template <typename Block, typename Constraint>
+void set_lane(Block& block, std::size_t lane, const Constraint& constraint, std::uint32_t first_dynamic) {
+  block.first[lane] = static_cast<std::int32_t>(constraint.first);
+  block.second[lane] = static_cast<std::int32_t>(constraint.second);
+  label_of(block)[lane] = static_cast<std::int32_t>(label_of(constraint));
   const auto bit = static_cast<std::uint8_t>(1u << lane);
-  if (contact.first >= first_dynamic) block.write_first |= bit;
-  if (contact.second >= first_dynamic) block.write_second |= bit;
+  if (constraint.first >= first_dynamic) block.write_first |= bit;
+  if (constraint.second >= first_dynamic) block.write_second |= bit;
 }
 
 }  // namespace
 
-void Colouring::build(std::span<const LocalContact> contacts, std::uint32_t first_dynamic, std::uint32_t body_count,
-                      std::vector<ContactBlock>& blocks) {
+template <typename Constraint>
+void Colouring::assign_colours(std::span<const Constraint> constraints, std::uint32_t first_dynamic,
+                               std::uint32_t body_count) {
   used_.assign(body_count, 0);
-  colour_of_.resize(contacts.size());
-  std::array<std::size_t, overflow + 1> size = {};
-  for (std::size_t i = 0; i < contacts.size(); ++i) {
-    const LocalContact& contact = contacts[i];
+  colour_of_.resize(constraints.size());
+  for (std::size_t i = 0; i < constraints.size(); ++i) {
+    const Constraint& constraint = constraints[i];
     std::uint64_t taken = 0;
-    if (contact.first >= first_dynamic) taken |= used_[contact.first];
-    if (contact.second >= first_dynamic) taken |= used_[contact.second];
+    if (constraint.first >= first_dynamic) taken |= used_[constraint.first];
+    if (constraint.second >= first_dynamic) taken |= used_[constraint.second];
     const auto colour = static_cast<std::uint8_t>(std::countr_one(taken));
     colour_of_[i] = colour;
-    ++size[colour];
     if (colour == overflow) continue;
-    used_[contact.first] |= std::uint64_t{1} << colour;
-    used_[contact.second] |= std::uint64_t{1} << colour;
+    used_[constraint.first] |= std::uint64_t{1} << colour;
+    used_[constraint.second] |= std::uint64_t{1} << colour;
   }
+}
+
+// By colour, then rank, then in order; those that are left over get a block each.
+template <typename Constraint>
+void Colouring::assign_lanes(std::span<const Constraint> constraints) {
+  constexpr const Constraint* kind = nullptr;
+  constexpr std::size_t ranks = rank_count(kind);
+  next_lane_.assign((overflow + 1) * ranks, 0);
+  const auto place = [&](std::size_t i) -> std::uint32_t& {
+    return next_lane_[colour_of_[i] * ranks + rank_of(constraints[i])];
+  };
+  for (std::size_t i = 0; i < constraints.size(); ++i) ++place(i);
 
   colours_.clear();
-  std::array<std::size_t, overflow + 1> first_block = {};
-  std::size_t block_count = 0;
+  std::size_t lane = 0;
   for (std::size_t colour = 0; colour <= overflow; ++colour) {
-    first_block[colour] = block_count;
-    if (size[colour] == 0) continue;
     const bool serial = colour == overflow;
-    const std::size_t count = serial ? size[colour] : (size[colour] + block_lanes - 1) / block_lanes;
-    colours_.push_back({block_count, block_count + count, serial});
-    block_count += count;
+    const std::size_t begin = lane;
+    for (std::size_t rank = 0; rank < ranks; ++rank) {
+      if (starts_kind(kind, rank)) lane = round_up(lane);
+      std::uint32_t& next = next_lane_[colour * ranks + rank];
+      const std::size_t count = next;
+      next = static_cast<std::uint32_t>(lane);
+      lane += serial ? count * block_lanes : count;
+    }
+    lane = round_up(lane);
+    if (lane > begin) colours_.push_back({begin / block_lanes, lane / block_lanes, serial});
   }
-  if (blocks.size() < block_count) blocks.resize(block_count);
-  for (std::size_t b = 0; b < block_count; ++b) clear_lanes(blocks[b]);
 
-  std::array<std::size_t, overflow + 1> placed = {};
-  for (std::size_t i = 0; i < contacts.size(); ++i) {
-    const std::uint8_t colour = colour_of_[i];
-    const std::size_t place = placed[colour]++;
-    const bool serial = colour == overflow;
-    ContactBlock& block = blocks[first_block[colour] + (serial ? place : place / block_lanes)];
-    set_lane(block, serial ? 0 : place % block_lanes, contacts[i], first_dynamic);
+  lane_of_.resize(constraints.size());
+  for (std::size_t i = 0; i < constraints.size(); ++i) {
+    std::uint32_t& next = place(i);
+    lane_of_[i] = next;
+    next += colour_of_[i] == overflow ? static_cast<std::uint32_t>(block_lanes) : 1;
+  }
+}
+
+template <typename Constraint, typename Block>
+void Colouring::fill(std::span<const Constraint> constraints, std::uint32_t first_dynamic,
+                     std::vector<Block>& blocks) const {
+  if (blocks.size() < block_count()) blocks.resize(block_count());
+  for (std::size_t b = 0; b < block_count(); ++b) clear_lanes(blocks[b]);
+  for (std::size_t i = 0; i < constraints.size(); ++i) {
+    set_lane(blocks[lane_of_[i] / block_lanes], lane_of_[i] % block_lanes, constraints[i], first_dynamic);
+  }
+}
+
+void Colouring::build(std::span<const LocalContact> contacts, std::uint32_t first_dynamic, std::uint32_t body_count,
+                      std::vector<ContactBlock>& blocks) {
+  assign_colours(contacts, first_dynamic, body_count);
+  assign_lanes(contacts);
+  fill(contacts, first_dynamic, blocks);
+}
+
+void Colouring::build(std::span<const LocalJoint> joints, std::uint32_t first_dynamic, std::uint32_t body_count,
+                      std::vector<JointBlock>& blocks) {
+  assign_colours(joints, first_dynamic, body_count);
+  assign_lanes(joints);
+  fill(joints, first_dynamic, blocks);
+  for (std::size_t b = 0; b < block_count(); ++b) {
+    blocks[b].rows = 0;
+    blocks[b].point = 0;
+  }
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    JointBlock& block = blocks[lane_of_[i] / block_lanes];
+    block.rows = std::max(block.rows, joints[i].rows);
+    block.point = joints[i].point ? 1 : 0;
+  }
+  std::uint32_t row = 0;
+  for (std::size_t b = 0; b < block_count(); ++b) {
+    blocks[b].first_row = row;
+    row += blocks[b].rows;
   }
 }
 

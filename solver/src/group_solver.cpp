@@ -1,5 +1,6 @@
 #include <solver/group_solver.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <atomic>
 #include <bit>
@@ -16,10 +17,14 @@ struct Serial {
   }
 };
 
+// Blocks of a few microseconds.
+constexpr std::size_t contact_grain = 8;
+constexpr std::size_t joint_grain = 24;
+constexpr std::size_t joint_row_grain = 4;  // in double, and one by one
+
 // Runs a kernel over the blocks colour by colour.
 template <typename Executor, typename Kernel>
-void for_each_colour(std::span<const Colour> colours, Executor& executor, const Kernel& kernel) {
-  constexpr std::size_t grain = 8;  // blocks: a few microseconds
+void for_each_colour(std::span<const Colour> colours, std::size_t grain, Executor& executor, const Kernel& kernel) {
   for (const Colour& colour : colours) {
     if (colour.serial) {
       kernel(colour.begin_block, colour.end_block);
@@ -99,13 +104,19 @@ GroupReport GroupSolver::run(const SolveInput& input, const IslandGroup& group, 
   StageClock clock(settings.profile, report.stage_ms);
 
   if (contacts == GroupContacts::New) {
+    collect_kinematic_bodies(input, group);
     collect_contacts(input, group);
+    collect_joints(input, group);
     colouring_.build(contacts_, first_dynamic_, first_dynamic_ + static_cast<std::uint32_t>(body_ids.size()), blocks_);
+    joints_.colour(first_dynamic_, first_dynamic_ + static_cast<std::uint32_t>(body_ids.size()));
   }
   report.surfaces = note_surfaces(input, group);
   report.friction = friction_ || report.surfaces;
   report.restitution = restitution_;
   report.colours = colouring_.colours().size();
+  report.joints = input.islands.joints(group.begin, group.end).size();
+  const bool joined = report.joints > 0;
+  if (!joints_.empty()) report.colours = std::max(report.colours, joints_.colours().size());
   clock.lap(SolverStage::Colour);
 
   const bool splits = settings.stabilisation == Stabilisation::SplitImpulse;
@@ -116,29 +127,71 @@ GroupReport GroupSolver::run(const SolveInput& input, const IslandGroup& group, 
   executor.parallel_for(body_ids.size(), body_grain, [&](std::size_t begin, std::size_t end) {
     load_bodies(input, body_ids, begin, end, input.dt / settings.substeps);
   });
+  const JointStep joint_step{input.joints, input.bodies, bodies_, constants, input.dt / settings.substeps};
+  executor.parallel_for(joints_.block_count(), joint_grain,
+                        [&](std::size_t begin, std::size_t end) { joints_.prepare(joint_step, begin, end); });
+  if (!joints_.empty()) {
+    stiffness_.assign(first_dynamic_ + body_ids.size(), Matrix3::Zero());
+    for_each_colour(joints_.colours(), joint_grain, executor, [&](std::size_t begin, std::size_t end) {
+      joints_.add_stiffness(joint_step, stiffness_, begin, end);
+    });
+    executor.parallel_for(body_ids.size(), body_grain,
+                          [&](std::size_t begin, std::size_t end) { stiffen_bodies(input, body_ids, begin, end); });
+  }
   const Kernels& kernels = input.kernels;
   const std::size_t block_count = colouring_.block_count();
   const ContactKernelData data = kernel_data(input, report, constants, splits);
   constexpr std::size_t block_grain = 16;
   executor.parallel_for(block_count, block_grain,
                         [&](std::size_t begin, std::size_t end) { kernels.prepare(data, begin, end); });
+  // Of those joints that are solved one by one; without any nothing of them runs.
+  const JointKernelData joint_data = joints_.kernel_data(bodies_, constants);
+  executor.parallel_for(joints_.block_count(), joint_grain,
+                        [&](std::size_t begin, std::size_t end) { kernels.prepare_joints(joint_data, begin, end); });
+  // Joints that hang together and are solved at once.
+  const std::span<const std::uint32_t> direct = joined ? joined_motion_.direct() : std::span<const std::uint32_t>();
+  const DirectInput direct_input{input.joints, input.bodies, bodies_, input.dt / settings.substeps};
+  const auto each_system = [&](const auto& stage) {
+    executor.parallel_for(direct.size(), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) stage(input.joint_graph->system(direct[i]));
+    });
+  };
+  bool leaps = false;
+  for (std::size_t i = 0; i < body_ids.size() && !direct.empty(); ++i) leaps |= joined_motion_.leaps(i);
+  if (leaps) give_half_kick(body_ids, -0.5f * constants.h);
+  if (joined) joined_motion_.note_forces(body_ids, input.bodies, input.gravity);
+  each_system([&](DirectJoints& system) {
+    system.locate([&](std::uint32_t body) { return local_body(input, group, body); });
+    system.begin_step(direct_input);
+  });
   clock.lap(SolverStage::Prepare);
 
-  const auto each_colour = [&](const auto& kernel) { for_each_colour(colouring_.colours(), executor, kernel); };
+  const auto each_colour = [&](const auto& kernel) {
+    for_each_colour(colouring_.colours(), contact_grain, executor, kernel);
+  };
+  const auto each_joint_colour = [&](const auto& kernel) {
+    if (!joints_.empty()) for_each_colour(joints_.colours(), joint_grain, executor, kernel);
+  };
   const auto each_body = [&](const auto& kernel) {
     constexpr std::size_t grain = 256;
     executor.parallel_for(bodies_.padded_count() / block_lanes, grain / block_lanes,
                           [&](std::size_t begin, std::size_t end) { kernel(begin * block_lanes, end * block_lanes); });
   };
-  // Sweeps until the residual is small, or for as often as is asked for.
-  const auto sweep = [&](Sweep how, int iterations) {
-    how.measures = settings.tolerance > 0;
+  // Sweeps until the residual is small, or for as often as is asked for. Joints first: contacts are what may not give.
+  const auto sweep = [&](Sweep how, JointSweep joints, int iterations) {
+    how.measures = joints.measures = settings.tolerance > 0;
     for (int i = 0; i < iterations; ++i) {
       LargestOf residual;
+      if (how.push != Push::Split) {
+        if (joints.bias) each_system([&](DirectJoints& system) { system.solve_velocities(direct_input); });
+        each_joint_colour([&](std::size_t begin, std::size_t end) {
+          residual.add(kernels.sweep_joints(joint_data, joints, begin, end));
+        });
+      }
       each_colour([&](std::size_t begin, std::size_t end) { residual.add(kernels.sweep(data, how, begin, end)); });
       ++report.sweeps;
       if (how.measures && static_cast<double>(residual.value()) <= settings.tolerance) return;
-      how.refresh = false;  // nothing moves between sweeps
+      how.refresh = joints.refresh = joints.carries = false;  // nothing moves between sweeps
     }
   };
   const Friction friction = !report.friction ? Friction::None : settings.pyramid ? Friction::Pyramid : Friction::Cone;
@@ -152,27 +205,48 @@ GroupReport GroupSolver::run(const SolveInput& input, const IslandGroup& group, 
     clock.lap(SolverStage::Integrate);
     if (!settings.warm_starting) {
       clear_impulses(report);
+      joints_.clear_impulses(0, joints_.block_count());
     } else if (substep == 0) {
+      each_joint_colour([&](std::size_t begin, std::size_t end) { kernels.warm_start_joints(joint_data, begin, end); });
       each_colour([&](std::size_t begin, std::size_t end) { kernels.warm_start(data, begin, end); });
     }
+    each_system([&](DirectJoints& system) { system.begin_substep(); });
     clock.lap(SolverStage::WarmStart);
 
     // The relaxing sweeps' friction is carried over; a contact that has just begun has none yet to carry.
     const Friction solved_friction = relaxes && carry_over ? Friction::None : friction;
     // Where sweeps relax they have seen the positions that the last substep ended with.
     const bool refresh = !relaxes && substep > 0;
-    sweep({splits ? Push::None : Push::Bias, refresh, solved_friction}, settings.iterations);
+    sweep({splits ? Push::None : Push::Bias, refresh, solved_friction},
+          {.bias = true, .refresh = refresh, .carries = carry_over}, settings.iterations);
     if (splits) {
       each_body([&](std::size_t begin, std::size_t end) { kernels.clear_corrections(bodies_, begin, end); });
       clear_split_impulses();
       bodies_.velocity.swap(bodies_.correction);
-      sweep({Push::Split, false, Friction::None}, settings.iterations);
+      sweep({Push::Split, false, Friction::None}, {}, settings.iterations);
       bodies_.velocity.swap(bodies_.correction);
     }
+    // What contacts have done to one link is not to turn it far out of its joints before these see it.
+    const std::span<const std::uint32_t> touched =
+        joined ? joined_motion_.touched_direct() : std::span<const std::uint32_t>();
+    executor.parallel_for(touched.size(), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        input.joint_graph->system(touched[i]).solve_velocities(direct_input);
+      }
+    });
     clock.lap(SolverStage::Solve);
     each_body([&](std::size_t begin, std::size_t end) { kernels.integrate_positions(bodies_, constants, begin, end); });
+    if (joints_.has_rows()) {
+      executor.parallel_for(joints_.block_count(), joint_row_grain,
+                            [&](std::size_t begin, std::size_t end) { joints_.refresh_rows(joint_step, begin, end); });
+    }
     clock.lap(SolverStage::Integrate);
-    if (relaxes) sweep({Push::None, true, friction}, settings.relax_iterations);
+    each_system([&](DirectJoints& system) { system.solve_positions(direct_input); });
+    if (relaxes) {
+      sweep({Push::None, true, friction}, {.bias = false, .refresh = true, .carries = false},
+            settings.relax_iterations);
+    }
+    each_system([&](DirectJoints& system) { system.relax(direct_input); });
     clock.lap(SolverStage::Relax);
   }
   if (input.capture != nullptr) capture(input, report, body_ids);
@@ -182,8 +256,16 @@ GroupReport GroupSolver::run(const SolveInput& input, const IslandGroup& group, 
   clock.lap(SolverStage::Restitution);
   executor.parallel_for(block_count, block_grain,
                         [&](std::size_t begin, std::size_t end) { kernels.store(data, begin, end); });
+  each_system([&](DirectJoints& system) { system.end_step(direct_input); });
+  if (leaps || report.restitution) {
+    if (leaps) give_half_kick(body_ids, 0.5f * constants.h);
+    each_system([&](DirectJoints& system) { system.project(direct_input); });
+  }
   executor.parallel_for(body_ids.size(), body_grain,
-                        [&](std::size_t begin, std::size_t end) { write_back(input, body_ids, begin, end); });
+                        [&](std::size_t begin, std::size_t end) { write_back(input, body_ids, joined, begin, end); });
+  each_system([&](DirectJoints& system) { system.settle(direct_input, input.bodies, input.dt, input.fast); });
+  executor.parallel_for(joints_.block_count(), joint_grain,
+                        [&](std::size_t begin, std::size_t end) { joints_.store(joint_step, begin, end); });
   clock.lap(SolverStage::Store);
   return report;
 }
@@ -214,39 +296,62 @@ ContactKernelData GroupSolver::kernel_data(const SolveInput& input, const GroupR
           .split_blocks = one_a_block(split_blocks_, splits)};
 }
 
-// Translates the contacts to the group's own body indices.
-void GroupSolver::collect_contacts(const SolveInput& input, const IslandGroup& group) {
-  const std::span<const TouchingPair> pairs = input.islands.contacts(group.begin, group.end);
+// Those that contacts touch or joints join.
+void GroupSolver::collect_kinematic_bodies(const SolveInput& input, const IslandGroup& group) {
   const std::vector<Mobility>& mobility = input.bodies.mobility;
   kinematic_.clear();
-  for (const TouchingPair& pair : pairs) {
-    if (mobility[pair.first] == Mobility::Kinematic) kinematic_.push_back(pair.first);
-    if (mobility[pair.second] == Mobility::Kinematic) kinematic_.push_back(pair.second);
-  }
+  const auto collect = [&](const auto& pairs) {
+    for (const auto& pair : pairs) {
+      if (mobility[pair.first] == Mobility::Kinematic) kinematic_.push_back(pair.first);
+      if (mobility[pair.second] == Mobility::Kinematic) kinematic_.push_back(pair.second);
+    }
+  };
+  collect(input.islands.contacts(group.begin, group.end));
+  collect(input.islands.joints(group.begin, group.end));
   std::sort(kinematic_.begin(), kinematic_.end());
   kinematic_.erase(std::unique(kinematic_.begin(), kinematic_.end()), kinematic_.end());
   first_dynamic_ = 1 + static_cast<std::uint32_t>(kinematic_.size());
+}
 
-  const std::uint32_t first_rank = input.islands.first_rank(group.begin);
-  const auto local = [&](std::uint32_t body) -> std::uint32_t {
-    switch (mobility[body]) {
-      case Mobility::Fixed:
-        return 0;
-      case Mobility::Kinematic:
-        return 1 + static_cast<std::uint32_t>(std::lower_bound(kinematic_.begin(), kinematic_.end(), body) -
-                                              kinematic_.begin());
-      case Mobility::Dynamic:
-        break;
-    }
-    return first_dynamic_ + input.islands.rank(body) - first_rank;
-  };
+// The group's own index of a body.
+std::uint32_t GroupSolver::local_body(const SolveInput& input, const IslandGroup& group, std::uint32_t body) const {
+  switch (input.bodies.mobility[body]) {
+    case Mobility::Fixed:
+      return 0;
+    case Mobility::Kinematic:
+      return 1 + static_cast<std::uint32_t>(std::lower_bound(kinematic_.begin(), kinematic_.end(), body) -
+                                            kinematic_.begin());
+    case Mobility::Dynamic:
+      break;
+  }
+  return first_dynamic_ + input.islands.rank(body) - input.islands.first_rank(group.begin);
+}
+
+void GroupSolver::collect_contacts(const SolveInput& input, const IslandGroup& group) {
   contacts_.clear();
   friction_ = restitution_ = false;
-  for (const TouchingPair& pair : pairs) {
-    contacts_.push_back({local(pair.first), local(pair.second), pair.slot});
+  for (const TouchingPair& pair : input.islands.contacts(group.begin, group.end)) {
+    contacts_.push_back({local_body(input, group, pair.first), local_body(input, group, pair.second), pair.slot});
     const collision::ContactManifold& manifold = input.manifolds[pair.slot];
     friction_ |= manifold.friction > 0;
     restitution_ |= manifold.restitution > 0;
+  }
+}
+
+// Joints of components that are solved at once are left to who does that; what else happens to bodies that are joined
+// happens to all.
+void GroupSolver::collect_joints(const SolveInput& input, const IslandGroup& group) {
+  joints_.clear();
+  const std::span<const JointLink> links = input.islands.joints(group.begin, group.end);
+  if (links.empty()) return;
+  joined_motion_.build(links, input.islands.contacts(group.begin, group.end), *input.joint_graph, input.islands,
+                       input.bodies, input.islands.first_rank(group.begin),
+                       input.islands.bodies(group.begin, group.end).size());
+  for (const JointLink& link : links) {
+    if (input.joint_graph->is_direct(input.joint_graph->component_of(link.joint))) continue;
+    const Joint& joint = input.joints[link.joint];
+    joints_.add({local_body(input, group, link.first), local_body(input, group, link.second), link.joint, joint.point,
+                 joint.rows});
   }
 }
 
@@ -279,10 +384,7 @@ void GroupSolver::load_bodies(const SolveInput& input, std::span<const std::uint
     VelocityRows& velocity = bodies_.velocity[local];
     set3(velocity.linear, table.velocity(body));
     set3(velocity.angular, table.angular_velocity(body));
-    velocity.inertia_xx = static_cast<float>(inverse_inertia(0, 0));
-    velocity.inertia_yy = static_cast<float>(inverse_inertia(1, 1));
-    bodies_.inertia[local] = {static_cast<float>(inverse_inertia(2, 2)), static_cast<float>(inverse_inertia(0, 1)),
-                              static_cast<float>(inverse_inertia(0, 2)), static_cast<float>(inverse_inertia(1, 2))};
+    set_inverse_inertia(local, inverse_inertia);
 
     FreeVelocityRows& free_velocity = bodies_.free_velocity[local];
     set3(free_velocity.linear, table.velocity(body));
@@ -304,6 +406,27 @@ void GroupSolver::load_bodies(const SolveInput& input, std::span<const std::uint
   }
 }
 
+// Where tension turns bodies back faster than substeps can follow, it counts as inertia.
+void GroupSolver::stiffen_bodies(const SolveInput& input, std::span<const std::uint32_t> bodies, std::size_t begin,
+                                 std::size_t end) {
+  constexpr double negligible = 1e-3;  // of the inertia
+  const double h = input.dt / input.settings.substeps;
+  for (std::size_t i = begin; i < end; ++i) {
+    const Matrix3 added = h * h * stiffness_[first_dynamic_ + i];
+    const Matrix3& own = input.bodies.inertia[bodies[i]];
+    if (!(added.trace() > negligible * own.trace())) continue;
+    const Matrix3 rotation = input.bodies.orientation(bodies[i]).toRotationMatrix();
+    set_inverse_inertia(first_dynamic_ + i, (rotation * own * rotation.transpose() + added).inverse());
+  }
+}
+
+void GroupSolver::set_inverse_inertia(std::size_t local, const Matrix3& inverse) {
+  bodies_.velocity[local].inertia_xx = static_cast<float>(inverse(0, 0));
+  bodies_.velocity[local].inertia_yy = static_cast<float>(inverse(1, 1));
+  bodies_.inertia[local] = {static_cast<float>(inverse(2, 2)), static_cast<float>(inverse(0, 1)),
+                            static_cast<float>(inverse(0, 2)), static_cast<float>(inverse(1, 2))};
+}
+
 void GroupSolver::load_kinematic_bodies(const SolveInput& input) {
   for (std::size_t i = 0; i < kinematic_.size(); ++i) {
     VelocityRows& velocity = bodies_.velocity[1 + i];
@@ -315,14 +438,25 @@ void GroupSolver::load_kinematic_bodies(const SolveInput& input) {
   }
 }
 
-void GroupSolver::write_back(const SolveInput& input, std::span<const std::uint32_t> bodies, std::size_t begin,
-                             std::size_t end) {
+bool GroupSolver::moves_steadily(const SolveInput& input, std::uint32_t body, std::size_t local) const {
+  const Vector3 gained = get3(bodies_.velocity[local].linear) - input.bodies.velocity(body);
+  const Vector3 gained_spin = get3(bodies_.velocity[local].angular) - input.bodies.angular_velocity(body);
+  const double steady =
+      steady_change * input.dt * steady_change * input.dt * get3(bodies_.acceleration[local].linear).squaredNorm();
+  const double radius = input.bodies.radius[body];
+  return gained.squaredNorm() <= steady && gained_spin.squaredNorm() * radius * radius <= steady;
+}
+
+void GroupSolver::write_back(const SolveInput& input, std::span<const std::uint32_t> bodies, bool joined,
+                             std::size_t begin, std::size_t end) {
   BodyTable& table = input.bodies;
   const double substep = input.dt / input.settings.substeps;
   for (std::size_t i = begin; i < end; ++i) {
     const std::uint32_t body = bodies[i];
     const std::size_t local = first_dynamic_ + i;
     const BodyPose start{table.position(body), table.orientation(body)};
+    const bool is_joined = joined && joined_motion_.is_joined(i);
+    const bool shifts = !is_joined && moves_steadily(input, body, local);
     const Vector3 velocity = get3(bodies_.velocity[local].linear);
     const Vector3 spin = get3(bodies_.velocity[local].angular);
     const Vector3 gained = velocity - table.velocity(body);
@@ -332,16 +466,30 @@ void GroupSolver::write_back(const SolveInput& input, std::span<const std::uint3
     table.position(body) += get3(bodies_.displacement[local].linear);
     const float(&turn)[4] = bodies_.displacement[local].rotation;
     Quaternion orientation = Quaternion(turn[3], turn[0], turn[1], turn[2]) * table.orientation(body);
-    const double steady =
-        steady_change * input.dt * steady_change * input.dt * get3(bodies_.acceleration[local].linear).squaredNorm();
-    const double radius = table.radius[body];
-    if (gained.squaredNorm() <= steady && gained_spin.squaredNorm() * radius * radius <= steady) {
+    if (is_joined) {
+      // Joints would part if bodies were shifted each by its own.
+      if (joined_motion_.falls(i)) table.position(body) -= 0.5 * substep * input.dt * joined_motion_.acceleration(i);
+    } else if (shifts) {
       table.position(body) -= 0.5 * substep * gained;
       const Vector3 back = -0.25 * substep * gained_spin;  // half a small rotation
       orientation = Quaternion(1, back.x(), back.y(), back.z()) * orientation;
     }
     table.set_orientation(body, orientation.normalized());
+    if (is_joined && joined_motion_.is_direct(i)) continue;  // joints have a last word
     note_motion(table, body, start, input.dt, input.fast);
+  }
+}
+
+// What forces do to bodies that leap in a part of a substep.
+void GroupSolver::give_half_kick(std::span<const std::uint32_t> bodies, float time) {
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (!joined_motion_.leaps(i)) continue;
+    VelocityRows& velocity = bodies_.velocity[first_dynamic_ + i];
+    const AccelerationRows& acceleration = bodies_.acceleration[first_dynamic_ + i];
+    for (int k = 0; k < 3; ++k) {
+      velocity.linear[k] += time * acceleration.linear[k];
+      velocity.angular[k] += time * acceleration.angular[k];
+    }
   }
 }
 

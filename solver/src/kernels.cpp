@@ -14,6 +14,7 @@
 #include "contact_impulses-inl.h"
 #include "contact_prepare-inl.h"
 #include "contact_sweep-inl.h"
+#include "joint_sweep-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace atl::solver {
@@ -29,7 +30,10 @@ const Kernels* kernels() {
                                 &store_impulses,
                                 &integrate_velocities,
                                 &clear_corrections,
-                                &integrate_positions};
+                                &integrate_positions,
+                                &prepare_joints,
+                                &warm_start_joints,
+                                &sweep_joints};
   return &table;
 }
 

@@ -27,4 +27,9 @@ inline bool may_meet(const Filter& a, const Filter& b) {
   return (a.mask & b.category) != 0 && (b.mask & a.category) != 0;
 }
 
+/// Whether there is nothing that the shape may meet.
+inline bool meets_nothing(const Filter& filter) {
+  return filter.group <= 0 && (filter.mask == 0 || filter.category == 0);
+}
+
 }  // namespace atl::collision

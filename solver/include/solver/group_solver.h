@@ -5,7 +5,11 @@
 #include <solver/body_table.h>
 #include <solver/colouring.h>
 #include <solver/contact_capture.h>
+#include <solver/group_joints.h>
 #include <solver/islands.h>
+#include <solver/joined_motion.h>
+#include <solver/joint.h>
+#include <solver/joint_graph.h>
 #include <solver/kernels.h>
 #include <solver/motion.h>
 #include <solver/solver_settings.h>
@@ -28,6 +32,8 @@ struct SolveInput {
   FastBodies& fast;
   ContactCapture* capture = nullptr;           ///< null where nobody asks
   SurfaceContact* surface_contacts = nullptr;  ///< by contact slot; null while all surfaces are plain
+  Joint* joints = nullptr;                     ///< by index of joint
+  JointGraph* joint_graph = nullptr;           ///< null where there are none
 };
 
 /// What the time of a group goes into. As atoll/report.h has them.
@@ -35,8 +41,9 @@ enum class SolverStage { Colour, Prepare, WarmStart, Solve, Relax, Integrate, Re
 inline constexpr std::size_t solver_stage_count = 8;
 
 struct GroupReport {
-  std::size_t colours = 0;
-  std::int64_t sweeps = 0;                               ///< over its contacts
+  std::size_t colours = 0;                               ///< of contacts or of joints, whichever has more
+  std::size_t joints = 0;                                ///< all that act, however they are solved
+  std::int64_t sweeps = 0;                               ///< over its contacts and joints
   std::array<double, solver_stage_count> stage_ms = {};  ///< with SolverSettings::profile
   bool friction = false;                                 ///< some contact has it
   bool restitution = false;
@@ -48,8 +55,8 @@ struct GroupReport {
 enum class GroupContacts { New, Kept };
 
 /// Solves island groups: soft substeps with relaxation ("TGS soft": Catto, "Solver2D", 2024) over coloured
-/// blocks. Its memory is reused from group to group and stays in cache; only the colours of contacts that are kept
-/// outlive a solve.
+/// blocks of joints and of contacts. Its memory is reused from group to group and stays in cache; only the colours of
+/// contacts that are kept outlive a solve.
 class GroupSolver {
  public:
   /// All on the calling thread.
@@ -61,11 +68,20 @@ class GroupSolver {
  private:
   template <typename Executor>
   GroupReport run(const SolveInput& input, const IslandGroup& group, Executor& executor, GroupContacts contacts);
+  void collect_kinematic_bodies(const SolveInput& input, const IslandGroup& group);
+  std::uint32_t local_body(const SolveInput& input, const IslandGroup& group, std::uint32_t body) const;
   void collect_contacts(const SolveInput& input, const IslandGroup& group);
+  void collect_joints(const SolveInput& input, const IslandGroup& group);
   void load_bodies(const SolveInput& input, std::span<const std::uint32_t> bodies, std::size_t begin, std::size_t end,
                    double substep);
+  void set_inverse_inertia(std::size_t local, const Matrix3& inverse);
+  void stiffen_bodies(const SolveInput& input, std::span<const std::uint32_t> bodies, std::size_t begin,
+                      std::size_t end);
+  void give_half_kick(std::span<const std::uint32_t> bodies, float time);
   void load_kinematic_bodies(const SolveInput& input);
-  void write_back(const SolveInput& input, std::span<const std::uint32_t> bodies, std::size_t begin, std::size_t end);
+  bool moves_steadily(const SolveInput& input, std::uint32_t body, std::size_t local) const;
+  void write_back(const SolveInput& input, std::span<const std::uint32_t> bodies, bool joined, std::size_t begin,
+                  std::size_t end);
   void note_bodies(const SolveInput& input, std::span<const std::uint32_t> bodies, GroupReport& report);
   bool note_surfaces(const SolveInput& input, const IslandGroup& group);
   ContactKernelData kernel_data(const SolveInput& input, const GroupReport& report, const SubstepConstants& constants,
@@ -74,17 +90,20 @@ class GroupSolver {
   void clear_split_impulses();
   void capture(const SolveInput& input, const GroupReport& report, std::span<const std::uint32_t> bodies) const;
 
-  std::vector<std::uint32_t> kinematic_;  // bodies that the group's contacts touch, in order
+  std::vector<std::uint32_t> kinematic_;  // bodies that the group's contacts touch and joints join, in order
   std::uint32_t first_dynamic_ = 1;       // index in bodies_
   std::vector<LocalContact> contacts_;
   bool friction_ = false;  // some contact has it
   bool restitution_ = false;
   Colouring colouring_;
   SolverBodies bodies_;
+  std::vector<Matrix3> stiffness_;  // N m, of bodies that joints pull on
   std::vector<ContactBlock> blocks_;
   std::vector<BounceBlock> bounces_;
   std::vector<SurfaceBlock> surface_blocks_;
   std::vector<SplitBlock> split_blocks_;
+  GroupJoints joints_;
+  JoinedMotion joined_motion_;
 };
 
 }  // namespace atl::solver

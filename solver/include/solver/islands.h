@@ -10,26 +10,36 @@ namespace atl::solver {
 
 using collision::TouchingPair;
 
-/// The connected components of awake dynamic bodies under touching contacts. Fixed and kinematic bodies join
+/// A joint that acts, and its bodies.
+struct JointLink {
+  std::uint32_t first;
+  std::uint32_t second;
+  std::uint32_t joint;
+};
+
+/// The connected components of awake dynamic bodies under touching contacts and joints. Fixed and kinematic bodies join
 /// nothing. Islands are in order of their lowest body; bodies and contacts within one in order of index and
 /// of pair, so all order is a function of the contact graph alone.
 class Islands {
  public:
   /// `awake[body]` is 1 for the bodies that take part, all of which are among `candidates`. Both these and `pairs` are
-  /// in order, and each pair has an awake body. The cost follows candidates and pairs, however many bodies there are.
+  /// in order, and each pair has an awake body. `links` are in order of joints; those without an awake body are left
+  /// out. The cost follows candidates, pairs and links, however many bodies there are.
   void build(std::span<const std::uint32_t> candidates, std::span<const std::uint8_t> awake,
-             std::span<const TouchingPair> pairs);
+             std::span<const TouchingPair> pairs, std::span<const JointLink> links = {});
 
   std::size_t count() const { return body_start_.empty() ? 0 : body_start_.size() - 1; }
   std::span<const std::uint32_t> bodies(std::size_t begin, std::size_t end) const;  ///< of islands [begin, end)
   std::span<const TouchingPair> contacts(std::size_t begin, std::size_t end) const;
+  std::span<const JointLink> joints(std::size_t begin, std::size_t end) const;
   std::size_t contact_count(std::size_t island) const { return contact_start_[island + 1] - contact_start_[island]; }
+  std::size_t joint_count(std::size_t island) const { return joint_start_[island + 1] - joint_start_[island]; }
 
   /// Position of a body in the list of all islands' bodies. Valid for bodies of islands only.
   std::uint32_t rank(std::uint32_t body) const { return rank_[body]; }
   std::uint32_t first_rank(std::size_t island) const { return body_start_[island]; }
 
-  /// Awake dynamic bodies that touch nothing, in order.
+  /// Awake dynamic bodies that nothing touches or joins, in order.
   std::span<const std::uint32_t> free_bodies() const { return free_bodies_; }
 
  private:
@@ -37,7 +47,9 @@ class Islands {
 
   std::uint32_t find(std::uint32_t body);
   void join(std::span<const std::uint32_t> candidates, std::span<const std::uint8_t> awake,
-            std::span<const TouchingPair> pairs);
+            std::span<const TouchingPair> pairs, std::span<const JointLink> links);
+  template <typename Pair>
+  void sort_by_island(std::span<const Pair> pairs, std::vector<Pair>& sorted, std::vector<std::uint32_t>& start);
   void number(std::span<const std::uint32_t> candidates, std::span<const std::uint8_t> awake);
 
   std::vector<std::uint32_t> parent_;     // by body: union-find; a root is the lowest of its set; none if untouched
@@ -47,6 +59,8 @@ class Islands {
   std::vector<std::uint32_t> bodies_, body_start_;
   std::vector<TouchingPair> contacts_;
   std::vector<std::uint32_t> contact_start_;
+  std::vector<JointLink> joints_;
+  std::vector<std::uint32_t> joint_start_;
   std::vector<std::uint32_t> cursor_;
   std::vector<std::uint32_t> free_bodies_;
 };

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <solver/contact_block.h>
+#include <solver/joint_block.h>
 #include <solver/solver_bodies.h>
 #include <solver/solver_settings.h>
 #include <solver/surface_contact.h>
@@ -38,6 +39,22 @@ struct Sweep {
   bool measures = false;  ///< tell the residual
 };
 
+/// What the joint kernels work on.
+struct JointKernelData {
+  SolverBodies& bodies;
+  JointBlock* blocks;
+  JointRowBlock* rows;
+  const SubstepConstants& constants;
+};
+
+/// A sweep over the blocks of joints.
+struct JointSweep {
+  bool bias;     ///< asks for speeds that take errors back, softly; else joints are rigid and look at rates alone
+  bool refresh;  ///< recompute arms, offsets and masses from the bodies' displacements first
+  bool carries;  ///< the first sweep after impulses were carried over from the substep before
+  bool measures = false;  ///< tell the residual
+};
+
 /// The wide kernels for one instruction set. Each runs over [begin, end): of blocks, or of body indices in
 /// multiples of block_lanes. The same operations in the same order in every lane on each set, without fused
 /// multiply-add or approximations, so all give the same bits.
@@ -67,6 +84,13 @@ struct Kernels {
   /// inertia stays that of the start of the step.
   void (*integrate_positions)(SolverBodies& bodies, const SubstepConstants& constants, std::size_t begin,
                               std::size_t end);
+
+  /// Completes blocks of joints whose start of the step, impulses and rows are filled in.
+  void (*prepare_joints)(const JointKernelData& data, std::size_t begin, std::size_t end);
+  /// Applies the accumulated impulses.
+  void (*warm_start_joints)(const JointKernelData& data, std::size_t begin, std::size_t end);
+  /// Returns, if the sweep measures, its residual as that over contacts does. Spins count with a lever of 1 m.
+  float (*sweep_joints)(const JointKernelData& data, const JointSweep& sweep, std::size_t begin, std::size_t end);
 };
 
 /// The sets that this machine runs, best first: of "avx512", "avx2", "sse4", "neon" and always "portable".

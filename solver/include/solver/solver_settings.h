@@ -3,6 +3,7 @@
 namespace atl::solver {
 
 enum class Friction { None, Cone, Pyramid };
+enum class JointMethod { Auto, Iterative, Direct };
 enum class Stabilisation { Soft, Baumgarte, SplitImpulse };
 
 /// How islands are solved. Ranges and meanings as in atoll/settings.h.
@@ -21,6 +22,9 @@ struct SolverSettings {
   double contact_damping_ratio = 10;
   double contact_push_speed = 3;
   double restitution_threshold = 1;
+  JointMethod joint_method = JointMethod::Auto;
+  double joint_hertz = 0;  ///< 0: 0.3 of the substep rate
+  double joint_damping_ratio = 2;
 };
 
 /// A soft constraint's coefficients: the impulse of a damped spring integrated implicitly over a substep, as a
@@ -50,6 +54,7 @@ struct SubstepConstants {
   float inverse_h;  ///< 1/s
   Softness dynamic_contact;
   Softness fixed_contact;  ///< against a body of infinite mass
+  Softness joint;          ///< of joints that are solved one by one
   float push_speed;        ///< m/s
   float slop;              ///< m, overlap that is left alone
   float restitution_threshold;
@@ -72,6 +77,11 @@ struct SubstepConstants {
       c.dynamic_contact = c.fixed_contact = Softness::rigid(settings.correction, h);
       c.slop = static_cast<float>(settings.slop);
     }
+    // A net of joints that are swept once a substep rings up from 0.4 / h on.
+    const double joint_limit = 0.3 / h;
+    const double joint_hertz =
+        settings.joint_hertz > 0 && settings.joint_hertz < joint_limit ? settings.joint_hertz : joint_limit;
+    c.joint = Softness::of(joint_hertz, settings.joint_damping_ratio, h);
     c.push_speed = static_cast<float>(settings.contact_push_speed);
     c.restitution_threshold = static_cast<float>(settings.restitution_threshold);
     return c;

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <solver/body_table.h>
+#include <solver/islands.h>
+#include <solver/joint_graph.h>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace atl::solver {
+
+/// Which bodies of an island group hang together by joints, and so what may be done to them as a step starts and ends
+/// to make it of second order. Bodies by their place in the group.
+class JoinedMotion {
+ public:
+  /// Of a group whose first body has this rank among the islands' and which has so many.
+  void build(std::span<const JointLink> joints, std::span<const TouchingPair> contacts, const JointGraph& graph,
+             const Islands& islands, const BodyTable& bodies, std::uint32_t first_rank, std::size_t body_count);
+
+  /// Graph components of the group that are solved at once.
+  std::span<const std::uint32_t> direct() const { return direct_; }
+  /// Those of them that something touches.
+  std::span<const std::uint32_t> touched_direct() const { return touched_direct_; }
+  bool is_joined(std::size_t body) const { return component_[body] != none; }
+  bool is_direct(std::size_t body) const { return is_joined(body) && components_[component_[body]].direct; }
+  /// Solved at once, and touched by nothing: it gets its forces half a substep before, and half a substep after the
+  /// positions, as a leapfrog has it.
+  bool leaps(std::size_t body) const {
+    return is_joined(body) && components_[component_[body]].direct && !components_[component_[body]].touched;
+  }
+  /// Joined one by one, to nothing that is fixed, and touched by nothing: it falls as a whole.
+  bool falls(std::size_t body) const {
+    if (!is_joined(body)) return false;
+    const Component& component = components_[component_[body]];
+    return !component.direct && !component.touched && !component.anchored;
+  }
+  /// m/s^2, of the centre of mass of all that hang together with it.
+  Vector3 acceleration(std::size_t body) const { return components_[component_[body]].acceleration; }
+
+  /// Takes in what accelerates the bodies in this step.
+  void note_forces(std::span<const std::uint32_t> body_ids, const BodyTable& bodies, const Vector3& gravity);
+
+ private:
+  static constexpr std::uint32_t none = JointGraph::none;
+
+  struct Component {
+    bool direct = false;
+    bool touched = false;
+    bool anchored = false;
+    double mass = 0;  // kg
+    Vector3 acceleration = Vector3::Zero();
+  };
+
+  std::vector<std::uint32_t> component_;  // by body, in components_
+  std::vector<Component> components_;
+  std::vector<std::uint32_t> direct_, touched_direct_;
+  std::vector<std::uint32_t> number_;  // by component of the graph; all none between calls
+};
+
+}  // namespace atl::solver
