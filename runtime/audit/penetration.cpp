@@ -20,16 +20,18 @@ struct Entry {
   Placed shape;
   double bounding_radius;  ///< m
   bool dynamic;
+  std::size_t place;  ///< among the shapes
 };
 
-Entry make_entry(const PlacedShape& from) {
+Entry make_entry(const PlacedShape& from, std::size_t place) {
   Placed shape = audit::place(from);
   const Eigen::AlignedBox3d bounds = audit::bounds_of(shape);
   return {.low = bounds.min(),
           .high = bounds.max(),
           .shape = std::move(shape),
           .bounding_radius = audit::bounding_radius(from.shape),
-          .dynamic = from.type == BodyType::Dynamic};
+          .dynamic = from.type == BodyType::Dynamic,
+          .place = place};
 }
 
 /// The axis along which the centres have the largest variance.
@@ -85,28 +87,36 @@ void sweep(std::vector<Entry>& entries, const Visit& visit) {
 
 }  // namespace
 
-PenetrationReport measure_penetration(std::span<const PlacedShape> shapes) {
+PenetrationReport measure_penetration(std::span<const PlacedShape> shapes, const MayTouch& may_touch) {
+  struct Ground {
+    Placed shape;
+    std::size_t place;
+  };
   std::vector<Entry> entries;
-  std::vector<Placed> grounds;
+  std::vector<Ground> grounds;
   entries.reserve(shapes.size());
-  for (const PlacedShape& shape : shapes) {
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
     // Both are solid without bounds below.
-    if (std::holds_alternative<HalfSpace>(shape.shape) || std::holds_alternative<HeightField>(shape.shape)) {
-      grounds.push_back(audit::place(shape));
+    if (std::holds_alternative<HalfSpace>(shapes[i].shape) || std::holds_alternative<HeightField>(shapes[i].shape)) {
+      grounds.push_back({audit::place(shapes[i]), i});
       continue;
     }
-    Entry entry = make_entry(shape);
+    Entry entry = make_entry(shapes[i], i);
     // A body that is not finite overlaps nothing and would break the sort; the step's report names it.
     if (entry.low.allFinite() && entry.high.allFinite()) entries.push_back(std::move(entry));
   }
 
+  const auto counts = [&](std::size_t a, std::size_t b) { return !may_touch || may_touch(a, b); };
   Tally tally;
   for (const Entry& entry : entries) {
     if (!entry.dynamic) continue;
-    for (const Placed& ground : grounds) tally.add(audit::overlap(entry.shape, ground), entry.bounding_radius);
+    for (const Ground& ground : grounds) {
+      if (counts(entry.place, ground.place))
+        tally.add(audit::overlap(entry.shape, ground.shape), entry.bounding_radius);
+    }
   }
-  sweep(entries, [&tally](const Entry& a, const Entry& b) {
-    if (!a.dynamic && !b.dynamic) return;
+  sweep(entries, [&](const Entry& a, const Entry& b) {
+    if ((!a.dynamic && !b.dynamic) || !counts(a.place, b.place)) return;
     tally.add(audit::overlap(a.shape, b.shape), std::min(a.bounding_radius, b.bounding_radius));
   });
   return std::move(tally).report();

@@ -6,11 +6,22 @@
 namespace atl::command {
 
 std::vector<Count> named_counts(const StepCounts& c) {
-  return {{"pairs", c.pairs},     {"contacts", c.contacts},     {"points", c.points},
-          {"joints", c.joints},   {"islands", c.islands},       {"groups", c.groups},
-          {"colours", c.colours}, {"fcl_calls", c.fcl_calls},   {"kept_manifolds", c.kept_manifolds},
-          {"asleep", c.asleep},   {"id_matches", c.id_matches}, {"id_misses", c.id_misses},
-          {"swept", c.swept},     {"stopped", c.stopped},       {"sweeps", c.sweeps}};
+  return {{"pairs", c.pairs},
+          {"contacts", c.contacts},
+          {"points", c.points},
+          {"joints", c.joints},
+          {"islands", c.islands},
+          {"groups", c.groups},
+          {"colours", c.colours},
+          {"fcl_calls", c.fcl_calls},
+          {"kept_manifolds", c.kept_manifolds},
+          {"asleep", c.asleep},
+          {"id_matches", c.id_matches},
+          {"id_misses", c.id_misses},
+          {"swept", c.swept},
+          {"stopped", c.stopped},
+          {"sweeps", c.sweeps},
+          {"direct_joints", c.direct_joints}};
 }
 
 BodyCounts body_counts(const Scene& scene) {

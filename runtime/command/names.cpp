@@ -19,6 +19,9 @@ constexpr std::array frictions = {Named<FrictionModel>{FrictionModel::Cone, "con
 constexpr std::array stabilisations = {Named<Stabilisation>{Stabilisation::Soft, "soft"},
                                        Named<Stabilisation>{Stabilisation::Baumgarte, "baumgarte"},
                                        Named<Stabilisation>{Stabilisation::SplitImpulse, "split_impulse"}};
+constexpr std::array joint_solvers = {Named<JointSolver>{JointSolver::Auto, "auto"},
+                                      Named<JointSolver>{JointSolver::Iterative, "iterative"},
+                                      Named<JointSolver>{JointSolver::Direct, "direct"}};
 constexpr std::array simds = {Named<Simd>{Simd::Auto, "auto"},     Named<Simd>{Simd::Portable, "portable"},
                               Named<Simd>{Simd::Sse4, "sse4"},     Named<Simd>{Simd::Avx2, "avx2"},
                               Named<Simd>{Simd::Avx512, "avx512"}, Named<Simd>{Simd::Neon, "neon"}};
@@ -43,9 +46,11 @@ Enum find_value(const std::array<Named<Enum>, size>& all, std::string_view name)
 
 const char* name_of(FrictionModel friction) { return find_name(frictions, friction); }
 const char* name_of(Stabilisation stabilisation) { return find_name(stabilisations, stabilisation); }
+const char* name_of(JointSolver solver) { return find_name(joint_solvers, solver); }
 const char* name_of(Simd simd) { return find_name(simds, simd); }
 FrictionModel friction_named(std::string_view name) { return find_value(frictions, name); }
 Stabilisation stabilisation_named(std::string_view name) { return find_value(stabilisations, name); }
+JointSolver joint_solver_named(std::string_view name) { return find_value(joint_solvers, name); }
 Simd simd_named(std::string_view name) { return find_value(simds, name); }
 
 std::string fixed(double value, int decimals) {

@@ -10,9 +10,11 @@ namespace atl::command {
 /// The words that options and reports have for the library's enumerations.
 const char* name_of(FrictionModel friction);
 const char* name_of(Stabilisation stabilisation);
+const char* name_of(JointSolver solver);
 const char* name_of(Simd simd);
 FrictionModel friction_named(std::string_view name);
 Stabilisation stabilisation_named(std::string_view name);
+JointSolver joint_solver_named(std::string_view name);
 Simd simd_named(std::string_view name);
 
 /// A fixed number of decimals, as "3.140".

@@ -27,6 +27,15 @@ CLI::Validator number_above_zero(double max) {
   return {check, range.str(), "number above zero"};
 }
 
+CLI::Validator number_above_zero() {
+  const auto check = [](std::string& text) -> std::string {
+    double value = 0;
+    if (parse_whole(text, value) && value > 0 && std::isfinite(value)) return "";
+    return "found \"" + text + "\", expected a finite number > 0";
+  };
+  return {check, "> 0", "number above zero"};
+}
+
 CLI::Validator number_not_below_zero() {
   const auto check = [](std::string& text) -> std::string {
     double value = 0;

@@ -17,6 +17,7 @@ bool parse_whole(const std::string& text, Number& value) {
 /// not say what it wants of a text that is no number.)
 CLI::Validator integer_in(int min, int max);
 CLI::Validator number_above_zero(double max);
+CLI::Validator number_above_zero();
 CLI::Validator number_not_below_zero();
 CLI::Validator seed_number();
 

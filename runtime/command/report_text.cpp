@@ -49,7 +49,7 @@ void write_head(std::ostream& out, const Scene& scene, const World& world) {
       << s.relax_iterations << " to relax, friction " << name_of(s.friction) << ", warm starting "
       << (s.warm_starting ? "on" : "off") << ", sleeping " << (s.sleeping ? "on" : "off") << ",\n          "
       << stabilisation_words(s) << (s.tolerance > 0 ? ", tolerance " + significant(s.tolerance, 4) + " m/s" : "")
-      << "\n";
+      << (scene.joints.empty() ? "" : std::string(", joints ") + name_of(s.joint_solver)) << "\n";
 }
 
 void write_times(std::ostream& out, const RunResult& result) {
@@ -76,7 +76,7 @@ void write_solver_times(std::ostream& out, const Scene& scene, const RunResult& 
   if (!scene.settings.profile) return;
   const double all = std::accumulate(result.solver_ms.begin(), result.solver_ms.end(), 0.0);
   const double points = result.points * scene.settings.substeps;
-  out << "\n" << std::left << std::setw(name_width + 2) << "contact solver, all groups";
+  out << "\n" << std::left << std::setw(name_width + 2) << "solver, all groups";
   write_number(out, "ms");
   out << std::setw(share_width) << "%"
       << "    ns a point and substep\n";

@@ -58,7 +58,7 @@ void add_run_options(CLI::App& command, RunOptions& options) {
   command.add_option("--substeps", options.substeps, "substeps a step; error falls with their square")
       ->check(integer_in(1, 1024))
       ->group(solver);
-  command.add_option("--iterations", options.iterations, "sweeps over the contacts a substep")
+  command.add_option("--iterations", options.iterations, "sweeps over the contacts and joints a substep")
       ->check(integer_in(1, 1024))
       ->group(solver);
   command.add_option("--relax-iterations", options.relax_iterations, "sweeps without position bias a substep")
@@ -69,7 +69,7 @@ void add_run_options(CLI::App& command, RunOptions& options) {
   })->group(solver);
   command
       .add_option("--tolerance", options.tolerance,
-                  "m/s; sweeps of an island end with one that changes no speed at a contact by more; 0: never")
+                  "m/s; sweeps of an island end with one that changes no speed at a contact or joint by more; 0: never")
       ->check(number_not_below_zero())
       ->group(solver);
   add_choice(command, "--stabilisation", {"soft", "baumgarte", "split_impulse"}, "how contacts get bodies apart",
@@ -82,6 +82,16 @@ void add_run_options(CLI::App& command, RunOptions& options) {
       ->group(solver);
   command.add_option("--slop", options.slop, "m of overlap that these leave alone")
       ->check(number_not_below_zero())
+      ->group(solver);
+  add_choice(
+      command, "--joint-solver", {"auto", "iterative", "direct"},
+      "how joints are solved: one by one, or at once; auto: at once if anchored, in long chains or of unequal masses",
+      [&options](const std::string& name) { options.joint_solver = joint_solver_named(name); })
+      ->group(solver);
+  command
+      .add_option("--joint-hertz", options.joint_hertz,
+                  "Hz; stiffness of iterative joints, up to 0.3 of the substep rate, which is the default")
+      ->check(number_above_zero())
       ->group(solver);
   command.add_flag("--no-warm-start", options.no_warm_start, "start every step from zero impulses")->group(solver);
   command.add_flag("--sleeping", options.sleeping, "let islands at rest fall asleep")->group(solver);
@@ -119,7 +129,7 @@ void add_run_options(CLI::App& command, RunOptions& options) {
       ->group(output);
   command
       .add_flag("--profile", options.profile,
-                "tell what the contact solver spends its time on; takes a little time, and changes no bit")
+                "tell what the solver spends its time on; takes a little time, and changes no bit")
       ->group(output);
   command.add_flag("--hash", options.hash, "with text, end with a line that holds the state hash alone")->group(output);
 }
@@ -138,6 +148,8 @@ void apply(const RunOptions& options, Scene& scene) {
   override_by(options.correction, scene.settings.correction);
   override_by(options.slop, scene.settings.slop);
   override_by(options.tolerance, scene.settings.tolerance);
+  override_by(options.joint_solver, scene.settings.joint_solver);
+  if (options.joint_hertz) scene.settings.joint_hertz = options.joint_hertz;
   if (options.no_warm_start) scene.settings.warm_starting = false;
   if (options.sleeping) scene.settings.sleeping = true;
   scene.settings.keep_contact_problem = options.errors;

@@ -97,6 +97,7 @@ BodyId World::Impl::add_body(const BodyDef& def) {
 void World::Impl::remove_body(BodyId id) {
   captured_ = false;
   const std::uint32_t body = index_of(id, "remove_body");
+  remove_joints_of(body);
   wake_touching(body);
   sleeping.wake(body);
   cache.remove_contacts_of(body);
@@ -153,6 +154,7 @@ void World::Impl::set_pose(BodyId id, const Pose& pose) {
   check_finite("World::set_pose: pose.position", pose.position);
   const Quaternion orientation = checked_orientation("World::set_pose: pose.orientation", pose.orientation);
   wake_touching(body);
+  wake_joined(body);
   sleeping.wake(body);
   bodies.position(body) = pose.position + orientation * records.centre[body];
   bodies.turned[body] += solver::turn_chord(bodies.orientation(body), orientation);
@@ -193,7 +195,7 @@ void World::Impl::set_collision_enabled(BodyId a, BodyId b, bool enabled) {
   std::erase(of_first, second);
   std::erase(of_second, first);
   if (enabled) {
-    broadphase.unignore(first, second);
+    if (!joints.are_kept_apart(first, second)) broadphase.unignore(first, second);
   } else {
     of_first.push_back(second);
     of_second.push_back(first);

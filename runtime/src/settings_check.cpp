@@ -53,6 +53,11 @@ void check(const Settings& settings) {
   check_not_negative("contact_damping_ratio", settings.contact_damping_ratio);
   check_positive("contact_push_speed", settings.contact_push_speed);
   check_not_negative("restitution_threshold", settings.restitution_threshold);
+  if (settings.joint_solver < JointSolver::Auto || settings.joint_solver > JointSolver::Direct) {
+    refuse("joint_solver", static_cast<int>(settings.joint_solver), "a value of JointSolver");
+  }
+  if (settings.joint_hertz) check_positive("joint_hertz", *settings.joint_hertz);
+  check_not_negative("joint_damping_ratio", settings.joint_damping_ratio);
   check_not_negative("sleep_speed", settings.sleep_speed);
   check_not_negative("time_to_sleep", settings.time_to_sleep);
   kernels_for(settings.simd);
@@ -74,6 +79,9 @@ solver::SolverSettings solver_settings(const Settings& settings) {
   s.contact_damping_ratio = settings.contact_damping_ratio;
   s.contact_push_speed = settings.contact_push_speed;
   s.restitution_threshold = settings.restitution_threshold;
+  s.joint_method = static_cast<solver::JointMethod>(settings.joint_solver);
+  s.joint_hertz = settings.joint_hertz.value_or(0);
+  s.joint_damping_ratio = settings.joint_damping_ratio;
   return s;
 }
 

@@ -47,6 +47,52 @@ void add_settings(Hash& hash, const Settings& s) {
   }
 }
 
+// Worlds that have no joints hash as they would if joints had no settings, unless these are given.
+void add_joint_settings(Hash& hash, const Settings& s, bool joints) {
+  const Settings left_alone;
+  if (!joints && s.joint_solver == left_alone.joint_solver && s.joint_hertz == left_alone.joint_hertz &&
+      s.joint_damping_ratio == left_alone.joint_damping_ratio) {
+    return;
+  }
+  hash.add(static_cast<std::uint64_t>(s.joint_solver));
+  hash.add(s.joint_hertz.value_or(0));
+  hash.add(s.joint_damping_ratio);
+}
+
+void add_law(Hash& hash, const solver::Law& law) {
+  for (const double value :
+       {law.lower, law.upper, law.spring_hertz, law.damping_ratio, law.rest, law.motor_speed, law.motor_force}) {
+    hash.add(value);
+  }
+}
+
+// What the next step reads of a joint, and what later calls can make of it.
+void add_joint_state(Hash& hash, const JointTable& table, std::uint32_t index) {
+  const solver::Joint& joint = table.joints[index];
+  const JointDef& def = table.def[index];
+  hash.add(std::uint64_t{joint.first} << 32 | joint.second);
+  hash.add(std::uint64_t{def.kind.index()} << 32 | std::uint64_t{joint.rows} << 4 | std::uint64_t{joint.point} << 3 |
+           std::uint64_t{def.collide} << 2 | std::uint64_t{table.enabled[index]} << 1 |
+           std::uint64_t{table.broken[index]});
+  hash.add_all(joint.anchor_first);
+  hash.add_all(joint.anchor_second);
+  hash.add_all(joint.axes_first.coeffs());
+  hash.add_all(joint.axes_second.coeffs());
+  hash.add(joint.ratio);
+  hash.add(def.break_force);
+  hash.add(def.break_torque);
+  hash.add_all(joint.point_impulse);
+  hash.add_all(joint.force);
+  for (std::size_t row = 0; row < joint.rows; ++row) {
+    hash.add(std::uint64_t{static_cast<std::uint8_t>(joint.coordinate[row])});
+    add_law(hash, joint.law[row]);
+    hash.add(joint.impulse[row]);
+    hash.add(joint.position[row]);
+    hash.add(std::uint64_t{static_cast<std::uint8_t>(joint.limit[row])} << 8 |
+             static_cast<std::uint8_t>(table.limit_before[index][row]));
+  }
+}
+
 void add_surface(Hash& hash, std::size_t body, const solver::Surface& surface) {
   if (surface.is_plain()) return;
   hash.add(static_cast<std::uint64_t>(body));
@@ -118,6 +164,15 @@ std::uint64_t World::Impl::state_hash() const {
   for (const auto& [a, b] : touched_) {
     hash.add(std::uint64_t{a.index} << 32 | b.index);
     hash.add(std::uint64_t{a.generation} << 32 | b.generation);
+  }
+  add_joint_settings(hash, settings, joints.size() > 0);
+  if (joints.size() > 0) {
+    hash.add_all(joints.alive);
+    hash.add_all(joints.generation);
+    hash.add_all(joints.free);
+    for (std::uint32_t joint = 0; joint < joints.size(); ++joint) {
+      if (joints.alive[joint]) add_joint_state(hash, joints, joint);
+    }
   }
   hash.add(static_cast<std::uint64_t>(cache.size()));
   for (const std::uint32_t slot : cache.all_in_order()) {

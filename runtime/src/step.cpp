@@ -34,7 +34,7 @@ StepReport World::Impl::step(double dt) {
   run(Phase::Plan, &Impl::plan);                          // who may move
   run(Phase::FindPairs, &Impl::find_pairs);               // moved proxies -> new pairs, in id order
   run(Phase::UpdateContacts, &Impl::update_contacts);     // pairs -> manifolds: keep, refresh or ask FCL
-  run(Phase::BuildIslands, &Impl::build_islands);         // touching contacts -> islands -> groups; wake
+  run(Phase::BuildIslands, &Impl::build_islands);         // touching contacts, joints -> islands -> groups; wake
   run(Phase::SolveIslands, &Impl::solve_islands);         // groups are tasks: prepare, substeps, restitution, store
   run(Phase::SweepFastBodies, &Impl::sweep_fast_bodies);  // nothing passes through anything
   run(Phase::Finish, &Impl::finish);                      // sleep, checks, report
@@ -99,9 +99,11 @@ void World::Impl::note_reaches() {
   });
 }
 
-// Islands depend on who is awake and what touches, so while both stay what they were, the islands do.
+// Islands depend on who is awake, what touches and what is joined, so while these stay what they were, the islands do.
 void World::Impl::build_islands() {
   if (sleeping.asleep > 0) wake_touched_sleepers();
+  update_joint_graph();
+  wake_joined_to_moving();
   remove_lost_contacts();
   if (update_active_bodies()) {
     // Contacts of bodies that were just woken count with the points they fell asleep with.
@@ -111,11 +113,12 @@ void World::Impl::build_islands() {
   const bool one_each = settings.tolerance > 0;
   islands_rebuilt_ = islands_stale_ || contact_update_.touching_changed || one_each != one_each_;
   if (islands_rebuilt_) {
-    islands_.build(active_.in_order(), sleeping.awake, touching_);
+    islands_.build(active_.in_order(), sleeping.awake, touching_, joint_graph_.links());
     solver::pack_groups(islands_, one_each, groups_);
     one_each_ = one_each;
     islands_stale_ = false;
   }
+  if (joints.count > 0) count_joints();
   report_.counts.pairs = static_cast<std::int64_t>(cache.pairs.size());
   report_.counts.contacts = static_cast<std::int64_t>(touching_.size());
   report_.counts.points = contact_update_.counts.points;
@@ -153,7 +156,9 @@ void World::Impl::solve_groups() {
                                  .kernels = *kernels,
                                  .fast = fast_,
                                  .capture = settings.keep_contact_problem ? &capture_ : nullptr,
-                                 .surface_contacts = bodies.surfaces.empty() ? nullptr : surface_contacts_.data()};
+                                 .surface_contacts = bodies.surfaces.empty() ? nullptr : surface_contacts_.data(),
+                                 .joints = joints.joints.data(),
+                                 .joint_graph = joints.count == 0 ? nullptr : &joint_graph_};
   group_reports_.assign(groups_.size(), {});
   arena.parallel_for(groups_.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t g = begin; g < end; ++g) {
@@ -199,6 +204,7 @@ void World::Impl::finish() {
     contact_events_.clear();
   }
   events_noted_ = settings.contact_events;
+  if (joints.size() > 0) note_joints();
   if (settings.sleeping) {
     if (!bodies.surfaces.empty()) keep_belts_awake();
     sleeping.update(islands_, bodies, settings, dt_);
@@ -266,13 +272,15 @@ void World::Impl::note_stages() {
   note("contact_solver", counts.contacts > 0, "bodies touch", "nothing touches", ms(Phase::SolveIslands));
   note("friction", friction, "touching materials have friction", "no contact has friction", 0);
   note("restitution", restitution, "touching materials bounce", "no contact bounces", 0);
-  note("gyroscopic_torque", gyroscopic, "touching bodies have unequal moments of inertia",
-       "no touching body has unequal moments of inertia", 0);
+  note("gyroscopic_torque", gyroscopic, "bodies in islands have unequal moments of inertia",
+       "no body in an island has unequal moments of inertia", 0);
   note("warm_starting", counts.contacts > 0 && settings.warm_starting, "it is on", "it is off, or nothing touches", 0);
   note("free_flight", !islands_.free_bodies().empty(), "some bodies touch nothing",
-       "every awake body touches something", 0);
+       "every awake body touches something or is joined", 0);
   note("kinematic_bodies", contents.kinematic > 0, "there are some", "there are none", 0);
-  note("joints", false, "", "there are none", 0);
+  note("joints", counts.joints > 0, "bodies that are awake are joined",
+       joints.count == 0 ? "there are none" : "none acts on a body that is awake",
+       counts.contacts > 0 ? 0 : ms(Phase::SolveIslands));
   note("sleeping", settings.sleeping, "it is on", "it is off", ms(Phase::Finish));
   note("sweep_fast_bodies", counts.swept > 0, "some bodies moved farther than their size allows",
        "no body moved farther than margins see", ms(Phase::SweepFastBodies));

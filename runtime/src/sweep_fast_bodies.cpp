@@ -148,7 +148,11 @@ double World::Impl::first_hit(const solver::FastBody& fast, std::vector<std::uin
 void World::Impl::sweep_fast_bodies() {
   fast_in_order_.clear();
   fast_.for_each([this](std::vector<solver::FastBody>& of_worker) {
-    for (const solver::FastBody& fast : of_worker) fast_in_order_.push_back(fast);  // grows by more than it needs
+    for (const solver::FastBody& fast : of_worker) {
+      // A body that is put back tears the joints that hold it to others, which have gone on.
+      if (is_joined(fast.body) && !records.continuous[fast.body]) continue;
+      fast_in_order_.push_back(fast);  // grows by more than it needs
+    }
     of_worker.clear();
   });
   if (fast_in_order_.empty()) return;

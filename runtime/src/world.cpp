@@ -121,6 +121,21 @@ void World::set_filter(BodyId id, const CollisionFilter& filter) { impl_->set_fi
 
 void World::set_collision_enabled(BodyId a, BodyId b, bool enabled) { impl_->set_collision_enabled(a, b, enabled); }
 
+JointId World::add_joint(const JointDef& def) { return impl_->add_joint(def); }
+void World::remove_joint(JointId id) { impl_->remove_joint(impl_->index_of(id, "remove_joint")); }
+bool World::contains(JointId id) const { return impl_->contains(id); }
+std::size_t World::joint_count() const { return impl_->joints.count; }
+const JointDef& World::joint(JointId id) const { return impl_->joints.def[impl_->index_of(id, "joint")]; }
+JointState World::joint_state(JointId id) const { return impl_->joint_state(impl_->index_of(id, "joint_state")); }
+
+void World::set_joint(JointId id, const JointKind& kind) { impl_->set_joint(impl_->index_of(id, "set_joint"), kind); }
+
+void World::set_joint_enabled(JointId id, bool enabled) {
+  impl_->set_joint_enabled(impl_->index_of(id, "set_joint_enabled"), enabled);
+}
+
+std::span<const JointEvent> World::joint_events() const { return impl_->joint_events(); }
+
 void World::set_gravity(const Vector3& gravity) {
   check_finite("World::set_gravity: gravity", gravity);
   if (gravity != impl_->gravity) impl_->wake_all();
@@ -130,6 +145,7 @@ void World::set_gravity(const Vector3& gravity) {
 void World::set_settings(const Settings& settings) {
   check(settings);
   if (!settings.sleeping) impl_->wake_all();
+  if (settings.joint_solver != impl_->settings.joint_solver) impl_->solve_joints_anew();
   impl_->settings = settings;
   impl_->kernels = &kernels_for(settings.simd);
   impl_->refresh_kernels = collision::find_refresh_kernels(impl_->kernels->name);

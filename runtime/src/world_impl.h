@@ -11,6 +11,7 @@
 #include <solver/body_table.h>
 #include <solver/group_solver.h>
 #include <solver/islands.h>
+#include <solver/joint_graph.h>
 
 #include <array>
 #include <map>
@@ -20,6 +21,7 @@
 #include <vector>
 
 #include "active_bodies.h"
+#include "joint_table.h"
 #include "sleeping.h"
 
 namespace atl {
@@ -76,6 +78,17 @@ class World::Impl {
   void wake_all();
   void wake_touching(std::uint32_t body);
 
+  // Joints: joints.cpp.
+  JointId add_joint(const JointDef& def);
+  void remove_joint(std::uint32_t joint);
+  bool contains(JointId id) const;
+  std::uint32_t index_of(JointId id, const char* call) const;
+  JointState joint_state(std::uint32_t joint) const;
+  void set_joint(std::uint32_t joint, const JointKind& kind);
+  void set_joint_enabled(std::uint32_t joint, bool enabled);
+  void solve_joints_anew() { joints_stale_ = joints.size() > 0; }
+  std::span<const JointEvent> joint_events() const { return joint_events_; }
+
   // Results: contact_forces.cpp, contact_problem.cpp, state_hash.cpp.
   std::span<const ContactForce> contact_forces() const;
   ContactProblem contact_problem() const;
@@ -92,6 +105,7 @@ class World::Impl {
   collision::ColliderTable colliders;
   BodyRecords records;
   Contents contents;
+  JointTable joints;
   Sleeping sleeping;
   collision::Broadphase broadphase;
   collision::ContactCache cache;
@@ -143,6 +157,26 @@ class World::Impl {
   void solve_groups();
   void move_unconstrained_bodies();
   void note_stages();
+
+  // Joints: joints.cpp, and in the step joint_step.cpp.
+  void check_bodies(const JointDef& def) const;
+  void remove_joints_of(std::uint32_t body);
+  void joint_changed(std::uint32_t joint);
+  void wake_joined_by(std::uint32_t joint);
+  void wake_joined(std::uint32_t body);
+  void keep_apart(std::uint32_t joint);
+  void let_touch(std::uint32_t joint);
+  void release(std::uint32_t joint);
+  solver::JointFrames frames_of(const solver::Joint& joint) const;
+  void update_joint_graph();
+  void wake_joined_to_moving();
+  std::span<const solver::JointLink> acting_joints() const;
+  bool is_joined(std::uint32_t body) const;  // by a joint that acts
+  void count_joints();
+  void note_joints();
+  void watch_joint(std::uint32_t joint);
+  void keep_driven_awake(std::uint32_t joint);
+
   void keep_belts_awake();
   std::int64_t first_non_finite_body();
 
@@ -173,6 +207,11 @@ class World::Impl {
   std::vector<std::uint32_t> rushed_;  // fast bodies that left their boxes
   std::vector<double> first_hits_;     // by fast body: when it met something, as part of the step
   jobs::Scratch<std::vector<std::uint32_t>> nearby_;
+  solver::JointGraph joint_graph_;
+  bool joints_stale_ = false;  // joints came, went or changed since the graph was made
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> to_kinematic_;  // kinematic bodies, and what is joined to them
+  std::int64_t direct_joints_ = 0;                                     // of awake bodies
+  std::vector<JointEvent> joint_events_;
   std::vector<ContactEvent> contact_events_;
   std::vector<std::pair<BodyId, BodyId>> touched_;  // in order, as of the last step with events
   std::vector<std::pair<BodyId, BodyId>> touched_before_;

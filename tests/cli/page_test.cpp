@@ -58,7 +58,7 @@ std::set<std::size_t> drawn_runs(const Json& scene) {
   std::set<std::size_t> drawn;
   for (std::size_t i = 0; i < scene["runs"].size(); ++i) {
     const Json& run = scene["runs"][i];
-    const bool broken = run["outcome"] == "fell" || run["outcome"] == "non_finite";
+    const bool broken = run["outcome"] == "fell" || run["outcome"] == "came_apart" || run["outcome"] == "non_finite";
     const bool placed = run["outcome"] == "done" && run["errors"].contains(measure);
     if (!run["same_bits"] && (broken || placed)) drawn.insert(i);
   }

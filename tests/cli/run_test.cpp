@@ -45,6 +45,10 @@ TEST(CommandRun, JsonHasTheKeysInTheirOrder) {
                                           "1e-4",
                                           "--tolerance",
                                           "1e-3",
+                                          "--joint-solver",
+                                          "direct",
+                                          "--joint-hertz",
+                                          "25",
                                           "--format",
                                           "json"});
   ASSERT_EQ(result.status, 0) << result.err;
@@ -55,9 +59,9 @@ TEST(CommandRun, JsonHasTheKeysInTheirOrder) {
   EXPECT_EQ(keys_of(json["ms_per_step"]), (Keys{"mean", "median", "p99", "max"}));
   EXPECT_EQ(keys_of(json["phases_ms"]), (Keys{"plan", "find_pairs", "update_contacts", "build_islands", "solve_islands",
                                               "sweep_fast_bodies", "finish"}));
-  EXPECT_EQ(keys_of(json["counts"]),
-            (Keys{"pairs", "contacts", "points", "joints", "islands", "groups", "colours", "fcl_calls",
-                  "kept_manifolds", "asleep", "id_matches", "id_misses", "swept", "stopped", "sweeps"}));
+  EXPECT_EQ(keys_of(json["counts"]), (Keys{"pairs", "contacts", "points", "joints", "islands", "groups", "colours",
+                                           "fcl_calls", "kept_manifolds", "asleep", "id_matches", "id_misses", "swept",
+                                           "stopped", "sweeps", "direct_joints"}));
   EXPECT_EQ(keys_of(json["errors"]),
             (Keys{"penetration_max", "penetration_p99", "penetration_mean", "penetration_max_relative", "sink_max",
                   "sink_mean", "drift_max", "tilt_max", "energy_drift"}));
@@ -77,6 +81,9 @@ TEST(CommandRun, JsonHasTheKeysInTheirOrder) {
   EXPECT_EQ(json["settings"]["correction"], 0.3);
   EXPECT_EQ(json["settings"]["slop"], 1e-4);
   EXPECT_EQ(json["settings"]["tolerance"], 0.001);
+  EXPECT_EQ(json["settings"]["joint_solver"], "direct");
+  EXPECT_EQ(json["settings"]["joint_hertz"], 25);
+  EXPECT_EQ(json["settings"]["joint_damping_ratio"], 2);
   const std::string hash = json["hash"];
   EXPECT_EQ(hash.size(), 18u);
   EXPECT_EQ(hash.find_first_not_of("0123456789abcdef", 2), std::string::npos) << hash;
@@ -112,10 +119,10 @@ TEST(CommandRun, ProfileTellsTheSolversStagesAndChangesNothing) {
   EXPECT_LT(baumgarte["solver_ms"]["relax"], baumgarte["solver_ms"]["solve"]);
 
   const std::string text = with({"--profile"}).out;
-  for (const char* word : {"contact solver, all groups", "ns a point and substep", "warm_start", "relax", "store"}) {
+  for (const char* word : {"solver, all groups", "ns a point and substep", "warm_start", "relax", "store"}) {
     EXPECT_NE(text.find(word), std::string::npos) << word;
   }
-  EXPECT_EQ(with({}).out.find("contact solver, all groups"), std::string::npos);
+  EXPECT_EQ(with({}).out.find("solver, all groups"), std::string::npos);
 }
 
 TEST(CommandRun, CountsSweeps) {

@@ -39,6 +39,12 @@ std::vector<std::string> scenes() {
             "torsion",
             "rocking-block",
             "cradle",
+            "ragdolls:count=3",
+            "vehicle",
+            "chain:links=20",
+            "joint-grid:n=12",
+            "bridge:planks=12",
+            "slider-crank",
             all_shapes};
   }
   std::vector<std::string> full = {all_shapes};

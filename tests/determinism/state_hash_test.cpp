@@ -114,7 +114,11 @@ TEST(StateHash, SeesSettingsGravityAndForcesThatAwaitTheNextStep) {
   for (const Stabilisation stabilisation : {Stabilisation::Baumgarte, Stabilisation::SplitImpulse}) {
     hashes.insert(hash_after(10, [=](Crates& crates) { crates.world.set_settings({.stabilisation = stabilisation}); }));
   }
-  EXPECT_EQ(hashes.size(), 10u);
+  hashes.insert(
+      hash_after(10, [](Crates& crates) { crates.world.set_settings({.joint_solver = JointSolver::Direct}); }));
+  hashes.insert(hash_after(10, [](Crates& crates) { crates.world.set_settings({.joint_hertz = 20}); }));
+  hashes.insert(hash_after(10, [](Crates& crates) { crates.world.set_settings({.joint_damping_ratio = 3}); }));
+  EXPECT_EQ(hashes.size(), 13u);
 }
 
 TEST(StateHash, IsBlindToAProfile) {

@@ -53,6 +53,7 @@ inline Errors run_closed_form(std::string_view text, const Settings& settings, d
   Settings all = scene.settings;
   all.substeps = settings.substeps;
   all.friction = settings.friction;
+  all.joint_solver = settings.joint_solver;
   World world({.gravity = scene.gravity, .settings = all});
   const std::vector<BodyId> ids = build_scene(scene, world);
   ErrorMeter meter(scene);

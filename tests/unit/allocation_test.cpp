@@ -74,6 +74,28 @@ TEST_P(SteadyState, RestingBodiesOfAllShapes) {
   EXPECT_EQ(allocations_of(world, 60), 0u);
 }
 
+TEST_P(SteadyState, JointsOfEverySolver) {
+  for (const JointSolver solver : {JointSolver::Iterative, JointSolver::Direct}) {
+    World world({.threads = GetParam(), .settings = {.joint_solver = solver}});
+    BodyId before = world.add_body(static_box({0, 0, 0}, {1, 1, 1}));
+    for (int i = 1; i <= 20; ++i) {
+      BodyDef ball = sphere({1.0 * i, 0, 0}, 0.3);
+      ball.filter.group = -1;
+      const BodyId next = world.add_body(ball);
+      const JointAxis angle{.range = {-0.2, 0.2}};
+      world.add_joint({.kind = i % 2 == 0 ? JointKind(BallJoint{}) : JointKind(HingeJoint{angle}),
+                       .first = before,
+                       .second = next,
+                       .frame_first = {{0.5, 0, 0}, Quaternion::Identity()},
+                       .frame_second = {{-0.5, 0, 0}, Quaternion::Identity()},
+                       .break_force = 1e9});
+      before = next;
+    }
+    run(world, 240);
+    EXPECT_EQ(allocations_of(world, 60), 0u) << static_cast<int>(solver);
+  }
+}
+
 TEST_P(SteadyState, ALargeIslandInMotion) {
   World world({.threads = GetParam()});
   world.add_body(static_box({0, 0, -0.5}, {20, 20, 0.5}));

@@ -13,7 +13,7 @@ namespace {
 constexpr double g = 9.81;  // m/s^2
 
 TEST(ClosedForm, SaysWhatItMeasures) {
-  ASSERT_EQ(closed_form_scenes().size(), 17u);
+  ASSERT_EQ(closed_form_scenes().size(), 23u);
   for (const std::string& name : closed_form_scenes()) {
     const Scene scene = load_scene(name);
     EXPECT_FALSE(scene.closed_form->metric.empty()) << name;
@@ -28,6 +28,7 @@ TEST(ClosedForm, SaysWhatItMeasures) {
 
 TEST(ClosedForm, StandingStillIsWrong) {
   for (const std::string& name : closed_form_scenes()) {
+    if (name == "hanging-chain" || name == "catenary") continue;  // which should
     const Scene scene = load_scene(name);
     // Coming to rest at the place of the start is as wrong as the whole path.
     const Errors errors = errors_of(
@@ -49,7 +50,7 @@ TEST(ClosedForm, EveryParameterHasAnUsableRange) {
         const Scene scene = load_scene(builtin.name + ":" + parameter.name + "=" + std::to_string(value));
         SCOPED_TRACE(scene.name);
         EXPECT_GT(scene.steps, 1);
-        EXPECT_EQ(measure_penetration(placed_shapes(scene)).pairs, 0u);
+        EXPECT_EQ(measure_penetration(placed_shapes(scene), may_touch(scene)).pairs, 0u);
         const auto measure = scene.closed_form->measure();
         const std::vector<BodyState> states = starting_states(scene);
         for (int step = 1; step <= 200; ++step) measure->observe(step * scene.steps / 200.0 * scene.dt, states, {});

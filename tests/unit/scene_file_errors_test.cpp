@@ -135,6 +135,10 @@ TEST(SceneFileErrors, Settings) {
       {settings(R"("contact_damping_ratio": -1)"), "2: /settings/contact_damping_ratio: found -1", "a number >= 0"},
       {settings(R"("contact_push_speed": 0)"), "2: /settings/contact_push_speed: found 0", "a number > 0"},
       {settings(R"("restitution_threshold": -1)"), "2: /settings/restitution_threshold: found -1", "a number >= 0"},
+      {settings(R"("joint_solver": "exact")"), "2: /settings/joint_solver: found \"exact\"",
+       "auto, iterative or direct"},
+      {settings(R"("joint_hertz": 0)"), "2: /settings/joint_hertz: found 0", "a number > 0"},
+      {settings(R"("joint_damping_ratio": -1)"), "2: /settings/joint_damping_ratio: found -1", "a number >= 0"},
       {settings(R"("sleep_speed": -1)"), "2: /settings/sleep_speed: found -1", "a number >= 0"},
       {settings(R"("time_to_sleep": -1)"), "2: /settings/time_to_sleep: found -1", "a number >= 0"},
   };

@@ -30,6 +30,9 @@ TEST(SceneFile, DefaultsAreThoseOfTheApi) {
   EXPECT_EQ(scene.settings.stabilisation, none.settings.stabilisation);
   EXPECT_EQ(scene.settings.correction, none.settings.correction);
   EXPECT_EQ(scene.settings.slop, none.settings.slop);
+  EXPECT_EQ(scene.settings.joint_solver, none.settings.joint_solver);
+  EXPECT_EQ(scene.settings.joint_hertz, none.settings.joint_hertz);
+  EXPECT_EQ(scene.settings.joint_damping_ratio, none.settings.joint_damping_ratio);
 
   ASSERT_EQ(scene.bodies.size(), 1u);
   const BodyDef& def = scene.bodies[0].def;
@@ -62,8 +65,9 @@ TEST(SceneFile, ReadsEverySetting) {
   const Settings s = parse(R"("settings": {"substeps": 8, "iterations": 2, "relax_iterations": 0, "tolerance": 0.001,
                               "friction": "pyramid", "warm_starting": false, "stabilisation": "baumgarte",
                               "correction": 0.3, "slop": 0.25, "contact_hertz": 60, "contact_damping_ratio": 1,
-                              "contact_push_speed": 2, "restitution_threshold": 0.5, "sleeping": true,
-                              "sleep_speed": 0.1, "time_to_sleep": 1}, "bodies": [{)" +
+                              "contact_push_speed": 2, "restitution_threshold": 0.5, "joint_solver": "direct", "joint_hertz": 20,
+                              "joint_damping_ratio": 3, "sleeping": true, "sleep_speed": 0.1,
+                              "time_to_sleep": 1}, "bodies": [{)" +
                            std::string(ball) + "}]")
                          .settings;
   EXPECT_EQ(s.substeps, 8);
@@ -79,6 +83,9 @@ TEST(SceneFile, ReadsEverySetting) {
   EXPECT_EQ(s.contact_damping_ratio, 1);
   EXPECT_EQ(s.contact_push_speed, 2);
   EXPECT_EQ(s.restitution_threshold, 0.5);
+  EXPECT_EQ(s.joint_solver, JointSolver::Direct);
+  EXPECT_EQ(s.joint_hertz, 20);
+  EXPECT_EQ(s.joint_damping_ratio, 3);
   EXPECT_TRUE(s.sleeping);
   EXPECT_EQ(s.sleep_speed, 0.1);
   EXPECT_EQ(s.time_to_sleep, 1);
@@ -92,6 +99,16 @@ TEST(SceneFile, ReadsEveryStabilisation) {
   EXPECT_EQ(stabilisation("soft"), Stabilisation::Soft);
   EXPECT_EQ(stabilisation("baumgarte"), Stabilisation::Baumgarte);
   EXPECT_EQ(stabilisation("split_impulse"), Stabilisation::SplitImpulse);
+}
+
+TEST(SceneFile, ReadsEveryJointSolver) {
+  const auto solver = [](const std::string& name) {
+    return parse(R"("settings": {"joint_solver": ")" + name + R"("}, "bodies": [{)" + std::string(ball) + "}]")
+        .settings.joint_solver;
+  };
+  EXPECT_EQ(solver("auto"), JointSolver::Auto);
+  EXPECT_EQ(solver("iterative"), JointSolver::Iterative);
+  EXPECT_EQ(solver("direct"), JointSolver::Direct);
 }
 
 TEST(SceneFile, ReadsEveryFieldOfABody) {

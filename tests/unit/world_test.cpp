@@ -78,6 +78,11 @@ std::vector<BadSettings> bad_settings() {
       {{.contact_push_speed = -1.5}, "contact_push_speed", "-1.5"},
       {{.contact_push_speed = infinity}, "contact_push_speed", "inf"},
       {{.restitution_threshold = -1.5}, "restitution_threshold", "-1.5"},
+      {{.joint_solver = static_cast<JointSolver>(7)}, "joint_solver", "7"},
+      {{.joint_solver = static_cast<JointSolver>(-1)}, "joint_solver", "-1"},
+      {{.joint_hertz = 0}, "joint_hertz", "0"},
+      {{.joint_hertz = infinity}, "joint_hertz", "inf"},
+      {{.joint_damping_ratio = -1.5}, "joint_damping_ratio", "-1.5"},
       {{.sleep_speed = nan}, "sleep_speed", "nan"},
       {{.time_to_sleep = -1.5}, "time_to_sleep", "-1.5"},
   };

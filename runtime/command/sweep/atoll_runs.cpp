@@ -91,6 +91,7 @@ void measure_errors(const ScenePlan& plan, const Configuration& configuration, R
     record.outcome = Outcome::Fell;
     record.why = "fell: a body left its place for good";
   }
+  record.judge_joints();
 }
 
 void measure_time(const ScenePlan& plan, const Configuration& configuration, double least_time, Record& record) {

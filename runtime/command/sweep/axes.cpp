@@ -63,6 +63,31 @@ std::string step_label(const Configuration& c) {
   return "dt " + (whole ? "1/" + std::to_string(std::lround(rate)) : shortest(c.dt)) + " s";
 }
 
+struct NamedJointSolver {
+  JointSolver solver;
+  const char* name;
+};
+constexpr std::array joint_solvers = {NamedJointSolver{JointSolver::Auto, "auto"},
+                                      NamedJointSolver{JointSolver::Iterative, "iterative"},
+                                      NamedJointSolver{JointSolver::Direct, "direct"}};
+
+const NamedJointSolver* find_joint_solver(const auto& is_it) {
+  const auto found = std::find_if(joint_solvers.begin(), joint_solvers.end(), is_it);
+  return found == joint_solvers.end() ? nullptr : &*found;
+}
+
+bool accepts_joint_solver(const std::string& text) {
+  return find_joint_solver([&](const NamedJointSolver& each) { return each.name == text; }) != nullptr;
+}
+
+void apply_joint_solver(const std::string& text, Configuration& c) {
+  c.settings.joint_solver = find_joint_solver([&](const NamedJointSolver& each) { return each.name == text; })->solver;
+}
+
+std::string joint_solver_name(const Configuration& c) {
+  return find_joint_solver([&](const NamedJointSolver& each) { return each.solver == c.settings.joint_solver; })->name;
+}
+
 const char* on_off(bool on) { return on ? "on" : "off"; }
 
 constexpr std::array table = {
@@ -76,7 +101,7 @@ constexpr std::array table = {
          .value = [](const Configuration& c) { return std::to_string(c.settings.substeps); },
          .label = [](const Configuration& c) { return plural(c.settings.substeps, "substep"); }},
     Axis{.name = "iterations",
-         .help = "sweeps over the contacts a substep",
+         .help = "sweeps over the contacts and joints a substep",
          .numeric = true,
          .changes_result = true,
          .expected = "an integer in [1, 1024]",
@@ -133,8 +158,18 @@ constexpr std::array table = {
                      Configuration& c) { c.settings.stabilisation = stabilisation_named(value); },
          .value = [](const Configuration& c) { return std::string(name_of(c.settings.stabilisation)); },
          .label = [](const Configuration& c) { return std::string(name_of(c.settings.stabilisation)); }},
+    Axis{.name = "joint_solver",
+         .help = "how joints are solved; by default in scenes where that makes a difference",
+         .numeric = false,
+         .changes_result = true,
+         .expected = "auto, iterative or direct",
+         .accepts = accepts_joint_solver,
+         .apply = apply_joint_solver,
+         .value = joint_solver_name,
+         .label = [](const Configuration& c) { return joint_solver_name(c) + " joints"; }},
     Axis{.name = "tolerance",
-         .help = "m/s; sweeps of an island end with one that changes no speed at a contact by more, 0: never; with the "
+         .help = "m/s; sweeps of an island end with one that changes no speed at a contact or joint by more, 0: never; "
+                 "with the "
                  "most iterations of that list",
          .numeric = true,
          .changes_result = true,

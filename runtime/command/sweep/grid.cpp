@@ -4,32 +4,100 @@
 #include <cmath>
 
 #include "../figures.h"
+#include "../names.h"
 
 namespace atl::command {
 namespace {
 
 using Values = std::vector<std::string>;
 
-// What an axis is swept over where no option says so.
-Values default_values(const Axis& axis, bool large, bool quick) {
+Configuration own_configuration(const Scene& scene) {
+  return {.settings = scene.settings, .dt = scene.dt, .threads = 1};
+}
+
+// Of joints alone, as all bodies share one group of those that pass each other.
+bool nothing_touches(const Scene& scene) {
+  const auto passes = [&](const SceneBody& body) {
+    const int group = body.def.filter.group;
+    return group < 0 && group == scene.bodies.front().def.filter.group;
+  };
+  return std::all_of(scene.bodies.begin(), scene.bodies.end(), passes);
+}
+
+// How many joints a solver of joints takes at once in a scene.
+std::int64_t direct_joints(const Scene& scene, const std::string& solver) {
+  Configuration configuration = own_configuration(scene);
+  find_axis("joint_solver").apply(solver, configuration);
+  World world({.gravity = scene.gravity, .settings = configuration.settings});
+  build_scene(scene, world);
+  return world.step(scene.dt).counts.direct_joints;
+}
+
+// What decides which axes are worth a sweep.
+struct Traits {
+  bool large = false;
+  bool quick = false;
+  bool joints = false;
+  bool contacts = true;       // bodies may touch
+  bool sweeps = true;         // there are contacts, or joints that are solved one by one
+  Values joint_solvers = {};  // that do different things, the scene's own first
+
+  Traits(const Scene& scene, bool is_large, bool is_quick)
+      : large(is_large), quick(is_quick), joints(!scene.joints.empty()), contacts(!nothing_touches(scene)) {
+    if (!joints) return;
+    const std::string own = find_axis("joint_solver").value(own_configuration(scene));
+    std::vector<std::int64_t> counts;
+    for (const std::string& solver : {own, std::string("auto"), std::string("iterative"), std::string("direct")}) {
+      const std::int64_t count = direct_joints(scene, solver);
+      // Of two solvers one takes all joints at once that the other does: if as many, the same.
+      if (std::find(counts.begin(), counts.end(), count) != counts.end()) continue;
+      joint_solvers.push_back(solver);
+      counts.push_back(count);
+    }
+    sweeps = contacts || counts.front() < static_cast<std::int64_t>(scene.joints.size());
+  }
+};
+
+bool is_of_contacts(std::string_view axis) {
+  return axis == "friction" || axis == "stabilisation" || axis == "tolerance";
+}
+
+// Of contacts, or joints that are solved one by one.
+bool is_of_sweeps(std::string_view axis) {
+  return axis == "iterations" || axis == "warm_start" || axis == "relax_iterations";
+}
+
+// All but what a scene's own, auto, stands for.
+Values other_simds() {
+  Values others = available_simds();
+  std::erase(others, name_of(World().simd()));
+  return others;
+}
+
+// What an axis is swept over where no option says so; none where it stays as the scene has it.
+Values default_values(const Axis& axis, const Traits& scene) {
   const std::string_view name = axis.name;
+  const bool large = scene.large, quick = scene.quick;
+  if (!scene.contacts && is_of_contacts(name)) return {};
+  if (!scene.sweeps && is_of_sweeps(name)) return {};
   if (name == "substeps") {
     if (quick) return {"1", "4", "16"};
     return large ? Values{"2", "4", "8", "16"} : Values{"1", "2", "4", "8", "16", "32"};
   }
   if (name == "iterations") {
-    if (quick) return {"1", "4"};
+    if (quick || scene.joints) return {"1", "4"};
     return large ? Values{"1", "2", "4"} : Values{"1", "2", "4", "8", "16"};
   }
+  if (name == "joint_solver") return scene.joint_solvers;
   if (quick && large) return {};
   if (name == "dt") return large ? Values{"1/30", "1/60", "1/120"} : Values{"1/30", "1/60", "1/120", "1/240"};
   if (name == "friction") return {"cone", "pyramid"};
   if (name == "warm_start") return {"on", "off"};
   if (name == "relax_iterations") return {"0", "1", "2"};
   if (name == "stabilisation") return {"soft", "baumgarte", "split_impulse"};
-  if (name == "tolerance") return quick ? Values{"0.001"} : Values{"0.01", "0.001", "0.0001"};
+  if (name == "tolerance") return quick || large ? Values{"0.001"} : Values{"0.01", "0.001", "0.0001"};
   if (name == "threads") return {"1", "2"};
-  if (name == "simd") return available_simds();
+  if (name == "simd") return other_simds();
   return {};
 }
 
@@ -81,22 +149,30 @@ Configuration with_most(const Axis& iterations, const Values& values, const Conf
 }
 
 std::vector<Configuration> configurations(const Scene& scene, bool large, const SweepOptions& options) {
+  const Traits traits(scene, large, options.quick);
+  const Configuration scenes_own = own_configuration(scene);
   const auto values = [&](const Axis& axis) {
     const auto given = options.lists.find(axis.name);
-    return given != options.lists.end() ? given->second : default_values(axis, large, options.quick);
+    return given != options.lists.end() ? given->second : default_values(axis, traits);
   };
   const Axis& substeps = find_axis("substeps");
   const Axis& iterations = find_axis("iterations");
   // Iterations on top of many substeps cost large scenes much and say little.
   const bool thin = large && !options.lists.contains("substeps") && !options.lists.contains("iterations");
-  const int most_sweeps = options.quick ? 16 : 32;
-  const Configuration scenes_own = {.settings = scene.settings, .dt = scene.dt, .threads = 1};
+  constexpr int most_sweeps = 16;
   const Axis& tolerance = find_axis("tolerance");
   const Configuration most_iterations = with_most(iterations, values(iterations), scenes_own);
   Grid grid(scenes_own);
+  if (values(iterations).empty()) grid.add_line(substeps, values(substeps), scenes_own);
   grid.add_plane(substeps, values(substeps), iterations, values(iterations), [&](const Configuration& c) {
     return !thin || c.settings.iterations == 1 || c.settings.substeps * c.settings.iterations <= most_sweeps;
   });
+  // A direct solver of joints takes what substeps are there, and an iterative one needs them.
+  const Axis& joint_solver = find_axis("joint_solver");
+  if (!large) {
+    grid.add_plane(joint_solver, values(joint_solver), substeps, values(substeps),
+                   [&](const Configuration& c) { return c.settings.joint_solver != scenes_own.settings.joint_solver; });
+  }
   for (const Axis& axis : axes()) {
     if (axis.name == substeps.name || axis.name == iterations.name) continue;
     // A tolerance can spare sweeps only where there are several.
@@ -106,7 +182,7 @@ std::vector<Configuration> configurations(const Scene& scene, bool large, const 
 }
 
 int steps_of_large(std::size_t bodies, int scenes_own, bool quick) {
-  const double most_body_steps = quick ? 1e5 : 4e5;
+  const double most_body_steps = quick ? 1e5 : 3e5;
   constexpr int least = 10;
   return std::min(scenes_own, std::max(least, static_cast<int>(most_body_steps / static_cast<double>(bodies))));
 }

@@ -109,6 +109,7 @@ void PeerDriver::measure_errors(const PeerSetting& setting, const PeerRun& run, 
       record.outcome = Outcome::Fell;
       record.why = "fell: a body left its place for good";
     }
+    record.judge_joints();
   } catch (const std::exception&) {
     fail(record, "the driver's report of errors is not as expected: \"" + first_line(out) + "\"");
   }

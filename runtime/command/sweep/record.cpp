@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "../names.h"
+
 namespace atl::command {
 
 const char* name_of(Outcome outcome) {
@@ -11,6 +13,8 @@ const char* name_of(Outcome outcome) {
       return "done";
     case Outcome::Fell:
       return "fell";
+    case Outcome::CameApart:
+      return "came_apart";
     case Outcome::NonFinite:
       return "non_finite";
     case Outcome::Refused:
@@ -34,6 +38,13 @@ double Samples::median() const {
 
 double Samples::min() const { return *std::min_element(values_.begin(), values_.end()); }
 double Samples::max() const { return *std::max_element(values_.begin(), values_.end()); }
+
+void Record::judge_joints() {
+  const std::optional<double> gap = error("joint_gap_run_max");
+  if (outcome != Outcome::Done || !gap || *gap <= most_joint_gap) return;
+  outcome = Outcome::CameApart;
+  why = "came apart: a joint opened by " + fixed(*gap, 1) + " m";
+}
 
 std::optional<double> Record::error(const std::string& name) const {
   for (const ErrorMeasure& measure : errors) {

@@ -14,6 +14,7 @@ namespace atl::command {
 enum class Outcome {
   Done,
   Fell,       ///< some body left its place for good, in a scene that starts at rest
+  CameApart,  ///< a joint opened by more than most_joint_gap
   NonFinite,  ///< the state is no longer made of numbers
   Refused,    ///< the engine, or its driver, can't do this scene
   TooSlow,    ///< stopped at the limit of time
@@ -21,8 +22,11 @@ enum class Outcome {
   Failed,     ///< the driver ended otherwise than it should
 };
 
-/// "done", "fell", "non_finite", "refused", "too_slow", "skipped", "failed".
+/// "done", "fell", "came_apart", "non_finite", "refused", "too_slow", "skipped", "failed".
 const char* name_of(Outcome outcome);
+
+/// A joint that opens by more in a run, m, holds nothing together any more: the run counts as broken.
+inline constexpr double most_joint_gap = 1;
 
 /// Times of the same work, done again and again.
 class Samples {
@@ -57,6 +61,12 @@ struct Record {
 
   /// Nothing where the run has none of that name. A signed mean counts by its size.
   std::optional<double> error(const std::string& name) const;
+  /// Ends a run that is done otherwise where its errors tell of joints that came apart.
+  void judge_joints();
+  /// Whether it ended in a state that is worth timing, if not comparing.
+  bool came_to_its_end() const {
+    return outcome == Outcome::Done || outcome == Outcome::Fell || outcome == Outcome::CameApart;
+  }
   /// Whether error and time can be held against those of others.
   bool comparable() const { return outcome == Outcome::Done && !same_bits && cpu.count() > 0; }
 };

@@ -12,6 +12,14 @@ struct Words {
 };
 
 constexpr std::array words = {
+    Words{"joint_gap_run_mean", "how far what a joint locks together is apart, mean over the joints and all steps"},
+    Words{"joint_gap_run_max", "how far what a joint locks together is apart, of any joint after any step"},
+    Words{"joint_drift_max", "how far what a joint locks together is apart in the final state, at most"},
+    Words{"joint_drift_rms", "the same, root of the mean square over the joints"},
+    Words{"joint_angle_max", "angle between axes that a joint locks, in the final state, at most"},
+    Words{"joint_excess_max",
+          "how far an offset or a distance is beyond its joint's range in the final state, at most"},
+    Words{"joint_angle_excess_max", "how far an angle is beyond its joint's range in the final state, at most"},
     Words{"penetration_max", "largest overlap of two shapes in the final state"},
     Words{"penetration_p99", "99th percentile of the overlaps in the final state"},
     Words{"penetration_mean", "mean overlap, over the pairs that overlap by more than 10 µm in the final state"},
@@ -37,7 +45,7 @@ std::vector<std::string> measures_of(const std::vector<Record>& records) {
       if (std::find(names.begin(), names.end(), error.name) == names.end()) names.push_back(error.name);
     }
   }
-  for (const char* first : {"penetration_mean", "analytic_error"}) {
+  for (const char* first : {"penetration_mean", "joint_gap_run_mean", "analytic_error"}) {
     const auto found = std::find(names.begin(), names.end(), first);
     if (found != names.end()) std::rotate(names.begin(), found, found + 1);
   }

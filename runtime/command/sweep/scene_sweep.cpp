@@ -78,7 +78,7 @@ class SceneSweep {
       const Record& measured = report_.records.back();
       const bool hopeless = measured.outcome == Outcome::Refused || measured.outcome == Outcome::TooSlow;
       if (measured.is_default && hopeless) return;
-      if (measured.outcome != Outcome::Done && measured.outcome != Outcome::Fell) continue;
+      if (!measured.came_to_its_end()) continue;
       const auto time = [this, &driver, &setting, run, place = report_.records.size() - 1] {
         driver.measure_time(setting, run, policy_.least_time, report_.records[place]);
       };

@@ -16,7 +16,7 @@ struct RunPolicy {
   double least_time = 0.03;  ///< s of stepping in one of them
   double peer_budget = 30;   ///< s of another engine's runs for errors after which its other settings are not tried
   /// s of wall time after which a setting is not timed again.
-  static constexpr double enough = 3;
+  static constexpr double enough = 1;
 };
 
 /// Work in a scene, for a bar: bodies times sweeps over their contacts, and as much for a guess for other engines.

@@ -108,7 +108,7 @@ void sweep(const SweepOptions& options) {
 
   const RunPolicy policy = {.repeats = options.repeats.value_or(options.quick ? 1 : 3),
                             .least_time = options.time.value_or(options.quick ? 0.02 : 0.03),
-                            .peer_budget = options.quick ? 0.7 : 15.0};
+                            .peer_budget = options.quick ? 0.5 : 15.0};
   SweepResults results = {.surroundings = surroundings(),
                           .engines = engine_versions(drivers),
                           .quick = options.quick,

@@ -7,6 +7,7 @@
 #include <atoll/error.h>
 #include <atoll/error_meter.h>
 #include <atoll/errors.h>
+#include <atoll/joint.h>
 #include <atoll/queries.h>
 #include <atoll/report.h>
 #include <atoll/scene.h>

@@ -57,7 +57,8 @@ struct BodyDef {
   double angular_damping = 0;  ///< 1/s, >= 0: w' = -c w
   CollisionFilter filter = {};
   /// Looks for what the body may have passed through after every step in which it moved at all. Without it that
-  /// is done in steps in which it moved farther than three quarters of its inner radius.
+  /// is done in steps in which it moved farther than three quarters of its inner radius, unless it is joined to others:
+  /// what stops a body in its tracks opens its joints, until they are closed again in the next step.
   bool continuous = false;
 };
 

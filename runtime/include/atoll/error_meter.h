@@ -16,7 +16,7 @@ class ErrorMeter {
  public:
   enum class Follow {
     Run,  ///< observe() is called after every step
-    End,  ///< after the last step only: the scene's closed form, which may need all steps, is left out
+    End,  ///< after the last step only: the scene's closed form and means over the run, which need all, are left out
   };
 
   /// Keeps a reference to the scene.
@@ -29,8 +29,10 @@ class ErrorMeter {
   void observe(double time, std::span<const BodyState> states, std::span<const ContactLoad> loads = {});
 
   /// Of the states last observed, and of the run. In this order, where they apply: analytic_error and its parts;
-  /// penetration_max, _p99, _mean, _max_relative; sink_max, sink_mean, drift_max, tilt_max; energy_drift;
-  /// momentum_drift.
+  /// joint_gap_run_mean, over joints and observed steps, and joint_gap_run_max; joint_drift_max, joint_drift_rms,
+  /// joint_angle_max, joint_excess_max, joint_angle_excess_max; penetration_max, _p99, _mean, _max_relative, of pairs
+  /// that may touch; sink_max, sink_mean, drift_max, tilt_max; energy_drift, unless springs or motors of joints have
+  /// energy too; momentum_drift.
   std::vector<ErrorMeasure> errors() const;
 
   /// Of a scene that starts at rest: whether some body left its place for good, tilted by more than 0.3 rad or drifted
@@ -38,13 +40,24 @@ class ErrorMeter {
   bool fell() const;
 
  private:
+  void add_joint_errors(std::vector<ErrorMeasure>& errors) const;
   MotionReport motion() const;
 
+  /// Of the joints' locked offsets, m.
+  struct GapsOfRun {
+    double mean_sum = 0;  ///< of the means of the steps
+    double max = 0;
+    int steps = 0;
+  };
+
   const Scene& scene_;
+  Follow follow_;
   std::unique_ptr<ClosedFormMeasure> closed_form_;
   std::vector<MassProperties> mass_;  ///< by dynamic body
   std::vector<BodyState> last_;
   MotionReport start_;
+  std::vector<PlacedJoint> joints_;
+  GapsOfRun gaps_;
 };
 
 }  // namespace atl

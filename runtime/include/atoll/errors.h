@@ -3,8 +3,10 @@
 #include <atoll/body.h>
 #include <atoll/contact_problem.h>
 #include <atoll/error.h>
+#include <atoll/joint.h>
 #include <atoll/types.h>
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -32,6 +34,29 @@ struct RestReport {
   double sink_mean = 0;  ///< m, signed
   double drift_max = 0;  ///< m, across gravity
   double tilt_max = 0;   ///< rad
+};
+
+/// A joint as the audit sees it: bodies by their place among the states that it is given.
+struct PlacedJoint {
+  JointKind kind = BallJoint{};
+  std::size_t first = 0;
+  std::size_t second = 0;
+  Pose frame_first = {};  ///< in the body's frame
+  Pose frame_second = {};
+};
+
+/// How far joints are from holding what they lock and limit.
+struct JointDriftReport {
+  double max = 0;                ///< m, of locked offsets: of ball joints and the like the distance of the anchors
+  double mean = 0;               ///< m, over the joints
+  double rms = 0;                ///< m, over the joints
+  double angle_max = 0;          ///< rad, of locked axes
+  double excess_max = 0;         ///< m, beyond the ranges of offsets and distances
+  double angle_excess_max = 0;   ///< rad, beyond the ranges of angles
+  std::size_t worst = 0;         ///< of max
+  std::size_t angles = 0;        ///< joints that lock an axis
+  std::size_t ranges = 0;        ///< joints that limit an offset or a distance
+  std::size_t angle_ranges = 0;  ///< joints that limit an angle
 };
 
 /// How far a contact problem's impulses are from solving it.
@@ -83,8 +108,11 @@ struct MovingBody {
 /// The pose is that of the frame that the shape is given in.
 double overlap(const PlacedShape& a, const PlacedShape& b);
 
+/// Whether two of the bodies, by their places, may touch at all: of others, overlap is no error.
+using MayTouch = std::function<bool(std::size_t, std::size_t)>;
+
 /// Tests all pairs with at least one dynamic body (a sweep along one axis prunes them). O(n log n + pairs).
-PenetrationReport measure_penetration(std::span<const PlacedShape> shapes);
+PenetrationReport measure_penetration(std::span<const PlacedShape> shapes, const MayTouch& may_touch = {});
 
 /// `ideal` and `actual` hold the same bodies in the same order; up is a unit vector against gravity.
 RestReport measure_rest(std::span<const PlacedShape> ideal, std::span<const PlacedShape> actual, const Vector3& up);
@@ -102,6 +130,12 @@ RestReport measure_rest(std::span<const PlacedShape> ideal, std::span<const Plac
 /// Without friction there are no rows of friction, and with L = 0 none of spin. Throws Error on a body that is not
 /// there, a patch without points or with more than 4, friction or lever < 0, a twist impulse where L = 0, substep <= 0.
 ResidualReport measure_contact_residual(const ContactProblem& problem);
+
+/// From the poses alone, in double, by code that shares nothing with the solver. Poses know angles up to full turns:
+/// beyond a range is what no number of turns brings back into it. Of a gear they tell nothing. A joint counts once for
+/// max, mean and rms: by the length of the vector of its locked offsets (of a rod, its length's error). Throws Error on
+/// a body that is not there.
+JointDriftReport measure_joint_drift(std::span<const PlacedJoint> joints, std::span<const BodyState> states);
 
 MotionReport measure_motion(std::span<const MovingBody> bodies, const Vector3& gravity);
 

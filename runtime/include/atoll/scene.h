@@ -3,6 +3,7 @@
 #include <atoll/body.h>
 #include <atoll/closed_form.h>
 #include <atoll/errors.h>
+#include <atoll/joint.h>
 #include <atoll/settings.h>
 #include <atoll/world.h>
 
@@ -22,6 +23,15 @@ struct SceneBody {
   Vector3 force = Vector3::Zero();  ///< N, world frame, through the centre of mass, in every step
 };
 
+/// A joint of a scene: its definition, whose ids of bodies stand open, its name ("" or unique among the joints), and
+/// the bodies by their places in the scene.
+struct SceneJoint {
+  std::string name = {};
+  JointDef def = {};
+  std::size_t first = 0;
+  std::size_t second = 0;
+};
+
 /// A world to simulate, as data: what a scene file or a built-in scene turns into.
 struct Scene {
   std::string name = {};
@@ -32,6 +42,7 @@ struct Scene {
   /// The bodies start in their ideal rest pose, so sink, drift and tilt are errors.
   bool starts_at_rest = false;
   std::vector<SceneBody> bodies = {};
+  std::vector<SceneJoint> joints = {};
   std::optional<ClosedForm> closed_form = {};  ///< of a scene whose motion is known
 };
 
@@ -68,8 +79,11 @@ Scene load_scene(std::string_view text, std::uint64_t seed = 1);
 /// A scene file's text, `origin` naming it in messages. Throws SceneError.
 Scene parse_scene(std::string_view json, const std::string& origin, std::uint64_t seed = 1);
 
-/// Adds all bodies in order and returns their ids. Throws Error.
+/// Adds all bodies and then all joints in order; returns the ids of the bodies. Throws SceneError naming the body or
+/// the joint.
 std::vector<BodyId> build_scene(const Scene& scene, World& world);
+/// The same, which also tells the ids of the joints.
+std::vector<BodyId> build_scene(const Scene& scene, World& world, std::vector<JointId>& joints);
 
 /// Gives the scene's constant forces to the world's next step.
 void apply_forces(const Scene& scene, World& world, const std::vector<BodyId>& ids);
@@ -82,5 +96,11 @@ std::vector<ContactLoad> contact_loads(const World& world, const std::vector<Bod
 /// Shapes at the scene's starting poses, and at a world's current ones, for the error measures.
 std::vector<PlacedShape> placed_shapes(const Scene& scene);
 std::vector<PlacedShape> placed_shapes(const Scene& scene, const World& world, const std::vector<BodyId>& ids);
+
+/// The joints, for the error measures.
+std::vector<PlacedJoint> placed_joints(const Scene& scene);
+
+/// Which of the bodies may touch, by their filters and joints. Keeps a copy of these.
+MayTouch may_touch(const Scene& scene);
 
 }  // namespace atl

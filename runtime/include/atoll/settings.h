@@ -22,16 +22,23 @@ enum class Stabilisation {
   SplitImpulse,
 };
 
+/// How joints are solved.
+enum class JointSolver {
+  Auto,       ///< directly where joints lead to a static body, make long chains or join bodies of very unequal mass
+  Iterative,  ///< one after the other, as contacts are: cheapest, and stretches under load
+  Direct,     ///< those that hang together at once: exact, also for chains of any length and ratio of masses
+};
+
 /// The vector instruction set of the solver's kernels. The result is the same, bit for bit, on each.
 enum class Simd { Auto, Portable, Sse4, Avx2, Avx512, Neon };
 
 /// How a step is solved. The defaults suit 60 Hz and metre-sized bodies at any density.
 struct Settings {
   int substeps = 4;          ///< in [1, 1024]; overlap falls with its square, cost rises linearly
-  int iterations = 1;        ///< sweeps over all contacts with the position bias, a substep; in [1, 1024]
+  int iterations = 1;        ///< sweeps over contacts and joints with the position bias, a substep; in [1, 1024]
   int relax_iterations = 1;  ///< sweeps without it after the positions moved; in [0, 1024]; with Soft only
-  /// m/s, >= 0: an island whose sweep changed no relative speed at a contact by more than this is done with the sweeps
-  /// of that kind in the substep. 0 never stops early.
+  /// m/s, >= 0: an island whose sweep changed no relative speed at a contact or joint by more than this is done with
+  /// the sweeps of that kind in the substep. 0 never stops early.
   double tolerance = 0;
   FrictionModel friction = FrictionModel::Cone;
   bool warm_starting = true;
@@ -49,6 +56,12 @@ struct Settings {
   double contact_damping_ratio = 10;  ///< >= 0; 1 is critical
   double contact_push_speed = 3;      ///< m/s, > 0: the fastest that overlap is pushed apart
   double restitution_threshold = 1;   ///< m/s, >= 0: slower impacts don't bounce
+
+  JointSolver joint_solver = JointSolver::Auto;
+  /// With iterative joints: stiffness as a damped spring, Hz, > 0. Limited to, and if left out, 0.3 of the substep
+  /// rate.
+  std::optional<double> joint_hertz = {};
+  double joint_damping_ratio = 2;  ///< >= 0
 
   bool sleeping = false;
   double sleep_speed = 0.05;   ///< m/s (and rad/s times the bounding radius): below it a body is at rest

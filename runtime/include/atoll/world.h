@@ -3,6 +3,7 @@
 #include <atoll/body.h>
 #include <atoll/contact_problem.h>
 #include <atoll/error.h>
+#include <atoll/joint.h>
 #include <atoll/report.h>
 #include <atoll/settings.h>
 #include <atoll/types.h>
@@ -51,7 +52,7 @@ class World {
 
   /// Throws Error naming the field and the value if the definition is unusable.
   BodyId add_body(const BodyDef& def);
-  /// Wakes what touched it. Throws Error on a stale id, as do all calls below that take one.
+  /// Wakes what touched it, and removes its joints. Throws Error on a stale id, as do all calls below that take one.
   void remove_body(BodyId id);
   bool contains(BodyId id) const;
   std::size_t body_count() const;
@@ -75,8 +76,24 @@ class World {
   void apply_impulse(BodyId id, const Vector3& impulse, const Vector3& point);
   void wake(BodyId id);
   void set_filter(BodyId id, const CollisionFilter& filter);
-  /// Whether two bodies may touch at all, whatever their filters say. Holds until either is removed.
+  /// Whether two bodies may touch at all, whatever their filters say. Holds until either is removed. Joints that keep
+  /// them apart do so either way.
   void set_collision_enabled(BodyId a, BodyId b, bool enabled);
+
+  /// Joins two bodies, and wakes them. Throws Error naming the field and the value if the definition is unusable.
+  JointId add_joint(const JointDef& def);
+  /// Wakes its bodies. Throws Error on a stale id, as do all calls below that take one. A joint goes with its bodies.
+  void remove_joint(JointId id);
+  bool contains(JointId id) const;
+  std::size_t joint_count() const;
+  const JointDef& joint(JointId id) const;
+  JointState joint_state(JointId id) const;
+  /// Changes ranges, springs and motors. Throws Error if it is of another kind than the joint was made with. Wakes.
+  /// Other numbers cost nothing; what was free and is no longer, or the reverse, has islands made anew.
+  void set_joint(JointId id, const JointKind& kind);
+  /// A joint that is not enabled does nothing, nor keeps its bodies from touching. One that broke is whole again when
+  /// it is. Wakes.
+  void set_joint_enabled(JointId id, bool enabled);
 
   void set_gravity(const Vector3& gravity);
   void set_settings(const Settings& settings);
@@ -93,6 +110,10 @@ class World {
 
   /// After a step with Settings::contact_events: what began and what ended, in order of body ids.
   std::span<const ContactEvent> contact_events() const;
+
+  /// After a step: joints that broke, and that left or reached the ends of their ranges, in order of ids. Those of a
+  /// joint that sleeps, is not enabled or breaks have nothing to tell.
+  std::span<const JointEvent> joint_events() const;
 
   /// After a step with Settings::keep_contact_problem: what the last substep's sweeps had to solve, and their answer,
   /// before restitution. Empty after a step without it, or once a body has been removed.

@@ -23,4 +23,12 @@ Scene build_stack_forces(const ParameterValues& values, std::uint64_t seed);
 Scene build_rocking_block(const ParameterValues& values, std::uint64_t seed);
 Scene build_cradle(const ParameterValues& values, std::uint64_t seed);
 
+// And with joints.
+Scene build_pendulum(const ParameterValues& values, std::uint64_t seed);
+Scene build_double_pendulum(const ParameterValues& values, std::uint64_t seed);
+Scene build_slider_crank(const ParameterValues& values, std::uint64_t seed);
+Scene build_spring_damper(const ParameterValues& values, std::uint64_t seed);
+Scene build_hanging_chain(const ParameterValues& values, std::uint64_t seed);
+Scene build_catenary(const ParameterValues& values, std::uint64_t seed);
+
 }  // namespace atl::scene

@@ -1,21 +1,53 @@
 #include <atoll/scene.h>
 
+#include <algorithm>
 #include <map>
+#include <utility>
 
 #include "words.h"
 
 namespace atl {
 
+namespace {
+
+// Runs it, and says which part of the scene it was about if that fails.
+template <class Add>
+auto add_part(const Scene& scene, const char* kind, std::size_t place, const std::string& name, const Add& add) {
+  try {
+    return add();
+  } catch (const Error& error) {
+    throw SceneError(scene.name + ": " + kind + " " + std::to_string(place) +
+                     (name.empty() ? "" : " " + scene::quote(name)) + ": " + error.what());
+  }
+}
+
+bool filters_agree(const CollisionFilter& a, const CollisionFilter& b) {
+  if (a.group != 0 && a.group == b.group) return a.group > 0;
+  return (a.mask & b.category) != 0 && (b.mask & a.category) != 0;
+}
+
+}  // namespace
+
 std::vector<BodyId> build_scene(const Scene& scene, World& world) {
+  std::vector<JointId> joints;
+  return build_scene(scene, world, joints);
+}
+
+std::vector<BodyId> build_scene(const Scene& scene, World& world, std::vector<JointId>& joints) {
   std::vector<BodyId> ids;
   ids.reserve(scene.bodies.size());
   for (const SceneBody& body : scene.bodies) {
-    try {
-      ids.push_back(world.add_body(body.def));
-    } catch (const Error& error) {
-      const std::string name = body.name.empty() ? "" : " " + scene::quote(body.name);
-      throw SceneError(scene.name + ": body " + std::to_string(ids.size()) + name + ": " + error.what());
-    }
+    ids.push_back(add_part(scene, "body", ids.size(), body.name, [&] { return world.add_body(body.def); }));
+  }
+  joints.clear();
+  joints.reserve(scene.joints.size());
+  for (const SceneJoint& joint : scene.joints) {
+    joints.push_back(add_part(scene, "joint", joints.size(), joint.name, [&] {
+      JointDef def = joint.def;
+      def.first = ids.at(joint.first);
+      def.second = ids.at(joint.second);
+      return world.add_joint(def);
+    }));
   }
   return ids;
 }
@@ -63,6 +95,30 @@ std::vector<PlacedShape> placed_shapes(const Scene& scene, const World& world, c
     shapes.push_back({def.type, def.shape, world.pose(ids.at(i))});
   }
   return shapes;
+}
+
+std::vector<PlacedJoint> placed_joints(const Scene& scene) {
+  std::vector<PlacedJoint> joints;
+  joints.reserve(scene.joints.size());
+  for (const SceneJoint& joint : scene.joints) {
+    joints.push_back({joint.def.kind, joint.first, joint.second, joint.def.frame_first, joint.def.frame_second});
+  }
+  return joints;
+}
+
+MayTouch may_touch(const Scene& scene) {
+  using Pair = std::pair<std::size_t, std::size_t>;
+  std::vector<CollisionFilter> filters;
+  for (const SceneBody& body : scene.bodies) filters.push_back(body.def.filter);
+  std::vector<Pair> joined;
+  for (const SceneJoint& joint : scene.joints) {
+    if (!joint.def.collide) joined.emplace_back(std::minmax(joint.first, joint.second));
+  }
+  std::sort(joined.begin(), joined.end());
+  return [filters = std::move(filters), joined = std::move(joined)](std::size_t a, std::size_t b) {
+    return filters_agree(filters.at(a), filters.at(b)) &&
+           !std::binary_search(joined.begin(), joined.end(), Pair(std::minmax(a, b)));
+  };
 }
 
 }  // namespace atl

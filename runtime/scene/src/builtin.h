@@ -36,6 +36,11 @@ Scene build_islands(const ParameterValues& values, std::uint64_t seed);
 Scene build_pile(const ParameterValues& values, std::uint64_t seed);
 Scene build_conveyor(const ParameterValues& values, std::uint64_t seed);
 Scene build_stack(const ParameterValues& values, std::uint64_t seed);
+Scene build_chain(const ParameterValues& values, std::uint64_t seed);
+Scene build_joint_grid(const ParameterValues& values, std::uint64_t seed);
+Scene build_ragdolls(const ParameterValues& values, std::uint64_t seed);
+Scene build_bridge(const ParameterValues& values, std::uint64_t seed);
+Scene build_vehicle(const ParameterValues& values, std::uint64_t seed);
 
 /// The scene that "name" or "name:param=value,param=value" describes. Throws SceneError.
 Scene load_builtin(std::string_view text, std::uint64_t seed);

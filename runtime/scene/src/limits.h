@@ -6,5 +6,6 @@ namespace atl::scene {
 
 /// What a scene may have, built-in or from a file: a mistyped count should not exhaust the memory.
 inline constexpr std::size_t most_bodies = 10'000'000;
+inline constexpr std::size_t most_joints = 10'000'000;
 
 }  // namespace atl::scene

@@ -10,12 +10,18 @@ Stabilisation read_stabilisation(const Reader& in) {
   return stabilisations[in.choice({"soft", "baumgarte", "split_impulse"})];
 }
 
+JointSolver read_joint_solver(const Reader& in) {
+  constexpr std::array solvers = {JointSolver::Auto, JointSolver::Iterative, JointSolver::Direct};
+  return solvers[in.choice({"auto", "iterative", "direct"})];
+}
+
 }  // namespace
 
 Settings read_settings(const Reader& in) {
   in.only_keys({"substeps", "iterations", "relax_iterations", "tolerance", "friction", "warm_starting", "stabilisation",
                 "correction", "slop", "contact_hertz", "contact_damping_ratio", "contact_push_speed",
-                "restitution_threshold", "sleeping", "sleep_speed", "time_to_sleep"});
+                "restitution_threshold", "joint_solver", "joint_hertz", "joint_damping_ratio", "sleeping",
+                "sleep_speed", "time_to_sleep"});
   Settings settings;
   in.get("substeps", settings.substeps, 1, 1024);
   in.get("iterations", settings.iterations, 1, 1024);
@@ -32,6 +38,9 @@ Settings read_settings(const Reader& in) {
   in.get("contact_damping_ratio", settings.contact_damping_ratio, at_least(0));
   in.get("contact_push_speed", settings.contact_push_speed, above(0));
   in.get("restitution_threshold", settings.restitution_threshold, at_least(0));
+  if (const auto solver = in.find("joint_solver")) settings.joint_solver = read_joint_solver(*solver);
+  if (in.find("joint_hertz")) in.get("joint_hertz", settings.joint_hertz.emplace(), above(0));
+  in.get("joint_damping_ratio", settings.joint_damping_ratio, at_least(0));
   in.get("sleeping", settings.sleeping);
   in.get("sleep_speed", settings.sleep_speed, at_least(0));
   in.get("time_to_sleep", settings.time_to_sleep, at_least(0));

@@ -113,8 +113,7 @@ const JsonValue::Object& Reader::members() const {
   return *object;
 }
 
-void Reader::only_keys(std::initializer_list<std::string_view> keys) const {
-  const std::span<const std::string_view> all(keys.begin(), keys.size());
+void Reader::only_keys(std::span<const std::string_view> all) const {
   for (const JsonValue::Member& member : members()) {
     if (std::find(all.begin(), all.end(), member.key) != all.end()) continue;
     this->member(member).fail("the unknown key " + quote(member.key), listed(all) + suggestion(member.key, all));

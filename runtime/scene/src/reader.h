@@ -7,6 +7,7 @@
 #include <initializer_list>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -63,7 +64,10 @@ class Reader {
   Reader element(std::size_t i) const;
 
   /// Refuses everything but an object, and every key that is not among these.
-  void only_keys(std::initializer_list<std::string_view> keys) const;
+  void only_keys(std::initializer_list<std::string_view> keys) const {
+    only_keys(std::span(keys.begin(), keys.size()));
+  }
+  void only_keys(std::span<const std::string_view> keys) const;
   /// The members of an object whose keys are names of the user's choice.
   const JsonValue::Object& members() const;
   Reader member(const JsonValue::Member& member) const { return {*document_, member.value}; }

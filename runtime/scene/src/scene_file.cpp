@@ -73,6 +73,20 @@ void read_generators(const Reader& in, const Library& library, std::uint64_t see
   }
 }
 
+void read_joints(const Reader& in, Scene& scene) {
+  const std::size_t count = in.size("an array of joints");
+  if (count > most_joints) in.fail(std::to_string(count) + " joints", "at most " + std::to_string(most_joints));
+  const BodyPlaces places(scene.bodies);
+  std::unordered_set<std::string> names;
+  for (std::size_t i = 0; i < count; ++i) {
+    SceneJoint joint = read_joint(in.element(i), scene, places);
+    if (!joint.name.empty() && !names.insert(joint.name).second) {
+      in.element(i).fail_at("name", "a second joint named " + quote(joint.name), "a name that no other joint has");
+    }
+    scene.joints.push_back(std::move(joint));
+  }
+}
+
 }  // namespace
 }  // namespace scene
 
@@ -83,7 +97,7 @@ Scene parse_scene(std::string_view json, const std::string& origin, std::uint64_
   // The format first: of another kind of file, no other message would make sense.
   read_format(in);
   in.only_keys({"format", "version", "name", "description", "gravity", "dt", "steps", "starts_at_rest", "settings",
-                "materials", "shapes", "bodies", "generators"});
+                "materials", "shapes", "bodies", "generators", "joints"});
 
   Scene scene;
   scene.name = std::filesystem::path(origin).stem().string();
@@ -100,6 +114,7 @@ Scene parse_scene(std::string_view json, const std::string& origin, std::uint64_
   if (const auto bodies = in.find("bodies")) read_bodies(*bodies, library, list);
   if (const auto generators = in.find("generators")) read_generators(*generators, library, seed, list);
   if (scene.bodies.empty()) in.fail_at("bodies", "no bodies", "at least one, here or from a generator");
+  if (const auto joints = in.find("joints")) read_joints(*joints, scene);
   return scene;
 }
 

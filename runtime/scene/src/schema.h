@@ -29,4 +29,20 @@ SceneBody read_body(const Reader& in, const Library& library);
 std::vector<SceneBody> read_generator(const Reader& in, const Library& library, std::size_t room, std::uint64_t seed,
                                       std::uint64_t stream);
 
+/// Where the bodies of a scene are among them, by their names.
+class BodyPlaces {
+ public:
+  explicit BodyPlaces(const std::vector<SceneBody>& bodies);
+
+  /// A body's name or its place.
+  std::size_t read(const Reader& in) const;
+
+ private:
+  std::map<std::string, std::size_t, std::less<>> names_;
+  std::size_t count_;
+};
+
+/// A joint between bodies of the scene, which has them all.
+SceneJoint read_joint(const Reader& in, const Scene& scene, const BodyPlaces& places);
+
 }  // namespace atl::scene

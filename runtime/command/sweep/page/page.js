@@ -90,6 +90,7 @@ function legend(scene) {
   const grey = 'stroke: var(--soft-ink)';
   const some = (outcome) => scene.runs.some((run) => run.outcome === outcome);
   if (some('fell')) list.push(item(hollow(''), 'fell'));
+  if (some('came_apart')) list.push(item(hollow(''), 'came apart'));
   if (some('non_finite')) {
     list.push(item(hollow(svg('path', {d: 'M-2.5 -2.5L2.5 2.5M-2.5 2.5L2.5 -2.5', style: grey})), 'became non-finite'));
   }

@@ -37,6 +37,8 @@ function crossOut(engine, radius) {
     style: 'stroke: ' + engineColour(engine)});
 }
 
+const brokenOutcomes = ['fell', 'came_apart', 'non_finite'];
+
 /**
  * The runs to draw, with what decides their place: "field" for error and time, "zero" for no error, "broken" for the
  * strip at the top. What was refused or has no such error has no place.
@@ -45,7 +47,7 @@ function placedRuns(scene, measure, engines, noError) {
   const runs = [];
   scene.runs.forEach((run, index) => {
     if (run.same_bits) return;
-    const broken = run.outcome === 'fell' || run.outcome === 'non_finite';
+    const broken = brokenOutcomes.includes(run.outcome);
     const found = run.errors[measure];
     if (!broken && (run.outcome !== 'done' || found === undefined || !run.cpu_s_per_simulated_s)) return;
     const error = Math.abs(found);
@@ -60,9 +62,10 @@ function layoutOf(width, runs) {
   const height = Math.round(Math.min(460, Math.max(340, width * 0.56)));
   const strip = 30;
   const hasBroken = runs.some((r) => r.zone === 'broken');
+  const brokenName = runs.some((r) => r.run.outcome === 'came_apart') ? 'apart' : 'fell';
   const hasZero = runs.some((r) => r.zone === 'zero');
   const left = narrow ? 58 : 80, right = width - 14, top = narrow ? 26 : 12, bottom = height - 50;
-  return {width, narrow, height, left, right, strip, hasBroken, hasZero, top, bottom,
+  return {width, narrow, height, left, right, strip, hasBroken, brokenName, hasZero, top, bottom,
     fieldTop: top + (hasBroken ? strip : 0), fieldBottom: bottom - (hasZero ? strip : 0)};
 }
 
@@ -108,7 +111,7 @@ function drawGrid(layout, x, y, unit) {
     if (t.text && clear) text(t.text, {x: layout.left - 7, y: y(t.value) + 4, 'text-anchor': 'end', class: 'tick'});
   }
   if (layout.hasBroken) {
-    text('fell', {x: layout.left - 7, y: layout.top + 19, 'text-anchor': 'end', class: 'strip-name'});
+    text(layout.brokenName, {x: layout.left - 7, y: layout.top + 19, 'text-anchor': 'end', class: 'strip-name'});
   }
   if (layout.hasZero) {
     text('none', {x: layout.left - 7, y: layout.bottom - 11, 'text-anchor': 'end', class: 'strip-name'});

@@ -16,7 +16,7 @@ function spreadText(samples, textOf) {
   return samples.runs < 2 ? '' : textOf(samples.min) + ' to ' + textOf(samples.max);
 }
 
-const outcomeWords = {done: '', fell: 'fell', non_finite: 'became non-finite', refused: 'refused', too_slow: 'too slow',
+const outcomeWords = {done: '', fell: 'fell', came_apart: 'came apart', non_finite: 'became non-finite', refused: 'refused', too_slow: 'too slow',
   skipped: 'not tried', failed: 'failed'};
 
 function matchText(scene, match) {

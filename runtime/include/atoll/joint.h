@@ -1,0 +1,159 @@
+#pragma once
+
+#include <atoll/types.h>
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <variant>
+
+namespace atl {
+
+/// Names a joint for its lifetime, as BodyId does a body.
+struct JointId {
+  std::uint32_t index = std::numeric_limits<std::uint32_t>::max();
+  std::uint32_t generation = 0;
+
+  friend auto operator<=>(const JointId&, const JointId&) = default;
+};
+
+inline constexpr double unlimited = std::numeric_limits<double>::infinity();
+
+/// The range of a coordinate, in m or rad; lower <= upper. Infinite where there is none; locked where both are equal:
+/// then a spring and a motor along it have nothing to do, and are left out.
+struct JointRange {
+  double lower = -unlimited;
+  double upper = unlimited;
+};
+
+/// A damped spring that pulls a coordinate to its rest, implicitly, so that any stiffness is stable.
+struct JointSpring {
+  double hertz = 1;          ///< > 0, with the two bodies' effective mass along the coordinate
+  double damping_ratio = 1;  ///< >= 0; 1 is critical
+  double rest = 0;           ///< m or rad, finite
+};
+
+/// Drives a coordinate at a speed, by no more than so much force or torque. At speed 0 it is friction, or a brake.
+struct JointMotor {
+  double speed = 0;      ///< m/s or rad/s, finite
+  double max_force = 0;  ///< N or N m, >= 0; unlimited is allowed
+};
+
+/// A coordinate of a joint, and what acts along it. Range, spring and motor may all be there.
+struct JointAxis {
+  JointRange range = {};
+  std::optional<JointSpring> spring = {};
+  std::optional<JointMotor> motor = {};
+};
+
+// Each kind below says which coordinates it locks, a row of constraints each, and which it leaves free. Ends of
+// ranges are checked where a coordinate has natural bounds. Frames that start apart are pulled together.
+
+/// The origins of the frames stay together: 3 rows.
+struct BallJoint {
+  double friction =
+      0;  ///< N m, finite and >= 0: the torque that holds back turning, about each axis of the first frame
+};
+
+/// Origins together and x axes parallel: 5 rows. The free coordinate is the angle about x by which the second frame has
+/// turned from the first, rad. It starts with the turn nearest to its range, and is counted over full turns as long as
+/// it has a range, a spring or a motor; without these nobody counts, and it is in (-pi, pi].
+struct HingeJoint {
+  JointAxis angle = {};
+};
+
+/// The second frame slides along the x axis of the first, without turning: 5 rows. The free coordinate is the offset,
+/// m.
+struct SliderJoint {
+  JointAxis offset = {};
+};
+
+/// The frames stay together: 6 rows.
+struct FixedJoint {};
+
+/// The distance of the origins, which must be more than 1 nm to start with: 1 row. A rod with equal ends of the range,
+/// a rope with a lower end of 0. Neither end is negative, and the upper one is not 0: that is a BallJoint.
+struct DistanceJoint {
+  JointAxis distance = {.range = {1, 1}};
+};
+
+/// Origins together, the first x axis at right angles to the second y axis: 4 rows, as a cross of two hinges. Angles
+/// are counted over full turns as a hinge's is.
+struct UniversalJoint {
+  JointAxis first = {};   ///< angle about the first frame's x axis, rad
+  JointAxis second = {};  ///< angle about the second frame's y axis, rad
+};
+
+/// Origins together: 3 rows, and limits of the swing between the x axes and of the twist about them. JointState tells
+/// of the swing, and then of the twist.
+struct ConeTwistJoint {
+  double swing_limit = unlimited;  ///< rad, in (0, pi), or unlimited
+  JointAxis twist = {};            ///< rad; the ends of a range in [-pi, pi]
+};
+
+/// Each of six coordinates is locked (a range of equal ends), limited or free: offsets along the axes of the first
+/// frame, m, and turns about them. The turns are twice the vector part of the relative quaternion: the axis times twice
+/// the sine of half the angle, which is the rotation vector in rad to second order (0.4% less at 18 degrees, 10% less
+/// at 90), and grows up to half a turn, where it is 2. Ends of their ranges are in [-2, 2].
+struct SixDofJoint {
+  std::array<JointAxis, 3> offset = {};
+  std::array<JointAxis, 3> turn = {};
+};
+
+/// The turning of the first body about its frame's x axis, plus `ratio` times that of the second about its own, stays
+/// as it was: 1 row. As a rack, the second moves along its x axis instead, and the ratio is in rad/m. What carries the
+/// gears is up to other joints. JointState tells of the sum of the two, which is to be 0.
+struct GearJoint {
+  double ratio = 1;  ///< finite and not 0
+  bool rack = false;
+};
+
+/// A wheel, the second body, at a chassis: it moves along the z axis of the first frame against the suspension, turns
+/// about that axis to steer, and spins about the y axis of its own frame: 3 rows, and 1 where steering is locked.
+/// Angles are counted over full turns as a hinge's is.
+struct WheelJoint {
+  JointAxis suspension = {.spring = JointSpring{.hertz = 2, .damping_ratio = 0.7}};  ///< m
+  JointAxis steering = {.range = {0, 0}};                                            ///< rad
+  JointAxis spin = {};                                                               ///< rad
+};
+
+using JointKind = std::variant<BallJoint, HingeJoint, SliderJoint, FixedJoint, DistanceJoint, UniversalJoint,
+                               ConeTwistJoint, SixDofJoint, GearJoint, WheelJoint>;
+
+/// Everything a joint starts with.
+struct JointDef {
+  JointKind kind = BallJoint{};
+  BodyId first = {};  ///< of two different bodies, at least one of which is dynamic
+  BodyId second = {};
+  Pose frame_first = {};  ///< where the joint is, in the first body's frame
+  Pose frame_second = {};
+  /// Whether the two bodies may touch. If not, neither do they through other joints of theirs; they may again once none
+  /// of these is enabled, if filters and World::set_collision_enabled let them.
+  bool collide = false;
+  double break_force = unlimited;   ///< N, > 0: it breaks after a step at whose end it had to hold more
+  double break_torque = unlimited;  ///< N m, > 0
+};
+
+/// What a joint does, as of the end of the last step.
+struct JointState {
+  bool enabled = true;
+  bool broken = false;                  ///< it is not enabled then, until it is again, and keeps what broke it
+  Vector3 force = Vector3::Zero();      ///< N, on the second body, world frame; in the last substep
+  Vector3 torque = Vector3::Zero();     ///< N m, on the second body, about its frame's origin, world frame
+  std::array<double, 6> position = {};  ///< of the coordinates that its kind names, in that order, as of now; m or rad
+  std::array<double, 6> speed = {};     ///< m/s or rad/s
+};
+
+enum class JointEventKind {
+  Broke,
+  ReachedLimit,  ///< some coordinate is at an end of its range at which it was not a step ago
+  LeftLimit,     ///< some coordinate is no longer at an end of its range at which it was
+};
+
+struct JointEvent {
+  JointId joint;
+  JointEventKind kind;
+};
+
+}  // namespace atl

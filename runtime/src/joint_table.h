@@ -1,0 +1,73 @@
+#pragma once
+
+#include <atoll/joint.h>
+#include <solver/joint.h>
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <utility>
+#include <vector>
+
+namespace atl {
+
+/// All joints of a world, one entry a joint's index: what the solver works on, and what users add to it.
+struct JointTable {
+  using Limits = std::array<std::int8_t, solver::max_joint_rows>;
+
+  std::vector<solver::Joint> joints;
+  std::vector<JointDef> def;
+  std::vector<std::uint32_t> generation;
+  std::vector<std::uint8_t> alive;
+  std::vector<std::uint8_t> enabled;
+  std::vector<std::uint8_t> broken;
+  std::vector<std::uint8_t> acts;     ///< 1 for those that are there, enabled, and have rows
+  std::vector<std::uint8_t> watched;  ///< 1 for those that may break, or reach the ends of a range
+  std::vector<std::uint8_t> driven;   ///< 1 for those with a motor that is to move
+  std::vector<Limits> limit_before;   ///< that events have told of
+  std::vector<std::uint32_t> free;    ///< indices of removed joints; the last is used first
+  std::size_t count = 0;              ///< alive
+
+  std::size_t size() const { return joints.size(); }
+  /// Adds an enabled joint, and returns its index.
+  std::uint32_t add(const JointDef& definition, const solver::Joint& joint);
+  void remove(std::uint32_t joint);
+  /// Makes `acts` and the like follow a change of the others.
+  void update_flags(std::uint32_t joint);
+
+  /// Calls visit(joint) for the joints of a body, in no order to rely on.
+  template <typename Visit>
+  void for_each_of(std::uint32_t body, const Visit& visit) const;
+
+  /// Counts the joints that keep two bodies from touching. Whether the first came, or the last went.
+  bool keep_apart(std::uint32_t a, std::uint32_t b);
+  bool let_touch(std::uint32_t a, std::uint32_t b);
+  bool are_kept_apart(std::uint32_t a, std::uint32_t b) const { return apart_.contains(std::minmax(a, b)); }
+
+ private:
+  static constexpr std::uint32_t none = ~std::uint32_t{0};
+
+  // A joint is in the lists of both its bodies, by its ends: 2 * joint for the first body, + 1 for the second.
+  struct Link {
+    std::uint32_t next = none;
+    std::uint32_t previous = none;
+  };
+
+  std::uint32_t body_of(std::uint32_t end) const {
+    return end % 2 == 0 ? joints[end / 2].first : joints[end / 2].second;
+  }
+  void link(std::uint32_t end);
+  void unlink(std::uint32_t end);
+
+  std::vector<Link> links_;               // by end
+  std::vector<std::uint32_t> first_end_;  // by body, up to the last that has had a joint
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> apart_;
+};
+
+template <typename Visit>
+void JointTable::for_each_of(std::uint32_t body, const Visit& visit) const {
+  if (body >= first_end_.size()) return;
+  for (std::uint32_t end = first_end_[body]; end != none; end = links_[end].next) visit(end / 2);
+}
+
+}  // namespace atl

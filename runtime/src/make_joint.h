@@ -1,0 +1,19 @@
+#pragma once
+
+#include <atoll/joint.h>
+#include <solver/joint.h>
+
+#include <span>
+
+namespace atl {
+
+/// What a kind means: coordinates, and the laws that they obey. Frames and bodies are left open.
+solver::Joint make_joint(const JointKind& kind);
+
+/// The whole of a joint but for its bodies, whose centres of mass are given in their frames, m. Unit orientations.
+solver::Joint make_joint(const JointDef& def, const Vector3& centre_first, const Vector3& centre_second);
+
+/// The coordinates that JointState tells of, in order.
+std::span<const solver::Coordinate> named_coordinates(const JointKind& kind);
+
+}  // namespace atl

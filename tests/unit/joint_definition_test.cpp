@@ -1,0 +1,217 @@
+// Every unusable definition of a joint is refused with the field and the value, and changes nothing; and what the
+// usable ones mean to the solver.
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <numbers>
+#include <string_view>
+#include <vector>
+
+#include "src/make_joint.h"
+#include "support/bodies.h"
+#include "support/expect_error.h"
+
+namespace atl::test {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+struct BadKind {
+  JointKind kind;
+  std::string_view field;
+  std::string_view found;
+  std::string_view expected;
+};
+
+JointAxis ranged(double lower, double upper) { return {.range = {lower, upper}}; }
+JointAxis sprung(double hertz, double damping_ratio, double rest) {
+  return {.spring = JointSpring{hertz, damping_ratio, rest}};
+}
+JointAxis driven(double speed, double max_force) { return {.motor = JointMotor{speed, max_force}}; }
+
+const std::vector<BadKind>& bad_kinds() {
+  static const std::vector<BadKind> kinds = {
+      {BallJoint{-1.5}, "kind.friction", "-1.5", "not below 0"},
+      {BallJoint{nan}, "kind.friction", "nan", "not below 0"},
+      {BallJoint{unlimited}, "kind.friction", "inf", "finite"},
+      {HingeJoint{ranged(2, 1)}, "kind.angle.range", "lower 2", "upper 1"},
+      {HingeJoint{ranged(nan, 1)}, "kind.angle.range.lower", "nan", "a finite number, or -unlimited"},
+      {HingeJoint{ranged(0, nan)}, "kind.angle.range.upper", "nan", "a finite number, or unlimited"},
+      {HingeJoint{ranged(unlimited, unlimited)}, "kind.angle.range.lower", "inf", "-unlimited"},
+      {HingeJoint{ranged(-unlimited, -unlimited)}, "kind.angle.range.upper", "-inf", "or unlimited"},
+      {HingeJoint{sprung(0, 1, 0)}, "kind.angle.spring.hertz", "0", "above 0"},
+      {HingeJoint{sprung(unlimited, 1, 0)}, "kind.angle.spring.hertz", "inf", "finite"},
+      {HingeJoint{sprung(1, -1.5, 0)}, "kind.angle.spring.damping_ratio", "-1.5", "not below 0"},
+      {HingeJoint{sprung(1, 1, nan)}, "kind.angle.spring.rest", "nan", "finite"},
+      {HingeJoint{driven(unlimited, 1)}, "kind.angle.motor.speed", "inf", "finite"},
+      {HingeJoint{driven(1, -1.5)}, "kind.angle.motor.max_force", "-1.5", "not below 0, or unlimited"},
+      {HingeJoint{driven(1, nan)}, "kind.angle.motor.max_force", "nan", "not below 0, or unlimited"},
+      {SliderJoint{ranged(0.5, -0.5)}, "kind.offset.range", "lower 0.5", "upper -0.5"},
+      {DistanceJoint{ranged(-0.5, 1)}, "kind.distance.range.lower", "-0.5", "not below 0"},
+      {DistanceJoint{ranged(0, 0)}, "kind.distance.range.upper", "0", "above 0"},
+      {UniversalJoint{.first = driven(nan, 1)}, "kind.first.motor.speed", "nan", "finite"},
+      {UniversalJoint{.second = ranged(1, 0)}, "kind.second.range", "lower 1", "upper 0"},
+      {ConeTwistJoint{.swing_limit = 0}, "kind.swing_limit", "0", "(0, pi)"},
+      {ConeTwistJoint{.swing_limit = 3.25}, "kind.swing_limit", "3.25", "(0, pi)"},
+      {ConeTwistJoint{.swing_limit = nan}, "kind.swing_limit", "nan", "(0, pi)"},
+      {ConeTwistJoint{.twist = ranged(-3.5, 0)}, "kind.twist.range.lower", "-3.5", "[-pi, pi]"},
+      {ConeTwistJoint{.twist = ranged(0, 3.5)}, "kind.twist.range.upper", "3.5", "[-pi, pi]"},
+      {SixDofJoint{.offset = {JointAxis{}, ranged(1, 0), JointAxis{}}}, "kind.offset[1].range", "lower 1", "upper 0"},
+      {SixDofJoint{.turn = {JointAxis{}, JointAxis{}, ranged(0, 2.5)}}, "kind.turn[2].range.upper", "2.5", "[-2, 2]"},
+      {GearJoint{.ratio = 0}, "kind.ratio", "0", "other than 0"},
+      {GearJoint{.ratio = nan}, "kind.ratio", "nan", "finite"},
+      {WheelJoint{.suspension = sprung(-2, 1, 0)}, "kind.suspension.spring.hertz", "-2", "above 0"},
+      {WheelJoint{.steering = ranged(1, 0)}, "kind.steering.range", "lower 1", "upper 0"},
+      {WheelJoint{.spin = driven(0, -1)}, "kind.spin.motor.max_force", "-1", "not below 0"},
+  };
+  return kinds;
+}
+
+struct Pair {
+  World world;
+  BodyId floor = world.add_body(ground());
+  BodyId crate = world.add_body(box({0, 0, 5}));
+  BodyId other = world.add_body(box({2, 0, 5}));
+
+  void expect_refused(const JointDef& def, std::initializer_list<std::string_view> words) {
+    const std::uint64_t hash = world.state_hash();
+    expect_error([&] { world.add_joint(def); }, words);
+    EXPECT_EQ(world.joint_count(), 0u) << *words.begin();
+    EXPECT_EQ(world.state_hash(), hash) << *words.begin();
+  }
+};
+
+TEST(JointDefinition, KindsThatMakeNoSenseAreRefused) {
+  Pair pair;
+  for (const BadKind& bad : bad_kinds()) {
+    const std::string field = "JointDef." + std::string(bad.field);
+    pair.expect_refused({.kind = bad.kind, .first = pair.crate, .second = pair.other},
+                        {field, bad.found, "expected", bad.expected});
+  }
+}
+
+TEST(JointDefinition, AChangeIsCheckedAsWell) {
+  Pair pair;
+  for (const BadKind& bad : bad_kinds()) {
+    JointDef def{.first = pair.crate, .second = pair.other};
+    def.kind = std::visit([](const auto& kind) { return JointKind(std::decay_t<decltype(kind)>{}); }, bad.kind);
+    def.frame_first.position = {1, 0, 0};
+    const JointId joint = pair.world.add_joint(def);
+    const std::uint64_t hash = pair.world.state_hash();
+    expect_error([&] { pair.world.set_joint(joint, bad.kind); },
+                 {"World::set_joint: " + std::string(bad.field), bad.found, bad.expected});
+    EXPECT_EQ(pair.world.state_hash(), hash) << bad.field;
+    pair.world.remove_joint(joint);
+  }
+}
+
+TEST(JointDefinition, AnchorsAndBreakingAreChecked) {
+  Pair pair;
+  const JointDef def{.first = pair.crate, .second = pair.other};
+  const auto refused = [&](const auto& change, std::initializer_list<std::string_view> words) {
+    JointDef bad = def;
+    change(bad);
+    pair.expect_refused(bad, words);
+  };
+  refused([](JointDef& d) { d.frame_first.position.y() = nan; }, {"JointDef.frame_first.position", "nan", "finite"});
+  refused([](JointDef& d) { d.frame_second.position.z() = unlimited; }, {"JointDef.frame_second.position", "inf"});
+  refused([](JointDef& d) { d.frame_first.orientation = Quaternion(0, 0, 0, 0); },
+          {"JointDef.frame_first.orientation", "0", "quaternion"});
+  refused([](JointDef& d) { d.frame_second.orientation.x() = nan; }, {"JointDef.frame_second.orientation", "nan"});
+  refused([](JointDef& d) { d.break_force = 0; }, {"JointDef.break_force", "0", "above 0"});
+  refused([](JointDef& d) { d.break_force = nan; }, {"JointDef.break_force", "nan"});
+  refused([](JointDef& d) { d.break_torque = -1; }, {"JointDef.break_torque", "-1", "above 0, or unlimited"});
+}
+
+TEST(JointDefinition, BodiesAreCheckedFirst) {
+  Pair pair;
+  const BodyId gone = pair.world.add_body(box({9, 0, 5}));
+  const BodyId rail = pair.world.add_body({.type = BodyType::Kinematic, .position = {20, 0, 0}});
+  pair.world.remove_body(gone);
+  const auto refused = [&](BodyId first, BodyId second, std::initializer_list<std::string_view> words) {
+    pair.expect_refused({.kind = BallJoint{-1}, .first = first, .second = second}, words);
+  };
+  refused({}, pair.crate, {"JointDef.first", "4294967295", "no body has"});
+  refused(pair.crate, {}, {"JointDef.second", "no body has"});
+  refused(pair.crate, gone, {"JointDef.second", "index 3, generation 0", "has not been removed"});
+  refused(pair.crate, pair.crate, {"JointDef.second", "index 1, generation 0", "another body"});
+  refused(pair.floor, rail, {"JointDef", "neither", "dynamic"});
+}
+
+TEST(JointDefinition, ADistanceNeedsADirection) {
+  Pair pair;
+  JointDef def{.kind = DistanceJoint{ranged(0, 3)}, .first = pair.crate, .second = pair.other};
+  def.frame_first.position = {2, 0, 0};
+  pair.expect_refused(def, {"JointDef", "DistanceJoint", "coincide"});
+  def.frame_first.position = {1, 0, 0};
+  EXPECT_NO_THROW(pair.world.add_joint(def));
+}
+
+TEST(JointDefinition, EveryKindWithItsDefaultsIsUsable) {
+  Pair pair;
+  for (const JointKind& kind :
+       {JointKind(BallJoint{}), JointKind(HingeJoint{}), JointKind(SliderJoint{}), JointKind(FixedJoint{}),
+        JointKind(DistanceJoint{}), JointKind(UniversalJoint{}), JointKind(ConeTwistJoint{}), JointKind(SixDofJoint{}),
+        JointKind(GearJoint{}), JointKind(WheelJoint{})}) {
+    EXPECT_NO_THROW(pair.world.add_joint({.kind = kind, .first = pair.crate, .second = pair.other})) << kind.index();
+  }
+}
+
+// Rows of a kind with nothing along its free coordinates, and with something along each.
+struct RowsOfKind {
+  const char* name;
+  JointKind bare;
+  std::size_t rows;
+  JointKind full;
+  std::size_t all_rows;
+};
+
+TEST(JointDefinition, KindsLockAsManyRowsAsTheySay) {
+  const JointAxis stop = ranged(-1, 1);
+  const JointAxis hold = ranged(0, 0);
+  const RowsOfKind kinds[] = {
+      {"ball", BallJoint{}, 3, BallJoint{.friction = 1}, 6},
+      {"hinge", HingeJoint{}, 5, HingeJoint{stop}, 6},
+      {"slider", SliderJoint{}, 5, SliderJoint{sprung(1, 1, 0)}, 6},
+      {"fixed", FixedJoint{}, 6, FixedJoint{}, 6},
+      {"distance", DistanceJoint{.distance = {}}, 0, DistanceJoint{}, 1},
+      {"universal", UniversalJoint{}, 4, UniversalJoint{stop, driven(1, 1)}, 6},
+      {"cone", ConeTwistJoint{}, 3, ConeTwistJoint{1.0, stop}, 5},
+      {"six", SixDofJoint{}, 0, SixDofJoint{{stop, hold, hold}, {stop, hold, stop}}, 6},
+      {"six at a point", SixDofJoint{{hold, hold, hold}, {}}, 3, SixDofJoint{{hold, hold, hold}, {stop, hold, stop}},
+       6},
+      {"gear", GearJoint{}, 1, GearJoint{.rack = true}, 1},
+      {"wheel", WheelJoint{.suspension = {}, .steering = {}}, 3, WheelJoint{.spin = driven(1, 1)}, 6},
+  };
+  for (const RowsOfKind& kind : kinds) {
+    EXPECT_EQ(make_joint(kind.bare).row_count(), kind.rows) << kind.name;
+    EXPECT_EQ(make_joint(kind.full).row_count(), kind.all_rows) << kind.name;
+  }
+  EXPECT_TRUE(make_joint(JointKind(SixDofJoint{{hold, hold, hold}, {}})).point);
+  EXPECT_FALSE(make_joint(JointKind(SixDofJoint{{hold, hold, ranged(1, 1)}, {}})).point) << "held, but not at 0";
+}
+
+TEST(JointDefinition, WhatIsLockedHasNeitherSpringNorMotor) {
+  JointAxis axis = sprung(1, 1, 0.5);
+  axis.motor = JointMotor{1, unlimited};
+  axis.range = {0.25, 0.25};
+  const solver::Joint joint = make_joint(JointKind(HingeJoint{axis}));
+  const solver::Law& law = joint.law[2];
+  EXPECT_TRUE(law.locked());
+  EXPECT_EQ(law.lower, 0.25);
+  EXPECT_EQ(law.spring_hertz, 0);
+  EXPECT_EQ(law.motor_force, 0);
+}
+
+TEST(JointDefinition, FramesAreGivenInTheBodysAndHeldFromTheCentreOfMass) {
+  const Quaternion turn(Eigen::AngleAxisd(0.5, Vector3::UnitY()));
+  JointDef def{.frame_first = {{1, 2, 3}, turn}, .frame_second = {{4, 5, 6}, Quaternion::Identity()}};
+  const solver::Joint joint = make_joint(def, {0.5, 0, 0}, {0, 0.25, 0});
+  EXPECT_EQ(joint.anchor_first, Vector3(0.5, 2, 3));
+  EXPECT_EQ(joint.anchor_second, Vector3(4, 4.75, 6));
+  EXPECT_EQ(joint.axes_first.coeffs(), turn.coeffs());
+}
+
+}  // namespace
+}  // namespace atl::test

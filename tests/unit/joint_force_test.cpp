@@ -1,0 +1,153 @@
+// What joints hold and motors do, against statics and Newton's law, with both solvers.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "support/bodies.h"
+
+namespace atl::test {
+namespace {
+
+const Quaternion x_to_z(Eigen::AngleAxisd(-std::numbers::pi / 2, Vector3::UnitY()));
+
+class JointForce : public testing::TestWithParam<JointSolver> {
+ protected:
+  World world{WorldDef{.settings = {.joint_solver = GetParam()}}};
+  BodyId post = world.add_body({.type = BodyType::Static, .shape = Box{}});
+};
+
+// Every kind that can carry a crate that hangs below the post.
+TEST_P(JointForce, AHangingWeightPullsWithItsWeight) {
+  const JointAxis hold{.range = {0, 0}};
+  const JointKind kinds[] = {BallJoint{},
+                             HingeJoint{},
+                             SliderJoint{},
+                             FixedJoint{},
+                             DistanceJoint{{.range = {1, 1}}},
+                             UniversalJoint{},
+                             ConeTwistJoint{},
+                             SixDofJoint{{hold, hold, hold}, {}},
+                             SixDofJoint{{JointAxis{}, JointAxis{}, hold}, {}},
+                             WheelJoint{.suspension = hold}};
+  std::vector<JointId> joints;
+  std::vector<BodyId> crates;
+  double x = 0;
+  for (const JointKind& kind : kinds) {
+    x += 5;
+    const bool rod = std::holds_alternative<DistanceJoint>(kind);
+    crates.push_back(world.add_body(box({x, 0, -3})));
+    // The post is the second body of every other one: forces are on the second.
+    JointDef def{.kind = kind, .first = post, .second = crates.back()};
+    def.frame_first.position = {x, 0, -2};
+    def.frame_second.position = {0, 0, rod ? 0.0 : 1.0};
+    if (crates.size() % 2 == 0) {
+      std::swap(def.first, def.second);
+      std::swap(def.frame_first, def.frame_second);
+    }
+    joints.push_back(world.add_joint(def));
+  }
+  run(world, 120);
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const double weight = world.mass(crates[i]) * g;
+    const JointState state = world.joint_state(joints[i]);
+    const Vector3 expected(0, 0, i % 2 == 0 ? weight : -weight);
+    EXPECT_LT((state.force - expected).norm(), 1e-3 * weight) << i << ": " << state.force.transpose();
+    EXPECT_LT(state.torque.norm(), 1e-3 * weight) << i << ": " << state.torque.transpose();
+  }
+}
+
+// A beam that sticks out: about the joint's place on it the torque is that of its weight.
+TEST_P(JointForce, ABeamTurnsWithItsLever) {
+  const BodyId beam = world.add_body(box({2, 0.5, 0}));
+  const JointId joint = world.add_joint(
+      {.kind = FixedJoint{}, .first = post, .second = beam, .frame_second = {{-2, -0.5, 0}, Quaternion::Identity()}});
+  run(world, 240);
+  const double weight = world.mass(beam) * g;
+  const JointState state = world.joint_state(joint);
+  const Vector3 lever = world.pose(beam).position;
+  const Vector3 expected = lever.cross(Vector3(0, 0, weight));
+  EXPECT_LT((state.force - Vector3(0, 0, weight)).norm(), 1e-3 * weight) << state.force.transpose();
+  EXPECT_LT((state.torque - expected).norm(), 2e-3 * expected.norm())
+      << state.torque.transpose() << " instead of " << expected.transpose();
+}
+
+// A rotor on an upright axle.
+struct Rotor {
+  BodyId body;
+  JointId hinge;
+  double inertia;  // about the axle
+
+  Rotor(World& world, BodyId post, const JointAxis& angle)
+      : body(world.add_body(box({0, 0, 2}))), inertia(world.mass(body) / 6) {
+    hinge = world.add_joint({.kind = HingeJoint{angle},
+                             .first = post,
+                             .second = body,
+                             .frame_first = {{0, 0, 2}, x_to_z},
+                             .frame_second = {{0, 0, 0}, x_to_z}});
+  }
+};
+
+TEST_P(JointForce, AMotorSpeedsUpWithItsTorqueAndThenKeepsItsSpeed) {
+  constexpr double speed = 5;
+  const double inertia = 1000.0 / 6;
+  const double torque = inertia * speed / 0.5;  // half a second
+  const Rotor rotor(world, post, {.motor = JointMotor{speed, torque}});
+  ASSERT_NEAR(rotor.inertia, inertia, 1e-9 * inertia);
+  for (int i = 1; i <= 60; ++i) {
+    world.step(dt);
+    const double expected = std::min(speed, torque / inertia * i * dt);
+    const JointState state = world.joint_state(rotor.hinge);
+    ASSERT_NEAR(state.speed[0], expected, 1e-3 * speed) << i;
+    ASSERT_NEAR(world.angular_velocity(rotor.body).z(), expected, 1e-3 * speed) << i;
+    if (i < 29) {
+      ASSERT_NEAR(state.torque.z(), torque, 1e-3 * torque) << i;
+    }
+  }
+  // 1/4 + 1/2 second at full speed: over a full turn a second later.
+  EXPECT_NEAR(world.joint_state(rotor.hinge).position[0], speed * 0.75, 0.05);
+  run(world, 120);
+  EXPECT_NEAR(world.joint_state(rotor.hinge).position[0], speed * 2.75, 0.05) << "counted over full turns";
+  EXPECT_LT(world.joint_state(rotor.hinge).torque.norm(), 1e-3 * torque);
+}
+
+TEST_P(JointForce, AMotorYieldsToMoreLoadThanItBears) {
+  const double torque = 100;
+  for (const double load : {50.0, 150.0}) {
+    World loaded({.settings = {.joint_solver = GetParam()}});
+    const BodyId base = loaded.add_body({.type = BodyType::Static, .shape = Box{}});
+    const Rotor rotor(loaded, base, {.motor = JointMotor{0, torque}});
+    for (int i = 0; i < 60; ++i) {
+      loaded.apply_force(rotor.body, Vector3::Zero(), {0, 0, -load});
+      loaded.step(dt);
+    }
+    const double expected = load > torque ? -(load - torque) / rotor.inertia : 0;
+    EXPECT_NEAR(loaded.angular_velocity(rotor.body).z(), expected, 1e-3);
+    EXPECT_NEAR(loaded.joint_state(rotor.hinge).torque.z(), std::min(load, torque), 0.1);
+  }
+}
+
+TEST_P(JointForce, FrictionOfABallSlowsEvenly) {
+  BodyDef def = sphere({0, 0, -3});
+  def.angular_velocity = {0, 0, 2};
+  const BodyId ball = world.add_body(def);
+  const double inertia = 0.4 * world.mass(ball) * 0.25;
+  const double friction = inertia * 1.0;  // 1 rad/s^2
+  world.add_joint({.kind = BallJoint{friction}, .first = post, .second = ball, .frame_first = {{0, 0, -3}, x_to_z}});
+  run(world, 60);
+  EXPECT_NEAR(world.angular_velocity(ball).z(), 1, 2e-3);
+  run(world, 90);
+  EXPECT_NEAR(world.angular_velocity(ball).norm(), 0, 1e-5);
+}
+
+std::string solver_name(const testing::TestParamInfo<JointSolver>& info) {
+  return info.param == JointSolver::Iterative ? "Iterative" : "Direct";
+}
+INSTANTIATE_TEST_SUITE_P(Solvers, JointForce, testing::Values(JointSolver::Iterative, JointSolver::Direct),
+                         solver_name);
+
+}  // namespace
+}  // namespace atl::test
