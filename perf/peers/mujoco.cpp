@@ -1,7 +1,8 @@
 /// MuJoCo (mujoco.org), one thread, with its own defaults: contacts with a time constant of 20 ms, pyramidal friction
 /// cones, Newton's method with up to 100 iterations, semi-implicit Euler. Friction of a pair combines by Atoll's rule,
 /// where MuJoCo would take the larger: each step is made of MuJoCo's own public stages, and each contact's coefficients
-/// are set between collision and constraints. MuJoCo has no restitution.
+/// are set between collision and constraints. MuJoCo has no restitution. A ball joint is an equality constraint between
+/// two free bodies.
 
 #include <mujoco/mujoco.h>
 

@@ -100,10 +100,14 @@ std::string options_text(const atl::Scene& scene, const Setting& setting, const 
                      "\" solver=\"" + options.solver + "\" integrator=\"" + options.integrator + "\">" +
                      (options.multiccd ? "<flag multiccd=\"enable\"/>" : "") + "</option>\n";
   if (options.stiff) {
-    text += "<default><geom" + attribute("solref", {2 * dt, 1}) + " solimp=\"0.99 0.999 0.001\"/></default>\n";
+    const std::string time = attribute("solref", {2 * dt, 1});
+    text += "<default><geom" + time + " solimp=\"0.99 0.999 0.001\"/><equality" + time +
+            " solimp=\"0.9999 0.9999 0.001\"/></default>\n";
   }
   return text;
 }
+
+std::string body_name(std::size_t i) { return "b" + std::to_string(i); }
 
 const MujocoOptions& find_options(const std::string& name) {
   const auto& variants = mujoco_variants();
@@ -144,20 +148,25 @@ MujocoScene::MujocoScene(const atl::Scene& scene, const Setting& setting)
     solids_.push_back(make_solid(body.def));
     heaviest = std::max({heaviest, solids_.back().mass, solids_.back().moments.maxCoeff()});
   }
-  // The model numbers the world's geoms first.
+  balls_ = balls_of(scene, solids_, "MuJoCo");
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
-    const atl::BodyDef& def = scene.bodies[i].def;
-    if (def.type == atl::BodyType::Dynamic || is_moving_kinematic(def)) {
-      moving_.push_back(i);
-    } else {
-      add_geoms(def, i, world_);
-    }
+    if (moves(i)) moving_.push_back(i);
+  }
+  stack_size(0);  // throws before the pairs of too many bodies are looked at
+  find_pairs_apart();
+  // What stands and is named is a body of its own, after those that move; the rest is the world's, whose geoms the
+  // model numbers first.
+  std::vector<bool> named(scene.bodies.size());
+  for (const auto& [a, b] : apart_) named[a] = named[b] = true;
+  for (const Ball& ball : balls_) named[ball.first] = named[ball.second] = true;
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    if (!moves(i) && !named[i]) add_geoms(i, world_);
   }
   for (const std::size_t i : moving_) {
     const atl::BodyDef& def = scene.bodies[i].def;
     const Solid& solid = solids_[i];
     const atl::Vector3& moments = solid.moments;
-    world_ += "<body" + place(solid.pose) + ">";
+    world_ += "<body name=\"" + body_name(i) + "\"" + place(solid.pose) + ">";
     if (def.type == atl::BodyType::Dynamic) {
       world_ += "<freejoint/><inertial pos=\"0 0 0\"" + attribute("mass", {solid.mass}) +
                 attribute("diaginertia", {moments.x(), moments.y(), moments.z()}) + "/>\n";
@@ -165,44 +174,98 @@ MujocoScene::MujocoScene(const atl::Scene& scene, const Setting& setting)
       world_ += "<joint type=\"free\"" + attribute("armature", {kinematic_mass_ratio * std::max(heaviest, 1.0)}) +
                 "/><inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\"/>\n";
     }
-    add_geoms(def, i, world_);
+    add_geoms(i, world_);
     world_ += "</body>\n";
+  }
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    if (moves(i) || !named[i]) continue;
+    world_ += "<body name=\"" + body_name(i) + "\">";
+    add_geoms(i, world_);
+    world_ += "</body>\n";
+  }
+  add_joints();
+}
+
+bool MujocoScene::moves(std::size_t body) const {
+  const atl::BodyDef& def = scene_.bodies[body].def;
+  return def.type == atl::BodyType::Dynamic || is_moving_kinematic(def);
+}
+
+void MujocoScene::find_pairs_apart() {
+  const std::size_t count = scene_.bodies.size();
+  const atl::MayTouch may_touch = exceptions_to_touch(scene_);
+  touches_.assign(count, !may_touch);
+  if (!may_touch) return;
+  const auto matters = [&](std::size_t a, std::size_t b) {
+    return scene_.bodies[a].def.type == atl::BodyType::Dynamic || scene_.bodies[b].def.type == atl::BodyType::Dynamic;
+  };
+  for (std::size_t a = 0; a < count; ++a) {
+    for (std::size_t b = a + 1; b < count; ++b) {
+      if (matters(a, b) && may_touch(a, b)) touches_[a] = touches_[b] = true;
+    }
+  }
+  for (std::size_t a = 0; a < count; ++a) {
+    for (std::size_t b = a + 1; b < count; ++b) {
+      if (matters(a, b) && touches_[a] && touches_[b] && !may_touch(a, b)) apart_.emplace_back(a, b);
+    }
   }
 }
 
-void MujocoScene::add_geoms(const atl::BodyDef& def, std::size_t body, std::string& xml) {
+void MujocoScene::add_joints() {
+  joints_ += "<contact>\n";
+  for (const auto& [a, b] : apart_) {
+    joints_ += "<exclude body1=\"" + body_name(a) + "\" body2=\"" + body_name(b) + "\"/>\n";
+  }
+  joints_ += "</contact>\n<equality>\n";
+  for (const Ball& ball : balls_) {
+    joints_ += "<connect body1=\"" + body_name(ball.first) + "\" body2=\"" + body_name(ball.second) +
+               "\" anchor=\"0 0 0\"/>\n";
+  }
+  joints_ += "</equality>\n";
+}
+
+void MujocoScene::add_geoms(std::size_t body, std::string& xml) {
+  const atl::BodyDef& def = scene_.bodies[body].def;
   const Solid& solid = solids_[body];
-  const bool fixed = def.type != atl::BodyType::Dynamic && !is_moving_kinematic(def);
   for (std::size_t k = 0; k < solid.parts.size(); ++k) {
     const Part& part = solid.parts[k];
     GeomText text{assets_, heights_, "s" + std::to_string(body) + "_" + std::to_string(k),
-                  fixed ? solid.pose * part.pose : part.pose};
+                  moves(body) ? part.pose : solid.pose * part.pose};
     const std::string shape = std::visit(text, part.shape);
     // What forces don't move touches nothing of its kind.
-    const char* category = def.type == atl::BodyType::Dynamic ? "1" : "0";
+    const char* category = touches_[body] && def.type == atl::BodyType::Dynamic ? "1" : "0";
+    const char* others = touches_[body] ? "1" : "0";
     xml += "<geom" + shape + place(text.pose) + attribute("friction", {def.material.friction, 0, 0}) +
-           " condim=\"3\" conaffinity=\"1\" contype=\"" + category + "\"/>\n";
+           " condim=\"3\" conaffinity=\"" + others + "\" contype=\"" + category + "\"/>\n";
     owners_.push_back(body);
   }
+}
+
+double MujocoScene::constraint_rows(int contacts) const {
+  return rows_per_contact * static_cast<double>(contacts) + 3.0 * static_cast<double>(balls_.size());
 }
 
 int MujocoScene::most_contacts() const {
   // With n rows and v degrees of freedom: 24 n v + 12 n^2 bytes.
   constexpr double most_bytes = 1.8e9;
   const double v = 6.0 * static_cast<double>(moving_.size());
-  return static_cast<int>((std::sqrt(v * v + most_bytes / 12) - v) / rows_per_contact);
+  const double rows = std::sqrt(v * v + most_bytes / 12) - v - constraint_rows(0);
+  return static_cast<int>(std::max(rows, 0.0) / rows_per_contact);
+}
+
+double MujocoScene::stack_size(int contacts) const {
+  const double rows = constraint_rows(contacts);
+  const double freedoms = 6.0 * static_cast<double>(moving_.size());
+  const double stack = 1e6 + 12 * freedoms * freedoms + 6 * rows * (freedoms + 100);
+  if (stack > 2e9) throw atl::Error("MuJoCo has no room for " + std::to_string(moving_.size()) + " bodies");
+  return stack;
 }
 
 mjModel* MujocoScene::compile(int contacts) const {
-  const double rows = rows_per_contact * static_cast<double>(contacts);
-  const double freedoms = 6.0 * static_cast<double>(moving_.size());
-  // Doubles for the solvers' factors and products; MuJoCo's own guess is five times the square of rows and freedoms.
-  const double stack = 1e6 + 12 * freedoms * freedoms + 6 * rows * (freedoms + 100);
-  if (stack > 2e9) throw atl::Error("MuJoCo has no room for " + std::to_string(moving_.size()) + " bodies");
   const std::string xml = "<mujoco>\n" + options_ + "<size nconmax=\"" + std::to_string(contacts) + "\" njmax=\"" +
-                          std::to_string(std::llround(rows)) + "\" nstack=\"" + std::to_string(std::llround(stack)) +
-                          "\"/>\n<asset>\n" + assets_ + "</asset>\n<worldbody>\n" + world_ +
-                          "</worldbody>\n</mujoco>\n";
+                          std::to_string(std::llround(constraint_rows(contacts))) + "\" nstack=\"" +
+                          std::to_string(std::llround(stack_size(contacts))) + "\"/>\n<asset>\n" + assets_ +
+                          "</asset>\n<worldbody>\n" + world_ + "</worldbody>\n" + joints_ + "</mujoco>\n";
 
   const auto files = std::make_unique<mjVFS>();  // megabytes
   mj_defaultVFS(files.get());
@@ -216,9 +279,23 @@ mjModel* MujocoScene::compile(int contacts) const {
   return model;
 }
 
+atl::Vector3 MujocoScene::in_model(std::size_t body, const atl::Vector3& point) const {
+  if (moves(body)) return point;
+  const atl::Pose& pose = solids_[body].pose;
+  return pose.position + pose.orientation * point;
+}
+
 void MujocoScene::set_dynamics(mjModel& model) const {
   for (std::size_t i = 0; i < heights_.size(); ++i) {
     std::copy(heights_[i].begin(), heights_[i].end(), model.hfield_data + model.hfield_adr[i]);
+  }
+  // Both points: of the second, MuJoCo would take that where the first starts. A body that stands is one at the origin.
+  for (std::size_t j = 0; j < balls_.size(); ++j) {
+    const Ball& ball = balls_[j];
+    mjtNum* points = model.eq_data + mjNEQDATA * j;
+    const atl::Vector3 first = in_model(ball.first, ball.at_first), second = in_model(ball.second, ball.at_second);
+    std::copy(first.begin(), first.end(), points);
+    std::copy(second.begin(), second.end(), points + 3);
   }
   // Damping is a force per velocity, by degree of freedom.
   for (std::size_t k = 0; k < moving_.size(); ++k) {

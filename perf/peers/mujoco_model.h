@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "ball.h"
 #include "peer.h"
 #include "solid.h"
 
@@ -19,7 +20,8 @@ struct MujocoOptions {
   std::string solver = "Newton";
   std::string integrator = "Euler";
   /// Contacts as stiff as the step allows: a time constant of two steps, and a hundredth to a thousandth of the force
-  /// for the regularisation, instead of 20 ms and a tenth to a twentieth.
+  /// for the regularisation, instead of 20 ms and a tenth to a twentieth. Joints alike, with the least regularisation
+  /// that there is, a ten-thousandth.
   bool stiff = false;
   double impratio = 1;    ///< how much harder friction is than the normal direction
   bool multiccd = false;  ///< more than one point where a hull, or a cylinder not on a plane, touches
@@ -46,17 +48,30 @@ class MujocoScene {
   const std::vector<std::size_t>& owners() const { return owners_; }
 
  private:
-  void add_geoms(const atl::BodyDef& def, std::size_t body, std::string& xml);
+  bool moves(std::size_t body) const;
+  void find_pairs_apart();
+  void add_geoms(std::size_t body, std::string& xml);
+  void add_joints();
+  double constraint_rows(int contacts) const;
+  /// Doubles for the solvers' factors and products; MuJoCo's own guess is five times the square of rows and freedoms.
+  /// Throws atl::Error if that is too many.
+  double stack_size(int contacts) const;
+  /// Of a point of a solid, in the frame that the model's body has.
+  atl::Vector3 in_model(std::size_t body, const atl::Vector3& point) const;
   void set_dynamics(mjModel& model) const;
 
   const atl::Scene& scene_;
   std::string options_;
   std::string assets_;
   std::string world_;
+  std::string joints_;
   std::vector<Solid> solids_;
+  std::vector<Ball> balls_;
   std::vector<std::size_t> moving_;
   std::vector<std::size_t> owners_;
-  std::vector<std::vector<float>> heights_;  // of the model's height fields, in [0, 1]
+  std::vector<bool> touches_;                               // by body: whether it may touch any other
+  std::vector<std::pair<std::size_t, std::size_t>> apart_;  // pairs of those that may that don't
+  std::vector<std::vector<float>> heights_;                 // of the model's height fields, in [0, 1]
 };
 
 }  // namespace peer
