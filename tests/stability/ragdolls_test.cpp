@@ -1,0 +1,44 @@
+// Ragdolls that fall into a heap: they hold together, stay within their limits and come to rest.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <numbers>
+
+#include "support/joined_run.h"
+
+namespace atl::test {
+namespace {
+
+class RagdollsTest : public testing::TestWithParam<JointSolver> {};
+
+// One by one, joints give way in the step of an impact, and are back within some steps.
+TEST_P(RagdollsTest, HoldTogetherAndComeToRest) {
+  constexpr double degree = std::numbers::pi / 180;
+  constexpr int dolls = 20, parts = 13;
+  const bool direct = GetParam() == JointSolver::Direct;
+  JoinedRun run("ragdolls:count=20", GetParam());
+  double gap = 0, excess = 0, gap_at_end = 0, excess_at_end = 0;
+  std::int64_t asleep = 0;
+  for (int step = 0; step < run.scene.steps; ++step) {
+    const StepReport report = run.world.step(run.scene.dt);
+    ASSERT_EQ(report.first_non_finite_body, -1) << step;
+    asleep = report.counts.asleep;
+    const JointDriftReport drift = run.drift();
+    gap = std::max(gap, gap_at_end = drift.max);
+    excess = std::max(excess, excess_at_end = drift.angle_excess_max);
+  }
+  EXPECT_LT(gap, direct ? 0.005 : 0.1);
+  EXPECT_LT(gap_at_end, direct ? 1e-6 : 0.005);
+  EXPECT_LT(excess, (direct ? 1 : 60) * degree);
+  EXPECT_LT(excess_at_end, (direct ? 1e-3 : 2) * degree);
+  // Shoulders swing without friction: an arm that hangs free keeps its ragdoll awake.
+  EXPECT_GE(asleep, (dolls - 3) * parts);
+}
+
+INSTANTIATE_TEST_SUITE_P(Solvers, RagdollsTest, testing::Values(JointSolver::Iterative, JointSolver::Direct),
+                         [](const auto& solver) { return solver_name(solver.param); });
+
+}  // namespace
+}  // namespace atl::test
