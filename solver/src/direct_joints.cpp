@@ -20,6 +20,11 @@ constexpr int rounds = 12;
 // and to no better than 1e-5 m with 1.
 constexpr double smoothing = 0.2;
 
+// m or rad: what closes joints moves no body farther than this, or the rows are near where they are singular. The tip
+// of a whip gets far within a substep; what is closed without velocity has come apart by little.
+constexpr double far_in_motion = 2;
+constexpr double far_at_rest = 0.3;
+
 // Of the diagonal, so that joints that ask for the same twice (two hinges of one door) share it.
 constexpr double redundancy = 1e-10;
 constexpr double redundancy_of_loops = 1e-6;
@@ -440,13 +445,14 @@ void DirectJoints::solve_positions(const DirectInput& input) {
   }
   const bool torn = torn_ = set_tears_aside(input.joints, input.h);
   solve_and_apply();
+  if (moves_far(input.h, far_in_motion)) take_back();
   move_members(input);
   store_velocities(input.bodies);
   if (!torn) return;
   load_velocities(input.bodies);
   b_.swap(tears_);
   solve_and_apply();
-  if (!moves_far(input.h)) move_members(input);
+  if (!moves_far(input.h, far_at_rest)) move_members(input);
 }
 
 // Holds what an impact has pushed beyond its range. Whether there is such a row.
@@ -519,12 +525,19 @@ bool DirectJoints::set_tears_aside(const Joint* joints, double h) {
 
 // Whether what was gained since velocities were loaded would take a body so far that no row is true there: near where
 // rows are singular the solution of the linear system says nothing of where joints close.
-bool DirectJoints::moves_far(double h) const {
-  constexpr double far = 0.3;  // m or rad
-  return std::any_of(members_.begin(), members_.end(), [h](const Member& member) {
+bool DirectJoints::moves_far(double h, double far) const {
+  return std::any_of(members_.begin(), members_.end(), [=](const Member& member) {
     return !(h * (member.velocity - member.velocity_before).norm() <= far &&
              h * (member.spin - member.spin_before).norm() <= far);
   });
+}
+
+// What was gained since velocities were loaded.
+void DirectJoints::take_back() {
+  for (Member& member : members_) {
+    member.velocity = member.velocity_before;
+    member.spin = member.spin_before;
+  }
 }
 
 // By the velocities that were gained since they were loaded.
@@ -599,7 +612,7 @@ void DirectJoints::close_gaps(const DirectInput& input) {
     }
     if (closed) return;
     solve_and_apply();
-    if (moves_far(input.h)) return;
+    if (moves_far(input.h, far_at_rest)) return;
     move_members(input);
     prepare(input);
   }
@@ -659,7 +672,7 @@ void DirectJoints::settle(const DirectInput& input, BodyTable& table, double dt,
       member.spin_before.setZero();
     }
     solve_and_apply();
-    holds = moves_far(1);
+    holds = moves_far(1, far_at_rest);
   }
   for (const Member& member : members_) {
     if (!member.dynamic) continue;

@@ -124,7 +124,8 @@ class DirectJoints {
   double position_of(const Joint& joint, const JointFrames& frames, const Node& node, std::uint32_t r, double h) const;
   void close_gaps(const DirectInput& input);
   bool set_tears_aside(const Joint* joints, double h);
-  bool moves_far(double h) const;
+  bool moves_far(double h, double far) const;
+  void take_back();
   void move_members(const DirectInput& input);
   static double bound(const Row& row, const Law& law) { return row.mode.limit() > 0 ? law.upper : law.lower; }
   void measure(const Joint& joint, const Node& node, double* b, double h) const;
