@@ -16,6 +16,9 @@ constexpr double friction = 2;    // N m
 // 1/s. Cones have no friction of their own: without this an arm swings for as long as one cares to wait.
 constexpr double damping = 1;
 
+// Soft enough that round limbs don't roll far.
+constexpr Material flesh = {.friction = builtin_material.friction, .rolling_friction = 0.01};
+
 const Quaternion upright = Quaternion::Identity();
 const Quaternion sideways(0.70710678118654752, 0.70710678118654752, 0, 0);  // a shape's z axis along y, either way
 
@@ -34,7 +37,7 @@ class Figure {
                 .position = world.position,
                 .orientation = world.orientation,
                 .mass = mass,
-                .material = builtin_material,
+                .material = flesh,
                 .angular_damping = damping};
     scene_.bodies.push_back(body);
     return scene_.bodies.size() - 1;
