@@ -244,6 +244,18 @@ bool DirectJoints::catch_limits(const Joint* joints, double h) {
   return caught;
 }
 
+// The same of what closing other gaps has turned beyond its range, where bodies are now.
+bool DirectJoints::catch_limits_here(const Joint* joints) {
+  bool caught = false;
+  for (const Node& node : nodes_) {
+    for (std::uint32_t r = node.begin; r < node.end; ++r) {
+      const Law& law = joints[node.joint].law[r - node.begin];
+      if (law.limited()) caught |= rows_[r].mode.catch_at_end(law, rows_[r].position);
+    }
+  }
+  return caught;
+}
+
 // The position of a row's coordinate at the frames, after h seconds at the velocities that are loaded.
 double DirectJoints::position_of(const Joint& joint, const JointFrames& frames, const Node& node, std::uint32_t r,
                                  double h) const {
@@ -363,7 +375,8 @@ void DirectJoints::close_gaps(const DirectInput& input) {
       member.velocity = member.velocity_before = Vector3::Zero();
       member.spin = member.spin_before = Vector3::Zero();
     }
-    bool closed = true;
+    bool closed = !catch_limits_here(input.joints);
+    if (!closed) factor();
     for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
       const Node& node = nodes_[i];
       double* b = &b_[system_.row(i)];

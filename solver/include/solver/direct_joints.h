@@ -120,6 +120,7 @@ class DirectJoints {
   void prepare(const DirectInput& input);
   void factor();
   bool catch_limits(const Joint* joints, double h);
+  bool catch_limits_here(const Joint* joints);
   JointFrames frames_of(const Joint& joint, const Node& node) const;
   double position_of(const Joint& joint, const JointFrames& frames, const Node& node, std::uint32_t r, double h) const;
   void close_gaps(const DirectInput& input);
