@@ -103,6 +103,7 @@ struct KindCheck {
       refuse(what + ".swing_limit", cone.swing_limit, "a number in (0, pi), or unlimited");
     }
     check_axis(what + ".twist", cone.twist, half_turn);
+    check_not_negative(what + ".swing_friction", cone.swing_friction);
   }
 
   void operator()(const SixDofJoint& six) const {

@@ -77,7 +77,8 @@ struct Rows {
 
   void operator()(const ConeTwistJoint& cone) const {
     joint.point = true;
-    add(Coordinate::Swing, Law{.upper = cone.swing_limit});
+    add(Coordinate::Swing, Law{.upper = cone.swing_limit, .motor_force = cone.swing_friction});
+    add(Coordinate::Orbit, Law{.motor_force = cone.swing_friction});
     add(Coordinate::Twist, cone.twist);
   }
 

@@ -44,6 +44,8 @@ JointRow joint_row(const Joint& joint, std::size_t row, const JointFrames& frame
       return spin_about(frames, 1);
     case Coordinate::SpinZ:
       return spin_about(frames, 2);
+    case Coordinate::Orbit:
+      return orbit(frames);
     case Coordinate::Gear:
       return gear(frames, joint.ratio);
     case Coordinate::Rack:
@@ -65,6 +67,7 @@ double continued(Coordinate coordinate, double value, double before) {
     case Coordinate::SpinX:
     case Coordinate::SpinY:
     case Coordinate::SpinZ:
+    case Coordinate::Orbit:
     case Coordinate::Gear:
     case Coordinate::Rack:
       return before;

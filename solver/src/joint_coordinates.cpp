@@ -22,6 +22,13 @@ JointRow angular_row(const Vector3d& axis, double value) {
   return {.linear = Vector3d::Zero(), .angular_first = axis, .angular_second = axis, .value = value};
 }
 
+// Across both x axes, which it takes from the first to the second by the shorter way.
+Vector3d swing_axis(const JointFrames& frames) {
+  const Vector3d across = frames.axes_first.col(0).cross(frames.axes_second.col(0));
+  const double sine = across.norm();
+  return sine > 0 ? Vector3d(across / sine) : Vector3d(frames.axes_first.col(1));
+}
+
 }  // namespace
 
 // d/dt (a . offset), with a fixed to the first body: its turning adds (w_A x a) . offset = w_A . (a x offset).
@@ -71,10 +78,7 @@ JointRow twist(const JointFrames& frames) {
 JointRow swing(const JointFrames& frames) {
   const Vector3d a = frames.axes_first.col(0);
   const Vector3d b = frames.axes_second.col(0);
-  const Vector3d across = a.cross(b);
-  const double sine = across.norm();
-  return angular_row(sine > 0 ? Vector3d(across / sine) : Vector3d(frames.axes_first.col(1)),
-                     arctangent(sine, a.dot(b)));
+  return angular_row(swing_axis(frames), arctangent(a.cross(b).norm(), a.dot(b)));
 }
 
 // atan2(s, c) with s = m . (a x r) and c = m . r, both cosines of an axis of each frame, so
@@ -103,6 +107,11 @@ JointRow angle_about_second(const JointFrames& frames, int about, int of) {
 }
 
 JointRow spin_about(const JointFrames& frames, int axis) { return angular_row(frames.axes_first.col(axis), 0); }
+
+// (w x b) . n = (b x n) . w, with n the axis of the swing.
+JointRow orbit(const JointFrames& frames) {
+  return angular_row(frames.axes_second.col(0).cross(swing_axis(frames)), 0);
+}
 
 JointRow gear(const JointFrames& frames, double ratio) {
   return {.linear = Vector3d::Zero(),

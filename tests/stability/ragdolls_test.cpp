@@ -33,8 +33,7 @@ TEST_P(RagdollsTest, HoldTogetherAndComeToRest) {
   EXPECT_LT(gap_at_end, direct ? 1e-6 : 0.005);
   EXPECT_LT(excess, (direct ? 1 : 60) * degree);
   EXPECT_LT(excess_at_end, (direct ? 1e-3 : 2) * degree);
-  // Shoulders swing without friction: an arm that hangs free keeps its ragdoll awake.
-  EXPECT_GE(asleep, (dolls - 3) * parts);
+  EXPECT_EQ(asleep, dolls * parts);
 }
 
 INSTANTIATE_TEST_SUITE_P(Solvers, RagdollsTest, testing::Values(JointSolver::Iterative, JointSolver::Direct),

@@ -40,6 +40,7 @@ bool is_smooth(Coordinate coordinate, const JointFrames& frames) {
     case Coordinate::Twist:
       return cosines(0, 0) > -0.95;
     case Coordinate::Swing:
+    case Coordinate::Orbit:
       return std::abs(cosines(0, 0)) < 0.95;
     case Coordinate::AngleX:
     case Coordinate::AngleSecondY:
@@ -72,6 +73,15 @@ double defined_rate(const JointPose& pose) {
     case Coordinate::SpinZ: {
       const int axis = static_cast<int>(coordinate) - static_cast<int>(Coordinate::SpinX);
       return derivative([&](double time) { return second_against_first(time, axis); });
+    }
+    case Coordinate::Orbit: {
+      // In the first frame, along what is at right angles to both x axes now.
+      const Vector3 second_x = (now.axes_first.transpose() * now.axes_second).col(0);
+      const Vector3 across = Vector3::UnitX().cross(second_x).normalized();
+      return derivative([&](double time) {
+        const JointFrames later = pose.at(time).frames();
+        return across.dot(later.axes_first.transpose() * later.axes_second.col(0));
+      });
     }
     case Coordinate::Gear:
       return derivative([&](double time) {

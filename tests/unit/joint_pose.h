@@ -17,7 +17,8 @@ inline constexpr std::array all_coordinates = {
     solver::Coordinate::CosineZY, solver::Coordinate::Twist,        solver::Coordinate::Swing,
     solver::Coordinate::AngleX,   solver::Coordinate::AngleSecondY, solver::Coordinate::Steer,
     solver::Coordinate::Roll,     solver::Coordinate::SpinX,        solver::Coordinate::SpinY,
-    solver::Coordinate::SpinZ,    solver::Coordinate::Gear,         solver::Coordinate::Rack};
+    solver::Coordinate::SpinZ,    solver::Coordinate::Orbit,        solver::Coordinate::Gear,
+    solver::Coordinate::Rack};
 
 static_assert(all_coordinates.size() == static_cast<std::size_t>(solver::Coordinate::Rack) + 1);
 

@@ -97,9 +97,12 @@ TEST(SceneJointFile, ReadsEveryKind) {
   EXPECT_EQ(universal.first.range.upper, 1);
   EXPECT_EQ(universal.second.range.lower, -2);
   const auto cone = std::get<ConeTwistJoint>(
-      read(arm("cone_twist", R"("at": [0, 0, 0], "swing_limit": 0.7, "twist": {"range": [-0.1, 0.2]})")).def.kind);
+      read(arm("cone_twist",
+               R"("at": [0, 0, 0], "swing_limit": 0.7, "swing_friction": 3, "twist": {"range": [-0.1, 0.2]})"))
+          .def.kind);
   EXPECT_EQ(cone.swing_limit, 0.7);
   EXPECT_EQ(cone.twist.range.upper, 0.2);
+  EXPECT_EQ(cone.swing_friction, 3);
   const auto six =
       std::get<SixDofJoint>(read(arm("six_dof", R"("at": [0, 0, 0], "offset": [{"range": [0, 0]}, {}, {"lower": -1}],
                              "turn": [{}, {"range": [-0.5, 0.5]}, {}])"))

@@ -90,6 +90,7 @@ struct UniversalJoint {
 struct ConeTwistJoint {
   double swing_limit = unlimited;  ///< rad, in (0, pi), or unlimited
   JointAxis twist = {};            ///< rad; the ends of a range in [-pi, pi]
+  double swing_friction = 0;       ///< N m, >= 0: torque against turning with the swing, and as much across it
 };
 
 /// Each of six coordinates is locked (a range of equal ends), limited or free: offsets along the axes of the first

@@ -12,9 +12,7 @@ namespace {
 // Where things are on a figure that stands upright: x ahead, y to its left, z up from the pelvis, m.
 constexpr double middle = -0.12;  // z, of what is farthest away
 constexpr double friction = 2;    // N m
-
-// 1/s. Cones have no friction of their own: without this an arm swings for as long as one cares to wait.
-constexpr double damping = 1;
+constexpr double damping = 1;     // 1/s
 
 // Soft enough that round limbs don't roll far.
 constexpr Material flesh = {.friction = builtin_material.friction, .rolling_friction = 0.01};
@@ -64,10 +62,11 @@ JointAxis turning(double lower, double upper) {
   return {.range = {lower, upper}, .motor = JointMotor{.speed = 0, .max_force = friction}};
 }
 
-ConeTwistJoint cone(double swing, double twist) { return {.swing_limit = swing, .twist = turning(-twist, twist)}; }
+ConeTwistJoint cone(double swing, double twist) {
+  return {.swing_limit = swing, .twist = turning(-twist, twist), .swing_friction = friction};
+}
 
-// As a cone that is stiff about all axes: a head on a cone without friction would nod for ever. Turns are given as
-// twice the sine of half their angle, which at these is the angle to within 4%.
+// Turns are given as twice the sine of half their angle, which at these is the angle to within 4%.
 SixDofJoint stiff(double swing, double twist) {
   constexpr JointAxis locked = {.range = {0, 0}};
   return {.offset = {locked, locked, locked},

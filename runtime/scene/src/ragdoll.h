@@ -9,8 +9,8 @@ inline constexpr double ragdoll_reach = 1.04;
 
 /// Adds a jointed figure of 13 parts, 1.9 m tall and 72 kg, with its arms stretched out to the sides. Its middle is
 /// placed at the pose; upright, z points to the head and x ahead. Elbows, knees and ankles are hinges within their
-/// ranges, shoulders and hips cones with a limited twist, waist and neck limited about all axes. All but the cones'
-/// swing have a little friction.
+/// ranges, shoulders and hips cones with a limited twist, waist and neck limited about all axes. All have a little
+/// friction.
 void add_ragdoll(Scene& scene, int number, const Pose& pose);
 
 }  // namespace atl::scene

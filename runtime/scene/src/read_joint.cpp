@@ -105,6 +105,7 @@ JointKind read_cone_twist(const Reader& in) {
   ConeTwistJoint joint;
   in.get("swing_limit", joint.swing_limit, above_up_to(0, std::nextafter(std::numbers::pi, 0)));
   get(in, "twist", joint.twist, half_turn);
+  in.get("swing_friction", joint.swing_friction, at_least(0));
   return joint;
 }
 
@@ -154,7 +155,7 @@ Kind read_kind(const Reader& in) {
     case 5:
       return {{"angle_first", "angle_second", "across"}, &read_universal};
     case 6:
-      return {{"swing_limit", "twist", "across"}, &read_cone_twist};
+      return {{"swing_limit", "twist", "swing_friction", "across"}, &read_cone_twist};
     case 7:
       return {{"offset", "turn", "across"}, &read_six_dof};
     case 8:

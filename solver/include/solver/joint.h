@@ -32,8 +32,9 @@ enum class Coordinate : std::uint8_t {
   SpinX,         ///< a rate only
   SpinY,
   SpinZ,
-  Gear,  ///< a rate only: of the first about its x axis, and ratio times the second about its own
-  Rack,  ///< likewise, and ratio times the second along its x axis
+  Orbit,  ///< a rate only: of the second x axis at right angles to its swing
+  Gear,   ///< a rate only: of the first about its x axis, and ratio times the second about its own
+  Rack,   ///< likewise, and ratio times the second along its x axis
 };
 
 /// What acts along a coordinate: which impulses go with which rates. Range, spring and motor add up.

@@ -64,6 +64,10 @@ JointRow angle_about_second(const JointFrames& frames, int about, int of);
 /// Rate of turning about an axis of the first frame, rad/s: of no coordinate, so the value is 0.
 JointRow spin_about(const JointFrames& frames, int axis);
 
+/// Rate at which the second x axis moves at right angles to its swing, rad/s: the angle between the x axes stays. As
+/// the swing's row at a swing of 0 or pi. The value is 0.
+JointRow orbit(const JointFrames& frames);
+
 /// Rate of the first about its x axis plus `ratio` times that of the second about its own, both in space; as a rack, of
 /// the second along its x axis, against the first. The value is 0.
 JointRow gear(const JointFrames& frames, double ratio);
