@@ -71,7 +71,8 @@ ContactRows::ContactRows(const ContactProblem& problem) {
     shape.twists = patch.friction > 0 && patch.lever > 0;
     Eigen::Matrix<double, 7, 1> offset_of_rows = Eigen::Matrix<double, 7, 1>::Zero();
     for (int i = 0; i < shape.points; ++i) {
-      offset_of_rows[i] = std::max(0.0, patch.points[static_cast<std::size_t>(i)].gap) / problem.substep;
+      offset_of_rows[i] = std::max(0.0, patch.points[static_cast<std::size_t>(i)].gap) /
+                          (patch.step > 0 ? patch.step : problem.substep);
     }
     double response = 0;
     for (std::size_t side = 0; side < 2; ++side) {

@@ -164,7 +164,8 @@ class Rows {
 
 // Closing as much of the gap as is there is no approach.
 void allow_gaps(PatchVector& u, const ContactProblem::Patch& patch, double substep) {
-  for (std::size_t i = 0; i < u.points; ++i) u.normal[i] += std::max(0.0, patch.points[i].gap) / substep;
+  const double h = patch.step > 0 ? patch.step : substep;
+  for (std::size_t i = 0; i < u.points; ++i) u.normal[i] += std::max(0.0, patch.points[i].gap) / h;
 }
 
 // In m/s.

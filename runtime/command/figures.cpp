@@ -21,7 +21,10 @@ std::vector<Count> named_counts(const StepCounts& c) {
           {"swept", c.swept},
           {"stopped", c.stopped},
           {"sweeps", c.sweeps},
-          {"direct_joints", c.direct_joints}};
+          {"direct_joints", c.direct_joints},
+          {"direct_islands", c.direct_islands},
+          {"finer_islands", c.finer_islands},
+          {"newton_iterations", c.newton_iterations}};
 }
 
 BodyCounts body_counts(const Scene& scene) {

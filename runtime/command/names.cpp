@@ -19,6 +19,8 @@ constexpr std::array frictions = {Named<FrictionModel>{FrictionModel::Cone, "con
 constexpr std::array stabilisations = {Named<Stabilisation>{Stabilisation::Soft, "soft"},
                                        Named<Stabilisation>{Stabilisation::Baumgarte, "baumgarte"},
                                        Named<Stabilisation>{Stabilisation::SplitImpulse, "split_impulse"}};
+constexpr std::array contact_solvers = {Named<ContactSolver>{ContactSolver::Auto, "auto"},
+                                        Named<ContactSolver>{ContactSolver::Iterative, "iterative"}};
 constexpr std::array joint_solvers = {Named<JointSolver>{JointSolver::Auto, "auto"},
                                       Named<JointSolver>{JointSolver::Iterative, "iterative"},
                                       Named<JointSolver>{JointSolver::Direct, "direct"}};
@@ -35,6 +37,14 @@ const char* find_name(const std::array<Named<Enum>, size>& all, Enum value) {
 }
 
 template <class Enum, std::size_t size>
+bool is_name(const std::array<Named<Enum>, size>& all, std::string_view name) {
+  for (const auto& entry : all) {
+    if (entry.name == name) return true;
+  }
+  return false;
+}
+
+template <class Enum, std::size_t size>
 Enum find_value(const std::array<Named<Enum>, size>& all, std::string_view name) {
   for (const auto& entry : all) {
     if (entry.name == name) return entry.value;
@@ -46,10 +56,14 @@ Enum find_value(const std::array<Named<Enum>, size>& all, std::string_view name)
 
 const char* name_of(FrictionModel friction) { return find_name(frictions, friction); }
 const char* name_of(Stabilisation stabilisation) { return find_name(stabilisations, stabilisation); }
+const char* name_of(ContactSolver solver) { return find_name(contact_solvers, solver); }
 const char* name_of(JointSolver solver) { return find_name(joint_solvers, solver); }
 const char* name_of(Simd simd) { return find_name(simds, simd); }
 FrictionModel friction_named(std::string_view name) { return find_value(frictions, name); }
 Stabilisation stabilisation_named(std::string_view name) { return find_value(stabilisations, name); }
+ContactSolver contact_solver_named(std::string_view name) { return find_value(contact_solvers, name); }
+bool is_contact_solver(const std::string& name) { return is_name(contact_solvers, name); }
+bool is_joint_solver(const std::string& name) { return is_name(joint_solvers, name); }
 JointSolver joint_solver_named(std::string_view name) { return find_value(joint_solvers, name); }
 Simd simd_named(std::string_view name) { return find_value(simds, name); }
 

@@ -10,11 +10,15 @@ namespace atl::command {
 /// The words that options and reports have for the library's enumerations.
 const char* name_of(FrictionModel friction);
 const char* name_of(Stabilisation stabilisation);
+const char* name_of(ContactSolver solver);
 const char* name_of(JointSolver solver);
 const char* name_of(Simd simd);
 FrictionModel friction_named(std::string_view name);
 Stabilisation stabilisation_named(std::string_view name);
+ContactSolver contact_solver_named(std::string_view name);
 JointSolver joint_solver_named(std::string_view name);
+bool is_contact_solver(const std::string& name);
+bool is_joint_solver(const std::string& name);
 Simd simd_named(std::string_view name);
 
 /// A fixed number of decimals, as "3.140".

@@ -25,6 +25,7 @@ Json settings_json(const Settings& s) {
           {"contact_damping_ratio", s.contact_damping_ratio},
           {"contact_push_speed", s.contact_push_speed},
           {"restitution_threshold", s.restitution_threshold},
+          {"contact_solver", name_of(s.contact_solver)},
           {"joint_solver", name_of(s.joint_solver)},
           {"joint_hertz", s.joint_hertz ? Json(*s.joint_hertz) : Json("auto")},
           {"joint_damping_ratio", s.joint_damping_ratio},

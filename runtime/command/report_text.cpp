@@ -49,6 +49,7 @@ void write_head(std::ostream& out, const Scene& scene, const World& world) {
       << s.relax_iterations << " to relax, friction " << name_of(s.friction) << ", warm starting "
       << (s.warm_starting ? "on" : "off") << ", sleeping " << (s.sleeping ? "on" : "off") << ",\n          "
       << stabilisation_words(s) << (s.tolerance > 0 ? ", tolerance " + significant(s.tolerance, 4) + " m/s" : "")
+      << (s.contact_solver == ContactSolver::Auto ? "" : std::string(", contacts ") + name_of(s.contact_solver))
       << (scene.joints.empty() ? "" : std::string(", joints ") + name_of(s.joint_solver)) << "\n";
 }
 

@@ -84,6 +84,11 @@ void add_run_options(CLI::App& command, RunOptions& options) {
       ->check(number_not_below_zero())
       ->group(solver);
   add_choice(
+      command, "--contact-solver", {"auto", "iterative"},
+      "how contacts are solved: auto: by sweeps, but at once or in finer substeps where these can't hold the load",
+      [&options](const std::string& name) { options.contact_solver = contact_solver_named(name); })
+      ->group(solver);
+  add_choice(
       command, "--joint-solver", {"auto", "iterative", "direct"},
       "how joints are solved: one by one, or at once; auto: at once if anchored, in long chains or of unequal masses",
       [&options](const std::string& name) { options.joint_solver = joint_solver_named(name); })
@@ -148,6 +153,7 @@ void apply(const RunOptions& options, Scene& scene) {
   override_by(options.correction, scene.settings.correction);
   override_by(options.slop, scene.settings.slop);
   override_by(options.tolerance, scene.settings.tolerance);
+  override_by(options.contact_solver, scene.settings.contact_solver);
   override_by(options.joint_solver, scene.settings.joint_solver);
   if (options.joint_hertz) scene.settings.joint_hertz = options.joint_hertz;
   if (options.no_warm_start) scene.settings.warm_starting = false;

@@ -28,6 +28,7 @@ struct RunOptions {
   std::optional<double> correction;
   std::optional<double> slop;       ///< m
   std::optional<double> tolerance;  ///< m/s
+  std::optional<ContactSolver> contact_solver;
   std::optional<JointSolver> joint_solver;
   std::optional<double> joint_hertz;  ///< Hz
   bool no_warm_start = false;

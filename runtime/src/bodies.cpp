@@ -43,6 +43,7 @@ BodyId World::Impl::add_body(const BodyDef& def) {
     const std::size_t count = body + std::size_t{1};
     bodies.resize(count);
     sleeping.resize(count);
+    escalation_.resize(count);
     records.generation.resize(count, 0);
     records.alive.resize(count, 0);
     records.type.resize(count, BodyType::Static);
@@ -88,6 +89,7 @@ BodyId World::Impl::add_body(const BodyDef& def) {
 
   sleeping.awake[body] = def.type == BodyType::Dynamic;
   sleeping.rest_time[body] = 0;
+  if (def.type == BodyType::Dynamic) escalation_.arrive(body);
   contents.count(bodies, records, body, +1);
   note_arrival_or_departure(body);
   add_colliders(body, checked, def.filter);
@@ -104,6 +106,7 @@ void World::Impl::remove_body(BodyId id) {
   remove_colliders(body);
   contents.count(bodies, records, body, -1);
   sleeping.awake[body] = 0;
+  escalation_.forget(body);
   records.dynamic[body] = 0;
   note_arrival_or_departure(body);
   bodies.mobility[body] = solver::Mobility::Fixed;

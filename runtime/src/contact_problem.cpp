@@ -55,7 +55,8 @@ ContactProblem World::Impl::contact_problem() const {
                                 .friction = manifold.friction,
                                 .lever = manifold.lever,
                                 .friction_impulse = friction - normal.dot(friction) * normal,
-                                .twist_impulse = answer.twist_impulse};
+                                .twist_impulse = answer.twist_impulse,
+                                .step = answer.step == last_substep_ ? 0 : answer.step};
     if (!surface_contacts_.empty()) {
       const solver::SurfaceContact& surface = surface_contacts_[pair.slot];
       const Vector3 rolling = vector(answer.rolling_impulse);

@@ -53,6 +53,9 @@ void check(const Settings& settings) {
   check_not_negative("contact_damping_ratio", settings.contact_damping_ratio);
   check_positive("contact_push_speed", settings.contact_push_speed);
   check_not_negative("restitution_threshold", settings.restitution_threshold);
+  if (settings.contact_solver < ContactSolver::Auto || settings.contact_solver > ContactSolver::Iterative) {
+    refuse("contact_solver", static_cast<int>(settings.contact_solver), "a value of ContactSolver");
+  }
   if (settings.joint_solver < JointSolver::Auto || settings.joint_solver > JointSolver::Direct) {
     refuse("joint_solver", static_cast<int>(settings.joint_solver), "a value of JointSolver");
   }

@@ -47,6 +47,17 @@ void add_settings(Hash& hash, const Settings& s) {
   }
 }
 
+// Nothing where no contact has carried too much, as if there were no remedies.
+void add_escalation(Hash& hash, const Settings& s, const solver::Escalation& escalation) {
+  if (s.contact_solver != Settings{}.contact_solver) hash.add(static_cast<std::uint64_t>(s.contact_solver));
+  for (const std::uint32_t body : escalation.arrived()) hash.add(body);
+  for (const std::uint32_t body : escalation.strained()) {
+    const solver::Escalation::Strain strain = escalation.strain(body);
+    hash.add(std::uint64_t{body} << 32 | std::uint64_t{strain.sags} << 16 | std::uint64_t{strain.crushed} << 8 |
+             std::uint64_t{strain.overloaded});
+  }
+}
+
 // Worlds that have no joints hash as they would if joints had no settings, unless these are given.
 void add_joint_settings(Hash& hash, const Settings& s, bool joints) {
   const Settings left_alone;
@@ -165,6 +176,7 @@ std::uint64_t World::Impl::state_hash() const {
     hash.add(std::uint64_t{a.index} << 32 | b.index);
     hash.add(std::uint64_t{a.generation} << 32 | b.generation);
   }
+  add_escalation(hash, settings, escalation_);
   add_joint_settings(hash, settings, joints.size() > 0);
   if (joints.size() > 0) {
     hash.add_all(joints.alive);

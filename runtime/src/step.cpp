@@ -1,12 +1,8 @@
-#include <jobs/worker_team.h>
-#include <solver/free_flight.h>
-
 #include <atomic>
 #include <chrono>
 #include <cmath>
 #include <limits>
 
-#include "settings_check.h"
 #include "world_impl.h"
 
 namespace atl {
@@ -114,10 +110,10 @@ void World::Impl::build_islands() {
   islands_rebuilt_ = islands_stale_ || contact_update_.touching_changed || one_each != one_each_;
   if (islands_rebuilt_) {
     islands_.build(active_.in_order(), sleeping.awake, touching_, joint_graph_.links());
-    solver::pack_groups(islands_, one_each, groups_);
     one_each_ = one_each;
     islands_stale_ = false;
   }
+  choose_remedies();
   if (joints.count > 0) count_joints();
   report_.counts.pairs = static_cast<std::int64_t>(cache.pairs.size());
   report_.counts.contacts = static_cast<std::int64_t>(touching_.size());
@@ -136,58 +132,6 @@ void World::Impl::remove_lost_contacts() {
   if (contact_update_.counts.lost == 0) return;
   std::size_t i = 0;
   cache.remove_if([&](std::uint32_t) { return contact_update_.status[i++] == collision::ContactStatus::Lost; });
-}
-
-void World::Impl::solve_islands() {
-  solve_groups();
-  move_unconstrained_bodies();
-}
-
-void World::Impl::solve_groups() {
-  const solver::SolverSettings how = solver_settings(settings);
-  if (settings.keep_contact_problem) capture_.resize(cache.manifolds.size(), bodies.size());
-  if (!bodies.surfaces.empty()) surface_contacts_.resize(cache.manifolds.size());
-  const solver::SolveInput input{.islands = islands_,
-                                 .bodies = bodies,
-                                 .manifolds = cache.manifolds.data(),
-                                 .gravity = gravity,
-                                 .dt = dt_,
-                                 .settings = how,
-                                 .kernels = *kernels,
-                                 .fast = fast_,
-                                 .capture = settings.keep_contact_problem ? &capture_ : nullptr,
-                                 .surface_contacts = bodies.surfaces.empty() ? nullptr : surface_contacts_.data(),
-                                 .joints = joints.joints.data(),
-                                 .joint_graph = joints.count == 0 ? nullptr : &joint_graph_};
-  group_reports_.assign(groups_.size(), {});
-  arena.parallel_for(groups_.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t g = begin; g < end; ++g) {
-      if (!groups_[g].large) group_reports_[g] = group_solvers_.local().solve(input, groups_[g]);
-    }
-  });
-  // Large ones are solved one after another, by all workers, and keep their colours while islands stay what they are.
-  const auto contacts = islands_rebuilt_ ? solver::GroupContacts::New : solver::GroupContacts::Kept;
-  std::size_t large = 0;
-  for (std::size_t g = 0; g < groups_.size(); ++g) {
-    if (!groups_[g].large) continue;
-    if (large == large_solvers_.size()) large_solvers_.push_back(std::make_unique<solver::GroupSolver>());
-    jobs::WorkerTeam team(arena);
-    group_reports_[g] = large_solvers_[large++]->solve(input, groups_[g], team, contacts);
-  }
-}
-
-void World::Impl::move_unconstrained_bodies() {
-  constexpr std::size_t grain = 256;
-  const std::span<const std::uint32_t> free = islands_.free_bodies();
-  arena.parallel_for(free.size(), grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      solver::move_free_body(bodies, free[i], gravity, dt_, settings.substeps, fast_);
-    }
-  });
-  if (contents.kinematic == 0) return;
-  for (const std::uint32_t body : active_.in_order()) {
-    if (bodies.mobility[body] == solver::Mobility::Kinematic) solver::move_kinematic_body(bodies, body, dt_, fast_);
-  }
 }
 
 void World::Impl::finish() {
@@ -270,6 +214,10 @@ void World::Impl::note_stages() {
   note("narrowphase", counts.fcl_calls + counts.kept_manifolds + counts.contacts > 0, "bodies are near each other",
        "no two bodies are near each other", ms(Phase::UpdateContacts));
   note("contact_solver", counts.contacts > 0, "bodies touch", "nothing touches", ms(Phase::SolveIslands));
+  note("direct_contacts", counts.direct_islands > 0, "some islands' contacts carry more than sweeps can settle",
+       "no island's contacts carry more than sweeps can settle", 0);
+  note("finer_substeps", counts.finer_islands > 0, "some islands sag under their own weight",
+       "no island sags under its own weight", 0);
   note("friction", friction, "touching materials have friction", "no contact has friction", 0);
   note("restitution", restitution, "touching materials bounce", "no contact bounces", 0);
   note("gyroscopic_torque", gyroscopic, "bodies in islands have unequal moments of inertia",

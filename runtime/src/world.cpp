@@ -34,6 +34,7 @@ World::Impl::Impl(const WorldDef& def)
       refresh_kernels(collision::find_refresh_kernels(kernels->name)),
       arena(checked_threads(def.threads)),
       group_solvers_(def.threads),
+      overloads_(def.threads),
       fast_(def.threads),
       nearby_(def.threads) {
   check_finite("WorldDef.gravity", def.gravity);
@@ -133,6 +134,8 @@ void World::set_joint(JointId id, const JointKind& kind) { impl_->set_joint(impl
 void World::set_joint_enabled(JointId id, bool enabled) {
   impl_->set_joint_enabled(impl_->index_of(id, "set_joint_enabled"), enabled);
 }
+
+std::span<const EscalatedIsland> World::escalated_islands() const { return impl_->escalated_islands(); }
 
 std::span<const JointEvent> World::joint_events() const { return impl_->joint_events(); }
 

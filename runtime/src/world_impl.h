@@ -9,6 +9,8 @@
 #include <jobs/arena.h>
 #include <jobs/scratch.h>
 #include <solver/body_table.h>
+#include <solver/direct_contacts.h>
+#include <solver/escalation.h>
 #include <solver/group_solver.h>
 #include <solver/islands.h>
 #include <solver/joint_graph.h>
@@ -93,6 +95,7 @@ class World::Impl {
   std::span<const ContactForce> contact_forces() const;
   ContactProblem contact_problem() const;
   std::span<const ContactEvent> contact_events() const { return contact_events_; }
+  std::span<const EscalatedIsland> escalated_islands() const { return escalated_; }
   std::uint64_t state_hash() const;
 
   Vector3 gravity;
@@ -154,7 +157,12 @@ class World::Impl {
   double first_hit(const solver::FastBody& fast, std::vector<std::uint32_t>& nearby) const;
   void wake_touched_sleepers();
   void remove_lost_contacts();
+  void choose_remedies();
+  double give_of_soft_contacts() const;
   void solve_groups();
+  void prepare_direct_solvers();
+  bool solve_directly(const solver::SolveInput& input, std::size_t group);
+  void note_remedies();
   void move_unconstrained_bodies();
   void note_stages();
 
@@ -202,6 +210,16 @@ class World::Impl {
   std::vector<solver::GroupReport> group_reports_;
   jobs::Scratch<solver::GroupSolver> group_solvers_;
   std::vector<std::unique_ptr<solver::GroupSolver>> large_solvers_;  // of large groups, in order
+  solver::Escalation escalation_;
+  std::vector<solver::Remedy> remedies_;  // by island, or empty
+  bool regrouped_ = false;                // since the last solve
+  std::vector<std::unique_ptr<solver::DirectContacts>> direct_solvers_;
+  std::vector<solver::DirectContacts*> direct_of_group_;  // or empty
+  std::vector<solver::DirectContactsReport> direct_reports_;
+  solver::Overloads overloads_;
+  std::vector<solver::Overload> all_overloads_;
+  std::vector<EscalatedIsland> escalated_;
+  std::vector<std::uint32_t> failed_;  // bodies of islands that could not be solved at once
   solver::FastBodies fast_;
   std::vector<solver::FastBody> fast_in_order_;
   std::vector<std::uint32_t> rushed_;  // fast bodies that left their boxes

@@ -96,8 +96,9 @@ HWY_INLINE void prepare_surfaces(const ContactKernelData& data, const ContactBlo
   store(slip.w, surface.rolling_friction[0] + lane);
   store(rolling.w, surface.torsional_friction[0] + lane);
 
-  V r1 = dot(c.tangent1, {rolling.x, rolling.y, rolling.z});
-  V r2 = dot(c.tangent2, {rolling.x, rolling.y, rolling.z});
+  const V3 kept = splat(1 / data.constants.finer) * V3{rolling.x, rolling.y, rolling.z};
+  V r1 = dot(c.tangent1, kept);
+  V r2 = dot(c.tangent2, kept);
   clamp_to_disc(r1, r2, hn::Mul(slip.w, normal_impulse));
   // A disc of radius zero lets pass what is so small that its square is zero.
   const M rolls_hard = hn::Gt(slip.w, zero());
@@ -232,17 +233,20 @@ inline void prepare(const ContactKernelData& data, std::size_t begin, std::size_
       store4(m.y, block.y, lane);
       store4(m.separation, block.start_separation, lane);
       store4(m.separation, block.separation, lane);
-      store4(m.impulse, block.normal_impulse, lane);
+      const V share = splat(1 / data.constants.finer);
+      const V4 impulse = {hn::Mul(share, m.impulse.x), hn::Mul(share, m.impulse.y), hn::Mul(share, m.impulse.z),
+                          hn::Mul(share, m.impulse.w)};
+      store4(impulse, block.normal_impulse, lane);
       store(c.inverse_mass_first, block.inverse_mass[0] + lane);
       store(c.inverse_mass_second, block.inverse_mass[1] + lane);
-      const V3 friction{m.friction.x, m.friction.y, m.friction.z};
+      const V3 friction = share * V3{m.friction.x, m.friction.y, m.friction.z};
       store(dot(c.tangent1, friction), block.friction_impulse[0] + lane);
       store(dot(c.tangent2, friction), block.friction_impulse[1] + lane);
-      store(m.friction.w, block.twist_impulse + lane);
+      store(hn::Mul(share, m.friction.w), block.twist_impulse + lane);
       prepare_masses(block, lane, c);
 
       if (data.surface_blocks != nullptr) {
-        const V normal_impulse = hn::Add(hn::Add(m.impulse.x, m.impulse.y), hn::Add(m.impulse.z, m.impulse.w));
+        const V normal_impulse = hn::Add(hn::Add(impulse.x, impulse.y), hn::Add(impulse.z, impulse.w));
         prepare_surfaces(data, block, data.surface_blocks[b], lane, c, normal_impulse);
       }
       if (data.bounces != nullptr) prepare_bounces(data, block, data.bounces[b], lane, c, m.anchor_first.w);

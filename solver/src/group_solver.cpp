@@ -70,13 +70,6 @@ class LargestOf {
   std::atomic<std::uint32_t> bits_{0};
 };
 
-// Substeps move bodies at the velocity that they end with. Where a velocity changes steadily, as of a body that slides,
-// rolls or tips, the trapezoidal rule moves them by half a substep's gain less, and to second order instead of first;
-// over the substeps of a step these halves add up to that of the step's gain. An impact is no steady change. Taken for
-// steady is what the forces on a body, its weight above all, make of its velocity in a step times this: contacts return
-// them several times where a body is pressed on or friction is high.
-constexpr double steady_change = 4;
-
 void set3(float (&to)[3], const Vector3& from) {
   for (int i = 0; i < 3; ++i) to[i] = static_cast<float>(from[i]);
 }
@@ -254,8 +247,10 @@ GroupReport GroupSolver::run(const SolveInput& input, const IslandGroup& group, 
     each_colour([&](std::size_t begin, std::size_t end) { kernels.restitute(data, begin, end); });
   }
   clock.lap(SolverStage::Restitution);
-  executor.parallel_for(block_count, block_grain,
-                        [&](std::size_t begin, std::size_t end) { kernels.store(data, begin, end); });
+  executor.parallel_for(block_count, block_grain, [&](std::size_t begin, std::size_t end) {
+    kernels.store(data, begin, end);
+    note_overloaded(input, body_ids, begin, end);
+  });
   each_system([&](DirectJoints& system) { system.end_step(direct_input); });
   if (leaps || report.restitution) {
     if (leaps) give_half_kick(body_ids, 0.5f * constants.h);
@@ -438,15 +433,6 @@ void GroupSolver::load_kinematic_bodies(const SolveInput& input) {
   }
 }
 
-bool GroupSolver::moves_steadily(const SolveInput& input, std::uint32_t body, std::size_t local) const {
-  const Vector3 gained = get3(bodies_.velocity[local].linear) - input.bodies.velocity(body);
-  const Vector3 gained_spin = get3(bodies_.velocity[local].angular) - input.bodies.angular_velocity(body);
-  const double steady =
-      steady_change * input.dt * steady_change * input.dt * get3(bodies_.acceleration[local].linear).squaredNorm();
-  const double radius = input.bodies.radius[body];
-  return gained.squaredNorm() <= steady && gained_spin.squaredNorm() * radius * radius <= steady;
-}
-
 void GroupSolver::write_back(const SolveInput& input, std::span<const std::uint32_t> bodies, bool joined,
                              std::size_t begin, std::size_t end) {
   BodyTable& table = input.bodies;
@@ -456,11 +442,13 @@ void GroupSolver::write_back(const SolveInput& input, std::span<const std::uint3
     const std::size_t local = first_dynamic_ + i;
     const BodyPose start{table.position(body), table.orientation(body)};
     const bool is_joined = joined && joined_motion_.is_joined(i);
-    const bool shifts = !is_joined && moves_steadily(input, body, local);
     const Vector3 velocity = get3(bodies_.velocity[local].linear);
     const Vector3 spin = get3(bodies_.velocity[local].angular);
     const Vector3 gained = velocity - table.velocity(body);
     const Vector3 gained_spin = spin - table.angular_velocity(body);
+    // Over the substeps of a step the halves of their gains add up to that of the step's.
+    const bool shifts = !is_joined && changes_steadily(gained, gained_spin, get3(bodies_.acceleration[local].linear),
+                                                       input.dt, table.radius[body]);
     table.velocity(body) = velocity;
     table.angular_velocity(body) = spin;
     table.position(body) += get3(bodies_.displacement[local].linear);
@@ -493,6 +481,20 @@ void GroupSolver::give_half_kick(std::span<const std::uint32_t> bodies, float ti
   }
 }
 
+void GroupSolver::note_overloaded(const SolveInput& input, std::span<const std::uint32_t> bodies, std::size_t begin,
+                                  std::size_t end) const {
+  for (std::size_t b = begin; b < end; ++b) {
+    const ContactBlock& block = blocks_[b];
+    for (unsigned lanes = block.overloaded; lanes != 0; lanes &= lanes - 1) {
+      const int lane = std::countr_zero(lanes);
+      const bool first = block.inverse_mass[0][lane] >= block.inverse_mass[1][lane];
+      const std::int32_t lighter = first ? block.first[lane] : block.second[lane];
+      const std::uint32_t body = bodies[static_cast<std::uint32_t>(lighter) - first_dynamic_];
+      input.overloads.local().push_back({body, (block.crushed >> lane & 1) != 0});
+    }
+  }
+}
+
 void GroupSolver::clear_impulses(const GroupReport& report) {
   for (std::size_t b = 0; b < colouring_.block_count(); ++b) {
     ContactBlock& block = blocks_[b];
@@ -513,6 +515,7 @@ void GroupSolver::capture(const SolveInput& input, const GroupReport& report,
     for (std::size_t lane = 0; lane < block_lanes; ++lane) {
       if (block.slot[lane] < 0) continue;
       ContactCapture::Answer& answer = input.capture->answers[static_cast<std::size_t>(block.slot[lane])];
+      answer.step = input.dt / input.settings.substeps;
       for (std::size_t i = 0; i < max_points; ++i) {
         answer.separation[i] = block.separation[i][lane];
         answer.normal_impulse[i] = block.normal_impulse[i][lane];

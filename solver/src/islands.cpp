@@ -118,7 +118,8 @@ std::span<const JointLink> Islands::joints(std::size_t begin, std::size_t end) c
   return std::span(joints_).subspan(joint_start_[begin], joint_start_[end] - joint_start_[begin]);
 }
 
-void pack_groups(const Islands& islands, bool one_each, std::vector<IslandGroup>& groups) {
+void pack_groups(const Islands& islands, bool one_each, std::span<const Remedy> remedies,
+                 std::vector<IslandGroup>& groups) {
   groups.clear();
   std::size_t begin = 0;
   std::size_t contacts = 0;
@@ -129,9 +130,10 @@ void pack_groups(const Islands& islands, bool one_each, std::vector<IslandGroup>
   };
   for (std::size_t island = 0; island < islands.count(); ++island) {
     const std::size_t here = islands.contact_count(island) + islands.joint_count(island);
-    if (here >= large_contacts) {
+    const Remedy remedy = remedies.empty() ? Remedy::None : remedies[island];
+    if (here >= large_contacts || remedy != Remedy::None) {
       close(island);
-      groups.push_back({island, island + 1, true});
+      groups.push_back({island, island + 1, here >= large_contacts, remedy});
       begin = island + 1;
     } else {
       if (one_each || contacts + here > group_contacts) close(island);

@@ -4,6 +4,13 @@
 
 namespace atl::solver {
 
+bool changes_steadily(const Vector3& gained, const Vector3& gained_spin, const Vector3& acceleration, double dt,
+                      double radius) {
+  constexpr double steady = 4;
+  const double most = steady * dt * steady * dt * acceleration.squaredNorm();
+  return gained.squaredNorm() <= most && gained_spin.squaredNorm() * radius * radius <= most;
+}
+
 void note_motion(BodyTable& bodies, std::uint32_t body, const BodyPose& start, double dt, FastBodies& fast) {
   const double radius = bodies.radius[body];
   const double chord = turn_chord(start.orientation, bodies.orientation(body));

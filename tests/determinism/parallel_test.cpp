@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cstdint>
 #include <cstdlib>
 #include <optional>
@@ -33,6 +34,9 @@ std::vector<std::string> scenes() {
             "islands:count=20,base=6",
             "pile:bodies=300",
             "stack:height=10",
+            "stack:height=30",
+            "stack:height=10,ratio=1000",
+            "wall:base=70",
             "heavy-top",
             "conveyor:boxes=4,speed=3",
             "rolling-resistance",
@@ -151,8 +155,9 @@ TEST_P(ParallelTest, NorWithSleepingAndEveryOtherSettingTurned) {
 
 INSTANTIATE_TEST_SUITE_P(Scenes, ParallelTest, testing::ValuesIn(scenes()), [](const auto& scene) {
   if (scene.param == all_shapes) return std::string("all_shapes");
-  std::string name = scene.param.substr(0, scene.param.find(':'));
-  std::replace(name.begin(), name.end(), '-', '_');
+  std::string name = scene.param;
+  std::replace_if(
+      name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
   return name;
 });
 

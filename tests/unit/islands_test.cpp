@@ -115,7 +115,7 @@ TEST(Islands, GroupsHoldAllOfThemOnceAndInOrder) {
   Islands islands;
   islands.build(graph.candidates, graph.awake, graph.pairs);
   std::vector<IslandGroup> groups;
-  pack_groups(islands, false, groups);
+  pack_groups(islands, false, {}, groups);
   std::size_t next = 0;
   for (const IslandGroup& group : groups) {
     EXPECT_EQ(group.begin, next);

@@ -129,8 +129,9 @@ inline GroupReport JointRig::step(double dt, int count) {
   Islands islands;
   islands.build(candidates, awake, {}, graph.links());
   std::vector<IslandGroup> groups;
-  pack_groups(islands, one_each, groups);
+  pack_groups(islands, one_each, {}, groups);
   FastBodies fast(std::max(1, team));
+  Overloads overloads(std::max(1, team));
   std::optional<jobs::Arena> arena;
   if (team > 0) arena.emplace(team);
   GroupReport report;
@@ -143,6 +144,7 @@ inline GroupReport JointRig::step(double dt, int count) {
                            .settings = settings,
                            .kernels = *kernels,
                            .fast = fast,
+                           .overloads = overloads,
                            .joints = joints.data(),
                            .joint_graph = &graph};
     for (const IslandGroup& group : groups) {

@@ -63,30 +63,8 @@ std::string step_label(const Configuration& c) {
   return "dt " + (whole ? "1/" + std::to_string(std::lround(rate)) : shortest(c.dt)) + " s";
 }
 
-struct NamedJointSolver {
-  JointSolver solver;
-  const char* name;
-};
-constexpr std::array joint_solvers = {NamedJointSolver{JointSolver::Auto, "auto"},
-                                      NamedJointSolver{JointSolver::Iterative, "iterative"},
-                                      NamedJointSolver{JointSolver::Direct, "direct"}};
-
-const NamedJointSolver* find_joint_solver(const auto& is_it) {
-  const auto found = std::find_if(joint_solvers.begin(), joint_solvers.end(), is_it);
-  return found == joint_solvers.end() ? nullptr : &*found;
-}
-
-bool accepts_joint_solver(const std::string& text) {
-  return find_joint_solver([&](const NamedJointSolver& each) { return each.name == text; }) != nullptr;
-}
-
-void apply_joint_solver(const std::string& text, Configuration& c) {
-  c.settings.joint_solver = find_joint_solver([&](const NamedJointSolver& each) { return each.name == text; })->solver;
-}
-
-std::string joint_solver_name(const Configuration& c) {
-  return find_joint_solver([&](const NamedJointSolver& each) { return each.solver == c.settings.joint_solver; })->name;
-}
+std::string joint_solver_name(const Configuration& c) { return name_of(c.settings.joint_solver); }
+std::string contact_solver_name(const Configuration& c) { return name_of(c.settings.contact_solver); }
 
 const char* on_off(bool on) { return on ? "on" : "off"; }
 
@@ -158,13 +136,24 @@ constexpr std::array table = {
                      Configuration& c) { c.settings.stabilisation = stabilisation_named(value); },
          .value = [](const Configuration& c) { return std::string(name_of(c.settings.stabilisation)); },
          .label = [](const Configuration& c) { return std::string(name_of(c.settings.stabilisation)); }},
+    Axis{.name = "contact_solver",
+         .help = "how contacts are solved that carry more than sweeps can hold up",
+         .numeric = false,
+         .changes_result = true,
+         .expected = "auto or iterative",
+         .accepts = is_contact_solver,
+         .apply = [](const std::string& value,
+                     Configuration& c) { c.settings.contact_solver = contact_solver_named(value); },
+         .value = contact_solver_name,
+         .label = [](const Configuration& c) { return contact_solver_name(c) + " contacts"; }},
     Axis{.name = "joint_solver",
          .help = "how joints are solved; by default in scenes where that makes a difference",
          .numeric = false,
          .changes_result = true,
          .expected = "auto, iterative or direct",
-         .accepts = accepts_joint_solver,
-         .apply = apply_joint_solver,
+         .accepts = is_joint_solver,
+         .apply = [](const std::string& value,
+                     Configuration& c) { c.settings.joint_solver = joint_solver_named(value); },
          .value = joint_solver_name,
          .label = [](const Configuration& c) { return joint_solver_name(c) + " joints"; }},
     Axis{.name = "tolerance",

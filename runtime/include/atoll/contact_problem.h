@@ -8,7 +8,8 @@
 
 namespace atl {
 
-/// The discrete contact problem of the last substep of a step, as rigid contact has it, and the impulses that the
+/// The discrete contact problem of the last substep of a step (of all of it, where contacts were solved at once), as
+/// rigid contact has it, and the impulses that the
 /// solver answered with: enough to judge the answer, or to find another one.
 ///
 /// Find impulses such that the velocities after them, v = free + M^-1 J^T r, obey, with u the relative velocity of the
@@ -52,6 +53,7 @@ struct ContactProblem {
     Vector3 friction_impulse = Vector3::Zero();  ///< N s, tangential, on the second body at the centre
     double twist_impulse = 0;                    ///< N m s, about the normal, on the second body
     Vector3 rolling_impulse = Vector3::Zero();   ///< N m s, in the tangent plane, on the second body
+    double step = 0;                             ///< s, h of this patch, where it is not `substep`; else 0
   };
 
   double substep = 0;  ///< s, h

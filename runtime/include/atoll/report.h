@@ -20,7 +20,7 @@ inline constexpr int phase_count = 7;
 /// "plan", "find_pairs", "update_contacts", ...
 const char* phase_name(Phase phase);
 
-inline constexpr int stage_count = 11;
+inline constexpr int stage_count = 13;
 
 /// One stage of the step plan: whether this step ran it, and why or why not, in words.
 /// Stages inside the solver's tasks (friction and the like) share the time of contact_solver and report 0. Joints do,
@@ -49,24 +49,27 @@ inline constexpr std::size_t solver_stage_count = 8;
 const char* solver_stage_name(SolverStage stage);
 
 struct StepCounts {
-  std::int64_t active_bodies = 0;    ///< awake, or kinematic with a velocity: no other is looked at
-  std::int64_t active_contacts = 0;  ///< of pairs with one of these: no other is looked at
-  std::int64_t pairs = 0;            ///< of bodies whose fat bounds overlap
-  std::int64_t contacts = 0;         ///< pairs with at least one manifold point, among awake bodies
-  std::int64_t points = 0;           ///< manifold points of these
-  std::int64_t joints = 0;           ///< that act on awake bodies
-  std::int64_t direct_joints = 0;    ///< of these, those that are solved directly
-  std::int64_t islands = 0;          ///< awake islands with at least one contact or joint
-  std::int64_t groups = 0;           ///< island groups, each one task
-  std::int64_t colours = 0;          ///< of the group with the most
-  std::int64_t fcl_calls = 0;        ///< pairs for which FCL ran this step
-  std::int64_t kept_manifolds = 0;   ///< pairs that kept their features (or their having none) instead
-  std::int64_t id_matches = 0;       ///< points of FCL's new manifolds that inherited an impulse by feature id
-  std::int64_t id_misses = 0;        ///< points of such manifolds, of pairs that touched before, that did not
-  std::int64_t sweeps = 0;           ///< over an island group's contacts and joints, all groups and substeps together
-  std::int64_t asleep = 0;           ///< bodies
-  std::int64_t swept = 0;            ///< bodies that continuous collision looked at
-  std::int64_t stopped = 0;          ///< of these, those that met something
+  std::int64_t active_bodies = 0;      ///< awake, or kinematic with a velocity: no other is looked at
+  std::int64_t active_contacts = 0;    ///< of pairs with one of these: no other is looked at
+  std::int64_t pairs = 0;              ///< of bodies whose fat bounds overlap
+  std::int64_t contacts = 0;           ///< pairs with at least one manifold point, among awake bodies
+  std::int64_t points = 0;             ///< manifold points of these
+  std::int64_t joints = 0;             ///< that act on awake bodies
+  std::int64_t direct_joints = 0;      ///< of these, those that are solved directly
+  std::int64_t direct_islands = 0;     ///< whose contacts are solved at once, because sweeps get nowhere
+  std::int64_t finer_islands = 0;      ///< that get more substeps, because they sag
+  std::int64_t newton_iterations = 0;  ///< of what is solved at once, beyond the first solve
+  std::int64_t islands = 0;            ///< awake islands with at least one contact or joint
+  std::int64_t groups = 0;             ///< island groups, each one task
+  std::int64_t colours = 0;            ///< of the group with the most
+  std::int64_t fcl_calls = 0;          ///< pairs for which FCL ran this step
+  std::int64_t kept_manifolds = 0;     ///< pairs that kept their features (or their having none) instead
+  std::int64_t id_matches = 0;         ///< points of FCL's new manifolds that inherited an impulse by feature id
+  std::int64_t id_misses = 0;          ///< points of such manifolds, of pairs that touched before, that did not
+  std::int64_t sweeps = 0;             ///< over an island group's contacts and joints, all groups and substeps together
+  std::int64_t asleep = 0;             ///< bodies
+  std::int64_t swept = 0;              ///< bodies that continuous collision looked at
+  std::int64_t stopped = 0;            ///< of these, those that met something
 };
 
 /// What one step did, and how long it took.

@@ -22,6 +22,14 @@ enum class Stabilisation {
   SplitImpulse,
 };
 
+/// How contacts are solved. With Soft stabilisation.
+enum class ContactSolver {
+  /// By sweeps, but islands whose contacts carry more than soft ones are made for get more: small ones are solved at
+  /// once, large ones in finer substeps.
+  Auto,
+  Iterative,  ///< by sweeps, whatever they carry
+};
+
 /// How joints are solved.
 enum class JointSolver {
   Auto,       ///< directly where joints lead to a static body, make long chains or join bodies of very unequal mass
@@ -56,6 +64,8 @@ struct Settings {
   double contact_damping_ratio = 10;  ///< >= 0; 1 is critical
   double contact_push_speed = 3;      ///< m/s, > 0: the fastest that overlap is pushed apart
   double restitution_threshold = 1;   ///< m/s, >= 0: slower impacts don't bounce
+
+  ContactSolver contact_solver = ContactSolver::Auto;
 
   JointSolver joint_solver = JointSolver::Auto;
   /// With iterative joints: stiffness as a damped spring, Hz, > 0. Limited to, and if left out, 0.3 of the substep

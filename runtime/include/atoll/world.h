@@ -42,6 +42,18 @@ struct ContactEvent {
 
 /// A world of rigid bodies. Independent worlds may be used from different threads; one world may be used
 /// from one thread at a time. Same calls, same bits: whatever the threads, vector width or machine.
+/// An island whose contacts carry more than the settings' sweeps can hold up, and what a step did about it. See
+/// Settings::contact_solver.
+struct EscalatedIsland {
+  BodyId lowest;  ///< of its bodies
+  std::size_t bodies = 0;
+  std::size_t contacts = 0;
+  bool direct = false;  ///< solved at once; else in finer substeps
+  /// Whether that was tried, and given up for finer substeps in this step: it bounced, tumbled or didn't converge.
+  bool gave_up = false;
+  int iterations = 0;  ///< of its method, beyond the first solve
+};
+
 class World {
  public:
   /// Throws Error on a setting out of range, or an instruction set that this machine lacks.
@@ -114,6 +126,9 @@ class World {
   /// After a step: joints that broke, and that left or reached the ends of their ranges, in order of ids. Those of a
   /// joint that sleeps, is not enabled or breaks have nothing to tell.
   std::span<const JointEvent> joint_events() const;
+
+  /// After a step: islands whose contacts were not left to the sweeps of the settings, in order of their lowest bodies.
+  std::span<const EscalatedIsland> escalated_islands() const;
 
   /// After a step with Settings::keep_contact_problem: what the last substep's sweeps had to solve, and their answer,
   /// before restitution. Empty after a step without it, or once a body has been removed.

@@ -10,6 +10,11 @@ Stabilisation read_stabilisation(const Reader& in) {
   return stabilisations[in.choice({"soft", "baumgarte", "split_impulse"})];
 }
 
+ContactSolver read_contact_solver(const Reader& in) {
+  constexpr std::array solvers = {ContactSolver::Auto, ContactSolver::Iterative};
+  return solvers[in.choice({"auto", "iterative"})];
+}
+
 JointSolver read_joint_solver(const Reader& in) {
   constexpr std::array solvers = {JointSolver::Auto, JointSolver::Iterative, JointSolver::Direct};
   return solvers[in.choice({"auto", "iterative", "direct"})];
@@ -18,10 +23,26 @@ JointSolver read_joint_solver(const Reader& in) {
 }  // namespace
 
 Settings read_settings(const Reader& in) {
-  in.only_keys({"substeps", "iterations", "relax_iterations", "tolerance", "friction", "warm_starting", "stabilisation",
-                "correction", "slop", "contact_hertz", "contact_damping_ratio", "contact_push_speed",
-                "restitution_threshold", "joint_solver", "joint_hertz", "joint_damping_ratio", "sleeping",
-                "sleep_speed", "time_to_sleep"});
+  in.only_keys({"substeps",
+                "iterations",
+                "relax_iterations",
+                "tolerance",
+                "friction",
+                "warm_starting",
+                "stabilisation",
+                "correction",
+                "slop",
+                "contact_hertz",
+                "contact_damping_ratio",
+                "contact_push_speed",
+                "restitution_threshold",
+                "contact_solver",
+                "joint_solver",
+                "joint_hertz",
+                "joint_damping_ratio",
+                "sleeping",
+                "sleep_speed",
+                "time_to_sleep"});
   Settings settings;
   in.get("substeps", settings.substeps, 1, 1024);
   in.get("iterations", settings.iterations, 1, 1024);
@@ -38,6 +59,7 @@ Settings read_settings(const Reader& in) {
   in.get("contact_damping_ratio", settings.contact_damping_ratio, at_least(0));
   in.get("contact_push_speed", settings.contact_push_speed, above(0));
   in.get("restitution_threshold", settings.restitution_threshold, at_least(0));
+  if (const auto solver = in.find("contact_solver")) settings.contact_solver = read_contact_solver(*solver);
   if (const auto solver = in.find("joint_solver")) settings.joint_solver = read_joint_solver(*solver);
   if (in.find("joint_hertz")) in.get("joint_hertz", settings.joint_hertz.emplace(), above(0));
   in.get("joint_damping_ratio", settings.joint_damping_ratio, at_least(0));

@@ -1,40 +1,17 @@
 #pragma once
 
-#include <collision/contact.h>
 #include <jobs/worker_team.h>
-#include <solver/body_table.h>
 #include <solver/colouring.h>
-#include <solver/contact_capture.h>
+#include <solver/contact_block.h>
 #include <solver/group_joints.h>
-#include <solver/islands.h>
 #include <solver/joined_motion.h>
-#include <solver/joint.h>
-#include <solver/joint_graph.h>
-#include <solver/kernels.h>
-#include <solver/motion.h>
-#include <solver/solver_settings.h>
+#include <solver/solve_input.h>
 
 #include <array>
 #include <cstdint>
 #include <vector>
 
 namespace atl::solver {
-
-/// What all groups of a step share.
-struct SolveInput {
-  const Islands& islands;
-  BodyTable& bodies;
-  collision::ContactManifold* manifolds;  ///< by slot
-  Vector3 gravity;                        ///< m/s^2
-  double dt;                              ///< s
-  const SolverSettings& settings;
-  const Kernels& kernels;
-  FastBodies& fast;
-  ContactCapture* capture = nullptr;           ///< null where nobody asks
-  SurfaceContact* surface_contacts = nullptr;  ///< by contact slot; null while all surfaces are plain
-  Joint* joints = nullptr;                     ///< by index of joint
-  JointGraph* joint_graph = nullptr;           ///< null where there are none
-};
 
 /// What the time of a group goes into. As atoll/report.h has them.
 enum class SolverStage { Colour, Prepare, WarmStart, Solve, Relax, Integrate, Restitution, Store };
@@ -79,13 +56,14 @@ class GroupSolver {
                       std::size_t end);
   void give_half_kick(std::span<const std::uint32_t> bodies, float time);
   void load_kinematic_bodies(const SolveInput& input);
-  bool moves_steadily(const SolveInput& input, std::uint32_t body, std::size_t local) const;
   void write_back(const SolveInput& input, std::span<const std::uint32_t> bodies, bool joined, std::size_t begin,
                   std::size_t end);
   void note_bodies(const SolveInput& input, std::span<const std::uint32_t> bodies, GroupReport& report);
   bool note_surfaces(const SolveInput& input, const IslandGroup& group);
   ContactKernelData kernel_data(const SolveInput& input, const GroupReport& report, const SubstepConstants& constants,
                                 bool splits);
+  void note_overloaded(const SolveInput& input, std::span<const std::uint32_t> bodies, std::size_t begin,
+                       std::size_t end) const;
   void clear_impulses(const GroupReport& report);
   void clear_split_impulses();
   void capture(const SolveInput& input, const GroupReport& report, std::span<const std::uint32_t> bodies) const;

@@ -10,6 +10,13 @@ namespace atl::solver {
 
 using collision::TouchingPair;
 
+/// What an island's contacts need beyond the sweeps that the settings ask for; see Escalation.
+enum class Remedy : std::uint8_t {
+  None,
+  Finer,   ///< more substeps
+  Direct,  ///< to be solved at once
+};
+
 /// A joint that acts, and its bodies.
 struct JointLink {
   std::uint32_t first;
@@ -22,6 +29,8 @@ struct JointLink {
 /// of pair, so all order is a function of the contact graph alone.
 class Islands {
  public:
+  static constexpr std::uint32_t none = ~std::uint32_t{0};
+
   /// `awake[body]` is 1 for the bodies that take part, all of which are among `candidates`. Both these and `pairs` are
   /// in order, and each pair has an awake body. `links` are in order of joints; those without an awake body are left
   /// out. The cost follows candidates, pairs and links, however many bodies there are.
@@ -32,10 +41,13 @@ class Islands {
   std::span<const std::uint32_t> bodies(std::size_t begin, std::size_t end) const;  ///< of islands [begin, end)
   std::span<const TouchingPair> contacts(std::size_t begin, std::size_t end) const;
   std::span<const JointLink> joints(std::size_t begin, std::size_t end) const;
+  std::size_t body_count(std::size_t island) const { return body_start_[island + 1] - body_start_[island]; }
   std::size_t contact_count(std::size_t island) const { return contact_start_[island + 1] - contact_start_[island]; }
   std::size_t joint_count(std::size_t island) const { return joint_start_[island + 1] - joint_start_[island]; }
 
   /// Position of a body in the list of all islands' bodies. Valid for bodies of islands only.
+  /// Of any body of the world; none for what is in no island.
+  std::uint32_t island_of(std::uint32_t body) const { return body < island_of_.size() ? island_of_[body] : none; }
   std::uint32_t rank(std::uint32_t body) const { return rank_[body]; }
   std::uint32_t first_rank(std::size_t island) const { return body_start_[island]; }
 
@@ -43,8 +55,6 @@ class Islands {
   std::span<const std::uint32_t> free_bodies() const { return free_bodies_; }
 
  private:
-  static constexpr std::uint32_t none = ~std::uint32_t{0};
-
   std::uint32_t find(std::uint32_t body);
   void join(std::span<const std::uint32_t> candidates, std::span<const std::uint8_t> awake,
             std::span<const TouchingPair> pairs, std::span<const JointLink> links);
@@ -69,10 +79,13 @@ class Islands {
 struct IslandGroup {
   std::size_t begin;
   std::size_t end;
-  bool large;  ///< a single island, worth all workers at once
+  bool large;                    ///< a single island, worth all workers at once
+  Remedy remedy = Remedy::None;  ///< other than None: of a single island
 };
 
-/// Packs islands into groups whose working set stays in a core's cache, or gives each a group of its own.
-void pack_groups(const Islands& islands, bool one_each, std::vector<IslandGroup>& groups);
+/// Packs islands into groups whose working set stays in a core's cache, or gives each a group of its own. `remedies` by
+/// island, or empty: those with one are alone.
+void pack_groups(const Islands& islands, bool one_each, std::span<const Remedy> remedies,
+                 std::vector<IslandGroup>& groups);
 
 }  // namespace atl::solver

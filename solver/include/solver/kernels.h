@@ -71,7 +71,7 @@ struct Kernels {
   float (*sweep)(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end);
   /// Gives points that hit faster than the threshold their part of the closing speed back.
   void (*restitute)(const ContactKernelData& data, std::size_t begin, std::size_t end);
-  /// Writes impulses back to the manifolds.
+  /// Writes impulses back to the manifolds, and notes what is overloaded.
   void (*store)(const ContactKernelData& data, std::size_t begin, std::size_t end);
 
   /// Starts a substep: forces, then, if `carry_over`, what constraints changed in the

@@ -27,6 +27,13 @@ inline double turn_chord(const Quaternion& from, const Quaternion& to) {
   return 2 * (from.conjugate() * to).vec().norm();
 }
 
+/// Whether what a body gained in a step of dt seconds is a steady change, as of one that slides, rolls or tips, and no
+/// impact: what the forces on it, its weight above all, make of its velocity in a step, times 4. Contacts return them
+/// several times where a body is pressed on or friction is high. Then the trapezoidal rule moves it by half the gain
+/// less than its last velocity does, to second order instead of first. `radius` in m.
+bool changes_steadily(const Vector3& gained, const Vector3& gained_spin, const Vector3& acceleration, double dt,
+                      double radius);
+
 /// Keeps account of a body that has moved from `start` in a step of dt seconds: whether it may have used up the
 /// slack of its bounds by the end of the next one, and whether it was fast.
 void note_motion(BodyTable& bodies, std::uint32_t body, const BodyPose& start, double dt, FastBodies& fast);

@@ -1,0 +1,167 @@
+// The step's solve: which islands get which remedy, and who solves them.
+
+#include <jobs/worker_team.h>
+#include <solver/free_flight.h>
+
+#include <algorithm>
+
+#include "settings_check.h"
+#include "world_impl.h"
+
+namespace atl {
+namespace {
+
+using solver::Remedy;
+
+// Substeps for each of those that were asked for, where islands get finer ones: contacts give by its square less.
+constexpr int finer = 4;
+
+}  // namespace
+
+void World::Impl::solve_islands() {
+  solve_groups();
+  move_unconstrained_bodies();
+}
+
+// Islands whose contacts carry too much are solved on their own, and otherwise.
+void World::Impl::choose_remedies() {
+  const bool soft = settings.stabilisation == Stabilisation::Soft;
+  const std::span<const Remedy> remedies = soft && settings.contact_solver == ContactSolver::Auto
+                                               ? escalation_.choose({.islands = islands_,
+                                                                     .bodies = bodies,
+                                                                     .manifolds = cache.manifolds.data(),
+                                                                     .gravity = gravity,
+                                                                     .give = give_of_soft_contacts()})
+                                               : std::span<const Remedy>();
+  const bool changed = !std::equal(remedies.begin(), remedies.end(), remedies_.begin(), remedies_.end());
+  if (!changed && !islands_rebuilt_) return;
+  remedies_.assign(remedies.begin(), remedies.end());
+  solver::pack_groups(islands_, one_each_, remedies_, groups_);
+  regrouped_ = true;
+}
+
+// m by N and 1/kg, between dynamic bodies.
+double World::Impl::give_of_soft_contacts() const {
+  const solver::SolverSettings how = solver_settings(settings);
+  return solver::SubstepConstants::give_by_impulse(how, dt_) * dt_ / how.substeps;
+}
+
+void World::Impl::solve_groups() {
+  const solver::SolverSettings how = solver_settings(settings);
+  solver::SolverSettings how_finer = how;
+  how_finer.finer = finer;
+  how_finer.substeps *= finer;
+  if (settings.keep_contact_problem) capture_.resize(cache.manifolds.size(), bodies.size());
+  if (!bodies.surfaces.empty()) surface_contacts_.resize(cache.manifolds.size());
+  const auto input_with = [&](const solver::SolverSettings& with) {
+    return solver::SolveInput{.islands = islands_,
+                              .bodies = bodies,
+                              .manifolds = cache.manifolds.data(),
+                              .gravity = gravity,
+                              .dt = dt_,
+                              .settings = with,
+                              .kernels = *kernels,
+                              .fast = fast_,
+                              .overloads = overloads_,
+                              .capture = settings.keep_contact_problem ? &capture_ : nullptr,
+                              .surface_contacts = bodies.surfaces.empty() ? nullptr : surface_contacts_.data(),
+                              .joints = joints.joints.data(),
+                              .joint_graph = joints.count == 0 ? nullptr : &joint_graph_};
+  };
+  const solver::SolveInput plain = input_with(how);
+  const solver::SolveInput fine = input_with(how_finer);
+  const auto input_of = [&](const solver::IslandGroup& group) -> const solver::SolveInput& {
+    return group.remedy == Remedy::None ? plain : fine;
+  };
+
+  group_reports_.assign(groups_.size(), {});
+  prepare_direct_solvers();
+  arena.parallel_for(groups_.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t g = begin; g < end; ++g) {
+      if (groups_[g].large || solve_directly(plain, g)) continue;
+      group_reports_[g] = group_solvers_.local().solve(input_of(groups_[g]), groups_[g]);
+    }
+  });
+  // Large ones are solved one after another, by all workers, and keep their colours while groups stay what they are.
+  const auto contacts = regrouped_ ? solver::GroupContacts::New : solver::GroupContacts::Kept;
+  regrouped_ = false;
+  std::size_t large = 0;
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    if (!groups_[g].large) continue;
+    if (large == large_solvers_.size()) large_solvers_.push_back(std::make_unique<solver::GroupSolver>());
+    jobs::WorkerTeam team(arena);
+    group_reports_[g] = large_solvers_[large++]->solve(input_of(groups_[g]), groups_[g], team, contacts);
+  }
+  note_remedies();
+}
+
+// One for each group that is to be solved at once, which keeps its order of elimination.
+void World::Impl::prepare_direct_solvers() {
+  direct_of_group_.clear();
+  direct_reports_.clear();
+  std::size_t count = 0;
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    if (groups_[g].remedy != Remedy::Direct) continue;
+    direct_of_group_.resize(groups_.size(), nullptr);
+    if (count == direct_solvers_.size()) direct_solvers_.push_back(std::make_unique<solver::DirectContacts>());
+    direct_of_group_[g] = direct_solvers_[count++].get();
+  }
+  direct_reports_.resize(direct_of_group_.size());
+}
+
+bool World::Impl::solve_directly(const solver::SolveInput& input, std::size_t group) {
+  if (direct_of_group_.empty() || direct_of_group_[group] == nullptr) return false;
+  solver::DirectContacts& direct = *direct_of_group_[group];
+  solver::DirectContactsReport& report = direct_reports_[group];
+  if (direct.analyse(input, groups_[group])) report = direct.solve(input);
+  if (!report.solved) return false;
+  group_reports_[group].friction = report.friction;
+  group_reports_[group].gyroscopic = report.gyroscopic;
+  return true;
+}
+
+// What is overloaded now, and what could not be solved at once, which decide on the next step's remedies.
+void World::Impl::note_remedies() {
+  all_overloads_.clear();
+  overloads_.for_each([this](std::vector<solver::Overload>& of_worker) {
+    all_overloads_.insert(all_overloads_.end(), of_worker.begin(), of_worker.end());
+    of_worker.clear();
+  });
+  failed_.clear();
+  escalated_.clear();
+  for (std::size_t g = 0; g < groups_.size() && !remedies_.empty(); ++g) {
+    const solver::IslandGroup& group = groups_[g];
+    if (group.remedy == Remedy::None) continue;
+    const std::span<const std::uint32_t> members = islands_.bodies(group.begin, group.end);
+    EscalatedIsland island{.lowest = {members.front(), records.generation[members.front()]},
+                           .bodies = members.size(),
+                           .contacts = islands_.contact_count(group.begin)};
+    if (group.remedy == Remedy::Direct) {
+      const solver::DirectContactsReport& report = direct_reports_[g];
+      island.direct = report.solved;
+      island.gave_up = !report.solved;
+      island.iterations = report.iterations;
+      if (!report.solved) failed_.insert(failed_.end(), members.begin(), members.end());
+    }
+    ++(island.direct ? report_.counts.direct_islands : report_.counts.finer_islands);
+    report_.counts.newton_iterations += island.iterations;
+    escalated_.push_back(island);
+  }
+  escalation_.note(all_overloads_, failed_, sleeping.awake);
+}
+
+void World::Impl::move_unconstrained_bodies() {
+  constexpr std::size_t grain = 256;
+  const std::span<const std::uint32_t> free = islands_.free_bodies();
+  arena.parallel_for(free.size(), grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      solver::move_free_body(bodies, free[i], gravity, dt_, settings.substeps, fast_);
+    }
+  });
+  if (contents.kinematic == 0) return;
+  for (const std::uint32_t body : active_.in_order()) {
+    if (bodies.mobility[body] == solver::Mobility::Kinematic) solver::move_kinematic_body(bodies, body, dt_, fast_);
+  }
+}
+
+}  // namespace atl

@@ -1,0 +1,138 @@
+#pragma once
+
+#include <solver/block_ldlt.h>
+#include <solver/patch_law.h>
+#include <solver/solve_input.h>
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace atl::solver {
+
+/// What became of a direct solve.
+struct DirectContactsReport {
+  bool solved = false;      ///< if not, no state was changed
+  int iterations = 0;       ///< of Newton's method, beyond the first solve
+  double residual = 0;      ///< m/s: the most that a body's velocity is off what the impulses on it make
+  bool friction = false;    ///< some contact has it
+  bool gyroscopic = false;  ///< some body's moments of inertia differ
+};
+
+/// The contacts of an island, solved at once and for a whole step: of islands so ill-conditioned (tall columns, heavy
+/// bodies on light ones) that sweeps get nowhere.
+///
+/// Contacts are very slightly soft, so impulses are functions of the velocities v at the end of the step (PatchLaw),
+/// and these are where a convex function is least:
+///
+///   |v - v*|^2_M / 2 + sum over contacts of psi(J v),
+///
+/// with v* the velocities without contacts and -psi' a contact's impulses. Newton's method with an exact line search
+/// finds them; its matrix, M plus the stiffness of the contacts that hold, is positive definite, with a block of 6 x 6
+/// for each body and each pair, and is factored directly (Todorov, "Convex and analytically-invertible dynamics with
+/// contacts and constraints", ICRA 2014; Castro, Permenter and Han, "An unconstrained convex formulation of compliant
+/// contact", T-RO 2022). Friction's bound follows the load in the first few iterations, and is then given.
+///
+/// The first solve takes each contact to be on the pieces that the impulses of the last step tell of, and at rest is
+/// all there is to do. Where Newton's method doesn't end soon, as after an impact, an interior point method starts
+/// over, with the same matrices. No state outlives a step, but the order of elimination, which the pairs determine.
+class DirectContacts {
+ public:
+  static constexpr std::size_t most_bodies = 400;  ///< of an island: more take longer than a step may
+
+  /// Takes in an island. Returns false if its factor would be too large.
+  bool analyse(const SolveInput& input, const IslandGroup& group);
+  /// Solves the island that was taken in last. Not solved is what bounces, tumbles fast or didn't converge.
+  DirectContactsReport solve(const SolveInput& input);
+
+ private:
+  static constexpr std::uint32_t none = ~std::uint32_t{0};
+  static constexpr double tolerance = 2e-4;  // m/s, of what the balance of a body's impulses may lack
+
+  struct Body {
+    std::uint32_t body;
+    double mass;              // kg
+    double radius;            // m, of gyration
+    Matrix3 inertia;          // kg m^2, world frame
+    Matrix3 inverse_inertia;  // likewise
+    Vector3 acceleration;     // m/s^2
+  };
+
+  // Points on the interior path: see direct_contacts_interior.cpp.
+  struct Interior {
+    using Points = std::array<double, collision::max_points>;
+    Points impulse;                 // N s, > 0
+    Points gap;                     // m/s, > 0: how much faster it parts than where it pushes with this impulse
+    Points missing;                 // m/s, by which the gap is not yet that
+    Points held;                    // N s by m/s
+    Points impulse_step, gap_step;  // along direction_
+  };
+
+  struct Contact {
+    std::uint32_t slot;
+    std::uint32_t first, second;                           // bodies_, or none of what doesn't respond
+    std::array<Vector3, 3> axes;                           // normal, tangents
+    std::array<Vector3, 3> moments_first, moments_second;  // m, arm x axis
+    double friction, lever;
+    PatchLaw law;
+    std::array<double, collision::max_points> mass;  // kg, effective, of each point
+    Six given;                                       // motion by what doesn't respond
+    Six motion;                                      // at velocity_
+    Six change;                                      // along direction_
+    PatchAnswer answer;
+    PatchPieces factored;  // what the factor is of
+    Interior interior;
+  };
+
+  std::uint32_t local(const SolveInput& input, std::uint32_t body) const;
+  bool load_bodies(const SolveInput& input);
+  void load_velocities(const SolveInput& input);
+  bool load_contacts(const SolveInput& input);
+  void load_contact(const SolveInput& input, const TouchingPair& pair, Contact& contact) const;
+  void place(const SolveInput& input, const TouchingPair& pair, Contact& contact) const;
+  static void warm_start(const SolveInput& input, Contact& contact);
+  Six motion_of(const Contact& contact, const std::vector<double>& velocities) const;
+  void add_impulse(const Contact& contact, const Six& impulse, double sign, std::vector<double>& to) const;
+  void mass_times(const std::vector<double>& velocities, std::vector<double>& product) const;
+  void add_masses();
+  void add_stiffness(const Contact& contact, const std::array<Six, 6>& k);
+  bool factor();
+  bool is_factored() const;
+
+  bool find_velocities(const SolveInput& input, DirectContactsReport& report);
+  bool solve_on_last_pieces();
+  bool minimise(DirectContactsReport& report);
+  double balance();
+  double unbalanced() const;
+  void follow_load(double t);
+  double slope(double t) const;
+  double step_length() const;
+  bool follow_interior(DirectContactsReport& report);
+  void start_interior();
+  void take_pieces();
+  double note_interior();
+  bool factor_interior();
+  double interior_step(double target, bool corrected);
+  double interior_after(double t) const;
+  void take_interior_step(double t);
+  bool pushes_apart() const;
+  void leave_out_pushes();
+  void capture(const SolveInput& input) const;
+  void write_back(const SolveInput& input);
+  void note_overloads(const SolveInput& input) const;
+
+  std::vector<std::uint32_t> members_;
+  std::vector<TouchingPair> pairs_;
+  bool fits_ = false;
+  std::uint32_t first_rank_ = 0;
+  BlockLdlt system_;
+  std::vector<Body> bodies_;
+  std::vector<Contact> contacts_;
+  // Six numbers a body: linear, angular.
+  std::vector<double> velocity_, free_, moving_;        // m/s, rad/s
+  std::vector<double> gradient_, direction_, product_;  // N s, N m s; m/s, rad/s; N s, N m s
+  double mass_slope_ = 0, mass_curvature_ = 0;          // of the first term, along direction_
+};
+
+}  // namespace atl::solver

@@ -1,0 +1,104 @@
+#pragma once
+
+#include <collision/contact.h>
+#include <solver/body_table.h>
+#include <solver/islands.h>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace atl::solver {
+
+/// The lighter body of a contact that carries more than soft ones are made for (overload_give in solver_settings.h).
+struct Overload {
+  std::uint32_t body;
+  bool crushed;  ///< many times as much
+};
+
+/// Adds what a contact is, if it is overloaded. `give` in m kg: how far contacts between dynamic bodies give under the
+/// load that it carries, times the mass; inverse masses in 1/kg, `reach` in m, the lesser of the two bodies.
+void note_overload(double give, double inverse_mass_first, double inverse_mass_second, double reach,
+                   std::uint32_t lighter, std::vector<Overload>& overloads);
+
+/// What loads on contacts are estimated from.
+struct LoadInput {
+  const Islands& islands;
+  const BodyTable& bodies;
+  const collision::ContactManifold* manifolds;  ///< by slot
+  Vector3 gravity;                              ///< m/s^2
+  double give;                                  ///< m by N and 1/kg: of soft contacts between dynamic bodies
+};
+
+/// What the contacts of an island carry if all stands: from the top down, each body hands its weight and what it
+/// carries on to what is below it, in equal parts.
+class LoadEstimate {
+ public:
+  void add_overloads(const LoadInput& input, std::size_t island, std::vector<Overload>& overloads);
+
+ private:
+  struct Support {
+    std::uint32_t above, below;  // places in the island; below may be none
+    std::uint32_t lower_body, upper_body;
+    double along;  // cosine of the normal against up
+    double reach;  // m
+  };
+  std::vector<double> height_, load_;
+  std::vector<std::uint32_t> order_, start_;
+  std::vector<Support> supports_;
+};
+
+/// Follows which contacts carry more than soft ones are made for, and says what is done about their islands. A load has
+/// to stay for some steps, or it is an impact; of bodies that are new it is estimated at once. Tall columns, heavy
+/// bodies on light ones and large walls are what it finds. While there are none it costs nothing.
+class Escalation {
+ public:
+  /// For a world of so many bodies.
+  void resize(std::size_t bodies);
+  /// A new dynamic body.
+  void arrive(std::uint32_t body) { arrived_.push_back(body); }
+  /// One that is gone.
+  void forget(std::uint32_t body);
+
+  /// By island, for the next step; empty if none needs a remedy.
+  std::span<const Remedy> choose(const LoadInput& input);
+
+  /// After a step: its overloads, in any order and with bodies any number of times, and bodies of islands that could
+  /// not be solved at once, which will be tried again after some steps. What sleeps stays as it is.
+  void note(std::vector<Overload>& overloads, std::span<const std::uint32_t> failed,
+            std::span<const std::uint8_t> awake);
+
+  /// For how many steps a body has been overloaded, and crushed, more or less: what lasts from step to step.
+  struct Strain {
+    std::uint8_t overloaded = 0;
+    std::uint8_t crushed = 0;
+    bool sags = false;  ///< with a large part of its island
+    bool operator==(const Strain&) const = default;
+  };
+  /// Bodies that came since the last choice, in the order in which they did.
+  std::span<const std::uint32_t> arrived() const { return arrived_; }
+  /// Bodies under strain, in order.
+  std::span<const std::uint32_t> strained() const { return strained_; }
+  Strain strain(std::uint32_t body) const { return strain_[body]; }
+
+ private:
+  void estimate_arrived(const LoadInput& input);
+
+  // What is known of an island by its bodies under strain.
+  struct Symptoms {
+    bool lasts = false;
+    bool crushes = false;
+    bool sags = false;
+  };
+
+  std::vector<Strain> strain_;           // by body
+  std::vector<std::uint32_t> strained_;  // in order
+  std::vector<std::uint32_t> arrived_;
+  std::vector<std::uint32_t> of_overloads_, merged_;
+  std::vector<Symptoms> symptoms_;  // by island
+  std::vector<Remedy> remedies_;    // by island
+  std::vector<Overload> estimated_;
+  LoadEstimate estimate_;
+};
+
+}  // namespace atl::solver

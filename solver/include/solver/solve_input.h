@@ -1,0 +1,36 @@
+#pragma once
+
+#include <collision/contact.h>
+#include <solver/contact_capture.h>
+#include <solver/escalation.h>
+#include <solver/islands.h>
+#include <solver/joint.h>
+#include <solver/joint_graph.h>
+#include <solver/kernels.h>
+#include <solver/motion.h>
+#include <solver/solver_settings.h>
+#include <solver/surface_contact.h>
+
+namespace atl::solver {
+
+/// By worker, in any order.
+using Overloads = jobs::Scratch<std::vector<Overload>>;
+
+/// What all islands of a step share.
+struct SolveInput {
+  const Islands& islands;
+  BodyTable& bodies;
+  collision::ContactManifold* manifolds;  ///< by slot
+  Vector3 gravity;                        ///< m/s^2
+  double dt;                              ///< s
+  const SolverSettings& settings;
+  const Kernels& kernels;
+  FastBodies& fast;
+  Overloads& overloads;
+  ContactCapture* capture = nullptr;           ///< null where nobody asks
+  SurfaceContact* surface_contacts = nullptr;  ///< by contact slot; null while all surfaces are plain
+  Joint* joints = nullptr;                     ///< by index of joint
+  JointGraph* joint_graph = nullptr;           ///< null where there are none
+};
+
+}  // namespace atl::solver

@@ -1,0 +1,331 @@
+// What an island's contacts are to the direct solver, and its matrix.
+
+#include <solver/direct_contacts.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace atl::solver {
+namespace {
+
+// Of an effective mass's inverse, that contacts give: an overlap of 5 compliance g dt^2 by own weights carried. Doubles
+// hold a top box a million times as heavy as the nine below it at 1e-9; at 1e-6 it sinks by 25 mm, here by 2. Friction
+// gives more, or Newton's method finds no way over its edges: what is held back by friction alone creeps by 1e-6 g dt.
+constexpr double compliance = 1e-8;
+constexpr double friction_compliance = 1e-6;
+
+// Of an overlap, what is parted in a step, and m/s, how fast at most.
+constexpr double correction = 0.2;
+constexpr double push_speed = 3;
+
+// Columns have one block of the factor a body, walls 5 to 10.
+constexpr std::size_t factor_blocks_per_body = 12;
+
+// rad: a body whose moments of inertia differ may not turn by more within a step.
+constexpr double most_tumble = 0.3;
+
+// Of the bound: at it, but for rounding to single precision.
+constexpr double at_bound = 1 - 1e-6;
+
+Vector3 vector(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
+
+}  // namespace
+
+bool DirectContacts::analyse(const SolveInput& input, const IslandGroup& group) {
+  const std::span<const std::uint32_t> bodies = input.islands.bodies(group.begin, group.end);
+  const std::span<const TouchingPair> pairs = input.islands.contacts(group.begin, group.end);
+  first_rank_ = input.islands.first_rank(group.begin);
+  const auto same_bodies = [](const TouchingPair& a, const TouchingPair& b) {
+    return a.first == b.first && a.second == b.second;
+  };
+  const bool same = std::equal(bodies.begin(), bodies.end(), members_.begin(), members_.end()) &&
+                    std::equal(pairs.begin(), pairs.end(), pairs_.begin(), pairs_.end(), same_bodies);
+  pairs_.assign(pairs.begin(), pairs.end());  // slots may be others
+  if (same) return fits_;
+  members_.assign(bodies.begin(), bodies.end());
+  if (bodies.size() > most_bodies) return fits_ = false;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> couplings;
+  for (const TouchingPair& pair : pairs) {
+    const std::uint32_t first = local(input, pair.first);
+    const std::uint32_t second = local(input, pair.second);
+    if (first != none && second != none) couplings.emplace_back(first, second);
+  }
+  const std::vector<std::uint8_t> sizes(bodies.size(), 6);
+  return fits_ = system_.analyse(sizes, couplings, factor_blocks_per_body * bodies.size());
+}
+
+std::uint32_t DirectContacts::local(const SolveInput& input, std::uint32_t body) const {
+  return input.bodies.mobility[body] == Mobility::Dynamic ? input.islands.rank(body) - first_rank_ : none;
+}
+
+bool DirectContacts::load_bodies(const SolveInput& input) {
+  const BodyTable& table = input.bodies;
+  const std::size_t count = members_.size();
+  bodies_.resize(count);
+  for (auto* numbers : {&velocity_, &free_, &gradient_, &direction_, &product_}) numbers->resize(6 * count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint32_t body = members_[i];
+    const Matrix3 rotation = table.orientation(body).toRotationMatrix();
+    const Vector3 spin = table.angular_velocity(body);
+    if (table.gyroscopic[body] && !(input.dt * spin.norm() <= most_tumble)) return false;
+    Body& of = bodies_[i];
+    of.body = body;
+    of.mass = 1 / table.inverse_mass[body];
+    of.inertia = rotation * table.inertia[body] * rotation.transpose();
+    of.inverse_inertia = rotation * table.inverse_inertia[body] * rotation.transpose();
+    of.radius = std::sqrt(of.inertia.trace() / (3 * of.mass));
+    of.acceleration = input.gravity * table.gravity_scale[body] + table.inverse_mass[body] * table.force(body);
+    const Vector3 turning = of.inverse_inertia * (table.torque(body) - spin.cross(of.inertia * spin));
+    Eigen::Map<Vector3> velocity(&free_[6 * i]);
+    Eigen::Map<Vector3> angular(&free_[6 * i + 3]);
+    velocity = (table.velocity(body) + input.dt * of.acceleration) / (1 + input.dt * table.linear_damping[body]);
+    angular = (spin + input.dt * turning) / (1 + input.dt * table.angular_damping[body]);
+  }
+  load_velocities(input);
+  return true;
+}
+
+// Those of the start of the step.
+void DirectContacts::load_velocities(const SolveInput& input) {
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    Eigen::Map<Vector3> velocity(&velocity_[6 * i]);
+    Eigen::Map<Vector3> angular(&velocity_[6 * i + 3]);
+    velocity = input.bodies.velocity(bodies_[i].body);
+    angular = input.bodies.angular_velocity(bodies_[i].body);
+  }
+}
+
+// Returns false if one bounces: that wants the impact's speed.
+bool DirectContacts::load_contacts(const SolveInput& input) {
+  contacts_.resize(pairs_.size());
+  for (std::size_t c = 0; c < pairs_.size(); ++c) {
+    Contact& contact = contacts_[c];
+    load_contact(input, pairs_[c], contact);
+    if (input.manifolds[contact.slot].restitution == 0) continue;
+    const Six motion = motion_of(contact, velocity_);
+    for (int i = 0; i < contact.law.points; ++i) {
+      const double speed = contact.law.speed(i, motion) + contact.law.speed(i, contact.given);
+      if (speed < -input.settings.restitution_threshold) return false;
+    }
+  }
+  return true;
+}
+
+void DirectContacts::load_contact(const SolveInput& input, const TouchingPair& pair, Contact& contact) const {
+  const BodyTable& table = input.bodies;
+  const collision::ContactManifold& manifold = input.manifolds[pair.slot];
+  contact.slot = pair.slot;
+  contact.first = local(input, pair.first);
+  contact.second = local(input, pair.second);
+  contact.friction = manifold.friction;
+  contact.lever = manifold.lever;
+  place(input, pair, contact);
+
+  const double inverse_mass = table.inverse_mass[pair.first] + table.inverse_mass[pair.second];
+  const auto response = [&](const Vector3& first, const Vector3& second) {
+    double sum = 0;
+    if (contact.first != none) sum += first.dot(bodies_[contact.first].inverse_inertia * first);
+    if (contact.second != none) sum += second.dot(bodies_[contact.second].inverse_inertia * second);
+    return sum;
+  };
+  PatchLaw& law = contact.law;
+  law.points = 0;
+  for (int i = 0; i < collision::max_points; ++i) {
+    if (manifold.separation[i] >= collision::no_point) continue;
+    const int p = law.points++;
+    const double x = law.x[p] = manifold.x[i];
+    const double y = law.y[p] = manifold.y[i];
+    // (arm + x t1 + y t2) x n, of which t1 x n = -t2 and t2 x n = t1
+    const Vector3 offset = y * contact.axes[1] - x * contact.axes[2];
+    const double k = inverse_mass + response(contact.moments_first[0] + offset, contact.moments_second[0] + offset);
+    contact.mass[p] = 1 / k;
+    law.stiffness[p] = contact.mass[p] / compliance;
+    const double separation = manifold.separation[i];
+    law.bias[p] = separation > 0 ? separation / input.dt : std::max(correction * separation / input.dt, -push_speed);
+  }
+  const double along = inverse_mass + 0.5 * (response(contact.moments_first[1], contact.moments_second[1]) +
+                                             response(contact.moments_first[2], contact.moments_second[2]));
+  const double twist = response(contact.axes[0], contact.axes[0]);
+  law.friction_stiffness = 1 / (friction_compliance * along);
+  law.twist_stiffness = twist > 0 ? 1 / (friction_compliance * twist) : 0;
+  warm_start(input, contact);
+}
+
+void DirectContacts::place(const SolveInput& input, const TouchingPair& pair, Contact& contact) const {
+  const BodyTable& table = input.bodies;
+  const collision::ContactManifold& manifold = input.manifolds[pair.slot];
+  const collision::Tangents tangents = collision::tangents(manifold.normal);
+  const Vector3 normal = vector(manifold.normal).normalized();
+  const Vector3 nearly(tangents.first[0], tangents.first[1], tangents.first[2]);
+  const Vector3 tangent = (nearly - normal.dot(nearly) * normal).normalized();
+  contact.axes = {normal, tangent, normal.cross(tangent)};
+  contact.given = {};
+  const auto place_side = [&](std::uint32_t body, const float(&anchor)[3], std::array<Vector3, 3>& moments,
+                              double sign) {
+    // A ball is touched on the line through its centre.
+    const Vector3 arm = table.ball[body] ? Vector3(normal.dot(vector(anchor)) * normal) : vector(anchor);
+    for (int k = 0; k < 3; ++k) moments[k] = arm.cross(contact.axes[k]);
+    if (table.mobility[body] != Mobility::Kinematic) return;
+    const Vector3 v = table.velocity(body);
+    const Vector3 w = table.angular_velocity(body);
+    for (int k = 0; k < 3; ++k) {
+      contact.given[k == 0 ? 0 : 2 + k] += sign * (contact.axes[k].dot(v) + moments[k].dot(w));
+      contact.given[k == 0 ? 5 : k] += sign * contact.axes[k].dot(w);
+    }
+  };
+  place_side(pair.first, manifold.anchor_first, contact.moments_first, -1);
+  place_side(pair.second, manifold.anchor_second, contact.moments_second, 1);
+}
+
+// The pieces that the last step's impulses were on.
+void DirectContacts::warm_start(const SolveInput& input, Contact& contact) {
+  const collision::ContactManifold& manifold = input.manifolds[contact.slot];
+  const double substeps = input.settings.substeps;
+  PatchAnswer& answer = contact.answer;
+  answer = {};
+  int point = 0;
+  for (int i = 0; i < collision::max_points; ++i) {
+    if (manifold.separation[i] >= collision::no_point) continue;
+    answer.normal[point] = substeps * manifold.normal_impulse[i];
+    if (manifold.normal_impulse[i] > 0) answer.pieces.points |= static_cast<std::uint8_t>(1 << point);
+    ++point;
+  }
+  const double load = answer.load();
+  contact.law.friction_bound = contact.friction * load;
+  contact.law.twist_bound = contact.lever * contact.law.friction_bound;
+  const Vector3 friction = substeps * vector(manifold.friction_impulse);
+  answer.friction = {friction.dot(contact.axes[1]), friction.dot(contact.axes[2])};
+  answer.twist = substeps * manifold.twist_impulse;
+  answer.pieces.slides = friction.norm() >= at_bound * contact.law.friction_bound;
+  answer.pieces.spins = std::abs(answer.twist) >= at_bound * contact.law.twist_bound;
+  if (load > 0) return;
+  // It has just begun.
+  for (int i = 0; i < contact.law.points; ++i) {
+    if (contact.law.bias[i] <= 0) answer.pieces.points |= static_cast<std::uint8_t>(1 << i);
+  }
+}
+
+Six DirectContacts::motion_of(const Contact& contact, const std::vector<double>& velocities) const {
+  Six motion = {};
+  const auto add = [&](std::uint32_t body, const std::array<Vector3, 3>& moments, double sign) {
+    if (body == none) return;
+    const Eigen::Map<const Vector3> v(&velocities[6 * body]);
+    const Eigen::Map<const Vector3> w(&velocities[6 * body + 3]);
+    motion[0] += sign * (contact.axes[0].dot(v) + moments[0].dot(w));
+    motion[1] += sign * contact.axes[1].dot(w);
+    motion[2] += sign * contact.axes[2].dot(w);
+    motion[3] += sign * (contact.axes[1].dot(v) + moments[1].dot(w));
+    motion[4] += sign * (contact.axes[2].dot(v) + moments[2].dot(w));
+    motion[5] += sign * contact.axes[0].dot(w);
+  };
+  add(contact.first, contact.moments_first, -1);
+  add(contact.second, contact.moments_second, 1);
+  return motion;
+}
+
+void DirectContacts::add_impulse(const Contact& contact, const Six& impulse, double sign,
+                                 std::vector<double>& to) const {
+  const Vector3 force = impulse[0] * contact.axes[0] + impulse[3] * contact.axes[1] + impulse[4] * contact.axes[2];
+  const Vector3 couple = impulse[1] * contact.axes[1] + impulse[2] * contact.axes[2] + impulse[5] * contact.axes[0];
+  const auto add = [&](std::uint32_t body, const std::array<Vector3, 3>& moments, double side) {
+    if (body == none) return;
+    const Vector3 torque = couple + impulse[0] * moments[0] + impulse[3] * moments[1] + impulse[4] * moments[2];
+    for (int k = 0; k < 3; ++k) {
+      to[6 * body + k] += side * force[k];
+      to[6 * body + 3 + k] += side * torque[k];
+    }
+  };
+  add(contact.first, contact.moments_first, -sign);
+  add(contact.second, contact.moments_second, sign);
+}
+
+void DirectContacts::mass_times(const std::vector<double>& velocities, std::vector<double>& product) const {
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    const Vector3 linear = bodies_[i].mass * Eigen::Map<const Vector3>(&velocities[6 * i]);
+    const Vector3 angular = bodies_[i].inertia * Eigen::Map<const Vector3>(&velocities[6 * i + 3]);
+    for (int k = 0; k < 3; ++k) {
+      product[6 * i + k] = linear[k];
+      product[6 * i + 3 + k] = angular[k];
+    }
+  }
+}
+
+bool DirectContacts::is_factored() const {
+  // Where something slides its stiffness is another at each motion.
+  return std::all_of(contacts_.begin(), contacts_.end(), [](const Contact& contact) {
+    return contact.factored == contact.answer.pieces && !contact.answer.pieces.slides;
+  });
+}
+
+bool DirectContacts::factor() {
+  add_masses();
+  for (Contact& contact : contacts_) {
+    add_stiffness(contact, contact.law.derivative(contact.motion, contact.answer.pieces));
+    contact.factored = contact.answer.pieces;
+  }
+  return system_.factor();
+}
+
+void DirectContacts::add_masses() {
+  system_.clear();
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    const auto node = static_cast<std::uint32_t>(i);
+    double* block = system_.values(system_.block_index(node, node));
+    for (int k = 0; k < 3; ++k) {
+      block[7 * k] = bodies_[i].mass;
+      for (int r = 0; r < 3; ++r) block[(3 + r) + 6 * (3 + k)] = bodies_[i].inertia(r, k);
+    }
+  }
+}
+
+// J^T K J, with K the derivative of the contact's impulses by its motion and J that of its motion by the velocities.
+void DirectContacts::add_stiffness(const Contact& contact, const std::array<Six, 6>& k) {
+  struct Side {
+    std::array<Six, 6> j = {};
+    std::array<Six, 6> kj = {};
+  };
+  const auto side_of = [&](const std::array<Vector3, 3>& moments, double sign) {
+    Side side;
+    for (int d = 0; d < 3; ++d) {
+      for (int axis = 0; axis < 3; ++axis) {
+        const int along = axis == 0 ? 0 : 2 + axis;
+        const int about = axis == 0 ? 5 : axis;
+        side.j[along][d] = sign * contact.axes[axis][d];
+        side.j[along][3 + d] = sign * moments[axis][d];
+        side.j[about][3 + d] = sign * contact.axes[axis][d];
+      }
+    }
+    // K is blocks of 3, 2 and 1.
+    for (int d = 0; d < 6; ++d) {
+      for (int a = 0; a < 3; ++a) {
+        side.kj[a][d] = k[a][0] * side.j[0][d] + k[a][1] * side.j[1][d] + k[a][2] * side.j[2][d];
+      }
+      for (int a = 3; a < 5; ++a) side.kj[a][d] = k[a][3] * side.j[3][d] + k[a][4] * side.j[4][d];
+      side.kj[5][d] = k[5][5] * side.j[5][d];
+    }
+    return side;
+  };
+  const auto add = [&](std::uint32_t row, const Side& of_row, std::uint32_t column, const Side& of_column) {
+    double* block = system_.values(system_.block_index(row, column));
+    for (int c = 0; c < 6; ++c) {
+      double sum[6] = {};
+      for (int a = 0; a < 6; ++a) {
+        for (int r = 0; r < 6; ++r) sum[r] += of_row.j[a][r] * of_column.kj[a][c];
+      }
+      for (int r = 0; r < 6; ++r) block[r + 6 * c] += sum[r];
+    }
+  };
+  const Side first = side_of(contact.moments_first, -1);
+  const Side second = side_of(contact.moments_second, 1);
+  if (contact.first != none) add(contact.first, first, contact.first, first);
+  if (contact.second != none) add(contact.second, second, contact.second, second);
+  if (contact.first == none || contact.second == none) return;
+  // A block has the rows of what is eliminated later.
+  if (system_.is_earlier(contact.first, contact.second)) {
+    add(contact.second, second, contact.first, first);
+  } else {
+    add(contact.first, first, contact.second, second);
+  }
+}
+
+}  // namespace atl::solver

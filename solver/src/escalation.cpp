@@ -1,0 +1,131 @@
+#include <solver/direct_contacts.h>
+#include <solver/escalation.h>
+
+#include <algorithm>
+#include <iterator>
+
+namespace atl::solver {
+namespace {
+
+// Steps under overload after which something is done. What is done lasts as long as any of it is left; a step of
+// overload wears off in one without.
+constexpr std::uint8_t lasting = 3;
+constexpr std::uint8_t lasting_crush = 2;
+constexpr std::uint8_t most = 30;
+
+// An island of so few contacts a body is little but columns: to solve it at once costs no more than to sweep it.
+constexpr double contacts_of_columns = 1.5;
+
+// Finer substeps are for what is built to stand and sags of its own weight, in so large a part. A few small stones
+// under large ones are not worth them, nor is a heap that has found its rest on soft contacts: to stiffen them stirs
+// it.
+constexpr double part_of_island = 0.25;
+
+void strain_more(std::uint8_t& strain) { strain = std::min<std::uint8_t>(most, strain + 1) + 1; }
+void strain_less(std::uint8_t& strain) {
+  if (strain > 0) --strain;
+}
+
+// By body, each once.
+void order(std::vector<Overload>& overloads) {
+  std::sort(overloads.begin(), overloads.end(), [](const Overload& a, const Overload& b) {
+    return a.body != b.body ? a.body < b.body : a.crushed > b.crushed;
+  });
+  const auto same = [](const Overload& a, const Overload& b) { return a.body == b.body; };
+  overloads.erase(std::unique(overloads.begin(), overloads.end(), same), overloads.end());
+}
+
+}  // namespace
+
+void Escalation::resize(std::size_t bodies) {
+  if (strain_.size() < bodies) strain_.resize(bodies);
+}
+
+void Escalation::forget(std::uint32_t body) {
+  std::erase(arrived_, body);
+  if (strain_[body] == Strain{}) return;
+  strain_[body] = {};
+  strained_.erase(std::lower_bound(strained_.begin(), strained_.end(), body));
+}
+
+// What new bodies stand on and under, as if it had been for long: it takes a wall some time to settle on its load.
+void Escalation::estimate_arrived(const LoadInput& input) {
+  if (arrived_.empty()) return;
+  std::vector<std::uint32_t> islands;
+  for (const std::uint32_t body : arrived_) islands.push_back(input.islands.island_of(body));
+  arrived_.clear();
+  std::sort(islands.begin(), islands.end());
+  islands.erase(std::unique(islands.begin(), islands.end()), islands.end());
+  for (const std::uint32_t island : islands) {
+    if (island == Islands::none) continue;
+    estimated_.clear();
+    estimate_.add_overloads(input, island, estimated_);
+    order(estimated_);
+    const auto bodies = static_cast<double>(input.islands.body_count(island));
+    const bool sags = static_cast<double>(estimated_.size()) >= part_of_island * bodies;
+    for (const Overload& overload : estimated_) {
+      strain_[overload.body] = {most, overload.crushed ? most : std::uint8_t{0}, sags};
+      strained_.push_back(overload.body);
+    }
+  }
+  std::sort(strained_.begin(), strained_.end());
+  strained_.erase(std::unique(strained_.begin(), strained_.end()), strained_.end());
+}
+
+std::span<const Remedy> Escalation::choose(const LoadInput& input) {
+  estimate_arrived(input);
+  if (strained_.empty()) return {};
+  const Islands& islands = input.islands;
+  symptoms_.assign(islands.count(), {});
+  for (const std::uint32_t body : strained_) {
+    const std::uint32_t island = islands.island_of(body);
+    if (island == Islands::none) continue;
+    symptoms_[island].lasts |= strain_[body].overloaded >= lasting;
+    symptoms_[island].crushes |= strain_[body].crushed >= lasting_crush;
+    symptoms_[island].sags |= strain_[body].sags;
+  }
+  remedies_.assign(islands.count(), Remedy::None);
+  bool any = false;
+  for (std::size_t island = 0; island < islands.count(); ++island) {
+    const Symptoms& has = symptoms_[island];
+    if (!(has.lasts || has.crushes) || islands.joint_count(island) > 0) continue;
+    const std::size_t bodies = islands.body_count(island);
+    const auto contacts = static_cast<double>(islands.contact_count(island));
+    if (bodies <= DirectContacts::most_bodies &&
+        (has.crushes || contacts <= contacts_of_columns * static_cast<double>(bodies))) {
+      remedies_[island] = Remedy::Direct;
+    } else if (has.lasts && has.sags) {
+      remedies_[island] = Remedy::Finer;
+    }
+    any |= remedies_[island] != Remedy::None;
+  }
+  return any ? std::span<const Remedy>(remedies_) : std::span<const Remedy>();
+}
+
+void Escalation::note(std::vector<Overload>& overloads, std::span<const std::uint32_t> failed,
+                      std::span<const std::uint8_t> awake) {
+  if (overloads.empty() && strained_.empty()) return;
+  order(overloads);
+  of_overloads_.clear();
+  for (const Overload& overload : overloads) {
+    of_overloads_.push_back(overload.body);
+    strain_more(strain_[overload.body].overloaded);
+    if (overload.crushed) strain_more(strain_[overload.body].crushed);
+  }
+  merged_.clear();
+  std::set_union(strained_.begin(), strained_.end(), of_overloads_.begin(), of_overloads_.end(),
+                 std::back_inserter(merged_));
+  for (const std::uint32_t body : merged_) {
+    if (!awake[body]) continue;
+    strain_less(strain_[body].overloaded);
+    strain_less(strain_[body].crushed);
+  }
+  for (const std::uint32_t body : failed) strain_[body] = {};
+  std::erase_if(merged_, [this](std::uint32_t body) {
+    if (strain_[body].overloaded == 0) strain_[body] = {};
+    return strain_[body] == Strain{};
+  });
+  strained_.swap(merged_);
+}
+
+}  // namespace atl::solver

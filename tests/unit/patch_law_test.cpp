@@ -1,0 +1,147 @@
+// The law of a contact in the direct solver: a monotone function of the motion, and its derivative.
+
+#include <gtest/gtest.h>
+#include <solver/patch_law.h>
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+#include "random.h"
+
+namespace atl::solver {
+namespace {
+
+using test::Random;
+
+PatchLaw random_law(Random& random) {
+  PatchLaw law;
+  law.points = 1 + static_cast<int>(random.below(4));
+  for (int i = 0; i < law.points; ++i) {
+    law.x[i] = random.real(-1, 1);
+    law.y[i] = random.real(-1, 1);
+    law.stiffness[i] = random.real(1, 10);
+    law.bias[i] = random.real(-0.5, 0.5);
+  }
+  law.friction_stiffness = random.real(1, 10);
+  law.twist_stiffness = random.real(1, 10);
+  law.friction_bound = random.real(0, 5);
+  law.twist_bound = random.real(0, 2);
+  return law;
+}
+
+Six random_motion(Random& random) {
+  Six motion;
+  for (double& each : motion) each = random.real(-1, 1);
+  return motion;
+}
+
+double power(const Six& a, const Six& b) {
+  double sum = 0;
+  for (int k = 0; k < 6; ++k) sum += a[k] * b[k];
+  return sum;
+}
+
+TEST(PatchLaw, ImpulsesStayInTheirCone) {
+  Random random(1);
+  int slides = 0, sticks = 0, spins = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const PatchLaw law = random_law(random);
+    const Six motion = random_motion(random);
+    const PatchAnswer answer = law.answer(motion);
+    for (int p = 0; p < law.points; ++p) {
+      const double closing = -(law.speed(p, motion) + law.bias[p]);
+      EXPECT_DOUBLE_EQ(answer.normal[p], closing > 0 ? law.stiffness[p] * closing : 0);
+    }
+    const double friction = std::hypot(answer.friction[0], answer.friction[1]);
+    EXPECT_LE(friction, law.friction_bound * (1 + 1e-14));
+    EXPECT_LE(std::abs(answer.twist), law.twist_bound);
+    EXPECT_LE(answer.friction[0] * motion[3] + answer.friction[1] * motion[4], 0) << "it takes energy";
+    if (answer.pieces.slides) {
+      EXPECT_NEAR(friction, law.friction_bound, 1e-14 * law.friction_bound);
+    }
+    (answer.pieces.slides ? slides : sticks) += 1;
+    spins += answer.pieces.spins;
+  }
+  EXPECT_GT(slides, 100);
+  EXPECT_GT(sticks, 100);
+  EXPECT_GT(spins, 100);
+}
+
+// Between any two motions: what a convex function's derivative is.
+TEST(PatchLaw, IsMonotone) {
+  Random random(2);
+  for (int i = 0; i < 10000; ++i) {
+    const PatchLaw law = random_law(random);
+    const Six a = random_motion(random), b = random_motion(random);
+    const Six pa = law.total(law.answer(a)), pb = law.total(law.answer(b));
+    Six motion, impulse;
+    for (int k = 0; k < 6; ++k) {
+      motion[k] = a[k] - b[k];
+      impulse[k] = pa[k] - pb[k];
+    }
+    EXPECT_LE(power(impulse, motion), 1e-12);
+  }
+}
+
+TEST(PatchLaw, DerivativeIsThatOfItsImpulses) {
+  constexpr double h = 1e-6;
+  Random random(3);
+  int checked = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const PatchLaw law = random_law(random);
+    const Six at = random_motion(random);
+    const PatchPieces pieces = law.answer(at).pieces;
+    const auto k = law.derivative(at, pieces);
+    Eigen::Matrix<double, 6, 6> matrix;
+    bool one_piece = true;
+    for (int c = 0; c < 6; ++c) {
+      Six before = at, after = at;
+      before[c] -= h;
+      after[c] += h;
+      one_piece &= law.answer(before).pieces == pieces && law.answer(after).pieces == pieces;
+      const Six low = law.total(law.answer(before)), high = law.total(law.answer(after));
+      for (int r = 0; r < 6; ++r) {
+        matrix(r, c) = k[r][c];
+        if (!one_piece) continue;
+        ASSERT_NEAR(k[r][c], -(high[r] - low[r]) / (2 * h), 1e-6 * (1 + std::abs(k[r][c])));
+      }
+    }
+    if (one_piece) ++checked;
+    EXPECT_TRUE(matrix.isApprox(matrix.transpose(), 1e-14) || matrix.isZero());
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> values(matrix);
+    EXPECT_GE(values.eigenvalues()[0], -1e-12 * values.eigenvalues()[5]);
+  }
+  EXPECT_GT(checked, 1900);
+}
+
+// On the pieces that a motion is on, it answers as the law does.
+TEST(PatchLaw, LinearAnswerAgreesOnItsOwnPieces) {
+  Random random(4);
+  for (int i = 0; i < 1000; ++i) {
+    const PatchLaw law = random_law(random);
+    const Six motion = random_motion(random);
+    const PatchAnswer answer = law.answer(motion);
+    const PatchAnswer linear = law.linear_answer(motion, answer.pieces, answer);
+    EXPECT_EQ(linear.normal, answer.normal);
+    EXPECT_EQ(linear.friction, answer.friction);
+    EXPECT_EQ(linear.twist, answer.twist);
+  }
+}
+
+// Friction's impulse is its secant stiffness times its speed, whatever it does.
+TEST(PatchLaw, SecantTimesMotionIsFriction) {
+  Random random(5);
+  for (int i = 0; i < 1000; ++i) {
+    const PatchLaw law = random_law(random);
+    const Six motion = random_motion(random);
+    const PatchAnswer answer = law.answer(motion);
+    const auto k = law.secant(motion, {});
+    EXPECT_NEAR(-k[3][3] * motion[3], answer.friction[0], 1e-13);
+    EXPECT_NEAR(-k[4][4] * motion[4], answer.friction[1], 1e-13);
+    EXPECT_NEAR(-k[5][5] * motion[5], answer.twist, 1e-13);
+    for (int a = 0; a < 3; ++a) EXPECT_EQ(k[a], Six{}) << "no point is held";
+  }
+}
+
+}  // namespace
+}  // namespace atl::solver
