@@ -7,6 +7,7 @@
 #include "list_scenes.h"
 #include "run.h"
 #include "sweep/sweep.h"
+#include "verify/verify.h"
 
 namespace {
 
@@ -37,14 +38,18 @@ int command(int argc, char** argv) {
   CLI::App* sweep = app.add_subcommand("sweep", "run scenes over many settings and draw error against run time");
   atl::command::SweepOptions sweep_options;
   atl::command::add_sweep_options(*sweep, sweep_options);
+  CLI::App* verification = app.add_subcommand("verify", "run checks of the simulation and tell what fails");
+  atl::command::VerifyOptions verify_options;
+  atl::command::add_verify_options(*verification, verify_options);
   const CLI::App* scenes = app.add_subcommand("scenes", "list the built-in scenes and their parameters");
 
   try {
     app.parse(argc, argv);
     // CLI11's require_subcommand would hide that "atoll rnu" has an argument that is not understood.
-    if (app.get_subcommands().empty()) throw CLI::RequiredError("A command, run, sweep or scenes,");
+    if (app.get_subcommands().empty()) throw CLI::RequiredError("A command, run, sweep, verify or scenes,");
     if (run->parsed()) atl::command::run(options);
     if (sweep->parsed()) atl::command::sweep(sweep_options);
+    if (verification->parsed()) atl::command::verify(verify_options);
     if (scenes->parsed()) atl::command::list_scenes(std::cout);
     return static_cast<int>(Status::Done);
   } catch (const CLI::ParseError& error) {

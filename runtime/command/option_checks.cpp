@@ -1,5 +1,6 @@
 #include "option_checks.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <sstream>
@@ -52,6 +53,19 @@ CLI::Validator seed_number() {
     return "found \"" + text + "\", expected an integer in [0, 2^64)";
   };
   return {check, "[0, 2^64)", "seed"};
+}
+
+CLI::Option* add_choice(CLI::App& command, const char* option, const std::vector<std::string>& names, const char* help,
+                        const std::function<void(const std::string&)>& set) {
+  std::string words;
+  for (const std::string& name : names) words += (words.empty() ? "" : "|") + name;
+  const auto check = [names, words](std::string& text) -> std::string {
+    if (std::find(names.begin(), names.end(), text) != names.end()) return "";
+    return "found \"" + text + "\", expected " + words;
+  };
+  return command.add_option_function<std::string>(option, set, help)
+      ->check(CLI::Validator(check, "", "choice"))
+      ->type_name(words);
 }
 
 }  // namespace atl::command

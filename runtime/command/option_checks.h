@@ -2,7 +2,9 @@
 
 #include <CLI/CLI.hpp>
 #include <charconv>
+#include <functional>
 #include <string>
+#include <vector>
 
 namespace atl::command {
 
@@ -20,6 +22,10 @@ CLI::Validator number_above_zero(double max);
 CLI::Validator number_above_zero();
 CLI::Validator number_not_below_zero();
 CLI::Validator seed_number();
+
+/// An option that takes one of a few words, which its help lists.
+CLI::Option* add_choice(CLI::App& command, const char* option, const std::vector<std::string>& names, const char* help,
+                        const std::function<void(const std::string&)>& set);
 
 constexpr int most_threads = 1024;
 constexpr int most_steps = 1'000'000'000;

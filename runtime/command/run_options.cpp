@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <functional>
 #include <thread>
 
 #include "names.h"
@@ -10,26 +9,6 @@
 
 namespace atl::command {
 namespace {
-
-using Choices = std::vector<std::string>;
-
-std::string joined(const Choices& names) {
-  std::string all;
-  for (const std::string& name : names) all += (all.empty() ? "" : "|") + name;
-  return all;
-}
-
-// An option that takes one of a few words.
-CLI::Option* add_choice(CLI::App& command, const char* option, const Choices& names, const char* help,
-                        const std::function<void(const std::string&)>& set) {
-  const auto check = [names](std::string& text) -> std::string {
-    if (std::find(names.begin(), names.end(), text) != names.end()) return "";
-    return "found \"" + text + "\", expected " + joined(names);
-  };
-  return command.add_option_function<std::string>(option, set, help)
-      ->check(CLI::Validator(check, "", "choice"))
-      ->type_name(joined(names));
-}
 
 CLI::Validator file_name() {
   const auto check = [](std::string& text) -> std::string { return text.empty() ? "expected a file name" : ""; };

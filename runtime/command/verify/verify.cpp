@@ -1,0 +1,67 @@
+#include "verify.h"
+
+#include <algorithm>
+#include <iostream>
+#include <string_view>
+
+#include "../failure.h"
+#include "../progress.h"
+#include "scene/src/words.h"
+#include "stability_report.h"
+
+namespace atl::command {
+namespace {
+
+using stability::CaseResult;
+using stability::StabilityCase;
+
+const StabilityCase& find_case(const std::string& name) {
+  const std::vector<StabilityCase>& cases = stability::stability_cases();
+  const auto found = std::find_if(cases.begin(), cases.end(), [&](const StabilityCase& c) { return c.name == name; });
+  if (found != cases.end()) return *found;
+  std::vector<std::string_view> names;
+  for (const StabilityCase& known : cases) names.push_back(known.name);
+  throw Failure(Status::Usage, "--case: found " + scene::quote(name) +
+                                   ", expected a name from the table of atoll verify --stability" +
+                                   scene::suggestion(name, names));
+}
+
+std::vector<StabilityCase> chosen_cases(const VerifyOptions& options) {
+  if (options.cases.empty()) return stability::stability_cases();
+  std::vector<StabilityCase> cases;
+  for (const std::string& name : options.cases) cases.push_back(find_case(name));
+  return cases;
+}
+
+std::vector<CaseResult> run_cases(const std::vector<StabilityCase>& cases) {
+  Progress progress(static_cast<std::int64_t>(cases.size()), "cases");
+  std::vector<CaseResult> results;
+  for (const StabilityCase& test : cases) {
+    results.push_back(stability::run_case(test));
+    progress.update(static_cast<std::int64_t>(results.size()));
+  }
+  return results;
+}
+
+}  // namespace
+
+void verify(const VerifyOptions& options) {
+  if (!options.stability) {
+    throw Failure(Status::Usage, "verify: found no check to make, expected --stability (see atoll verify --help)");
+  }
+  const std::vector<StabilityCase> cases = chosen_cases(options);
+  const std::vector<CaseResult> results = run_cases(cases);
+  if (options.format == Format::Json) {
+    write_stability_json(std::cout, cases, results);
+  } else {
+    write_stability_text(std::cout, cases, results);
+  }
+  if (!std::cout.flush()) throw Failure(Status::Usage, "cannot write the results to standard output");
+  const auto failed = std::count_if(results.begin(), results.end(), [](const CaseResult& r) { return r.failed(); });
+  if (failed > 0) {
+    throw Failure(Status::CheckFailed,
+                  std::to_string(failed) + " of " + std::to_string(cases.size()) + " stability cases fail");
+  }
+}
+
+}  // namespace atl::command
