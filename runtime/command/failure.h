@@ -11,7 +11,7 @@ enum class Status {
   CheckFailed = 1,
   Usage = 2,  ///< an option, its value or an output file
   BadScene = 3,
-  NonFinite = 4,  ///< the simulation blew up
+  NonFinite = 4,  ///< a body's state became non-finite or absurd
 };
 
 /// Ends the command with one line on stderr.

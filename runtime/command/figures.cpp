@@ -45,6 +45,15 @@ BodyCounts body_counts(const Scene& scene) {
   return counts;
 }
 
+std::string lost_words(const Scene& scene, const LostBody& lost) {
+  std::string body = "body " + std::to_string(lost.body);
+  if (lost.body < scene.bodies.size() && !scene.bodies[lost.body].name.empty()) {
+    body += " \"" + scene.bodies[lost.body].name + "\"";
+  }
+  return body + " was quarantined in step " + std::to_string(lost.step) + " of " + std::to_string(scene.steps) + ": " +
+         lost.why;
+}
+
 std::string hash_text(std::uint64_t hash) {
   char text[19];
   std::snprintf(text, sizeof text, "0x%016" PRIx64, hash);

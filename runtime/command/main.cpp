@@ -30,7 +30,7 @@ int usage_error(const CLI::ParseError& error, const CLI::App& app) {
 int command(int argc, char** argv) {
   CLI::App app("Atoll: deterministic, island-parallel rigid-body simulation.", "atoll");
   app.set_version_flag("--version", "atoll " ATOLL_VERSION);
-  app.footer("Exit status: 0 done, 1 a check failed, 2 usage, 3 bad scene, 4 the simulation became non-finite.");
+  app.footer("Exit status: 0 done, 1 a check failed, 2 usage, 3 bad scene, 4 a body became non-finite.");
 
   CLI::App* run = app.add_subcommand("run", "simulate a scene file or a built-in scene and report time and error");
   atl::command::RunOptions options;

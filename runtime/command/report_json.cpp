@@ -60,6 +60,13 @@ Json errors_json(const RunResult& result) {
   return object;
 }
 
+Json lost_json(const RunResult& result) {
+  Json array = Json::array();
+  for (const LostBody& lost : result.lost)
+    array.push_back({{"body", lost.body}, {"step", lost.step}, {"why", lost.why}});
+  return array;
+}
+
 Json stages_json(const std::array<StageReport, stage_count>& stages) {
   Json array = Json::array();
   for (const StageReport& stage : stages) {
@@ -87,6 +94,7 @@ void write_json(std::ostream& out, const Scene& scene, const World& world, const
   object["counts"] = counts_json(result.last.counts);
   object["errors"] = errors_json(result);
   object["stages"] = stages_json(result.last.stages);
+  if (!result.lost.empty()) object["quarantined"] = lost_json(result);
   object["hash"] = hash_text(result.hash);
   // A name from a scene file is valid UTF-8 by then; one from a file's name need not be.
   out << object.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';

@@ -120,6 +120,12 @@ void write_errors(std::ostream& out, const RunResult& result) {
   }
 }
 
+void write_lost(std::ostream& out, const Scene& scene, const RunResult& result) {
+  if (result.lost.empty()) return;
+  out << "\nbodies lost\n";
+  for (const LostBody& lost : result.lost) out << "  " << lost_words(scene, lost) << "\n";
+}
+
 }  // namespace
 
 void write_text(std::ostream& out, const Scene& scene, const World& world, const RunResult& result) {
@@ -129,6 +135,7 @@ void write_text(std::ostream& out, const Scene& scene, const World& world, const
   write_counts(out, result.last.counts);
   write_stages(out, result.last.stages);
   write_errors(out, result);
+  write_lost(out, scene, result);
   out << "\nhash      " << hash_text(result.hash) << "\n";
 }
 

@@ -51,14 +51,11 @@ void write_final_state(const Outputs& outputs, const Scene& scene, const std::ve
   outputs.final_state->write([&](std::ostream& out) { result.final_state.write_csv(out, scene, ids); });
 }
 
-[[noreturn]] void fail_non_finite(const Scene& scene, const NonFinite& where, const Outputs& outputs) {
-  std::string body = "body " + std::to_string(where.body);
-  if (where.body < scene.bodies.size() && !scene.bodies[where.body].name.empty()) {
-    body += " \"" + scene.bodies[where.body].name + "\"";
-  }
-  throw Failure(Status::NonFinite, scene.name + ": " + body + " became non-finite in step " +
-                                       std::to_string(where.step) + " of " + std::to_string(scene.steps) +
-                                       (outputs.final_state ? "; --final-state has the state before that step" : ""));
+[[noreturn]] void fail_broken(const Scene& scene, const RunResult& result, const Outputs& outputs) {
+  const std::string more = result.lost.size() > 1 ? " (and " + std::to_string(result.lost.size() - 1) + " more)" : "";
+  throw Failure(Status::NonFinite, scene.name + ": " + lost_words(scene, result.lost.front()) + more +
+                                       (outputs.final_state ? "; --final-state has the state before that step" : "") +
+                                       "; --keep-going goes on without it");
 }
 
 void print(const RunOptions& options, const Scene& scene, const World& world, const RunResult& result) {
@@ -81,9 +78,10 @@ void run(const RunOptions& options) {
   const std::vector<BodyId> ids = add_bodies(scene, world);
 
   const RunResult result =
-      simulate(scene, world, ids, {.final_state = outputs.final_state.has_value(), .errors = options.errors});
+      simulate(scene, world, ids,
+               {.final_state = outputs.final_state.has_value(), .errors = options.errors, .going = options.keep_going});
   write_final_state(outputs, scene, ids, result);
-  if (result.non_finite) fail_non_finite(scene, *result.non_finite, outputs);
+  if (result.broken) fail_broken(scene, result, outputs);
   try {
     if (outputs.json) outputs.json->write([&](std::ostream& out) { write_json(out, scene, world, result); });
   } catch (const Failure&) {

@@ -115,6 +115,11 @@ void add_run_options(CLI::App& command, RunOptions& options) {
       .add_flag("--profile", options.profile,
                 "tell what the solver spends its time on; takes a little time, and changes no bit")
       ->group(output);
+  command
+      .add_flag(
+          "--keep-going", options.keep_going,
+          "go on without bodies whose state becomes non-finite or absurd, and list them, instead of exit status 4")
+      ->group(output);
   command.add_flag("--hash", options.hash, "with text, end with a line that holds the state hash alone")->group(output);
 }
 

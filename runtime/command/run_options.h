@@ -41,6 +41,7 @@ struct RunOptions {
   bool errors = false;
   bool profile = false;
   bool hash = false;
+  bool keep_going = false;
 };
 
 /// Declares the options, to be parsed into `options`, which has to outlive the parsing.

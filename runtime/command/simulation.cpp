@@ -22,9 +22,8 @@ StepTimes step_times(std::vector<double> ms) {
           .max = ms.back()};
 }
 
-std::size_t place_of(std::int64_t index, const std::vector<BodyId>& ids) {
-  const auto found = std::find_if(ids.begin(), ids.end(), [=](BodyId id) { return id.index == index; });
-  return static_cast<std::size_t>(found - ids.begin());
+std::size_t place_of(BodyId id, const std::vector<BodyId>& ids) {
+  return static_cast<std::size_t>(std::find(ids.begin(), ids.end(), id) - ids.begin());
 }
 
 }  // namespace
@@ -48,8 +47,8 @@ RunResult simulate(const Scene& scene, World& world, const std::vector<BodyId>& 
     for (std::size_t stage = 0; stage < solver_stage_count; ++stage)
       result.solver_ms[stage] += result.last.solver_ms[stage];
     result.points += static_cast<double>(result.last.counts.points);
-    if (result.last.first_non_finite_body >= 0) {
-      result.non_finite = NonFinite{step, place_of(result.last.first_non_finite_body, ids)};
+    if (result.last.quarantined > 0 && !keep.going) {
+      result.broken = true;
       break;
     }
     if (keep.errors) residual.observe(world);
@@ -61,7 +60,8 @@ RunResult simulate(const Scene& scene, World& world, const std::vector<BodyId>& 
   for (double& stage : result.solver_ms) stage /= steps;
   result.points /= steps;
   result.step_times = step_times(std::move(ms));
-  if (result.non_finite) return result;
+  for (const Quarantined& out : world.quarantined()) result.lost.push_back({out.step, place_of(out.id, ids), out.why});
+  if (result.broken) return result;
 
   if (keep.final_state) result.final_state.copy(world);
   result.hash = world.state_hash();

@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "state_csv.h"
@@ -19,10 +18,11 @@ struct StepTimes {
   double max = 0;
 };
 
-/// Where a run stopped being a simulation.
-struct NonFinite {
-  int step;          ///< the first is 1
-  std::size_t body;  ///< place in the scene's list
+/// A body that a run lost: see World::quarantined().
+struct LostBody {
+  std::int64_t step;  ///< the first is 1
+  std::size_t body;   ///< place in the scene's list
+  const char* why;
 };
 
 /// What a run of a scene gave.
@@ -31,18 +31,20 @@ struct RunResult {
   std::array<double, phase_count> phase_ms = {};  ///< mean
   /// Means, with Settings::profile only.
   std::array<double, solver_stage_count> solver_ms = {};
-  double points = 0;                    ///< mean, of manifolds
-  StepReport last;                      ///< of the last step
-  std::optional<NonFinite> non_finite;  ///< where set, the measures below are not
+  double points = 0;           ///< mean, of manifolds
+  StepReport last;             ///< of the last step
+  std::vector<LostBody> lost;  ///< in order of ids
+  bool broken = false;         ///< ended by a body that was lost: the measures below are not set
   std::vector<ErrorMeasure> errors;
   std::uint64_t hash = 0;
-  BodyStates final_state;  ///< the last finite one, where it was asked for
+  BodyStates final_state;  ///< where it was asked for; of a broken run, before the step that broke it
 };
 
 /// What simulate() keeps and measures on the way.
 struct Keep {
   bool final_state = false;
   bool errors = false;  ///< of every step; else of the final state only
+  bool going = false;   ///< whatever bodies are lost
 };
 
 /// Runs a scene that was built into the world as `ids`, and measures its errors.

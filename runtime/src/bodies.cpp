@@ -23,6 +23,10 @@ solver::Mobility mobility_of(BodyType type) {
   return solver::Mobility::Dynamic;
 }
 
+collision::Filter to_collision(const CollisionFilter& filter, std::uint32_t body) {
+  return {filter.category, filter.mask, filter.group, body};
+}
+
 }  // namespace
 
 void Contents::count(const solver::BodyTable& bodies, const BodyRecords& records, std::uint32_t body, int sign) {
@@ -43,6 +47,7 @@ BodyId World::Impl::add_body(const BodyDef& def) {
     const std::size_t count = body + std::size_t{1};
     bodies.resize(count);
     sleeping.resize(count);
+    quarantine.resize(count);
     escalation_.resize(count);
     records.generation.resize(count, 0);
     records.alive.resize(count, 0);
@@ -92,7 +97,8 @@ BodyId World::Impl::add_body(const BodyDef& def) {
   if (def.type == BodyType::Dynamic) escalation_.arrive(body);
   contents.count(bodies, records, body, +1);
   note_arrival_or_departure(body);
-  add_colliders(body, checked, def.filter);
+  add_colliders(body, checked, to_collision(def.filter, body));
+  quarantine.suspect(body);
   return {body, records.generation[body]};
 }
 
@@ -100,10 +106,26 @@ void World::Impl::remove_body(BodyId id) {
   captured_ = false;
   const std::uint32_t body = index_of(id, "remove_body");
   remove_joints_of(body);
+  if (quarantine.contains(body)) {
+    quarantine.remove(body);
+  } else {
+    take_out(body);
+  }
+  remove_colliders(body);
+  bodies.velocity(body).setZero();
+  bodies.angular_velocity(body).setZero();
+  records.alive[body] = 0;
+  ++records.generation[body];
+  records.free.push_back(body);
+  --records.count;
+}
+
+// From all that a step goes through, but for joints, which go before. What touched the body wakes.
+void World::Impl::take_out(std::uint32_t body) {
   wake_touching(body);
   sleeping.wake(body);
   cache.remove_contacts_of(body);
-  remove_colliders(body);
+  remove_proxies(body);
   contents.count(bodies, records, body, -1);
   sleeping.awake[body] = 0;
   escalation_.forget(body);
@@ -113,10 +135,6 @@ void World::Impl::remove_body(BodyId id) {
   bodies.gyroscopic[body] = 0;
   bodies.velocity(body).setZero();
   bodies.angular_velocity(body).setZero();
-  records.alive[body] = 0;
-  ++records.generation[body];
-  records.free.push_back(body);
-  --records.count;
   contact_forces_valid_ = false;
 }
 
@@ -134,11 +152,13 @@ std::uint32_t World::Impl::awaken(BodyId id, const char* call) {
   const std::uint32_t body = index_of(id, call);
   sleeping.wake(body);
   look_again(body);
+  quarantine.suspect(body);
   if (bodies.mobility[body] == solver::Mobility::Kinematic) may_start_or_stop_.push_back(body);
   return body;
 }
 
 void World::Impl::apply_force(std::uint32_t body, const Vector3& force, const Vector3& torque) {
+  if (quarantine.contains(body)) return;
   if (bodies.force(body).isZero(0) && bodies.torque(body).isZero(0)) pushed_.push_back(body);
   bodies.force(body) += force;
   bodies.torque(body) += torque;
@@ -159,7 +179,9 @@ void World::Impl::set_pose(BodyId id, const Pose& pose) {
   wake_touching(body);
   wake_joined(body);
   sleeping.wake(body);
-  bodies.position(body) = pose.position + orientation * records.centre[body];
+  const Vector3 position = pose.position + orientation * records.centre[body];
+  before_move(body, position);
+  bodies.position(body) = position;
   bodies.turned[body] += solver::turn_chord(bodies.orientation(body), orientation);
   bodies.set_orientation(body, orientation);
   move_proxies(body);
@@ -174,6 +196,7 @@ void World::Impl::set_surface_velocity(BodyId id, const Vector3& velocity) {
   const std::uint32_t body = index_of(id, "set_surface_velocity");
   wake_touching(body);
   sleeping.wake(body);
+  quarantine.suspect(body);
   const Material& material = records.material[body];
   set_surface(body, {velocity, material.rolling_friction, material.torsional_friction});
 }
@@ -182,9 +205,12 @@ void World::Impl::set_filter(BodyId id, const CollisionFilter& filter) {
   const std::uint32_t body = index_of(id, "set_filter");
   wake_touching(body);
   sleeping.wake(body);
-  for_each_collider(body, [&](std::uint32_t collider) {
-    broadphase.set_filter(collider, {filter.category, filter.mask, filter.group, body});
-  });
+  const collision::Filter in_broadphase = to_collision(filter, body);
+  if (quarantine.contains(body)) {
+    quarantine.kept(body).filter = in_broadphase;
+    return;
+  }
+  for_each_collider(body, [&](std::uint32_t collider) { broadphase.set_filter(collider, in_broadphase); });
 }
 
 void World::Impl::set_collision_enabled(BodyId a, BodyId b, bool enabled) {

@@ -45,7 +45,7 @@ double room_in(const collision::Aabb& box, const collision::Bounds& bounds) {
 
 }  // namespace
 
-void World::Impl::add_colliders(std::uint32_t body, const CheckedBody& checked, const CollisionFilter& filter) {
+void World::Impl::add_colliders(std::uint32_t body, const CheckedBody& checked, const collision::Filter& filter) {
   std::uint32_t previous = collision::ColliderTable::none;
   std::uint32_t child = 0;
   double radius = 0;
@@ -67,30 +67,38 @@ void World::Impl::add_colliders(std::uint32_t body, const CheckedBody& checked, 
   bodies.sweep_distance[body] = bodies.mobility[body] != solver::Mobility::Dynamic
                                     ? infinity
                                     : (records.continuous[body] ? continuous_share : sweep_share) * size;
-  bodies.slack[body] = infinity;
   stretch_.resize(bodies.size(), 0.0);
+  add_proxies(body, filter);
+}
+
+// Puts all colliders of a body into the broadphase.
+void World::Impl::add_proxies(std::uint32_t body, const collision::Filter& filter) {
+  bodies.slack[body] = infinity;
   stretch_[body] = 0;
   // Its speed has not been accounted for: how long a step is shows when there is one.
   bodies.outgrown[body] = 1;
   const bool fixed = bodies.mobility[body] == solver::Mobility::Fixed;
   for_each_collider(body, [&](std::uint32_t collider) {
-    const collision::Filter in_broadphase{filter.category, filter.mask, filter.group, body};
     if (is_bounded(colliders.shape[collider])) {
       const ProxyBox box = proxy_box(collider, nullptr);
-      broadphase.add_box(collider, box.fat, fixed, in_broadphase);
+      broadphase.add_box(collider, box.fat, fixed, filter);
       bodies.slack[body] = std::min(bodies.slack[body], box.slack);
     } else {
-      broadphase.add_half_space(collider, world_plane(collider), in_broadphase);
+      broadphase.add_half_space(collider, world_plane(collider), filter);
       bodies.slack[body] = 0;
     }
   });
   note_stretch(body);
 }
 
+void World::Impl::remove_proxies(std::uint32_t body) {
+  for_each_collider(body, [this](std::uint32_t collider) { broadphase.remove(collider); });
+}
+
+// Of a body that has no proxies any more.
 void World::Impl::remove_colliders(std::uint32_t body) {
   for (std::uint32_t c = records.first_collider[body]; c != collision::ColliderTable::none;) {
     const std::uint32_t next = colliders.next[c];
-    broadphase.remove(c);
     colliders.remove(c);
     c = next;
   }
@@ -133,7 +141,7 @@ collision::Plane World::Impl::world_plane(std::uint32_t collider) const {
 
 // A body was put elsewhere, or got out of its boxes.
 void World::Impl::move_proxies(std::uint32_t body) {
-  if (!is_finite(body)) return;
+  if (!is_finite(body) || quarantine.contains(body)) return;
   bodies.slack[body] = infinity;
   for_each_collider(body, [&](std::uint32_t collider) {
     if (is_bounded(colliders.shape[collider])) {

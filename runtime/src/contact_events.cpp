@@ -24,7 +24,8 @@ void World::Impl::note_events() {
   const auto is_idle = [&](const std::pair<BodyId, BodyId>& pair) {
     const auto [a, b] = pair;
     return !active_.contains(a.index) && !active_.contains(b.index) && records.alive[a.index] &&
-           records.alive[b.index] && a == id(a.index) && b == id(b.index);
+           records.alive[b.index] && a == id(a.index) && b == id(b.index) && !quarantine.contains(a.index) &&
+           !quarantine.contains(b.index);
   };
   std::swap(touched_, touched_before_);
   touched_now_.clear();

@@ -11,7 +11,8 @@ std::uint32_t JointTable::add(const JointDef& definition, const solver::Joint& j
     joints.emplace_back();
     def.emplace_back();
     generation.push_back(0);
-    for (std::vector<std::uint8_t>* flags : {&alive, &enabled, &broken, &acts, &watched, &driven}) flags->push_back(0);
+    for (std::vector<std::uint8_t>* flags : {&alive, &enabled, &broken, &suspended, &acts, &watched, &driven})
+      flags->push_back(0);
     limit_before.emplace_back();
     links_.resize(2 * size());
   } else {
@@ -21,7 +22,7 @@ std::uint32_t JointTable::add(const JointDef& definition, const solver::Joint& j
   joints[index] = joint;
   def[index] = definition;
   alive[index] = enabled[index] = 1;
-  broken[index] = 0;
+  broken[index] = suspended[index] = 0;
   limit_before[index] = {};
   ++count;
   link(2 * index);
@@ -33,7 +34,7 @@ std::uint32_t JointTable::add(const JointDef& definition, const solver::Joint& j
 void JointTable::remove(std::uint32_t joint) {
   unlink(2 * joint);
   unlink(2 * joint + 1);
-  alive[joint] = enabled[joint] = broken[joint] = 0;
+  alive[joint] = enabled[joint] = broken[joint] = suspended[joint] = 0;
   joints[joint] = {};
   def[joint] = {};
   ++generation[joint];
@@ -44,7 +45,7 @@ void JointTable::remove(std::uint32_t joint) {
 
 void JointTable::update_flags(std::uint32_t joint) {
   const solver::Joint& j = joints[joint];
-  acts[joint] = enabled[joint] && j.row_count() > 0;
+  acts[joint] = enabled[joint] && suspended[joint] == 0 && j.row_count() > 0;
   bool may_tell = def[joint].break_force < unlimited || def[joint].break_torque < unlimited;
   bool is_driven = false;
   for (std::size_t row = 0; row < j.rows; ++row) {

@@ -21,12 +21,13 @@ struct JointTable {
   std::vector<std::uint8_t> alive;
   std::vector<std::uint8_t> enabled;
   std::vector<std::uint8_t> broken;
-  std::vector<std::uint8_t> acts;     ///< 1 for those that are there, enabled, and have rows
-  std::vector<std::uint8_t> watched;  ///< 1 for those that may break, or reach the ends of a range
-  std::vector<std::uint8_t> driven;   ///< 1 for those with a motor that is to move
-  std::vector<Limits> limit_before;   ///< that events have told of
-  std::vector<std::uint32_t> free;    ///< indices of removed joints; the last is used first
-  std::size_t count = 0;              ///< alive
+  std::vector<std::uint8_t> suspended;  ///< how many of its bodies are in quarantine
+  std::vector<std::uint8_t> acts;       ///< 1 for those that are there, enabled, not suspended, and have rows
+  std::vector<std::uint8_t> watched;    ///< 1 for those that may break, or reach the ends of a range
+  std::vector<std::uint8_t> driven;     ///< 1 for those with a motor that is to move
+  std::vector<Limits> limit_before;     ///< that events have told of
+  std::vector<std::uint32_t> free;      ///< indices of removed joints; the last is used first
+  std::size_t count = 0;                ///< alive
 
   std::size_t size() const { return joints.size(); }
   /// Adds an enabled joint, and returns its index.

@@ -78,7 +78,7 @@ void World::Impl::check_bodies(const JointDef& def) const {
   if (def.first == def.second) {
     throw Error("JointDef.second is " + text(def.second) + ", as is first; expected another body");
   }
-  if (!records.dynamic[def.first.index] && !records.dynamic[def.second.index]) {
+  if (records.type[def.first.index] != BodyType::Dynamic && records.type[def.second.index] != BodyType::Dynamic) {
     throw Error("JointDef: neither first " + text(def.first) + " nor second " + text(def.second) +
                 " is dynamic; expected at least one that is");
   }
@@ -94,6 +94,8 @@ JointId World::Impl::add_joint(const JointDef& definition) {
   }
   find_positions(joint, frames);
   const std::uint32_t index = joints.add(def, joint);
+  for (const BodyId body : {def.first, def.second}) joints.suspended[index] += quarantine.contains(body.index);
+  joints.update_flags(index);
   joint_changed(index);
   if (!def.collide) keep_apart(index);
   return {index, joints.generation[index]};
@@ -111,6 +113,31 @@ void World::Impl::remove_joints_of(std::uint32_t body) {
   joints.for_each_of(body, [&](std::uint32_t joint) { of_body.push_back(joint); });
   std::sort(of_body.begin(), of_body.end());
   for (const std::uint32_t joint : of_body) remove_joint(joint);
+}
+
+// What removing them would do to all others: they wake and are solved anew.
+void World::Impl::suspend_joints_of(std::uint32_t body) {
+  joints.for_each_of(body, [this](std::uint32_t joint) {
+    joint_changed(joint);
+    ++joints.suspended[joint];
+    joints.update_flags(joint);
+    solver::Joint& j = joints.joints[joint];
+    forget_impulses(j);
+    j.force.setZero();
+    j.torque.setZero();
+    j.limit = {};
+    joints.limit_before[joint] = {};
+    find_positions(j, frames_of(j));
+  });
+}
+
+void World::Impl::resume_joints_of(std::uint32_t body) {
+  joints.for_each_of(body, [this](std::uint32_t joint) {
+    joint_changed(joint);
+    --joints.suspended[joint];
+    joints.update_flags(joint);
+    find_positions(joints.joints[joint], frames_of(joints.joints[joint]));
+  });
 }
 
 bool World::Impl::contains(JointId id) const {

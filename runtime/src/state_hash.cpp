@@ -176,6 +176,10 @@ std::uint64_t World::Impl::state_hash() const {
     hash.add(std::uint64_t{a.index} << 32 | b.index);
     hash.add(std::uint64_t{a.generation} << 32 | b.generation);
   }
+  for (const Quarantined& out : quarantine.bodies()) {
+    hash.add(std::uint64_t{out.id.index} << 32 | static_cast<std::uint64_t>(out.reason));
+    hash.add(static_cast<std::uint64_t>(out.step));
+  }
   add_escalation(hash, settings, escalation_);
   add_joint_settings(hash, settings, joints.size() > 0);
   if (joints.size() > 0) {

@@ -1,7 +1,5 @@
-#include <atomic>
+#include <algorithm>
 #include <chrono>
-#include <cmath>
-#include <limits>
 
 #include "world_impl.h"
 
@@ -19,6 +17,7 @@ double ms_since(Clock::time_point start) {
 StepReport World::Impl::step(double dt) {
   const Clock::time_point start = Clock::now();
   dt_ = dt;
+  ++steps_;
   report_ = {};
   contact_forces_valid_ = false;
   captured_ = settings.keep_contact_problem;
@@ -27,7 +26,7 @@ StepReport World::Impl::step(double dt) {
     (this->*body)();
     report_.phase_ms[static_cast<std::size_t>(phase)] = ms_since(phase_start);
   };
-  run(Phase::Plan, &Impl::plan);                          // who may move
+  run(Phase::Plan, &Impl::plan);                          // who may move, and who is unfit to
   run(Phase::FindPairs, &Impl::find_pairs);               // moved proxies -> new pairs, in id order
   run(Phase::UpdateContacts, &Impl::update_contacts);     // pairs -> manifolds: keep, refresh or ask FCL
   run(Phase::BuildIslands, &Impl::build_islands);         // touching contacts, joints -> islands -> groups; wake
@@ -42,6 +41,7 @@ StepReport World::Impl::step(double dt) {
 }
 
 void World::Impl::plan() {
+  quarantine_suspects();
   if (update_active_bodies()) cache.set_active(active_.started(), active_.stopped());
 }
 
@@ -141,7 +141,6 @@ void World::Impl::finish() {
     bodies.torque(body).setZero();
   }
   pushed_.clear();
-  report_.first_non_finite_body = first_non_finite_body();
   if (settings.contact_events) {
     note_events();
   } else {
@@ -161,6 +160,7 @@ void World::Impl::finish() {
     counts.sweeps += group.sweeps;
     for (std::size_t i = 0; i < solver_stage_count; ++i) report_.solver_ms[i] += group.stage_ms[i];
   }
+  quarantine_broken();
   counts.asleep = sleeping.asleep;
 }
 
@@ -174,26 +174,6 @@ void World::Impl::keep_belts_awake() {
       if (bodies.velocity(body).norm() > 0.5 * belt) sleeping.rest_time[body] = 0;
     }
   }
-}
-
-std::int64_t World::Impl::first_non_finite_body() {
-  constexpr std::size_t grain = 1024;
-  std::atomic<std::int64_t> first{std::numeric_limits<std::int64_t>::max()};
-  const std::span<const std::uint32_t> active = active_.in_order();
-  arena.parallel_for(active.size(), grain, [&](std::size_t begin, std::size_t end) {
-    for (const std::uint32_t i : active.subspan(begin, end - begin)) {
-      // Finite terms of any size keep 0 * sum at 0; one that is not makes it NaN.
-      const double probe = 0 * (bodies.position(i).sum() + bodies.velocity(i).sum() + bodies.angular_velocity(i).sum() +
-                                bodies.orientation(i).coeffs().sum());
-      if (probe == 0) continue;
-      std::int64_t lowest = first.load();
-      const auto here = static_cast<std::int64_t>(i);
-      while (here < lowest && !first.compare_exchange_weak(lowest, here)) {
-      }
-      break;
-    }
-  });
-  return first == std::numeric_limits<std::int64_t>::max() ? -1 : first.load();
 }
 
 void World::Impl::note_stages() {

@@ -147,6 +147,7 @@ double World::Impl::first_hit(const solver::FastBody& fast, std::vector<std::uin
 
 void World::Impl::sweep_fast_bodies() {
   fast_in_order_.clear();
+  restrain_broken();
   fast_.for_each([this](std::vector<solver::FastBody>& of_worker) {
     for (const solver::FastBody& fast : of_worker) {
       // A body that is put back tears the joints that hold it to others, which have gone on.

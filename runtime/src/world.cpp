@@ -109,6 +109,7 @@ void World::apply_impulse(BodyId id, const Vector3& impulse, const Vector3& poin
   check_finite("World::apply_impulse: impulse", impulse);
   check_finite("World::apply_impulse: point", point);
   const std::uint32_t body = impl_->awaken(id, "apply_impulse");
+  if (impl_->quarantine.contains(body)) return;
   solver::BodyTable& bodies = impl_->bodies;
   const solver::Quaternion orientation = bodies.orientation(body);
   const Vector3 moment = (point - bodies.position(body)).cross(impulse);
@@ -117,6 +118,14 @@ void World::apply_impulse(BodyId id, const Vector3& impulse, const Vector3& poin
 }
 
 void World::wake(BodyId id) { impl_->awaken(id, "wake"); }
+
+std::span<const Quarantined> World::quarantined() const { return impl_->quarantine.bodies(); }
+
+bool World::is_quarantined(BodyId id) const {
+  return impl_->quarantine.contains(impl_->index_of(id, "is_quarantined"));
+}
+
+void World::release(BodyId id) { impl_->release_body(id); }
 
 void World::set_filter(BodyId id, const CollisionFilter& filter) { impl_->set_filter(id, filter); }
 

@@ -24,6 +24,7 @@
 
 #include "active_bodies.h"
 #include "joint_table.h"
+#include "quarantine.h"
 #include "sleeping.h"
 
 namespace atl {
@@ -79,6 +80,7 @@ class World::Impl {
   void set_collision_enabled(BodyId a, BodyId b, bool enabled);
   void wake_all();
   void wake_touching(std::uint32_t body);
+  void release_body(BodyId id);  // quarantine.cpp
 
   // Joints: joints.cpp.
   JointId add_joint(const JointDef& def);
@@ -110,6 +112,7 @@ class World::Impl {
   Contents contents;
   JointTable joints;
   Sleeping sleeping;
+  QuarantineList quarantine;
   collision::Broadphase broadphase;
   collision::ContactCache cache;
 
@@ -134,8 +137,11 @@ class World::Impl {
       visit(c);
     }
   }
-  void add_colliders(std::uint32_t body, const CheckedBody& checked, const CollisionFilter& filter);
+  void take_out(std::uint32_t body);
+  void add_colliders(std::uint32_t body, const CheckedBody& checked, const collision::Filter& filter);
   void remove_colliders(std::uint32_t body);
+  void add_proxies(std::uint32_t body, const collision::Filter& filter);
+  void remove_proxies(std::uint32_t body);
   ProxyBox proxy_box(std::uint32_t collider, const collision::Aabb* current) const;
   collision::Plane world_plane(std::uint32_t collider) const;
   bool is_finite(std::uint32_t body) const;
@@ -186,9 +192,19 @@ class World::Impl {
   void keep_driven_awake(std::uint32_t joint);
 
   void keep_belts_awake();
-  std::int64_t first_non_finite_body();
+
+  // Containment: quarantine.cpp, and of joints joints.cpp.
+  void quarantine_suspects();
+  void before_move(std::uint32_t body, const Vector3& position);
+  void put_back(std::uint32_t body, const solver::BodyPose& pose);
+  void restrain_broken();
+  void quarantine_broken();
+  void put_in_quarantine(std::uint32_t body, Quarantine reason);
+  void suspend_joints_of(std::uint32_t body);
+  void resume_joints_of(std::uint32_t body);
 
   // The step in progress, and what its phases hand on.
+  std::int64_t steps_ = 0;  // begun so far
   double dt_ = 0;
   double last_dt_ = 0;
   double last_substep_ = 0;  // s; 0 before the first step
@@ -222,8 +238,9 @@ class World::Impl {
   std::vector<std::uint32_t> failed_;  // bodies of islands that could not be solved at once
   solver::FastBodies fast_;
   std::vector<solver::FastBody> fast_in_order_;
-  std::vector<std::uint32_t> rushed_;  // fast bodies that left their boxes
-  std::vector<double> first_hits_;     // by fast body: when it met something, as part of the step
+  std::vector<std::uint32_t> rushed_;                         // fast bodies that left their boxes
+  std::vector<std::pair<std::uint32_t, Quarantine>> broken_;  // bodies that the solve left unsound, in order
+  std::vector<double> first_hits_;  // by fast body: when it met something, as part of the step
   jobs::Scratch<std::vector<std::uint32_t>> nearby_;
   solver::JointGraph joint_graph_;
   bool joints_stale_ = false;  // joints came, went or changed since the graph was made

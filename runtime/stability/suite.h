@@ -49,7 +49,7 @@ struct Finding {
   bool expected() const { return holds() == known_failure.empty(); }
 };
 
-/// Where a state became non-finite, or an orientation lost its length.
+/// Where a state became non-finite or absurd, so that the body was quarantined, or an orientation lost its length.
 struct BadState {
   int step = 0;          ///< 1 is the first
   std::size_t body = 0;  ///< place in the scene

@@ -1,4 +1,5 @@
 #include <solver/motion.h>
+#include <solver/state_bounds.h>
 
 #include <algorithm>
 
@@ -17,10 +18,14 @@ void note_motion(BodyTable& bodies, std::uint32_t body, const BodyPose& start, d
   const double moved = (bodies.position(body) - start.position).norm() + radius * chord;
   bodies.turned[body] += chord;
   bodies.slack[body] -= moved;
-  const double next = (bodies.velocity(body).norm() + bodies.angular_velocity(body).norm() * radius) * dt;
+  const double speed = bodies.velocity(body).norm();
+  const double spin = bodies.angular_velocity(body).norm();
+  const double next = (speed + spin * radius) * dt;
   // Written so that a body which is no longer finite is looked at, and found out.
   if (!(bodies.slack[body] >= std::min(next, bodies.reach_limit[body]))) bodies.outgrown[body] = 1;
-  if (moved > bodies.sweep_distance[body]) fast.local().push_back({body, start});
+  const bool sound =
+      is_in_place(bodies.position(body), bodies.orientation(body)) && speed <= top_speed && spin <= top_spin;
+  if (moved > bodies.sweep_distance[body] || !sound) fast.local().push_back({body, start});
 }
 
 }  // namespace atl::solver

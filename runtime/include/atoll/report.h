@@ -80,8 +80,8 @@ struct StepReport {
   std::array<StageReport, stage_count> stages = {};
   /// With Settings::profile: ms on the worker that solves it, summed over island groups.
   std::array<double, solver_stage_count> solver_ms = {};
-  /// Lowest-numbered body whose state stopped being finite in this step, or -1. Its state and the
-  /// world's stay as the step left them.
+  std::int64_t quarantined = 0;  ///< bodies that this step took out of the world: see World::quarantined()
+  /// The lowest-numbered of these: its state was, or was about to become, not finite or absurd. -1 if there is none.
   std::int64_t first_non_finite_body = -1;
 };
 

@@ -4,6 +4,7 @@
 #include <atoll/contact_problem.h>
 #include <atoll/error.h>
 #include <atoll/joint.h>
+#include <atoll/quarantine.h>
 #include <atoll/report.h>
 #include <atoll/settings.h>
 #include <atoll/types.h>
@@ -40,8 +41,6 @@ struct ContactEvent {
   bool began;
 };
 
-/// A world of rigid bodies. Independent worlds may be used from different threads; one world may be used
-/// from one thread at a time. Same calls, same bits: whatever the threads, vector width or machine.
 /// An island whose contacts carry more than the settings' sweeps can hold up, and what a step did about it. See
 /// Settings::contact_solver.
 struct EscalatedIsland {
@@ -54,6 +53,8 @@ struct EscalatedIsland {
   int iterations = 0;  ///< of its method, beyond the first solve
 };
 
+/// A world of rigid bodies. Independent worlds may be used from different threads; one world may be used
+/// from one thread at a time. Same calls, same bits: whatever the threads, vector width or machine.
 class World {
  public:
   /// Throws Error on a setting out of range, or an instruction set that this machine lacks.
@@ -91,6 +92,20 @@ class World {
   /// Whether two bodies may touch at all, whatever their filters say. Holds until either is removed. Joints that keep
   /// them apart do so either way.
   void set_collision_enabled(BodyId a, BodyId b, bool enabled);
+
+  /// Bodies that are out of the world because their state was, or was about to become, not finite or absurd: see
+  /// Quarantine for the bounds. In order of id. Valid until the next call that isn't const.
+  ///
+  /// A step checks each body that was added, moved or pushed since the last one before it meets anything; one that
+  /// fails is taken out, and to all others that is as if it had been removed there and then, bit for bit. A body that
+  /// breaks in the solve is taken out at the end of that step, in which it may have acted on what it touched. A body in
+  /// quarantine keeps its id and has its last good pose and no velocity. It touches nothing, is found by no query and
+  /// feels no force; joints to it are suspended. What touched or was joined to it wakes.
+  std::span<const Quarantined> quarantined() const;
+  bool is_quarantined(BodyId id) const;
+  /// Lets a body in quarantine take part again, as it was or as set_pose and set_velocity have put it since; its joints
+  /// act again. Throws Error on one that is not in quarantine, or whose pose and velocities are still out of bounds.
+  void release(BodyId id);
 
   /// Joins two bodies, and wakes them. Throws Error naming the field and the value if the definition is unusable.
   JointId add_joint(const JointDef& def);
@@ -131,7 +146,8 @@ class World {
   std::span<const EscalatedIsland> escalated_islands() const;
 
   /// After a step with Settings::keep_contact_problem: what the last substep's sweeps had to solve, and their answer,
-  /// before restitution. Empty after a step without it, or once a body has been removed.
+  /// before restitution. Empty after a step without it, or that lost a body in its solve, or once a body
+  /// has been removed.
   ContactProblem contact_problem() const;
 
   /// Pose and velocities of one body.

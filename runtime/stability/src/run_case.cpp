@@ -30,7 +30,10 @@ Simulated simulate(const Scene& scene, int steps) {
     run.ms.push_back(world.step(scene.dt).ms);
     run.history.states.push_back(body_states(world, ids));
     const std::vector<BodyState>& states = run.history.states.back();
-    const auto bad = std::find_if_not(states.begin(), states.end(), is_good);
+    auto bad = std::find_if_not(states.begin(), states.end(), is_good);
+    for (std::size_t i = 0; i < ids.size() && bad == states.end(); ++i) {
+      if (world.is_quarantined(ids[i])) bad = states.begin() + static_cast<std::ptrdiff_t>(i);
+    }
     if (bad != states.end()) {
       run.bad_state = BadState{step, static_cast<std::size_t>(bad - states.begin())};
       break;

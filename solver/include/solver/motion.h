@@ -13,7 +13,8 @@ struct BodyPose {
   Quaternion orientation;
 };
 
-/// A body that may have passed through something in this step, and where it started.
+/// A body that may have passed through something in this step, or that came out of it unsound (see state_bounds.h), and
+/// where it started.
 struct FastBody {
   std::uint32_t body;
   BodyPose start;
@@ -35,7 +36,7 @@ bool changes_steadily(const Vector3& gained, const Vector3& gained_spin, const V
                       double radius);
 
 /// Keeps account of a body that has moved from `start` in a step of dt seconds: whether it may have used up the
-/// slack of its bounds by the end of the next one, and whether it was fast.
+/// slack of its bounds by the end of the next one, and whether it was fast or is unsound.
 void note_motion(BodyTable& bodies, std::uint32_t body, const BodyPose& start, double dt, FastBodies& fast);
 
 }  // namespace atl::solver

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <atoll/quarantine.h>
+#include <collision/filter.h>
+#include <solver/body_table.h>
+#include <solver/motion.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <vector>
+
+namespace atl {
+
+/// The bodies that are in quarantine, and those that callers touched since the last step, which may have to go there.
+class QuarantineList {
+ public:
+  /// What a body needs to come back.
+  struct Kept {
+    solver::Mobility mobility;
+    std::uint8_t gyroscopic;
+    collision::Filter filter;
+  };
+
+  /// For a world of so many bodies.
+  void resize(std::size_t count) { suspected_.resize(count, 0); }
+
+  bool contains(std::uint32_t body) const { return !bodies_.empty() && find(body) < bodies_.size(); }
+  std::span<const Quarantined> bodies() const { return bodies_; }  ///< in order of id
+  Kept& kept(std::uint32_t body) { return kept_[find(body)]; }
+  void add(const Quarantined& body, const Kept& kept);
+  void remove(std::uint32_t body);
+
+  /// The body's state was changed from outside, so the next step is to check it.
+  void suspect(std::uint32_t body);
+  /// Where a body is that is about to be put where it can't stay.
+  void remember_pose(std::uint32_t body, const solver::BodyPose& pose) { poses_before_.insert_or_assign(body, pose); }
+  /// What remember_pose() was last told of it since the last step, or nullptr.
+  const solver::BodyPose* pose_before(std::uint32_t body) const;
+  std::span<const std::uint32_t> suspects() const { return suspects_; }  ///< in no order to rely on, each once
+  void clear_suspects();
+
+ private:
+  std::size_t find(std::uint32_t body) const;  // its place, or the number of bodies
+
+  std::vector<Quarantined> bodies_;      // in order of id
+  std::vector<Kept> kept_;               // the same
+  std::vector<std::uint8_t> suspected_;  // by body
+  std::vector<std::uint32_t> suspects_;
+  std::map<std::uint32_t, solver::BodyPose> poses_before_;
+};
+
+}  // namespace atl
