@@ -33,8 +33,13 @@ Vector3 rotation_rate(const Vector3& turned, const Vector3& w) {
 }
 
 void move_gyroscopic(BodyTable& bodies, std::uint32_t body, double dt, int substeps) {
-  // Steps short enough that a fast top turns less than a twentieth of a radian in each.
-  const double turn = bodies.angular_velocity(body).norm() * dt;
+  // Steps short enough that a fast top turns less than a twentieth of a radian in each. Where moments differ by more
+  // than a dozen times, what a turn makes of the spin about the least counts for more: a needle's grows by its whole
+  // momentum over that moment.
+  constexpr double ordinary = 16;
+  const Vector3& moments = bodies.moments[body];
+  const double ratio = moments.maxCoeff() / moments.minCoeff();
+  const double turn = bodies.angular_velocity(body).norm() * dt * std::sqrt(std::max(1.0, ratio / ordinary));
   const int steps = std::max(substeps, static_cast<int>(std::min(turn / 0.05, 4096.0)));
   const double h = dt / steps;
   const Matrix3& inverse_inertia = bodies.inverse_inertia[body];
