@@ -23,16 +23,22 @@ void World::Impl::solve_islands() {
   move_unconstrained_bodies();
 }
 
+bool World::Impl::escalates() const {
+  return settings.stabilisation == Stabilisation::Soft && settings.contact_solver == ContactSolver::Auto;
+}
+
 // Islands whose contacts carry too much are solved on their own, and otherwise.
 void World::Impl::choose_remedies() {
-  const bool soft = settings.stabilisation == Stabilisation::Soft;
-  const std::span<const Remedy> remedies = soft && settings.contact_solver == ContactSolver::Auto
-                                               ? escalation_.choose({.islands = islands_,
-                                                                     .bodies = bodies,
-                                                                     .manifolds = cache.manifolds.data(),
-                                                                     .gravity = gravity,
-                                                                     .give = give_of_soft_contacts()})
-                                               : std::span<const Remedy>();
+  std::span<const Remedy> remedies;
+  if (escalates()) {
+    remedies = escalation_.choose({.islands = islands_,
+                                   .bodies = bodies,
+                                   .manifolds = cache.manifolds.data(),
+                                   .gravity = gravity,
+                                   .give = give_of_soft_contacts()});
+  } else {
+    escalation_.forget_all();
+  }
   const bool changed = !std::equal(remedies.begin(), remedies.end(), remedies_.begin(), remedies_.end());
   if (!changed && !islands_rebuilt_) return;
   remedies_.assign(remedies.begin(), remedies.end());
@@ -147,7 +153,7 @@ void World::Impl::note_remedies() {
     report_.counts.newton_iterations += island.iterations;
     escalated_.push_back(island);
   }
-  escalation_.note(all_overloads_, failed_, sleeping.awake);
+  if (escalates()) escalation_.note(all_overloads_, failed_, sleeping.awake);
 }
 
 void World::Impl::move_unconstrained_bodies() {

@@ -163,6 +163,7 @@ class World::Impl {
   double first_hit(const solver::FastBody& fast, std::vector<std::uint32_t>& nearby) const;
   void wake_touched_sleepers();
   void remove_lost_contacts();
+  bool escalates() const;
   void choose_remedies();
   double give_of_soft_contacts() const;
   void solve_groups();

@@ -48,6 +48,12 @@ void Escalation::forget(std::uint32_t body) {
   strained_.erase(std::lower_bound(strained_.begin(), strained_.end(), body));
 }
 
+void Escalation::forget_all() {
+  arrived_.clear();
+  for (const std::uint32_t body : strained_) strain_[body] = {};
+  strained_.clear();
+}
+
 // What new bodies stand on and under, as if it had been for long: it takes a wall some time to settle on its load.
 void Escalation::estimate_arrived(const LoadInput& input) {
   if (arrived_.empty()) return;

@@ -247,9 +247,11 @@ GroupReport GroupSolver::run(const SolveInput& input, const IslandGroup& group, 
     each_colour([&](std::size_t begin, std::size_t end) { kernels.restitute(data, begin, end); });
   }
   clock.lap(SolverStage::Restitution);
+  // Nothing is done about a large island that wasn't built to stand.
+  const bool notes_overloads = !group.large || group.remedy != Remedy::None;
   executor.parallel_for(block_count, block_grain, [&](std::size_t begin, std::size_t end) {
     kernels.store(data, begin, end);
-    note_overloaded(input, body_ids, begin, end);
+    if (notes_overloads) note_overloaded(input, body_ids, begin, end);
   });
   each_system([&](DirectJoints& system) { system.end_step(direct_input); });
   if (leaps || report.restitution) {

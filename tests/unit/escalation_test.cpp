@@ -113,6 +113,11 @@ TEST(Escalation, ForgetsWhoIsGone) {
   EXPECT_EQ(piles.escalation.strain(2), Escalation::Strain{});
   piles.escalation.forget(1);
   EXPECT_EQ(piles.escalation.strained().size(), 1u);
+  piles.escalation.arrive(4);
+  piles.escalation.forget_all();
+  EXPECT_TRUE(piles.escalation.strained().empty());
+  EXPECT_TRUE(piles.escalation.arrived().empty());
+  EXPECT_EQ(piles.escalation.strain(3), Escalation::Strain{});
 }
 
 // At 30 Hz a column of boxes of half a metre of reach carries 13 of its like at 1.5% give (13 g 2 / 35500 s^2 = 0.72

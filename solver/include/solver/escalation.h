@@ -59,6 +59,8 @@ class Escalation {
   void arrive(std::uint32_t body) { arrived_.push_back(body); }
   /// One that is gone.
   void forget(std::uint32_t body);
+  /// Where nothing is to be done.
+  void forget_all();
 
   /// By island, for the next step; empty if none needs a remedy.
   std::span<const Remedy> choose(const LoadInput& input);
