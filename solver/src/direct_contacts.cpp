@@ -48,18 +48,11 @@ bool DirectContacts::find_velocities(const SolveInput& input, DirectContactsRepo
 
 // The velocities if all contacts stay on the pieces that they are on.
 bool DirectContacts::solve_on_last_pieces() {
-  for (std::size_t i = 0; i < velocity_.size(); ++i) product_[i] = velocity_[i] - free_[i];
-  mass_times(product_, gradient_);
-  for (Contact& contact : contacts_) {
-    contact.motion = motion_of(contact, velocity_);
-    for (int k = 0; k < 6; ++k) contact.motion[k] += contact.given[k];
-    contact.answer = contact.law.linear_answer(contact.motion, contact.answer.pieces, contact.answer);
-    add_impulse(contact, contact.law.total(contact.answer), -1, gradient_);
-  }
+  balance([](const Contact& contact) {
+    return contact.law.linear_answer(contact.motion, contact.answer.pieces, contact.answer);
+  });
   if (!factor()) return false;
-  for (std::size_t i = 0; i < gradient_.size(); ++i) direction_[i] = -gradient_[i];
-  system_.solve(direction_);
-  for (Contact& contact : contacts_) contact.change = motion_of(contact, direction_);
+  find_direction();
   for (std::size_t i = 0; i < velocity_.size(); ++i) velocity_[i] += direction_[i];
   follow_load(1);
   return true;
@@ -67,14 +60,13 @@ bool DirectContacts::solve_on_last_pieces() {
 
 bool DirectContacts::minimise(DirectContactsReport& report) {
   for (int iteration = 0;; ++iteration) {
-    report.residual = balance();
-    if (report.residual <= tolerance) return true;
-    if (iteration == most_iterations || !std::isfinite(report.residual)) return false;
+    balance([](const Contact& contact) { return contact.law.answer(contact.motion); });
+    const double residual = unbalanced();
+    if (residual <= tolerance) return true;
+    if (iteration == most_iterations || !std::isfinite(residual)) return false;
     ++report.iterations;
     if (!is_factored() && !factor()) return false;
-    for (std::size_t i = 0; i < gradient_.size(); ++i) direction_[i] = -gradient_[i];
-    system_.solve(direction_);
-    for (Contact& contact : contacts_) contact.change = motion_of(contact, direction_);
+    find_direction();
     mass_times(direction_, product_);
     mass_slope_ = mass_curvature_ = 0;
     for (std::size_t i = 0; i < direction_.size(); ++i) {
@@ -87,17 +79,11 @@ bool DirectContacts::minimise(DirectContactsReport& report) {
   }
 }
 
-// What is left of M (v - v*) after the impulses that go with the velocities. Returns the most of it, as a velocity.
-double DirectContacts::balance() {
-  for (std::size_t i = 0; i < velocity_.size(); ++i) product_[i] = velocity_[i] - free_[i];
-  mass_times(product_, gradient_);
-  for (Contact& contact : contacts_) {
-    contact.motion = motion_of(contact, velocity_);
-    for (int k = 0; k < 6; ++k) contact.motion[k] += contact.given[k];
-    contact.answer = contact.law.answer(contact.motion);
-    add_impulse(contact, contact.law.total(contact.answer), -1, gradient_);
-  }
-  return unbalanced();
+// Down the gradient, by the factor that there is.
+void DirectContacts::find_direction() {
+  for (std::size_t i = 0; i < gradient_.size(); ++i) direction_[i] = -gradient_[i];
+  system_.solve(direction_);
+  for (Contact& contact : contacts_) contact.change = motion_of(contact, direction_);
 }
 
 // The largest part of a body's velocity that the impulses on it don't account for.
@@ -116,10 +102,7 @@ double DirectContacts::unbalanced() const {
 // The bound of friction becomes that of the load a way along the search direction.
 void DirectContacts::follow_load(double t) {
   for (Contact& contact : contacts_) {
-    Six motion = contact.motion;
-    for (int k = 0; k < 6; ++k) motion[k] += t * contact.change[k];
-    contact.law.friction_bound = contact.friction * contact.law.answer(motion).load();
-    contact.law.twist_bound = contact.lever * contact.law.friction_bound;
+    contact.bound_friction(contact.law.answer(contact.motion_after(t)).load());
   }
 }
 
@@ -127,9 +110,7 @@ void DirectContacts::follow_load(double t) {
 double DirectContacts::slope(double t) const {
   double sum = mass_slope_ + t * mass_curvature_;
   for (const Contact& contact : contacts_) {
-    Six motion = contact.motion;
-    for (int k = 0; k < 6; ++k) motion[k] += t * contact.change[k];
-    const Six impulse = contact.law.total(contact.law.answer(motion));
+    const Six impulse = contact.law.total(contact.law.answer(contact.motion_after(t)));
     for (int k = 0; k < 6; ++k) sum -= impulse[k] * contact.change[k];
   }
   return sum;
@@ -220,8 +201,7 @@ void DirectContacts::write_back(const SolveInput& input) {
       const bool there = manifold.separation[i] < collision::no_point;
       manifold.normal_impulse[i] = there ? static_cast<float>(share * contact.answer.normal[point++]) : 0;
     }
-    const Vector3 friction =
-        share * (contact.answer.friction[0] * contact.axes[1] + contact.answer.friction[1] * contact.axes[2]);
+    const Vector3 friction = share * contact.friction_impulse();
     for (int k = 0; k < 3; ++k) manifold.friction_impulse[k] = static_cast<float>(friction[k]);
     manifold.twist_impulse = static_cast<float>(share * contact.answer.twist);
   }
@@ -239,8 +219,7 @@ void DirectContacts::capture(const SolveInput& input) const {
       const bool there = manifold.separation[i] < collision::no_point;
       answer.normal_impulse[i] = there ? static_cast<float>(contact.answer.normal[point++]) : 0;
     }
-    const Vector3 friction =
-        contact.answer.friction[0] * contact.axes[1] + contact.answer.friction[1] * contact.axes[2];
+    const Vector3 friction = contact.friction_impulse();
     for (int k = 0; k < 3; ++k) answer.friction_impulse[k] = static_cast<float>(friction[k]);
     answer.twist_impulse = static_cast<float>(contact.answer.twist);
     answer.rolling_impulse = {0, 0, 0};

@@ -30,14 +30,14 @@ bool DirectContacts::follow_interior(DirectContactsReport& report) {
   start_interior();
   for (int step = 0; step < most_steps; ++step) {
     const double mean = note_interior();
-    report.residual = unbalanced();
+    const double residual = unbalanced();
     if (mean <= near_end) {
-      if (report.residual <= tolerance) return true;
+      if (residual <= tolerance) return true;
       // Friction lags behind, but it is known which points push.
       take_pieces();
       return solve_on_last_pieces() && minimise(report);
     }
-    if (!std::isfinite(mean + report.residual)) return false;
+    if (!std::isfinite(mean + residual)) return false;
     ++report.iterations;
     if (!factor_interior()) return false;
     // How far it could go at once says how far it should.
@@ -50,8 +50,7 @@ bool DirectContacts::follow_interior(DirectContactsReport& report) {
 
 void DirectContacts::start_interior() {
   for (Contact& contact : contacts_) {
-    contact.motion = motion_of(contact, velocity_);
-    for (int k = 0; k < 6; ++k) contact.motion[k] += contact.given[k];
+    contact.motion = motion_now(contact);
     Interior& in = contact.interior;
     for (int i = 0; i < contact.law.points; ++i) {
       const double parts = contact.law.speed(i, contact.motion) + contact.law.bias[i];
@@ -77,28 +76,23 @@ void DirectContacts::take_pieces() {
 double DirectContacts::note_interior() {
   double sum = 0;
   std::size_t points = 0;
-  for (std::size_t i = 0; i < velocity_.size(); ++i) product_[i] = velocity_[i] - free_[i];
-  mass_times(product_, gradient_);
-  for (Contact& contact : contacts_) {
-    contact.motion = motion_of(contact, velocity_);
-    for (int k = 0; k < 6; ++k) contact.motion[k] += contact.given[k];
+  balance([&](Contact& contact) {
     Interior& in = contact.interior;
-    PatchLaw& law = contact.law;
+    const PatchLaw& law = contact.law;
     double load = 0;
     for (int i = 0; i < law.points; ++i) load += in.impulse[i];
-    law.friction_bound = contact.friction * load;
-    law.twist_bound = contact.lever * law.friction_bound;
-    contact.answer = law.answer(contact.motion);
+    contact.bound_friction(load);
+    PatchAnswer answer = law.answer(contact.motion);
     for (int i = 0; i < law.points; ++i) {
       const double give = in.impulse[i] / law.stiffness[i];
-      contact.answer.normal[i] = in.impulse[i];
+      answer.normal[i] = in.impulse[i];
       in.missing[i] = law.speed(i, contact.motion) + law.bias[i] + give - in.gap[i];
       in.held[i] = in.impulse[i] / (in.gap[i] + give);
       sum += in.impulse[i] * in.gap[i] / contact.mass[i];
       ++points;
     }
-    add_impulse(contact, law.total(contact.answer), -1, gradient_);
-  }
+    return answer;
+  });
   return points > 0 ? sum / static_cast<double>(points) : 0;
 }
 

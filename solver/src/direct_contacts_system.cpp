@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rows3.h"
+
 namespace atl::solver {
 namespace {
 
@@ -26,8 +28,6 @@ constexpr double most_tumble = 0.3;
 
 // Of the bound: at it, but for rounding to single precision.
 constexpr double at_bound = 1 - 1e-6;
-
-Vector3 vector(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
 
 }  // namespace
 
@@ -102,10 +102,9 @@ bool DirectContacts::load_contacts(const SolveInput& input) {
     Contact& contact = contacts_[c];
     load_contact(input, pairs_[c], contact);
     if (input.manifolds[contact.slot].restitution == 0) continue;
-    const Six motion = motion_of(contact, velocity_);
+    const Six motion = motion_now(contact);
     for (int i = 0; i < contact.law.points; ++i) {
-      const double speed = contact.law.speed(i, motion) + contact.law.speed(i, contact.given);
-      if (speed < -input.settings.restitution_threshold) return false;
+      if (contact.law.speed(i, motion) < -input.settings.restitution_threshold) return false;
     }
   }
   return true;
@@ -155,7 +154,7 @@ void DirectContacts::place(const SolveInput& input, const TouchingPair& pair, Co
   const BodyTable& table = input.bodies;
   const collision::ContactManifold& manifold = input.manifolds[pair.slot];
   const collision::Tangents tangents = collision::tangents(manifold.normal);
-  const Vector3 normal = vector(manifold.normal).normalized();
+  const Vector3 normal = get3(manifold.normal).normalized();
   const Vector3 nearly(tangents.first[0], tangents.first[1], tangents.first[2]);
   const Vector3 tangent = (nearly - normal.dot(nearly) * normal).normalized();
   contact.axes = {normal, tangent, normal.cross(tangent)};
@@ -163,15 +162,10 @@ void DirectContacts::place(const SolveInput& input, const TouchingPair& pair, Co
   const auto place_side = [&](std::uint32_t body, const float(&anchor)[3], std::array<Vector3, 3>& moments,
                               double sign) {
     // A ball is touched on the line through its centre.
-    const Vector3 arm = table.ball[body] ? Vector3(normal.dot(vector(anchor)) * normal) : vector(anchor);
+    const Vector3 arm = table.ball[body] ? Vector3(normal.dot(get3(anchor)) * normal) : get3(anchor);
     for (int k = 0; k < 3; ++k) moments[k] = arm.cross(contact.axes[k]);
     if (table.mobility[body] != Mobility::Kinematic) return;
-    const Vector3 v = table.velocity(body);
-    const Vector3 w = table.angular_velocity(body);
-    for (int k = 0; k < 3; ++k) {
-      contact.given[k == 0 ? 0 : 2 + k] += sign * (contact.axes[k].dot(v) + moments[k].dot(w));
-      contact.given[k == 0 ? 5 : k] += sign * contact.axes[k].dot(w);
-    }
+    contact.add_motion(sign, moments, table.velocity(body), table.angular_velocity(body), contact.given);
   };
   place_side(pair.first, manifold.anchor_first, contact.moments_first, -1);
   place_side(pair.second, manifold.anchor_second, contact.moments_second, 1);
@@ -191,9 +185,8 @@ void DirectContacts::warm_start(const SolveInput& input, Contact& contact) {
     ++point;
   }
   const double load = answer.load();
-  contact.law.friction_bound = contact.friction * load;
-  contact.law.twist_bound = contact.lever * contact.law.friction_bound;
-  const Vector3 friction = substeps * vector(manifold.friction_impulse);
+  contact.bound_friction(load);
+  const Vector3 friction = substeps * get3(manifold.friction_impulse);
   answer.friction = {friction.dot(contact.axes[1]), friction.dot(contact.axes[2])};
   answer.twist = substeps * manifold.twist_impulse;
   answer.pieces.slides = friction.norm() >= at_bound * contact.law.friction_bound;
@@ -205,21 +198,41 @@ void DirectContacts::warm_start(const SolveInput& input, Contact& contact) {
   }
 }
 
+void DirectContacts::Contact::add_motion(double sign, const std::array<Vector3, 3>& moments, const Vector3& v,
+                                         const Vector3& w, Six& to) const {
+  for (int axis = 0; axis < 3; ++axis) {
+    to[along(axis)] += sign * (axes[axis].dot(v) + moments[axis].dot(w));
+    to[about(axis)] += sign * axes[axis].dot(w);
+  }
+}
+
+void DirectContacts::Contact::bound_friction(double load) {
+  law.friction_bound = friction * load;
+  law.twist_bound = lever * law.friction_bound;
+}
+
+Six DirectContacts::Contact::motion_after(double t) const {
+  Six after = motion;
+  for (int k = 0; k < 6; ++k) after[k] += t * change[k];
+  return after;
+}
+
+// What velocities make of the motion.
 Six DirectContacts::motion_of(const Contact& contact, const std::vector<double>& velocities) const {
   Six motion = {};
   const auto add = [&](std::uint32_t body, const std::array<Vector3, 3>& moments, double sign) {
     if (body == none) return;
-    const Eigen::Map<const Vector3> v(&velocities[6 * body]);
-    const Eigen::Map<const Vector3> w(&velocities[6 * body + 3]);
-    motion[0] += sign * (contact.axes[0].dot(v) + moments[0].dot(w));
-    motion[1] += sign * contact.axes[1].dot(w);
-    motion[2] += sign * contact.axes[2].dot(w);
-    motion[3] += sign * (contact.axes[1].dot(v) + moments[1].dot(w));
-    motion[4] += sign * (contact.axes[2].dot(v) + moments[2].dot(w));
-    motion[5] += sign * contact.axes[0].dot(w);
+    contact.add_motion(sign, moments, Eigen::Map<const Vector3>(&velocities[6 * body]),
+                       Eigen::Map<const Vector3>(&velocities[6 * body + 3]), motion);
   };
   add(contact.first, contact.moments_first, -1);
   add(contact.second, contact.moments_second, 1);
+  return motion;
+}
+
+Six DirectContacts::motion_now(const Contact& contact) const {
+  Six motion = motion_of(contact, velocity_);
+  for (int k = 0; k < 6; ++k) motion[k] += contact.given[k];
   return motion;
 }
 
@@ -288,11 +301,9 @@ void DirectContacts::add_stiffness(const Contact& contact, const std::array<Six,
     Side side;
     for (int d = 0; d < 3; ++d) {
       for (int axis = 0; axis < 3; ++axis) {
-        const int along = axis == 0 ? 0 : 2 + axis;
-        const int about = axis == 0 ? 5 : axis;
-        side.j[along][d] = sign * contact.axes[axis][d];
-        side.j[along][3 + d] = sign * moments[axis][d];
-        side.j[about][3 + d] = sign * contact.axes[axis][d];
+        side.j[along(axis)][d] = sign * contact.axes[axis][d];
+        side.j[along(axis)][3 + d] = sign * moments[axis][d];
+        side.j[about(axis)][3 + d] = sign * contact.axes[axis][d];
       }
     }
     // K is blocks of 3, 2 and 1.

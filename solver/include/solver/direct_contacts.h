@@ -15,7 +15,6 @@ namespace atl::solver {
 struct DirectContactsReport {
   bool solved = false;      ///< if not, no state was changed
   int iterations = 0;       ///< of Newton's method, beyond the first solve
-  double residual = 0;      ///< m/s: the most that a body's velocity is off what the impulses on it make
   bool friction = false;    ///< some contact has it
   bool gyroscopic = false;  ///< some body's moments of inertia differ
 };
@@ -83,7 +82,17 @@ class DirectContacts {
     PatchAnswer answer;
     PatchPieces factored;  // what the factor is of
     Interior interior;
+
+    void add_motion(double sign, const std::array<Vector3, 3>& moments, const Vector3& v, const Vector3& w,
+                    Six& to) const;
+    void bound_friction(double load);
+    Six motion_after(double t) const;  // of the way along direction_
+    Vector3 friction_impulse() const { return answer.friction[0] * axes[1] + answer.friction[1] * axes[2]; }
   };
+
+  // Where in a Six what is along and about an axis is.
+  static constexpr int along(int axis) { return axis == 0 ? 0 : 2 + axis; }
+  static constexpr int about(int axis) { return axis == 0 ? 5 : axis; }
 
   std::uint32_t local(const SolveInput& input, std::uint32_t body) const;
   bool load_bodies(const SolveInput& input);
@@ -93,6 +102,7 @@ class DirectContacts {
   void place(const SolveInput& input, const TouchingPair& pair, Contact& contact) const;
   static void warm_start(const SolveInput& input, Contact& contact);
   Six motion_of(const Contact& contact, const std::vector<double>& velocities) const;
+  Six motion_now(const Contact& contact) const;
   void add_impulse(const Contact& contact, const Six& impulse, double sign, std::vector<double>& to) const;
   void mass_times(const std::vector<double>& velocities, std::vector<double>& product) const;
   void add_masses();
@@ -103,8 +113,10 @@ class DirectContacts {
   bool find_velocities(const SolveInput& input, DirectContactsReport& report);
   bool solve_on_last_pieces();
   bool minimise(DirectContactsReport& report);
-  double balance();
+  template <typename Answer>
+  void balance(const Answer& answer);
   double unbalanced() const;
+  void find_direction();
   void follow_load(double t);
   double slope(double t) const;
   double step_length() const;
@@ -134,5 +146,17 @@ class DirectContacts {
   std::vector<double> gradient_, direction_, product_;  // N s, N m s; m/s, rad/s; N s, N m s
   double mass_slope_ = 0, mass_curvature_ = 0;          // of the first term, along direction_
 };
+
+// Of M (v - v*), what is left after the impulses that contacts answer with to their motion: the gradient.
+template <typename Answer>
+void DirectContacts::balance(const Answer& answer) {
+  for (std::size_t i = 0; i < velocity_.size(); ++i) product_[i] = velocity_[i] - free_[i];
+  mass_times(product_, gradient_);
+  for (Contact& contact : contacts_) {
+    contact.motion = motion_now(contact);
+    contact.answer = answer(contact);
+    add_impulse(contact, contact.law.total(contact.answer), -1, gradient_);
+  }
+}
 
 }  // namespace atl::solver
