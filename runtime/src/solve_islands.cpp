@@ -105,6 +105,7 @@ void World::Impl::solve_groups() {
 void World::Impl::prepare_direct_solvers() {
   direct_of_group_.clear();
   direct_reports_.clear();
+  if (remedies_.empty()) return;
   std::size_t count = 0;
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     if (groups_[g].remedy != Remedy::Direct) continue;

@@ -1,4 +1,4 @@
-#include <solver/escalation.h>
+#include <solver/load_estimate.h>
 #include <solver/solver_settings.h>
 
 #include <algorithm>

@@ -2,11 +2,11 @@
 
 #include <collision/contact.h>
 #include <solver/contact_capture.h>
-#include <solver/escalation.h>
 #include <solver/islands.h>
 #include <solver/joint.h>
 #include <solver/joint_graph.h>
 #include <solver/kernels.h>
+#include <solver/load_estimate.h>
 #include <solver/motion.h>
 #include <solver/solver_settings.h>
 #include <solver/surface_contact.h>
