@@ -34,6 +34,18 @@ HWY_INLINE BodyLanes load_bodies(const SolverBodies& bodies, const std::int32_t*
   return {index, {v.x, v.y, v.z}, {w.x, w.y, w.z}, {v.w, w.w, i.x, i.y, i.z, i.w}};
 }
 
+// How bodies have moved since the start of the step, and in w how their contact points turn with them.
+HWY_INLINE V4 load_displacement(const SolverBodies& bodies, const std::int32_t* index) {
+  const DisplacementRows* displacement = bodies.displacement.data();
+  return load_rows([=](std::size_t k) { return displacement[index[k]].linear; });
+}
+
+// Likewise, how they have turned: x, y, z, w.
+HWY_INLINE V4 load_rotation(const SolverBodies& bodies, const std::int32_t* index) {
+  const DisplacementRows* displacement = bodies.displacement.data();
+  return load_rows([=](std::size_t k) { return displacement[index[k]].rotation; });
+}
+
 HWY_INLINE void store_bodies(const BodyLanes& body, SolverBodies& bodies, unsigned mask) {
   VelocityRows* velocity = bodies.velocity.data();
   const std::int32_t* index = body.index;

@@ -172,7 +172,7 @@ HWY_INLINE void prepare_bounces(const ContactKernelData& data, ContactBlock& blo
 HWY_INLINE void put_on_line_of_centres(const SolverBodies& bodies, const ContactBlock& block, std::size_t lane,
                                        ContactLanes& c) {
   const auto on_line = [&](const std::int32_t* index, const V3& anchor) {
-    const V carries = load_rows([&](std::size_t k) { return bodies.displacement[index[k]].linear; }).w;
+    const V carries = load_displacement(bodies, index).w;
     return select(hn::Gt(carries, zero()), anchor, dot(anchor, c.normal) * c.normal);
   };
   c.anchor_first = on_line(block.first + lane, c.anchor_first);

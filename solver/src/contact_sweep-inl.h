@@ -26,18 +26,11 @@ HWY_INLINE V3 turned_normal_change(const V4& q, const V3& n) {
 // separation = start + n . (moved centres) + turned anchors; linear in a point's x and y.
 HWY_INLINE void refresh_separations(const ContactKernelData& data, ContactBlock& block, std::size_t lane,
                                     const ContactLanes& c) {
-  const DisplacementRows* displacement = data.bodies.displacement.data();
-  const auto linear_of = [=](const std::int32_t* index) {
-    return load_rows([=](std::size_t k) { return displacement[index[k]].linear; });
-  };
-  const auto rotation_of = [=](const std::int32_t* index) {
-    return load_rows([=](std::size_t k) { return displacement[index[k]].rotation; });
-  };
-  const V4 first = linear_of(c.first.index);
-  const V4 second = linear_of(c.second.index);
+  const V4 first = load_displacement(data.bodies, c.first.index);
+  const V4 second = load_displacement(data.bodies, c.second.index);
   // A rolling ball's lowest point does not rise with its surface.
-  const V3 change_first = first.w * turned_normal_change(rotation_of(c.first.index), c.normal);
-  const V3 change_second = second.w * turned_normal_change(rotation_of(c.second.index), c.normal);
+  const V3 change_first = first.w * turned_normal_change(load_rotation(data.bodies, c.first.index), c.normal);
+  const V3 change_second = second.w * turned_normal_change(load_rotation(data.bodies, c.second.index), c.normal);
   const V3 moved = V3{second.x, second.y, second.z} - V3{first.x, first.y, first.z};
   const V turned = hn::Sub(dot(change_second, c.anchor_second), dot(change_first, c.anchor_first));
   const V at_centre = hn::Add(dot(c.normal, moved), turned);

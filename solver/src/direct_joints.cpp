@@ -27,6 +27,12 @@ Quaternion turned(const Vector3& turn, const Quaternion& orientation) {
   return (Quaternion(1, 0.5 * turn.x(), 0.5 * turn.y(), 0.5 * turn.z()) * orientation).normalized();
 }
 
+// What takes a vector to zero. Returns where the next number goes.
+double* put_negative(const Vector3& v, double* to) {
+  for (int k = 0; k < 3; ++k) *to++ = -v[k];
+  return to;
+}
+
 }  // namespace
 
 void DirectJoints::begin_step(const DirectInput& input) {
@@ -37,11 +43,7 @@ void DirectJoints::begin_step(const DirectInput& input) {
   for (Node& node : nodes_) {
     const Joint& joint = input.joints[node.joint];
     node.tension = joint.tension;
-    node.impulse = joint.point_impulse;
-    for (std::uint32_t r = node.begin; r < node.end; ++r) {
-      rows_[r].impulse = joint.impulse[r - node.begin];
-      rows_[r].position = joint.position[r - node.begin];
-    }
+    for (std::uint32_t r = node.begin; r < node.end; ++r) rows_[r].position = joint.position[r - node.begin];
   }
   prepare(input);
 }
@@ -64,9 +66,7 @@ void DirectJoints::begin_laws(const Joint* joints, double h) {
     const Member& b = members_[node.second];
     for (std::uint32_t r = node.begin; r < node.end; ++r) {
       Row& row = rows_[r];
-      const double response = (a.inverse_mass + b.inverse_mass) * row.at.linear.squaredNorm() +
-                              row.at.angular_first.dot(a.inverse_inertia * row.at.angular_first) +
-                              row.at.angular_second.dot(b.inverse_inertia * row.at.angular_second);
+      const double response = row.at.response(a.inverse_mass + b.inverse_mass, a.inverse_inertia, b.inverse_inertia);
       row.mode.begin(joint.law[r - node.begin], row.position, response > 0 ? 1 / response : 0, h);
     }
   }
@@ -87,6 +87,14 @@ void DirectJoints::load_velocities(const SolverBodies& bodies) {
   for (Member& member : members_) {
     member.velocity = member.velocity_before = get3(bodies.velocity[member.local].linear);
     member.spin = member.spin_before = get3(bodies.velocity[member.local].angular);
+  }
+}
+
+// Of positions that are closed for themselves.
+void DirectJoints::load_no_velocities() {
+  for (Member& member : members_) {
+    member.velocity = member.velocity_before = Vector3::Zero();
+    member.spin = member.spin_before = Vector3::Zero();
   }
 }
 
@@ -185,10 +193,7 @@ void DirectJoints::solve_velocities(const DirectInput& input) {
     for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
       const Node& node = nodes_[i];
       double* b = &b_[system_.row(i)];
-      if (node.point) {
-        const Vector3 speed = point_speed(node);
-        for (int k = 0; k < 3; ++k) *b++ = -speed[k];
-      }
+      if (node.point) b = put_negative(point_speed(node), b);
       for (std::uint32_t r = node.begin; r < node.end; ++r) {
         const Row& row = rows_[r];
         const LawMode& mode = row.mode;
@@ -327,9 +332,8 @@ void DirectJoints::move_members(const DirectInput& input) {
     if (!member.dynamic) continue;
     DisplacementRows& moved = input.bodies.displacement[member.local];
     add3(moved.linear, input.h * (member.velocity - member.velocity_before));
-    float(&q)[4] = moved.rotation;
-    const Quaternion turn = turned(input.h * (member.spin - member.spin_before), Quaternion(q[3], q[0], q[1], q[2]));
-    for (int k = 0; k < 4; ++k) q[k] = static_cast<float>(turn.coeffs()[k]);
+    const Quaternion turn = turned(input.h * (member.spin - member.spin_before), rotation_of(moved));
+    for (int k = 0; k < 4; ++k) moved.rotation[k] = static_cast<float>(turn.coeffs()[k]);
   }
 }
 
@@ -340,7 +344,7 @@ void DirectJoints::measure(const Joint& joint, const Node& node, double* b, doub
   if (node.point) {
     const Vector3 offset =
         (second.position - first.position) + (second.turn * joint.anchor_second - first.turn * joint.anchor_first);
-    for (int k = 0; k < 3; ++k) *b++ = -offset[k] / h;
+    b = put_negative(offset / h, b);
   }
   if (node.begin == node.end) return;
   const JointFrames frames = frames_of(joint, node);
@@ -371,10 +375,7 @@ void DirectJoints::relax(const DirectInput& input) {
 void DirectJoints::close_gaps(const DirectInput& input) {
   constexpr double tolerance = 1e-4;  // m or rad
   for (int round = 1; round < rounds && !torn_; ++round) {
-    for (Member& member : members_) {
-      member.velocity = member.velocity_before = Vector3::Zero();
-      member.spin = member.spin_before = Vector3::Zero();
-    }
+    load_no_velocities();
     bool closed = !catch_limits_here(input.joints);
     if (!closed) factor();
     for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
@@ -382,7 +383,7 @@ void DirectJoints::close_gaps(const DirectInput& input) {
       double* b = &b_[system_.row(i)];
       if (node.point) {
         closed &= node.offset.squaredNorm() <= tolerance * tolerance;
-        for (int k = 0; k < 3; ++k) *b++ = -node.offset[k] / input.h;
+        b = put_negative(node.offset / input.h, b);
       }
       for (std::uint32_t r = node.begin; r < node.end; ++r, ++b) {
         const Row& row = rows_[r];
@@ -405,10 +406,7 @@ void DirectJoints::project(const DirectInput& input) {
   for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
     const Node& node = nodes_[i];
     double* b = &b_[system_.row(i)];
-    if (node.point) {
-      const Vector3 speed = point_speed(node);
-      for (int k = 0; k < 3; ++k) *b++ = -speed[k];
-    }
+    if (node.point) b = put_negative(point_speed(node), b);
     // Springs and motors have had their impulse, and answer to changes only.
     for (std::uint32_t r = node.begin; r < node.end; ++r) *b++ = rows_[r].mode.holds() ? -row_speed(node, rows_[r]) : 0;
   }
@@ -441,18 +439,13 @@ void DirectJoints::settle(const DirectInput& input, BodyTable& table, double dt,
   for (Member& member : members_) {
     member.position = table.position(member.body);
     member.turn = table.orientation(member.body);
-    member.velocity.setZero();
-    member.spin.setZero();
   }
+  load_no_velocities();
   for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
     measure(input.joints[nodes_[i].joint], nodes_[i], &b_[system_.row(i)], 1);
   }
   bool holds = std::all_of(b_.begin(), b_.end(), [](double b) { return std::abs(b) <= tolerance; });
   if (!holds) {
-    for (Member& member : members_) {
-      member.velocity_before.setZero();
-      member.spin_before.setZero();
-    }
     solve_and_apply();
     holds = moves_far(1, far_at_rest);
   }

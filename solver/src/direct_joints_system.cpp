@@ -94,9 +94,8 @@ bool DirectJoints::analyse(std::span<const JointLink> links, std::span<const Joi
 void DirectJoints::place_members(const DirectInput& input) {
   for (Member& member : members_) {
     const DisplacementRows& moved = input.bodies.displacement[member.local];
-    const float(&q)[4] = moved.rotation;
     member.position = member.start + get3(moved.linear);
-    member.turn = (Quaternion(q[3], q[0], q[1], q[2]) * member.start_turn).normalized();
+    member.turn = (rotation_of(moved) * member.start_turn).normalized();
   }
 }
 

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rows3.h"
+
 namespace atl::solver {
 namespace {
 
@@ -22,7 +24,6 @@ void set_lane(Lanes<3>& rows, std::size_t lane, const Vector3& from) {
   for (int i = 0; i < 3; ++i) rows[i][lane] = static_cast<float>(from[i]);
 }
 Vector3 get_lane(const Lanes<3>& rows, std::size_t lane) { return {rows[0][lane], rows[1][lane], rows[2][lane]}; }
-Vector3 get3(const float (&from)[3]) { return {from[0], from[1], from[2]}; }
 
 BodyPose start_pose(const BodyTable& table, std::uint32_t body) {
   return {table.position(body), table.orientation(body)};
@@ -31,24 +32,12 @@ BodyPose start_pose(const BodyTable& table, std::uint32_t body) {
 // Where a body's displacement has brought it.
 BodyPose pose_now(const JointStep& step, std::uint32_t body, std::int32_t local) {
   const DisplacementRows& displacement = step.bodies.displacement[static_cast<std::size_t>(local)];
-  const float(&turn)[4] = displacement.rotation;
-  const Quaternion rotation(turn[3], turn[0], turn[1], turn[2]);
   return {step.table.position(body) + get3(displacement.linear),
-          (rotation * step.table.orientation(body)).normalized()};
+          (rotation_of(displacement) * step.table.orientation(body)).normalized()};
 }
 
 JointFrames frames_of(const Joint& joint, const BodyPose& first, const BodyPose& second) {
   return joint_frames(joint, first.position, first.orientation, second.position, second.orientation);
-}
-
-Matrix3 inverse_inertia_of(const SolverBodies& bodies, std::size_t local) {
-  const VelocityRows& v = bodies.velocity[local];
-  const InertiaRow& rest = bodies.inertia[local];
-  Matrix3 m;
-  m << v.inertia_xx, rest.xy, rest.xz,  //
-      rest.xy, v.inertia_yy, rest.yz,   //
-      rest.xz, rest.yz, rest.zz;
-  return m;
 }
 
 // The velocity by which a body has moved, with what removes overlap in it.
@@ -174,9 +163,7 @@ struct RowLane {
   void set(std::size_t r, const JointRow& now) {
     JointRowBlock& row = rows[r];
     Joint& of = joint();
-    const double w = inverse_mass * now.linear.squaredNorm() +
-                     now.angular_first.dot(inertia_first * now.angular_first) +
-                     now.angular_second.dot(inertia_second * now.angular_second);
+    const double w = now.response(inverse_mass, inertia_first, inertia_second);
     // Neither bodies that the row can't turn nor a place where the coordinate means nothing.
     if (!(w > 0) || !std::isfinite(w) || !std::isfinite(now.value)) {
       set_idle(row, lane);

@@ -6,6 +6,8 @@
 #include <bit>
 #include <chrono>
 
+#include "rows3.h"
+
 namespace atl::solver {
 namespace {
 
@@ -69,11 +71,6 @@ class LargestOf {
  private:
   std::atomic<std::uint32_t> bits_{0};
 };
-
-void set3(float (&to)[3], const Vector3& from) {
-  for (int i = 0; i < 3; ++i) to[i] = static_cast<float>(from[i]);
-}
-Vector3 get3(const float (&from)[3]) { return {from[0], from[1], from[2]}; }
 
 }  // namespace
 
@@ -144,13 +141,13 @@ GroupReport GroupSolver::run(const SolveInput& input, const IslandGroup& group, 
   // Joints that hang together and are solved at once.
   const std::span<const std::uint32_t> direct = joined ? joined_motion_.direct() : std::span<const std::uint32_t>();
   const DirectInput direct_input{input.joints, input.bodies, bodies_, input.dt / settings.substeps};
-  const auto each_system = [&](const auto& stage) {
-    executor.parallel_for(direct.size(), 1, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) stage(input.joint_graph->system(direct[i]));
+  const auto each_system_of = [&](std::span<const std::uint32_t> components, const auto& stage) {
+    executor.parallel_for(components.size(), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) stage(input.joint_graph->system(components[i]));
     });
   };
-  bool leaps = false;
-  for (std::size_t i = 0; i < body_ids.size() && !direct.empty(); ++i) leaps |= joined_motion_.leaps(i);
+  const auto each_system = [&](const auto& stage) { each_system_of(direct, stage); };
+  const bool leaps = joined && joined_motion_.any_leaps();
   if (leaps) give_half_kick(body_ids, -0.5f * constants.h);
   if (joined) joined_motion_.note_forces(body_ids, input.bodies, input.gravity);
   each_system([&](DirectJoints& system) {
@@ -220,13 +217,10 @@ GroupReport GroupSolver::run(const SolveInput& input, const IslandGroup& group, 
       bodies_.velocity.swap(bodies_.correction);
     }
     // What contacts have done to one link is not to turn it far out of its joints before these see it.
-    const std::span<const std::uint32_t> touched =
-        joined ? joined_motion_.touched_direct() : std::span<const std::uint32_t>();
-    executor.parallel_for(touched.size(), 1, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        input.joint_graph->system(touched[i]).solve_velocities(direct_input);
-      }
-    });
+    if (joined) {
+      each_system_of(joined_motion_.touched_direct(),
+                     [&](DirectJoints& system) { system.solve_velocities(direct_input); });
+    }
     clock.lap(SolverStage::Solve);
     each_body([&](std::size_t begin, std::size_t end) { kernels.integrate_positions(bodies_, constants, begin, end); });
     if (joints_.has_rows()) {
@@ -454,8 +448,7 @@ void GroupSolver::write_back(const SolveInput& input, std::span<const std::uint3
     table.velocity(body) = velocity;
     table.angular_velocity(body) = spin;
     table.position(body) += get3(bodies_.displacement[local].linear);
-    const float(&turn)[4] = bodies_.displacement[local].rotation;
-    Quaternion orientation = Quaternion(turn[3], turn[0], turn[1], turn[2]) * table.orientation(body);
+    Quaternion orientation = rotation_of(bodies_.displacement[local]) * table.orientation(body);
     if (is_joined) {
       // Joints would part if bodies were shifted each by its own.
       if (joined_motion_.falls(i)) table.position(body) -= 0.5 * substep * input.dt * joined_motion_.acceleration(i);
@@ -539,14 +532,10 @@ void GroupSolver::capture(const SolveInput& input, const GroupReport& report,
   }
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const std::size_t local = first_dynamic_ + i;
-    const VelocityRows& v = bodies_.velocity[local];
-    const InertiaRow& rest = bodies_.inertia[local];
     ContactCapture::Motion& motion = input.capture->motions[bodies[i]];
     motion.free_velocity = get3(bodies_.free_velocity[local].linear);
     motion.free_angular_velocity = get3(bodies_.free_velocity[local].angular);
-    motion.inverse_inertia << v.inertia_xx, rest.xy, rest.xz,  //
-        rest.xy, v.inertia_yy, rest.yz,                        //
-        rest.xz, rest.yz, rest.zz;
+    motion.inverse_inertia = inverse_inertia_of(bodies_, local);
   }
 }
 

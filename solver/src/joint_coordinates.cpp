@@ -81,29 +81,30 @@ JointRow swing(const JointFrames& frames) {
   return angular_row(swing_axis(frames), arctangent(a.cross(b).norm(), a.dot(b)));
 }
 
-// atan2(s, c) with s = m . (a x r) and c = m . r, both cosines of an axis of each frame, so
-// (atan2(s, c))' = (c s' - s c') / (s^2 + c^2). Where both are 0, as of an axis that is parallel to the one it should
-// turn about, the row is of turning about that.
-JointRow angle_about_first(const JointFrames& frames, int about, int of) {
-  const Vector3d from = frames.axes_first.col(of);
-  const Vector3d across = frames.axes_first.col(about).cross(from);
-  const Vector3d turned = frames.axes_second.col(of);
-  const double sine = turned.dot(across);
-  const double cosine = turned.dot(from);
+namespace {
+
+// Angle about `axis`, which is fixed with `from` to one body, by which `to` of the other has turned from `from`:
+// atan2(s, c) with s = m . (a x r) and c = m . r, both cosines of an axis of each frame, so (atan2(s, c))' = (c s' - s
+// c') / (s^2 + c^2). Where both are 0, as of an axis that is parallel to the one it should turn about, the row is of
+// turning about that. `sign` of the angle: -1 where it is the other body's that counts.
+JointRow angle_about(const Vector3d& axis, const Vector3d& from, const Vector3d& to, double sign) {
+  const Vector3d across = axis.cross(from);
+  const double sine = to.dot(across);
+  const double cosine = to.dot(from);
   const double square = sine * sine + cosine * cosine;
-  if (!(square > 0)) return angular_row(frames.axes_first.col(about), 0);
-  return angular_row((cosine * turned.cross(across) - sine * turned.cross(from)) / square, arctangent(sine, cosine));
+  if (!(square > 0)) return angular_row(axis, 0);
+  return angular_row((cosine * to.cross(across) - sine * to.cross(from)) / square, sign * arctangent(sine, cosine));
 }
 
+}  // namespace
+
+JointRow angle_about_first(const JointFrames& frames, int about, int of) {
+  return angle_about(frames.axes_first.col(about), frames.axes_first.col(of), frames.axes_second.col(of), 1);
+}
+
+// The second frame's turning is the first's against it, the other way round, and so is its row.
 JointRow angle_about_second(const JointFrames& frames, int about, int of) {
-  const Vector3d to = frames.axes_second.col(of);
-  const Vector3d across = frames.axes_second.col(about).cross(to);
-  const Vector3d start = frames.axes_first.col(of);
-  const double sine = start.dot(across);
-  const double cosine = start.dot(to);
-  const double square = sine * sine + cosine * cosine;
-  if (!(square > 0)) return angular_row(frames.axes_second.col(about), 0);
-  return angular_row((sine * to.cross(start) - cosine * across.cross(start)) / square, -arctangent(sine, cosine));
+  return angle_about(frames.axes_second.col(about), frames.axes_second.col(of), frames.axes_first.col(of), -1);
 }
 
 JointRow spin_about(const JointFrames& frames, int axis) { return angular_row(frames.axes_first.col(axis), 0); }

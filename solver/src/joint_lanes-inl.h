@@ -125,19 +125,12 @@ HWY_INLINE V3 turned_arm_change(const V4& q, const V3& a) {
 
 // Where the bodies' displacements have brought the point, and what K is there.
 HWY_INLINE void refresh_point(const JointKernelData& data, JointBlock& block, std::size_t lane, const JointLanes& c) {
-  const DisplacementRows* displacement = data.bodies.displacement.data();
-  const auto linear_of = [=](const std::int32_t* index) {
-    return load_rows([=](std::size_t k) { return displacement[index[k]].linear; });
-  };
-  const auto rotation_of = [=](const std::int32_t* index) {
-    return load_rows([=](std::size_t k) { return displacement[index[k]].rotation; });
-  };
   const V3 start_first = load3(block.start_arm_first, lane);
   const V3 start_second = load3(block.start_arm_second, lane);
-  const V3 change_first = turned_arm_change(rotation_of(c.first.index), start_first);
-  const V3 change_second = turned_arm_change(rotation_of(c.second.index), start_second);
-  const V4 first = linear_of(c.first.index);
-  const V4 second = linear_of(c.second.index);
+  const V3 change_first = turned_arm_change(load_rotation(data.bodies, c.first.index), start_first);
+  const V3 change_second = turned_arm_change(load_rotation(data.bodies, c.second.index), start_second);
+  const V4 first = load_displacement(data.bodies, c.first.index);
+  const V4 second = load_displacement(data.bodies, c.second.index);
   const V3 moved = V3{second.x, second.y, second.z} - V3{first.x, first.y, first.z};
   store3(load3(block.start_offset, lane) + (moved + (change_second - change_first)), block.offset, lane);
 

@@ -109,7 +109,6 @@ class DirectJoints {
     std::size_t block;
   };
 
-  using NodeVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, BlockLdlt::max_size, 1>;
   using SideRows = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::ColMajor, BlockLdlt::max_size, 3>;
 
   void place_members(const DirectInput& input);
@@ -134,6 +133,7 @@ class DirectJoints {
   void fill_coupling(const Coupling& coupling);
   void fill_rows(const Node& node, SideRows& linear, SideRows& angular_first, SideRows& angular_second) const;
   void load_velocities(const SolverBodies& bodies);
+  void load_no_velocities();
   void store_velocities(SolverBodies& bodies) const;
   Vector3 point_speed(const Node& node) const;
   double row_speed(const Node& node, const Row& row) const;

@@ -29,6 +29,7 @@ class JoinedMotion {
   bool leaps(std::size_t body) const {
     return is_joined(body) && components_[component_[body]].direct && !components_[component_[body]].touched;
   }
+  bool any_leaps() const { return touched_direct_.size() < direct_.size(); }
   /// Joined one by one, to nothing that is fixed, and touched by nothing: it falls as a whole.
   bool falls(std::size_t body) const {
     if (!is_joined(body)) return false;

@@ -19,6 +19,14 @@ struct JointRow {
               const Eigen::Vector3d& w_second) const {
     return linear.dot(v_second - v_first) + angular_second.dot(w_second) - angular_first.dot(w_first);
   }
+
+  /// J M^-1 J^T: what a unit of impulse along the row makes of its rate, with the sum of the two inverse masses and
+  /// each body's inverse inertia in world axes.
+  double response(double inverse_mass, const Eigen::Matrix3d& inverse_inertia_first,
+                  const Eigen::Matrix3d& inverse_inertia_second) const {
+    return inverse_mass * linear.squaredNorm() + angular_first.dot(inverse_inertia_first * angular_first) +
+           angular_second.dot(inverse_inertia_second * angular_second);
+  }
 };
 
 /// Where the two frames of a joint are. Each is fixed to its body; a joint asks that some of the coordinates between
