@@ -2,9 +2,11 @@
 // way, so that the next step finds the contact. They keep their velocity. Only these bodies cost anything.
 
 #include <collision/convex.h>
+#include <collision/distance.h>
 #include <collision/sweep.h>
 
 #include <algorithm>
+#include <limits>
 #include <numbers>
 
 #include "world_impl.h"
@@ -49,6 +51,17 @@ bool pass_by(const collision::Shape& first, const collision::Pose& at_first, con
              const collision::Pose& at_second, const Vector3& shift, double closing, double goal) {
   const auto [direction, gap] = collision::centre_line(first, at_first, second, at_second);
   return gap - goal > closing - shift.norm() + std::max(0.0, shift.dot(direction));
+}
+
+// Of a solid that starts at the other's surface: it ends off it, and on the same side. What touches for long and turns
+// far in a step is not to be held where it is.
+bool stays_outside(const collision::Shape& solid, const Motion& motion, const collision::Shape& other,
+                   const Motion& other_motion) {
+  constexpr double anywhere = std::numeric_limits<double>::infinity();
+  collision::Distance before, after;
+  collision::find_distance(solid, motion.at(0), other, other_motion.at(0), anywhere, before);
+  collision::find_distance(solid, motion.at(1), other, other_motion.at(1), anywhere, after);
+  return before.distance > 0 && after.distance > 0 && before.normal.dot(after.normal) > 0;
 }
 
 collision::Pose to_collision(const solver::BodyPose& pose) { return {pose.position, pose.orientation}; }
@@ -136,10 +149,12 @@ double World::Impl::first_hit(const solver::FastBody& fast, std::vector<std::uin
       const Core core = core_of(shape);
       const Motion core_motion = step_motion(collider, core.centre);
       const collision::SweepGoal goal{0, 1e-3 * size};
-      if (collision::sweep(core.shape, core_motion, colliders.shape[other], other_motion, goal, first, hit) &&
-          !hit.started_overlapping) {
-        first = hit.t;
+      if (!collision::sweep(core.shape, core_motion, colliders.shape[other], other_motion, goal, first, hit) ||
+          hit.started_overlapping) {
+        continue;
       }
+      if (hit.t == 0 && stays_outside(core.shape, core_motion, colliders.shape[other], other_motion)) continue;
+      first = hit.t;
     }
   });
   return first;
