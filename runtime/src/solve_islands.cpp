@@ -4,6 +4,8 @@
 #include <solver/free_flight.h>
 
 #include <algorithm>
+#include <chrono>
+#include <numeric>
 
 #include "settings_check.h"
 #include "world_impl.h"
@@ -15,6 +17,11 @@ using solver::Remedy;
 
 // Substeps for each of those that were asked for, where islands get finer ones: contacts give by its square less.
 constexpr int finer = 4;
+constexpr int finest = 16;
+
+double ms_since(std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+}
 
 }  // namespace
 
@@ -54,9 +61,15 @@ double World::Impl::give_of_soft_contacts() const {
 
 void World::Impl::solve_groups() {
   const solver::SolverSettings how = solver_settings(settings);
-  solver::SolverSettings how_finer = how;
-  how_finer.finer = finer;
-  how_finer.substeps *= finer;
+  const auto in_finer = [&](int times) {
+    solver::SolverSettings with = how;
+    with.finer = times;
+    with.substeps *= times;
+    return with;
+  };
+  const solver::SolverSettings how_finer = in_finer(finer);
+  solver::SolverSettings how_finest = in_finer(finest);
+  how_finest.joint_method = solver::JointMethod::Iterative;
   if (settings.keep_contact_problem) capture_.resize(cache.manifolds.size(), bodies.size());
   if (!bodies.surfaces.empty()) surface_contacts_.resize(cache.manifolds.size());
   const auto input_with = [&](const solver::SolverSettings& with) {
@@ -76,8 +89,10 @@ void World::Impl::solve_groups() {
   };
   const solver::SolveInput plain = input_with(how);
   const solver::SolveInput fine = input_with(how_finer);
+  const solver::SolveInput finest_of_all = input_with(how_finest);
   const auto input_of = [&](const solver::IslandGroup& group) -> const solver::SolveInput& {
-    return group.remedy == Remedy::None ? plain : fine;
+    if (group.remedy == Remedy::None) return plain;
+    return group.remedy == Remedy::Finest ? finest_of_all : fine;
   };
 
   group_reports_.assign(groups_.size(), {});
@@ -120,7 +135,9 @@ bool World::Impl::solve_directly(const solver::SolveInput& input, std::size_t gr
   if (direct_of_group_.empty() || direct_of_group_[group] == nullptr) return false;
   solver::DirectContacts& direct = *direct_of_group_[group];
   solver::DirectContactsReport& report = direct_reports_[group];
+  const auto begin = std::chrono::steady_clock::now();
   if (direct.analyse(input, groups_[group])) report = direct.solve(input);
+  if (settings.profile) report.ms = ms_since(begin);
   if (!report.solved) return false;
   group_reports_[group].friction = report.friction;
   group_reports_[group].gyroscopic = report.gyroscopic;
@@ -142,12 +159,16 @@ void World::Impl::note_remedies() {
     const std::span<const std::uint32_t> members = islands_.bodies(group.begin, group.end);
     EscalatedIsland island{.lowest = {members.front(), records.generation[members.front()]},
                            .bodies = members.size(),
-                           .contacts = islands_.contact_count(group.begin)};
+                           .contacts = islands_.contact_count(group.begin),
+                           .why = escalation_.why(group.begin)};
+    const auto& stage_ms = group_reports_[g].stage_ms;
+    island.ms = std::accumulate(stage_ms.begin(), stage_ms.end(), 0.0);
     if (group.remedy == Remedy::Direct) {
       const solver::DirectContactsReport& report = direct_reports_[g];
       island.direct = report.solved;
       island.gave_up = !report.solved;
       island.iterations = report.iterations;
+      island.ms += report.ms;
       if (!report.solved) failed_.insert(failed_.end(), members.begin(), members.end());
     }
     ++(island.direct ? report_.counts.direct_islands : report_.counts.finer_islands);

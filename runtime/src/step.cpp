@@ -194,10 +194,12 @@ void World::Impl::note_stages() {
   note("narrowphase", counts.fcl_calls + counts.kept_manifolds + counts.contacts > 0, "bodies are near each other",
        "no two bodies are near each other", ms(Phase::UpdateContacts));
   note("contact_solver", counts.contacts > 0, "bodies touch", "nothing touches", ms(Phase::SolveIslands));
+  double direct_ms = 0, finer_ms = 0;
+  for (const EscalatedIsland& island : escalated_) (island.direct ? direct_ms : finer_ms) += island.ms;
   note("direct_contacts", counts.direct_islands > 0, "some islands' contacts carry more than sweeps can settle",
-       "no island's contacts carry more than sweeps can settle", 0);
+       "no island's contacts carry more than sweeps can settle", direct_ms);
   note("finer_substeps", counts.finer_islands > 0, "some islands sag under their own weight",
-       "no island sags under its own weight", 0);
+       "no island sags under its own weight", finer_ms);
   note("friction", friction, "touching materials have friction", "no contact has friction", 0);
   note("restitution", restitution, "touching materials bounce", "no contact bounces", 0);
   note("gyroscopic_torque", gyroscopic, "bodies in islands have unequal moments of inertia",

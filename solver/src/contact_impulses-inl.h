@@ -8,6 +8,8 @@
 #define ATOLL_SOLVER_CONTACT_IMPULSES_INL_H_
 #endif
 
+#include <solver/overload.h>
+
 #include "contact_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -78,40 +80,38 @@ inline void restitute(const ContactKernelData& data, std::size_t begin, std::siz
   }
 }
 
-// Lanes where soft contacts would give way farther than they should under what they carry now, and many times as far.
-struct Overload {
-  unsigned overloaded, crushed;
-};
-HWY_INLINE Overload overloaded_lanes(const ContactKernelData& data, const ContactBlock& block, std::size_t lane,
-                                     V normal_impulse) {
+// Lanes where soft contacts would give farther under what they carry now than in columns they should.
+HWY_INLINE unsigned loaded_lanes(const ContactKernelData& data, const ContactBlock& block, std::size_t lane,
+                                 V normal_impulse) {
   const V first = load(block.inverse_mass[0] + lane);
   const V second = load(block.inverse_mass[1] + lane);
   const M first_fixed = hn::Eq(first, zero());
   const M second_fixed = hn::Eq(second, zero());
-  const V scale = hn::IfThenElse(hn::Or(first_fixed, second_fixed), splat(data.constants.overload_fixed),
-                                 splat(data.constants.overload));
+  const V scale =
+      hn::IfThenElse(hn::Or(first_fixed, second_fixed), splat(data.constants.give_fixed), splat(data.constants.give));
   const V give = hn::Mul(hn::Mul(normal_impulse, hn::Add(first, second)), scale);
-  const V3 a = load3(block.anchor_first, lane);
-  const V3 b = load3(block.anchor_second, lane);
-  const V far = splat(collision::no_point);
-  const V square = hn::Min(hn::IfThenElse(first_fixed, far, dot(a, a)), hn::IfThenElse(second_fixed, far, dot(b, b)));
-  const V give_square = hn::Mul(give, give);
-  const auto bits = [](const M& mask) {
-    std::uint8_t to[8] = {};
-    hn::StoreMaskBits(D(), mask, to);
-    return unsigned{to[0]};
+  const V3 normal = load3(block.normal, lane);
+  constexpr auto least_square = static_cast<float>(least_thickness * least_thickness);
+  constexpr auto give_square = static_cast<float>(column_give * column_give);
+  const auto square_of_half_thickness = [&](const V3& arm, const M& fixed) {
+    const V along = dot(normal, arm);
+    const V square = hn::Max(hn::Mul(along, along), hn::Mul(splat(least_square), dot(arm, arm)));
+    return hn::IfThenElse(fixed, splat(collision::no_point), square);
   };
-  const M over = hn::Gt(give_square, square);
-  if (HWY_LIKELY(hn::AllFalse(D(), over))) return {0, 0};
-  constexpr auto most = static_cast<float>(crushing * crushing);
-  return {bits(over), bits(hn::Gt(give_square, hn::Mul(splat(most), square)))};
+  const V square = hn::Min(square_of_half_thickness(load3(block.anchor_first, lane), first_fixed),
+                           square_of_half_thickness(load3(block.anchor_second, lane), second_fixed));
+  const M over = hn::Gt(hn::Mul(give, give), hn::Mul(splat(give_square), square));
+  if (HWY_LIKELY(hn::AllFalse(D(), over))) return 0;
+  std::uint8_t bits[8] = {};
+  hn::StoreMaskBits(D(), over, bits);
+  return bits[0];
 }
 
 inline void store_impulses(const ContactKernelData& data, std::size_t begin, std::size_t end) {
   const V together = splat(data.constants.finer);
   for (std::size_t b = begin; b < end; ++b) {
     ContactBlock& block = data.blocks[b];
-    Overload all = {0, 0};
+    unsigned loaded = 0;
     for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
       unsigned used = 0;
       for (std::size_t k = 0; k < lanes; ++k) used |= (block.slot[lane + k] >= 0 ? 1u : 0u) << k;
@@ -120,9 +120,7 @@ inline void store_impulses(const ContactKernelData& data, std::size_t begin, std
       const V4 normal = {load(block.normal_impulse[0] + lane), load(block.normal_impulse[1] + lane),
                          load(block.normal_impulse[2] + lane), load(block.normal_impulse[3] + lane)};
       const V load_of_all = hn::Add(hn::Add(normal.x, normal.y), hn::Add(normal.z, normal.w));
-      const Overload here = overloaded_lanes(data, block, lane, load_of_all);
-      all.overloaded |= (here.overloaded & used) << lane;
-      all.crushed |= (here.crushed & used) << lane;
+      loaded |= (loaded_lanes(data, block, lane, load_of_all) & used) << lane;
       store_rows(
           {hn::Mul(together, normal.x), hn::Mul(together, normal.y), hn::Mul(together, normal.z),
            hn::Mul(together, normal.w)},
@@ -143,8 +141,7 @@ inline void store_impulses(const ContactKernelData& data, std::size_t begin, std
           {rolling.x, rolling.y, rolling.z, load(surface.torsional_friction[0] + lane)},
           [=](std::size_t k) { return contacts[slot[k]].rolling_impulse; }, used);
     }
-    block.overloaded = static_cast<std::uint8_t>(all.overloaded);
-    block.crushed = static_cast<std::uint8_t>(all.crushed);
+    block.loaded = static_cast<std::uint8_t>(loaded);
   }
 }
 

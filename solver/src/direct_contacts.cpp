@@ -234,20 +234,15 @@ void DirectContacts::capture(const SolveInput& input) const {
 
 // By the measure of soft contacts, so that the island is solved at once for as long as these would give way.
 void DirectContacts::note_overloads(const SolveInput& input) const {
-  const double give = SubstepConstants::give_by_impulse(input.settings, input.dt) / input.settings.substeps;
-  for (const Contact& contact : contacts_) {
-    const auto inverse_mass = [&](std::uint32_t body) { return body == none ? 0 : 1 / bodies_[body].mass; };
-    const auto reach = [&](std::uint32_t body, const std::array<Vector3, 3>& moments) {
-      // Of an arm r, |r x n|^2 + |r x t1|^2 + |r x t2|^2 = 2 r^2.
-      const double square = moments[0].squaredNorm() + moments[1].squaredNorm() + moments[2].squaredNorm();
-      return body == none ? std::numeric_limits<double>::infinity() : std::sqrt(0.5 * square);
-    };
-    const double first = inverse_mass(contact.first);
-    const double second = inverse_mass(contact.second);
-    const double size =
-        std::min(reach(contact.first, contact.moments_first), reach(contact.second, contact.moments_second));
-    const std::uint32_t lighter = bodies_[first >= second ? contact.first : contact.second].body;
-    note_overload(give * contact.answer.load(), first, second, size, lighter, input.overloads.local());
+  const double give = SubstepConstants::give_by_impulse(input.settings, input.dt);
+  const Build build = build_of(input.islands, island_);
+  for (const TouchingPair& pair : pairs_) {
+    const LoadedContact contact = {.manifold = input.manifolds[pair.slot],
+                                   .first = pair.first,
+                                   .second = pair.second,
+                                   .inverse_first = input.bodies.inverse_mass[pair.first],
+                                   .inverse_second = input.bodies.inverse_mass[pair.second]};
+    note_overload(contact, give * load_of(contact.manifold), build, input.overloads.local());
   }
 }
 

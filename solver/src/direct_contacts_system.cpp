@@ -34,6 +34,7 @@ constexpr double at_bound = 1 - 1e-6;
 bool DirectContacts::analyse(const SolveInput& input, const IslandGroup& group) {
   const std::span<const std::uint32_t> bodies = input.islands.bodies(group.begin, group.end);
   const std::span<const TouchingPair> pairs = input.islands.contacts(group.begin, group.end);
+  island_ = group.begin;
   first_rank_ = input.islands.first_rank(group.begin);
   const auto same_bodies = [](const TouchingPair& a, const TouchingPair& b) {
     return a.first == b.first && a.second == b.second;

@@ -13,9 +13,6 @@ constexpr std::uint8_t lasting = 3;
 constexpr std::uint8_t lasting_crush = 2;
 constexpr std::uint8_t most = 30;
 
-// An island of so few contacts a body is little but columns: to solve it at once costs no more than to sweep it.
-constexpr double contacts_of_columns = 1.5;
-
 // Finer substeps are for what is built to stand and sags of its own weight, in so large a part. A few small stones
 // under large ones are not worth them, nor is a heap that has found its rest on soft contacts: to stiffen them stirs
 // it.
@@ -87,18 +84,21 @@ std::span<const Remedy> Escalation::choose(const LoadInput& input) {
     const std::uint32_t island = islands.island_of(body);
     if (island == Islands::none) continue;
     symptoms_[island].lasts |= strain_[body].overloaded >= lasting;
-    symptoms_[island].crushes |= strain_[body].crushed >= lasting_crush;
+    // What is joined leaps at once.
+    const std::uint8_t lasts = islands.joint_count(island) > 0 ? 1 : lasting_crush;
+    symptoms_[island].crushes |= strain_[body].crushed >= lasts;
     symptoms_[island].sags |= strain_[body].sags;
   }
   remedies_.assign(islands.count(), Remedy::None);
   bool any = false;
   for (std::size_t island = 0; island < islands.count(); ++island) {
     const Symptoms& has = symptoms_[island];
-    if (!(has.lasts || has.crushes) || islands.joint_count(island) > 0) continue;
-    const std::size_t bodies = islands.body_count(island);
-    const auto contacts = static_cast<double>(islands.contact_count(island));
-    if (bodies <= DirectContacts::most_bodies &&
-        (has.crushes || contacts <= contacts_of_columns * static_cast<double>(bodies))) {
+    if (!(has.lasts || has.crushes)) continue;
+    const bool small = islands.body_count(island) <= DirectContacts::most_bodies;
+    const Build build = build_of(islands, island);
+    if (build == Build::Joined) {
+      if (has.crushes && small) remedies_[island] = Remedy::Finest;
+    } else if (build == Build::Columns || (has.crushes && small)) {
       remedies_[island] = Remedy::Direct;
     } else if (has.lasts && has.sags) {
       remedies_[island] = Remedy::Finer;
@@ -106,6 +106,11 @@ std::span<const Remedy> Escalation::choose(const LoadInput& input) {
     any |= remedies_[island] != Remedy::None;
   }
   return any ? std::span<const Remedy>(remedies_) : std::span<const Remedy>();
+}
+
+const char* Escalation::why(std::size_t island) const {
+  if (symptoms_[island].crushes) return "a body carries many times what its contacts are made for";
+  return remedies_[island] == Remedy::Finer ? "it sags under its own weight" : "columns give way under what they carry";
 }
 
 void Escalation::note(std::vector<Overload>& overloads, std::span<const std::uint32_t> failed,

@@ -213,7 +213,7 @@ void GroupJoints::prepare(const JointStep& step, std::size_t begin, std::size_t 
         arm_first = step.table.orientation(joint.first) * joint.anchor_first;
         arm_second = step.table.orientation(joint.second) * joint.anchor_second;
         offset = (step.table.position(joint.second) - step.table.position(joint.first)) + (arm_second - arm_first);
-        impulse = joint.point_impulse;
+        impulse = joint.point_impulse / step.constants.finer;
       }
       set_lane(block.start_arm_first, lane, arm_first);
       set_lane(block.start_arm_second, lane, arm_second);
@@ -257,7 +257,7 @@ void GroupJoints::prepare_rows(const JointStep& step, JointBlock& block) {
     const JointFrames frames =
         frames_of(joint, start_pose(step.table, joint.first), start_pose(step.table, joint.second));
     for (std::size_t r = 0; r < joint.rows; ++r) {
-      row.rows[r].impulse[lane] = static_cast<float>(joint.impulse[r]);
+      row.rows[r].impulse[lane] = static_cast<float>(joint.impulse[r] / step.constants.finer);
       row.set(r, joint_row(joint, r, frames));
     }
   }
@@ -306,6 +306,7 @@ void GroupJoints::clear_impulses(std::size_t begin, std::size_t end) {
 void GroupJoints::store(const JointStep& step, std::size_t begin, std::size_t end) const {
   constexpr std::size_t ahead = 2;
   const double inverse_h = 1 / step.h;
+  const double together = step.constants.finer;
   for (std::size_t b = begin; b < end; ++b) {
     const JointBlock& block = blocks_[b];
     if (b + ahead < end) {
@@ -322,7 +323,7 @@ void GroupJoints::store(const JointStep& step, std::size_t begin, std::size_t en
       // Of what the joint is the block knows enough: one cache line less.
       Vector3 linear = block.point ? get_lane(block.impulse, lane) : Vector3(Vector3::Zero());
       Vector3 angular = Vector3::Zero();
-      joint.point_impulse = linear;
+      joint.point_impulse = together * linear;
       if (block.rows > 0) {
         const JointFrames frames =
             frames_of(joint, start_pose(step.table, joint.first), start_pose(step.table, joint.second));
@@ -332,7 +333,7 @@ void GroupJoints::store(const JointStep& step, std::size_t begin, std::size_t en
           const Vector3 along = get_lane(row.linear, lane);
           linear += impulse * along;
           angular += impulse * (get_lane(row.angular_second, lane) - frames.arm_second.cross(along));
-          joint.impulse[r] = impulse;
+          joint.impulse[r] = together * impulse;
           const double value = joint_row(joint, r, frames).value;
           if (std::isfinite(value)) joint.position[r] = continued(joint.coordinate[r], value, joint.position[r]);
           joint.limit[r] = limit_reached(joint.law[r], joint.position[r], joint.limit[r]);

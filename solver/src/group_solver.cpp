@@ -245,7 +245,7 @@ GroupReport GroupSolver::run(const SolveInput& input, const IslandGroup& group, 
   const bool notes_overloads = !group.large || group.remedy != Remedy::None;
   executor.parallel_for(block_count, block_grain, [&](std::size_t begin, std::size_t end) {
     kernels.store(data, begin, end);
-    if (notes_overloads) note_overloaded(input, body_ids, begin, end);
+    if (notes_overloads) note_overloads(input, body_ids, begin, end);
   });
   each_system([&](DirectJoints& system) { system.end_step(direct_input); });
   if (leaps || report.restitution) {
@@ -335,11 +335,9 @@ void GroupSolver::collect_joints(const SolveInput& input, const IslandGroup& gro
   joints_.clear();
   const std::span<const JointLink> links = input.islands.joints(group.begin, group.end);
   if (links.empty()) return;
-  joined_motion_.build(links, input.islands.contacts(group.begin, group.end), *input.joint_graph, input.islands,
-                       input.bodies, input.islands.first_rank(group.begin),
-                       input.islands.bodies(group.begin, group.end).size());
+  joined_motion_.build(input, group);
   for (const JointLink& link : links) {
-    if (input.joint_graph->is_direct(input.joint_graph->component_of(link.joint))) continue;
+    if (input.solves_directly(input.joint_graph->component_of(link.joint))) continue;
     const Joint& joint = input.joints[link.joint];
     joints_.add({local_body(input, group, link.first), local_body(input, group, link.second), link.joint, joint.point,
                  joint.rows});
@@ -476,16 +474,24 @@ void GroupSolver::give_half_kick(std::span<const std::uint32_t> bodies, float ti
   }
 }
 
-void GroupSolver::note_overloaded(const SolveInput& input, std::span<const std::uint32_t> bodies, std::size_t begin,
-                                  std::size_t end) const {
+void GroupSolver::note_overloads(const SolveInput& input, std::span<const std::uint32_t> bodies, std::size_t begin,
+                                 std::size_t end) const {
+  const auto body_of = [&](std::int32_t local) {
+    const auto i = static_cast<std::uint32_t>(local);
+    return i < first_dynamic_ ? Islands::none : bodies[i - first_dynamic_];
+  };
   for (std::size_t b = begin; b < end; ++b) {
     const ContactBlock& block = blocks_[b];
-    for (unsigned lanes = block.overloaded; lanes != 0; lanes &= lanes - 1) {
+    for (unsigned lanes = block.loaded; lanes != 0; lanes &= lanes - 1) {
       const int lane = std::countr_zero(lanes);
-      const bool first = block.inverse_mass[0][lane] >= block.inverse_mass[1][lane];
-      const std::int32_t lighter = first ? block.first[lane] : block.second[lane];
-      const std::uint32_t body = bodies[static_cast<std::uint32_t>(lighter) - first_dynamic_];
-      input.overloads.local().push_back({body, (block.crushed >> lane & 1) != 0});
+      const LoadedContact contact = {.manifold = input.manifolds[block.slot[lane]],
+                                     .first = body_of(block.first[lane]),
+                                     .second = body_of(block.second[lane]),
+                                     .inverse_first = block.inverse_mass[0][lane],
+                                     .inverse_second = block.inverse_mass[1][lane]};
+      const std::uint32_t island = input.islands.island_of(contact.inverse_first > 0 ? contact.first : contact.second);
+      note_overload(contact, SubstepConstants::give_by_impulse(input.settings, input.dt) * load_of(contact.manifold),
+                    build_of(input.islands, island), input.overloads.local());
     }
   }
 }

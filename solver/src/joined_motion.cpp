@@ -2,23 +2,25 @@
 
 namespace atl::solver {
 
-void JoinedMotion::build(std::span<const JointLink> joints, std::span<const TouchingPair> contacts,
-                         const JointGraph& graph, const Islands& islands, const BodyTable& bodies,
-                         std::uint32_t first_rank, std::size_t body_count) {
-  component_.assign(body_count, none);
+void JoinedMotion::build(const SolveInput& input, const IslandGroup& group) {
+  const Islands& islands = input.islands;
+  const JointGraph& graph = *input.joint_graph;
+  const std::span<const JointLink> joints = islands.joints(group.begin, group.end);
+  const std::uint32_t first_rank = islands.first_rank(group.begin);
+  component_.assign(islands.bodies(group.begin, group.end).size(), none);
   components_.clear();
   direct_.clear();
   touched_direct_.clear();
   if (number_.size() < graph.component_count()) number_.resize(graph.component_count(), none);
   const auto place = [&](std::uint32_t body) { return islands.rank(body) - first_rank; };
-  const auto dynamic = [&](std::uint32_t body) { return bodies.mobility[body] == Mobility::Dynamic; };
+  const auto dynamic = [&](std::uint32_t body) { return input.bodies.mobility[body] == Mobility::Dynamic; };
   for (const JointLink& link : joints) {
     const std::uint32_t of_graph = graph.component_of(link.joint);
     std::uint32_t& number = number_[of_graph];
     if (number == none) {
       number = static_cast<std::uint32_t>(components_.size());
-      components_.push_back({.direct = graph.is_direct(of_graph)});
-      if (graph.is_direct(of_graph)) direct_.push_back(of_graph);
+      components_.push_back({.direct = input.solves_directly(of_graph)});
+      if (components_.back().direct) direct_.push_back(of_graph);
     }
     for (const std::uint32_t body : {link.first, link.second}) {
       if (dynamic(body)) {
@@ -28,7 +30,7 @@ void JoinedMotion::build(std::span<const JointLink> joints, std::span<const Touc
       }
     }
   }
-  for (const TouchingPair& pair : contacts) {
+  for (const TouchingPair& pair : islands.contacts(group.begin, group.end)) {
     for (const std::uint32_t body : {pair.first, pair.second}) {
       if (dynamic(body) && is_joined(place(body))) components_[component_[place(body)]].touched = true;
     }

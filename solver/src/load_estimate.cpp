@@ -1,10 +1,10 @@
 #include <solver/load_estimate.h>
-#include <solver/solver_settings.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
+
+#include "rows3.h"
 
 namespace atl::solver {
 namespace {
@@ -14,19 +14,12 @@ constexpr double least_slope = 0.3;
 
 }  // namespace
 
-void note_overload(double give, double inverse_mass_first, double inverse_mass_second, double reach,
-                   std::uint32_t lighter, std::vector<Overload>& overloads) {
-  // Contacts are twice as fast, four times as stiff, against what doesn't respond.
-  const double softness = inverse_mass_first == 0 || inverse_mass_second == 0 ? 0.25 : 1;
-  const double gives = softness * give * (inverse_mass_first + inverse_mass_second);
-  if (gives > overload_give * reach) overloads.push_back({lighter, gives > crushing * overload_give * reach});
-}
-
 void LoadEstimate::add_overloads(const LoadInput& input, std::size_t island, std::vector<Overload>& overloads) {
   const double g = input.gravity.norm();
   if (!(g > 0)) return;
   const Vector3 up = -input.gravity / g;
   const std::span<const std::uint32_t> bodies = input.islands.bodies(island, island + 1);
+  const Build build = build_of(input.islands, island);
   const std::uint32_t first_rank = input.islands.first_rank(island);
   const auto place = [&](std::uint32_t body) {
     return input.bodies.mobility[body] == Mobility::Dynamic ? input.islands.rank(body) - first_rank : Islands::none;
@@ -41,25 +34,18 @@ void LoadEstimate::add_overloads(const LoadInput& input, std::size_t island, std
   supports_.clear();
   for (const TouchingPair& pair : input.islands.contacts(island, island + 1)) {
     const collision::ContactManifold& manifold = input.manifolds[pair.slot];
-    const Vector3 normal(manifold.normal[0], manifold.normal[1], manifold.normal[2]);
+    const Vector3 normal = get3(manifold.normal);
     const double slope = up.dot(normal);  // it points to the second
     const bool second_above = slope > 0;
     const std::uint32_t upper = second_above ? pair.second : pair.first;
     const std::uint32_t lower = second_above ? pair.first : pair.second;
     if (!(std::abs(slope) >= least_slope) || place(upper) == Islands::none) continue;
-    const auto reach = [&](std::uint32_t body, const float(&anchor)[3]) {
-      return place(body) == Islands::none
-                 ? std::numeric_limits<double>::infinity()
-                 : std::sqrt(static_cast<double>(anchor[0]) * anchor[0] + static_cast<double>(anchor[1]) * anchor[1] +
-                             static_cast<double>(anchor[2]) * anchor[2]);
-    };
-    supports_.push_back(
-        {.above = place(upper),
-         .below = place(lower),
-         .lower_body = lower,
-         .upper_body = upper,
-         .along = std::abs(slope),
-         .reach = std::min(reach(pair.first, manifold.anchor_first), reach(pair.second, manifold.anchor_second))});
+    supports_.push_back({.above = place(upper),
+                         .below = place(lower),
+                         .along = std::abs(slope),
+                         .slot = pair.slot,
+                         .first = pair.first,
+                         .second = pair.second});
   }
   std::stable_sort(supports_.begin(), supports_.end(),
                    [](const Support& a, const Support& b) { return a.above < b.above; });
@@ -78,10 +64,12 @@ void LoadEstimate::add_overloads(const LoadInput& input, std::size_t island, std
       const double load = load_[above] / count;
       // What is higher has handed its load on already.
       if (support.below != Islands::none && height_[support.below] < height_[above]) load_[support.below] += load;
-      const double of_upper = input.bodies.inverse_mass[support.upper_body];
-      const double of_lower = input.bodies.inverse_mass[support.lower_body];
-      note_overload(input.give * load / support.along, of_upper, of_lower, support.reach,
-                    of_upper >= of_lower ? support.upper_body : support.lower_body, overloads);
+      note_overload({.manifold = input.manifolds[support.slot],
+                     .first = support.first,
+                     .second = support.second,
+                     .inverse_first = input.bodies.inverse_mass[support.first],
+                     .inverse_second = input.bodies.inverse_mass[support.second]},
+                    input.give * load / support.along, build, overloads);
     }
   }
 }

@@ -50,7 +50,9 @@ struct EscalatedIsland {
   bool direct = false;  ///< solved at once; else in finer substeps
   /// Whether that was tried, and given up for finer substeps in this step: it bounced, tumbled or didn't converge.
   bool gave_up = false;
-  int iterations = 0;  ///< of its method, beyond the first solve
+  int iterations = 0;    ///< of its method, beyond the first solve
+  const char* why = "";  ///< static storage
+  double ms = 0;         ///< with Settings::profile: on the worker that solved it
 };
 
 /// A world of rigid bodies. Independent worlds may be used from different threads; one world may be used

@@ -45,6 +45,7 @@ std::vector<Criterion> stands();
 /// The same of towers that are known to overlap by more.
 std::vector<Criterion> stands_softly();
 inline const std::string softness =
-    "soft contacts give by some tenths of a millimetre for each body above; only higher loads are solved at once";
+    "soft contacts give by half a millimetre for each body above; only where that is more than half a percent of the "
+    "thickness are columns solved at once, and other islands not before 1.5%";
 
 }  // namespace atl::stability

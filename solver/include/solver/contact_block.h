@@ -41,8 +41,7 @@ struct alignas(64) ContactBlock {
   std::int32_t slot[block_lanes];  ///< of the contact; -1 in a lane without one
   std::uint8_t write_first;        ///< bit a lane: the first body is dynamic
   std::uint8_t write_second;
-  std::uint8_t overloaded;  ///< bit a lane: it carries more than soft contacts are made for, see overload_give
-  std::uint8_t crushed;     ///< bit a lane: many times as much
+  std::uint8_t loaded;  ///< bit a lane: it may carry more than soft contacts are made for, see overload.h
 };
 
 /// What a block needs beside, if its group has restitution.

@@ -17,6 +17,7 @@ struct DirectContactsReport {
   int iterations = 0;       ///< of Newton's method, beyond the first solve
   bool friction = false;    ///< some contact has it
   bool gyroscopic = false;  ///< some body's moments of inertia differ
+  double ms = 0;            ///< with SolverSettings::profile
 };
 
 /// The contacts of an island, solved at once and for a whole step: of islands so ill-conditioned (tall columns, heavy
@@ -135,6 +136,7 @@ class DirectContacts {
   void note_overloads(const SolveInput& input) const;
 
   std::vector<std::uint32_t> members_;
+  std::size_t island_ = 0;
   std::vector<TouchingPair> pairs_;
   bool fits_ = false;
   std::uint32_t first_rank_ = 0;

@@ -25,6 +25,9 @@ class Escalation {
   /// By island, for the next step; empty if none needs a remedy.
   std::span<const Remedy> choose(const LoadInput& input);
 
+  /// Why an island got its remedy, by the last choice; in words, static storage.
+  const char* why(std::size_t island) const;
+
   /// After a step: its overloads, in any order and with bodies any number of times, and bodies of islands that could
   /// not be solved at once, which will be tried again after some steps. What sleeps stays as it is.
   void note(std::vector<Overload>& overloads, std::span<const std::uint32_t> failed,

@@ -62,8 +62,8 @@ class GroupSolver {
   bool note_surfaces(const SolveInput& input, const IslandGroup& group);
   ContactKernelData kernel_data(const SolveInput& input, const GroupReport& report, const SubstepConstants& constants,
                                 bool splits);
-  void note_overloaded(const SolveInput& input, std::span<const std::uint32_t> bodies, std::size_t begin,
-                       std::size_t end) const;
+  void note_overloads(const SolveInput& input, std::span<const std::uint32_t> bodies, std::size_t begin,
+                      std::size_t end) const;
   void clear_impulses(const GroupReport& report);
   void clear_split_impulses();
   void capture(const SolveInput& input, const GroupReport& report, std::span<const std::uint32_t> bodies) const;

@@ -14,6 +14,7 @@ using collision::TouchingPair;
 enum class Remedy : std::uint8_t {
   None,
   Finer,   ///< more substeps
+  Finest,  ///< many more, and joints one after another: where these and contacts fight over what lies between
   Direct,  ///< to be solved at once
 };
 
@@ -45,9 +46,9 @@ class Islands {
   std::size_t contact_count(std::size_t island) const { return contact_start_[island + 1] - contact_start_[island]; }
   std::size_t joint_count(std::size_t island) const { return joint_start_[island + 1] - joint_start_[island]; }
 
-  /// Position of a body in the list of all islands' bodies. Valid for bodies of islands only.
   /// Of any body of the world; none for what is in no island.
   std::uint32_t island_of(std::uint32_t body) const { return body < island_of_.size() ? island_of_[body] : none; }
+  /// Position of a body in the list of all islands' bodies. Valid for bodies of islands only.
   std::uint32_t rank(std::uint32_t body) const { return rank_[body]; }
   std::uint32_t first_rank(std::size_t island) const { return body_start_[island]; }
 

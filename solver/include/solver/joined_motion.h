@@ -2,7 +2,7 @@
 
 #include <solver/body_table.h>
 #include <solver/islands.h>
-#include <solver/joint_graph.h>
+#include <solver/solve_input.h>
 
 #include <cstdint>
 #include <span>
@@ -14,9 +14,8 @@ namespace atl::solver {
 /// to make it of second order. Bodies by their place in the group.
 class JoinedMotion {
  public:
-  /// Of a group whose first body has this rank among the islands' and which has so many.
-  void build(std::span<const JointLink> joints, std::span<const TouchingPair> contacts, const JointGraph& graph,
-             const Islands& islands, const BodyTable& bodies, std::uint32_t first_rank, std::size_t body_count);
+  /// Of a group with joints.
+  void build(const SolveInput& input, const IslandGroup& group);
 
   /// Graph components of the group that are solved at once.
   std::span<const std::uint32_t> direct() const { return direct_; }

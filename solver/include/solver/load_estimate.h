@@ -3,24 +3,13 @@
 #include <collision/contact.h>
 #include <solver/body_table.h>
 #include <solver/islands.h>
+#include <solver/overload.h>
 
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
 namespace atl::solver {
-
-/// The lighter body of a contact that carries more than soft ones are made for (overload_give in solver_settings.h).
-struct Overload {
-  std::uint32_t body;
-  bool crushed;  ///< many times as much
-};
-
-/// Adds what a contact is, if it is overloaded; the kernels do the same of their lanes. `give` in m kg: how far
-/// contacts between dynamic bodies give under the load that it carries, times the mass; inverse masses in 1/kg, `reach`
-/// in m, the lesser of the two bodies.
-void note_overload(double give, double inverse_mass_first, double inverse_mass_second, double reach,
-                   std::uint32_t lighter, std::vector<Overload>& overloads);
 
 /// What loads on contacts are estimated from.
 struct LoadInput {
@@ -40,9 +29,8 @@ class LoadEstimate {
  private:
   struct Support {
     std::uint32_t above, below;  // places in the island; below may be none
-    std::uint32_t lower_body, upper_body;
-    double along;  // cosine of the normal against up
-    double reach;  // m
+    double along;                // cosine of the normal against up
+    std::uint32_t slot, first, second;
   };
   std::vector<double> height_, load_;
   std::vector<std::uint32_t> order_, start_;

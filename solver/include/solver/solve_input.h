@@ -31,6 +31,11 @@ struct SolveInput {
   SurfaceContact* surface_contacts = nullptr;  ///< by contact slot; null while all surfaces are plain
   Joint* joints = nullptr;                     ///< by index of joint
   JointGraph* joint_graph = nullptr;           ///< null where there are none
+
+  /// Whether a component of joints is solved at once.
+  bool solves_directly(std::uint32_t component) const {
+    return settings.joint_method != JointMethod::Iterative && joint_graph->is_direct(component);
+  }
 };
 
 }  // namespace atl::solver

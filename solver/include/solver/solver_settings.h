@@ -48,12 +48,6 @@ struct Softness {
   static Softness rigid(double correction, double h) { return {static_cast<float>(correction / h), 1, 0}; }
 };
 
-/// Of the smaller body's reach, how far soft contacts give under what they carry before they count as overloaded. A
-/// column of boxes starts to buckle from about 15 boxes on, where it is 1.6% (by Euler's load; a longer one takes a
-/// while). Many times as much crushes what carries it.
-inline constexpr double overload_give = 0.015;
-inline constexpr double crushing = 8;
-
 /// What the kernels need to know of a substep.
 struct SubstepConstants {
   float step;       ///< s, of all substeps together
@@ -65,9 +59,10 @@ struct SubstepConstants {
   float push_speed;        ///< m/s
   float slop;              ///< m, overlap that is left alone
   float restitution_threshold;
-  float finer;           ///< as in SolverSettings: impulses are kept as those of so many substeps together
-  float overload;        ///< give, over overload_give, by impulse and inverse mass, of contacts between dynamic bodies
-  float overload_fixed;  ///< likewise, against others; both 0 where contacts aren't soft
+  float finer;       ///< as in SolverSettings: impulses are kept as those of so many substeps together
+  float give;        ///< m by N s and 1/kg: of contacts between dynamic bodies under a lasting impulse, as they give in
+                     ///< the substeps that were asked for; 0 where they aren't soft
+  float give_fixed;  ///< likewise, against what doesn't respond
 
   static SubstepConstants of(const SolverSettings& settings, double dt) {
     const double h = dt / settings.substeps;
@@ -91,9 +86,9 @@ struct SubstepConstants {
     c.joint = Softness::of(joint_hertz, settings.joint_damping_ratio, h);
     c.finer = static_cast<float>(settings.finer);
     const bool soft = settings.stabilisation == Stabilisation::Soft;
-    const double give = soft ? give_by_impulse(settings, dt) / overload_give : 0;
-    c.overload = static_cast<float>(settings.finer * give);
-    c.overload_fixed = static_cast<float>(settings.finer * give / 4);  // twice the frequency
+    const double give = soft ? settings.finer * give_by_impulse(settings, dt) : 0;
+    c.give = static_cast<float>(give);
+    c.give_fixed = static_cast<float>(give / 4);  // twice the frequency
     c.push_speed = static_cast<float>(settings.contact_push_speed);
     c.restitution_threshold = static_cast<float>(settings.restitution_threshold);
     return c;
