@@ -45,13 +45,14 @@ BodyCounts body_counts(const Scene& scene) {
   return counts;
 }
 
+std::string body_words(const Scene& scene, std::size_t body) {
+  const bool named = body < scene.bodies.size() && !scene.bodies[body].name.empty();
+  return "body " + std::to_string(body) + (named ? " \"" + scene.bodies[body].name + "\"" : "");
+}
+
 std::string lost_words(const Scene& scene, const LostBody& lost) {
-  std::string body = "body " + std::to_string(lost.body);
-  if (lost.body < scene.bodies.size() && !scene.bodies[lost.body].name.empty()) {
-    body += " \"" + scene.bodies[lost.body].name + "\"";
-  }
-  return body + " was quarantined in step " + std::to_string(lost.step) + " of " + std::to_string(scene.steps) + ": " +
-         lost.why;
+  return body_words(scene, lost.body) + " was quarantined in step " + std::to_string(lost.step) + " of " +
+         std::to_string(scene.steps) + ": " + lost.why;
 }
 
 std::string hash_text(std::uint64_t hash) {

@@ -23,6 +23,9 @@ struct BodyCounts {
 };
 BodyCounts body_counts(const Scene& scene);
 
+/// `body 3 "crate"`, by its place in the scene's list.
+std::string body_words(const Scene& scene, std::size_t body);
+
 /// `body 3 "crate" was quarantined in step 7 of 60: its speed is above 1e6 m/s`.
 std::string lost_words(const Scene& scene, const LostBody& lost);
 

@@ -67,6 +67,21 @@ Json lost_json(const RunResult& result) {
   return array;
 }
 
+Json escalated_json(const RunResult& result) {
+  Json array = Json::array();
+  for (const auto& [body, island] : result.escalated) {
+    array.push_back({{"lowest_body", body},
+                     {"bodies", island.bodies},
+                     {"contacts", island.contacts},
+                     {"why", island.why},
+                     {"solved", island.direct ? "direct" : "finer"},
+                     {"gave_up", island.gave_up},
+                     {"iterations", island.iterations}});
+    if (island.ms > 0) array.back()["ms"] = island.ms;
+  }
+  return array;
+}
+
 Json stages_json(const std::array<StageReport, stage_count>& stages) {
   Json array = Json::array();
   for (const StageReport& stage : stages) {
@@ -94,6 +109,7 @@ void write_json(std::ostream& out, const Scene& scene, const World& world, const
   object["counts"] = counts_json(result.last.counts);
   object["errors"] = errors_json(result);
   object["stages"] = stages_json(result.last.stages);
+  if (!result.escalated.empty()) object["escalated_islands"] = escalated_json(result);
   if (!result.lost.empty()) object["quarantined"] = lost_json(result);
   object["hash"] = hash_text(result.hash);
   // A name from a scene file is valid UTF-8 by then; one from a file's name need not be.

@@ -1,5 +1,6 @@
 #include "report_text.h"
 
+#include <algorithm>
 #include <iomanip>
 #include <numeric>
 #include <ostream>
@@ -15,9 +16,10 @@ constexpr int name_width = 26;
 constexpr int number_width = 12;
 constexpr int share_width = 9;
 
-std::string plural(std::int64_t count, const char* noun) {
-  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+std::string plural(std::int64_t count, const std::string& one, const std::string& more) {
+  return std::to_string(count) + " " + (count == 1 ? one : more);
 }
+std::string plural(std::int64_t count, const std::string& noun) { return plural(count, noun, noun + "s"); }
 
 std::string significant(double value, int digits) {
   std::ostringstream text;
@@ -111,6 +113,23 @@ void write_stages(std::ostream& out, const std::array<StageReport, stage_count>&
   }
 }
 
+void write_escalated(std::ostream& out, const Scene& scene, const RunResult& result) {
+  if (result.escalated.empty()) return;
+  constexpr std::size_t most = 10;
+  out << "\nislands that sweeps can't hold up, in the last step\n";
+  for (std::size_t i = 0; i < std::min(most, result.escalated.size()); ++i) {
+    const EscalatedIsland& island = result.escalated[i].island;
+    out << "  of " << body_words(scene, result.escalated[i].body) << ", "
+        << plural(static_cast<std::int64_t>(island.bodies), "dynamic body", "dynamic bodies") << ", "
+        << plural(static_cast<std::int64_t>(island.contacts), "contact") << ": " << island.why << "; "
+        << (island.direct ? "solved at once" : "solved in finer substeps")
+        << (island.gave_up ? " (at once didn't do)" : "");
+    if (scene.settings.profile) out << ", " << fixed(island.ms, 4) << " ms";
+    out << "\n";
+  }
+  if (result.escalated.size() > most) out << "  and " << result.escalated.size() - most << " more\n";
+}
+
 void write_errors(std::ostream& out, const RunResult& result) {
   out << "\nerrors\n";
   for (const ErrorMeasure& error : result.errors) {
@@ -134,6 +153,7 @@ void write_text(std::ostream& out, const Scene& scene, const World& world, const
   write_solver_times(out, scene, result);
   write_counts(out, result.last.counts);
   write_stages(out, result.last.stages);
+  write_escalated(out, scene, result);
   write_errors(out, result);
   write_lost(out, scene, result);
   out << "\nhash      " << hash_text(result.hash) << "\n";

@@ -56,6 +56,9 @@ RunResult simulate(const Scene& scene, World& world, const std::vector<BodyId>& 
     progress.update(step);
   }
   const auto steps = static_cast<double>(ms.size());
+  for (const EscalatedIsland& island : world.escalated_islands()) {
+    result.escalated.push_back({place_of(island.lowest, ids), island});
+  }
   for (double& phase : result.phase_ms) phase /= steps;
   for (double& stage : result.solver_ms) stage /= steps;
   result.points /= steps;
