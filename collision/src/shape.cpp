@@ -8,6 +8,8 @@
 #include <limits>
 #include <numbers>
 
+#include "hypotenuse.h"
+
 namespace atl::collision {
 namespace {
 
@@ -62,7 +64,7 @@ Shape Shape::box(const Vector3& half_extents) {
 
 Shape Shape::cylinder(double radius, double half_height) {
   Shape shape = round_shape(ShapeKind::Cylinder, radius, half_height);
-  shape.bounding_radius = std::hypot(radius, half_height);
+  shape.bounding_radius = hypotenuse(radius, half_height);
   shape.inner_radius = std::min(radius, half_height);
   return shape;
 }
@@ -70,8 +72,8 @@ Shape Shape::cylinder(double radius, double half_height) {
 // The sphere that touches base and side: r h / (r + slant) of a triangle with base 2 r and height h.
 Shape Shape::cone(double radius, double half_height) {
   Shape shape = round_shape(ShapeKind::Cone, radius, half_height);
-  shape.bounding_radius = std::hypot(radius, half_height);
-  shape.inner_radius = 2 * radius * half_height / (radius + std::hypot(radius, 2 * half_height));
+  shape.bounding_radius = hypotenuse(radius, half_height);
+  shape.inner_radius = 2 * radius * half_height / (radius + hypotenuse(radius, 2 * half_height));
   return shape;
 }
 

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "hypotenuse.h"
+
 namespace atl::collision {
 namespace {
 
@@ -101,7 +103,7 @@ class Search {
     const Vector3 to_lowest = lowest_ - edge.tail;
     const Turn apart{triangle_.normal.dot(to_lowest), edge.outward.dot(to_lowest)};
     const bool within = apart.out > 0 && apart.cross(end_) > 0;
-    const double most = within ? std::hypot(apart.up, apart.out) : std::max(apart.up, apart.dot(end_));
+    const double most = within ? hypotenuse(apart.up, apart.out) : std::max(apart.up, apart.dot(end_));
     return improves(most);
   }
 
@@ -148,7 +150,7 @@ class Search {
         next = other;
       }
       const Turn apart{up_.dot(x - from_), out_.dot(x - from_)};
-      const double distance = std::hypot(apart.up, apart.out);
+      const double distance = hypotenuse(apart.up, apart.out);
       if (distance > 0 && at.cross(apart) > 0 && apart.cross(stop) > 0 && at.dot(apart) + stop.dot(apart) > 0) {
         offer({apart.up / distance, apart.out / distance}, distance - radius, x);
       }
@@ -184,14 +186,14 @@ class Search {
   // Where the support jumps from one end of a line to the other, or across a disc.
   void offer_kinks() {
     const Turn axis = normalized({up_.z(), out_.z()});
-    const double tilt = std::hypot(up_.z(), out_.z());
+    const double tilt = hypotenuse(up_.z(), out_.z());
     for (const double sign : {1.0, -1.0}) {
       offer_round({sign * axis.up, sign * axis.out});
       if (solid_.shape.kind == ShapeKind::Cylinder) {
         offer_round({sign * axis.out, -sign * axis.up}, true);
         continue;
       }
-      const double slant = std::hypot(solid_.shape.radius, 2 * solid_.shape.half_height);
+      const double slant = hypotenuse(solid_.shape.radius, 2 * solid_.shape.half_height);
       const double cosine = -solid_.shape.radius / slant / tilt;
       if (!(tilt > 0) || cosine < -1) continue;
       const double sine = sign * std::sqrt(1 - cosine * cosine);
@@ -289,10 +291,10 @@ class Search {
     const Shape& shape = solid_.shape;
     const double rise = shape.kind == ShapeKind::Cone ? shape.radius : 0;
     const double run = shape.kind == ShapeKind::Cone ? 2 * shape.half_height : 1;
-    const double slant = std::hypot(rise, run);
+    const double slant = hypotenuse(rise, run);
     for (std::size_t v = 0; v < 3; ++v) {
       const Vector3 seen = solid_.seen(triangle_.vertices[v]);
-      const double across = std::hypot(seen.x(), seen.y());
+      const double across = hypotenuse(seen.x(), seen.y());
       if (!(across > 0)) continue;
       const Vector3 outwards(run * seen.x() / (slant * across), run * seen.y() / (slant * across), rise / slant);
       const Vector3 rim(shape.radius * seen.x() / across, shape.radius * seen.y() / across, -shape.half_height);
