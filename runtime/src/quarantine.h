@@ -29,6 +29,7 @@ class QuarantineList {
   bool contains(std::uint32_t body) const { return !bodies_.empty() && find(body) < bodies_.size(); }
   std::span<const Quarantined> bodies() const { return bodies_; }  ///< in order of id
   Kept& kept(std::uint32_t body) { return kept_[find(body)]; }
+  const Kept& kept(std::uint32_t body) const { return kept_[find(body)]; }
   void add(const Quarantined& body, const Kept& kept);
   void remove(std::uint32_t body);
 

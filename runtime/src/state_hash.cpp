@@ -1,38 +1,12 @@
-#include <bit>
+// What the future of a world depends on, as one hash, and the same by body.
 
+#include <algorithm>
+
+#include "hash.h"
 #include "world_impl.h"
 
 namespace atl {
 namespace {
-
-// 64-bit hash over words: multiply and fold, as in wyhash (Wang Yi, public domain), whose mixing step this is.
-class Hash {
- public:
-  void add(std::uint64_t word) {
-    const __uint128_t product = static_cast<__uint128_t>(state_ ^ word) * 0xa0761d6478bd642fu;
-    state_ = (static_cast<std::uint64_t>(product) ^ static_cast<std::uint64_t>(product >> 64)) + 0xe7037ed1a0b428dbu;
-  }
-  void add(double value) { add(std::bit_cast<std::uint64_t>(value)); }
-  void add(float value) { add(std::uint64_t{std::bit_cast<std::uint32_t>(value)}); }
-  void add(std::uint32_t value) { add(std::uint64_t{value}); }
-  void add(std::uint8_t value) { add(std::uint64_t{value}); }
-
-  template <typename Range>
-  void add_all(const Range& range) {
-    add(static_cast<std::uint64_t>(std::size(range)));
-    for (const auto& value : range) add(value);
-  }
-
-  std::uint64_t value() const { return state_; }
-
- private:
-  std::uint64_t state_ = 0x9e3779b97f4a7c15u;
-};
-
-void add_box(Hash& hash, const collision::Aabb& box) {
-  hash.add_all(box.lower);
-  hash.add_all(box.upper);
-}
 
 // All that shapes the result: the instruction set and a profile do not.
 void add_settings(Hash& hash, const Settings& s) {
@@ -48,14 +22,11 @@ void add_settings(Hash& hash, const Settings& s) {
 }
 
 // Nothing where no contact has carried too much, as if there were no remedies.
-void add_escalation(Hash& hash, const Settings& s, const solver::Escalation& escalation) {
-  if (s.contact_solver != Settings{}.contact_solver) hash.add(static_cast<std::uint64_t>(s.contact_solver));
-  for (const std::uint32_t body : escalation.arrived()) hash.add(body);
-  for (const std::uint32_t body : escalation.strained()) {
-    const solver::Escalation::Strain strain = escalation.strain(body);
-    hash.add(std::uint64_t{body} << 32 | std::uint64_t{strain.sags} << 16 | std::uint64_t{strain.crushed} << 8 |
-             std::uint64_t{strain.overloaded});
-  }
+void add_strain(Hash& hash, const solver::Escalation& escalation, std::uint32_t body) {
+  const solver::Escalation::Strain strain = escalation.strain(body);
+  if (strain == solver::Escalation::Strain{}) return;
+  hash.add(std::uint64_t{body} << 32 | std::uint64_t{strain.sags} << 16 | std::uint64_t{strain.crushed} << 8 |
+           std::uint64_t{strain.overloaded});
 }
 
 // Worlds that have no joints hash as they would if joints had no settings, unless these are given.
@@ -93,6 +64,7 @@ void add_joint_state(Hash& hash, const JointTable& table, std::uint32_t index) {
   hash.add(def.break_force);
   hash.add(def.break_torque);
   hash.add_all(joint.point_impulse);
+  hash.add_all(joint.tension);
   hash.add_all(joint.force);
   for (std::size_t row = 0; row < joint.rows; ++row) {
     hash.add(std::uint64_t{static_cast<std::uint8_t>(joint.coordinate[row])});
@@ -104,12 +76,24 @@ void add_joint_state(Hash& hash, const JointTable& table, std::uint32_t index) {
   }
 }
 
-void add_surface(Hash& hash, std::size_t body, const solver::Surface& surface) {
+void add_surface(Hash& hash, const solver::Surface& surface) {
   if (surface.is_plain()) return;
-  hash.add(static_cast<std::uint64_t>(body));
   hash.add_all(surface.velocity);
   hash.add(surface.rolling_friction);
   hash.add(surface.torsional_friction);
+}
+
+// Of bodies that may meet all others there is nothing to tell.
+void add_filter(Hash& hash, const collision::Filter& filter) {
+  const collision::Filter meets_all;
+  if (filter.category == meets_all.category && filter.mask == meets_all.mask && filter.group == meets_all.group) return;
+  hash.add(std::uint64_t{filter.category} << 32 | filter.mask);
+  hash.add(static_cast<std::uint32_t>(filter.group));
+}
+
+void add_box(Hash& hash, const collision::Aabb& box) {
+  hash.add_all(box.lower);
+  hash.add_all(box.upper);
 }
 
 // What the next step reads of a contact: how its manifold was captured, and the impulses.
@@ -140,38 +124,106 @@ void add_contact(Hash& hash, const collision::Contact& contact, const collision:
   hash.add(manifold.twist_impulse);
 }
 
+// A contact that rests counts as it is when it wakes, and is not found from where its bodies are.
+void add_resting_points(Hash& hash, const collision::Contact& contact, const collision::ContactManifold& manifold) {
+  if (contact.count == 0) return;
+  for (std::size_t i = 0; i < 3; ++i) {
+    hash.add(manifold.normal[i]);
+    hash.add(manifold.anchor_first[i]);
+    hash.add(manifold.anchor_second[i]);
+  }
+  hash.add(manifold.lever);
+  for (std::size_t i = 0; i < contact.count; ++i) {
+    hash.add(manifold.x[i]);
+    hash.add(manifold.y[i]);
+    hash.add(manifold.separation[i]);
+  }
+}
+
 }  // namespace
+
+// Where each part of a body's state goes: all to one hash, or each to its own.
+struct World::Impl::BodyParts {
+  Hash& pose;
+  Hash& velocity;
+  Hash& input;
+  Hash& rest;
+  Hash& bounds;
+  Hash& contacts;
+};
+
+// A hash for each part of a body's state.
+struct World::Impl::BodyHasher {
+  Hash pose, velocity, input, rest, bounds, contacts, joints;
+
+  BodyParts parts() { return {pose, velocity, input, rest, bounds, contacts}; }
+  BodyHash value() const {
+    return {pose.value(),   velocity.value(), input.value(), rest.value(),
+            bounds.value(), contacts.value(), joints.value()};
+  }
+};
+
+// All but its contacts and joints.
+void World::Impl::add_body_state(const BodyParts& hash, std::uint32_t body) const {
+  const bool alive = records.alive[body] != 0;
+  hash.pose.add_all(bodies.position(body));
+  hash.pose.add_all(bodies.orientation(body).coeffs());
+  hash.velocity.add_all(bodies.velocity(body));
+  hash.velocity.add_all(bodies.angular_velocity(body));
+
+  hash.input.add(std::uint64_t{records.generation[body]} << 1 | std::uint64_t{alive});
+  hash.input.add_all(bodies.force(body));
+  hash.input.add_all(bodies.torque(body));
+  if (alive && !bodies.surfaces.empty()) add_surface(hash.input, bodies.surfaces[body]);
+  if (const auto ignored = records.ignored.find(body); ignored != records.ignored.end()) {
+    std::vector<std::uint32_t> others = ignored->second;
+    std::sort(others.begin(), others.end());
+    hash.input.add_all(others);
+  }
+
+  hash.rest.add(sleeping.awake[body]);
+  hash.rest.add(sleeping.rest_time[body]);
+  hash.rest.add(sleeping.ring[body]);
+
+  hash.bounds.add(bodies.turned[body]);
+  hash.bounds.add(bodies.slack[body]);
+  hash.bounds.add(bodies.outgrown[body]);
+  hash.bounds.add(stretch_[body]);
+  if (alive) {
+    const bool quarantined = quarantine.contains(body);
+    for_each_collider(body, [&](std::uint32_t collider) {
+      hash.bounds.add(collider);
+      if (!broadphase.is_half_space(collider)) add_box(hash.bounds, broadphase.fat_box(collider));
+      add_filter(hash.input, quarantined ? quarantine.kept(body).filter : broadphase.filter(collider));
+    });
+  }
+  add_strain(hash.contacts, escalation_, body);
+}
+
+void World::Impl::add_contact_state(Hash& hash, std::uint32_t slot) const {
+  const collision::Contact& contact = cache.contacts[slot];
+  add_contact(hash, contact, cache.manifolds[slot]);
+  if (!may_move(contact.body_first) && !may_move(contact.body_second)) {
+    add_resting_points(hash, contact, cache.manifolds[slot]);
+  }
+  if (slot < surface_contacts_.size()) hash.add_all(surface_contacts_[slot].rolling_impulse);
+}
 
 std::uint64_t World::Impl::state_hash() const {
   Hash hash;
   add_settings(hash, settings);
+  if (settings.contact_solver != Settings{}.contact_solver) {
+    hash.add(static_cast<std::uint64_t>(settings.contact_solver));
+  }
+  add_joint_settings(hash, settings, joints.size() > 0);
   for (int i = 0; i < 3; ++i) hash.add(gravity[i]);
-  hash.add_all(records.alive);
-  hash.add_all(records.generation);
-  hash.add_all(records.free);
-  hash.add_all(bodies.positions);
-  hash.add_all(bodies.orientations);
-  hash.add_all(bodies.velocities);
-  hash.add_all(bodies.angular_velocities);
-  hash.add_all(bodies.forces);
-  hash.add_all(bodies.torques);
-  for (std::size_t body = 0; body < bodies.surfaces.size(); ++body) {
-    if (records.alive[body]) add_surface(hash, body, bodies.surfaces[body]);
-  }
-  hash.add_all(sleeping.awake);
-  hash.add_all(sleeping.rest_time);
-  hash.add_all(sleeping.ring);
-  hash.add_all(bodies.turned);
-  hash.add_all(bodies.slack);
-  hash.add_all(bodies.outgrown);
-  hash.add_all(stretch_);
   hash.add(last_dt_);
+  hash.add_all(records.free);
   hash.add_all(colliders.free);
-  for (std::uint32_t collider = 0; collider < colliders.size(); ++collider) {
-    hash.add(colliders.body[collider]);
-    if (colliders.body[collider] == collision::ColliderTable::none) continue;
-    if (!broadphase.is_half_space(collider)) add_box(hash, broadphase.fat_box(collider));
-  }
+  const BodyParts parts = {hash, hash, hash, hash, hash, hash};
+  hash.add(static_cast<std::uint64_t>(bodies.size()));
+  for (std::uint32_t body = 0; body < bodies.size(); ++body) add_body_state(parts, body);
+  if (settings.contact_events) hash.add(std::uint64_t{events_noted_});
   for (const auto& [a, b] : touched_) {
     hash.add(std::uint64_t{a.index} << 32 | b.index);
     hash.add(std::uint64_t{a.generation} << 32 | b.generation);
@@ -180,8 +232,7 @@ std::uint64_t World::Impl::state_hash() const {
     hash.add(std::uint64_t{out.id.index} << 32 | static_cast<std::uint64_t>(out.reason));
     hash.add(static_cast<std::uint64_t>(out.step));
   }
-  add_escalation(hash, settings, escalation_);
-  add_joint_settings(hash, settings, joints.size() > 0);
+  hash.add_all(escalation_.arrived());
   if (joints.size() > 0) {
     hash.add_all(joints.alive);
     hash.add_all(joints.generation);
@@ -191,11 +242,50 @@ std::uint64_t World::Impl::state_hash() const {
     }
   }
   hash.add(static_cast<std::uint64_t>(cache.size()));
-  for (const std::uint32_t slot : cache.all_in_order()) {
-    add_contact(hash, cache.contacts[slot], cache.manifolds[slot]);
-    if (slot < surface_contacts_.size()) hash.add_all(surface_contacts_[slot].rolling_impulse);
-  }
+  for (const std::uint32_t slot : cache.all_in_order()) add_contact_state(hash, slot);
   return hash.value();
+}
+
+std::vector<BodyHash> World::Impl::body_hashes() const {
+  std::vector<BodyHasher> hashers(bodies.size());
+  for (std::uint32_t body = 0; body < bodies.size(); ++body) add_body_state(hashers[body].parts(), body);
+  for (const std::uint32_t slot : cache.all_in_order()) {
+    const collision::Contact& contact = cache.contacts[slot];
+    for (const std::uint32_t body : {contact.body_first, contact.body_second}) {
+      if (records.dynamic[body]) add_contact_state(hashers[body].contacts, slot);
+    }
+  }
+  for (std::uint32_t joint = 0; joint < joints.size(); ++joint) {
+    if (!joints.alive[joint]) continue;
+    for (const std::uint32_t body : {joints.joints[joint].first, joints.joints[joint].second}) {
+      if (records.dynamic[body]) add_joint_state(hashers[body].joints, joints, joint);
+    }
+  }
+  std::vector<BodyHash> hashes(bodies.size());
+  for (std::uint32_t body = 0; body < bodies.size(); ++body) {
+    if (records.alive[body]) hashes[body] = hashers[body].value();
+  }
+  return hashes;
+}
+
+BodyHash World::Impl::body_hash(std::uint32_t body) const {
+  BodyHasher hasher;
+  add_body_state(hasher.parts(), body);
+  if (!records.dynamic[body]) return hasher.value();
+
+  std::vector<std::uint32_t> own;
+  cache.for_each_contact_of(body, [&](std::uint32_t slot) { own.push_back(slot); });
+  const auto place = [this](std::uint32_t slot) {
+    return std::pair(cache.contacts[slot].pair.key(), cache.contacts[slot].part);
+  };
+  std::sort(own.begin(), own.end(), [&](std::uint32_t a, std::uint32_t b) { return place(a) < place(b); });
+  for (const std::uint32_t slot : own) add_contact_state(hasher.contacts, slot);
+
+  own.clear();
+  joints.for_each_of(body, [&](std::uint32_t joint) { own.push_back(joint); });
+  std::sort(own.begin(), own.end());
+  for (const std::uint32_t joint : own) add_joint_state(hasher.joints, joints, joint);
+  return hasher.value();
 }
 
 }  // namespace atl

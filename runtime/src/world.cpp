@@ -195,5 +195,7 @@ Eigen::Map<const Eigen::Matrix3Xd> World::angular_velocities() const {
 }
 
 std::uint64_t World::state_hash() const { return impl_->state_hash(); }
+std::vector<BodyHash> World::body_hashes() const { return impl_->body_hashes(); }
+BodyHash World::body_hash(BodyId id) const { return impl_->body_hash(impl_->index_of(id, "body_hash")); }
 
 }  // namespace atl

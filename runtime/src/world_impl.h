@@ -58,6 +58,7 @@ struct Contents {
 };
 
 struct CheckedBody;
+class Hash;
 
 class World::Impl {
  public:
@@ -99,6 +100,8 @@ class World::Impl {
   std::span<const ContactEvent> contact_events() const { return contact_events_; }
   std::span<const EscalatedIsland> escalated_islands() const { return escalated_; }
   std::uint64_t state_hash() const;
+  std::vector<BodyHash> body_hashes() const;
+  BodyHash body_hash(std::uint32_t body) const;
 
   Vector3 gravity;
   Settings settings;
@@ -193,6 +196,12 @@ class World::Impl {
   void keep_driven_awake(std::uint32_t joint);
 
   void keep_belts_awake();
+
+  // Parts of the state: state_hash.cpp.
+  struct BodyParts;
+  struct BodyHasher;
+  void add_body_state(const BodyParts& hash, std::uint32_t body) const;
+  void add_contact_state(Hash& hash, std::uint32_t slot) const;
 
   // Containment: quarantine.cpp, and of joints joints.cpp.
   void quarantine_suspects();

@@ -144,6 +144,30 @@ TEST(StateHash, SeesSurfaces) {
   EXPECT_EQ(hashes.size(), 6u);
 }
 
+TEST(StateHash, SeesWhatMayTouch) {
+  // Of bodies far from each other, so that nothing comes of it yet.
+  const auto hash_with = [](const CollisionFilter& filter) {
+    return hash_after(10, [&](Crates& crates) { crates.world.set_filter(crates.ids[3], filter); });
+  };
+  std::set<std::uint64_t> hashes = {hash_with({}), hash_with({.category = 3}), hash_with({.mask = ~2u}),
+                                    hash_with({.group = -1})};
+  for (const std::size_t other : {std::size_t{0}, std::size_t{1}}) {
+    hashes.insert(hash_after(
+        10, [=](Crates& crates) { crates.world.set_collision_enabled(crates.ids[3], crates.ids[other], false); }));
+  }
+  EXPECT_EQ(hashes.size(), 6u);
+}
+
+TEST(StateHash, DoesNotSeeInWhichOrderBodiesWereToldNotToTouch) {
+  const auto hash_with = [](std::size_t first, std::size_t second) {
+    return hash_after(0, [=](Crates& crates) {
+      crates.world.set_collision_enabled(crates.ids[first], crates.ids[3], false);
+      crates.world.set_collision_enabled(crates.ids[3], crates.ids[second], false);
+    });
+  };
+  EXPECT_EQ(hash_with(0, 1), hash_with(1, 0));
+}
+
 TEST(StateHash, ForgetsTheSurfaceOfARemovedBody) {
   // The same id and place in the free list, once with a belt that is gone.
   const auto hash_without = [](const Vector3& surface_velocity) {

@@ -2,6 +2,7 @@
 /// Atoll: a multithreaded, island-parallel rigid-body runtime. This header includes the whole public API.
 
 #include <atoll/body.h>
+#include <atoll/body_hash.h>
 #include <atoll/closed_form.h>
 #include <atoll/contact_problem.h>
 #include <atoll/error.h>

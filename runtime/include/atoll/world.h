@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atoll/body.h>
+#include <atoll/body_hash.h>
 #include <atoll/contact_problem.h>
 #include <atoll/error.h>
 #include <atoll/joint.h>
@@ -13,6 +14,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <vector>
 
 namespace atl {
 
@@ -164,6 +166,13 @@ class World {
 
   /// 64-bit hash of everything that the future of this world depends on.
   std::uint64_t state_hash() const;
+
+  /// The same by body, to find where two worlds part. One entry a body index; of removed bodies all parts are 0. Worlds
+  /// with other hashes here have other state hashes; those whose bodies all have the same may still differ in settings,
+  /// gravity or which ids come next.
+  std::vector<BodyHash> body_hashes() const;
+  /// That of one body, at the cost of looking at its own contacts and joints.
+  BodyHash body_hash(BodyId id) const;
 
  private:
   friend struct QueryAccess;  // see queries.h
