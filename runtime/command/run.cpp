@@ -72,8 +72,7 @@ void print(const RunOptions& options, const Scene& scene, const World& world, co
 
 void run(const RunOptions& options) {
   const Outputs outputs = check_outputs(options);
-  Scene scene = load_scene(options.scene, options.seed);
-  apply(options, scene);
+  const Scene scene = load(options);
   World world = make_world(options, scene);
   const std::vector<BodyId> ids = add_bodies(scene, world);
 

@@ -21,64 +21,7 @@ void add_run_options(CLI::App& command, RunOptions& options) {
   const unsigned cores = std::thread::hardware_concurrency();  // 0 where it is unknown
   options.threads = std::clamp(static_cast<int>(cores), 1, most_threads);
 
-  command
-      .add_option("SCENE", options.scene, "scene file, or a built-in scene such as wall:base=100 (see atoll scenes)")
-      ->required();
-
-  const char* time = "Time";
-  command.add_option("--steps", options.steps, "steps to simulate (default: the scene's)")
-      ->check(integer_in(1, most_steps))
-      ->group(time);
-  command.add_option("--dt", options.dt, "s of simulated time a step (default: the scene's)")
-      ->check(number_above_zero(1))
-      ->group(time);
-
-  const char* solver = "Solver (default: the scene's settings)";
-  command.add_option("--substeps", options.substeps, "substeps a step; error falls with their square")
-      ->check(integer_in(1, 1024))
-      ->group(solver);
-  command.add_option("--iterations", options.iterations, "sweeps over the contacts and joints a substep")
-      ->check(integer_in(1, 1024))
-      ->group(solver);
-  command.add_option("--relax-iterations", options.relax_iterations, "sweeps without position bias a substep")
-      ->check(integer_in(0, 1024))
-      ->group(solver);
-  add_choice(command, "--friction", {"cone", "pyramid"}, "friction model", [&options](const std::string& name) {
-    options.friction = friction_named(name);
-  })->group(solver);
-  command
-      .add_option("--tolerance", options.tolerance,
-                  "m/s; sweeps of an island end with one that changes no speed at a contact or joint by more; 0: never")
-      ->check(number_not_below_zero())
-      ->group(solver);
-  add_choice(command, "--stabilisation", {"soft", "baumgarte", "split_impulse"}, "how contacts get bodies apart",
-             [&options](const std::string& name) { options.stabilisation = stabilisation_named(name); })
-      ->group(solver);
-  command
-      .add_option("--correction", options.correction,
-                  "of the overlap that baumgarte and split_impulse remove a substep")
-      ->check(number_above_zero(1))
-      ->group(solver);
-  command.add_option("--slop", options.slop, "m of overlap that these leave alone")
-      ->check(number_not_below_zero())
-      ->group(solver);
-  add_choice(
-      command, "--contact-solver", {"auto", "iterative"},
-      "how contacts are solved: auto: by sweeps, but at once or in finer substeps where these can't hold the load",
-      [&options](const std::string& name) { options.contact_solver = contact_solver_named(name); })
-      ->group(solver);
-  add_choice(
-      command, "--joint-solver", {"auto", "iterative", "direct"},
-      "how joints are solved: one by one, or at once; auto: at once if anchored, in long chains or of unequal masses",
-      [&options](const std::string& name) { options.joint_solver = joint_solver_named(name); })
-      ->group(solver);
-  command
-      .add_option("--joint-hertz", options.joint_hertz,
-                  "Hz; stiffness of iterative joints, up to 0.3 of the substep rate, which is the default")
-      ->check(number_above_zero())
-      ->group(solver);
-  command.add_flag("--no-warm-start", options.no_warm_start, "start every step from zero impulses")->group(solver);
-  command.add_flag("--sleeping", options.sleeping, "let islands at rest fall asleep")->group(solver);
+  add_scene_options(command, options.scene)->required();
 
   const char* machine = "Machine (none of these changes a bit of the result)";
   command.add_option("--threads", options.threads, "worker threads (default: all cores)")
@@ -88,10 +31,7 @@ void add_run_options(CLI::App& command, RunOptions& options) {
              [&options](const std::string& name) { options.simd = simd_named(name); })
       ->group(machine);
 
-  const char* output = "Scene content and output";
-  command.add_option("--seed", options.seed, "seed of a scene's random content (default: 1)")
-      ->check(seed_number())
-      ->group(output);
+  const char* output = "Output";
   command.add_option("--out", options.out, "write the results as one JSON object to this file")
       ->check(file_name())
       ->type_name("FILE")
@@ -123,28 +63,12 @@ void add_run_options(CLI::App& command, RunOptions& options) {
   command.add_flag("--hash", options.hash, "with text, end with a line that holds the state hash alone")->group(output);
 }
 
-void apply(const RunOptions& options, Scene& scene) {
-  const auto override_by = [](const auto& option, auto& value) {
-    if (option) value = *option;
-  };
-  override_by(options.steps, scene.steps);
-  override_by(options.dt, scene.dt);
-  override_by(options.substeps, scene.settings.substeps);
-  override_by(options.iterations, scene.settings.iterations);
-  override_by(options.relax_iterations, scene.settings.relax_iterations);
-  override_by(options.friction, scene.settings.friction);
-  override_by(options.stabilisation, scene.settings.stabilisation);
-  override_by(options.correction, scene.settings.correction);
-  override_by(options.slop, scene.settings.slop);
-  override_by(options.tolerance, scene.settings.tolerance);
-  override_by(options.contact_solver, scene.settings.contact_solver);
-  override_by(options.joint_solver, scene.settings.joint_solver);
-  if (options.joint_hertz) scene.settings.joint_hertz = options.joint_hertz;
-  if (options.no_warm_start) scene.settings.warm_starting = false;
-  if (options.sleeping) scene.settings.sleeping = true;
+Scene load(const RunOptions& options) {
+  Scene scene = load(options.scene);
   scene.settings.keep_contact_problem = options.errors;
   scene.settings.profile = options.profile;
   scene.settings.simd = options.simd;
+  return scene;
 }
 
 }  // namespace atl::command

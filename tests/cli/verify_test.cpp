@@ -16,18 +16,24 @@ using Json = nlohmann::ordered_json;
 TEST(CommandVerify, HelpHasEveryOption) {
   const CommandResult help = run_atoll({"verify", "--help"});
   EXPECT_EQ(help.status, 0);
-  for (const char* word : {"--stability", "--case NAME", "--format text|json"}) {
+  for (const char* word :
+       {"SCENE", "--steps", "--substeps", "--threads", "--simd", "--stability", "--case NAME", "--format text|json"}) {
     EXPECT_NE(help.out.find(word), std::string::npos) << word;
   }
 }
 
 TEST(CommandVerify, RefusesWhatItCannotCheck) {
-  expect_refused(run_atoll({"verify"}), 2, {"found no check to make", "--stability"});
+  expect_refused(run_atoll({"verify"}), 2, {"found no check to make", "a scene", "--stability"});
   expect_refused(run_atoll({"verify", "--case", "stack-10"}), 2, {"found no check to make", "--stability"});
   expect_refused(run_atoll({"verify", "--stability", "--case", "stak-10"}), 2,
                  {"--case: found \"stak-10\"", "did you mean \"stack-10\"?"});
   expect_refused(run_atoll({"verify", "--stability", "--format", "xml"}), 2, {"--format", "text|json"});
-  expect_refused(run_atoll({"verify", "--stability", "stack"}), 2, {"stack"});
+  expect_refused(run_atoll({"verify", "--stability", "stack"}), 2, {"\"stack\"", "--stability", "expected one"});
+  expect_refused(run_atoll({"verify", "--stability", "--threads", "2"}), 2, {"--threads", "SCENE"});
+  expect_refused(run_atoll({"verify", "--stability", "--substeps", "2"}), 2, {"--substeps", "SCENE"});
+  expect_refused(run_atoll({"verify", "stack", "--threads", "1,0"}), 2, {"--threads", "\"0\"", "[1, 1024]"});
+  expect_refused(run_atoll({"verify", "stack", "--simd", "portable,mmx"}), 2, {"--simd", "\"mmx\"", "avx2"});
+  expect_refused(run_atoll({"verify", "stak"}), 3, {"\"stak\"", "did you mean \"stack\"?"});
 }
 
 TEST(CommandVerify, TellsACaseCriterionByCriterion) {
@@ -47,6 +53,84 @@ TEST(CommandVerify, TellsACaseCriterionByCriterion) {
   EXPECT_NE(result.out.find("\nwedge-smooth "), std::string::npos) << result.out;
   EXPECT_NE(result.out.find("\n2 cases: "), std::string::npos) << result.out;
   EXPECT_EQ(result.out.find("card-house"), std::string::npos) << result.out;
+}
+
+TEST(CommandVerify, HoldsRunsOfASceneToTheFirst) {
+  const CommandResult result =
+      run_atoll({"verify", "islands:count=3,base=3", "--steps", "20", "--threads", "1,3", "--simd", "portable,auto"});
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+  const std::vector<std::string> lines = lines_of(result.out);
+  ASSERT_EQ(lines.size(), 10u) << result.out;
+  EXPECT_EQ(lines[0], "scene     islands:count=3,base=3");
+  EXPECT_EQ(lines[1], "run       20 steps of 16.67 ms");
+  EXPECT_EQ(lines[3], "threads  simd      state and events");
+  EXPECT_TRUE(lines[4].starts_with("      1  portable  hash 0x")) << lines[4];
+  EXPECT_EQ(lines[5], "      1  auto      same after every step");
+  EXPECT_EQ(lines[6], "      3  portable  same after every step");
+  EXPECT_EQ(lines[7], "      3  auto      same after every step");
+  EXPECT_EQ(lines[9], "3 of 3 runs are the same as the first, bit for bit");
+}
+
+TEST(CommandVerify, TakesTheSettingsOfARun) {
+  const auto hash = [](const std::vector<std::string>& more) {
+    std::vector<std::string> words = {"verify", "stack:height=3", "--steps", "5",        "--threads",
+                                      "1",      "--simd",         "auto",    "--format", "json"};
+    words.insert(words.end(), more.begin(), more.end());
+    const CommandResult result = run_atoll(words);
+    EXPECT_EQ(result.status, 0) << result.err;
+    const Json json = Json::parse(result.out);
+    EXPECT_EQ(json["format"], "atoll-determinism");
+    EXPECT_EQ(json["same"], true);
+    EXPECT_EQ(json["steps"], 5);
+    EXPECT_EQ(json["runs"].size(), 1u) << "one alone is run again";
+    return json["hash"].get<std::string>();
+  };
+  EXPECT_EQ(hash({}), hash({}));
+  EXPECT_NE(hash({}), hash({"--substeps", "5"}));
+  EXPECT_NE(hash({}), hash({"--sleeping"}));
+}
+
+CommandResult run_faulty_verify(std::vector<std::string> words) {
+  words.insert(words.begin(), ATOLL_FAULTY_VERIFY_PATH);
+  return run_program(words);
+}
+
+TEST(CommandVerify, NamesTheStepAndTheBodyOfAPlantedFault) {
+  const CommandResult result =
+      run_faulty_verify({"pile:bodies=20", "--steps", "12", "--threads", "1,2", "--simd", "portable"});
+  EXPECT_EQ(result.status, 1);
+  const std::vector<std::string> lines = lines_of(result.out);
+  ASSERT_EQ(lines.size(), 9u) << result.out;
+  EXPECT_EQ(lines[5], "      2  portable  differs in step 7: 1 body");
+  EXPECT_NE(lines[6].find("body 5 \"box_0\": position by "), std::string::npos) << lines[6];
+  EXPECT_NE(lines[6].find(", velocity by 1e-06 m/s"), std::string::npos) << lines[6];
+  EXPECT_EQ(lines.back(), "0 of 1 runs are the same as the first, bit for bit");
+  ASSERT_EQ(lines_of(result.err).size(), 1u) << result.err;
+  EXPECT_NE(result.err.find("1 of 1 runs differ from the first; earliest: step 7, body 5 \"box_0\": position by "),
+            std::string::npos)
+      << result.err;
+}
+
+TEST(CommandVerify, JsonHasTheStepAndTheBodyOfAPlantedFault) {
+  const CommandResult result = run_faulty_verify(
+      {"pile:bodies=20", "--steps", "12", "--threads", "1,2,1", "--simd", "portable", "--format", "json"});
+  EXPECT_EQ(result.status, 1);
+  const Json json = Json::parse(result.out);
+  EXPECT_EQ(json["same"], false);
+  ASSERT_EQ(json["runs"].size(), 2u);
+  EXPECT_EQ(json["runs"][1]["same"], true);
+  const Json& run = json["runs"][0];
+  EXPECT_EQ(run["threads"], 2);
+  EXPECT_EQ(run["same"], false);
+  EXPECT_EQ(run["divergence"]["step"], 7);
+  EXPECT_EQ(run["divergence"]["seen_again"], true);
+  ASSERT_EQ(run["divergence"]["bodies"].size(), 1u);
+  const Json& body = run["divergence"]["bodies"][0];
+  EXPECT_EQ(body["body"], 5);
+  EXPECT_EQ(body["differs"][0]["part"], "position");
+  EXPECT_GT(body["differs"][0]["by"], 0);
+  EXPECT_EQ(body["differs"][0]["unit"], "m");
 }
 
 Json verify_json(const std::string& name) {

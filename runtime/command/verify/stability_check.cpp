@@ -1,4 +1,4 @@
-#include "verify.h"
+#include "stability_check.h"
 
 #include <algorithm>
 #include <iostream>
@@ -45,10 +45,7 @@ std::vector<CaseResult> run_cases(const std::vector<StabilityCase>& cases) {
 
 }  // namespace
 
-void verify(const VerifyOptions& options) {
-  if (!options.stability) {
-    throw Failure(Status::Usage, "verify: found no check to make, expected --stability (see atoll verify --help)");
-  }
+void check_stability(const VerifyOptions& options) {
   const std::vector<StabilityCase> cases = chosen_cases(options);
   const std::vector<CaseResult> results = run_cases(cases);
   if (options.format == Format::Json) {

@@ -11,6 +11,11 @@ namespace atl::command {
 struct VerifyOptions {
   bool stability = false;
   std::vector<std::string> cases;  ///< names; all where there is none
+
+  SceneOptions scene;  ///< to check for determinism, unless its text is ""
+  std::vector<int> threads = {1, 2, 4};
+  std::vector<std::string> simds = {"all"};  ///< names, or "all" for those of this machine
+
   Format format = Format::Text;
 };
 

@@ -1,0 +1,140 @@
+#include "determinism_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <nlohmann/json.hpp>
+#include <ostream>
+#include <sstream>
+
+#include "../figures.h"
+#include "../names.h"
+
+namespace atl::command {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using divergence::BodyDifference;
+using divergence::Divergence;
+using divergence::PartDifference;
+using divergence::Variant;
+
+constexpr std::size_t most_bodies = 10;  // that the text lists of a run
+constexpr int threads_width = 7, simd_width = 10;
+
+std::string significant(double value, int digits) {
+  std::ostringstream text;
+  text << std::setprecision(digits) << value;
+  return text.str();
+}
+
+std::string body_words(const Scene& scene, const BodyDifference& body) {
+  const std::string& name = scene.bodies[body.body].name;
+  std::string words = "body " + std::to_string(body.body) + (name.empty() ? "" : " \"" + name + "\"") + ": ";
+  for (const PartDifference& part : body.parts) {
+    if (&part != &body.parts.front()) words += ", ";
+    words += part.part;
+    if (part.by) words += " by " + significant(*part.by, 3) + " " + part.unit;
+  }
+  return words;
+}
+
+// What differs where no body does, or it isn't known which.
+std::string other_words(const Divergence& divergence) {
+  if (!divergence.seen_again) return "not seen again in a second run, so a matter of timing";
+  if (divergence.events) return "events or their order";
+  return "settings, gravity, quarantine, or which ids come next";
+}
+
+void write_run(std::ostream& out, const Variant& variant, const std::string& words) {
+  out << std::right << std::setw(threads_width) << variant.threads << "  " << std::left << std::setw(simd_width)
+      << name_of(variant.simd) << words << "\n";
+}
+
+void write_divergence(std::ostream& out, const Scene& scene, const VariantResult& result) {
+  const Divergence& divergence = *result.divergence;
+  const std::size_t count = divergence.bodies.size();
+  std::string words = "differs in step " + std::to_string(divergence.step) + ": ";
+  words += count == 0 ? other_words(divergence) : std::to_string(count) + (count == 1 ? " body" : " bodies");
+  write_run(out, result.variant, words);
+  const std::string indent(threads_width + 2 + simd_width, ' ');
+  for (std::size_t i = 0; i < std::min(count, most_bodies); ++i) {
+    out << indent << body_words(scene, divergence.bodies[i]) << "\n";
+  }
+  if (count > most_bodies) out << indent << "and " << count - most_bodies << " more\n";
+}
+
+Json variant_json(const Variant& variant) { return {{"threads", variant.threads}, {"simd", name_of(variant.simd)}}; }
+
+Json part_json(const PartDifference& part) {
+  Json object = {{"part", part.part}};
+  if (part.by) object["by"] = std::isfinite(*part.by) ? Json(*part.by) : Json();
+  if (part.by) object["unit"] = part.unit;
+  return object;
+}
+
+Json divergence_json(const Scene& scene, const Divergence& divergence) {
+  Json bodies = Json::array();
+  for (const BodyDifference& body : divergence.bodies) {
+    Json parts = Json::array();
+    for (const PartDifference& part : body.parts) parts.push_back(part_json(part));
+    bodies.push_back({{"body", body.body}, {"name", scene.bodies[body.body].name}, {"differs", std::move(parts)}});
+  }
+  return {{"step", divergence.step},
+          {"seen_again", divergence.seen_again},
+          {"events", divergence.events},
+          {"elsewhere", divergence.elsewhere},
+          {"bodies", std::move(bodies)}};
+}
+
+}  // namespace
+
+std::string first_words(const Scene& scene, const Divergence& divergence) {
+  return "step " + std::to_string(divergence.step) + ", " +
+         (divergence.bodies.empty() ? other_words(divergence) : body_words(scene, divergence.bodies.front()));
+}
+
+void write_determinism_text(std::ostream& out, const Scene& scene, const DeterminismResult& result) {
+  out << "scene     " << scene.name << "\n"
+      << "run       " << scene.steps << (scene.steps == 1 ? " step" : " steps") << " of "
+      << significant(1000 * scene.dt, 4) << " ms\n\n";
+  out << std::right << std::setw(threads_width) << "threads"
+      << "  " << std::left << std::setw(simd_width) << "simd"
+      << "state and events\n";
+  write_run(out, result.baseline, "hash " + hash_text(result.hash) + " after the last step");
+  std::size_t same = 0;
+  for (const VariantResult& other : result.others) {
+    if (other.divergence) {
+      write_divergence(out, scene, other);
+    } else {
+      ++same;
+      write_run(out, other.variant, "same after every step");
+    }
+  }
+  out << "\n" << same << " of " << result.others.size() << " runs are the same as the first, bit for bit\n";
+}
+
+void write_determinism_json(std::ostream& out, const Scene& scene, const DeterminismResult& result) {
+  Json runs = Json::array();
+  bool same = true;
+  for (const VariantResult& other : result.others) {
+    Json run = variant_json(other.variant);
+    run["same"] = !other.divergence;
+    if (other.divergence) run["divergence"] = divergence_json(scene, *other.divergence);
+    same = same && !other.divergence;
+    runs.push_back(std::move(run));
+  }
+  const Json object = {{"format", "atoll-determinism"},
+                       {"version", 1},
+                       {"scene", scene.name},
+                       {"steps", scene.steps},
+                       {"dt", scene.dt},
+                       {"same", same},
+                       {"baseline", variant_json(result.baseline)},
+                       {"hash", hash_text(result.hash)},
+                       {"runs", std::move(runs)}};
+  // A name from a scene file is valid UTF-8 by then; one from a file's name need not be.
+  out << object.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
+}
+
+}  // namespace atl::command

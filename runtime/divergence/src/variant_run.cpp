@@ -1,0 +1,60 @@
+#include "divergence/variant_run.h"
+
+#include <utility>
+
+#include "src/hash.h"
+
+namespace atl::divergence {
+namespace {
+
+WorldDef world_def(const Scene& scene, const Variant& variant) {
+  WorldDef def{.gravity = scene.gravity, .threads = variant.threads, .settings = scene.settings};
+  def.settings.simd = variant.simd;
+  def.settings.contact_events = true;
+  return def;
+}
+
+std::uint64_t word(std::uint32_t high, std::uint32_t low) { return std::uint64_t{high} << 32 | low; }
+
+}  // namespace
+
+std::vector<Simd> supported_simds() {
+  std::vector<Simd> simds;
+  for (const Simd simd : {Simd::Portable, Simd::Sse4, Simd::Avx2, Simd::Avx512, Simd::Neon}) {
+    try {
+      const World world({.settings = {.simd = simd}});
+      simds.push_back(simd);
+    } catch (const Error&) {  // this machine lacks it
+    }
+  }
+  return simds;
+}
+
+VariantRun::VariantRun(const Scene& scene, const Variant& variant, Meddle meddle)
+    : scene_(scene), variant_(variant), meddle_(std::move(meddle)), world_(world_def(scene, variant)) {
+  ids_ = build_scene(scene, world_);
+}
+
+void VariantRun::step() {
+  ++steps_;
+  if (meddle_) meddle_(world_, ids_, steps_, variant_);
+  apply_forces(scene_, world_, ids_);
+  world_.step(scene_.dt);
+}
+
+std::uint64_t VariantRun::hash() const {
+  Hash hash;
+  hash.add(world_.state_hash());
+  for (const ContactEvent& event : world_.contact_events()) {
+    hash.add(word(event.a.index, event.b.index));
+    hash.add(word(event.a.generation, event.b.generation));
+    hash.add(std::uint64_t{event.began});
+  }
+  for (const JointEvent& event : world_.joint_events()) {
+    hash.add(word(event.joint.index, event.joint.generation));
+    hash.add(static_cast<std::uint64_t>(event.kind));
+  }
+  return hash.value();
+}
+
+}  // namespace atl::divergence

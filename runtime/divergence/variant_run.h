@@ -1,0 +1,50 @@
+#pragma once
+
+#include <atoll/scene.h>
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+namespace atl::divergence {
+
+/// A way to run a scene that must not change a bit of what it comes to.
+struct Variant {
+  int threads = 1;
+  Simd simd = Simd::Auto;
+
+  friend bool operator==(const Variant&, const Variant&) = default;
+};
+
+/// The instruction sets that a World can be made with on this machine, narrow ones first.
+std::vector<Simd> supported_simds();
+
+/// What a test does to a world ahead of a step (the first is 1), to plant a fault.
+using Meddle =
+    std::function<void(World& world, const std::vector<BodyId>& ids, std::int64_t step, const Variant& variant)>;
+
+/// A scene in a world of its own.
+class VariantRun {
+ public:
+  /// Events are noted whatever the scene says: their order is part of what must not differ. Throws Error as World and
+  /// build_scene() do. `scene` has to outlive the run.
+  VariantRun(const Scene& scene, const Variant& variant, Meddle meddle = {});
+
+  void step();
+  std::int64_t steps() const { return steps_; }  ///< so far
+  /// Of the state, and of the last step's events in order.
+  std::uint64_t hash() const;
+
+  const World& world() const { return world_; }
+  const std::vector<BodyId>& ids() const { return ids_; }  ///< in the scene's order
+
+ private:
+  const Scene& scene_;
+  Variant variant_;
+  Meddle meddle_;
+  World world_;
+  std::vector<BodyId> ids_;
+  std::int64_t steps_ = 0;
+};
+
+}  // namespace atl::divergence
