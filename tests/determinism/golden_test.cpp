@@ -1,0 +1,76 @@
+// Every build comes to the same bits: state hashes after some steps against a file, with every instruction set of the
+// machine.
+
+#include "golden/golden.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cctype>
+#include <iterator>
+#include <set>
+#include <string>
+
+namespace atl::test {
+namespace {
+
+const char* compiler() {
+#ifdef __clang__
+  return "clang " __clang_version__;
+#else
+  return "gcc " __VERSION__;
+#endif
+}
+
+// Without optimisation a step takes a hundred times as long, so the first steps have to do.
+#ifdef __OPTIMIZE__
+constexpr std::size_t step_count = std::size(golden_steps);
+constexpr int thread_counts[] = {1, 2};
+#else
+constexpr std::size_t step_count = std::size(golden_steps) - 1;
+constexpr int thread_counts[] = {2};
+#endif
+
+class Golden : public testing::TestWithParam<GoldenCase> {};
+
+TEST_P(Golden, HashesAreThoseOfTheFile) {
+  const GoldenHashes expected = read_golden_hashes(golden_path());
+  const Scene scene = golden_scene(GetParam());
+  for (const Simd simd : divergence::supported_simds()) {
+    for (const int threads : thread_counts) {
+      divergence::VariantRun run(scene, {threads, simd});
+      for (std::size_t i = 0; i < step_count; ++i) {
+        while (run.steps() < golden_steps[i]) run.step();
+        const std::string key = golden_key(GetParam(), golden_steps[i]);
+        ASSERT_TRUE(expected.contains(key)) << golden_path() << " has no line for \"" << key << "\"";
+        ASSERT_EQ(hash_text(run.hash()), hash_text(expected.at(key)))
+            << "step " << golden_steps[i] << " of " << GetParam().scene << ", settings \"" << GetParam().settings
+            << "\", differs from " << golden_path() << "\nwith " << threads << " threads on instruction set "
+            << static_cast<int>(simd) << ", built by " << compiler()
+            << ".\nIf results are meant to change, build and run atoll_write_golden; if not, something depends on "
+               "threads, vectors or the compiler: atoll verify tells where.";
+      }
+    }
+  }
+}
+
+std::string case_name(const testing::TestParamInfo<GoldenCase>& info) {
+  std::string name = golden_key(info.param, static_cast<std::int64_t>(info.index));
+  std::replace_if(
+      name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
+  return name;
+}
+INSTANTIATE_TEST_SUITE_P(Cases, Golden, testing::ValuesIn(golden_cases()), case_name);
+
+TEST(GoldenFile, HasEveryBuiltInSceneAndNothingElse) {
+  std::set<std::string> scenes, keys;
+  for (const GoldenCase& golden : golden_cases()) {
+    scenes.insert(golden.scene.substr(0, golden.scene.find(':')));
+    for (const std::int64_t step : golden_steps) keys.insert(golden_key(golden, step));
+  }
+  for (const BuiltinScene& scene : builtin_scenes()) EXPECT_TRUE(scenes.contains(scene.name)) << scene.name;
+  for (const auto& [key, hash] : read_golden_hashes(golden_path())) EXPECT_TRUE(keys.contains(key)) << key;
+}
+
+}  // namespace
+}  // namespace atl::test
