@@ -5,13 +5,12 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <cstdlib>
 #include <string>
-#include <string_view>
 #include <vector>
 
-#include "divergence/variant_run.h"
 #include "support/bodies.h"
+#include "support/long_tests.h"
+#include "support/variants.h"
 
 namespace atl::test {
 namespace {
@@ -112,10 +111,7 @@ class Playground {
   std::int64_t asleep_ = 0, stopped_ = 0, islands_ = -1, islands_changed_ = 0, broken_ = 0;
 };
 
-int steps() {
-  const char* value = std::getenv("ATOLL_LONG_TESTS");
-  return value != nullptr && std::string_view(value) == "1" ? 900 : 150;
-}
+int steps() { return long_tests() ? 900 : 150; }
 
 class Matrix : public testing::TestWithParam<JointSolver> {};
 
@@ -131,7 +127,7 @@ TEST_P(Matrix, NeitherThreadsNorVectorsChangeABit) {
     // 8 are more than many machines have cores.
     for (const int threads : {1, 2, 3, 4, 8}) {
       Playground other({.threads = threads, .settings = settings(simd)});
-      EXPECT_TRUE(other.run(steps()) == expected) << threads << " threads, instruction set " << static_cast<int>(simd);
+      EXPECT_TRUE(other.run(steps()) == expected) << threads << " threads on " << simd_name(simd);
     }
   }
 }

@@ -6,23 +6,18 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdint>
-#include <cstdlib>
-#include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
-#include "support/scene_run.h"
+#include "support/long_tests.h"
+#include "support/variants.h"
 
 namespace atl::test {
 namespace {
 
-constexpr int steps = 120;
+using divergence::Variant;
 
-bool long_tests() {
-  const char* value = std::getenv("ATOLL_LONG_TESTS");
-  return value != nullptr && std::string_view(value) == "1";
-}
+constexpr int steps = 120;
 
 /// Every kind of shape, dropped on a height field.
 const std::string all_shapes = ATOLL_SOURCE_DIR "/runtime/scene/examples/shapes.json";
@@ -56,101 +51,47 @@ std::vector<std::string> scenes() {
   return full;
 }
 
-const char* simd_name(Simd simd) {
-  switch (simd) {
-    case Simd::Auto:
-      return "auto";
-    case Simd::Portable:
-      return "portable";
-    case Simd::Sse4:
-      return "sse4";
-    case Simd::Avx2:
-      return "avx2";
-    case Simd::Avx512:
-      return "avx512";
-    case Simd::Neon:
-      return "neon";
-  }
-  return "?";
-}
-
-/// The instruction sets that a World can be made with on this machine.
-std::vector<Simd> supported() {
-  std::vector<Simd> levels;
-  for (const Simd simd : {Simd::Portable, Simd::Sse4, Simd::Avx2, Simd::Avx512, Simd::Neon}) {
-    try {
-      const World world({.settings = {.simd = simd}});
-      EXPECT_EQ(world.simd(), simd);
-      levels.push_back(simd);
-    } catch (const Error&) {
-    }
-  }
-  return levels;
-}
-
-std::vector<std::uint64_t> hashes(const Scene& scene, const WorldDef& def) {
-  SceneRun run(scene, def);
-  std::vector<std::uint64_t> hashes = {run.world.state_hash()};
-  for (int i = 0; i < steps; ++i) {
-    run.world.step(scene.dt);
-    hashes.push_back(run.world.state_hash());
-  }
-  return hashes;
-}
-
-/// The first step after which two runs differ.
-std::optional<std::size_t> first_difference(const std::vector<std::uint64_t>& a, const std::vector<std::uint64_t>& b) {
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    if (a[i] != b[i]) return i;
-  }
-  return std::nullopt;
-}
+constexpr Variant one_thread{.threads = 1, .simd = Simd::Auto};
 
 class ParallelTest : public testing::TestWithParam<std::string> {
  protected:
-  const Scene scene_ = load_scene(GetParam());
-
-  void expect_same(const std::vector<std::uint64_t>& expected, const WorldDef& def) {
-    const auto difference = first_difference(expected, hashes(scene_, def));
-    EXPECT_FALSE(difference.has_value()) << "diverges in step " << *difference << " with " << def.threads
-                                         << " threads on " << simd_name(def.settings.simd);
+  Scene scene_with(const Settings& settings) const {
+    Scene scene = load_scene(GetParam());
+    scene.settings = settings;
+    scene.steps = steps;
+    return scene;
   }
 };
 
 TEST_P(ParallelTest, ThreadsAndVectorWidthDoNotChangeABit) {
-  const std::vector<std::uint64_t> expected = hashes(scene_, {});
+  const Scene scene = scene_with({});
+  const std::vector<std::uint64_t> expected = divergence::follow(scene, one_thread);
   ASSERT_NE(expected.front(), expected.back());
-  expect_same(expected, {});
-  for (const Simd simd : supported()) {
-    for (const int threads : {1, 2, 4}) expect_same(expected, {.threads = threads, .settings = {.simd = simd}});
+  expect_same(expected, scene, one_thread, one_thread);
+  for (const Simd simd : divergence::supported_simds()) {
+    for (const int threads : {1, 2, 4}) expect_same(expected, scene, one_thread, {threads, simd});
   }
 }
 
 TEST_P(ParallelTest, NorWithAnyStabilisationAndSweepsThatEndEarly) {
   for (const Stabilisation stabilisation :
        {Stabilisation::Soft, Stabilisation::Baumgarte, Stabilisation::SplitImpulse}) {
-    Settings settings = {.iterations = 6, .tolerance = 1e-3, .stabilisation = stabilisation, .correction = 0.3};
-    const std::vector<std::uint64_t> expected = hashes(scene_, {.settings = settings});
-    settings.profile = true;
-    for (const Simd simd : supported()) {
-      settings.simd = simd;
-      expect_same(expected, {.threads = 4, .settings = settings});
-    }
+    Scene scene = scene_with({.iterations = 6, .tolerance = 1e-3, .stabilisation = stabilisation, .correction = 0.3});
+    const std::vector<std::uint64_t> expected = divergence::follow(scene, one_thread);
+    scene.settings.profile = true;
+    for (const Simd simd : divergence::supported_simds()) expect_same(expected, scene, one_thread, {4, simd});
   }
 }
 
 TEST_P(ParallelTest, NorWithSleepingAndEveryOtherSettingTurned) {
-  Settings settings = {.substeps = 3,
-                       .iterations = 2,
-                       .relax_iterations = 2,
-                       .friction = FrictionModel::Pyramid,
-                       .warm_starting = false,
-                       .sleeping = true};
-  const std::vector<std::uint64_t> expected = hashes(scene_, {.settings = settings});
-  for (const Simd simd : supported()) {
-    settings.simd = simd;
-    expect_same(expected, {.threads = 2, .settings = settings});
-  }
+  const Scene scene = scene_with({.substeps = 3,
+                                  .iterations = 2,
+                                  .relax_iterations = 2,
+                                  .friction = FrictionModel::Pyramid,
+                                  .warm_starting = false,
+                                  .sleeping = true});
+  const std::vector<std::uint64_t> expected = divergence::follow(scene, one_thread);
+  for (const Simd simd : divergence::supported_simds()) expect_same(expected, scene, one_thread, {2, simd});
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, ParallelTest, testing::ValuesIn(scenes()), [](const auto& scene) {
@@ -186,7 +127,7 @@ TEST(Parallel, SweepsAndEventsDoNotDependOnThreads) {
     return trail;
   };
   const std::vector<std::uint64_t> expected = run_bullets({.settings = {.contact_events = true}});
-  for (const Simd simd : supported()) {
+  for (const Simd simd : divergence::supported_simds()) {
     for (const int threads : {1, 2, 4}) {
       EXPECT_EQ(run_bullets({.threads = threads, .settings = {.contact_events = true, .simd = simd}}), expected)
           << threads << " threads on " << simd_name(simd);
@@ -195,7 +136,7 @@ TEST(Parallel, SweepsAndEventsDoNotDependOnThreads) {
 }
 
 TEST(Simd, AutoIsOneOfTheSupportedSets) {
-  const std::vector<Simd> levels = supported();
+  const std::vector<Simd> levels = divergence::supported_simds();
   ASSERT_FALSE(levels.empty());
   const World world;
   EXPECT_NE(std::find(levels.begin(), levels.end(), world.simd()), levels.end());

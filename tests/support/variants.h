@@ -1,0 +1,47 @@
+#pragma once
+/// Runs of a scene that must be the same, bit for bit.
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "divergence/divergence.h"
+
+namespace atl::test {
+
+inline const char* simd_name(Simd simd) {
+  switch (simd) {
+    case Simd::Auto:
+      return "auto";
+    case Simd::Portable:
+      return "portable";
+    case Simd::Sse4:
+      return "sse4";
+    case Simd::Avx2:
+      return "avx2";
+    case Simd::Avx512:
+      return "avx512";
+    case Simd::Neon:
+      return "neon";
+  }
+  return "?";
+}
+
+/// Expects that a run keeps to the trail of the run of `first`; else names the step and the first body that differs.
+inline void expect_same(const std::vector<std::uint64_t>& trail, const Scene& scene, const divergence::Variant& first,
+                        const divergence::Variant& other) {
+  const auto step = divergence::first_difference(trail, scene, other);
+  if (!step) return;
+  const divergence::Divergence found = divergence::explain(scene, first, other, *step);
+  std::string body;
+  if (!found.bodies.empty()) {
+    body = ", first in body " + std::to_string(found.bodies.front().body);
+    for (const divergence::PartDifference& part : found.bodies.front().parts) body += ", " + part.part;
+  }
+  ADD_FAILURE() << "diverges in step " << *step << " with " << other.threads << " threads on " << simd_name(other.simd)
+                << body << (found.seen_again ? "" : "; not in a second run");
+}
+
+}  // namespace atl::test
