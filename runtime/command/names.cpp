@@ -73,4 +73,10 @@ std::string fixed(double value, int decimals) {
   return text.str();
 }
 
+std::string significant(double value, int digits) {
+  std::ostringstream text;
+  text << std::setprecision(digits) << value;
+  return text.str();
+}
+
 }  // namespace atl::command

@@ -23,5 +23,7 @@ Simd simd_named(std::string_view name);
 
 /// A fixed number of decimals, as "3.140".
 std::string fixed(double value, int decimals);
+/// At most so many significant digits, as "3.14" or "1e-09".
+std::string significant(double value, int digits);
 
 }  // namespace atl::command

@@ -4,7 +4,6 @@
 #include <iomanip>
 #include <numeric>
 #include <ostream>
-#include <sstream>
 
 #include "figures.h"
 #include "names.h"
@@ -20,12 +19,6 @@ std::string plural(std::int64_t count, const std::string& one, const std::string
   return std::to_string(count) + " " + (count == 1 ? one : more);
 }
 std::string plural(std::int64_t count, const std::string& noun) { return plural(count, noun, noun + "s"); }
-
-std::string significant(double value, int digits) {
-  std::ostringstream text;
-  text << std::setprecision(digits) << value;
-  return text.str();
-}
 
 void write_name(std::ostream& out, const char* name) { out << "  " << std::left << std::setw(name_width) << name; }
 

@@ -5,7 +5,6 @@
 #include <iomanip>
 #include <nlohmann/json.hpp>
 #include <ostream>
-#include <sstream>
 
 #include "../figures.h"
 #include "../names.h"
@@ -21,12 +20,6 @@ using divergence::Variant;
 
 constexpr std::size_t most_bodies = 10;  // that the text lists of a run
 constexpr int threads_width = 7, simd_width = 10;
-
-std::string significant(double value, int digits) {
-  std::ostringstream text;
-  text << std::setprecision(digits) << value;
-  return text.str();
-}
 
 std::string body_words(const Scene& scene, const BodyDifference& body) {
   const std::string& name = scene.bodies[body.body].name;

@@ -6,10 +6,11 @@
 #include <iomanip>
 #include <nlohmann/json.hpp>
 #include <ostream>
-#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "../names.h"
 
 namespace atl::command {
 namespace {
@@ -22,12 +23,6 @@ using stability::StabilityCase;
 const char* status_of(const Finding& finding) {
   if (!finding.known_failure.empty()) return finding.holds() ? "ok, no longer a known failure" : "known failure";
   return finding.holds() ? "ok" : "FAILS";
-}
-
-std::string significant(double value, int digits) {
-  std::ostringstream text;
-  text << std::setprecision(digits) << value;
-  return text.str();
 }
 
 /// Widths of the table's columns.
