@@ -201,12 +201,14 @@ void World::Impl::add_body_state(const BodyParts& hash, std::uint32_t body) cons
 }
 
 void World::Impl::add_contact_state(Hash& hash, std::uint32_t slot) const {
+  Hash local = hash;  // stays in a register: contacts are most of the state
   const collision::Contact& contact = cache.contacts[slot];
-  add_contact(hash, contact, cache.manifolds[slot]);
+  add_contact(local, contact, cache.manifolds[slot]);
   if (!may_move(contact.body_first) && !may_move(contact.body_second)) {
-    add_resting_points(hash, contact, cache.manifolds[slot]);
+    add_resting_points(local, contact, cache.manifolds[slot]);
   }
-  if (slot < surface_contacts_.size()) hash.add_all(surface_contacts_[slot].rolling_impulse);
+  if (slot < surface_contacts_.size()) local.add_all(surface_contacts_[slot].rolling_impulse);
+  hash = local;
 }
 
 std::uint64_t World::Impl::state_hash() const {
