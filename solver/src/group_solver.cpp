@@ -352,6 +352,7 @@ bool GroupSolver::note_surfaces(const SolveInput& input, const IslandGroup& grou
     const Surface& first = input.bodies.surfaces[pair.first];
     const Surface& second = input.bodies.surfaces[pair.second];
     SurfaceContact& contact = input.surface_contacts[pair.slot];
+    if (!is_pressed(input.manifolds[pair.slot])) std::fill_n(contact.rolling_impulse, 3, 0.0f);
     set3(contact.slip, input.bodies.orientation(pair.second) * second.velocity -
                            input.bodies.orientation(pair.first) * first.velocity);
     contact.rolling_friction = static_cast<float>(std::max(first.rolling_friction, second.rolling_friction));

@@ -119,5 +119,32 @@ TEST(Independence, ABeltAndARollingBallFarAwayChangeNoBitOfOthers) {
   }
 }
 
+// A contact takes the place of one that has gone, and nothing of what that one held.
+TEST(Independence, ABallDoesNotRollWithTheImpulseOfOneThatIsGone) {
+  const auto trail = [](double height_of_other) {
+    World world;
+    world.add_body(ground());
+    BodyDef ball = sphere({0, 0, height_of_other});
+    ball.velocity = {3, 0, 0};
+    ball.angular_velocity = {0, 6, 0};
+    ball.material.rolling_friction = 0.1;
+    const BodyId other = world.add_body(ball);
+    run(world, 3);
+    world.remove_body(other);
+    run(world, 1);
+    ball.position = {0, 9, 0.5};
+    ball.velocity = {0, 1, 0};
+    ball.angular_velocity = {-2, 0, 0};
+    const BodyId id = world.add_body(ball);
+    std::vector<double> places;
+    for (int i = 0; i < 5; ++i) {
+      world.step(dt);
+      for (const double x : world.pose(id).position) places.push_back(x);
+    }
+    return places;
+  };
+  EXPECT_EQ(trail(0.5), trail(100));
+}
+
 }  // namespace
 }  // namespace atl::test
