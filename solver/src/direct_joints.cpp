@@ -43,7 +43,11 @@ void DirectJoints::begin_step(const DirectInput& input) {
   for (Node& node : nodes_) {
     const Joint& joint = input.joints[node.joint];
     node.tension = joint.tension;
-    for (std::uint32_t r = node.begin; r < node.end; ++r) rows_[r].position = joint.position[r - node.begin];
+    for (std::uint32_t r = node.begin; r < node.end; ++r) {
+      const std::uint32_t k = r - node.begin;
+      rows_[r].position = joint.position[k];
+      rows_[r].mode.resume(joint.law[k], joint.limit[k], joint.motor_bound[k]);
+    }
   }
   prepare(input);
 }
@@ -428,6 +432,7 @@ void DirectJoints::end_step(const DirectInput& input) {
       joint.impulse[k] = row.impulse;
       joint.position[k] = row.position;
       joint.limit[k] = static_cast<std::int8_t>(row.mode.limit());
+      joint.motor_bound[k] = static_cast<std::int8_t>(row.mode.motor_bound());
       joint.force += over_h * row.impulse * row.at.linear;
       joint.torque += over_h * row.impulse * (row.at.angular_second - node.arm_second.cross(row.at.linear));
     }

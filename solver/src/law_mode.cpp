@@ -13,6 +13,13 @@ constexpr double margin = 1e-9;
 
 }  // namespace
 
+void LawMode::resume(const Law& law, int limit, int motor_bound) {
+  piece_ = Piece::Between;
+  if (motor_bound != 0) piece_ = motor_bound < 0 ? Piece::MotorLow : Piece::MotorHigh;
+  if (limit < 0 && law.lower > -Law::unlimited) piece_ = Piece::Lower;
+  if (limit > 0 && law.upper < Law::unlimited) piece_ = Piece::Upper;
+}
+
 void LawMode::begin(const Law& law, double position, double effective_mass, double h) {
   if (law.locked()) {
     piece_ = Piece::Locked;

@@ -93,6 +93,25 @@ TEST_P(JointBits, DoNotDependOnWhatIsAskedBetweenSteps) {
   }
 }
 
+// Joints that come far away have the graph of all made anew; what others hold is not in it.
+TEST_P(JointBits, DoNotDependOnJointsThatComeFarAway) {
+  const auto trail = [](bool joined) {
+    Tangle tangle({.settings = {.joint_solver = GetParam()}});
+    const BodyId a = tangle.world.add_body(box({100, 0, 0.5}));
+    const BodyId b = tangle.world.add_body(box({102, 0, 0.5}));
+    std::vector<double> places;
+    for (int i = 0; i < steps; ++i) {
+      if (joined && i % 10 == 9) tangle.world.add_joint({.kind = FixedJoint{}, .first = a, .second = b});
+      tangle.world.step(dt);
+      for (const BodyId body : tangle.bodies) {
+        for (const double x : tangle.world.pose(body).position) places.push_back(x);
+      }
+    }
+    return places;
+  };
+  EXPECT_EQ(trail(true), trail(false));
+}
+
 TEST_P(JointBits, OneUlpOfAMotorTellsInEveryFollowingStep) {
   const WorldDef def{.settings = {.joint_solver = GetParam()}};
   Tangle a(def);

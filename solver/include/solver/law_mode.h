@@ -10,6 +10,9 @@ namespace atl::solver {
 /// of a substep, either u + compliance * (l - given) = target, or l = given.
 class LawMode {
  public:
+  /// Goes on from where a step ended: at that end of the range, or that bound of the motor; see limit(), motor_bound().
+  void resume(const Law& law, int limit, int motor_bound);
+
   /// Starts a substep of h seconds with the coordinate at `position`. `effective_mass` along it, kg or kg m^2.
   void begin(const Law& law, double position, double effective_mass, double h);
 
@@ -19,6 +22,8 @@ class LawMode {
   double given() const { return given_; }
   /// -1 at the lower end of the range, 1 at the upper, else 0.
   int limit() const { return piece_ == Piece::Lower ? -1 : piece_ == Piece::Upper ? 1 : 0; }
+  /// -1 where the motor pulls backwards with all it has, 1 forwards, else 0.
+  int motor_bound() const { return piece_ == Piece::MotorLow ? -1 : piece_ == Piece::MotorHigh ? 1 : 0; }
   bool is_locked() const { return piece_ == Piece::Locked; }
   /// Locked, or at an end of the range: whose position is held.
   bool holds() const { return is_locked() || limit() != 0; }
