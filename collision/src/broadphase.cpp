@@ -122,15 +122,23 @@ bool Broadphase::allowed(std::uint32_t a, std::uint32_t b) const {
 }
 
 void Broadphase::move_box(std::uint32_t shape, const Aabb& fat) {
-  Proxy& proxy = proxies_[shape];
-  proxy.fat = fat.known_or_nan();
-  tree_of(proxy).move(shape, proxy.fat);
+  restore_box(shape, fat);
   mark_moved(shape);
 }
 
 void Broadphase::move_half_space(std::uint32_t shape, const Plane& plane) {
-  half_spaces_[half_space_index(shape)].plane = plane;
+  restore_half_space(shape, plane);
   mark_moved(shape);
+}
+
+void Broadphase::restore_box(std::uint32_t shape, const Aabb& fat) {
+  Proxy& proxy = proxies_[shape];
+  proxy.fat = fat.known_or_nan();
+  tree_of(proxy).move(shape, proxy.fat);
+}
+
+void Broadphase::restore_half_space(std::uint32_t shape, const Plane& plane) {
+  half_spaces_[half_space_index(shape)].plane = plane;
 }
 
 // Of a shape that is none: where it would stand.

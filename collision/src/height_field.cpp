@@ -1,4 +1,5 @@
 #include <collision/height_field.h>
+#include <jobs/hash.h>
 
 #include <cmath>
 #include <limits>
@@ -86,6 +87,19 @@ Triangle HeightField::triangle(std::uint32_t index) const {
   return result;
 }
 
+namespace {
+
+std::uint64_t content_of(const HeightField& field) {
+  jobs::Hash hash;
+  hash.add(std::uint64_t{field.columns} << 32 | field.rows);
+  hash.add(field.spacing_x);
+  hash.add(field.spacing_y);
+  hash.add_all(field.heights);
+  return hash.value();
+}
+
+}  // namespace
+
 std::variant<HeightField, std::string> build_height_field(std::uint32_t columns, std::uint32_t rows, double spacing_x,
                                                           double spacing_y, std::vector<double> heights) {
   if (columns < 2 || rows < 2) {
@@ -118,6 +132,7 @@ std::variant<HeightField, std::string> build_height_field(std::uint32_t columns,
   field.heights = std::move(heights);
   const double farthest_up = std::max(std::abs(field.lowest), std::abs(field.highest));
   field.bounding_radius = Vector3((columns - 1) * spacing_x, (rows - 1) * spacing_y, farthest_up).norm();
+  field.content = content_of(field);
   return field;
 }
 

@@ -1,3 +1,5 @@
+#include <jobs/hash.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -99,6 +101,13 @@ std::vector<T> gather(const std::vector<T>& all, const std::vector<std::size_t>&
   return result;
 }
 
+std::uint64_t content_of(const Hull& hull) {
+  jobs::Hash hash;
+  for (const Vector3& vertex : hull.vertices) hash.add_all(vertex);
+  for (const std::uint16_t vertex : hull.face_vertices) hash.add(std::uint64_t{vertex});
+  return hash.value();
+}
+
 // Faces are found for points moved to the origin and scaled to an extent of 1, which tolerances are parts of;
 // the hull is made of the points as they are.
 std::variant<Hull, std::string> hull_of(std::vector<Vector3> cloud, const Vector3& middle, double extent) {
@@ -126,6 +135,7 @@ std::variant<Hull, std::string> hull_of(std::vector<Vector3> cloud, const Vector
   if (complaint.empty() && !assemble(cloud, facets, hull)) complaint = "faces that do not close up";
   if (!complaint.empty()) return text("found no hull of ", cloud.size(), " points (", complaint, "), expected one");
   hull.simplified = simplified;
+  hull.content = content_of(hull);
   return hull;
 }
 

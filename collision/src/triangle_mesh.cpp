@@ -1,4 +1,5 @@
 #include <collision/triangle_mesh.h>
+#include <jobs/hash.h>
 
 #include <algorithm>
 #include <cmath>
@@ -174,6 +175,15 @@ void measure(TriangleMesh& mesh) {
   mesh.tree.build(boxes);
 }
 
+std::uint64_t content_of(const TriangleMesh& mesh) {
+  jobs::Hash hash;
+  for (const Vector3& vertex : mesh.vertices) hash.add_all(vertex);
+  for (const Indices& corners : mesh.triangles) {
+    for (const std::uint32_t corner : corners) hash.add(std::uint64_t{corner});
+  }
+  return hash.value();
+}
+
 }  // namespace
 
 Triangle TriangleMesh::triangle(std::uint32_t index) const {
@@ -205,6 +215,7 @@ std::variant<TriangleMesh, std::string> build_triangle_mesh(std::span<const Vect
   join_by_place(mesh);
   find_convex_edges(mesh);
   measure(mesh);
+  mesh.content = content_of(mesh);
   return mesh;
 }
 

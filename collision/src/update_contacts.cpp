@@ -447,6 +447,12 @@ void ContactUpdate::collect_touching(jobs::Arena& arena) {
   });
 }
 
+void ContactUpdate::forget() {
+  touching.clear();
+  chunks_.clear();
+  added_to_ = true;
+}
+
 void ContactUpdate::add_touching(const ContactCache& cache, std::span<const std::uint32_t> slots) {
   const auto updated = static_cast<std::ptrdiff_t>(touching.size());
   for (const std::uint32_t slot : slots) {

@@ -41,6 +41,14 @@ class Broadphase {
   /// Whether filters and ignored owners let two shapes meet.
   bool allowed(std::uint32_t a, std::uint32_t b) const;
 
+  /// For a state that is restored: whether a shape is there, and to give it a box or a plane as the two above do, but
+  /// for what counts as a move. That is told by mark_moved(), which asks for new partners.
+  bool contains(std::uint32_t shape) const { return shape < proxies_.size() && proxies_[shape].kind != Kind::Free; }
+  void restore_box(std::uint32_t shape, const Aabb& fat);
+  void restore_half_space(std::uint32_t shape, const Plane& plane);
+  void mark_moved(std::uint32_t shape);
+
+  const Plane& plane(std::uint32_t shape) const { return half_spaces_[half_space_index(shape)].plane; }
   const Aabb& fat_box(std::uint32_t shape) const { return proxies_[shape].fat; }
   bool is_half_space(std::uint32_t shape) const { return proxies_[shape].kind == Kind::HalfSpace; }
   /// Whether a shape got a new fat box or filter (or was added) since the last forget_moves().
@@ -116,7 +124,6 @@ class Broadphase {
   void link(std::uint32_t shape, const Filter& filter);
   void unlink(std::uint32_t shape);
   void restrict(std::uint32_t shape);
-  void mark_moved(std::uint32_t shape);
   void mark_shapes_of(std::uint32_t owner);
   AabbTree& tree_of(const Proxy& proxy) { return proxy.kind == Kind::Fixed ? fixed_ : moving_; }
   std::size_t half_space_index(std::uint32_t shape) const;

@@ -23,26 +23,35 @@ struct ColliderTable {
 
   std::size_t size() const { return body.size(); }
 
-  std::uint32_t add(std::uint32_t of_body, std::uint32_t number, const Shape& what, const Pose& where) {
-    std::uint32_t collider = static_cast<std::uint32_t>(size());
-    if (free.empty()) {
-      const std::size_t count = size() + 1;
-      body.resize(count);
-      child.resize(count);
-      next.resize(count);
-      shape.resize(count);
-      local.resize(count);
-      placed.resize(count);
-    } else {
-      collider = free.back();
-      free.pop_back();
-    }
-    body[collider] = of_body;
+  void resize(std::size_t count) {
+    body.resize(count, none);
+    child.resize(count);
+    next.resize(count, none);
+    shape.resize(count);
+    local.resize(count);
+    placed.resize(count);
+  }
+
+  /// Puts a collider that is not in use, nor in the list of free ones, on a body. None follows it yet.
+  void place(std::uint32_t collider, std::uint32_t on_body, std::uint32_t number, const Shape& what,
+             const Pose& where) {
+    body[collider] = on_body;
     child[collider] = number;
     next[collider] = none;
     shape[collider] = what;
     local[collider] = where;
     placed[collider] = !where.position.isZero(0) || !where.orientation.vec().isZero(0);
+  }
+
+  std::uint32_t add(std::uint32_t on_body, std::uint32_t number, const Shape& what, const Pose& where) {
+    std::uint32_t collider = static_cast<std::uint32_t>(size());
+    if (free.empty()) {
+      resize(size() + 1);
+    } else {
+      collider = free.back();
+      free.pop_back();
+    }
+    place(collider, on_body, number, what, where);
     return collider;
   }
 

@@ -48,6 +48,10 @@ class ContactCache {
   template <typename Gone>
   void remove_if(const Gone& gone);
 
+  /// The same of all contacts, idle or not.
+  template <typename Gone>
+  void remove_any_if(const Gone& gone);
+
   /// Removes the contacts of a body, idle or not.
   void remove_contacts_of(std::uint32_t body);
 
@@ -126,6 +130,14 @@ void ContactCache::add(std::span<const Pair> fresh, const StartOf& start_of) {
 template <typename Gone>
 void ContactCache::remove_if(const Gone& gone) {
   for (const std::uint32_t slot : order) {
+    if (gone(slot)) release(slot);
+  }
+  drop_inactive();
+}
+
+template <typename Gone>
+void ContactCache::remove_any_if(const Gone& gone) {
+  for (const std::uint32_t slot : all_in_order()) {
     if (gone(slot)) release(slot);
   }
   drop_inactive();

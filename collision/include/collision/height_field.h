@@ -21,6 +21,7 @@ struct HeightField {
   std::vector<double> heights;     ///< m, along z; row after row: sample (i, j) at j * columns + i
   double lowest = 0, highest = 0;  ///< m
   double bounding_radius = 0;      ///< m, about the origin
+  std::uint64_t content = 0;       ///< hash of all of these
 
   std::uint32_t triangle_count() const { return 2 * (columns - 1) * (rows - 1); }
   /// Triangles 2 c and 2 c + 1 are those of cell c, row after row, below and above the diagonal, which runs from

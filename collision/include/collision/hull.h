@@ -47,7 +47,8 @@ struct Hull {
   double inner_radius = 0;          ///< m, from the centre of mass to the nearest face
   Vector3 lower = Vector3::Zero();  ///< m, bounds
   Vector3 upper = Vector3::Zero();
-  bool simplified = false;  ///< vertices were dropped to stay within max_vertices
+  bool simplified = false;    ///< vertices were dropped to stay within max_vertices
+  std::uint64_t content = 0;  ///< hash of vertices and faces
 
   std::size_t face_count() const { return planes.size(); }
 };

@@ -24,6 +24,7 @@ struct TriangleMesh {
   Vector3 upper = Vector3::Zero();
   double bounding_radius = 0;  ///< m, about the origin
   bool closed = false;         ///< every edge has two triangles
+  std::uint64_t content = 0;   ///< hash of vertices and triangles
 
   static constexpr std::uint32_t no_triangle = ~0u;
 

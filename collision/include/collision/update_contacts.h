@@ -51,6 +51,9 @@ class ContactUpdate {
   std::vector<TouchingPair> touching;  ///< in order
   bool touching_changed = false;       ///< it is not what it was after the update before
 
+  /// What it knows of the contacts it found: the next update finds that all have changed.
+  void forget();
+
   /// Adds those of the contacts, which are in order and were not updated, that touch as they last did.
   void add_touching(const ContactCache& cache, std::span<const std::uint32_t> slots);
 

@@ -2,9 +2,8 @@
 
 #include <bit>
 #include <cstdint>
-#include <iterator>
 
-namespace atl {
+namespace atl::jobs {
 
 /// 64-bit hash over words: multiply and fold, as in wyhash (Wang Yi, public domain), whose mixing step this is.
 class Hash {
@@ -14,14 +13,10 @@ class Hash {
     state_ = (static_cast<std::uint64_t>(product) ^ static_cast<std::uint64_t>(product >> 64)) + 0xe7037ed1a0b428dbu;
   }
   void add(double value) { add(std::bit_cast<std::uint64_t>(value)); }
-  void add(float value) { add(std::uint64_t{std::bit_cast<std::uint32_t>(value)}); }
-  void add(std::uint32_t value) { add(std::uint64_t{value}); }
-  void add(std::uint8_t value) { add(std::uint64_t{value}); }
 
-  template <typename Range>
-  void add_all(const Range& range) {
-    add(static_cast<std::uint64_t>(std::size(range)));
-    for (const auto& value : range) add(value);
+  template <typename Numbers>
+  void add_all(const Numbers& numbers) {
+    for (const auto& number : numbers) add(number);
   }
 
   std::uint64_t value() const { return state_; }
@@ -30,4 +25,4 @@ class Hash {
   std::uint64_t state_ = 0x9e3779b97f4a7c15u;
 };
 
-}  // namespace atl
+}  // namespace atl::jobs
