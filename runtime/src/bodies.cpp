@@ -11,18 +11,6 @@
 namespace atl {
 namespace {
 
-solver::Mobility mobility_of(BodyType type) {
-  switch (type) {
-    case BodyType::Static:
-      return solver::Mobility::Fixed;
-    case BodyType::Kinematic:
-      return solver::Mobility::Kinematic;
-    case BodyType::Dynamic:
-      break;
-  }
-  return solver::Mobility::Dynamic;
-}
-
 collision::Filter to_collision(const CollisionFilter& filter, std::uint32_t body) {
   return {filter.category, filter.mask, filter.group, body};
 }
@@ -39,65 +27,83 @@ void Contents::count(const solver::BodyTable& bodies, const BodyRecords& records
   add(gyroscopic, bodies.gyroscopic[body] != 0);
 }
 
+void BodyRecords::resize(std::size_t bodies) {
+  generation.resize(bodies, 0);
+  alive.resize(bodies, 0);
+  type.resize(bodies, BodyType::Static);
+  dynamic.resize(bodies, 0);
+  material.resize(bodies);
+  centre.resize(bodies, Vector3::Zero());
+  first_collider.resize(bodies, collision::ColliderTable::none);
+  continuous.resize(bodies, 0);
+  constants.resize(bodies);
+}
+
+void World::Impl::resize_bodies(std::size_t count) {
+  bodies.resize(count);
+  records.resize(count);
+  sleeping.resize(count);
+  quarantine.resize(count);
+  escalation_.resize(count);
+  active_.resize(count);
+  reaches_.resize(count);
+  stretch_.resize(count, 0.0);
+}
+
+// What the body is for as long as it lives.
+void World::Impl::give_constants(std::uint32_t body, const std::shared_ptr<const BodyConstants>& constants) {
+  records.constants[body] = constants;
+  const BodyConstants& c = *constants;
+  records.alive[body] = 1;
+  records.type[body] = c.type;
+  records.dynamic[body] = c.type == BodyType::Dynamic;
+  records.material[body] = c.material;
+  records.centre[body] = c.centre;
+  records.continuous[body] = c.continuous;
+  bodies.mobility[body] = mobility_of(c.type);
+  bodies.inverse_mass[body] = c.inverse_mass;
+  bodies.inertia[body] = c.inertia;
+  bodies.inverse_inertia[body] = c.inverse_inertia;
+  bodies.gyroscopic[body] = c.gyroscopic;
+  bodies.principal_axes[body] = c.principal_axes;
+  bodies.moments[body] = c.moments;
+  bodies.ball[body] = c.colliders.size() == 1 && c.colliders.front().shape.kind == collision::ShapeKind::Sphere &&
+                      c.centre.isZero(0) && c.colliders.front().local.position.isZero(0);
+  bodies.gravity_scale[body] = c.gravity_scale;
+  bodies.linear_damping[body] = c.linear_damping;
+  bodies.angular_damping[body] = c.angular_damping;
+  note_size(body);
+}
+
 BodyId World::Impl::add_body(const BodyDef& def) {
   const CheckedBody checked = check(def);
   std::uint32_t body;
   if (records.free.empty()) {
     body = static_cast<std::uint32_t>(bodies.size());
-    const std::size_t count = body + std::size_t{1};
-    bodies.resize(count);
-    sleeping.resize(count);
-    quarantine.resize(count);
-    escalation_.resize(count);
-    records.generation.resize(count, 0);
-    records.alive.resize(count, 0);
-    records.type.resize(count, BodyType::Static);
-    records.dynamic.resize(count, 0);
-    records.material.resize(count);
-    records.centre.resize(count, Vector3::Zero());
-    records.first_collider.resize(count, collision::ColliderTable::none);
-    records.continuous.resize(count, 0);
-    active_.resize(count);
-    reaches_.resize(count);
+    resize_bodies(body + std::size_t{1});
   } else {
     body = records.free.back();
     records.free.pop_back();
   }
-  records.alive[body] = 1;
-  records.type[body] = def.type;
-  records.dynamic[body] = def.type == BodyType::Dynamic;
-  records.material[body] = def.material;
-  records.centre[body] = checked.centre;
-  records.continuous[body] = def.continuous;
   ++records.count;
+  forget_roster();
+  give_constants(body, constants_.share(checked.constants));
 
-  bodies.mobility[body] = mobility_of(def.type);
-  bodies.position(body) = checked.position + checked.orientation * checked.centre;
+  bodies.position(body) = checked.position + checked.orientation * records.centre[body];
   bodies.set_orientation(body, checked.orientation);
   bodies.velocity(body) = def.velocity;
   bodies.angular_velocity(body) = def.angular_velocity;
   bodies.force(body).setZero();
   bodies.torque(body).setZero();
-  bodies.inverse_mass[body] = checked.inverse_mass;
-  bodies.inertia[body] = checked.inertia;
-  bodies.inverse_inertia[body] = checked.inverse_inertia;
-  bodies.gyroscopic[body] = checked.gyroscopic;
-  bodies.principal_axes[body] = checked.principal_axes;
-  bodies.moments[body] = checked.moments;
-  bodies.ball[body] = checked.colliders.size() == 1 &&
-                      checked.colliders.front().shape.kind == collision::ShapeKind::Sphere &&
-                      checked.centre.isZero(0) && checked.colliders.front().local.position.isZero(0);
   set_surface(body, {def.surface_velocity, def.material.rolling_friction, def.material.torsional_friction});
-  bodies.gravity_scale[body] = def.gravity_scale;
-  bodies.linear_damping[body] = def.linear_damping;
-  bodies.angular_damping[body] = def.angular_damping;
 
   sleeping.awake[body] = def.type == BodyType::Dynamic;
   sleeping.rest_time[body] = 0;
   if (def.type == BodyType::Dynamic) escalation_.arrive(body);
   contents.count(bodies, records, body, +1);
   note_arrival_or_departure(body);
-  add_colliders(body, checked, to_collision(def.filter, body));
+  add_colliders(body);
+  add_proxies(body, to_collision(def.filter, body));
   quarantine.suspect(body);
   return {body, records.generation[body]};
 }
@@ -112,6 +118,8 @@ void World::Impl::remove_body(BodyId id) {
     take_out(body);
   }
   remove_colliders(body);
+  records.constants[body].reset();
+  forget_roster();
   bodies.velocity(body).setZero();
   bodies.angular_velocity(body).setZero();
   records.alive[body] = 0;
@@ -226,8 +234,8 @@ void World::Impl::set_collision_enabled(BodyId a, BodyId b, bool enabled) {
   if (enabled) {
     if (!joints.are_kept_apart(first, second)) broadphase.unignore(first, second);
   } else {
-    of_first.push_back(second);
-    of_second.push_back(first);
+    of_first.insert(std::lower_bound(of_first.begin(), of_first.end(), second), second);
+    of_second.insert(std::lower_bound(of_second.begin(), of_second.end(), first), first);
     broadphase.ignore(first, second);
   }
 }

@@ -1,6 +1,9 @@
 #include "body_definition.h"
 
 #include <atoll/error.h>
+#include <collision/height_field.h>
+#include <collision/hull.h>
+#include <collision/triangle_mesh.h>
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
@@ -41,8 +44,8 @@ struct ShapeCheck {
   std::string what;
   std::vector<CheckedCollider>& colliders;
 
-  void add(const collision::Shape& shape, std::shared_ptr<const void> geometry = {}) const {
-    colliders.push_back({shape, {Vector3::Zero(), collision::Quaternion::Identity()}, std::move(geometry)});
+  void add(const collision::Shape& shape, std::shared_ptr<const void> geometry = {}, std::uint64_t content = 0) const {
+    colliders.push_back({shape, {Vector3::Zero(), collision::Quaternion::Identity()}, std::move(geometry), content});
   }
 
   void operator()(const Box& box) const {
@@ -85,9 +88,15 @@ struct ShapeCheck {
   }
 
   // These have been checked as they were made.
-  void operator()(const ConvexHull& hull) const { add(collision::Shape::convex_hull(*hull.data()), hull.data()); }
-  void operator()(const TriangleMesh& mesh) const { add(collision::Shape::triangle_mesh(*mesh.data()), mesh.data()); }
-  void operator()(const HeightField& field) const { add(collision::Shape::height_field(*field.data()), field.data()); }
+  void operator()(const ConvexHull& hull) const {
+    add(collision::Shape::convex_hull(*hull.data()), hull.data(), hull.data()->content);
+  }
+  void operator()(const TriangleMesh& mesh) const {
+    add(collision::Shape::triangle_mesh(*mesh.data()), mesh.data(), mesh.data()->content);
+  }
+  void operator()(const HeightField& field) const {
+    add(collision::Shape::height_field(*field.data()), field.data(), field.data()->content);
+  }
 
   void operator()(const Compound& compound) const {
     if (compound.children.empty()) throw Error(what + ": Compound.children is empty; expected at least one child");
@@ -126,7 +135,7 @@ MassProperties mass_of(const BodyDef& def) {
   return properties;
 }
 
-void find_principal_axes(CheckedBody& body) {
+void find_principal_axes(BodyConstants& body) {
   body.moments = body.inertia.diagonal();
   if (body.inertia.isDiagonal()) return;
   const Eigen::SelfAdjointEigenSolver<Matrix3> principal(body.inertia);
@@ -136,7 +145,7 @@ void find_principal_axes(CheckedBody& body) {
   body.moments = principal.eigenvalues();
 }
 
-void check_mass(const BodyDef& def, CheckedBody& body) {
+void check_mass(const BodyDef& def, BodyConstants& body) {
   check_positive("BodyDef.density", def.density);
   if (def.mass) check_positive("BodyDef.mass", *def.mass);
   if (def.inertia && !def.mass) throw Error("BodyDef.inertia is given without a mass; expected both or neither");
@@ -192,7 +201,14 @@ std::vector<CheckedCollider> checked_colliders(const char* what, const Shape& sh
 
 CheckedBody check(const BodyDef& def) {
   CheckedBody body;
-  body.colliders = checked_colliders("BodyDef.shape", def.shape);
+  BodyConstants& constants = body.constants;
+  constants.type = def.type;
+  constants.continuous = def.continuous;
+  constants.material = def.material;
+  constants.gravity_scale = def.gravity_scale;
+  constants.linear_damping = def.linear_damping;
+  constants.angular_damping = def.angular_damping;
+  constants.colliders = checked_colliders("BodyDef.shape", def.shape);
   check_finite("BodyDef.position", def.position);
   check_finite("BodyDef.velocity", def.velocity);
   check_finite("BodyDef.angular_velocity", def.angular_velocity);
@@ -214,7 +230,7 @@ CheckedBody check(const BodyDef& def) {
   if (!std::isfinite(def.gravity_scale)) refuse("BodyDef.gravity_scale", def.gravity_scale, "a finite number");
   check_not_negative("BodyDef.linear_damping", def.linear_damping);
   check_not_negative("BodyDef.angular_damping", def.angular_damping);
-  check_mass(def, body);
+  check_mass(def, constants);
   return body;
 }
 

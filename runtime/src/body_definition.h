@@ -4,6 +4,7 @@
 #include <collision/pose.h>
 #include <collision/shape.h>
 
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -14,14 +15,21 @@ struct CheckedCollider {
   collision::Shape shape;
   collision::Pose local;                 // in the body's frame
   std::shared_ptr<const void> geometry;  // what the shape points to, if anything
+  std::uint64_t content = 0;             // hash of that
+
+  collision::Pose in_frame_of(const Vector3& centre) const { return {local.position - centre, local.orientation}; }
 };
 
-/// A definition that has passed all checks, in the terms of the layers below.
-struct CheckedBody {
+/// What of a body never changes, in the terms of the layers below.
+struct BodyConstants {
+  BodyType type = BodyType::Static;
+  bool continuous = false;
+  Material material = {};
+  double gravity_scale = 1;
+  double linear_damping = 0;               // 1/s
+  double angular_damping = 0;              // 1/s
   std::vector<CheckedCollider> colliders;  // one for each child of a compound
   Vector3 centre = Vector3::Zero();        // of mass, body frame
-  Vector3 position;                        // of the body frame
-  Quaternion orientation;                  // unit
   double inverse_mass = 0;
   Matrix3 inertia = Matrix3::Zero();
   Matrix3 inverse_inertia = Matrix3::Zero();
@@ -29,6 +37,13 @@ struct CheckedBody {
   // Of gyroscopic bodies: the axes, in the body's frame, in which the inertia is diagonal, and the moments about them.
   Quaternion principal_axes = Quaternion::Identity();
   Vector3 moments = Vector3::Zero();
+};
+
+/// A definition that has passed all checks.
+struct CheckedBody {
+  BodyConstants constants;
+  Vector3 position;        // of the body frame
+  Quaternion orientation;  // unit
 };
 
 /// Throws Error naming the field, the value and what was expected.

@@ -45,30 +45,32 @@ double room_in(const collision::Aabb& box, const collision::Bounds& bounds) {
 
 }  // namespace
 
-void World::Impl::add_colliders(std::uint32_t body, const CheckedBody& checked, const collision::Filter& filter) {
+void World::Impl::add_colliders(std::uint32_t body) {
+  const BodyConstants& constants = *records.constants[body];
   std::uint32_t previous = collision::ColliderTable::none;
   std::uint32_t child = 0;
-  double radius = 0;
-  double size = infinity;
-  for (const CheckedCollider& part : checked.colliders) {
-    const collision::Pose local{part.local.position - checked.centre, part.local.orientation};
-    const std::uint32_t collider = colliders.add(body, child++, part.shape, local);
+  for (const CheckedCollider& part : constants.colliders) {
+    const std::uint32_t collider = colliders.add(body, child++, part.shape, part.in_frame_of(constants.centre));
     (previous == collision::ColliderTable::none ? records.first_collider[body] : colliders.next[previous]) = collider;
     previous = collider;
-    if (part.geometry) records.geometry[body].push_back(part.geometry);
-    if (is_bounded(part.shape)) {
-      radius = std::max(radius, local.position.norm() + part.shape.bounding_radius);
-      size = std::min(size, size_of(part.shape));
-    }
+  }
+}
+
+// How far the shapes reach, and what that makes of its motion.
+void World::Impl::note_size(std::uint32_t body) {
+  const BodyConstants& constants = *records.constants[body];
+  double radius = 0;
+  double size = infinity;
+  for (const CheckedCollider& part : constants.colliders) {
+    if (!is_bounded(part.shape)) continue;
+    radius = std::max(radius, part.in_frame_of(constants.centre).position.norm() + part.shape.bounding_radius);
+    size = std::min(size, size_of(part.shape));
   }
   bodies.radius[body] = radius;
   bodies.reach_limit[body] = collision::approach_share * size;
   // Only dynamic bodies are stopped by what they hit.
-  bodies.sweep_distance[body] = bodies.mobility[body] != solver::Mobility::Dynamic
-                                    ? infinity
-                                    : (records.continuous[body] ? continuous_share : sweep_share) * size;
-  stretch_.resize(bodies.size(), 0.0);
-  add_proxies(body, filter);
+  bodies.sweep_distance[body] =
+      constants.type != BodyType::Dynamic ? infinity : (constants.continuous ? continuous_share : sweep_share) * size;
 }
 
 // Puts all colliders of a body into the broadphase.
@@ -103,7 +105,6 @@ void World::Impl::remove_colliders(std::uint32_t body) {
     c = next;
   }
   records.first_collider[body] = collision::ColliderTable::none;
-  records.geometry.erase(body);
   if (const auto found = records.ignored.find(body); found != records.ignored.end()) {
     for (const std::uint32_t other : found->second) {
       broadphase.unignore(body, other);
@@ -232,23 +233,25 @@ void World::Impl::find_pairs() {
     });
     if (outgrown) note_stretch(body);
   }
-  cache.add(broadphase.find_new_pairs(cache.pairs, arena), [this](collision::Pair pair) {
-    const std::uint32_t first = colliders.body[pair.first];
-    const std::uint32_t second = colliders.body[pair.second];
-    const Material& a = records.material[first];
-    const Material& b = records.material[second];
-    const collision::Shape& shape_first = colliders.shape[pair.first];
-    const collision::Shape& shape_second = colliders.shape[pair.second];
-    const bool surface = collision::is_surface(shape_first.kind) || collision::is_surface(shape_second.kind);
-    return collision::ContactCache::Start{
-        .body_first = first,
-        .body_second = second,
-        .friction = static_cast<float>(std::sqrt(a.friction * b.friction)),
-        .restitution = static_cast<float>(std::max(a.restitution, b.restitution)),
-        .size = static_cast<float>(std::min(shape_first.inner_radius, shape_second.inner_radius)),
-        .placed = colliders.placed[pair.first] != 0 || colliders.placed[pair.second] != 0,
-        .parts = surface ? collision::max_surface_manifolds : 1};
-  });
+  cache.add(broadphase.find_new_pairs(cache.pairs, arena),
+            [this](collision::Pair pair) { return contact_start(pair); });
+}
+
+collision::ContactCache::Start World::Impl::contact_start(collision::Pair pair) const {
+  const std::uint32_t first = colliders.body[pair.first];
+  const std::uint32_t second = colliders.body[pair.second];
+  const Material& a = records.material[first];
+  const Material& b = records.material[second];
+  const collision::Shape& shape_first = colliders.shape[pair.first];
+  const collision::Shape& shape_second = colliders.shape[pair.second];
+  const bool surface = collision::is_surface(shape_first.kind) || collision::is_surface(shape_second.kind);
+  return {.body_first = first,
+          .body_second = second,
+          .friction = static_cast<float>(std::sqrt(a.friction * b.friction)),
+          .restitution = static_cast<float>(std::max(a.restitution, b.restitution)),
+          .size = static_cast<float>(std::min(shape_first.inner_radius, shape_second.inner_radius)),
+          .placed = colliders.placed[pair.first] != 0 || colliders.placed[pair.second] != 0,
+          .parts = surface ? collision::max_surface_manifolds : 1};
 }
 
 }  // namespace atl

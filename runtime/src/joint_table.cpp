@@ -4,17 +4,41 @@
 
 namespace atl {
 
+void JointTable::resize(std::size_t count_of_all) {
+  joints.resize(count_of_all);
+  def.resize(count_of_all);
+  generation.resize(count_of_all, 0);
+  for (std::vector<std::uint8_t>* flags : {&alive, &enabled, &broken, &suspended, &acts, &watched, &driven}) {
+    flags->resize(count_of_all, 0);
+  }
+  limit_before.resize(count_of_all);
+  links_.resize(2 * count_of_all);
+}
+
+void JointTable::reset(std::size_t count_of_all) {
+  *this = {};
+  resize(count_of_all);
+}
+
+void JointTable::rebuild() {
+  count = 0;
+  std::fill(first_end_.begin(), first_end_.end(), none);
+  apart_.clear();
+  for (std::uint32_t joint = 0; joint < size(); ++joint) {
+    update_flags(joint);
+    if (!alive[joint]) continue;
+    ++count;
+    link(2 * joint);
+    link(2 * joint + 1);
+    if (enabled[joint] && !def[joint].collide) keep_apart(joints[joint].first, joints[joint].second);
+  }
+}
+
 std::uint32_t JointTable::add(const JointDef& definition, const solver::Joint& joint) {
   std::uint32_t index;
   if (free.empty()) {
     index = static_cast<std::uint32_t>(size());
-    joints.emplace_back();
-    def.emplace_back();
-    generation.push_back(0);
-    for (std::vector<std::uint8_t>* flags : {&alive, &enabled, &broken, &suspended, &acts, &watched, &driven})
-      flags->push_back(0);
-    limit_before.emplace_back();
-    links_.resize(2 * size());
+    resize(size() + 1);
   } else {
     index = free.back();
     free.pop_back();

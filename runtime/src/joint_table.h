@@ -36,6 +36,11 @@ struct JointTable {
   /// Makes `acts` and the like follow a change of the others.
   void update_flags(std::uint32_t joint);
 
+  /// Of so many joints, none of which is there.
+  void reset(std::size_t joints);
+  /// Makes all that is derived follow the joints that are there: flags, lists, and who is kept apart.
+  void rebuild();
+
   /// Calls visit(joint) for the joints of a body, in no order to rely on.
   template <typename Visit>
   void for_each_of(std::uint32_t body, const Visit& visit) const;
@@ -43,9 +48,16 @@ struct JointTable {
   /// Counts the joints that keep two bodies from touching. Whether the first came, or the last went.
   bool keep_apart(std::uint32_t a, std::uint32_t b);
   bool let_touch(std::uint32_t a, std::uint32_t b);
+  /// Calls visit(a, b), a < b, for those pairs, in order.
+  template <typename Visit>
+  void for_each_kept_apart(const Visit& visit) const {
+    for (const auto& [bodies, joints_of] : apart_) visit(bodies.first, bodies.second);
+  }
   bool are_kept_apart(std::uint32_t a, std::uint32_t b) const { return apart_.contains(std::minmax(a, b)); }
 
  private:
+  void resize(std::size_t joints);
+
   static constexpr std::uint32_t none = ~std::uint32_t{0};
 
   // A joint is in the lists of both its bodies, by its ends: 2 * joint for the first body, + 1 for the second.

@@ -64,6 +64,7 @@ void find_positions(solver::Joint& joint, const solver::JointFrames& frames) {
 void forget_impulses(solver::Joint& joint) {
   joint.point_impulse.setZero();
   joint.impulse.fill(0);
+  joint.motor_bound = {};
 }
 
 }  // namespace

@@ -90,6 +90,12 @@ void QuarantineList::remove(std::uint32_t body) {
   bodies_.erase(bodies_.begin() + place);
 }
 
+void QuarantineList::clear() {
+  bodies_.clear();
+  kept_.clear();
+  clear_suspects();
+}
+
 void QuarantineList::suspect(std::uint32_t body) {
   if (suspected_[body]) return;
   suspected_[body] = 1;

@@ -28,10 +28,12 @@ class QuarantineList {
 
   bool contains(std::uint32_t body) const { return !bodies_.empty() && find(body) < bodies_.size(); }
   std::span<const Quarantined> bodies() const { return bodies_; }  ///< in order of id
-  Kept& kept(std::uint32_t body) { return kept_[find(body)]; }
+  const Quarantined& entry(std::uint32_t body) const { return bodies_[find(body)]; }
   const Kept& kept(std::uint32_t body) const { return kept_[find(body)]; }
+  Kept& kept(std::uint32_t body) { return kept_[find(body)]; }
   void add(const Quarantined& body, const Kept& kept);
   void remove(std::uint32_t body);
+  void clear();  ///< suspects too
 
   /// The body's state was changed from outside, so the next step is to check it.
   void suspect(std::uint32_t body);
@@ -39,6 +41,8 @@ class QuarantineList {
   void remember_pose(std::uint32_t body, const solver::BodyPose& pose) { poses_before_.insert_or_assign(body, pose); }
   /// What remember_pose() was last told of it since the last step, or nullptr.
   const solver::BodyPose* pose_before(std::uint32_t body) const;
+  bool remembers_poses() const { return !poses_before_.empty(); }
+  bool is_suspect(std::uint32_t body) const { return suspected_[body] != 0; }
   std::span<const std::uint32_t> suspects() const { return suspects_; }  ///< in no order to rely on, each once
   void clear_suspects();
 

@@ -13,6 +13,8 @@ namespace atl {
 /// Which bodies are awake. An island falls asleep as a whole when all its bodies have been at rest for long
 /// enough, and its bodies are linked in a ring, so that waking one wakes them all.
 struct Sleeping {
+  static constexpr std::uint32_t none = ~0u;
+
   std::vector<std::uint8_t> awake;     ///< by body; 1 for every dynamic body that is not asleep
   std::vector<double> rest_time;       ///< s, by body
   std::vector<std::uint32_t> ring;     ///< by body: the next body of its sleeping island
@@ -27,8 +29,6 @@ struct Sleeping {
   void update(const solver::Islands& islands, solver::BodyTable& bodies, const Settings& settings, double dt);
 
  private:
-  static constexpr std::uint32_t none = ~0u;
-
   double update_rest_time(const solver::BodyTable& bodies, std::uint32_t body, double speed_limit, double dt);
   void put_to_sleep(std::span<const std::uint32_t> island, solver::BodyTable& bodies);
 };

@@ -1,7 +1,9 @@
 // The public face of World: checks arguments and hands on.
 
+#include <atoll/snapshot.h>
 #include <atoll/world.h>
 
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <sstream>
@@ -25,6 +27,12 @@ const Settings& checked(const Settings& settings) {
   return settings;
 }
 
+// Worlds are numbered as they are made. The number goes into no result: it tells whose a snapshot is.
+std::uint64_t next_serial() {
+  static std::atomic<std::uint64_t> last = 0;
+  return ++last;
+}
+
 }  // namespace
 
 World::Impl::Impl(const WorldDef& def)
@@ -36,7 +44,8 @@ World::Impl::Impl(const WorldDef& def)
       group_solvers_(def.threads),
       overloads_(def.threads),
       fast_(def.threads),
-      nearby_(def.threads) {
+      nearby_(def.threads),
+      serial_(next_serial()) {
   check_finite("WorldDef.gravity", def.gravity);
 }
 
@@ -192,6 +201,17 @@ Eigen::Map<const Eigen::Matrix3Xd> World::velocities() const {
 }
 Eigen::Map<const Eigen::Matrix3Xd> World::angular_velocities() const {
   return {impl_->bodies.angular_velocities.data(), 3, static_cast<Eigen::Index>(impl_->bodies.size())};
+}
+
+void World::save(Snapshot& snapshot) const {
+  snapshot.size_ = impl_->save_state(snapshot.bytes_);
+  snapshot.roster_ = impl_->roster();
+  snapshot.origin_ = impl_->serial();
+}
+
+void World::restore(const Snapshot& snapshot) {
+  if (snapshot.empty()) throw Error("World::restore: the snapshot is empty; expected one that holds a state");
+  impl_->restore(snapshot.roster_, snapshot.origin_, snapshot.state());
 }
 
 std::uint64_t World::state_hash() const { return impl_->state_hash(); }

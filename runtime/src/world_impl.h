@@ -16,6 +16,8 @@
 #include <solver/joint_graph.h>
 
 #include <array>
+#include <cstddef>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <span>
@@ -23,8 +25,11 @@
 #include <vector>
 
 #include "active_bodies.h"
+#include "body_definition.h"
+#include "constants_pool.h"
 #include "joint_table.h"
 #include "quarantine.h"
+#include "roster.h"
 #include "sleeping.h"
 
 namespace atl {
@@ -39,13 +44,26 @@ struct BodyRecords {
   std::vector<Vector3> centre;                ///< m, of mass, body frame
   std::vector<std::uint32_t> first_collider;  ///< the others follow, see ColliderTable::next
   std::vector<std::uint8_t> continuous;
-  /// What shapes point to, of the bodies with hulls or surfaces.
-  std::map<std::uint32_t, std::vector<std::shared_ptr<const void>>> geometry;
+  std::vector<std::shared_ptr<const BodyConstants>> constants;  ///< of those alive
   /// Bodies that were told not to touch a body, of those that were.
   std::map<std::uint32_t, std::vector<std::uint32_t>> ignored;
   std::vector<std::uint32_t> free;  ///< indices of removed bodies; the last is used first
   std::size_t count = 0;            ///< alive
+
+  void resize(std::size_t bodies);
 };
+
+inline solver::Mobility mobility_of(BodyType type) {
+  switch (type) {
+    case BodyType::Static:
+      return solver::Mobility::Fixed;
+    case BodyType::Kinematic:
+      return solver::Mobility::Kinematic;
+    case BodyType::Dynamic:
+      break;
+  }
+  return solver::Mobility::Dynamic;
+}
 
 /// Which optional stages the world's bodies call for. Kept up to date as bodies come and go.
 struct Contents {
@@ -57,8 +75,7 @@ struct Contents {
   void count(const solver::BodyTable& bodies, const BodyRecords& records, std::uint32_t body, int sign);
 };
 
-struct CheckedBody;
-class Hash;
+class StateHash;
 
 class World::Impl {
  public:
@@ -94,7 +111,16 @@ class World::Impl {
   void solve_joints_anew() { joints_stale_ = joints.size() > 0; }
   std::span<const JointEvent> joint_events() const { return joint_events_; }
 
-  // Results: contact_forces.cpp, contact_problem.cpp, state_hash.cpp.
+  // Snapshots: restore.cpp.
+  const std::shared_ptr<const Roster>& roster() const;
+  std::uint64_t serial() const { return serial_; }
+  std::size_t save_state(std::vector<std::byte>& bytes) const;  // the number of those that it wrote
+  /// `origin` is the serial number of the world that was saved.
+  void restore(const std::shared_ptr<const Roster>& saved, std::uint64_t origin, std::span<const std::byte> state);
+  /// Throws Error if that is no state of such bodies.
+  static void try_out(const std::shared_ptr<const Roster>& roster, std::span<const std::byte> state);
+
+  // Results: contact_forces.cpp, contact_problem.cpp, restore.cpp.
   std::span<const ContactForce> contact_forces() const;
   ContactProblem contact_problem() const;
   std::span<const ContactEvent> contact_events() const { return contact_events_; }
@@ -120,6 +146,9 @@ class World::Impl {
   collision::ContactCache cache;
 
  private:
+  template <typename Archive, typename AnyWorld>
+  friend class WorldState;
+
   void plan();
   void find_pairs();
   void update_contacts();
@@ -140,8 +169,11 @@ class World::Impl {
       visit(c);
     }
   }
+  void resize_bodies(std::size_t count);
+  void give_constants(std::uint32_t body, const std::shared_ptr<const BodyConstants>& constants);
   void take_out(std::uint32_t body);
-  void add_colliders(std::uint32_t body, const CheckedBody& checked, const collision::Filter& filter);
+  void add_colliders(std::uint32_t body);
+  void note_size(std::uint32_t body);
   void remove_colliders(std::uint32_t body);
   void add_proxies(std::uint32_t body, const collision::Filter& filter);
   void remove_proxies(std::uint32_t body);
@@ -197,11 +229,10 @@ class World::Impl {
 
   void keep_belts_awake();
 
-  // Parts of the state: state_hash.cpp.
+  // Parts of the state: body_hash.cpp.
   struct BodyParts;
-  struct BodyHasher;
-  void add_body_state(const BodyParts& hash, std::uint32_t body) const;
-  void add_contact_state(Hash& hash, std::uint32_t slot) const;
+  void hash_body(BodyParts& parts, std::uint32_t body) const;
+  void hash_contact(StateHash& hash, std::uint32_t slot) const;
 
   // Containment: quarantine.cpp, and of joints joints.cpp.
   void quarantine_suspects();
@@ -212,6 +243,26 @@ class World::Impl {
   void put_in_quarantine(std::uint32_t body, Quarantine reason);
   void suspend_joints_of(std::uint32_t body);
   void resume_joints_of(std::uint32_t body);
+
+  // Taking on a state that was saved: restore.cpp.
+  void adopt(const std::shared_ptr<const Roster>& roster);
+  void forget_roster();
+  void read_state(std::span<const std::byte> state);
+  void restore_materials();
+  void run_surface(std::uint32_t body, const Vector3& velocity);
+  void restore_quarantined(std::uint32_t body, Quarantine reason, std::int64_t step, const collision::Filter& filter);
+  void note_restored_bodies();
+  std::span<const std::byte> definition_bytes(std::uint32_t joint);
+  void restore_joint(std::uint32_t joint, const JointDef& def);
+  void restore_joints(bool same);
+  void gather_kept_apart(std::vector<collision::Pair>& pairs) const;
+  void restore_kept_apart(std::span<const collision::Pair> told);
+  bool is_in_broadphase(std::uint32_t collider) const;
+  void restore_box(std::uint32_t collider, const collision::Aabb& box, const collision::Filter& filter);
+  void restore_plane(std::uint32_t collider, const collision::Plane& plane, const collision::Filter& filter);
+  bool may_touch(collision::Pair pair) const;
+  void restore_pairs(std::span<const collision::Pair> pairs);
+  collision::ContactCache::Start contact_start(collision::Pair pair) const;
 
   // The step in progress, and what its phases hand on.
   std::int64_t steps_ = 0;  // begun so far
@@ -268,6 +319,15 @@ class World::Impl {
 
   solver::ContactCapture capture_;
   bool captured_ = false;  // by the last step
+
+  ConstantsPool constants_;
+  std::uint64_t serial_;                            // of this world in the process
+  mutable std::shared_ptr<const Roster> roster_;    // null if bodies came or went since it was made
+  std::shared_ptr<const Roster> known_as_;          // a snapshot's, found to be the same
+  std::vector<std::uint8_t> restored_acts_;         // scratch: which joints acted
+  std::vector<std::byte> definition_bytes_;         // scratch
+  std::vector<collision::Pair> kept_apart_before_;  // scratch, in order
+  std::vector<collision::Pair> kept_apart_;         // scratch, in order
 
   mutable std::vector<ContactForce> contact_forces_;
   mutable bool contact_forces_valid_ = false;

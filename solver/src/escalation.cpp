@@ -35,7 +35,7 @@ void order(std::vector<Overload>& overloads) {
 }  // namespace
 
 void Escalation::resize(std::size_t bodies) {
-  if (strain_.size() < bodies) strain_.resize(bodies);
+  strain_.resize(bodies);
 }
 
 void Escalation::forget(std::uint32_t body) {

@@ -113,5 +113,18 @@ TEST_P(SteadyState, ALargeIslandInMotion) {
 
 INSTANTIATE_TEST_SUITE_P(Threads, SteadyState, testing::Values(1, 2));
 
+TEST(Allocation, ASnapshotThatIsSavedAgainNeedsNone) {
+  World world;
+  world.add_body(ground());
+  add_stack(world, 10);
+  run(world, 30);
+  Snapshot snapshot;
+  world.save(snapshot);
+  run(world, 30);
+  const std::size_t before = allocations;
+  world.save(snapshot);
+  EXPECT_EQ(allocations - before, 0u);
+}
+
 }  // namespace
 }  // namespace atl::test

@@ -1,8 +1,8 @@
 #include "divergence/variant_run.h"
 
-#include <utility>
+#include <jobs/hash.h>
 
-#include "src/hash.h"
+#include <utility>
 
 namespace atl::divergence {
 namespace {
@@ -43,7 +43,7 @@ void VariantRun::step() {
 }
 
 std::uint64_t VariantRun::hash() const {
-  Hash hash;
+  jobs::Hash hash;
   hash.add(world_.state_hash());
   for (const ContactEvent& event : world_.contact_events()) {
     hash.add(word(event.a.index, event.b.index));

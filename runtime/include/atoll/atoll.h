@@ -15,5 +15,6 @@
 #include <atoll/scene.h>
 #include <atoll/settings.h>
 #include <atoll/shapes.h>
+#include <atoll/snapshot.h>
 #include <atoll/types.h>
 #include <atoll/world.h>

@@ -57,6 +57,8 @@ struct EscalatedIsland {
   double ms = 0;         ///< with Settings::profile: on the worker that solved it
 };
 
+class Snapshot;
+
 /// A world of rigid bodies. Independent worlds may be used from different threads; one world may be used
 /// from one thread at a time. Same calls, same bits: whatever the threads, vector width or machine.
 class World {
@@ -164,6 +166,19 @@ class World {
   Eigen::Map<const Eigen::Matrix3Xd> velocities() const;          ///< m/s, of centres of mass
   Eigen::Map<const Eigen::Matrix3Xd> angular_velocities() const;  ///< rad/s
 
+  /// Writes the state of the world to a snapshot, over what that holds, whose memory is used again: no allocation where
+  /// it is large enough and no body came or went since the last save.
+  void save(Snapshot& snapshot) const;
+  /// Goes back, or on, to the state of a snapshot: of this world, whatever has been added, removed or changed since, or
+  /// of another with the same bodies. From there on every step has the same bits as it has in the world that was saved,
+  /// and every id given out is the same; threads, instruction set, profile and Settings::keep_contact_problem stay this
+  /// world's. What a step reports (forces, events) is empty until the next one.
+  ///
+  /// Bodies that the snapshot lacks are removed, those that only the snapshot has are added. Throws Error, and changes
+  /// nothing, if the snapshot is empty; if it is another world's, or from a file, and a body with the same id is not of
+  /// the same shape, mass or material; or if it is from a file and a hull, mesh or height field is on no body here.
+  void restore(const Snapshot& snapshot);
+
   /// 64-bit hash of everything that the future of this world depends on.
   std::uint64_t state_hash() const;
 
@@ -176,6 +191,7 @@ class World {
 
  private:
   friend struct QueryAccess;  // see queries.h
+  friend class Snapshot;
 
   class Impl;
   std::unique_ptr<Impl> impl_;

@@ -45,6 +45,11 @@ class Escalation {
   /// Bodies under strain, in order.
   std::span<const std::uint32_t> strained() const { return strained_; }
   Strain strain(std::uint32_t body) const { return strain_[body]; }
+  /// Of a state that is restored: the bodies under strain come in order.
+  void restore_strain(std::uint32_t body, const Strain& strain) {
+    strain_[body] = strain;
+    strained_.push_back(body);
+  }
 
  private:
   void estimate_arrived(const LoadInput& input);

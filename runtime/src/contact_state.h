@@ -1,0 +1,118 @@
+#pragma once
+/// What lasts of a contact from step to step, for archives (state_archive.h).
+
+#include <collision/contact.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+
+namespace atl {
+
+namespace contact_flags {
+// Beside the number of points, in the lowest three bits.
+inline constexpr unsigned reference_is_second = 1u << 3;
+inline constexpr unsigned apart = 1u << 4;      // of two solids that were found apart: little else counts
+inline constexpr unsigned near_ids = 1u << 5;   // of points: they differ from the first in their 24 lowest bits only
+inline constexpr unsigned wide_axis = 1u << 6;  // it needs more than 8 bits
+inline constexpr unsigned rolling = 1u << 7;    // there is an impulse against rolling
+inline constexpr unsigned placed = 1u << 8;     // where its points are is told, as no step will find out
+}  // namespace contact_flags
+
+/// Where a manifold's points are, in world axes, as of the last step that brought it up to date.
+template <typename Archive, typename Manifold>
+void visit_place(Archive& archive, Manifold& manifold) {
+  archive.values(manifold.normal, 3);
+  archive.values(manifold.anchor_first, 3);
+  archive.values(manifold.anchor_second, 3);
+  archive.value(manifold.lever);
+  archive.values(manifold.x, collision::max_points);
+  archive.values(manifold.y, collision::max_points);
+  archive.values(manifold.separation, collision::max_points);
+}
+
+template <typename Archive, typename Contact>
+void visit_ids(Archive& archive, Contact& contact, std::size_t count, bool near) {
+  if (!near) return archive.values(contact.ids.data(), count);
+  archive.value(contact.ids[0]);
+  std::array<std::uint8_t, 3 * (collision::max_points - 1)> low;
+  const std::size_t bytes = 3 * (count - 1);
+  if constexpr (!Archive::reads) {
+    for (std::size_t i = 0; i < bytes; ++i) {
+      low[i] = static_cast<std::uint8_t>(contact.ids[1 + i / 3] >> (8 * (i % 3)));
+    }
+  }
+  archive.values(low.data(), bytes);
+  if constexpr (Archive::reads) {
+    constexpr collision::FeatureId low_bits = (1u << 24) - 1;
+    for (std::size_t i = 1; i < count; ++i) contact.ids[i] = contact.ids[0] & ~low_bits;
+    for (std::size_t i = 0; i < bytes; ++i) contact.ids[1 + i / 3] |= collision::FeatureId{low[i]} << (8 * (i % 3));
+  }
+}
+
+/// A contact but for its pair and what follows from that. `placed` asks for visit_place(); `rolling` is what
+/// SurfaceContact has of it, or null if it has none that counts.
+template <typename Archive, typename Contact, typename Manifold, typename Rolling>
+void visit_contact(Archive& archive, Contact& contact, Manifold& manifold, bool placed, Rolling* rolling) {
+  namespace is = contact_flags;
+  std::uint16_t flags = 0;
+  if constexpr (!Archive::reads) {
+    bool near = contact.count > 1;
+    for (std::size_t i = 1; i < contact.count; ++i) near &= (contact.ids[0] ^ contact.ids[i]) >> 24 == 0;
+    flags = static_cast<std::uint16_t>(contact.count | (contact.reference_is_second ? is::reference_is_second : 0) |
+                                       (contact.gap > 0 ? is::apart : 0) | (near ? is::near_ids : 0) |
+                                       (contact.axis > 0xff ? is::wide_axis : 0) |
+                                       (rolling != nullptr ? is::rolling : 0) | (placed ? is::placed : 0));
+  }
+  archive.value(flags);
+  if constexpr (Archive::reads) {
+    contact.count = flags & 7;
+    archive.check(contact.count <= collision::max_points, "a contact of too many points");
+    contact.reference_is_second = (flags & is::reference_is_second) != 0;
+    archive.check(!(flags & is::apart) || contact.count == 0, "a contact of shapes apart that has points");
+    archive.check(!(flags & is::near_ids) || contact.count > 1, "a contact with ids of points that it hasn't");
+    archive.check(!(flags & is::rolling) || rolling != nullptr, "an impulse against rolling where nothing rolls");
+    contact.axis = 0;
+    contact.tolerance = 0;
+    contact.gap = 0;
+    std::fill_n(manifold.normal_impulse, collision::max_points, 0.0f);
+    std::fill_n(manifold.friction_impulse, 3, 0.0f);
+    manifold.twist_impulse = 0;
+    if (rolling != nullptr) std::fill_n(rolling, 3, 0.0f);
+  }
+  if ((flags & is::apart) != 0) {
+    archive.value(contact.gap);
+    archive.check(contact.gap > 0, "a contact of shapes apart without a gap");
+    archive.value(contact.lever);
+    archive.values(contact.apart_from.data(), 3);
+    archive.value(contact.turned);
+    return;
+  }
+  archive.value(contact.margin);
+  archive.value(contact.tolerance);
+  if ((flags & is::wide_axis) != 0) {
+    archive.value(contact.axis);
+  } else {
+    auto axis = static_cast<std::uint8_t>(contact.axis);
+    archive.value(axis);
+    if constexpr (Archive::reads) contact.axis = axis;
+  }
+  archive.values(contact.orientation.data(), 4);
+  archive.values(contact.normal.data(), 3);
+  archive.values(contact.centre_incident.data(), 3);
+  archive.values(contact.centre_reference.data(), 3);
+  const std::size_t count = contact.count;
+  if constexpr (Archive::reads) {
+    for (std::size_t i = count; i < collision::max_points; ++i) contact.points[i] = {0, 0, 0, collision::no_point};
+  }
+  if (count == 0) return;
+  visit_ids(archive, contact, count, (flags & is::near_ids) != 0);
+  archive.values(contact.points[0].data(), 4 * count);
+  archive.values(manifold.normal_impulse, count);
+  archive.values(manifold.friction_impulse, 3);
+  archive.value(manifold.twist_impulse);
+  if ((flags & is::rolling) != 0) archive.values(rolling, 3);
+  if ((flags & is::placed) != 0) visit_place(archive, manifold);
+}
+
+}  // namespace atl

@@ -1,0 +1,40 @@
+#pragma once
+/// Settings for archives (state_archive.h): all that shape the result. The instruction set, a profile and what is kept
+/// for diagnosis do not, and stay what they are.
+
+#include <atoll/settings.h>
+
+namespace atl {
+
+template <typename Archive, typename AnySettings>
+void visit_settings(Archive& archive, AnySettings& s) {
+  archive.value(s.substeps);
+  archive.value(s.iterations);
+  archive.value(s.relax_iterations);
+  archive.value(s.tolerance);
+  archive.value(s.friction);
+  archive.check(s.friction == FrictionModel::Cone || s.friction == FrictionModel::Pyramid, "no model of friction");
+  archive.value(s.warm_starting);
+  archive.value(s.stabilisation);
+  archive.value(s.correction);
+  archive.value(s.slop);
+  const auto optional = [&archive](auto& hertz) {
+    double value = hertz.value_or(0);
+    archive.value(value);
+    if constexpr (Archive::reads) hertz = value != 0 ? std::optional(value) : std::nullopt;
+  };
+  optional(s.contact_hertz);
+  archive.value(s.contact_damping_ratio);
+  archive.value(s.contact_push_speed);
+  archive.value(s.restitution_threshold);
+  archive.value(s.contact_solver);
+  archive.value(s.joint_solver);
+  optional(s.joint_hertz);
+  archive.value(s.joint_damping_ratio);
+  archive.value(s.sleeping);
+  archive.value(s.sleep_speed);
+  archive.value(s.time_to_sleep);
+  archive.value(s.contact_events);
+}
+
+}  // namespace atl

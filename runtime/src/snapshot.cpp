@@ -1,0 +1,177 @@
+// Snapshots as files: a header, then the roster and the state as they are in memory, with lengths before them.
+
+#include <atoll/error.h>
+#include <atoll/snapshot.h>
+#include <atoll/world.h>
+#include <fcntl.h>
+#include <jobs/hash.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <ios>
+#include <iterator>
+#include <sstream>
+#include <string>
+#include <system_error>
+
+#include "roster_state.h"
+#include "state_archive.h"
+#include "world_impl.h"
+
+namespace atl {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Header {
+  std::array<char, 8> magic = {'A', 'T', 'O', 'L', 'L', 'S', 'N', 'P'};
+  std::uint32_t order = 0x01020304;  // reads otherwise in another byte order
+  std::uint32_t version = 1;         // of all that follows
+  std::uint64_t length = 0;          // bytes that follow the header
+  std::uint64_t checksum = 0;        // of these
+};
+static_assert(sizeof(Header) == 32);
+
+std::uint64_t checksum_of(std::span<const std::byte> bytes) {
+  jobs::Hash hash;
+  hash.add(std::uint64_t{bytes.size()});
+  for (std::size_t at = 0; at < bytes.size(); at += sizeof(std::uint64_t)) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, bytes.data() + at, std::min(sizeof word, bytes.size() - at));
+    hash.add(word);
+  }
+  return hash.value();
+}
+
+std::string hex(std::uint64_t value) {
+  std::ostringstream out;
+  out << "0x" << std::hex << value;
+  return out.str();
+}
+
+[[noreturn]] void fail(const char* call, const fs::path& path, const std::string& why) {
+  throw Error(std::string("Snapshot::") + call + ": " + path.string() + ": " + why);
+}
+
+// A new file beside the one that is to be written.
+fs::path create_beside(const fs::path& path) {
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  const std::string stem = ".atoll-" + std::to_string(::getpid()) + "-";
+  for (int number = 0;; ++number) {
+    fs::path temporary = folder / (stem + std::to_string(number) + ".tmp");
+    const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor >= 0) {
+      ::close(descriptor);
+      return temporary;
+    }
+    if (errno != EEXIST) fail("write", path, std::generic_category().message(errno));
+  }
+}
+
+void write_all(const fs::path& path, const Header& header, std::span<const std::byte> bytes) {
+  const fs::path temporary = create_beside(path);
+  errno = 0;
+  std::ofstream stream(temporary, std::ios::binary | std::ios::trunc);
+  stream.write(reinterpret_cast<const char*>(&header), sizeof header);
+  stream.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  stream.close();
+  std::error_code error;
+  if (!stream) {
+    error = {errno != 0 ? errno : EIO, std::generic_category()};
+  } else {
+    fs::rename(temporary, path, error);
+  }
+  if (!error) return;
+  std::error_code ignored;
+  fs::remove(temporary, ignored);
+  fail("write", path, error.message());
+}
+
+std::vector<char> read_all(const fs::path& path) {
+  std::error_code error;
+  if (fs::is_directory(path, error)) fail("read", path, "is a directory; expected a snapshot's file");
+  errno = 0;
+  std::ifstream stream(path, std::ios::binary);
+  std::vector<char> bytes{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  if (!stream.is_open() || stream.bad()) {
+    fail("read", path, std::generic_category().message(errno != 0 ? errno : EIO));
+  }
+  return bytes;
+}
+
+// What follows the header, if the file is whole.
+std::span<const std::byte> checked_content(const fs::path& path, const std::vector<char>& file) {
+  const Header expected;
+  Header header;
+  if (file.size() < sizeof header.magic || std::memcmp(file.data(), &expected.magic, sizeof expected.magic) != 0) {
+    fail("read", path, "does not begin with \"ATOLLSNP\"; expected a snapshot's file");
+  }
+  if (file.size() < sizeof header) {
+    fail("read", path,
+         "found " + std::to_string(file.size()) + " bytes; expected a header of " + std::to_string(sizeof header) +
+             " at least");
+  }
+  std::memcpy(&header, file.data(), sizeof header);
+  if (header.order != expected.order) {
+    fail("read", path,
+         "found the byte order " + hex(header.order) + "; expected this machine's, " + hex(expected.order));
+  }
+  if (header.version != expected.version) {
+    fail("read", path,
+         "found version " + std::to_string(header.version) + "; expected " + std::to_string(expected.version));
+  }
+  const std::span<const std::byte> content = std::as_bytes(std::span(file)).subspan(sizeof header);
+  if (content.size() != header.length) {
+    fail("read", path,
+         "found " + std::to_string(content.size()) + " bytes after the header; expected " +
+             std::to_string(header.length));
+  }
+  if (const std::uint64_t checksum = checksum_of(content); checksum != header.checksum) {
+    fail("read", path,
+         "found the checksum " + hex(checksum) + "; expected " + hex(header.checksum) + ": the file is damaged");
+  }
+  return content;
+}
+
+}  // namespace
+
+void Snapshot::write(const fs::path& path) const {
+  if (empty()) fail("write", path, "the snapshot is empty; expected one that holds a state");
+  std::vector<std::byte> bytes;
+  StateWriter writer(bytes);
+  write_constants(writer, *roster_);
+  visit_numbers(writer, *roster_);
+  writer.values(bytes_.data(), size_);
+  const std::span<const std::byte> content(bytes.data(), writer.size());
+  Header header;
+  header.length = content.size();
+  header.checksum = checksum_of(content);
+  write_all(path, header, content);
+}
+
+Snapshot Snapshot::read(const fs::path& path) {
+  const std::vector<char> file = read_all(path);
+  const std::span<const std::byte> content = checked_content(path, file);
+  Snapshot snapshot;
+  try {
+    StateReader reader(content);
+    auto roster = std::make_shared<Roster>();
+    read_constants(reader, *roster);
+    visit_numbers(reader, *roster);
+    check_numbers(reader, *roster);
+    const std::span<const std::byte> state = content.last(reader.left());
+    // What is found wrong in a world of its own can't harm another.
+    World::Impl::try_out(roster, state);
+    snapshot.bytes_.assign(state.begin(), state.end());
+    snapshot.size_ = state.size();
+    snapshot.roster_ = std::move(roster);
+  } catch (const Error& error) {
+    fail("read", path, error.what());
+  }
+  return snapshot;
+}
+
+}  // namespace atl

@@ -1,0 +1,182 @@
+// A world goes on from a snapshot as the one that was saved did: same hash at once and after every step, whatever
+// happened to the world in between, in a world of its own, from a file, and on any number of threads.
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "support/scene_run.h"
+#include "support/scenes.h"
+
+namespace atl::test {
+namespace {
+
+constexpr int steps_after = 12;
+
+/// Numbers without a pattern (Steele et al., "Fast splittable pseudorandom number generators", OOPSLA 2014).
+class Choices {
+ public:
+  explicit Choices(std::uint64_t seed) : state_(seed) {}
+  int below(int end) { return static_cast<int>(next() % static_cast<std::uint64_t>(end)); }
+
+ private:
+  std::uint64_t next() {
+    std::uint64_t z = state_ += 0x9e3779b97f4a7c15u;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return z ^ (z >> 31);
+  }
+
+  std::uint64_t state_;
+};
+
+/// What is simulated: a scene, with forces if it has some, and settings that turn on what state there can be.
+struct Run {
+  SceneRun scene;
+
+  Run(const std::string& text, bool all_features, int threads, Simd simd = Simd::Auto)
+      : scene(text, {.threads = threads, .settings = settings_of(text, all_features, simd)}) {}
+
+  static Settings settings_of(const std::string& text, bool all_features, Simd simd) {
+    Settings settings = load_scene(text).settings;
+    settings.simd = simd;
+    if (all_features) {
+      settings.sleeping = true;
+      settings.time_to_sleep = 0.1;
+      settings.contact_events = true;
+    }
+    return settings;
+  }
+
+  void step() {
+    apply_forces(scene.scene, scene.world, scene.ids);
+    scene.world.step(scene.scene.dt);
+  }
+  World& world() { return scene.world; }
+};
+
+/// What the world is after each step, and what it told of it.
+std::vector<std::uint64_t> trail(Run& run) {
+  std::vector<std::uint64_t> hashes = {run.world().state_hash()};
+  for (int i = 0; i < steps_after; ++i) {
+    run.step();
+    hashes.push_back(run.world().state_hash());
+    hashes.push_back(run.world().contact_events().size());
+    double force = 0;
+    for (const ContactForce& point : run.world().contact_forces()) {
+      force += point.normal_force * point.position.x() + point.separation;
+    }
+    hashes.push_back(std::bit_cast<std::uint64_t>(force));
+  }
+  return hashes;
+}
+
+/// Changes that a world may go through before it is taken back.
+void disturb(Run& run, Choices& choices) {
+  World& world = run.world();
+  switch (choices.below(5)) {
+    case 0:
+      break;
+    case 1: {
+      const BodyId id = run.scene.ids[static_cast<std::size_t>(choices.below(static_cast<int>(run.scene.ids.size())))];
+      if (world.contains(id)) world.remove_body(id);
+      break;
+    }
+    case 2:
+      for (int i = 0; i < 3; ++i) world.add_body(sphere({0.3 * i, 0.2, 4.0 + i}, 0.3));
+      break;
+    case 3: {
+      const BodyId other = world.add_body(box({0.1, 0.1, 5}));
+      run.step();
+      world.remove_body(other);
+      world.set_gravity({1, 0, -5});
+      break;
+    }
+    default:
+      world.set_settings({.substeps = 2, .sleeping = false});
+      for (const BodyId id : run.scene.ids) {
+        if (world.contains(id) && world.type(id) == BodyType::Dynamic) world.apply_force(id, {0, 0, 1e3});
+      }
+  }
+  for (int i = choices.below(8); i > 0; --i) world.step(run.scene.scene.dt);
+}
+
+std::filesystem::path file_of(const std::string& text, std::uint64_t seed) {
+  return std::filesystem::temp_directory_path() /
+         ("atoll-rollback-" + case_name(text) + "-" + std::to_string(seed) + ".snapshot");
+}
+
+/// Saves at a step and goes on; goes on again from the snapshot, in one of several ways.
+void roll_back(const std::string& text, std::uint64_t seed) {
+  Choices choices(seed);
+  const bool all_features = choices.below(2) == 1;
+  const int before = choices.below(60);
+  SCOPED_TRACE(text + ", seed " + std::to_string(seed) + ", step " + std::to_string(before));
+  Run run(text, all_features, 1 + choices.below(3));
+  for (int i = 0; i < before; ++i) run.step();
+  Snapshot snapshot;
+  run.world().save(snapshot);
+  const std::uint64_t saved = run.world().state_hash();
+  const std::vector<std::uint64_t> expected = trail(run);
+  ASSERT_EQ(expected.front(), saved) << "to save changes nothing";
+
+  switch (choices.below(3)) {
+    case 0: {
+      disturb(run, choices);
+      run.world().restore(snapshot);
+      EXPECT_EQ(trail(run), expected) << "the same world";
+      break;
+    }
+    case 1: {
+      Run fresh(text, all_features, 1 + choices.below(3), choices.below(2) == 0 ? Simd::Auto : Simd::Portable);
+      for (int i = choices.below(20); i > 0; --i) fresh.step();
+      fresh.world().restore(snapshot);
+      EXPECT_EQ(trail(fresh), expected) << "another world";
+      break;
+    }
+    default: {
+      const std::filesystem::path file = file_of(text, seed);
+      snapshot.write(file);
+      Run fresh(text, all_features, 1 + choices.below(3), choices.below(2) == 0 ? Simd::Auto : Simd::Portable);
+      if (choices.below(2) == 1) fresh.world().remove_body(fresh.scene.ids.back());
+      fresh.world().restore(Snapshot::read(file));
+      std::filesystem::remove(file);
+      EXPECT_EQ(trail(fresh), expected) << "another world, by way of a file";
+    }
+  }
+}
+
+class RollbackTest : public testing::TestWithParam<std::string> {};
+
+TEST_P(RollbackTest, GoesOnAsSaved) {
+  for (std::uint64_t seed = 1; seed <= 25; ++seed) {
+    roll_back(GetParam(), seed);
+    if (HasFatalFailure() || HasNonfatalFailure()) return;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, RollbackTest, testing::ValuesIn(small_scenes()),
+                         [](const auto& scene) { return case_name(scene.param); });
+
+// As many as the environment asks for, of scenes and steps at random.
+TEST(Rollback, ManyAtRandom) {
+  const char* asked = std::getenv("ATOLL_ROLLBACKS");
+  const int count = asked != nullptr ? std::atoi(asked) : 0;
+  if (count <= 0) GTEST_SKIP() << "ATOLL_ROLLBACKS=1000 runs as many";
+  const std::vector<std::string> scenes = small_scenes();
+  Choices choices(7);
+  for (int i = 0; i < count; ++i) {
+    roll_back(scenes[static_cast<std::size_t>(choices.below(static_cast<int>(scenes.size())))],
+              1000 + static_cast<std::uint64_t>(i));
+    if (HasFatalFailure() || HasNonfatalFailure()) return;
+  }
+}
+
+}  // namespace
+}  // namespace atl::test

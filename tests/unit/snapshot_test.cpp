@@ -1,0 +1,424 @@
+// Snapshots: what they bring back, what they refuse, and their files.
+
+#include <atoll/atoll.h>
+#include <gtest/gtest.h>
+#include <jobs/hash.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include "support/bodies.h"
+#include "support/expect_error.h"
+
+namespace atl::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A file that goes with the test.
+class TemporaryFile {
+ public:
+  TemporaryFile()
+      : path_(fs::temp_directory_path() /
+              (std::string("atoll-") + testing::UnitTest::GetInstance()->current_test_info()->name() + ".snapshot")) {}
+  ~TemporaryFile() {
+    std::error_code ignored;
+    fs::remove(path_, ignored);
+  }
+  const fs::path& path() const { return path_; }
+  std::string content() const {
+    std::ifstream stream(path_, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  }
+  void set_content(const std::string& bytes) const {
+    std::ofstream(path_, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  }
+
+ private:
+  fs::path path_;
+};
+
+ConvexHull wedge(double size) {
+  const std::array<Vector3, 6> corners = {Vector3(0, 0, 0),    Vector3(size, 0, 0),    Vector3(0, size, 0),
+                                          Vector3(0, 0, size), Vector3(size, 0, size), Vector3(0, size, size)};
+  return ConvexHull(corners);
+}
+
+/// Two crates, a ball that is hinged to the upper one, and a hull.
+struct Yard {
+  World world;
+  std::vector<BodyId> ids;
+  JointId hinge;
+
+  explicit Yard(const WorldDef& def = {}, double ball = 0.4, double hull = 1) : world(def) {
+    ids.push_back(world.add_body(ground()));
+    for (const BodyId id : add_stack(world, 2)) ids.push_back(id);
+    ids.push_back(world.add_body(sphere({1.2, 0, 1.5}, ball)));
+    ids.push_back(world.add_body({.shape = wedge(hull), .position = {4, 4, 1}}));
+    hinge = world.add_joint({.kind = HingeJoint{{.range = {-1, 1}}},
+                             .first = ids[2],
+                             .second = ids[3],
+                             .frame_first = {{0.6, 0, 0}},
+                             .frame_second = {{-0.6, 0, 0}}});
+  }
+};
+
+std::vector<std::uint64_t> hashes(World& world, int steps) {
+  std::vector<std::uint64_t> all = {world.state_hash()};
+  for (int i = 0; i < steps; ++i) {
+    world.step(dt);
+    all.push_back(world.state_hash());
+  }
+  return all;
+}
+
+TEST(Snapshot, BringsBackTheSameWorldWhateverHappenedToIt) {
+  Yard yard;
+  run(yard.world, 20);
+  Snapshot snapshot;
+  yard.world.save(snapshot);
+  const std::vector<std::uint64_t> expected = hashes(yard.world, 20);
+  const auto expect_back = [&](const char* after) {
+    yard.world.restore(snapshot);
+    EXPECT_EQ(hashes(yard.world, 20), expected) << after;
+  };
+  expect_back("nothing");
+  yard.world.remove_body(yard.ids[4]);
+  expect_back("a hull was removed");
+  yard.world.remove_body(yard.ids[2]);
+  run(yard.world, 3);
+  expect_back("a body went with its joint");
+  yard.world.remove_body(yard.ids[4]);
+  yard.world.add_body(sphere({9, 9, 9}));
+  yard.world.add_body(sphere({9, 9, 12}));
+  run(yard.world, 3);
+  expect_back("the place was taken by another");
+  yard.world.remove_joint(yard.hinge);
+  yard.world.add_joint({.first = yard.ids[1], .second = yard.ids[4]});
+  expect_back("another joint");
+  yard.world.set_joint(yard.hinge, HingeJoint{{.motor = JointMotor{.speed = 3, .max_force = 10}}});
+  run(yard.world, 3);
+  expect_back("a motor");
+  yard.world.set_joint_enabled(yard.hinge, false);
+  expect_back("a joint that was let go");
+  yard.world.set_filter(yard.ids[1], {.mask = 0});
+  yard.world.set_collision_enabled(yard.ids[0], yard.ids[4], false);
+  run(yard.world, 3);
+  expect_back("filters");
+  yard.world.set_velocity(yard.ids[3], {1e9, 0, 0}, {0, 0, 0});
+  run(yard.world, 3);
+  ASSERT_FALSE(yard.world.quarantined().empty());
+  expect_back("quarantine");
+  yard.world.set_gravity({0, 0, 1});
+  yard.world.set_settings({.substeps = 2, .sleeping = true, .contact_events = true});
+  run(yard.world, 3);
+  expect_back("settings");
+  yard.world.set_surface_velocity(yard.ids[0], {1, 0, 0});
+  run(yard.world, 3);
+  expect_back("a belt");
+}
+
+TEST(Snapshot, HoldsWhatCallersChangedSinceTheLastStep) {
+  const auto change = [](Yard& yard, int what) {
+    World& world = yard.world;
+    const BodyId crate = yard.ids[2];
+    switch (what) {
+      case 0:
+        return world.apply_force(crate, {0, 1e4, 0}, {10, 0, 0});
+      case 1:
+        return world.set_filter(yard.ids[1], {.category = 2, .mask = 4, .group = -3});
+      case 2:
+        return world.set_collision_enabled(yard.ids[1], crate, false);
+      case 3:
+        return world.set_pose(yard.ids[4], {{0, 0, 3}, Quaternion::Identity()});
+      case 4:
+        return world.set_surface_velocity(yard.ids[0], {2, 0, 0});
+      case 5:
+        return world.set_velocity(yard.ids[3], {0, 1e9, 0}, {0, 0, 0});
+      case 6:
+        return world.set_pose(yard.ids[4], {{1e13, 0, 0}, Quaternion::Identity()});
+      case 7:
+        return static_cast<void>(world.add_body(sphere({0.2, 0.1, 2.4})));
+      case 8:
+        return world.remove_body(yard.ids[1]);
+      case 9:
+        return world.set_joint_enabled(yard.hinge, false);
+      default:
+        return world.set_joint(yard.hinge, HingeJoint{{.motor = JointMotor{.speed = 3, .max_force = 10}}});
+    }
+  };
+  for (int what = 0; what <= 10; ++what) {
+    Yard yard;
+    run(yard.world, 30);
+    change(yard, what);
+    Snapshot snapshot;
+    yard.world.save(snapshot);
+    const std::vector<std::uint64_t> expected = hashes(yard.world, 10);
+    yard.world.restore(snapshot);
+    EXPECT_EQ(hashes(yard.world, 10), expected) << "the same world, change " << what;
+    Yard other;
+    other.world.restore(snapshot);
+    EXPECT_EQ(hashes(other.world, 10), expected) << "another world, change " << what;
+  }
+}
+
+TEST(Snapshot, GivesOutTheSameIdsAfterwards) {
+  Yard yard;
+  yard.world.remove_body(yard.ids[3]);
+  yard.world.remove_body(yard.ids[1]);
+  Snapshot snapshot;
+  yard.world.save(snapshot);
+  const auto add = [](World& world) {
+    std::vector<std::uint64_t> ids;
+    BodyId last = {};
+    for (int i = 0; i < 4; ++i) {
+      const BodyId id = world.add_body(sphere({3.0 * i, 20, 2}));
+      ids.push_back(std::uint64_t{id.index} << 32 | id.generation);
+      if (i > 0) {
+        const JointId joint = world.add_joint({.first = last, .second = id});
+        ids.push_back(std::uint64_t{joint.index} << 32 | joint.generation);
+      }
+      last = id;
+    }
+    return ids;
+  };
+  const std::vector<std::uint64_t> expected = add(yard.world);
+  const std::vector<std::uint64_t> trail = hashes(yard.world, 5);
+  yard.world.restore(snapshot);
+  EXPECT_FALSE(yard.world.contains(yard.ids[1]));
+  EXPECT_EQ(add(yard.world), expected);
+  EXPECT_EQ(hashes(yard.world, 5), trail);
+  Yard fresh;
+  fresh.world.restore(snapshot);
+  EXPECT_EQ(add(fresh.world), expected);
+  EXPECT_EQ(hashes(fresh.world, 5), trail);
+}
+
+TEST(Snapshot, MakesBodiesThatTheWorldLacks) {
+  Yard yard;
+  run(yard.world, 10);
+  Snapshot snapshot;
+  yard.world.save(snapshot);
+  const std::vector<std::uint64_t> expected = hashes(yard.world, 10);
+  World empty;
+  empty.restore(snapshot);
+  EXPECT_EQ(empty.body_count(), yard.ids.size());
+  EXPECT_EQ(hashes(empty, 10), expected);
+}
+
+TEST(Snapshot, IsRefusedByAWorldWithOtherBodies) {
+  Yard yard;
+  Snapshot snapshot;
+  yard.world.save(snapshot);
+  Yard other({}, 0.3);
+  run(other.world, 5);
+  const std::uint64_t before = other.world.state_hash();
+  expect_error(
+      [&] { other.world.restore(snapshot); },
+      {"World::restore", "index 3", "Sphere of radius 0.29999999999999999", "expected", "0.40000000000000002"});
+  Yard third({}, 0.4, 2);
+  expect_error([&] { third.world.restore(snapshot); }, {"index 4", "ConvexHull", "expected"});
+  EXPECT_EQ(other.world.state_hash(), before);
+  expect_error([&] { other.world.restore(Snapshot()); }, {"World::restore", "empty"});
+  EXPECT_EQ(other.world.state_hash(), before);
+}
+
+TEST(Snapshot, LeavesThreadsAndInstructionSetToTheWorld) {
+  Yard yard;
+  Snapshot snapshot;
+  yard.world.save(snapshot);
+  const std::vector<std::uint64_t> expected = hashes(yard.world, 30);
+  Yard other({.threads = 2, .settings = {.profile = true, .simd = Simd::Portable}});
+  other.world.restore(snapshot);
+  EXPECT_EQ(other.world.threads(), 2);
+  EXPECT_EQ(other.world.simd(), Simd::Portable);
+  EXPECT_TRUE(other.world.settings().profile);
+  EXPECT_EQ(hashes(other.world, 30), expected);
+}
+
+TEST(Snapshot, HoldsSleepersAndWhatTheyStandOn) {
+  const auto make = [] {
+    World world({.settings = {.sleeping = true, .sleep_speed = 1, .time_to_sleep = 0.1, .contact_events = true}});
+    world.add_body(ground());
+    add_stack(world, 3);
+    return world;
+  };
+  World world = make();
+  run(world, 60);
+  Snapshot snapshot;
+  world.save(snapshot);
+  ASSERT_TRUE(world.is_asleep({3, 0}));
+  // Woken in the middle of a step, by what hits it.
+  const auto hit = [](World& hit_world) {
+    BodyDef ball = sphere({0, -2, 2.5}, 0.3);
+    ball.velocity = {0, 20, 0};
+    hit_world.add_body(ball);
+    std::vector<std::uint64_t> trail;
+    for (int i = 0; i < 30; ++i) {
+      hit_world.step(dt);
+      trail.push_back(hit_world.state_hash());
+      trail.push_back(hit_world.is_asleep({3, 0}));
+    }
+    return trail;
+  };
+  const std::vector<std::uint64_t> expected = hit(world);
+  EXPECT_NE(std::find(expected.begin(), expected.end(), 0), expected.end()) << "it was never woken";
+  world.restore(snapshot);
+  EXPECT_TRUE(world.is_asleep({3, 0}));
+  EXPECT_EQ(hit(world), expected);
+  World fresh = make();
+  fresh.restore(snapshot);
+  EXPECT_EQ(hit(fresh), expected);
+}
+
+TEST(Snapshot, ReportsAreEmptyUntilTheNextStep) {
+  Yard yard;
+  run(yard.world, 30);
+  Snapshot snapshot;
+  yard.world.save(snapshot);
+  ASSERT_FALSE(yard.world.contact_forces().empty());
+  yard.world.restore(snapshot);
+  EXPECT_TRUE(yard.world.contact_forces().empty());
+  EXPECT_TRUE(yard.world.contact_problem().patches.empty());
+  yard.world.step(dt);
+  EXPECT_FALSE(yard.world.contact_forces().empty());
+}
+
+TEST(Snapshot, IsAValue) {
+  Yard yard;
+  Snapshot early;
+  EXPECT_TRUE(early.empty());
+  yard.world.save(early);
+  const std::uint64_t first = yard.world.state_hash();
+  Snapshot copy = early;
+  run(yard.world, 10);
+  yard.world.save(early);
+  const std::uint64_t second = yard.world.state_hash();
+  yard.world.restore(copy);
+  EXPECT_EQ(yard.world.state_hash(), first);
+  yard.world.restore(early);
+  EXPECT_EQ(yard.world.state_hash(), second);
+}
+
+// Geometry isn't in a file: a body with a hull that has gone is made of another's.
+TEST(SnapshotFile, BringsBackAWorld) {
+  const TemporaryFile file;
+  Yard yard;
+  run(yard.world, 20);
+  Snapshot snapshot;
+  yard.world.save(snapshot);
+  snapshot.write(file.path());
+  const std::vector<std::uint64_t> expected = hashes(yard.world, 20);
+  const Snapshot read = Snapshot::read(file.path());
+  EXPECT_EQ(read.size(), snapshot.size());
+  Yard fresh;
+  fresh.world.restore(read);
+  EXPECT_EQ(hashes(fresh.world, 20), expected);
+  fresh.world.remove_body(fresh.ids[1]);
+  fresh.world.remove_body(fresh.ids[3]);
+  fresh.world.restore(read);
+  EXPECT_EQ(hashes(fresh.world, 20), expected);
+  fresh.world.remove_body(fresh.ids[4]);
+  const std::uint64_t before = fresh.world.state_hash();
+  expect_error([&] { fresh.world.restore(read); }, {"World::restore", "geometry", "index 4", "ConvexHull", "expected"});
+  EXPECT_EQ(fresh.world.state_hash(), before);
+  fresh.world.add_body({.type = BodyType::Static, .shape = wedge(1), .position = {50, 0, 0}});
+  fresh.world.restore(read);
+  EXPECT_EQ(hashes(fresh.world, 20), expected);
+}
+
+TEST(SnapshotFile, SaysWhyItCannotBeReadOrWritten) {
+  const TemporaryFile file;
+  expect_error([&] { Snapshot::read(file.path()); }, {"Snapshot::read", file.path().string(), "No such file"});
+  expect_error([&] { Snapshot::read(fs::temp_directory_path()); }, {"is a directory", "expected"});
+  expect_error([&] { Snapshot().write(file.path()); }, {"Snapshot::write", "empty"});
+  Yard yard;
+  Snapshot snapshot;
+  yard.world.save(snapshot);
+  expect_error([&] { snapshot.write("/nowhere/at/all.snapshot"); }, {"Snapshot::write", "No such file"});
+  file.set_content("{}");
+  expect_error([&] { Snapshot::read(file.path()); }, {"ATOLLSNP", "expected a snapshot"});
+  snapshot.write(file.path());
+  const std::string whole = file.content();
+  const auto expect_refusal = [&](std::size_t at, char value, std::initializer_list<std::string_view> words) {
+    std::string bytes = whole;
+    bytes[at] = value;
+    file.set_content(bytes);
+    expect_error([&] { Snapshot::read(file.path()); }, words);
+  };
+  expect_refusal(8, 1, {"byte order", "0x1020301", "expected", "0x1020304"});
+  expect_refusal(12, 99, {"found version 99", "expected 1"});
+  expect_refusal(whole.size() - 1, static_cast<char>(whole.back() + 1), {"checksum", "expected", "damaged"});
+}
+
+TEST(SnapshotFile, RefusesEveryCutAndEveryFlippedByte) {
+  const TemporaryFile file;
+  World world;
+  world.add_body(ground());
+  world.add_body(box({0, 0, 0.5}));
+  run(world, 10);
+  Snapshot snapshot;
+  world.save(snapshot);
+  snapshot.write(file.path());
+  const std::string whole = file.content();
+  ASSERT_LT(whole.size(), 20'000u);
+  for (std::size_t length = 0; length < whole.size(); ++length) {
+    file.set_content(whole.substr(0, length));
+    EXPECT_THROW(Snapshot::read(file.path()), Error) << length << " of " << whole.size() << " bytes";
+  }
+  for (std::size_t at = 0; at < whole.size(); ++at) {
+    std::string bytes = whole;
+    bytes[at] = static_cast<char>(bytes[at] ^ (1 << at % 8));
+    file.set_content(bytes);
+    EXPECT_THROW(Snapshot::read(file.path()), Error) << "byte " << at;
+  }
+  file.set_content(whole + "x");
+  EXPECT_THROW(Snapshot::read(file.path()), Error);
+}
+
+// As of a program that writes nonsense: it may be taken where it fits together, and must not be followed where it
+// leads out of the world.
+TEST(SnapshotFile, IsCheckedBeyondItsChecksum) {
+  const TemporaryFile file;
+  Yard yard({.settings = {.sleeping = true, .sleep_speed = 1, .time_to_sleep = 0.1, .contact_events = true}});
+  run(yard.world, 40);
+  Snapshot snapshot;
+  yard.world.save(snapshot);
+  snapshot.write(file.path());
+  const std::string whole = file.content();
+  constexpr std::size_t header = 32;
+  constexpr std::size_t checksum_at = 24;
+  int refused = 0;
+  for (std::size_t at = header; at < whole.size(); at += 7) {
+    for (const unsigned flip : {0x01u, 0xffu}) {
+      std::string bytes = whole;
+      bytes[at] = static_cast<char>(static_cast<unsigned char>(bytes[at]) ^ flip);
+      jobs::Hash hash;
+      hash.add(std::uint64_t{bytes.size() - header});
+      for (std::size_t word_at = header; word_at < bytes.size(); word_at += 8) {
+        std::uint64_t word = 0;
+        std::memcpy(&word, bytes.data() + word_at, std::min<std::size_t>(8, bytes.size() - word_at));
+        hash.add(word);
+      }
+      const std::uint64_t checksum = hash.value();
+      std::memcpy(bytes.data() + checksum_at, &checksum, sizeof checksum);
+      file.set_content(bytes);
+      try {
+        Snapshot::read(file.path());
+      } catch (const Error&) {
+        ++refused;
+      }
+    }
+  }
+  EXPECT_GT(refused, 50);
+}
+
+}  // namespace
+}  // namespace atl::test
