@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds Atoll and the drivers of other engines, and draws error against run time for all scenes with a closed form,
-# for the large ones and for joints.
+# for the large ones and for joints; the full sweep also how far each engine gets where scenes grow stiffer.
 set -euo pipefail
 
 root=$(dirname "$(dirname "$(realpath "${BASH_SOURCE[0]}")")")
@@ -39,5 +39,6 @@ build release atoll_compare -DATOLL_BUILD_PEERS=ON
 for driver in build/release/bin/atoll_peer_*; do
   if [[ -x $driver ]]; then options+=(--peer "$root/$driver"); fi
 done
+if [[ " ${options[*]} " != *" --quick "* ]]; then options+=(--frontier); fi
 build/release/bin/atoll sweep --analytic pyramid3d wall islands pile stack:height=50 chain:links=100,ratio=1000 \
   joint-grid "${options[@]}" --out "$out"

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "frontier.h"
 #include "scene_report.h"
 #include "surroundings.h"
 
@@ -24,6 +25,7 @@ struct SweepResults {
   double time = 0;  ///< s
   std::uint64_t seed = 1;
   std::vector<SceneReport> scenes;
+  std::vector<Frontier> frontiers = {};  ///< where they were asked for
 };
 
 /// All figures, fronts and verdicts.

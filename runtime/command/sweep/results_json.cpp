@@ -92,6 +92,22 @@ Json scene_json(const SceneReport& report) {
           {"comparisons", comparisons}};
 }
 
+Json frontier_json(const Frontier& frontier) {
+  Json reaches = Json::array();
+  for (const Reach& reach : frontier.reaches) {
+    reaches.push_back({{"engine", reach.engine},
+                       {"substeps", reach.substeps},
+                       {"default", reach.is_default},
+                       {"reached", reach.rung ? Json(*reach.rung) : Json()},
+                       {"ms_per_step", reach.rung ? Json(reach.ms_per_step) : Json()}});
+  }
+  return {{"name", frontier.ladder.name},
+          {"scene", frontier.ladder.scene},
+          {"survives", frontier.ladder.survives},
+          {"rungs", frontier.ladder.rungs},
+          {"reaches", reaches}};
+}
+
 }  // namespace
 
 Json results_object(const SweepResults& results) {
@@ -100,6 +116,8 @@ Json results_object(const SweepResults& results) {
     engines.push_back({{"name", engine.name}, {"version", engine.version}, {"precision", engine.precision}});
   }
   for (const SceneReport& report : results.scenes) scenes.push_back(scene_json(report));
+  Json frontiers = Json::array();
+  for (const Frontier& frontier : results.frontiers) frontiers.push_back(frontier_json(frontier));
   const Surroundings& around = results.surroundings;
   return {{"format", "atoll-sweep"},
           {"version", 1},
@@ -111,7 +129,8 @@ Json results_object(const SweepResults& results) {
           {"least_time_s", results.time},
           {"seed", results.seed},
           {"no_error", no_error},
-          {"scenes", scenes}};
+          {"scenes", scenes},
+          {"frontiers", frontiers}};
 }
 
 void write_results_json(std::ostream& out, const SweepResults& results) {

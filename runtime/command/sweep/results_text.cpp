@@ -24,6 +24,18 @@ void write_results_text(std::ostream& out, const SweepResults& results) {
     }
     out << "  " << comparison.verdict.text << "\n";
   }
+  for (const Frontier& frontier : results.frontiers) {
+    out << "the most " << frontier.ladder.name << "\n";
+    for (const Reach& reach : frontier.reaches) {
+      out << "  " << std::left << std::setw(8) << reach.engine << std::right << std::setw(3) << reach.substeps
+          << (reach.substeps == 1 ? " substep   " : " substeps  ");
+      if (reach.rung) {
+        out << *reach.rung << ", " << reach.ms_per_step << " ms a step\n";
+      } else {
+        out << "less than " << frontier.ladder.rungs.front() << "\n";
+      }
+    }
+  }
 }
 
 }  // namespace atl::command

@@ -42,7 +42,9 @@ std::vector<std::string> scene_addresses(const SweepOptions& options) {
     }
   }
   addresses.insert(addresses.end(), options.scenes.begin(), options.scenes.end());
-  if (addresses.empty()) throw Failure(Status::Usage, "found no scene, expected SCENE or --analytic");
+  if (addresses.empty() && !options.frontier) {
+    throw Failure(Status::Usage, "found no scene, expected SCENE, --analytic or --frontier");
+  }
   return addresses;
 }
 
@@ -98,6 +100,15 @@ void sweep_scenes(std::vector<ScenePlan> plans, const std::vector<PeerDriver>& d
   }
 }
 
+void find_frontiers(const std::vector<PeerDriver>& drivers, SweepResults& results) {
+  const std::vector<Ladder> ladders = stiff_ladders();
+  Progress progress(static_cast<std::int64_t>(ladders.size()), "");
+  for (const Ladder& ladder : ladders) {
+    results.frontiers.push_back(climb(ladder, drivers));
+    progress.update(static_cast<std::int64_t>(results.frontiers.size()));
+  }
+}
+
 }  // namespace
 
 void sweep(const SweepOptions& options) {
@@ -115,8 +126,10 @@ void sweep(const SweepOptions& options) {
                           .repeats = policy.repeats,
                           .time = policy.least_time,
                           .seed = options.seed,
-                          .scenes = {}};
+                          .scenes = {},
+                          .frontiers = {}};
   sweep_scenes(std::move(plans), drivers, policy, results);
+  if (options.frontier) find_frontiers(drivers, results);
 
   outputs.json.write([&](std::ostream& out) { write_results_json(out, results); });
   outputs.csv.write([&](std::ostream& out) { write_results_csv(out, results); });

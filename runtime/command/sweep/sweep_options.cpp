@@ -64,6 +64,11 @@ void add_sweep_options(CLI::App& command, SweepOptions& options) {
       ->check(seed_number())
       ->group(runs);
 
+  command
+      .add_flag("--frontier", options.frontier,
+                "and how far each engine gets where towers and chains grow stiffer, with 1 to 16 substeps")
+      ->group(runs);
+
   const char* peers = "Other engines";
   command.add_option("--peer", options.peers, "driver program of another engine; may be given again")
       ->check(not_empty())

@@ -17,6 +17,7 @@ struct SweepOptions {
   std::vector<std::string> scenes;
   bool analytic = false;                                  ///< and all built-in scenes that have a closed form
   std::map<std::string, std::vector<std::string>> lists;  ///< values by axis; the grid's own where there is none
+  bool frontier = false;                                  ///< and how far each engine gets on stiff_ladders()
   bool quick = false;
   std::vector<std::string> peers;    ///< driver programs
   std::optional<double> peer_limit;  ///< s that one run of a driver may take

@@ -209,4 +209,5 @@ function sceneSection(scene, index) {
 
 writeFacts();
 writeOverview();
+writeFrontiers(results.frontiers);
 results.scenes.forEach(sceneSection);
