@@ -42,7 +42,8 @@ void World::Impl::choose_remedies() {
                                    .bodies = bodies,
                                    .manifolds = cache.manifolds.data(),
                                    .gravity = gravity,
-                                   .give = give_of_soft_contacts()});
+                                   .dt = dt_,
+                                   .settings = solver_settings(settings)});
   } else {
     escalation_.forget_all();
   }
@@ -51,12 +52,6 @@ void World::Impl::choose_remedies() {
   remedies_.assign(remedies.begin(), remedies.end());
   solver::pack_groups(islands_, one_each_, remedies_, groups_);
   regrouped_ = true;
-}
-
-// m by N and 1/kg, between dynamic bodies.
-double World::Impl::give_of_soft_contacts() const {
-  const solver::SolverSettings how = solver_settings(settings);
-  return solver::SubstepConstants::give_by_impulse(how, dt_) * dt_ / how.substeps;
 }
 
 void World::Impl::solve_groups() {

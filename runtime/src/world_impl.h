@@ -200,7 +200,6 @@ class World::Impl {
   void remove_lost_contacts();
   bool escalates() const;
   void choose_remedies();
-  double give_of_soft_contacts() const;
   void solve_groups();
   void prepare_direct_solvers();
   bool solve_directly(const solver::SolveInput& input, std::size_t group);

@@ -234,8 +234,8 @@ void DirectContacts::capture(const SolveInput& input) const {
 
 // By the measure of soft contacts, so that the island is solved at once for as long as these would give way.
 void DirectContacts::note_overloads(const SolveInput& input) const {
-  const double give = SubstepConstants::give_by_impulse(input.settings, input.dt);
   const Build build = build_of(input.islands, island_);
+  const double give = SubstepConstants::give_by_impulse(input.settings, input.dt, build);
   for (const TouchingPair& pair : pairs_) {
     const LoadedContact contact = {.manifold = input.manifolds[pair.slot],
                                    .first = pair.first,

@@ -34,9 +34,7 @@ void order(std::vector<Overload>& overloads) {
 
 }  // namespace
 
-void Escalation::resize(std::size_t bodies) {
-  strain_.resize(bodies);
-}
+void Escalation::resize(std::size_t bodies) { strain_.resize(bodies); }
 
 void Escalation::forget(std::uint32_t body) {
   std::erase(arrived_, body);

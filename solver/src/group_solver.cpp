@@ -491,8 +491,9 @@ void GroupSolver::note_overloads(const SolveInput& input, std::span<const std::u
                                      .inverse_first = block.inverse_mass[0][lane],
                                      .inverse_second = block.inverse_mass[1][lane]};
       const std::uint32_t island = input.islands.island_of(contact.inverse_first > 0 ? contact.first : contact.second);
-      note_overload(contact, SubstepConstants::give_by_impulse(input.settings, input.dt) * load_of(contact.manifold),
-                    build_of(input.islands, island), input.overloads.local());
+      const Build build = build_of(input.islands, island);
+      const double give = SubstepConstants::give_by_impulse(input.settings, input.dt, build);
+      note_overload(contact, give * load_of(contact.manifold), build, input.overloads.local());
     }
   }
 }

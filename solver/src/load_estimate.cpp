@@ -20,6 +20,9 @@ void LoadEstimate::add_overloads(const LoadInput& input, std::size_t island, std
   const Vector3 up = -input.gravity / g;
   const std::span<const std::uint32_t> bodies = input.islands.bodies(island, island + 1);
   const Build build = build_of(input.islands, island);
+  // m by N and 1/kg
+  const double give =
+      SubstepConstants::give_by_impulse(input.settings, input.dt, build) * input.dt / input.settings.substeps;
   const std::uint32_t first_rank = input.islands.first_rank(island);
   const auto place = [&](std::uint32_t body) {
     return input.bodies.mobility[body] == Mobility::Dynamic ? input.islands.rank(body) - first_rank : Islands::none;
@@ -69,7 +72,7 @@ void LoadEstimate::add_overloads(const LoadInput& input, std::size_t island, std
                      .second = support.second,
                      .inverse_first = input.bodies.inverse_mass[support.first],
                      .inverse_second = input.bodies.inverse_mass[support.second]},
-                    input.give * load / support.along, build, overloads);
+                    give * load / support.along, build, overloads);
     }
   }
 }

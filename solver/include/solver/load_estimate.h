@@ -4,6 +4,7 @@
 #include <solver/body_table.h>
 #include <solver/islands.h>
 #include <solver/overload.h>
+#include <solver/solver_settings.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -17,7 +18,8 @@ struct LoadInput {
   const BodyTable& bodies;
   const collision::ContactManifold* manifolds;  ///< by slot
   Vector3 gravity;                              ///< m/s^2
-  double give;                                  ///< m by N and 1/kg: of soft contacts between dynamic bodies
+  double dt;                                    ///< s
+  const SolverSettings& settings;
 };
 
 /// What the contacts of an island carry if all stands: from the top down, each body hands its weight and what it

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <solver/overload.h>
+
 namespace atl::solver {
 
 enum class Friction { None, Cone, Pyramid };
@@ -86,7 +88,7 @@ struct SubstepConstants {
     c.joint = Softness::of(joint_hertz, settings.joint_damping_ratio, h);
     c.finer = static_cast<float>(settings.finer);
     const bool soft = settings.stabilisation == Stabilisation::Soft;
-    const double give = soft ? settings.finer * give_by_impulse(settings, dt) : 0;
+    const double give = soft ? settings.finer * give_by_impulse(settings, dt, Build::Columns) : 0;
     c.give = static_cast<float>(give);
     c.give_fixed = static_cast<float>(give / 4);  // twice the frequency
     c.push_speed = static_cast<float>(settings.contact_push_speed);
@@ -102,11 +104,13 @@ struct SubstepConstants {
     return wanted < limit ? wanted : limit;
   }
 
-  /// m by N s and 1/kg: how far soft contacts between dynamic bodies give, in the substeps that were asked for, under a
-  /// lasting impulse in each of these.
-  static double give_by_impulse(const SolverSettings& settings, double dt) {
+  /// m by N s and 1/kg: how far soft contacts between dynamic bodies count as giving, in the substeps that were asked
+  /// for, under a lasting impulse in each of these.
+  static double give_by_impulse(const SolverSettings& settings, double dt, Build build) {
     const double h = dt * settings.finer / settings.substeps;
-    const double omega = 2 * 3.14159265358979323846 * contact_hertz(settings, h);
+    double hertz = contact_hertz(settings, h);
+    if (build == Build::Columns && hertz > most_column_hertz) hertz = most_column_hertz;
+    const double omega = 2 * 3.14159265358979323846 * hertz;
     return 1 / (h * omega * omega);
   }
 };
