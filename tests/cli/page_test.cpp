@@ -65,6 +65,30 @@ std::set<std::size_t> drawn_runs(const Json& scene) {
   return drawn;
 }
 
+// Towers and chains of every rung stand at the defaults.
+TEST(Frontier, IsClimbedToTheEndAndShown) {
+  const ScratchDirectory scratch;
+  const CommandResult result = run_atoll({"sweep", "--frontier", "--quick", "--out", scratch.path("out")});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const Json results = Json::parse(read_text(scratch.path("out") + "/results.json"));
+  EXPECT_EQ(results["scenes"].size(), 0u);
+  ASSERT_EQ(results["frontiers"].size(), 5u);
+  for (const Json& frontier : results["frontiers"]) {
+    SCOPED_TRACE(frontier["name"]);
+    ASSERT_EQ(frontier["reaches"].size(), 1u);
+    const Json& reach = frontier["reaches"][0];
+    EXPECT_EQ(reach["engine"], "Atoll");
+    EXPECT_EQ(reach["substeps"], 4);
+    EXPECT_EQ(reach["reached"], frontier["rungs"].back());
+    EXPECT_GT(reach["ms_per_step"], 0);
+  }
+  const std::optional<std::string> browser = find_browser();
+  if (!browser) GTEST_SKIP() << "no Chromium was found: the page is not looked at";
+  const LoadedPage loaded = load_page(*browser, scratch.path("out") + "/index.html", 900);
+  EXPECT_EQ(loaded.console, "");
+  EXPECT_EQ(count(loaded.document, "all: "), 5u + 1u);  // and once in the script
+}
+
 TEST_F(SweepPage, NamesNothingOutsideItself) {
   const std::string text = read_text(page());
   const std::regex outside(

@@ -40,8 +40,8 @@ struct Frontier {
 /// Height and mass ratio of towers, mass ratio and length of chains, length of the step.
 std::vector<Ladder> stiff_ladders();
 
-/// Climbs a ladder with 1, 2, 4, 8 and 16 substeps, with all else at the defaults. Errors of Atoll, and so how far it
-/// gets, are the same on every machine.
-Frontier climb(const Ladder& ladder, const std::vector<PeerDriver>& drivers);
+/// Climbs a ladder with 1, 2, 4, 8 and 16 substeps, or if `quick` with 4, and all else at the defaults. Errors of
+/// Atoll, and so how far it gets, are the same on every machine.
+Frontier climb(const Ladder& ladder, const std::vector<PeerDriver>& drivers, bool quick);
 
 }  // namespace atl::command

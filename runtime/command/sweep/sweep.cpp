@@ -101,10 +101,11 @@ void sweep_scenes(std::vector<ScenePlan> plans, const std::vector<PeerDriver>& d
 }
 
 void find_frontiers(const std::vector<PeerDriver>& drivers, SweepResults& results) {
+  // Climbs one after another: a rung that fails ends it, so how long all take isn't known.
   const std::vector<Ladder> ladders = stiff_ladders();
   Progress progress(static_cast<std::int64_t>(ladders.size()), "");
   for (const Ladder& ladder : ladders) {
-    results.frontiers.push_back(climb(ladder, drivers));
+    results.frontiers.push_back(climb(ladder, drivers, results.quick));
     progress.update(static_cast<std::int64_t>(results.frontiers.size()));
   }
 }
