@@ -14,8 +14,8 @@ class Islands;
 /// count as overloaded. A column of boxes starts to buckle from about 15 boxes on, where it is 1.6% (by Euler's load; a
 /// longer one takes a while).
 inline constexpr double overload_give = 0.015;
-/// In islands that are little but columns, which cost little to solve at once: ten boxes. From 0.2% on it would also
-/// take in five, six times as dear in a crowd of such stacks for the 2 mm of a metre that they give.
+/// In islands that are little but columns, which cost little to solve at once: six boxes. From 0.2% on it would also
+/// take in three, six times as dear in a crowd of such stacks for the 1 mm of a metre that they give.
 inline constexpr double column_give = 0.005;
 /// In columns contacts count as no stiffer than this, Hz: where more substeps make them so, sweeps don't settle columns
 /// any sooner. With 16 substeps a tower of 50 boxes falls that gives by 0.3% only.

@@ -34,6 +34,10 @@ function tallyText() {
 }
 
 function writeOverview() {
+  if (!results.scenes.length) {
+    for (const id of ['standing', 'reading']) document.getElementById(id).hidden = true;
+    return;
+  }
   document.getElementById('tally').textContent = tallyText();
   const body = document.querySelector('#overview tbody');
   results.scenes.forEach((scene, index) => {
