@@ -12,7 +12,7 @@ usage() {
 usage: bash tests/run.sh [--label LABEL] [--preset PRESET] [--long]
 
   --label LABEL    only these: unit, accuracy, stability, determinism, cli, layers or package
-  --preset PRESET  release (the default), debug, asan or tsan
+  --preset PRESET  release (the default), clang, debug, asan or tsan
   --long           the heavier matrix of scenes, threads and settings
 END
 }
@@ -38,6 +38,7 @@ while (($#)); do
 done
 
 packages+=(chromium) # looks at the page that atoll sweep writes
+[[ $preset != clang ]] || packages+=(clang)
 options=()
 [[ ${CI:-} != true ]] || options=(-DATOLL_WERROR=ON)
 install_packages
