@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atoll/scene.h>
+#include <atoll/snapshot.h>
 
 #include <cstdint>
 #include <functional>
@@ -8,10 +9,18 @@
 
 namespace atl::divergence {
 
+/// Whether the state of a run is saved ahead of some of its steps, and taken on again, in which nothing may get lost.
+enum class Restore {
+  Never,
+  SameWorld,   ///< by the world itself, after a few steps on, which are thus taken back
+  FreshWorld,  ///< by a world that was empty, which goes on in its place
+};
+
 /// A way to run a scene that must not change a bit of what it comes to.
 struct Variant {
   int threads = 1;
   Simd simd = Simd::Auto;
+  Restore restore = Restore::Never;
 
   friend bool operator==(const Variant&, const Variant&) = default;
 };
@@ -39,12 +48,16 @@ class VariantRun {
   const std::vector<BodyId>& ids() const { return ids_; }  ///< in the scene's order
 
  private:
+  void advance();
+  void save_and_restore();
+
   const Scene& scene_;
   Variant variant_;
   Meddle meddle_;
   World world_;
   std::vector<BodyId> ids_;
   std::int64_t steps_ = 0;
+  Snapshot snapshot_;
 };
 
 }  // namespace atl::divergence

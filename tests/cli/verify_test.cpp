@@ -16,8 +16,8 @@ using Json = nlohmann::ordered_json;
 TEST(CommandVerify, HelpHasEveryOption) {
   const CommandResult help = run_atoll({"verify", "--help"});
   EXPECT_EQ(help.status, 0);
-  for (const char* word :
-       {"SCENE", "--steps", "--substeps", "--threads", "--simd", "--stability", "--case NAME", "--format text|json"}) {
+  for (const char* word : {"SCENE", "--steps", "--substeps", "--threads", "--simd", "--restore", "--stability",
+                           "--case NAME", "--format text|json"}) {
     EXPECT_NE(help.out.find(word), std::string::npos) << word;
   }
 }
@@ -72,6 +72,21 @@ TEST(CommandVerify, HoldsRunsOfASceneToTheFirst) {
   EXPECT_EQ(lines[9], "3 of 3 runs are the same as the first, bit for bit");
 }
 
+TEST(CommandVerify, HoldsRunsThatAreRestoredToTheFirst) {
+  const std::vector<std::string> words = {
+      "verify", "islands:count=3,base=3", "--steps", "20", "--threads", "1,2", "--simd", "auto", "--restore"};
+  const CommandResult result = run_atoll(words);
+  EXPECT_EQ(result.status, 0) << result.err;
+  const std::vector<std::string> lines = lines_of(result.out);
+  ASSERT_EQ(lines.size(), 12u) << result.out;
+  EXPECT_EQ(lines[3], "threads  simd      restored  state and events");
+  EXPECT_TRUE(lines[4].starts_with("      1  auto      never     hash 0x")) << lines[4];
+  EXPECT_EQ(lines[5], "      1  auto      same      same after every step");
+  EXPECT_EQ(lines[6], "      1  auto      fresh     same after every step");
+  EXPECT_EQ(lines[9], "      2  auto      fresh     same after every step");
+  EXPECT_EQ(lines[11], "5 of 5 runs are the same as the first, bit for bit");
+}
+
 TEST(CommandVerify, TakesTheSettingsOfARun) {
   const auto hash = [](const std::vector<std::string>& more) {
     std::vector<std::string> words = {"verify", "stack:height=3", "--steps", "5",        "--threads",
@@ -110,6 +125,23 @@ TEST(CommandVerify, NamesTheStepAndTheBodyOfAPlantedFault) {
   EXPECT_NE(result.err.find("1 of 1 runs differ from the first; earliest: step 7, body 5 \"box_0\": position by "),
             std::string::npos)
       << result.err;
+}
+
+TEST(CommandVerify, TellsARunThatIsRestoredFromOthers) {
+  const CommandResult result = run_faulty_verify(
+      {"pile:bodies=20", "--steps", "12", "--threads", "1,2", "--simd", "portable", "--restore", "--format", "json"});
+  EXPECT_EQ(result.status, 1);
+  const Json json = Json::parse(result.out);
+  EXPECT_EQ(json["baseline"]["restore"], "never");
+  const std::vector<std::string> restores = {"same", "fresh", "never", "same", "fresh"};
+  ASSERT_EQ(json["runs"].size(), restores.size());
+  for (std::size_t i = 0; i < restores.size(); ++i) {
+    EXPECT_EQ(json["runs"][i]["restore"], restores[i]);
+    EXPECT_EQ(json["runs"][i]["same"], i < 2);
+    if (i >= 2) {
+      EXPECT_EQ(json["runs"][i]["divergence"]["step"], 7);
+    }
+  }
 }
 
 TEST(CommandVerify, JsonHasTheStepAndTheBodyOfAPlantedFault) {

@@ -17,6 +17,7 @@ namespace {
 using divergence::BodyDifference;
 using divergence::Divergence;
 using divergence::Meddle;
+using divergence::Restore;
 using divergence::Variant;
 
 constexpr Variant one{.threads = 1, .simd = Simd::Portable};
@@ -103,6 +104,44 @@ TEST(Divergence, JointsAreTold) {
                                  [](const BodyDifference& difference) { return difference.body == 2; });
   ASSERT_NE(body, found->bodies.end());
   EXPECT_TRUE(has(part_names(*body), "joints"));
+}
+
+// A step after which nothing is reported yet is one ahead of which the state was taken on.
+TEST(Divergence, RestoringIsDoneAndLosesNothing) {
+  for (const Restore restore : {Restore::SameWorld, Restore::FreshWorld}) {
+    for (const char* text : {"islands:count=2,base=3", "ragdolls:count=1", "conveyor:boxes=6",
+                             ATOLL_SOURCE_DIR "/runtime/scene/examples/shapes.json"}) {
+      Scene scene = scene_of(text, 40);
+      scene.settings.sleeping = true;
+      scene.settings.time_to_sleep = 0.1;
+      const Variant variant{.threads = 2, .simd = Simd::Portable, .restore = restore};
+      const auto trail = divergence::follow(scene, one);
+      EXPECT_EQ(first_difference(trail, scene, variant), std::nullopt) << text;
+    }
+    const Scene wall = scene_of("islands:count=2,base=3", 40);
+    int restored = 0;
+    const Variant variant{.threads = 1, .simd = Simd::Portable, .restore = restore};
+    divergence::follow(wall, variant, {}, [&](World& world, const auto&, std::int64_t step, const Variant&) {
+      restored += step > 10 && world.contact_forces().empty();
+    });
+    EXPECT_GE(restored, 4);
+    EXPECT_LE(restored, 16);
+  }
+}
+
+TEST(Divergence, WhatRestoringLosesIsFound) {
+  const Scene scene = scene_of("pile:bodies=30", 12);
+  const Variant restored{.threads = 1, .simd = Simd::Portable, .restore = Restore::FreshWorld};
+  const Meddle lose = [](World& world, const auto& ids, std::int64_t step, const Variant& variant) {
+    if (step != 6 || variant.restore != Restore::FreshWorld) return;
+    world.set_velocity(ids[9], (1 - 1e-9) * world.velocity(ids[9]), world.angular_velocity(ids[9]));
+  };
+  const auto step = first_difference(divergence::follow(scene, one, {}, lose), scene, restored, {}, lose);
+  ASSERT_EQ(step, 6);
+  const Divergence found = explain(scene, one, restored, *step, {}, lose);
+  EXPECT_TRUE(found.seen_again);
+  ASSERT_EQ(found.bodies.size(), 1u);
+  EXPECT_EQ(found.bodies[0].body, 9u);
 }
 
 // A fault that is there in the first run alone is told as such.

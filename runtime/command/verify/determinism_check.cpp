@@ -11,6 +11,7 @@
 namespace atl::command {
 namespace {
 
+using divergence::Restore;
 using divergence::Variant;
 
 std::vector<Simd> chosen_simds(const VerifyOptions& options) {
@@ -34,9 +35,13 @@ std::vector<Simd> chosen_simds(const VerifyOptions& options) {
 
 // The first is what the others are held to. One alone is held to itself, run again.
 std::vector<Variant> variants_of(const VerifyOptions& options) {
+  std::vector<Restore> restores = {Restore::Never};
+  if (options.restore) restores.insert(restores.end(), {Restore::SameWorld, Restore::FreshWorld});
   std::vector<Variant> variants;
   for (const int threads : options.threads) {
-    for (const Simd simd : chosen_simds(options)) variants.push_back({threads, simd});
+    for (const Simd simd : chosen_simds(options)) {
+      for (const Restore restore : restores) variants.push_back({threads, simd, restore});
+    }
   }
   if (variants.size() == 1) variants.push_back(variants.front());
   return variants;

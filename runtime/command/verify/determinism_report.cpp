@@ -16,10 +16,51 @@ using Json = nlohmann::ordered_json;
 using divergence::BodyDifference;
 using divergence::Divergence;
 using divergence::PartDifference;
+using divergence::Restore;
 using divergence::Variant;
 
 constexpr std::size_t most_bodies = 10;  // that the text lists of a run
-constexpr int threads_width = 7, simd_width = 10;
+constexpr int threads_width = 7, simd_width = 10, restore_width = 10;
+
+const char* name_of(Restore restore) {
+  switch (restore) {
+    case Restore::Never:
+      return "never";
+    case Restore::SameWorld:
+      return "same";
+    case Restore::FreshWorld:
+      return "fresh";
+  }
+  return "?";
+}
+
+// What the text says of how a run is made.
+class Columns {
+ public:
+  explicit Columns(const DeterminismResult& result)
+      : restores_(std::any_of(result.others.begin(), result.others.end(),
+                              [](const VariantResult& other) { return other.variant.restore != Restore::Never; })) {}
+
+  void write_head(std::ostream& out, const std::string& words) const {
+    write(out, "threads", "simd", "restored", words);
+  }
+  void write_run(std::ostream& out, const Variant& variant, const std::string& words) const {
+    write(out, std::to_string(variant.threads), command::name_of(variant.simd), name_of(variant.restore), words);
+  }
+  void write_more(std::ostream& out, const std::string& words) const {
+    out << std::string(threads_width + 2 + simd_width + (restores_ ? restore_width : 0), ' ') << words << "\n";
+  }
+
+ private:
+  void write(std::ostream& out, const std::string& threads, const char* simd, const char* restore,
+             const std::string& words) const {
+    out << std::right << std::setw(threads_width) << threads << "  " << std::left << std::setw(simd_width) << simd;
+    if (restores_) out << std::setw(restore_width) << restore;
+    out << words << "\n";
+  }
+
+  bool restores_;
+};
 
 std::string body_words(const Scene& scene, const BodyDifference& body) {
   const std::string& name = scene.bodies[body.body].name;
@@ -39,25 +80,22 @@ std::string other_words(const Divergence& divergence) {
   return "settings, gravity, quarantine, or which ids come next";
 }
 
-void write_run(std::ostream& out, const Variant& variant, const std::string& words) {
-  out << std::right << std::setw(threads_width) << variant.threads << "  " << std::left << std::setw(simd_width)
-      << name_of(variant.simd) << words << "\n";
-}
-
-void write_divergence(std::ostream& out, const Scene& scene, const VariantResult& result) {
+void write_divergence(std::ostream& out, const Columns& columns, const Scene& scene, const VariantResult& result) {
   const Divergence& divergence = *result.divergence;
   const std::size_t count = divergence.bodies.size();
   std::string words = "differs in step " + std::to_string(divergence.step) + ": ";
   words += count == 0 ? other_words(divergence) : std::to_string(count) + (count == 1 ? " body" : " bodies");
-  write_run(out, result.variant, words);
-  const std::string indent(threads_width + 2 + simd_width, ' ');
+  columns.write_run(out, result.variant, words);
   for (std::size_t i = 0; i < std::min(count, most_bodies); ++i) {
-    out << indent << body_words(scene, divergence.bodies[i]) << "\n";
+    columns.write_more(out, body_words(scene, divergence.bodies[i]));
   }
-  if (count > most_bodies) out << indent << "and " << count - most_bodies << " more\n";
+  if (count > most_bodies) columns.write_more(out, "and " + std::to_string(count - most_bodies) + " more");
 }
 
-Json variant_json(const Variant& variant) { return {{"threads", variant.threads}, {"simd", name_of(variant.simd)}}; }
+Json variant_json(const Variant& variant) {
+  return {
+      {"threads", variant.threads}, {"simd", command::name_of(variant.simd)}, {"restore", name_of(variant.restore)}};
+}
 
 Json part_json(const PartDifference& part) {
   Json object = {{"part", part.part}};
@@ -91,17 +129,16 @@ void write_determinism_text(std::ostream& out, const Scene& scene, const Determi
   out << "scene     " << scene.name << "\n"
       << "run       " << scene.steps << (scene.steps == 1 ? " step" : " steps") << " of "
       << significant(1000 * scene.dt, 4) << " ms\n\n";
-  out << std::right << std::setw(threads_width) << "threads"
-      << "  " << std::left << std::setw(simd_width) << "simd"
-      << "state and events\n";
-  write_run(out, result.baseline, "hash " + hash_text(result.hash) + " after the last step");
+  const Columns columns(result);
+  columns.write_head(out, "state and events");
+  columns.write_run(out, result.baseline, "hash " + hash_text(result.hash) + " after the last step");
   std::size_t same = 0;
   for (const VariantResult& other : result.others) {
     if (other.divergence) {
-      write_divergence(out, scene, other);
+      write_divergence(out, columns, scene, other);
     } else {
       ++same;
-      write_run(out, other.variant, "same after every step");
+      columns.write_run(out, other.variant, "same after every step");
     }
   }
   out << "\n" << same << " of " << result.others.size() << " runs are the same as the first, bit for bit\n";

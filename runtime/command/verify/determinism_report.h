@@ -27,7 +27,8 @@ struct DeterminismResult {
 /// `step 41, body 17 "crate": position by 1.1e-16 m, contacts`.
 std::string first_words(const Scene& scene, const divergence::Divergence& divergence);
 
-/// A line a run: threads, instruction set, and "same" or where it parts; then the bodies that differ there.
+/// A line a run: threads, instruction set, where some runs are restored into which world, and "same" or where it parts;
+/// then the bodies that differ there.
 void write_determinism_text(std::ostream& out, const Scene& scene, const DeterminismResult& result);
 /// The same as one object.
 void write_determinism_json(std::ostream& out, const Scene& scene, const DeterminismResult& result);

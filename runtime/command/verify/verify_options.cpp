@@ -40,6 +40,12 @@ void add_determinism_options(CLI::App& command, VerifyOptions& options) {
       ->type_name("all|NAME,NAME...")
       ->default_str("all")
       ->group(machine);
+  command
+      .add_flag(
+          "--restore", options.restore,
+          "each of these runs also with its state saved ahead of some steps, and restored into the same world after "
+          "steps on, and into an empty one")
+      ->group(machine);
   std::vector<const CLI::Option*> of_scenes;
   for (const CLI::Option* option : command.get_options()) {
     const bool is_old = std::find(before.begin(), before.end(), option) != before.end();

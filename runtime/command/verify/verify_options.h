@@ -15,6 +15,7 @@ struct VerifyOptions {
   SceneOptions scene;  ///< to check for determinism, unless its text is ""
   std::vector<int> threads = {1, 2, 4};
   std::vector<std::string> simds = {"all"};  ///< names, or "all" for those of this machine
+  bool restore = false;                      ///< also runs that are saved and restored on the way
 
   Format format = Format::Text;
 };

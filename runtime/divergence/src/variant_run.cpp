@@ -14,6 +14,13 @@ WorldDef world_def(const Scene& scene, const Variant& variant) {
   return def;
 }
 
+// One step in four, without a period that a scene could share.
+bool restores_ahead_of(std::int64_t step) {
+  jobs::Hash hash;
+  hash.add(static_cast<std::uint64_t>(step));
+  return hash.value() % 4 == 0;
+}
+
 std::uint64_t word(std::uint32_t high, std::uint32_t low) { return std::uint64_t{high} << 32 | low; }
 
 }  // namespace
@@ -37,9 +44,24 @@ VariantRun::VariantRun(const Scene& scene, const Variant& variant, Meddle meddle
 
 void VariantRun::step() {
   ++steps_;
+  if (variant_.restore != Restore::Never && restores_ahead_of(steps_)) save_and_restore();
   if (meddle_) meddle_(world_, ids_, steps_, variant_);
+  advance();
+}
+
+void VariantRun::advance() {
   apply_forces(scene_, world_, ids_);
   world_.step(scene_.dt);
+}
+
+void VariantRun::save_and_restore() {
+  world_.save(snapshot_);
+  if (variant_.restore == Restore::FreshWorld) {
+    world_ = World(world_def(scene_, variant_));
+  } else {
+    for (std::int64_t ahead = 0; ahead <= steps_ % 3; ++ahead) advance();
+  }
+  world_.restore(snapshot_);
 }
 
 std::uint64_t VariantRun::hash() const {
