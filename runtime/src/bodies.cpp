@@ -75,8 +75,7 @@ void World::Impl::give_constants(std::uint32_t body, const std::shared_ptr<const
   note_size(body);
 }
 
-BodyId World::Impl::add_body(const BodyDef& def) {
-  const CheckedBody checked = check(def);
+BodyId World::Impl::add_body(const CheckedBody& start) {
   std::uint32_t body;
   if (records.free.empty()) {
     body = static_cast<std::uint32_t>(bodies.size());
@@ -87,23 +86,23 @@ BodyId World::Impl::add_body(const BodyDef& def) {
   }
   ++records.count;
   forget_roster();
-  give_constants(body, constants_.share(checked.constants));
+  give_constants(body, constants_.share(start.constants));
 
-  bodies.position(body) = checked.position + checked.orientation * records.centre[body];
-  bodies.set_orientation(body, checked.orientation);
-  bodies.velocity(body) = def.velocity;
-  bodies.angular_velocity(body) = def.angular_velocity;
+  bodies.position(body) = start.position + start.orientation * records.centre[body];
+  bodies.set_orientation(body, start.orientation);
+  bodies.velocity(body) = start.velocity;
+  bodies.angular_velocity(body) = start.angular_velocity;
   bodies.force(body).setZero();
   bodies.torque(body).setZero();
-  set_surface(body, {def.surface_velocity, def.material.rolling_friction, def.material.torsional_friction});
+  run_surface(body, start.surface_velocity);
 
-  sleeping.awake[body] = def.type == BodyType::Dynamic;
+  sleeping.awake[body] = records.dynamic[body];
   sleeping.rest_time[body] = 0;
-  if (def.type == BodyType::Dynamic) escalation_.arrive(body);
+  if (records.dynamic[body]) escalation_.arrive(body);
   contents.count(bodies, records, body, +1);
   note_arrival_or_departure(body);
   add_colliders(body);
-  add_proxies(body, to_collision(def.filter, body));
+  add_proxies(body, to_collision(start.filter, body));
   quarantine.suspect(body);
   return {body, records.generation[body]};
 }
@@ -205,8 +204,7 @@ void World::Impl::set_surface_velocity(BodyId id, const Vector3& velocity) {
   wake_touching(body);
   sleeping.wake(body);
   quarantine.suspect(body);
-  const Material& material = records.material[body];
-  set_surface(body, {velocity, material.rolling_friction, material.torsional_friction});
+  run_surface(body, velocity);
 }
 
 void World::Impl::set_filter(BodyId id, const CollisionFilter& filter) {

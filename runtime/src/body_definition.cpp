@@ -213,6 +213,10 @@ CheckedBody check(const BodyDef& def) {
   check_finite("BodyDef.velocity", def.velocity);
   check_finite("BodyDef.angular_velocity", def.angular_velocity);
   body.position = def.position;
+  body.velocity = def.velocity;
+  body.angular_velocity = def.angular_velocity;
+  body.surface_velocity = def.surface_velocity;
+  body.filter = def.filter;
   body.orientation = checked_orientation("BodyDef.orientation", def.orientation);
   if (def.type == BodyType::Static) {
     if (!def.velocity.isZero(0)) refuse("BodyDef.velocity", def.velocity, "zero for a static body");

@@ -44,6 +44,10 @@ struct CheckedBody {
   BodyConstants constants;
   Vector3 position;        // of the body frame
   Quaternion orientation;  // unit
+  Vector3 velocity = Vector3::Zero();
+  Vector3 angular_velocity = Vector3::Zero();
+  Vector3 surface_velocity = Vector3::Zero();
+  CollisionFilter filter = {};
 };
 
 /// Throws Error naming the field, the value and what was expected.

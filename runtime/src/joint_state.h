@@ -84,15 +84,20 @@ void set_kind(JointKind& kind, std::size_t number, std::index_sequence<numbers..
   ((number == numbers ? static_cast<void>(kind.emplace<numbers>()) : static_cast<void>(0)), ...);
 }
 
-template <typename Archive, typename Def>
-void visit_definition(Archive& archive, Def& def) {
-  auto number = static_cast<std::uint8_t>(def.kind.index());
+template <typename Archive, typename Kind>
+void visit_kind(Archive& archive, Kind& kind) {
+  auto number = static_cast<std::uint8_t>(kind.index());
   archive.value(number);
   if constexpr (Archive::reads) {
     archive.check(number < std::variant_size_v<JointKind>, "a joint of no known kind");
-    set_kind(def.kind, number, std::make_index_sequence<std::variant_size_v<JointKind>>());
+    set_kind(kind, number, std::make_index_sequence<std::variant_size_v<JointKind>>());
   }
-  std::visit(JointKindState<Archive>{archive}, def.kind);
+  std::visit(JointKindState<Archive>{archive}, kind);
+}
+
+template <typename Archive, typename Def>
+void visit_definition(Archive& archive, Def& def) {
+  visit_kind(archive, def.kind);
   for (auto* body : {&def.first, &def.second}) {
     archive.value(body->index);
     archive.value(body->generation);

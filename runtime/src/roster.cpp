@@ -86,8 +86,15 @@ bool needs_geometry(const CheckedCollider& collider) {
          (collider.shape.kind == ShapeKind::Hull || collision::is_surface(collider.shape.kind));
 }
 
-// All geometry of a world, by kind and content.
-using Geometry = std::map<std::pair<ShapeKind, std::uint64_t>, std::shared_ptr<const void>>;
+bool needs_geometry(const BodyConstants& body) {
+  const auto needs = [](const CheckedCollider& collider) { return needs_geometry(collider); };
+  return std::any_of(body.colliders.begin(), body.colliders.end(), needs);
+}
+
+bool lacks_geometry(const Roster& roster) {
+  return std::any_of(roster.bodies.begin(), roster.bodies.end(),
+                     [](const auto& body) { return body && needs_geometry(*body); });
+}
 
 Geometry geometry_of(const Roster& roster) {
   Geometry geometry;
@@ -147,34 +154,39 @@ void check_bodies_match(const Roster& saved, const Roster& found) {
   }
 }
 
+bool give_geometry(BodyConstants& body, const Geometry& from) {
+  for (CheckedCollider& collider : body.colliders) {
+    if (!needs_geometry(collider)) continue;
+    const auto found = from.find({collider.shape.kind, collider.content});
+    if (found == from.end()) return false;
+    give_geometry(collider, found->second);
+  }
+  return true;
+}
+
 std::shared_ptr<const Roster> with_geometry(const std::shared_ptr<const Roster>& roster, const Roster& from) {
+  return lacks_geometry(*roster) ? with_geometry(roster, geometry_of(from)) : roster;
+}
+
+std::shared_ptr<const Roster> with_geometry(const std::shared_ptr<const Roster>& roster, const Geometry& from) {
+  if (!lacks_geometry(*roster)) return roster;
   std::map<const BodyConstants*, std::shared_ptr<const BodyConstants>> completed;
-  std::shared_ptr<Roster> result;
-  Geometry geometry;
+  auto result = std::make_shared<Roster>(*roster);
   for (std::size_t i = 0; i < roster->bodies.size(); ++i) {
     const std::shared_ptr<const BodyConstants>& body = roster->bodies[i];
-    if (!body || std::none_of(body->colliders.begin(), body->colliders.end(), needs_geometry)) continue;
-    if (!result) {
-      result = std::make_shared<Roster>(*roster);
-      geometry = geometry_of(from);
-    }
+    if (!body || !needs_geometry(*body)) continue;
     std::shared_ptr<const BodyConstants>& whole = completed[body.get()];
     if (!whole) {
       BodyConstants copy = *body;
-      for (CheckedCollider& collider : copy.colliders) {
-        if (!needs_geometry(collider)) continue;
-        const auto found = geometry.find({collider.shape.kind, collider.content});
-        if (found == geometry.end()) {
-          throw Error("World::restore: no body of the world has the geometry of " + id_of(*roster, i) + ", " +
-                      described(*body) + "; expected a world with it, as files don't hold geometry");
-        }
-        give_geometry(collider, found->second);
+      if (!give_geometry(copy, from)) {
+        throw Error("World::restore: no body of the world has the geometry of " + id_of(*roster, i) + ", " +
+                    described(*body) + "; expected a world with it, as files don't hold geometry");
       }
       whole = std::make_shared<const BodyConstants>(std::move(copy));
     }
     result->bodies[i] = whole;
   }
-  return result ? result : roster;
+  return result;
 }
 
 }  // namespace atl

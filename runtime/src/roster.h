@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "body_definition.h"
@@ -23,6 +24,9 @@ struct Roster {
   std::vector<std::uint32_t> free_colliders;
 };
 
+/// Hulls, meshes and height fields, by kind and content.
+using Geometry = std::map<std::pair<collision::ShapeKind, std::uint64_t>, std::shared_ptr<const void>>;
+
 /// Hash of all that a body's motion depends on, of geometry by what it is made of.
 std::uint64_t fingerprint(const BodyConstants& constants);
 
@@ -37,5 +41,8 @@ void check_bodies_match(const Roster& saved, const Roster& found);
 /// The roster with the geometry of another's bodies wherever it has none itself. Throws Error if there is none with the
 /// same content.
 std::shared_ptr<const Roster> with_geometry(const std::shared_ptr<const Roster>& roster, const Roster& from);
+std::shared_ptr<const Roster> with_geometry(const std::shared_ptr<const Roster>& roster, const Geometry& from);
+/// Gives a body the geometry that it lacks; returns whether it was all there.
+bool give_geometry(BodyConstants& body, const Geometry& from);
 
 }  // namespace atl

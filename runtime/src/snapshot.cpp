@@ -4,7 +4,6 @@
 #include <atoll/snapshot.h>
 #include <atoll/world.h>
 #include <fcntl.h>
-#include <jobs/hash.h>
 #include <unistd.h>
 
 #include <array>
@@ -13,10 +12,10 @@
 #include <fstream>
 #include <ios>
 #include <iterator>
-#include <sstream>
 #include <string>
 #include <system_error>
 
+#include "checksum.h"
 #include "roster_state.h"
 #include "state_archive.h"
 #include "world_impl.h"
@@ -34,23 +33,6 @@ struct Header {
   std::uint64_t checksum = 0;        // of these
 };
 static_assert(sizeof(Header) == 32);
-
-std::uint64_t checksum_of(std::span<const std::byte> bytes) {
-  jobs::Hash hash;
-  hash.add(std::uint64_t{bytes.size()});
-  for (std::size_t at = 0; at < bytes.size(); at += sizeof(std::uint64_t)) {
-    std::uint64_t word = 0;
-    std::memcpy(&word, bytes.data() + at, std::min(sizeof word, bytes.size() - at));
-    hash.add(word);
-  }
-  return hash.value();
-}
-
-std::string hex(std::uint64_t value) {
-  std::ostringstream out;
-  out << "0x" << std::hex << value;
-  return out.str();
-}
 
 [[noreturn]] void fail(const char* call, const fs::path& path, const std::string& why) {
   throw Error(std::string("Snapshot::") + call + ": " + path.string() + ": " + why);

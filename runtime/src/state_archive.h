@@ -102,14 +102,21 @@ class StateWriter {
   std::byte* end_;
 };
 
+/// What a StateReader reads, as messages say it.
+struct StateSource {
+  const char* prefix = "Snapshot: ";
+  const char* what = "state";
+  const char* writer = "World::save";
+};
+
 /// Reads what a StateWriter wrote. Throws Error where that can't be what it is given; check() likewise.
 class StateReader {
  public:
   static constexpr bool reads = true;
   static constexpr bool hashes = false;
 
-  explicit StateReader(std::span<const std::byte> bytes)
-      : begin_(bytes.data()), at_(begin_), end_(begin_ + bytes.size()) {}
+  explicit StateReader(std::span<const std::byte> bytes, const StateSource& source = {})
+      : source_(source), begin_(bytes.data()), at_(begin_), end_(begin_ + bytes.size()) {}
 
   std::size_t left() const { return static_cast<std::size_t>(end_ - at_); }
 
@@ -176,8 +183,8 @@ class StateReader {
 
  private:
   [[noreturn]] void fail(const char* found) const {
-    throw Error("Snapshot: found " + std::string(found) + " at byte " + std::to_string(at_ - begin_) +
-                " of the state; expected what World::save wrote");
+    throw Error(std::string(source_.prefix) + "found " + found + " at byte " + std::to_string(at_ - begin_) +
+                " of the " + source_.what + "; expected what " + source_.writer + " wrote");
   }
   void take(void* data, std::size_t count) {
     check(count <= left(), "the end of the data");
@@ -185,6 +192,7 @@ class StateReader {
     at_ += count;
   }
 
+  StateSource source_;
   const std::byte* begin_;
   const std::byte* at_;
   const std::byte* end_;

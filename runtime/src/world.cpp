@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "body_definition.h"
+#include "recorder.h"
 #include "settings_check.h"
 #include "world_impl.h"
 
@@ -54,8 +55,17 @@ World::~World() = default;
 World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;
 
-BodyId World::add_body(const BodyDef& def) { return impl_->add_body(def); }
-void World::remove_body(BodyId id) { impl_->remove_body(id); }
+BodyId World::add_body(const BodyDef& def) {
+  const CheckedBody start = check(def);
+  const BodyId id = impl_->add_body(start);
+  if (impl_->recorder) impl_->recorder->note_body(start);
+  return id;
+}
+
+void World::remove_body(BodyId id) {
+  impl_->remove_body(id);
+  if (impl_->recorder) impl_->recorder->note(calls::RemoveBody{id});
+}
 
 bool World::contains(BodyId id) const {
   return id.index < impl_->bodies.size() && impl_->records.alive[id.index] &&
@@ -88,7 +98,10 @@ BodyType World::type(BodyId id) const { return impl_->records.type[impl_->index_
 
 bool World::is_asleep(BodyId id) const { return impl_->sleeping.is_asleep(impl_->index_of(id, "is_asleep")); }
 
-void World::set_pose(BodyId id, const Pose& pose) { impl_->set_pose(id, pose); }
+void World::set_pose(BodyId id, const Pose& pose) {
+  impl_->set_pose(id, pose);
+  if (impl_->recorder) impl_->recorder->note(calls::SetPose{id, pose});
+}
 
 void World::set_velocity(BodyId id, const Vector3& linear, const Vector3& angular) {
   check_finite("World::set_velocity: linear", linear);
@@ -100,11 +113,13 @@ void World::set_velocity(BodyId id, const Vector3& linear, const Vector3& angula
   const std::uint32_t body = impl_->awaken(id, "set_velocity");
   impl_->bodies.velocity(body) = linear;
   impl_->bodies.angular_velocity(body) = angular;
+  if (impl_->recorder) impl_->recorder->note(calls::SetVelocity{id, linear, angular});
 }
 
 void World::set_surface_velocity(BodyId id, const Vector3& velocity) {
   check_finite("World::set_surface_velocity: velocity", velocity);
   impl_->set_surface_velocity(id, velocity);
+  if (impl_->recorder) impl_->recorder->note(calls::SetSurfaceVelocity{id, velocity});
 }
 
 void World::apply_force(BodyId id, const Vector3& force, const Vector3& torque) {
@@ -112,12 +127,14 @@ void World::apply_force(BodyId id, const Vector3& force, const Vector3& torque) 
   check_finite("World::apply_force: torque", torque);
   const std::uint32_t body = impl_->awaken(id, "apply_force");
   impl_->apply_force(body, force, torque);
+  if (impl_->recorder) impl_->recorder->note(calls::ApplyForce{id, force, torque});
 }
 
 void World::apply_impulse(BodyId id, const Vector3& impulse, const Vector3& point) {
   check_finite("World::apply_impulse: impulse", impulse);
   check_finite("World::apply_impulse: point", point);
   const std::uint32_t body = impl_->awaken(id, "apply_impulse");
+  if (impl_->recorder) impl_->recorder->note(calls::ApplyImpulse{id, impulse, point});
   if (impl_->quarantine.contains(body)) return;
   solver::BodyTable& bodies = impl_->bodies;
   const solver::Quaternion orientation = bodies.orientation(body);
@@ -126,7 +143,10 @@ void World::apply_impulse(BodyId id, const Vector3& impulse, const Vector3& poin
   bodies.angular_velocity(body) += orientation * (bodies.inverse_inertia[body] * (orientation.conjugate() * moment));
 }
 
-void World::wake(BodyId id) { impl_->awaken(id, "wake"); }
+void World::wake(BodyId id) {
+  impl_->awaken(id, "wake");
+  if (impl_->recorder) impl_->recorder->note(calls::Wake{id});
+}
 
 std::span<const Quarantined> World::quarantined() const { return impl_->quarantine.bodies(); }
 
@@ -134,23 +154,47 @@ bool World::is_quarantined(BodyId id) const {
   return impl_->quarantine.contains(impl_->index_of(id, "is_quarantined"));
 }
 
-void World::release(BodyId id) { impl_->release_body(id); }
+void World::release(BodyId id) {
+  impl_->release_body(id);
+  if (impl_->recorder) impl_->recorder->note(calls::Release{id});
+}
 
-void World::set_filter(BodyId id, const CollisionFilter& filter) { impl_->set_filter(id, filter); }
+void World::set_filter(BodyId id, const CollisionFilter& filter) {
+  impl_->set_filter(id, filter);
+  if (impl_->recorder) impl_->recorder->note(calls::SetFilter{id, filter});
+}
 
-void World::set_collision_enabled(BodyId a, BodyId b, bool enabled) { impl_->set_collision_enabled(a, b, enabled); }
+void World::set_collision_enabled(BodyId a, BodyId b, bool enabled) {
+  impl_->set_collision_enabled(a, b, enabled);
+  if (impl_->recorder) impl_->recorder->note(calls::SetCollisionEnabled{a, b, enabled});
+}
 
-JointId World::add_joint(const JointDef& def) { return impl_->add_joint(def); }
-void World::remove_joint(JointId id) { impl_->remove_joint(impl_->index_of(id, "remove_joint")); }
+JointId World::add_joint(const JointDef& def) {
+  if (!impl_->recorder) return impl_->add_joint(def);
+  const calls::AddJoint call{def};  // that may be another joint's, which moves
+  const JointId id = impl_->add_joint(call.def);
+  impl_->recorder->note(call);
+  return id;
+}
+
+void World::remove_joint(JointId id) {
+  impl_->remove_joint(impl_->index_of(id, "remove_joint"));
+  if (impl_->recorder) impl_->recorder->note(calls::RemoveJoint{id});
+}
+
 bool World::contains(JointId id) const { return impl_->contains(id); }
 std::size_t World::joint_count() const { return impl_->joints.count; }
 const JointDef& World::joint(JointId id) const { return impl_->joints.def[impl_->index_of(id, "joint")]; }
 JointState World::joint_state(JointId id) const { return impl_->joint_state(impl_->index_of(id, "joint_state")); }
 
-void World::set_joint(JointId id, const JointKind& kind) { impl_->set_joint(impl_->index_of(id, "set_joint"), kind); }
+void World::set_joint(JointId id, const JointKind& kind) {
+  impl_->set_joint(impl_->index_of(id, "set_joint"), kind);
+  if (impl_->recorder) impl_->recorder->note(calls::SetJoint{id, kind});
+}
 
 void World::set_joint_enabled(JointId id, bool enabled) {
   impl_->set_joint_enabled(impl_->index_of(id, "set_joint_enabled"), enabled);
+  if (impl_->recorder) impl_->recorder->note(calls::SetJointEnabled{id, enabled});
 }
 
 std::span<const EscalatedIsland> World::escalated_islands() const { return impl_->escalated_islands(); }
@@ -161,6 +205,7 @@ void World::set_gravity(const Vector3& gravity) {
   check_finite("World::set_gravity: gravity", gravity);
   if (gravity != impl_->gravity) impl_->wake_all();
   impl_->gravity = gravity;
+  if (impl_->recorder) impl_->recorder->note(calls::SetGravity{gravity});
 }
 
 void World::set_settings(const Settings& settings) {
@@ -170,6 +215,7 @@ void World::set_settings(const Settings& settings) {
   impl_->settings = settings;
   impl_->kernels = &kernels_for(settings.simd);
   impl_->refresh_kernels = collision::find_refresh_kernels(impl_->kernels->name);
+  if (impl_->recorder) impl_->recorder->note(calls::SetSettings{settings});
 }
 
 const Settings& World::settings() const { return impl_->settings; }
@@ -183,7 +229,7 @@ StepReport World::step(double dt) {
     message << "World::step: dt is " << dt << "; expected a number above 0 and at most 1 (s)";
     throw Error(message.str());
   }
-  return impl_->step(dt);
+  return impl_->recorder ? impl_->record_step(dt) : impl_->step(dt);
 }
 
 std::span<const ContactForce> World::contact_forces() const { return impl_->contact_forces(); }
@@ -212,6 +258,7 @@ void World::save(Snapshot& snapshot) const {
 void World::restore(const Snapshot& snapshot) {
   if (snapshot.empty()) throw Error("World::restore: the snapshot is empty; expected one that holds a state");
   impl_->restore(snapshot.roster_, snapshot.origin_, snapshot.state());
+  if (impl_->recorder) impl_->record_state();
 }
 
 std::uint64_t World::state_hash() const { return impl_->state_hash(); }

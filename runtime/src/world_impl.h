@@ -18,6 +18,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <span>
@@ -76,16 +77,19 @@ struct Contents {
 };
 
 class StateHash;
+class Recorder;
+struct RecordedBody;
 
 class World::Impl {
  public:
   explicit Impl(const WorldDef& def);
+  ~Impl();
 
   // The step and its phases: step.cpp.
   StepReport step(double dt);
 
   // Bodies: bodies.cpp.
-  BodyId add_body(const BodyDef& def);
+  BodyId add_body(const CheckedBody& start);
   void remove_body(BodyId id);
   std::uint32_t index_of(BodyId id, const char* call) const;
   std::uint32_t awaken(BodyId id, const char* call);
@@ -120,6 +124,13 @@ class World::Impl {
   /// Throws Error if that is no state of such bodies.
   static void try_out(const std::shared_ptr<const Roster>& roster, std::span<const std::byte> state);
 
+  // Recordings: recording.cpp.
+  void record(const std::filesystem::path& path, const RecordingOptions& options);
+  void record_state();
+  StepReport record_step(double dt);  // does the step, too
+  void stop_recording(const char* call);
+  std::vector<RecordedBody> recorded_bodies() const;
+
   // Results: contact_forces.cpp, contact_problem.cpp, restore.cpp.
   std::span<const ContactForce> contact_forces() const;
   ContactProblem contact_problem() const;
@@ -144,6 +155,8 @@ class World::Impl {
   QuarantineList quarantine;
   collision::Broadphase broadphase;
   collision::ContactCache cache;
+
+  std::unique_ptr<Recorder> recorder;  // null while nothing is recorded
 
  private:
   template <typename Archive, typename AnyWorld>

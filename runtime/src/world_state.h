@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "contact_state.h"
+#include "filter_state.h"
 #include "joint_state.h"
 #include "settings_check.h"
 #include "settings_state.h"
@@ -21,13 +22,6 @@
 #include "world_impl.h"
 
 namespace atl {
-
-template <typename Archive, typename Filter>
-void visit_filter(Archive& archive, Filter& filter) {
-  archive.value(filter.category);
-  archive.value(filter.mask);
-  archive.value(filter.group);
-}
 
 template <typename Archive, typename Strain>
 void visit_strain(Archive& archive, Strain& strain) {

@@ -9,41 +9,17 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string>
 #include <vector>
 
 #include "support/bodies.h"
 #include "support/expect_error.h"
+#include "support/temporary_file.h"
 
 namespace atl::test {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A file that goes with the test.
-class TemporaryFile {
- public:
-  TemporaryFile()
-      : path_(fs::temp_directory_path() /
-              (std::string("atoll-") + testing::UnitTest::GetInstance()->current_test_info()->name() + ".snapshot")) {}
-  ~TemporaryFile() {
-    std::error_code ignored;
-    fs::remove(path_, ignored);
-  }
-  const fs::path& path() const { return path_; }
-  std::string content() const {
-    std::ifstream stream(path_, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  }
-  void set_content(const std::string& bytes) const {
-    std::ofstream(path_, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  }
-
- private:
-  fs::path path_;
-};
 
 ConvexHull wedge(double size) {
   const std::array<Vector3, 6> corners = {Vector3(0, 0, 0),    Vector3(size, 0, 0),    Vector3(0, size, 0),
@@ -309,7 +285,7 @@ TEST(Snapshot, IsAValue) {
 
 // Geometry isn't in a file: a body with a hull that has gone is made of another's.
 TEST(SnapshotFile, BringsBackAWorld) {
-  const TemporaryFile file;
+  const TemporaryFile file(".snapshot");
   Yard yard;
   run(yard.world, 20);
   Snapshot snapshot;
@@ -335,7 +311,7 @@ TEST(SnapshotFile, BringsBackAWorld) {
 }
 
 TEST(SnapshotFile, SaysWhyItCannotBeReadOrWritten) {
-  const TemporaryFile file;
+  const TemporaryFile file(".snapshot");
   expect_error([&] { Snapshot::read(file.path()); }, {"Snapshot::read", file.path().string(), "No such file"});
   expect_error([&] { Snapshot::read(fs::temp_directory_path()); }, {"is a directory", "expected"});
   expect_error([&] { Snapshot().write(file.path()); }, {"Snapshot::write", "empty"});
@@ -359,7 +335,7 @@ TEST(SnapshotFile, SaysWhyItCannotBeReadOrWritten) {
 }
 
 TEST(SnapshotFile, RefusesEveryCutAndEveryFlippedByte) {
-  const TemporaryFile file;
+  const TemporaryFile file(".snapshot");
   World world;
   world.add_body(ground());
   world.add_body(box({0, 0, 0.5}));
@@ -386,7 +362,7 @@ TEST(SnapshotFile, RefusesEveryCutAndEveryFlippedByte) {
 // As of a program that writes nonsense: it may be taken where it fits together, and must not be followed where it
 // leads out of the world.
 TEST(SnapshotFile, IsCheckedBeyondItsChecksum) {
-  const TemporaryFile file;
+  const TemporaryFile file(".snapshot");
   Yard yard({.settings = {.sleeping = true, .sleep_speed = 1, .time_to_sleep = 0.1, .contact_events = true}});
   run(yard.world, 40);
   Snapshot snapshot;

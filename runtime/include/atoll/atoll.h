@@ -11,6 +11,7 @@
 #include <atoll/joint.h>
 #include <atoll/quarantine.h>
 #include <atoll/queries.h>
+#include <atoll/recording.h>
 #include <atoll/report.h>
 #include <atoll/scene.h>
 #include <atoll/settings.h>

@@ -6,6 +6,7 @@
 #include <atoll/error.h>
 #include <atoll/joint.h>
 #include <atoll/quarantine.h>
+#include <atoll/recording.h>
 #include <atoll/report.h>
 #include <atoll/settings.h>
 #include <atoll/types.h>
@@ -179,6 +180,19 @@ class World {
   /// the same shape, mass or material; or if it is from a file and a hull, mesh or height field is on no body here.
   void restore(const Snapshot& snapshot);
 
+  /// From here on notes down in a file every call that changes this world, with its arguments, and what every step
+  /// comes to, as hashes, so that replay() can do it all again and tell where it comes to something else. Begins with
+  /// the world's state and all geometry, each once. No bit of what the world does depends on it.
+  ///
+  /// What there is of it is in a file with ".partial" after the name until stop_recording(), the world's end at the
+  /// latest; it can be replayed even if the program ends otherwise. Throws Error if the file can't be written, an
+  /// option is out of range or a recording is under way.
+  void record(const std::filesystem::path& path, const RecordingOptions& options = {});
+  bool is_recording() const;
+  /// Ends the recording, and gives its file its name. Throws Error if there is none; or if something of it could not be
+  /// written, when there is no file, nor a recording any more.
+  void stop_recording();
+
   /// 64-bit hash of everything that the future of this world depends on.
   std::uint64_t state_hash() const;
 
@@ -192,6 +206,7 @@ class World {
  private:
   friend struct QueryAccess;  // see queries.h
   friend class Snapshot;
+  friend class Replay;
 
   class Impl;
   std::unique_ptr<Impl> impl_;

@@ -1,0 +1,193 @@
+// A recording, done again: see recorder.h for what is in it.
+
+#include <atoll/error.h>
+#include <atoll/recording.h>
+#include <atoll/world.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "body_parts.h"
+#include "geometry_state.h"
+#include "recorded_calls.h"
+#include "recorder.h"
+#include "recording_file.h"
+#include "roster_state.h"
+#include "world_impl.h"
+
+namespace atl {
+namespace {
+
+// The call of a number, of those from `number` on.
+template <std::size_t number = 0>
+void make_call(std::size_t wanted, StateReader& reader, World& world) {
+  if constexpr (number < std::variant_size_v<RecordedCall>) {
+    if (wanted != number) return make_call<number + 1>(wanted, reader, world);
+    std::variant_alternative_t<number, RecordedCall> call;
+    visit_call(reader, call);
+    reader.check(reader.left() == 0, "more than there should be");
+    call.make(world);
+  } else {
+    reader.check(false, "a record of no known kind");
+  }
+}
+
+// Two lists in order of ids.
+std::vector<ReplayedBody> differences(const std::vector<RecordedBody>& recorded,
+                                      const std::vector<RecordedBody>& found) {
+  std::vector<ReplayedBody> result;
+  auto a = recorded.begin();
+  auto b = found.begin();
+  while (a != recorded.end() || b != found.end()) {
+    const bool only_a = b == found.end() || (a != recorded.end() && a->id < b->id);
+    const bool only_b = a == recorded.end() || (b != found.end() && b->id < a->id);
+    if (only_a || only_b) {
+      result.push_back({only_a ? a->id : b->id, {"id"}});
+    } else if (a->parts != b->parts) {
+      result.push_back({a->id, differing_parts(a->parts, b->parts)});
+    }
+    if (!only_b) ++a;
+    if (!only_a) ++b;
+  }
+  return result;
+}
+
+}  // namespace
+
+/// A recording, and the world in which it is done again.
+class Replay {
+ public:
+  Replay(const std::filesystem::path& path, const ReplayOptions& options)
+      : on_step_(options.on_step),
+        reader_(path),
+        world_({.threads = options.threads, .settings = {.simd = options.simd}}) {
+    result_.recorded_steps = reader_.steps();
+    result_.complete = reader_.complete();
+    result_.simd = world_.simd();
+  }
+
+  ReplayResult run() {
+    while (!done_ && reader_.next()) {
+      try {
+        StateReader record(reader_.content(), {"", "record", "World::record"});
+        take(record);
+      } catch (const Error& error) {
+        // What was done to another state need not be possible in this.
+        if (result_.divergence) break;
+        reader_.fail(reader_.place() + ": " + error.what());
+      }
+    }
+    if (!begun_) reader_.fail("found no state to begin with; expected a recording that holds one");
+    result_.hash = world_.state_hash();
+    return std::move(result_);
+  }
+
+ private:
+  void take(StateReader& record) {
+    const RecordKind kind = reader_.kind();
+    record.check(begun_ || kind == RecordKind::Begin || kind == RecordKind::Geometry || kind == RecordKind::State,
+                 "a record ahead of the state to begin with");
+    switch (kind) {
+      case RecordKind::Begin:
+        record.value(result_.recorded_threads);
+        record.value(result_.recorded_simd);
+        break;
+      case RecordKind::Geometry: {
+        ReadGeometry read = read_geometry(record);
+        geometry_[{read.kind, read.content}] = std::move(read.geometry);
+        break;
+      }
+      case RecordKind::BodyKind:
+        take_kind(record);
+        break;
+      case RecordKind::AddBody:
+        add_body(record);
+        break;
+      case RecordKind::State:
+        return take_state(record);
+      case RecordKind::Step:
+        step(record);
+        break;
+      case RecordKind::Hash:
+        compare_hash(record);
+        break;
+      case RecordKind::Bodies:
+        compare_bodies(record);
+        break;
+      default:
+        return make_call(static_cast<std::size_t>(kind) - static_cast<std::size_t>(RecordKind::Call), record, world_);
+    }
+    record.check(record.left() == 0, "more than there should be");
+  }
+
+  void take_kind(StateReader& record) {
+    BodyConstants constants;
+    visit_constants(record, constants);
+    record.check(give_geometry(constants, geometry_), "a body without its geometry");
+    kinds_.push_back(std::move(constants));
+  }
+
+  void add_body(StateReader& record) {
+    std::uint32_t kind = 0;
+    record.value(kind);
+    record.check(kind < kinds_.size(), "a body of no kind");
+    CheckedBody body;
+    body.constants = kinds_[kind];
+    visit_start(record, body);
+    world_.impl_->add_body(body);
+  }
+
+  void take_state(StateReader& record) {
+    auto roster = std::make_shared<Roster>();
+    read_constants(record, *roster);
+    visit_numbers(record, *roster);
+    check_numbers(record, *roster);
+    World::Impl& impl = *world_.impl_;
+    impl.restore(with_geometry(roster, geometry_), impl.serial(), reader_.content().last(record.left()));
+    begun_ = true;
+  }
+
+  void step(StateReader& record) {
+    double dt = 0;
+    record.value(dt);
+    world_.step(dt);
+    ++result_.steps;
+    if (on_step_) on_step_(result_.steps, result_.recorded_steps);
+  }
+
+  void compare_hash(StateReader& record) {
+    std::uint64_t expected = 0;
+    record.value(expected);
+    if (result_.divergence || world_.state_hash() == expected) return;
+    result_.divergence = {.step = result_.steps};
+  }
+
+  void compare_bodies(StateReader& record) {
+    std::vector<RecordedBody> recorded;
+    visit_recorded_bodies(record, recorded);
+    if (!result_.divergence) return;
+    result_.divergence->bodies_step = result_.steps;
+    result_.divergence->bodies = differences(recorded, world_.impl_->recorded_bodies());
+    done_ = true;
+  }
+
+  const decltype(ReplayOptions::on_step)& on_step_;
+  RecordingReader reader_;
+  World world_;
+  Geometry geometry_;
+  std::vector<BodyConstants> kinds_;
+  bool begun_ = false;
+  bool done_ = false;
+  ReplayResult result_;
+};
+
+ReplayResult replay(const std::filesystem::path& path, const ReplayOptions& options) {
+  return Replay(path, options).run();
+}
+
+}  // namespace atl

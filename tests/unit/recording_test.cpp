@@ -1,0 +1,525 @@
+// Recordings: every call that changes a world is in them and made again, and what they can't be replayed from is
+// refused.
+
+#include <atoll/atoll.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "src/recording_file.h"
+#include "support/bodies.h"
+#include "support/expect_error.h"
+#include "support/recording_file.h"
+#include "support/temporary_file.h"
+
+namespace atl::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+ConvexHull wedge(double size) {
+  const std::array<Vector3, 7> corners = {Vector3(0, 0, 0),        Vector3(size, 0, 0),    Vector3(0, size, 0),
+                                          Vector3(0, 0, size),     Vector3(size, 0, size), Vector3(0, size, size),
+                                          Vector3(size, size, 0.3)};
+  return ConvexHull(corners);
+}
+
+TriangleMesh slab() {
+  const std::array<Vector3, 4> corners = {Vector3(-3, -3, 0.1), Vector3(3, -3, 0), Vector3(3, 3, 0.2),
+                                          Vector3(-3, 3, 0)};
+  const std::array<TriangleMesh::Indices, 2> triangles = {TriangleMesh::Indices{0, 1, 2}, {0, 2, 3}};
+  return {corners, triangles};
+}
+
+HeightField hills() { return {3, 3, 2, 2, {0, 0.2, 0.1, 0.3, 0, 0.2, 0.1, 0, 0}}; }
+
+/// Two crates on the ground, a ball hinged to the upper one, and a hull.
+struct Yard {
+  World world;
+  std::vector<BodyId> ids;
+  JointId hinge;
+
+  explicit Yard(const WorldDef& def = {}) : world(def) {
+    ids.push_back(world.add_body(ground()));
+    for (const BodyId id : add_stack(world, 2)) ids.push_back(id);
+    ids.push_back(world.add_body(sphere({1.2, 0, 1.5}, 0.4)));
+    ids.push_back(world.add_body({.shape = wedge(1), .position = {4, 4, 1}}));
+    hinge = world.add_joint({.kind = HingeJoint{{.range = {-1, 1}}},
+                             .first = ids[2],
+                             .second = ids[3],
+                             .frame_first = {{0.6, 0, 0}},
+                             .frame_second = {{-0.6, 0, 0}}});
+  }
+};
+
+/// A call, or a few, that change a yard, and how many of them a recording has.
+struct Change {
+  const char* name;
+  RecordKind kind;
+  std::function<void(Yard&)> make;
+};
+
+const std::vector<Change>& changes() {
+  static const std::vector<Change> all = {
+      {"a body is added", RecordKind::AddBody,
+       [](Yard& yard) {
+         yard.world.add_body({.shape = Compound{{{.shape = Sphere{0.2}}, {.shape = wedge(0.7), .position = {0, 1, 0}}}},
+                              .position = {-4, 0, 2},
+                              .orientation = Quaternion(0.5, 0.1, 0.2, 3),
+                              .velocity = {1, 2, 3},
+                              .angular_velocity = {3, 2, 1},
+                              .material = {.friction = 0.3, .restitution = 0.4, .rolling_friction = 0.01},
+                              .surface_velocity = {0, 0.1, 0},
+                              .gravity_scale = 0.9,
+                              .linear_damping = 0.1,
+                              .filter = {.category = 2, .mask = 7, .group = 3},
+                              .continuous = true});
+       }},
+      {"geometry is added", RecordKind::Geometry,
+       [](Yard& yard) {
+         yard.world.add_body({.type = BodyType::Static, .shape = slab(), .position = {4, 4, 0.1}});
+         yard.world.add_body({.type = BodyType::Static, .shape = hills(), .position = {-6, -6, 0}});
+         yard.world.add_body(sphere({-5, -5, 1}, 0.3));
+       }},
+      {"a body is removed", kind_of<calls::RemoveBody>(), [](Yard& yard) { yard.world.remove_body(yard.ids[1]); }},
+      {"a pose", kind_of<calls::SetPose>(),
+       [](Yard& yard) {
+         yard.world.set_pose(yard.ids[4], {{0.1, 0, 3}, Quaternion(1, 0.3, 0, 0)});
+       }},
+      {"a velocity", kind_of<calls::SetVelocity>(),
+       [](Yard& yard) {
+         yard.world.set_velocity(yard.ids[3], {1, 2, 3}, {4, 5, 6});
+       }},
+      {"a belt", kind_of<calls::SetSurfaceVelocity>(),
+       [](Yard& yard) {
+         yard.world.set_surface_velocity(yard.ids[0], {1, 0.5, 0});
+       }},
+      {"a force", kind_of<calls::ApplyForce>(),
+       [](Yard& yard) {
+         yard.world.apply_force(yard.ids[2], {1e4, 20, 3}, {10, 0, -4});
+       }},
+      {"an impulse", kind_of<calls::ApplyImpulse>(),
+       [](Yard& yard) {
+         yard.world.apply_impulse(yard.ids[2], {100, 20, 3}, {0.1, 0.2, 2});
+       }},
+      {"a call to wake", kind_of<calls::Wake>(), [](Yard& yard) { yard.world.wake(yard.ids[2]); }},
+      {"a filter", kind_of<calls::SetFilter>(),
+       [](Yard& yard) { yard.world.set_filter(yard.ids[1], {.category = 2, .mask = 4, .group = -3}); }},
+      {"two that don't touch", kind_of<calls::SetCollisionEnabled>(),
+       [](Yard& yard) { yard.world.set_collision_enabled(yard.ids[1], yard.ids[2], false); }},
+      {"quarantine and release", kind_of<calls::Release>(),
+       [](Yard& yard) {
+         yard.world.set_velocity(yard.ids[3], {1e9, 0, 0}, {0, 0, 0});
+         yard.world.step(dt);
+         ASSERT_TRUE(yard.world.is_quarantined(yard.ids[3]));
+         yard.world.release(yard.ids[3]);
+       }},
+      {"a joint is added", kind_of<calls::AddJoint>(),
+       [](Yard& yard) {
+         yard.world.add_joint({.kind = SliderJoint{{.spring = JointSpring{.hertz = 3, .damping_ratio = 0.2}}},
+                               .first = yard.ids[0],
+                               .second = yard.ids[4],
+                               .frame_first = {{4, 4, 1}, Quaternion(2, 0, 0, 1)},
+                               .collide = true,
+                               .break_force = 1e5});
+       }},
+      {"a joint is removed", kind_of<calls::RemoveJoint>(), [](Yard& yard) { yard.world.remove_joint(yard.hinge); }},
+      {"a motor", kind_of<calls::SetJoint>(),
+       [](Yard& yard) {
+         yard.world.set_joint(yard.hinge, HingeJoint{{.motor = JointMotor{.speed = 3, .max_force = 10}}});
+       }},
+      {"a joint that is let go", kind_of<calls::SetJointEnabled>(),
+       [](Yard& yard) { yard.world.set_joint_enabled(yard.hinge, false); }},
+      {"gravity", kind_of<calls::SetGravity>(),
+       [](Yard& yard) {
+         yard.world.set_gravity({1, 0, -3});
+       }},
+      {"settings", kind_of<calls::SetSettings>(),
+       [](Yard& yard) {
+         yard.world.set_settings({.substeps = 3, .contact_hertz = 25, .sleeping = true, .simd = Simd::Portable});
+       }},
+      {"a restored state", RecordKind::State,
+       [](Yard& yard) {
+         Snapshot snapshot;
+         yard.world.save(snapshot);
+         yard.world.remove_body(yard.ids[4]);
+         yard.world.add_body(sphere({7, 7, 1}));
+         yard.world.step(dt);
+         yard.world.restore(snapshot);
+       }},
+  };
+  return all;
+}
+
+bool holds(const fs::path& path, RecordKind kind) {
+  const std::vector<Record> records = read_records(path);
+  return std::any_of(records.begin(), records.end(), [kind](const Record& record) { return record.kind == kind; });
+}
+
+void expect_same(const ReplayResult& result, std::int64_t steps, std::uint64_t hash, const char* what) {
+  EXPECT_FALSE(result.divergence.has_value()) << what;
+  EXPECT_TRUE(result.complete) << what;
+  EXPECT_EQ(result.steps, steps) << what;
+  EXPECT_EQ(result.recorded_steps, steps) << what;
+  EXPECT_EQ(result.hash, hash) << what;
+}
+
+TEST(Recording, HasEveryCallThatChangesAWorld) {
+  for (const Change& change : changes()) {
+    const TemporaryFile file(".recording");
+    Yard yard;
+    run(yard.world, 10);
+    yard.world.record(file.path());
+    const std::uint64_t before = yard.world.state_hash();
+    change.make(yard);
+    if (std::string(change.name) != "a call to wake") {
+      EXPECT_TRUE(yard.world.state_hash() != before || change.kind == RecordKind::State) << change.name;
+    }
+    run(yard.world, 10);
+    yard.world.stop_recording();
+    EXPECT_TRUE(holds(file.path(), change.kind)) << change.name;
+    const ReplayResult result = replay(file.path());
+    expect_same(result, result.recorded_steps, yard.world.state_hash(), change.name);
+    EXPECT_GE(result.steps, 10) << change.name;
+  }
+}
+
+TEST(Recording, WakesWhatTheCallsWake) {
+  const TemporaryFile file(".recording");
+  Yard yard({.settings = {.sleeping = true, .sleep_speed = 1, .time_to_sleep = 0.1}});
+  run(yard.world, 60);
+  ASSERT_TRUE(yard.world.is_asleep(yard.ids[1]));
+  yard.world.record(file.path());
+  run(yard.world, 2);
+  yard.world.wake(yard.ids[1]);
+  run(yard.world, 3);
+  yard.world.stop_recording();
+  expect_same(replay(file.path()), 5, yard.world.state_hash(), "woken");
+}
+
+// All in one world, one after the other, from its making on and on other threads with other instructions.
+TEST(Recording, IsReplayedOnAnyMachine) {
+  const TemporaryFile file(".recording");
+  Yard yard({.threads = 2});
+  yard.world.record(file.path());
+  for (const char* name : {"a body is added", "geometry is added", "a force", "a motor", "two that don't touch",
+                           "a restored state", "a pose", "settings", "a body is removed"}) {
+    run(yard.world, 5);
+    std::find_if(changes().begin(), changes().end(), [name](const Change& c) {
+      return std::string(c.name) == name;
+    })->make(yard);
+  }
+  run(yard.world, 5);
+  yard.world.stop_recording();
+  for (const int threads : {1, 2, 3}) {
+    for (const Simd simd : {Simd::Auto, Simd::Portable}) {
+      const ReplayResult result = replay(file.path(), {.threads = threads, .simd = simd});
+      expect_same(result, 51, yard.world.state_hash(), "threads, instruction set");
+      EXPECT_EQ(result.recorded_threads, 2);
+      EXPECT_NE(result.recorded_simd, Simd::Auto);
+    }
+  }
+}
+
+TEST(Recording, BeginsWithAnEmptyWorldToo) {
+  const TemporaryFile file(".recording");
+  World world({.gravity = {0, 0, -3}, .settings = {.substeps = 7}});
+  world.record(file.path());
+  world.add_body({.type = BodyType::Static, .shape = slab()});
+  world.add_body({.shape = wedge(0.5), .position = {0, 0, 1}});
+  run(world, 40);
+  world.stop_recording();
+  expect_same(replay(file.path()), 40, world.state_hash(), "from the world's making on");
+}
+
+TEST(Recording, StoresGeometryOnce) {
+  const TemporaryFile file(".recording");
+  Yard yard;
+  yard.world.record(file.path());
+  for (int i = 0; i < 3; ++i)
+    yard.world.add_body({.shape = wedge(1), .position = {0, 9.0 + 3 * i, 1}, .density = 500.0 + i});
+  yard.world.stop_recording();
+  const std::vector<Record> records = read_records(file.path());
+  const auto count = [&](RecordKind kind) {
+    return std::count_if(records.begin(), records.end(), [kind](const Record& record) { return record.kind == kind; });
+  };
+  EXPECT_EQ(count(RecordKind::Geometry), 1);
+  EXPECT_EQ(count(RecordKind::BodyKind), 3);
+  EXPECT_EQ(count(RecordKind::AddBody), 3);
+}
+
+TEST(Recording, LeavesOutCallsThatThrow) {
+  const TemporaryFile file(".recording");
+  Yard yard;
+  yard.world.record(file.path());
+  const BodyId stale = yard.world.add_body(sphere({9, 9, 9}));
+  yard.world.remove_body(stale);
+  EXPECT_THROW(yard.world.apply_force(stale, {1, 0, 0}), Error);
+  EXPECT_THROW(yard.world.remove_body(stale), Error);
+  EXPECT_THROW(yard.world.set_gravity({NAN, 0, 0}), Error);
+  EXPECT_THROW(yard.world.set_settings({.substeps = 0}), Error);
+  EXPECT_THROW(yard.world.add_body({.density = -1}), Error);
+  EXPECT_THROW(yard.world.set_velocity(yard.ids[0], {1, 0, 0}, {0, 0, 0}), Error);
+  EXPECT_THROW(yard.world.restore(Snapshot()), Error);
+  EXPECT_THROW(yard.world.step(2), Error);
+  run(yard.world, 3);
+  yard.world.stop_recording();
+  EXPECT_FALSE(holds(file.path(), kind_of<calls::ApplyForce>()));
+  EXPECT_FALSE(holds(file.path(), kind_of<calls::SetGravity>()));
+  expect_same(replay(file.path()), 3, yard.world.state_hash(), "calls that throw");
+}
+
+TEST(Recording, ChangesNoBit) {
+  const TemporaryFile file(".recording");
+  Yard recorded;
+  Yard plain;
+  recorded.world.record(file.path());
+  EXPECT_TRUE(recorded.world.is_recording());
+  run(recorded.world, 30);
+  run(plain.world, 30);
+  EXPECT_EQ(recorded.world.state_hash(), plain.world.state_hash());
+  recorded.world.stop_recording();
+  EXPECT_FALSE(recorded.world.is_recording());
+  EXPECT_EQ(recorded.world.state_hash(), plain.world.state_hash());
+}
+
+TEST(Recording, EndsWithItsWorldAndIsThereOnlyThen) {
+  const TemporaryFile file(".recording");
+  const TemporaryFile partial(".recording.partial");
+  file.set_content("old");
+  {
+    Yard yard;
+    yard.world.record(file.path());
+    run(yard.world, 4);
+    EXPECT_EQ(file.content(), "old");
+    // What a program that ends here would leave: the last step is in it, without what it came to.
+    const ReplayResult result = replay(partial.path());
+    EXPECT_FALSE(result.complete);
+    EXPECT_FALSE(result.divergence.has_value());
+    EXPECT_EQ(result.steps, 4);
+    EXPECT_EQ(result.hash, yard.world.state_hash());
+    World moved = std::move(yard.world);
+    run(moved, 4);
+  }
+  EXPECT_FALSE(fs::exists(partial.path()));
+  const ReplayResult result = replay(file.path());
+  EXPECT_TRUE(result.complete);
+  EXPECT_EQ(result.steps, 8);
+}
+
+TEST(Recording, SaysWhatItCannotDo) {
+  Yard yard;
+  expect_error([&] { yard.world.stop_recording(); }, {"World::stop_recording", "no recording"});
+  expect_error([&] { yard.world.record("/nowhere/at/all"); }, {"World::record", "/nowhere/at/all", "No such file"});
+  expect_error([&] { yard.world.record(fs::temp_directory_path()); }, {"World::record", "is a directory"});
+  EXPECT_FALSE(yard.world.is_recording());
+  const TemporaryFile file(".recording");
+  expect_error([&] { yard.world.record(file.path(), {.body_hash_interval = 0}); },
+               {"body_hash_interval is 0", "expected"});
+  yard.world.record(file.path());
+  expect_error([&] { yard.world.record(file.path()); }, {"World::record", "under way"});
+  yard.world.stop_recording();
+  EXPECT_TRUE(fs::exists(file.path()));
+}
+
+TEST(Recording, AFullDiskShowsAtTheEnd) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full";
+  const TemporaryFile file(".recording");
+  const TemporaryFile partial(".recording.partial");
+  fs::create_symlink("/dev/full", partial.path());
+  Yard yard;
+  yard.world.record(file.path());
+  run(yard.world, 5);
+  expect_error([&] { yard.world.stop_recording(); }, {"World::stop_recording", "No space left"});
+  EXPECT_FALSE(yard.world.is_recording());
+  EXPECT_FALSE(fs::exists(file.path()));
+}
+
+/// Pushes the ball in each of ten steps.
+void record_pushes(const fs::path& path, const RecordingOptions& options = {}) {
+  Yard yard;
+  run(yard.world, 5);
+  yard.world.record(path, options);
+  for (int i = 0; i < 10; ++i) {
+    yard.world.apply_force(yard.ids[4], {300, 0, 0});
+    yard.world.step(dt);
+  }
+  yard.world.stop_recording();
+}
+
+TEST(Replay, NamesTheStepAndTheBodyOfAChangedForce) {
+  const TemporaryFile file(".recording");
+  record_pushes(file.path());
+  ASSERT_FALSE(replay(file.path()).divergence.has_value());
+  change_a_force(file.path(), 6);
+  const ReplayResult result = replay(file.path(), {.threads = 2});
+  ASSERT_TRUE(result.divergence.has_value());
+  EXPECT_EQ(result.divergence->step, 7);
+  EXPECT_EQ(result.steps, 7) << "stops there";
+  EXPECT_EQ(result.recorded_steps, 10);
+  EXPECT_EQ(result.divergence->bodies_step, 7);
+  ASSERT_EQ(result.divergence->bodies.size(), 1u);
+  EXPECT_EQ(result.divergence->bodies[0].id.index, 4u);
+  const std::vector<std::string>& parts = result.divergence->bodies[0].parts;
+  EXPECT_NE(std::find(parts.begin(), parts.end(), "velocity"), parts.end());
+  EXPECT_EQ(std::find(parts.begin(), parts.end(), "joints"), parts.end());
+}
+
+// Bodies are told of once they were hashed: at the next multiple of the interval, or as the recording ends.
+TEST(Replay, NamesBodiesAsSoonAsTheRecordingTellsOfThem) {
+  for (const auto& [interval, step] : {std::pair{4, 8}, std::pair{100, 10}}) {
+    const TemporaryFile file(".recording");
+    record_pushes(file.path(), {.body_hash_interval = interval, .few_bodies = 0});
+    change_a_force(file.path(), 5);
+    const ReplayResult result = replay(file.path());
+    ASSERT_TRUE(result.divergence.has_value());
+    EXPECT_EQ(result.divergence->step, 6);
+    EXPECT_EQ(result.divergence->bodies_step, step);
+    ASSERT_FALSE(result.divergence->bodies.empty());
+    EXPECT_EQ(result.divergence->bodies[0].id.index, 4u);
+  }
+}
+
+TEST(Replay, TellsWhatIsNoBodys) {
+  const TemporaryFile file(".recording");
+  {
+    World world;
+    world.record(file.path());
+    world.set_gravity({0, 0, -1});
+    run(world, 3);
+  }
+  std::vector<Record> records = read_records(file.path());
+  std::erase_if(records, [](const Record& record) { return record.kind == kind_of<calls::SetGravity>(); });
+  write_records(file.path(), records);
+  const ReplayResult result = replay(file.path());
+  ASSERT_TRUE(result.divergence.has_value());
+  EXPECT_EQ(result.divergence->step, 1);
+  EXPECT_EQ(result.divergence->bodies_step, 1);
+  EXPECT_TRUE(result.divergence->bodies.empty());
+}
+
+TEST(Replay, TellsOfBodiesThatAreNotThere) {
+  const TemporaryFile file(".recording");
+  record_pushes(file.path());
+  std::vector<Record> records = read_records(file.path());
+  const auto force = std::find_if(records.begin(), records.end(),
+                                  [](const Record& record) { return record.kind == kind_of<calls::ApplyForce>(); });
+  force->kind = kind_of<calls::RemoveBody>();
+  force->content.resize(sizeof(BodyId));
+  write_records(file.path(), records);
+  const ReplayResult result = replay(file.path());
+  ASSERT_TRUE(result.divergence.has_value());
+  EXPECT_EQ(result.divergence->step, 1);
+  ASSERT_EQ(result.divergence->bodies.size(), 1u);
+  EXPECT_EQ(result.divergence->bodies[0].parts, std::vector<std::string>{"id"});
+}
+
+// Whatever it was cut at: all that is whole is replayed, and it is the same.
+TEST(Replay, GoesAsFarAsACutRecordingDoes) {
+  const TemporaryFile file(".recording");
+  record_pushes(file.path());
+  const std::string whole = file.content();
+  std::int64_t most = 0;
+  for (std::size_t length = whole.size() - 1; length > 400; length -= std::min<std::size_t>(length, 97)) {
+    file.set_content(whole.substr(0, length));
+    try {
+      const ReplayResult result = replay(file.path());
+      EXPECT_FALSE(result.complete) << length;
+      EXPECT_FALSE(result.divergence.has_value()) << length;
+      EXPECT_EQ(result.steps, result.recorded_steps) << length;
+      most = std::max(most, result.steps);
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find("no state to begin with"), std::string::npos) << error.what();
+    }
+  }
+  EXPECT_EQ(most, 10);
+}
+
+TEST(Replay, RefusesWhatIsNoRecordingOrDamaged) {
+  const TemporaryFile file(".recording");
+  expect_error([&] { replay(file.path()); }, {"replay", file.path().string(), "No such file"});
+  expect_error([&] { replay(fs::temp_directory_path()); }, {"is a directory", "expected"});
+  file.set_content("");
+  expect_error([&] { replay(file.path()); }, {"ATOLLREC", "expected a recording"});
+  file.set_content("{\"bodies\": []}");
+  expect_error([&] { replay(file.path()); }, {"ATOLLREC", "expected a recording"});
+  {
+    Snapshot snapshot;
+    Yard().world.save(snapshot);
+    snapshot.write(file.path());
+  }
+  expect_error([&] { replay(file.path()); }, {"ATOLLREC", "expected a recording"});
+  record_pushes(file.path());
+  const std::string whole = file.content();
+  const auto expect_refusal = [&](std::size_t at, char value, std::initializer_list<std::string_view> words) {
+    std::string bytes = whole;
+    bytes[at] = value;
+    file.set_content(bytes);
+    expect_error([&] { replay(file.path()); }, words);
+  };
+  expect_refusal(8, 1, {"byte order", "expected"});
+  expect_refusal(12, 99, {"found version 99", "expected 1"});
+  file.set_content(whole + "x");
+  expect_error([&] { replay(file.path()); }, {"1 bytes after the end"});
+  file.set_content(whole);
+  expect_error([&] { replay(file.path(), {.threads = 0}); }, {"threads is 0"});
+  EXPECT_FALSE(replay(file.path()).divergence.has_value());
+}
+
+TEST(Replay, RefusesEveryFlippedByte) {
+  const TemporaryFile file(".recording");
+  {
+    World world;
+    world.record(file.path());
+    world.add_body(ground());
+    world.add_body(box({0, 0, 0.5}));
+    run(world, 2);
+  }
+  const std::string whole = file.content();
+  ASSERT_LT(whole.size(), 10'000u);
+  for (std::size_t at = 0; at < whole.size(); ++at) {
+    std::string bytes = whole;
+    bytes[at] = static_cast<char>(bytes[at] ^ (1 << at % 8));
+    file.set_content(bytes);
+    EXPECT_THROW(replay(file.path()), Error) << "byte " << at;
+  }
+}
+
+// As of a program that writes nonsense.
+TEST(Replay, RefusesRecordsThatDoNotFit) {
+  const TemporaryFile file(".recording");
+  record_pushes(file.path());
+  const std::vector<Record> records = read_records(file.path());
+  const auto expect_refusal = [&](const std::function<void(std::vector<Record>&)>& spoil, const char* words) {
+    std::vector<Record> spoilt = records;
+    spoil(spoilt);
+    write_records(file.path(), spoilt);
+    SCOPED_TRACE(words);
+    expect_error([&] { replay(file.path()); }, {"replay", file.path().string(), words});
+  };
+  const auto find = [](std::vector<Record>& all, RecordKind kind) {
+    return std::find_if(all.begin(), all.end(), [kind](const Record& record) { return record.kind == kind; });
+  };
+  expect_refusal([](auto& all) { all.clear(); }, "no state to begin with");
+  expect_refusal([&](auto& all) { all.erase(find(all, RecordKind::State)); }, "a record ahead of the state");
+  expect_refusal([&](auto& all) { all.erase(find(all, RecordKind::Geometry)); }, "geometry");
+  expect_refusal([&](auto& all) { find(all, RecordKind::Step)->kind = static_cast<RecordKind>(999); }, "no known kind");
+  expect_refusal([&](auto& all) { find(all, RecordKind::Step)->content.push_back({}); }, "more than there should be");
+  expect_refusal([&](auto& all) { find(all, RecordKind::Step)->content.pop_back(); }, "the end of the data");
+  expect_refusal([&](auto& all) { find(all, RecordKind::Step)->content.assign(8, {}); }, "dt is 0");
+  expect_refusal([&](auto& all) { find(all, kind_of<calls::ApplyForce>())->content[0] = std::byte{99}; },
+                 "no body has the id");
+  expect_refusal([&](auto& all) { find(all, RecordKind::Geometry)->content[4] ^= std::byte{1}; }, "another content");
+  expect_refusal([&](auto& all) { find(all, RecordKind::Geometry)->content.resize(99); }, "can't all be there");
+}
+
+}  // namespace
+}  // namespace atl::test
