@@ -9,8 +9,8 @@ namespace atl::command {
 enum class Status {
   Done = 0,
   CheckFailed = 1,
-  Usage = 2,  ///< an option, its value or an output file
-  BadScene = 3,
+  Usage = 2,      ///< an option, its value or an output file
+  BadScene = 3,   ///< or recording
   NonFinite = 4,  ///< a body's state became non-finite or absurd
 };
 

@@ -5,6 +5,7 @@
 
 #include "failure.h"
 #include "list_scenes.h"
+#include "replay.h"
 #include "run.h"
 #include "sweep/sweep.h"
 #include "verify/verify.h"
@@ -30,11 +31,15 @@ int usage_error(const CLI::ParseError& error, const CLI::App& app) {
 int command(int argc, char** argv) {
   CLI::App app("Atoll: deterministic, island-parallel rigid-body simulation.", "atoll");
   app.set_version_flag("--version", "atoll " ATOLL_VERSION);
-  app.footer("Exit status: 0 done, 1 a check failed, 2 usage, 3 bad scene, 4 a body became non-finite.");
+  app.footer("Exit status: 0 done, 1 a check failed, 2 usage, 3 bad scene or recording, 4 a body became non-finite.");
 
   CLI::App* run = app.add_subcommand("run", "simulate a scene file or a built-in scene and report time and error");
   atl::command::RunOptions options;
   atl::command::add_run_options(*run, options);
+  CLI::App* replay =
+      app.add_subcommand("replay", "make the calls of a recording again and tell where the state differs");
+  atl::command::ReplayFileOptions replay_options;
+  atl::command::add_replay_options(*replay, replay_options);
   CLI::App* sweep = app.add_subcommand("sweep", "run scenes over many settings and draw error against run time");
   atl::command::SweepOptions sweep_options;
   atl::command::add_sweep_options(*sweep, sweep_options);
@@ -46,8 +51,9 @@ int command(int argc, char** argv) {
   try {
     app.parse(argc, argv);
     // CLI11's require_subcommand would hide that "atoll rnu" has an argument that is not understood.
-    if (app.get_subcommands().empty()) throw CLI::RequiredError("A command, run, sweep, verify or scenes,");
+    if (app.get_subcommands().empty()) throw CLI::RequiredError("A command, run, replay, sweep, verify or scenes,");
     if (run->parsed()) atl::command::run(options);
+    if (replay->parsed()) atl::command::replay_file(replay_options);
     if (sweep->parsed()) atl::command::sweep(sweep_options);
     if (verification->parsed()) atl::command::verify(verify_options);
     if (scenes->parsed()) atl::command::list_scenes(std::cout);

@@ -67,6 +67,11 @@ bool is_joint_solver(const std::string& name) { return is_name(joint_solvers, na
 JointSolver joint_solver_named(std::string_view name) { return find_value(joint_solvers, name); }
 Simd simd_named(std::string_view name) { return find_value(simds, name); }
 
+std::string plural(std::int64_t count, const std::string& one, const std::string& more) {
+  return std::to_string(count) + " " + (count == 1 ? one : more);
+}
+std::string plural(std::int64_t count, const std::string& noun) { return plural(count, noun, noun + "s"); }
+
 std::string fixed(double value, int decimals) {
   std::ostringstream text;
   text << std::fixed << std::setprecision(decimals) << value;

@@ -2,6 +2,7 @@
 
 #include <atoll/settings.h>
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -20,6 +21,10 @@ JointSolver joint_solver_named(std::string_view name);
 bool is_contact_solver(const std::string& name);
 bool is_joint_solver(const std::string& name);
 Simd simd_named(std::string_view name);
+
+/// "1 step", "2 steps".
+std::string plural(std::int64_t count, const std::string& one, const std::string& more);
+std::string plural(std::int64_t count, const std::string& noun);
 
 /// A fixed number of decimals, as "3.140".
 std::string fixed(double value, int decimals);

@@ -55,6 +55,11 @@ CLI::Validator seed_number() {
   return {check, "[0, 2^64)", "seed"};
 }
 
+CLI::Validator file_name() {
+  const auto check = [](std::string& text) -> std::string { return text.empty() ? "expected a file name" : ""; };
+  return {check, "", "file name"};
+}
+
 CLI::Option* add_choice(CLI::App& command, const char* option, const std::vector<std::string>& names, const char* help,
                         const std::function<void(const std::string&)>& set) {
   std::string words;

@@ -22,6 +22,7 @@ CLI::Validator number_above_zero(double max);
 CLI::Validator number_above_zero();
 CLI::Validator number_not_below_zero();
 CLI::Validator seed_number();
+CLI::Validator file_name();
 
 /// An option that takes one of a few words, which its help lists.
 CLI::Option* add_choice(CLI::App& command, const char* option, const std::vector<std::string>& names, const char* help,

@@ -15,11 +15,6 @@ constexpr int name_width = 26;
 constexpr int number_width = 12;
 constexpr int share_width = 9;
 
-std::string plural(std::int64_t count, const std::string& one, const std::string& more) {
-  return std::to_string(count) + " " + (count == 1 ? one : more);
-}
-std::string plural(std::int64_t count, const std::string& noun) { return plural(count, noun, noun + "s"); }
-
 void write_name(std::ostream& out, const char* name) { out << "  " << std::left << std::setw(name_width) << name; }
 
 void write_number(std::ostream& out, const std::string& number) {

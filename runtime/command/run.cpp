@@ -17,15 +17,23 @@ namespace {
 struct Outputs {
   std::optional<OutputFile> json;
   std::optional<OutputFile> final_state;
+  std::optional<OutputFile> recording;
 };
+
+void check_differ(const std::optional<OutputFile>& file, const char* option, const std::optional<OutputFile>& other,
+                  const char* other_option) {
+  if (!file || !other || file->target() != other->target()) return;
+  throw Failure(Status::Usage, std::string(option) + ": found the file of " + other_option + ", expected another one");
+}
 
 Outputs check_outputs(const RunOptions& options) {
   Outputs outputs;
   if (!options.out.empty()) outputs.json.emplace("--out", options.out);
   if (!options.final_state.empty()) outputs.final_state.emplace("--final-state", options.final_state);
-  if (outputs.json && outputs.final_state && outputs.json->target() == outputs.final_state->target()) {
-    throw Failure(Status::Usage, "--final-state: found the file of --out, expected another one");
-  }
+  if (!options.record.empty()) outputs.recording.emplace("--record", options.record);
+  check_differ(outputs.final_state, "--final-state", outputs.json, "--out");
+  check_differ(outputs.recording, "--record", outputs.json, "--out");
+  check_differ(outputs.recording, "--record", outputs.final_state, "--final-state");
   return outputs;
 }
 
@@ -34,6 +42,25 @@ World make_world(const RunOptions& options, const Scene& scene) {
     return World({.gravity = scene.gravity, .threads = options.threads, .settings = scene.settings});
   } catch (const Error& error) {
     throw Failure(Status::Usage, error.what());
+  }
+}
+
+// All of what the scene is built of is in it.
+void begin_recording(const Outputs& outputs, World& world) {
+  if (!outputs.recording) return;
+  try {
+    world.record(outputs.recording->target());
+  } catch (const Error& error) {
+    throw Failure(Status::Usage, std::string("--record: ") + error.what());
+  }
+}
+
+void end_recording(const Outputs& outputs, World& world) {
+  if (!outputs.recording) return;
+  try {
+    world.stop_recording();
+  } catch (const Error& error) {
+    throw Failure(Status::Usage, std::string("--record: ") + error.what());
   }
 }
 
@@ -74,14 +101,19 @@ void run(const RunOptions& options) {
   const Outputs outputs = check_outputs(options);
   const Scene scene = load(options);
   World world = make_world(options, scene);
+  begin_recording(outputs, world);
   const std::vector<BodyId> ids = add_bodies(scene, world);
 
   const RunResult result =
       simulate(scene, world, ids,
                {.final_state = outputs.final_state.has_value(), .errors = options.errors, .going = options.keep_going});
   write_final_state(outputs, scene, ids, result);
-  if (result.broken) fail_broken(scene, result, outputs);
+  if (result.broken) {
+    end_recording(outputs, world);
+    fail_broken(scene, result, outputs);
+  }
   try {
+    end_recording(outputs, world);
     if (outputs.json) outputs.json->write([&](std::ostream& out) { write_json(out, scene, world, result); });
   } catch (const Failure&) {
     print(options, scene, world, result);  // a disk that filled up meanwhile should not cost the results

@@ -8,28 +8,29 @@
 #include "option_checks.h"
 
 namespace atl::command {
-namespace {
 
-CLI::Validator file_name() {
-  const auto check = [](std::string& text) -> std::string { return text.empty() ? "expected a file name" : ""; };
-  return {check, "", "file name"};
-}
-
-}  // namespace
-
-void add_run_options(CLI::App& command, RunOptions& options) {
+void add_machine_options(CLI::App& command, int& threads, Simd& simd) {
   const unsigned cores = std::thread::hardware_concurrency();  // 0 where it is unknown
-  options.threads = std::clamp(static_cast<int>(cores), 1, most_threads);
-
-  add_scene_options(command, options.scene)->required();
-
+  threads = std::clamp(static_cast<int>(cores), 1, most_threads);
   const char* machine = "Machine (none of these changes a bit of the result)";
-  command.add_option("--threads", options.threads, "worker threads (default: all cores)")
+  command.add_option("--threads", threads, "worker threads (default: all cores)")
       ->check(integer_in(1, most_threads))
       ->group(machine);
   add_choice(command, "--simd", {"auto", "portable", "sse4", "avx2", "avx512"}, "vector instructions of the solver",
-             [&options](const std::string& name) { options.simd = simd_named(name); })
+             [&simd](const std::string& name) { simd = simd_named(name); })
       ->group(machine);
+}
+
+void add_format_option(CLI::App& command, Format& format) {
+  add_choice(command, "--format", {"text", "json"}, "what to print on stdout (default: text)",
+             [&format](const std::string& name) { format = name == "json" ? Format::Json : Format::Text; })
+      ->group("Output");
+}
+
+void add_run_options(CLI::App& command, RunOptions& options) {
+  add_scene_options(command, options.scene)->required();
+
+  add_machine_options(command, options.threads, options.simd);
 
   const char* output = "Output";
   command.add_option("--out", options.out, "write the results as one JSON object to this file")
@@ -42,11 +43,13 @@ void add_run_options(CLI::App& command, RunOptions& options) {
       ->check(file_name())
       ->type_name("FILE")
       ->group(output);
-  const auto set_format = [&options](const std::string& name) {
-    options.format = name == "json" ? Format::Json : Format::Text;
-  };
-  add_choice(command, "--format", {"text", "json"}, "what to print on stdout (default: text)", set_format)
+  command
+      .add_option("--record", options.record,
+                  "write all that is done to the world, and hashes of what it comes to, to this file, for atoll replay")
+      ->check(file_name())
+      ->type_name("FILE")
       ->group(output);
+  add_format_option(command, options.format);
   command
       .add_flag("--errors", options.errors,
                 "measure the errors of every step, contact residual and closed form among them; takes time")

@@ -15,7 +15,7 @@ TEST(CommandUsage, VersionAndHelp) {
 
   const CommandResult help = run_atoll({"--help"});
   EXPECT_EQ(help.status, 0);
-  for (const char* word : {"run", "scenes", "--version", "Exit status", "non-finite"}) {
+  for (const char* word : {"run", "replay", "scenes", "--version", "Exit status", "non-finite"}) {
     EXPECT_NE(help.out.find(word), std::string::npos) << word;
   }
 }
@@ -89,7 +89,7 @@ TEST(CommandUsage, ScenesListsAllWithParameters) {
 }
 
 TEST(CommandUsage, RefusesBadArguments) {
-  expect_refused(run_atoll({}), 2, {"run, sweep, verify or scenes"});
+  expect_refused(run_atoll({}), 2, {"run, replay, sweep, verify or scenes"});
   expect_refused(run_atoll({"walk"}), 2, {"walk"});
   expect_refused(run_atoll({"run"}), 2, {"SCENE"});
   expect_refused(run_atoll({"run", "stack", "wall"}), 2, {"wall"});

@@ -26,8 +26,6 @@ int integer(const std::string& text) {
   return value;
 }
 
-std::string plural(int count, const char* noun) { return std::to_string(count) + " " + noun + (count == 1 ? "" : "s"); }
-
 // The shortest text that reads back as the same number.
 std::string shortest(double value) {
   std::array<char, 32> text;

@@ -71,9 +71,7 @@ void add_verify_options(CLI::App& command, VerifyOptions& options) {
       ->type_name("NAME")
       ->allow_extra_args(false)
       ->group("Stability, instead of a scene");
-  add_choice(command, "--format", {"text", "json"}, "what to print on stdout (default: text)",
-             [&options](const std::string& name) { options.format = name == "json" ? Format::Json : Format::Text; })
-      ->group("Output");
+  add_format_option(command, options.format);
 }
 
 }  // namespace atl::command

@@ -1,0 +1,54 @@
+#include "replay.h"
+
+#include <atoll/world.h>
+
+#include <iostream>
+#include <optional>
+
+#include "failure.h"
+#include "progress.h"
+#include "replay_report.h"
+
+namespace atl::command {
+namespace {
+
+// That threads and instruction set are there is no matter of the file.
+void check_machine(const ReplayFileOptions& options) {
+  try {
+    const World world({.threads = options.threads, .settings = {.simd = options.simd}});
+  } catch (const Error& error) {
+    throw Failure(Status::Usage, error.what());
+  }
+}
+
+ReplayResult replay_with_progress(const ReplayFileOptions& options) {
+  std::optional<Progress> progress;
+  const auto show = [&](std::int64_t steps, std::int64_t of) {
+    if (!progress) progress.emplace(of);
+    progress->update(steps);
+  };
+  try {
+    return replay(options.path, {.threads = options.threads, .simd = options.simd, .on_step = show});
+  } catch (const Error& error) {
+    throw Failure(Status::BadScene, error.what());
+  }
+}
+
+}  // namespace
+
+void replay_file(const ReplayFileOptions& options) {
+  check_machine(options);
+  const ReplayResult result = replay_with_progress(options);
+  if (options.format == Format::Json) {
+    write_replay_json(std::cout, options, result);
+  } else {
+    write_replay_text(std::cout, options, result);
+  }
+  if (!std::cout.flush()) throw Failure(Status::Usage, "cannot write the results to standard output");
+  if (result.divergence) {
+    throw Failure(Status::CheckFailed,
+                  options.path + ": the replay differs from what was recorded: " + first_words(*result.divergence));
+  }
+}
+
+}  // namespace atl::command

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+
+#include "run_options.h"
+
+namespace atl::command {
+
+/// What `atoll replay` was asked to do.
+struct ReplayFileOptions {
+  std::string path;
+  int threads = 1;
+  Simd simd = Simd::Auto;
+  Format format = Format::Text;
+};
+
+/// Declares the options, to be parsed into `options`, which has to outlive the parsing.
+void add_replay_options(CLI::App& command, ReplayFileOptions& options);
+
+}  // namespace atl::command
