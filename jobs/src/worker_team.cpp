@@ -2,6 +2,7 @@
 #include <jobs/worker_team.h>
 
 #include <thread>
+#include <utility>
 
 #if defined(__x86_64__) || defined(__i386__)
 #include <immintrin.h>
@@ -45,14 +46,16 @@ constexpr std::size_t most_chunks = 0xfffe;
 
 WorkerTeam::WorkerTeam(Arena& arena) : arena_(arena), helpers_(arena.threads() - 1) {
   if (helpers_ == 0) return;
-  before_tasks();
   arena_.tbb_arena().execute([this] {
     for (int i = 0; i < helpers_; ++i) {
-      group_.run([this] {
+      // A task reads what it was made with as it begins, so it is made before its hand-over is told.
+      tbb::task_handle helper = group_.defer([this] {
         task_begins();
         help();
         task_ends();
       });
+      before_tasks();
+      group_.run(std::move(helper));
     }
   });
 }
