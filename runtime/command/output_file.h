@@ -21,7 +21,6 @@ class OutputFile {
   const std::filesystem::path& target() const { return target_; }
 
  private:
-  std::filesystem::path create_temporary() const;
   [[noreturn]] void fail(const std::string& why) const;
 
   std::string option_;

@@ -3,8 +3,6 @@
 #include <atoll/error.h>
 #include <atoll/snapshot.h>
 #include <atoll/world.h>
-#include <fcntl.h>
-#include <unistd.h>
 
 #include <array>
 #include <cerrno>
@@ -16,6 +14,7 @@
 #include <system_error>
 
 #include "checksum.h"
+#include "file_beside.h"
 #include "roster_state.h"
 #include "state_archive.h"
 #include "world_impl.h"
@@ -38,38 +37,12 @@ static_assert(sizeof(Header) == 32);
   throw Error(std::string("Snapshot::") + call + ": " + path.string() + ": " + why);
 }
 
-// A new file beside the one that is to be written.
-fs::path create_beside(const fs::path& path) {
-  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  const std::string stem = ".atoll-" + std::to_string(::getpid()) + "-";
-  for (int number = 0;; ++number) {
-    fs::path temporary = folder / (stem + std::to_string(number) + ".tmp");
-    const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (descriptor >= 0) {
-      ::close(descriptor);
-      return temporary;
-    }
-    if (errno != EEXIST) fail("write", path, std::generic_category().message(errno));
-  }
-}
-
 void write_all(const fs::path& path, const Header& header, std::span<const std::byte> bytes) {
-  const fs::path temporary = create_beside(path);
-  errno = 0;
-  std::ofstream stream(temporary, std::ios::binary | std::ios::trunc);
-  stream.write(reinterpret_cast<const char*>(&header), sizeof header);
-  stream.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  stream.close();
-  std::error_code error;
-  if (!stream) {
-    error = {errno != 0 ? errno : EIO, std::generic_category()};
-  } else {
-    fs::rename(temporary, path, error);
-  }
-  if (!error) return;
-  std::error_code ignored;
-  fs::remove(temporary, ignored);
-  fail("write", path, error.message());
+  const std::error_code error = replace_file(path, [&](std::ostream& out) {
+    out.write(reinterpret_cast<const char*>(&header), sizeof header);
+    out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  });
+  if (error) fail("write", path, error.message());
 }
 
 std::vector<char> read_all(const fs::path& path) {
