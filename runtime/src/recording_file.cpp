@@ -48,8 +48,7 @@ RecordingWriter::RecordingWriter(const char* call, const fs::path& path) : path_
   errno = 0;
   stream_.open(partial_, std::ios::binary | std::ios::trunc);
   if (!stream_) fail_writing(call, partial_, words_of(errno));
-  const RecordingHeader header;
-  stream_.write(reinterpret_cast<const char*>(&header), sizeof header);
+  stream_.write(reinterpret_cast<const char*>(&recording_header), sizeof recording_header);
 }
 
 void RecordingWriter::write(RecordKind kind, std::span<const std::byte> content) {
@@ -110,22 +109,16 @@ bool RecordingReader::take(void* data, std::uint64_t count) {
 }
 
 void RecordingReader::check_header() {
-  const RecordingHeader expected;
-  RecordingHeader header;
+  FileHeader header;
   const bool is_long_enough = take(&header.magic, sizeof header.magic);
-  if (!is_long_enough || header.magic != expected.magic) {
+  if (!is_long_enough || header.magic != recording_header.magic) {
     fail("does not begin with \"ATOLLREC\"; expected a recording's file");
   }
   if (!take(&header.order, sizeof header.order) || !take(&header.version, sizeof header.version)) {
     fail("found " + std::to_string(size_) + " bytes; expected a header of " + std::to_string(sizeof header) +
          " at least");
   }
-  if (header.order != expected.order) {
-    fail("found the byte order " + hex(header.order) + "; expected this machine's, " + hex(expected.order));
-  }
-  if (header.version != expected.version) {
-    fail("found version " + std::to_string(header.version) + "; expected " + std::to_string(expected.version));
-  }
+  if (const std::string fault = fault_of(header, recording_header); !fault.empty()) fail(fault);
 }
 
 bool RecordingReader::read_record() {
@@ -171,8 +164,8 @@ void RecordingReader::scan() {
 
 void RecordingReader::rewind() {
   stream_.clear();
-  stream_.seekg(sizeof(RecordingHeader));
-  at_ = sizeof(RecordingHeader);
+  stream_.seekg(sizeof recording_header);
+  at_ = sizeof recording_header;
   number_ = 0;
 }
 

@@ -4,7 +4,6 @@
 
 #include <jobs/hash.h>
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -13,14 +12,12 @@
 #include <string>
 #include <vector>
 
+#include "file_header.h"
+
 namespace atl {
 
-struct RecordingHeader {
-  std::array<char, 8> magic = {'A', 'T', 'O', 'L', 'L', 'R', 'E', 'C'};
-  std::uint32_t order = 0x01020304;  // reads otherwise in another byte order
-  std::uint32_t version = 1;         // of all that follows, the state as in snapshot.cpp included
-};
-static_assert(sizeof(RecordingHeader) == 16);
+/// The version is of all that follows, the state as in snapshot.cpp included.
+inline constexpr FileHeader recording_header = {.magic = {'A', 'T', 'O', 'L', 'L', 'R', 'E', 'C'}, .version = 1};
 
 enum class RecordKind : std::uint32_t {
   Begin = 1,  ///< whose recording it is

@@ -4,6 +4,7 @@
 #include <atoll/snapshot.h>
 #include <atoll/world.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -15,6 +16,7 @@
 
 #include "checksum.h"
 #include "file_beside.h"
+#include "file_header.h"
 #include "roster_state.h"
 #include "state_archive.h"
 #include "world_impl.h"
@@ -25,11 +27,9 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Header {
-  std::array<char, 8> magic = {'A', 'T', 'O', 'L', 'L', 'S', 'N', 'P'};
-  std::uint32_t order = 0x01020304;  // reads otherwise in another byte order
-  std::uint32_t version = 1;         // of all that follows
-  std::uint64_t length = 0;          // bytes that follow the header
-  std::uint64_t checksum = 0;        // of these
+  FileHeader begin = {.magic = {'A', 'T', 'O', 'L', 'L', 'S', 'N', 'P'}, .version = 1};
+  std::uint64_t length = 0;    // bytes that follow the header
+  std::uint64_t checksum = 0;  // of these
 };
 static_assert(sizeof(Header) == 32);
 
@@ -61,7 +61,8 @@ std::vector<char> read_all(const fs::path& path) {
 std::span<const std::byte> checked_content(const fs::path& path, const std::vector<char>& file) {
   const Header expected;
   Header header;
-  if (file.size() < sizeof header.magic || std::memcmp(file.data(), &expected.magic, sizeof expected.magic) != 0) {
+  const std::array<char, 8>& magic = expected.begin.magic;
+  if (file.size() < magic.size() || !std::equal(magic.begin(), magic.end(), file.begin())) {
     fail("read", path, "does not begin with \"ATOLLSNP\"; expected a snapshot's file");
   }
   if (file.size() < sizeof header) {
@@ -70,14 +71,7 @@ std::span<const std::byte> checked_content(const fs::path& path, const std::vect
              " at least");
   }
   std::memcpy(&header, file.data(), sizeof header);
-  if (header.order != expected.order) {
-    fail("read", path,
-         "found the byte order " + hex(header.order) + "; expected this machine's, " + hex(expected.order));
-  }
-  if (header.version != expected.version) {
-    fail("read", path,
-         "found version " + std::to_string(header.version) + "; expected " + std::to_string(expected.version));
-  }
+  if (const std::string fault = fault_of(header.begin, expected.begin); !fault.empty()) fail("read", path, fault);
   const std::span<const std::byte> content = std::as_bytes(std::span(file)).subspan(sizeof header);
   if (content.size() != header.length) {
     fail("read", path,
