@@ -1,8 +1,5 @@
 #include "figures.h"
 
-#include <cinttypes>
-#include <cstdio>
-
 namespace atl::command {
 
 std::vector<Count> named_counts(const StepCounts& c) {
@@ -53,12 +50,6 @@ std::string body_words(const Scene& scene, std::size_t body) {
 std::string lost_words(const Scene& scene, const LostBody& lost) {
   return body_words(scene, lost.body) + " was quarantined in step " + std::to_string(lost.step) + " of " +
          std::to_string(scene.steps) + ": " + lost.why;
-}
-
-std::string hash_text(std::uint64_t hash) {
-  char text[19];
-  std::snprintf(text, sizeof text, "0x%016" PRIx64, hash);
-  return text;
 }
 
 }  // namespace atl::command

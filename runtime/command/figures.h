@@ -29,7 +29,4 @@ std::string body_words(const Scene& scene, std::size_t body);
 /// `body 3 "crate" was quarantined in step 7 of 60: its speed is above 1e6 m/s`.
 std::string lost_words(const Scene& scene, const LostBody& lost);
 
-/// "0x" and 16 hexadecimal digits.
-std::string hash_text(std::uint64_t hash);
-
 }  // namespace atl::command

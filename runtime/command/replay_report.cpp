@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <ostream>
 
-#include "figures.h"
 #include "names.h"
+#include "src/hex.h"
 
 namespace atl::command {
 namespace {

@@ -5,6 +5,7 @@
 
 #include "figures.h"
 #include "names.h"
+#include "src/hex.h"
 
 namespace atl::command {
 namespace {

@@ -1,5 +1,5 @@
 #pragma once
-/// Checksums of what is in files, and how messages write them.
+/// Checksums of what is in files.
 
 #include <jobs/hash.h>
 
@@ -8,8 +8,6 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
-#include <sstream>
-#include <string>
 
 namespace atl {
 
@@ -22,12 +20,6 @@ inline std::uint64_t checksum_of(std::span<const std::byte> bytes) {
     hash.add(word);
   }
   return hash.value();
-}
-
-inline std::string hex(std::uint64_t value) {
-  std::ostringstream out;
-  out << "0x" << std::hex << value;
-  return out.str();
 }
 
 }  // namespace atl

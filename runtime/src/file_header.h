@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "checksum.h"
+#include "hex.h"
 
 namespace atl {
 

@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "checksum.h"
+#include "hex.h"
 
 namespace atl {
 namespace {

@@ -10,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include "hex.h"
 #include "roster_state.h"
 #include "state_archive.h"
 
@@ -61,7 +62,7 @@ void describe(std::ostream& out, const CheckedCollider& collider) {
     case ShapeKind::HalfSpace:
       break;
     default:
-      out << " with the fingerprint 0x" << std::hex << collider.content << std::dec;
+      out << " with the fingerprint " << hex(collider.content);
   }
 }
 
@@ -73,7 +74,7 @@ std::string described(const BodyConstants& body) {
   if (body.colliders.size() > 1) out << "Compound of " << body.colliders.size() << " shapes, the first a ";
   describe(out, body.colliders.front());
   if (body.inverse_mass > 0) out << ", " << 1 / body.inverse_mass << " kg";
-  out << ", fingerprint 0x" << std::hex << fingerprint(body);
+  out << ", fingerprint " << hex(fingerprint(body));
   return out.str();
 }
 

@@ -17,6 +17,7 @@
 #include "checksum.h"
 #include "file_beside.h"
 #include "file_header.h"
+#include "hex.h"
 #include "roster_state.h"
 #include "state_archive.h"
 #include "world_impl.h"

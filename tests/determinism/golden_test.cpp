@@ -11,6 +11,7 @@
 #include <set>
 #include <string>
 
+#include "src/hex.h"
 #include "support/variants.h"
 
 namespace atl::test {

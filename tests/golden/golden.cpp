@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <fstream>
-#include <iomanip>
 #include <sstream>
 #include <stdexcept>
 
@@ -106,12 +105,6 @@ GoldenHashes read_golden_hashes(const std::string& path) {
     hashes[line.substr(space + 1)] = hash;
   }
   return hashes;
-}
-
-std::string hash_text(std::uint64_t hash) {
-  std::ostringstream text;
-  text << "0x" << std::hex << std::setw(16) << std::setfill('0') << hash;
-  return text.str();
 }
 
 }  // namespace atl::test

@@ -35,7 +35,4 @@ std::string golden_path();
 /// Throws std::runtime_error naming the line that can't be read.
 GoldenHashes read_golden_hashes(const std::string& path);
 
-/// "0x" and 16 hexadecimal digits.
-std::string hash_text(std::uint64_t hash);
-
 }  // namespace atl::test

@@ -5,6 +5,7 @@
 #include <iostream>
 
 #include "golden/golden.h"
+#include "src/hex.h"
 
 namespace {
 
@@ -17,7 +18,7 @@ void write(std::ostream& out) {
     atl::divergence::VariantRun run(scene, {});
     for (const std::int64_t step : atl::test::golden_steps) {
       while (run.steps() < step) run.step();
-      out << atl::test::hash_text(run.hash()) << " " << atl::test::golden_key(golden, step) << "\n";
+      out << atl::hash_text(run.hash()) << " " << atl::test::golden_key(golden, step) << "\n";
     }
   }
 }

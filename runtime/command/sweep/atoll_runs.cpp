@@ -6,8 +6,8 @@
 #include <ctime>
 
 #include "../failure.h"
-#include "../figures.h"
 #include "../residual_meter.h"
+#include "src/hex.h"
 
 namespace atl::command {
 namespace {

@@ -6,6 +6,7 @@
 #include "../figures.h"
 #include "results.h"
 #include "results_object.h"
+#include "src/hex.h"
 
 namespace atl::command {
 namespace {
