@@ -4,15 +4,13 @@
 #include <iomanip>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 namespace atl::command {
 namespace {
 
 template <class Enum>
-struct Named {
-  Enum value;
-  const char* name;
-};
+using Named = std::pair<Enum, const char*>;
 
 constexpr std::array frictions = {Named<FrictionModel>{FrictionModel::Cone, "cone"},
                                   Named<FrictionModel>{FrictionModel::Pyramid, "pyramid"}};
@@ -24,30 +22,27 @@ constexpr std::array contact_solvers = {Named<ContactSolver>{ContactSolver::Auto
 constexpr std::array joint_solvers = {Named<JointSolver>{JointSolver::Auto, "auto"},
                                       Named<JointSolver>{JointSolver::Iterative, "iterative"},
                                       Named<JointSolver>{JointSolver::Direct, "direct"}};
-constexpr std::array simds = {Named<Simd>{Simd::Auto, "auto"},     Named<Simd>{Simd::Portable, "portable"},
-                              Named<Simd>{Simd::Sse4, "sse4"},     Named<Simd>{Simd::Avx2, "avx2"},
-                              Named<Simd>{Simd::Avx512, "avx512"}, Named<Simd>{Simd::Neon, "neon"}};
 
 template <class Enum, std::size_t size>
 const char* find_name(const std::array<Named<Enum>, size>& all, Enum value) {
-  for (const auto& entry : all) {
-    if (entry.value == value) return entry.name;
+  for (const auto& [each, name] : all) {
+    if (each == value) return name;
   }
   return "unknown";
 }
 
 template <class Enum, std::size_t size>
 bool is_name(const std::array<Named<Enum>, size>& all, std::string_view name) {
-  for (const auto& entry : all) {
-    if (entry.name == name) return true;
+  for (const auto& [value, each] : all) {
+    if (each == name) return true;
   }
   return false;
 }
 
 template <class Enum, std::size_t size>
 Enum find_value(const std::array<Named<Enum>, size>& all, std::string_view name) {
-  for (const auto& entry : all) {
-    if (entry.name == name) return entry.value;
+  for (const auto& [value, each] : all) {
+    if (each == name) return value;
   }
   throw std::logic_error("an option let an unknown name pass: " + std::string(name));
 }
@@ -58,14 +53,13 @@ const char* name_of(FrictionModel friction) { return find_name(frictions, fricti
 const char* name_of(Stabilisation stabilisation) { return find_name(stabilisations, stabilisation); }
 const char* name_of(ContactSolver solver) { return find_name(contact_solvers, solver); }
 const char* name_of(JointSolver solver) { return find_name(joint_solvers, solver); }
-const char* name_of(Simd simd) { return find_name(simds, simd); }
 FrictionModel friction_named(std::string_view name) { return find_value(frictions, name); }
 Stabilisation stabilisation_named(std::string_view name) { return find_value(stabilisations, name); }
 ContactSolver contact_solver_named(std::string_view name) { return find_value(contact_solvers, name); }
 bool is_contact_solver(const std::string& name) { return is_name(contact_solvers, name); }
 bool is_joint_solver(const std::string& name) { return is_name(joint_solvers, name); }
 JointSolver joint_solver_named(std::string_view name) { return find_value(joint_solvers, name); }
-Simd simd_named(std::string_view name) { return find_value(simds, name); }
+Simd simd_named(std::string_view name) { return find_value(simd_names, name); }
 
 std::string plural(std::int64_t count, const std::string& one, const std::string& more) {
   return std::to_string(count) + " " + (count == 1 ? one : more);

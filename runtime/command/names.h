@@ -6,6 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "src/simd_names.h"
+
 namespace atl::command {
 
 /// The words that options and reports have for the library's enumerations.
@@ -13,7 +15,7 @@ const char* name_of(FrictionModel friction);
 const char* name_of(Stabilisation stabilisation);
 const char* name_of(ContactSolver solver);
 const char* name_of(JointSolver solver);
-const char* name_of(Simd simd);
+using atl::name_of;  // Simd's
 FrictionModel friction_named(std::string_view name);
 Stabilisation stabilisation_named(std::string_view name);
 ContactSolver contact_solver_named(std::string_view name);

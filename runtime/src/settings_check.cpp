@@ -2,10 +2,10 @@
 
 #include <atoll/error.h>
 
-#include <array>
 #include <cmath>
 #include <sstream>
-#include <utility>
+
+#include "simd_names.h"
 
 namespace atl {
 namespace {
@@ -28,12 +28,6 @@ void check_positive(const char* field, double value) {
 void check_not_negative(const char* field, double value) {
   if (!(std::isfinite(value) && value >= 0)) refuse(field, value, "a finite number not below 0");
 }
-
-constexpr std::array<std::pair<Simd, const char*>, 5> set_names = {{{Simd::Portable, "portable"},
-                                                                    {Simd::Sse4, "sse4"},
-                                                                    {Simd::Avx2, "avx2"},
-                                                                    {Simd::Avx512, "avx512"},
-                                                                    {Simd::Neon, "neon"}}};
 
 }  // namespace
 
@@ -90,7 +84,7 @@ solver::SolverSettings solver_settings(const Settings& settings) {
 
 const solver::Kernels& kernels_for(Simd simd) {
   if (simd == Simd::Auto) return *solver::available_kernels().front();
-  for (const auto& [set, name] : set_names) {
+  for (const auto& [set, name] : simd_names) {
     if (set != simd) continue;
     if (const solver::Kernels* kernels = solver::find_kernels(name)) return *kernels;
     std::ostringstream message;
@@ -102,7 +96,7 @@ const solver::Kernels& kernels_for(Simd simd) {
 }
 
 Simd simd_of(const solver::Kernels& kernels) {
-  for (const auto& [set, name] : set_names) {
+  for (const auto& [set, name] : simd_names) {
     if (std::string_view(kernels.name) == name) return set;
   }
   return Simd::Portable;

@@ -48,7 +48,7 @@ TEST_P(Golden, HashesAreThoseOfTheFile) {
         ASSERT_TRUE(expected.contains(key)) << golden_path() << " has no line for \"" << key << "\"";
         ASSERT_EQ(hash_text(run.hash()), hash_text(expected.at(key)))
             << "step " << golden_steps[i] << " of " << GetParam().scene << ", settings \"" << GetParam().settings
-            << "\", differs from " << golden_path() << "\nwith " << threads << " threads on " << simd_name(simd)
+            << "\", differs from " << golden_path() << "\nwith " << threads << " threads on " << name_of(simd)
             << ", built by " << compiler()
             << ".\nIf results are meant to change, build and run atoll_write_golden; if not, something depends on "
                "threads, vectors or the compiler: atoll verify tells where.";

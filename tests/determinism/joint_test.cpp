@@ -75,7 +75,7 @@ TEST_P(JointBits, DoNotDependOnThreadsOrVectors) {
   for (const Simd simd : divergence::supported_simds()) {
     Settings with = settings;
     with.simd = simd;
-    EXPECT_EQ(trail({.threads = 2, .settings = with}), expected) << simd_name(simd);
+    EXPECT_EQ(trail({.threads = 2, .settings = with}), expected) << name_of(simd);
   }
 }
 

@@ -127,7 +127,7 @@ TEST_P(Matrix, NeitherThreadsNorVectorsChangeABit) {
     // 8 are more than many machines have cores.
     for (const int threads : {1, 2, 3, 4, 8}) {
       Playground other({.threads = threads, .settings = settings(simd)});
-      EXPECT_TRUE(other.run(steps()) == expected) << threads << " threads on " << simd_name(simd);
+      EXPECT_TRUE(other.run(steps()) == expected) << threads << " threads on " << name_of(simd);
     }
   }
 }

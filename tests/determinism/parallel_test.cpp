@@ -130,7 +130,7 @@ TEST(Parallel, SweepsAndEventsDoNotDependOnThreads) {
   for (const Simd simd : divergence::supported_simds()) {
     for (const int threads : {1, 2, 4}) {
       EXPECT_EQ(run_bullets({.threads = threads, .settings = {.contact_events = true, .simd = simd}}), expected)
-          << threads << " threads on " << simd_name(simd);
+          << threads << " threads on " << name_of(simd);
     }
   }
 }

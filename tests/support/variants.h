@@ -8,26 +8,9 @@
 #include <vector>
 
 #include "divergence/divergence.h"
+#include "src/simd_names.h"
 
 namespace atl::test {
-
-inline const char* simd_name(Simd simd) {
-  switch (simd) {
-    case Simd::Auto:
-      return "auto";
-    case Simd::Portable:
-      return "portable";
-    case Simd::Sse4:
-      return "sse4";
-    case Simd::Avx2:
-      return "avx2";
-    case Simd::Avx512:
-      return "avx512";
-    case Simd::Neon:
-      return "neon";
-  }
-  return "?";
-}
 
 /// Expects that a run keeps to the trail of the run of `first`; else names the step and the first body that differs.
 inline void expect_same(const std::vector<std::uint64_t>& trail, const Scene& scene, const divergence::Variant& first,
@@ -40,7 +23,7 @@ inline void expect_same(const std::vector<std::uint64_t>& trail, const Scene& sc
     body = ", first in body " + std::to_string(found.bodies.front().body);
     for (const divergence::PartDifference& part : found.bodies.front().parts) body += ", " + part.part;
   }
-  ADD_FAILURE() << "diverges in step " << *step << " with " << other.threads << " threads on " << simd_name(other.simd)
+  ADD_FAILURE() << "diverges in step " << *step << " with " << other.threads << " threads on " << name_of(other.simd)
                 << body << (found.seen_again ? "" : "; not in a second run");
 }
 
