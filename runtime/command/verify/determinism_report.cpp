@@ -64,11 +64,9 @@ class Columns {
 };
 
 std::string body_words(const Scene& scene, const BodyDifference& body) {
-  const std::string& name = scene.bodies[body.body].name;
-  std::string words = "body " + std::to_string(body.body) + (name.empty() ? "" : " \"" + name + "\"") + ": ";
+  std::string words = command::body_words(scene, body.body);
   for (const PartDifference& part : body.parts) {
-    if (&part != &body.parts.front()) words += ", ";
-    words += part.part;
+    words += (&part == &body.parts.front() ? ": " : ", ") + part.part;
     if (part.by) words += " by " + significant(*part.by, 3) + " " + part.unit;
   }
   return words;
@@ -85,7 +83,7 @@ void write_divergence(std::ostream& out, const Columns& columns, const Scene& sc
   const Divergence& divergence = *result.divergence;
   const std::size_t count = divergence.bodies.size();
   std::string words = "differs in step " + std::to_string(divergence.step) + ": ";
-  words += count == 0 ? other_words(divergence) : std::to_string(count) + (count == 1 ? " body" : " bodies");
+  words += count == 0 ? other_words(divergence) : plural(static_cast<std::int64_t>(count), "body", "bodies");
   columns.write_run(out, result.variant, words);
   for (std::size_t i = 0; i < std::min(count, most_bodies); ++i) {
     columns.write_more(out, body_words(scene, divergence.bodies[i]));
@@ -128,8 +126,7 @@ std::string first_words(const Scene& scene, const Divergence& divergence) {
 
 void write_determinism_text(std::ostream& out, const Scene& scene, const DeterminismResult& result) {
   out << "scene     " << scene.name << "\n"
-      << "run       " << scene.steps << (scene.steps == 1 ? " step" : " steps") << " of "
-      << significant(1000 * scene.dt, 4) << " ms\n\n";
+      << "run       " << plural(scene.steps, "step") << " of " << significant(1000 * scene.dt, 4) << " ms\n\n";
   const Columns columns(result);
   columns.write_head(out, "state and events");
   columns.write_run(out, result.baseline, "hash " + hash_text(result.hash) + " after the last step");

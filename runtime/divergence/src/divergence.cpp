@@ -1,5 +1,7 @@
 #include "divergence/divergence.h"
 
+#include "src/body_parts.h"
+
 namespace atl::divergence {
 namespace {
 
@@ -20,20 +22,19 @@ void note(std::vector<PartDifference>& parts, const char* linear, const char* li
 BodyDifference difference(std::size_t body, const BodyHash& a, const BodyHash& b, const BodyState& at,
                           const BodyState& other) {
   BodyDifference result{body, {}};
-  if (a.pose != b.pose) {
-    // Quaternions a small angle apart are half as far from each other.
-    note(result.parts, "position", "m", (other.pose.position - at.pose.position).stableNorm(), "orientation", "rad",
-         2 * (other.pose.orientation.coeffs() - at.pose.orientation.coeffs()).stableNorm());
+  for (const auto& [name, part] : body_parts) {
+    if (a.*part == b.*part) continue;
+    if (part == &BodyHash::pose) {
+      // Quaternions a small angle apart are half as far from each other.
+      note(result.parts, "position", "m", (other.pose.position - at.pose.position).stableNorm(), "orientation", "rad",
+           2 * (other.pose.orientation.coeffs() - at.pose.orientation.coeffs()).stableNorm());
+    } else if (part == &BodyHash::velocity) {
+      note(result.parts, "velocity", "m/s", (other.velocity - at.velocity).stableNorm(), "angular_velocity", "rad/s",
+           (other.angular_velocity - at.angular_velocity).stableNorm());
+    } else {
+      result.parts.push_back({name});
+    }
   }
-  if (a.velocity != b.velocity) {
-    note(result.parts, "velocity", "m/s", (other.velocity - at.velocity).stableNorm(), "angular_velocity", "rad/s",
-         (other.angular_velocity - at.angular_velocity).stableNorm());
-  }
-  if (a.input != b.input) result.parts.push_back({"forces"});
-  if (a.rest != b.rest) result.parts.push_back({"rest"});
-  if (a.bounds != b.bounds) result.parts.push_back({"bounds"});
-  if (a.contacts != b.contacts) result.parts.push_back({"contacts"});
-  if (a.joints != b.joints) result.parts.push_back({"joints"});
   return result;
 }
 
