@@ -24,6 +24,9 @@ bool is_contact_solver(const std::string& name);
 bool is_joint_solver(const std::string& name);
 Simd simd_named(std::string_view name);
 
+/// What of a world's state is no body's, where two of them differ.
+inline constexpr const char* beside_bodies = "settings, gravity, quarantine, or which ids come next";
+
 /// "1 step", "2 steps".
 std::string plural(std::int64_t count, const std::string& one, const std::string& more);
 std::string plural(std::int64_t count, const std::string& noun);

@@ -24,7 +24,7 @@ std::string words_of(const ReplayedBody& body) {
 // What differs where no body is known to.
 std::string other_words(const ReplayDivergence& divergence) {
   if (!divergence.bodies_step) return "the recording doesn't tell of which bodies";
-  return "settings, gravity, quarantine, or which ids come next";
+  return beside_bodies;
 }
 
 std::string run_words(int threads, Simd simd) { return plural(threads, "thread") + ", " + name_of(simd); }

@@ -76,7 +76,7 @@ std::string body_words(const Scene& scene, const BodyDifference& body) {
 std::string other_words(const Divergence& divergence) {
   if (!divergence.seen_again) return "not seen again in a second run, so a matter of timing";
   if (divergence.events) return "events or their order";
-  return "settings, gravity, quarantine, or which ids come next";
+  return beside_bodies;
 }
 
 void write_divergence(std::ostream& out, const Columns& columns, const Scene& scene, const VariantResult& result) {
