@@ -46,23 +46,24 @@ World make_world(const RunOptions& options, const Scene& scene) {
   }
 }
 
-// All of what the scene is built of is in it.
-void begin_recording(const Outputs& outputs, World& world) {
+// Does that with the recording, if there is one.
+template <typename Act>
+void with_recording(const Outputs& outputs, const Act& act) {
   if (!outputs.recording) return;
   try {
-    world.record(outputs.recording->target());
+    act(outputs.recording->target());
   } catch (const Error& error) {
     throw Failure(Status::Usage, std::string("--record: ") + error.what());
   }
 }
 
+// All of what the scene is built of is in it.
+void begin_recording(const Outputs& outputs, World& world) {
+  with_recording(outputs, [&](const std::filesystem::path& path) { world.record(path); });
+}
+
 void end_recording(const Outputs& outputs, World& world) {
-  if (!outputs.recording) return;
-  try {
-    world.stop_recording();
-  } catch (const Error& error) {
-    throw Failure(Status::Usage, std::string("--record: ") + error.what());
-  }
+  with_recording(outputs, [&](const std::filesystem::path&) { world.stop_recording(); });
 }
 
 std::vector<BodyId> add_bodies(const Scene& scene, World& world) {
