@@ -41,8 +41,7 @@ void Recorder::note_state(const Roster& roster, std::span<const std::byte> state
     if (body) note_geometry(*body);
   }
   StateWriter writer(bytes_);
-  write_constants(writer, roster);
-  visit_numbers(writer, roster);
+  write_roster(writer, roster);
   writer.values(state.data(), state.size());
   write(RecordKind::State, writer);
 }

@@ -143,10 +143,7 @@ class Replay {
   }
 
   void take_state(StateReader& record) {
-    auto roster = std::make_shared<Roster>();
-    read_constants(record, *roster);
-    visit_numbers(record, *roster);
-    check_numbers(record, *roster);
+    const std::shared_ptr<const Roster> roster = read_roster(record);
     World::Impl& impl = *world_.impl_;
     impl.restore(with_geometry(roster, geometry_), impl.serial(), reader_.content().last(record.left()));
     begun_ = true;

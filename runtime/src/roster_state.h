@@ -142,4 +142,20 @@ void check_numbers(Archive& archive, const Roster& roster) {
   }
 }
 
+/// All of a roster but geometry.
+template <typename Archive>
+void write_roster(Archive& archive, const Roster& roster) {
+  write_constants(archive, roster);
+  visit_numbers(archive, roster);
+}
+
+template <typename Archive>
+std::shared_ptr<const Roster> read_roster(Archive& archive) {
+  auto roster = std::make_shared<Roster>();
+  read_constants(archive, *roster);
+  visit_numbers(archive, *roster);
+  check_numbers(archive, *roster);
+  return roster;
+}
+
 }  // namespace atl

@@ -92,8 +92,7 @@ void Snapshot::write(const fs::path& path) const {
   if (empty()) fail("write", path, "the snapshot is empty; expected one that holds a state");
   std::vector<std::byte> bytes;
   StateWriter writer(bytes);
-  write_constants(writer, *roster_);
-  visit_numbers(writer, *roster_);
+  write_roster(writer, *roster_);
   writer.values(bytes_.data(), size_);
   const std::span<const std::byte> content(bytes.data(), writer.size());
   Header header;
@@ -108,10 +107,7 @@ Snapshot Snapshot::read(const fs::path& path) {
   Snapshot snapshot;
   try {
     StateReader reader(content);
-    auto roster = std::make_shared<Roster>();
-    read_constants(reader, *roster);
-    visit_numbers(reader, *roster);
-    check_numbers(reader, *roster);
+    std::shared_ptr<const Roster> roster = read_roster(reader);
     const std::span<const std::byte> state = content.last(reader.left());
     // What is found wrong in a world of its own can't harm another.
     World::Impl::try_out(roster, state);
