@@ -13,6 +13,7 @@
 
 #include "filter_state.h"
 #include "joint_state.h"
+#include "recording_file.h"
 #include "settings_state.h"
 
 namespace atl::calls {
@@ -181,6 +182,12 @@ constexpr std::size_t number_of_call() {
   } else {
     return number_of_call<Call, number + 1>();
   }
+}
+
+/// Of a call's records.
+template <typename Call>
+constexpr RecordKind kind_of() {
+  return static_cast<RecordKind>(static_cast<std::size_t>(RecordKind::Call) + number_of_call<Call>());
 }
 
 }  // namespace atl

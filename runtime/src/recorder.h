@@ -35,7 +35,7 @@ class Recorder {
   void note(const Call& call) {
     StateWriter writer(bytes_);
     visit_call(writer, call);
-    write(static_cast<RecordKind>(static_cast<std::size_t>(RecordKind::Call) + number_of_call<Call>()), writer);
+    write(kind_of<Call>(), writer);
   }
   void note_body(const CheckedBody& body);
   /// All of the world, as the recording begins or after it was restored.

@@ -29,11 +29,6 @@ inline void write_records(const std::filesystem::path& path, const std::vector<R
   writer.finish("test");
 }
 
-template <typename Call>
-constexpr RecordKind kind_of() {
-  return static_cast<RecordKind>(static_cast<std::size_t>(RecordKind::Call) + number_of_call<Call>());
-}
-
 /// Changes the force along x by a part in a few thousand in the recording's `count`th call of World::apply_force, from
 /// 0.
 inline void change_a_force(const std::filesystem::path& path, int count) {
