@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "loaded_contact.h"
+
 namespace atl::solver {
 namespace {
 
@@ -237,11 +239,7 @@ void DirectContacts::note_overloads(const SolveInput& input) const {
   const Build build = build_of(input.islands, island_);
   const double give = SubstepConstants::give_by_impulse(input.settings, input.dt, build);
   for (const TouchingPair& pair : pairs_) {
-    const LoadedContact contact = {.manifold = input.manifolds[pair.slot],
-                                   .first = pair.first,
-                                   .second = pair.second,
-                                   .inverse_first = input.bodies.inverse_mass[pair.first],
-                                   .inverse_second = input.bodies.inverse_mass[pair.second]};
+    const LoadedContact contact = loaded_contact(input.bodies, input.manifolds, pair);
     note_overload(contact, give * load_of(contact.manifold), build, input.overloads.local());
   }
 }

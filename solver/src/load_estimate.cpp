@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "loaded_contact.h"
 #include "rows3.h"
 
 namespace atl::solver {
@@ -67,12 +68,9 @@ void LoadEstimate::add_overloads(const LoadInput& input, std::size_t island, std
       const double load = load_[above] / count;
       // What is higher has handed its load on already.
       if (support.below != Islands::none && height_[support.below] < height_[above]) load_[support.below] += load;
-      note_overload({.manifold = input.manifolds[support.slot],
-                     .first = support.first,
-                     .second = support.second,
-                     .inverse_first = input.bodies.inverse_mass[support.first],
-                     .inverse_second = input.bodies.inverse_mass[support.second]},
-                    give * load / support.along, build, overloads);
+      const LoadedContact contact =
+          loaded_contact(input.bodies, input.manifolds, {support.first, support.second, support.slot});
+      note_overload(contact, give * load / support.along, build, overloads);
     }
   }
 }
