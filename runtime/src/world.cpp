@@ -34,6 +34,12 @@ std::uint64_t next_serial() {
   return ++last;
 }
 
+// Has a call recorded that was made, if there is a recording.
+template <typename Call>
+void note(const auto& impl, const auto&... arguments) {
+  if (impl.recorder) impl.recorder->note(Call{arguments...});
+}
+
 }  // namespace
 
 World::Impl::Impl(const WorldDef& def)
@@ -64,7 +70,7 @@ BodyId World::add_body(const BodyDef& def) {
 
 void World::remove_body(BodyId id) {
   impl_->remove_body(id);
-  if (impl_->recorder) impl_->recorder->note(calls::RemoveBody{id});
+  note<calls::RemoveBody>(*impl_, id);
 }
 
 bool World::contains(BodyId id) const {
@@ -100,7 +106,7 @@ bool World::is_asleep(BodyId id) const { return impl_->sleeping.is_asleep(impl_-
 
 void World::set_pose(BodyId id, const Pose& pose) {
   impl_->set_pose(id, pose);
-  if (impl_->recorder) impl_->recorder->note(calls::SetPose{id, pose});
+  note<calls::SetPose>(*impl_, id, pose);
 }
 
 void World::set_velocity(BodyId id, const Vector3& linear, const Vector3& angular) {
@@ -113,13 +119,13 @@ void World::set_velocity(BodyId id, const Vector3& linear, const Vector3& angula
   const std::uint32_t body = impl_->awaken(id, "set_velocity");
   impl_->bodies.velocity(body) = linear;
   impl_->bodies.angular_velocity(body) = angular;
-  if (impl_->recorder) impl_->recorder->note(calls::SetVelocity{id, linear, angular});
+  note<calls::SetVelocity>(*impl_, id, linear, angular);
 }
 
 void World::set_surface_velocity(BodyId id, const Vector3& velocity) {
   check_finite("World::set_surface_velocity: velocity", velocity);
   impl_->set_surface_velocity(id, velocity);
-  if (impl_->recorder) impl_->recorder->note(calls::SetSurfaceVelocity{id, velocity});
+  note<calls::SetSurfaceVelocity>(*impl_, id, velocity);
 }
 
 void World::apply_force(BodyId id, const Vector3& force, const Vector3& torque) {
@@ -127,14 +133,14 @@ void World::apply_force(BodyId id, const Vector3& force, const Vector3& torque) 
   check_finite("World::apply_force: torque", torque);
   const std::uint32_t body = impl_->awaken(id, "apply_force");
   impl_->apply_force(body, force, torque);
-  if (impl_->recorder) impl_->recorder->note(calls::ApplyForce{id, force, torque});
+  note<calls::ApplyForce>(*impl_, id, force, torque);
 }
 
 void World::apply_impulse(BodyId id, const Vector3& impulse, const Vector3& point) {
   check_finite("World::apply_impulse: impulse", impulse);
   check_finite("World::apply_impulse: point", point);
   const std::uint32_t body = impl_->awaken(id, "apply_impulse");
-  if (impl_->recorder) impl_->recorder->note(calls::ApplyImpulse{id, impulse, point});
+  note<calls::ApplyImpulse>(*impl_, id, impulse, point);
   if (impl_->quarantine.contains(body)) return;
   solver::BodyTable& bodies = impl_->bodies;
   const solver::Quaternion orientation = bodies.orientation(body);
@@ -145,7 +151,7 @@ void World::apply_impulse(BodyId id, const Vector3& impulse, const Vector3& poin
 
 void World::wake(BodyId id) {
   impl_->awaken(id, "wake");
-  if (impl_->recorder) impl_->recorder->note(calls::Wake{id});
+  note<calls::Wake>(*impl_, id);
 }
 
 std::span<const Quarantined> World::quarantined() const { return impl_->quarantine.bodies(); }
@@ -156,17 +162,17 @@ bool World::is_quarantined(BodyId id) const {
 
 void World::release(BodyId id) {
   impl_->release_body(id);
-  if (impl_->recorder) impl_->recorder->note(calls::Release{id});
+  note<calls::Release>(*impl_, id);
 }
 
 void World::set_filter(BodyId id, const CollisionFilter& filter) {
   impl_->set_filter(id, filter);
-  if (impl_->recorder) impl_->recorder->note(calls::SetFilter{id, filter});
+  note<calls::SetFilter>(*impl_, id, filter);
 }
 
 void World::set_collision_enabled(BodyId a, BodyId b, bool enabled) {
   impl_->set_collision_enabled(a, b, enabled);
-  if (impl_->recorder) impl_->recorder->note(calls::SetCollisionEnabled{a, b, enabled});
+  note<calls::SetCollisionEnabled>(*impl_, a, b, enabled);
 }
 
 JointId World::add_joint(const JointDef& def) {
@@ -179,7 +185,7 @@ JointId World::add_joint(const JointDef& def) {
 
 void World::remove_joint(JointId id) {
   impl_->remove_joint(impl_->index_of(id, "remove_joint"));
-  if (impl_->recorder) impl_->recorder->note(calls::RemoveJoint{id});
+  note<calls::RemoveJoint>(*impl_, id);
 }
 
 bool World::contains(JointId id) const { return impl_->contains(id); }
@@ -189,12 +195,12 @@ JointState World::joint_state(JointId id) const { return impl_->joint_state(impl
 
 void World::set_joint(JointId id, const JointKind& kind) {
   impl_->set_joint(impl_->index_of(id, "set_joint"), kind);
-  if (impl_->recorder) impl_->recorder->note(calls::SetJoint{id, kind});
+  note<calls::SetJoint>(*impl_, id, kind);
 }
 
 void World::set_joint_enabled(JointId id, bool enabled) {
   impl_->set_joint_enabled(impl_->index_of(id, "set_joint_enabled"), enabled);
-  if (impl_->recorder) impl_->recorder->note(calls::SetJointEnabled{id, enabled});
+  note<calls::SetJointEnabled>(*impl_, id, enabled);
 }
 
 std::span<const EscalatedIsland> World::escalated_islands() const { return impl_->escalated_islands(); }
@@ -205,7 +211,7 @@ void World::set_gravity(const Vector3& gravity) {
   check_finite("World::set_gravity: gravity", gravity);
   if (gravity != impl_->gravity) impl_->wake_all();
   impl_->gravity = gravity;
-  if (impl_->recorder) impl_->recorder->note(calls::SetGravity{gravity});
+  note<calls::SetGravity>(*impl_, gravity);
 }
 
 void World::set_settings(const Settings& settings) {
@@ -215,7 +221,7 @@ void World::set_settings(const Settings& settings) {
   impl_->settings = settings;
   impl_->kernels = &kernels_for(settings.simd);
   impl_->refresh_kernels = collision::find_refresh_kernels(impl_->kernels->name);
-  if (impl_->recorder) impl_->recorder->note(calls::SetSettings{settings});
+  note<calls::SetSettings>(*impl_, settings);
 }
 
 const Settings& World::settings() const { return impl_->settings; }
