@@ -107,6 +107,7 @@ std::span<const Remedy> Escalation::choose(const LoadInput& input) {
 }
 
 const char* Escalation::why(std::size_t island) const {
+  if (remedies_[island] == Remedy::Finest) return "a body carries one many times as heavy, and there are joints";
   if (symptoms_[island].crushes) return "a body carries many times what its contacts are made for";
   return remedies_[island] == Remedy::Finer ? "it sags under its own weight" : "columns give way under what they carry";
 }
