@@ -43,6 +43,7 @@ std::size_t row_along(const solver::Joint& joint, solver::Coordinate coordinate)
 // What a joint knows of its coordinates goes over to one with other rows.
 void keep_state(const solver::Joint& from, solver::Joint& to) {
   if (from.point && to.point) to.point_impulse = from.point_impulse;
+  to.tension = from.tension;
   for (std::size_t row = 0; row < to.rows; ++row) {
     const std::size_t old = row_along(from, to.coordinate[row]);
     if (old == from.rows) continue;
@@ -63,6 +64,7 @@ void find_positions(solver::Joint& joint, const solver::JointFrames& frames) {
 
 void forget_impulses(solver::Joint& joint) {
   joint.point_impulse.setZero();
+  joint.tension.setZero();
   joint.impulse.fill(0);
   joint.motor_bound = {};
 }

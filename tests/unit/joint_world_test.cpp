@@ -93,6 +93,52 @@ TEST(JointWorld, ReadsBackWhatItWasMadeWith) {
                {"World::set_joint: kind", "SliderJoint", "expected HingeJoint"});
 }
 
+// A light link between what holds it and a heavy load, which swing.
+struct HeavyPendulum {
+  explicit HeavyPendulum(JointSolver solver) : world({.settings = {.joint_solver = solver}}) {
+    const BodyId beam = world.add_body(static_box({0, 0, 0.5}, {0.5, 0.5, 0.5}));
+    bodies = {world.add_body({.shape = Box{{0.2, 0.02, 0.02}}, .position = {0.2, 0, 0}, .density = 100}),
+              world.add_body({.shape = Sphere{0.2}, .position = {0.4, 0, -0.2}, .density = 8000})};
+    joints = {
+        world.add_joint(
+            {.first = beam, .second = bodies[0], .frame_first = {{0, 0, -0.5}}, .frame_second = {{-0.2, 0, 0}}}),
+        world.add_joint(
+            {.first = bodies[0], .second = bodies[1], .frame_first = {{0.2, 0, 0}}, .frame_second = {{0, 0, 0.2}}})};
+    for (const BodyId body : bodies) start.push_back(world.pose(body));
+  }
+  void put_back() {
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      world.set_pose(bodies[i], start[i]);
+      world.set_velocity(bodies[i], Vector3::Zero(), Vector3::Zero());
+    }
+  }
+  std::vector<Vector3> path() {
+    std::vector<Vector3> places;
+    for (int i = 0; i < 20; ++i) {
+      world.step(dt);
+      for (const BodyId body : bodies) places.push_back(world.pose(body).position);
+    }
+    return places;
+  }
+
+  World world;
+  std::vector<BodyId> bodies;
+  std::vector<JointId> joints;
+  std::vector<Pose> start;
+};
+
+TEST(JointWorld, AJointThatWasDisabledForgetsWhatItDid) {
+  for (const JointSolver solver : {JointSolver::Iterative, JointSolver::Direct}) {
+    SCOPED_TRACE(static_cast<int>(solver));
+    HeavyPendulum pendulum(solver);
+    const std::vector<Vector3> expected = pendulum.path();
+    for (const JointId joint : pendulum.joints) pendulum.world.set_joint_enabled(joint, false);
+    pendulum.put_back();
+    for (const JointId joint : pendulum.joints) pendulum.world.set_joint_enabled(joint, true);
+    EXPECT_EQ(pendulum.path(), expected);
+  }
+}
+
 TEST(JointWorld, JointsGoWithEitherBody) {
   for (const bool first : {true, false}) {
     Crates crates;
