@@ -1,3 +1,4 @@
+#include <collision/hull_check.h>
 #include <jobs/hash.h>
 
 #include <algorithm>
@@ -101,13 +102,6 @@ std::vector<T> gather(const std::vector<T>& all, const std::vector<std::size_t>&
   return result;
 }
 
-std::uint64_t content_of(const Hull& hull) {
-  jobs::Hash hash;
-  for (const Vector3& vertex : hull.vertices) hash.add_all(vertex);
-  for (const std::uint16_t vertex : hull.face_vertices) hash.add(std::uint64_t{vertex});
-  return hash.value();
-}
-
 // Faces are found for points moved to the origin and scaled to an extent of 1, which tolerances are parts of;
 // the hull is made of the points as they are.
 std::variant<Hull, std::string> hull_of(std::vector<Vector3> cloud, const Vector3& middle, double extent) {
@@ -140,6 +134,13 @@ std::variant<Hull, std::string> hull_of(std::vector<Vector3> cloud, const Vector
 }
 
 }  // namespace
+
+std::uint64_t content_of(const Hull& hull) {
+  jobs::Hash hash;
+  for (const Vector3& vertex : hull.vertices) hash.add_all(vertex);
+  for (const std::uint16_t vertex : hull.face_vertices) hash.add(std::uint64_t{vertex});
+  return hash.value();
+}
 
 std::variant<Hull, std::string> build_hull(std::span<const Vector3> points) {
   Vector3 lower = Vector3::Constant(std::numeric_limits<double>::infinity());

@@ -1,6 +1,9 @@
+#include <collision/hull_check.h>
+
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <tuple>
 
 #include "hull_build.h"
 
@@ -148,6 +151,31 @@ bool assemble(std::span<const Vector3> points, const ConvexFacets& facets, Hull&
   if (vertices + hull.face_count() != hull.edges.size() + 2 || !link_vertices(hull)) return false;
   measure(hull);
   return hull.mass.volume > 0 && hull.inner_radius > 0;
+}
+
+bool is_made_of_its_faces(const Hull& hull) {
+  ConvexFacets facets;
+  for (std::size_t f = 0; f < hull.face_count(); ++f) {
+    const std::vector<std::uint32_t> face(hull.face_vertices.begin() + hull.face_start[f],
+                                          hull.face_vertices.begin() + hull.face_start[f + 1]);
+    if (face.size() < 3) return false;
+    facets.add(face);
+  }
+  Hull made;
+  if (!assemble(hull.vertices, facets, made)) return false;
+  const auto same_plane = [](const Hull::Plane& a, const Hull::Plane& b) {
+    return a.normal == b.normal && a.offset == b.offset;
+  };
+  const auto same_edge = [](const Hull::Edge& a, const Hull::Edge& b) {
+    return std::tie(a.tail, a.head, a.left, a.right) == std::tie(b.tail, b.head, b.left, b.right);
+  };
+  return made.vertices == hull.vertices && std::ranges::equal(made.planes, hull.planes, same_plane) &&
+         std::ranges::equal(made.edges, hull.edges, same_edge) && made.face_start == hull.face_start &&
+         made.face_vertices == hull.face_vertices && made.face_edges == hull.face_edges &&
+         made.vertex_start == hull.vertex_start && made.vertex_edges == hull.vertex_edges &&
+         made.mass.volume == hull.mass.volume && made.mass.centre == hull.mass.centre &&
+         made.mass.unit_inertia == hull.mass.unit_inertia && made.bounding_radius == hull.bounding_radius &&
+         made.inner_radius == hull.inner_radius && made.lower == hull.lower && made.upper == hull.upper;
 }
 
 double largest_excess(const Hull& hull, std::span<const Vector3> points) {

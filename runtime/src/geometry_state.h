@@ -4,6 +4,7 @@
 
 #include <collision/height_field.h>
 #include <collision/hull.h>
+#include <collision/hull_check.h>
 #include <collision/triangle_mesh.h>
 
 #include <algorithm>
@@ -139,6 +140,8 @@ ReadGeometry read_geometry(Archive& archive) {
       auto hull = std::make_shared<collision::Hull>();
       visit_hull(archive, *hull);
       check_hull(archive, *hull);
+      archive.check(collision::content_of(*hull) == hull->content, "a hull of another content than it says");
+      archive.check(collision::is_made_of_its_faces(*hull), "a hull that its vertices and faces don't make");
       take(hull);
       break;
     }

@@ -2,6 +2,7 @@
 // refused.
 
 #include <atoll/atoll.h>
+#include <collision/shape.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -519,6 +520,17 @@ TEST(Replay, RefusesRecordsThatDoNotFit) {
                  "no body has the id");
   expect_refusal([&](auto& all) { find(all, RecordKind::Geometry)->content[4] ^= std::byte{1}; }, "another content");
   expect_refusal([&](auto& all) { find(all, RecordKind::Geometry)->content.resize(99); }, "can't all be there");
+  // Of the hull, the lowest bits of its first vertex, and of its upper bounds.
+  constexpr std::size_t first_vertex = sizeof(collision::ShapeKind) + sizeof(std::uint64_t) + sizeof(std::uint32_t);
+  constexpr std::size_t upper_from_end = sizeof(double) + sizeof(bool) + sizeof(std::uint64_t);
+  expect_refusal([&](auto& all) { find(all, RecordKind::Geometry)->content[first_vertex] ^= std::byte{1}; },
+                 "a hull of another content than it says");
+  expect_refusal(
+      [&](auto& all) {
+        std::vector<std::byte>& content = find(all, RecordKind::Geometry)->content;
+        content[content.size() - upper_from_end] ^= std::byte{1};
+      },
+      "a hull that its vertices and faces don't make");
 }
 
 }  // namespace
