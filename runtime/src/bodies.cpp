@@ -6,6 +6,8 @@
 #include <sstream>
 
 #include "body_definition.h"
+#include "recorder.h"
+#include "roster.h"
 #include "world_impl.h"
 
 namespace atl {
@@ -86,7 +88,8 @@ BodyId World::Impl::add_body(const CheckedBody& start) {
   }
   ++records.count;
   forget_roster();
-  give_constants(body, constants_.share(start.constants));
+  const std::uint64_t kind = fingerprint(start.constants);
+  give_constants(body, constants_.share(start.constants, kind));
 
   bodies.position(body) = start.position + start.orientation * records.centre[body];
   bodies.set_orientation(body, start.orientation);
@@ -104,6 +107,7 @@ BodyId World::Impl::add_body(const CheckedBody& start) {
   add_colliders(body);
   add_proxies(body, to_collision(start.filter, body));
   quarantine.suspect(body);
+  if (recorder) recorder->note_body(start, kind);
   return {body, records.generation[body]};
 }
 

@@ -12,7 +12,8 @@ namespace atl {
 /// Lets bodies that are the same share what never changes of them.
 class ConstantsPool {
  public:
-  std::shared_ptr<const BodyConstants> share(const BodyConstants& constants);
+  /// `kind` is their fingerprint().
+  std::shared_ptr<const BodyConstants> share(const BodyConstants& constants, std::uint64_t kind);
 
  private:
   std::map<std::uint64_t, std::weak_ptr<const BodyConstants>> known_;  // by fingerprint

@@ -21,9 +21,8 @@ void Recorder::note_geometry(const BodyConstants& constants) {
   }
 }
 
-void Recorder::note_body(const CheckedBody& body) {
-  const auto [entry, is_new] =
-      kinds_.try_emplace(fingerprint(body.constants), static_cast<std::uint32_t>(kinds_.size()));
+void Recorder::note_body(const CheckedBody& body, std::uint64_t kind) {
+  const auto [entry, is_new] = kinds_.try_emplace(kind, static_cast<std::uint32_t>(kinds_.size()));
   if (is_new) {
     note_geometry(body.constants);
     StateWriter writer(bytes_);

@@ -37,7 +37,8 @@ class Recorder {
     visit_call(writer, call);
     write(kind_of<Call>(), writer);
   }
-  void note_body(const CheckedBody& body);
+  /// `kind` is the fingerprint() of what never changes of it.
+  void note_body(const CheckedBody& body, std::uint64_t kind);
   /// All of the world, as the recording begins or after it was restored.
   void note_state(const Roster& roster, std::span<const std::byte> state);
   /// Ahead of a step, and in the file by then: should the step crash, the recording has all that leads there.

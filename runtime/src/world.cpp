@@ -61,12 +61,7 @@ World::~World() = default;
 World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;
 
-BodyId World::add_body(const BodyDef& def) {
-  const CheckedBody start = check(def);
-  const BodyId id = impl_->add_body(start);
-  if (impl_->recorder) impl_->recorder->note_body(start);
-  return id;
-}
+BodyId World::add_body(const BodyDef& def) { return impl_->add_body(check(def)); }
 
 void World::remove_body(BodyId id) {
   impl_->remove_body(id);
