@@ -24,6 +24,7 @@ void ContactCache::make_room_for(std::size_t count) {
   contacts.reserve(room);
   manifolds.reserve(room);
   state_.reserve(room);
+  is_newly_idle_.reserve(room);
   links_.reserve(2 * room);
 }
 
@@ -34,6 +35,7 @@ std::uint32_t ContactCache::claim_slot() {
     contacts.emplace_back();
     manifolds.emplace_back();
     state_.emplace_back();
+    is_newly_idle_.emplace_back();
     links_.resize(2 * contacts.size());
   } else {
     slot = free_slots.back();
@@ -55,7 +57,18 @@ void ContactCache::link(std::uint32_t slot) {
     if (next != none) links_[next].previous = end;
     first_end_[body] = end;
   }
-  state_[slot] = is_active(contacts[slot]) ? State::Active : State::Idle;
+  if (is_active(contacts[slot])) {
+    state_[slot] = State::Active;
+  } else {
+    note_idle(slot);
+  }
+}
+
+void ContactCache::note_idle(std::uint32_t slot) {
+  state_[slot] = State::Idle;
+  if (is_newly_idle_[slot]) return;
+  is_newly_idle_[slot] = 1;
+  newly_idle_.push_back(slot);
 }
 
 // Gives up a slot, but for its place in the order.
@@ -83,7 +96,7 @@ std::span<const std::uint32_t> ContactCache::set_active(std::span<const std::uin
   }
   if (!stopped.empty()) {
     for (const std::uint32_t slot : order) {
-      if (!is_active(contacts[slot])) state_[slot] = State::Idle;
+      if (!is_active(contacts[slot])) note_idle(slot);
     }
     drop_inactive();
   }
@@ -153,16 +166,33 @@ void ContactCache::merge_into_order() {
   }
 }
 
+// A slot may have been given up and used again for another pair.
+void ContactCache::update_idle() const {
+  const auto is_idle = [this](std::uint32_t slot) { return state_[slot] == State::Idle; };
+  std::erase_if(idle_, [&](const Entry& entry) { return !is_idle(entry.slot) || is_newly_idle_[entry.slot] != 0; });
+  const auto kept = static_cast<std::ptrdiff_t>(idle_.size());
+  for (const std::uint32_t slot : newly_idle_) {
+    is_newly_idle_[slot] = 0;
+    if (is_idle(slot)) idle_.push_back({contacts[slot].pair.key(), contacts[slot].part, slot});
+  }
+  newly_idle_.clear();
+  const auto precedes = [](const Entry& a, const Entry& b) { return a.key == b.key ? a.part < b.part : a.key < b.key; };
+  std::sort(idle_.begin() + kept, idle_.end(), precedes);
+  std::inplace_merge(idle_.begin(), idle_.begin() + kept, idle_.end(), precedes);
+}
+
 std::span<const std::uint32_t> ContactCache::all_in_order() const {
   if (order.size() == size()) return order;
-  if (all_stale_) {
-    all_.clear();
-    for (std::uint32_t slot = 0; slot < state_.size(); ++slot) {
-      if (state_[slot] != State::Free) all_.push_back(slot);
-    }
-    std::sort(all_.begin(), all_.end(), [this](std::uint32_t a, std::uint32_t b) { return precedes(a, b); });
-    all_stale_ = false;
+  if (!all_stale_) return all_;
+  update_idle();
+  all_.clear();
+  std::size_t entry = 0;
+  for (const Entry& idle : idle_) {
+    while (entry < order.size() && keys_[entry] < idle.key) all_.push_back(order[entry++]);
+    all_.push_back(idle.slot);
   }
+  all_.insert(all_.end(), order.begin() + static_cast<std::ptrdiff_t>(entry), order.end());
+  all_stale_ = false;
   return all_;
 }
 

@@ -61,14 +61,20 @@ class ContactCache {
 
   std::size_t size() const { return contacts.size() - free_slots.size(); }
 
-  /// All slots in use, of idle contacts too, in order. Sorts them if some are idle and any came or went since the
-  /// last call. Valid until the next change.
+  /// All slots in use, of idle contacts too, in order. If some are idle and any came or went since the last call the
+  /// cost is linear in their number, and that of sorting in the number that became idle. Valid until the next change.
   std::span<const std::uint32_t> all_in_order() const;
 
  private:
   static constexpr std::uint32_t none = ~std::uint32_t{0};
 
   enum class State : std::uint8_t { Free, Active, Idle };
+
+  struct Entry {
+    std::uint64_t key;  // of the pair
+    std::uint32_t part;
+    std::uint32_t slot;
+  };
 
   // A contact is in the lists of both its bodies, by its ends: 2 * slot for the first body, + 1 for the second.
   struct Link {
@@ -91,6 +97,8 @@ class ContactCache {
   void release(std::uint32_t slot);
   void merge_into_order();
   void drop_inactive();
+  void note_idle(std::uint32_t slot);
+  void update_idle() const;
   std::size_t first_entry_of(Pair pair) const;
 
   std::vector<std::uint64_t> keys_;       // of the pairs in `order`: to search them needn't touch contacts
@@ -99,6 +107,10 @@ class ContactCache {
   std::vector<std::uint32_t> first_end_;  // by body
   std::vector<std::uint8_t> active_;      // by body
   std::vector<std::uint32_t> added_;      // scratch: slots, in order
+  // Idle contacts as of the last call of all_in_order(), in order, and the slots that became idle since.
+  mutable std::vector<Entry> idle_;
+  mutable std::vector<std::uint32_t> newly_idle_;
+  mutable std::vector<std::uint8_t> is_newly_idle_;  // by slot
   mutable std::vector<std::uint32_t> all_;
   mutable bool all_stale_ = false;
 };
