@@ -45,6 +45,7 @@ class Stretch {
     bool changed = false;  // what touches, up to their number
   };
   Result run(std::size_t begin, std::size_t end, ContactStatus* status, std::span<TouchingPair> touching);
+  void place(std::span<const std::uint32_t> slots);
 
  private:
   // Entries of the order, collected for refresh() until they fill a block.
@@ -57,6 +58,8 @@ class Stretch {
   void list_touching(std::size_t begin, std::size_t end, std::span<TouchingPair> touching, Result& result);
   void add_to(Batch& batch, std::size_t entry, bool fresh);
   void refresh(Batch& batch, bool fresh);
+  template <typename SlotOf>
+  void fill_block(std::size_t count, const SlotOf& slot_of);
   void fill_lane(const Contact& contact, ContactManifold& manifold, std::size_t lane);
   void find_anew(std::size_t entry);
   void set_apart(std::size_t entry, double margin, double gap);
@@ -222,10 +225,7 @@ bool Stretch::still_apart(const Contact& contact) const {
 void Stretch::refresh(Batch& batch, bool fresh) {
   const std::size_t count = std::exchange(batch.count, 0);
   if (count == 0) return;
-  for (std::size_t lane = 0; lane < block_lanes; ++lane) {
-    const std::uint32_t slot = cache_.order[batch.entries[std::min(lane, count - 1)]];
-    fill_lane(cache_.contacts[slot], cache_.manifolds[slot], lane);
-  }
+  fill_block(count, [&](std::size_t lane) { return cache_.order[batch.entries[lane]]; });
   const unsigned kept = input_.kernels.refresh(block_, count, fresh);
   if (fresh) return;
   for (std::size_t lane = 0; lane < count; ++lane) {
@@ -239,6 +239,28 @@ void Stretch::refresh(Batch& batch, bool fresh) {
       status_[entry] = ContactStatus::Stale;
       stale_[stale_count_++] = entry;
     }
+  }
+}
+
+// By lane: slot_of(lane) of the first `count`.
+template <typename SlotOf>
+void Stretch::fill_block(std::size_t count, const SlotOf& slot_of) {
+  for (std::size_t lane = 0; lane < block_lanes; ++lane) {
+    const std::uint32_t slot = slot_of(std::min(lane, count - 1));
+    fill_lane(cache_.contacts[slot], cache_.manifolds[slot], lane);
+  }
+}
+
+void Stretch::place(std::span<const std::uint32_t> slots) {
+  for (std::size_t begin = 0; begin < slots.size(); begin += block_lanes) {
+    const std::span<const std::uint32_t> after = slots.subspan(std::min(begin + block_lanes, slots.size()));
+    for (const std::uint32_t slot : after.first(std::min(block_lanes, after.size()))) {
+      jobs::prefetch(cache_.contacts[slot]);
+      jobs::prefetch(cache_.manifolds[slot]);
+    }
+    const std::size_t count = std::min(block_lanes, slots.size() - begin);
+    fill_block(count, [&](std::size_t lane) { return slots[begin + lane]; });
+    input_.kernels.refresh(block_, count, true);
   }
 }
 
@@ -494,6 +516,13 @@ void update_contacts(ContactCache& cache, const Broadphase& broadphase, const Co
     update.touching_changed |= chunk.changed;
   }
   if (update.touching_changed) update.collect_touching(arena);
+}
+
+void place_contacts(ContactCache& cache, const Broadphase& broadphase, const ContactUpdateInput& input,
+                    std::span<const std::uint32_t> slots, jobs::Arena& arena) {
+  arena.parallel_for(slots.size(), grain, [&](std::size_t begin, std::size_t end) {
+    Stretch(cache, broadphase, input).place(slots.subspan(begin, end - begin));
+  });
 }
 
 }  // namespace atl::collision

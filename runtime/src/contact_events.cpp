@@ -29,6 +29,7 @@ void World::Impl::note_events() {
   };
   std::swap(touched_, touched_before_);
   touched_now_.clear();
+  if (!events_noted_) place_idle_contacts();
   for (const std::uint32_t slot : events_noted_ ? std::span<const std::uint32_t>(cache.order) : cache.all_in_order()) {
     const collision::Contact& contact = cache.contacts[slot];
     if (!touches(contact, cache.manifolds[slot])) continue;

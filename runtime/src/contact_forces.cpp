@@ -3,11 +3,12 @@
 namespace atl {
 
 // Made when asked for: a step that nobody asks pays nothing.
-std::span<const ContactForce> World::Impl::contact_forces() const {
+std::span<const ContactForce> World::Impl::contact_forces() {
   if (contact_forces_valid_) return contact_forces_;
   contact_forces_.clear();
   contact_forces_valid_ = true;
   if (last_substep_ == 0) return contact_forces_;
+  place_idle_contacts();
   const double per_impulse = 1 / last_substep_;
   for (const std::uint32_t slot : cache.all_in_order()) {
     const collision::Contact& contact = cache.contacts[slot];
@@ -33,6 +34,18 @@ std::span<const ContactForce> World::Impl::contact_forces() const {
     }
   }
   return contact_forces_;
+}
+
+// Steps leave alone what rests on both sides, so where its points are is found out from the poses by whoever asks.
+void World::Impl::place_idle_contacts() {
+  if (cache.order.size() == cache.size()) return;
+  std::vector<std::uint32_t> idle;
+  for (const std::uint32_t slot : cache.all_in_order()) {
+    const collision::Contact& contact = cache.contacts[slot];
+    const bool rests = !active_.contains(contact.body_first) && !active_.contains(contact.body_second);
+    if (rests && contact.count > 0) idle.push_back(slot);
+  }
+  collision::place_contacts(cache, broadphase, contact_input(), idle, arena);
 }
 
 }  // namespace atl

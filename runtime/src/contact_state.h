@@ -2,10 +2,12 @@
 /// What lasts of a contact from step to step, for archives (state_archive.h).
 
 #include <collision/contact.h>
+#include <collision/refresh.h>
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <cstring>
 
 namespace atl {
 
@@ -16,19 +18,42 @@ inline constexpr unsigned apart = 1u << 4;      // of two solids that were found
 inline constexpr unsigned near_ids = 1u << 5;   // of points: they differ from the first in their 24 lowest bits only
 inline constexpr unsigned wide_axis = 1u << 6;  // it needs more than 8 bits
 inline constexpr unsigned rolling = 1u << 7;    // there is an impulse against rolling
-inline constexpr unsigned placed = 1u << 8;     // where its points are is told, as no step will find out
 }  // namespace contact_flags
 
-/// Where a manifold's points are, in world axes, as of the last step that brought it up to date.
-template <typename Archive, typename Manifold>
-void visit_place(Archive& archive, Manifold& manifold) {
-  archive.values(manifold.normal, 3);
-  archive.values(manifold.anchor_first, 3);
-  archive.values(manifold.anchor_second, 3);
-  archive.value(manifold.lever);
-  archive.values(manifold.x, collision::max_points);
-  archive.values(manifold.y, collision::max_points);
-  archive.values(manifold.separation, collision::max_points);
+/// What a contact's tolerance can be.
+inline constexpr std::array<float, 3> contact_tolerances = {0, collision::flat_tolerance, collision::round_tolerance};
+
+/// Which of six directions a normal is exactly: x, y, z, -x, -y, -z as 1 to 6. 0 for any other.
+inline std::array<float, 3> normal_of_code(unsigned code) {
+  std::array<float, 3> normal = {};
+  normal[(code - 1) % 3] = code > 3 ? -1.0f : 1.0f;
+  return normal;
+}
+inline unsigned code_of_normal(const std::array<float, 3>& normal) {
+  for (unsigned code = 1; code <= 6; ++code) {
+    const std::array<float, 3> axis = normal_of_code(code);
+    if (std::memcmp(&axis, &normal, sizeof axis) == 0) return code;
+  }
+  return 0;
+}
+
+/// They are one of a few values most of the time. Returns whether the normal was told by that.
+template <typename Archive, typename Contact>
+bool visit_tolerance_and_normal(Archive& archive, Contact& contact) {
+  std::uint8_t kind = 0;
+  if constexpr (!Archive::reads) {
+    const auto tolerance = std::find(contact_tolerances.begin(), contact_tolerances.end(), contact.tolerance);
+    kind = static_cast<std::uint8_t>((tolerance - contact_tolerances.begin()) | code_of_normal(contact.normal) << 2);
+  }
+  archive.value(kind);
+  const unsigned tolerance = kind & 3;
+  const unsigned normal = kind >> 2;
+  archive.check(tolerance < contact_tolerances.size() && normal <= 6, "a contact of no kind that there is");
+  if constexpr (Archive::reads) {
+    contact.tolerance = contact_tolerances[tolerance];
+    if (normal != 0) contact.normal = normal_of_code(normal);
+  }
+  return normal != 0;
 }
 
 template <typename Archive, typename Contact>
@@ -50,19 +75,20 @@ void visit_ids(Archive& archive, Contact& contact, std::size_t count, bool near)
   }
 }
 
-/// A contact but for its pair and what follows from that. `placed` asks for visit_place(); `rolling` is what
-/// SurfaceContact has of it, or null if it has none that counts.
+/// A contact but for its pair and what follows from that, and where its points are: of bodies that move the next step
+/// finds out about that before it asks, and of others it follows from their poses. `rolling` is what SurfaceContact
+/// has of it, or null if it has none that counts.
 template <typename Archive, typename Contact, typename Manifold, typename Rolling>
-void visit_contact(Archive& archive, Contact& contact, Manifold& manifold, bool placed, Rolling* rolling) {
+void visit_contact(Archive& archive, Contact& contact, Manifold& manifold, Rolling* rolling) {
   namespace is = contact_flags;
-  std::uint16_t flags = 0;
+  std::uint8_t flags = 0;
   if constexpr (!Archive::reads) {
     bool near = contact.count > 1;
     for (std::size_t i = 1; i < contact.count; ++i) near &= (contact.ids[0] ^ contact.ids[i]) >> 24 == 0;
-    flags = static_cast<std::uint16_t>(contact.count | (contact.reference_is_second ? is::reference_is_second : 0) |
-                                       (contact.gap > 0 ? is::apart : 0) | (near ? is::near_ids : 0) |
-                                       (contact.axis > 0xff ? is::wide_axis : 0) |
-                                       (rolling != nullptr ? is::rolling : 0) | (placed ? is::placed : 0));
+    flags =
+        static_cast<std::uint8_t>(contact.count | (contact.reference_is_second ? is::reference_is_second : 0) |
+                                  (contact.gap > 0 ? is::apart : 0) | (near ? is::near_ids : 0) |
+                                  (contact.axis > 0xff ? is::wide_axis : 0) | (rolling != nullptr ? is::rolling : 0));
   }
   archive.value(flags);
   if constexpr (Archive::reads) {
@@ -89,7 +115,12 @@ void visit_contact(Archive& archive, Contact& contact, Manifold& manifold, bool 
     return;
   }
   archive.value(contact.margin);
-  archive.value(contact.tolerance);
+  bool normal_told = false;
+  if constexpr (Archive::hashes) {
+    archive.value(contact.tolerance);
+  } else {
+    normal_told = visit_tolerance_and_normal(archive, contact);
+  }
   if ((flags & is::wide_axis) != 0) {
     archive.value(contact.axis);
   } else {
@@ -98,7 +129,7 @@ void visit_contact(Archive& archive, Contact& contact, Manifold& manifold, bool 
     if constexpr (Archive::reads) contact.axis = axis;
   }
   archive.values(contact.orientation.data(), 4);
-  archive.values(contact.normal.data(), 3);
+  if (!normal_told) archive.values(contact.normal.data(), 3);
   archive.values(contact.centre_incident.data(), 3);
   archive.values(contact.centre_reference.data(), 3);
   const std::size_t count = contact.count;
@@ -112,7 +143,6 @@ void visit_contact(Archive& archive, Contact& contact, Manifold& manifold, bool 
   archive.values(manifold.friction_impulse, 3);
   archive.value(manifold.twist_impulse);
   if ((flags & is::rolling) != 0) archive.values(rolling, 3);
-  if ((flags & is::placed) != 0) visit_place(archive, manifold);
 }
 
 }  // namespace atl

@@ -25,6 +25,7 @@ concept StateScalar = std::is_arithmetic_v<T> || std::is_enum_v<T>;  // std::byt
 //   values(data, n)    numbers in a row; how many is known without asking
 //   list(vector)       as many as there are
 //   bits(vector)       flags that are 0 or 1, as many as the vector has
+//   small(x)           a number that is mostly below 128
 //   rows<W>(v, rest)   rows of W numbers each, as many as the vector has, most of which may be as `rest`
 // and `reads`, whether that changes what is walked over, and `hashes`.
 
@@ -50,6 +51,12 @@ class StateWriter {
   void list(const std::vector<T>& all) {
     value(static_cast<std::uint32_t>(all.size()));
     values(all.data(), all.size());
+  }
+  // Seven bits a byte, the lowest first; the eighth says that more follow.
+  void small(std::uint32_t value) {
+    make_room(5);
+    for (; value > 0x7f; value >>= 7) *at_++ = static_cast<std::byte>(value | 0x80);
+    *at_++ = static_cast<std::byte>(value);
   }
   void bits(const std::vector<std::uint8_t>& flags) {
     for (std::size_t begin = 0; begin < flags.size(); begin += 64) {
@@ -140,6 +147,16 @@ class StateReader {
   void list(std::vector<T>& all) {
     all.resize(count_of(sizeof(T)));
     values(all.data(), all.size());
+  }
+  void small(std::uint32_t& value) {
+    value = 0;
+    for (unsigned shift = 0; shift < 32; shift += 7) {
+      check(at_ != end_, "the end of the data");
+      const auto byte = static_cast<std::uint32_t>(*at_++);
+      value |= (byte & 0x7f) << shift;
+      if (byte < 0x80) return;
+    }
+    fail("a number that is too long");
   }
   void bits(std::vector<std::uint8_t>& flags) {
     for (std::size_t begin = 0; begin < flags.size(); begin += 64) {

@@ -62,15 +62,18 @@ bool World::Impl::update_active_bodies() {
   return true;
 }
 
+collision::ContactUpdateInput World::Impl::contact_input() const {
+  return {.colliders = colliders,
+          .poses = {bodies.positions.data(), bodies.orientations.data()},
+          .dynamic = records.dynamic,
+          .turned = bodies.turned,
+          .reaches = reaches_,
+          .kernels = *refresh_kernels};
+}
+
 void World::Impl::update_contacts() {
   note_reaches();
-  const collision::ContactUpdateInput input{.colliders = colliders,
-                                            .poses = {bodies.positions.data(), bodies.orientations.data()},
-                                            .dynamic = records.dynamic,
-                                            .turned = bodies.turned,
-                                            .reaches = reaches_,
-                                            .kernels = *refresh_kernels};
-  collision::update_contacts(cache, broadphase, input, arena, contact_update_);
+  collision::update_contacts(cache, broadphase, contact_input(), arena, contact_update_);
   broadphase.forget_moves();
   const collision::ContactUpdateCounts& counts = contact_update_.counts;
   report_.counts.fcl_calls = counts.fcl_calls;
@@ -102,8 +105,10 @@ void World::Impl::build_islands() {
   wake_joined_to_moving();
   remove_lost_contacts();
   if (update_active_bodies()) {
-    // Contacts of bodies that were just woken count with the points they fell asleep with.
-    contact_update_.add_touching(cache, cache.set_active(active_.started(), active_.stopped()));
+    // Contacts of bodies that were just woken count with the features they fell asleep with.
+    const std::span<const std::uint32_t> woken = cache.set_active(active_.started(), active_.stopped());
+    collision::place_contacts(cache, broadphase, contact_input(), woken, arena);
+    contact_update_.add_touching(cache, woken);
   }
   touching_ = contact_update_.touching;
   const bool one_each = settings.tolerance > 0;

@@ -132,7 +132,8 @@ class World::Impl {
   std::vector<RecordedBody> recorded_bodies() const;
 
   // Results: contact_forces.cpp, contact_problem.cpp, restore.cpp.
-  std::span<const ContactForce> contact_forces() const;
+  std::span<const ContactForce> contact_forces();
+  void place_idle_contacts();
   ContactProblem contact_problem() const;
   std::span<const ContactEvent> contact_events() const { return contact_events_; }
   std::span<const EscalatedIsland> escalated_islands() const { return escalated_; }
@@ -201,6 +202,7 @@ class World::Impl {
   void look_again(std::uint32_t body) { bodies.outgrown[body] = 1; }
   bool may_move(std::uint32_t body) const;
   bool update_active_bodies();
+  collision::ContactUpdateInput contact_input() const;
   void note_arrival_or_departure(std::uint32_t body);
   void note_reaches();
   void note_events();
@@ -341,8 +343,8 @@ class World::Impl {
   std::vector<collision::Pair> kept_apart_before_;  // scratch, in order
   std::vector<collision::Pair> kept_apart_;         // scratch, in order
 
-  mutable std::vector<ContactForce> contact_forces_;
-  mutable bool contact_forces_valid_ = false;
+  std::vector<ContactForce> contact_forces_;
+  bool contact_forces_valid_ = false;
 };
 
 }  // namespace atl

@@ -86,9 +86,7 @@ class WorldState {
         if (!counts) rolling = nullptr;
       }
     }
-    // A step finds out about those of bodies that are awake, before it asks.
-    const bool placed = !world_.sleeping.awake[contact.body_first] && !world_.sleeping.awake[contact.body_second];
-    visit_contact(archive_, contact, manifold, placed, rolling);
+    visit_contact(archive_, contact, manifold, rolling);
   }
 
  private:
@@ -399,18 +397,22 @@ class WorldState {
   void visit_contacts() {
     auto& cache = world_.cache;
     if constexpr (reads) {
-      std::vector<collision::Pair> pairs(archive_.count_of(sizeof(collision::Pair)));
-      const collision::Pair* before = nullptr;
+      std::vector<collision::Pair> pairs(archive_.count_of(2));
+      collision::Pair before = {};
       for (collision::Pair& pair : pairs) {
-        visit_pair(pair);
-        archive_.check(world_.may_touch(pair) && (before == nullptr || *before < pair), "contacts of no valid pairs");
-        before = &pair;
+        visit_pair_after(before, pair);
+        archive_.check(world_.may_touch(pair) && before < pair, "contacts of no valid pairs");
+        before = pair;
       }
       world_.restore_pairs(pairs);
     } else {
       archive_.value(static_cast<std::uint32_t>(cache.pairs.size()));
+      collision::Pair before = {};
       for (const std::uint32_t slot : cache.all_in_order()) {
-        if (cache.contacts[slot].part == 0) visit_pair(cache.contacts[slot].pair);
+        const collision::Contact& contact = cache.contacts[slot];
+        if (contact.part != 0) continue;
+        visit_pair_after(before, contact.pair);
+        before = contact.pair;
       }
     }
     constexpr std::size_t ahead = 8;
@@ -428,6 +430,27 @@ class WorldState {
   void visit_pair(Pair& pair) {
     archive_.value(pair.first);
     archive_.value(pair.second);
+  }
+
+  // Pairs come in order, so by what they differ from the one before.
+  template <typename Pair>
+  void visit_pair_after(const collision::Pair& before, Pair& pair) {
+    if constexpr (Archive::hashes) {
+      visit_pair(pair);
+    } else {
+      std::uint32_t first = 0;
+      std::uint32_t second = 0;
+      if constexpr (!reads) {
+        first = pair.first - before.first;
+        second = pair.second - (first == 0 ? before.second : pair.first);
+      }
+      archive_.small(first);
+      archive_.small(second);
+      if constexpr (reads) {
+        pair.first = before.first + first;
+        pair.second = second + (first == 0 ? before.second : pair.first);
+      }
+    }
   }
 
   Archive& archive_;

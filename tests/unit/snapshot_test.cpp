@@ -254,6 +254,37 @@ TEST(Snapshot, HoldsSleepersAndWhatTheyStandOn) {
   EXPECT_EQ(hit(fresh), expected);
 }
 
+// Where they touch isn't saved, but follows from where they are.
+TEST(Snapshot, SleepersTouchWhereTheyDid) {
+  const auto make = [] {
+    World world({.settings = {.sleeping = true, .sleep_speed = 1, .time_to_sleep = 0.1}});
+    world.add_body(ground());
+    add_stack(world, 3);
+    return world;
+  };
+  World world = make();
+  run(world, 60);
+  ASSERT_TRUE(world.is_asleep({3, 0}));
+  Snapshot snapshot;
+  world.save(snapshot);
+  World fresh = make();
+  fresh.restore(snapshot);
+  world.step(dt);
+  fresh.step(dt);
+  const auto expected = world.contact_forces();
+  const auto found = fresh.contact_forces();
+  ASSERT_EQ(expected.size(), 12u);
+  ASSERT_EQ(found.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_EQ(found[i].position, expected[i].position) << i;
+    EXPECT_EQ(found[i].normal, expected[i].normal) << i;
+    EXPECT_EQ(found[i].separation, expected[i].separation) << i;
+    EXPECT_EQ(found[i].normal_force, expected[i].normal_force) << i;
+    EXPECT_EQ(found[i].friction, expected[i].friction) << i;
+    EXPECT_NEAR(found[i].position.z(), static_cast<double>(i / 4), 0.01) << i;
+  }
+}
+
 TEST(Snapshot, ReportsAreEmptyUntilTheNextStep) {
   Yard yard;
   run(yard.world, 30);
@@ -330,7 +361,7 @@ TEST(SnapshotFile, SaysWhyItCannotBeReadOrWritten) {
     expect_error([&] { Snapshot::read(file.path()); }, words);
   };
   expect_refusal(8, 1, {"byte order", "0x1020301", "expected", "0x1020304"});
-  expect_refusal(12, 99, {"found version 99", "expected 1"});
+  expect_refusal(12, 99, {"found version 99", "expected 2"});
   expect_refusal(whole.size() - 1, static_cast<char>(whole.back() + 1), {"checksum", "expected", "damaged"});
 }
 

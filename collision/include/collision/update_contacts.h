@@ -82,4 +82,9 @@ class ContactUpdate {
 void update_contacts(ContactCache& cache, const Broadphase& broadphase, const ContactUpdateInput& input,
                      jobs::Arena& arena, ContactUpdate& update);
 
+/// Brings what the manifolds of these slots say of where points are up to date with the poses, for the features that
+/// they have. For contacts of bodies that are at rest, as others are updated by each step.
+void place_contacts(ContactCache& cache, const Broadphase& broadphase, const ContactUpdateInput& input,
+                    std::span<const std::uint32_t> slots, jobs::Arena& arena);
+
 }  // namespace atl::collision
