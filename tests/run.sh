@@ -10,10 +10,12 @@ source "$root/runtime/setup.sh"
 usage() {
   cat <<'END'
 usage: bash tests/run.sh [--label LABEL] [--preset PRESET] [--long]
+       bash tests/run.sh --aarch64
 
   --label LABEL    only these: unit, accuracy, stability, determinism, cli, layers or package
   --preset PRESET  release (the default), clang, debug, asan or tsan
   --long           the heavier matrix of scenes, threads and settings
+  --aarch64        golden hashes and the layers' unit tests on 64-bit ARM, emulated; takes an hour
 END
 }
 
@@ -31,6 +33,7 @@ while (($#)); do
     --label) selection=(--label-regex "^$2\$") && shift ;;
     --preset) preset=$2 && shift ;;
     --long) export ATOLL_LONG_TESTS=1 ;;
+    --aarch64) exec bash "$root/tests/aarch64/run.sh" ;;
     -h | --help) usage && exit ;;
     *) usage_error "unknown option $1" ;;
   esac

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Cross-compiles the determinism tests for 64-bit ARM and holds what they come to, emulated, to the golden hashes, on
-# NEON and portable. Takes half an hour. An argument, if there is one, is the tests to run, for --gtest_filter.
+# Cross-compiles for 64-bit ARM and holds what that comes to, emulated, with NEON and portable, to the golden hashes of
+# all builds: the cases in differing.txt have to come to others, all else to the same. Runs the layers' unit tests too.
 # Needs Debian: its arm64 libraries are fetched beside the build, and nothing of the system is changed but for the
 # compiler and the emulator, which are installed.
 set -euo pipefail
@@ -10,28 +10,65 @@ root=$(dirname "$(dirname "$here")")
 # shellcheck source=runtime/setup.sh
 source "$root/runtime/setup.sh"
 
-packages+=(g++-aarch64-linux-gnu qemu-user ninja-build)
-install_packages
-
 build=$root/build/aarch64
 sysroot=$build/sysroot
-if [[ ! -d $sysroot ]]; then
+
+fetch_libraries() {
   say 'fetching libraries for arm64'
   mkdir -p "$build"/apt/{lists,cache/archives}/partial
   : >"$build/apt/status"
-  apt=(apt-get --quiet -o APT::Architecture=arm64 -o APT::Architectures=arm64 -o Dir::State="$build/apt"
-       -o Dir::State::Lists="$build/apt/lists" -o Dir::State::status="$build/apt/status" -o Dir::Cache="$build/apt/cache")
+  local apt=(apt-get --quiet --yes -o APT::Architecture=arm64 -o APT::Architectures=arm64 -o Dir::State="$build/apt"
+             -o Dir::State::Lists="$build/apt/lists" -o Dir::State::status="$build/apt/status"
+             -o Dir::Cache="$build/apt/cache")
   "${apt[@]}" update >&2
-  "${apt[@]}" --yes --no-install-recommends --download-only install libhwy-dev libtbb-dev libfcl-dev libccd-dev \
+  "${apt[@]}" --no-install-recommends --download-only install libhwy-dev libtbb-dev libfcl-dev libccd-dev \
     libqhull-dev libgtest-dev nlohmann-json3-dev libeigen3-dev >&2
+  rm -rf "$sysroot.part"
+  local package
   for package in "$build"/apt/cache/archives/*.deb; do dpkg -x "$package" "$sysroot.part"; done
   # It names the C library's by where that would be on the machine itself.
   sed -i 's|/usr/lib/aarch64-linux-gnu/libm.so|m|' "$sysroot.part"/usr/lib/aarch64-linux-gnu/ccd/ccd-targets-none.cmake
   mv "$sysroot.part" "$sysroot"
-fi
+}
 
+# A fused operation rounds once where x86-64, as it is built, rounds twice.
+expect_no_fused_operations() {
+  local archive
+  for archive in "$build"/cmake/libatoll_{jobs,collision,solver,runtime}.a; do
+    if aarch64-linux-gnu-objdump --disassemble "$archive" | grep -E '\sf(n?m(add|sub)|ml[as])\s' >&2; then
+      say "found fused operations in $archive; expected none"
+      return 1
+    fi
+  done
+}
+
+emulate() {
+  qemu-aarch64 -L "$sysroot" "$build/cmake/bin/$1" "${@:2}"
+}
+
+expect_golden_hashes() {
+  local log=$build/golden.log
+  say 'running the golden cases'
+  emulate atoll_aarch64_golden --gtest_filter='Cases/Golden.*' >"$log" || true
+  if ! grep -q '^\[==========\] .* ran\.' "$log"; then
+    say "the golden cases did not run to the end, see $log"
+    return 1
+  fi
+  if ! diff --label differing.txt --label found <(grep -v '^#' "$here/differing.txt" | sort) \
+    <(sed -n 's|^\[  FAILED  \] .*/[0-9]*_\([^,]*\), where.*|\1|p' "$log" | sort -u) >&2; then
+    say "other cases than those in $here/differing.txt differ from the golden hashes, see $log"
+    return 1
+  fi
+}
+
+packages+=(g++-aarch64-linux-gnu qemu-user ninja-build)
+install_packages
+[[ -d $sysroot ]] || fetch_libraries
 say 'building for arm64'
 cmake -S "$root" -B "$build/cmake" -G Ninja -DCMAKE_BUILD_TYPE=Release -DATOLL_BUILD_PERF=OFF -DATOLL_BUILD_COMMAND=OFF \
   -DCMAKE_TOOLCHAIN_FILE="$here/toolchain.cmake" -DATOLL_AARCH64_ROOT="$sysroot" >&2
-cmake --build "$build/cmake" --target atoll_test_determinism --parallel "$(nproc)" >&2
-qemu-aarch64 -L "$sysroot" "$build/cmake/bin/atoll_test_determinism" --gtest_filter="${1:-*Golden*}"
+cmake --build "$build/cmake" --target atoll_aarch64_golden atoll_aarch64_unit --parallel "$(nproc)" >&2
+expect_no_fused_operations
+expect_golden_hashes
+say 'running the unit tests of the layers'
+emulate atoll_aarch64_unit
