@@ -86,7 +86,12 @@ Json escalated_json(const RunResult& result) {
 Json stages_json(const std::array<StageReport, stage_count>& stages) {
   Json array = Json::array();
   for (const StageReport& stage : stages) {
-    array.push_back({{"name", stage.name}, {"run", stage.run}, {"why", stage.why}, {"ms", stage.ms}});
+    array.push_back({{"name", stage.name},
+                     {"run", stage.run},
+                     {"why", stage.why},
+                     {"items", stage.items},
+                     {"unit", stage.unit},
+                     {"ms", stage.ms}});
   }
   return array;
 }

@@ -98,7 +98,9 @@ void write_stages(std::ostream& out, const std::array<StageReport, stage_count>&
   out << "\nstages of the last step\n";
   for (const StageReport& stage : stages) {
     write_name(out, stage.name);
-    out << (stage.run ? "run      " : "skipped  ") << stage.why << "\n";
+    out << (stage.run ? "run      " : "skipped  ") << stage.why;
+    if (stage.run) out << " (" << stage.items << " " << stage.unit << ")";
+    out << "\n";
   }
 }
 

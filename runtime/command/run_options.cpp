@@ -59,6 +59,10 @@ void add_run_options(CLI::App& command, RunOptions& options) {
                 "tell what the solver spends its time on; takes a little time, and changes no bit")
       ->group(output);
   command
+      .add_flag("--run-everything", options.run_everything,
+                "leave nothing out that the scene does not need, to see what leaving out saves; changes no bit")
+      ->group(output);
+  command
       .add_flag(
           "--keep-going", options.keep_going,
           "go on without bodies whose state becomes non-finite or absurd, and list them, instead of exit status 4")
@@ -70,6 +74,7 @@ Scene load(const RunOptions& options) {
   Scene scene = load(options.scene);
   scene.settings.keep_contact_problem = options.errors;
   scene.settings.profile = options.profile;
+  scene.settings.run_everything = options.run_everything;
   scene.settings.simd = options.simd;
   return scene;
 }

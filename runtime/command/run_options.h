@@ -19,6 +19,7 @@ struct RunOptions {
   Format format = Format::Text;
   bool errors = false;
   bool profile = false;
+  bool run_everything = false;
   bool hash = false;
   bool keep_going = false;
 };

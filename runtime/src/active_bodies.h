@@ -1,5 +1,7 @@
 #pragma once
 
+#include <jobs/bytes.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -24,6 +26,7 @@ class ActiveBodies {
   /// By the last update, in order.
   std::span<const std::uint32_t> started() const { return started_; }
   std::span<const std::uint32_t> stopped() const { return stopped_; }
+  std::size_t bytes() const { return jobs::bytes_of(active_, bodies_, started_, stopped_); }
 
  private:
   void apply_changes();

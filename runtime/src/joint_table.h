@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atoll/joint.h>
+#include <jobs/bytes.h>
 #include <solver/joint.h>
 
 #include <array>
@@ -54,6 +55,10 @@ struct JointTable {
     for (const auto& [bodies, joints_of] : apart_) visit(bodies.first, bodies.second);
   }
   bool are_kept_apart(std::uint32_t a, std::uint32_t b) const { return apart_.contains(std::minmax(a, b)); }
+  std::size_t bytes() const {
+    return jobs::bytes_of(joints, def, generation, alive, enabled, broken, suspended, acts, watched, driven,
+                          limit_before, free, links_, first_end_);
+  }
 
  private:
   void resize(std::size_t joints);

@@ -1,6 +1,6 @@
 #pragma once
-/// Settings for archives (state_archive.h): all that shape the result. The instruction set, a profile and what is kept
-/// for diagnosis do not, and stay what they are.
+/// Settings for archives (state_archive.h): all that shape the result. The instruction set, a profile, what is kept for
+/// diagnosis and whether anything is left out do not, and stay what they are.
 
 #include <atoll/settings.h>
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atoll/settings.h>
+#include <jobs/bytes.h>
 #include <solver/body_table.h>
 #include <solver/islands.h>
 
@@ -27,6 +28,7 @@ struct Sleeping {
   void wake(std::uint32_t body);
   /// After a step: rest times, and islands (and lone bodies) that fall asleep; their velocities become zero.
   void update(const solver::Islands& islands, solver::BodyTable& bodies, const Settings& settings, double dt);
+  std::size_t bytes() const { return jobs::bytes_of(awake, rest_time, ring, changed); }
 
  private:
   double update_rest_time(const solver::BodyTable& bodies, std::uint32_t body, double speed_limit, double dt);

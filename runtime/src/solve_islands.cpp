@@ -66,7 +66,8 @@ void World::Impl::solve_groups() {
   solver::SolverSettings how_finest = in_finer(finest);
   how_finest.joint_method = solver::JointMethod::Iterative;
   if (settings.keep_contact_problem) capture_.resize(cache.manifolds.size(), bodies.size());
-  if (!bodies.surfaces.empty()) surface_contacts_.resize(cache.manifolds.size());
+  const bool surfaces = settings.run_everything || !bodies.surfaces.empty();
+  if (surfaces) surface_contacts_.resize(cache.manifolds.size());
   const auto input_with = [&](const solver::SolverSettings& with) {
     return solver::SolveInput{.islands = islands_,
                               .bodies = bodies,
@@ -78,7 +79,7 @@ void World::Impl::solve_groups() {
                               .fast = fast_,
                               .overloads = overloads_,
                               .capture = settings.keep_contact_problem ? &capture_ : nullptr,
-                              .surface_contacts = bodies.surfaces.empty() ? nullptr : surface_contacts_.data(),
+                              .surface_contacts = surfaces ? surface_contacts_.data() : nullptr,
                               .joints = joints.joints.data(),
                               .joint_graph = joints.count == 0 ? nullptr : &joint_graph_};
   };
@@ -134,8 +135,8 @@ bool World::Impl::solve_directly(const solver::SolveInput& input, std::size_t gr
   if (direct.analyse(input, groups_[group])) report = direct.solve(input);
   if (settings.profile) report.ms = ms_since(begin);
   if (!report.solved) return false;
-  group_reports_[group].friction = report.friction;
-  group_reports_[group].gyroscopic = report.gyroscopic;
+  group_reports_[group].work = report.work;
+  group_reports_[group].gyroscopic_bodies = report.gyroscopic_bodies;
   return true;
 }
 
@@ -181,7 +182,7 @@ void World::Impl::move_unconstrained_bodies() {
       solver::move_free_body(bodies, free[i], gravity, dt_, settings.substeps, fast_);
     }
   });
-  if (contents.kinematic == 0) return;
+  if (contents.kinematic == 0 && !settings.run_everything) return;
   for (const std::uint32_t body : active_.in_order()) {
     if (bodies.mobility[body] == solver::Mobility::Kinematic) solver::move_kinematic_body(bodies, body, dt_, fast_);
   }

@@ -181,44 +181,4 @@ void World::Impl::keep_belts_awake() {
   }
 }
 
-void World::Impl::note_stages() {
-  bool friction = false;
-  bool restitution = false;
-  bool gyroscopic = false;
-  for (const solver::GroupReport& group : group_reports_) {
-    friction |= group.friction;
-    restitution |= group.restitution;
-    gyroscopic |= group.gyroscopic;
-  }
-  const auto ms = [this](Phase phase) { return report_.phase_ms[static_cast<std::size_t>(phase)]; };
-  std::size_t noted = 0;
-  const auto note = [&](const char* name, bool run, const char* why_run, const char* why_not, double time) {
-    report_.stages[noted++] = {name, run, run ? why_run : why_not, run ? time : 0};
-  };
-  const StepCounts& counts = report_.counts;
-  note("narrowphase", counts.fcl_calls + counts.kept_manifolds + counts.contacts > 0, "bodies are near each other",
-       "no two bodies are near each other", ms(Phase::UpdateContacts));
-  note("contact_solver", counts.contacts > 0, "bodies touch", "nothing touches", ms(Phase::SolveIslands));
-  double direct_ms = 0, finer_ms = 0;
-  for (const EscalatedIsland& island : escalated_) (island.direct ? direct_ms : finer_ms) += island.ms;
-  note("direct_contacts", counts.direct_islands > 0, "some islands' contacts carry more than sweeps can settle",
-       "no island's contacts carry more than sweeps can settle", direct_ms);
-  note("finer_substeps", counts.finer_islands > 0, "some islands sag under their own weight",
-       "no island sags under its own weight", finer_ms);
-  note("friction", friction, "touching materials have friction", "no contact has friction", 0);
-  note("restitution", restitution, "touching materials bounce", "no contact bounces", 0);
-  note("gyroscopic_torque", gyroscopic, "bodies in islands have unequal moments of inertia",
-       "no body in an island has unequal moments of inertia", 0);
-  note("warm_starting", counts.contacts > 0 && settings.warm_starting, "it is on", "it is off, or nothing touches", 0);
-  note("free_flight", !islands_.free_bodies().empty(), "some bodies touch nothing",
-       "every awake body touches something or is joined", 0);
-  note("kinematic_bodies", contents.kinematic > 0, "there are some", "there are none", 0);
-  note("joints", counts.joints > 0, "bodies that are awake are joined",
-       joints.count == 0 ? "there are none" : "none acts on a body that is awake",
-       counts.contacts > 0 ? 0 : ms(Phase::SolveIslands));
-  note("sleeping", settings.sleeping, "it is on", "it is off", ms(Phase::Finish));
-  note("sweep_fast_bodies", counts.swept > 0, "some bodies moved farther than their size allows",
-       "no body moved farther than margins see", ms(Phase::SweepFastBodies));
-}
-
 }  // namespace atl

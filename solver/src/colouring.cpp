@@ -9,8 +9,8 @@ namespace {
 constexpr std::size_t overflow = 64;
 
 // Within a colour constraints are in order of their rank, and blocks begin anew where another kind does.
-constexpr std::size_t rank_of(const LocalContact&) { return 0; }
-constexpr std::size_t rank_count(const LocalContact*) { return 1; }
+constexpr std::size_t rank_of(const LocalContact& contact) { return contact.kind; }
+constexpr std::size_t rank_count(const LocalContact*) { return contact_kinds; }
 constexpr bool starts_kind(const LocalContact*, std::size_t) { return false; }
 
 constexpr std::size_t most_rows = 6;
@@ -47,6 +47,17 @@ void set_lane(Block& block, std::size_t lane, const Constraint& constraint, std:
   const auto bit = static_cast<std::uint8_t>(1u << lane);
   if (constraint.first >= first_dynamic) block.write_first |= bit;
   if (constraint.second >= first_dynamic) block.write_second |= bit;
+}
+
+void note_movers(ContactBlock& block) {
+  std::int32_t first = 0, second = 0;
+  block.contacts = 0;
+  for (std::size_t lane = 0; lane < block_lanes; ++lane) {
+    first |= block.first[lane];
+    second |= block.second[lane];
+    block.contacts += block.slot[lane] >= 0;
+  }
+  block.movers = first == 0 ? Movers::Second : second == 0 ? Movers::First : Movers::Both;
 }
 
 }  // namespace
@@ -119,6 +130,7 @@ void Colouring::build(std::span<const LocalContact> contacts, std::uint32_t firs
   assign_colours(contacts, first_dynamic, body_count);
   assign_lanes(contacts);
   fill(contacts, first_dynamic, blocks);
+  for (std::size_t b = 0; b < block_count(); ++b) note_movers(blocks[b]);
 }
 
 void Colouring::build(std::span<const LocalJoint> joints, std::uint32_t first_dynamic, std::uint32_t body_count,

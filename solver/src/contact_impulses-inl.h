@@ -22,7 +22,7 @@ inline void warm_start(const ContactKernelData& data, std::size_t begin, std::si
   for (std::size_t b = begin; b < end; ++b) {
     const ContactBlock& block = data.blocks[b];
     for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
-      ContactLanes c = load_contacts(data, block, lane);
+      ContactLanes<> c = load_contacts(data, block, lane);
       V sum = zero();
       V sum_y = zero();
       V sum_minus_x = zero();
@@ -54,13 +54,15 @@ inline void restitute(const ContactKernelData& data, std::size_t begin, std::siz
   const V threshold = splat(-data.constants.restitution_threshold);
   for (std::size_t b = begin; b < end; ++b) {
     ContactBlock& block = data.blocks[b];
+    if (!block.traits.bounces) continue;
     const BounceBlock& bounce = data.bounces[b];
+    const std::size_t points = block.traits.points;
     for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
-      ContactLanes c = load_contacts(data, block, lane);
+      ContactLanes<> c = load_contacts(data, block, lane);
       const V restitution = load(bounce.restitution + lane);
       NormalSolve solve(c);
-      for (std::size_t n = 0; n < restitution_sweeps * max_points; ++n) {
-        const std::size_t i = n % max_points;
+      for (std::size_t n = 0; n < restitution_sweeps * points; ++n) {
+        const std::size_t i = n % points;
         const V x = load(block.x[i] + lane);
         const V y = load(block.y[i] + lane);
         const V old_impulse = load(block.normal_impulse[i] + lane);

@@ -25,13 +25,31 @@ struct BodyLanes {
   SymmetricMatrix inverse_inertia;
 };
 
-HWY_INLINE BodyLanes load_bodies(const SolverBodies& bodies, const std::int32_t* index) {
+// Piece by piece: GCC would copy them as a whole, in other pieces than they were stored in, and wait for that.
+HWY_INLINE void load_bodies(const SolverBodies& bodies, const std::int32_t* index, BodyLanes& body) {
   const VelocityRows* velocity = bodies.velocity.data();
   const InertiaRow* inertia = bodies.inertia.data();
   const V4 v = load_rows([=](std::size_t k) { return velocity[index[k]].linear; });
   const V4 w = load_rows([=](std::size_t k) { return velocity[index[k]].angular; });
   const V4 i = load_rows([=](std::size_t k) { return &inertia[index[k]].zz; });
-  return {index, {v.x, v.y, v.z}, {w.x, w.y, w.z}, {v.w, w.w, i.x, i.y, i.z, i.w}};
+  body.index = index;
+  body.v.x = v.x;
+  body.v.y = v.y;
+  body.v.z = v.z;
+  body.w.x = w.x;
+  body.w.y = w.y;
+  body.w.z = w.z;
+  body.inverse_inertia.xx = v.w;
+  body.inverse_inertia.yy = w.w;
+  body.inverse_inertia.zz = i.x;
+  body.inverse_inertia.xy = i.y;
+  body.inverse_inertia.xz = i.z;
+  body.inverse_inertia.yz = i.w;
+}
+HWY_INLINE BodyLanes load_bodies(const SolverBodies& bodies, const std::int32_t* index) {
+  BodyLanes body;
+  load_bodies(bodies, index, body);
+  return body;
 }
 
 // How bodies have moved since the start of the step, and in w how their contact points turn with them.
@@ -57,7 +75,13 @@ HWY_INLINE void store_bodies(const BodyLanes& body, SolverBodies& bodies, unsign
       [=](std::size_t k) { return velocity[index[k]].angular; }, mask);
 }
 
-// A block's contacts from `lane` on, with their bodies.
+template <Movers movers>
+constexpr bool first_moves = movers != Movers::Second;
+template <Movers movers>
+constexpr bool second_moves = movers != Movers::First;
+
+// A block's contacts from `lane` on, with their bodies. Of fixed ones nothing is loaded.
+template <Movers movers = Movers::Both>
 struct ContactLanes {
   BodyLanes first, second;
   V3 normal, tangent1, tangent2;
@@ -65,38 +89,63 @@ struct ContactLanes {
   V inverse_mass_first, inverse_mass_second;
 };
 
-HWY_INLINE ContactLanes load_contacts(const ContactKernelData& data, const ContactBlock& block, std::size_t lane) {
-  ContactLanes c;
-  c.first = load_bodies(data.bodies, block.first + lane);
-  c.second = load_bodies(data.bodies, block.second + lane);
+template <Movers movers = Movers::Both>
+HWY_INLINE ContactLanes<movers> load_contacts(const ContactKernelData& data, const ContactBlock& block,
+                                              std::size_t lane) {
+  ContactLanes<movers> c;
+  if constexpr (first_moves<movers>) load_bodies(data.bodies, block.first + lane, c.first);
+  if constexpr (second_moves<movers>) load_bodies(data.bodies, block.second + lane, c.second);
   c.normal = load3(block.normal, lane);
   c.tangent1 = load3(block.tangent, lane);
   c.tangent2 = cross(c.normal, c.tangent1);
-  c.anchor_first = load3(block.anchor_first, lane);
-  c.anchor_second = load3(block.anchor_second, lane);
-  c.inverse_mass_first = load(block.inverse_mass[0] + lane);
-  c.inverse_mass_second = load(block.inverse_mass[1] + lane);
+  if constexpr (first_moves<movers>) {
+    c.anchor_first = load3(block.anchor_first, lane);
+    c.inverse_mass_first = load(block.inverse_mass[0] + lane);
+  }
+  if constexpr (second_moves<movers>) {
+    c.anchor_second = load3(block.anchor_second, lane);
+    c.inverse_mass_second = load(block.inverse_mass[1] + lane);
+  }
   return c;
 }
 
-HWY_INLINE void store_contact_bodies(const ContactLanes& c, const ContactKernelData& data, const ContactBlock& block,
-                                     std::size_t lane) {
-  store_bodies(c.first, data.bodies, static_cast<unsigned>(block.write_first) >> lane);
-  store_bodies(c.second, data.bodies, static_cast<unsigned>(block.write_second) >> lane);
+template <Movers movers>
+HWY_INLINE void store_contact_bodies(const ContactLanes<movers>& c, const ContactKernelData& data,
+                                     const ContactBlock& block, std::size_t lane) {
+  if constexpr (first_moves<movers>)
+    store_bodies(c.first, data.bodies, static_cast<unsigned>(block.write_first) >> lane);
+  if constexpr (second_moves<movers>)
+    store_bodies(c.second, data.bodies, static_cast<unsigned>(block.write_second) >> lane);
 }
 
-// Velocity of the second body against the first at the centre, and relative spin.
-HWY_INLINE V3 relative_velocity(const ContactLanes& c) {
+// Velocity of the second body against the first at the centre, and relative spin. Fixed bodies are at rest; zero minus
+// something is not the same as its negative, where that is zero.
+template <Movers movers>
+HWY_INLINE V3 relative_velocity(const ContactLanes<movers>& c) {
+  const V3 rest{zero(), zero(), zero()};
+  if constexpr (movers == Movers::First) return rest - (c.first.v + cross(c.first.w, c.anchor_first));
+  if constexpr (movers == Movers::Second) return c.second.v + cross(c.second.w, c.anchor_second);
   return (c.second.v + cross(c.second.w, c.anchor_second)) - (c.first.v + cross(c.first.w, c.anchor_first));
 }
-HWY_INLINE V3 relative_spin(const ContactLanes& c) { return c.second.w - c.first.w; }
+template <Movers movers>
+HWY_INLINE V3 relative_spin(const ContactLanes<movers>& c) {
+  const V3 rest{zero(), zero(), zero()};
+  if constexpr (movers == Movers::First) return rest - c.first.w;
+  if constexpr (movers == Movers::Second) return c.second.w;
+  return c.second.w - c.first.w;
+}
 
 // An impulse at the centre and an angular impulse, on the second body; the opposite on the first.
-HWY_INLINE void apply(ContactLanes& c, const V3& impulse, const V3& angular) {
-  c.first.v = c.first.v - c.inverse_mass_first * impulse;
-  c.first.w = c.first.w - c.first.inverse_inertia * (cross(c.anchor_first, impulse) + angular);
-  c.second.v = c.second.v + c.inverse_mass_second * impulse;
-  c.second.w = c.second.w + c.second.inverse_inertia * (cross(c.anchor_second, impulse) + angular);
+template <Movers movers>
+HWY_INLINE void apply(ContactLanes<movers>& c, const V3& impulse, const V3& angular) {
+  if constexpr (first_moves<movers>) {
+    c.first.v = c.first.v - c.inverse_mass_first * impulse;
+    c.first.w = c.first.w - c.first.inverse_inertia * (cross(c.anchor_first, impulse) + angular);
+  }
+  if constexpr (second_moves<movers>) {
+    c.second.v = c.second.v + c.inverse_mass_second * impulse;
+    c.second.w = c.second.w + c.second.inverse_inertia * (cross(c.anchor_second, impulse) + angular);
+  }
 }
 
 // Two impulses, scaled down to the disc of a radius where they leave it.
@@ -136,7 +185,8 @@ struct NormalSolve {
   V u, w1, w2;
   V sum = zero(), sum_y = zero(), sum_minus_x = zero();  // of the impulses applied
 
-  HWY_INLINE NormalSolve(const ContactLanes& c) {
+  template <Movers movers>
+  HWY_INLINE explicit NormalSolve(const ContactLanes<movers>& c) {
     u = dot(c.normal, relative_velocity(c));
     const V3 spin = relative_spin(c);
     w1 = dot(c.tangent1, spin);
@@ -145,7 +195,8 @@ struct NormalSolve {
 
   HWY_INLINE V speed(V x, V y) const { return hn::Sub(hn::Add(u, hn::Mul(y, w1)), hn::Mul(x, w2)); }
 
-  HWY_INLINE void finish(ContactLanes& c) const {
+  template <Movers movers>
+  HWY_INLINE void finish(ContactLanes<movers>& c) const {
     apply(c, sum * c.normal, sum_y * c.tangent1 + sum_minus_x * c.tangent2);
   }
 };

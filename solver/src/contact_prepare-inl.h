@@ -22,6 +22,26 @@ struct ManifoldLanes {
   V4 normal, anchor_first, anchor_second, x, y, separation, impulse, friction;
 };
 
+HWY_INLINE const collision::ContactManifold& manifold_of(const ContactKernelData& data, const ContactBlock& block,
+                                                         std::size_t lane) {
+  // What a lane without a contact reads.
+  static constexpr collision::ContactManifold vacant = {
+      {0, 0, 1},
+      0,
+      {0, 0, 0},
+      0,
+      {0, 0, 0},
+      0,
+      {0, 0, 0, 0},
+      {0, 0, 0, 0},
+      {collision::no_point, collision::no_point, collision::no_point, collision::no_point},
+      {0, 0, 0, 0},
+      {0, 0, 0},
+      0};
+  const std::int32_t slot = block.slot[lane];
+  return slot < 0 ? vacant : data.manifolds[slot];
+}
+
 template <typename ManifoldOf>
 HWY_INLINE ManifoldLanes load_manifolds(const ManifoldOf& of) {
   return {load_rows([&](std::size_t k) { return of(k).normal; }),
@@ -42,12 +62,13 @@ HWY_INLINE void store4(const V4& v, float (*rows)[block_lanes], std::size_t lane
 }
 
 // J M^-1 J^T for two rows with angular parts j (on both bodies, towards the second) and linear parts alike.
-HWY_INLINE V angular_response(const ContactLanes& c, const V3& j_first, const V3& j_second, const V3& i_first,
+HWY_INLINE V angular_response(const ContactLanes<>& c, const V3& j_first, const V3& j_second, const V3& i_first,
                               const V3& i_second) {
   return hn::Add(dot(j_first, c.first.inverse_inertia * i_first), dot(j_second, c.second.inverse_inertia * i_second));
 }
 
-HWY_INLINE void prepare_masses(ContactBlock& block, std::size_t lane, const ContactLanes& c) {
+// Without friction, or what twists, there is no such row: it has no mass, and what sweeps it comes to zero, exactly.
+HWY_INLINE void prepare_masses(ContactBlock& block, std::size_t lane, const ContactLanes<>& c, M rubs, M twists) {
   const V inverse_mass = hn::Add(c.inverse_mass_first, c.inverse_mass_second);
   const M vacant = hn::Eq(inverse_mass, zero());
   const V one_if_vacant = hn::IfThenElse(vacant, splat(1), zero());
@@ -73,24 +94,45 @@ HWY_INLINE void prepare_masses(ContactBlock& block, std::size_t lane, const Cont
   const V f11 = hn::Add(diagonal, angular_response(c, t1_first, t1_second, t1_first, t1_second));
   const V f12 = angular_response(c, t1_first, t1_second, t2_first, t2_second);
   const V f22 = hn::Add(diagonal, angular_response(c, t2_first, t2_second, t2_first, t2_second));
-  Plane{f11, f12, f22}.inverse().store_to(block.friction_mass, lane);
+  const Plane mass = Plane{f11, f12, f22}.inverse();
+  Plane{hn::IfThenElseZero(rubs, mass.m11), hn::IfThenElseZero(rubs, mass.m12), hn::IfThenElseZero(rubs, mass.m22)}
+      .store_to(block.friction_mass, lane);
 
   const V twist = angular_response(c, c.normal, c.normal, c.normal, c.normal);
-  const M turns = hn::Gt(twist, zero());
+  const M turns = hn::And(twists, hn::Gt(twist, zero()));
   store(hn::IfThenElse(turns, hn::Div(splat(1), hn::IfThenElse(turns, twist, splat(1))), zero()),
         block.twist_mass + lane);
 }
 
+HWY_INLINE bool any(const M& mask) { return !hn::AllFalse(D(), mask); }
+
+// What the block has, without which kernels need not look for it.
+HWY_INLINE void note_traits(ContactTraits& traits, const ManifoldLanes& m) {
+  const V separation[max_points] = {m.separation.x, m.separation.y, m.separation.z, m.separation.w};
+  for (std::size_t i = traits.points; i < max_points; ++i) {
+    if (any(hn::Lt(separation[i], splat(collision::no_point)))) traits.points = static_cast<std::uint8_t>(i + 1);
+  }
+  traits.friction |= any(hn::Gt(m.normal.w, zero()));
+  traits.bounces |= any(hn::Gt(m.anchor_first.w, zero()));
+}
+
+HWY_INLINE const SurfaceContact& surface_of(const ContactKernelData& data, const ContactBlock& block,
+                                            std::size_t lane) {
+  static constexpr SurfaceContact plain = {};
+  const std::int32_t slot = block.slot[lane];
+  return slot < 0 ? plain : data.surface_contacts[slot];
+}
+
+// The rolling impulses, and in w the torsional friction.
+HWY_INLINE V4 rolling_lanes(const ContactKernelData& data, const ContactBlock& block, std::size_t lane) {
+  return load_rows([&](std::size_t k) { return surface_of(data, block, lane + k).rolling_impulse; });
+}
+
 // A contact that has just begun has no normal impulse, and so nothing that an earlier one in its slot left behind.
 HWY_INLINE void prepare_surfaces(const ContactKernelData& data, const ContactBlock& block, SurfaceBlock& surface,
-                                 std::size_t lane, const ContactLanes& c, V normal_impulse) {
-  static constexpr SurfaceContact plain = {};
-  const auto contact_of = [&](std::size_t k) -> const SurfaceContact& {
-    const std::int32_t slot = block.slot[lane + k];
-    return slot < 0 ? plain : data.surface_contacts[slot];
-  };
-  const V4 slip = load_rows([&](std::size_t k) { return contact_of(k).slip; });
-  const V4 rolling = load_rows([&](std::size_t k) { return contact_of(k).rolling_impulse; });
+                                 std::size_t lane, const ContactLanes<>& c, V normal_impulse) {
+  const V4 slip = load_rows([&](std::size_t k) { return surface_of(data, block, lane + k).slip; });
+  const V4 rolling = rolling_lanes(data, block, lane);
   store(dot(c.tangent1, {slip.x, slip.y, slip.z}), surface.slip[0] + lane);
   store(dot(c.tangent2, {slip.x, slip.y, slip.z}), surface.slip[1] + lane);
   store(slip.w, surface.rolling_friction[0] + lane);
@@ -150,8 +192,10 @@ HWY_INLINE V impact_speed(V speed, V separation, V acceleration) {
 // were not for other impacts, waits for the next. Solved at once, as one impact, they would end as one that shares its
 // motion.
 HWY_INLINE void prepare_bounces(const ContactKernelData& data, ContactBlock& block, BounceBlock& bounce,
-                                std::size_t lane, const ContactLanes& c, V restitution) {
+                                std::size_t lane) {
+  const ContactLanes<> c = load_contacts(data, block, lane);
   const NormalSolve solve(c);
+  const V restitution = load_rows([&](std::size_t k) { return manifold_of(data, block, lane + k).anchor_first; }).w;
   const Pull pull = pull_together(data.bodies, block, lane, c.normal);
   const M bouncy = hn::Gt(restitution, zero());
   for (std::size_t i = 0; i < max_points; ++i) {
@@ -170,7 +214,7 @@ HWY_INLINE void prepare_bounces(const ContactKernelData& data, ContactBlock& blo
 // A ball is touched where the normal through its centre leaves it. Its contact may be some way from there: as the step
 // starts, it may yet have to travel to where it will be hit.
 HWY_INLINE void put_on_line_of_centres(const SolverBodies& bodies, const ContactBlock& block, std::size_t lane,
-                                       ContactLanes& c) {
+                                       ContactLanes<>& c) {
   const auto on_line = [&](const std::int32_t* index, const V3& anchor) {
     const V carries = load_displacement(bodies, index).w;
     return select(hn::Gt(carries, zero()), anchor, dot(anchor, c.normal) * c.normal);
@@ -181,39 +225,23 @@ HWY_INLINE void put_on_line_of_centres(const SolverBodies& bodies, const Contact
 
 inline void prepare(const ContactKernelData& data, std::size_t begin, std::size_t end) {
   constexpr std::size_t ahead = 2;
-  // What a lane without a contact reads.
-  static constexpr collision::ContactManifold vacant = {
-      {0, 0, 1},
-      0,
-      {0, 0, 0},
-      0,
-      {0, 0, 0},
-      0,
-      {0, 0, 0, 0},
-      {0, 0, 0, 0},
-      {collision::no_point, collision::no_point, collision::no_point, collision::no_point},
-      {0, 0, 0, 0},
-      {0, 0, 0},
-      0};
   for (std::size_t b = begin; b < end; ++b) {
     ContactBlock& block = data.blocks[b];
     if (b + ahead < end) {
       for (const std::int32_t slot : data.blocks[b + ahead].slot) jobs::prefetch(data.manifolds[slot < 0 ? 0 : slot]);
     }
+    ContactTraits traits = {.points = 1, .friction = data.surface_blocks != nullptr, .bounces = false};
     for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
-      const auto manifold_of = [&](std::size_t k) -> const collision::ContactManifold& {
-        const std::int32_t slot = block.slot[lane + k];
-        return slot < 0 ? vacant : data.manifolds[slot];
-      };
-      const ManifoldLanes m = load_manifolds(manifold_of);
-      ContactLanes c;
+      const ManifoldLanes m = load_manifolds(
+          [&](std::size_t k) -> const collision::ContactManifold& { return manifold_of(data, block, lane + k); });
+      ContactLanes<> c;
       c.normal = {m.normal.x, m.normal.y, m.normal.z};
       c.tangent1 = tangent_lanes(c.normal).first;
       c.tangent2 = cross(c.normal, c.tangent1);
       c.anchor_first = {m.anchor_first.x, m.anchor_first.y, m.anchor_first.z};
       c.anchor_second = {m.anchor_second.x, m.anchor_second.y, m.anchor_second.z};
-      c.first = load_bodies(data.bodies, block.first + lane);
-      c.second = load_bodies(data.bodies, block.second + lane);
+      load_bodies(data.bodies, block.first + lane, c.first);
+      load_bodies(data.bodies, block.second + lane, c.second);
       const FreeVelocityRows* free_velocity = data.bodies.free_velocity.data();
       const auto inverse_mass_of = [&](const std::int32_t* index) {
         return load_rows([=](std::size_t k) { return free_velocity[index[k]].linear; }).w;
@@ -239,18 +267,26 @@ inline void prepare(const ContactKernelData& data, std::size_t begin, std::size_
       store4(impulse, block.normal_impulse, lane);
       store(c.inverse_mass_first, block.inverse_mass[0] + lane);
       store(c.inverse_mass_second, block.inverse_mass[1] + lane);
+      const M rubs = hn::Gt(m.normal.w, zero());
+      M twists = rubs;
+      if (data.surface_blocks != nullptr) {
+        twists = hn::Or(twists, hn::Gt(rolling_lanes(data, block, lane).w, zero()));
+      }
       const V3 friction = share * V3{m.friction.x, m.friction.y, m.friction.z};
-      store(dot(c.tangent1, friction), block.friction_impulse[0] + lane);
-      store(dot(c.tangent2, friction), block.friction_impulse[1] + lane);
-      store(hn::Mul(share, m.friction.w), block.twist_impulse + lane);
-      prepare_masses(block, lane, c);
-
+      store(hn::IfThenElseZero(rubs, dot(c.tangent1, friction)), block.friction_impulse[0] + lane);
+      store(hn::IfThenElseZero(rubs, dot(c.tangent2, friction)), block.friction_impulse[1] + lane);
+      store(hn::IfThenElseZero(twists, hn::Mul(share, m.friction.w)), block.twist_impulse + lane);
+      prepare_masses(block, lane, c, rubs, twists);
       if (data.surface_blocks != nullptr) {
         const V normal_impulse = hn::Add(hn::Add(impulse.x, impulse.y), hn::Add(impulse.z, impulse.w));
         prepare_surfaces(data, block, data.surface_blocks[b], lane, c, normal_impulse);
       }
-      if (data.bounces != nullptr) prepare_bounces(data, block, data.bounces[b], lane, c, m.anchor_first.w);
+      note_traits(traits, m);
     }
+    block.traits = data.leaves_out ? traits : ContactTraits();
+    block.traits.bounces &= data.bounces != nullptr;
+    if (!block.traits.bounces) continue;
+    for (std::size_t lane = 0; lane < block_lanes; lane += lanes) prepare_bounces(data, block, data.bounces[b], lane);
   }
 }
 

@@ -23,21 +23,16 @@ HWY_INLINE V3 turned_normal_change(const V4& q, const V3& n) {
   return change + change;
 }
 
-// separation = start + n . (moved centres) + turned anchors; linear in a point's x and y.
-HWY_INLINE void refresh_separations(const ContactKernelData& data, ContactBlock& block, std::size_t lane,
-                                    const ContactLanes& c) {
-  const V4 first = load_displacement(data.bodies, c.first.index);
-  const V4 second = load_displacement(data.bodies, c.second.index);
-  // A rolling ball's lowest point does not rise with its surface.
-  const V3 change_first = first.w * turned_normal_change(load_rotation(data.bodies, c.first.index), c.normal);
-  const V3 change_second = second.w * turned_normal_change(load_rotation(data.bodies, c.second.index), c.normal);
-  const V3 moved = V3{second.x, second.y, second.z} - V3{first.x, first.y, first.z};
-  const V turned = hn::Sub(dot(change_second, c.anchor_second), dot(change_first, c.anchor_first));
-  const V at_centre = hn::Add(dot(c.normal, moved), turned);
-  const V3 change = change_second - change_first;
-  const V along_x = dot(change, c.tangent1);
-  const V along_y = dot(change, c.tangent2);
-  for (std::size_t i = 0; i < max_points; ++i) {
+// How a body changes the normal, as it sees it itself. A rolling ball's lowest point does not rise with its surface.
+HWY_INLINE V3 normal_change(const ContactKernelData& data, const BodyLanes& body, const V4& moved, const V3& normal) {
+  return moved.w * turned_normal_change(load_rotation(data.bodies, body.index), normal);
+}
+
+// The points' separations, for which those of the start of the step change by `at_centre` and, linear in their x and y,
+// along the tangents.
+template <std::size_t points>
+HWY_INLINE void shift_points(ContactBlock& block, std::size_t lane, V at_centre, V along_x, V along_y) {
+  for (std::size_t i = 0; i < points; ++i) {
     const V x = load(block.x[i] + lane);
     const V y = load(block.y[i] + lane);
     const V shift = hn::Add(at_centre, hn::Add(hn::Mul(x, along_x), hn::Mul(y, along_y)));
@@ -45,16 +40,56 @@ HWY_INLINE void refresh_separations(const ContactKernelData& data, ContactBlock&
   }
 }
 
-// What is known of a sweep when it is compiled. `special` is what few scenes need and may cost something: running
-// surfaces, rolling and torsional friction, slop, and a residual; whether those refresh they ask as they run.
-enum class Refresh { No, Yes, Asks };
+// separation = start + n . (moved centres) + turned anchors.
+template <std::size_t points, Movers movers>
+HWY_INLINE void refresh_separations(const ContactKernelData& data, ContactBlock& block, std::size_t lane,
+                                    const ContactLanes<movers>& c) {
+  const V3 rest{zero(), zero(), zero()};
+  if constexpr (movers == Movers::First) {
+    const V4 moved = load_displacement(data.bodies, c.first.index);
+    const V3 change = normal_change(data, c.first, moved, c.normal);
+    const V at_centre =
+        hn::Add(dot(c.normal, rest - V3{moved.x, moved.y, moved.z}), hn::Sub(zero(), dot(change, c.anchor_first)));
+    const V3 turned = rest - change;
+    shift_points<points>(block, lane, at_centre, dot(turned, c.tangent1), dot(turned, c.tangent2));
+  } else if constexpr (movers == Movers::Second) {
+    const V4 moved = load_displacement(data.bodies, c.second.index);
+    const V3 change = normal_change(data, c.second, moved, c.normal);
+    const V at_centre = hn::Add(dot(c.normal, V3{moved.x, moved.y, moved.z}), dot(change, c.anchor_second));
+    shift_points<points>(block, lane, at_centre, dot(change, c.tangent1), dot(change, c.tangent2));
+  } else {
+    const V4 first = load_displacement(data.bodies, c.first.index);
+    const V4 second = load_displacement(data.bodies, c.second.index);
+    const V3 change_first = normal_change(data, c.first, first, c.normal);
+    const V3 change_second = normal_change(data, c.second, second, c.normal);
+    const V3 moved = V3{second.x, second.y, second.z} - V3{first.x, first.y, first.z};
+    const V turned = hn::Sub(dot(change_second, c.anchor_second), dot(change_first, c.anchor_first));
+    const V3 change = change_second - change_first;
+    shift_points<points>(block, lane, hn::Add(dot(c.normal, moved), turned), dot(change, c.tangent1),
+                         dot(change, c.tangent2));
+  }
+}
 
-template <Push push_, Refresh refresh_, Friction friction_>
+// What is known of a sweep when it is compiled; whether it refreshes and goes twice over the points some ask as they
+// run. `special` is what few scenes need and may cost something: running surfaces, rolling and torsional friction,
+// slop, and a residual.
+enum class Refresh { No, Yes, Asks };
+enum class Rounds { One, Two, Asks };
+
+template <Push push_, Refresh refresh_, Friction friction_, Rounds rounds_>
 struct How {
   static constexpr Push push = push_;
   static constexpr Refresh refresh = refresh_;
   static constexpr Friction friction = friction_;
+  static constexpr Rounds rounds = rounds_;
   static constexpr bool special = refresh_ == Refresh::Asks;
+};
+
+// What is left out of blocks that have no need of it.
+template <std::size_t points_, Movers movers_>
+struct What {
+  static constexpr std::size_t points = points_;
+  static constexpr Movers movers = movers_;
 };
 
 // The largest change of relative speed so far. Each lane on its own: the most of all is no sum and knows no order.
@@ -65,12 +100,12 @@ struct Residual {
 };
 
 // m, of a contact: what turns a spin into a speed. Of the bodies the smaller one's.
-HWY_INLINE V reach_of(const ContactLanes& c) {
+HWY_INLINE V reach_of(const ContactLanes<>& c) {
   return hn::Sqrt(hn::Min(dot(c.anchor_first, c.anchor_first), dot(c.anchor_second, c.anchor_second)));
 }
 
 // Holds back rolling: an angular impulse about an axis in the tangent plane, bound as friction is.
-HWY_INLINE void solve_rolling(SurfaceBlock& surface, std::size_t lane, V normal_impulse, ContactLanes& c,
+HWY_INLINE void solve_rolling(SurfaceBlock& surface, std::size_t lane, V normal_impulse, ContactLanes<>& c,
                               Residual& residual) {
   const V3 spin = relative_spin(c);
   const Plane mass = Plane::load_from(surface.rolling_mass, lane);
@@ -90,15 +125,15 @@ HWY_INLINE void solve_rolling(SurfaceBlock& surface, std::size_t lane, V normal_
   residual.add(hn::Mul(reach, dot(c.tangent2, change)));
 }
 
-template <typename how>
-HWY_INLINE void solve_friction(ContactBlock& block, SurfaceBlock* surface, std::size_t lane, ContactLanes& c,
-                               Residual& residual) {
+template <typename how, typename what>
+HWY_INLINE void solve_friction(ContactBlock& block, SurfaceBlock* surface, std::size_t lane,
+                               ContactLanes<what::movers>& c, Residual& residual) {
   const V3 velocity = relative_velocity(c);
   V v1 = dot(c.tangent1, velocity);
   V v2 = dot(c.tangent2, velocity);
   const V spin = dot(c.normal, relative_spin(c));
   V normal_impulse = load(block.normal_impulse[0] + lane);
-  for (std::size_t i = 1; i < max_points; ++i) {
+  for (std::size_t i = 1; i < what::points; ++i) {
     normal_impulse = hn::Add(normal_impulse, load(block.normal_impulse[i] + lane));
   }
   const V bound = hn::Mul(load(block.friction + lane), normal_impulse);
@@ -131,24 +166,27 @@ HWY_INLINE void solve_friction(ContactBlock& block, SurfaceBlock* surface, std::
         hn::Sub(new_twist, old_twist) * c.normal);
   if constexpr (how::special) {
     if (surface != nullptr) solve_rolling(*surface, lane, normal_impulse, c, residual);
+    const M rubs = hn::Gt(load(block.friction + lane), zero());
     const Plane response = mass.inverse();
     const V change1 = hn::Sub(new1, old1);
     const V change2 = hn::Sub(new2, old2);
-    residual.add(response.first(change1, change2));
-    residual.add(response.second(change1, change2));
+    residual.add(hn::IfThenElseZero(rubs, response.first(change1, change2)));
+    residual.add(hn::IfThenElseZero(rubs, response.second(change1, change2)));
     const V twist_change = hn::Sub(dot(c.normal, relative_spin(c)), spin);
     residual.add(hn::Mul(load(block.lever + lane), twist_change));
   }
 }
 
 // One round over the points of each contact.
-template <typename how>
+template <typename how, typename what>
 HWY_INLINE void solve_points(const ContactKernelData& data, ContactBlock& block, float (*impulses)[block_lanes],
-                             std::size_t lane, const ContactLanes& c, NormalSolve& solve, Residual& residual) {
+                             std::size_t lane, const ContactLanes<what::movers>& c, NormalSolve& solve,
+                             Residual& residual) {
   const SubstepConstants& constants = data.constants;
   const V inverse_h = splat(constants.inverse_h);
-  const M fixed = hn::Or(hn::Eq(c.inverse_mass_first, zero()), hn::Eq(c.inverse_mass_second, zero()));
   const auto soft = [&](float of_fixed, float of_dynamic) {
+    if constexpr (what::movers != Movers::Both) return splat(of_fixed);
+    const M fixed = hn::Or(hn::Eq(c.inverse_mass_first, zero()), hn::Eq(c.inverse_mass_second, zero()));
     return hn::IfThenElse(fixed, splat(of_fixed), splat(of_dynamic));
   };
   const Softness& with_fixed = constants.fixed_contact;
@@ -157,7 +195,7 @@ HWY_INLINE void solve_points(const ContactKernelData& data, ContactBlock& block,
   const V soft_mass = soft(with_fixed.mass_scale, with_dynamic.mass_scale);
   const V soft_impulse = soft(with_fixed.impulse_scale, with_dynamic.impulse_scale);
 
-  for (std::size_t i = 0; i < max_points; ++i) {
+  for (std::size_t i = 0; i < what::points; ++i) {
     const V x = load(block.x[i] + lane);
     const V y = load(block.y[i] + lane);
     const V old_impulse = load(impulses[i] + lane);
@@ -196,79 +234,130 @@ constexpr float landing_speed = 0.5f;  // m/s
 constexpr int landing_rounds = 7;
 
 // For the lanes that land, and for them alone: whether others of their block do must not show.
-template <typename how>
+template <typename how, typename what>
 HWY_NOINLINE void share_impact(const ContactKernelData& data, ContactBlock& block, float (*impulses)[block_lanes],
-                               std::size_t lane, const M& lands, ContactLanes& c, Residual& residual) {
-  V before[max_points];
-  for (std::size_t i = 0; i < max_points; ++i) before[i] = load(impulses[i] + lane);
-  ContactLanes landed = c;
+                               std::size_t lane, const M& lands, ContactLanes<what::movers>& c, Residual& residual) {
+  V before[what::points];
+  for (std::size_t i = 0; i < what::points; ++i) before[i] = load(impulses[i] + lane);
+  ContactLanes<what::movers> landed = c;
   Residual of_landed = residual;
   NormalSolve solve(landed);
   for (int round = 0; round < landing_rounds; ++round) {
-    solve_points<how>(data, block, impulses, lane, landed, solve, of_landed);
+    solve_points<how, what>(data, block, impulses, lane, landed, solve, of_landed);
   }
   solve.finish(landed);
-  for (std::size_t i = 0; i < max_points; ++i) {
+  for (std::size_t i = 0; i < what::points; ++i) {
     store(hn::IfThenElse(lands, load(impulses[i] + lane), before[i]), impulses[i] + lane);
   }
-  c.first.v = select(lands, landed.first.v, c.first.v);
-  c.first.w = select(lands, landed.first.w, c.first.w);
-  c.second.v = select(lands, landed.second.v, c.second.v);
-  c.second.w = select(lands, landed.second.w, c.second.w);
+  if constexpr (first_moves<what::movers>) {
+    c.first.v = select(lands, landed.first.v, c.first.v);
+    c.first.w = select(lands, landed.first.w, c.first.w);
+  }
+  if constexpr (second_moves<what::movers>) {
+    c.second.v = select(lands, landed.second.v, c.second.v);
+    c.second.w = select(lands, landed.second.w, c.second.w);
+  }
   residual.most = hn::IfThenElse(lands, of_landed.most, residual.most);
 }
 
-template <typename how>
+template <typename how, typename what>
 HWY_INLINE void solve_normals(const ContactKernelData& data, ContactBlock& block, float (*impulses)[block_lanes],
-                              std::size_t lane, ContactLanes& c, Residual& residual) {
+                              std::size_t lane, ContactLanes<what::movers>& c, Residual& residual) {
   NormalSolve solve(c);
   const M lands = hn::Lt(solve.u, splat(-landing_speed));
-  solve_points<how>(data, block, impulses, lane, c, solve, residual);
+  solve_points<how, what>(data, block, impulses, lane, c, solve, residual);
   solve.finish(c);
   if (HWY_LIKELY(hn::AllFalse(D(), lands))) return;
   // Of copies, so that nothing else has to be in memory.
-  ContactLanes landing = c;
+  ContactLanes<what::movers> landing = c;
   Residual landing_residual = residual;
-  share_impact<how>(data, block, impulses, lane, lands, landing, landing_residual);
+  share_impact<how, what>(data, block, impulses, lane, lands, landing, landing_residual);
   c = landing;
   residual = landing_residual;
 }
 
-template <typename how>
-float sweep_blocks(const ContactKernelData& data, [[maybe_unused]] const Sweep& sweep, std::size_t begin,
-                   std::size_t end) {
+// The most that points pushed, which tells whether they were hit.
+inline void note_impulses(const ContactBlock& block, BounceBlock& bounce) {
+  for (std::size_t i = 0; i < block.traits.points; ++i) {
+    for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
+      const V impulse = load(block.normal_impulse[i] + lane);
+      store(hn::Max(impulse, load(bounce.max_impulse[i] + lane)), bounce.max_impulse[i] + lane);
+    }
+  }
+}
+
+// Over blocks of a kind.
+template <typename how, typename what>
+HWY_NOINLINE void sweep_alike(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end,
+                              Residual& of_all) {
   Residual residual;
   for (std::size_t b = begin; b < end; ++b) {
     ContactBlock& block = data.blocks[b];
     SurfaceBlock* surface = how::special && data.surface_blocks != nullptr ? &data.surface_blocks[b] : nullptr;
     auto* impulses = how::push == Push::Split ? data.split_blocks[b].impulse : block.normal_impulse;
     for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
-      ContactLanes c = load_contacts(data, block, lane);
-      if (how::refresh == Refresh::Yes || (how::special && sweep.refresh)) refresh_separations(data, block, lane, c);
-      // Friction last, so that its bound is the normal impulse that it goes with.
-      solve_normals<how>(data, block, impulses, lane, c, residual);
-      // Rigid contacts have no softness to forgive what a round over the points leaves.
-      if (how::push == Push::Split) solve_normals<how>(data, block, impulses, lane, c, residual);
+      ContactLanes<what::movers> c = load_contacts<what::movers>(data, block, lane);
+      if (how::refresh == Refresh::Yes || (how::special && sweep.refresh)) {
+        refresh_separations<what::points>(data, block, lane, c);
+      }
+      solve_normals<how, what>(data, block, impulses, lane, c, residual);
+      // One round over the points leaves a body that lands flat tilted, and friction with too low a bound.
+      if (how::rounds == Rounds::Two || (how::rounds == Rounds::Asks && sweep.twice)) {
+        solve_normals<how, what>(data, block, impulses, lane, c, residual);
+      }
+      // Last, so that its bound is the normal impulse that it goes with.
       if constexpr (how::friction != Friction::None) {
-        // With a bias it is the first substep, and contacts may be new: one round over the points leaves a body that
-        // lands flat tilted, and friction with too low a bound.
-        if (how::push == Push::Bias || (how::special && data.split_blocks != nullptr)) {
-          solve_normals<how>(data, block, impulses, lane, c, residual);
-        }
-        solve_friction<how>(block, surface, lane, c, residual);
+        if (block.traits.friction) solve_friction<how, what>(block, surface, lane, c, residual);
       }
       store_contact_bodies(c, data, block, lane);
     }
-    if (data.bounces != nullptr && how::push != Push::Split) {
-      BounceBlock& bounce = data.bounces[b];
-      for (std::size_t i = 0; i < max_points; ++i) {
-        for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
-          const V impulse = load(block.normal_impulse[i] + lane);
-          store(hn::Max(impulse, load(bounce.max_impulse[i] + lane)), bounce.max_impulse[i] + lane);
-        }
-      }
+    if (block.traits.bounces && how::push != Push::Split) note_impulses(block, data.bounces[b]);
+  }
+  of_all.add(residual.most);
+}
+
+template <typename how, std::size_t points>
+HWY_INLINE void sweep_points(const ContactKernelData& data, const Sweep& sweep, Movers movers, std::size_t begin,
+                             std::size_t end, Residual& residual) {
+  switch (movers) {
+    case Movers::Both:
+      return sweep_alike<how, What<points, Movers::Both>>(data, sweep, begin, end, residual);
+    case Movers::First:
+      return sweep_alike<how, What<points, Movers::First>>(data, sweep, begin, end, residual);
+    case Movers::Second:
+      return sweep_alike<how, What<points, Movers::Second>>(data, sweep, begin, end, residual);
+  }
+}
+
+// A kind of sweep that most scenes are made of, and so worth a kernel for each kind of block.
+template <typename how>
+float sweep_by_kind(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end) {
+  const auto movers_of = [&](std::size_t b) { return data.leaves_out ? data.blocks[b].movers : Movers::Both; };
+  const auto points_of = [&](std::size_t b) {
+    const std::uint8_t points = data.blocks[b].traits.points;
+    return points == 3 ? std::uint8_t{4} : points;
+  };
+  Residual residual;
+  for (std::size_t next; begin < end; begin = next) {
+    const Movers movers = movers_of(begin);
+    const std::uint8_t points = points_of(begin);
+    for (next = begin + 1; next < end && movers_of(next) == movers && points_of(next) == points;) ++next;
+    if (points == 1) {
+      sweep_points<how, 1>(data, sweep, movers, begin, next, residual);
+    } else if (points == 2) {
+      sweep_points<how, 2>(data, sweep, movers, begin, next, residual);
+    } else {
+      sweep_points<how, max_points>(data, sweep, movers, begin, next, residual);
     }
   }
+  return 0;
+}
+
+// One that few are: it leaves nothing out.
+template <typename how>
+float sweep_all(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end) {
+  Residual residual;
+  sweep_alike<how, What<max_points, Movers::Both>>(data, sweep, begin, end, residual);
   return how::special ? hn::GetLane(hn::MaxOfLanes(D(), residual.most)) : 0;
 }
 
@@ -276,20 +365,41 @@ template <Push push, Refresh refresh>
 float sweep_with_friction(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end) {
   switch (sweep.friction) {
     case Friction::None:
-      return sweep_blocks<How<push, refresh, Friction::None>>(data, sweep, begin, end);
+      return sweep_all<How<push, refresh, Friction::None, Rounds::Asks>>(data, sweep, begin, end);
     case Friction::Cone:
-      return sweep_blocks<How<push, refresh, Friction::Cone>>(data, sweep, begin, end);
+      return sweep_all<How<push, refresh, Friction::Cone, Rounds::Asks>>(data, sweep, begin, end);
     case Friction::Pyramid:
-      return sweep_blocks<How<push, refresh, Friction::Pyramid>>(data, sweep, begin, end);
+      return sweep_all<How<push, refresh, Friction::Pyramid, Rounds::Asks>>(data, sweep, begin, end);
   }
   return 0;
 }
 
+// Those of soft contacts with relaxation.
+inline bool is_common(const Sweep& sweep) {
+  if (sweep.friction == Friction::Pyramid) return false;
+  if (sweep.push == Push::None) return sweep.refresh && !sweep.twice;
+  return sweep.push == Push::Bias && !sweep.refresh && (sweep.twice || sweep.friction == Friction::None);
+}
+
+inline float common_sweep(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end) {
+  const bool rubs = sweep.friction == Friction::Cone;
+  if (sweep.push == Push::None) {
+    return rubs ? sweep_by_kind<How<Push::None, Refresh::Yes, Friction::Cone, Rounds::One>>(data, sweep, begin, end)
+                : sweep_by_kind<How<Push::None, Refresh::Yes, Friction::None, Rounds::One>>(data, sweep, begin, end);
+  }
+  if (!sweep.twice) {
+    return sweep_by_kind<How<Push::Bias, Refresh::No, Friction::None, Rounds::One>>(data, sweep, begin, end);
+  }
+  return rubs ? sweep_by_kind<How<Push::Bias, Refresh::No, Friction::Cone, Rounds::Two>>(data, sweep, begin, end)
+              : sweep_by_kind<How<Push::Bias, Refresh::No, Friction::None, Rounds::Two>>(data, sweep, begin, end);
+}
+
 template <Push push>
 float sweep_with_push(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end) {
-  if (sweep.measures || data.surface_blocks != nullptr || data.constants.slop > 0) {
-    return sweep_with_friction<push, Refresh::Asks>(data, sweep, begin, end);
-  }
+  const bool special =
+      sweep.measures || data.surface_blocks != nullptr || data.split_blocks != nullptr || data.constants.slop > 0;
+  if (special) return sweep_with_friction<push, Refresh::Asks>(data, sweep, begin, end);
+  if (is_common(sweep)) return common_sweep(data, sweep, begin, end);
   if (sweep.refresh) return sweep_with_friction<push, Refresh::Yes>(data, sweep, begin, end);
   return sweep_with_friction<push, Refresh::No>(data, sweep, begin, end);
 }
@@ -301,7 +411,7 @@ inline float sweep(const ContactKernelData& data, const Sweep& sweep, std::size_
     case Push::Bias:
       return sweep_with_push<Push::Bias>(data, sweep, begin, end);
     case Push::Split:
-      return sweep_blocks<How<Push::Split, Refresh::Asks, Friction::None>>(data, sweep, begin, end);
+      return sweep_all<How<Push::Split, Refresh::Asks, Friction::None, Rounds::Asks>>(data, sweep, begin, end);
   }
   return 0;
 }

@@ -25,9 +25,6 @@ constexpr double noticeable_push = 0.05;
 DirectContactsReport DirectContacts::solve(const SolveInput& input) {
   DirectContactsReport report;
   if (!load_bodies(input) || !load_contacts(input)) return report;
-  report.friction = std::any_of(contacts_.begin(), contacts_.end(), [](const Contact& c) { return c.friction > 0; });
-  report.gyroscopic =
-      std::any_of(members_.begin(), members_.end(), [&](std::uint32_t b) { return input.bodies.gyroscopic[b] != 0; });
   if (!find_velocities(input, report)) return report;
   moving_ = velocity_;
   if (pushes_apart()) {
@@ -35,10 +32,21 @@ DirectContactsReport DirectContacts::solve(const SolveInput& input) {
     if (!find_velocities(input, report)) return report;
   }
   report.solved = true;
+  note_work(input, report);
   if (input.capture != nullptr) capture(input);
   write_back(input);
   note_overloads(input);
   return report;
+}
+
+void DirectContacts::note_work(const SolveInput& input, DirectContactsReport& report) const {
+  for (const Contact& contact : contacts_) {
+    ++report.work.contacts;
+    report.work.several_points += input.manifolds[contact.slot].separation[1] < collision::no_point;
+    report.work.two_movable += contact.first != none && contact.second != none;
+    report.work.friction += contact.friction > 0;
+  }
+  for (const std::uint32_t body : members_) report.gyroscopic_bodies += input.bodies.gyroscopic[body];
 }
 
 bool DirectContacts::find_velocities(const SolveInput& input, DirectContactsReport& report) {

@@ -101,8 +101,8 @@ GroupReport GroupSolver::run(const SolveInput& input, const IslandGroup& group, 
     joints_.colour(first_dynamic_, first_dynamic_ + static_cast<std::uint32_t>(body_ids.size()));
   }
   report.surfaces = note_surfaces(input, group);
-  report.friction = friction_ || report.surfaces;
-  report.restitution = restitution_;
+  report.friction = friction_ || report.surfaces || settings.everything;
+  report.restitution = restitution_ || settings.everything;
   report.colours = colouring_.colours().size();
   report.joints = input.islands.joints(group.begin, group.end).size();
   const bool joined = report.joints > 0;
@@ -111,7 +111,7 @@ GroupReport GroupSolver::run(const SolveInput& input, const IslandGroup& group, 
 
   const bool splits = settings.stabilisation == Stabilisation::SplitImpulse;
   note_bodies(input, body_ids, report);
-  bodies_.reset(first_dynamic_ + body_ids.size(), report.gyroscopic, splits);
+  bodies_.reset(first_dynamic_ + body_ids.size(), report.gyroscopic_bodies > 0 || settings.everything, splits);
   load_kinematic_bodies(input);
   constexpr std::size_t body_grain = 128;
   executor.parallel_for(body_ids.size(), body_grain, [&](std::size_t begin, std::size_t end) {
@@ -134,6 +134,7 @@ GroupReport GroupSolver::run(const SolveInput& input, const IslandGroup& group, 
   constexpr std::size_t block_grain = 16;
   executor.parallel_for(block_count, block_grain,
                         [&](std::size_t begin, std::size_t end) { kernels.prepare(data, begin, end); });
+  for (std::size_t b = 0; b < block_count; ++b) report.work.add(blocks_[b]);
   // Of those joints that are solved one by one; without any nothing of them runs.
   const JointKernelData joint_data = joints_.kernel_data(bodies_, constants);
   executor.parallel_for(joints_.block_count(), joint_grain,
@@ -207,13 +208,15 @@ GroupReport GroupSolver::run(const SolveInput& input, const IslandGroup& group, 
     const Friction solved_friction = relaxes && carry_over ? Friction::None : friction;
     // Where sweeps relax they have seen the positions that the last substep ended with.
     const bool refresh = !relaxes && substep > 0;
-    sweep({splits ? Push::None : Push::Bias, refresh, solved_friction},
+    const bool twice = !(relaxes && carry_over);
+    sweep({splits ? Push::None : Push::Bias, refresh, solved_friction, twice},
           {.bias = true, .refresh = refresh, .carries = carry_over}, settings.iterations);
     if (splits) {
       each_body([&](std::size_t begin, std::size_t end) { kernels.clear_corrections(bodies_, begin, end); });
       clear_split_impulses();
       bodies_.velocity.swap(bodies_.correction);
-      sweep({Push::Split, false, Friction::None}, {}, settings.iterations);
+      // Rigid contacts have no softness to forgive what a round over the points leaves.
+      sweep({Push::Split, false, Friction::None, true}, {}, settings.iterations);
       bodies_.velocity.swap(bodies_.correction);
     }
     // What contacts have done to one link is not to turn it far out of its joints before these see it.
@@ -248,9 +251,9 @@ GroupReport GroupSolver::run(const SolveInput& input, const IslandGroup& group, 
     if (notes_overloads) note_overloads(input, body_ids, begin, end);
   });
   each_system([&](DirectJoints& system) { system.end_step(direct_input); });
-  if (leaps || report.restitution) {
-    if (leaps) give_half_kick(body_ids, 0.5f * constants.h);
-    each_system([&](DirectJoints& system) { system.project(direct_input); });
+  if (leaps) give_half_kick(body_ids, 0.5f * constants.h);
+  if (joined) {
+    each_system_of(joined_motion_.disturbed_direct(), [&](DirectJoints& system) { system.project(direct_input); });
   }
   executor.parallel_for(body_ids.size(), body_grain,
                         [&](std::size_t begin, std::size_t end) { write_back(input, body_ids, joined, begin, end); });
@@ -265,7 +268,7 @@ GroupReport GroupSolver::run(const SolveInput& input, const IslandGroup& group, 
 void GroupSolver::note_bodies(const SolveInput& input, std::span<const std::uint32_t> bodies, GroupReport& report) {
   bodies_.balls = false;
   for (const std::uint32_t body : bodies) {
-    report.gyroscopic |= input.bodies.gyroscopic[body] != 0;
+    report.gyroscopic_bodies += input.bodies.gyroscopic[body];
     bodies_.balls |= input.bodies.ball[body] != 0;
   }
 }
@@ -284,7 +287,8 @@ ContactKernelData GroupSolver::kernel_data(const SolveInput& input, const GroupR
           .constants = constants,
           .surface_blocks = one_a_block(surface_blocks_, report.surfaces),
           .surface_contacts = input.surface_contacts,
-          .split_blocks = one_a_block(split_blocks_, splits)};
+          .split_blocks = one_a_block(split_blocks_, splits),
+          .leaves_out = !input.settings.everything};
 }
 
 // Those that contacts touch or joints join.
@@ -322,10 +326,17 @@ void GroupSolver::collect_contacts(const SolveInput& input, const IslandGroup& g
   contacts_.clear();
   friction_ = restitution_ = false;
   for (const TouchingPair& pair : input.islands.contacts(group.begin, group.end)) {
-    contacts_.push_back({local_body(input, group, pair.first), local_body(input, group, pair.second), pair.slot});
     const collision::ContactManifold& manifold = input.manifolds[pair.slot];
-    friction_ |= manifold.friction > 0;
-    restitution_ |= manifold.restitution > 0;
+    const std::uint32_t first = local_body(input, group, pair.first);
+    const std::uint32_t second = local_body(input, group, pair.second);
+    const bool rubs = manifold.friction > 0;
+    const bool bounces = manifold.restitution > 0;
+    const bool rolls = input.bodies.ball[pair.first] || input.bodies.ball[pair.second];  // it has one point
+    const int movers = first == 0 ? 1 : second == 0 ? 2 : 0;
+    const int kind = 8 * movers + 4 * rolls + 2 * rubs + bounces;
+    contacts_.push_back({first, second, pair.slot, static_cast<std::uint8_t>(kind)});
+    friction_ |= rubs;
+    restitution_ |= bounces;
   }
 }
 
@@ -347,10 +358,14 @@ void GroupSolver::collect_joints(const SolveInput& input, const IslandGroup& gro
 // Notes what the surfaces of touching pairs do in this step. Whether that is more than plain friction anywhere.
 bool GroupSolver::note_surfaces(const SolveInput& input, const IslandGroup& group) {
   if (input.surface_contacts == nullptr) return false;
-  bool any = false;
+  static const Surface plain;
+  const auto surface_of = [&](std::uint32_t body) -> const Surface& {
+    return input.bodies.surfaces.empty() ? plain : input.bodies.surfaces[body];
+  };
+  bool any = input.settings.everything;
   for (const TouchingPair& pair : input.islands.contacts(group.begin, group.end)) {
-    const Surface& first = input.bodies.surfaces[pair.first];
-    const Surface& second = input.bodies.surfaces[pair.second];
+    const Surface& first = surface_of(pair.first);
+    const Surface& second = surface_of(pair.second);
     SurfaceContact& contact = input.surface_contacts[pair.slot];
     if (!is_pressed(input.manifolds[pair.slot])) std::fill_n(contact.rolling_impulse, 3, 0.0f);
     set3(contact.slip, input.bodies.orientation(pair.second) * second.velocity -

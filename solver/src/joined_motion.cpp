@@ -11,6 +11,7 @@ void JoinedMotion::build(const SolveInput& input, const IslandGroup& group) {
   components_.clear();
   direct_.clear();
   touched_direct_.clear();
+  disturbed_direct_.clear();
   if (number_.size() < graph.component_count()) number_.resize(graph.component_count(), none);
   const auto place = [&](std::uint32_t body) { return islands.rank(body) - first_rank; };
   const auto dynamic = [&](std::uint32_t body) { return input.bodies.mobility[body] == Mobility::Dynamic; };
@@ -32,11 +33,16 @@ void JoinedMotion::build(const SolveInput& input, const IslandGroup& group) {
   }
   for (const TouchingPair& pair : islands.contacts(group.begin, group.end)) {
     for (const std::uint32_t body : {pair.first, pair.second}) {
-      if (dynamic(body) && is_joined(place(body))) components_[component_[place(body)]].touched = true;
+      if (!dynamic(body) || !is_joined(place(body))) continue;
+      Component& component = components_[component_[place(body)]];
+      component.touched = true;
+      component.bounces |= input.manifolds[pair.slot].restitution > 0;
     }
   }
   for (const std::uint32_t of_graph : direct_) {
-    if (components_[number_[of_graph]].touched) touched_direct_.push_back(of_graph);
+    const Component& component = components_[number_[of_graph]];
+    if (component.touched) touched_direct_.push_back(of_graph);
+    if (!component.touched || component.bounces) disturbed_direct_.push_back(of_graph);
   }
   for (const JointLink& link : joints) number_[graph.component_of(link.joint)] = none;
 }

@@ -131,4 +131,12 @@ std::span<const JointLink> JointGraph::links_of(std::uint32_t component) const {
   return std::span(sorted_).subspan(start_[component], start_[component + 1] - start_[component]);
 }
 
+std::size_t JointGraph::bytes() const {
+  std::size_t all = jobs::bytes_of(links_, component_of_, sorted_, start_, systems_, parent_, component_of_root_);
+  for (const std::unique_ptr<DirectJoints>& system : systems_) {
+    if (system != nullptr) all += sizeof(DirectJoints) + system->bytes();
+  }
+  return all;
+}
+
 }  // namespace atl::solver

@@ -66,7 +66,7 @@ TEST(CommandRun, JsonHasTheKeysInTheirOrder) {
   EXPECT_EQ(keys_of(json["errors"]),
             (Keys{"penetration_max", "penetration_p99", "penetration_mean", "penetration_max_relative", "sink_max",
                   "sink_mean", "drift_max", "tilt_max", "energy_drift"}));
-  for (const Json& stage : json["stages"]) EXPECT_EQ(keys_of(stage), (Keys{"name", "run", "why", "ms"}));
+  for (const Json& stage : json["stages"]) EXPECT_EQ(keys_of(stage), (Keys{"name", "run", "why", "items", "unit", "ms"}));
 
   EXPECT_EQ(json["scene"], "stack:height=3,ratio=1");
   EXPECT_EQ(json["bodies"], 3);

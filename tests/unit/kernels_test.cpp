@@ -26,15 +26,28 @@ struct Group {
   std::vector<ContactBlock> blocks;
   std::vector<BounceBlock> bounces;
   SubstepConstants constants = SubstepConstants::of({}, 1.0 / 60);
+  bool leaves_out = true;
 
-  ContactKernelData data() { return {bodies, blocks.data(), bounces.data(), manifolds.data(), constants}; }
+  ContactKernelData data() {
+    ContactKernelData data{bodies, blocks.data(), bounces.data(), manifolds.data(), constants};
+    data.leaves_out = leaves_out;
+    return data;
+  }
+};
+
+// What no contact of a group needs.
+struct Lacking {
+  std::uint32_t most_points = 4;
+  bool friction = false;
+  bool restitution = false;
+  Movers movers = Movers::Both;  // else of these, the other body is the fixed one
 };
 
 void set3(float* to, const Eigen::Vector3d& from) {
   for (int i = 0; i < 3; ++i) to[i] = static_cast<float>(from[i]);
 }
 
-Group random_group(std::uint32_t seed, std::uint32_t count, int pairs) {
+Group random_group(std::uint32_t seed, std::uint32_t count, int pairs, const Lacking& lacking = {}) {
   Random random(seed);
   Group group;
   group.bodies.reset(count, true);
@@ -63,8 +76,10 @@ Group random_group(std::uint32_t seed, std::uint32_t count, int pairs) {
   }
   std::vector<LocalContact> contacts;
   for (int i = 0; i < pairs; ++i) {
-    const std::uint32_t a = random.below(count);
-    const std::uint32_t b = random.below(count);
+    std::uint32_t a = random.below(count);
+    std::uint32_t b = random.below(count);
+    if (lacking.movers == Movers::First) b = 0;
+    if (lacking.movers == Movers::Second) a = 0;
     if (a == b || std::max(a, b) < first_dynamic) continue;
     contacts.push_back({a, b, static_cast<std::uint32_t>(group.manifolds.size())});
     ContactManifold manifold = {};
@@ -72,9 +87,10 @@ Group random_group(std::uint32_t seed, std::uint32_t count, int pairs) {
     set3(manifold.anchor_first, random.vector(0.5));
     set3(manifold.anchor_second, random.vector(0.5));
     manifold.friction = static_cast<float>(random.real(0, 1));
-    manifold.restitution = random.chance(0.5) ? 0.7f : 0;
+    if (lacking.friction) manifold.friction = 0;
+    manifold.restitution = random.chance(0.5) && !lacking.restitution ? 0.7f : 0;
     manifold.lever = 0.3f;
-    const std::uint32_t points = 1 + random.below(4);
+    const std::uint32_t points = 1 + random.below(lacking.most_points);
     for (std::uint32_t p = 0; p < 4; ++p) {
       const bool used = p < points;
       manifold.x[p] = used ? static_cast<float>(random.real(-0.4, 0.4)) : 0;
@@ -111,7 +127,7 @@ void simulate(Group& group, const Kernels& kernels) {
     if (!again) {
       each_colour(group, [&](std::size_t begin, std::size_t end) { kernels.warm_start(data, begin, end); });
     }
-    sweep(group, kernels, {Push::Bias, again, Friction::Cone});
+    sweep(group, kernels, {Push::Bias, again, Friction::Cone, true});
     kernels.integrate_positions(group.bodies, group.constants, 0, bodies);
     sweep(group, kernels, {Push::None, true, again ? Friction::Pyramid : Friction::Cone});
     sweep(group, kernels, {Push::None, false, Friction::None});
@@ -143,12 +159,41 @@ TEST(Kernels, GiveTheSameBitsOnEveryInstructionSet) {
   }
 }
 
+// With what no contact has gone through all the same, every body moves and every impulse is as without.
+TEST(Kernels, LeaveOutWhatWouldNotChangeABit) {
+  std::uint32_t seed = 0;
+  for (const std::uint32_t points : {1u, 2u, 3u, 4u}) {
+    for (const Movers movers : {Movers::Both, Movers::First, Movers::Second}) {
+      for (const int lacks : {0, 1, 2, 3}) {
+        const Lacking lacking{points, (lacks & 1) != 0, (lacks & 2) != 0, movers};
+        Group everything = random_group(++seed, 40, 150, lacking);
+        Group lean = everything;
+        everything.leaves_out = false;
+        for (const Kernels* kernels : available_kernels()) {
+          Group with = everything, without = lean;
+          simulate(with, *kernels);
+          simulate(without, *kernels);
+          EXPECT_TRUE(same_bytes(with.bodies.velocity, without.bodies.velocity)) << kernels->name << " " << seed;
+          EXPECT_TRUE(same_bytes(with.bodies.displacement, without.bodies.displacement))
+              << kernels->name << " " << seed;
+          EXPECT_TRUE(same_bytes(with.manifolds, without.manifolds)) << kernels->name << " " << seed;
+          const ContactTraits& traits = without.blocks.front().traits;
+          EXPECT_LE(traits.points, points);
+          EXPECT_EQ(traits.friction, !lacking.friction);
+          EXPECT_EQ(without.blocks.front().movers, movers);
+          EXPECT_LE(traits.bounces, !lacking.restitution);
+        }
+      }
+    }
+  }
+}
+
 TEST(Kernels, NeverPullAndNeverWriteABodyThatIsNotDynamic) {
   Group group = random_group(7, 40, 150);
   const Group start = group;
   const Kernels& kernels = *available_kernels().front();
   kernels.prepare(group.data(), 0, group.colouring.block_count());
-  for (int i = 0; i < 5; ++i) sweep(group, kernels, {Push::Bias, false, Friction::Cone});
+  for (int i = 0; i < 5; ++i) sweep(group, kernels, {Push::Bias, false, Friction::Cone, true});
   kernels.store(group.data(), 0, group.colouring.block_count());
   for (const ContactManifold& manifold : group.manifolds) {
     float normal = 0;
@@ -187,7 +232,7 @@ TEST(Kernels, SweepsKeepMomentum) {
   const Kernels& kernels = *available_kernels().front();
   kernels.prepare(group.data(), 0, group.colouring.block_count());
   const Eigen::Vector3d before = momentum();
-  for (int i = 0; i < 10; ++i) sweep(group, kernels, {Push::Bias, false, Friction::Cone});
+  for (int i = 0; i < 10; ++i) sweep(group, kernels, {Push::Bias, false, Friction::Cone, true});
   EXPECT_LT((momentum() - before).norm(), 1e-4);
 }
 

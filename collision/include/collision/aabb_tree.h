@@ -2,6 +2,7 @@
 
 #include <collision/aabb_tree_builder.h>
 #include <collision/ray_slabs.h>
+#include <jobs/bytes.h>
 
 #include <cstdint>
 #include <utility>
@@ -29,6 +30,8 @@ class AabbTree {
   void rebuild_if_worn();
 
   std::size_t size() const { return size_; }
+  /// Memory held.
+  std::size_t bytes() const { return jobs::bytes_of(nodes_, slots_); }
   /// Where in the tree an item is. After a rebuild, items near each other have places near each other.
   std::uint32_t place(std::uint32_t item) const { return static_cast<std::uint32_t>(slots_[item]); }
 

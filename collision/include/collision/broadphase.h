@@ -90,6 +90,14 @@ class Broadphase {
     return moving_.ray_query(origin, direction, max_t, visit, half_extents);
   }
 
+  /// Memory held.
+  std::size_t bytes() const {
+    std::size_t found = jobs::bytes_of(found_);
+    for (const std::vector<Pair>& of_chunk : found_) found += jobs::bytes_of(of_chunk);
+    return found + jobs::bytes_of(proxies_, flags_, owners_, half_spaces_, moved_, new_pairs_, sort_scratch_) +
+           ignored_.bytes() + moving_.bytes() + fixed_.bytes();
+  }
+
  private:
   enum class Kind : std::uint8_t { Free, Moving, Fixed, HalfSpace };
 

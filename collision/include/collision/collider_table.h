@@ -2,6 +2,7 @@
 
 #include <collision/pose.h>
 #include <collision/shape.h>
+#include <jobs/bytes.h>
 
 #include <cstdint>
 #include <vector>
@@ -20,6 +21,9 @@ struct ColliderTable {
   std::vector<Pose> local;           ///< of the shape, in the body frame
   std::vector<std::uint8_t> placed;  ///< 0 if `local` is the identity
   std::vector<std::uint32_t> free;   ///< the last is used first
+
+  /// Memory held.
+  std::size_t bytes() const { return jobs::bytes_of(body, child, next, shape, local, placed, free); }
 
   std::size_t size() const { return body.size(); }
 

@@ -2,6 +2,7 @@
 
 #include <collision/contact.h>
 #include <collision/pair_set.h>
+#include <jobs/bytes.h>
 
 #include <cstdint>
 #include <span>
@@ -64,6 +65,13 @@ class ContactCache {
   /// All slots in use, of idle contacts too, in order. If some are idle and any came or went since the last call the
   /// cost is linear in their number, and that of sorting in the number that became idle. Valid until the next change.
   std::span<const std::uint32_t> all_in_order() const;
+
+  /// Memory held.
+  std::size_t bytes() const {
+    return jobs::bytes_of(contacts, manifolds, order, free_slots, keys_, state_, links_, first_end_, active_, added_,
+                          all_) +
+           pairs.bytes();
+  }
 
  private:
   static constexpr std::uint32_t none = ~std::uint32_t{0};

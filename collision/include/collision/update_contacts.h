@@ -6,6 +6,7 @@
 #include <collision/refresh.h>
 #include <collision/touching_pair.h>
 #include <jobs/arena.h>
+#include <jobs/bytes.h>
 
 #include <cstdint>
 #include <span>
@@ -56,6 +57,9 @@ class ContactUpdate {
 
   /// Adds those of the contacts, which are in order and were not updated, that touch as they last did.
   void add_touching(const ContactCache& cache, std::span<const std::uint32_t> slots);
+
+  /// Memory held.
+  std::size_t bytes() const { return jobs::bytes_of(status, touching, chunks_, by_chunk_); }
 
  private:
   friend void update_contacts(ContactCache&, const Broadphase&, const ContactUpdateInput&, jobs::Arena&,

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <memory>
+#include <utility>
 #include <vector>
 
 namespace atl::jobs {
@@ -29,6 +30,10 @@ class Scratch {
   template <typename Visit>
   void for_each(const Visit& visit) {
     for (const std::unique_ptr<T>& item : items_) visit(*item);
+  }
+  template <typename Visit>
+  void for_each(const Visit& visit) const {
+    for (const std::unique_ptr<T>& item : items_) visit(std::as_const(*item));
   }
 
  private:

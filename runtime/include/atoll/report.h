@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 namespace atl {
@@ -20,16 +21,50 @@ inline constexpr int phase_count = 7;
 /// "plan", "find_pairs", "update_contacts", ...
 const char* phase_name(Phase phase);
 
-inline constexpr int stage_count = 13;
+/// What a step does only where the scene calls for it, in order.
+enum class Stage {
+  Broadphase,
+  Narrowphase,
+  KeptManifolds,
+  ContactSolver,
+  SeveralPoints,     ///< what contacts of one point don't need
+  TwoMovableBodies,  ///< what contacts with a fixed body don't need
+  Friction,
+  RollingAndBelts,  ///< rolling and torsional friction, and surfaces that run
+  Restitution,
+  WarmStarting,
+  Relaxation,
+  SplitImpulses,
+  EarlyEnd,  ///< of sweeps, by Settings::tolerance
+  DirectContacts,
+  FinerSubsteps,
+  JointSolver,  ///< of joints that are swept
+  DirectJoints,
+  GyroscopicTorque,
+  FreeFlight,
+  KinematicBodies,
+  ContinuousCollision,
+  Sleeping,
+  ContactEvents,
+  ContactProblem,
+  Recording,
+};
+inline constexpr std::size_t stage_count = 25;
 
-/// One stage of the step plan: whether this step ran it, and why or why not, in words.
-/// Stages inside the solver's tasks (friction and the like) share the time of contact_solver and report 0. Joints do,
-/// too, unless nothing touches.
+/// "broadphase", "narrowphase", ...
+const char* stage_name(Stage stage);
+
+/// One stage of the step plan: whether this step ran it, and why or why not, in words. What was left out got no call
+/// and no memory.
 struct StageReport {
   const char* name = "";
   bool run = false;
   const char* why = "";
-  double ms = 0;
+  /// How many contacts, bodies or whatever `unit` says it was run on: those that need it, and what shares a block of
+  /// eight with them. 0 if it was left out.
+  std::int64_t items = 0;
+  const char* unit = "";
+  double ms = 0;  ///< 0 for stages within the solver's tasks, which share the time of contact_solver
 };
 
 /// What the contact solver does within a step.
@@ -77,12 +112,14 @@ struct StepReport {
   double ms = 0;  ///< wall time of the whole step
   std::array<double, phase_count> phase_ms = {};
   StepCounts counts = {};
-  std::array<StageReport, stage_count> stages = {};
+  std::array<StageReport, stage_count> stages = {};  ///< by Stage
   /// With Settings::profile: ms on the worker that solves it, summed over island groups.
   std::array<double, solver_stage_count> solver_ms = {};
   std::int64_t quarantined = 0;  ///< bodies that this step took out of the world: see World::quarantined()
   /// The lowest-numbered of these: its state was, or was about to become, not finite or absurd. -1 if there is none.
   std::int64_t first_non_finite_body = -1;
+
+  const StageReport& stage(Stage stage) const { return stages[static_cast<std::size_t>(stage)]; }
 };
 
 }  // namespace atl

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <jobs/bytes.h>
 #include <solver/elimination_order.h>
 
 #include <Eigen/Core>
@@ -60,6 +61,9 @@ class BlockLdlt {
   [[nodiscard]] bool factor();
   /// Replaces b, of length rows(), by the solution of A x = b.
   void solve(std::span<double> b) const;
+
+  /// Memory held.
+  std::size_t bytes() const { return jobs::bytes_of(rank_, row_, columns_, below_, coupled_, values_); }
 
  private:
   // A block of the factor under the diagonal: of the row node that is eliminated later.

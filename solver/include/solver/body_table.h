@@ -1,5 +1,7 @@
 #pragma once
 
+#include <jobs/bytes.h>
+
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cstddef>
@@ -56,6 +58,8 @@ struct BodyTable {
 
   std::size_t size() const { return mobility.size(); }
   void resize(std::size_t count);
+  /// Memory held, but for the surfaces.
+  std::size_t bytes() const;
 
   auto position(std::size_t body) { return Eigen::Map<Vector3>(positions.data() + 3 * body); }
   auto position(std::size_t body) const { return Eigen::Map<const Vector3>(positions.data() + 3 * body); }
@@ -78,6 +82,13 @@ struct BodyTable {
     Eigen::Map<Eigen::Vector4d>(orientations.data() + 4 * body) = q.coeffs();
   }
 };
+
+inline std::size_t BodyTable::bytes() const {
+  return jobs::bytes_of(positions, orientations, velocities, angular_velocities, forces, torques, mobility,
+                        inverse_mass, inertia, inverse_inertia, gyroscopic, principal_axes, moments, ball,
+                        gravity_scale, linear_damping, angular_damping, radius, turned, slack, reach_limit,
+                        sweep_distance, outgrown);
+}
 
 inline void BodyTable::resize(std::size_t count) {
   for (std::vector<double>* three : {&positions, &velocities, &angular_velocities, &forces, &torques}) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <jobs/bytes.h>
 #include <solver/contact_block.h>
 #include <solver/joint_block.h>
 
@@ -14,7 +15,9 @@ struct LocalContact {
   std::uint32_t first;
   std::uint32_t second;
   std::uint32_t slot;
+  std::uint8_t kind = 0;  ///< below contact_kinds; those alike share blocks, so that kernels can leave out more
 };
+inline constexpr std::size_t contact_kinds = 24;
 
 /// Likewise a joint, and what decides which others it can share a block with.
 struct LocalJoint {
@@ -49,6 +52,9 @@ class Colouring {
 
   std::span<const Colour> colours() const { return colours_; }
   std::size_t block_count() const { return colours_.empty() ? 0 : colours_.back().end_block; }
+
+  /// Memory held.
+  std::size_t bytes() const { return jobs::bytes_of(used_, colour_of_, lane_of_, next_lane_, colours_); }
 
  private:
   template <typename Constraint>

@@ -9,6 +9,16 @@ namespace atl::solver {
 
 using collision::max_points;
 
+/// Which bodies of a block's contacts may move; the others are fixed.
+enum class Movers : std::uint8_t { Both, First, Second };
+
+/// What a block's contacts call for in this step: kernels leave out the rest of the work, which would change no bit.
+struct ContactTraits {
+  std::uint8_t points = max_points;  ///< no contact has more
+  bool friction = true;
+  bool bounces = true;
+};
+
 /// Eight contacts of one colour, one a lane, for the wide kernels: no two share a dynamic body.
 ///
 /// The points of a manifold share the normal, so all four are solved in three relative speeds: along the
@@ -41,7 +51,35 @@ struct alignas(64) ContactBlock {
   std::int32_t slot[block_lanes];  ///< of the contact; -1 in a lane without one
   std::uint8_t write_first;        ///< bit a lane: the first body is dynamic
   std::uint8_t write_second;
-  std::uint8_t loaded;  ///< bit a lane: it may carry more than soft contacts are made for, see overload.h
+  std::uint8_t loaded;    ///< bit a lane: it may carry more than soft contacts are made for, see overload.h
+  std::uint8_t contacts;  ///< lanes with one
+  Movers movers;
+  ContactTraits traits;
+};
+
+/// How many contacts kernels did what for, by blocks.
+struct ContactWork {
+  std::int64_t contacts = 0;
+  std::int64_t several_points = 0;
+  std::int64_t two_movable = 0;
+  std::int64_t friction = 0;
+  std::int64_t bounces = 0;
+
+  void add(const ContactBlock& block) {
+    contacts += block.contacts;
+    if (block.traits.points > 1) several_points += block.contacts;
+    if (block.movers == Movers::Both) two_movable += block.contacts;
+    if (block.traits.friction) friction += block.contacts;
+    if (block.traits.bounces) bounces += block.contacts;
+  }
+  ContactWork& operator+=(const ContactWork& other) {
+    contacts += other.contacts;
+    several_points += other.several_points;
+    two_movable += other.two_movable;
+    friction += other.friction;
+    bounces += other.bounces;
+    return *this;
+  }
 };
 
 /// What a block needs beside, if its group has restitution.

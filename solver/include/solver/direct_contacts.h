@@ -1,5 +1,6 @@
 #pragma once
 
+#include <jobs/bytes.h>
 #include <solver/block_ldlt.h>
 #include <solver/patch_law.h>
 #include <solver/solve_input.h>
@@ -13,11 +14,11 @@ namespace atl::solver {
 
 /// What became of a direct solve.
 struct DirectContactsReport {
-  bool solved = false;      ///< if not, no state was changed
-  int iterations = 0;       ///< of Newton's method, beyond the first solve
-  bool friction = false;    ///< some contact has it
-  bool gyroscopic = false;  ///< some body's moments of inertia differ
-  double ms = 0;            ///< with SolverSettings::profile
+  bool solved = false;  ///< if not, no state was changed
+  int iterations = 0;   ///< of Newton's method, beyond the first solve
+  ContactWork work;
+  std::int64_t gyroscopic_bodies = 0;  ///< whose moments of inertia differ
+  double ms = 0;                       ///< with SolverSettings::profile
 };
 
 /// The contacts of an island, solved at once and for a whole step: of islands so ill-conditioned (tall columns, heavy
@@ -45,6 +46,13 @@ class DirectContacts {
   bool analyse(const SolveInput& input, const IslandGroup& group);
   /// Solves the island that was taken in last. Not solved is what bounces, tumbles fast or didn't converge.
   DirectContactsReport solve(const SolveInput& input);
+
+  /// Memory held.
+  std::size_t bytes() const {
+    return sizeof(*this) + system_.bytes() +
+           jobs::bytes_of(members_, pairs_, bodies_, contacts_, velocity_, free_, moving_, gradient_, direction_,
+                          product_);
+  }
 
  private:
   static constexpr std::uint32_t none = ~std::uint32_t{0};
@@ -133,6 +141,7 @@ class DirectContacts {
   void leave_out_pushes();
   void capture(const SolveInput& input) const;
   void write_back(const SolveInput& input);
+  void note_work(const SolveInput& input, DirectContactsReport& report) const;
   void note_overloads(const SolveInput& input) const;
 
   std::vector<std::uint32_t> members_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <jobs/bytes.h>
 #include <solver/block_ldlt.h>
 #include <solver/body_table.h>
 #include <solver/islands.h>
@@ -61,6 +62,11 @@ class DirectJoints {
   /// Once poses have been written back: takes them where the joints hold, if they are not. Notes how the bodies moved
   /// in the step, of dt seconds.
   void settle(const DirectInput& input, BodyTable& table, double dt, FastBodies& fast);
+
+  /// Memory held.
+  std::size_t bytes() const {
+    return jobs::bytes_of(members_, nodes_, rows_, couplings_, b_, tears_) + system_.bytes();
+  }
 
  private:
   struct Member {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <jobs/bytes.h>
 #include <solver/load_estimate.h>
 
 #include <cstdint>
@@ -49,6 +50,11 @@ class Escalation {
   void restore_strain(std::uint32_t body, const Strain& strain) {
     strain_[body] = strain;
     strained_.push_back(body);
+  }
+
+  /// Memory held.
+  std::size_t bytes() const {
+    return jobs::bytes_of(strain_, strained_, arrived_, of_overloads_, merged_, symptoms_, remedies_, estimated_);
   }
 
  private:

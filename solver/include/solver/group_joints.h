@@ -1,5 +1,6 @@
 #pragma once
 
+#include <jobs/bytes.h>
 #include <solver/body_table.h>
 #include <solver/colouring.h>
 #include <solver/joint.h>
@@ -53,6 +54,9 @@ class GroupJoints {
   void clear_impulses(std::size_t begin, std::size_t end);
   /// Impulses, coordinates and what holds the joints, back to them. Bodies have their new poses.
   void store(const JointStep& step, std::size_t begin, std::size_t end) const;
+
+  /// Memory held.
+  std::size_t bytes() const { return jobs::bytes_of(joints_, blocks_, rows_) + colouring_.bytes(); }
 
  private:
   void prepare_rows(const JointStep& step, JointBlock& block);

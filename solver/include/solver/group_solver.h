@@ -1,5 +1,6 @@
 #pragma once
 
+#include <jobs/bytes.h>
 #include <jobs/worker_team.h>
 #include <solver/colouring.h>
 #include <solver/contact_block.h>
@@ -22,10 +23,11 @@ struct GroupReport {
   std::size_t joints = 0;                                ///< all that act, however they are solved
   std::int64_t sweeps = 0;                               ///< over its contacts and joints
   std::array<double, solver_stage_count> stage_ms = {};  ///< with SolverSettings::profile
-  bool friction = false;                                 ///< some contact has it
+  ContactWork work;
+  std::int64_t gyroscopic_bodies = 0;  ///< whose moments of inertia differ
+  bool friction = false;               ///< some contact has it
   bool restitution = false;
   bool surfaces = false;  ///< some surface runs, or holds back rolling or spinning
-  bool gyroscopic = false;
 };
 
 /// Whether a group's contacts may have changed since the same solver solved it last.
@@ -41,6 +43,12 @@ class GroupSolver {
   /// Every loop shared with a team; the same bits. A group whose contacts, their order and bodies are those of the last
   /// call is not coloured again.
   GroupReport solve(const SolveInput& input, const IslandGroup& group, jobs::WorkerTeam& team, GroupContacts contacts);
+
+  /// Memory held.
+  std::size_t bytes() const {
+    return jobs::bytes_of(kinematic_, contacts_, stiffness_, blocks_, bounces_, surface_blocks_, split_blocks_) +
+           colouring_.bytes() + bodies_.bytes() + joints_.bytes() + joined_motion_.bytes();
+  }
 
  private:
   template <typename Executor>

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <jobs/bytes.h>
 #include <solver/body_table.h>
 #include <solver/islands.h>
 #include <solver/solve_input.h>
@@ -21,6 +22,8 @@ class JoinedMotion {
   std::span<const std::uint32_t> direct() const { return direct_; }
   /// Those of them that something touches.
   std::span<const std::uint32_t> touched_direct() const { return touched_direct_; }
+  /// Those of them whose velocities something else changes as the step ends: forces' second half, or bounces.
+  std::span<const std::uint32_t> disturbed_direct() const { return disturbed_direct_; }
   bool is_joined(std::size_t body) const { return component_[body] != none; }
   bool is_direct(std::size_t body) const { return is_joined(body) && components_[component_[body]].direct; }
   /// Solved at once, and touched by nothing: it gets its forces half a substep before, and half a substep after the
@@ -41,12 +44,18 @@ class JoinedMotion {
   /// Takes in what accelerates the bodies in this step.
   void note_forces(std::span<const std::uint32_t> body_ids, const BodyTable& bodies, const Vector3& gravity);
 
+  /// Memory held.
+  std::size_t bytes() const {
+    return jobs::bytes_of(component_, components_, direct_, touched_direct_, disturbed_direct_, number_);
+  }
+
  private:
   static constexpr std::uint32_t none = JointGraph::none;
 
   struct Component {
     bool direct = false;
     bool touched = false;
+    bool bounces = false;  // off something
     bool anchored = false;
     double mass = 0;  // kg
     Vector3 acceleration = Vector3::Zero();
@@ -54,7 +63,7 @@ class JoinedMotion {
 
   std::vector<std::uint32_t> component_;  // by body, in components_
   std::vector<Component> components_;
-  std::vector<std::uint32_t> direct_, touched_direct_;
+  std::vector<std::uint32_t> direct_, touched_direct_, disturbed_direct_;
   std::vector<std::uint32_t> number_;  // by component of the graph; all none between calls
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <jobs/bytes.h>
 #include <solver/body_table.h>
 #include <solver/direct_joints.h>
 #include <solver/islands.h>
@@ -34,6 +35,9 @@ class JointGraph {
   /// Of a component that is.
   DirectJoints& system(std::uint32_t component) { return *systems_[component]; }
   std::size_t direct_joints() const { return direct_joints_; }
+
+  /// Memory held, that of the systems too.
+  std::size_t bytes() const;
 
  private:
   std::vector<JointLink> links_;

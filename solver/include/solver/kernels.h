@@ -22,6 +22,7 @@ struct ContactKernelData {
   SurfaceBlock* surface_blocks = nullptr;      ///< one a block, or null if all surfaces are plain
   SurfaceContact* surface_contacts = nullptr;  ///< by contact slot, with them
   SplitBlock* split_blocks = nullptr;          ///< one a block, or null where nothing asks
+  bool leaves_out = true;                      ///< what a block has none of; else it is gone through for nothing
 };
 
 /// What a sweep does about overlap.
@@ -36,6 +37,7 @@ struct Sweep {
   Push push;
   bool refresh;           ///< recompute separations from the bodies' displacements first
   Friction friction;      ///< None with Push::Split
+  bool twice = false;     ///< goes over the points of each contact twice: some may be new
   bool measures = false;  ///< tell the residual
 };
 

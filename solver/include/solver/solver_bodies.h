@@ -1,6 +1,7 @@
 #pragma once
 
 #include <jobs/block_lanes.h>
+#include <jobs/bytes.h>
 #include <solver/body_table.h>
 
 #include <cstddef>
@@ -89,6 +90,10 @@ struct SolverBodies {
     acceleration.assign(padded, {{0, 0, 0}, 1, {0, 0, 0}, 1});
     gyroscopic.assign(with_gyroscopic ? padded : 0, {});
     correction.assign(with_correction ? padded : 0, {});
+  }
+  /// Memory held.
+  std::size_t bytes() const {
+    return jobs::bytes_of(velocity, inertia, displacement, free_velocity, acceleration, gyroscopic, correction);
   }
   std::size_t padded_count() const { return velocity.size(); }
 };

@@ -21,6 +21,7 @@ struct SolverSettings {
   double correction = 0.2;
   double slop = 5e-4;
   bool profile = false;
+  bool everything = false;   ///< leave nothing out, for no other result
   double contact_hertz = 0;  ///< 0: an eighth of the substep rate
   double contact_damping_ratio = 10;
   double contact_push_speed = 3;
