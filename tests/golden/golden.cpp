@@ -34,6 +34,8 @@ const std::vector<GoldenCase>& golden_cases() {
       {"wall:base=12", "defaults"},
       {"islands:count=6,base=4", "defaults"},
       {"pile:bodies=60", "defaults"},
+      {"marbles:bodies=60", "defaults"},
+      {"hopper:bodies=40", "defaults"},
       {"stack:height=12", "defaults"},
       {"conveyor:boxes=4,speed=3", "defaults"},
       {"chain:links=12", "defaults"},

@@ -54,19 +54,20 @@ TEST(SceneBuiltin, AllHaveWhatTheyShare) {
     if (scene.closed_form) continue;      // those are as simple as their formula wants them
     if (!scene.joints.empty()) continue;  // and those in scene_joint_builtin_test.cpp
     EXPECT_EQ(scene.gravity, Vector3(0, 0, -9.81));
-    EXPECT_EQ(scene.starts_at_rest, builtin.name != "pile" && builtin.name != "conveyor");
+    const std::set<std::string> dropped = {"pile", "marbles", "hopper", "conveyor"};
+    EXPECT_EQ(scene.starts_at_rest, !dropped.contains(builtin.name));
     EXPECT_EQ(scene.bodies.front().name, "ground");
     EXPECT_EQ(scene.bodies.front().def.type, BodyType::Static);
     std::set<std::string> names;
     for (const SceneBody& body : scene.bodies) {
       names.insert(body.name);
-      EXPECT_EQ(body.def.material.friction, 0.6);
+      EXPECT_EQ(body.def.material.friction, builtin.name == "hopper" ? 0 : 0.6);
       EXPECT_EQ(body.def.material.restitution, 0);
       if (body.def.type == BodyType::Dynamic) {
         EXPECT_EQ(body.def.density, 1000);
       }
     }
-    EXPECT_TRUE(names.contains("box_0"));
+    EXPECT_TRUE(names.contains(builtin.name == "marbles" ? "marble_0" : "box_0"));
   }
 }
 
@@ -96,7 +97,9 @@ TEST(SceneBuiltin, CountsAndSteps) {
                {"islands", 22000, 100},  {"islands:count=7,base=2", 21, 100},
                {"pile", 5000, 600},      {"pile:bodies=17", 17, 600},
                {"stack", 10, 600},       {"stack:height=3,ratio=100", 3, 600},
-               {"conveyor", 12, 600},    {"conveyor:boxes=3", 3, 600}};
+               {"conveyor", 12, 600},    {"conveyor:boxes=3", 3, 600},
+               {"marbles", 5000, 600},   {"marbles:bodies=40", 40, 600},
+               {"hopper", 2000, 600},    {"hopper:bodies=30,friction=0.2", 30, 600}};
   for (const auto& expected : cases) {
     const Scene scene = load_scene(expected.scene);
     EXPECT_EQ(dynamic_bodies(scene).size(), expected.bodies) << expected.scene;
@@ -196,8 +199,8 @@ TEST(SceneBuiltin, RefusesWhatItDoesNotKnow) {
     std::initializer_list<std::string_view> words;
   } cases[] = {
       {"stak",
-       {"unknown scene \"stak\"", "pyramid3d, wall, islands, pile, stack, conveyor, chain", "or catenary",
-        "did you mean \"stack\"?"}},
+       {"unknown scene \"stak\"", "pyramid3d, wall, islands, pile, marbles, hopper, stack, conveyor, chain",
+        "or catenary", "did you mean \"stack\"?"}},
       {"pyramid", {"did you mean \"pyramid3d\"?"}},
       {"", {"unknown scene \"\""}},
       {"wall:bse=3", {"wall", "unknown parameter \"bse\"", "expected base", "did you mean \"base\"?"}},

@@ -34,6 +34,8 @@ Scene build_pyramid3d(const ParameterValues& values, std::uint64_t seed);
 Scene build_wall(const ParameterValues& values, std::uint64_t seed);
 Scene build_islands(const ParameterValues& values, std::uint64_t seed);
 Scene build_pile(const ParameterValues& values, std::uint64_t seed);
+Scene build_marbles(const ParameterValues& values, std::uint64_t seed);
+Scene build_hopper(const ParameterValues& values, std::uint64_t seed);
 Scene build_conveyor(const ParameterValues& values, std::uint64_t seed);
 Scene build_stack(const ParameterValues& values, std::uint64_t seed);
 Scene build_chain(const ParameterValues& values, std::uint64_t seed);
