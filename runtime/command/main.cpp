@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
+#include "explain.h"
 #include "failure.h"
 #include "list_scenes.h"
 #include "replay.h"
@@ -36,6 +37,10 @@ int command(int argc, char** argv) {
   CLI::App* run = app.add_subcommand("run", "simulate a scene file or a built-in scene and report time and error");
   atl::command::RunOptions options;
   atl::command::add_run_options(*run, options);
+  CLI::App* explanation =
+      app.add_subcommand("explain", "run a scene and tell what its steps need, what they leave out, and why");
+  atl::command::ExplainOptions explain_options;
+  atl::command::add_explain_options(*explanation, explain_options);
   CLI::App* replay =
       app.add_subcommand("replay", "make the calls of a recording again and tell where the state differs");
   atl::command::ReplayFileOptions replay_options;
@@ -51,8 +56,10 @@ int command(int argc, char** argv) {
   try {
     app.parse(argc, argv);
     // CLI11's require_subcommand would hide that "atoll rnu" has an argument that is not understood.
-    if (app.get_subcommands().empty()) throw CLI::RequiredError("A command, run, replay, sweep, verify or scenes,");
+    if (app.get_subcommands().empty())
+      throw CLI::RequiredError("A command, run, explain, replay, sweep, verify or scenes,");
     if (run->parsed()) atl::command::run(options);
+    if (explanation->parsed()) atl::command::explain(explain_options);
     if (replay->parsed()) atl::command::replay_file(replay_options);
     if (sweep->parsed()) atl::command::sweep(sweep_options);
     if (verification->parsed()) atl::command::verify(verify_options);

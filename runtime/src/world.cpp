@@ -198,6 +198,7 @@ void World::set_joint_enabled(JointId id, bool enabled) {
   note<calls::SetJointEnabled>(*impl_, id, enabled);
 }
 
+std::vector<MemoryUse> World::memory() const { return impl_->memory(); }
 std::span<const EscalatedIsland> World::escalated_islands() const { return impl_->escalated_islands(); }
 
 std::span<const JointEvent> World::joint_events() const { return impl_->joint_events(); }

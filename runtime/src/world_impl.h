@@ -52,6 +52,7 @@ struct BodyRecords {
   std::size_t count = 0;            ///< alive
 
   void resize(std::size_t bodies);
+  std::size_t bytes() const;  // memory.cpp
 };
 
 inline solver::Mobility mobility_of(BodyType type) {
@@ -137,6 +138,7 @@ class World::Impl {
   ContactProblem contact_problem() const;
   std::span<const ContactEvent> contact_events() const { return contact_events_; }
   std::span<const EscalatedIsland> escalated_islands() const { return escalated_; }
+  std::vector<MemoryUse> memory() const;  // memory.cpp
   std::uint64_t state_hash() const;
   std::vector<BodyHash> body_hashes() const;
   BodyHash body_hash(std::uint32_t body) const;
@@ -220,7 +222,7 @@ class World::Impl {
   bool solve_directly(const solver::SolveInput& input, std::size_t group);
   void note_remedies();
   void move_unconstrained_bodies();
-  void note_stages();
+  void note_stages();  // step_plan.cpp
 
   // Joints: joints.cpp, and in the step joint_step.cpp.
   void check_bodies(const JointDef& def) const;

@@ -89,7 +89,7 @@ TEST(CommandUsage, ScenesListsAllWithParameters) {
 }
 
 TEST(CommandUsage, RefusesBadArguments) {
-  expect_refused(run_atoll({}), 2, {"run, replay, sweep, verify or scenes"});
+  expect_refused(run_atoll({}), 2, {"run, explain, replay, sweep, verify or scenes"});
   expect_refused(run_atoll({"walk"}), 2, {"walk"});
   expect_refused(run_atoll({"run"}), 2, {"SCENE"});
   expect_refused(run_atoll({"run", "stack", "wall"}), 2, {"wall"});

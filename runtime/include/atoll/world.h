@@ -5,6 +5,7 @@
 #include <atoll/contact_problem.h>
 #include <atoll/error.h>
 #include <atoll/joint.h>
+#include <atoll/memory.h>
 #include <atoll/quarantine.h>
 #include <atoll/recording.h>
 #include <atoll/report.h>
@@ -151,6 +152,9 @@ class World {
 
   /// After a step: islands whose contacts were not left to the sweeps of the settings, in order of their lowest bodies.
   std::span<const EscalatedIsland> escalated_islands() const;
+
+  /// What of this world's memory is for what, in a fixed order. What bodies share, as hulls and meshes, is not in it.
+  std::vector<MemoryUse> memory() const;
 
   /// After a step with Settings::keep_contact_problem: what the last substep's sweeps had to solve, and their answer,
   /// before restitution. Empty after a step without it, or that lost a body in its solve, or once a body

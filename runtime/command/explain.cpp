@@ -1,0 +1,161 @@
+#include "explain.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <iomanip>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "failure.h"
+#include "figures.h"
+#include "names.h"
+#include "progress.h"
+
+namespace atl::command {
+namespace {
+
+// What the steps of a run say of a stage.
+struct StageTally {
+  const char* name = "";
+  const char* unit = "";
+  const char* why_run = "";       // as the last step that ran it says
+  const char* why_left_out = "";  // likewise
+  std::int64_t steps = 0;         // that ran it
+  std::int64_t items = 0;         // of these steps, in all
+  std::int64_t most = 0;          // in one step
+
+  void add(const StageReport& stage) {
+    name = stage.name;
+    unit = stage.unit;
+    (stage.run ? why_run : why_left_out) = stage.why;
+    if (!stage.run) return;
+    ++steps;
+    items += stage.items;
+    most = std::max(most, stage.items);
+  }
+  double mean() const { return steps == 0 ? 0 : static_cast<double>(items) / static_cast<double>(steps); }
+};
+
+struct Explanation {
+  std::array<StageTally, stage_count> stages;
+  std::vector<MemoryUse> memory;
+  std::int64_t steps = 0;
+};
+
+Explanation explanation_of(const Scene& scene, World& world) {
+  Explanation found;
+  const std::vector<BodyId> ids = build_scene(scene, world);
+  Progress progress(scene.steps);
+  while (found.steps < scene.steps) {
+    apply_forces(scene, world, ids);
+    const StepReport report = world.step(scene.dt);
+    for (std::size_t i = 0; i < stage_count; ++i) found.stages[i].add(report.stages[i]);
+    progress.update(static_cast<int>(++found.steps));
+  }
+  found.memory = world.memory();
+  return found;
+}
+
+std::string words_of(const char* name) {
+  std::string words = name;
+  std::replace(words.begin(), words.end(), '_', ' ');
+  return words;
+}
+
+constexpr int name_width = 24;
+
+void write_stage(std::ostream& out, const std::string& name, const std::string& text) {
+  out << "  " << std::left << std::setw(name_width) << name << text << "\n";
+}
+
+std::string extent_words(const StageTally& stage) {
+  return std::string(stage.unit) + " a step: " + significant(stage.mean(), 4) + ", " + std::to_string(stage.most) +
+         " at most";
+}
+
+void write_text(std::ostream& out, const Scene& scene, const Explanation& found) {
+  const BodyCounts bodies = body_counts(scene);
+  out << scene.name << ": " << bodies.dynamic << " dynamic, " << bodies.fixed << " static, " << bodies.kinematic
+      << " kinematic bodies, " << plural(found.steps, "step") << "\n";
+
+  const auto section = [&](const char* title, const auto& belongs, const auto& text) {
+    if (std::none_of(found.stages.begin(), found.stages.end(), belongs)) return;
+    out << "\n" << title << "\n";
+    for (const StageTally& stage : found.stages) {
+      if (belongs(stage)) write_stage(out, words_of(stage.name), text(stage));
+    }
+  };
+  section(
+      "needed in every step", [&](const StageTally& stage) { return stage.steps == found.steps; },
+      [](const StageTally& stage) { return stage.why_run + std::string(" (") + extent_words(stage) + ")"; });
+  section(
+      "needed in some steps", [&](const StageTally& stage) { return stage.steps > 0 && stage.steps < found.steps; },
+      [](const StageTally& stage) {
+        return "in " + plural(stage.steps, "step") + ": " + stage.why_run + " (" + extent_words(stage) + "); else " +
+               stage.why_left_out;
+      });
+  section(
+      "left out", [](const StageTally& stage) { return stage.steps == 0; },
+      [](const StageTally& stage) { return std::string(stage.why_left_out); });
+
+  out << "\nmemory" << std::string(name_width - 4, ' ') << std::right << std::setw(12) << "bytes"
+      << "    for each\n";
+  std::size_t all = 0;
+  for (const MemoryUse& use : found.memory) {
+    all += use.bytes;
+    out << "  " << std::left << std::setw(name_width) << words_of(use.name) << std::right << std::setw(12) << use.bytes;
+    if (use.bytes > 0 && use.count > 0) {
+      out << "    " << significant(static_cast<double>(use.bytes) / static_cast<double>(use.count), 4) << " of "
+          << use.count << " " << use.unit;
+    }
+    out << "\n";
+  }
+  out << "  " << std::left << std::setw(name_width) << "in all" << std::right << std::setw(12) << all << "\n";
+}
+
+void write_json(std::ostream& out, const Scene& scene, const Explanation& found) {
+  using Json = nlohmann::ordered_json;
+  Json stages = Json::array(), memory = Json::array();
+  for (const StageTally& stage : found.stages) {
+    stages.push_back({{"name", stage.name},
+                      {"steps", stage.steps},
+                      {"items_mean", stage.mean()},
+                      {"items_max", stage.most},
+                      {"unit", stage.unit},
+                      {"why_run", stage.why_run},
+                      {"why_left_out", stage.why_left_out}});
+  }
+  for (const MemoryUse& use : found.memory) {
+    memory.push_back({{"name", use.name}, {"bytes", use.bytes}, {"count", use.count}, {"unit", use.unit}});
+  }
+  const Json object = {{"scene", scene.name}, {"steps", found.steps}, {"stages", stages}, {"memory", memory}};
+  out << object.dump(2, ' ', false, Json::error_handler_t::replace) << "\n";
+}
+
+}  // namespace
+
+void add_explain_options(CLI::App& command, ExplainOptions& options) {
+  add_scene_options(command, options.scene)->required();
+  add_machine_options(command, options.threads, options.simd);
+  add_format_option(command, options.format);
+}
+
+void explain(const ExplainOptions& options) {
+  Scene scene = load(options.scene);
+  scene.settings.simd = options.simd;
+  Explanation found;
+  try {
+    World world({.gravity = scene.gravity, .threads = options.threads, .settings = scene.settings});
+    found = explanation_of(scene, world);
+  } catch (const Error& error) {
+    throw Failure(Status::BadScene, error.what());
+  }
+  if (options.format == Format::Json) {
+    write_json(std::cout, scene, found);
+  } else {
+    write_text(std::cout, scene, found);
+  }
+  if (!std::cout.flush()) throw Failure(Status::Usage, "cannot write the results to standard output");
+}
+
+}  // namespace atl::command

@@ -1,0 +1,20 @@
+#pragma once
+
+#include "run_options.h"
+
+namespace atl::command {
+
+/// What `atoll explain` was asked to do.
+struct ExplainOptions {
+  SceneOptions scene;
+  int threads = 1;
+  Simd simd = Simd::Auto;
+  Format format = Format::Text;
+};
+
+void add_explain_options(CLI::App& command, ExplainOptions& options);
+
+/// Runs a scene and tells which stages its steps needed, which they left out, why, and what memory is for what.
+void explain(const ExplainOptions& options);
+
+}  // namespace atl::command

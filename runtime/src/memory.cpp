@@ -1,0 +1,53 @@
+// What of a world's memory is for what.
+
+#include <jobs/bytes.h>
+
+#include "recorder.h"
+#include "world_impl.h"
+
+namespace atl {
+
+using jobs::bytes_of;
+
+std::size_t BodyRecords::bytes() const {
+  return bytes_of(generation, alive, type, material, centre, first_collider, continuous, constants, dynamic, free);
+}
+
+std::vector<MemoryUse> World::Impl::memory() const {
+  const std::size_t contacts = cache.pairs.size();
+  const std::size_t points_of_contact = contact_update_.touching.size();
+  std::vector<MemoryUse> uses;
+  uses.push_back({"bodies",
+                  bodies.bytes() + records.bytes() + active_.bytes() +
+                      bytes_of(may_start_or_stop_, pushed_, looked_at_, stretch_, stretched_, reaches_),
+                  records.count, "bodies"});
+  uses.push_back({"sleeping", sleeping.bytes(), records.count, "bodies"});
+  uses.push_back({"running_surfaces", bytes_of(bodies.surfaces, surface_contacts_), records.count, "bodies"});
+  uses.push_back({"shapes", colliders.bytes() + bytes_of(new_boxes_), colliders.body.size(), "shapes"});
+  uses.push_back({"broadphase", broadphase.bytes(), colliders.body.size(), "shapes"});
+  uses.push_back({"contacts", cache.bytes() + contact_update_.bytes(), contacts, "pairs"});
+  std::size_t solver = bytes_of(groups_, group_reports_);
+  group_solvers_.for_each([&](const solver::GroupSolver& each) { solver += each.bytes(); });
+  for (const auto& large : large_solvers_) solver += large->bytes();
+  uses.push_back({"islands", islands_.bytes(), points_of_contact, "contacts"});
+  uses.push_back({"contact_solver", solver, points_of_contact, "contacts"});
+  std::size_t direct = bytes_of(direct_solvers_, direct_of_group_, direct_reports_);
+  for (const auto& each : direct_solvers_) direct += each->bytes();
+  uses.push_back({"direct_contacts", direct,
+                  report_.counts.direct_islands > 0 ? static_cast<std::size_t>(report_.counts.direct_islands)
+                                                    : direct_solvers_.size(),
+                  "islands"});
+  uses.push_back({"overload_watch", escalation_.bytes() + bytes_of(remedies_, all_overloads_, escalated_, failed_),
+                  records.count, "bodies"});
+  uses.push_back({"joints", joints.bytes() + joint_graph_.bytes() + bytes_of(to_kinematic_, joint_events_),
+                  joints.count, "joints"});
+  uses.push_back({"continuous_collision", bytes_of(fast_in_order_, rushed_, first_hits_),
+                  static_cast<std::size_t>(report_.counts.swept), "bodies"});
+  uses.push_back({"contact_events", bytes_of(contact_events_, touched_, touched_before_, touched_now_),
+                  contact_events_.size(), "events"});
+  uses.push_back(
+      {"contact_problem", bytes_of(capture_.answers, capture_.motions), capture_.answers.size(), "contacts"});
+  return uses;
+}
+
+}  // namespace atl
