@@ -69,7 +69,7 @@ class ContactCache {
   /// Memory held.
   std::size_t bytes() const {
     return jobs::bytes_of(contacts, manifolds, order, free_slots, keys_, state_, links_, first_end_, active_, added_,
-                          all_) +
+                          idle_, newly_idle_, is_newly_idle_, all_) +
            pairs.bytes();
   }
 
