@@ -21,7 +21,7 @@ Vector6 free_velocity(const ContactProblem::Body& body) {
 
 Matrix6 inverse_mass(const ContactProblem::Body& body) {
   Matrix6 inverse = Matrix6::Zero();
-  inverse.topLeftCorner<3, 3>() = Matrix3::Identity() * body.inverse_mass;
+  inverse.topLeftCorner<3, 3>() = (body.inverse_mass * body.free_axes).asDiagonal();
   inverse.bottomRightCorner<3, 3>() = body.inverse_inertia;
   return inverse;
 }

@@ -147,7 +147,7 @@ std::vector<BodyVelocity> velocities_after(const ContactProblem& problem) {
     const auto push = [&](std::size_t index, const Vector3& anchor, double sign) {
       if (index == ContactProblem::fixed) return;
       const ContactProblem::Body& body = problem.bodies[index];
-      velocities[index].linear += sign * body.inverse_mass * impulse;
+      velocities[index].linear += sign * body.inverse_mass * body.free_axes.cwiseProduct(impulse);
       velocities[index].angular += sign * (body.inverse_inertia * (anchor.cross(impulse) + moment));
     };
     push(patch.first, patch.anchor_first, -1);

@@ -85,7 +85,7 @@ class Rows {
     }
     const auto add = [&](const ContactProblem::Body* body, std::size_t index, const Vector3& anchor, double sign) {
       if (body == nullptr) return;
-      velocities[index].linear += sign * body->inverse_mass * impulse;
+      velocities[index].linear += sign * body->inverse_mass * body->free_axes.cwiseProduct(impulse);
       velocities[index].angular += sign * (body->inverse_inertia * (anchor.cross(impulse) + angular));
     };
     add(first_, patch_.first, patch_.anchor_first, -1);
@@ -153,7 +153,8 @@ class Rows {
   static double response(const ContactProblem::Body* body, const Vector3& direction, const Vector3& anchor) {
     if (body == nullptr) return 0;
     const Vector3 moment = anchor.cross(direction);
-    return body->inverse_mass + moment.dot(body->inverse_inertia * moment);
+    const double locked = direction.cwiseAbs2().dot(Vector3::Ones() - body->free_axes);
+    return body->inverse_mass * (1 - locked) + moment.dot(body->inverse_inertia * moment);
   }
 
   const ContactProblem::Patch& patch_;

@@ -67,6 +67,7 @@ void World::Impl::give_constants(std::uint32_t body, const std::shared_ptr<const
   bodies.inertia[body] = c.inertia;
   bodies.inverse_inertia[body] = c.inverse_inertia;
   bodies.gyroscopic[body] = c.gyroscopic;
+  bodies.locks[body] = c.locks;
   bodies.principal_axes[body] = c.principal_axes;
   bodies.moments[body] = c.moments;
   bodies.ball[body] = c.colliders.size() == 1 && c.colliders.front().shape.kind == collision::ShapeKind::Sphere &&

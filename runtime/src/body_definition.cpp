@@ -4,6 +4,7 @@
 #include <collision/height_field.h>
 #include <collision/hull.h>
 #include <collision/triangle_mesh.h>
+#include <solver/motion_locks.h>
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
@@ -126,6 +127,14 @@ void check_inertia(const Matrix3& inertia) {
   }
 }
 
+std::uint8_t bits_of(const MotionLocks& locks) {
+  unsigned bits = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    bits |= (locks.linear[axis] ? 1u : 0u) << axis | (locks.angular[axis] ? 8u : 0u) << axis;
+  }
+  return static_cast<std::uint8_t>(bits);
+}
+
 // What the definition of a dynamic body says of its mass; the shape has one.
 MassProperties mass_of(const BodyDef& def) {
   MassProperties properties = mass_properties(def.shape);
@@ -163,7 +172,9 @@ void check_mass(const BodyDef& def, BodyConstants& body) {
     refuse("BodyDef: mass", properties.mass, "a mass and inertia whose inverses are finite");
   }
   const double moment = body.inertia(0, 0);
-  body.gyroscopic = (body.inertia - moment * Matrix3::Identity()).cwiseAbs().maxCoeff() > 1e-12 * moment;
+  // What can't turn freely doesn't tumble either.
+  body.gyroscopic = solver::angular_locks(body.locks) == 0 &&
+                    (body.inertia - moment * Matrix3::Identity()).cwiseAbs().maxCoeff() > 1e-12 * moment;
   if (body.gyroscopic) find_principal_axes(body);
 }
 
@@ -205,6 +216,7 @@ CheckedBody check(const BodyDef& def) {
   constants.type = def.type;
   constants.continuous = def.continuous;
   constants.material = def.material;
+  if (def.type == BodyType::Dynamic) constants.locks = bits_of(def.locks);
   constants.gravity_scale = def.gravity_scale;
   constants.linear_damping = def.linear_damping;
   constants.angular_damping = def.angular_damping;
@@ -213,8 +225,8 @@ CheckedBody check(const BodyDef& def) {
   check_finite("BodyDef.velocity", def.velocity);
   check_finite("BodyDef.angular_velocity", def.angular_velocity);
   body.position = def.position;
-  body.velocity = def.velocity;
-  body.angular_velocity = def.angular_velocity;
+  body.velocity = solver::without(solver::linear_locks(constants.locks), def.velocity);
+  body.angular_velocity = solver::without(solver::angular_locks(constants.locks), def.angular_velocity);
   body.surface_velocity = def.surface_velocity;
   body.filter = def.filter;
   body.orientation = checked_orientation("BodyDef.orientation", def.orientation);

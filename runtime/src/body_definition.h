@@ -25,6 +25,7 @@ struct BodyConstants {
   BodyType type = BodyType::Static;
   bool continuous = false;
   Material material = {};
+  std::uint8_t locks = 0;  // see solver/motion_locks.h; 0 unless dynamic
   double gravity_scale = 1;
   double linear_damping = 0;               // 1/s
   double angular_damping = 0;              // 1/s

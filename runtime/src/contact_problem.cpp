@@ -1,3 +1,5 @@
+#include <solver/motion_locks.h>
+
 #include "world_impl.h"
 
 namespace atl {
@@ -22,6 +24,7 @@ ContactProblem World::Impl::contact_problem() const {
     if (bodies.mobility[body] == solver::Mobility::Dynamic) {
       const solver::ContactCapture::Motion& motion = capture_.motions[body];
       entry.inverse_mass = bodies.inverse_mass[body];
+      entry.free_axes = solver::without(solver::linear_locks(bodies.locks[body]), Vector3::Ones());
       entry.inverse_inertia = motion.inverse_inertia;
       entry.free_velocity = motion.free_velocity;
       entry.free_angular_velocity = motion.free_angular_velocity;

@@ -85,6 +85,12 @@ void World::Impl::check_bodies(const JointDef& def) const {
     throw Error("JointDef: neither first " + text(def.first) + " nor second " + text(def.second) +
                 " is dynamic; expected at least one that is");
   }
+  // Joints know of masses that are the same in all directions only.
+  for (const auto& [name, id] : {std::pair{"first", def.first}, std::pair{"second", def.second}}) {
+    if (bodies.locks[id.index] == 0) continue;
+    throw Error(std::string("JointDef.") + name + " is " + text(id) +
+                ", which has motion locks; expected a body without, as joints don't know of them");
+  }
 }
 
 JointId World::Impl::add_joint(const JointDef& definition) {

@@ -4,6 +4,7 @@
 #include "quarantine.h"
 
 #include <atoll/error.h>
+#include <solver/motion_locks.h>
 #include <solver/state_bounds.h>
 
 #include <algorithm>
@@ -33,11 +34,10 @@ std::optional<Quarantine> fault_in_push(const solver::BodyTable& bodies, std::ui
   const Vector3 force = bodies.force(body);
   const Vector3 torque = bodies.torque(body);
   if (!force.allFinite() || !torque.allFinite()) return Quarantine::NotFinite;
-  const Vector3 acceleration = bodies.inverse_mass[body] * force + bodies.gravity_scale[body] * gravity;
+  const Vector3 acceleration = solver::linear_acceleration(bodies, body, gravity);
   if (!is_within(bodies.velocity(body) + dt * acceleration, solver::top_speed)) return Quarantine::TooMuchForce;
   if (torque.isZero(0)) return {};
-  const solver::Quaternion orientation = bodies.orientation(body);
-  const Vector3 turn = orientation * (bodies.inverse_inertia[body] * (orientation.conjugate() * torque));
+  const Vector3 turn = solver::angular_response(bodies, body, torque);
   if (!is_within(bodies.angular_velocity(body) + dt * turn, solver::top_spin)) return Quarantine::TooMuchTorque;
   return {};
 }

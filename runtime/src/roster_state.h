@@ -1,6 +1,8 @@
 #pragma once
 /// A roster for archives (state_archive.h). Geometry is told by its content.
 
+#include <solver/motion_locks.h>
+
 #include <algorithm>
 #include <map>
 #include <memory>
@@ -32,6 +34,9 @@ void visit_constants(Archive& archive, Constants& body) {
   archive.value(body.material.restitution);
   archive.value(body.material.rolling_friction);
   archive.value(body.material.torsional_friction);
+  archive.value(body.locks);
+  archive.check(body.locks <= (body.type == BodyType::Dynamic ? solver::all_locks : 0),
+                "a body with locks that there are none of");
   archive.value(body.gravity_scale);
   archive.value(body.linear_damping);
   archive.value(body.angular_damping);

@@ -42,6 +42,8 @@ constexpr std::array<StageWords, stage_count> words = {{
      "all joints are solved at once"},
     {"direct_joints", "joints", "some joints that hang together are solved at once",
      "no joint needs to be solved at once"},
+    {"motion_locks", "bodies", "bodies in islands are locked along or about axes",
+     "no body in an island is locked along or about an axis"},
     {"gyroscopic_torque", "bodies", "bodies in islands have unequal moments of inertia",
      "no body in an island has unequal moments of inertia"},
     {"free_flight", "bodies", "some bodies touch nothing", "every awake body touches something or is joined"},
@@ -60,11 +62,12 @@ const char* stage_name(Stage stage) { return words[static_cast<std::size_t>(stag
 
 void World::Impl::note_stages() {
   solver::ContactWork work;
-  std::int64_t surfaces = 0, gyroscopic = 0, early_ends = 0;
+  std::int64_t surfaces = 0, gyroscopic = 0, locked = 0, early_ends = 0;
   for (const solver::GroupReport& group : group_reports_) {
     work += group.work;
     if (group.surfaces) surfaces += group.work.contacts;
     gyroscopic += group.gyroscopic_bodies;
+    locked += group.locked_bodies;
     early_ends += settings.tolerance > 0;
   }
   const StepCounts& counts = report_.counts;
@@ -104,6 +107,7 @@ void World::Impl::note_stages() {
       report_.stages[static_cast<std::size_t>(stage)].why = why;
     }
   }
+  note_items(Stage::MotionLocks, locked);
   note_items(Stage::GyroscopicTorque, gyroscopic);
   note_items(Stage::FreeFlight, static_cast<std::int64_t>(islands_.free_bodies().size()));
   note_items(Stage::KinematicBodies, static_cast<std::int64_t>(contents.kinematic));

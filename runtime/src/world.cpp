@@ -2,6 +2,7 @@
 
 #include <atoll/snapshot.h>
 #include <atoll/world.h>
+#include <solver/motion_locks.h>
 
 #include <atomic>
 #include <cmath>
@@ -112,8 +113,9 @@ void World::set_velocity(BodyId id, const Vector3& linear, const Vector3& angula
     throw Error("World::set_velocity: the body is static; expected a dynamic or kinematic one");
   }
   const std::uint32_t body = impl_->awaken(id, "set_velocity");
-  impl_->bodies.velocity(body) = linear;
-  impl_->bodies.angular_velocity(body) = angular;
+  solver::BodyTable& bodies = impl_->bodies;
+  bodies.velocity(body) = solver::without(solver::linear_locks(bodies.locks[body]), linear);
+  bodies.angular_velocity(body) = solver::without(solver::angular_locks(bodies.locks[body]), angular);
   note<calls::SetVelocity>(*impl_, id, linear, angular);
 }
 
@@ -138,10 +140,10 @@ void World::apply_impulse(BodyId id, const Vector3& impulse, const Vector3& poin
   note<calls::ApplyImpulse>(*impl_, id, impulse, point);
   if (impl_->quarantine.contains(body)) return;
   solver::BodyTable& bodies = impl_->bodies;
-  const solver::Quaternion orientation = bodies.orientation(body);
   const Vector3 moment = (point - bodies.position(body)).cross(impulse);
-  bodies.velocity(body) += bodies.inverse_mass[body] * impulse;
-  bodies.angular_velocity(body) += orientation * (bodies.inverse_inertia[body] * (orientation.conjugate() * moment));
+  bodies.velocity(body) +=
+      bodies.inverse_mass[body] * solver::without(solver::linear_locks(bodies.locks[body]), impulse);
+  bodies.angular_velocity(body) += solver::angular_response(bodies, body, moment);
 }
 
 void World::wake(BodyId id) {

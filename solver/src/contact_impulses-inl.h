@@ -18,11 +18,12 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 using namespace jobs::HWY_NAMESPACE;
 
-inline void warm_start(const ContactKernelData& data, std::size_t begin, std::size_t end) {
+template <Movers movers>
+void warm_start_by(const ContactKernelData& data, std::size_t begin, std::size_t end) {
   for (std::size_t b = begin; b < end; ++b) {
     const ContactBlock& block = data.blocks[b];
     for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
-      ContactLanes<> c = load_contacts(data, block, lane);
+      ContactLanes<movers> c = load_contacts<movers>(data, block, lane);
       V sum = zero();
       V sum_y = zero();
       V sum_minus_x = zero();
@@ -47,10 +48,16 @@ inline void warm_start(const ContactKernelData& data, std::size_t begin, std::si
   }
 }
 
+inline void warm_start(const ContactKernelData& data, std::size_t begin, std::size_t end) {
+  if (data.bodies.locks.empty()) return warm_start_by<Movers::Both>(data, begin, end);
+  warm_start_by<Movers::Locked>(data, begin, end);
+}
+
 // Over the points of each contact: with one, a face that hits flat would leave spinning.
 constexpr std::size_t restitution_sweeps = 16;
 
-inline void restitute(const ContactKernelData& data, std::size_t begin, std::size_t end) {
+template <Movers movers>
+void restitute_by(const ContactKernelData& data, std::size_t begin, std::size_t end) {
   const V threshold = splat(-data.constants.restitution_threshold);
   for (std::size_t b = begin; b < end; ++b) {
     ContactBlock& block = data.blocks[b];
@@ -58,7 +65,7 @@ inline void restitute(const ContactKernelData& data, std::size_t begin, std::siz
     const BounceBlock& bounce = data.bounces[b];
     const std::size_t points = block.traits.points;
     for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
-      ContactLanes<> c = load_contacts(data, block, lane);
+      ContactLanes<movers> c = load_contacts<movers>(data, block, lane);
       const V restitution = load(bounce.restitution + lane);
       NormalSolve solve(c);
       for (std::size_t n = 0; n < restitution_sweeps * points; ++n) {
@@ -80,6 +87,11 @@ inline void restitute(const ContactKernelData& data, std::size_t begin, std::siz
       store_contact_bodies(c, data, block, lane);
     }
   }
+}
+
+inline void restitute(const ContactKernelData& data, std::size_t begin, std::size_t end) {
+  if (data.bodies.locks.empty()) return restitute_by<Movers::Both>(data, begin, end);
+  restitute_by<Movers::Locked>(data, begin, end);
 }
 
 // Lanes where soft contacts would give farther under what they carry now than in columns they should.

@@ -12,6 +12,8 @@
 #include <jobs/lanes-inl.h>
 #include <solver/kernels.h>
 
+#include <type_traits>
+
 HWY_BEFORE_NAMESPACE();
 namespace atl::solver {
 namespace HWY_NAMESPACE {
@@ -76,6 +78,8 @@ HWY_INLINE void store_bodies(const BodyLanes& body, SolverBodies& bodies, unsign
 }
 
 template <Movers movers>
+constexpr bool both_move = movers == Movers::Both || movers == Movers::Locked;
+template <Movers movers>
 constexpr bool first_moves = movers != Movers::Second;
 template <Movers movers>
 constexpr bool second_moves = movers != Movers::First;
@@ -86,12 +90,28 @@ struct ContactLanes {
   BodyLanes first, second;
   V3 normal, tangent1, tangent2;
   V3 anchor_first, anchor_second;
-  V inverse_mass_first, inverse_mass_second;
+  // Along the world's axes where these are not alike.
+  std::conditional_t<movers == Movers::Locked, V3, V> inverse_mass_first, inverse_mass_second;
 };
+
+// 1 along axes that bodies may move along, and 0 along those that they are locked along.
+HWY_INLINE V4 load_free_axes(const SolverBodies& bodies, const std::int32_t* index) {
+  const LockRow* locks = bodies.locks.data();
+  return load_rows([=](std::size_t k) { return locks[index[k]].free; });
+}
 
 template <Movers movers = Movers::Both>
 HWY_INLINE ContactLanes<movers> load_contacts(const ContactKernelData& data, const ContactBlock& block,
                                               std::size_t lane) {
+  const auto inverse_mass = [&](std::size_t side, [[maybe_unused]] const std::int32_t* index) {
+    const V of_all = load(block.inverse_mass[side] + lane);
+    if constexpr (movers == Movers::Locked) {
+      const V4 free = load_free_axes(data.bodies, index + lane);
+      return of_all * V3{free.x, free.y, free.z};
+    } else {
+      return of_all;
+    }
+  };
   ContactLanes<movers> c;
   if constexpr (first_moves<movers>) load_bodies(data.bodies, block.first + lane, c.first);
   if constexpr (second_moves<movers>) load_bodies(data.bodies, block.second + lane, c.second);
@@ -100,11 +120,11 @@ HWY_INLINE ContactLanes<movers> load_contacts(const ContactKernelData& data, con
   c.tangent2 = cross(c.normal, c.tangent1);
   if constexpr (first_moves<movers>) {
     c.anchor_first = load3(block.anchor_first, lane);
-    c.inverse_mass_first = load(block.inverse_mass[0] + lane);
+    c.inverse_mass_first = inverse_mass(0, block.first);
   }
   if constexpr (second_moves<movers>) {
     c.anchor_second = load3(block.anchor_second, lane);
-    c.inverse_mass_second = load(block.inverse_mass[1] + lane);
+    c.inverse_mass_second = inverse_mass(1, block.second);
   }
   return c;
 }
@@ -135,15 +155,21 @@ HWY_INLINE V3 relative_spin(const ContactLanes<movers>& c) {
   return c.second.w - c.first.w;
 }
 
+// What an impulse adds to a velocity.
+HWY_INLINE V3 change_by(V inverse_mass, const V3& impulse) { return inverse_mass * impulse; }
+HWY_INLINE V3 change_by(const V3& inverse_mass, const V3& impulse) {
+  return {hn::Mul(inverse_mass.x, impulse.x), hn::Mul(inverse_mass.y, impulse.y), hn::Mul(inverse_mass.z, impulse.z)};
+}
+
 // An impulse at the centre and an angular impulse, on the second body; the opposite on the first.
 template <Movers movers>
 HWY_INLINE void apply(ContactLanes<movers>& c, const V3& impulse, const V3& angular) {
   if constexpr (first_moves<movers>) {
-    c.first.v = c.first.v - c.inverse_mass_first * impulse;
+    c.first.v = c.first.v - change_by(c.inverse_mass_first, impulse);
     c.first.w = c.first.w - c.first.inverse_inertia * (cross(c.anchor_first, impulse) + angular);
   }
   if constexpr (second_moves<movers>) {
-    c.second.v = c.second.v + c.inverse_mass_second * impulse;
+    c.second.v = c.second.v + change_by(c.inverse_mass_second, impulse);
     c.second.w = c.second.w + c.second.inverse_inertia * (cross(c.anchor_second, impulse) + angular);
   }
 }
@@ -178,7 +204,46 @@ struct Plane {
     const V over = hn::Div(splat(1), determinant());
     return {hn::Mul(m22, over), hn::Neg(hn::Mul(m12, over)), hn::Mul(m11, over)};
   }
+  // The inverse in the directions in which it is more than `least`, and zero in the others.
+  HWY_INLINE Plane inverse_above(V least) const {
+    const V half = splat(0.5f);
+    const V mean = hn::Mul(half, hn::Add(m11, m22));
+    const V apart = hn::Mul(half, hn::Sub(m11, m22));
+    const V spread = hn::Sqrt(hn::Add(hn::Mul(apart, apart), hn::Mul(m12, m12)));
+    const V high = hn::Add(mean, spread);
+    const V low = hn::Sub(mean, spread);
+    const M both = hn::Gt(low, least);
+    const M one = hn::AndNot(both, hn::Gt(high, least));
+    const V one_v = splat(1);
+    const V over_determinant = hn::Div(one_v, hn::IfThenElse(both, determinant(), one_v));
+    const V of_one = hn::Mul(hn::Add(spread, spread), high);  // high > low here
+    const V over_one = hn::Div(one_v, hn::IfThenElse(one, of_one, one_v));
+    const auto pick = [&](V in_both, V in_one) {
+      return hn::IfThenElse(both, hn::Mul(in_both, over_determinant),
+                            hn::IfThenElseZero(one, hn::Mul(in_one, over_one)));
+    };
+    return {pick(m22, hn::Sub(m11, low)), pick(hn::Neg(m12), m12), pick(m11, hn::Sub(m22, low))};
+  }
 };
+
+// J M^-1 J^T for two rows with angular parts j (on both bodies, towards the second) and linear parts alike.
+HWY_INLINE V angular_response(const ContactLanes<>& c, const V3& j_first, const V3& j_second, const V3& i_first,
+                              const V3& i_second) {
+  return hn::Add(dot(j_first, c.first.inverse_inertia * i_first), dot(j_second, c.second.inverse_inertia * i_second));
+}
+
+// How friction at the centre changes the tangential speeds there. `linear` is what it would be if nothing turned.
+HWY_INLINE Plane tangential_response(const ContactLanes<>& c, V linear) {
+  const V3& t1 = c.tangent1;
+  const V3& t2 = c.tangent2;
+  const V3 t1_first = cross(c.anchor_first, t1);
+  const V3 t1_second = cross(c.anchor_second, t1);
+  const V3 t2_first = cross(c.anchor_first, t2);
+  const V3 t2_second = cross(c.anchor_second, t2);
+  return {hn::Add(linear, angular_response(c, t1_first, t1_second, t1_first, t1_second)),
+          angular_response(c, t1_first, t1_second, t2_first, t2_second),
+          hn::Add(linear, angular_response(c, t2_first, t2_second, t2_first, t2_second))};
+}
 
 // The normal impulses of a manifold's points and the speeds that they change.
 struct NormalSolve {

@@ -10,6 +10,7 @@
 #include <jobs/prefetch.h>
 
 #include "contact_lanes-inl.h"
+#include "contact_locks-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace atl::solver {
@@ -61,12 +62,6 @@ HWY_INLINE void store4(const V4& v, float (*rows)[block_lanes], std::size_t lane
   store(v.w, rows[3] + lane);
 }
 
-// J M^-1 J^T for two rows with angular parts j (on both bodies, towards the second) and linear parts alike.
-HWY_INLINE V angular_response(const ContactLanes<>& c, const V3& j_first, const V3& j_second, const V3& i_first,
-                              const V3& i_second) {
-  return hn::Add(dot(j_first, c.first.inverse_inertia * i_first), dot(j_second, c.second.inverse_inertia * i_second));
-}
-
 // Without friction, or what twists, there is no such row: it has no mass, and what sweeps it comes to zero, exactly.
 HWY_INLINE void prepare_masses(ContactBlock& block, std::size_t lane, const ContactLanes<>& c, M rubs, M twists) {
   const V inverse_mass = hn::Add(c.inverse_mass_first, c.inverse_mass_second);
@@ -86,15 +81,7 @@ HWY_INLINE void prepare_masses(ContactBlock& block, std::size_t lane, const Cont
       angular_response(c, t2, t2, t2, t2)};
   for (std::size_t i = 0; i < 6; ++i) store(k[i], block.k[i] + lane);
 
-  const V3 t1_first = cross(c.anchor_first, t1);
-  const V3 t1_second = cross(c.anchor_second, t1);
-  const V3 t2_first = cross(c.anchor_first, t2);
-  const V3 t2_second = cross(c.anchor_second, t2);
-  const V diagonal = hn::Add(inverse_mass, one_if_vacant);
-  const V f11 = hn::Add(diagonal, angular_response(c, t1_first, t1_second, t1_first, t1_second));
-  const V f12 = angular_response(c, t1_first, t1_second, t2_first, t2_second);
-  const V f22 = hn::Add(diagonal, angular_response(c, t2_first, t2_second, t2_first, t2_second));
-  const Plane mass = Plane{f11, f12, f22}.inverse();
+  const Plane mass = tangential_response(c, hn::Add(inverse_mass, one_if_vacant)).inverse();
   Plane{hn::IfThenElseZero(rubs, mass.m11), hn::IfThenElseZero(rubs, mass.m12), hn::IfThenElseZero(rubs, mass.m22)}
       .store_to(block.friction_mass, lane);
 
@@ -156,6 +143,7 @@ HWY_INLINE void prepare_surfaces(const ContactKernelData& data, const ContactBlo
   Plane{hn::IfThenElse(turn, mass.m11, zero()), hn::IfThenElse(turn, mass.m12, zero()),
         hn::IfThenElse(turn, mass.m22, zero())}
       .store_to(surface.rolling_mass, lane);
+  if (!data.bodies.locks.empty()) lock_rolling(data.bodies, block, lane, rolls_hard, surface);
 }
 
 // m/s^2, of the forces on the bodies along the normal.
@@ -230,9 +218,9 @@ inline void prepare(const ContactKernelData& data, std::size_t begin, std::size_
     if (b + ahead < end) {
       for (const std::int32_t slot : data.blocks[b + ahead].slot) jobs::prefetch(data.manifolds[slot < 0 ? 0 : slot]);
     }
-    ContactTraits traits = {.points = 1, .friction = data.surface_blocks != nullptr, .bounces = false};
+    ContactTraits traits = {.points = 1, .friction = data.surface_blocks != nullptr, .bounces = false, .locked = false};
     for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
-      const ManifoldLanes m = load_manifolds(
+      ManifoldLanes m = load_manifolds(
           [&](std::size_t k) -> const collision::ContactManifold& { return manifold_of(data, block, lane + k); });
       ContactLanes<> c;
       c.normal = {m.normal.x, m.normal.y, m.normal.z};
@@ -277,6 +265,7 @@ inline void prepare(const ContactKernelData& data, std::size_t begin, std::size_
       store(hn::IfThenElseZero(rubs, dot(c.tangent2, friction)), block.friction_impulse[1] + lane);
       store(hn::IfThenElseZero(twists, hn::Mul(share, m.friction.w)), block.twist_impulse + lane);
       prepare_masses(block, lane, c, rubs, twists);
+      if (!data.bodies.locks.empty()) traits.locked |= lock_contacts(data.bodies, block, lane, c, rubs, m.separation);
       if (data.surface_blocks != nullptr) {
         const V normal_impulse = hn::Add(hn::Add(impulse.x, impulse.y), hn::Add(impulse.z, impulse.w));
         prepare_surfaces(data, block, data.surface_blocks[b], lane, c, normal_impulse);

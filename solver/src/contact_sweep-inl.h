@@ -72,7 +72,7 @@ HWY_INLINE void refresh_separations(const ContactKernelData& data, ContactBlock&
 
 // What is known of a sweep when it is compiled; whether it refreshes and goes twice over the points some ask as they
 // run. `special` is what few scenes need and may cost something: running surfaces, rolling and torsional friction,
-// slop, and a residual.
+// locks, slop, and a residual.
 enum class Refresh { No, Yes, Asks };
 enum class Rounds { One, Two, Asks };
 
@@ -100,12 +100,14 @@ struct Residual {
 };
 
 // m, of a contact: what turns a spin into a speed. Of the bodies the smaller one's.
-HWY_INLINE V reach_of(const ContactLanes<>& c) {
+template <Movers movers>
+HWY_INLINE V reach_of(const ContactLanes<movers>& c) {
   return hn::Sqrt(hn::Min(dot(c.anchor_first, c.anchor_first), dot(c.anchor_second, c.anchor_second)));
 }
 
 // Holds back rolling: an angular impulse about an axis in the tangent plane, bound as friction is.
-HWY_INLINE void solve_rolling(SurfaceBlock& surface, std::size_t lane, V normal_impulse, ContactLanes<>& c,
+template <Movers movers>
+HWY_INLINE void solve_rolling(SurfaceBlock& surface, std::size_t lane, V normal_impulse, ContactLanes<movers>& c,
                               Residual& residual) {
   const V3 spin = relative_spin(c);
   const Plane mass = Plane::load_from(surface.rolling_mass, lane);
@@ -123,6 +125,16 @@ HWY_INLINE void solve_rolling(SurfaceBlock& surface, std::size_t lane, V normal_
   const V reach = reach_of(c);
   residual.add(hn::Mul(reach, dot(c.tangent1, change)));
   residual.add(hn::Mul(reach, dot(c.tangent2, change)));
+}
+
+// Contacts with a body that is locked along some axis.
+HWY_INLINE M locked_lanes(const ContactBlock& block, std::size_t lane, const ContactLanes<Movers::Locked>& c) {
+  const auto differs = [&](const V3& along_axes, const float* inverse_mass) {
+    const V of_all = load(inverse_mass + lane);
+    return hn::Or(hn::Ne(along_axes.x, of_all), hn::Or(hn::Ne(along_axes.y, of_all), hn::Ne(along_axes.z, of_all)));
+  };
+  return hn::Or(differs(c.inverse_mass_first, block.inverse_mass[0]),
+                differs(c.inverse_mass_second, block.inverse_mass[1]));
 }
 
 template <typename how, typename what>
@@ -170,8 +182,17 @@ HWY_INLINE void solve_friction(ContactBlock& block, SurfaceBlock* surface, std::
     const Plane response = mass.inverse();
     const V change1 = hn::Sub(new1, old1);
     const V change2 = hn::Sub(new2, old2);
-    residual.add(hn::IfThenElseZero(rubs, response.first(change1, change2)));
-    residual.add(hn::IfThenElseZero(rubs, response.second(change1, change2)));
+    V slowed1 = response.first(change1, change2);
+    V slowed2 = response.second(change1, change2);
+    if constexpr (what::movers == Movers::Locked) {
+      // What can't move has no mass to ask.
+      const V3 slowed = relative_velocity(c) - velocity;
+      const M locked = locked_lanes(block, lane, c);
+      slowed1 = hn::IfThenElse(locked, dot(c.tangent1, slowed), slowed1);
+      slowed2 = hn::IfThenElse(locked, dot(c.tangent2, slowed), slowed2);
+    }
+    residual.add(hn::IfThenElseZero(rubs, slowed1));
+    residual.add(hn::IfThenElseZero(rubs, slowed2));
     const V twist_change = hn::Sub(dot(c.normal, relative_spin(c)), spin);
     residual.add(hn::Mul(load(block.lever + lane), twist_change));
   }
@@ -185,8 +206,9 @@ HWY_INLINE void solve_points(const ContactKernelData& data, ContactBlock& block,
   const SubstepConstants& constants = data.constants;
   const V inverse_h = splat(constants.inverse_h);
   const auto soft = [&](float of_fixed, float of_dynamic) {
-    if constexpr (what::movers != Movers::Both) return splat(of_fixed);
-    const M fixed = hn::Or(hn::Eq(c.inverse_mass_first, zero()), hn::Eq(c.inverse_mass_second, zero()));
+    if constexpr (!both_move<what::movers>) return splat(of_fixed);
+    const M fixed =
+        hn::Or(hn::Eq(load(block.inverse_mass[0] + lane), zero()), hn::Eq(load(block.inverse_mass[1] + lane), zero()));
     return hn::IfThenElse(fixed, splat(of_fixed), splat(of_dynamic));
   };
   const Softness& with_fixed = constants.fixed_contact;
@@ -319,13 +341,12 @@ HWY_NOINLINE void sweep_alike(const ContactKernelData& data, const Sweep& sweep,
 template <typename how, std::size_t points>
 HWY_INLINE void sweep_points(const ContactKernelData& data, const Sweep& sweep, Movers movers, std::size_t begin,
                              std::size_t end, Residual& residual) {
-  switch (movers) {
-    case Movers::Both:
-      return sweep_alike<how, What<points, Movers::Both>>(data, sweep, begin, end, residual);
-    case Movers::First:
-      return sweep_alike<how, What<points, Movers::First>>(data, sweep, begin, end, residual);
-    case Movers::Second:
-      return sweep_alike<how, What<points, Movers::Second>>(data, sweep, begin, end, residual);
+  if (movers == Movers::First) {
+    sweep_alike<how, What<points, Movers::First>>(data, sweep, begin, end, residual);
+  } else if (movers == Movers::Second) {
+    sweep_alike<how, What<points, Movers::Second>>(data, sweep, begin, end, residual);
+  } else {
+    sweep_alike<how, What<points, Movers::Both>>(data, sweep, begin, end, residual);
   }
 }
 
@@ -357,7 +378,11 @@ float sweep_by_kind(const ContactKernelData& data, const Sweep& sweep, std::size
 template <typename how>
 float sweep_all(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end) {
   Residual residual;
-  sweep_alike<how, What<max_points, Movers::Both>>(data, sweep, begin, end, residual);
+  if (how::special && !data.bodies.locks.empty()) {
+    sweep_alike<how, What<max_points, how::special ? Movers::Locked : Movers::Both>>(data, sweep, begin, end, residual);
+  } else {
+    sweep_alike<how, What<max_points, Movers::Both>>(data, sweep, begin, end, residual);
+  }
   return how::special ? hn::GetLane(hn::MaxOfLanes(D(), residual.most)) : 0;
 }
 
@@ -395,13 +420,28 @@ inline float common_sweep(const ContactKernelData& data, const Sweep& sweep, std
 }
 
 template <Push push>
+float plain_sweep(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end) {
+  if (is_common(sweep)) return common_sweep(data, sweep, begin, end);
+  if (sweep.refresh) return sweep_with_friction<push, Refresh::Yes>(data, sweep, begin, end);
+  return sweep_with_friction<push, Refresh::No>(data, sweep, begin, end);
+}
+
+template <Push push>
 float sweep_with_push(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end) {
   const bool special =
       sweep.measures || data.surface_blocks != nullptr || data.split_blocks != nullptr || data.constants.slop > 0;
   if (special) return sweep_with_friction<push, Refresh::Asks>(data, sweep, begin, end);
-  if (is_common(sweep)) return common_sweep(data, sweep, begin, end);
-  if (sweep.refresh) return sweep_with_friction<push, Refresh::Yes>(data, sweep, begin, end);
-  return sweep_with_friction<push, Refresh::No>(data, sweep, begin, end);
+  if (data.bodies.locks.empty()) return plain_sweep<push>(data, sweep, begin, end);
+  for (std::size_t next; begin < end; begin = next) {
+    const bool locked = data.blocks[begin].traits.locked;
+    for (next = begin + 1; next < end && data.blocks[next].traits.locked == locked;) ++next;
+    if (locked) {
+      sweep_with_friction<push, Refresh::Asks>(data, sweep, begin, next);
+    } else {
+      plain_sweep<push>(data, sweep, begin, next);
+    }
+  }
+  return 0;
 }
 
 inline float sweep(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end) {

@@ -18,6 +18,12 @@ constexpr std::uint8_t most = 30;
 // it.
 constexpr double part_of_island = 0.25;
 
+// What is solved at once is so without locks.
+bool has_locks(const LoadInput& input, std::size_t island) {
+  const std::span<const std::uint32_t> bodies = input.islands.bodies(island, island + 1);
+  return std::any_of(bodies.begin(), bodies.end(), [&](std::uint32_t body) { return input.bodies.locks[body] != 0; });
+}
+
 void strain_more(std::uint8_t& strain) { strain = std::min<std::uint8_t>(most, strain + 1) + 1; }
 void strain_less(std::uint8_t& strain) {
   if (strain > 0) --strain;
@@ -97,7 +103,7 @@ std::span<const Remedy> Escalation::choose(const LoadInput& input) {
     if (build == Build::Joined) {
       if (has.crushes && small) remedies_[island] = Remedy::Finest;
     } else if (build == Build::Columns || (has.crushes && small)) {
-      remedies_[island] = Remedy::Direct;
+      remedies_[island] = has_locks(input, island) ? Remedy::Finer : Remedy::Direct;
     } else if (has.lasts && has.sags) {
       remedies_[island] = Remedy::Finer;
     }

@@ -1,4 +1,5 @@
 #include <solver/free_flight.h>
+#include <solver/motion_locks.h>
 #include <solver/trigonometry.h>
 
 #include <algorithm>
@@ -68,9 +69,12 @@ void turn_by(BodyTable& bodies, std::uint32_t body, const Vector3& rotation_vect
   bodies.set_orientation(body, (rotation_by(rotation_vector) * bodies.orientation(body)).normalized());
 }
 
+// A body whose inertia is the same about all axes that it may turn about, or is taken to be.
 void move_isotropic(BodyTable& bodies, std::uint32_t body, double dt, int substeps) {
   auto w = bodies.angular_velocity(body);
-  const Vector3 acceleration = bodies.inverse_inertia[body](0, 0) * bodies.torque(body);
+  const Vector3 acceleration = angular_locks(bodies.locks[body]) != 0
+                                   ? angular_response(bodies, body, bodies.torque(body))
+                                   : Vector3(bodies.inverse_inertia[body](0, 0) * bodies.torque(body));
   const double damping = bodies.angular_damping[body];
   const int steps = damping == 0 ? 1 : substeps;
   const double h = dt / steps;
@@ -95,9 +99,7 @@ Quaternion rotation_by(const Vector3& rotation_vector) {
 void move_free_body(BodyTable& bodies, std::uint32_t body, const Vector3& gravity, double dt, int substeps,
                     FastBodies& fast) {
   const BodyPose start{bodies.position(body), bodies.orientation(body)};
-  const Vector3 acceleration =
-      gravity * bodies.gravity_scale[body] + bodies.inverse_mass[body] * Vector3(bodies.force(body));
-  move_linear(bodies, body, acceleration, dt, substeps);
+  move_linear(bodies, body, linear_acceleration(bodies, body, gravity), dt, substeps);
   if (bodies.gyroscopic[body]) {
     move_gyroscopic(bodies, body, dt, substeps);
   } else {

@@ -1,4 +1,5 @@
 #include <solver/group_solver.h>
+#include <solver/motion_locks.h>
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -111,7 +112,9 @@ GroupReport GroupSolver::run(const SolveInput& input, const IslandGroup& group, 
 
   const bool splits = settings.stabilisation == Stabilisation::SplitImpulse;
   note_bodies(input, body_ids, report);
-  bodies_.reset(first_dynamic_ + body_ids.size(), report.gyroscopic_bodies > 0 || settings.everything, splits);
+  bodies_.reset(first_dynamic_ + body_ids.size(), {.gyroscopic = report.gyroscopic_bodies > 0 || settings.everything,
+                                                   .correction = splits,
+                                                   .locks = report.locked_bodies > 0 || settings.everything});
   load_kinematic_bodies(input);
   constexpr std::size_t body_grain = 128;
   executor.parallel_for(body_ids.size(), body_grain, [&](std::size_t begin, std::size_t end) {
@@ -269,6 +272,7 @@ void GroupSolver::note_bodies(const SolveInput& input, std::span<const std::uint
   bodies_.balls = false;
   for (const std::uint32_t body : bodies) {
     report.gyroscopic_bodies += input.bodies.gyroscopic[body];
+    report.locked_bodies += input.bodies.locks[body] != 0;
     bodies_.balls |= input.bodies.ball[body] != 0;
   }
 }
@@ -383,8 +387,7 @@ void GroupSolver::load_bodies(const SolveInput& input, std::span<const std::uint
   for (std::size_t i = begin; i < end; ++i) {
     const std::uint32_t body = bodies[i];
     const std::size_t local = first_dynamic_ + i;
-    const Matrix3 rotation = table.orientation(body).toRotationMatrix();
-    const Matrix3 inverse_inertia = rotation * table.inverse_inertia[body] * rotation.transpose();
+    const Matrix3 inverse_inertia = world_inverse_inertia(table, body);
 
     VelocityRows& velocity = bodies_.velocity[local];
     set3(velocity.linear, table.velocity(body));
@@ -399,10 +402,14 @@ void GroupSolver::load_bodies(const SolveInput& input, std::span<const std::uint
     bodies_.displacement[local].carries = table.ball[body] ? 0.0f : 1.0f;
 
     AccelerationRows& acceleration = bodies_.acceleration[local];
-    set3(acceleration.linear, input.gravity * table.gravity_scale[body] + table.inverse_mass[body] * table.force(body));
-    set3(acceleration.angular, inverse_inertia * table.torque(body));
+    set3(acceleration.linear, linear_acceleration(table, body, input.gravity));
+    const Vector3 turn = inverse_inertia * table.torque(body);
+    const unsigned locked_turns = angular_locks(table.locks[body]);
+    set3(acceleration.angular, locked_turns == 0 ? turn : without(locked_turns, turn));
     acceleration.linear_damping = static_cast<float>(1 / (1 + substep * table.linear_damping[body]));
     acceleration.angular_damping = static_cast<float>(1 / (1 + substep * table.angular_damping[body]));
+
+    if (!bodies_.locks.empty()) bodies_.locks[local] = LockRow::of(table.locks[body]);
 
     if (table.gyroscopic[body]) {
       bodies_.gyroscopic[local] =

@@ -50,7 +50,7 @@ void set3(float* to, const Eigen::Vector3d& from) {
 Group random_group(std::uint32_t seed, std::uint32_t count, int pairs, const Lacking& lacking = {}) {
   Random random(seed);
   Group group;
-  group.bodies.reset(count, true);
+  group.bodies.reset(count, {.gyroscopic = true});
   for (std::uint32_t body = 1; body < count; ++body) {
     VelocityRows& velocity = group.bodies.velocity[body];
     set3(velocity.linear, random.vector(2));

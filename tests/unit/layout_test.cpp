@@ -70,13 +70,13 @@ TEST(Layout, BlockLanesAreAlignedForTheWidestSet) {
 // An aligned vector element, for the loads above, in every row of every vector.
 TEST(Layout, BodiesArePaddedToBlocks) {
   SolverBodies bodies;
-  bodies.reset(9, true);
+  bodies.reset(9, {.gyroscopic = true});
   EXPECT_EQ(bodies.padded_count(), 16u);
   EXPECT_EQ(bodies.gyroscopic.size(), 16u);
   EXPECT_EQ(reinterpret_cast<std::uintptr_t>(bodies.velocity.data()) % 32, 0u);
   EXPECT_EQ(bodies.displacement[12].rotation[3], 1.0f);
   EXPECT_EQ(bodies.acceleration[0].linear_damping, 1.0f);
-  bodies.reset(8, false);
+  bodies.reset(8, {});
   EXPECT_EQ(bodies.padded_count(), 8u);
   EXPECT_TRUE(bodies.gyroscopic.empty());
 }

@@ -81,6 +81,7 @@ const std::vector<Change>& changes() {
                               .surface_velocity = {0, 0.1, 0},
                               .gravity_scale = 0.9,
                               .linear_damping = 0.1,
+                              .locks = {.linear = {false, true, false}, .angular = {true, false, true}},
                               .filter = {.category = 2, .mask = 7, .group = 3},
                               .continuous = true});
        }},

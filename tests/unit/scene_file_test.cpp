@@ -139,6 +139,16 @@ TEST(SceneFile, ReadsEveryFieldOfABody) {
   EXPECT_EQ(body(std::string(ball) + R"(, "type": "kinematic", "velocity": [1, 0, 0])").type, BodyType::Kinematic);
 }
 
+TEST(SceneFile, ReadsLocks) {
+  const auto locks = [](const std::string& text) { return body(std::string(ball) + R"(, "locks": )" + text).locks; };
+  EXPECT_EQ(body(std::string(ball)).locks, MotionLocks());
+  EXPECT_EQ(locks("{}"), MotionLocks());
+  EXPECT_EQ(locks(R"({"linear": ["z", "x"]})"), (MotionLocks{.linear = {true, false, true}}));
+  EXPECT_EQ(locks(R"({"linear": [], "angular": ["y"]})"), (MotionLocks{.angular = {false, true, false}}));
+  EXPECT_EQ(locks(R"({"plane": "x"})"), MotionLocks::plane(Axis::X));
+  EXPECT_EQ(locks(R"({"plane": "z"})"), MotionLocks::plane(Axis::Z));
+}
+
 TEST(SceneFile, ReadsForces) {
   const Scene scene = parse(R"("bodies": [{)" + std::string(ball) + "}, {" + std::string(ball) +
                             R"(, "force": [1, -2, 3]}],

@@ -20,7 +20,7 @@ struct Tumbler {
   std::size_t body = 1;
 
   explicit Tumbler(const Vector3& spin) {
-    bodies.reset(3, true);
+    bodies.reset(3, {.gyroscopic = true});
     bodies.gyroscopic[body] = GyroscopicRows::of(axes, moment);
     for (int k = 0; k < 3; ++k) bodies.velocity[body].angular[k] = static_cast<float>(spin[k]);
     std::copy_n(bodies.velocity[body].angular, 3, bodies.free_velocity[body].angular);

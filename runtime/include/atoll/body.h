@@ -3,6 +3,8 @@
 #include <atoll/shapes.h>
 #include <atoll/types.h>
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 
@@ -35,6 +37,30 @@ struct CollisionFilter {
   std::int32_t group = 0;
 };
 
+/// An axis of the world.
+enum class Axis : std::uint8_t { X, Y, Z };
+
+/// Which motions along and about the world's axes x, y and z a dynamic body is without, whatever acts on it. Forces,
+/// contacts and velocities that are asked for lose their part along what is locked, and nothing else; poses may be set
+/// to any. A locked body turns about its free axes as one whose inertia is that about these, without gyroscopic
+/// torque, and has no joints.
+struct MotionLocks {
+  std::array<bool, 3> linear = {};
+  std::array<bool, 3> angular = {};
+
+  /// Keeps a body in its plane across an axis: it neither moves along that axis nor turns about the two others.
+  static constexpr MotionLocks plane(Axis across) {
+    MotionLocks locks;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const bool is_normal = axis == static_cast<std::size_t>(across);
+      locks.linear[axis] = is_normal;
+      locks.angular[axis] = !is_normal;
+    }
+    return locks;
+  }
+  bool operator==(const MotionLocks&) const = default;
+};
+
 /// Everything a body starts with. All values must be finite.
 struct BodyDef {
   BodyType type = BodyType::Dynamic;
@@ -55,6 +81,7 @@ struct BodyDef {
   double gravity_scale = 1;    ///< multiplies the world's gravity
   double linear_damping = 0;   ///< 1/s, >= 0: v' = -c v
   double angular_damping = 0;  ///< 1/s, >= 0: w' = -c w
+  MotionLocks locks = {};      ///< of dynamic bodies
   CollisionFilter filter = {};
   /// Looks for what the body may have passed through after every step in which it moved at all. Without it that
   /// is done in steps in which it moved farther than three quarters of its inner radius, unless it is joined to others:

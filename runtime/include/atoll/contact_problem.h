@@ -25,6 +25,7 @@ struct ContactProblem {
   struct Body {
     std::size_t index = 0;                            ///< BodyId::index
     double inverse_mass = 0;                          ///< 1/kg; 0 for a kinematic body
+    Vector3 free_axes = Vector3::Ones();              ///< 1, or 0 along axes of the world along which it is locked
     Matrix3 inverse_inertia = Matrix3::Zero();        ///< 1/(kg m^2), world frame
     Vector3 free_velocity = Vector3::Zero();          ///< m/s, after forces and before contact impulses
     Vector3 free_angular_velocity = Vector3::Zero();  ///< rad/s

@@ -40,6 +40,7 @@ enum class Stage {
   FinerSubsteps,
   JointSolver,  ///< of joints that are swept
   DirectJoints,
+  MotionLocks,
   GyroscopicTorque,
   FreeFlight,
   KinematicBodies,
@@ -49,7 +50,7 @@ enum class Stage {
   ContactProblem,
   Recording,
 };
-inline constexpr std::size_t stage_count = 25;
+inline constexpr std::size_t stage_count = 26;
 
 /// "broadphase", "narrowphase", ...
 const char* stage_name(Stage stage);

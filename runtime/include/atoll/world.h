@@ -88,6 +88,7 @@ class World {
   Vector3 centre_of_mass(BodyId id) const;  ///< m, world frame; the frame's origin where there is no mass
 
   void set_pose(BodyId id, const Pose& pose);
+  /// Along what BodyDef::locks locks there is none, whatever is asked for.
   void set_velocity(BodyId id, const Vector3& linear, const Vector3& angular);
   /// How fast the surface runs along the body, m/s, body frame: see BodyDef::surface_velocity. Wakes what touches it.
   void set_surface_velocity(BodyId id, const Vector3& velocity);

@@ -56,9 +56,36 @@ Matrix3 read_inertia(const Reader& in) {
   return inertia;
 }
 
+std::array<bool, 3> read_axes(const Reader& in) {
+  std::array<bool, 3> axes = {};
+  const std::size_t count = in.size("an array of axes, as [\"x\", \"z\"]");
+  for (std::size_t i = 0; i < count; ++i) {
+    const Reader element = in.element(i);
+    bool& axis = axes[element.choice({"x", "y", "z"})];
+    if (axis) element.fail("an axis that is there already", "each of them once");
+    axis = true;
+  }
+  return axes;
+}
+
+MotionLocks read_locks(const Reader& in) {
+  in.only_keys({"linear", "angular", "plane"});
+  if (const auto across = in.find("plane")) {
+    for (const char* key : {"linear", "angular"}) {
+      if (in.has(key)) in.fail_at(key, "both it and a plane", "a plane, or else what is locked");
+    }
+    constexpr std::array axes = {Axis::X, Axis::Y, Axis::Z};
+    return MotionLocks::plane(axes[across->choice({"x", "y", "z"})]);
+  }
+  MotionLocks locks;
+  if (const auto linear = in.find("linear")) locks.linear = read_axes(*linear);
+  if (const auto angular = in.find("angular")) locks.angular = read_axes(*angular);
+  return locks;
+}
+
 void read_mass(const Reader& in, BodyDef& def) {
   for (const char* key :
-       {"density", "mass", "inertia", "gravity_scale", "linear_damping", "angular_damping", "force"}) {
+       {"density", "mass", "inertia", "gravity_scale", "linear_damping", "angular_damping", "locks", "force"}) {
     if (def.type != BodyType::Dynamic && in.has(key)) {
       in.fail_at(key, "it on a body that is not dynamic", "it on dynamic bodies only: others do not move under forces");
     }
@@ -95,7 +122,7 @@ Material read_material(const Reader& in) {
 SceneBody read_body(const Reader& in, const Library& library) {
   in.only_keys({"name", "type", "shape", "material", "position", "orientation", "velocity", "angular_velocity",
                 "surface_velocity", "density", "mass", "inertia", "gravity_scale", "linear_damping", "angular_damping",
-                "force"});
+                "locks", "force"});
   SceneBody body;
   BodyDef& def = body.def;
   in.get("name", body.name);
@@ -125,6 +152,7 @@ SceneBody read_body(const Reader& in, const Library& library) {
   in.get("gravity_scale", def.gravity_scale);
   in.get("linear_damping", def.linear_damping, at_least(0));
   in.get("angular_damping", def.angular_damping, at_least(0));
+  if (const auto locks = in.find("locks")) def.locks = read_locks(*locks);
   in.get("force", body.force);
   return body;
 }

@@ -42,6 +42,7 @@ struct BodyTable {
   std::vector<std::uint8_t> gyroscopic;    ///< 1 if the inertia depends on the direction
   std::vector<Quaternion> principal_axes;  ///< body frame, in which the inertia is diagonal; of gyroscopic bodies
   std::vector<Vector3> moments;            ///< kg m^2, about these
+  std::vector<std::uint8_t> locks;         ///< what each body is without, see motion_locks.h
   std::vector<std::uint8_t> ball;          ///< 1 for a sphere about the centre of mass: it looks the same turned
   std::vector<Surface> surfaces;           ///< empty while all are plain
   std::vector<double> gravity_scale;
@@ -102,6 +103,7 @@ inline void BodyTable::resize(std::size_t count) {
   gyroscopic.resize(count, 0);
   principal_axes.resize(count, Quaternion::Identity());
   moments.resize(count, Vector3::Zero());
+  locks.resize(count, 0);
   ball.resize(count, 0);
   if (!surfaces.empty()) surfaces.resize(count);
   gravity_scale.resize(count, 1.0);

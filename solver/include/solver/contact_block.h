@@ -9,14 +9,16 @@ namespace atl::solver {
 
 using collision::max_points;
 
-/// Which bodies of a block's contacts may move; the others are fixed.
-enum class Movers : std::uint8_t { Both, First, Second };
+/// Which bodies of a block's contacts may move; the others are fixed. Locked is Both where some may move along some
+/// axes only: kernels know of it, blocks tell it by their traits.
+enum class Movers : std::uint8_t { Both, First, Second, Locked };
 
 /// What a block's contacts call for in this step: kernels leave out the rest of the work, which would change no bit.
 struct ContactTraits {
   std::uint8_t points = max_points;  ///< no contact has more
   bool friction = true;
   bool bounces = true;
+  bool locked = true;  ///< some body is locked along an axis
 };
 
 /// Eight contacts of one colour, one a lane, for the wide kernels: no two share a dynamic body.

@@ -3,6 +3,7 @@
 #include <jobs/block_lanes.h>
 #include <jobs/bytes.h>
 #include <solver/body_table.h>
+#include <solver/motion_locks.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -69,6 +70,26 @@ struct alignas(16) GyroscopicRows {
   }
 };
 
+/// Along which axes of the world a body may move.
+struct alignas(16) LockRow {
+  float free[3] = {1, 1, 1};  ///< 1, or 0 along a locked one
+  float turns = 1;            ///< 1 if it may turn about all of them
+
+  static LockRow of(std::uint8_t locks) {
+    LockRow row;
+    for (unsigned k = 0; k < 3; ++k) row.free[k] = linear_locks(locks) >> k & 1u ? 0.0f : 1.0f;
+    row.turns = angular_locks(locks) == 0 ? 1.0f : 0.0f;
+    return row;
+  }
+};
+
+/// Rows that groups have only if they need them.
+struct OptionalRows {
+  bool gyroscopic = false;
+  bool correction = false;
+  bool locks = false;
+};
+
 /// Bodies of one island group. Index 0 stands for every fixed body and is never written; copies of kinematic
 /// bodies follow, then the islands' dynamic bodies. The count is padded to full blocks.
 struct SolverBodies {
@@ -79,17 +100,19 @@ struct SolverBodies {
   std::vector<AccelerationRows> acceleration;
   std::vector<GyroscopicRows> gyroscopic;  ///< empty if no body needs it
   std::vector<VelocityRows> correction;    ///< by which overlap is removed in this substep; empty where nothing asks
+  std::vector<LockRow> locks;              ///< empty if no body has motion locks
   bool balls = true;                       ///< some body may be one (see DisplacementRows::carries)
 
-  void reset(std::size_t count, bool with_gyroscopic, bool with_correction = false) {
+  void reset(std::size_t count, const OptionalRows& with) {
     const std::size_t padded = (count + block_lanes - 1) / block_lanes * block_lanes;
     velocity.assign(padded, {});
     inertia.assign(padded, {});
     displacement.assign(padded, {{0, 0, 0}, 1, {0, 0, 0, 1}});
     free_velocity.assign(padded, {});
     acceleration.assign(padded, {{0, 0, 0}, 1, {0, 0, 0}, 1});
-    gyroscopic.assign(with_gyroscopic ? padded : 0, {});
-    correction.assign(with_correction ? padded : 0, {});
+    gyroscopic.assign(with.gyroscopic ? padded : 0, {});
+    correction.assign(with.correction ? padded : 0, {});
+    locks.assign(with.locks ? padded : 0, {});
   }
   /// Memory held.
   std::size_t bytes() const {

@@ -1,0 +1,83 @@
+// Worlds with motion locks: the same bits on any number of threads and lanes, restored, recorded and with nothing left
+// out, next to bodies without as alone.
+
+#include <atoll/scene.h>
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "support/scene_run.h"
+#include "support/variants.h"
+
+namespace atl::test {
+namespace {
+
+// Heaps in a plane, along rails, of bodies that don't turn, and of free ones; of balls that roll hard, too.
+std::string heap(const std::string& locks, double x, const std::string& shape, const std::string& material) {
+  return R"({"body": {"shape": )" + shape + R"(, "material": )" + material + R"(, "position": [)" + std::to_string(x) +
+         R"(, 0, 0.8])" + locks + R"(}, "count": [4, 1, 5], "spacing": [1.05, 1, 1.1],
+           "stagger": [0.4, 0], "jitter": [0.05, 0.1, 0.05], "random_orientation": true})";
+}
+
+Scene locked_scene(bool with_free_bodies = true) {
+  const std::string boxes = R"({"type": "box", "half_extents": [0.5, 0.4, 0.3]})";
+  const std::string balls = R"({"type": "sphere", "radius": 0.4})";
+  const std::string rough = R"({"friction": 0.7})";
+  const std::string lively = R"({"friction": 0.3, "restitution": 0.6, "rolling_friction": 0.01})";
+  const std::string plane = R"(, "locks": {"plane": "y"})";
+  std::string generators =
+      heap(plane, 0, boxes, rough) + "," + heap(R"(, "locks": {"linear": ["y"]})", 8, boxes, rough) + "," +
+      heap(R"(, "locks": {"angular": ["x", "y", "z"]})", 16, boxes, rough) + "," + heap(plane, 24, balls, lively) +
+      "," + heap(R"(, "locks": {"angular": ["x"]})", 32, boxes, rough);
+  if (with_free_bodies) generators += "," + heap("", 40, boxes, rough) + "," + heap("", 48, balls, lively);
+  Scene scene = parse_scene(R"({"format": "atoll-scene", "version": 1, "steps": 150,
+    "bodies": [{"type": "static", "shape": {"type": "half_space"}}], "generators": [)" +
+                                generators + "]}",
+                            "locks.json", 5);
+  return scene;
+}
+
+TEST(MotionLocksBits, AreTheSameInEveryVariant) {
+  const Scene scene = locked_scene();
+  const divergence::Variant plain;
+  const std::vector<std::uint64_t> trail = divergence::follow(scene, plain);
+  for (const Simd simd : divergence::supported_simds()) {
+    for (const int threads : {1, 3}) expect_same(trail, scene, plain, {.threads = threads, .simd = simd});
+  }
+  expect_same(trail, scene, plain, {.restore = divergence::Restore::SameWorld});
+  expect_same(trail, scene, plain, {.restore = divergence::Restore::FreshWorld});
+}
+
+TEST(MotionLocksBits, LeavingOutChangesNone) {
+  for (const double tolerance : {0.0, 1e-3}) {
+    for (const Stabilisation how : {Stabilisation::Soft, Stabilisation::SplitImpulse}) {
+      Scene scene = locked_scene();
+      scene.settings.tolerance = tolerance;
+      scene.settings.stabilisation = how;
+      const std::vector<std::uint64_t> trail = divergence::follow(scene, {});
+      scene.settings.run_everything = true;
+      EXPECT_EQ(divergence::follow(scene, {}), trail);
+    }
+  }
+}
+
+// Bodies of one group share lanes: the free ones' neighbours must not show in the locked ones, nor the other way.
+TEST(MotionLocksBits, NeighboursDontShow) {
+  const Scene scene = locked_scene(), without = locked_scene(false);
+  World world, smaller;
+  const std::vector<BodyId> ids = build_scene(scene, world), fewer = build_scene(without, smaller);
+  ASSERT_LT(fewer.size(), ids.size());
+  for (int i = 0; i < scene.steps; ++i) {
+    world.step(scene.dt);
+    smaller.step(scene.dt);
+    for (std::size_t k = 0; k < fewer.size(); ++k) {
+      ASSERT_EQ(world.pose(ids[k]).position, smaller.pose(fewer[k]).position) << "step " << i << ", body " << k;
+      ASSERT_EQ(world.angular_velocity(ids[k]), smaller.angular_velocity(fewer[k]));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace atl::test
