@@ -1,3 +1,5 @@
+#include <solver/motion_locks.h>
+
 #include "world_impl.h"
 
 namespace atl {
@@ -21,14 +23,19 @@ std::span<const ContactForce> World::Impl::contact_forces() {
     const Vector3 t2(frame.second[0], frame.second[1], frame.second[2]);
     // Where the contact was as the step started: the bodies have moved since, by far less than their size.
     const Vector3 centre = bodies.position(contact.body_first) + vector(manifold.anchor_first);
+    // What stays in a plane is pushed within it.
+    Vector3 normal = vector(manifold.normal);
+    if (const int plane = solver::shared_plane(bodies, contact.body_first, contact.body_second); plane >= 0) {
+      normal[plane] = 0;
+      normal.normalize();
+    }
     double total = 0;
     for (const float impulse : manifold.normal_impulse) total += static_cast<double>(impulse);
     for (std::size_t i = 0; i < contact.count; ++i) {
       const double impulse = manifold.normal_impulse[i];
       if (!(impulse > 0)) continue;
       contact_forces_.push_back({id(contact.body_first), id(contact.body_second),
-                                 centre + manifold.x[i] * t1 + manifold.y[i] * t2, vector(manifold.normal),
-                                 impulse * per_impulse,
+                                 centre + manifold.x[i] * t1 + manifold.y[i] * t2, normal, impulse * per_impulse,
                                  vector(manifold.friction_impulse) * (per_impulse * impulse / total),
                                  manifold.separation[i], contact.ids[i]});
     }

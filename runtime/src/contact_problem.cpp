@@ -40,8 +40,9 @@ ContactProblem World::Impl::contact_problem() const {
     const collision::ContactManifold& manifold = cache.manifolds[pair.slot];
     const solver::ContactCapture::Answer& answer = capture_.answers[pair.slot];
     // Of unit length and square in double, as the solver's are in single precision only.
-    const Vector3 normal = vector(manifold.normal).normalized();
-    const Vector3 first_tangent = vector(collision::tangents(manifold.normal).first);
+    const Vector3 normal = (answer.planar ? vector(answer.normal) : vector(manifold.normal)).normalized();
+    const Vector3 first_tangent =
+        answer.planar ? vector(answer.tangent) : vector(collision::tangents(manifold.normal).first);
     const Vector3 tangent = (first_tangent - normal.dot(first_tangent) * normal).normalized();
     const Vector3 friction = vector(answer.friction_impulse);
     // A ball is touched on the line through its centre, see the solver's prepare().
@@ -67,6 +68,14 @@ ContactProblem World::Impl::contact_problem() const {
       patch.rolling_friction = surface.rolling_friction;
       patch.slip = vector(surface.slip);
       patch.rolling_impulse = rolling - normal.dot(rolling) * normal;
+    }
+    if (answer.planar) {
+      for (std::size_t i = 0; i < answer.x.size(); ++i) {
+        if (!(answer.separation[i] < collision::no_point)) continue;
+        patch.points.push_back({answer.x[i], 0, answer.separation[i], answer.normal_impulse[i]});
+      }
+      if (!patch.points.empty()) problem.patches.push_back(std::move(patch));
+      continue;
     }
     for (std::size_t i = 0; i < cache.contacts[pair.slot].count; ++i) {
       patch.points.push_back({manifold.x[i], manifold.y[i], answer.separation[i], answer.normal_impulse[i]});

@@ -121,6 +121,19 @@ HWY_INLINE unsigned loaded_lanes(const ContactKernelData& data, const ContactBlo
   return bits[0];
 }
 
+// Impulses of points, by the manifold's numbers.
+HWY_INLINE V4 back_to_manifold(const PlanarBlock& block, std::size_t lane, const V4& rows) {
+  const M planar = hn::Gt(load(block.planar + lane), zero());
+  const V first = load(block.point[0] + lane);
+  const V second = load(block.point[1] + lane);
+  const auto of_point = [&](float point, V row) {
+    const V sum = hn::Add(hn::IfThenElseZero(hn::Eq(first, splat(point)), rows.x),
+                          hn::IfThenElseZero(hn::Eq(second, splat(point)), rows.y));
+    return hn::IfThenElse(planar, sum, row);
+  };
+  return {of_point(0, rows.x), of_point(1, rows.y), of_point(2, rows.z), of_point(3, rows.w)};
+}
+
 inline void store_impulses(const ContactKernelData& data, std::size_t begin, std::size_t end) {
   const V together = splat(data.constants.finer);
   for (std::size_t b = begin; b < end; ++b) {
@@ -131,10 +144,11 @@ inline void store_impulses(const ContactKernelData& data, std::size_t begin, std
       for (std::size_t k = 0; k < lanes; ++k) used |= (block.slot[lane + k] >= 0 ? 1u : 0u) << k;
       const std::int32_t* slot = block.slot + lane;
       collision::ContactManifold* manifolds = data.manifolds;
-      const V4 normal = {load(block.normal_impulse[0] + lane), load(block.normal_impulse[1] + lane),
-                         load(block.normal_impulse[2] + lane), load(block.normal_impulse[3] + lane)};
+      V4 normal = {load(block.normal_impulse[0] + lane), load(block.normal_impulse[1] + lane),
+                   load(block.normal_impulse[2] + lane), load(block.normal_impulse[3] + lane)};
       const V load_of_all = hn::Add(hn::Add(normal.x, normal.y), hn::Add(normal.z, normal.w));
       loaded |= (loaded_lanes(data, block, lane, load_of_all) & used) << lane;
+      if (data.planar_blocks != nullptr) normal = back_to_manifold(data.planar_blocks[b], lane, normal);
       store_rows(
           {hn::Mul(together, normal.x), hn::Mul(together, normal.y), hn::Mul(together, normal.z),
            hn::Mul(together, normal.w)},

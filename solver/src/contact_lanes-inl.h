@@ -77,6 +77,11 @@ HWY_INLINE void store_bodies(const BodyLanes& body, SolverBodies& bodies, unsign
       [=](std::size_t k) { return velocity[index[k]].angular; }, mask);
 }
 
+// The rows of ContactManifold, transposed; see there.
+struct ManifoldLanes {
+  V4 normal, anchor_first, anchor_second, x, y, separation, impulse, friction;
+};
+
 template <Movers movers>
 constexpr bool both_move = movers == Movers::Both || movers == Movers::Locked;
 template <Movers movers>
@@ -94,7 +99,7 @@ struct ContactLanes {
   std::conditional_t<movers == Movers::Locked, V3, V> inverse_mass_first, inverse_mass_second;
 };
 
-// 1 along axes that bodies may move along, and 0 along those that they are locked along.
+// 1 along axes that bodies may move along, and 0 along those that they are locked along; in w the kind of LockRow.
 HWY_INLINE V4 load_free_axes(const SolverBodies& bodies, const std::int32_t* index) {
   const LockRow* locks = bodies.locks.data();
   return load_rows([=](std::size_t k) { return locks[index[k]].free; });

@@ -18,11 +18,6 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 using namespace jobs::HWY_NAMESPACE;
 
-// The rows of ContactManifold, transposed; see there.
-struct ManifoldLanes {
-  V4 normal, anchor_first, anchor_second, x, y, separation, impulse, friction;
-};
-
 HWY_INLINE const collision::ContactManifold& manifold_of(const ContactKernelData& data, const ContactBlock& block,
                                                          std::size_t lane) {
   // What a lane without a contact reads.
@@ -218,7 +213,12 @@ inline void prepare(const ContactKernelData& data, std::size_t begin, std::size_
     if (b + ahead < end) {
       for (const std::int32_t slot : data.blocks[b + ahead].slot) jobs::prefetch(data.manifolds[slot < 0 ? 0 : slot]);
     }
-    ContactTraits traits = {.points = 1, .friction = data.surface_blocks != nullptr, .bounces = false, .locked = false};
+    ContactTraits traits = {.points = 1,
+                            .friction = data.surface_blocks != nullptr,
+                            .bounces = false,
+                            .locked = false,
+                            .planar = data.planar_blocks != nullptr};
+    bool some_planar = false;
     for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
       ManifoldLanes m = load_manifolds(
           [&](std::size_t k) -> const collision::ContactManifold& { return manifold_of(data, block, lane + k); });
@@ -236,6 +236,10 @@ inline void prepare(const ContactKernelData& data, std::size_t begin, std::size_
       };
       c.inverse_mass_first = inverse_mass_of(block.first + lane);
       c.inverse_mass_second = inverse_mass_of(block.second + lane);
+
+      const bool locks = data.planar_blocks != nullptr;
+      PlanarLanes in_plane{hn::Lt(zero(), zero()), hn::Lt(zero(), zero())};
+      if (locks) in_plane = turn_into_plane(data.bodies, block, lane, data.planar_blocks[b], c, m);
 
       if (data.bodies.balls) put_on_line_of_centres(data.bodies, block, lane, c);
 
@@ -255,23 +259,34 @@ inline void prepare(const ContactKernelData& data, std::size_t begin, std::size_
       store4(impulse, block.normal_impulse, lane);
       store(c.inverse_mass_first, block.inverse_mass[0] + lane);
       store(c.inverse_mass_second, block.inverse_mass[1] + lane);
-      const M rubs = hn::Gt(m.normal.w, zero());
+      M rubs = hn::Gt(m.normal.w, zero());
+      if (locks) rubs = hn::AndNot(in_plane.across, rubs);
       M twists = rubs;
       if (data.surface_blocks != nullptr) {
         twists = hn::Or(twists, hn::Gt(rolling_lanes(data, block, lane).w, zero()));
       }
+      if (locks) twists = hn::AndNot(in_plane.planar, twists);
       const V3 friction = share * V3{m.friction.x, m.friction.y, m.friction.z};
       store(hn::IfThenElseZero(rubs, dot(c.tangent1, friction)), block.friction_impulse[0] + lane);
       store(hn::IfThenElseZero(rubs, dot(c.tangent2, friction)), block.friction_impulse[1] + lane);
       store(hn::IfThenElseZero(twists, hn::Mul(share, m.friction.w)), block.twist_impulse + lane);
       prepare_masses(block, lane, c, rubs, twists);
-      if (!data.bodies.locks.empty()) traits.locked |= lock_contacts(data.bodies, block, lane, c, rubs, m.separation);
+      if (locks) {
+        traits.locked |= lock_contacts(data.bodies, block, lane, c, rubs, in_plane.planar, m.separation);
+        const M vacant = hn::Eq(hn::Add(c.inverse_mass_first, c.inverse_mass_second), zero());
+        traits.planar &= hn::AllTrue(D(), hn::Or(in_plane.planar, vacant));
+        some_planar |= any(in_plane.planar);
+        keep_in_plane(block, lane, c, rubs, in_plane.planar);
+      }
       if (data.surface_blocks != nullptr) {
         const V normal_impulse = hn::Add(hn::Add(impulse.x, impulse.y), hn::Add(impulse.z, impulse.w));
         prepare_surfaces(data, block, data.surface_blocks[b], lane, c, normal_impulse);
       }
       note_traits(traits, m);
     }
+    // Friction in a plane has a kernel of its own, and the general one.
+    traits.planar &= some_planar;
+    traits.locked |= some_planar && !traits.planar;
     block.traits = data.leaves_out ? traits : ContactTraits();
     block.traits.bounces &= data.bounces != nullptr;
     if (!block.traits.bounces) continue;

@@ -86,10 +86,11 @@ struct How {
 };
 
 // What is left out of blocks that have no need of it.
-template <std::size_t points_, Movers movers_>
+template <std::size_t points_, Movers movers_, bool planar_ = false>
 struct What {
   static constexpr std::size_t points = points_;
   static constexpr Movers movers = movers_;
+  static constexpr bool planar = planar_;  // friction along the first tangent alone, and no twist
 };
 
 // The largest change of relative speed so far. Each lane on its own: the most of all is no sum and knows no order.
@@ -137,6 +138,23 @@ HWY_INLINE M locked_lanes(const ContactBlock& block, std::size_t lane, const Con
                 differs(c.inverse_mass_second, block.inverse_mass[1]));
 }
 
+// What the general way comes to where the second tangent and the normal's twist have no mass, bit for bit.
+template <typename what>
+HWY_INLINE void solve_planar_friction(ContactBlock& block, std::size_t lane, ContactLanes<what::movers>& c) {
+  const V v1 = dot(c.tangent1, relative_velocity(c));
+  V normal_impulse = load(block.normal_impulse[0] + lane);
+  for (std::size_t i = 1; i < what::points; ++i) {
+    normal_impulse = hn::Add(normal_impulse, load(block.normal_impulse[i] + lane));
+  }
+  const V old1 = load(block.friction_impulse[0] + lane);
+  V new1 = hn::Sub(old1, hn::Mul(load(block.friction_mass[0] + lane), v1));
+  V new2 = zero();
+  clamp_to_disc(new1, new2, hn::Mul(load(block.friction + lane), normal_impulse));
+  new1 = hn::Add(new1, zero());  // see keep_in_plane
+  store(new1, block.friction_impulse[0] + lane);
+  apply(c, hn::Sub(new1, old1) * c.tangent1, {zero(), zero(), zero()});
+}
+
 template <typename how, typename what>
 HWY_INLINE void solve_friction(ContactBlock& block, SurfaceBlock* surface, std::size_t lane,
                                ContactLanes<what::movers>& c, Residual& residual) {
@@ -168,6 +186,12 @@ HWY_INLINE void solve_friction(ContactBlock& block, SurfaceBlock* surface, std::
   } else {
     new1 = clamp_to(new1, bound);
     new2 = clamp_to(new2, bound);
+  }
+  if constexpr (what::movers == Movers::Locked) {
+    // See keep_in_plane.
+    const M one = hn::Eq(mass.m22, zero());
+    new1 = hn::IfThenElse(one, hn::Add(new1, zero()), new1);
+    new2 = hn::IfThenElse(one, hn::Add(new2, zero()), new2);
   }
   const V old_twist = load(block.twist_impulse + lane);
   const V new_twist = clamp_to(hn::Sub(old_twist, hn::Mul(load(block.twist_mass + lane), spin)), twist_bound);
@@ -329,7 +353,11 @@ HWY_NOINLINE void sweep_alike(const ContactKernelData& data, const Sweep& sweep,
       }
       // Last, so that its bound is the normal impulse that it goes with.
       if constexpr (how::friction != Friction::None) {
-        if (block.traits.friction) solve_friction<how, what>(block, surface, lane, c, residual);
+        if constexpr (what::planar) {
+          if (block.traits.friction) solve_planar_friction<what>(block, lane, c);
+        } else {
+          if (block.traits.friction) solve_friction<how, what>(block, surface, lane, c, residual);
+        }
       }
       store_contact_bodies(c, data, block, lane);
     }
@@ -338,15 +366,15 @@ HWY_NOINLINE void sweep_alike(const ContactKernelData& data, const Sweep& sweep,
   of_all.add(residual.most);
 }
 
-template <typename how, std::size_t points>
+template <typename how, std::size_t points, bool planar = false>
 HWY_INLINE void sweep_points(const ContactKernelData& data, const Sweep& sweep, Movers movers, std::size_t begin,
                              std::size_t end, Residual& residual) {
   if (movers == Movers::First) {
-    sweep_alike<how, What<points, Movers::First>>(data, sweep, begin, end, residual);
+    sweep_alike<how, What<points, Movers::First, planar>>(data, sweep, begin, end, residual);
   } else if (movers == Movers::Second) {
-    sweep_alike<how, What<points, Movers::Second>>(data, sweep, begin, end, residual);
+    sweep_alike<how, What<points, Movers::Second, planar>>(data, sweep, begin, end, residual);
   } else {
-    sweep_alike<how, What<points, Movers::Both>>(data, sweep, begin, end, residual);
+    sweep_alike<how, What<points, Movers::Both, planar>>(data, sweep, begin, end, residual);
   }
 }
 
@@ -362,8 +390,17 @@ float sweep_by_kind(const ContactKernelData& data, const Sweep& sweep, std::size
   for (std::size_t next; begin < end; begin = next) {
     const Movers movers = movers_of(begin);
     const std::uint8_t points = points_of(begin);
-    for (next = begin + 1; next < end && movers_of(next) == movers && points_of(next) == points;) ++next;
-    if (points == 1) {
+    const bool planar = how::friction != Friction::None && data.blocks[begin].traits.planar;
+    const auto is_alike = [&](std::size_t b) {
+      return movers_of(b) == movers && points_of(b) == points &&
+             (how::friction == Friction::None || data.blocks[b].traits.planar == planar);
+    };
+    for (next = begin + 1; next < end && is_alike(next);) ++next;
+    if (planar) {
+      if constexpr (how::friction != Friction::None) {
+        sweep_points<how, 2, true>(data, sweep, movers, begin, next, residual);
+      }
+    } else if (points == 1) {
       sweep_points<how, 1>(data, sweep, movers, begin, next, residual);
     } else if (points == 2) {
       sweep_points<how, 2>(data, sweep, movers, begin, next, residual);

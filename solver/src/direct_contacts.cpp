@@ -222,6 +222,7 @@ void DirectContacts::capture(const SolveInput& input) const {
   for (const Contact& contact : contacts_) {
     const collision::ContactManifold& manifold = input.manifolds[contact.slot];
     ContactCapture::Answer& answer = input.capture->answers[contact.slot];
+    answer.planar = false;
     answer.step = input.dt;
     int point = 0;
     for (std::size_t i = 0; i < collision::max_points; ++i) {

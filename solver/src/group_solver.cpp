@@ -292,6 +292,7 @@ ContactKernelData GroupSolver::kernel_data(const SolveInput& input, const GroupR
           .surface_blocks = one_a_block(surface_blocks_, report.surfaces),
           .surface_contacts = input.surface_contacts,
           .split_blocks = one_a_block(split_blocks_, splits),
+          .planar_blocks = one_a_block(planar_blocks_, !bodies_.locks.empty()),
           .leaves_out = !input.settings.everything};
 }
 
@@ -548,7 +549,17 @@ void GroupSolver::capture(const SolveInput& input, const GroupReport& report,
         answer.normal_impulse[i] = block.normal_impulse[i][lane];
       }
       const float normal[3] = {block.normal[0][lane], block.normal[1][lane], block.normal[2][lane]};
-      const collision::Tangents t = collision::tangents(normal);
+      collision::Tangents t = collision::tangents(normal);
+      answer.planar = !bodies_.locks.empty() && planar_blocks_[b].planar[lane] > 0;
+      if (answer.planar) {
+        for (std::size_t i = 0; i < 3; ++i) {
+          const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
+          answer.normal[i] = normal[i];
+          answer.tangent[i] = t.first[i] = block.tangent[i][lane];
+          t.second[i] = normal[j] * block.tangent[k][lane] - normal[k] * block.tangent[j][lane];
+        }
+        for (std::size_t i = 0; i < 2; ++i) answer.x[i] = block.x[i][lane];
+      }
       for (std::size_t i = 0; i < 3; ++i) {
         answer.friction_impulse[i] =
             block.friction_impulse[0][lane] * t.first[i] + block.friction_impulse[1][lane] * t.second[i];

@@ -4,6 +4,14 @@
 
 namespace atl::solver {
 
+int shared_plane(const BodyTable& bodies, std::uint32_t first, std::uint32_t second) {
+  const bool first_moves = bodies.mobility[first] == Mobility::Dynamic;
+  const bool second_moves = bodies.mobility[second] == Mobility::Dynamic;
+  const int of_first = plane_of(bodies.locks[first]), of_second = plane_of(bodies.locks[second]);
+  if (first_moves && second_moves) return of_first == of_second ? of_first : -1;
+  return first_moves ? of_first : second_moves ? of_second : -1;
+}
+
 Matrix3 inverse_on_free_axes(unsigned locked_axes, const Matrix3& inertia) {
   Matrix3 inverse = Matrix3::Zero();
   Eigen::Index free[3];

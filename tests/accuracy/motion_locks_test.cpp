@@ -328,6 +328,42 @@ TEST(MotionLocks, PlanarStackStands) {
   EXPECT_NEAR(contact_force(world, ids[0], ids[1]).z(), 11 * 1000 * g, 0.01 * 11 * 1000 * g);
 }
 
+// A contact in the plane has its own rows: few, and as many whatever the depth of the boxes.
+TEST(MotionLocks, PlanarContactsAreAStageOfTheirOwn) {
+  World world;
+  world.add_body(ground());
+  for (int i = 0; i < 3; ++i) world.add_body(locked(box({0, 0, i + 0.5}), in_plane));
+  EXPECT_EQ(world.step(dt).stage(Stage::PlanarContacts).items, 3);
+  World free;
+  free.add_body(ground());
+  free.add_body(locked(box({0, 0, 0.5}), {.linear = {false, true, false}}));
+  EXPECT_FALSE(free.step(dt).stage(Stage::PlanarContacts).run);
+}
+
+// Balls beside the plane's middle meet as discs do, where they are cut.
+TEST(MotionLocks, BallsOutOfThePlaneMeetWhereItCutsThem) {
+  World world;
+  BodyDef post = sphere({0, 0.6, 0}, 1);
+  post.type = BodyType::Static;
+  world.add_body(post);
+  const BodyId ball = world.add_body(locked(sphere({0, 0, 1.9}, 1), in_plane));
+  run(world, 120);
+  EXPECT_NEAR(world.pose(ball).position.z(), std::sqrt(4 - 0.36), 2e-3) << "balanced on top";
+  EXPECT_EQ(world.pose(ball).position.y(), 0);
+}
+
+// What only pushes across the plane is let pass.
+TEST(MotionLocks, WallsAcrossThePlaneHoldNothing) {
+  World world;
+  world.add_body(static_box({0, 1, 0}, {5, 0.5, 5}));
+  BodyDef def = locked(box({0, 0.02, 0}), in_plane);  // 2 cm deep in it
+  def.velocity = {1, 0, 0};
+  const BodyId id = world.add_body(def);
+  run(world, 60);
+  EXPECT_NEAR(world.velocity(id).x(), 1, 1e-6);
+  EXPECT_NEAR(world.velocity(id).z(), -g, 1e-3);
+}
+
 TEST(MotionLocks, FastBodiesStopAtWallsWithoutLeavingTheirPlane) {
   World world;
   world.add_body(static_box({10, 0, 0}, {0.05, 5, 5}));

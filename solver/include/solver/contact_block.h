@@ -18,7 +18,8 @@ struct ContactTraits {
   std::uint8_t points = max_points;  ///< no contact has more
   bool friction = true;
   bool bounces = true;
-  bool locked = true;  ///< some body is locked along an axis
+  bool locked = true;   ///< some body is locked along an axis, and not all are as `planar` says
+  bool planar = false;  ///< all that may move stays in one plane; no contact has more than two points
 };
 
 /// Eight contacts of one colour, one a lane, for the wide kernels: no two share a dynamic body.
@@ -66,6 +67,7 @@ struct ContactWork {
   std::int64_t two_movable = 0;
   std::int64_t friction = 0;
   std::int64_t bounces = 0;
+  std::int64_t planar = 0;
 
   void add(const ContactBlock& block) {
     contacts += block.contacts;
@@ -73,6 +75,7 @@ struct ContactWork {
     if (block.movers == Movers::Both) two_movable += block.contacts;
     if (block.traits.friction) friction += block.contacts;
     if (block.traits.bounces) bounces += block.contacts;
+    if (block.traits.planar) planar += block.contacts;
   }
   ContactWork& operator+=(const ContactWork& other) {
     contacts += other.contacts;
@@ -80,6 +83,7 @@ struct ContactWork {
     two_movable += other.two_movable;
     friction += other.friction;
     bounces += other.bounces;
+    planar += other.planar;
     return *this;
   }
 };
@@ -101,6 +105,13 @@ struct alignas(64) SurfaceBlock {
   Lanes<3> rolling_mass;        ///< inverse of the tangential 2 x 2 matrix of spins: 11, 12, 22
   Lanes<1> rolling_friction;    ///< m
   Lanes<1> torsional_friction;  ///< m
+};
+
+/// What a block needs beside, if bodies of its group have motion locks. A contact of bodies that stay in one plane has
+/// at most two points, its first.
+struct alignas(64) PlanarBlock {
+  float planar[block_lanes];    ///< 1 for such a contact, else 0
+  float point[2][block_lanes];  ///< which of the manifold's points they are; -1 if there is none
 };
 
 /// What a block needs beside, if overlap is removed by velocities of its own.

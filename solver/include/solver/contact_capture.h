@@ -18,6 +18,12 @@ struct ContactCapture {
     std::array<float, 3> friction_impulse;
     float twist_impulse;                               ///< N m s
     std::array<float, 3> rolling_impulse = {0, 0, 0};  ///< N m s
+    /// It was solved in the plane that its bodies stay in, with two points on the tangent, and not as the manifold has
+    /// it.
+    bool planar = false;
+    std::array<float, 3> normal;
+    std::array<float, 3> tangent;
+    std::array<float, 2> x;  ///< m
   };
   struct Motion {
     Vector3 free_velocity;  ///< after forces, before contact impulses

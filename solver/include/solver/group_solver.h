@@ -89,6 +89,7 @@ class GroupSolver {
   std::vector<BounceBlock> bounces_;
   std::vector<SurfaceBlock> surface_blocks_;
   std::vector<SplitBlock> split_blocks_;
+  std::vector<PlanarBlock> planar_blocks_;
   GroupJoints joints_;
   JoinedMotion joined_motion_;
 };

@@ -22,6 +22,7 @@ struct ContactKernelData {
   SurfaceBlock* surface_blocks = nullptr;      ///< one a block, or null if all surfaces are plain
   SurfaceContact* surface_contacts = nullptr;  ///< by contact slot, with them
   SplitBlock* split_blocks = nullptr;          ///< one a block, or null where nothing asks
+  PlanarBlock* planar_blocks = nullptr;        ///< one a block, or null if no body has motion locks
   bool leaves_out = true;                      ///< what a block has none of; else it is gone through for nothing
 };
 

@@ -18,6 +18,17 @@ inline constexpr std::uint8_t plane_locks(unsigned axis) {
   return static_cast<std::uint8_t>(1u << axis | (7u & ~(1u << axis)) << 3u);
 }
 
+/// The axis, 0 to 2, across which a body stays in its plane, or -1.
+inline constexpr int plane_of(std::uint8_t locks) {
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    if (locks == plane_locks(axis)) return static_cast<int>(axis);
+  }
+  return -1;
+}
+
+/// The same of the plane in which all stay that a contact of two bodies can move.
+int shared_plane(const BodyTable& bodies, std::uint32_t first, std::uint32_t second);
+
 /// What is left of a vector without its parts along the axes whose bits are set; zeros are positive.
 inline Vector3 without(unsigned axes, const Vector3& v) {
   Vector3 rest;

@@ -73,12 +73,14 @@ struct alignas(16) GyroscopicRows {
 /// Along which axes of the world a body may move.
 struct alignas(16) LockRow {
   float free[3] = {1, 1, 1};  ///< 1, or 0 along a locked one
-  float turns = 1;            ///< 1 if it may turn about all of them
+  float kind = 0;             ///< 1, 2, 3 if it stays in its plane across x, y, z; -1 if it may turn about all axes,
+                              ///< else -2; 0 unless dynamic
 
   static LockRow of(std::uint8_t locks) {
     LockRow row;
     for (unsigned k = 0; k < 3; ++k) row.free[k] = linear_locks(locks) >> k & 1u ? 0.0f : 1.0f;
-    row.turns = angular_locks(locks) == 0 ? 1.0f : 0.0f;
+    const int plane = plane_of(locks);
+    row.kind = plane >= 0 ? static_cast<float>(plane + 1) : angular_locks(locks) == 0 ? -1.0f : -2.0f;
     return row;
   }
 };
