@@ -3,6 +3,7 @@
 #include <collision/distance.h>
 #include <collision/height_field.h>
 #include <collision/triangle_mesh.h>
+#include <jobs/with_meshes.h>
 
 #include <algorithm>
 #include <cmath>
@@ -143,6 +144,7 @@ bool find_distance(const Shape& solid, const Pose& solid_pose, const Shape& othe
     result = {std::max(0.0, height), lowest, lowest - height * normal, -normal, Distance::no_triangle};
     return true;
   }
+  if constexpr (!with_meshes) return false;
   const Pose seen = relative(other_pose, solid_pose);
   const Bounds bounds = bounds_of(solid, seen.position, seen.orientation.toRotationMatrix());
   NearestTriangle nearest(solid, relative(solid_pose, other_pose), limit);

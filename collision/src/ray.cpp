@@ -1,5 +1,6 @@
 #include <collision/hull.h>
 #include <collision/ray.h>
+#include <jobs/with_meshes.h>
 
 #include <algorithm>
 #include <cmath>
@@ -200,8 +201,8 @@ bool cast_ray_at_solid(const Shape& shape, const Ray& ray, RayHit& hit) {
 }  // namespace
 
 bool cast_ray(const Shape& shape, const Ray& ray, Sides sides, RayHit& hit) {
-  if (shape.kind == ShapeKind::Mesh) return cast_ray_at_mesh(*shape.mesh, ray, sides, hit);
-  if (shape.kind == ShapeKind::HeightField) return cast_ray_at_field(*shape.field, ray, sides, hit);
+  if (with_meshes && shape.kind == ShapeKind::Mesh) return cast_ray_at_mesh(*shape.mesh, ray, sides, hit);
+  if (with_meshes && shape.kind == ShapeKind::HeightField) return cast_ray_at_field(*shape.field, ray, sides, hit);
   return cast_ray_at_solid(shape, ray, hit);
 }
 

@@ -2,6 +2,7 @@
 #include <collision/height_field.h>
 #include <collision/sweep.h>
 #include <collision/triangle_mesh.h>
+#include <jobs/with_meshes.h>
 
 #include <algorithm>
 #include <cmath>
@@ -150,6 +151,7 @@ bool sweep(const Shape& solid, const Motion& solid_motion, const Shape& other, c
   if (other.kind == ShapeKind::HalfSpace) {
     return sweep_to_plane(solid, moving, other, other_motion, goal, t_limit, hit);
   }
+  if constexpr (!with_meshes) return false;
   const Aabb box = swept_box(solid, moving, other_motion, goal.separation + goal.tolerance, t_limit);
   SurfaceSweep surface(moving, other_motion, goal, t_limit);
   if (other.kind == ShapeKind::Mesh) {

@@ -4,6 +4,7 @@
 #include <collision/surface_contacts.h>
 #include <collision/update_contacts.h>
 #include <jobs/prefetch.h>
+#include <jobs/with_meshes.h>
 
 #include <algorithm>
 #include <limits>
@@ -143,8 +144,8 @@ Stretch::Result Stretch::run(std::size_t begin, std::size_t end, ContactStatus* 
     const std::uint32_t entry = stale_[i];
     // Parts are found together, by the first of them that is stale.
     if (status_[entry] != ContactStatus::Stale) continue;
-    if (is_surface(input_.colliders.shape[contact_at(entry).pair.first].kind) ||
-        is_surface(input_.colliders.shape[contact_at(entry).pair.second].kind)) {
+    if (with_meshes && (is_surface(input_.colliders.shape[contact_at(entry).pair.first].kind) ||
+                        is_surface(input_.colliders.shape[contact_at(entry).pair.second].kind))) {
       const std::size_t first = entry - contact_at(entry).part;
       find_surface_parts(first);
       for (std::size_t part = 0; part < max_surface_manifolds; ++part) note_points(first + part);

@@ -1,6 +1,9 @@
 // Bodies coming, going and being changed from outside.
 
 #include <atoll/error.h>
+#include <jobs/with_direct_contacts.h>
+#include <jobs/with_joints.h>
+#include <jobs/with_recording.h>
 
 #include <algorithm>
 #include <sstream>
@@ -46,7 +49,7 @@ void World::Impl::resize_bodies(std::size_t count) {
   records.resize(count);
   sleeping.resize(count);
   quarantine.resize(count);
-  escalation_.resize(count);
+  if constexpr (with_direct_contacts) escalation_.resize(count);
   active_.resize(count);
   reaches_.resize(count);
   stretch_.resize(count, 0.0);
@@ -108,14 +111,16 @@ BodyId World::Impl::add_body(const CheckedBody& start) {
   add_colliders(body);
   add_proxies(body, to_collision(start.filter, body));
   quarantine.suspect(body);
-  if (recorder) recorder->note_body(start, kind);
+  if constexpr (with_recording) {
+    if (recorder) recorder->note_body(start, kind);
+  }
   return {body, records.generation[body]};
 }
 
 void World::Impl::remove_body(BodyId id) {
   captured_ = false;
   const std::uint32_t body = index_of(id, "remove_body");
-  remove_joints_of(body);
+  if constexpr (with_joints) remove_joints_of(body);
   if (quarantine.contains(body)) {
     quarantine.remove(body);
   } else {
@@ -140,7 +145,7 @@ void World::Impl::take_out(std::uint32_t body) {
   remove_proxies(body);
   contents.count(bodies, records, body, -1);
   sleeping.awake[body] = 0;
-  escalation_.forget(body);
+  if constexpr (with_direct_contacts) escalation_.forget(body);
   records.dynamic[body] = 0;
   note_arrival_or_departure(body);
   bodies.mobility[body] = solver::Mobility::Fixed;
@@ -189,7 +194,7 @@ void World::Impl::set_pose(BodyId id, const Pose& pose) {
   check_finite("World::set_pose: pose.position", pose.position);
   const Quaternion orientation = checked_orientation("World::set_pose: pose.orientation", pose.orientation);
   wake_touching(body);
-  wake_joined(body);
+  if constexpr (with_joints) wake_joined(body);
   sleeping.wake(body);
   const Vector3 position = pose.position + orientation * records.centre[body];
   before_move(body, position);
@@ -202,6 +207,11 @@ void World::Impl::set_pose(BodyId id, const Pose& pose) {
 void World::Impl::set_surface(std::uint32_t body, const solver::Surface& surface) {
   if (!surface.is_plain() && bodies.surfaces.empty()) bodies.surfaces.resize(bodies.size());
   if (!bodies.surfaces.empty()) bodies.surfaces[body] = surface;
+}
+
+void World::Impl::run_surface(std::uint32_t body, const Vector3& velocity) {
+  const Material& material = records.material[body];
+  set_surface(body, {velocity, material.rolling_friction, material.torsional_friction});
 }
 
 void World::Impl::set_surface_velocity(BodyId id, const Vector3& velocity) {
@@ -235,7 +245,7 @@ void World::Impl::set_collision_enabled(BodyId a, BodyId b, bool enabled) {
   std::erase(of_first, second);
   std::erase(of_second, first);
   if (enabled) {
-    if (!joints.are_kept_apart(first, second)) broadphase.unignore(first, second);
+    if (!with_joints || !joints.are_kept_apart(first, second)) broadphase.unignore(first, second);
   } else {
     of_first.insert(std::lower_bound(of_first.begin(), of_first.end(), second), second);
     of_second.insert(std::lower_bound(of_second.begin(), of_second.end(), first), first);

@@ -12,6 +12,8 @@
 #include <string>
 #include <utility>
 
+#include "left_out.h"
+
 namespace atl {
 namespace {
 
@@ -247,6 +249,8 @@ CheckedBody check(const BodyDef& def) {
   check_not_negative("BodyDef.linear_damping", def.linear_damping);
   check_not_negative("BodyDef.angular_damping", def.angular_damping);
   check_mass(def, constants);
+  check_built_for(constants);
+  check_built_for_surface("BodyDef.surface_velocity", def.surface_velocity);
   return body;
 }
 

@@ -4,6 +4,7 @@
 #include "quarantine.h"
 
 #include <atoll/error.h>
+#include <jobs/with_joints.h>
 #include <solver/motion_locks.h>
 #include <solver/state_bounds.h>
 
@@ -175,7 +176,7 @@ void World::Impl::quarantine_broken() {
 void World::Impl::put_in_quarantine(std::uint32_t body, Quarantine reason) {
   QuarantineList::Kept kept{bodies.mobility[body], bodies.gyroscopic[body],
                             broadphase.filter(records.first_collider[body])};
-  suspend_joints_of(body);
+  if constexpr (with_joints) suspend_joints_of(body);
   take_out(body);
   // Odometers that have lost count would spread to whatever meets the body next.
   if (!std::isfinite(bodies.turned[body])) bodies.turned[body] = 0;
@@ -221,7 +222,7 @@ void World::Impl::release_body(BodyId id) {
   contents.count(bodies, records, body, +1);
   note_arrival_or_departure(body);
   add_proxies(body, kept.filter);
-  resume_joints_of(body);
+  if constexpr (with_joints) resume_joints_of(body);
   quarantine.suspect(body);
 }
 

@@ -56,21 +56,12 @@ void World::Impl::stop_recording(const char* call) {
   stopped->finish(call);
 }
 
-World::Impl::~Impl() {
+void World::Impl::end_recording() {
   if (!recorder) return;
   try {
     stop_recording("World::~World");
   } catch (const std::exception&) {  // who wants to know calls World::stop_recording()
   }
-}
-
-void World::record(const std::filesystem::path& path, const RecordingOptions& options) { impl_->record(path, options); }
-
-bool World::is_recording() const { return impl_->recorder != nullptr; }
-
-void World::stop_recording() {
-  if (!impl_->recorder) throw Error("World::stop_recording: no recording is under way; expected one");
-  impl_->stop_recording("World::stop_recording");
 }
 
 }  // namespace atl

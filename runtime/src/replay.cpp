@@ -3,6 +3,7 @@
 #include <atoll/error.h>
 #include <atoll/recording.h>
 #include <atoll/world.h>
+#include <jobs/with_recording.h>
 
 #include <algorithm>
 #include <array>
@@ -14,6 +15,7 @@
 
 #include "body_parts.h"
 #include "geometry_state.h"
+#include "left_out.h"
 #include "recorded_calls.h"
 #include "recorder.h"
 #include "recording_file.h"
@@ -129,6 +131,7 @@ class Replay {
     BodyConstants constants;
     visit_constants(record, constants);
     record.check(give_geometry(constants, geometry_), "a body without its geometry");
+    check_built_for(constants);
     kinds_.push_back(std::move(constants));
   }
 
@@ -139,6 +142,7 @@ class Replay {
     CheckedBody body;
     body.constants = kinds_[kind];
     visit_start(record, body);
+    check_built_for_surface("BodyDef.surface_velocity", body.surface_velocity);
     world_.impl_->add_body(body);
   }
 
@@ -184,6 +188,7 @@ class Replay {
 };
 
 ReplayResult replay(const std::filesystem::path& path, const ReplayOptions& options) {
+  if constexpr (!with_recording) throw_left_out("replay is called", "recordings", "RECORDING");
   return Replay(path, options).run();
 }
 

@@ -5,8 +5,7 @@
 #include <cstring>
 #include <iterator>
 
-#include "joint_definition.h"
-#include "make_joint.h"
+#include "left_out.h"
 #include "roster_state.h"
 #include "world_impl.h"
 #include "world_state.h"
@@ -18,35 +17,10 @@ bool same_bits(const collision::Aabb& a, const collision::Aabb& b) { return std:
 
 }  // namespace
 
-std::uint64_t World::Impl::state_hash() const {
-  StateHash hash;
-  visit_numbers(hash, *roster());
-  WorldState(hash, *this).visit();
-  return hash.result();
-}
-
 std::size_t World::Impl::save_state(std::vector<std::byte>& bytes) const {
   StateWriter writer(bytes);
   WorldState(writer, *this).visit();
   return writer.size();
-}
-
-const std::shared_ptr<const Roster>& World::Impl::roster() const {
-  if (!roster_) {
-    roster_ = std::make_shared<const Roster>(Roster{.bodies = records.constants,
-                                                    .generation = records.generation,
-                                                    .free = records.free,
-                                                    .collider_body = colliders.body,
-                                                    .collider_child = colliders.child,
-                                                    .free_colliders = colliders.free});
-  }
-  return roster_;
-}
-
-// Bodies came or went.
-void World::Impl::forget_roster() {
-  roster_.reset();
-  known_as_.reset();
 }
 
 void World::Impl::restore(const std::shared_ptr<const Roster>& saved, std::uint64_t origin,
@@ -67,6 +41,9 @@ void World::Impl::try_out(const std::shared_ptr<const Roster>& roster, std::span
 
 // Other bodies: everything that knows bodies by their numbers starts afresh.
 void World::Impl::adopt(const std::shared_ptr<const Roster>& roster) {
+  for (const std::shared_ptr<const BodyConstants>& body : roster->bodies) {
+    if (body) check_built_for(*body);
+  }
   cache = {};
   broadphase = {};
   colliders = {};
@@ -146,11 +123,6 @@ void World::Impl::restore_materials() {
   }
 }
 
-void World::Impl::run_surface(std::uint32_t body, const Vector3& velocity) {
-  const Material& material = records.material[body];
-  set_surface(body, {velocity, material.rolling_friction, material.torsional_friction});
-}
-
 void World::Impl::restore_quarantined(std::uint32_t body, Quarantine reason, std::int64_t step,
                                       const collision::Filter& filter) {
   quarantine.add({{body, records.generation[body]}, reason, quarantine_reason(reason), step},
@@ -183,39 +155,6 @@ void World::Impl::note_restored_bodies() {
     if (!out) contents.count(bodies, records, body, +1);
   }
   if (update_active_bodies()) cache.set_active(active_.started(), active_.stopped());
-}
-
-// As a state has it.
-std::span<const std::byte> World::Impl::definition_bytes(std::uint32_t joint) {
-  StateWriter writer(definition_bytes_);
-  visit_definition(writer, joints.def[joint]);
-  return {definition_bytes_.data(), writer.size()};
-}
-
-void World::Impl::restore_joint(std::uint32_t joint, const JointDef& def) {
-  check_bodies(def);
-  checked(def);
-  joints.def[joint] = def;
-  joints.joints[joint] = make_joint(def, records.centre[def.first.index], records.centre[def.second.index]);
-}
-
-// All joints are there as they were saved; `same` if the world had them before.
-void World::Impl::restore_joints(bool same) {
-  restored_acts_ = joints.acts;
-  for (std::uint32_t joint = 0; joint < joints.size(); ++joint) {
-    if (!joints.alive[joint]) {
-      joints.joints[joint] = {};
-      joints.def[joint] = {};
-      joints.enabled[joint] = joints.broken[joint] = joints.suspended[joint] = 0;
-      continue;
-    }
-    const solver::Joint& j = joints.joints[joint];
-    joints.suspended[joint] =
-        static_cast<std::uint8_t>(int{quarantine.contains(j.first)} + int{quarantine.contains(j.second)});
-    joints.update_flags(joint);
-  }
-  if (!same) joints.rebuild();
-  joints_stale_ |= !same || joints.acts != restored_acts_;
 }
 
 void World::Impl::gather_kept_apart(std::vector<collision::Pair>& pairs) const {

@@ -5,10 +5,14 @@
 #include <collision/height_field.h>
 #include <collision/hull.h>
 #include <collision/triangle_mesh.h>
+#include <jobs/with_hulls.h>
+#include <jobs/with_meshes.h>
 
 #include <sstream>
 #include <string>
 #include <utility>
+
+#include "left_out.h"
 
 namespace atl {
 namespace {
@@ -17,6 +21,24 @@ template <typename Geometry>
 std::shared_ptr<const Geometry> built(const char* what, std::variant<Geometry, std::string>&& result) {
   if (const std::string* problem = std::get_if<std::string>(&result)) throw Error(std::string(what) + ": " + *problem);
   return std::make_shared<const Geometry>(std::get<Geometry>(std::move(result)));
+}
+
+// What builds without these leave out is behind these three.
+
+auto hull_of(std::span<const Vector3> points) {
+  if constexpr (!with_hulls) throw_left_out("a ConvexHull is made", "these", "HULLS");
+  return collision::build_hull(points);
+}
+
+auto mesh_of(std::span<const Vector3> vertices, std::span<const TriangleMesh::Indices> triangles) {
+  if constexpr (!with_meshes) throw_left_out("a TriangleMesh is made", "these", "MESHES");
+  return collision::build_triangle_mesh(vertices, triangles);
+}
+
+auto field_of(std::uint32_t columns, std::uint32_t rows, double spacing_x, double spacing_y,
+              std::vector<double>&& heights) {
+  if constexpr (!with_meshes) throw_left_out("a HeightField is made", "these", "MESHES");
+  return collision::build_height_field(columns, rows, spacing_x, spacing_y, std::move(heights));
 }
 
 void check_factors(const char* what, const Vector3& factors) {
@@ -36,11 +58,11 @@ std::vector<Vector3> stretched(std::span<const Vector3> points, const Vector3& f
 
 }  // namespace
 
-ConvexHull::ConvexHull(std::span<const Vector3> points) : hull_(built("ConvexHull", collision::build_hull(points))) {}
+ConvexHull::ConvexHull(std::span<const Vector3> points) : hull_(built("ConvexHull", hull_of(points))) {}
 
 ConvexHull ConvexHull::scaled(const Vector3& factors) const {
   check_factors("ConvexHull::scaled", factors);
-  auto result = collision::build_hull(stretched(hull_->vertices, factors));
+  auto result = hull_of(stretched(hull_->vertices, factors));
   if (auto* hull = std::get_if<collision::Hull>(&result)) hull->simplified = hull->simplified || hull_->simplified;
   ConvexHull copy = *this;
   copy.hull_ = built("ConvexHull::scaled", std::move(result));
@@ -65,7 +87,7 @@ double ConvexHull::volume() const { return hull_->mass.volume; }
 Vector3 ConvexHull::centre_of_mass() const { return hull_->mass.centre; }
 
 TriangleMesh::TriangleMesh(std::span<const Vector3> vertices, std::span<const Indices> triangles)
-    : mesh_(built("TriangleMesh", collision::build_triangle_mesh(vertices, triangles))) {}
+    : mesh_(built("TriangleMesh", mesh_of(vertices, triangles))) {}
 
 TriangleMesh TriangleMesh::scaled(const Vector3& factors) const {
   check_factors("TriangleMesh::scaled", factors);
@@ -74,8 +96,7 @@ TriangleMesh TriangleMesh::scaled(const Vector3& factors) const {
     for (Indices& corners : triangles) std::swap(corners[1], corners[2]);
   }
   TriangleMesh copy = *this;
-  copy.mesh_ =
-      built("TriangleMesh::scaled", collision::build_triangle_mesh(stretched(mesh_->vertices, factors), triangles));
+  copy.mesh_ = built("TriangleMesh::scaled", mesh_of(stretched(mesh_->vertices, factors), triangles));
   return copy;
 }
 
@@ -85,8 +106,7 @@ bool TriangleMesh::closed() const { return mesh_->closed; }
 
 HeightField::HeightField(std::uint32_t columns, std::uint32_t rows, double spacing_x, double spacing_y,
                          std::vector<double> heights)
-    : field_(built("HeightField",
-                   collision::build_height_field(columns, rows, spacing_x, spacing_y, std::move(heights)))) {}
+    : field_(built("HeightField", field_of(columns, rows, spacing_x, spacing_y, std::move(heights)))) {}
 
 std::uint32_t HeightField::columns() const { return field_->columns; }
 std::uint32_t HeightField::rows() const { return field_->rows; }

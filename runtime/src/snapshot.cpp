@@ -3,6 +3,7 @@
 #include <atoll/error.h>
 #include <atoll/snapshot.h>
 #include <atoll/world.h>
+#include <jobs/with_snapshots.h>
 
 #include <algorithm>
 #include <array>
@@ -18,6 +19,7 @@
 #include "file_beside.h"
 #include "file_header.h"
 #include "hex.h"
+#include "left_out.h"
 #include "roster_state.h"
 #include "state_archive.h"
 #include "world_impl.h"
@@ -102,6 +104,7 @@ void Snapshot::write(const fs::path& path) const {
 }
 
 Snapshot Snapshot::read(const fs::path& path) {
+  if constexpr (!with_snapshots) throw_left_out("Snapshot::read is called", "snapshots", "SNAPSHOTS");
   const std::vector<char> file = read_all(path);
   const std::span<const std::byte> content = checked_content(path, file);
   Snapshot snapshot;

@@ -1,5 +1,7 @@
 // The step's solve: which islands get which remedy, and who solves them.
 
+#include <jobs/with_direct_contacts.h>
+#include <jobs/with_surfaces.h>
 #include <jobs/worker_team.h>
 #include <solver/free_flight.h>
 
@@ -31,7 +33,8 @@ void World::Impl::solve_islands() {
 }
 
 bool World::Impl::escalates() const {
-  return settings.stabilisation == Stabilisation::Soft && settings.contact_solver == ContactSolver::Auto;
+  return with_direct_contacts && settings.stabilisation == Stabilisation::Soft &&
+         settings.contact_solver == ContactSolver::Auto;
 }
 
 // Islands whose contacts carry too much are solved on their own, and otherwise.
@@ -44,8 +47,10 @@ void World::Impl::choose_remedies() {
                                    .gravity = gravity,
                                    .dt = dt_,
                                    .settings = solver_settings(settings)});
-  } else {
+  } else if (with_direct_contacts) {
     escalation_.forget_all();
+  } else {
+    escalation_.forget_arrived();
   }
   const bool changed = !std::equal(remedies.begin(), remedies.end(), remedies_.begin(), remedies_.end());
   if (!changed && !islands_rebuilt_) return;
@@ -66,7 +71,7 @@ void World::Impl::solve_groups() {
   solver::SolverSettings how_finest = in_finer(finest);
   how_finest.joint_method = solver::JointMethod::Iterative;
   if (settings.keep_contact_problem) capture_.resize(cache.manifolds.size(), bodies.size());
-  const bool surfaces = settings.run_everything || !bodies.surfaces.empty();
+  const bool surfaces = with_surfaces && (settings.run_everything || !bodies.surfaces.empty());
   if (surfaces) surface_contacts_.resize(cache.manifolds.size());
   const auto input_with = [&](const solver::SolverSettings& with) {
     return solver::SolveInput{.islands = islands_,
@@ -92,10 +97,10 @@ void World::Impl::solve_groups() {
   };
 
   group_reports_.assign(groups_.size(), {});
-  prepare_direct_solvers();
+  if constexpr (with_direct_contacts) prepare_direct_solvers();
   arena.parallel_for(groups_.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t g = begin; g < end; ++g) {
-      if (groups_[g].large || solve_directly(plain, g)) continue;
+      if (groups_[g].large || (with_direct_contacts && solve_directly(plain, g))) continue;
       group_reports_[g] = group_solvers_.local().solve(input_of(groups_[g]), groups_[g]);
     }
   });
@@ -109,7 +114,7 @@ void World::Impl::solve_groups() {
     jobs::WorkerTeam team(arena);
     group_reports_[g] = large_solvers_[large++]->solve(input_of(groups_[g]), groups_[g], team, contacts);
   }
-  note_remedies();
+  if constexpr (with_direct_contacts) note_remedies();
 }
 
 // One for each group that is to be solved at once, which keeps its order of elimination.

@@ -1,3 +1,9 @@
+#include <jobs/with_continuous.h>
+#include <jobs/with_events.h>
+#include <jobs/with_joints.h>
+#include <jobs/with_sleeping.h>
+#include <jobs/with_surfaces.h>
+
 #include <algorithm>
 #include <chrono>
 
@@ -26,13 +32,13 @@ StepReport World::Impl::step(double dt) {
     (this->*body)();
     report_.phase_ms[static_cast<std::size_t>(phase)] = ms_since(phase_start);
   };
-  run(Phase::Plan, &Impl::plan);                          // who may move, and who is unfit to
-  run(Phase::FindPairs, &Impl::find_pairs);               // moved proxies -> new pairs, in id order
-  run(Phase::UpdateContacts, &Impl::update_contacts);     // pairs -> manifolds: keep, refresh or ask FCL
-  run(Phase::BuildIslands, &Impl::build_islands);         // touching contacts, joints -> islands -> groups; wake
-  run(Phase::SolveIslands, &Impl::solve_islands);         // groups are tasks: prepare, substeps, restitution, store
-  run(Phase::SweepFastBodies, &Impl::sweep_fast_bodies);  // nothing passes through anything
-  run(Phase::Finish, &Impl::finish);                      // sleep, checks, report
+  run(Phase::Plan, &Impl::plan);                           // who may move, and who is unfit to
+  run(Phase::FindPairs, &Impl::find_pairs);                // moved proxies -> new pairs, in id order
+  run(Phase::UpdateContacts, &Impl::update_contacts);      // pairs -> manifolds: keep, refresh or ask FCL
+  run(Phase::BuildIslands, &Impl::build_islands);          // touching contacts, joints -> islands -> groups; wake
+  run(Phase::SolveIslands, &Impl::solve_islands);          // groups are tasks: prepare, substeps, restitution, store
+  run(Phase::SweepFastBodies, &Impl::follow_fast_bodies);  // nothing passes through anything
+  run(Phase::Finish, &Impl::finish);                       // sleep, checks, report
   last_substep_ = dt / settings.substeps;
   last_dt_ = dt;
   note_stages();
@@ -100,9 +106,11 @@ void World::Impl::note_reaches() {
 
 // Islands depend on who is awake, what touches and what is joined, so while these stay what they were, the islands do.
 void World::Impl::build_islands() {
-  if (sleeping.asleep > 0) wake_touched_sleepers();
-  update_joint_graph();
-  wake_joined_to_moving();
+  if (with_sleeping && sleeping.asleep > 0) wake_touched_sleepers();
+  if constexpr (with_joints) {
+    update_joint_graph();
+    wake_joined_to_moving();
+  }
   remove_lost_contacts();
   if (update_active_bodies()) {
     // Contacts of bodies that were just woken count with the features they fell asleep with.
@@ -119,10 +127,17 @@ void World::Impl::build_islands() {
     islands_stale_ = false;
   }
   choose_remedies();
-  if (joints.count > 0) count_joints();
+  if (with_joints && joints.count > 0) count_joints();
   report_.counts.pairs = static_cast<std::int64_t>(cache.pairs.size());
   report_.counts.contacts = static_cast<std::int64_t>(touching_.size());
   report_.counts.points = contact_update_.counts.points;
+}
+
+// Of those that the solve noted as fast.
+void World::Impl::follow_fast_bodies() {
+  restrain_broken();
+  if constexpr (with_continuous) sweep_fast_bodies();
+  fast_.for_each([](std::vector<solver::FastBody>& of_worker) { of_worker.clear(); });
 }
 
 // An active body that touches a sleeping one wakes its island.
@@ -146,15 +161,15 @@ void World::Impl::finish() {
     bodies.torque(body).setZero();
   }
   pushed_.clear();
-  if (settings.contact_events) {
+  if (with_events && settings.contact_events) {
     note_events();
   } else {
     contact_events_.clear();
   }
   events_noted_ = settings.contact_events;
-  if (joints.size() > 0) note_joints();
-  if (settings.sleeping) {
-    if (!bodies.surfaces.empty()) keep_belts_awake();
+  if (with_joints && joints.size() > 0) note_joints();
+  if (with_sleeping && settings.sleeping) {
+    if (with_surfaces && !bodies.surfaces.empty()) keep_belts_awake();
     sleeping.update(islands_, bodies, settings, dt_);
   }
   StepCounts& counts = report_.counts;

@@ -1,5 +1,15 @@
 // What the step did of all that it may do, and why: the plan as data, for reports.
 
+#include <jobs/with_continuous.h>
+#include <jobs/with_direct_contacts.h>
+#include <jobs/with_events.h>
+#include <jobs/with_gyroscopic.h>
+#include <jobs/with_joints.h>
+#include <jobs/with_recording.h>
+#include <jobs/with_restitution.h>
+#include <jobs/with_sleeping.h>
+#include <jobs/with_surfaces.h>
+
 #include "world_impl.h"
 
 namespace atl {
@@ -57,6 +67,34 @@ constexpr std::array<StageWords, stage_count> words = {{
     {"contact_problem", "contacts", "it is asked for", "it is not asked for"},
     {"recording", "steps", "calls are recorded", "nothing is recorded"},
 }};
+
+// What builds may be without.
+bool is_built(Stage stage) {
+  switch (stage) {
+    case Stage::RollingAndBelts:
+      return with_surfaces;
+    case Stage::Restitution:
+      return with_restitution;
+    case Stage::DirectContacts:
+    case Stage::FinerSubsteps:
+      return with_direct_contacts;
+    case Stage::JointSolver:
+    case Stage::DirectJoints:
+      return with_joints;
+    case Stage::GyroscopicTorque:
+      return with_gyroscopic;
+    case Stage::ContinuousCollision:
+      return with_continuous;
+    case Stage::Sleeping:
+      return with_sleeping;
+    case Stage::ContactEvents:
+      return with_events;
+    case Stage::Recording:
+      return with_recording;
+    default:
+      return true;
+  }
+}
 
 }  // namespace
 
@@ -119,6 +157,9 @@ void World::Impl::note_stages() {
   note(Stage::ContactEvents, settings.contact_events, static_cast<std::int64_t>(contact_events_.size()));
   note(Stage::ContactProblem, settings.keep_contact_problem, counts.contacts);
   note(Stage::Recording, recorder != nullptr, 1);
+  for (std::size_t i = 0; i < stage_count; ++i) {
+    if (!is_built(static_cast<Stage>(i))) report_.stages[i].why = "this build is without it";
+  }
 }
 
 }  // namespace atl

@@ -4,6 +4,7 @@
 #include <collision/convex.h>
 #include <collision/distance.h>
 #include <collision/sweep.h>
+#include <jobs/with_joints.h>
 
 #include <algorithm>
 #include <limits>
@@ -162,14 +163,12 @@ double World::Impl::first_hit(const solver::FastBody& fast, std::vector<std::uin
 
 void World::Impl::sweep_fast_bodies() {
   fast_in_order_.clear();
-  restrain_broken();
   fast_.for_each([this](std::vector<solver::FastBody>& of_worker) {
     for (const solver::FastBody& fast : of_worker) {
       // A body that is put back tears the joints that hold it to others, which have gone on.
-      if (is_joined(fast.body) && !records.continuous[fast.body]) continue;
+      if (with_joints && is_joined(fast.body) && !records.continuous[fast.body]) continue;
       fast_in_order_.push_back(fast);  // grows by more than it needs
     }
-    of_worker.clear();
   });
   if (fast_in_order_.empty()) return;
   std::sort(fast_in_order_.begin(), fast_in_order_.end(),

@@ -2,6 +2,9 @@
 
 #include <atoll/snapshot.h>
 #include <atoll/world.h>
+#include <jobs/with_joints.h>
+#include <jobs/with_recording.h>
+#include <jobs/with_snapshots.h>
 #include <solver/motion_locks.h>
 
 #include <atomic>
@@ -10,6 +13,7 @@
 #include <sstream>
 
 #include "body_definition.h"
+#include "left_out.h"
 #include "recorder.h"
 #include "settings_check.h"
 #include "world_impl.h"
@@ -38,7 +42,9 @@ std::uint64_t next_serial() {
 // Has a call recorded that was made, if there is a recording.
 template <typename Call>
 void note(const auto& impl, const auto&... arguments) {
-  if (impl.recorder) impl.recorder->note(Call{arguments...});
+  if constexpr (with_recording) {
+    if (impl.recorder) impl.recorder->note(Call{arguments...});
+  }
 }
 
 }  // namespace
@@ -55,6 +61,10 @@ World::Impl::Impl(const WorldDef& def)
       nearby_(def.threads),
       serial_(next_serial()) {
   check_finite("WorldDef.gravity", def.gravity);
+}
+
+World::Impl::~Impl() {
+  if constexpr (with_recording) end_recording();
 }
 
 World::World(const WorldDef& def) : impl_(std::make_unique<Impl>(def)) {}
@@ -121,6 +131,7 @@ void World::set_velocity(BodyId id, const Vector3& linear, const Vector3& angula
 
 void World::set_surface_velocity(BodyId id, const Vector3& velocity) {
   check_finite("World::set_surface_velocity: velocity", velocity);
+  check_built_for_surface("World::set_surface_velocity: velocity", velocity);
   impl_->set_surface_velocity(id, velocity);
   note<calls::SetSurfaceVelocity>(*impl_, id, velocity);
 }
@@ -173,30 +184,39 @@ void World::set_collision_enabled(BodyId a, BodyId b, bool enabled) {
 }
 
 JointId World::add_joint(const JointDef& def) {
-  if (!impl_->recorder) return impl_->add_joint(def);
-  const calls::AddJoint call{def};  // that may be another joint's, which moves
-  const JointId id = impl_->add_joint(call.def);
-  impl_->recorder->note(call);
-  return id;
+  if constexpr (with_joints) {
+    const calls::AddJoint call{def};  // that may be another joint's, which moves
+    const JointId id = impl_->add_joint(call.def);
+    note<calls::AddJoint>(*impl_, call.def);
+    return id;
+  }
+  throw_left_out("World::add_joint is called", "joints", "JOINTS");
 }
 
 void World::remove_joint(JointId id) {
-  impl_->remove_joint(impl_->index_of(id, "remove_joint"));
+  const std::uint32_t joint = impl_->index_of(id, "remove_joint");
+  if constexpr (with_joints) impl_->remove_joint(joint);
   note<calls::RemoveJoint>(*impl_, id);
 }
 
 bool World::contains(JointId id) const { return impl_->contains(id); }
 std::size_t World::joint_count() const { return impl_->joints.count; }
 const JointDef& World::joint(JointId id) const { return impl_->joints.def[impl_->index_of(id, "joint")]; }
-JointState World::joint_state(JointId id) const { return impl_->joint_state(impl_->index_of(id, "joint_state")); }
+JointState World::joint_state(JointId id) const {
+  const std::uint32_t joint = impl_->index_of(id, "joint_state");
+  if constexpr (with_joints) return impl_->joint_state(joint);
+  return {};
+}
 
 void World::set_joint(JointId id, const JointKind& kind) {
-  impl_->set_joint(impl_->index_of(id, "set_joint"), kind);
+  const std::uint32_t joint = impl_->index_of(id, "set_joint");
+  if constexpr (with_joints) impl_->set_joint(joint, kind);
   note<calls::SetJoint>(*impl_, id, kind);
 }
 
 void World::set_joint_enabled(JointId id, bool enabled) {
-  impl_->set_joint_enabled(impl_->index_of(id, "set_joint_enabled"), enabled);
+  const std::uint32_t joint = impl_->index_of(id, "set_joint_enabled");
+  if constexpr (with_joints) impl_->set_joint_enabled(joint, enabled);
   note<calls::SetJointEnabled>(*impl_, id, enabled);
 }
 
@@ -233,7 +253,10 @@ StepReport World::step(double dt) {
     message << "World::step: dt is " << dt << "; expected a number above 0 and at most 1 (s)";
     throw Error(message.str());
   }
-  return impl_->recorder ? impl_->record_step(dt) : impl_->step(dt);
+  if constexpr (with_recording) {
+    if (impl_->recorder) return impl_->record_step(dt);
+  }
+  return impl_->step(dt);
 }
 
 std::span<const ContactForce> World::contact_forces() const { return impl_->contact_forces(); }
@@ -254,15 +277,31 @@ Eigen::Map<const Eigen::Matrix3Xd> World::angular_velocities() const {
 }
 
 void World::save(Snapshot& snapshot) const {
+  if constexpr (!with_snapshots) throw_left_out("World::save is called", "snapshots", "SNAPSHOTS");
   snapshot.size_ = impl_->save_state(snapshot.bytes_);
   snapshot.roster_ = impl_->roster();
   snapshot.origin_ = impl_->serial();
 }
 
 void World::restore(const Snapshot& snapshot) {
+  if constexpr (!with_snapshots) throw_left_out("World::restore is called", "snapshots", "SNAPSHOTS");
   if (snapshot.empty()) throw Error("World::restore: the snapshot is empty; expected one that holds a state");
   impl_->restore(snapshot.roster_, snapshot.origin_, snapshot.state());
-  if (impl_->recorder) impl_->record_state();
+  if constexpr (with_recording) {
+    if (impl_->recorder) impl_->record_state();
+  }
+}
+
+void World::record(const std::filesystem::path& path, const RecordingOptions& options) {
+  if constexpr (!with_recording) throw_left_out("World::record is called", "recordings", "RECORDING");
+  impl_->record(path, options);
+}
+
+bool World::is_recording() const { return impl_->recorder != nullptr; }
+
+void World::stop_recording() {
+  if (!impl_->recorder) throw Error("World::stop_recording: no recording is under way; expected one");
+  if constexpr (with_recording) impl_->stop_recording("World::stop_recording");
 }
 
 std::uint64_t World::state_hash() const { return impl_->state_hash(); }

@@ -130,6 +130,7 @@ class World::Impl {
   void record_state();
   StepReport record_step(double dt);  // does the step, too
   void stop_recording(const char* call);
+  void end_recording();  // as the world ends
   std::vector<RecordedBody> recorded_bodies() const;
 
   // Results: contact_forces.cpp, contact_problem.cpp, restore.cpp.
@@ -170,6 +171,7 @@ class World::Impl {
   void update_contacts();
   void build_islands();
   void solve_islands();
+  void follow_fast_bodies();
   void sweep_fast_bodies();
   void finish();
 

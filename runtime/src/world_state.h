@@ -4,6 +4,10 @@
 /// something that lasts from step to step adds it here.
 
 #include <jobs/prefetch.h>
+#include <jobs/with_direct_contacts.h>
+#include <jobs/with_joints.h>
+#include <jobs/with_sleeping.h>
+#include <jobs/with_surfaces.h>
 #include <solver/surface_contact.h>
 
 #include <algorithm>
@@ -168,6 +172,7 @@ class WorldState {
     };
     visit_some(body_count(), runs, [this](std::uint32_t body) {
       check_body(body);
+      archive_.check(with_surfaces, "a surface that runs, which this build is without");
       Vector3 velocity;
       if constexpr (!reads) velocity = world_.bodies.surfaces[body].velocity;
       archive_.values(velocity.data(), 3);
@@ -197,8 +202,8 @@ class WorldState {
     for (std::uint32_t body = 0; body < body_count(); ++body) {
       const std::uint32_t next = ring[body];
       if (next == Sleeping::none) continue;
-      const bool fits = is_body(body) && world_.records.type[body] == BodyType::Dynamic && next < body_count() &&
-                        ring[next] != Sleeping::none && !followed[next];
+      const bool fits = with_sleeping && is_body(body) && world_.records.type[body] == BodyType::Dynamic &&
+                        next < body_count() && ring[next] != Sleeping::none && !followed[next];
       archive_.check(fits, "bodies that sleep without an island");
       followed[next] = 1;
     }
@@ -244,10 +249,12 @@ class WorldState {
   void visit_escalation() {
     using Strain = solver::Escalation::Strain;
     auto& escalation = world_.escalation_;
-    if constexpr (reads) escalation.forget_all();
+    if constexpr (reads && with_direct_contacts) escalation.forget_all();
+    if constexpr (reads && !with_direct_contacts) escalation.forget_arrived();
     const auto is_strained = [&escalation](std::uint32_t body) { return escalation.strain(body) != Strain{}; };
     visit_some(escalation.strained().empty() && !reads ? 0 : body_count(), is_strained, [&](std::uint32_t body) {
       check_body(body);
+      archive_.check(with_direct_contacts, "overloaded contacts, which this build does nothing about");
       Strain strain = escalation.strain(body);
       visit_strain(archive_, strain);
       if constexpr (reads) escalation.restore_strain(body, strain);
@@ -290,11 +297,15 @@ class WorldState {
     if constexpr (reads) {
       count = archive_.count_of(1);
       same = count == joints.size();
-      if (!same) joints.reset(count);
+      if (with_joints && !same) joints.reset(count);
     } else {
       archive_.value(count);
     }
     if (count == 0) return;
+    if constexpr (!with_joints) {
+      archive_.check(false, "joints, which this build is without");
+      return;
+    }
     if constexpr (reads) {
       std::vector<std::uint8_t> alive(count);
       archive_.bits(alive);

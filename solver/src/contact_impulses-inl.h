@@ -8,6 +8,7 @@
 #define ATOLL_SOLVER_CONTACT_IMPULSES_INL_H_
 #endif
 
+#include <jobs/with_surfaces.h>
 #include <solver/overload.h>
 
 #include "contact_lanes-inl.h"
@@ -36,7 +37,7 @@ void warm_start_by(const ContactKernelData& data, std::size_t begin, std::size_t
       const V f1 = load(block.friction_impulse[0] + lane);
       const V f2 = load(block.friction_impulse[1] + lane);
       const V twist = load(block.twist_impulse + lane);
-      if (data.surface_blocks != nullptr) {
+      if (with_surfaces && data.surface_blocks != nullptr) {
         const SurfaceBlock& surface = data.surface_blocks[b];
         sum_y = hn::Add(sum_y, load(surface.rolling_impulse[0] + lane));
         sum_minus_x = hn::Add(sum_minus_x, load(surface.rolling_impulse[1] + lane));
@@ -160,7 +161,7 @@ inline void store_impulses(const ContactKernelData& data, std::size_t begin, std
       store_rows(
           {friction.x, friction.y, friction.z, hn::Mul(together, load(block.twist_impulse + lane))},
           [=](std::size_t k) { return manifolds[slot[k]].friction_impulse; }, used);
-      if (data.surface_blocks == nullptr) continue;
+      if (!with_surfaces || data.surface_blocks == nullptr) continue;
       const SurfaceBlock& surface = data.surface_blocks[b];
       SurfaceContact* contacts = data.surface_contacts;
       const V3 rolling =

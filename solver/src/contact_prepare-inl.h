@@ -8,6 +8,8 @@
 #endif
 
 #include <jobs/prefetch.h>
+#include <jobs/with_restitution.h>
+#include <jobs/with_surfaces.h>
 
 #include "contact_lanes-inl.h"
 #include "contact_locks-inl.h"
@@ -262,7 +264,7 @@ inline void prepare(const ContactKernelData& data, std::size_t begin, std::size_
       M rubs = hn::Gt(m.normal.w, zero());
       if (locks) rubs = hn::AndNot(in_plane.across, rubs);
       M twists = rubs;
-      if (data.surface_blocks != nullptr) {
+      if (with_surfaces && data.surface_blocks != nullptr) {
         twists = hn::Or(twists, hn::Gt(rolling_lanes(data, block, lane).w, zero()));
       }
       if (locks) twists = hn::AndNot(in_plane.planar, twists);
@@ -278,7 +280,7 @@ inline void prepare(const ContactKernelData& data, std::size_t begin, std::size_
         some_planar |= any(in_plane.planar);
         keep_in_plane(block, lane, c, rubs, in_plane.planar);
       }
-      if (data.surface_blocks != nullptr) {
+      if (with_surfaces && data.surface_blocks != nullptr) {
         const V normal_impulse = hn::Add(hn::Add(impulse.x, impulse.y), hn::Add(impulse.z, impulse.w));
         prepare_surfaces(data, block, data.surface_blocks[b], lane, c, normal_impulse);
       }
@@ -289,7 +291,7 @@ inline void prepare(const ContactKernelData& data, std::size_t begin, std::size_
     traits.locked |= some_planar && !traits.planar;
     block.traits = data.leaves_out ? traits : ContactTraits();
     block.traits.bounces &= data.bounces != nullptr;
-    if (!block.traits.bounces) continue;
+    if (!with_restitution || !block.traits.bounces) continue;
     for (std::size_t lane = 0; lane < block_lanes; lane += lanes) prepare_bounces(data, block, data.bounces[b], lane);
   }
 }

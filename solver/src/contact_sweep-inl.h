@@ -7,6 +7,9 @@
 #define ATOLL_SOLVER_CONTACT_SWEEP_INL_H_
 #endif
 
+#include <jobs/with_restitution.h>
+#include <jobs/with_surfaces.h>
+
 #include "contact_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -339,7 +342,8 @@ HWY_NOINLINE void sweep_alike(const ContactKernelData& data, const Sweep& sweep,
   Residual residual;
   for (std::size_t b = begin; b < end; ++b) {
     ContactBlock& block = data.blocks[b];
-    SurfaceBlock* surface = how::special && data.surface_blocks != nullptr ? &data.surface_blocks[b] : nullptr;
+    SurfaceBlock* surface =
+        with_surfaces && how::special && data.surface_blocks != nullptr ? &data.surface_blocks[b] : nullptr;
     auto* impulses = how::push == Push::Split ? data.split_blocks[b].impulse : block.normal_impulse;
     for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
       ContactLanes<what::movers> c = load_contacts<what::movers>(data, block, lane);
@@ -361,7 +365,7 @@ HWY_NOINLINE void sweep_alike(const ContactKernelData& data, const Sweep& sweep,
       }
       store_contact_bodies(c, data, block, lane);
     }
-    if (block.traits.bounces && how::push != Push::Split) note_impulses(block, data.bounces[b]);
+    if (with_restitution && block.traits.bounces && how::push != Push::Split) note_impulses(block, data.bounces[b]);
   }
   of_all.add(residual.most);
 }

@@ -1,3 +1,7 @@
+#include <jobs/with_direct_contacts.h>
+#include <jobs/with_joints.h>
+#include <jobs/with_restitution.h>
+#include <jobs/with_surfaces.h>
 #include <solver/group_solver.h>
 #include <solver/motion_locks.h>
 
@@ -97,17 +101,19 @@ GroupReport GroupSolver::run(const SolveInput& input, const IslandGroup& group, 
   if (contacts == GroupContacts::New) {
     collect_kinematic_bodies(input, group);
     collect_contacts(input, group);
-    collect_joints(input, group);
+    if constexpr (with_joints) collect_joints(input, group);
     colouring_.build(contacts_, first_dynamic_, first_dynamic_ + static_cast<std::uint32_t>(body_ids.size()), blocks_);
-    joints_.colour(first_dynamic_, first_dynamic_ + static_cast<std::uint32_t>(body_ids.size()));
+    if constexpr (with_joints)
+      joints_.colour(first_dynamic_, first_dynamic_ + static_cast<std::uint32_t>(body_ids.size()));
   }
   report.surfaces = note_surfaces(input, group);
   report.friction = friction_ || report.surfaces || settings.everything;
-  report.restitution = restitution_ || settings.everything;
+  report.restitution = with_restitution && (restitution_ || settings.everything);
   report.colours = colouring_.colours().size();
   report.joints = input.islands.joints(group.begin, group.end).size();
-  const bool joined = report.joints > 0;
-  if (!joints_.empty()) report.colours = std::max(report.colours, joints_.colours().size());
+  const bool joined = with_joints && report.joints > 0;
+  const bool sweeps_joints = with_joints && !joints_.empty();
+  if (sweeps_joints) report.colours = std::max(report.colours, joints_.colours().size());
   clock.lap(SolverStage::Colour);
 
   const bool splits = settings.stabilisation == Stabilisation::SplitImpulse;
@@ -121,9 +127,9 @@ GroupReport GroupSolver::run(const SolveInput& input, const IslandGroup& group, 
     load_bodies(input, body_ids, begin, end, input.dt / settings.substeps);
   });
   const JointStep joint_step{input.joints, input.bodies, bodies_, constants, input.dt / settings.substeps};
-  executor.parallel_for(joints_.block_count(), joint_grain,
-                        [&](std::size_t begin, std::size_t end) { joints_.prepare(joint_step, begin, end); });
-  if (!joints_.empty()) {
+  if (sweeps_joints) {
+    executor.parallel_for(joints_.block_count(), joint_grain,
+                          [&](std::size_t begin, std::size_t end) { joints_.prepare(joint_step, begin, end); });
     stiffness_.assign(first_dynamic_ + body_ids.size(), Matrix3::Zero());
     for_each_colour(joints_.colours(), joint_grain, executor, [&](std::size_t begin, std::size_t end) {
       joints_.add_stiffness(joint_step, stiffness_, begin, end);
@@ -140,12 +146,15 @@ GroupReport GroupSolver::run(const SolveInput& input, const IslandGroup& group, 
   for (std::size_t b = 0; b < block_count; ++b) report.work.add(blocks_[b]);
   // Of those joints that are solved one by one; without any nothing of them runs.
   const JointKernelData joint_data = joints_.kernel_data(bodies_, constants);
-  executor.parallel_for(joints_.block_count(), joint_grain,
-                        [&](std::size_t begin, std::size_t end) { kernels.prepare_joints(joint_data, begin, end); });
+  if (sweeps_joints) {
+    executor.parallel_for(joints_.block_count(), joint_grain,
+                          [&](std::size_t begin, std::size_t end) { kernels.prepare_joints(joint_data, begin, end); });
+  }
   // Joints that hang together and are solved at once.
   const std::span<const std::uint32_t> direct = joined ? joined_motion_.direct() : std::span<const std::uint32_t>();
   const DirectInput direct_input{input.joints, input.bodies, bodies_, input.dt / settings.substeps};
   const auto each_system_of = [&](std::span<const std::uint32_t> components, const auto& stage) {
+    if constexpr (!with_joints) return;
     executor.parallel_for(components.size(), 1, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) stage(input.joint_graph->system(components[i]));
     });
@@ -164,7 +173,7 @@ GroupReport GroupSolver::run(const SolveInput& input, const IslandGroup& group, 
     for_each_colour(colouring_.colours(), contact_grain, executor, kernel);
   };
   const auto each_joint_colour = [&](const auto& kernel) {
-    if (!joints_.empty()) for_each_colour(joints_.colours(), joint_grain, executor, kernel);
+    if (sweeps_joints) for_each_colour(joints_.colours(), joint_grain, executor, kernel);
   };
   const auto each_body = [&](const auto& kernel) {
     constexpr std::size_t grain = 256;
@@ -199,7 +208,7 @@ GroupReport GroupSolver::run(const SolveInput& input, const IslandGroup& group, 
     clock.lap(SolverStage::Integrate);
     if (!settings.warm_starting) {
       clear_impulses(report);
-      joints_.clear_impulses(0, joints_.block_count());
+      if (sweeps_joints) joints_.clear_impulses(0, joints_.block_count());
     } else if (substep == 0) {
       each_joint_colour([&](std::size_t begin, std::size_t end) { kernels.warm_start_joints(joint_data, begin, end); });
       each_colour([&](std::size_t begin, std::size_t end) { kernels.warm_start(data, begin, end); });
@@ -229,7 +238,7 @@ GroupReport GroupSolver::run(const SolveInput& input, const IslandGroup& group, 
     }
     clock.lap(SolverStage::Solve);
     each_body([&](std::size_t begin, std::size_t end) { kernels.integrate_positions(bodies_, constants, begin, end); });
-    if (joints_.has_rows()) {
+    if (sweeps_joints && joints_.has_rows()) {
       executor.parallel_for(joints_.block_count(), joint_row_grain,
                             [&](std::size_t begin, std::size_t end) { joints_.refresh_rows(joint_step, begin, end); });
     }
@@ -248,7 +257,7 @@ GroupReport GroupSolver::run(const SolveInput& input, const IslandGroup& group, 
   }
   clock.lap(SolverStage::Restitution);
   // Nothing is done about a large island that wasn't built to stand.
-  const bool notes_overloads = !group.large || group.remedy != Remedy::None;
+  const bool notes_overloads = with_direct_contacts && (!group.large || group.remedy != Remedy::None);
   executor.parallel_for(block_count, block_grain, [&](std::size_t begin, std::size_t end) {
     kernels.store(data, begin, end);
     if (notes_overloads) note_overloads(input, body_ids, begin, end);
@@ -261,8 +270,10 @@ GroupReport GroupSolver::run(const SolveInput& input, const IslandGroup& group, 
   executor.parallel_for(body_ids.size(), body_grain,
                         [&](std::size_t begin, std::size_t end) { write_back(input, body_ids, joined, begin, end); });
   each_system([&](DirectJoints& system) { system.settle(direct_input, input.bodies, input.dt, input.fast); });
-  executor.parallel_for(joints_.block_count(), joint_grain,
-                        [&](std::size_t begin, std::size_t end) { joints_.store(joint_step, begin, end); });
+  if (sweeps_joints) {
+    executor.parallel_for(joints_.block_count(), joint_grain,
+                          [&](std::size_t begin, std::size_t end) { joints_.store(joint_step, begin, end); });
+  }
   clock.lap(SolverStage::Store);
   return report;
 }
@@ -362,7 +373,7 @@ void GroupSolver::collect_joints(const SolveInput& input, const IslandGroup& gro
 
 // Notes what the surfaces of touching pairs do in this step. Whether that is more than plain friction anywhere.
 bool GroupSolver::note_surfaces(const SolveInput& input, const IslandGroup& group) {
-  if (input.surface_contacts == nullptr) return false;
+  if (!with_surfaces || input.surface_contacts == nullptr) return false;
   static const Surface plain;
   const auto surface_of = [&](std::uint32_t body) -> const Surface& {
     return input.bodies.surfaces.empty() ? plain : input.bodies.surfaces[body];

@@ -9,6 +9,8 @@
 #define HWY_TARGET_INCLUDE "kernels.cpp"  // NOLINT: Highway includes this file again for each set
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
+#include <jobs/with_joints.h>
+#include <jobs/with_restitution.h>
 
 #include "body_kernels-inl.h"
 #include "contact_impulses-inl.h"
@@ -26,14 +28,14 @@ const Kernels* kernels() {
                                 &prepare,
                                 &warm_start,
                                 &sweep,
-                                &restitute,
+                                with_restitution ? &restitute : nullptr,
                                 &store_impulses,
                                 &integrate_velocities,
                                 &clear_corrections,
                                 &integrate_positions,
-                                &prepare_joints,
-                                &warm_start_joints,
-                                &sweep_joints};
+                                with_joints ? &prepare_joints : nullptr,
+                                with_joints ? &warm_start_joints : nullptr,
+                                with_joints ? &sweep_joints : nullptr};
   return &table;
 }
 

@@ -85,7 +85,8 @@ struct BodyDef {
   CollisionFilter filter = {};
   /// Looks for what the body may have passed through after every step in which it moved at all. Without it that
   /// is done in steps in which it moved farther than three quarters of its inner radius, unless it is joined to others:
-  /// what stops a body in its tracks opens its joints, until they are closed again in the next step.
+  /// what stops a body in its tracks opens its joints, until they are closed again in the next step. In a build without
+  /// ATOLL_WITH_CONTINUOUS nothing is swept, and true throws.
   bool continuous = false;
 };
 

@@ -25,7 +25,7 @@ enum class Stabilisation {
 /// How contacts are solved. With Soft stabilisation.
 enum class ContactSolver {
   /// By sweeps, but islands whose contacts carry more than soft ones are made for get more: small ones are solved at
-  /// once, large ones in finer substeps.
+  /// once, large ones in finer substeps. In a build without ATOLL_WITH_DIRECT_CONTACTS as Iterative.
   Auto,
   Iterative,  ///< by sweeps, whatever they carry
 };

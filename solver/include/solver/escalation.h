@@ -22,6 +22,7 @@ class Escalation {
   void forget(std::uint32_t body);
   /// Where nothing is to be done.
   void forget_all();
+  void forget_arrived() { arrived_.clear(); }
 
   /// By island, for the next step; empty if none needs a remedy.
   std::span<const Remedy> choose(const LoadInput& input);

@@ -59,8 +59,8 @@ struct JointSweep {
 };
 
 /// The wide kernels for one instruction set. Each runs over [begin, end): of blocks, or of body indices in
-/// multiples of block_lanes. The same operations in the same order in every lane on each set, without fused
-/// multiply-add or approximations, so all give the same bits.
+/// multiples of block_lanes; null if this build leaves out what it is for. The same operations in the same order in
+/// every lane on each set, without fused multiply-add or approximations, so all give the same bits.
 struct Kernels {
   const char* name;
   std::size_t lanes;
