@@ -1,6 +1,7 @@
 // What of a world's memory is for what.
 
 #include <jobs/bytes.h>
+#include <jobs/with_joints.h>
 
 #include "recorder.h"
 #include "world_impl.h"
@@ -33,14 +34,12 @@ std::vector<MemoryUse> World::Impl::memory() const {
   uses.push_back({"contact_solver", solver, points_of_contact, "contacts"});
   std::size_t direct = bytes_of(direct_solvers_, direct_of_group_, direct_reports_);
   for (const auto& each : direct_solvers_) direct += each->bytes();
-  uses.push_back({"direct_contacts", direct,
-                  report_.counts.direct_islands > 0 ? static_cast<std::size_t>(report_.counts.direct_islands)
-                                                    : direct_solvers_.size(),
-                  "islands"});
+  uses.push_back({"direct_contacts", direct, direct_solvers_.size(), "islands"});
   uses.push_back({"overload_watch", escalation_.bytes() + bytes_of(remedies_, all_overloads_, escalated_, failed_),
                   records.count, "bodies"});
-  uses.push_back({"joints", joints.bytes() + joint_graph_.bytes() + bytes_of(to_kinematic_, joint_events_),
-                  joints.count, "joints"});
+  std::size_t of_joints = joints.bytes() + bytes_of(to_kinematic_, joint_events_);
+  if constexpr (with_joints) of_joints += joint_graph_.bytes();
+  uses.push_back({"joints", of_joints, joints.count, "joints"});
   uses.push_back({"continuous_collision", bytes_of(fast_in_order_, rushed_, first_hits_),
                   static_cast<std::size_t>(report_.counts.swept), "bodies"});
   uses.push_back({"contact_events", bytes_of(contact_events_, touched_, touched_before_, touched_now_),
