@@ -1,17 +1,12 @@
 #include <jobs/with_direct_contacts.h>
 #include <jobs/with_joints.h>
 #include <jobs/with_restitution.h>
-#include <jobs/with_surfaces.h>
 #include <solver/group_solver.h>
-#include <solver/motion_locks.h>
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <atomic>
 #include <bit>
 #include <chrono>
-
-#include "rows3.h"
 
 namespace atl::solver {
 namespace {
@@ -307,195 +302,6 @@ ContactKernelData GroupSolver::kernel_data(const SolveInput& input, const GroupR
           .leaves_out = !input.settings.everything};
 }
 
-// Those that contacts touch or joints join.
-void GroupSolver::collect_kinematic_bodies(const SolveInput& input, const IslandGroup& group) {
-  const std::vector<Mobility>& mobility = input.bodies.mobility;
-  kinematic_.clear();
-  const auto collect = [&](const auto& pairs) {
-    for (const auto& pair : pairs) {
-      if (mobility[pair.first] == Mobility::Kinematic) kinematic_.push_back(pair.first);
-      if (mobility[pair.second] == Mobility::Kinematic) kinematic_.push_back(pair.second);
-    }
-  };
-  collect(input.islands.contacts(group.begin, group.end));
-  collect(input.islands.joints(group.begin, group.end));
-  std::sort(kinematic_.begin(), kinematic_.end());
-  kinematic_.erase(std::unique(kinematic_.begin(), kinematic_.end()), kinematic_.end());
-  first_dynamic_ = 1 + static_cast<std::uint32_t>(kinematic_.size());
-}
-
-// The group's own index of a body.
-std::uint32_t GroupSolver::local_body(const SolveInput& input, const IslandGroup& group, std::uint32_t body) const {
-  switch (input.bodies.mobility[body]) {
-    case Mobility::Fixed:
-      return 0;
-    case Mobility::Kinematic:
-      return 1 + static_cast<std::uint32_t>(std::lower_bound(kinematic_.begin(), kinematic_.end(), body) -
-                                            kinematic_.begin());
-    case Mobility::Dynamic:
-      break;
-  }
-  return first_dynamic_ + input.islands.rank(body) - input.islands.first_rank(group.begin);
-}
-
-void GroupSolver::collect_contacts(const SolveInput& input, const IslandGroup& group) {
-  contacts_.clear();
-  friction_ = restitution_ = false;
-  for (const TouchingPair& pair : input.islands.contacts(group.begin, group.end)) {
-    const collision::ContactManifold& manifold = input.manifolds[pair.slot];
-    const std::uint32_t first = local_body(input, group, pair.first);
-    const std::uint32_t second = local_body(input, group, pair.second);
-    const bool rubs = manifold.friction > 0;
-    const bool bounces = manifold.restitution > 0;
-    const bool rolls = input.bodies.ball[pair.first] || input.bodies.ball[pair.second];  // it has one point
-    const int movers = first == 0 ? 1 : second == 0 ? 2 : 0;
-    const int kind = 8 * movers + 4 * rolls + 2 * rubs + bounces;
-    contacts_.push_back({first, second, pair.slot, static_cast<std::uint8_t>(kind)});
-    friction_ |= rubs;
-    restitution_ |= bounces;
-  }
-}
-
-// Joints of components that are solved at once are left to who does that; what else happens to bodies that are joined
-// happens to all.
-void GroupSolver::collect_joints(const SolveInput& input, const IslandGroup& group) {
-  joints_.clear();
-  const std::span<const JointLink> links = input.islands.joints(group.begin, group.end);
-  if (links.empty()) return;
-  joined_motion_.build(input, group);
-  for (const JointLink& link : links) {
-    if (input.solves_directly(input.joint_graph->component_of(link.joint))) continue;
-    const Joint& joint = input.joints[link.joint];
-    joints_.add({local_body(input, group, link.first), local_body(input, group, link.second), link.joint, joint.point,
-                 joint.rows});
-  }
-}
-
-// Notes what the surfaces of touching pairs do in this step. Whether that is more than plain friction anywhere.
-bool GroupSolver::note_surfaces(const SolveInput& input, const IslandGroup& group) {
-  if (!with_surfaces || input.surface_contacts == nullptr) return false;
-  static const Surface plain;
-  const auto surface_of = [&](std::uint32_t body) -> const Surface& {
-    return input.bodies.surfaces.empty() ? plain : input.bodies.surfaces[body];
-  };
-  bool any = input.settings.everything;
-  for (const TouchingPair& pair : input.islands.contacts(group.begin, group.end)) {
-    const Surface& first = surface_of(pair.first);
-    const Surface& second = surface_of(pair.second);
-    SurfaceContact& contact = input.surface_contacts[pair.slot];
-    if (!is_pressed(input.manifolds[pair.slot])) std::fill_n(contact.rolling_impulse, 3, 0.0f);
-    set3(contact.slip, input.bodies.orientation(pair.second) * second.velocity -
-                           input.bodies.orientation(pair.first) * first.velocity);
-    contact.rolling_friction = static_cast<float>(std::max(first.rolling_friction, second.rolling_friction));
-    contact.torsional_friction = static_cast<float>(std::max(first.torsional_friction, second.torsional_friction));
-    any |= !first.is_plain() || !second.is_plain();
-  }
-  return any;
-}
-
-void GroupSolver::load_bodies(const SolveInput& input, std::span<const std::uint32_t> bodies, std::size_t begin,
-                              std::size_t end, double substep) {
-  const BodyTable& table = input.bodies;
-  for (std::size_t i = begin; i < end; ++i) {
-    const std::uint32_t body = bodies[i];
-    const std::size_t local = first_dynamic_ + i;
-    const Matrix3 inverse_inertia = world_inverse_inertia(table, body);
-
-    VelocityRows& velocity = bodies_.velocity[local];
-    set3(velocity.linear, table.velocity(body));
-    set3(velocity.angular, table.angular_velocity(body));
-    set_inverse_inertia(local, inverse_inertia);
-
-    FreeVelocityRows& free_velocity = bodies_.free_velocity[local];
-    set3(free_velocity.linear, table.velocity(body));
-    set3(free_velocity.angular, table.angular_velocity(body));
-    free_velocity.inverse_mass = static_cast<float>(table.inverse_mass[body]);
-
-    bodies_.displacement[local].carries = table.ball[body] ? 0.0f : 1.0f;
-
-    AccelerationRows& acceleration = bodies_.acceleration[local];
-    set3(acceleration.linear, linear_acceleration(table, body, input.gravity));
-    const Vector3 turn = inverse_inertia * table.torque(body);
-    const unsigned locked_turns = angular_locks(table.locks[body]);
-    set3(acceleration.angular, locked_turns == 0 ? turn : without(locked_turns, turn));
-    acceleration.linear_damping = static_cast<float>(1 / (1 + substep * table.linear_damping[body]));
-    acceleration.angular_damping = static_cast<float>(1 / (1 + substep * table.angular_damping[body]));
-
-    if (!bodies_.locks.empty()) bodies_.locks[local] = LockRow::of(table.locks[body]);
-
-    if (table.gyroscopic[body]) {
-      bodies_.gyroscopic[local] =
-          GyroscopicRows::of(table.orientation(body) * table.principal_axes[body], table.moments[body]);
-    }
-  }
-}
-
-// Where tension turns bodies back faster than substeps can follow, it counts as inertia.
-void GroupSolver::stiffen_bodies(const SolveInput& input, std::span<const std::uint32_t> bodies, std::size_t begin,
-                                 std::size_t end) {
-  constexpr double negligible = 1e-3;  // of the inertia
-  const double h = input.dt / input.settings.substeps;
-  for (std::size_t i = begin; i < end; ++i) {
-    const Matrix3 added = h * h * stiffness_[first_dynamic_ + i];
-    const Matrix3& own = input.bodies.inertia[bodies[i]];
-    if (!(added.trace() > negligible * own.trace())) continue;
-    const Matrix3 rotation = input.bodies.orientation(bodies[i]).toRotationMatrix();
-    set_inverse_inertia(first_dynamic_ + i, (rotation * own * rotation.transpose() + added).inverse());
-  }
-}
-
-void GroupSolver::set_inverse_inertia(std::size_t local, const Matrix3& inverse) {
-  bodies_.velocity[local].inertia_xx = static_cast<float>(inverse(0, 0));
-  bodies_.velocity[local].inertia_yy = static_cast<float>(inverse(1, 1));
-  bodies_.inertia[local] = {static_cast<float>(inverse(2, 2)), static_cast<float>(inverse(0, 1)),
-                            static_cast<float>(inverse(0, 2)), static_cast<float>(inverse(1, 2))};
-}
-
-void GroupSolver::load_kinematic_bodies(const SolveInput& input) {
-  for (std::size_t i = 0; i < kinematic_.size(); ++i) {
-    VelocityRows& velocity = bodies_.velocity[1 + i];
-    set3(velocity.linear, input.bodies.velocity(kinematic_[i]));
-    set3(velocity.angular, input.bodies.angular_velocity(kinematic_[i]));
-    FreeVelocityRows& free_velocity = bodies_.free_velocity[1 + i];
-    std::copy_n(velocity.linear, 3, free_velocity.linear);
-    std::copy_n(velocity.angular, 3, free_velocity.angular);
-  }
-}
-
-void GroupSolver::write_back(const SolveInput& input, std::span<const std::uint32_t> bodies, bool joined,
-                             std::size_t begin, std::size_t end) {
-  BodyTable& table = input.bodies;
-  const double substep = input.dt / input.settings.substeps;
-  for (std::size_t i = begin; i < end; ++i) {
-    const std::uint32_t body = bodies[i];
-    const std::size_t local = first_dynamic_ + i;
-    const BodyPose start{table.position(body), table.orientation(body)};
-    const bool is_joined = joined && joined_motion_.is_joined(i);
-    const Vector3 velocity = get3(bodies_.velocity[local].linear);
-    const Vector3 spin = get3(bodies_.velocity[local].angular);
-    const Vector3 gained = velocity - table.velocity(body);
-    const Vector3 gained_spin = spin - table.angular_velocity(body);
-    // Over the substeps of a step the halves of their gains add up to that of the step's.
-    const bool shifts = !is_joined && changes_steadily(gained, gained_spin, get3(bodies_.acceleration[local].linear),
-                                                       input.dt, table.radius[body]);
-    table.velocity(body) = velocity;
-    table.angular_velocity(body) = spin;
-    table.position(body) += get3(bodies_.displacement[local].linear);
-    Quaternion orientation = rotation_of(bodies_.displacement[local]) * table.orientation(body);
-    if (is_joined) {
-      // Joints would part if bodies were shifted each by its own.
-      if (joined_motion_.falls(i)) table.position(body) -= 0.5 * substep * input.dt * joined_motion_.acceleration(i);
-    } else if (shifts) {
-      table.position(body) -= 0.5 * substep * gained;
-      const Vector3 back = -0.25 * substep * gained_spin;  // half a small rotation
-      orientation = Quaternion(1, back.x(), back.y(), back.z()) * orientation;
-    }
-    table.set_orientation(body, orientation.normalized());
-    if (is_joined && joined_motion_.is_direct(i)) continue;  // joints have a last word
-    note_motion(table, body, start, input.dt, input.fast);
-  }
-}
-
 // What forces do to bodies that leap in a part of a substep.
 void GroupSolver::give_half_kick(std::span<const std::uint32_t> bodies, float time) {
   for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -505,31 +311,6 @@ void GroupSolver::give_half_kick(std::span<const std::uint32_t> bodies, float ti
     for (int k = 0; k < 3; ++k) {
       velocity.linear[k] += time * acceleration.linear[k];
       velocity.angular[k] += time * acceleration.angular[k];
-    }
-  }
-}
-
-void GroupSolver::note_overloads(const SolveInput& input, std::span<const std::uint32_t> bodies, std::size_t begin,
-                                 std::size_t end) const {
-  const auto body_of = [&](std::int32_t local) {
-    const auto i = static_cast<std::uint32_t>(local);
-    return i < first_dynamic_ ? Islands::none : bodies[i - first_dynamic_];
-  };
-  const double give_of_columns = SubstepConstants::give_by_impulse(input.settings, input.dt, Build::Columns);
-  const double give_of_others = SubstepConstants::give_by_impulse(input.settings, input.dt, Build::Any);
-  for (std::size_t b = begin; b < end; ++b) {
-    const ContactBlock& block = blocks_[b];
-    for (unsigned lanes = block.loaded; lanes != 0; lanes &= lanes - 1) {
-      const int lane = std::countr_zero(lanes);
-      const LoadedContact contact = {.manifold = input.manifolds[block.slot[lane]],
-                                     .first = body_of(block.first[lane]),
-                                     .second = body_of(block.second[lane]),
-                                     .inverse_first = block.inverse_mass[0][lane],
-                                     .inverse_second = block.inverse_mass[1][lane]};
-      const std::uint32_t island = input.islands.island_of(contact.inverse_first > 0 ? contact.first : contact.second);
-      const Build build = build_of(input.islands, island);
-      const double give = build == Build::Columns ? give_of_columns : give_of_others;
-      note_overload(contact, give * load_of(contact.manifold), build, input.overloads.local());
     }
   }
 }
@@ -546,51 +327,5 @@ void GroupSolver::clear_impulses(const GroupReport& report) {
 }
 
 void GroupSolver::clear_split_impulses() { std::fill_n(split_blocks_.begin(), colouring_.block_count(), SplitBlock{}); }
-
-void GroupSolver::capture(const SolveInput& input, const GroupReport& report,
-                          std::span<const std::uint32_t> bodies) const {
-  for (std::size_t b = 0; b < colouring_.block_count(); ++b) {
-    const ContactBlock& block = blocks_[b];
-    for (std::size_t lane = 0; lane < block_lanes; ++lane) {
-      if (block.slot[lane] < 0) continue;
-      ContactCapture::Answer& answer = input.capture->answers[static_cast<std::size_t>(block.slot[lane])];
-      answer.step = input.dt / input.settings.substeps;
-      for (std::size_t i = 0; i < max_points; ++i) {
-        answer.separation[i] = block.separation[i][lane];
-        answer.normal_impulse[i] = block.normal_impulse[i][lane];
-      }
-      const float normal[3] = {block.normal[0][lane], block.normal[1][lane], block.normal[2][lane]};
-      collision::Tangents t = collision::tangents(normal);
-      answer.planar = !bodies_.locks.empty() && planar_blocks_[b].planar[lane] > 0;
-      if (answer.planar) {
-        for (std::size_t i = 0; i < 3; ++i) {
-          const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
-          answer.normal[i] = normal[i];
-          answer.tangent[i] = t.first[i] = block.tangent[i][lane];
-          t.second[i] = normal[j] * block.tangent[k][lane] - normal[k] * block.tangent[j][lane];
-        }
-        for (std::size_t i = 0; i < 2; ++i) answer.x[i] = block.x[i][lane];
-      }
-      for (std::size_t i = 0; i < 3; ++i) {
-        answer.friction_impulse[i] =
-            block.friction_impulse[0][lane] * t.first[i] + block.friction_impulse[1][lane] * t.second[i];
-      }
-      answer.twist_impulse = block.twist_impulse[lane];
-      answer.rolling_impulse = {0, 0, 0};
-      if (!report.surfaces) continue;
-      const auto& rolling = surface_blocks_[b].rolling_impulse;
-      for (std::size_t i = 0; i < 3; ++i) {
-        answer.rolling_impulse[i] = rolling[0][lane] * t.first[i] + rolling[1][lane] * t.second[i];
-      }
-    }
-  }
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
-    const std::size_t local = first_dynamic_ + i;
-    ContactCapture::Motion& motion = input.capture->motions[bodies[i]];
-    motion.free_velocity = get3(bodies_.free_velocity[local].linear);
-    motion.free_angular_velocity = get3(bodies_.free_velocity[local].angular);
-    motion.inverse_inertia = inverse_inertia_of(bodies_, local);
-  }
-}
 
 }  // namespace atl::solver
