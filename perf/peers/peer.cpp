@@ -94,25 +94,27 @@ void write_final_state(const std::string& path, const atl::Scene& scene, const s
   if (!file.flush()) throw std::runtime_error("cannot write " + path);
 }
 
-const char* found_on_surface(const atl::BodyDef& def) {
+const char* found_beside(const atl::BodyDef& def) {
+  if (!(def.locks == atl::MotionLocks())) return "motion locks";
   if (def.material.rolling_friction > 0) return "rolling friction";
   if (def.material.torsional_friction > 0) return "torsional friction";
   return def.surface_velocity.isZero(0) ? nullptr : "a surface velocity";
 }
 
 // No driver hands these on, and without them it would be another scene.
-void check_surfaces(const Engine& engine, const atl::Scene& scene) {
+void check_bodies(const Engine& engine, const atl::Scene& scene) {
   for (const atl::SceneBody& body : scene.bodies) {
-    if (const char* found = found_on_surface(body.def)) {
-      throw atl::Error("the " + engine.name + " driver knows friction and restitution of a surface only: found " +
-                       found + " on body \"" + body.name + "\"");
+    if (const char* found = found_beside(body.def)) {
+      throw atl::Error("the " + engine.name +
+                       " driver knows no locks, and of a surface friction and restitution only: found " + found +
+                       " on body \"" + body.name + "\"");
     }
   }
 }
 
 Json simulate(const Engine& engine, const Options& options) {
   atl::Scene scene = atl::load_scene(options.scene, options.seed);
-  check_surfaces(engine, scene);
+  check_bodies(engine, scene);
   if (options.steps > 0) scene.steps = options.steps;
   if (options.dt > 0) scene.dt = options.dt;
   const Setting& setting = options.setting;
