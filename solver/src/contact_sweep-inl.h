@@ -473,10 +473,15 @@ float sweep_with_push(const ContactKernelData& data, const Sweep& sweep, std::si
       sweep.measures || data.surface_blocks != nullptr || data.split_blocks != nullptr || data.constants.slop > 0;
   if (special) return sweep_with_friction<push, Refresh::Asks>(data, sweep, begin, end);
   if (data.bodies.locks.empty()) return plain_sweep<push>(data, sweep, begin, end);
+  // Common sweeps alone have kernels for friction in a plane.
+  const auto needs_general = [&, common = is_common(sweep)](std::size_t b) {
+    const ContactTraits& traits = data.blocks[b].traits;
+    return traits.locked || (traits.planar && !common);
+  };
   for (std::size_t next; begin < end; begin = next) {
-    const bool locked = data.blocks[begin].traits.locked;
-    for (next = begin + 1; next < end && data.blocks[next].traits.locked == locked;) ++next;
-    if (locked) {
+    const bool general = needs_general(begin);
+    for (next = begin + 1; next < end && needs_general(next) == general;) ++next;
+    if (general) {
       sweep_with_friction<push, Refresh::Asks>(data, sweep, begin, next);
     } else {
       plain_sweep<push>(data, sweep, begin, next);
