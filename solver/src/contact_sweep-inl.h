@@ -228,7 +228,7 @@ HWY_INLINE void solve_friction(ContactBlock& block, SurfaceBlock* surface, std::
 // One round over the points of each contact.
 template <typename how, typename what>
 HWY_INLINE void solve_points(const ContactKernelData& data, ContactBlock& block, float (*impulses)[block_lanes],
-                             std::size_t lane, const ContactLanes<what::movers>& c, NormalSolve& solve,
+                             std::size_t lane, [[maybe_unused]] const ContactLanes<what::movers>& c, NormalSolve& solve,
                              Residual& residual) {
   const SubstepConstants& constants = data.constants;
   const V inverse_h = splat(constants.inverse_h);

@@ -71,7 +71,7 @@ const Guest guests[] = {
 };
 
 INSTANTIATE_TEST_SUITE_P(Guests, Locality, testing::ValuesIn(guests),
-                         [](const auto& info) { return std::string(info.param.name); });
+                         [](const testing::TestParamInfo<Guest>& guest) { return std::string(guest.param.name); });
 
 }  // namespace
 }  // namespace atl::test

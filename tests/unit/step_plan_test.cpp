@@ -1,4 +1,4 @@
-// What a step leaves out, what it says of that, and that one body that needs something costs nobody else.
+// What a step leaves out, and what it says of that.
 
 #include <atoll/atoll.h>
 #include <gtest/gtest.h>
@@ -10,8 +10,6 @@
 
 namespace atl::test {
 namespace {
-
-constexpr int block = 8;  // contacts that kernels take together
 
 // Boxes on the ground, each an island of its own.
 std::vector<BodyId> add_field(World& world, int count, const Material& material = {}) {
@@ -57,40 +55,6 @@ TEST(StepPlan, FrictionIsLeftOutWhereNoContactHasIt) {
   EXPECT_EQ(report.counts.contacts, 40);
   EXPECT_FALSE(report.stage(Stage::Friction).run);
   EXPECT_STREQ(report.stage(Stage::Friction).why, "no contact has friction");
-}
-
-TEST(StepPlan, OneBouncyBodyMakesOneBlockBounce) {
-  World world;
-  add_field(world, 200);
-  EXPECT_FALSE(run(world, 5).stage(Stage::Restitution).run);
-  world.add_body({.shape = Box{{0.5, 0.5, 0.5}}, .position = {-10, 0, 0.5}, .material = {.restitution = 0.5}});
-  const StageReport bounces = run(world, 5).stage(Stage::Restitution);
-  EXPECT_TRUE(bounces.run);
-  EXPECT_GE(bounces.items, 1);
-  EXPECT_LE(bounces.items, block);
-}
-
-TEST(StepPlan, OneUnequalBodyIsTheOnlyOneThatTumbles) {
-  World world;
-  add_field(world, 200);
-  world.add_body({.shape = Box{{0.5, 0.6, 0.7}}, .position = {-10, 0, 0.7}});
-  EXPECT_EQ(run(world, 5).stage(Stage::GyroscopicTorque).items, 1);
-}
-
-TEST(StepPlan, OneFastBodyIsTheOnlyOneSwept) {
-  World world;
-  add_field(world, 200);
-  world.add_body({.shape = Sphere{0.1}, .position = {-10, 0, 5}, .velocity = {-100, 0, 0}});
-  EXPECT_EQ(run(world, 2).stage(Stage::ContinuousCollision).items, 1);
-}
-
-TEST(StepPlan, OneJointIsSolvedForItsTwoBodies) {
-  World world;
-  const std::vector<BodyId> ids = add_field(world, 200);
-  EXPECT_STREQ(run(world, 2).stage(Stage::JointSolver).why, "there are no joints");
-  world.add_joint({.kind = BallJoint{}, .first = ids[0], .second = ids[1]});
-  const StepReport report = run(world, 2);
-  EXPECT_EQ(report.stage(Stage::JointSolver).items + report.stage(Stage::DirectJoints).items, 1);
 }
 
 // No memory is held for what no step has needed.
