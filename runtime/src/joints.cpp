@@ -149,18 +149,6 @@ void World::Impl::resume_joints_of(std::uint32_t body) {
   });
 }
 
-bool World::Impl::contains(JointId id) const {
-  return id.index < joints.size() && joints.alive[id.index] && joints.generation[id.index] == id.generation;
-}
-
-std::uint32_t World::Impl::index_of(JointId id, const char* call) const {
-  if (contains(id)) return id.index;
-  std::ostringstream message;
-  message << "World::" << call << ": no joint has the id (index " << id.index << ", generation " << id.generation
-          << "); expected the id of a joint that has not been removed, by itself or with a body";
-  throw Error(message.str());
-}
-
 solver::JointFrames World::Impl::frames_of(const solver::Joint& joint) const {
   return solver::joint_frames(joint, bodies.position(joint.first), bodies.orientation(joint.first),
                               bodies.position(joint.second), bodies.orientation(joint.second));

@@ -40,7 +40,7 @@ bool World::Impl::escalates() const {
 // Islands whose contacts carry too much are solved on their own, and otherwise.
 void World::Impl::choose_remedies() {
   std::span<const Remedy> remedies;
-  if (escalates()) {
+  if (with_direct_contacts && escalates()) {
     remedies = escalation_.choose({.islands = islands_,
                                    .bodies = bodies,
                                    .manifolds = cache.manifolds.data(),
@@ -97,10 +97,10 @@ void World::Impl::solve_groups() {
   };
 
   group_reports_.assign(groups_.size(), {});
-  if constexpr (with_direct_contacts) prepare_direct_solvers();
+  prepare_direct_solvers();
   arena.parallel_for(groups_.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t g = begin; g < end; ++g) {
-      if (groups_[g].large || (with_direct_contacts && solve_directly(plain, g))) continue;
+      if (groups_[g].large || solve_directly(plain, g)) continue;
       group_reports_[g] = group_solvers_.local().solve(input_of(groups_[g]), groups_[g]);
     }
   });
@@ -114,11 +114,12 @@ void World::Impl::solve_groups() {
     jobs::WorkerTeam team(arena);
     group_reports_[g] = large_solvers_[large++]->solve(input_of(groups_[g]), groups_[g], team, contacts);
   }
-  if constexpr (with_direct_contacts) note_remedies();
+  note_remedies();
 }
 
 // One for each group that is to be solved at once, which keeps its order of elimination.
 void World::Impl::prepare_direct_solvers() {
+  if constexpr (!with_direct_contacts) return;
   direct_of_group_.clear();
   direct_reports_.clear();
   if (remedies_.empty()) return;
@@ -133,6 +134,7 @@ void World::Impl::prepare_direct_solvers() {
 }
 
 bool World::Impl::solve_directly(const solver::SolveInput& input, std::size_t group) {
+  if constexpr (!with_direct_contacts) return false;
   if (direct_of_group_.empty() || direct_of_group_[group] == nullptr) return false;
   solver::DirectContacts& direct = *direct_of_group_[group];
   solver::DirectContactsReport& report = direct_reports_[group];
@@ -147,6 +149,7 @@ bool World::Impl::solve_directly(const solver::SolveInput& input, std::size_t gr
 
 // What is overloaded now, and what could not be solved at once, which decide on the next step's remedies.
 void World::Impl::note_remedies() {
+  if constexpr (!with_direct_contacts) return;
   all_overloads_.clear();
   overloads_.for_each([this](std::vector<solver::Overload>& of_worker) {
     all_overloads_.insert(all_overloads_.end(), of_worker.begin(), of_worker.end());

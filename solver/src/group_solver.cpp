@@ -1,4 +1,3 @@
-#include <jobs/with_direct_contacts.h>
 #include <jobs/with_joints.h>
 #include <jobs/with_restitution.h>
 #include <solver/group_solver.h>
@@ -96,7 +95,7 @@ GroupReport GroupSolver::run(const SolveInput& input, const IslandGroup& group, 
   if (contacts == GroupContacts::New) {
     collect_kinematic_bodies(input, group);
     collect_contacts(input, group);
-    if constexpr (with_joints) collect_joints(input, group);
+    collect_joints(input, group);
     colouring_.build(contacts_, first_dynamic_, first_dynamic_ + static_cast<std::uint32_t>(body_ids.size()), blocks_);
     if constexpr (with_joints)
       joints_.colour(first_dynamic_, first_dynamic_ + static_cast<std::uint32_t>(body_ids.size()));
@@ -252,7 +251,7 @@ GroupReport GroupSolver::run(const SolveInput& input, const IslandGroup& group, 
   }
   clock.lap(SolverStage::Restitution);
   // Nothing is done about a large island that wasn't built to stand.
-  const bool notes_overloads = with_direct_contacts && (!group.large || group.remedy != Remedy::None);
+  const bool notes_overloads = !group.large || group.remedy != Remedy::None;
   executor.parallel_for(block_count, block_grain, [&](std::size_t begin, std::size_t end) {
     kernels.store(data, begin, end);
     if (notes_overloads) note_overloads(input, body_ids, begin, end);

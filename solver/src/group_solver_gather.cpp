@@ -1,5 +1,6 @@
 // What a group is made of: bodies, contacts and joints under the group's own numbers.
 
+#include <jobs/with_joints.h>
 #include <jobs/with_surfaces.h>
 #include <solver/group_solver.h>
 #include <solver/motion_locks.h>
@@ -63,6 +64,7 @@ void GroupSolver::collect_contacts(const SolveInput& input, const IslandGroup& g
 // Joints of components that are solved at once are left to who does that; what else happens to bodies that are joined
 // happens to all.
 void GroupSolver::collect_joints(const SolveInput& input, const IslandGroup& group) {
+  if constexpr (!with_joints) return;
   joints_.clear();
   const std::span<const JointLink> links = input.islands.joints(group.begin, group.end);
   if (links.empty()) return;

@@ -1,5 +1,7 @@
 // What a group has come to, written back: to the bodies, to who decides on remedies, and to who asked.
 
+#include <jobs/with_direct_contacts.h>
+#include <jobs/with_joints.h>
 #include <solver/group_solver.h>
 
 #include <algorithm>
@@ -17,7 +19,7 @@ void GroupSolver::write_back(const SolveInput& input, std::span<const std::uint3
     const std::uint32_t body = bodies[i];
     const std::size_t local = first_dynamic_ + i;
     const BodyPose start{table.position(body), table.orientation(body)};
-    const bool is_joined = joined && joined_motion_.is_joined(i);
+    const bool is_joined = with_joints && joined && joined_motion_.is_joined(i);
     const Vector3 velocity = get3(bodies_.velocity[local].linear);
     const Vector3 spin = get3(bodies_.velocity[local].angular);
     const Vector3 gained = velocity - table.velocity(body);
@@ -45,6 +47,7 @@ void GroupSolver::write_back(const SolveInput& input, std::span<const std::uint3
 
 void GroupSolver::note_overloads(const SolveInput& input, std::span<const std::uint32_t> bodies, std::size_t begin,
                                  std::size_t end) const {
+  if constexpr (!with_direct_contacts) return;
   const auto body_of = [&](std::int32_t local) {
     const auto i = static_cast<std::uint32_t>(local);
     return i < first_dynamic_ ? Islands::none : bodies[i - first_dynamic_];
