@@ -31,6 +31,14 @@ inline Scene scene_on_ground(int steps, bool starts_at_rest) {
   return scene;
 }
 
+/// Walls without a top around a square floor, `half` metres from its middle.
+inline void add_walls(Scene& scene, double half) {
+  scene.bodies.push_back(solid_beyond("wall_west", {1, 0, 0}, -half));
+  scene.bodies.push_back(solid_beyond("wall_east", {-1, 0, 0}, -half));
+  scene.bodies.push_back(solid_beyond("wall_south", {0, 1, 0}, -half));
+  scene.bodies.push_back(solid_beyond("wall_north", {0, -1, 0}, -half));
+}
+
 /// A cube of 1 m edge.
 inline SceneBody unit_box(std::size_t number, const Vector3& position) {
   return {.name = "box_" + std::to_string(number),

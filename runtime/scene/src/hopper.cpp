@@ -37,10 +37,7 @@ SceneBody side(std::size_t number, const Material& material) {
 Scene build_hopper(const ParameterValues& values, std::uint64_t seed) {
   const Material material = {.friction = values["friction"]};
   Scene scene = scene_on_ground(600, false);
-  scene.bodies.push_back(solid_beyond("wall_west", {1, 0, 0}, -container_half));
-  scene.bodies.push_back(solid_beyond("wall_east", {-1, 0, 0}, -container_half));
-  scene.bodies.push_back(solid_beyond("wall_south", {0, 1, 0}, -container_half));
-  scene.bodies.push_back(solid_beyond("wall_north", {0, -1, 0}, -container_half));
+  add_walls(scene, container_half);
   for (SceneBody& body : scene.bodies) body.def.material = material;
   for (std::size_t number = 0; number < headings.size(); ++number) scene.bodies.push_back(side(number, material));
 

@@ -11,10 +11,7 @@ Scene build_marbles(const ParameterValues& values, std::uint64_t seed) {
   constexpr int a_row = 18;
   const Material material = {.friction = values["friction"]};
   Scene scene = scene_on_ground(600, false);
-  scene.bodies.push_back(solid_beyond("wall_west", {1, 0, 0}, -container_half));
-  scene.bodies.push_back(solid_beyond("wall_east", {-1, 0, 0}, -container_half));
-  scene.bodies.push_back(solid_beyond("wall_south", {0, 1, 0}, -container_half));
-  scene.bodies.push_back(solid_beyond("wall_north", {0, -1, 0}, -container_half));
+  add_walls(scene, container_half);
   for (SceneBody& body : scene.bodies) body.def.material = material;
   Random random(seed);
   const int count = values.integer("bodies");

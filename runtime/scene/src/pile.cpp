@@ -83,10 +83,7 @@ class LayeredGrid {
 
 Scene build_pile(const ParameterValues& values, std::uint64_t seed) {
   Scene scene = scene_on_ground(600, false);
-  scene.bodies.push_back(solid_beyond("wall_west", {1, 0, 0}, -container_half));
-  scene.bodies.push_back(solid_beyond("wall_east", {-1, 0, 0}, -container_half));
-  scene.bodies.push_back(solid_beyond("wall_south", {0, 1, 0}, -container_half));
-  scene.bodies.push_back(solid_beyond("wall_north", {0, -1, 0}, -container_half));
+  add_walls(scene, container_half);
   Random random(seed);
   const LayeredGrid grid(static_cast<std::size_t>(values.integer("bodies")), random);
   std::size_t number = 0;

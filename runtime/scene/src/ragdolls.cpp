@@ -23,10 +23,7 @@ Scene build_ragdolls(const ParameterValues& values, std::uint64_t seed) {
   Scene scene = scene_on_ground(600, false);
   scene.settings.sleeping = true;
   const double half = side * pitch / 2;
-  scene.bodies.push_back(solid_beyond("wall_west", {1, 0, 0}, -half));
-  scene.bodies.push_back(solid_beyond("wall_east", {-1, 0, 0}, -half));
-  scene.bodies.push_back(solid_beyond("wall_south", {0, 1, 0}, -half));
-  scene.bodies.push_back(solid_beyond("wall_north", {0, -1, 0}, -half));
+  add_walls(scene, half);
   Random random(seed);
   for (int i = 0; i < count; ++i) {
     const Vector3 centre = places[static_cast<std::size_t>(i)] + Vector3(0, 0, 1.5 * pitch / 2);
