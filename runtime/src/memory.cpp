@@ -16,7 +16,7 @@ std::size_t BodyRecords::bytes() const {
 
 std::vector<MemoryUse> World::Impl::memory() const {
   const std::size_t contacts = cache.pairs.size();
-  const std::size_t points_of_contact = contact_update_.touching.size();
+  const std::size_t touching = contact_update_.touching.size();
   std::vector<MemoryUse> uses;
   uses.push_back({"bodies",
                   bodies.bytes() + records.bytes() + active_.bytes() +
@@ -30,8 +30,8 @@ std::vector<MemoryUse> World::Impl::memory() const {
   std::size_t solver = bytes_of(groups_, group_reports_);
   group_solvers_.for_each([&](const solver::GroupSolver& each) { solver += each.bytes(); });
   for (const auto& large : large_solvers_) solver += large->bytes();
-  uses.push_back({"islands", islands_.bytes(), points_of_contact, "contacts"});
-  uses.push_back({"contact_solver", solver, points_of_contact, "contacts"});
+  uses.push_back({"islands", islands_.bytes(), touching, "contacts"});
+  uses.push_back({"contact_solver", solver, touching, "contacts"});
   std::size_t direct = bytes_of(direct_solvers_, direct_of_group_, direct_reports_);
   for (const auto& each : direct_solvers_) direct += each->bytes();
   uses.push_back({"direct_contacts", direct, direct_solvers_.size(), "islands"});

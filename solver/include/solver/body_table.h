@@ -86,7 +86,7 @@ struct BodyTable {
 
 inline std::size_t BodyTable::bytes() const {
   return jobs::bytes_of(positions, orientations, velocities, angular_velocities, forces, torques, mobility,
-                        inverse_mass, inertia, inverse_inertia, gyroscopic, principal_axes, moments, ball,
+                        inverse_mass, inertia, inverse_inertia, gyroscopic, principal_axes, moments, locks, ball,
                         gravity_scale, linear_damping, angular_damping, radius, turned, slack, reach_limit,
                         sweep_distance, outgrown);
 }

@@ -47,7 +47,8 @@ class GroupSolver {
 
   /// Memory held.
   std::size_t bytes() const {
-    return jobs::bytes_of(kinematic_, contacts_, stiffness_, blocks_, bounces_, surface_blocks_, split_blocks_) +
+    return jobs::bytes_of(kinematic_, contacts_, stiffness_, blocks_, bounces_, surface_blocks_, split_blocks_,
+                          planar_blocks_) +
            colouring_.bytes() + bodies_.bytes() + joints_.bytes() + joined_motion_.bytes();
   }
 

@@ -118,7 +118,7 @@ struct SolverBodies {
   }
   /// Memory held.
   std::size_t bytes() const {
-    return jobs::bytes_of(velocity, inertia, displacement, free_velocity, acceleration, gyroscopic, correction);
+    return jobs::bytes_of(velocity, inertia, displacement, free_velocity, acceleration, gyroscopic, correction, locks);
   }
   std::size_t padded_count() const { return velocity.size(); }
 };
