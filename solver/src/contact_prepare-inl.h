@@ -114,9 +114,11 @@ HWY_INLINE V4 rolling_lanes(const ContactKernelData& data, const ContactBlock& b
 
 // A contact that has just begun has no normal impulse, and so nothing that an earlier one in its slot left behind.
 HWY_INLINE void prepare_surfaces(const ContactKernelData& data, const ContactBlock& block, SurfaceBlock& surface,
-                                 std::size_t lane, const ContactLanes<>& c, V normal_impulse) {
+                                 std::size_t lane, const ContactLanes<>& c, const V4& rolling) {
   const V4 slip = load_rows([&](std::size_t k) { return surface_of(data, block, lane + k).slip; });
-  const V4 rolling = rolling_lanes(data, block, lane);
+  const float(*pushes)[block_lanes] = block.normal_impulse;
+  const V normal_impulse = hn::Add(hn::Add(load(pushes[0] + lane), load(pushes[1] + lane)),
+                                   hn::Add(load(pushes[2] + lane), load(pushes[3] + lane)));
   store(dot(c.tangent1, {slip.x, slip.y, slip.z}), surface.slip[0] + lane);
   store(dot(c.tangent2, {slip.x, slip.y, slip.z}), surface.slip[1] + lane);
   store(slip.w, surface.rolling_friction[0] + lane);
@@ -208,6 +210,87 @@ HWY_INLINE void put_on_line_of_centres(const SolverBodies& bodies, const Contact
   c.anchor_second = on_line(block.second + lane, c.anchor_second);
 }
 
+HWY_INLINE ContactLanes<> lanes_of(const SolverBodies& bodies, const ContactBlock& block, std::size_t lane,
+                                   const ManifoldLanes& m) {
+  ContactLanes<> c;
+  c.normal = {m.normal.x, m.normal.y, m.normal.z};
+  c.tangent1 = tangent_lanes(c.normal).first;
+  c.tangent2 = cross(c.normal, c.tangent1);
+  c.anchor_first = {m.anchor_first.x, m.anchor_first.y, m.anchor_first.z};
+  c.anchor_second = {m.anchor_second.x, m.anchor_second.y, m.anchor_second.z};
+  load_bodies(bodies, block.first + lane, c.first);
+  load_bodies(bodies, block.second + lane, c.second);
+  const FreeVelocityRows* free_velocity = bodies.free_velocity.data();
+  const auto inverse_mass_of = [&](const std::int32_t* index) {
+    return load_rows([=](std::size_t k) { return free_velocity[index[k]].linear; }).w;
+  };
+  c.inverse_mass_first = inverse_mass_of(block.first + lane);
+  c.inverse_mass_second = inverse_mass_of(block.second + lane);
+  return c;
+}
+
+HWY_INLINE void store_geometry(ContactBlock& block, std::size_t lane, const ContactLanes<>& c, const ManifoldLanes& m) {
+  store3(c.normal, block.normal, lane);
+  store3(c.tangent1, block.tangent, lane);
+  store3(c.anchor_first, block.anchor_first, lane);
+  store3(c.anchor_second, block.anchor_second, lane);
+  store(m.normal.w, block.friction + lane);
+  store(m.anchor_second.w, block.lever + lane);
+  store4(m.x, block.x, lane);
+  store4(m.y, block.y, lane);
+  store4(m.separation, block.start_separation, lane);
+  store4(m.separation, block.separation, lane);
+  store(c.inverse_mass_first, block.inverse_mass[0] + lane);
+  store(c.inverse_mass_second, block.inverse_mass[1] + lane);
+}
+
+// Those of the last step, for each of the substeps; of what isn't there, none.
+HWY_INLINE void store_impulses(ContactBlock& block, std::size_t lane, const ContactLanes<>& c, const ManifoldLanes& m,
+                               V share, M rubs, M twists) {
+  store4({hn::Mul(share, m.impulse.x), hn::Mul(share, m.impulse.y), hn::Mul(share, m.impulse.z),
+          hn::Mul(share, m.impulse.w)},
+         block.normal_impulse, lane);
+  const V3 friction = share * V3{m.friction.x, m.friction.y, m.friction.z};
+  store(hn::IfThenElseZero(rubs, dot(c.tangent1, friction)), block.friction_impulse[0] + lane);
+  store(hn::IfThenElseZero(rubs, dot(c.tangent2, friction)), block.friction_impulse[1] + lane);
+  store(hn::IfThenElseZero(twists, hn::Mul(share, m.friction.w)), block.twist_impulse + lane);
+}
+
+// Whether any of these contacts is in a plane.
+HWY_INLINE bool prepare_lanes(const ContactKernelData& data, std::size_t b, std::size_t lane, ContactTraits& traits) {
+  ContactBlock& block = data.blocks[b];
+  ManifoldLanes m = load_manifolds(
+      [&](std::size_t k) -> const collision::ContactManifold& { return manifold_of(data, block, lane + k); });
+  ContactLanes<> c = lanes_of(data.bodies, block, lane, m);
+  const bool locks = data.planar_blocks != nullptr;
+  const bool surfaces = with_surfaces && data.surface_blocks != nullptr;
+  PlanarLanes in_plane{hn::Lt(zero(), zero()), hn::Lt(zero(), zero())};
+  if (locks) in_plane = turn_into_plane(data.bodies, block, lane, data.planar_blocks[b], c, m);
+  if (data.bodies.balls) put_on_line_of_centres(data.bodies, block, lane, c);
+  store_geometry(block, lane, c, m);
+
+  M rubs = hn::Gt(m.normal.w, zero());
+  if (locks) rubs = hn::AndNot(in_plane.across, rubs);
+  M twists = rubs;
+  V4 rolling;
+  if (surfaces) {
+    rolling = rolling_lanes(data, block, lane);
+    twists = hn::Or(twists, hn::Gt(rolling.w, zero()));
+  }
+  if (locks) twists = hn::AndNot(in_plane.planar, twists);
+  store_impulses(block, lane, c, m, splat(1 / data.constants.finer), rubs, twists);
+  prepare_masses(block, lane, c, rubs, twists);
+  if (locks) {
+    traits.locked |= lock_contacts(data.bodies, block, lane, c, rubs, in_plane.planar, m.separation);
+    const M vacant = hn::Eq(hn::Add(c.inverse_mass_first, c.inverse_mass_second), zero());
+    traits.planar &= hn::AllTrue(D(), hn::Or(in_plane.planar, vacant));
+    keep_in_plane(block, lane, c, rubs, in_plane.planar);
+  }
+  if (surfaces) prepare_surfaces(data, block, data.surface_blocks[b], lane, c, rolling);
+  note_traits(traits, m);
+  return any(in_plane.planar);
+}
+
 inline void prepare(const ContactKernelData& data, std::size_t begin, std::size_t end) {
   constexpr std::size_t ahead = 2;
   for (std::size_t b = begin; b < end; ++b) {
@@ -222,69 +305,7 @@ inline void prepare(const ContactKernelData& data, std::size_t begin, std::size_
                             .planar = data.planar_blocks != nullptr};
     bool some_planar = false;
     for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
-      ManifoldLanes m = load_manifolds(
-          [&](std::size_t k) -> const collision::ContactManifold& { return manifold_of(data, block, lane + k); });
-      ContactLanes<> c;
-      c.normal = {m.normal.x, m.normal.y, m.normal.z};
-      c.tangent1 = tangent_lanes(c.normal).first;
-      c.tangent2 = cross(c.normal, c.tangent1);
-      c.anchor_first = {m.anchor_first.x, m.anchor_first.y, m.anchor_first.z};
-      c.anchor_second = {m.anchor_second.x, m.anchor_second.y, m.anchor_second.z};
-      load_bodies(data.bodies, block.first + lane, c.first);
-      load_bodies(data.bodies, block.second + lane, c.second);
-      const FreeVelocityRows* free_velocity = data.bodies.free_velocity.data();
-      const auto inverse_mass_of = [&](const std::int32_t* index) {
-        return load_rows([=](std::size_t k) { return free_velocity[index[k]].linear; }).w;
-      };
-      c.inverse_mass_first = inverse_mass_of(block.first + lane);
-      c.inverse_mass_second = inverse_mass_of(block.second + lane);
-
-      const bool locks = data.planar_blocks != nullptr;
-      PlanarLanes in_plane{hn::Lt(zero(), zero()), hn::Lt(zero(), zero())};
-      if (locks) in_plane = turn_into_plane(data.bodies, block, lane, data.planar_blocks[b], c, m);
-
-      if (data.bodies.balls) put_on_line_of_centres(data.bodies, block, lane, c);
-
-      store3(c.normal, block.normal, lane);
-      store3(c.tangent1, block.tangent, lane);
-      store3(c.anchor_first, block.anchor_first, lane);
-      store3(c.anchor_second, block.anchor_second, lane);
-      store(m.normal.w, block.friction + lane);
-      store(m.anchor_second.w, block.lever + lane);
-      store4(m.x, block.x, lane);
-      store4(m.y, block.y, lane);
-      store4(m.separation, block.start_separation, lane);
-      store4(m.separation, block.separation, lane);
-      const V share = splat(1 / data.constants.finer);
-      const V4 impulse = {hn::Mul(share, m.impulse.x), hn::Mul(share, m.impulse.y), hn::Mul(share, m.impulse.z),
-                          hn::Mul(share, m.impulse.w)};
-      store4(impulse, block.normal_impulse, lane);
-      store(c.inverse_mass_first, block.inverse_mass[0] + lane);
-      store(c.inverse_mass_second, block.inverse_mass[1] + lane);
-      M rubs = hn::Gt(m.normal.w, zero());
-      if (locks) rubs = hn::AndNot(in_plane.across, rubs);
-      M twists = rubs;
-      if (with_surfaces && data.surface_blocks != nullptr) {
-        twists = hn::Or(twists, hn::Gt(rolling_lanes(data, block, lane).w, zero()));
-      }
-      if (locks) twists = hn::AndNot(in_plane.planar, twists);
-      const V3 friction = share * V3{m.friction.x, m.friction.y, m.friction.z};
-      store(hn::IfThenElseZero(rubs, dot(c.tangent1, friction)), block.friction_impulse[0] + lane);
-      store(hn::IfThenElseZero(rubs, dot(c.tangent2, friction)), block.friction_impulse[1] + lane);
-      store(hn::IfThenElseZero(twists, hn::Mul(share, m.friction.w)), block.twist_impulse + lane);
-      prepare_masses(block, lane, c, rubs, twists);
-      if (locks) {
-        traits.locked |= lock_contacts(data.bodies, block, lane, c, rubs, in_plane.planar, m.separation);
-        const M vacant = hn::Eq(hn::Add(c.inverse_mass_first, c.inverse_mass_second), zero());
-        traits.planar &= hn::AllTrue(D(), hn::Or(in_plane.planar, vacant));
-        some_planar |= any(in_plane.planar);
-        keep_in_plane(block, lane, c, rubs, in_plane.planar);
-      }
-      if (with_surfaces && data.surface_blocks != nullptr) {
-        const V normal_impulse = hn::Add(hn::Add(impulse.x, impulse.y), hn::Add(impulse.z, impulse.w));
-        prepare_surfaces(data, block, data.surface_blocks[b], lane, c, normal_impulse);
-      }
-      note_traits(traits, m);
+      some_planar |= prepare_lanes(data, b, lane, traits);
     }
     // Friction in a plane has a kernel of its own, and the general one.
     traits.planar &= some_planar;

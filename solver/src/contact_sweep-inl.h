@@ -141,14 +141,19 @@ HWY_INLINE M locked_lanes(const ContactBlock& block, std::size_t lane, const Con
                 differs(c.inverse_mass_second, block.inverse_mass[1]));
 }
 
+// Of all points of a contact.
+template <std::size_t points>
+HWY_INLINE V normal_impulse_of(const ContactBlock& block, std::size_t lane) {
+  V sum = load(block.normal_impulse[0] + lane);
+  for (std::size_t i = 1; i < points; ++i) sum = hn::Add(sum, load(block.normal_impulse[i] + lane));
+  return sum;
+}
+
 // What the general way comes to where the second tangent and the normal's twist have no mass, bit for bit.
 template <typename what>
 HWY_INLINE void solve_planar_friction(ContactBlock& block, std::size_t lane, ContactLanes<what::movers>& c) {
   const V v1 = dot(c.tangent1, relative_velocity(c));
-  V normal_impulse = load(block.normal_impulse[0] + lane);
-  for (std::size_t i = 1; i < what::points; ++i) {
-    normal_impulse = hn::Add(normal_impulse, load(block.normal_impulse[i] + lane));
-  }
+  const V normal_impulse = normal_impulse_of<what::points>(block, lane);
   const V old1 = load(block.friction_impulse[0] + lane);
   V new1 = hn::Sub(old1, hn::Mul(load(block.friction_mass[0] + lane), v1));
   V new2 = zero();
@@ -165,10 +170,7 @@ HWY_INLINE void solve_friction(ContactBlock& block, SurfaceBlock* surface, std::
   V v1 = dot(c.tangent1, velocity);
   V v2 = dot(c.tangent2, velocity);
   const V spin = dot(c.normal, relative_spin(c));
-  V normal_impulse = load(block.normal_impulse[0] + lane);
-  for (std::size_t i = 1; i < what::points; ++i) {
-    normal_impulse = hn::Add(normal_impulse, load(block.normal_impulse[i] + lane));
-  }
+  const V normal_impulse = normal_impulse_of<what::points>(block, lane);
   const V bound = hn::Mul(load(block.friction + lane), normal_impulse);
   V twist_bound = hn::Mul(bound, load(block.lever + lane));
   if constexpr (how::special) {
