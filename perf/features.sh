@@ -29,9 +29,10 @@ while (($#)); do
     *) features+=("$1") && shift ;;
   esac
 done
-if ((${#features[@]} == 0)); then
-  mapfile -t features < <(sed -n 's/^atoll_feature(\([A-Z_]*\) .*/\L\1/p' "$root/jobs/features/features.cmake")
-fi
+mapfile -t all_features < <(sed -n 's/^atoll_feature(\([A-Z_]*\) .*/\L\1/p' "$root/jobs/features/features.cmake")
+if ((${#features[@]} == 0)); then features=("${all_features[@]}"); fi
+everything=()
+for feature in "${all_features[@]}"; do everything+=("-DATOLL_WITH_${feature^^}=ON"); done
 
 packages+=(valgrind binutils)
 install_packages
@@ -39,14 +40,16 @@ cd "$root"
 results=$(mktemp -d)
 trap 'rm -rf "$results"' EXIT
 
-# program NAME [OPTION...]: builds the driver in build/features-NAME, and says where it is.
+# program NAME [OPTION...]: builds the driver, and leaves it where it says. All are built in one folder, as only what asks
+# for a capability is compiled again.
 program() {
-  local dir=build/features-$1
+  local name=$1
   shift
-  cmake -S . -B "$dir" -DCMAKE_BUILD_TYPE=Release -DATOLL_BUILD_TESTS=OFF -DATOLL_BUILD_COMMAND=OFF \
-    -DATOLL_BUILD_PERF=ON "$@" >/dev/null
-  nice -n 5 cmake --build "$dir" --target atoll_feature_cost --parallel "$(nproc)" >&2
-  echo "$dir/bin/atoll_feature_cost"
+  cmake -S . -B build/features -DCMAKE_BUILD_TYPE=Release -DATOLL_BUILD_TESTS=OFF -DATOLL_BUILD_COMMAND=OFF \
+    -DATOLL_BUILD_PERF=ON "${everything[@]}" "$@" >/dev/null
+  nice -n 5 cmake --build build/features --target atoll_feature_cost --parallel "$(nproc)" >&2
+  cp build/features/bin/atoll_feature_cost "$results/$name"
+  echo "$results/$name"
 }
 
 # bytes PROGRAM: of it, stripped.
