@@ -477,7 +477,7 @@ TEST(GroupJoints, PendulumKeepsItsEnergy) {
   }
 }
 
-class GroupJointsStabilisation : public testing::TestWithParam<Stabilisation> {};
+class GroupJointsStabilisation : public testing::TestWithParam<solver::Stabilisation> {};
 
 TEST_P(GroupJointsStabilisation, PendulumHolds) {
   for (const bool warm : {true, false}) {
@@ -498,11 +498,12 @@ TEST_P(GroupJointsStabilisation, PendulumHolds) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Each, GroupJointsStabilisation,
-                         testing::Values(Stabilisation::Soft, Stabilisation::Baumgarte, Stabilisation::SplitImpulse),
+                         testing::Values(solver::Stabilisation::Soft, solver::Stabilisation::Baumgarte,
+                                         solver::Stabilisation::SplitImpulse),
                          [](const auto& of) {
-                           return std::string(of.param == Stabilisation::Soft        ? "Soft"
-                                              : of.param == Stabilisation::Baumgarte ? "Baumgarte"
-                                                                                     : "SplitImpulse");
+                           return std::string(of.param == solver::Stabilisation::Soft        ? "Soft"
+                                              : of.param == solver::Stabilisation::Baumgarte ? "Baumgarte"
+                                                                                             : "SplitImpulse");
                          });
 
 TEST(GroupJoints, ToleranceStopsSweepsOnceJointsHold) {

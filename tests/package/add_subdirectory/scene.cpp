@@ -1,6 +1,6 @@
 /// The same scene in a build with everything and in one without all that can be left out: the same bits.
 ///
-/// `consumer write FILE` writes the hashes of its states to a file, `consumer check FILE` compares them with one.
+/// `write FILE` writes the hashes of its states to a file, `check FILE` compares them with one.
 
 #include <atoll/world.h>
 

@@ -1,0 +1,17 @@
+#pragma once
+
+/// What most tests include, compiled once for each label. A test names what it uses all the same.
+
+#include <atoll/atoll.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
