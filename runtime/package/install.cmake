@@ -9,6 +9,11 @@ if(TARGET atoll_command)
   install(TARGETS atoll_command)
 endif()
 
+get_property(features GLOBAL PROPERTY ATOLL_FEATURES)
+set(built_with "")
+foreach(feature IN LISTS features)
+  string(APPEND built_with "set(atoll_WITH_${feature} ${ATOLL_WITH_${feature}})\n")
+endforeach()
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/atollConfig.cmake.in ${PROJECT_BINARY_DIR}/atollConfig.cmake
                               INSTALL_DESTINATION ${package_dir})
 # Before 1.0 a minor version may break its users.

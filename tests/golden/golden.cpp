@@ -32,6 +32,7 @@ const std::vector<GoldenCase>& golden_cases() {
   static const std::vector<GoldenCase> cases = {
       {"pyramid3d:layers=4", "defaults"},
       {"wall:base=12", "defaults"},
+      {"wall:base=12,planar=1", "defaults"},
       {"islands:count=6,base=4", "defaults"},
       {"pile:bodies=60", "defaults"},
       {"marbles:bodies=60", "defaults"},

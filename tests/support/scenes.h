@@ -1,5 +1,5 @@
 #pragma once
-/// All built-in scenes, the large ones made small.
+/// All built-in scenes, the large ones made small, and one whose bodies are locked to a plane.
 
 #include <atoll/scene.h>
 
@@ -13,11 +13,11 @@
 namespace atl::test {
 
 inline std::vector<std::string> small_scenes() {
-  constexpr std::array<std::string_view, 12> small = {
-      "pyramid3d:layers=5", "wall:base=10",      "islands:count=6,base=4",
-      "pile:bodies=60",     "chain:links=12",    "joint-grid:n=6",
-      "ragdolls:count=4",   "bridge:planks=10",  "sliding-blocks:headings=9",
-      "conveyor:boxes=12",  "catenary:links=12", "hanging-chain:links=8"};
+  constexpr std::array<std::string_view, 14> small = {
+      "pyramid3d:layers=5", "wall:base=10",         "islands:count=6,base=4", "pile:bodies=60",
+      "marbles:bodies=60",  "hopper:bodies=40",     "chain:links=12",         "joint-grid:n=6",
+      "ragdolls:count=4",   "bridge:planks=10",     "conveyor:boxes=12",      "sliding-blocks:headings=9",
+      "catenary:links=12",  "hanging-chain:links=8"};
   std::vector<std::string> scenes;
   for (const BuiltinScene& scene : builtin_scenes()) {
     const auto address = std::find_if(small.begin(), small.end(), [&](std::string_view text) {
@@ -25,6 +25,7 @@ inline std::vector<std::string> small_scenes() {
     });
     scenes.emplace_back(address != small.end() ? *address : std::string_view(scene.name));
   }
+  scenes.emplace_back("wall:base=10,planar=1");
   return scenes;
 }
 
