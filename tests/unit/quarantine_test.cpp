@@ -127,6 +127,24 @@ TEST(Quarantine, ReleasedBodyTakesPartAgain) {
   EXPECT_EQ(Queries(lost.world).overlapping({.shape = Sphere{20}}).size(), 2u);
 }
 
+TEST(Quarantine, ReleasedBodyKeepsItsLocks) {
+  World world;
+  world.add_body(ground());
+  BodyDef def = box({0, 0, 0.5});
+  def.locks = MotionLocks::plane(Axis::Y);
+  const BodyId crate = world.add_body(def);
+  run(world, 10);
+  world.apply_force(crate, {1e30, 0, 0});
+  run(world, 1);
+  ASSERT_TRUE(world.is_quarantined(crate));
+  world.set_pose(crate, {.position = {0, 0, 0.5}});
+  world.release(crate);
+  world.apply_impulse(crate, {1000, 1000, 0}, {0, 0, 0.5});
+  run(world, 10);
+  EXPECT_GT(world.pose(crate).position.x(), 0.05);
+  EXPECT_EQ(world.pose(crate).position.y(), 0);
+}
+
 // What is done to a body while it is out holds when it is back.
 TEST(Quarantine, FilterThatIsSetMeanwhileHolds) {
   for (const bool told_apart : {false, true}) {
