@@ -54,11 +54,19 @@ class GroupSolver {
 
  private:
   template <typename Executor>
+  class Pass;
+
+  template <typename Executor>
   GroupReport run(const SolveInput& input, const IslandGroup& group, Executor& executor, GroupContacts contacts);
+  void collect(const SolveInput& input, const IslandGroup& group);
   void collect_kinematic_bodies(const SolveInput& input, const IslandGroup& group);
   std::uint32_t local_body(const SolveInput& input, const IslandGroup& group, std::uint32_t body) const;
   void collect_contacts(const SolveInput& input, const IslandGroup& group);
   void collect_joints(const SolveInput& input, const IslandGroup& group);
+  void note_needs(const SolveInput& input, const IslandGroup& group, GroupReport& report);
+  bool note_surfaces(const SolveInput& input, const IslandGroup& group);
+  template <typename Executor>
+  void gather_bodies(const SolveInput& input, const IslandGroup& group, const GroupReport& report, Executor& executor);
   void load_bodies(const SolveInput& input, std::span<const std::uint32_t> bodies, std::size_t begin, std::size_t end,
                    double substep);
   void set_inverse_inertia(std::size_t local, const Matrix3& inverse);
@@ -68,8 +76,6 @@ class GroupSolver {
   void load_kinematic_bodies(const SolveInput& input);
   void write_back(const SolveInput& input, std::span<const std::uint32_t> bodies, bool joined, std::size_t begin,
                   std::size_t end);
-  void note_bodies(const SolveInput& input, std::span<const std::uint32_t> bodies, GroupReport& report);
-  bool note_surfaces(const SolveInput& input, const IslandGroup& group);
   ContactKernelData kernel_data(const SolveInput& input, const GroupReport& report, const SubstepConstants& constants,
                                 bool splits);
   void note_overloads(const SolveInput& input, std::span<const std::uint32_t> bodies, std::size_t begin,
