@@ -52,7 +52,7 @@ class GroupSolver::Pass {
   /// Of a group that was gathered; `report` says what it needs.
   Pass(GroupSolver& solver, const SolveInput& input, const IslandGroup& group, const SubstepConstants& constants,
        Executor& executor, StageClock& clock, GroupReport& report)
-      : s_(solver),
+      : solver_(solver),
         input_(input),
         group_(group),
         settings_(input.settings),
@@ -86,7 +86,6 @@ class GroupSolver::Pass {
   static constexpr std::size_t block_grain = 16;
   static constexpr std::size_t joint_grain = 24;
   static constexpr std::size_t joint_row_grain = 4;  // in double, and one by one
-  static constexpr std::size_t body_grain = 128;
   static constexpr std::size_t body_block_grain = 256 / block_lanes;
 
   // Runs a kernel over the blocks colour by colour.
@@ -104,20 +103,20 @@ class GroupSolver::Pass {
   }
   template <typename Kernel>
   void each_colour(const Kernel& kernel) {
-    for_each_colour(s_.colouring_.colours(), contact_grain, kernel);
+    for_each_colour(solver_.colouring_.colours(), contact_grain, kernel);
   }
   // Of joints that are solved one by one; without any nothing of them runs.
   template <typename Kernel>
   void each_joint_colour(const Kernel& kernel) {
-    if (sweeps_joints_) for_each_colour(s_.joints_.colours(), joint_grain, kernel);
+    if (sweeps_joints_) for_each_colour(solver_.joints_.colours(), joint_grain, kernel);
   }
   template <typename Kernel>
   void each_joint_block(std::size_t grain, const Kernel& kernel) {
-    if (sweeps_joints_) executor_.parallel_for(s_.joints_.block_count(), grain, kernel);
+    if (sweeps_joints_) executor_.parallel_for(solver_.joints_.block_count(), grain, kernel);
   }
   template <typename Kernel>
   void each_body_block(const Kernel& kernel) {
-    executor_.parallel_for(s_.bodies_.padded_count() / block_lanes, body_block_grain,
+    executor_.parallel_for(solver_.bodies_.padded_count() / block_lanes, body_block_grain,
                            [&](std::size_t begin, std::size_t end) { kernel(begin * block_lanes, end * block_lanes); });
   }
   // Joints that hang together and are solved at once.
@@ -130,19 +129,19 @@ class GroupSolver::Pass {
   }
   template <typename Stage>
   void each_system(const Stage& stage) {
-    if (joined_) each_system_of(s_.joined_motion_.direct(), stage);
+    if (joined_) each_system_of(solver_.joined_motion_.direct(), stage);
   }
 
   void prepare_joints();
   void prepare_systems();
   void warm_start(int number);
   void sweep(Sweep how, JointSweep joints, int iterations);
-  void solve_velocities(int number);
+  void solve_velocities(int number, bool carries);
   void split_off_corrections();
   void integrate_positions();
   void relax();
 
-  GroupSolver& s_;
+  GroupSolver& solver_;
   const SolveInput& input_;
   const IslandGroup& group_;
   const SolverSettings& settings_;
@@ -170,7 +169,7 @@ void GroupSolver::Pass<Executor>::prepare() {
   if (sweeps_joints_) prepare_joints();
   executor_.parallel_for(block_count_, block_grain,
                          [&](std::size_t begin, std::size_t end) { kernels_.prepare(data_, begin, end); });
-  for (std::size_t b = 0; b < block_count_; ++b) report_.work.add(s_.blocks_[b]);
+  for (std::size_t b = 0; b < block_count_; ++b) report_.work.add(solver_.blocks_[b]);
   each_joint_block(joint_grain,
                    [&](std::size_t begin, std::size_t end) { kernels_.prepare_joints(joint_data_, begin, end); });
   if (joined_) prepare_systems();
@@ -181,38 +180,40 @@ void GroupSolver::Pass<Executor>::prepare() {
 template <typename Executor>
 void GroupSolver::Pass<Executor>::prepare_joints() {
   each_joint_block(joint_grain,
-                   [&](std::size_t begin, std::size_t end) { s_.joints_.prepare(joint_step_, begin, end); });
-  s_.stiffness_.assign(s_.first_dynamic_ + body_ids_.size(), Matrix3::Zero());
-  each_joint_colour(
-      [&](std::size_t begin, std::size_t end) { s_.joints_.add_stiffness(joint_step_, s_.stiffness_, begin, end); });
-  executor_.parallel_for(body_ids_.size(), body_grain,
-                         [&](std::size_t begin, std::size_t end) { s_.stiffen_bodies(input_, body_ids_, begin, end); });
+                   [&](std::size_t begin, std::size_t end) { solver_.joints_.prepare(joint_step_, begin, end); });
+  solver_.stiffness_.assign(solver_.first_dynamic_ + body_ids_.size(), Matrix3::Zero());
+  each_joint_colour([&](std::size_t begin, std::size_t end) {
+    solver_.joints_.add_stiffness(joint_step_, solver_.stiffness_, begin, end);
+  });
+  executor_.parallel_for(body_ids_.size(), body_grain, [&](std::size_t begin, std::size_t end) {
+    solver_.stiffen_bodies(input_, body_ids_, begin, end);
+  });
 }
 
 template <typename Executor>
 void GroupSolver::Pass<Executor>::prepare_systems() {
-  if (leaps_) s_.give_half_kick(body_ids_, -0.5f * constants_.h);
-  s_.joined_motion_.note_forces(body_ids_, input_.bodies, input_.gravity);
+  if (leaps_) solver_.give_half_kick(body_ids_, -0.5f * constants_.h);
+  solver_.joined_motion_.note_forces(body_ids_, input_.bodies, input_.gravity);
   each_system([&](DirectJoints& system) {
-    system.locate([&](std::uint32_t body) { return s_.local_body(input_, group_, body); });
+    system.locate([&](std::uint32_t body) { return solver_.local_body(input_, group_, body); });
     system.begin_step(direct_input_);
   });
 }
 
 template <typename Executor>
 void GroupSolver::Pass<Executor>::substep(int number) {
-  const bool carries = settings_.warm_starting && number > 0;
+  const bool carries = settings_.warm_starting && number > 0;  // impulses of the last substep
   each_body_block([&](std::size_t begin, std::size_t end) {
-    kernels_.integrate_velocities(s_.bodies_, constants_, carries, begin, end);
+    kernels_.integrate_velocities(solver_.bodies_, constants_, carries, begin, end);
   });
   clock_.lap(SolverStage::Integrate);
   warm_start(number);
   clock_.lap(SolverStage::WarmStart);
-  solve_velocities(number);
+  solve_velocities(number, carries);
   if (splits_) split_off_corrections();
   // What contacts have done to one link is not to turn it far out of its joints before these see it.
   if (joined_) {
-    each_system_of(s_.joined_motion_.touched_direct(),
+    each_system_of(solver_.joined_motion_.touched_direct(),
                    [&](DirectJoints& system) { system.solve_velocities(direct_input_); });
   }
   clock_.lap(SolverStage::Solve);
@@ -225,8 +226,8 @@ void GroupSolver::Pass<Executor>::substep(int number) {
 template <typename Executor>
 void GroupSolver::Pass<Executor>::warm_start(int number) {
   if (!settings_.warm_starting) {
-    s_.clear_impulses(report_);
-    if (sweeps_joints_) s_.joints_.clear_impulses(0, s_.joints_.block_count());
+    solver_.clear_impulses(report_);
+    if (sweeps_joints_) solver_.joints_.clear_impulses(0, solver_.joints_.block_count());
   } else if (number == 0) {
     each_joint_colour([&](std::size_t begin, std::size_t end) { kernels_.warm_start_joints(joint_data_, begin, end); });
     each_colour([&](std::size_t begin, std::size_t end) { kernels_.warm_start(data_, begin, end); });
@@ -254,8 +255,7 @@ void GroupSolver::Pass<Executor>::sweep(Sweep how, JointSweep joints, int iterat
 }
 
 template <typename Executor>
-void GroupSolver::Pass<Executor>::solve_velocities(int number) {
-  const bool carries = settings_.warm_starting && number > 0;
+void GroupSolver::Pass<Executor>::solve_velocities(int number, bool carries) {
   // The relaxing sweeps' friction is carried over; a contact that has just begun has none yet to carry.
   const Friction friction = relaxes_ && carries ? Friction::None : friction_;
   // Where sweeps relax they have seen the positions that the last substep ended with.
@@ -268,21 +268,23 @@ void GroupSolver::Pass<Executor>::solve_velocities(int number) {
 // The same sweeps over velocities of their own, which move bodies and are forgotten.
 template <typename Executor>
 void GroupSolver::Pass<Executor>::split_off_corrections() {
-  each_body_block([&](std::size_t begin, std::size_t end) { kernels_.clear_corrections(s_.bodies_, begin, end); });
-  s_.clear_split_impulses();
-  s_.bodies_.velocity.swap(s_.bodies_.correction);
+  each_body_block([&](std::size_t begin, std::size_t end) { kernels_.clear_corrections(solver_.bodies_, begin, end); });
+  solver_.clear_split_impulses();
+  solver_.bodies_.velocity.swap(solver_.bodies_.correction);
   // Rigid contacts have no softness to forgive what a round over the points leaves.
   sweep({Push::Split, false, Friction::None, true}, {}, settings_.iterations);
-  s_.bodies_.velocity.swap(s_.bodies_.correction);
+  solver_.bodies_.velocity.swap(solver_.bodies_.correction);
 }
 
 template <typename Executor>
 void GroupSolver::Pass<Executor>::integrate_positions() {
-  each_body_block(
-      [&](std::size_t begin, std::size_t end) { kernels_.integrate_positions(s_.bodies_, constants_, begin, end); });
-  if (s_.joints_.has_rows()) {
-    each_joint_block(joint_row_grain,
-                     [&](std::size_t begin, std::size_t end) { s_.joints_.refresh_rows(joint_step_, begin, end); });
+  each_body_block([&](std::size_t begin, std::size_t end) {
+    kernels_.integrate_positions(solver_.bodies_, constants_, begin, end);
+  });
+  if (solver_.joints_.has_rows()) {
+    each_joint_block(joint_row_grain, [&](std::size_t begin, std::size_t end) {
+      solver_.joints_.refresh_rows(joint_step_, begin, end);
+    });
   }
 }
 
@@ -298,7 +300,7 @@ void GroupSolver::Pass<Executor>::relax() {
 
 template <typename Executor>
 void GroupSolver::Pass<Executor>::finish() {
-  if (input_.capture != nullptr) s_.capture(input_, report_, body_ids_);
+  if (input_.capture != nullptr) solver_.capture(input_, report_, body_ids_);
   if (report_.restitution) {
     each_colour([&](std::size_t begin, std::size_t end) { kernels_.restitute(data_, begin, end); });
   }
@@ -307,18 +309,20 @@ void GroupSolver::Pass<Executor>::finish() {
   const bool notes_overloads = !group_.large || group_.remedy != Remedy::None;
   executor_.parallel_for(block_count_, block_grain, [&](std::size_t begin, std::size_t end) {
     kernels_.store(data_, begin, end);
-    if (notes_overloads) s_.note_overloads(input_, body_ids_, begin, end);
+    if (notes_overloads) solver_.note_overloads(input_, body_ids_, begin, end);
   });
   each_system([&](DirectJoints& system) { system.end_step(direct_input_); });
-  if (leaps_) s_.give_half_kick(body_ids_, 0.5f * constants_.h);
+  if (leaps_) solver_.give_half_kick(body_ids_, 0.5f * constants_.h);
   if (joined_) {
-    each_system_of(s_.joined_motion_.disturbed_direct(), [&](DirectJoints& system) { system.project(direct_input_); });
+    each_system_of(solver_.joined_motion_.disturbed_direct(),
+                   [&](DirectJoints& system) { system.project(direct_input_); });
   }
   executor_.parallel_for(body_ids_.size(), body_grain, [&](std::size_t begin, std::size_t end) {
-    s_.write_back(input_, body_ids_, joined_, begin, end);
+    solver_.write_back(input_, body_ids_, joined_, begin, end);
   });
   each_system([&](DirectJoints& system) { system.settle(direct_input_, input_.bodies, input_.dt, input_.fast); });
-  each_joint_block(joint_grain, [&](std::size_t begin, std::size_t end) { s_.joints_.store(joint_step_, begin, end); });
+  each_joint_block(joint_grain,
+                   [&](std::size_t begin, std::size_t end) { solver_.joints_.store(joint_step_, begin, end); });
   clock_.lap(SolverStage::Store);
 }
 

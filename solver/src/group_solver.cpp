@@ -81,8 +81,7 @@ void GroupSolver::gather_bodies(const SolveInput& input, const IslandGroup& grou
                                               .correction = settings.stabilisation == Stabilisation::SplitImpulse,
                                               .locks = report.locked_bodies > 0 || settings.everything});
   load_kinematic_bodies(input);
-  constexpr std::size_t grain = 128;
-  executor.parallel_for(ids.size(), grain, [&](std::size_t begin, std::size_t end) {
+  executor.parallel_for(ids.size(), body_grain, [&](std::size_t begin, std::size_t end) {
     load_bodies(input, ids, begin, end, input.dt / settings.substeps);
   });
 }

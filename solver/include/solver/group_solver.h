@@ -55,6 +55,7 @@ class GroupSolver {
  private:
   template <typename Executor>
   class Pass;
+  static constexpr std::size_t body_grain = 128;  // of a few microseconds
 
   template <typename Executor>
   GroupReport run(const SolveInput& input, const IslandGroup& group, Executor& executor, GroupContacts contacts);
