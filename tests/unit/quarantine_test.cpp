@@ -20,9 +20,11 @@ struct Lost {
   BodyId floor;
   BodyId crate;
 
-  explicit Lost(const Settings& settings = {}) : world({.settings = settings}) {
+  explicit Lost(const Settings& settings = {}, const MotionLocks& locks = {}) : world({.settings = settings}) {
     floor = world.add_body(ground());
-    crate = world.add_body(box({0, 0, 0.5}));
+    BodyDef def = box({0, 0, 0.5});
+    def.locks = locks;
+    crate = world.add_body(def);
     run(world, 10);
     world.apply_force(crate, {1e30, 0, 0});
     run(world, 1);
@@ -128,21 +130,14 @@ TEST(Quarantine, ReleasedBodyTakesPartAgain) {
 }
 
 TEST(Quarantine, ReleasedBodyKeepsItsLocks) {
-  World world;
-  world.add_body(ground());
-  BodyDef def = box({0, 0, 0.5});
-  def.locks = MotionLocks::plane(Axis::Y);
-  const BodyId crate = world.add_body(def);
-  run(world, 10);
-  world.apply_force(crate, {1e30, 0, 0});
-  run(world, 1);
-  ASSERT_TRUE(world.is_quarantined(crate));
-  world.set_pose(crate, {.position = {0, 0, 0.5}});
-  world.release(crate);
-  world.apply_impulse(crate, {1000, 1000, 0}, {0, 0, 0.5});
-  run(world, 10);
-  EXPECT_GT(world.pose(crate).position.x(), 0.05);
-  EXPECT_EQ(world.pose(crate).position.y(), 0);
+  Lost lost({}, MotionLocks::plane(Axis::Y));
+  ASSERT_TRUE(lost.world.is_quarantined(lost.crate));
+  lost.world.set_pose(lost.crate, {.position = {0, 0, 0.5}});
+  lost.world.release(lost.crate);
+  lost.world.apply_impulse(lost.crate, {1000, 1000, 0}, {0, 0, 0.5});
+  run(lost.world, 10);
+  EXPECT_GT(lost.world.pose(lost.crate).position.x(), 0.05);
+  EXPECT_EQ(lost.world.pose(lost.crate).position.y(), 0);
 }
 
 // What is done to a body while it is out holds when it is back.
