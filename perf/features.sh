@@ -85,8 +85,9 @@ for feature in "${features[@]}"; do
   read -r _ _ _ used_count < <(measure "$whole" "$feature")
   same=same
   if [[ $hash != "$whole_hash" ]]; then same=DIFFERS failed=1; fi
-  printf '%-16s %10d %10d %6s %16d %16d %7s%% %16d %10s\n' "$feature" "$(bytes "$without")" \
-    $(($(bytes "$without") - whole_bytes)) "$same" "$count" "$whole_count" \
+  size=$(bytes "$without")
+  printf '%-16s %10d %10d %6s %16d %16d %7s%% %16d %10s\n' "$feature" "$size" \
+    $((size - whole_bytes)) "$same" "$count" "$whole_count" \
     "$(awk -v a="$count" -v b="$whole_count" 'BEGIN { printf "%.3f", 100 * (b / a - 1) }')" "$used_count" \
     "$(awk -v b="$whole_count" -v c="$used_count" 'BEGIN { printf "%.3f", c / b }')"
   if ! awk -v a="$count" -v b="$whole_count" 'BEGIN { exit !(b <= 1.005 * a) }'; then failed=1; fi
