@@ -38,7 +38,7 @@ struct Columns {
               [](Pair p) { return ContactCache::Start{p.first, p.second, 0.6f, 0, 0.5f, false, 1}; });
   }
 
-  ContactUpdateCounts update(const RefreshKernels& kernels) {
+  ContactUpdateCounts update(const NarrowphaseKernels& kernels) {
     const PoseView poses{positions.data(), orientations.data()};
     update_contacts(cache, broadphase, {colliders, poses, dynamic, turned, reaches, kernels}, arena, result);
     return result.counts;
@@ -56,7 +56,7 @@ struct Columns {
   ContactUpdate result;
 };
 
-void keep_manifolds(benchmark::State& state, const RefreshKernels* kernels) {
+void keep_manifolds(benchmark::State& state, const NarrowphaseKernels* kernels) {
   Columns scene(static_cast<int>(state.range(0)), 10);
   scene.update(*kernels);
   scene.broadphase.forget_moves();
@@ -73,7 +73,7 @@ void keep_manifolds(benchmark::State& state, const RefreshKernels* kernels) {
 int main(int argc, char** argv) {
   for (const atl::solver::Kernels* set : atl::solver::available_kernels()) {
     const std::string name = std::string("keep_manifolds/") + set->name;
-    const RefreshKernels* kernels = find_refresh_kernels(set->name);
+    const NarrowphaseKernels* kernels = find_narrowphase_kernels(set->name);
     benchmark::RegisterBenchmark(name.c_str(), keep_manifolds, kernels)->Arg(100)->Arg(1200);
   }
   benchmark::Initialize(&argc, argv);

@@ -32,8 +32,8 @@ Narrowphase collide(const Shape& first_shape, const Shape& second_shape, const P
     return Narrowphase::ClosedForm;
   }
   if (first_kind == ShapeKind::Box && second_kind == ShapeKind::Box) {
-    collide_boxes(first_shape.half_extents, second_shape.half_extents, second, margin, manifold);
-    return Narrowphase::Fcl;
+    const bool asked = collide_boxes(first_shape.half_extents, second_shape.half_extents, second, margin, manifold);
+    return asked ? Narrowphase::Fcl : Narrowphase::ClosedForm;
   }
   collide_convex(first_shape, second_shape, second, margin, manifold);
   return second_kind == ShapeKind::Capsule ? Narrowphase::ClosedForm : Narrowphase::Fcl;

@@ -1,7 +1,7 @@
-// Box against box: FCL says whether they meet. Its axis is good to a part of the depth, so the best of the fifteen is
-// found here, and the features that support it are clipped against each other, so that every point knows which
-// features made it.
+// Box against box. The best of the fifteen axes comes from a kernel, for many pairs at once; the features that support
+// it are clipped against each other here, so that every point knows which features made it.
 
+#include <collision/box_axes.h>
 #include <collision/collide.h>
 #include <collision/fcl_narrowphase.h>
 #include <collision/feature_id.h>
@@ -197,62 +197,6 @@ Vector3 outward_normal(const FaceAxis& axis, const Matrix3& rotation) {
   return axis.of_second() ? Vector3(-side * rotation.col(axis.index())) : Vector3(side * Vector3::Unit(axis.index()));
 }
 
-// The face axis of the greatest separation; of equals, the first.
-struct BestFace {
-  FaceAxis axis;
-  double separation = -std::numeric_limits<double>::infinity();
-};
-BestFace best_face_axis(const BoxPair& pair) {
-  const Matrix3 along = pair.rotation.cwiseAbs();
-  const Vector3 from_second = pair.rotation.transpose() * pair.position;
-  const Vector3 of_first = pair.position.cwiseAbs() - pair.half_reference - along * pair.half_incident;
-  const Vector3 of_second = from_second.cwiseAbs() - pair.half_incident - along.transpose() * pair.half_reference;
-  BestFace best;
-  for (int i = 0; i < 3; ++i) {
-    if (of_first[i] > best.separation) best = {{i + 1, pair.position[i] < 0}, of_first[i]};
-  }
-  for (int i = 0; i < 3; ++i) {
-    if (of_second[i] > best.separation) best = {{i + 4, from_second[i] > 0}, of_second[i]};
-  }
-  return best;
-}
-
-// The axis across an edge of each that parts the boxes best (Gottschalk et al., "OBBTree", SIGGRAPH 1996, section 5).
-// FCL's own choice prefers faces by a part of the depth, so it is made anew. Code as FCL's.
-fcl_narrowphase::Axis best_edge_axis(const BoxPair& pair) {
-  const Matrix3& r = pair.rotation;
-  const Matrix3 along = r.cwiseAbs();
-  const Vector3& t = pair.position;
-  const Vector3& a = pair.half_reference;
-  const Vector3& b = pair.half_incident;
-  fcl_narrowphase::Axis best;
-  best.code = 0;
-  best.separation = -std::numeric_limits<double>::infinity();
-  double best_side = 1;
-  for (Eigen::Index i = 0; i < 3; ++i) {
-    const Eigen::Index i1 = (i + 1) % 3;
-    const Eigen::Index i2 = (i + 2) % 3;
-    for (Eigen::Index j = 0; j < 3; ++j) {
-      const double sine_squared = r(i1, j) * r(i1, j) + r(i2, j) * r(i2, j);
-      if (sine_squared < 1e-12) continue;  // parallel edges have a face axis
-      const Eigen::Index j1 = (j + 1) % 3;
-      const Eigen::Index j2 = (j + 2) % 3;
-      const double offset = t[i2] * r(i1, j) - t[i1] * r(i2, j);
-      const double reach = a[i1] * along(i2, j) + a[i2] * along(i1, j) + b[j1] * along(i, j2) + b[j2] * along(i, j1);
-      const double separation = (std::abs(offset) - reach) / std::sqrt(sine_squared);
-      if (separation <= best.separation) continue;
-      best.separation = separation;
-      best.code = static_cast<int>(7 + 3 * i + j);
-      best_side = offset < 0 ? -1 : 1;
-    }
-  }
-  if (best.code == 0) return best;
-  const Eigen::Index i = (best.code - 7) / 3;
-  const Eigen::Index j = (best.code - 7) % 3;
-  best.normal = (best_side * Vector3::Unit(i).cross(r.col(j))).normalized();
-  return best;
-}
-
 // Two faces that lie on each other, tilted by a hair, often cross deepest at their edges. A face wins where it looks
 // the same way, within 0.1 degrees, and that of the last manifold within 2 degrees, so that ids don't flicker while a
 // box rocks (at 1 degree a stack of three boxes a centimetre wide fell over); if its manifold is as deep, within what a
@@ -271,41 +215,80 @@ bool face_stands_in(const BoxPair& pair, const fcl_narrowphase::Axis& edge, cons
   return false;
 }
 
+// The pair of a lane.
+BoxPair pair_of(const Vector3& half_first, const Vector3& half_second, const BoxAxes& axes, std::size_t lane) {
+  BoxPair pair;
+  pair.half_reference = half_first;
+  pair.half_incident = half_second;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    pair.position[row] = axes.position[i][lane];
+    for (std::size_t j = 0; j < 3; ++j) {
+      pair.rotation(row, static_cast<Eigen::Index>(j)) = axes.rotation[3 * j + i][lane];
+    }
+  }
+  return pair;
+}
+
+FaceAxis face_axis(const BoxPair& pair, int code) {
+  if (code <= 3) return {code, pair.position[code - 1] < 0};
+  return {code, pair.rotation.col(code - 4).dot(pair.position) > 0};
+}
+
 }  // namespace
 
-void collide_boxes(const Vector3& half_first, const Vector3& half_second, const Pose& second, double margin,
-                   Manifold& manifold) {
-  const BoxPair pair{half_first, half_second, second.position, second.orientation.toRotationMatrix()};
-  const FaceAxis previous = FaceAxis::unpacked(std::exchange(manifold.axis, 0));
-  if (!pair.position.allFinite() || !pair.rotation.allFinite()) return;
-  const double size = std::min(half_first.minCoeff(), half_second.minCoeff());
-  const auto [axis, face_separation] = best_face_axis(pair);
-  if (axis.code == 0) return;  // so far away that sums overflow
-  const fcl_narrowphase::Axis edge = best_edge_axis(pair);
-  const double separation = std::max(face_separation, edge.separation);
-  if (!(separation <= margin)) {
-    manifold.gap = separation;
-    return;
+bool collide_boxes(const Vector3& half_first, const Vector3& half_second, const BoxAxes& axes, std::size_t lane,
+                   double margin, Manifold& manifold) {
+  manifold.count = 0;
+  const std::uint32_t last = std::exchange(manifold.axis, 0);
+  const FaceAxis previous = FaceAxis::unpacked(last);
+  const int face_code = static_cast<int>(axes.face_code[lane]);
+  const int edge_code = static_cast<int>(axes.edge_code[lane]);
+  if (face_code == 0) return false;  // not finite, or so far away that sums overflow
+  const double face_apart = axes.face[lane];
+  const double separation = std::max(face_apart, axes.edge[lane]);
+  const double gap = std::max(separation, axes.centres[lane]);
+  if (!(gap <= margin)) {
+    manifold.gap = gap;
+    return false;
   }
-  // FCL drops pairs that don't overlap: it is shown the first box grown by the margin then.
-  const Vector3 grown = half_first + Vector3::Constant(separation > 0 ? margin : 0);
-  fcl_narrowphase::Axis found;
-  if (!fcl_narrowphase::box_box(grown, half_second, pair.position, pair.rotation, margin, found)) return;
+  const BoxPair pair = pair_of(half_first, half_second, axes, lane);
+  if (!pair.position.allFinite() || !pair.rotation.allFinite()) return false;
+  const double size = std::min(pair.half_reference.minCoeff(), pair.half_incident.minCoeff());
+  const bool on_edges = axes.edge[lane] > face_apart + 1e-9 * size;
+
+  // FCL confirms that two boxes meet that didn't, or not along this axis. It drops pairs that don't overlap: it is
+  // shown the first box grown by the margin then.
+  const bool ask = static_cast<int>(last / 2) != (on_edges ? edge_code : face_code);
+  if (ask) {
+    const Vector3 grown = pair.half_reference + Vector3::Constant(separation > 0 ? margin : 0);
+    fcl_narrowphase::Axis found;
+    if (!fcl_narrowphase::box_box(grown, pair.half_incident, pair.position, pair.rotation, margin, found)) return true;
+  }
 
   const bool had_face = previous.code >= 1 && previous.code <= 6;
-  if (edge.separation > face_separation + 1e-9 * size) {
-    if (had_face && face_stands_in(pair, edge, previous, true, margin, size, manifold)) return;
-    if (face_stands_in(pair, edge, axis, false, margin, size, manifold)) return;
+  const FaceAxis face = face_axis(pair, face_code);
+  if (on_edges) {
+    const fcl_narrowphase::Axis edge = {box_axis(axes, lane, edge_code), axes.edge[lane], edge_code};
+    if (had_face && face_stands_in(pair, edge, previous, true, margin, size, manifold)) return ask;
+    if (face_stands_in(pair, edge, face, false, margin, size, manifold)) return ask;
     edge_manifold(pair, edge, margin, manifold);
-    return;
+    return ask;
   }
   // Parallel faces are equally good up to rounding: keep the previous one, or its points' ids would flicker.
-  if (had_face && previous.packed() != axis.packed() &&
-      separation_along(pair, previous) >= face_separation - 1e-3 * size) {
+  if (had_face && previous.packed() != face.packed() && separation_along(pair, previous) >= face_apart - 1e-3 * size) {
     face_manifold(pair, previous, margin, manifold);
-    if (manifold.count > 0) return;
+    if (manifold.count > 0) return ask;
   }
-  face_manifold(pair, axis, margin, manifold);
+  face_manifold(pair, face, margin, manifold);
+  return ask;
+}
+
+bool collide_boxes(const Vector3& half_first, const Vector3& half_second, const Pose& second, double margin,
+                   Manifold& manifold) {
+  BoxAxes axes;
+  find_box_axes(half_first, half_second, second, axes);
+  return collide_boxes(half_first, half_second, axes, 0, margin, manifold);
 }
 
 }  // namespace atl::collision

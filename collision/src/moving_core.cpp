@@ -1,5 +1,7 @@
 #include "moving_core.h"
 
+#include <collision/box_axes.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -129,6 +131,15 @@ bool stay_parted(const MovingCore& first, const MovingCore& second, double aim, 
   return !(closing > 0) || separation - aim > closing * t_limit;
 }
 
+// The same by the best of the axes of two boxes at the start: that costs less than their distance.
+bool boxes_stay_parted(const MovingCore& first, const MovingCore& second, double aim, double near, double t_limit) {
+  if (first.core.kind != ConvexCore::Kind::Box || second.core.kind != ConvexCore::Kind::Box) return false;
+  BoxAxes axes;
+  const Pose& start = first.motion.start;
+  find_box_axes(first.core.half_extents, second.core.half_extents, relative(start, second.motion.start), axes);
+  return stay_parted(first, second, aim, near, start.orientation * best_box_axis(axes, 0), t_limit);
+}
+
 }  // namespace
 
 Motion Motion::between(const Pose& start, const Pose& end, const Vector3& centre) {
@@ -169,6 +180,7 @@ bool advance(const MovingCore& first, const MovingCore& second, const SweepGoal&
   Vector3 guess = pose_second.position - pose_first.position;
   if (second.core.kind == ConvexCore::Kind::Triangle) guess += pose_second.orientation * second.core.triangle[0];
   if (stay_parted(first, second, aim, near, guess, t_limit)) return false;
+  if (boxes_stay_parted(first, second, aim, near, t_limit)) return false;
   double t = 0;
   SweepHit last;
   for (int i = 0; i < max_distances; ++i) {

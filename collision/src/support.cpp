@@ -63,6 +63,7 @@ Vector3 support_point(const Shape& shape, const Vector3& direction) {
 }
 
 double reach_along(const Shape& shape, const Vector3& unit_direction) {
+  if (shape.kind == ShapeKind::Box) return unit_direction.cwiseAbs().dot(shape.half_extents);
   return support_point(shape, unit_direction).dot(unit_direction);
 }
 

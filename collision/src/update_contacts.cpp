@@ -63,6 +63,12 @@ class Stretch {
   void fill_block(std::size_t count, const SlotOf& slot_of);
   void fill_lane(const Contact& contact, ContactManifold& manifold, std::size_t lane);
   void find_anew(std::size_t entry);
+  void find_boxes();
+  void place(std::uint32_t collider, PlacedLane& lane) const;
+  bool are_boxes(Pair pair) const {
+    return input_.colliders.shape[pair.first].kind == ShapeKind::Box &&
+           input_.colliders.shape[pair.second].kind == ShapeKind::Box;
+  }
   void set_apart(std::size_t entry, double margin, double gap);
   bool still_apart(const Contact& contact) const;
   void fetch_ahead(std::size_t entry) const;
@@ -87,6 +93,9 @@ class Stretch {
   std::array<PlacedLane, block_lanes> placed_incident_;
   Batch kept_batch_;
   Batch fresh_batch_;
+  Batch box_batch_;  // pairs of boxes to be found anew
+  BoxBlock boxes_;
+  BoxAxes box_axes_;
   std::array<std::uint32_t, longest_stretch> stale_;
   // Of the entries from begin_ on: noted as they pass, since to come back to all contacts costs more.
   std::size_t begin_ = 0;
@@ -144,16 +153,21 @@ Stretch::Result Stretch::run(std::size_t begin, std::size_t end, ContactStatus* 
     const std::uint32_t entry = stale_[i];
     // Parts are found together, by the first of them that is stale.
     if (status_[entry] != ContactStatus::Stale) continue;
+    ++counts_.fresh;
     if (with_meshes && (is_surface(input_.colliders.shape[contact_at(entry).pair.first].kind) ||
                         is_surface(input_.colliders.shape[contact_at(entry).pair.second].kind))) {
       const std::size_t first = entry - contact_at(entry).part;
       find_surface_parts(first);
       for (std::size_t part = 0; part < max_surface_manifolds; ++part) note_points(first + part);
+    } else if (are_boxes(contact_at(entry).pair)) {
+      box_batch_.entries[box_batch_.count++] = entry;
+      if (box_batch_.count == block_lanes) find_boxes();
     } else {
       find_anew(entry);
       note_points(entry);
     }
   }
+  find_boxes();
   refresh(fresh_batch_, true);
 
   Result result;
@@ -265,6 +279,14 @@ void Stretch::place(std::span<const std::uint32_t> slots) {
   }
 }
 
+void Stretch::place(std::uint32_t collider, PlacedLane& lane) const {
+  const Pose pose = input_.colliders.pose(collider, input_.poses);
+  const Vector3 offset = pose.position - input_.poses[input_.colliders.body[collider]].position;
+  Eigen::Map<Vector3>(lane.position.data()) = pose.position;
+  Eigen::Map<Eigen::Vector4d>(lane.orientation.data()) = pose.orientation.coeffs();
+  Eigen::Map<Eigen::Vector3f>(lane.offset.data()) = offset.cast<float>();
+}
+
 void Stretch::fill_lane(const Contact& contact, ContactManifold& manifold, std::size_t lane) {
   block_.contact[lane] = &contact;
   block_.manifold[lane] = &manifold;
@@ -281,13 +303,6 @@ void Stretch::fill_lane(const Contact& contact, ContactManifold& manifold, std::
   block_.offset_reference[lane] = block_.offset_incident[lane] = no_offset.data();
   if (!contact.placed) return;
 
-  const auto place = [&](std::uint32_t collider, PlacedLane& to) {
-    const Pose pose = input_.colliders.pose(collider, input_.poses);
-    const Vector3 offset = pose.position - input_.poses[input_.colliders.body[collider]].position;
-    Eigen::Map<Vector3>(to.position.data()) = pose.position;
-    Eigen::Map<Eigen::Vector4d>(to.orientation.data()) = pose.orientation.coeffs();
-    Eigen::Map<Eigen::Vector3f>(to.offset.data()) = offset.cast<float>();
-  };
   PlacedLane& at_reference = placed_reference_[lane];
   PlacedLane& at_incident = placed_incident_[lane];
   place(swapped ? contact.pair.second : contact.pair.first, at_reference);
@@ -298,6 +313,15 @@ void Stretch::fill_lane(const Contact& contact, ContactManifold& manifold, std::
   block_.position_incident[lane] = at_incident.position.data();
   block_.orientation_incident[lane] = at_incident.orientation.data();
   block_.offset_incident[lane] = at_incident.offset.data();
+}
+
+// Of the boxes of a lane.
+Pose incident_in_reference(const BoxAxes& axes, std::size_t lane, bool reference_is_second) {
+  const auto position = [&](std::size_t i) { return axes.position[i][lane]; };
+  const auto turn = [&](std::size_t i) { return axes.orientation[i][lane]; };
+  const Pose second{{position(0), position(1), position(2)}, {turn(3), turn(0), turn(1), turn(2)}};
+  if (!reference_is_second) return second;
+  return relative(second, {Vector3::Zero(), Quaternion::Identity()});
 }
 
 void clear_impulses(ContactManifold& manifold) {
@@ -394,6 +418,45 @@ void Stretch::find_anew(std::size_t entry) {
   replace(entry, fresh, incident, margin);
 }
 
+// What find_anew() does, of pairs of boxes: their axes are found in lanes.
+void Stretch::find_boxes() {
+  const std::size_t count = std::exchange(box_batch_.count, 0);
+  if (count == 0) return;
+  for (std::size_t lane = 0; lane < block_lanes; ++lane) {
+    const Contact& contact = contact_at(box_batch_.entries[std::min(lane, count - 1)]);
+    boxes_.half_first[lane] = input_.colliders.shape[contact.pair.first].half_extents.data();
+    boxes_.half_second[lane] = input_.colliders.shape[contact.pair.second].half_extents.data();
+    boxes_.position_first[lane] = input_.poses.positions + 3 * std::size_t{contact.body_first};
+    boxes_.orientation_first[lane] = input_.poses.orientations + 4 * std::size_t{contact.body_first};
+    boxes_.position_second[lane] = input_.poses.positions + 3 * std::size_t{contact.body_second};
+    boxes_.orientation_second[lane] = input_.poses.orientations + 4 * std::size_t{contact.body_second};
+    if (!contact.placed) continue;
+    place(contact.pair.first, placed_reference_[lane]);
+    place(contact.pair.second, placed_incident_[lane]);
+    boxes_.position_first[lane] = placed_reference_[lane].position.data();
+    boxes_.orientation_first[lane] = placed_reference_[lane].orientation.data();
+    boxes_.position_second[lane] = placed_incident_[lane].position.data();
+    boxes_.orientation_second[lane] = placed_incident_[lane].orientation.data();
+  }
+  input_.kernels.find_box_axes(boxes_, box_axes_);
+  for (std::size_t lane = 0; lane < count; ++lane) {
+    const std::uint32_t entry = box_batch_.entries[lane];
+    const Contact& contact = contact_at(entry);
+    const double margin = margin_of(contact);
+    Manifold fresh;
+    fresh.axis = contact.axis;
+    counts_.fcl_calls +=
+        collide_boxes(input_.colliders.shape[contact.pair.first].half_extents,
+                      input_.colliders.shape[contact.pair.second].half_extents, box_axes_, lane, margin, fresh);
+    if (fresh.count == 0) {
+      set_apart(entry, margin, fresh.gap);
+    } else {
+      replace(entry, fresh, incident_in_reference(box_axes_, lane, fresh.reference_is_second), margin);
+    }
+    note_points(entry);
+  }
+}
+
 // The manifolds of a solid and a surface go to the parts that had the most similar normals.
 void Stretch::find_surface_parts(std::size_t entry) {
   const Contact& contact = contact_at(entry);
@@ -445,8 +508,9 @@ void Stretch::find_surface_parts(std::size_t entry) {
 }  // namespace
 
 ContactUpdateCounts& ContactUpdateCounts::operator+=(const ContactUpdateCounts& other) {
-  fcl_calls += other.fcl_calls;
   kept += other.kept;
+  fresh += other.fresh;
+  fcl_calls += other.fcl_calls;
   id_matches += other.id_matches;
   id_misses += other.id_misses;
   points += other.points;

@@ -12,6 +12,7 @@ std::vector<Count> named_counts(const StepCounts& c) {
           {"colours", c.colours},
           {"fcl_calls", c.fcl_calls},
           {"kept_manifolds", c.kept_manifolds},
+          {"fresh_manifolds", c.fresh_manifolds},
           {"asleep", c.asleep},
           {"id_matches", c.id_matches},
           {"id_misses", c.id_misses},

@@ -74,7 +74,7 @@ collision::ContactUpdateInput World::Impl::contact_input() const {
           .dynamic = records.dynamic,
           .turned = bodies.turned,
           .reaches = reaches_,
-          .kernels = *refresh_kernels};
+          .kernels = *narrowphase_kernels};
 }
 
 void World::Impl::update_contacts() {
@@ -84,6 +84,7 @@ void World::Impl::update_contacts() {
   const collision::ContactUpdateCounts& counts = contact_update_.counts;
   report_.counts.fcl_calls = counts.fcl_calls;
   report_.counts.kept_manifolds = counts.kept;
+  report_.counts.fresh_manifolds = counts.fresh;
   report_.counts.id_matches = counts.id_matches;
   report_.counts.id_misses = counts.id_misses;
   report_.counts.active_bodies = static_cast<std::int64_t>(active_.in_order().size());

@@ -122,7 +122,7 @@ void World::Impl::note_stages() {
   };
 
   note_items(Stage::Broadphase, counts.pairs, phase_ms(Phase::FindPairs));
-  note_items(Stage::Narrowphase, counts.fcl_calls, phase_ms(Phase::UpdateContacts));
+  note_items(Stage::Narrowphase, counts.fresh_manifolds, phase_ms(Phase::UpdateContacts));
   note_items(Stage::KeptManifolds, counts.kept_manifolds);
   note_items(Stage::ContactSolver, counts.contacts, phase_ms(Phase::SolveIslands));
   note_items(Stage::SeveralPoints, work.several_points);

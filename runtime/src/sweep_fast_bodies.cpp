@@ -69,11 +69,10 @@ collision::Pose to_collision(const solver::BodyPose& pose) { return {pose.positi
 
 }  // namespace
 
-// Where a body was at the start of the step, if it was fast; else it counts as being where it is now.
-const solver::FastBody* World::Impl::find_fast(std::uint32_t body) const {
-  const auto found = std::lower_bound(fast_in_order_.begin(), fast_in_order_.end(), body,
-                                      [](const solver::FastBody& fast, std::uint32_t b) { return fast.body < b; });
-  return found != fast_in_order_.end() && found->body == body ? &*found : nullptr;
+// How a body moved in this step, if it was fast; else it counts as being where it is now.
+const World::Impl::FastMove* World::Impl::find_fast(std::uint32_t body) const {
+  const std::uint32_t place = fast_place_[body];
+  return place == 0 ? nullptr : &fast_in_order_[place - 1];
 }
 
 // The collider's motion in this step, of its shape or of a part of it that is centred at `centre`.
@@ -83,7 +82,7 @@ collision::Motion World::Impl::step_motion(std::uint32_t collider, const Vector3
   collision::Pose local = colliders.local[collider];
   local.position += local.orientation * centre;
   const collision::Pose end = placed(poses[body], local);
-  const solver::FastBody* fast = find_fast(body);
+  const FastMove* fast = find_fast(body);
   if (!fast) return Motion::still(end);
   // In the shape's frame the body's centre of mass, about which it turns.
   const Vector3 pivot = -(local.orientation.conjugate() * local.position);
@@ -91,28 +90,13 @@ collision::Motion World::Impl::step_motion(std::uint32_t collider, const Vector3
 }
 
 // Everywhere that the body has been in this step.
-collision::Aabb World::Impl::swept_box(const solver::FastBody& fast) const {
+collision::Aabb World::Impl::swept_box(const FastMove& fast) const {
   const Vector3 reach = Vector3::Constant(bodies.radius[fast.body]);
   const Vector3 end = bodies.position(fast.body);
   return collision::Aabb::around(fast.start.position.cwiseMin(end) - reach, fast.start.position.cwiseMax(end) + reach);
 }
 
-// How far the surfaces of two bodies may have come towards each other in this step. Up to half the smaller one's size
-// the speculative margin has seen it coming.
-double World::Impl::closing_distance(const solver::FastBody& fast, std::uint32_t other) const {
-  const auto turn = [this](const solver::FastBody& moved) {
-    // An arc of up to half a turn is at most pi / 2 times its chord.
-    const Quaternion change = moved.start.orientation.conjugate() * bodies.orientation(moved.body);
-    return std::numbers::pi * bodies.radius[moved.body] * change.vec().norm();
-  };
-  Vector3 shift = bodies.position(fast.body) - fast.start.position;
-  const solver::FastBody* also_fast = find_fast(other);
-  if (!also_fast) return shift.norm() + turn(fast);
-  shift -= bodies.position(other) - also_fast->start.position;
-  return shift.norm() + turn(fast) + turn(*also_fast);
-}
-
-double World::Impl::first_hit(const solver::FastBody& fast, std::vector<std::uint32_t>& nearby) const {
+double World::Impl::first_hit(const FastMove& fast, std::vector<std::uint32_t>& nearby) const {
   double first = 1;
   const collision::PoseView poses{bodies.positions.data(), bodies.orientations.data()};
   nearby.clear();
@@ -121,19 +105,20 @@ double World::Impl::first_hit(const solver::FastBody& fast, std::vector<std::uin
   for_each_collider(fast.body, [&](std::uint32_t collider) {
     const collision::Shape& shape = colliders.shape[collider];
     const Motion motion = step_motion(collider, Vector3::Zero());
-    const Vector3 own_shift = bodies.position(fast.body) - fast.start.position;
     for (const std::uint32_t other : nearby) {
       if (other == collider || !broadphase.allowed(collider, other)) continue;
+      const std::uint32_t body = colliders.body[other];
+      const FastMove* moved = find_fast(body);
+      const Vector3 shift = moved ? Vector3(fast.shift - moved->shift) : fast.shift;
+      // How far the surfaces may have come towards each other. Up to half the smaller one's size the speculative margin
+      // has seen it coming.
+      const double closing = shift.norm() + fast.turn + (moved ? moved->turn : 0);
       const double size = std::min(shape.inner_radius, colliders.shape[other].inner_radius);
-      const double closing = closing_distance(fast, colliders.body[other]);
       if (closing <= collision::approach_share * size) continue;
       // Before the look-up in the cache, as most of what is near is passed by.
       if (collision::is_convex_solid(colliders.shape[other].kind)) {
-        const std::uint32_t body = colliders.body[other];
-        const solver::FastBody* moved = find_fast(body);
         const collision::Pose at =
             moved ? placed(to_collision(moved->start), colliders.local[other]) : colliders.pose(other, poses);
-        const Vector3 shift = moved ? Vector3(own_shift - (bodies.position(body) - moved->start.position)) : own_shift;
         const double goal = (stop_share + 1e-3) * size;
         if (pass_by(shape, motion.start, colliders.shape[other], at, shift, closing, goal)) continue;
       }
@@ -161,23 +146,33 @@ double World::Impl::first_hit(const solver::FastBody& fast, std::vector<std::uin
   return first;
 }
 
-void World::Impl::sweep_fast_bodies() {
+void World::Impl::list_fast_bodies() {
   fast_in_order_.clear();
   fast_.for_each([this](std::vector<solver::FastBody>& of_worker) {
     for (const solver::FastBody& fast : of_worker) {
       // A body that is put back tears the joints that hold it to others, which have gone on.
       if (with_joints && is_joined(fast.body) && !records.continuous[fast.body]) continue;
-      fast_in_order_.push_back(fast);  // grows by more than it needs
+      // An arc of up to half a turn is at most pi / 2 times its chord.
+      const Quaternion change = fast.start.orientation.conjugate() * bodies.orientation(fast.body);
+      fast_in_order_.push_back({fast.body, fast.start, bodies.position(fast.body) - fast.start.position,
+                                std::numbers::pi * bodies.radius[fast.body] * change.vec().norm()});
     }
   });
   if (fast_in_order_.empty()) return;
   std::sort(fast_in_order_.begin(), fast_in_order_.end(),
-            [](const solver::FastBody& x, const solver::FastBody& y) { return x.body < y.body; });
+            [](const FastMove& x, const FastMove& y) { return x.body < y.body; });
+  fast_place_.resize(bodies.size());
+  for (std::uint32_t i = 0; i < fast_in_order_.size(); ++i) fast_place_[fast_in_order_[i].body] = i + 1;
+}
+
+void World::Impl::sweep_fast_bodies() {
+  list_fast_bodies();
+  if (fast_in_order_.empty()) return;
 
   // For fast bodies to find each other their boxes must show where they went, as those that were stretched along the
   // motion often do. All are swept along the motion that the solver gave them before any is put back.
   rushed_.clear();
-  for (const solver::FastBody& fast : fast_in_order_) {
+  for (const FastMove& fast : fast_in_order_) {
     if (!is_finite(fast.body)) continue;
     const collision::Aabb swept = swept_box(fast);
     bool rushed = false;
@@ -198,7 +193,7 @@ void World::Impl::sweep_fast_bodies() {
   });
   for (std::size_t i = 0; i < fast_in_order_.size(); ++i) {
     if (first_hits_[i] >= 1) continue;
-    const solver::FastBody& fast = fast_in_order_[i];
+    const FastMove& fast = fast_in_order_[i];
     const Motion motion = Motion::between(to_collision(fast.start),
                                           {bodies.position(fast.body), bodies.orientation(fast.body)}, Vector3::Zero());
     const collision::Pose pose = motion.at(first_hits_[i]);
@@ -208,6 +203,7 @@ void World::Impl::sweep_fast_bodies() {
     ++report_.counts.stopped;
   }
   for (const std::uint32_t body : rushed_) move_proxies(body);
+  for (const FastMove& fast : fast_in_order_) fast_place_[fast.body] = 0;
   report_.counts.swept = static_cast<std::int64_t>(fast_in_order_.size());
 }
 

@@ -53,7 +53,7 @@ World::Impl::Impl(const WorldDef& def)
     : gravity(def.gravity),
       settings(checked(def.settings)),
       kernels(&kernels_for(def.settings.simd)),
-      refresh_kernels(collision::find_refresh_kernels(kernels->name)),
+      narrowphase_kernels(collision::find_narrowphase_kernels(kernels->name)),
       arena(checked_threads(def.threads)),
       group_solvers_(def.threads),
       overloads_(def.threads),
@@ -238,7 +238,7 @@ void World::set_settings(const Settings& settings) {
   if (settings.joint_solver != impl_->settings.joint_solver) impl_->solve_joints_anew();
   impl_->settings = settings;
   impl_->kernels = &kernels_for(settings.simd);
-  impl_->refresh_kernels = collision::find_refresh_kernels(impl_->kernels->name);
+  impl_->narrowphase_kernels = collision::find_narrowphase_kernels(impl_->kernels->name);
   note<calls::SetSettings>(*impl_, settings);
 }
 

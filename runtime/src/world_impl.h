@@ -147,7 +147,7 @@ class World::Impl {
   Vector3 gravity;
   Settings settings;
   const solver::Kernels* kernels;
-  const collision::RefreshKernels* refresh_kernels;
+  const collision::NarrowphaseKernels* narrowphase_kernels;
   jobs::Arena arena;
 
   solver::BodyTable bodies;
@@ -210,11 +210,12 @@ class World::Impl {
   void note_arrival_or_departure(std::uint32_t body);
   void note_reaches();
   void note_events();
-  const solver::FastBody* find_fast(std::uint32_t body) const;
+  struct FastMove;
+  void list_fast_bodies();
+  const FastMove* find_fast(std::uint32_t body) const;
   collision::Motion step_motion(std::uint32_t collider, const Vector3& centre) const;
-  double closing_distance(const solver::FastBody& fast, std::uint32_t other) const;
-  collision::Aabb swept_box(const solver::FastBody& fast) const;
-  double first_hit(const solver::FastBody& fast, std::vector<std::uint32_t>& nearby) const;
+  collision::Aabb swept_box(const FastMove& fast) const;
+  double first_hit(const FastMove& fast, std::vector<std::uint32_t>& nearby) const;
   void wake_touched_sleepers();
   void remove_lost_contacts();
   bool escalates() const;
@@ -316,7 +317,15 @@ class World::Impl {
   std::vector<EscalatedIsland> escalated_;
   std::vector<std::uint32_t> failed_;  // bodies of islands that could not be solved at once
   solver::FastBodies fast_;
-  std::vector<solver::FastBody> fast_in_order_;
+  // How a body moved that was fast.
+  struct FastMove {
+    std::uint32_t body;
+    solver::BodyPose start;
+    Vector3 shift;  // m, of the centre of mass
+    double turn;    // m: no point of it got farther by turning
+  };
+  std::vector<FastMove> fast_in_order_;
+  std::vector<std::uint32_t> fast_place_;                     // by body: its number in there + 1, or 0
   std::vector<std::uint32_t> rushed_;                         // fast bodies that left their boxes
   std::vector<std::pair<std::uint32_t, Quarantine>> broken_;  // bodies that the solve left unsound, in order
   std::vector<double> first_hits_;  // by fast body: when it met something, as part of the step

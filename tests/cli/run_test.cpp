@@ -60,13 +60,15 @@ TEST(CommandRun, JsonHasTheKeysInTheirOrder) {
   EXPECT_EQ(keys_of(json["phases_ms"]), (Keys{"plan", "find_pairs", "update_contacts", "build_islands", "solve_islands",
                                               "sweep_fast_bodies", "finish"}));
   EXPECT_EQ(keys_of(json["counts"]),
-            (Keys{"pairs", "contacts", "points", "joints", "islands", "groups", "colours", "fcl_calls",
-                  "kept_manifolds", "asleep", "id_matches", "id_misses", "swept", "stopped", "sweeps", "direct_joints",
-                  "direct_islands", "finer_islands", "newton_iterations"}));
+            (Keys{"pairs",  "contacts",      "points",         "joints",         "islands",
+                  "groups", "colours",       "fcl_calls",      "kept_manifolds", "fresh_manifolds",
+                  "asleep", "id_matches",    "id_misses",      "swept",          "stopped",
+                  "sweeps", "direct_joints", "direct_islands", "finer_islands",  "newton_iterations"}));
   EXPECT_EQ(keys_of(json["errors"]),
             (Keys{"penetration_max", "penetration_p99", "penetration_mean", "penetration_max_relative", "sink_max",
                   "sink_mean", "drift_max", "tilt_max", "energy_drift"}));
-  for (const Json& stage : json["stages"]) EXPECT_EQ(keys_of(stage), (Keys{"name", "run", "why", "items", "unit", "ms"}));
+  for (const Json& stage : json["stages"])
+    EXPECT_EQ(keys_of(stage), (Keys{"name", "run", "why", "items", "unit", "ms"}));
 
   EXPECT_EQ(json["scene"], "stack:height=3,ratio=1");
   EXPECT_EQ(json["bodies"], 3);

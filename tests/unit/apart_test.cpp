@@ -20,9 +20,9 @@ namespace {
 
 using test::Random;
 
-const RefreshKernels& any_kernels() {
+const NarrowphaseKernels& any_kernels() {
   for (const char* name : {"avx512", "avx2", "sse4", "neon", "portable"}) {
-    if (const RefreshKernels* found = find_refresh_kernels(name)) return *found;
+    if (const NarrowphaseKernels* found = find_narrowphase_kernels(name)) return *found;
   }
   ADD_FAILURE() << "no kernels";
   std::abort();
@@ -144,7 +144,7 @@ TEST(Apart, MovingTogetherCostsNothing) {
     bodies.put(1, fallen + 1.2 * Vector3::UnitX(), Quaternion::Identity());
     bodies.update();
     EXPECT_EQ(bodies.result.counts.kept, 1) << "step " << step;
-    EXPECT_EQ(bodies.result.counts.fcl_calls, 0);
+    EXPECT_EQ(bodies.result.counts.fresh, 0);
   }
 }
 

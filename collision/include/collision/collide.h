@@ -1,11 +1,12 @@
 #pragma once
 
+#include <collision/box_axes.h>
 #include <collision/manifold.h>
 #include <collision/pose.h>
 
 namespace atl::collision {
 
-/// What found a manifold.
+/// What was asked about a manifold.
 enum class Narrowphase { ClosedForm, Fcl };
 
 /// Finds the contact points of a pair that are no farther apart than `margin` (m, >= 0). `second` is the pose
@@ -16,8 +17,13 @@ Narrowphase collide(const Shape& first_shape, const Shape& second_shape, const P
                     Manifold& manifold);
 
 /// The pairs' own functions, which collide() chooses from.
-void collide_boxes(const Vector3& half_first, const Vector3& half_second, const Pose& second, double margin,
+///
+/// Boxes answer whether FCL was asked: where they meet along the axis of the last manifold it isn't.
+bool collide_boxes(const Vector3& half_first, const Vector3& half_second, const Pose& second, double margin,
                    Manifold& manifold);
+/// The same of a lane, whose axes were found.
+bool collide_boxes(const Vector3& half_first, const Vector3& half_second, const BoxAxes& axes, std::size_t lane,
+                   double margin, Manifold& manifold);
 void collide_spheres(double radius_first, double radius_second, const Pose& second, double margin, Manifold& manifold);
 /// Turns the contact of two spheres that are apart and near each other to where they will meet in the step, or pass by:
 /// with the line of centres of the step's start they would bounce off the wrong way, or off each other where they miss.

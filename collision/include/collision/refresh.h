@@ -5,8 +5,6 @@
 
 #include <array>
 #include <cstdint>
-#include <string_view>
-#include <vector>
 
 namespace atl::collision {
 
@@ -54,19 +52,5 @@ inline constexpr float approach_share = 0.5f;
 constexpr double speculative_margin(double size, double approach) {
   return margin_share * size + (approach < approach_share * size ? approach : approach_share * size);
 }
-
-/// The wide kernels for one instruction set; the same bits on each.
-struct RefreshKernels {
-  const char* name;
-
-  /// Writes the geometry of the contacts to their manifolds, moved as their shapes have since they were captured:
-  /// exact for fixed features. With `fresh` all lanes (those captured just now); else only those that have drifted
-  /// less than the tolerances and whose speculative margin still covers what was captured. Returns these lanes'
-  /// bits. Contacts without points write nothing. Impulses and materials stay. Only lanes below `count` are written.
-  unsigned (*refresh)(const RefreshBlock& block, std::size_t count, bool fresh);
-};
-
-/// The sets that this machine runs, by the solver's names for them. Null if it lacks one.
-const RefreshKernels* find_refresh_kernels(std::string_view name);
 
 }  // namespace atl::collision

@@ -3,7 +3,7 @@
 #include <collision/broadphase.h>
 #include <collision/collider_table.h>
 #include <collision/contact_cache.h>
-#include <collision/refresh.h>
+#include <collision/narrowphase_kernels.h>
 #include <collision/touching_pair.h>
 #include <jobs/arena.h>
 #include <jobs/bytes.h>
@@ -22,7 +22,7 @@ struct ContactUpdateInput {
   /// that differs by bounds how far a point 1 m from the origin got by turning.
   std::span<const double> turned;
   std::span<const StepReach> reaches;  ///< by body: in this step, at its present velocity
-  const RefreshKernels& kernels;
+  const NarrowphaseKernels& kernels;
 };
 
 /// One entry of ContactCache::order each.
@@ -34,8 +34,9 @@ enum class ContactStatus : std::uint8_t {
 };
 
 struct ContactUpdateCounts {
-  std::int64_t fcl_calls = 0;
-  std::int64_t kept = 0;
+  std::int64_t kept = 0;       ///< pairs that kept their features, or their having none
+  std::int64_t fresh = 0;      ///< pairs that the narrowphase looked at
+  std::int64_t fcl_calls = 0;  ///< pairs of these for which FCL ran
   std::int64_t id_matches = 0;
   std::int64_t id_misses = 0;
   std::int64_t points = 0;  ///< of touching pairs
