@@ -73,6 +73,9 @@ void World::Impl::give_constants(std::uint32_t body, const std::shared_ptr<const
   bodies.locks[body] = c.locks;
   bodies.principal_axes[body] = c.principal_axes;
   bodies.moments[body] = c.moments;
+  const double least_moment = least_moment_of(c);
+  if (least_moment > 0 && bodies.least_moment.empty()) bodies.least_moment.resize(bodies.size(), 0.0);
+  if (!bodies.least_moment.empty()) bodies.least_moment[body] = least_moment;
   bodies.ball[body] = c.colliders.size() == 1 && c.colliders.front().shape.kind == collision::ShapeKind::Sphere &&
                       c.centre.isZero(0) && c.colliders.front().local.position.isZero(0);
   bodies.gravity_scale[body] = c.gravity_scale;

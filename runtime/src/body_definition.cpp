@@ -4,10 +4,13 @@
 #include <collision/height_field.h>
 #include <collision/hull.h>
 #include <collision/triangle_mesh.h>
+#include <solver/contact_inertia.h>
 #include <solver/motion_locks.h>
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -181,6 +184,15 @@ void check_mass(const BodyDef& def, BodyConstants& body) {
 }
 
 }  // namespace
+
+double least_moment_of(const BodyConstants& body) {
+  if (body.type != BodyType::Dynamic || solver::angular_locks(body.locks) != 0) return 0;
+  double radius = std::numeric_limits<double>::infinity();
+  for (const CheckedCollider& collider : body.colliders) radius = std::min(radius, collider.shape.inner_radius);
+  const double least = solver::least_moment_share / body.inverse_mass * radius * radius;
+  const Vector3 moments = body.gyroscopic ? body.moments : Vector3(body.inertia.diagonal());
+  return moments.minCoeff() < least ? least : 0;
+}
 
 void check_finite(const char* what, const Vector3& value) {
   if (!value.allFinite()) refuse(what, value, "three finite numbers");

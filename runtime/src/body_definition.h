@@ -51,6 +51,10 @@ struct CheckedBody {
   CollisionFilter filter = {};
 };
 
+/// kg m^2: what contacts see of lesser moments, see solver/contact_inertia.h. 0 if the body has none, as any solid of
+/// uniform density.
+double least_moment_of(const BodyConstants& body);
+
 /// Throws Error naming the field, the value and what was expected.
 CheckedBody check(const BodyDef& def);
 

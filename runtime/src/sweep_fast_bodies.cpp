@@ -1,5 +1,6 @@
 // Continuous collision: bodies that moved far in a step are put back to where they first met something in their
-// way, so that the next step finds the contact. They keep their velocity. Only these bodies cost anything.
+// way, so that the next step finds the contact. What touches with its core already slides along what it touches. They
+// keep their velocity. Only these bodies cost anything.
 
 #include <collision/convex.h>
 #include <collision/distance.h>
@@ -9,6 +10,8 @@
 #include <algorithm>
 #include <limits>
 #include <numbers>
+#include <optional>
+#include <span>
 
 #include "world_impl.h"
 
@@ -54,8 +57,7 @@ bool pass_by(const collision::Shape& first, const collision::Pose& at_first, con
   return gap - goal > closing - shift.norm() + std::max(0.0, shift.dot(direction));
 }
 
-// Of a solid that starts at the other's surface: it ends off it, and on the same side. What touches for long and turns
-// far in a step is not to be held where it is.
+// Of a solid that starts at the other's surface: it ends off it, and on the same side.
 bool stays_outside(const collision::Shape& solid, const Motion& motion, const collision::Shape& other,
                    const Motion& other_motion) {
   constexpr double anywhere = std::numeric_limits<double>::infinity();
@@ -65,23 +67,53 @@ bool stays_outside(const collision::Shape& solid, const Motion& motion, const co
   return before.distance > 0 && after.distance > 0 && before.normal.dot(after.normal) > 0;
 }
 
+// How far beyond the plane of the hit the core ends.
+HeldBy held_by(const collision::SweepHit& hit, const Motion& other, const collision::Shape& core,
+               const collision::Pose& end, double slack) {
+  const collision::Pose other_end = other.at(1);
+  const Vector3 point = other_end.position + other_end.orientation * (other.start.orientation.conjugate() *
+                                                                      (hit.point - other.start.position));
+  const double reach = collision::reach_along(core, end.orientation.conjugate() * hit.normal);
+  return {hit.normal, hit.normal.dot(end.position - point) + reach, slack};
+}
+
+// The way that takes a core off all that it is held by: before one plane after the other until none is passed. A core
+// that started overlapping would be let through.
+std::optional<Vector3> way_aside(std::span<const HeldBy> held) {
+  constexpr int rounds = 20;
+  Vector3 aside = Vector3::Zero();
+  for (int round = 0; round < rounds; ++round) {
+    bool passed = false;
+    for (const HeldBy& surface : held) {
+      const double excess = surface.excess + surface.normal.dot(aside);
+      if (excess <= -0.25 * surface.slack) continue;
+      aside -= (excess + 0.5 * surface.slack) * surface.normal;
+      passed = true;
+    }
+    if (!passed) return aside;
+  }
+  return std::nullopt;
+}
+
 collision::Pose to_collision(const solver::BodyPose& pose) { return {pose.position, pose.orientation}; }
 
 }  // namespace
 
 // How a body moved in this step, if it was fast; else it counts as being where it is now.
-const World::Impl::FastMove* World::Impl::find_fast(std::uint32_t body) const {
+const FastMove* World::Impl::find_fast(std::uint32_t body) const {
   const std::uint32_t place = fast_place_[body];
   return place == 0 ? nullptr : &fast_in_order_[place - 1];
 }
 
-// The collider's motion in this step, of its shape or of a part of it that is centred at `centre`.
-collision::Motion World::Impl::step_motion(std::uint32_t collider, const Vector3& centre) const {
+// The collider's motion in this step, of its shape or of a part of it that is centred at `centre`, if its body ends
+// `aside` of where it did.
+collision::Motion World::Impl::step_motion(std::uint32_t collider, const Vector3& centre, const Vector3& aside) const {
   const std::uint32_t body = colliders.body[collider];
   const collision::PoseView poses{bodies.positions.data(), bodies.orientations.data()};
   collision::Pose local = colliders.local[collider];
   local.position += local.orientation * centre;
-  const collision::Pose end = placed(poses[body], local);
+  collision::Pose end = placed(poses[body], local);
+  end.position += aside;
   const FastMove* fast = find_fast(body);
   if (!fast) return Motion::still(end);
   // In the shape's frame the body's centre of mass, about which it turns.
@@ -89,27 +121,28 @@ collision::Motion World::Impl::step_motion(std::uint32_t collider, const Vector3
   return Motion::between(placed(to_collision(fast->start), local), end, pivot);
 }
 
-// Everywhere that the body has been in this step.
-collision::Aabb World::Impl::swept_box(const FastMove& fast) const {
+// Everywhere that the body has been in this step, if it ends `aside` of where it did.
+collision::Aabb World::Impl::swept_box(const FastMove& fast, const Vector3& aside) const {
   const Vector3 reach = Vector3::Constant(bodies.radius[fast.body]);
-  const Vector3 end = bodies.position(fast.body);
+  const Vector3 end = bodies.position(fast.body) + aside;
   return collision::Aabb::around(fast.start.position.cwiseMin(end) - reach, fast.start.position.cwiseMax(end) + reach);
 }
 
-double World::Impl::first_hit(const FastMove& fast, std::vector<std::uint32_t>& nearby) const {
+// When the body first meets something, as part of the step, if it ends `aside` of where it did. What it touches with
+// its core from the start is added to `held`, and doesn't stop it.
+double World::Impl::first_hit(const FastMove& fast, const Vector3& aside, std::span<const std::uint32_t> nearby,
+                              std::vector<HeldBy>& held) const {
   double first = 1;
   const collision::PoseView poses{bodies.positions.data(), bodies.orientations.data()};
-  nearby.clear();
-  broadphase.query_box(swept_box(fast), [&](std::uint32_t other) { nearby.push_back(other); });
-  std::sort(nearby.begin(), nearby.end());
   for_each_collider(fast.body, [&](std::uint32_t collider) {
     const collision::Shape& shape = colliders.shape[collider];
-    const Motion motion = step_motion(collider, Vector3::Zero());
+    const Motion motion = step_motion(collider, Vector3::Zero(), aside);
+    const Vector3 own_shift = fast.shift + aside;
     for (const std::uint32_t other : nearby) {
       if (other == collider || !broadphase.allowed(collider, other)) continue;
       const std::uint32_t body = colliders.body[other];
       const FastMove* moved = find_fast(body);
-      const Vector3 shift = moved ? Vector3(fast.shift - moved->shift) : fast.shift;
+      const Vector3 shift = moved ? Vector3(own_shift - moved->shift) : own_shift;
       // How far the surfaces may have come towards each other. Up to half the smaller one's size the speculative margin
       // has seen it coming.
       const double closing = shift.norm() + fast.turn + (moved ? moved->turn : 0);
@@ -122,7 +155,7 @@ double World::Impl::first_hit(const FastMove& fast, std::vector<std::uint32_t>& 
         const double goal = (stop_share + 1e-3) * size;
         if (pass_by(shape, motion.start, colliders.shape[other], at, shift, closing, goal)) continue;
       }
-      const Motion other_motion = step_motion(other, Vector3::Zero());
+      const Motion other_motion = step_motion(other, Vector3::Zero(), Vector3::Zero());
       collision::SweepHit hit;
       if (!cache.touches(collision::Pair::of(collider, other))) {
         const collision::SweepGoal goal{stop_share * size, 1e-3 * size};
@@ -133,17 +166,43 @@ double World::Impl::first_hit(const FastMove& fast, std::vector<std::uint32_t>& 
         }
       }
       const Core core = core_of(shape);
-      const Motion core_motion = step_motion(collider, core.centre);
+      const Motion core_motion = step_motion(collider, core.centre, aside);
       const collision::SweepGoal goal{0, 1e-3 * size};
       if (!collision::sweep(core.shape, core_motion, colliders.shape[other], other_motion, goal, first, hit) ||
           hit.started_overlapping) {
         continue;
       }
-      if (hit.t == 0 && stays_outside(core.shape, core_motion, colliders.shape[other], other_motion)) continue;
-      first = hit.t;
+      if (hit.t > 0) {
+        first = hit.t;
+        continue;
+      }
+      if (stays_outside(core.shape, core_motion, colliders.shape[other], other_motion)) continue;
+      held.push_back(held_by(hit, other_motion, core.shape, core_motion.at(1), 1e-3 * size));
     }
   });
   return first;
+}
+
+// Where a fast body may go in this step. What its core touches from the start would hold it where it is, for good, if
+// other bodies press on it: it goes all its way but for what would take the core through the surfaces that it touches.
+FastStop World::Impl::find_stop(const FastMove& fast, FastSweep& scratch) const {
+  const auto look_around = [&](const Vector3& aside) {
+    scratch.nearby.clear();
+    broadphase.query_box(swept_box(fast, aside), [&](std::uint32_t other) { scratch.nearby.push_back(other); });
+    std::sort(scratch.nearby.begin(), scratch.nearby.end());
+  };
+  scratch.held.clear();
+  look_around(Vector3::Zero());
+  const double first = first_hit(fast, Vector3::Zero(), scratch.nearby, scratch.held);
+  if (scratch.held.empty()) return {first, Vector3::Zero()};
+  const std::optional<Vector3> aside = way_aside(scratch.held);
+  if (!aside || bodies.locks[fast.body] != 0) return {0, Vector3::Zero()};
+  look_around(*aside);
+  scratch.held.clear();
+  const double first_aside = first_hit(fast, *aside, scratch.nearby, scratch.held);
+  const bool kept_off =
+      std::all_of(scratch.held.begin(), scratch.held.end(), [](const HeldBy& surface) { return surface.excess <= 0; });
+  return kept_off ? FastStop{first_aside, *aside} : FastStop{0, Vector3::Zero()};
 }
 
 void World::Impl::list_fast_bodies() {
@@ -174,7 +233,7 @@ void World::Impl::sweep_fast_bodies() {
   rushed_.clear();
   for (const FastMove& fast : fast_in_order_) {
     if (!is_finite(fast.body)) continue;
-    const collision::Aabb swept = swept_box(fast);
+    const collision::Aabb swept = swept_box(fast, Vector3::Zero());
     bool rushed = false;
     for_each_collider(fast.body, [&](std::uint32_t collider) {
       if (broadphase.fat_box(collider).contains(swept)) return;
@@ -183,20 +242,20 @@ void World::Impl::sweep_fast_bodies() {
     });
     if (rushed) rushed_.push_back(fast.body);
   }
-  first_hits_.resize(fast_in_order_.size());
-  std::fill(first_hits_.begin(), first_hits_.end(), 1.0);
+  stops_.assign(fast_in_order_.size(), FastStop{});
   arena.parallel_for(fast_in_order_.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       if (!is_finite(fast_in_order_[i].body)) continue;
-      first_hits_[i] = first_hit(fast_in_order_[i], nearby_.local());
+      stops_[i] = find_stop(fast_in_order_[i], sweep_scratch_.local());
     }
   });
   for (std::size_t i = 0; i < fast_in_order_.size(); ++i) {
-    if (first_hits_[i] >= 1) continue;
+    const FastStop& stop = stops_[i];
+    if (stop.t >= 1 && stop.aside.isZero(0)) continue;
     const FastMove& fast = fast_in_order_[i];
-    const Motion motion = Motion::between(to_collision(fast.start),
-                                          {bodies.position(fast.body), bodies.orientation(fast.body)}, Vector3::Zero());
-    const collision::Pose pose = motion.at(first_hits_[i]);
+    const collision::Pose end{bodies.position(fast.body) + stop.aside, bodies.orientation(fast.body)};
+    const Motion motion = Motion::between(to_collision(fast.start), end, Vector3::Zero());
+    const collision::Pose pose = stop.t >= 1 ? end : motion.at(stop.t);
     bodies.position(fast.body) = pose.position;
     bodies.set_orientation(fast.body, pose.orientation);
     look_again(fast.body);

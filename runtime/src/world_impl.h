@@ -28,6 +28,7 @@
 #include "active_bodies.h"
 #include "body_definition.h"
 #include "constants_pool.h"
+#include "fast_move.h"
 #include "joint_table.h"
 #include "quarantine.h"
 #include "roster.h"
@@ -210,12 +211,13 @@ class World::Impl {
   void note_arrival_or_departure(std::uint32_t body);
   void note_reaches();
   void note_events();
-  struct FastMove;
   void list_fast_bodies();
   const FastMove* find_fast(std::uint32_t body) const;
-  collision::Motion step_motion(std::uint32_t collider, const Vector3& centre) const;
-  collision::Aabb swept_box(const FastMove& fast) const;
-  double first_hit(const FastMove& fast, std::vector<std::uint32_t>& nearby) const;
+  collision::Motion step_motion(std::uint32_t collider, const Vector3& centre, const Vector3& aside) const;
+  collision::Aabb swept_box(const FastMove& fast, const Vector3& aside) const;
+  double first_hit(const FastMove& fast, const Vector3& aside, std::span<const std::uint32_t> nearby,
+                   std::vector<HeldBy>& held) const;
+  FastStop find_stop(const FastMove& fast, FastSweep& scratch) const;
   void wake_touched_sleepers();
   void remove_lost_contacts();
   bool escalates() const;
@@ -317,19 +319,12 @@ class World::Impl {
   std::vector<EscalatedIsland> escalated_;
   std::vector<std::uint32_t> failed_;  // bodies of islands that could not be solved at once
   solver::FastBodies fast_;
-  // How a body moved that was fast.
-  struct FastMove {
-    std::uint32_t body;
-    solver::BodyPose start;
-    Vector3 shift;  // m, of the centre of mass
-    double turn;    // m: no point of it got farther by turning
-  };
   std::vector<FastMove> fast_in_order_;
   std::vector<std::uint32_t> fast_place_;                     // by body: its number in there + 1, or 0
   std::vector<std::uint32_t> rushed_;                         // fast bodies that left their boxes
   std::vector<std::pair<std::uint32_t, Quarantine>> broken_;  // bodies that the solve left unsound, in order
-  std::vector<double> first_hits_;  // by fast body: when it met something, as part of the step
-  jobs::Scratch<std::vector<std::uint32_t>> nearby_;
+  std::vector<FastStop> stops_;                               // by fast body
+  jobs::Scratch<FastSweep> sweep_scratch_;
   solver::JointGraph joint_graph_;
   bool joints_stale_ = false;  // joints came, went or changed since the graph was made
   std::vector<std::pair<std::uint32_t, std::uint32_t>> to_kinematic_;  // kinematic bodies, and what is joined to them

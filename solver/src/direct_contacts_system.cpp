@@ -1,5 +1,6 @@
 // What an island's contacts are to the direct solver, and its matrix.
 
+#include <solver/contact_inertia.h>
 #include <solver/direct_contacts.h>
 
 #include <algorithm>
@@ -72,8 +73,13 @@ bool DirectContacts::load_bodies(const SolveInput& input) {
     Body& of = bodies_[i];
     of.body = body;
     of.mass = 1 / table.inverse_mass[body];
-    of.inertia = rotation * table.inertia[body] * rotation.transpose();
-    of.inverse_inertia = rotation * table.inverse_inertia[body] * rotation.transpose();
+    if (is_seen_heavier(input, body)) {
+      of.inertia = inertia_in_contact(table, body);
+      of.inverse_inertia = inverse_inertia_in_contact(table, body);
+    } else {
+      of.inertia = rotation * table.inertia[body] * rotation.transpose();
+      of.inverse_inertia = rotation * table.inverse_inertia[body] * rotation.transpose();
+    }
     of.radius = std::sqrt(of.inertia.trace() / (3 * of.mass));
     of.acceleration = input.gravity * table.gravity_scale[body] + table.inverse_mass[body] * table.force(body);
     const Vector3 turning = of.inverse_inertia * (table.torque(body) - spin.cross(of.inertia * spin));

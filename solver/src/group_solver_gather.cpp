@@ -2,6 +2,7 @@
 
 #include <jobs/with_joints.h>
 #include <jobs/with_surfaces.h>
+#include <solver/contact_inertia.h>
 #include <solver/group_solver.h>
 #include <solver/motion_locks.h>
 
@@ -105,7 +106,9 @@ void GroupSolver::load_bodies(const SolveInput& input, std::span<const std::uint
   for (std::size_t i = begin; i < end; ++i) {
     const std::uint32_t body = bodies[i];
     const std::size_t local = first_dynamic_ + i;
-    const Matrix3 inverse_inertia = world_inverse_inertia(table, body);
+    const bool heavier = is_seen_heavier(input, body);
+    const Matrix3 inverse_inertia =
+        heavier ? inverse_inertia_in_contact(table, body) : world_inverse_inertia(table, body);
 
     VelocityRows& velocity = bodies_.velocity[local];
     set3(velocity.linear, table.velocity(body));
@@ -130,8 +133,8 @@ void GroupSolver::load_bodies(const SolveInput& input, std::span<const std::uint
     if (!bodies_.locks.empty()) bodies_.locks[local] = LockRow::of(table.locks[body]);
 
     if (table.gyroscopic[body]) {
-      bodies_.gyroscopic[local] =
-          GyroscopicRows::of(table.orientation(body) * table.principal_axes[body], table.moments[body]);
+      bodies_.gyroscopic[local] = GyroscopicRows::of(table.orientation(body) * table.principal_axes[body],
+                                                     heavier ? moments_in_contact(table, body) : table.moments[body]);
     }
   }
 }

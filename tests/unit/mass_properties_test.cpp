@@ -4,6 +4,7 @@
 #include <collision/shape.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -159,6 +160,35 @@ TEST(MassProperties, OfPartsAddUp) {
                (part.unit_inertia + arm.squaredNorm() * Matrix3::Identity() - arm * arm.transpose());
   }
   EXPECT_LT((inertia - whole.unit_inertia).norm(), 1e-14);
+}
+
+// Contacts see no less than a third of this of a body, which so never shows of what is of one density.
+TEST(MassProperties, OfSolidsAreNotLessThanTheirInnerRadiusAllows) {
+  Random random(3);
+  std::vector<Hull> hulls;
+  for (int i = 0; i < 200; ++i) {
+    Cloud cloud;
+    const Vector3 size(random.magnitude(0.01, 10), random.magnitude(0.01, 10), random.magnitude(0.01, 10));
+    for (int k = 0; k < 4 + i % 30; ++k) cloud.push_back(random.direction().cwiseProduct(size));
+    hulls.push_back(std::get<Hull>(build_hull(cloud)));
+  }
+  std::vector<Shape> shapes;
+  for (const Hull& hull : hulls) shapes.push_back(Shape::convex_hull(hull));
+  for (int i = 0; i < 200; ++i) {
+    const double a = random.magnitude(0.01, 10);
+    const double b = random.magnitude(0.01, 10);
+    for (const Shape& shape : {Shape::sphere(a), Shape::capsule(a, b), Shape::cylinder(a, b), Shape::cone(a, b),
+                               Shape::box({a, b, random.magnitude(0.01, 10)})}) {
+      shapes.push_back(shape);
+    }
+  }
+  for (const Shape& shape : shapes) {
+    const double least =
+        Eigen::SelfAdjointEigenSolver<Matrix3>(mass_properties(shape).unit_inertia, Eigen::EigenvaluesOnly)
+            .eigenvalues()[0];
+    EXPECT_GE(least, 0.3 * shape.inner_radius * shape.inner_radius * (1 - 1e-9))
+        << "kind " << static_cast<int>(shape.kind);
+  }
 }
 
 }  // namespace

@@ -45,6 +45,7 @@ struct BodyTable {
   std::vector<std::uint8_t> locks;         ///< what each body is without, see motion_locks.h
   std::vector<std::uint8_t> ball;          ///< 1 for a sphere about the centre of mass: it looks the same turned
   std::vector<Surface> surfaces;           ///< empty while all are plain
+  std::vector<double> least_moment;        ///< kg m^2, see contact_inertia.h; 0 or empty where there is no need
   std::vector<double> gravity_scale;
   std::vector<double> linear_damping;   ///< 1/s
   std::vector<double> angular_damping;  ///< 1/s
@@ -87,8 +88,8 @@ struct BodyTable {
 inline std::size_t BodyTable::bytes() const {
   return jobs::bytes_of(positions, orientations, velocities, angular_velocities, forces, torques, mobility,
                         inverse_mass, inertia, inverse_inertia, gyroscopic, principal_axes, moments, locks, ball,
-                        gravity_scale, linear_damping, angular_damping, radius, turned, slack, reach_limit,
-                        sweep_distance, outgrown);
+                        least_moment, gravity_scale, linear_damping, angular_damping, radius, turned, slack,
+                        reach_limit, sweep_distance, outgrown);
 }
 
 inline void BodyTable::resize(std::size_t count) {
@@ -106,6 +107,7 @@ inline void BodyTable::resize(std::size_t count) {
   locks.resize(count, 0);
   ball.resize(count, 0);
   if (!surfaces.empty()) surfaces.resize(count);
+  if (!least_moment.empty()) least_moment.resize(count, 0.0);
   gravity_scale.resize(count, 1.0);
   linear_damping.resize(count, 0.0);
   angular_damping.resize(count, 0.0);
