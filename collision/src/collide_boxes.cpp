@@ -257,9 +257,9 @@ bool collide_boxes(const Vector3& half_first, const Vector3& half_second, const 
   const double size = std::min(pair.half_reference.minCoeff(), pair.half_incident.minCoeff());
   const bool on_edges = axes.edge[lane] > face_apart + 1e-9 * size;
 
-  // FCL confirms that two boxes meet that didn't, or not along this axis. It drops pairs that don't overlap: it is
-  // shown the first box grown by the margin then.
-  const bool ask = static_cast<int>(last / 2) != (on_edges ? edge_code : face_code);
+  // FCL confirms that two boxes meet that didn't. It drops pairs that don't overlap: it is shown the first box grown by
+  // the margin then.
+  const bool ask = last == 0;
   if (ask) {
     const Vector3 grown = pair.half_reference + Vector3::Constant(separation > 0 ? margin : 0);
     fcl_narrowphase::Axis found;

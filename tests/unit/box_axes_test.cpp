@@ -128,8 +128,8 @@ TEST(BoxAxes, AreNoneWherePosesAreNotFinite) {
   for (const std::size_t lane : {0u, 1u, 3u}) EXPECT_NE(best_box_axis(axes, lane), Vector3::Zero()) << "lane " << lane;
 }
 
-// A pair that has met FCL is not asked about again while it meets along the same axis: the answer is known.
-TEST(BoxAxes, FclIsAskedOnceForAnAxis) {
+// FCL is not asked about a pair again that meets already: the answer is known.
+TEST(BoxAxes, FclIsAskedWhenBoxesComeToMeet) {
   Random random(4);
   int met = 0;
   for (int i = 0; i < 5000; ++i) {
@@ -143,13 +143,7 @@ TEST(BoxAxes, FclIsAskedOnceForAnAxis) {
     ++met;
     ASSERT_TRUE(asked);
     const Manifold first = manifold;
-    const bool stood_in = collide_boxes(a, b, second, margin, manifold);
-    // A face may stand in for edges: then those are the better axis again.
-    BoxAxes axes;
-    find_box_axes(a, b, second, axes);
-    const std::uint32_t best =
-        static_cast<std::uint32_t>(axes.edge[0] > axes.face[0] ? axes.edge_code[0] : axes.face_code[0]);
-    ASSERT_EQ(stood_in, best != first.axis / 2);
+    ASSERT_FALSE(collide_boxes(a, b, second, margin, manifold));
     ASSERT_EQ(manifold.axis, first.axis);
     ASSERT_EQ(manifold.count, first.count);
     for (int k = 0; k < first.count; ++k) {
@@ -160,6 +154,8 @@ TEST(BoxAxes, FclIsAskedOnceForAnAxis) {
     // What it says: they meet, as deep as that, but that it prefers a face to edges by a twentieth.
     fcl_narrowphase::Axis found;
     ASSERT_TRUE(fcl_narrowphase::box_box(a, b, second.position, second.orientation.toRotationMatrix(), margin, found));
+    BoxAxes axes;
+    find_box_axes(a, b, second, axes);
     const double separation = std::max(axes.face[0], axes.edge[0]);
     if (separation > 0) continue;
     ASSERT_LE(found.separation, separation + 1e-9);

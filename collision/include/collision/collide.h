@@ -18,7 +18,7 @@ Narrowphase collide(const Shape& first_shape, const Shape& second_shape, const P
 
 /// The pairs' own functions, which collide() chooses from.
 ///
-/// Boxes answer whether FCL was asked: where they meet along the axis of the last manifold it isn't.
+/// Boxes answer whether FCL was asked: where the last manifold had an axis it isn't, since they met then.
 bool collide_boxes(const Vector3& half_first, const Vector3& half_second, const Pose& second, double margin,
                    Manifold& manifold);
 /// The same of a lane, whose axes were found.
