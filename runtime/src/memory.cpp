@@ -42,8 +42,7 @@ std::vector<MemoryUse> World::Impl::memory() const {
   uses.push_back({"joints", of_joints, joints.count, "joints"});
   uses.push_back({"continuous_collision", bytes_of(fast_in_order_, fast_place_, rushed_, stops_),
                   static_cast<std::size_t>(report_.counts.swept), "bodies"});
-  uses.push_back({"contact_events", bytes_of(contact_events_, touched_, touched_before_, touched_now_),
-                  contact_events_.size(), "events"});
+  uses.push_back({"contact_events", events_.bytes() + unasked_events_.bytes(), events_.told.size(), "events"});
   uses.push_back(
       {"contact_problem", bytes_of(capture_.answers, capture_.motions), capture_.answers.size(), "contacts"});
   return uses;

@@ -106,7 +106,8 @@ void World::Impl::read_state(std::span<const std::byte> state) {
   contact_update_.forget();
   touching_ = {};
   // Results are those of a step, and there was none.
-  contact_events_.clear();
+  events_.told.clear();
+  unasked_events_ = {};
   joint_events_.clear();
   escalated_.clear();
   captured_ = false;

@@ -70,7 +70,8 @@ void World::Impl::solve_groups() {
   const solver::SolverSettings how_finer = in_finer(finer);
   solver::SolverSettings how_finest = in_finer(finest);
   how_finest.joint_method = solver::JointMethod::Iterative;
-  if (settings.keep_contact_problem) capture_.resize(cache.manifolds.size(), bodies.size());
+  const bool captures = settings.keep_contact_problem || settings.run_everything;
+  if (captures) capture_.resize(cache.manifolds.size(), bodies.size());
   const bool surfaces = with_surfaces && (settings.run_everything || !bodies.surfaces.empty());
   if (surfaces) surface_contacts_.resize(cache.manifolds.size());
   const auto input_with = [&](const solver::SolverSettings& with) {
@@ -83,7 +84,7 @@ void World::Impl::solve_groups() {
                               .kernels = *kernels,
                               .fast = fast_,
                               .overloads = overloads_,
-                              .capture = settings.keep_contact_problem ? &capture_ : nullptr,
+                              .capture = captures ? &capture_ : nullptr,
                               .surface_contacts = surfaces ? surface_contacts_.data() : nullptr,
                               .joints = joints.joints.data(),
                               .joint_graph = joints.count == 0 ? nullptr : &joint_graph_};

@@ -163,11 +163,13 @@ void World::Impl::finish() {
   }
   pushed_.clear();
   if (with_events && settings.contact_events) {
-    note_events();
+    note_events(events_);
   } else {
-    contact_events_.clear();
+    events_.told.clear();
+    if (with_events && settings.run_everything) note_events(unasked_events_);
   }
-  events_noted_ = settings.contact_events;
+  events_.noted = settings.contact_events;
+  unasked_events_.noted = settings.run_everything && !settings.contact_events;
   if (with_joints && joints.size() > 0) note_joints();
   if (with_sleeping && settings.sleeping) {
     if (with_surfaces && !bodies.surfaces.empty()) keep_belts_awake();

@@ -154,8 +154,10 @@ void World::Impl::note_stages() {
   note_items(Stage::KinematicBodies, static_cast<std::int64_t>(contents.kinematic));
   note_items(Stage::ContinuousCollision, counts.swept, phase_ms(Phase::SweepFastBodies));
   note(Stage::Sleeping, settings.sleeping, counts.active_bodies, phase_ms(Phase::Finish));
-  note(Stage::ContactEvents, settings.contact_events, static_cast<std::int64_t>(contact_events_.size()));
-  note(Stage::ContactProblem, settings.keep_contact_problem, counts.contacts);
+  const bool events = settings.contact_events || (with_events && settings.run_everything);
+  const ContactEvents& noted = settings.contact_events ? events_ : unasked_events_;
+  note(Stage::ContactEvents, events, static_cast<std::int64_t>(noted.told.size()));
+  note(Stage::ContactProblem, settings.keep_contact_problem || settings.run_everything, counts.contacts);
   note(Stage::Recording, recorder != nullptr, 1);
   for (std::size_t i = 0; i < stage_count; ++i) {
     if (!is_built(static_cast<Stage>(i))) report_.stages[i].why = "this build is without it";

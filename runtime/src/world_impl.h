@@ -28,6 +28,7 @@
 #include "active_bodies.h"
 #include "body_definition.h"
 #include "constants_pool.h"
+#include "contact_events.h"
 #include "fast_move.h"
 #include "joint_table.h"
 #include "quarantine.h"
@@ -138,7 +139,7 @@ class World::Impl {
   std::span<const ContactForce> contact_forces();
   void place_idle_contacts();
   ContactProblem contact_problem() const;
-  std::span<const ContactEvent> contact_events() const { return contact_events_; }
+  std::span<const ContactEvent> contact_events() const { return events_.told; }
   std::span<const EscalatedIsland> escalated_islands() const { return escalated_; }
   std::vector<MemoryUse> memory() const;  // memory.cpp
   std::uint64_t state_hash() const;
@@ -210,7 +211,7 @@ class World::Impl {
   collision::ContactUpdateInput contact_input() const;
   void note_arrival_or_departure(std::uint32_t body);
   void note_reaches();
-  void note_events();
+  void note_events(ContactEvents& events);
   void list_fast_bodies();
   const FastMove* find_fast(std::uint32_t body) const;
   collision::Motion step_motion(std::uint32_t collider, const Vector3& centre, const Vector3& aside) const;
@@ -330,12 +331,9 @@ class World::Impl {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> to_kinematic_;  // kinematic bodies, and what is joined to them
   std::int64_t direct_joints_ = 0;                                     // of awake bodies
   std::vector<JointEvent> joint_events_;
-  std::vector<ContactEvent> contact_events_;
-  std::vector<std::pair<BodyId, BodyId>> touched_;  // in order, as of the last step with events
-  std::vector<std::pair<BodyId, BodyId>> touched_before_;
-  std::vector<std::pair<BodyId, BodyId>> touched_now_;  // scratch: of active contacts
-  bool events_noted_ = false;                           // by the last step
-  bool islands_rebuilt_ = false;                        // by the last step
+  ContactEvents events_;
+  ContactEvents unasked_events_;  // that nobody asked for, where everything is run
+  bool islands_rebuilt_ = false;  // by the last step
 
   std::vector<solver::SurfaceContact> surface_contacts_;  // by contact slot; empty while all surfaces are plain
 

@@ -140,7 +140,7 @@ class WorldState {
     archive_.check(world_.gravity.allFinite(), "gravity that is not finite");
     archive_.value(world_.last_dt_);
     archive_.check(world_.last_dt_ >= 0 && world_.last_dt_ <= 1, "a step of no valid duration");
-    archive_.value(world_.events_noted_);
+    archive_.value(world_.events_.noted);
     // What only reports are made of.
     if constexpr (!Archive::hashes) {
       archive_.value(world_.last_substep_);
@@ -275,7 +275,7 @@ class WorldState {
   }
 
   void visit_events() {
-    auto& touched = world_.touched_;
+    auto& touched = world_.events_.touched;
     if constexpr (reads) {
       touched.resize(archive_.count_of(sizeof(std::pair<BodyId, BodyId>)));
     } else {

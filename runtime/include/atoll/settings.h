@@ -81,7 +81,8 @@ struct Settings {
 
   bool keep_contact_problem = false;  ///< World::contact_problem() has something to tell
 
-  /// Leave nothing out: each stage and kernel is run on all contacts and bodies of an island, needed or not. No bit of
+  /// Leave nothing out: each stage and kernel is run on all contacts and bodies of an island, needed or not; contact
+  /// events and the contact problem are found, though not told. Choices between methods, and sleeping, stay. No bit of
   /// the result changes; the time says what leaving out saves. See StepReport::stages.
   bool run_everything = false;
 

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <atoll/world.h>
+#include <jobs/bytes.h>
+
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+namespace atl {
+
+/// Which bodies touch, and what that changed.
+struct ContactEvents {
+  using Pairs = std::vector<std::pair<BodyId, BodyId>>;
+
+  std::vector<ContactEvent> told;
+  Pairs touched;  ///< in order, as of the last step with events
+  Pairs before;
+  Pairs now;           ///< scratch: of active contacts
+  bool noted = false;  ///< by the last step
+
+  /// Memory held.
+  std::size_t bytes() const { return jobs::bytes_of(told, touched, before, now); }
+};
+
+}  // namespace atl
