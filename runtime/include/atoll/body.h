@@ -72,7 +72,9 @@ struct BodyDef {
   double density = 1000;                            ///< kg/m^3, > 0; used where mass is not given
   std::optional<double> mass = {};                  ///< kg, > 0; inertia follows from shape and mass
   /// kg m^2, body frame, about the centre of mass: symmetric, positive definite, principal moments
-  /// obeying the triangle inequality. Needs mass.
+  /// obeying the triangle inequality. Needs mass. Moments below a tenth of the mass times the square of the shape's
+  /// inner radius, which no solid of one density has, count as that much where the body touches others, but for islands
+  /// with joints.
   std::optional<Matrix3> inertia = {};
   Material material = {};
   /// m/s, body frame: how fast the surface runs along the body, as a conveyor's belt. Friction sees its part in the
@@ -85,8 +87,8 @@ struct BodyDef {
   CollisionFilter filter = {};
   /// Looks for what the body may have passed through after every step in which it moved at all. Without it that
   /// is done in steps in which it moved farther than three quarters of its inner radius, unless it is joined to others:
-  /// what stops a body in its tracks opens its joints, until they are closed again in the next step. In a build without
-  /// ATOLL_WITH_CONTINUOUS nothing is swept, and true throws.
+  /// what stops a body in its tracks opens its joints, until they are closed again in the next step. What it touched
+  /// already it slides along. In a build without ATOLL_WITH_CONTINUOUS nothing is swept, and true throws.
   bool continuous = false;
 };
 
