@@ -1,5 +1,7 @@
 #pragma once
 
+#include <collision/pose.h>
+#include <collision/refresh.h>
 #include <solver/motion.h>
 
 #include <cstdint>
@@ -13,6 +15,26 @@ struct FastMove {
   solver::BodyPose start;
   Vector3 shift;  ///< m, of the centre of mass
   double turn;    ///< m: no point of it got farther by turning
+
+  collision::Pose start_pose() const { return {start.position, start.orientation}; }
+};
+
+/// How near a body is put to what it met, as part of its inner radius: well within the margin in which a contact
+/// has points. Sweeps end that near but for their tolerance, a part as well.
+inline constexpr double stop_share = 0.25 * static_cast<double>(collision::margin_share);
+inline constexpr double sweep_tolerance = 1e-3;
+
+/// What is touched already is left to its contact, unless the core gets to it: the shape with this part of its
+/// inner radius taken off.
+inline constexpr double core_share = 0.5;
+
+/// Something that a fast body's shape may meet in the step.
+struct Approach {
+  std::uint32_t other;  ///< collider
+  Vector3 shift;        ///< m, of the fast body against the other one
+  double closing;       ///< m, how far their surfaces come towards each other at most
+  double size;          ///< m, inner radius of the smaller shape
+  bool passes_core;     ///< the shape's core is kept apart from it
 };
 
 /// A surface that a fast body's core touches as the step starts.
@@ -31,6 +53,7 @@ struct FastStop {
 /// Memory of a worker that sweeps fast bodies.
 struct FastSweep {
   std::vector<std::uint32_t> nearby;  // colliders
+  std::vector<Approach> approaching;
   std::vector<HeldBy> held;
 };
 

@@ -21,14 +21,6 @@ namespace {
 using collision::Motion;
 using collision::ShapeKind;
 
-// How near a body is put to what it met, as part of its inner radius: well within the margin in which a contact
-// has points.
-constexpr double stop_share = 0.25 * static_cast<double>(collision::margin_share);
-
-// What is touched already is left to its contact, unless the core gets to it: the shape with this part of its
-// inner radius taken off.
-constexpr double core_share = 0.5;
-
 struct Core {
   collision::Shape shape;
   Vector3 centre = Vector3::Zero();  // of it, in the frame of the whole shape
@@ -46,15 +38,6 @@ Core core_of(const collision::Shape& shape) {
     default:
       return {collision::Shape::sphere(shape.inner_radius - off), collision::mass_properties(shape).centre};
   }
-}
-
-// Two solids at the start of a step that can't meet in it: the plane across the line of their centres keeps them
-// apart, where the surfaces come towards each other by `closing` at most, of which `shift` (of the first against the
-// second) is known by its direction.
-bool pass_by(const collision::Shape& first, const collision::Pose& at_first, const collision::Shape& second,
-             const collision::Pose& at_second, const Vector3& shift, double closing, double goal) {
-  const auto [direction, gap] = collision::centre_line(first, at_first, second, at_second);
-  return gap - goal > closing - shift.norm() + std::max(0.0, shift.dot(direction));
 }
 
 // Of a solid that starts at the other's surface: it ends off it, and on the same side.
@@ -95,8 +78,6 @@ std::optional<Vector3> way_aside(std::span<const HeldBy> held) {
   return std::nullopt;
 }
 
-collision::Pose to_collision(const solver::BodyPose& pose) { return {pose.position, pose.orientation}; }
-
 }  // namespace
 
 // How a body moved in this step, if it was fast; else it counts as being where it is now.
@@ -118,7 +99,7 @@ collision::Motion World::Impl::step_motion(std::uint32_t collider, const Vector3
   if (!fast) return Motion::still(end);
   // In the shape's frame the body's centre of mass, about which it turns.
   const Vector3 pivot = -(local.orientation.conjugate() * local.position);
-  return Motion::between(placed(to_collision(fast->start), local), end, pivot);
+  return Motion::between(placed(fast->start_pose(), local), end, pivot);
 }
 
 // Everywhere that the body has been in this step, if it ends `aside` of where it did.
@@ -129,45 +110,30 @@ collision::Aabb World::Impl::swept_box(const FastMove& fast, const Vector3& asid
 }
 
 // When the body first meets something, as part of the step, if it ends `aside` of where it did. What it touches with
-// its core from the start is added to `held`, and doesn't stop it.
-double World::Impl::first_hit(const FastMove& fast, const Vector3& aside, std::span<const std::uint32_t> nearby,
-                              std::vector<HeldBy>& held) const {
+// its core from the start is added to what it is held by, and doesn't stop it.
+double World::Impl::first_hit(const FastMove& fast, const Vector3& aside, FastSweep& scratch) const {
   double first = 1;
-  const collision::PoseView poses{bodies.positions.data(), bodies.orientations.data()};
   for_each_collider(fast.body, [&](std::uint32_t collider) {
     const collision::Shape& shape = colliders.shape[collider];
     const Motion motion = step_motion(collider, Vector3::Zero(), aside);
-    const Vector3 own_shift = fast.shift + aside;
-    for (const std::uint32_t other : nearby) {
-      if (other == collider || !broadphase.allowed(collider, other)) continue;
-      const std::uint32_t body = colliders.body[other];
-      const FastMove* moved = find_fast(body);
-      const Vector3 shift = moved ? Vector3(own_shift - moved->shift) : own_shift;
-      // How far the surfaces may have come towards each other. Up to half the smaller one's size the speculative margin
-      // has seen it coming.
-      const double closing = shift.norm() + fast.turn + (moved ? moved->turn : 0);
-      const double size = std::min(shape.inner_radius, colliders.shape[other].inner_radius);
-      if (closing <= collision::approach_share * size) continue;
-      // Before the look-up in the cache, as most of what is near is passed by.
-      if (collision::is_convex_solid(colliders.shape[other].kind)) {
-        const collision::Pose at =
-            moved ? placed(to_collision(moved->start), colliders.local[other]) : colliders.pose(other, poses);
-        const double goal = (stop_share + 1e-3) * size;
-        if (pass_by(shape, motion.start, colliders.shape[other], at, shift, closing, goal)) continue;
-      }
+    find_approaching(fast, aside, collider, motion.start, scratch);
+    for (const Approach& approach : scratch.approaching) {
+      const std::uint32_t other = approach.other;
+      const double tolerance = sweep_tolerance * approach.size;
       const Motion other_motion = step_motion(other, Vector3::Zero(), Vector3::Zero());
       collision::SweepHit hit;
       if (!cache.touches(collision::Pair::of(collider, other))) {
-        const collision::SweepGoal goal{stop_share * size, 1e-3 * size};
+        const collision::SweepGoal goal{stop_share * approach.size, tolerance};
         if (!collision::sweep(shape, motion, colliders.shape[other], other_motion, goal, first, hit)) continue;
         if (!hit.started_overlapping && hit.t > 0) {
           first = hit.t;
           continue;
         }
       }
+      if (approach.passes_core) continue;
       const Core core = core_of(shape);
       const Motion core_motion = step_motion(collider, core.centre, aside);
-      const collision::SweepGoal goal{0, 1e-3 * size};
+      const collision::SweepGoal goal{0, tolerance};
       if (!collision::sweep(core.shape, core_motion, colliders.shape[other], other_motion, goal, first, hit) ||
           hit.started_overlapping) {
         continue;
@@ -177,7 +143,7 @@ double World::Impl::first_hit(const FastMove& fast, const Vector3& aside, std::s
         continue;
       }
       if (stays_outside(core.shape, core_motion, colliders.shape[other], other_motion)) continue;
-      held.push_back(held_by(hit, other_motion, core.shape, core_motion.at(1), 1e-3 * size));
+      scratch.held.push_back(held_by(hit, other_motion, core.shape, core_motion.at(1), tolerance));
     }
   });
   return first;
@@ -191,15 +157,16 @@ FastStop World::Impl::find_stop(const FastMove& fast, FastSweep& scratch) const 
     broadphase.query_box(swept_box(fast, aside), [&](std::uint32_t other) { scratch.nearby.push_back(other); });
     std::sort(scratch.nearby.begin(), scratch.nearby.end());
   };
-  scratch.held.clear();
-  look_around(Vector3::Zero());
-  const double first = first_hit(fast, Vector3::Zero(), scratch.nearby, scratch.held);
+  const auto meet = [&](const Vector3& aside) {
+    scratch.held.clear();
+    look_around(aside);
+    return first_hit(fast, aside, scratch);
+  };
+  const double first = meet(Vector3::Zero());
   if (scratch.held.empty()) return {first, Vector3::Zero()};
   const std::optional<Vector3> aside = way_aside(scratch.held);
   if (!aside || bodies.locks[fast.body] != 0) return {0, Vector3::Zero()};
-  look_around(*aside);
-  scratch.held.clear();
-  const double first_aside = first_hit(fast, *aside, scratch.nearby, scratch.held);
+  const double first_aside = meet(*aside);
   const bool kept_off =
       std::all_of(scratch.held.begin(), scratch.held.end(), [](const HeldBy& surface) { return surface.excess <= 0; });
   return kept_off ? FastStop{first_aside, *aside} : FastStop{0, Vector3::Zero()};
@@ -254,7 +221,7 @@ void World::Impl::sweep_fast_bodies() {
     if (stop.t >= 1 && stop.aside.isZero(0)) continue;
     const FastMove& fast = fast_in_order_[i];
     const collision::Pose end{bodies.position(fast.body) + stop.aside, bodies.orientation(fast.body)};
-    const Motion motion = Motion::between(to_collision(fast.start), end, Vector3::Zero());
+    const Motion motion = Motion::between(fast.start_pose(), end, Vector3::Zero());
     const collision::Pose pose = stop.t >= 1 ? end : motion.at(stop.t);
     bodies.position(fast.body) = pose.position;
     bodies.set_orientation(fast.body, pose.orientation);

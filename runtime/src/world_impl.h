@@ -216,8 +216,9 @@ class World::Impl {
   const FastMove* find_fast(std::uint32_t body) const;
   collision::Motion step_motion(std::uint32_t collider, const Vector3& centre, const Vector3& aside) const;
   collision::Aabb swept_box(const FastMove& fast, const Vector3& aside) const;
-  double first_hit(const FastMove& fast, const Vector3& aside, std::span<const std::uint32_t> nearby,
-                   std::vector<HeldBy>& held) const;
+  void find_approaching(const FastMove& fast, const Vector3& aside, std::uint32_t collider,
+                        const collision::Pose& start, FastSweep& scratch) const;
+  double first_hit(const FastMove& fast, const Vector3& aside, FastSweep& scratch) const;
   FastStop find_stop(const FastMove& fast, FastSweep& scratch) const;
   void wake_touched_sleepers();
   void remove_lost_contacts();

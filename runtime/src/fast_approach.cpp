@@ -1,0 +1,124 @@
+// Which of the shapes near a fast body it may meet in a step. Most it passes by, and a plane that keeps them apart
+// tells that for less than a sweep costs.
+
+#include <collision/box_axes.h>
+#include <collision/convex.h>
+
+#include <algorithm>
+#include <array>
+
+#include "world_impl.h"
+
+namespace atl {
+namespace {
+
+using collision::ShapeKind;
+using jobs::block_lanes;
+
+// A plane across `direction` (unit, from the first to the second) with the surfaces `gap` apart as the step starts.
+// Whether it keeps them apart: they come towards each other by `closing` at most, of which the shift is known by its
+// direction.
+bool keeps_apart(double gap, const Vector3& direction, const Approach& approach) {
+  const double goal = (stop_share + sweep_tolerance) * approach.size;
+  const double turning = approach.closing - approach.shift.norm();
+  return gap - goal > turning + std::max(0.0, approach.shift.dot(direction));
+}
+
+// Boxes near a box, eight at a time: those are kept that the best axis of the two doesn't keep apart.
+class NearBoxes {
+ public:
+  NearBoxes(const collision::NarrowphaseKernels& kernels, const collision::Shape& box, const collision::Pose& start,
+            std::vector<Approach>& kept)
+      : kernels_(kernels), start_(start), core_depth_(core_share * box.inner_radius), kept_(kept) {
+    block_.position_first.fill(start_.position.data());
+    block_.orientation_first.fill(start_.orientation.coeffs().data());
+    block_.half_first.fill(box.half_extents.data());
+  }
+
+  void add(const Approach& approach, const collision::Shape& box, const collision::Pose& start) {
+    starts_[count_] = start;
+    approaches_[count_] = approach;
+    block_.position_second[count_] = starts_[count_].position.data();
+    block_.orientation_second[count_] = starts_[count_].orientation.coeffs().data();
+    block_.half_second[count_] = box.half_extents.data();
+    if (++count_ == block_lanes) finish();
+  }
+
+  void finish() {
+    if (count_ == 0) return;
+    for (std::size_t lane = count_; lane < block_lanes; ++lane) {
+      block_.position_second[lane] = block_.position_second[0];
+      block_.orientation_second[lane] = block_.orientation_second[0];
+      block_.half_second[lane] = block_.half_second[0];
+    }
+    kernels_.find_box_axes(block_, axes_);
+    for (std::size_t lane = 0; lane < count_; ++lane) {
+      Approach& approach = approaches_[lane];
+      const double gap = std::max(axes_.face[lane], axes_.edge[lane]);
+      const Vector3 axis = best_box_axis(axes_, lane);
+      const Vector3 direction = start_.orientation * axis;
+      if (gap > 0 && keeps_apart(gap, direction, approach)) continue;
+      // The core's half extents are that much less.
+      const double core_gap = gap + core_depth_ * axis.lpNorm<1>();
+      approach.passes_core = core_gap > 0 && keeps_apart(core_gap, direction, approach);
+      kept_.push_back(approach);
+    }
+    count_ = 0;
+  }
+
+ private:
+  const collision::NarrowphaseKernels& kernels_;
+  collision::Pose start_;
+  double core_depth_;
+  std::vector<Approach>& kept_;
+  collision::BoxBlock block_;
+  collision::BoxAxes axes_;
+  std::array<collision::Pose, block_lanes> starts_;
+  std::array<Approach, block_lanes> approaches_;
+  std::size_t count_ = 0;
+};
+
+}  // namespace
+
+// What the shape of a collider may meet, of what is near its body, which ends `aside` of where it did; in order.
+void World::Impl::find_approaching(const FastMove& fast, const Vector3& aside, std::uint32_t collider,
+                                   const collision::Pose& start, FastSweep& scratch) const {
+  const collision::Shape& shape = colliders.shape[collider];
+  const collision::PoseView poses{bodies.positions.data(), bodies.orientations.data()};
+  const Vector3 own_shift = fast.shift + aside;
+  scratch.approaching.clear();
+  NearBoxes boxes(*narrowphase_kernels, shape, start, scratch.approaching);
+  for (const std::uint32_t other : scratch.nearby) {
+    if (other == collider || !broadphase.allowed(collider, other)) continue;
+    const std::uint32_t body = colliders.body[other];
+    const collision::Shape& other_shape = colliders.shape[other];
+    const FastMove* moved = find_fast(body);
+    Approach approach;
+    approach.other = other;
+    approach.shift = moved ? Vector3(own_shift - moved->shift) : own_shift;
+    approach.closing = approach.shift.norm() + fast.turn + (moved ? moved->turn : 0);
+    approach.size = std::min(shape.inner_radius, other_shape.inner_radius);
+    approach.passes_core = false;
+    // Up to half the smaller one's size the speculative margin has seen it coming.
+    if (approach.closing <= collision::approach_share * approach.size) continue;
+    if (!collision::is_convex_solid(other_shape.kind)) {
+      scratch.approaching.push_back(approach);
+      continue;
+    }
+    const collision::Pose at =
+        moved ? collision::placed(moved->start_pose(), colliders.local[other]) : colliders.pose(other, poses);
+    const auto [direction, gap] = collision::centre_line(shape, start, other_shape, at);
+    if (keeps_apart(gap, direction, approach)) continue;
+    if (shape.kind == ShapeKind::Box && other_shape.kind == ShapeKind::Box) {
+      boxes.add(approach, other_shape, at);
+    } else {
+      scratch.approaching.push_back(approach);
+    }
+  }
+  boxes.finish();
+  // What holds a body is found in this order.
+  std::sort(scratch.approaching.begin(), scratch.approaching.end(),
+            [](const Approach& a, const Approach& b) { return a.other < b.other; });
+}
+
+}  // namespace atl
