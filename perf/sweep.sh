@@ -40,5 +40,5 @@ for driver in build/release/bin/atoll_peer_*; do
   if [[ -x $driver ]]; then options+=(--peer "$root/$driver"); fi
 done
 if [[ " ${options[*]} " != *" --quick "* ]]; then options+=(--frontier); fi
-build/release/bin/atoll sweep --analytic pyramid3d wall islands pile stack:height=50 chain:links=100,ratio=1000 \
-  joint-grid "${options[@]}" --out "$out"
+build/release/bin/atoll sweep --analytic pyramid3d wall islands pile hopper marbles stack:height=50 \
+  chain:links=100,ratio=1000 joint-grid "${options[@]}" --out "$out"
