@@ -46,7 +46,9 @@ SineCosine sine_cosine(double angle) {
   constexpr double half_pi_high = 1.57079632673412561417e+00;
   constexpr double half_pi_middle = 6.07710050630396597660e-11;
   constexpr double half_pi_low = 2.02226624879595063154e-21;
-  const double multiple = std::nearbyint(angle * two_over_pi);
+  constexpr double quarter_pi = 0.78539816339744830962;
+  // Most angles are small, and asking the C library to round takes a call.
+  const double multiple = std::abs(angle) <= quarter_pi ? 0.0 : std::nearbyint(angle * two_over_pi);
   const double r = ((angle - multiple * half_pi_high) - multiple * half_pi_middle) - multiple * half_pi_low;
   const double r2 = r * r;
 
