@@ -31,17 +31,16 @@ Quaternion quaternion_of(const Vector3& rotation) {
   return result.normalized();
 }
 
-// The inverse: axis times angle, in [0, pi]. The angle is halved until a series gives it.
+// The inverse: axis times angle, in [0, pi]. The angle is halved until a series gives it, asin(x) / x up to x = 0.05.
 Vector3 rotation_of(Quaternion turn) {
   if (turn.w() < 0) turn.coeffs() = -turn.coeffs();
   double doublings = 2;
-  for (int i = 0; i < 5; ++i) {
+  double x = turn.vec().squaredNorm();
+  for (; x > 0.0025; x = turn.vec().squaredNorm()) {
     turn.w() += 1;
     turn.normalize();
     doublings *= 2;
   }
-  // asin(x) / x up to x = 0.05.
-  const double x = turn.vec().squaredNorm();
   const double series =
       1 + x * (1.0 / 6 + x * (3.0 / 40 + x * (15.0 / 336 + x * (105.0 / 3456 + x * (945.0 / 42240)))));
   return doublings * series * turn.vec();
@@ -79,14 +78,13 @@ Gap gap_at(const MovingCore& first, const MovingCore& second, const Pose& pose_f
   return {separation, turned * normal, pose_first.position + turned * surface};
 }
 
-// The distance of points p (shape's frame) from an axis through a centre.
-double from_axis(const Vector3& point, const Vector3& centre, const Vector3& unit_axis) {
-  const Vector3 arm = point - centre;
-  return (arm - arm.dot(unit_axis) * unit_axis).norm();
-}
-
+// How far (m) the core reaches from an axis (unit vector, shape's frame) through a centre.
 double radius_about(const ConvexCore& core, const Vector3& centre, const Vector3& axis) {
-  const auto from = [&](const Vector3& point) { return from_axis(point, centre, axis); };
+  const auto square_from = [&](const Vector3& point) {
+    const Vector3 arm = point - centre;
+    return (arm - arm.dot(axis) * axis).squaredNorm();
+  };
+  const auto from = [&](const Vector3& point) { return std::sqrt(square_from(point)); };
   const Vector3 end(0, 0, core.half_height);
   double farthest = 0;
   switch (core.kind) {
@@ -105,14 +103,17 @@ double radius_about(const ConvexCore& core, const Vector3& centre, const Vector3
     case ConvexCore::Kind::Box:
       for (int corner = 0; corner < 8; ++corner) {
         const Vector3 side(corner & 1 ? -1 : 1, corner & 2 ? -1 : 1, corner & 4 ? -1 : 1);
-        farthest = std::max(farthest, from(side.cwiseProduct(core.half_extents)));
+        farthest = std::max(farthest, square_from(side.cwiseProduct(core.half_extents)));
       }
+      farthest = std::sqrt(farthest);
       break;
     case ConvexCore::Kind::Hull:
-      for (const Vector3& vertex : core.hull->vertices) farthest = std::max(farthest, from(vertex));
+      for (const Vector3& vertex : core.hull->vertices) farthest = std::max(farthest, square_from(vertex));
+      farthest = std::sqrt(farthest);
       break;
     case ConvexCore::Kind::Triangle:
-      for (const Vector3& vertex : core.triangle) farthest = std::max(farthest, from(vertex));
+      for (const Vector3& vertex : core.triangle) farthest = std::max(farthest, square_from(vertex));
+      farthest = std::sqrt(farthest);
       break;
   }
   return farthest + core.radius;

@@ -82,19 +82,21 @@ class NearBoxes {
 
 // What the shape of a collider may meet, of what is near its body, which ends `aside` of where it did; in order.
 void World::Impl::find_approaching(const FastMove& fast, const Vector3& aside, std::uint32_t collider,
-                                   const collision::Pose& start, FastSweep& scratch) const {
+                                   FastSweep& scratch) const {
   const collision::Shape& shape = colliders.shape[collider];
+  const collision::Pose start = collision::placed(fast.start_pose(), colliders.local[collider]);
   const collision::PoseView poses{bodies.positions.data(), bodies.orientations.data()};
   const Vector3 own_shift = fast.shift + aside;
   scratch.approaching.clear();
   NearBoxes boxes(*narrowphase_kernels, shape, start, scratch.approaching);
-  for (const std::uint32_t other : scratch.nearby) {
-    if (other == collider || !broadphase.allowed(collider, other)) continue;
-    const std::uint32_t body = colliders.body[other];
+  for (const Nearby& near : scratch.nearby) {
+    if (near.own != collider) continue;
+    const std::uint32_t other = near.other;
     const collision::Shape& other_shape = colliders.shape[other];
-    const FastMove* moved = find_fast(body);
+    const FastMove* moved = find_fast(colliders.body[other]);
     Approach approach;
     approach.other = other;
+    approach.apart = near.apart;
     approach.shift = moved ? Vector3(own_shift - moved->shift) : own_shift;
     approach.closing = approach.shift.norm() + fast.turn + (moved ? moved->turn : 0);
     approach.size = std::min(shape.inner_radius, other_shape.inner_radius);

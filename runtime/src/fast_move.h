@@ -4,6 +4,7 @@
 #include <collision/refresh.h>
 #include <solver/motion.h>
 
+#include <compare>
 #include <cstdint>
 #include <vector>
 
@@ -13,8 +14,11 @@ namespace atl {
 struct FastMove {
   std::uint32_t body;
   solver::BodyPose start;
-  Vector3 shift;  ///< m, of the centre of mass
-  double turn;    ///< m: no point of it got farther by turning
+  Vector3 shift;         ///< m, of the centre of mass
+  double turn;           ///< m: no point of it got farther by turning
+  double bulge;          ///< m: nor farther off the straight line from where it was to where it is
+  bool rushed = false;   ///< it left its fat boxes
+  bool queried = false;  ///< what is near it is asked of the tree
 
   collision::Pose start_pose() const { return {start.position, start.orientation}; }
 };
@@ -28,9 +32,33 @@ inline constexpr double sweep_tolerance = 1e-3;
 /// inner radius taken off.
 inline constexpr double core_share = 0.5;
 
+/// A collider of a fast body and one near it. In order, so that of several contacts of the two one that touches is
+/// first.
+struct Nearby {
+  std::uint32_t own;
+  std::uint32_t other;
+  bool apart;  ///< they have no contact with points
+
+  auto operator<=>(const Nearby&) const = default;
+};
+
+/// Something near a fast body, which goes by its number.
+struct NearFast {
+  std::uint32_t fast;
+  Nearby nearby;
+};
+
+/// A contact of fast bodies, by its entry in the order of contacts. Numbers + 1, or 0.
+struct FastContact {
+  std::uint32_t entry;
+  std::uint32_t fast_first;
+  std::uint32_t fast_second;
+};
+
 /// Something that a fast body's shape may meet in the step.
 struct Approach {
   std::uint32_t other;  ///< collider
+  bool apart;           ///< they have no contact with points
   Vector3 shift;        ///< m, of the fast body against the other one
   double closing;       ///< m, how far their surfaces come towards each other at most
   double size;          ///< m, inner radius of the smaller shape
@@ -52,7 +80,9 @@ struct FastStop {
 
 /// Memory of a worker that sweeps fast bodies.
 struct FastSweep {
-  std::vector<std::uint32_t> nearby;  // colliders
+  std::vector<FastContact> contacts;
+  std::vector<NearFast> near_fast;
+  std::vector<Nearby> nearby;  // of one body
   std::vector<Approach> approaching;
   std::vector<HeldBy> held;
 };

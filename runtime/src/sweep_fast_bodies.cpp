@@ -102,27 +102,21 @@ collision::Motion World::Impl::step_motion(std::uint32_t collider, const Vector3
   return Motion::between(placed(fast->start_pose(), local), end, pivot);
 }
 
-// Everywhere that the body has been in this step, if it ends `aside` of where it did.
-collision::Aabb World::Impl::swept_box(const FastMove& fast, const Vector3& aside) const {
-  const Vector3 reach = Vector3::Constant(bodies.radius[fast.body]);
-  const Vector3 end = bodies.position(fast.body) + aside;
-  return collision::Aabb::around(fast.start.position.cwiseMin(end) - reach, fast.start.position.cwiseMax(end) + reach);
-}
-
 // When the body first meets something, as part of the step, if it ends `aside` of where it did. What it touches with
 // its core from the start is added to what it is held by, and doesn't stop it.
 double World::Impl::first_hit(const FastMove& fast, const Vector3& aside, FastSweep& scratch) const {
   double first = 1;
   for_each_collider(fast.body, [&](std::uint32_t collider) {
     const collision::Shape& shape = colliders.shape[collider];
+    find_approaching(fast, aside, collider, scratch);
+    if (scratch.approaching.empty()) return;
     const Motion motion = step_motion(collider, Vector3::Zero(), aside);
-    find_approaching(fast, aside, collider, motion.start, scratch);
     for (const Approach& approach : scratch.approaching) {
       const std::uint32_t other = approach.other;
       const double tolerance = sweep_tolerance * approach.size;
       const Motion other_motion = step_motion(other, Vector3::Zero(), Vector3::Zero());
       collision::SweepHit hit;
-      if (!cache.touches(collision::Pair::of(collider, other))) {
+      if (approach.apart) {
         const collision::SweepGoal goal{stop_share * approach.size, tolerance};
         if (!collision::sweep(shape, motion, colliders.shape[other], other_motion, goal, first, hit)) continue;
         if (!hit.started_overlapping && hit.t > 0) {
@@ -132,7 +126,7 @@ double World::Impl::first_hit(const FastMove& fast, const Vector3& aside, FastSw
       }
       if (approach.passes_core) continue;
       const Core core = core_of(shape);
-      const Motion core_motion = step_motion(collider, core.centre, aside);
+      const Motion core_motion = core.centre.isZero(0) ? motion : step_motion(collider, core.centre, aside);
       const collision::SweepGoal goal{0, tolerance};
       if (!collision::sweep(core.shape, core_motion, colliders.shape[other], other_motion, goal, first, hit) ||
           hit.started_overlapping) {
@@ -152,20 +146,16 @@ double World::Impl::first_hit(const FastMove& fast, const Vector3& aside, FastSw
 // Where a fast body may go in this step. What its core touches from the start would hold it where it is, for good, if
 // other bodies press on it: it goes all its way but for what would take the core through the surfaces that it touches.
 FastStop World::Impl::find_stop(const FastMove& fast, FastSweep& scratch) const {
-  const auto look_around = [&](const Vector3& aside) {
-    scratch.nearby.clear();
-    broadphase.query_box(swept_box(fast, aside), [&](std::uint32_t other) { scratch.nearby.push_back(other); });
-    std::sort(scratch.nearby.begin(), scratch.nearby.end());
-  };
   const auto meet = [&](const Vector3& aside) {
     scratch.held.clear();
-    look_around(aside);
     return first_hit(fast, aside, scratch);
   };
+  list_nearby(fast, scratch.nearby);
   const double first = meet(Vector3::Zero());
   if (scratch.held.empty()) return {first, Vector3::Zero()};
   const std::optional<Vector3> aside = way_aside(scratch.held);
   if (!aside || bodies.locks[fast.body] != 0) return {0, Vector3::Zero()};
+  query_nearby(fast, *aside, scratch.nearby);
   const double first_aside = meet(*aside);
   const bool kept_off =
       std::all_of(scratch.held.begin(), scratch.held.end(), [](const HeldBy& surface) { return surface.excess <= 0; });
@@ -180,8 +170,12 @@ void World::Impl::list_fast_bodies() {
       if (with_joints && is_joined(fast.body) && !records.continuous[fast.body]) continue;
       // An arc of up to half a turn is at most pi / 2 times its chord.
       const Quaternion change = fast.start.orientation.conjugate() * bodies.orientation(fast.body);
-      fast_in_order_.push_back({fast.body, fast.start, bodies.position(fast.body) - fast.start.position,
-                                std::numbers::pi * bodies.radius[fast.body] * change.vec().norm()});
+      const double radius = bodies.radius[fast.body];
+      fast_in_order_.push_back({.body = fast.body,
+                                .start = fast.start,
+                                .shift = bodies.position(fast.body) - fast.start.position,
+                                .turn = std::numbers::pi * radius * change.vec().norm(),
+                                .bulge = radius * (1 - std::min(1.0, std::abs(change.w())))});
     }
   });
   if (fast_in_order_.empty()) return;
@@ -195,20 +189,7 @@ void World::Impl::sweep_fast_bodies() {
   list_fast_bodies();
   if (fast_in_order_.empty()) return;
 
-  // For fast bodies to find each other their boxes must show where they went, as those that were stretched along the
-  // motion often do. All are swept along the motion that the solver gave them before any is put back.
-  rushed_.clear();
-  for (const FastMove& fast : fast_in_order_) {
-    if (!is_finite(fast.body)) continue;
-    const collision::Aabb swept = swept_box(fast, Vector3::Zero());
-    bool rushed = false;
-    for_each_collider(fast.body, [&](std::uint32_t collider) {
-      if (broadphase.fat_box(collider).contains(swept)) return;
-      broadphase.move_box(collider, swept);
-      rushed = true;
-    });
-    if (rushed) rushed_.push_back(fast.body);
-  }
+  find_near_fast();
   stops_.assign(fast_in_order_.size(), FastStop{});
   arena.parallel_for(fast_in_order_.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -228,8 +209,10 @@ void World::Impl::sweep_fast_bodies() {
     look_again(fast.body);
     ++report_.counts.stopped;
   }
-  for (const std::uint32_t body : rushed_) move_proxies(body);
-  for (const FastMove& fast : fast_in_order_) fast_place_[fast.body] = 0;
+  for (const FastMove& fast : fast_in_order_) {
+    if (fast.rushed) move_proxies(fast.body);
+    fast_place_[fast.body] = 0;
+  }
   report_.counts.swept = static_cast<std::int64_t>(fast_in_order_.size());
 }
 

@@ -215,9 +215,15 @@ class World::Impl {
   void list_fast_bodies();
   const FastMove* find_fast(std::uint32_t body) const;
   collision::Motion step_motion(std::uint32_t collider, const Vector3& centre, const Vector3& aside) const;
-  collision::Aabb swept_box(const FastMove& fast, const Vector3& aside) const;
-  void find_approaching(const FastMove& fast, const Vector3& aside, std::uint32_t collider,
-                        const collision::Pose& start, FastSweep& scratch) const;
+  collision::Aabb swept_box(const FastMove& fast, std::uint32_t collider, const Vector3& aside) const;
+  void find_near_fast();
+  void note_rushed();
+  void find_fast_contacts(std::size_t begin, std::size_t end, FastSweep& scratch) const;
+  bool stay_apart(const collision::Contact& contact, const FastMove* first, const FastMove* second) const;
+  void query_near(std::uint32_t number, FastSweep& scratch) const;
+  void list_nearby(const FastMove& fast, std::vector<Nearby>& nearby) const;
+  void query_nearby(const FastMove& fast, const Vector3& aside, std::vector<Nearby>& nearby) const;
+  void find_approaching(const FastMove& fast, const Vector3& aside, std::uint32_t collider, FastSweep& scratch) const;
   double first_hit(const FastMove& fast, const Vector3& aside, FastSweep& scratch) const;
   FastStop find_stop(const FastMove& fast, FastSweep& scratch) const;
   void wake_touched_sleepers();
@@ -323,7 +329,8 @@ class World::Impl {
   solver::FastBodies fast_;
   std::vector<FastMove> fast_in_order_;
   std::vector<std::uint32_t> fast_place_;                     // by body: its number in there + 1, or 0
-  std::vector<std::uint32_t> rushed_;                         // fast bodies that left their boxes
+  std::vector<Nearby> near_fast_;                             // by fast body
+  std::vector<std::uint32_t> near_fast_begin_;                // by fast body, and the end
   std::vector<std::pair<std::uint32_t, Quarantine>> broken_;  // bodies that the solve left unsound, in order
   std::vector<FastStop> stops_;                               // by fast body
   jobs::Scratch<FastSweep> sweep_scratch_;

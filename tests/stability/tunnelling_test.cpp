@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "support/bodies.h"
 
@@ -105,6 +106,46 @@ TEST(Tunnelling, OnlyFastBodiesAreSwept) {
   bullet.velocity = {speed, 0, 0};
   world.add_body(bullet);
   EXPECT_EQ(run(world, 3).counts.swept, 1);
+}
+
+// Three walls, and a shower of boxes, spheres and dumbbells that fly at them and at each other.
+std::vector<BodyId> add_shower(World& world) {
+  for (int side : {-1, 0, 1}) world.add_body(static_box({6.0 * side, 0, 0}, {wall_thickness / 2, 20, 20}));
+  std::vector<BodyId> shower;
+  for (int i = 0; i < 216; ++i) {
+    const Vector3 place(i % 6 - 2.5, i / 6 % 6 - 2.5, i / 36 - 2.5);
+    BodyDef body = i % 3 == 0 ? sphere(place, 0.3) : box(place, {0.3, 0.2, 0.1});
+    if (i % 5 == 0) {
+      body.shape =
+          Compound{{{.shape = Sphere{0.2}, .position = {-0.2, 0, 0}}, {.shape = Sphere{0.2}, .position = {0.2, 0, 0}}}};
+    }
+    body.velocity = 40 * Vector3(std::sin(7.0 * i), std::sin(11.0 * i), std::sin(13.0 * i));
+    body.angular_velocity = 20 * Vector3(std::sin(17.0 * i), std::sin(19.0 * i), std::sin(23.0 * i));
+    shower.push_back(world.add_body(body));
+  }
+  return shower;
+}
+
+// Where many bodies are fast their contacts tell what is near, among many slow ones the boxes' tree does.
+TEST(Tunnelling, WhatIsNearIsTheSameByContactsAndByTree) {
+  World alone({.gravity = Vector3::Zero()}), in_crowd({.gravity = Vector3::Zero()});
+  const std::vector<BodyId> shower = add_shower(alone);
+  ASSERT_EQ(add_shower(in_crowd), shower);
+  for (int i = 0; i < 216 * 20; ++i) {
+    BodyDef slow = sphere(Vector3(100 + i % 16, i / 16 % 16, i / 256), 0.1);
+    slow.velocity = {0.1, 0, 0};
+    in_crowd.add_body(slow);
+  }
+  std::int64_t stopped = 0;
+  for (int step = 0; step < 60; ++step) {
+    const StepCounts counts = alone.step(dt).counts;
+    EXPECT_EQ(in_crowd.step(dt).counts.stopped, counts.stopped) << step;
+    stopped += counts.stopped;
+    for (const BodyId id : shower) {
+      ASSERT_EQ(alone.pose(id).position, in_crowd.pose(id).position) << "body " << id.index << " in step " << step;
+    }
+  }
+  EXPECT_GT(stopped, 50);
 }
 
 TEST(Tunnelling, ContinuousBodiesAreSweptAtAnySpeed) {

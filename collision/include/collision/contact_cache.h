@@ -45,6 +45,9 @@ class ContactCache {
   /// Whether a pair with an active body has contact points. In time logarithmic in the number of active contacts.
   bool touches(Pair pair) const;
 
+  /// The pair of an entry of `order`: to go through them needn't touch contacts.
+  Pair pair_at(std::size_t entry) const { return Pair::of_key(keys_[entry]); }
+
   /// Removes the active contacts for which gone(slot) holds, asked in order: of a pair, all parts or none.
   template <typename Gone>
   void remove_if(const Gone& gone);

@@ -11,6 +11,9 @@ struct Pair {
   std::uint32_t second;
 
   static Pair of(std::uint32_t a, std::uint32_t b) { return a < b ? Pair{a, b} : Pair{b, a}; }
+  static Pair of_key(std::uint64_t key) {
+    return {static_cast<std::uint32_t>(key >> 32), static_cast<std::uint32_t>(key)};
+  }
   std::uint64_t key() const { return std::uint64_t{first} << 32 | second; }
 
   friend bool operator==(const Pair&, const Pair&) = default;
