@@ -26,6 +26,9 @@ Pose incident_in_reference(const BoxAxes& axes, std::size_t lane, bool reference
   return relative(second, {Vector3::Zero(), Quaternion::Identity()});
 }
 
+// That of its manifold. Two that were apart have none: what isn't in the first cache line of theirs isn't read.
+std::uint32_t last_axis(const Contact& contact) { return contact.gap > 0 ? 0 : contact.axis; }
+
 void clear_impulses(ContactManifold& manifold) {
   std::fill_n(manifold.normal_impulse, max_points, 0.0f);
   std::fill_n(manifold.friction_impulse, 3, 0.0f);
@@ -96,18 +99,20 @@ void ContactStretch::replace(std::size_t entry, const Manifold& fresh, const Pos
 }
 
 // Two solids found apart are left alone until they have used their gap up, or, where that hardly exceeds the margin,
-// until they have moved by the tolerance.
+// until they have moved by the tolerance. Of those that were apart before the first cache line is all that changes.
 void ContactStretch::set_apart(std::size_t entry, double margin, double gap) {
   Contact& contact = contact_at(entry);
-  const ColliderTable& colliders = input_.colliders;
-  clear_impulses(cache_.manifolds[cache_.order[entry]]);
-  capture(contact, Manifold{}, {Vector3::Zero(), Quaternion::Identity()}, margin, 0);
-  const auto lever = [&](std::uint32_t collider) {
-    return colliders.local[collider].position.norm() + colliders.shape[collider].bounding_radius;
-  };
+  if (!(contact.gap > 0)) {
+    const ColliderTable& colliders = input_.colliders;
+    const auto lever = [&](std::uint32_t collider) {
+      return colliders.local[collider].position.norm() + colliders.shape[collider].bounding_radius;
+    };
+    clear_impulses(cache_.manifolds[cache_.order[entry]]);
+    capture(contact, Manifold{}, {Vector3::Zero(), Quaternion::Identity()}, margin, 0);
+    contact.lever = static_cast<float>(std::max(lever(contact.pair.first), lever(contact.pair.second)));
+  }
   const double size = static_cast<double>(contact.size);
   contact.gap = static_cast<float>(std::max(gap, margin + static_cast<double>(flat_tolerance) * size));
-  contact.lever = static_cast<float>(std::max(lever(contact.pair.first), lever(contact.pair.second)));
   const Vector3 between = input_.poses[contact.body_second].position - input_.poses[contact.body_first].position;
   Eigen::Map<Vector3>(contact.apart_from.data()) = between;
   contact.turned = input_.turned[contact.body_first] + input_.turned[contact.body_second];
@@ -136,7 +141,7 @@ void ContactStretch::find_anew(std::size_t entry) {
     }
   }
   Manifold fresh;
-  fresh.axis = contact.axis;
+  fresh.axis = last_axis(contact);
   const Narrowphase by = collide(lower, higher, in_lower, margin, fresh);
   if (fresh.count == 0 && bounded) {
     counts_.fcl_calls += by == Narrowphase::Fcl;
@@ -180,7 +185,7 @@ void ContactStretch::find_boxes() {
     const Contact& contact = contact_at(entry);
     const double margin = margin_of(contact);
     Manifold fresh;
-    fresh.axis = contact.axis;
+    fresh.axis = last_axis(contact);
     counts_.fcl_calls +=
         collide_boxes(input_.colliders.shape[contact.pair.first].half_extents,
                       input_.colliders.shape[contact.pair.second].half_extents, box_axes_, lane, margin, fresh);
