@@ -52,7 +52,11 @@ void move_gyroscopic(BodyTable& bodies, std::uint32_t body, double dt, int subst
   const Vector3& moments = bodies.moments[body];
   const double ratio = moments.maxCoeff() / moments.minCoeff();
   const double angle = bodies.angular_velocity(body).norm() * dt * std::sqrt(std::max(1.0, ratio / ordinary));
-  const int steps = std::max(substeps, static_cast<int>(std::min(angle / 0.05, 4096.0)));
+  // A slow one needs fewer steps than there are substeps, if no torque and no damping act in each.
+  const bool alone = bodies.torque(body).isZero(0) && bodies.angular_damping[body] == 0;
+  const double twentieths = std::min(4096.0, angle / 0.05);  // 4096 if it isn't a number
+  const int least = alone ? std::max(1, static_cast<int>(std::ceil(substeps * std::min(1.0, twentieths)))) : substeps;
+  const int steps = std::max(least, static_cast<int>(twentieths));
   const double h = dt / steps;
   const Matrix3& inverse_inertia = bodies.inverse_inertia[body];
   Quaternion orientation = bodies.orientation(body);
