@@ -25,9 +25,9 @@ void move_linear(BodyTable& bodies, std::uint32_t body, const Vector3& accelerat
   }
 }
 
-// Rotation vector, in the body's frame at the start, of a turn for h seconds in which momentum (in that frame) stays where
-// it is in the world's: Magnus' series to fourth order in h, from the derivatives of the spin (Blanes, Casas, Oteo and Ros,
-// "The Magnus expansion and some of its applications", 2009, section 2). A steady spin is followed exactly.
+// Rotation vector of a turn for h seconds in which the momentum stays as it is in the world, both in the body's frame
+// at the start: Magnus' series to fourth order in h, from the derivatives of the spin at the start (Blanes, Casas, Oteo
+// and Ros, "The Magnus expansion and some of its applications", 2009, section 2). A steady spin is followed exactly.
 Vector3 free_turn(const Vector3& momentum, const Matrix3& inverse_inertia, double h) {
   const auto spin_of = [&](const Vector3& l) -> Vector3 { return inverse_inertia * l; };
   // Euler's equations, l' = l x w, and their derivatives.
