@@ -47,7 +47,12 @@ std::uint32_t GroupSolver::local_body(const SolveInput& input, const IslandGroup
 void GroupSolver::collect_contacts(const SolveInput& input, const IslandGroup& group) {
   contacts_.clear();
   friction_ = restitution_ = false;
-  for (const TouchingPair& pair : input.islands.contacts(group.begin, group.end)) {
+  const std::span<const TouchingPair> touching = input.islands.contacts(group.begin, group.end);
+  for (std::size_t i = 0; i < touching.size(); ++i) {
+    // Slots are in no order: what is needed soon is asked of memory now.
+    constexpr std::size_t ahead = 16;
+    if (i + ahead < touching.size()) __builtin_prefetch(&input.manifolds[touching[i + ahead].slot]);
+    const TouchingPair& pair = touching[i];
     const collision::ContactManifold& manifold = input.manifolds[pair.slot];
     const std::uint32_t first = local_body(input, group, pair.first);
     const std::uint32_t second = local_body(input, group, pair.second);
