@@ -71,6 +71,19 @@ void ContactCache::note_idle(std::uint32_t slot) {
   newly_idle_.push_back(slot);
 }
 
+// Slots are in no order: what is needed soon is asked of memory now.
+void ContactCache::release_all(std::span<const std::uint32_t> slots) {
+  constexpr std::size_t ahead = 4;
+  for (std::size_t i = 0; i < slots.size(); ++i) {
+    if (i + ahead < slots.size()) {
+      const std::uint32_t soon = slots[i + ahead];
+      __builtin_prefetch(&contacts[soon]);
+      __builtin_prefetch(&links_[2 * std::size_t{soon}]);
+    }
+    release(slots[i]);
+  }
+}
+
 // Gives up a slot, but for its place in the order.
 void ContactCache::release(std::uint32_t slot) {
   for (const std::uint32_t end : {2 * slot, 2 * slot + 1}) {

@@ -4,7 +4,9 @@
 #include <collision/pair_set.h>
 #include <jobs/bytes.h>
 
+#include <algorithm>
 #include <cstdint>
+#include <iterator>
 #include <span>
 #include <vector>
 
@@ -72,7 +74,7 @@ class ContactCache {
   /// Memory held.
   std::size_t bytes() const {
     return jobs::bytes_of(contacts, manifolds, order, free_slots, keys_, state_, links_, first_end_, active_, added_,
-                          idle_, newly_idle_, is_newly_idle_, all_) +
+                          gone_, idle_, newly_idle_, is_newly_idle_, all_) +
            pairs.bytes();
   }
 
@@ -105,6 +107,9 @@ class ContactCache {
   void claim_body(std::uint32_t body);
   std::uint32_t claim_slot();
   void link(std::uint32_t slot);
+  template <typename Gone>
+  void release_of(std::span<const std::uint32_t> slots, const Gone& gone);
+  void release_all(std::span<const std::uint32_t> slots);
   void release(std::uint32_t slot);
   void merge_into_order();
   void drop_inactive();
@@ -118,6 +123,7 @@ class ContactCache {
   std::vector<std::uint32_t> first_end_;  // by body
   std::vector<std::uint8_t> active_;      // by body
   std::vector<std::uint32_t> added_;      // scratch: slots, in order
+  std::vector<std::uint32_t> gone_;       // scratch: slots, in order
   // Idle contacts as of the last call of all_in_order(), in order, and the slots that became idle since.
   mutable std::vector<Entry> idle_;
   mutable std::vector<std::uint32_t> newly_idle_;
@@ -152,17 +158,19 @@ void ContactCache::add(std::span<const Pair> fresh, const StartOf& start_of) {
 
 template <typename Gone>
 void ContactCache::remove_if(const Gone& gone) {
-  for (const std::uint32_t slot : order) {
-    if (gone(slot)) release(slot);
-  }
-  drop_inactive();
+  release_of(order, gone);
 }
 
 template <typename Gone>
 void ContactCache::remove_any_if(const Gone& gone) {
-  for (const std::uint32_t slot : all_in_order()) {
-    if (gone(slot)) release(slot);
-  }
+  release_of(all_in_order(), gone);
+}
+
+template <typename Gone>
+void ContactCache::release_of(std::span<const std::uint32_t> slots, const Gone& gone) {
+  gone_.clear();
+  std::copy_if(slots.begin(), slots.end(), std::back_inserter(gone_), gone);
+  release_all(gone_);
   drop_inactive();
 }
 
