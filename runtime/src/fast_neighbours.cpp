@@ -73,7 +73,7 @@ bool World::Impl::stay_apart(const collision::Contact& contact, const FastMove* 
 }
 
 // What fast bodies may meet of that which they have contacts with, touching or not, of some entries of their order.
-void World::Impl::find_fast_contacts(std::size_t begin, std::size_t end, FastSweep& scratch) const {
+void World::Impl::find_near_by_contacts(std::size_t begin, std::size_t end, FastSweep& scratch) const {
   scratch.contacts.clear();
   for (std::size_t entry = begin; entry < end; ++entry) {
     const collision::Pair pair = cache.pair_at(entry);
@@ -98,7 +98,7 @@ void World::Impl::find_fast_contacts(std::size_t begin, std::size_t end, FastSwe
 }
 
 // What the boxes' tree has near a fast body. Those that are fast themselves learn of it.
-void World::Impl::query_near(std::uint32_t number, FastSweep& scratch) const {
+void World::Impl::find_near_by_tree(std::uint32_t number, FastSweep& scratch) const {
   query_nearby(fast_in_order_[number], Vector3::Zero(), scratch.nearby);
   for (const Nearby& near : scratch.nearby) {
     scratch.near_fast.push_back({number, near});
@@ -115,11 +115,11 @@ void World::Impl::find_near_fast() {
       std::any_of(fast_in_order_.begin(), fast_in_order_.end(), [](const FastMove& fast) { return !fast.queried; });
   constexpr std::size_t contact_grain = 512;
   arena.parallel_for(by_contacts ? cache.order.size() : 0, contact_grain, [&](std::size_t begin, std::size_t end) {
-    find_fast_contacts(begin, end, sweep_scratch_.local());
+    find_near_by_contacts(begin, end, sweep_scratch_.local());
   });
   arena.parallel_for(fast_in_order_.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      if (fast_in_order_[i].queried) query_near(static_cast<std::uint32_t>(i), sweep_scratch_.local());
+      if (fast_in_order_[i].queried) find_near_by_tree(static_cast<std::uint32_t>(i), sweep_scratch_.local());
     }
   });
 

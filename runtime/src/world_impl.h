@@ -218,9 +218,9 @@ class World::Impl {
   collision::Aabb swept_box(const FastMove& fast, std::uint32_t collider, const Vector3& aside) const;
   void find_near_fast();
   void note_rushed();
-  void find_fast_contacts(std::size_t begin, std::size_t end, FastSweep& scratch) const;
+  void find_near_by_contacts(std::size_t begin, std::size_t end, FastSweep& scratch) const;
   bool stay_apart(const collision::Contact& contact, const FastMove* first, const FastMove* second) const;
-  void query_near(std::uint32_t number, FastSweep& scratch) const;
+  void find_near_by_tree(std::uint32_t number, FastSweep& scratch) const;
   void list_nearby(const FastMove& fast, std::vector<Nearby>& nearby) const;
   void query_nearby(const FastMove& fast, const Vector3& aside, std::vector<Nearby>& nearby) const;
   void find_approaching(const FastMove& fast, const Vector3& aside, std::uint32_t collider, FastSweep& scratch) const;
