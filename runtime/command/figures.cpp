@@ -22,7 +22,8 @@ std::vector<Count> named_counts(const StepCounts& c) {
           {"direct_joints", c.direct_joints},
           {"direct_islands", c.direct_islands},
           {"finer_islands", c.finer_islands},
-          {"newton_iterations", c.newton_iterations}};
+          {"newton_iterations", c.newton_iterations},
+          {"new_boxes", c.new_boxes}};
 }
 
 BodyCounts body_counts(const Scene& scene) {

@@ -32,6 +32,8 @@ double size_of(const collision::Shape& shape) {
   return shape.inner_radius < infinity ? shape.inner_radius : 0.01 * shape.bounding_radius;
 }
 
+constexpr std::size_t box_grain = 256;  // bodies whose boxes a task looks at
+
 // How far bounds may grow on every side before they leave a box.
 double room_in(const collision::Aabb& box, const collision::Bounds& bounds) {
   double room = infinity;
@@ -41,6 +43,10 @@ double room_in(const collision::Aabb& box, const collision::Bounds& bounds) {
                      bounds.lower[axis] - static_cast<double>(box.lower[i])});
   }
   return room;
+}
+
+collision::Bounds ahead_of(const collision::Bounds& bounds, const Vector3& shift) {
+  return {bounds.lower + shift, bounds.upper + shift};
 }
 
 }  // namespace
@@ -128,7 +134,10 @@ World::Impl::ProxyBox World::Impl::proxy_box(std::uint32_t collider, const colli
   const double needed = collision::speculative_margin(size, reach);
 
   const double room = current ? room_in(*current, bounds) : -1;
-  if (room >= needed) return {*current, room - still, false};
+  const bool is_fast = reach > bodies.reach_limit[body];
+  if (room >= needed && (!is_fast || room_in(*current, ahead_of(bounds, dt_ * bodies.velocity(body))) >= still)) {
+    return {*current, room - still, false};
+  }
   const double slack = needed + slack_share * size;
   return {collision::fattened(bounds, slack, dt_ * bodies.velocity(body)), slack - still, true};
 }
@@ -157,11 +166,31 @@ void World::Impl::move_proxies(std::uint32_t body) {
   note_stretch(body);
 }
 
+bool World::Impl::is_in_boxes(std::uint32_t body) const {
+  bool inside = is_finite(body);
+  for_each_collider(body, [&](std::uint32_t collider) {
+    const collision::Shape& shape = colliders.shape[collider];
+    const collision::Pose pose = colliders.pose(collider, {bodies.positions.data(), bodies.orientations.data()});
+    inside = inside && is_bounded(shape) &&
+             room_in(broadphase.fat_box(collider),
+                     collision::bounds_of(shape, pose.position, pose.orientation.toRotationMatrix())) >= 0;
+  });
+  return inside;
+}
+
 // A body that was pushed along farther than its speed had let expect is out of its boxes already: queries between
-// steps go by them.
+// steps go by them. Slack doesn't know along which way a box is stretched, so it tells only who may be out.
 void World::Impl::catch_up_boxes() {
+  looked_at_.clear();
   for (const std::uint32_t body : active_.in_order()) {
-    if (bodies.outgrown[body] && !(bodies.slack[body] >= 0)) move_proxies(body);
+    if (bodies.outgrown[body] && !(bodies.slack[body] >= 0)) looked_at_.push_back(body);
+  }
+  in_boxes_.resize(looked_at_.size());
+  arena.parallel_for(looked_at_.size(), box_grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) in_boxes_[i] = is_in_boxes(looked_at_[i]);
+  });
+  for (std::size_t i = 0; i < looked_at_.size(); ++i) {
+    if (!in_boxes_[i]) move_proxies(looked_at_[i]);
   }
 }
 
@@ -203,8 +232,7 @@ void World::Impl::find_pairs() {
     if (bodies.outgrown[body]) looked_at_.push_back(body);
   }
   new_boxes_.resize(colliders.size());
-  constexpr std::size_t grain = 256;
-  arena.parallel_for(looked_at_.size(), grain, [&](std::size_t begin, std::size_t end) {
+  arena.parallel_for(looked_at_.size(), box_grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const std::uint32_t body = looked_at_[i];
       if (!is_finite(body)) continue;
@@ -233,6 +261,7 @@ void World::Impl::find_pairs() {
     });
     if (outgrown) note_stretch(body);
   }
+  report_.counts.new_boxes = static_cast<std::int64_t>(broadphase.moved_count());
   cache.add(broadphase.find_new_pairs(cache.pairs, arena),
             [this](collision::Pair pair) { return contact_start(pair); });
 }

@@ -20,7 +20,7 @@ std::vector<MemoryUse> World::Impl::memory() const {
   std::vector<MemoryUse> uses;
   uses.push_back({"bodies",
                   bodies.bytes() + records.bytes() + active_.bytes() +
-                      bytes_of(may_start_or_stop_, pushed_, looked_at_, stretch_, stretched_, reaches_),
+                      bytes_of(may_start_or_stop_, pushed_, looked_at_, in_boxes_, stretch_, stretched_, reaches_),
                   records.count, "bodies"});
   uses.push_back({"sleeping", sleeping.bytes(), records.count, "bodies"});
   uses.push_back({"running_surfaces", bytes_of(bodies.surfaces, surface_contacts_), records.count, "bodies"});

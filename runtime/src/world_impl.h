@@ -204,6 +204,7 @@ class World::Impl {
   double stretch_of(std::uint32_t body) const;
   void note_stretch(std::uint32_t body);
   void shrink_boxes();
+  bool is_in_boxes(std::uint32_t body) const;
   void catch_up_boxes();
   void look_again(std::uint32_t body) { bodies.outgrown[body] = 1; }
   bool may_move(std::uint32_t body) const;
@@ -303,6 +304,7 @@ class World::Impl {
   std::vector<std::uint32_t> may_start_or_stop_;  // bodies that came, went or got a velocity, see active_
   std::vector<std::uint32_t> pushed_;             // bodies with a force or torque on them
   std::vector<std::uint32_t> looked_at_;          // bodies
+  std::vector<std::uint8_t> in_boxes_;            // by body looked at
   std::vector<ProxyBox> new_boxes_;               // by collider
   std::vector<double> stretch_;                   // m, of a body's fat boxes along its motion
   std::vector<std::uint32_t> stretched_;          // bodies with such boxes

@@ -254,6 +254,23 @@ TEST(QueriesAfterSteps, FindBodiesWhereTheyAre) {
   EXPECT_EQ(queries.overlapping(QueryShape{.position = {40.2, 40.2, 3.3}}), std::vector<BodyId>{falling});
 }
 
+// What moves on as it did stays for steps in a box that is stretched along its motion, also where it moves by more in
+// each than the box has room on all sides.
+TEST(QueriesAfterSteps, BoxesAlongTheMotionLast) {
+  World world({.gravity = Vector3::Zero()});
+  constexpr int count = 100, steps = 60;
+  for (int i = 0; i < count; ++i) {
+    BodyDef body = box(Vector3(3 * i, 0, 0));
+    body.velocity = {0, 12, -9};  // m/s: 0.25 m a step, and the longest stretch is 1 m
+    world.add_body(body);
+  }
+  world.step(dt);
+  std::int64_t made = 0;
+  for (int i = 0; i < steps; ++i) made += world.step(dt).counts.new_boxes;
+  EXPECT_GT(made, count * steps / 6);
+  EXPECT_LE(made, count * steps / 4);
+}
+
 TEST_F(QueriesTest, BadQuestionsAreRefusedByName) {
   expect_error([&] { queries_.cast_ray({.origin = {0, nan, 0}}); }, {"ray.origin", "nan"});
   expect_error([&] { queries_.cast_ray({.direction = {0, 0, 0}}); }, {"ray.direction", "zero"});

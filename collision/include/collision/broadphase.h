@@ -60,6 +60,8 @@ class Broadphase {
   /// the next call. The cost follows what moved: nothing moved, nothing done.
   std::span<const Pair> find_new_pairs(const PairSet& known, jobs::Arena& arena);
   void forget_moves();
+  /// How many shapes moved since then, those that are gone too.
+  std::size_t moved_count() const { return moved_.size(); }
 
   /// Calls visit(shape) for every shape, fixed ones and half-spaces too, whose fat box overlaps this box, in
   /// no particular order (sort what must not depend on the trees' history). Filters don't matter. Safe from

@@ -88,6 +88,7 @@ const char* solver_stage_name(SolverStage stage);
 struct StepCounts {
   std::int64_t active_bodies = 0;      ///< awake, or kinematic with a velocity: no other is looked at
   std::int64_t active_contacts = 0;    ///< of pairs with one of these: no other is looked at
+  std::int64_t new_boxes = 0;          ///< of shapes that left, or will leave, the fat bounds they had, or are new
   std::int64_t pairs = 0;              ///< of bodies whose fat bounds overlap
   std::int64_t contacts = 0;           ///< pairs with at least one manifold point, among awake bodies
   std::int64_t points = 0;             ///< manifold points of these
