@@ -121,7 +121,8 @@ void World::Impl::remove_colliders(std::uint32_t body) {
 }
 
 // What must fit into a fat box: the bounds, grown by the speculative margin and where the body may get to in a
-// step. A new fat box has some room beyond, so that it needn't be asked again at once.
+// step; of one that is faster than margins see, where they will be after it, too. A new fat box has some room beyond,
+// so that it needn't be asked again at once.
 World::Impl::ProxyBox World::Impl::proxy_box(std::uint32_t collider, const collision::Aabb* current) const {
   const std::uint32_t body = colliders.body[collider];
   const collision::Shape& shape = colliders.shape[collider];
