@@ -120,15 +120,21 @@ void World::Impl::remove_colliders(std::uint32_t body) {
   }
 }
 
+collision::Bounds World::Impl::bounds_at(std::uint32_t collider, const collision::Pose& pose) const {
+  return collision::bounds_of(colliders.shape[collider], pose.position, pose.orientation.toRotationMatrix());
+}
+
+collision::Bounds World::Impl::bounds_now(std::uint32_t collider) const {
+  return bounds_at(collider, colliders.pose(collider, {bodies.positions.data(), bodies.orientations.data()}));
+}
+
 // What must fit into a fat box: the bounds, grown by the speculative margin and where the body may get to in a
 // step; of one that is faster than margins see, where they will be after it, too. A new fat box has some room beyond,
 // so that it needn't be asked again at once.
 World::Impl::ProxyBox World::Impl::proxy_box(std::uint32_t collider, const collision::Aabb* current) const {
   const std::uint32_t body = colliders.body[collider];
-  const collision::Shape& shape = colliders.shape[collider];
-  const collision::Pose pose = colliders.pose(collider, {bodies.positions.data(), bodies.orientations.data()});
-  const collision::Bounds bounds = collision::bounds_of(shape, pose.position, pose.orientation.toRotationMatrix());
-  const double size = size_of(shape);
+  const collision::Bounds bounds = bounds_now(collider);
+  const double size = size_of(colliders.shape[collider]);
   const double reach =
       (bodies.velocity(body).norm() + bodies.angular_velocity(body).norm() * bodies.radius[body]) * dt_;
   const double still = collision::speculative_margin(size, 0);
@@ -170,11 +176,8 @@ void World::Impl::move_proxies(std::uint32_t body) {
 bool World::Impl::is_in_boxes(std::uint32_t body) const {
   bool inside = is_finite(body);
   for_each_collider(body, [&](std::uint32_t collider) {
-    const collision::Shape& shape = colliders.shape[collider];
-    const collision::Pose pose = colliders.pose(collider, {bodies.positions.data(), bodies.orientations.data()});
-    inside = inside && is_bounded(shape) &&
-             room_in(broadphase.fat_box(collider),
-                     collision::bounds_of(shape, pose.position, pose.orientation.toRotationMatrix())) >= 0;
+    inside = inside && is_bounded(colliders.shape[collider]) &&
+             room_in(broadphase.fat_box(collider), bounds_now(collider)) >= 0;
   });
   return inside;
 }

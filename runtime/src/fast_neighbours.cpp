@@ -18,12 +18,8 @@ constexpr std::size_t grain = 16;  // of loops over fast bodies
 
 // Everywhere that a collider of the body has been in this step, if it ends `aside` of where it did.
 collision::Aabb World::Impl::swept_box(const FastMove& fast, std::uint32_t collider, const Vector3& aside) const {
-  const auto bounds_at = [&](const collision::Pose& pose) {
-    return collision::bounds_of(colliders.shape[collider], pose.position, pose.orientation.toRotationMatrix());
-  };
-  const collision::Bounds start = bounds_at(collision::placed(fast.start_pose(), colliders.local[collider]));
-  const collision::Bounds end =
-      bounds_at(colliders.pose(collider, {bodies.positions.data(), bodies.orientations.data()}));
+  const collision::Bounds start = bounds_at(collider, collision::placed(fast.start_pose(), colliders.local[collider]));
+  const collision::Bounds end = bounds_now(collider);
   const Vector3 bulge = Vector3::Constant(fast.bulge);
   return collision::Aabb::around(start.lower.cwiseMin(end.lower + aside) - bulge,
                                  start.upper.cwiseMax(end.upper + aside) + bulge);

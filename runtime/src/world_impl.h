@@ -197,6 +197,8 @@ class World::Impl {
   void remove_colliders(std::uint32_t body);
   void add_proxies(std::uint32_t body, const collision::Filter& filter);
   void remove_proxies(std::uint32_t body);
+  collision::Bounds bounds_at(std::uint32_t collider, const collision::Pose& pose) const;
+  collision::Bounds bounds_now(std::uint32_t collider) const;
   ProxyBox proxy_box(std::uint32_t collider, const collision::Aabb* current) const;
   collision::Plane world_plane(std::uint32_t collider) const;
   bool is_finite(std::uint32_t body) const;
