@@ -293,7 +293,7 @@ class WorldState {
   void visit_joints() {
     auto& joints = world_.joints;
     auto count = static_cast<std::uint32_t>(joints.size());
-    bool same = true;  // as those that the world has
+    [[maybe_unused]] bool same = true;  // as those that the world has
     if constexpr (reads) {
       count = archive_.count_of(1);
       same = count == joints.size();
@@ -301,15 +301,21 @@ class WorldState {
     } else {
       archive_.value(count);
     }
-    if (count == 0) return;
     if constexpr (!with_joints) {
-      archive_.check(false, "joints, which this build is without");
-      return;
+      archive_.check(count == 0, "joints, which this build is without");
+    } else {
+      if (count > 0) same &= visit_joint_table(count);
+      if constexpr (reads) world_.restore_joints(same);
     }
+  }
+  // Whether the world has the same joints.
+  bool visit_joint_table(std::uint32_t count) {
+    auto& joints = world_.joints;
+    bool same = true;
     if constexpr (reads) {
       std::vector<std::uint8_t> alive(count);
       archive_.bits(alive);
-      same &= alive == joints.alive;
+      same = alive == joints.alive;
       joints.alive = std::move(alive);
     } else {
       archive_.bits(joints.alive);
@@ -320,7 +326,7 @@ class WorldState {
     for (std::uint32_t joint = 0; joint < count; ++joint) {
       if (joints.alive[joint]) same &= visit_one_joint(joint);
     }
-    if constexpr (reads) world_.restore_joints(same);
+    return same;
   }
 
   void check_free_joints() {

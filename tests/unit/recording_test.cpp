@@ -242,6 +242,22 @@ TEST(Recording, BeginsWithAnEmptyWorldToo) {
   expect_same(replay(file.path()), 40, world.state_hash(), "from the world's making on");
 }
 
+TEST(Recording, GoesBackToBeforeTheFirstJoint) {
+  const TemporaryFile file(".recording");
+  World world;
+  world.add_body(ground());
+  const std::vector<BodyId> crates = add_stack(world, 2);
+  world.record(file.path());
+  Snapshot snapshot;
+  world.save(snapshot);
+  world.add_joint({.first = crates[0], .second = crates[1]});
+  run(world, 5);
+  world.restore(snapshot);
+  run(world, 5);
+  world.stop_recording();
+  expect_same(replay(file.path()), 10, world.state_hash(), "a joint came and went");
+}
+
 TEST(Recording, StoresGeometryOnce) {
   const TemporaryFile file(".recording");
   Yard yard;

@@ -101,6 +101,25 @@ TEST(Snapshot, BringsBackTheSameWorldWhateverHappenedToIt) {
   expect_back("a belt");
 }
 
+TEST(Snapshot, TakesAwayJointsThatCameLater) {
+  for (const bool solved : {false, true}) {
+    World world({.settings = {.sleeping = true}});
+    world.add_body(ground());
+    const std::vector<BodyId> crates = add_stack(world, 3);
+    run(world, 10);
+    Snapshot snapshot;
+    world.save(snapshot);
+    const std::vector<std::uint64_t> expected = hashes(world, 20);
+    const JointId weld = world.add_joint({.kind = FixedJoint{}, .first = crates[0], .second = crates[2]});
+    world.add_joint({.first = crates[1], .second = crates[2]});
+    if (solved) run(world, 3);
+    world.restore(snapshot);
+    EXPECT_FALSE(world.contains(weld));
+    EXPECT_EQ(hashes(world, 20), expected) << (solved ? "after steps" : "at once");
+    EXPECT_EQ(world.add_joint({.first = crates[0], .second = crates[1]}).index, 0u);
+  }
+}
+
 TEST(Snapshot, HoldsWhatCallersChangedSinceTheLastStep) {
   const auto change = [](Yard& yard, int what) {
     World& world = yard.world;
