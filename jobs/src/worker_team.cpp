@@ -4,6 +4,8 @@
 #include <thread>
 #include <utility>
 
+#include "arena_tbb.h"
+
 #if defined(__x86_64__) || defined(__i386__)
 #include <immintrin.h>
 #endif
@@ -46,7 +48,7 @@ constexpr std::size_t most_chunks = 0xfffe;
 
 WorkerTeam::WorkerTeam(Arena& arena) : arena_(arena), helpers_(arena.threads() - 1) {
   if (helpers_ == 0) return;
-  arena_.tbb_arena().execute([this] {
+  arena_.tbb_->arena.execute([this] {
     for (int i = 0; i < helpers_; ++i) {
       // A task reads what it was made with as it begins, so it is made before its hand-over is told.
       tbb::task_handle helper = group_.defer([this] {
@@ -63,7 +65,7 @@ WorkerTeam::WorkerTeam(Arena& arena) : arena_(arena), helpers_(arena.threads() -
 WorkerTeam::~WorkerTeam() {
   if (helpers_ == 0) return;
   stop_.store(true, std::memory_order_release);
-  arena_.tbb_arena().execute([this] { group_.wait(); });
+  arena_.tbb_->arena.execute([this] { group_.wait(); });
   after_tasks();
 }
 

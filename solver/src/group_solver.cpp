@@ -1,5 +1,6 @@
 #include <jobs/with_joints.h>
 #include <jobs/with_restitution.h>
+#include <jobs/worker_team.h>
 #include <solver/group_solver.h>
 
 #include <algorithm>

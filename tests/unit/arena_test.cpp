@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 #include <jobs/arena.h>
 #include <jobs/scratch.h>
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <atomic>

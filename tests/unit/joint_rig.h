@@ -2,6 +2,7 @@
 /// A few bodies and joints, and the solver layer's step of them, without a world around.
 
 #include <jobs/arena.h>
+#include <jobs/worker_team.h>
 #include <solver/group_solver.h>
 
 #include <algorithm>

@@ -1,14 +1,8 @@
 #pragma once
 
-#include <jobs/task_order.h>
-#include <tbb/global_control.h>
-#include <tbb/info.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <cstddef>
-#include <optional>
+#include <memory>
 
 namespace atl::jobs {
 
@@ -17,42 +11,39 @@ namespace atl::jobs {
 class Arena {
  public:
   /// threads >= 1, the calling thread among them. More threads than cores is allowed.
-  explicit Arena(int threads) : threads_(threads), arena_(threads) {
-    // Only to raise the process's limit: the lowest of all such controls holds, for everybody's tasks.
-    if (threads > tbb::info::default_concurrency()) {
-      allowed_.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
-    }
-  }
+  explicit Arena(int threads);
+  ~Arena();
+  Arena(const Arena&) = delete;
+  Arena& operator=(const Arena&) = delete;
 
   int threads() const { return threads_; }
 
   /// Runs body(begin, end) over the chunks of [0, count). Returns when all have run.
   template <typename Body>
   void parallel_for(std::size_t count, std::size_t grain, const Body& body) {
-    const std::size_t chunks = chunk_count(count, grain);
-    const auto run_chunk = [&](std::size_t chunk) { body(chunk * grain, std::min(count, (chunk + 1) * grain)); };
-    if (threads_ == 1 || chunks <= 1) {
-      for (std::size_t chunk = 0; chunk < chunks; ++chunk) run_chunk(chunk);
-    } else {
-      const auto run_task = [&](std::size_t chunk) {
-        task_begins();
-        run_chunk(chunk);
-        task_ends();
-      };
-      before_tasks();
-      arena_.execute([&] { tbb::parallel_for(std::size_t{0}, chunks, run_task); });
-      after_tasks();
+    if (threads_ == 1 || count <= grain) {
+      for (std::size_t begin = 0; begin < count; begin += grain) body(begin, std::min(count, begin + grain));
+      return;
     }
+    run([](const void* context, std::size_t begin,
+           std::size_t end) { (*static_cast<const Body*>(context))(begin, end); },
+        &body, count, grain);
   }
 
   static std::size_t chunk_count(std::size_t count, std::size_t grain) { return (count + grain - 1) / grain; }
 
-  tbb::task_arena& tbb_arena() { return arena_; }
-
  private:
+  friend class WorkerTeam;
+  using Function = void (*)(const void* context, std::size_t begin, std::size_t end);
+  struct Tbb;  // kept out of this header, which nearly every file includes
+
+  void run(Function function, const void* context, std::size_t count, std::size_t grain);
+
   int threads_;
-  tbb::task_arena arena_;
-  std::optional<tbb::global_control> allowed_;
+  std::unique_ptr<Tbb> tbb_;
 };
+
+/// The number of the calling worker inside a loop of an arena, from 0; 0 outside.
+std::size_t worker_index();
 
 }  // namespace atl::jobs

@@ -1,8 +1,7 @@
 #pragma once
 
-#include <tbb/task_arena.h>
+#include <jobs/arena.h>
 
-#include <algorithm>
 #include <cstddef>
 #include <memory>
 #include <utility>
@@ -22,7 +21,7 @@ class Scratch {
   /// The calling worker's, inside a loop of the arena. A loop that its caller runs alone may find itself in
   /// somebody else's arena, with any index: there is no second worker then to share with.
   T& local() {
-    const auto worker = static_cast<std::size_t>(std::max(0, tbb::this_task_arena::current_thread_index()));
+    const std::size_t worker = worker_index();
     return *items_[worker < items_.size() ? worker : 0];
   }
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <jobs/bytes.h>
-#include <jobs/worker_team.h>
 #include <solver/colouring.h>
 #include <solver/contact_block.h>
 #include <solver/group_joints.h>
@@ -11,6 +10,10 @@
 #include <array>
 #include <cstdint>
 #include <vector>
+
+namespace atl::jobs {
+class WorkerTeam;
+}
 
 namespace atl::solver {
 
