@@ -73,19 +73,25 @@ HWY_INLINE void refresh_separations(const ContactKernelData& data, ContactBlock&
   }
 }
 
-// What is known of a sweep when it is compiled; whether it refreshes and goes twice over the points some ask as they
-// run. `special` is what few scenes need and may cost something: running surfaces, rolling and torsional friction,
-// locks, slop, and a residual.
-enum class Refresh { No, Yes, Asks };
-enum class Rounds { One, Two, Asks };
-
-template <Push push_, Refresh refresh_, Friction friction_, Rounds rounds_>
-struct How {
+// What is known of a sweep when it is compiled.
+template <Push push_, bool refresh_, bool rubs_, int rounds_>
+struct Common {
   static constexpr Push push = push_;
-  static constexpr Refresh refresh = refresh_;
-  static constexpr Friction friction = friction_;
-  static constexpr Rounds rounds = rounds_;
-  static constexpr bool special = refresh_ == Refresh::Asks;
+  static constexpr bool special = false;
+  static HWY_INLINE bool refresh(const Sweep&) { return refresh_; }
+  static HWY_INLINE bool rubs(const Sweep&) { return rubs_; }
+  static HWY_INLINE int rounds(const Sweep&) { return rounds_; }
+};
+
+// Whatever a sweep asks for, and what few scenes need and costs something: running surfaces, rolling and torsional
+// friction, the pyramid, locks, slop, and a residual.
+template <Push push_>
+struct Special {
+  static constexpr Push push = push_;
+  static constexpr bool special = true;
+  static HWY_INLINE bool refresh(const Sweep& sweep) { return sweep.refresh; }
+  static HWY_INLINE bool rubs(const Sweep& sweep) { return sweep.friction != Friction::None; }
+  static HWY_INLINE int rounds(const Sweep& sweep) { return sweep.twice ? 2 : 1; }
 };
 
 // What is left out of blocks that have no need of it.
@@ -164,8 +170,8 @@ HWY_INLINE void solve_planar_friction(ContactBlock& block, std::size_t lane, Con
 }
 
 template <typename how, typename what>
-HWY_INLINE void solve_friction(ContactBlock& block, SurfaceBlock* surface, std::size_t lane,
-                               ContactLanes<what::movers>& c, Residual& residual) {
+HWY_INLINE void solve_friction(ContactBlock& block, SurfaceBlock* surface, [[maybe_unused]] Friction friction,
+                               std::size_t lane, ContactLanes<what::movers>& c, Residual& residual) {
   const V3 velocity = relative_velocity(c);
   V v1 = dot(c.tangent1, velocity);
   V v2 = dot(c.tangent2, velocity);
@@ -186,11 +192,11 @@ HWY_INLINE void solve_friction(ContactBlock& block, SurfaceBlock* surface, std::
   const Plane mass = Plane::load_from(block.friction_mass, lane);
   V new1 = hn::Sub(old1, mass.first(v1, v2));
   V new2 = hn::Sub(old2, mass.second(v1, v2));
-  if constexpr (how::friction == Friction::Cone) {
-    clamp_to_disc(new1, new2, bound);
-  } else {
+  if (how::special && friction == Friction::Pyramid) {
     new1 = clamp_to(new1, bound);
     new2 = clamp_to(new2, bound);
+  } else {
+    clamp_to_disc(new1, new2, bound);
   }
   if constexpr (what::movers == Movers::Locked) {
     // See keep_in_plane.
@@ -349,20 +355,16 @@ HWY_NOINLINE void sweep_alike(const ContactKernelData& data, const Sweep& sweep,
     auto* impulses = how::push == Push::Split ? data.split_blocks[b].impulse : block.normal_impulse;
     for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
       ContactLanes<what::movers> c = load_contacts<what::movers>(data, block, lane);
-      if (how::refresh == Refresh::Yes || (how::special && sweep.refresh)) {
-        refresh_separations<what::points>(data, block, lane, c);
-      }
-      solve_normals<how, what>(data, block, impulses, lane, c, residual);
+      if (how::refresh(sweep)) refresh_separations<what::points>(data, block, lane, c);
       // One round over the points leaves a body that lands flat tilted, and friction with too low a bound.
-      if (how::rounds == Rounds::Two || (how::rounds == Rounds::Asks && sweep.twice)) {
-        solve_normals<how, what>(data, block, impulses, lane, c, residual);
-      }
+      solve_normals<how, what>(data, block, impulses, lane, c, residual);
+      if (how::rounds(sweep) == 2) solve_normals<how, what>(data, block, impulses, lane, c, residual);
       // Last, so that its bound is the normal impulse that it goes with.
-      if constexpr (how::friction != Friction::None) {
+      if (how::push != Push::Split && how::rubs(sweep) && block.traits.friction) {
         if constexpr (what::planar) {
-          if (block.traits.friction) solve_planar_friction<what>(block, lane, c);
+          solve_planar_friction<what>(block, lane, c);
         } else {
-          if (block.traits.friction) solve_friction<how, what>(block, surface, lane, c, residual);
+          solve_friction<how, what>(block, surface, sweep.friction, lane, c, residual);
         }
       }
       store_contact_bodies(c, data, block, lane);
@@ -384,28 +386,26 @@ HWY_INLINE void sweep_points(const ContactKernelData& data, const Sweep& sweep, 
   }
 }
 
-// A kind of sweep that most scenes are made of, and so worth a kernel for each kind of block.
+// With a kernel for each kind of block.
 template <typename how>
-float sweep_by_kind(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end) {
+void sweep_by_kind(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end) {
   const auto movers_of = [&](std::size_t b) { return data.leaves_out ? data.blocks[b].movers : Movers::Both; };
   const auto points_of = [&](std::size_t b) {
     const std::uint8_t points = data.blocks[b].traits.points;
     return points == 3 ? std::uint8_t{4} : points;
   };
+  const auto is_planar = [&](std::size_t b) { return how::rubs(sweep) && data.blocks[b].traits.planar; };
   Residual residual;
   for (std::size_t next; begin < end; begin = next) {
     const Movers movers = movers_of(begin);
     const std::uint8_t points = points_of(begin);
-    const bool planar = how::friction != Friction::None && data.blocks[begin].traits.planar;
+    const bool planar = is_planar(begin);
     const auto is_alike = [&](std::size_t b) {
-      return movers_of(b) == movers && points_of(b) == points &&
-             (how::friction == Friction::None || data.blocks[b].traits.planar == planar);
+      return movers_of(b) == movers && points_of(b) == points && is_planar(b) == planar;
     };
     for (next = begin + 1; next < end && is_alike(next);) ++next;
     if (planar) {
-      if constexpr (how::friction != Friction::None) {
-        sweep_points<how, 2, true>(data, sweep, movers, begin, next, residual);
-      }
+      sweep_points<how, 2, true>(data, sweep, movers, begin, next, residual);
     } else if (points == 1) {
       sweep_points<how, 1>(data, sweep, movers, begin, next, residual);
     } else if (points == 2) {
@@ -414,79 +414,56 @@ float sweep_by_kind(const ContactKernelData& data, const Sweep& sweep, std::size
       sweep_points<how, max_points>(data, sweep, movers, begin, next, residual);
     }
   }
-  return 0;
 }
 
-// One that few are: it leaves nothing out.
-template <typename how>
-float sweep_all(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end) {
+// What few scenes need: it leaves nothing out.
+template <Push push>
+float special_sweep(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end) {
+  using how = Special<push>;
   Residual residual;
-  if (how::special && !data.bodies.locks.empty()) {
-    sweep_alike<how, What<max_points, how::special ? Movers::Locked : Movers::Both>>(data, sweep, begin, end, residual);
-  } else {
+  if (data.bodies.locks.empty()) {
     sweep_alike<how, What<max_points, Movers::Both>>(data, sweep, begin, end, residual);
+  } else {
+    sweep_alike<how, What<max_points, Movers::Locked>>(data, sweep, begin, end, residual);
   }
-  return how::special ? hn::GetLane(hn::MaxOfLanes(D(), residual.most)) : 0;
+  return hn::GetLane(hn::MaxOfLanes(D(), residual.most));
 }
 
-template <Push push, Refresh refresh>
-float sweep_with_friction(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end) {
-  switch (sweep.friction) {
-    case Friction::None:
-      return sweep_all<How<push, refresh, Friction::None, Rounds::Asks>>(data, sweep, begin, end);
-    case Friction::Cone:
-      return sweep_all<How<push, refresh, Friction::Cone, Rounds::Asks>>(data, sweep, begin, end);
-    case Friction::Pyramid:
-      return sweep_all<How<push, refresh, Friction::Pyramid, Rounds::Asks>>(data, sweep, begin, end);
-  }
-  return 0;
-}
-
-// Those of soft contacts with relaxation.
+// A step of soft contacts with relaxation is made of these.
 inline bool is_common(const Sweep& sweep) {
   if (sweep.friction == Friction::Pyramid) return false;
   if (sweep.push == Push::None) return sweep.refresh && !sweep.twice;
   return sweep.push == Push::Bias && !sweep.refresh && (sweep.twice || sweep.friction == Friction::None);
 }
 
-inline float common_sweep(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end) {
-  const bool rubs = sweep.friction == Friction::Cone;
+// Blocks without friction tell so themselves.
+inline void common_sweep(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end) {
   if (sweep.push == Push::None) {
-    return rubs ? sweep_by_kind<How<Push::None, Refresh::Yes, Friction::Cone, Rounds::One>>(data, sweep, begin, end)
-                : sweep_by_kind<How<Push::None, Refresh::Yes, Friction::None, Rounds::One>>(data, sweep, begin, end);
+    sweep_by_kind<Common<Push::None, true, true, 1>>(data, sweep, begin, end);
+  } else if (sweep.twice) {
+    sweep_by_kind<Common<Push::Bias, false, true, 2>>(data, sweep, begin, end);
+  } else {
+    sweep_by_kind<Common<Push::Bias, false, false, 1>>(data, sweep, begin, end);
   }
-  if (!sweep.twice) {
-    return sweep_by_kind<How<Push::Bias, Refresh::No, Friction::None, Rounds::One>>(data, sweep, begin, end);
-  }
-  return rubs ? sweep_by_kind<How<Push::Bias, Refresh::No, Friction::Cone, Rounds::Two>>(data, sweep, begin, end)
-              : sweep_by_kind<How<Push::Bias, Refresh::No, Friction::None, Rounds::Two>>(data, sweep, begin, end);
-}
-
-template <Push push>
-float plain_sweep(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end) {
-  if (is_common(sweep)) return common_sweep(data, sweep, begin, end);
-  if (sweep.refresh) return sweep_with_friction<push, Refresh::Yes>(data, sweep, begin, end);
-  return sweep_with_friction<push, Refresh::No>(data, sweep, begin, end);
 }
 
 template <Push push>
 float sweep_with_push(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end) {
-  const bool special =
-      sweep.measures || data.surface_blocks != nullptr || data.split_blocks != nullptr || data.constants.slop > 0;
-  if (special) return sweep_with_friction<push, Refresh::Asks>(data, sweep, begin, end);
-  if (data.bodies.locks.empty()) return plain_sweep<push>(data, sweep, begin, end);
-  // Common sweeps alone have kernels for friction in a plane.
-  const auto needs_general = [&, common = is_common(sweep)](std::size_t b) {
-    const ContactTraits& traits = data.blocks[b].traits;
-    return traits.locked || (traits.planar && !common);
-  };
+  const bool special = sweep.measures || !is_common(sweep) || data.surface_blocks != nullptr ||
+                       data.split_blocks != nullptr || data.constants.slop > 0;
+  if (special) return special_sweep<push>(data, sweep, begin, end);
+  if (data.bodies.locks.empty()) {
+    common_sweep(data, sweep, begin, end);
+    return 0;
+  }
+  const auto is_locked = [&](std::size_t b) { return data.blocks[b].traits.locked; };
   for (std::size_t next; begin < end; begin = next) {
-    const bool general = needs_general(begin);
-    for (next = begin + 1; next < end && needs_general(next) == general;) ++next;
-    if (general) {
-      sweep_with_friction<push, Refresh::Asks>(data, sweep, begin, next);
+    const bool locked = is_locked(begin);
+    for (next = begin + 1; next < end && is_locked(next) == locked;) ++next;
+    if (locked) {
+      special_sweep<push>(data, sweep, begin, next);
     } else {
-      plain_sweep<push>(data, sweep, begin, next);
+      common_sweep(data, sweep, begin, next);
     }
   }
   return 0;
@@ -499,7 +476,7 @@ inline float sweep(const ContactKernelData& data, const Sweep& sweep, std::size_
     case Push::Bias:
       return sweep_with_push<Push::Bias>(data, sweep, begin, end);
     case Push::Split:
-      return sweep_all<How<Push::Split, Refresh::Asks, Friction::None, Rounds::Asks>>(data, sweep, begin, end);
+      return special_sweep<Push::Split>(data, sweep, begin, end);
   }
   return 0;
 }
