@@ -51,24 +51,24 @@ double separation_along(const BoxPair& first_is_reference, const FaceAxis& axis)
 }
 
 // A corner of the outline that is being clipped, and the edges that meet in it; see face_point_id().
-struct OutlineCorner {
+struct CutCorner {
   Vector3 position;
   int edge_in;
   int edge_out;
 };
 
-struct Outline {
-  std::array<OutlineCorner, 8> corners;  // a quadrilateral cut by four planes
+struct CutFace {
+  std::array<CutCorner, 8> corners;  // a quadrilateral cut by four planes
   int count = 0;
 
-  void add(const OutlineCorner& corner) {
+  void add(const CutCorner& corner) {
     if (count < 8) corners[static_cast<std::size_t>(count++)] = corner;
   }
 };
 
 struct IncidentFace {
   int number;
-  Outline outline;
+  CutFace outline;
 };
 
 // The face of the incident box that looks most directly at the reference face.
@@ -93,7 +93,7 @@ IncidentFace incident_face(const BoxPair& pair, int axis, bool negative) {
 
 // Sutherland and Hodgman, "Reentrant polygon clipping", CACM 1974, against side * p[axis] <= limit, keeping
 // track of edges. Corners up to `slack` outside count as inside: of flush boxes, none flickers.
-void clip(Outline& outline, Eigen::Index axis, double side, double limit, double slack, int edge) {
+void clip(CutFace& outline, Eigen::Index axis, double side, double limit, double slack, int edge) {
   std::array<double, 8> outside;
   bool cuts = false;
   for (int i = 0; i < outline.count; ++i) {
@@ -102,19 +102,19 @@ void clip(Outline& outline, Eigen::Index axis, double side, double limit, double
     cuts |= outside[k] > slack;
   }
   if (!cuts) return;
-  Outline result;
+  CutFace result;
   for (int i = 0; i < outline.count; ++i) {
     const auto k = static_cast<std::size_t>(i);
     const std::size_t next = i + 1 == outline.count ? 0 : k + 1;
-    const OutlineCorner& from = outline.corners[k];
-    const OutlineCorner& to = outline.corners[next];
+    const CutCorner& from = outline.corners[k];
+    const CutCorner& to = outline.corners[next];
     const bool from_in = outside[k] <= slack;
     const bool to_in = outside[next] <= slack;
     if (from_in) result.add(from);
     if (from_in == to_in) continue;
     const double t = std::clamp(outside[k] / (outside[k] - outside[next]), 0.0, 1.0);
     const Vector3 crossing = from.position + t * (to.position - from.position);
-    result.add(from_in ? OutlineCorner{crossing, from.edge_out, edge} : OutlineCorner{crossing, edge, from.edge_out});
+    result.add(from_in ? CutCorner{crossing, from.edge_out, edge} : CutCorner{crossing, edge, from.edge_out});
   }
   outline = result;
 }
@@ -128,7 +128,7 @@ void face_manifold(const BoxPair& first_is_reference, const FaceAxis& axis, doub
   const Eigen::Index v = (n + 2) % 3;
 
   const IncidentFace incident = incident_face(pair, axis.index(), axis.negative);
-  Outline outline = incident.outline;
+  CutFace outline = incident.outline;
   clip(outline, u, 1, pair.half_reference[u], slack, 4);
   clip(outline, v, 1, pair.half_reference[v], slack, 5);
   clip(outline, u, -1, pair.half_reference[u], slack, 6);
@@ -137,7 +137,7 @@ void face_manifold(const BoxPair& first_is_reference, const FaceAxis& axis, doub
   std::array<Manifold::Point, 8> points;
   int count = 0;
   for (int i = 0; i < outline.count; ++i) {
-    const OutlineCorner& corner = outline.corners[static_cast<std::size_t>(i)];
+    const CutCorner& corner = outline.corners[static_cast<std::size_t>(i)];
     const double separation = side * corner.position[n] - pair.half_reference[n];
     if (separation > margin) continue;
     const FeatureId id = face_point_id(axis.of_second(), axis.face(), incident.number, corner.edge_in, corner.edge_out);

@@ -16,8 +16,6 @@
 namespace atl::collision {
 namespace {
 
-bool is_round(ShapeKind kind) { return kind == ShapeKind::Cylinder || kind == ShapeKind::Cone; }
-
 // A flat face that may be the reference.
 struct Reference {
   bool of_second = false;

@@ -10,8 +10,6 @@
 namespace atl::collision {
 namespace {
 
-bool is_round(ShapeKind kind) { return kind == ShapeKind::Cylinder || kind == ShapeKind::Cone; }
-
 // A face can only do better than what was found if it is nearer to a point that both solids share, or almost.
 // Where the overlap is shallow that leaves the faces that meet at the contact. From those that are not much
 // worse another descent starts.
@@ -77,7 +75,7 @@ double turned(const Vector3& a, const Vector3& b) {
   return std::abs(a.x() * b.y() - a.y() * b.x()) / (length_2d(a.x(), a.y()) * length_2d(b.x(), b.y()));
 }
 
-struct Line {
+struct SideEdge {
   bool exists = false;
   Vector3 tail, head;
 };
@@ -91,7 +89,7 @@ bool is_side_normal(const Shape& shape, const Vector3& outward) {
 }
 
 // The line that touches: on a side along the normal, or an edge. Frame of the shape.
-Line touching_line(const Shape& shape, const Polytope& core, const Feature& feature, const Vector3& outward) {
+SideEdge touching_line(const Shape& shape, const Polytope& core, const Feature& feature, const Vector3& outward) {
   if (shape.kind == ShapeKind::Capsule) {
     if (feature.kind != Feature::Kind::Edge) return {};
     const Vector3 end = shape.half_height * Vector3::UnitZ();
@@ -135,8 +133,8 @@ void settle_witness(const SolidPair& pair, const Polytope& first, const Polytope
   } else if (settle_on_rim(pair.first, first, axis.first, axis.normal, tolerance, on_first)) {
     axis.on_second = on_first + axis.separation * axis.normal;
   }
-  const Line a = touching_line(pair.first, first, axis.first, axis.normal);
-  const Line b = touching_line(pair.second, second, axis.second, outward_second);
+  const SideEdge a = touching_line(pair.first, first, axis.first, axis.normal);
+  const SideEdge b = touching_line(pair.second, second, axis.second, outward_second);
   if (!a.exists || !b.exists) return;
   const Vector3 tail = pair.position + pair.rotation * b.tail;
   const Vector3 u = a.head - a.tail;

@@ -11,7 +11,7 @@ namespace atl::collision {
 namespace {
 
 using Corner = std::uint32_t;
-using Side = std::array<Corner, 2>;
+using FacetSide = std::array<Corner, 2>;
 
 // Qhull's state and the stream it complains to, freed together. Qhull's own error exits only ever leave
 // qh_new_qhull, which catches them; nothing that can raise one is called after it.
@@ -62,7 +62,7 @@ void for_each(const setT* set, const Visit& visit) {
   for (const setelemT* element = set->e; element->p != nullptr; ++element) visit(element->p);
 }
 
-void collect_sides(const Qhull& qhull, const facetT& facet, std::vector<Side>& sides) {
+void collect_sides(const Qhull& qhull, const facetT& facet, std::vector<FacetSide>& sides) {
   sides.clear();
   if (facet.simplicial) {
     std::vector<Corner> corners;
@@ -79,7 +79,7 @@ void collect_sides(const Qhull& qhull, const facetT& facet, std::vector<Side>& s
 }
 
 // Sides, put in an order in which each begins where the last one ended. False where they aren't one loop.
-bool chain(std::vector<Side>& sides, std::vector<Corner>& loop) {
+bool chain(std::vector<FacetSide>& sides, std::vector<Corner>& loop) {
   loop.clear();
   if (sides.size() < 3) return false;
   for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
@@ -113,7 +113,7 @@ std::string find_facets(std::span<const Vector3> points, double tolerance, Conve
   Qhull qhull(points, merge.data());
   if (qhull.failed()) return qhull.complaint();
 
-  std::vector<Side> sides;
+  std::vector<FacetSide> sides;
   std::vector<Corner> loop;
   // The list ends with an empty facet.
   for (const facetT* facet = qhull.first_facet(); facet != nullptr && facet->next != nullptr; facet = facet->next) {

@@ -7,15 +7,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "box_distance.h"
 
 namespace atl::collision {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 // The nearest triangle so far, all in the frame of the solid.
 class NearestTriangle {

@@ -11,8 +11,6 @@
 namespace atl::collision {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 // The stretch of a line within a convex set, and the normal where the line enters.
 struct Stretch {
   double enter = -infinity;

@@ -5,15 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "hypotenuse.h"
 
 namespace atl::collision {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 Shape round_shape(ShapeKind kind, double radius, double half_height) {
   Shape shape;

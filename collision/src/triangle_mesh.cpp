@@ -17,14 +17,14 @@ constexpr double largest_coordinate = 1e30;
 constexpr double least_height = 1e-10;
 
 // One side of a triangle, with its ends in increasing order.
-struct Side {
+struct OpenSide {
   std::uint32_t low, high;
   bool reversed;  // runs from high to low
   std::uint32_t triangle;
   std::uint32_t edge;
 };
 
-bool same_ends(const Side& a, const Side& b) { return a.low == b.low && a.high == b.high; }
+bool same_ends(const OpenSide& a, const OpenSide& b) { return a.low == b.low && a.high == b.high; }
 
 Vector3 edge_of(const TriangleMesh& mesh, std::uint32_t triangle, std::uint32_t edge) {
   const Indices& corners = mesh.triangles[triangle];
@@ -65,8 +65,8 @@ std::string find_normals(TriangleMesh& mesh) {
 
 // The sides of all triangles that have no neighbour yet, with the ends numbered by `number`, neighbours next to
 // each other.
-std::vector<Side> open_sides(const TriangleMesh& mesh, const std::vector<std::uint32_t>& number) {
-  std::vector<Side> sides;
+std::vector<OpenSide> open_sides(const TriangleMesh& mesh, const std::vector<std::uint32_t>& number) {
+  std::vector<OpenSide> sides;
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     for (std::uint32_t e = 0; e < 3; ++e) {
       if (mesh.neighbours[t][e] != TriangleMesh::no_triangle) continue;
@@ -75,14 +75,14 @@ std::vector<Side> open_sides(const TriangleMesh& mesh, const std::vector<std::ui
       sides.push_back({std::min(tail, head), std::max(tail, head), tail > head, t, e});
     }
   }
-  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
+  std::sort(sides.begin(), sides.end(), [](const OpenSide& a, const OpenSide& b) {
     if (!same_ends(a, b)) return a.low != b.low ? a.low < b.low : a.high < b.high;
     return a.triangle != b.triangle ? a.triangle < b.triangle : a.edge < b.edge;
   });
   return sides;
 }
 
-void join(TriangleMesh& mesh, const Side& a, const Side& b) {
+void join(TriangleMesh& mesh, const OpenSide& a, const OpenSide& b) {
   mesh.neighbours[a.triangle][a.edge] = b.triangle;
   mesh.neighbours[b.triangle][b.edge] = a.triangle;
 }
@@ -91,10 +91,10 @@ void join(TriangleMesh& mesh, const Side& a, const Side& b) {
 std::string join_by_index(TriangleMesh& mesh) {
   std::vector<std::uint32_t> number(mesh.vertices.size());
   std::iota(number.begin(), number.end(), 0u);
-  const std::vector<Side> sides = open_sides(mesh, number);
+  const std::vector<OpenSide> sides = open_sides(mesh, number);
   for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
-    const Side& side = sides[i];
-    const Side& next = sides[i + 1];
+    const OpenSide& side = sides[i];
+    const OpenSide& next = sides[i + 1];
     if (!same_ends(side, next)) continue;
     if (i + 2 < sides.size() && same_ends(side, sides[i + 2])) {
       return text("found the edge between vertices ", side.low, " and ", side.high, " in triangles ", side.triangle,
@@ -131,7 +131,7 @@ std::vector<std::uint32_t> first_at_place(std::span<const Vector3> vertices) {
 // Of what is left, pairs of sides that lie on each other in opposite directions. Where more than two meet it is
 // open which belong together, so none are joined.
 void join_by_place(TriangleMesh& mesh) {
-  const std::vector<Side> sides = open_sides(mesh, first_at_place(mesh.vertices));
+  const std::vector<OpenSide> sides = open_sides(mesh, first_at_place(mesh.vertices));
   for (std::size_t begin = 0; begin < sides.size();) {
     std::size_t end = begin + 1;
     while (end < sides.size() && same_ends(sides[begin], sides[end])) ++end;

@@ -14,13 +14,13 @@ using std::numbers::pi;
 /// Arcs shorter than this (rad) belong to an edge inside a face, which no direction singles out.
 constexpr double flat_angle = 1e-12;
 
-Vector3 any_across(const Vector3& unit) {
-  int smallest = 0;
-  unit.cwiseAbs().minCoeff(&smallest);
-  return unit.cross(Vector3::Unit(smallest)).normalized();
-}
-
 }  // namespace
+
+Vector3 any_across(const Vector3& direction) {
+  int smallest = 0;
+  direction.cwiseAbs().minCoeff(&smallest);
+  return direction.cross(Vector3::Unit(smallest)).normalized();
+}
 
 Polytope Polytope::point() { return from_vertices({Vector3::Zero()}); }
 

@@ -65,4 +65,7 @@ inline double reach(const Polytope& polytope, const Vector3& direction) {
   return farthest;
 }
 
+/// A unit vector across a direction.
+Vector3 any_across(const Vector3& direction);
+
 }  // namespace atl::audit

@@ -7,12 +7,6 @@ namespace {
 
 bool is_point_or_segment(const Polytope& polytope) { return polytope.is_point() || polytope.is_segment(); }
 
-Vector3 any_across(const Vector3& direction) {
-  int smallest = 0;
-  direction.cwiseAbs().minCoeff(&smallest);
-  return direction.cross(Vector3::Unit(smallest)).normalized();
-}
-
 /// What to part two cores along that touch without an axis to say it: points and segments that coincide.
 Vector3 any_normal(const Polytope& a, const Polytope& b) {
   for (const Polytope* core : {&a, &b}) {

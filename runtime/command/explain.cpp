@@ -62,10 +62,10 @@ std::string words_of(const char* name) {
   return words;
 }
 
-constexpr int name_width = 24;
+constexpr int feature_width = 24;
 
 void write_stage(std::ostream& out, const std::string& name, const std::string& text) {
-  out << "  " << std::left << std::setw(name_width) << name << text << "\n";
+  out << "  " << std::left << std::setw(feature_width) << name << text << "\n";
 }
 
 std::string extent_words(const StageTally& stage) {
@@ -98,19 +98,19 @@ void write_text(std::ostream& out, const Scene& scene, const Explanation& found)
       "left out", [](const StageTally& stage) { return stage.steps == 0; },
       [](const StageTally& stage) { return std::string(stage.why_left_out); });
 
-  out << "\nmemory" << std::string(name_width - 4, ' ') << std::right << std::setw(12) << "bytes"
+  out << "\nmemory" << std::string(feature_width - 4, ' ') << std::right << std::setw(12) << "bytes"
       << "    for each\n";
   std::size_t all = 0;
   for (const MemoryUse& use : found.memory) {
     all += use.bytes;
-    out << "  " << std::left << std::setw(name_width) << words_of(use.name) << std::right << std::setw(12) << use.bytes;
+    out << "  " << std::left << std::setw(feature_width) << words_of(use.name) << std::right << std::setw(12) << use.bytes;
     if (use.bytes > 0 && use.count > 0) {
       out << "    " << significant(static_cast<double>(use.bytes) / static_cast<double>(use.count), 4) << " of "
           << use.count << " " << use.unit;
     }
     out << "\n";
   }
-  out << "  " << std::left << std::setw(name_width) << "in all" << std::right << std::setw(12) << all << "\n";
+  out << "  " << std::left << std::setw(feature_width) << "in all" << std::right << std::setw(12) << all << "\n";
 }
 
 void write_json(std::ostream& out, const Scene& scene, const Explanation& found) {

@@ -10,6 +10,7 @@
 
 #include "body_definition.h"
 #include "recorder.h"
+#include "refuse.h"
 #include "roster.h"
 #include "world_impl.h"
 

@@ -1,6 +1,5 @@
 #include "body_definition.h"
 
-#include <atoll/error.h>
 #include <collision/height_field.h>
 #include <collision/hull.h>
 #include <collision/triangle_mesh.h>
@@ -16,34 +15,10 @@
 #include <utility>
 
 #include "left_out.h"
+#include "refuse.h"
 
 namespace atl {
 namespace {
-
-template <typename Value>
-std::string text(const Value& value) {
-  std::ostringstream out;
-  if constexpr (std::is_arithmetic_v<Value>) {
-    out << value;
-  } else {
-    const Eigen::IOFormat flat(Eigen::StreamPrecision, Eigen::DontAlignCols, ", ", "; ", "", "", "(", ")");
-    out << value.reshaped(1, value.size()).format(flat);
-  }
-  return out.str();
-}
-
-template <typename Value>
-[[noreturn]] void refuse(const std::string& field, const Value& found, const char* expected) {
-  throw Error(field + " is " + text(found) + "; expected " + expected);
-}
-
-void check_positive(const std::string& field, double value) {
-  if (!(std::isfinite(value) && value > 0)) refuse(field, value, "a finite number above 0");
-}
-
-void check_not_negative(const std::string& field, double value) {
-  if (!(std::isfinite(value) && value >= 0)) refuse(field, value, "a finite number not below 0");
-}
 
 // Appends the colliders of a shape; `what` names it.
 struct ShapeCheck {
@@ -192,10 +167,6 @@ double least_moment_of(const BodyConstants& body) {
   const double least = solver::least_moment_share / body.inverse_mass * radius * radius;
   const Vector3 moments = body.gyroscopic ? body.moments : Vector3(body.inertia.diagonal());
   return moments.minCoeff() < least ? least : 0;
-}
-
-void check_finite(const char* what, const Vector3& value) {
-  if (!value.allFinite()) refuse(what, value, "three finite numbers");
 }
 
 Quaternion checked_orientation(const char* what, const Quaternion& value) {

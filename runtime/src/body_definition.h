@@ -59,7 +59,6 @@ double least_moment_of(const BodyConstants& body);
 CheckedBody check(const BodyDef& def);
 
 // For the calls that change a body later, and for queries. Each throws as check() does; `what` names the argument.
-void check_finite(const char* what, const Vector3& value);
 Quaternion checked_orientation(const char* what, const Quaternion& value);
 /// What users call a kind that has no volume, and so no finite mass; null for solids.
 const char* massless_name(collision::ShapeKind kind);

@@ -23,7 +23,7 @@ constexpr double sweep_share = 0.75;
 // One that asks for it, from this part on: not for what rounding does to a body at rest.
 constexpr double continuous_share = 1e-3;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
+using collision::infinity;
 
 bool is_bounded(const collision::Shape& shape) { return shape.kind != collision::ShapeKind::HalfSpace; }
 

@@ -1,6 +1,5 @@
 #include "joint_definition.h"
 
-#include <atoll/error.h>
 
 #include <array>
 #include <cmath>
@@ -9,25 +8,12 @@
 #include <string>
 
 #include "body_definition.h"
+#include "refuse.h"
 
 namespace atl {
 namespace {
 
-[[noreturn]] void refuse(const std::string& field, double found, const std::string& expected) {
-  std::ostringstream message;
-  message << field << " is " << found << "; expected " << expected;
-  throw Error(message.str());
-}
-
-void check_finite(const std::string& field, double value) {
-  if (!std::isfinite(value)) refuse(field, value, "a finite number");
-}
-
-void check_not_negative(const std::string& field, double value) {
-  if (!(std::isfinite(value) && value >= 0)) refuse(field, value, "a finite number not below 0");
-}
-
-void check_above_zero_or_unlimited(const std::string& field, double value) {
+void check_above_zero_or_unlimited(std::string_view field, double value) {
   if (!(value > 0)) refuse(field, value, "a number above 0, or unlimited");
 }
 
@@ -43,7 +29,7 @@ constexpr Domain not_negative = {0, unlimited, "a number not below 0, as distanc
 constexpr Domain half_turn = {-std::numbers::pi, std::numbers::pi, "a number in [-pi, pi]"};
 constexpr Domain twice_a_sine = {-2, 2, "a number in [-2, 2], twice the sine of half the angle"};
 
-void check_end(const std::string& field, double value, const Domain& domain) {
+void check_end(std::string_view field, double value, const Domain& domain) {
   if (std::isfinite(value) && (value < domain.lower || value > domain.upper)) refuse(field, value, domain.name);
 }
 

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "body_definition.h"
+#include "refuse.h"
 #include "world_impl.h"
 
 namespace atl {
@@ -39,7 +40,7 @@ struct QueryAccess {
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
+using collision::infinity;
 // Few enough that a batch of a few hundred is shared evenly, many enough that handing out costs nothing.
 constexpr std::size_t batch_grain = 32;
 
@@ -96,8 +97,8 @@ struct CheckedRay {
 };
 
 CheckedRay checked(const std::string& what, const Ray& ray) {
-  check_finite((what + ".origin").c_str(), ray.origin);
-  check_finite((what + ".direction").c_str(), ray.direction);
+  check_finite(what + ".origin", ray.origin);
+  check_finite(what + ".direction", ray.direction);
   check_distance(what + ".max_distance", ray.max_distance, true);
   const Vector3 direction = ray.direction.stableNormalized();
   if (!(direction.squaredNorm() > 0.5)) throw Error(what + ".direction is zero; expected any other vector");
@@ -111,7 +112,7 @@ struct CheckedSolid {
 
 CheckedSolid checked(const std::string& what, const ConvexShape* shape, const Vector3& position,
                      const Quaternion& orientation) {
-  check_finite((what + ".position").c_str(), position);
+  check_finite(what + ".position", position);
   CheckedSolid solid;
   solid.pose = {position, checked_orientation((what + ".orientation").c_str(), orientation)};
   // The hull, if it is one, belongs to the caller's shape, which outlives the call.
@@ -128,7 +129,7 @@ CheckedSolid checked(const std::string& what, const QueryShape& placed) {
 }
 
 CheckedSolid checked(const std::string& what, const ShapeCast& cast) {
-  check_finite((what + ".translation").c_str(), cast.translation);
+  check_finite(what + ".translation", cast.translation);
   return checked(what, &cast.shape, cast.position, cast.orientation);
 }
 

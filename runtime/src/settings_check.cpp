@@ -8,58 +8,44 @@
 #include <sstream>
 
 #include "left_out.h"
+#include "refuse.h"
 #include "simd_names.h"
 
 namespace atl {
 namespace {
 
-template <typename Value>
-[[noreturn]] void refuse(const char* field, Value found, const char* expected) {
-  std::ostringstream message;
-  message << "Settings." << field << " is " << found << "; expected " << expected;
-  throw Error(message.str());
-}
-
-void check_count(const char* field, int value, int least) {
+void check_count(std::string_view field, int value, int least) {
   if (value < least || value > 1024) refuse(field, value, least == 0 ? "0 to 1024" : "1 to 1024");
-}
-
-void check_positive(const char* field, double value) {
-  if (!(std::isfinite(value) && value > 0)) refuse(field, value, "a finite number above 0");
-}
-
-void check_not_negative(const char* field, double value) {
-  if (!(std::isfinite(value) && value >= 0)) refuse(field, value, "a finite number not below 0");
 }
 
 }  // namespace
 
 void check(const Settings& settings) {
-  check_count("substeps", settings.substeps, 1);
-  check_count("iterations", settings.iterations, 1);
-  check_count("relax_iterations", settings.relax_iterations, 0);
-  check_not_negative("tolerance", settings.tolerance);
+  check_count("Settings.substeps", settings.substeps, 1);
+  check_count("Settings.iterations", settings.iterations, 1);
+  check_count("Settings.relax_iterations", settings.relax_iterations, 0);
+  check_not_negative("Settings.tolerance", settings.tolerance);
   if (settings.stabilisation < Stabilisation::Soft || settings.stabilisation > Stabilisation::SplitImpulse) {
-    refuse("stabilisation", static_cast<int>(settings.stabilisation), "a value of Stabilisation");
+    refuse("Settings.stabilisation", static_cast<int>(settings.stabilisation), "a value of Stabilisation");
   }
   if (!(settings.correction > 0 && settings.correction <= 1)) {
-    refuse("correction", settings.correction, "a number in (0, 1]");
+    refuse("Settings.correction", settings.correction, "a number in (0, 1]");
   }
-  check_not_negative("slop", settings.slop);
-  if (settings.contact_hertz) check_positive("contact_hertz", *settings.contact_hertz);
-  check_not_negative("contact_damping_ratio", settings.contact_damping_ratio);
-  check_positive("contact_push_speed", settings.contact_push_speed);
-  check_not_negative("restitution_threshold", settings.restitution_threshold);
+  check_not_negative("Settings.slop", settings.slop);
+  if (settings.contact_hertz) check_positive("Settings.contact_hertz", *settings.contact_hertz);
+  check_not_negative("Settings.contact_damping_ratio", settings.contact_damping_ratio);
+  check_positive("Settings.contact_push_speed", settings.contact_push_speed);
+  check_not_negative("Settings.restitution_threshold", settings.restitution_threshold);
   if (settings.contact_solver < ContactSolver::Auto || settings.contact_solver > ContactSolver::Iterative) {
-    refuse("contact_solver", static_cast<int>(settings.contact_solver), "a value of ContactSolver");
+    refuse("Settings.contact_solver", static_cast<int>(settings.contact_solver), "a value of ContactSolver");
   }
   if (settings.joint_solver < JointSolver::Auto || settings.joint_solver > JointSolver::Direct) {
-    refuse("joint_solver", static_cast<int>(settings.joint_solver), "a value of JointSolver");
+    refuse("Settings.joint_solver", static_cast<int>(settings.joint_solver), "a value of JointSolver");
   }
-  if (settings.joint_hertz) check_positive("joint_hertz", *settings.joint_hertz);
-  check_not_negative("joint_damping_ratio", settings.joint_damping_ratio);
-  check_not_negative("sleep_speed", settings.sleep_speed);
-  check_not_negative("time_to_sleep", settings.time_to_sleep);
+  if (settings.joint_hertz) check_positive("Settings.joint_hertz", *settings.joint_hertz);
+  check_not_negative("Settings.joint_damping_ratio", settings.joint_damping_ratio);
+  check_not_negative("Settings.sleep_speed", settings.sleep_speed);
+  check_not_negative("Settings.time_to_sleep", settings.time_to_sleep);
   if (!with_sleeping && settings.sleeping) throw_left_out("Settings.sleeping is true", "sleep", "SLEEPING");
   if (!with_events && settings.contact_events) {
     throw_left_out("Settings.contact_events is true", "contact events", "EVENTS");
@@ -100,7 +86,7 @@ const solver::Kernels& kernels_for(Simd simd) {
     for (const solver::Kernels* kernels : solver::available_kernels()) message << ", " << kernels->name;
     throw Error(message.str());
   }
-  refuse("simd", static_cast<int>(simd), "a value of Simd");
+  refuse("Settings.simd", static_cast<int>(simd), "a value of Simd");
 }
 
 Simd simd_of(const solver::Kernels& kernels) {

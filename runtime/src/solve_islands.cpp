@@ -1,12 +1,12 @@
 // The step's solve: which islands get which remedy, and who solves them.
 
+#include <jobs/stopwatch.h>
 #include <jobs/with_direct_contacts.h>
 #include <jobs/with_surfaces.h>
 #include <jobs/worker_team.h>
 #include <solver/free_flight.h>
 
 #include <algorithm>
-#include <chrono>
 #include <numeric>
 
 #include "settings_check.h"
@@ -20,10 +20,6 @@ using solver::Remedy;
 // Substeps for each of those that were asked for, where islands get finer ones: contacts give by its square less.
 constexpr int finer = 4;
 constexpr int finest = 16;
-
-double ms_since(std::chrono::steady_clock::time_point begin) {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
-}
 
 }  // namespace
 
@@ -139,9 +135,9 @@ bool World::Impl::solve_directly(const solver::SolveInput& input, std::size_t gr
   if (direct_of_group_.empty() || direct_of_group_[group] == nullptr) return false;
   solver::DirectContacts& direct = *direct_of_group_[group];
   solver::DirectContactsReport& report = direct_reports_[group];
-  const auto begin = std::chrono::steady_clock::now();
+  const auto begin = jobs::Clock::now();
   if (direct.analyse(input, groups_[group])) report = direct.solve(input);
-  if (settings.profile) report.ms = ms_since(begin);
+  if (settings.profile) report.ms = jobs::ms_since(begin);
   if (!report.solved) return false;
   group_reports_[group].work = report.work;
   group_reports_[group].gyroscopic_bodies = report.gyroscopic_bodies;

@@ -1,3 +1,4 @@
+#include <jobs/stopwatch.h>
 #include <jobs/with_continuous.h>
 #include <jobs/with_events.h>
 #include <jobs/with_joints.h>
@@ -5,32 +6,22 @@
 #include <jobs/with_surfaces.h>
 
 #include <algorithm>
-#include <chrono>
 
 #include "world_impl.h"
 
 namespace atl {
-namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double ms_since(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
-
-}  // namespace
 
 StepReport World::Impl::step(double dt) {
-  const Clock::time_point start = Clock::now();
+  const jobs::Clock::time_point start = jobs::Clock::now();
   dt_ = dt;
   ++steps_;
   report_ = {};
   contact_forces_valid_ = false;
   captured_ = settings.keep_contact_problem;
   const auto run = [this](Phase phase, void (Impl::*body)()) {
-    const Clock::time_point phase_start = Clock::now();
+    const jobs::Clock::time_point phase_start = jobs::Clock::now();
     (this->*body)();
-    report_.phase_ms[static_cast<std::size_t>(phase)] = ms_since(phase_start);
+    report_.phase_ms[static_cast<std::size_t>(phase)] = jobs::ms_since(phase_start);
   };
   run(Phase::Plan, &Impl::plan);                           // who may move, and who is unfit to
   run(Phase::FindPairs, &Impl::find_pairs);                // moved proxies -> new pairs, in id order
@@ -42,7 +33,7 @@ StepReport World::Impl::step(double dt) {
   last_substep_ = dt / settings.substeps;
   last_dt_ = dt;
   note_stages();
-  report_.ms = ms_since(start);
+  report_.ms = jobs::ms_since(start);
   return report_;
 }
 

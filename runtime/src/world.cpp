@@ -15,6 +15,7 @@
 #include "body_definition.h"
 #include "left_out.h"
 #include "recorder.h"
+#include "refuse.h"
 #include "settings_check.h"
 #include "world_impl.h"
 

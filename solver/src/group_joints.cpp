@@ -15,7 +15,7 @@ template <std::size_t n>
 using Lanes = float[n][block_lanes];
 
 // Of the force in a joint, by which its tension follows it in a step.
-constexpr double smoothing = 0.5;
+constexpr double tension_smoothing = 0.5;
 
 // As good as unlimited, and its sums and differences are finite.
 constexpr double unlimited_speed = 1e30;
@@ -340,7 +340,7 @@ void GroupJoints::store(const JointStep& step, std::size_t begin, std::size_t en
         }
       }
       joint.force = inverse_h * linear;
-      joint.tension += smoothing * (joint.force - joint.tension);
+      joint.tension += tension_smoothing * (joint.force - joint.tension);
       joint.torque = inverse_h * angular;
     }
   }

@@ -6,7 +6,7 @@ namespace atl::solver {
 namespace {
 
 // m/s or rad/s: the fastest that a coordinate is brought back into its range.
-constexpr double push_speed = 3;
+constexpr double limit_push_speed = 3;
 
 // Of a motor's bound and of rates, so that rounding doesn't change the piece.
 constexpr double margin = 1e-9;
@@ -27,8 +27,8 @@ void LawMode::begin(const Law& law, double position, double effective_mass, doub
     target_ = compliance_ = given_ = 0;
     return;
   }
-  lower_rate_ = std::min((law.lower - position) / h, push_speed);
-  upper_rate_ = std::max((law.upper - position) / h, -push_speed);
+  lower_rate_ = std::min((law.lower - position) / h, limit_push_speed);
+  upper_rate_ = std::max((law.upper - position) / h, -limit_push_speed);
   spring_ = law.spring_hertz > 0;
   if (spring_) {
     const double omega = 2 * 3.14159265358979323846 * law.spring_hertz;

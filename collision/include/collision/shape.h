@@ -3,8 +3,11 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <limits>
 
 namespace atl::collision {
+
+inline constexpr double infinity = std::numeric_limits<double>::infinity();
 
 using Vector3 = Eigen::Vector3d;
 using Matrix3 = Eigen::Matrix3d;
@@ -18,6 +21,8 @@ struct HeightField;
 enum class ShapeKind : std::uint8_t { Sphere, Capsule, Box, Cylinder, Cone, Hull, HalfSpace, Mesh, HeightField };
 
 constexpr bool is_convex_solid(ShapeKind kind) { return kind <= ShapeKind::Hull; }
+/// Flat at an end, and round about its axis.
+constexpr bool is_round(ShapeKind kind) { return kind == ShapeKind::Cylinder || kind == ShapeKind::Cone; }
 constexpr bool is_surface(ShapeKind kind) { return kind >= ShapeKind::Mesh; }
 
 /// A shape in a frame of its own, which a collider places on a body. Which fields count depends on the kind.

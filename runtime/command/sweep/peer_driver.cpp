@@ -9,7 +9,6 @@
 namespace atl::command {
 namespace {
 
-using Json = nlohmann::json;
 
 constexpr int refused_status = 3;
 constexpr int non_finite_status = 4;
@@ -47,11 +46,11 @@ PeerDriver::PeerDriver(std::string program, double limit) : program_(std::move(p
   }();
   try {
     if (result.end != SubprocessResult::End::Exited || result.code != 0) throw std::runtime_error("no success");
-    const Json description = Json::parse(result.out);
+    const nlohmann::json description = nlohmann::json::parse(result.out);
     engine_ = description.at("engine");
     version_ = description.at("version");
     precision_ = description.value("precision", "");
-    for (const Json& setting : description.at("settings")) {
+    for (const nlohmann::json& setting : description.at("settings")) {
       settings_.push_back({setting.at("label"), setting.at("options"), setting.value("large", false)});
     }
     if (settings_.empty()) throw std::runtime_error("no settings");
@@ -122,7 +121,7 @@ void PeerDriver::measure_time(const PeerSetting& setting, const PeerRun& run, do
   if (record.outcome != Outcome::Done) return;
   record.outcome = before;
   try {
-    const Json report = Json::parse(out);
+    const nlohmann::json report = nlohmann::json::parse(out);
     const double cpu = report.at("cpu_s_per_simulated_s"), wall = report.at("ms_per_step").at("mean");
     record.cpu.add(cpu);
     record.wall.add(wall);

@@ -20,13 +20,13 @@ namespace {
 namespace fs = std::filesystem;
 
 // The files of a sweep, known to be writable before it starts.
-struct Outputs {
+struct SweepFiles {
   OutputFile json;
   OutputFile csv;
   OutputFile page;
 };
 
-Outputs check_outputs(const std::string& directory) {
+SweepFiles check_sweep_files(const std::string& directory) {
   std::error_code error;
   fs::create_directories(directory, error);
   if (error) throw Failure(Status::Usage, "--out: cannot make the directory " + directory + ": " + error.message());
@@ -116,7 +116,7 @@ void sweep(const SweepOptions& options) {
   std::vector<ScenePlan> plans;
   for (const std::string& address : scene_addresses(options)) plans.push_back(plan_scene(address, options));
   const std::vector<PeerDriver> drivers = ask_drivers(options);
-  const Outputs outputs = check_outputs(options.out);
+  const SweepFiles outputs = check_sweep_files(options.out);
 
   const RunPolicy policy = {.repeats = options.repeats.value_or(options.quick ? 1 : 3),
                             .least_time = options.time.value_or(options.quick ? 0.02 : 0.03),

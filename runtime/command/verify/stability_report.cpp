@@ -26,13 +26,13 @@ const char* status_of(const Finding& finding) {
 }
 
 /// Widths of the table's columns.
-struct Columns {
+struct CaseColumns {
   int name = 4;
   int criterion = 9;
 };
 
-Columns columns_for(std::span<const StabilityCase> cases) {
-  Columns columns;
+CaseColumns case_columns(std::span<const StabilityCase> cases) {
+  CaseColumns columns;
   for (const StabilityCase& test : cases) {
     columns.name = std::max(columns.name, static_cast<int>(test.name.size()));
     for (const auto& criterion : test.criteria) {
@@ -43,16 +43,16 @@ Columns columns_for(std::span<const StabilityCase> cases) {
   return columns;
 }
 
-constexpr int number_width = 11;
+constexpr int value_width = 11;
 
-void write_row(std::ostream& out, const Columns& columns, const std::string& name, const std::string& criterion,
+void write_row(std::ostream& out, const CaseColumns& columns, const std::string& name, const std::string& criterion,
                const std::array<std::string, 4>& numbers, const std::string& status) {
   out << std::left << std::setw(columns.name + 2) << name << std::setw(columns.criterion) << criterion << std::right;
-  for (const std::string& number : numbers) out << std::setw(number_width) << number;
+  for (const std::string& number : numbers) out << std::setw(value_width) << number;
   out << "  " << status << "\n";
 }
 
-void write_case(std::ostream& out, const Columns& columns, const StabilityCase& test, const CaseResult& result) {
+void write_case(std::ostream& out, const CaseColumns& columns, const StabilityCase& test, const CaseResult& result) {
   bool first = true;
   for (const Finding& finding : result.findings) {
     const std::string unit = finding.unit.empty() ? "" : ", " + finding.unit;
@@ -131,7 +131,7 @@ Json case_json(const StabilityCase& test, const CaseResult& result) {
 
 void write_stability_text(std::ostream& out, std::span<const StabilityCase> cases,
                           std::span<const CaseResult> results) {
-  const Columns columns = columns_for(cases);
+  const CaseColumns columns = case_columns(cases);
   write_row(out, columns, "case", "criterion", {"value", "limit", "margin", "ms a step"}, "");
   for (std::size_t i = 0; i < results.size(); ++i) write_case(out, columns, cases[i], results[i]);
   out << "\n";

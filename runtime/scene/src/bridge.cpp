@@ -8,7 +8,7 @@
 #include "joined_scene.h"
 
 namespace atl::scene {
-namespace {
+namespace bridge {
 
 constexpr double pitch = 0.5;                // m, from hinge to hinge
 const Vector3 half_plank = {0.24, 1, 0.05};  // m
@@ -29,10 +29,11 @@ SceneBody bank(std::string name, double x, double side, double top) {
   return body;
 }
 
-}  // namespace
+}  // namespace bridge
 
 // The planks start on an arc, which leaves them the room to sag that a taut row would not have.
 Scene build_bridge(const ParameterValues& values, std::uint64_t) {
+  using namespace bridge;
   const int planks = values.integer("planks");
   Scene scene;
   scene.steps = 600;

@@ -5,13 +5,14 @@
 #include "joined_scene.h"
 
 namespace atl::scene {
-namespace {
+namespace chain {
 
 constexpr double ball_radius = 0.5;  // m
 
-}  // namespace
+}  // namespace chain
 
 Scene build_chain(const ParameterValues& values, std::uint64_t) {
+  using namespace chain;
   const int links = values.integer("links");
   Scene scene;
   scene.steps = 600;

@@ -6,7 +6,7 @@
 #include "builtin.h"
 
 namespace atl::scene {
-namespace {
+namespace conveyor {
 
 constexpr double half_width = 1;  // m, of a belt
 constexpr double half_thickness = 0.2;
@@ -29,9 +29,10 @@ SceneBody belt(int number, const Vector3& start, int quarters, double length, do
   return body;
 }
 
-}  // namespace
+}  // namespace conveyor
 
 Scene build_conveyor(const ParameterValues& values, std::uint64_t) {
+  using namespace conveyor;
   const int boxes = values.integer("boxes");
   const double speed = values["speed"];
   const double first = pitch * boxes, last = boxes + 3.0;

@@ -5,7 +5,7 @@
 #include "random.h"
 
 namespace atl::scene {
-namespace {
+namespace hopper {
 
 constexpr double outlet_half = 2;      // m, of the square opening
 constexpr double outlet_height = 6;    // m, above the floor
@@ -32,9 +32,10 @@ SceneBody side(std::size_t number, const Material& material) {
                   .material = material}};
 }
 
-}  // namespace
+}  // namespace hopper
 
 Scene build_hopper(const ParameterValues& values, std::uint64_t seed) {
+  using namespace hopper;
   const Material material = {.friction = values["friction"]};
   Scene scene = scene_on_ground(600, false);
   add_walls(scene, container_half);

@@ -7,14 +7,15 @@
 #include "joined_scene.h"
 
 namespace atl::scene {
-namespace {
+namespace joint_grid {
 
 constexpr double radius = 0.4;  // m; neighbours are 1 m apart
 constexpr int reach = 3;        // columns to either side of the middle that hold the sheet
 
-}  // namespace
+}  // namespace joint_grid
 
 Scene build_joint_grid(const ParameterValues& values, std::uint64_t) {
+  using namespace joint_grid;
   const int n = values.integer("n");
   Scene scene;
   scene.steps = 100;

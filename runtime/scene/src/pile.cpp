@@ -5,7 +5,7 @@
 #include "random.h"
 
 namespace atl::scene {
-namespace {
+namespace pile {
 
 constexpr double container_half = 10;  // m, of the square floor's edge
 constexpr double smallest_gap = 0.01;  // m, between the bounds of neighbours at the start
@@ -79,9 +79,10 @@ class LayeredGrid {
   double row_end_ = 0, row_start_ = 0, row_back_ = 0, layer_start_ = drop, layer_top_ = drop;
 };
 
-}  // namespace
+}  // namespace pile
 
 Scene build_pile(const ParameterValues& values, std::uint64_t seed) {
+  using namespace pile;
   Scene scene = scene_on_ground(600, false);
   add_walls(scene, container_half);
   Random random(seed);

@@ -15,8 +15,8 @@ using Indices = TriangleMesh::Indices;
 constexpr int most_vertices = 1'000'000'000;
 
 // In the order of the names below; those before HalfSpace may be parts of a compound.
-enum class Kind { Box, Sphere, Capsule, Cylinder, Cone, Hull, HalfSpace, Mesh, HeightField, Compound };
-constexpr const char* kind_names =
+enum class ShapeName { Box, Sphere, Capsule, Cylinder, Cone, Hull, HalfSpace, Mesh, HeightField, Compound };
+constexpr const char* shape_names =
     "box, sphere, capsule, cylinder, cone, hull, half_space, mesh, height_field or compound";
 constexpr const char* solid_names = "box, sphere, capsule, cylinder, cone or hull";
 
@@ -156,19 +156,19 @@ HalfSpace read_half_space(const Reader& in) {
   return half_space;
 }
 
-ConvexShape read_solid(const Reader& in, Kind kind) {
+ConvexShape read_solid(const Reader& in, ShapeName kind) {
   switch (kind) {
-    case Kind::Box:
+    case ShapeName::Box:
       in.only_keys({"type", "half_extents"});
       return Box{in.at("half_extents", "[x, y, z] in m").vector(above(0))};
-    case Kind::Sphere:
+    case ShapeName::Sphere:
       in.only_keys({"type", "radius"});
       return Sphere{read_length(in, "radius")};
-    case Kind::Capsule:
+    case ShapeName::Capsule:
       return read_round<Capsule>(in);
-    case Kind::Cylinder:
+    case ShapeName::Cylinder:
       return read_round<Cylinder>(in);
-    case Kind::Cone:
+    case ShapeName::Cone:
       return read_round<Cone>(in);
     default:
       return read_hull(in);
@@ -182,7 +182,7 @@ CompoundChild read_child(const Reader& in) {
   const std::size_t kind =
       shape.at("type", solid_names).choice({"box", "sphere", "capsule", "cylinder", "cone", "hull"});
   CompoundChild child;
-  child.shape = read_solid(shape, static_cast<Kind>(kind));
+  child.shape = read_solid(shape, static_cast<ShapeName>(kind));
   in.get("position", child.position);
   if (const auto orientation = in.find("orientation")) child.orientation = read_orientation(*orientation);
   in.get("density_factor", child.density_factor, above(0));
@@ -204,17 +204,17 @@ Compound read_compound(const Reader& in) {
 
 Shape read_shape(const Reader& in) {
   only_keys_of_a_shape(in);
-  const auto kind = static_cast<Kind>(in.at("type", kind_names)
+  const auto kind = static_cast<ShapeName>(in.at("type", shape_names)
                                           .choice({"box", "sphere", "capsule", "cylinder", "cone", "hull", "half_space",
                                                    "mesh", "height_field", "compound"}));
   switch (kind) {
-    case Kind::HalfSpace:
+    case ShapeName::HalfSpace:
       return read_half_space(in);
-    case Kind::Mesh:
+    case ShapeName::Mesh:
       return read_mesh(in);
-    case Kind::HeightField:
+    case ShapeName::HeightField:
       return read_height_field(in);
-    case Kind::Compound:
+    case ShapeName::Compound:
       return read_compound(in);
     default:
       return std::visit([](auto&& solid) { return Shape(std::forward<decltype(solid)>(solid)); }, read_solid(in, kind));

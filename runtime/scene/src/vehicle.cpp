@@ -7,7 +7,7 @@
 #include "joined_scene.h"
 
 namespace atl::scene {
-namespace {
+namespace vehicle {
 
 constexpr double chassis_mass = 1200;          // kg
 constexpr double wheel_mass = 25;              // kg
@@ -60,9 +60,10 @@ JointSpring suspension_spring() {
           .rest = -sag};
 }
 
-}  // namespace
+}  // namespace vehicle
 
 Scene build_vehicle(const ParameterValues& values, std::uint64_t) {
+  using namespace vehicle;
   const double steer = values["steer"];
   Scene scene;
   scene.steps = 600;

@@ -9,7 +9,7 @@
 namespace atl::stability {
 namespace {
 
-constexpr int height = 5;  // boxes
+constexpr int tower_height = 5;  // boxes
 
 // In a substep a body falls by g h^2; below that nothing is known of a contact, whose load is up to five bodies'.
 void add_steps(CaseList& cases) {
@@ -20,12 +20,12 @@ void add_steps(CaseList& cases) {
                      .what = "stack of five for 5 s in steps of 1/" + std::to_string(rate) + " s",
                      .build =
                          [dt] {
-                           Scene scene = tower(height);
+                           Scene scene = tower(tower_height);
                            scene.dt = dt;
                            return scene;
                          },
                      .steps = 5 * rate,
-                     .criteria = {penetration(std::max(1e-3, height * fall)), drift(1e-2), tilt(1e-2)}});
+                     .criteria = {penetration(std::max(1e-3, tower_height * fall)), drift(1e-2), tilt(1e-2)}});
   }
 }
 
@@ -34,7 +34,7 @@ void add_gravity(CaseList& cases) {
                    .what = "stack of five under 100 times gravity",
                    .build =
                        [] {
-                         Scene scene = tower(height);
+                         Scene scene = tower(tower_height);
                          scene.gravity *= 100;
                          return scene;
                        },
@@ -52,15 +52,15 @@ void add_sizes(CaseList& cases) {
     const double edge = size.edge;
     cases.push_back({.name = std::string("size-") + size.name,
                      .what = std::string("stack of five boxes of ") + size.name,
-                     .build = [edge] { return tower(height, edge); },
+                     .build = [edge] { return tower(tower_height, edge); },
                      .criteria = {relative_penetration(size.share), relative_drift(2e-2), tilt(2e-2)}});
   }
   cases.push_back({.name = "sizes-beside",
                    .what = "stacks of five boxes of 1 mm and of 1 km in one scene",
                    .build =
                        [] {
-                         Scene scene = tower(height, 1000);
-                         add_tower(scene, height, 1e-3, {600, 0, 0});
+                         Scene scene = tower(tower_height, 1000);
+                         add_tower(scene, tower_height, 1e-3, {600, 0, 0});
                          return scene;
                        },
                    .criteria = {relative_penetration(1e-2), relative_drift(2e-2), tilt(2e-2)}});
@@ -69,7 +69,7 @@ void add_sizes(CaseList& cases) {
                    .build =
                        [] {
                          Scene scene = tower(1, 1000);
-                         add_tower(scene, height, 1e-3, {300, 200, 1000});
+                         add_tower(scene, tower_height, 1e-3, {300, 200, 1000});
                          return scene;
                        },
                    .criteria = {relative_penetration(1e-2), relative_drift(2e-2), tilt(2e-2)}});
@@ -80,7 +80,7 @@ Scene far_tower(const Vector3& base) {
   scene.starts_at_rest = true;
   scene.bodies.push_back(ground());
   scene.bodies.back().def.position = base;
-  add_tower(scene, height, 1, base);
+  add_tower(scene, tower_height, 1, base);
   return scene;
 }
 

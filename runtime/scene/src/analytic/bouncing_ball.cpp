@@ -5,7 +5,7 @@
 #include "setting.h"
 
 namespace atl::scene {
-namespace {
+namespace bouncing_ball {
 
 constexpr double radius = 0.5;  // m
 constexpr int bounces = 3;
@@ -46,9 +46,10 @@ class BouncingBall : public ClosedFormMeasure {
   std::vector<double> apexes_;
 };
 
-}  // namespace
+}  // namespace bouncing_ball
 
 Scene build_bouncing_ball(const ParameterValues& values, std::uint64_t) {
+  using namespace bouncing_ball;
   const double height = values["height"], restitution = values["restitution"];
   const double fall = std::sqrt(2 * height / standard_gravity);
   double last_apex = fall, rise = fall;  // s

@@ -5,16 +5,17 @@
 #include "setting.h"
 
 namespace atl::scene {
-namespace {
+namespace cradle {
 
 constexpr double radius = 0.5;     // m
 constexpr double impact = 0.5037;  // s, the first: within a step, not at its end
 constexpr double margin = 0.3;     // s, around all impacts, in which nothing is compared
 constexpr Material elastic = {.friction = 0, .restitution = 1};
 
-}  // namespace
+}  // namespace cradle
 
 Scene build_cradle(const ParameterValues& values, std::uint64_t) {
+  using namespace cradle;
   const int count = values.integer("count");
   const double speed = values["speed"], gap = values["gap"];
   const double last_impact = impact + (count - 1) * gap / speed;

@@ -7,7 +7,7 @@
 #include "rod.h"
 
 namespace atl::scene {
-namespace {
+namespace double_pendulum {
 
 constexpr double duration = 2.5;            // s: later a small difference would have grown too much
 constexpr std::array lengths = {1.0, 0.7};  // m
@@ -87,9 +87,10 @@ class DoublePendulumMeasure : public ClosedFormMeasure {
   LargestErrors errors_;
 };
 
-}  // namespace
+}  // namespace double_pendulum
 
 Scene build_double_pendulum(const ParameterValues& values, std::uint64_t) {
+  using namespace double_pendulum;
   const double released = values["angle"];
   Scene scene;
   scene.steps = steps_for(duration);

@@ -5,7 +5,7 @@
 #include "setting.h"
 
 namespace atl::scene {
-namespace {
+namespace elastic_ball {
 
 constexpr double radius = 0.5;   // m
 constexpr double duration = 20;  // s
@@ -54,9 +54,10 @@ class ElasticBall : public ClosedFormMeasure {
   std::vector<Period> periods_;
 };
 
-}  // namespace
+}  // namespace elastic_ball
 
 Scene build_elastic_ball(const ParameterValues& values, std::uint64_t) {
+  using namespace elastic_ball;
   Scene scene;
   scene.steps = steps_for(duration);
   scene.settings.restitution_threshold = 0.05;

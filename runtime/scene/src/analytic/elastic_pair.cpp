@@ -5,7 +5,7 @@
 #include "setting.h"
 
 namespace atl::scene {
-namespace {
+namespace elastic_pair {
 
 constexpr double radius = 0.5;    // m
 constexpr double light = 100;     // kg
@@ -23,9 +23,10 @@ struct Collision {
   bool oblique;
 };
 
-}  // namespace
+}  // namespace elastic_pair
 
 Scene build_elastic_pair(const ParameterValues& values, std::uint64_t) {
+  using namespace elastic_pair;
   Scene scene;
   scene.gravity = Vector3::Zero();
   scene.steps = steps_for(duration);

@@ -7,7 +7,7 @@
 #include "setting.h"
 
 namespace atl::scene {
-namespace {
+namespace free_flight {
 
 constexpr int thrown = 8;
 constexpr double duration = 3;  // s
@@ -42,9 +42,10 @@ double turn(const Vector3& spin, double time, const Quaternion& orientation) {
   return orientation.angularDistance(Quaternion(Eigen::AngleAxisd(rate * time, spin / rate)));
 }
 
-}  // namespace
+}  // namespace free_flight
 
 Scene build_free_flight(const ParameterValues& values, std::uint64_t) {
+  using namespace free_flight;
   Scene scene;
   scene.steps = steps_for(duration);
   std::vector<Throw> throws;

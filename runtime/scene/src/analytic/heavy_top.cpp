@@ -5,7 +5,7 @@
 #include "setting.h"
 
 namespace atl::scene {
-namespace {
+namespace heavy_top {
 
 constexpr double duration = 5;       // s
 constexpr double tip_radius = 0.04;  // m, of the ball, at the origin of the body's frame
@@ -18,9 +18,10 @@ Vector3 axis_at(double azimuth, double tilt) {
   return sine * heading(azimuth) + Vector3(0, 0, cosine);
 }
 
-}  // namespace
+}  // namespace heavy_top
 
 Scene build_heavy_top(const ParameterValues& values, std::uint64_t) {
+  using namespace heavy_top;
   Scene scene;
   scene.steps = steps_for(duration);
   scene.bodies.push_back(plane(smooth));

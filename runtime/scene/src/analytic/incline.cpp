@@ -6,15 +6,16 @@
 #include "slope.h"
 
 namespace atl::scene {
-namespace {
+namespace incline {
 
 constexpr double duration = 3;                                   // s
 constexpr std::array ratios = {0.5, 0.8, 0.95, 1.05, 1.5, 2.0};  // of the slope to the friction
 const Vector3 half_extents(0.25, 0.25, 0.1);                     // m
 
-}  // namespace
+}  // namespace incline
 
 Scene build_incline(const ParameterValues& values, std::uint64_t) {
+  using namespace incline;
   const Slope slope = {values["angle"]};
   Scene scene;
   scene.steps = steps_for(duration);

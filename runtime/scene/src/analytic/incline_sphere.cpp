@@ -6,15 +6,16 @@
 #include "slope.h"
 
 namespace atl::scene {
-namespace {
+namespace incline_sphere {
 
 constexpr double duration = 2;                                 // s
 constexpr double radius = 0.5;                                 // m
 constexpr std::array ratios = {0.3, 0.6, 0.9, 1.1, 1.5, 3.0};  // of what rolling needs to the friction there is
 
-}  // namespace
+}  // namespace incline_sphere
 
 Scene build_incline_sphere(const ParameterValues& values, std::uint64_t) {
+  using namespace incline_sphere;
   const Slope slope = {values["angle"]};
   Scene scene;
   scene.steps = steps_for(duration);

@@ -6,14 +6,15 @@
 #include "rod.h"
 
 namespace atl::scene {
-namespace {
+namespace pendulum {
 
 constexpr double duration = 5;  // s
 constexpr double length = 1;    // m
 
-}  // namespace
+}  // namespace pendulum
 
 Scene build_pendulum(const ParameterValues& values, std::uint64_t) {
+  using namespace pendulum;
   const double released = values["angle"];
   Scene scene;
   scene.steps = steps_for(duration);

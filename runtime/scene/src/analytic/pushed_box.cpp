@@ -7,7 +7,7 @@
 #include "setting.h"
 
 namespace atl::scene {
-namespace {
+namespace pushed_box {
 
 constexpr double longest = 4;             // s
 const Vector3 half_extents(10, 10, 0.5);  // m
@@ -19,9 +19,10 @@ constexpr double spacing = 2;             // m
 constexpr double ground_friction = 0.4;   // of the box on the ground
 constexpr double ball_friction = 0.8;     // of the balls on the box
 
-}  // namespace
+}  // namespace pushed_box
 
 Scene build_pushed_box(const ParameterValues& values, std::uint64_t) {
+  using namespace pushed_box;
   Scene scene;
   // The geometric means with the box's are the friction of the pairs.
   scene.bodies.push_back(plane({.friction = ground_friction}));

@@ -5,7 +5,7 @@
 #include "rod.h"
 
 namespace atl::scene {
-namespace {
+namespace resting_chains {
 
 constexpr double duration = 3;  // s
 
@@ -46,9 +46,10 @@ double pull_for(int links, double span) {
   return high;
 }
 
-}  // namespace
+}  // namespace resting_chains
 
 Scene build_hanging_chain(const ParameterValues& values, std::uint64_t) {
+  using namespace resting_chains;
   const int links = values.integer("links");
   constexpr double ball_radius = 0.5;  // m
   const double length = links * chain_link_length;
@@ -71,6 +72,7 @@ Scene build_hanging_chain(const ParameterValues& values, std::uint64_t) {
 }
 
 Scene build_catenary(const ParameterValues& values, std::uint64_t) {
+  using namespace resting_chains;
   const int links = values.integer("links");
   const double pull = pull_for(links, links / values["slack"]);
   Scene scene;

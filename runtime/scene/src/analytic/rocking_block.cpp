@@ -7,7 +7,7 @@
 #include "pivot.h"
 
 namespace atl::scene {
-namespace {
+namespace rocking_block {
 
 constexpr double half_width = 0.2;           // m
 constexpr int peaks = 4;                     // that are compared
@@ -72,9 +72,10 @@ class RockingBlock : public ClosedFormMeasure {
   double rate_ = 0;
 };
 
-}  // namespace
+}  // namespace rocking_block
 
 Scene build_rocking_block(const ParameterValues& values, std::uint64_t) {
+  using namespace rocking_block;
   const double half_height = values["slenderness"] * half_width;
   const Pivot pivot(half_width, half_height);
   const double released = values["release"] * pivot.slenderness();

@@ -7,15 +7,16 @@
 #include "setting.h"
 
 namespace atl::scene {
-namespace {
+namespace rolling_resistance {
 
 constexpr double radius = 0.5;          // m
 constexpr double friction = 0.6;        // enough that no sphere slips
 constexpr double rest_of_duration = 1;  // s after all have stopped
 
-}  // namespace
+}  // namespace rolling_resistance
 
 Scene build_rolling_resistance(const ParameterValues& values, std::uint64_t) {
+  using namespace rolling_resistance;
   const double speed = values["speed"];
   const int count = values.integer("headings");
   // The torque, rolling friction times m g, brakes the spin and, through the friction that keeps the sphere from

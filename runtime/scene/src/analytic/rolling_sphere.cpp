@@ -7,13 +7,14 @@
 #include "setting.h"
 
 namespace atl::scene {
-namespace {
+namespace rolling_sphere {
 
 constexpr double radius = 0.5;  // m
 
-}  // namespace
+}  // namespace rolling_sphere
 
 Scene build_rolling_sphere(const ParameterValues& values, std::uint64_t) {
+  using namespace rolling_sphere;
   const double friction = values["friction"], speed = values["speed"];
   const int count = values.integer("headings");
   const double deceleration = friction * standard_gravity;

@@ -7,7 +7,7 @@
 #include "rod.h"
 
 namespace atl::scene {
-namespace {
+namespace slider_crank {
 
 constexpr double duration = 3;  // s
 constexpr double crank = 0.25;  // m, from the axle to the pin
@@ -24,10 +24,11 @@ double slider_at(double angle, double rod) {
   return crank * std::cos(angle) + std::sqrt(rod * rod - across * across);
 }
 
-}  // namespace
+}  // namespace slider_crank
 
 // Hinge, ball, universal joint and slider leave one freedom and hold nothing twice: three hinges would.
 Scene build_slider_crank(const ParameterValues& values, std::uint64_t) {
+  using namespace slider_crank;
   const double speed = values["speed"], rod = values["rod"] * crank;
   Scene scene;
   scene.steps = steps_for(duration);

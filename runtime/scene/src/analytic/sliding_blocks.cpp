@@ -7,14 +7,15 @@
 #include "setting.h"
 
 namespace atl::scene {
-namespace {
+namespace sliding_blocks {
 
 // Flat: the pressure moves forward by friction times the half height, a twentieth of the half length.
 const Vector3 half_extents(0.25, 0.25, 0.025);  // m
 
-}  // namespace
+}  // namespace sliding_blocks
 
 Scene build_sliding_blocks(const ParameterValues& values, std::uint64_t) {
+  using namespace sliding_blocks;
   const double friction = values["friction"], speed = values["speed"];
   const int count = values.integer("headings");
   const double deceleration = friction * standard_gravity;

@@ -6,7 +6,7 @@
 #include "setting.h"
 
 namespace atl::scene {
-namespace {
+namespace spinning_top {
 
 constexpr double duration = 10;             // s
 const Vector3 half_extents(0.5, 0.3, 0.2);  // m
@@ -43,9 +43,10 @@ class SpinningTops : public ClosedFormMeasure {
   LargestErrors errors_;
 };
 
-}  // namespace
+}  // namespace spinning_top
 
 Scene build_spinning_top(const ParameterValues& values, std::uint64_t) {
+  using namespace spinning_top;
   Scene scene;
   scene.gravity = Vector3::Zero();
   scene.steps = steps_for(duration);

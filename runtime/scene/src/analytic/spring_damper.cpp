@@ -8,7 +8,7 @@
 #include "rod.h"
 
 namespace atl::scene {
-namespace {
+namespace spring_damper {
 
 constexpr double duration = 3;       // s
 constexpr double lift = 0.3;         // m, above equilibrium
@@ -37,9 +37,10 @@ double oscillation(double ratio, double phase) {
   return (slow * std::exp(fast * phase) - fast * std::exp(slow * phase)) / (slow - fast);
 }
 
-}  // namespace
+}  // namespace spring_damper
 
 Scene build_spring_damper(const ParameterValues& values, std::uint64_t) {
+  using namespace spring_damper;
   const double hertz = values["hertz"];
   const double rate = 2 * std::numbers::pi * hertz;
   const double sag = standard_gravity / (rate * rate);

@@ -5,7 +5,7 @@
 #include "setting.h"
 
 namespace atl::scene {
-namespace {
+namespace stack_forces {
 
 constexpr double duration = 5;   // s
 constexpr double settled = 2.5;  // s, from when on forces count
@@ -50,9 +50,10 @@ class StackForces : public ClosedFormMeasure {
   int count_ = 0;
 };
 
-}  // namespace
+}  // namespace stack_forces
 
 Scene build_stack_forces(const ParameterValues& values, std::uint64_t) {
+  using namespace stack_forces;
   Scene scene = scene_on_ground(steps_for(duration), true);
   const int height = values.integer("height");
   add_unit_boxes(scene, {.count = {1, 1, height}});

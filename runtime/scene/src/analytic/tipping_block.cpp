@@ -7,7 +7,7 @@
 #include "pivot.h"
 
 namespace atl::scene {
-namespace {
+namespace tipping_block {
 
 constexpr double duration = 1.5;                          // s
 constexpr double half_width = 0.25;                       // m
@@ -39,9 +39,10 @@ class TippingBlocks : public ClosedFormMeasure {
   LargestErrors errors_;
 };
 
-}  // namespace
+}  // namespace tipping_block
 
 Scene build_tipping_block(const ParameterValues& values, std::uint64_t) {
+  using namespace tipping_block;
   const double half_height = values["slenderness"] * half_width;
   Scene scene;
   scene.steps = steps_for(duration);

@@ -7,7 +7,7 @@
 #include "setting.h"
 
 namespace atl::scene {
-namespace {
+namespace torsion {
 
 constexpr double radius = 0.5;                       // m
 const Vector3 half_extents(0.5, 0.5, 0.25);          // m
@@ -20,9 +20,10 @@ struct Spin {
   double deceleration;  // rad/s^2
 };
 
-}  // namespace
+}  // namespace torsion
 
 Scene build_torsion(const ParameterValues& values, std::uint64_t) {
+  using namespace torsion;
   const double speed = values["spin"], torsion = values["torsional_friction"];
   Scene scene;
   scene.bodies.push_back(plane({.friction = 1}));

@@ -1,0 +1,90 @@
+#include "command_line.h"
+
+#include <atoll/scene.h>
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "explain.h"
+#include "failure.h"
+#include "list_scenes.h"
+#include "replay.h"
+#include "run.h"
+#include "sweep/sweep.h"
+#include "verify/verify.h"
+
+namespace atl::command {
+namespace {
+
+int exit_with(Status status, const std::string& message) {
+  std::cerr << "atoll: " << message << "\n";
+  return static_cast<int>(status);
+}
+
+int usage_error(const CLI::ParseError& error, const CLI::App& app) {
+  std::string message = error.what();
+  message = message.substr(0, message.find('\n'));
+  std::string command = "atoll";
+  for (const CLI::App* parsed : app.get_subcommands()) command += " " + parsed->get_name();
+  return exit_with(Status::Usage, message + " (see " + command + " --help)");
+}
+
+// Parses and runs; what goes wrong is thrown, but for help and usage, which CLI11 words.
+int run_parsed(int argc, char** argv) {
+  CLI::App app("Atoll: deterministic, island-parallel rigid-body simulation.", "atoll");
+  app.set_version_flag("--version", "atoll " ATOLL_VERSION);
+  app.footer("Exit status: 0 done, 1 a check failed, 2 usage, 3 bad scene or recording, 4 a body became non-finite.");
+
+  CLI::App* run = app.add_subcommand("run", "simulate a scene file or a built-in scene and report time and error");
+  RunOptions options;
+  add_run_options(*run, options);
+  CLI::App* explanation =
+      app.add_subcommand("explain", "run a scene and tell what its steps need, what they leave out, and why");
+  ExplainOptions explain_options;
+  add_explain_options(*explanation, explain_options);
+  CLI::App* replay =
+      app.add_subcommand("replay", "make the calls of a recording again and tell where the state differs");
+  ReplayFileOptions replay_options;
+  add_replay_options(*replay, replay_options);
+  CLI::App* sweep = app.add_subcommand("sweep", "run scenes over many settings and draw error against run time");
+  SweepOptions sweep_options;
+  add_sweep_options(*sweep, sweep_options);
+  CLI::App* verification = app.add_subcommand("verify", "run checks of the simulation and tell what fails");
+  VerifyOptions verify_options;
+  add_verify_options(*verification, verify_options);
+  const CLI::App* scenes = app.add_subcommand("scenes", "list the built-in scenes and their parameters");
+
+  try {
+    app.parse(argc, argv);
+    // CLI11's require_subcommand would hide that "atoll rnu" has an argument that is not understood.
+    if (app.get_subcommands().empty())
+      throw CLI::RequiredError("A command, run, explain, replay, sweep, verify or scenes,");
+    if (run->parsed()) command::run(options);
+    if (explanation->parsed()) command::explain(explain_options);
+    if (replay->parsed()) replay_file(replay_options);
+    if (sweep->parsed()) command::sweep(sweep_options);
+    if (verification->parsed()) verify(verify_options);
+    if (scenes->parsed()) list_scenes(std::cout);
+    return static_cast<int>(Status::Done);
+  } catch (const CLI::ParseError& error) {
+    return error.get_exit_code() == 0 ? app.exit(error) : usage_error(error, app);
+  }
+}
+
+}  // namespace
+
+int run_command_line(int argc, char** argv) {
+  try {
+    return run_parsed(argc, argv);
+  } catch (const SceneError& error) {
+    return exit_with(Status::BadScene, error.what());
+  } catch (const Failure& failure) {
+    return exit_with(failure.status(), failure.what());
+  } catch (const std::bad_alloc&) {
+    return exit_with(Status::BadScene, "the scene needs more memory than there is");
+  } catch (const std::exception& error) {
+    return exit_with(Status::CheckFailed, std::string("internal error: ") + error.what());
+  }
+}
+
+}  // namespace atl::command

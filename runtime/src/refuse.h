@@ -1,0 +1,44 @@
+#pragma once
+
+#include <atoll/error.h>
+#include <atoll/types.h>
+
+#include <Eigen/Core>
+#include <cmath>
+#include <sstream>
+#include <string_view>
+#include <type_traits>
+
+namespace atl {
+
+/// Throws Error: the field, the value that it has, a number or a vector, and what was expected.
+template <typename Value>
+[[noreturn]] void refuse(std::string_view field, const Value& found, std::string_view expected) {
+  std::ostringstream message;
+  message << field << " is ";
+  if constexpr (std::is_arithmetic_v<Value>) {
+    message << found;
+  } else {
+    const Eigen::IOFormat flat(Eigen::StreamPrecision, Eigen::DontAlignCols, ", ", "; ", "", "", "(", ")");
+    message << found.reshaped(1, found.size()).format(flat);
+  }
+  message << "; expected " << expected;
+  throw Error(message.str());
+}
+
+inline void check_finite(std::string_view field, double value) {
+  if (!std::isfinite(value)) refuse(field, value, "a finite number");
+}
+inline void check_finite(std::string_view field, const Vector3& value) {
+  if (!value.allFinite()) refuse(field, value, "three finite numbers");
+}
+
+inline void check_positive(std::string_view field, double value) {
+  if (!(std::isfinite(value) && value > 0)) refuse(field, value, "a finite number above 0");
+}
+
+inline void check_not_negative(std::string_view field, double value) {
+  if (!(std::isfinite(value) && value >= 0)) refuse(field, value, "a finite number not below 0");
+}
+
+}  // namespace atl
