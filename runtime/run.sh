@@ -9,5 +9,7 @@ source "$root/runtime/setup.sh"
 
 (($#)) || set -- run pile
 install_packages
-(cd "$root" && build release atoll_command)
+options=()
+is_configured release || options=(-DATOLL_BUILD_TESTS=OFF -DATOLL_BUILD_PERF=OFF)
+build release atoll_command "${options[@]}"
 exec "$root/build/release/bin/atoll" "$@"

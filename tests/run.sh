@@ -40,11 +40,16 @@ while (($#)); do
   shift
 done
 
-packages+=(chromium) # looks at the page that atoll sweep writes
+packages+=(libgtest-dev chromium) # the browser looks at the page that atoll sweep writes
 [[ $preset != clang ]] || packages+=(clang)
-options=()
-[[ ${CI:-} != true ]] || options=(-DATOLL_WERROR=ON)
+options=(-DATOLL_BUILD_TESTS=ON)
+if [[ ${CI:-} == true ]]; then
+  packages+=(libbenchmark-dev)
+  options+=(-DATOLL_WERROR=ON -DATOLL_BUILD_PERF=ON)
+elif ! is_configured "$preset"; then
+  options+=(-DATOLL_BUILD_PERF=OFF)
+fi
+[[ ${ATOLL_LONG_TESTS:-} != 1 ]] || options+=(-DATOLL_LONG_TESTS=ON)
 install_packages
-cd "$root"
 build "$preset" all "${options[@]}"
 ctest --preset "$preset" "${selection[@]}"

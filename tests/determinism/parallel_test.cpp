@@ -28,14 +28,13 @@ const std::string all_shapes = ATOLL_SOURCE_DIR "/runtime/scene/examples/shapes.
 
 std::vector<std::string> scenes() {
   if (!long_tests()) {
-    return {"pyramid3d:layers=6",
+    return {"pyramid3d:layers=12",  // large enough for all workers to share
             "wall:base=14",
             "islands:count=20,base=6",
             "pile:bodies=300",
             "stack:height=10",
             "stack:height=30",
             "stack:height=10,ratio=1000",
-            "wall:base=70",
             "heavy-top",
             "conveyor:boxes=4,speed=3",
             "rolling-resistance",
