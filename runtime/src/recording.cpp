@@ -14,7 +14,7 @@
 
 namespace atl {
 
-void World::Impl::record(const std::filesystem::path& path, const RecordingOptions& options) {
+void World::Impl::record(const std::string& path, const RecordingOptions& options) {
   if (recorder) throw Error("World::record: a recording is under way; expected none: see World::stop_recording");
   if (options.body_hash_interval < 1) {
     throw Error("World::record: RecordingOptions.body_hash_interval is " + std::to_string(options.body_hash_interval) +

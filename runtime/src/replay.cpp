@@ -64,7 +64,7 @@ std::vector<ReplayedBody> differences(const std::vector<RecordedBody>& recorded,
 /// A recording, and the world in which it is done again.
 class Replay {
  public:
-  Replay(const std::filesystem::path& path, const ReplayOptions& options)
+  Replay(const std::string& path, const ReplayOptions& options)
       : on_step_(options.on_step),
         reader_(path),
         world_({.threads = options.threads, .settings = {.simd = options.simd}}) {
@@ -187,7 +187,7 @@ class Replay {
   ReplayResult result_;
 };
 
-ReplayResult replay(const std::filesystem::path& path, const ReplayOptions& options) {
+ReplayResult replay(const std::string& path, const ReplayOptions& options) {
   if constexpr (!with_recording) throw_left_out("replay is called", "recordings", "RECORDING");
   return Replay(path, options).run();
 }

@@ -90,7 +90,7 @@ std::span<const std::byte> checked_content(const fs::path& path, const std::vect
 
 }  // namespace
 
-void Snapshot::write(const fs::path& path) const {
+void Snapshot::write(const std::string& path) const {
   if (empty()) fail("write", path, "the snapshot is empty; expected one that holds a state");
   std::vector<std::byte> bytes;
   StateWriter writer(bytes);
@@ -103,7 +103,7 @@ void Snapshot::write(const fs::path& path) const {
   write_all(path, header, content);
 }
 
-Snapshot Snapshot::read(const fs::path& path) {
+Snapshot Snapshot::read(const std::string& path) {
   if constexpr (!with_snapshots) throw_left_out("Snapshot::read is called", "snapshots", "SNAPSHOTS");
   const std::vector<char> file = read_all(path);
   const std::span<const std::byte> content = checked_content(path, file);

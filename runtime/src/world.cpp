@@ -293,7 +293,7 @@ void World::restore(const Snapshot& snapshot) {
   }
 }
 
-void World::record(const std::filesystem::path& path, const RecordingOptions& options) {
+void World::record(const std::string& path, const RecordingOptions& options) {
   if constexpr (!with_recording) throw_left_out("World::record is called", "recordings", "RECORDING");
   impl_->record(path, options);
 }

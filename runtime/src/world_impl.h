@@ -18,10 +18,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <map>
 #include <memory>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -128,7 +128,7 @@ class World::Impl {
   static void try_out(const std::shared_ptr<const Roster>& roster, std::span<const std::byte> state);
 
   // Recordings: recording.cpp.
-  void record(const std::filesystem::path& path, const RecordingOptions& options);
+  void record(const std::string& path, const RecordingOptions& options);
   void record_state();
   StepReport record_step(double dt);  // does the step, too
   void stop_recording(const char* call);

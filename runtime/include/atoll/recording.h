@@ -5,7 +5,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -63,6 +62,6 @@ struct ReplayResult {
 /// Throws Error on a number of threads out of range or an instruction set that this machine lacks; and, saying what was
 /// found where, and expected, if the file can't be read, is no recording, is damaged or is of another version or byte
 /// order.
-ReplayResult replay(const std::filesystem::path& path, const ReplayOptions& options = {});
+ReplayResult replay(const std::string& path, const ReplayOptions& options = {});
 
 }  // namespace atl

@@ -8,7 +8,6 @@
 #include <atoll/world.h>
 
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>

@@ -2,9 +2,9 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace atl {
@@ -24,10 +24,10 @@ class Snapshot {
   /// To a file, by way of a temporary one beside it: there is all of it or what was there before. Hulls, meshes and
   /// height fields are written as fingerprints only, all else of shapes in full. Throws Error if the snapshot is empty
   /// or the file can't be written.
-  void write(const std::filesystem::path& path) const;
+  void write(const std::string& path) const;
   /// Throws Error, saying what was found and expected, if the file can't be read, is not a snapshot, is damaged or cut
   /// off, or is of another version or byte order.
-  static Snapshot read(const std::filesystem::path& path);
+  static Snapshot read(const std::string& path);
 
  private:
   friend class World;

@@ -16,6 +16,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace atl {
@@ -192,7 +193,7 @@ class World {
   /// What there is of it is in a file with ".partial" after the name until stop_recording(), the world's end at the
   /// latest; it can be replayed even if the program ends otherwise. Throws Error if the file can't be written, an
   /// option is out of range or a recording is under way.
-  void record(const std::filesystem::path& path, const RecordingOptions& options = {});
+  void record(const std::string& path, const RecordingOptions& options = {});
   bool is_recording() const;
   /// Ends the recording, and gives its file its name. Throws Error if there is none; or if something of it could not be
   /// written, when there is no file, nor a recording any more.
