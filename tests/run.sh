@@ -13,8 +13,8 @@ usage: bash tests/run.sh [--label LABEL] [--preset PRESET] [--long]
        bash tests/run.sh --aarch64
 
   --label LABEL    only these: unit, accuracy, stability, determinism, cli, layers or package
-  --preset PRESET  release (the default), clang, debug, asan or tsan
-  --long           the heavier matrix of scenes, threads and settings
+  --preset PRESET  release (the default), apart, clang, debug, asan or tsan
+  --long           the heavier matrix of scenes, threads and settings, and Atoll built as a part of another project
   --aarch64        golden hashes and the layers' unit tests on 64-bit ARM, emulated; takes an hour
 END
 }
@@ -42,14 +42,13 @@ done
 
 packages+=(libgtest-dev chromium) # the browser looks at the page that atoll sweep writes
 [[ $preset != clang ]] || packages+=(clang)
-options=(-DATOLL_BUILD_TESTS=ON)
+options=(-DATOLL_BUILD_TESTS=ON -DATOLL_LONG_TESTS="${ATOLL_LONG_TESTS:-0}")
 if [[ ${CI:-} == true ]]; then
   packages+=(libbenchmark-dev)
   options+=(-DATOLL_WERROR=ON -DATOLL_BUILD_PERF=ON)
 elif ! is_configured "$preset"; then
   options+=(-DATOLL_BUILD_PERF=OFF)
 fi
-[[ ${ATOLL_LONG_TESTS:-} != 1 ]] || options+=(-DATOLL_LONG_TESTS=ON)
 install_packages
 build "$preset" all "${options[@]}"
 ctest --preset "$preset" "${selection[@]}"
