@@ -3,6 +3,8 @@
 #include <atoll/atoll.h>
 #include <gtest/gtest.h>
 
+#include <new>
+
 #include "allocation_count.h"
 #include "support/bodies.h"
 
@@ -19,6 +21,8 @@ TEST(Allocation, TheHookCounts) {
   const std::int64_t before = allocation_count();
   ::operator delete(::operator new(1));
   EXPECT_EQ(allocation_count() - before, 1);
+  ::operator delete(::operator new(1, std::nothrow));  // as std::stable_sort() does
+  EXPECT_EQ(allocation_count() - before, 2);
 }
 
 class SteadyState : public testing::TestWithParam<int> {};
