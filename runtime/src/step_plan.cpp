@@ -54,8 +54,6 @@ constexpr std::array<StageWords, stage_count> words = {{
      "no joint needs to be solved at once"},
     {"motion_locks", "bodies", "bodies in islands are locked along or about axes",
      "no body in an island is locked along or about an axis"},
-    {"planar_contacts", "contacts", "bodies that touch stay in one plane, which takes fewer rows",
-     "no contact is between bodies that stay in one plane, or all rows are asked for"},
     {"gyroscopic_torque", "bodies", "bodies in islands have unequal moments of inertia",
      "no body in an island has unequal moments of inertia"},
     {"free_flight", "bodies", "some bodies touch nothing", "every awake body touches something or is joined"},
@@ -148,7 +146,6 @@ void World::Impl::note_stages() {
     }
   }
   note_items(Stage::MotionLocks, locked);
-  note_items(Stage::PlanarContacts, work.planar);
   note_items(Stage::GyroscopicTorque, gyroscopic);
   note_items(Stage::FreeFlight, static_cast<std::int64_t>(islands_.free_bodies().size()));
   note_items(Stage::KinematicBodies, static_cast<std::int64_t>(contents.kinematic));

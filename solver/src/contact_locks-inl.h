@@ -179,8 +179,7 @@ HWY_INLINE bool lock_contacts(const SolverBodies& bodies, ContactBlock& block, s
   return true;
 }
 
-// Friction of contacts in a plane is along the first tangent, and no zero of it is negative, so that it is the same
-// whether the second is left out or comes to nothing.
+// Friction of contacts in a plane is along the first tangent.
 HWY_INLINE void keep_in_plane(ContactBlock& block, std::size_t lane, const ContactLanes<>& c, M rubs, M planar) {
   const V inverse_mass = hn::Add(c.inverse_mass_first, c.inverse_mass_second);
   const V response = tangential_response(c, hn::IfThenElse(planar, inverse_mass, splat(1))).m11;
@@ -188,8 +187,6 @@ HWY_INLINE void keep_in_plane(ContactBlock& block, std::size_t lane, const Conta
   Plane{hn::IfThenElse(planar, hn::IfThenElseZero(rubs, hn::Div(splat(1), response)), old.m11),
         hn::IfThenZeroElse(planar, old.m12), hn::IfThenZeroElse(planar, old.m22)}
       .store_to(block.friction_mass, lane);
-  const V first = load(block.friction_impulse[0] + lane);
-  store(hn::IfThenElse(planar, hn::Add(first, zero()), first), block.friction_impulse[0] + lane);
   store(hn::IfThenZeroElse(planar, load(block.friction_impulse[1] + lane)), block.friction_impulse[1] + lane);
 }
 

@@ -256,8 +256,7 @@ HWY_INLINE void store_impulses(ContactBlock& block, std::size_t lane, const Cont
   store(hn::IfThenElseZero(twists, hn::Mul(share, m.friction.w)), block.twist_impulse + lane);
 }
 
-// Whether any of these contacts is in a plane.
-HWY_INLINE bool prepare_lanes(const ContactKernelData& data, std::size_t b, std::size_t lane, ContactTraits& traits) {
+HWY_INLINE void prepare_lanes(const ContactKernelData& data, std::size_t b, std::size_t lane, ContactTraits& traits) {
   ContactBlock& block = data.blocks[b];
   ManifoldLanes m = load_manifolds(
       [&](std::size_t k) -> const collision::ContactManifold& { return manifold_of(data, block, lane + k); });
@@ -282,13 +281,10 @@ HWY_INLINE bool prepare_lanes(const ContactKernelData& data, std::size_t b, std:
   prepare_masses(block, lane, c, rubs, twists);
   if (locks) {
     traits.locked |= lock_contacts(data.bodies, block, lane, c, rubs, in_plane.planar, m.separation);
-    const M vacant = hn::Eq(hn::Add(c.inverse_mass_first, c.inverse_mass_second), zero());
-    traits.planar &= hn::AllTrue(D(), hn::Or(in_plane.planar, vacant));
     keep_in_plane(block, lane, c, rubs, in_plane.planar);
   }
   if (surfaces) prepare_surfaces(data, block, data.surface_blocks[b], lane, c, rolling);
   note_traits(traits, m);
-  return any(in_plane.planar);
 }
 
 inline void prepare(const ContactKernelData& data, std::size_t begin, std::size_t end) {
@@ -301,15 +297,8 @@ inline void prepare(const ContactKernelData& data, std::size_t begin, std::size_
     ContactTraits traits = {.points = 1,
                             .friction = data.surface_blocks != nullptr,
                             .bounces = false,
-                            .locked = false,
-                            .planar = data.planar_blocks != nullptr};
-    bool some_planar = false;
-    for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
-      some_planar |= prepare_lanes(data, b, lane, traits);
-    }
-    // Friction in a plane has a kernel of its own, and the general one.
-    traits.planar &= some_planar;
-    traits.locked |= some_planar && !traits.planar;
+                            .locked = false};
+    for (std::size_t lane = 0; lane < block_lanes; lane += lanes) prepare_lanes(data, b, lane, traits);
     block.traits = data.leaves_out ? traits : ContactTraits();
     block.traits.bounces &= data.bounces != nullptr;
     if (!with_restitution || !block.traits.bounces) continue;

@@ -95,11 +95,10 @@ struct Special {
 };
 
 // What is left out of blocks that have no need of it.
-template <std::size_t points_, Movers movers_, bool planar_ = false>
+template <std::size_t points_, Movers movers_>
 struct What {
   static constexpr std::size_t points = points_;
   static constexpr Movers movers = movers_;
-  static constexpr bool planar = planar_;  // friction along the first tangent alone, and no twist
 };
 
 // The largest change of relative speed so far. Each lane on its own: the most of all is no sum and knows no order.
@@ -155,20 +154,6 @@ HWY_INLINE V normal_impulse_of(const ContactBlock& block, std::size_t lane) {
   return sum;
 }
 
-// What the general way comes to where the second tangent and the normal's twist have no mass, bit for bit.
-template <typename what>
-HWY_INLINE void solve_planar_friction(ContactBlock& block, std::size_t lane, ContactLanes<what::movers>& c) {
-  const V v1 = dot(c.tangent1, relative_velocity(c));
-  const V normal_impulse = normal_impulse_of<what::points>(block, lane);
-  const V old1 = load(block.friction_impulse[0] + lane);
-  V new1 = hn::Sub(old1, hn::Mul(load(block.friction_mass[0] + lane), v1));
-  V new2 = zero();
-  clamp_to_disc(new1, new2, hn::Mul(load(block.friction + lane), normal_impulse));
-  new1 = hn::Add(new1, zero());  // see keep_in_plane
-  store(new1, block.friction_impulse[0] + lane);
-  apply(c, hn::Sub(new1, old1) * c.tangent1, {zero(), zero(), zero()});
-}
-
 template <typename how, typename what>
 HWY_INLINE void solve_friction(ContactBlock& block, SurfaceBlock* surface, [[maybe_unused]] Friction friction,
                                std::size_t lane, ContactLanes<what::movers>& c, Residual& residual) {
@@ -197,12 +182,6 @@ HWY_INLINE void solve_friction(ContactBlock& block, SurfaceBlock* surface, [[may
     new2 = clamp_to(new2, bound);
   } else {
     clamp_to_disc(new1, new2, bound);
-  }
-  if constexpr (what::movers == Movers::Locked) {
-    // See keep_in_plane.
-    const M one = hn::Eq(mass.m22, zero());
-    new1 = hn::IfThenElse(one, hn::Add(new1, zero()), new1);
-    new2 = hn::IfThenElse(one, hn::Add(new2, zero()), new2);
   }
   const V old_twist = load(block.twist_impulse + lane);
   const V new_twist = clamp_to(hn::Sub(old_twist, hn::Mul(load(block.twist_mass + lane), spin)), twist_bound);
@@ -361,11 +340,7 @@ HWY_NOINLINE void sweep_alike(const ContactKernelData& data, const Sweep& sweep,
       if (how::rounds(sweep) == 2) solve_normals<how, what>(data, block, impulses, lane, c, residual);
       // Last, so that its bound is the normal impulse that it goes with.
       if (how::push != Push::Split && how::rubs(sweep) && block.traits.friction) {
-        if constexpr (what::planar) {
-          solve_planar_friction<what>(block, lane, c);
-        } else {
-          solve_friction<how, what>(block, surface, sweep.friction, lane, c, residual);
-        }
+        solve_friction<how, what>(block, surface, sweep.friction, lane, c, residual);
       }
       store_contact_bodies(c, data, block, lane);
     }
@@ -374,15 +349,15 @@ HWY_NOINLINE void sweep_alike(const ContactKernelData& data, const Sweep& sweep,
   of_all.add(residual.most);
 }
 
-template <typename how, std::size_t points, bool planar = false>
+template <typename how, std::size_t points>
 HWY_INLINE void sweep_points(const ContactKernelData& data, const Sweep& sweep, Movers movers, std::size_t begin,
                              std::size_t end, Residual& residual) {
   if (movers == Movers::First) {
-    sweep_alike<how, What<points, Movers::First, planar>>(data, sweep, begin, end, residual);
+    sweep_alike<how, What<points, Movers::First>>(data, sweep, begin, end, residual);
   } else if (movers == Movers::Second) {
-    sweep_alike<how, What<points, Movers::Second, planar>>(data, sweep, begin, end, residual);
+    sweep_alike<how, What<points, Movers::Second>>(data, sweep, begin, end, residual);
   } else {
-    sweep_alike<how, What<points, Movers::Both, planar>>(data, sweep, begin, end, residual);
+    sweep_alike<how, What<points, Movers::Both>>(data, sweep, begin, end, residual);
   }
 }
 
@@ -394,19 +369,13 @@ void sweep_by_kind(const ContactKernelData& data, const Sweep& sweep, std::size_
     const std::uint8_t points = data.blocks[b].traits.points;
     return points == 3 ? std::uint8_t{4} : points;
   };
-  const auto is_planar = [&](std::size_t b) { return how::rubs(sweep) && data.blocks[b].traits.planar; };
   Residual residual;
   for (std::size_t next; begin < end; begin = next) {
     const Movers movers = movers_of(begin);
     const std::uint8_t points = points_of(begin);
-    const bool planar = is_planar(begin);
-    const auto is_alike = [&](std::size_t b) {
-      return movers_of(b) == movers && points_of(b) == points && is_planar(b) == planar;
-    };
+    const auto is_alike = [&](std::size_t b) { return movers_of(b) == movers && points_of(b) == points; };
     for (next = begin + 1; next < end && is_alike(next);) ++next;
-    if (planar) {
-      sweep_points<how, 2, true>(data, sweep, movers, begin, next, residual);
-    } else if (points == 1) {
+    if (points == 1) {
       sweep_points<how, 1>(data, sweep, movers, begin, next, residual);
     } else if (points == 2) {
       sweep_points<how, 2>(data, sweep, movers, begin, next, residual);

@@ -328,18 +328,6 @@ TEST(MotionLocks, PlanarStackStands) {
   EXPECT_NEAR(contact_force(world, ids[0], ids[1]).z(), 11 * 1000 * g, 0.01 * 11 * 1000 * g);
 }
 
-// A contact in the plane has its own rows: few, and as many whatever the depth of the boxes.
-TEST(MotionLocks, PlanarContactsAreAStageOfTheirOwn) {
-  World world;
-  world.add_body(ground());
-  for (int i = 0; i < 3; ++i) world.add_body(locked(box({0, 0, i + 0.5}), in_plane));
-  EXPECT_EQ(world.step(dt).stage(Stage::PlanarContacts).items, 3);
-  World free;
-  free.add_body(ground());
-  free.add_body(locked(box({0, 0, 0.5}), {.linear = {false, true, false}}));
-  EXPECT_FALSE(free.step(dt).stage(Stage::PlanarContacts).run);
-}
-
 // Balls beside the plane's middle meet as discs do, where they are cut.
 TEST(MotionLocks, BallsOutOfThePlaneMeetWhereItCutsThem) {
   World world;

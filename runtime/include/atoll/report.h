@@ -41,7 +41,6 @@ enum class Stage {
   JointSolver,  ///< of joints that are swept
   DirectJoints,
   MotionLocks,
-  PlanarContacts,  ///< with fewer rows, of bodies that stay in one plane
   GyroscopicTorque,
   FreeFlight,
   KinematicBodies,
@@ -51,7 +50,7 @@ enum class Stage {
   ContactProblem,
   Recording,
 };
-inline constexpr std::size_t stage_count = 27;
+inline constexpr std::size_t stage_count = 26;
 
 /// "broadphase", "narrowphase", ...
 const char* stage_name(Stage stage);

@@ -18,8 +18,7 @@ struct ContactTraits {
   std::uint8_t points = max_points;  ///< no contact has more
   bool friction = true;
   bool bounces = true;
-  bool locked = true;   ///< some body is locked along an axis, and not all are as `planar` says
-  bool planar = false;  ///< all that may move stays in one plane; no contact has more than two points
+  bool locked = true;  ///< some body is locked along an axis, and not all that may move stay in one plane
 };
 
 /// Eight contacts of one colour, one a lane, for the wide kernels: no two share a dynamic body.
@@ -67,7 +66,6 @@ struct ContactWork {
   std::int64_t two_movable = 0;
   std::int64_t friction = 0;
   std::int64_t bounces = 0;
-  std::int64_t planar = 0;
 
   void add(const ContactBlock& block) {
     contacts += block.contacts;
@@ -75,7 +73,6 @@ struct ContactWork {
     if (block.movers == Movers::Both) two_movable += block.contacts;
     if (block.traits.friction) friction += block.contacts;
     if (block.traits.bounces) bounces += block.contacts;
-    if (block.traits.planar) planar += block.contacts;
   }
   ContactWork& operator+=(const ContactWork& other) {
     contacts += other.contacts;
@@ -83,7 +80,6 @@ struct ContactWork {
     two_movable += other.two_movable;
     friction += other.friction;
     bounces += other.bounces;
-    planar += other.planar;
     return *this;
   }
 };
