@@ -13,17 +13,27 @@ function(atoll_unity target)
   endif()
 endfunction()
 
-# What no step runs is optimised less, which takes a third less time to compile, with what nearly every file includes of the
-# standard library and Eigen precompiled.
+# What nearly every file includes of the standard library and Eigen, compiled once for each level of optimisation.
+function(atoll_precompiled target)
+  set(source ${PROJECT_BINARY_DIR}/${target}.cpp)
+  file(CONFIGURE OUTPUT ${source} CONTENT "")
+  add_library(${target} OBJECT ${source})
+  target_link_libraries(${target} PRIVATE atoll_flags Eigen3::Eigen)
+  target_compile_options(${target} PRIVATE ${ARGN})
+  target_precompile_headers(${target} PRIVATE
+    <Eigen/Core> <Eigen/Geometry> <algorithm> <array> <cmath> <cstddef> <cstdint> <filesystem> <functional> <limits> <map>
+    <memory> <optional> <span> <sstream> <string> <tuple> <utility> <variant> <vector>)
+endfunction()
+
+# What no step runs is optimised less, which takes a third less time to compile.
 set(off_the_step $<$<CONFIG:Release>:-O1>)
-file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/precompiled.cpp CONTENT "")
-add_library(atoll_precompiled OBJECT ${PROJECT_BINARY_DIR}/precompiled.cpp)
-target_link_libraries(atoll_precompiled PRIVATE atoll_flags Eigen3::Eigen)
-target_compile_options(atoll_precompiled PRIVATE ${off_the_step})
-target_precompile_headers(atoll_precompiled PRIVATE
-  <Eigen/Core> <Eigen/Geometry> <algorithm> <array> <cmath> <cstddef> <cstdint> <filesystem> <functional> <limits> <map>
-  <memory> <optional> <span> <sstream> <string> <tuple> <utility> <variant> <vector>)
+atoll_precompiled(atoll_precompiled_on_the_step)
+atoll_precompiled(atoll_precompiled_off_the_step ${off_the_step})
+
+function(atoll_on_the_step target)
+  target_precompile_headers(${target} REUSE_FROM atoll_precompiled_on_the_step)
+endfunction()
 function(atoll_off_the_step target)
   target_compile_options(${target} PRIVATE ${off_the_step})
-  target_precompile_headers(${target} REUSE_FROM atoll_precompiled)
+  target_precompile_headers(${target} REUSE_FROM atoll_precompiled_off_the_step)
 endfunction()
