@@ -18,7 +18,8 @@ constexpr std::array stabilisations = {Named<Stabilisation>{Stabilisation::Soft,
                                        Named<Stabilisation>{Stabilisation::Baumgarte, "baumgarte"},
                                        Named<Stabilisation>{Stabilisation::SplitImpulse, "split_impulse"}};
 constexpr std::array contact_solvers = {Named<ContactSolver>{ContactSolver::Auto, "auto"},
-                                        Named<ContactSolver>{ContactSolver::Iterative, "iterative"}};
+                                        Named<ContactSolver>{ContactSolver::Iterative, "iterative"},
+                                        Named<ContactSolver>{ContactSolver::Direct, "direct"}};
 constexpr std::array joint_solvers = {Named<JointSolver>{JointSolver::Auto, "auto"},
                                       Named<JointSolver>{JointSolver::Iterative, "iterative"},
                                       Named<JointSolver>{JointSolver::Direct, "direct"}};

@@ -75,10 +75,10 @@ CLI::Option* add_scene_options(CLI::App& command, SceneOptions& options) {
   command.add_option("--slop", options.slop, "m of overlap that these leave alone")
       ->check(number_not_below_zero())
       ->group(solver);
-  add_choice(
-      command, "--contact-solver", {"auto", "iterative"},
-      "how contacts are solved: auto: by sweeps, but at once or in finer substeps where these can't hold the load",
-      [&options](const std::string& name) { options.contact_solver = contact_solver_named(name); })
+  add_choice(command, "--contact-solver", {"auto", "iterative", "direct"},
+             "how contacts are solved: by sweeps, or at once; auto: at once or in finer substeps where sweeps can't "
+             "hold the load",
+             [&options](const std::string& name) { options.contact_solver = contact_solver_named(name); })
       ->group(solver);
   add_choice(
       command, "--joint-solver", {"auto", "iterative", "direct"},

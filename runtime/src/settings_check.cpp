@@ -36,7 +36,7 @@ void check(const Settings& settings) {
   check_not_negative("Settings.contact_damping_ratio", settings.contact_damping_ratio);
   check_positive("Settings.contact_push_speed", settings.contact_push_speed);
   check_not_negative("Settings.restitution_threshold", settings.restitution_threshold);
-  if (settings.contact_solver < ContactSolver::Auto || settings.contact_solver > ContactSolver::Iterative) {
+  if (settings.contact_solver < ContactSolver::Auto || settings.contact_solver > ContactSolver::Direct) {
     refuse("Settings.contact_solver", static_cast<int>(settings.contact_solver), "a value of ContactSolver");
   }
   if (settings.joint_solver < JointSolver::Auto || settings.joint_solver > JointSolver::Direct) {

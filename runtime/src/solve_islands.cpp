@@ -30,19 +30,22 @@ void World::Impl::solve_islands() {
 
 bool World::Impl::escalates() const {
   return with_direct_contacts && settings.stabilisation == Stabilisation::Soft &&
-         settings.contact_solver == ContactSolver::Auto;
+         settings.contact_solver != ContactSolver::Iterative;
 }
 
 // Islands whose contacts carry too much are solved on their own, and otherwise.
 void World::Impl::choose_remedies() {
   std::span<const Remedy> remedies;
   if (with_direct_contacts && escalates()) {
-    remedies = escalation_.choose({.islands = islands_,
-                                   .bodies = bodies,
-                                   .manifolds = cache.manifolds.data(),
-                                   .gravity = gravity,
-                                   .dt = dt_,
-                                   .settings = solver_settings(settings)});
+    const solver::SolverSettings how = solver_settings(settings);
+    const solver::LoadInput input = {.islands = islands_,
+                                     .bodies = bodies,
+                                     .manifolds = cache.manifolds.data(),
+                                     .gravity = gravity,
+                                     .dt = dt_,
+                                     .settings = how};
+    const bool all = settings.contact_solver == ContactSolver::Direct;
+    remedies = all ? escalation_.choose_direct(input) : escalation_.choose(input);
   } else if (with_direct_contacts) {
     escalation_.forget_all();
   } else {
@@ -176,7 +179,7 @@ void World::Impl::note_remedies() {
     report_.counts.newton_iterations += island.iterations;
     escalated_.push_back(island);
   }
-  if (escalates()) escalation_.note(all_overloads_, failed_, sleeping.awake);
+  if (escalates()) escalation_.note(all_overloads_, failed_, sleeping.awake, dt_);
 }
 
 void World::Impl::move_unconstrained_bodies() {

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "loaded_contact.h"
+#include "rows3.h"
 
 namespace atl::solver {
 namespace {
@@ -13,24 +13,43 @@ namespace {
 // interior point method gets there in 10 to 25.
 constexpr int most_iterations = 6;
 
-// Iterations in which friction's bound follows the load. With more it would go to and fro for long: each halves the
-// difference at best.
-constexpr int following = 2;
+// How often friction's bound is then brought up to the load that it went with.
+constexpr int friction_rounds = 8;
 
-// m/s: where parting overlaps makes bodies faster than this, it is taken out of their velocities again.
-constexpr double noticeable_push = 0.05;
+// m/s: what friction makes of velocities may be off by so much, as its bound is not that of the load.
+constexpr double friction_tolerance = 1e-3;
+
+// Of what would stop all bodies of the island at once and hold their weights: a contact that pushes harder is wedged
+// between others so that nothing tells how hard.
+constexpr double most_impulse = 10;
+
+// m/s: slower than this, what sinks may.
+constexpr double least_give = 1e-8;
+// With a million times its weight on it, a box sinks by a tenth of what it did in each.
+constexpr int most_give_rounds = 8;
+
+// m: what a step parts of overlaps has to be more than this, or nothing is done about them.
+constexpr double least_parting = 1e-7;
 
 }  // namespace
 
 DirectContactsReport DirectContacts::solve(const SolveInput& input) {
   DirectContactsReport report;
   if (!load_bodies(input) || !load_contacts(input)) return report;
-  if (!find_velocities(input, report)) return report;
-  moving_ = velocity_;
-  if (pushes_apart()) {
-    leave_out_pushes();
-    if (!find_velocities(input, report)) return report;
+  const bool relaxes = input.settings.relax_iterations > 0;
+  if (relaxes) {
+    stop_contacts(input);
+  } else {
+    push_contacts_apart(input);
   }
+  if (!find_velocities(input, report) || !is_bounded()) return report;
+  if (relaxes) take_back_give(input);
+  keep_velocities();
+  if (relaxes && overlaps_notably(input)) {
+    push_contacts_apart(input);
+    if (!minimise(report, 0)) return report;
+  }
+  moving_ = velocity_;
   report.solved = true;
   note_work(input, report);
   if (input.capture != nullptr) capture(input);
@@ -51,9 +70,64 @@ void DirectContacts::note_work(const SolveInput& input, DirectContactsReport& re
 
 bool DirectContacts::find_velocities(const SolveInput& input, DirectContactsReport& report) {
   if (!solve_on_last_pieces()) return false;
-  if (minimise(report)) return true;
+  if (minimise(report, following) && settle_friction(report)) return true;
   load_velocities(input);
-  return follow_interior(report);
+  return follow_interior(report) && settle_friction(report);
+}
+
+// Friction's bound was given, and is not quite that of the load which came of it.
+bool DirectContacts::settle_friction(DirectContactsReport& report) {
+  for (int round = 0; friction_off() > friction_tolerance; ++round) {
+    if (round == friction_rounds) return false;
+    for (Contact& contact : contacts_) contact.bound_friction(contact.answer.load());
+    if (!minimise(report, 0)) return false;
+  }
+  return true;
+}
+
+// m/s: how much too fast or slow friction makes something, by its bounds.
+double DirectContacts::friction_off() const {
+  double most = 0;
+  for (const Contact& contact : contacts_) {
+    const PatchAnswer& answer = contact.answer;
+    // What is not at its bound asks for this load at least.
+    double asks = answer.load();
+    const auto ask = [&](double impulse, double of_load) {
+      if (of_load > 0) asks = std::max(asks, std::abs(impulse) / of_load);
+    };
+    if (answer.pieces.slides || answer.pieces.spins || answer.pieces.rolls) asks = contact.bound_load;
+    const double pull = contact.law.pyramid ? std::max(std::abs(answer.friction[0]), std::abs(answer.friction[1]))
+                                            : std::hypot(answer.friction[0], answer.friction[1]);
+    ask(pull, contact.friction);
+    ask(answer.twist, contact.lever * contact.friction + contact.torsional);
+    ask(std::hypot(answer.rolling[0], answer.rolling[1]), contact.rolling);
+    const double off = std::abs(asks - answer.load());
+    const auto of = [&](std::uint32_t body) {
+      if (body == none) return 0.0;
+      const double spin =
+          (contact.lever * contact.friction + contact.torsional + contact.rolling) / bodies_[body].radius;
+      return off * std::max(contact.friction, spin) / bodies_[body].mass;
+    };
+    most = std::max({most, of(contact.first), of(contact.second)});
+  }
+  return most;
+}
+
+// Opposite contacts that overlap can't both open, and may push each other as hard as they like.
+bool DirectContacts::is_bounded() const {
+  double all = 0;
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    const Eigen::Map<const Vector3> velocity(&free_[6 * i]);
+    const Eigen::Map<const Vector3> spin(&free_[6 * i + 3]);
+    all += bodies_[i].mass * (velocity.norm() + bodies_[i].radius * spin.norm());
+  }
+  for (const Contact& contact : contacts_) {
+    const double moved = std::hypot(contact.given[0], contact.given[3], contact.given[4]);
+    if (contact.first != none) all += bodies_[contact.first].mass * moved;
+    if (contact.second != none) all += bodies_[contact.second].mass * moved;
+  }
+  return std::all_of(contacts_.begin(), contacts_.end(),
+                     [&](const Contact& contact) { return contact.answer.load() <= most_impulse * all; });
 }
 
 // The velocities if all contacts stay on the pieces that they are on.
@@ -68,7 +142,7 @@ bool DirectContacts::solve_on_last_pieces() {
   return true;
 }
 
-bool DirectContacts::minimise(DirectContactsReport& report) {
+bool DirectContacts::minimise(DirectContactsReport& report, int follows) {
   for (int iteration = 0;; ++iteration) {
     balance([](const Contact& contact) { return contact.law.answer(contact.motion); });
     const double residual = unbalanced();
@@ -85,7 +159,7 @@ bool DirectContacts::minimise(DirectContactsReport& report) {
     }
     const double t = step_length();
     for (std::size_t i = 0; i < velocity_.size(); ++i) velocity_[i] += t * direction_[i];
-    if (iteration < following) follow_load(t);
+    if (iteration < follows) follow_load(t);
   }
 }
 
@@ -158,36 +232,63 @@ double DirectContacts::step_length() const {
   return t;
 }
 
-bool DirectContacts::pushes_apart() const {
-  return std::any_of(contacts_.begin(), contacts_.end(), [](const Contact& contact) {
-    for (int i = 0; i < contact.law.points; ++i) {
-      if (contact.law.bias[i] < 0 && contact.law.speed(i, contact.motion) > noticeable_push) return true;
+// Contacts are so stiff that they give by little under what they carry, but a column of many, or under many times its
+// weight, would sink on them: once more, from where they carry it already.
+void DirectContacts::take_back_give(const SolveInput& input) {
+  if (!is_factored()) return;
+  const auto on_these_pieces = [](const Contact& contact) {
+    return contact.law.linear_answer(contact.motion, contact.answer.pieces, contact.answer);
+  };
+  for (int round = 0; round < most_give_rounds; ++round) {
+    double most = 0;
+    for (Contact& contact : contacts_) {
+      for (int i = 0; i < contact.law.points; ++i) {
+        if (!(contact.answer.pieces.points & (1 << i))) continue;
+        const double closest = std::max(contact.separation[i], 0.0) / input.dt;
+        most = std::max(most, -contact.law.speed(i, contact.motion) - closest);
+        contact.law.bias[i] = closest - contact.answer.normal[i] / contact.law.stiffness[i];
+      }
     }
-    return false;
-  });
-}
-
-// Points that overlap hold what they hold, and stop instead of parting.
-void DirectContacts::leave_out_pushes() {
-  for (Contact& contact : contacts_) {
-    for (int i = 0; i < contact.law.points; ++i) {
-      double& bias = contact.law.bias[i];
-      if (bias < 0) bias = -contact.answer.normal[i] / contact.law.stiffness[i];
-    }
+    if (most < least_give) return;
+    balance(on_these_pieces);
+    find_direction();
+    for (std::size_t i = 0; i < velocity_.size(); ++i) velocity_[i] += direction_[i];
+    balance(on_these_pieces);
   }
 }
 
-// Velocities are those that the impulses make, so that no momentum is made up.
+// Whether there is anything to part.
+bool DirectContacts::overlaps_notably(const SolveInput& input) const {
+  const bool soft = input.settings.contact_hertz > 0;
+  for (const Contact& contact : contacts_) {
+    const double rate = SubstepConstants::parting_rate(input.settings, input.dt, contact.fixed);
+    for (int i = 0; i < contact.law.points; ++i) {
+      const double parts = rate * -contact.separation[i] * input.dt;
+      if (parts > least_parting || (soft && contact.lasting.normal[i] > 0)) return true;
+    }
+  }
+  return false;
+}
+
+// The velocities that bodies keep are those that the impulses make, so that no momentum is made up.
+void DirectContacts::keep_velocities() {
+  lasting_ = velocity_;
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    Eigen::Map<Vector3>(&lasting_[6 * i]) -= Eigen::Map<const Vector3>(&gradient_[6 * i]) / bodies_[i].mass;
+    Eigen::Map<Vector3>(&lasting_[6 * i + 3]) -=
+        bodies_[i].inverse_inertia * Eigen::Map<const Vector3>(&gradient_[6 * i + 3]);
+  }
+  for (Contact& contact : contacts_) contact.lasting = contact.answer;
+}
+
 void DirectContacts::write_back(const SolveInput& input) {
   BodyTable& table = input.bodies;
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     const Body& of = bodies_[i];
     const std::uint32_t body = of.body;
     const BodyPose start{table.position(body), table.orientation(body)};
-    const Vector3 velocity =
-        Eigen::Map<const Vector3>(&velocity_[6 * i]) - Eigen::Map<const Vector3>(&gradient_[6 * i]) / of.mass;
-    const Vector3 spin = Eigen::Map<const Vector3>(&velocity_[6 * i + 3]) -
-                         of.inverse_inertia * Eigen::Map<const Vector3>(&gradient_[6 * i + 3]);
+    const Vector3 velocity = Eigen::Map<const Vector3>(&lasting_[6 * i]);
+    const Vector3 spin = Eigen::Map<const Vector3>(&lasting_[6 * i + 3]);
     const Vector3 gained = velocity - table.velocity(body);
     const Vector3 gained_spin = spin - table.angular_velocity(body);
     Vector3 moves = Eigen::Map<const Vector3>(&moving_[6 * i]);
@@ -209,11 +310,12 @@ void DirectContacts::write_back(const SolveInput& input) {
     int point = 0;
     for (int i = 0; i < collision::max_points; ++i) {
       const bool there = manifold.separation[i] < collision::no_point;
-      manifold.normal_impulse[i] = there ? static_cast<float>(share * contact.answer.normal[point++]) : 0;
+      manifold.normal_impulse[i] = there ? static_cast<float>(share * contact.lasting.normal[point++]) : 0;
     }
-    const Vector3 friction = share * contact.friction_impulse();
-    for (int k = 0; k < 3; ++k) manifold.friction_impulse[k] = static_cast<float>(friction[k]);
-    manifold.twist_impulse = static_cast<float>(share * contact.answer.twist);
+    set3(manifold.friction_impulse, share * contact.in_plane(contact.lasting.friction));
+    manifold.twist_impulse = static_cast<float>(share * contact.lasting.twist);
+    if (input.surface_contacts == nullptr) continue;
+    set3(input.surface_contacts[contact.slot].rolling_impulse, share * contact.in_plane(contact.lasting.rolling));
   }
 }
 
@@ -228,12 +330,15 @@ void DirectContacts::capture(const SolveInput& input) const {
     for (std::size_t i = 0; i < collision::max_points; ++i) {
       answer.separation[i] = manifold.separation[i];
       const bool there = manifold.separation[i] < collision::no_point;
-      answer.normal_impulse[i] = there ? static_cast<float>(contact.answer.normal[point++]) : 0;
+      answer.normal_impulse[i] = there ? static_cast<float>(contact.lasting.normal[point++]) : 0;
     }
-    const Vector3 friction = contact.friction_impulse();
-    for (int k = 0; k < 3; ++k) answer.friction_impulse[k] = static_cast<float>(friction[k]);
-    answer.twist_impulse = static_cast<float>(contact.answer.twist);
-    answer.rolling_impulse = {0, 0, 0};
+    const Vector3 friction = contact.in_plane(contact.lasting.friction);
+    const Vector3 rolling = contact.in_plane(contact.lasting.rolling);
+    for (int k = 0; k < 3; ++k) {
+      answer.friction_impulse[k] = static_cast<float>(friction[k]);
+      answer.rolling_impulse[k] = static_cast<float>(rolling[k]);
+    }
+    answer.twist_impulse = static_cast<float>(contact.lasting.twist);
   }
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     ContactCapture::Motion& motion = input.capture->motions[bodies_[i].body];

@@ -35,7 +35,7 @@ bool DirectContacts::follow_interior(DirectContactsReport& report) {
       if (residual <= tolerance) return true;
       // Friction lags behind, but it is known which points push.
       take_pieces();
-      return solve_on_last_pieces() && minimise(report);
+      return solve_on_last_pieces() && minimise(report, following);
     }
     if (!std::isfinite(mean + residual)) return false;
     ++report.iterations;

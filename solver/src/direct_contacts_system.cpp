@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "rows3.h"
 
@@ -16,10 +17,6 @@ namespace {
 // gives more, or Newton's method finds no way over its edges: what is held back by friction alone creeps by 1e-6 g dt.
 constexpr double compliance = 1e-8;
 constexpr double friction_compliance = 1e-6;
-
-// Of an overlap, what is parted in a step, and m/s, how fast at most.
-constexpr double correction = 0.2;
-constexpr double push_speed = 3;
 
 // Columns have one block of the factor a body, walls 5 to 10.
 constexpr std::size_t factor_blocks_per_body = 12;
@@ -85,8 +82,14 @@ bool DirectContacts::load_bodies(const SolveInput& input) {
     const Vector3 turning = of.inverse_inertia * (table.torque(body) - spin.cross(of.inertia * spin));
     Eigen::Map<Vector3> velocity(&free_[6 * i]);
     Eigen::Map<Vector3> angular(&free_[6 * i + 3]);
-    velocity = (table.velocity(body) + input.dt * of.acceleration) / (1 + input.dt * table.linear_damping[body]);
-    angular = (spin + input.dt * turning) / (1 + input.dt * table.angular_damping[body]);
+    // As sweeps would in their substeps.
+    const double h = input.dt / input.settings.substeps;
+    velocity = table.velocity(body);
+    angular = spin;
+    for (int k = 0; k < input.settings.substeps; ++k) {
+      velocity = (velocity + h * of.acceleration) / (1 + h * table.linear_damping[body]);
+      angular = (angular + h * turning) / (1 + h * table.angular_damping[body]);
+    }
   }
   load_velocities(input);
   return true;
@@ -125,6 +128,7 @@ void DirectContacts::load_contact(const SolveInput& input, const TouchingPair& p
   contact.second = local(input, pair.second);
   contact.friction = manifold.friction;
   contact.lever = manifold.lever;
+  contact.rolling = contact.torsional = 0;
   place(input, pair, contact);
 
   const double inverse_mass = table.inverse_mass[pair.first] + table.inverse_mass[pair.second];
@@ -145,16 +149,58 @@ void DirectContacts::load_contact(const SolveInput& input, const TouchingPair& p
     const Vector3 offset = y * contact.axes[1] - x * contact.axes[2];
     const double k = inverse_mass + response(contact.moments_first[0] + offset, contact.moments_second[0] + offset);
     contact.mass[p] = 1 / k;
-    law.stiffness[p] = contact.mass[p] / compliance;
-    const double separation = manifold.separation[i];
-    law.bias[p] = separation > 0 ? separation / input.dt : std::max(correction * separation / input.dt, -push_speed);
+    contact.separation[p] = manifold.separation[i];
   }
   const double along = inverse_mass + 0.5 * (response(contact.moments_first[1], contact.moments_second[1]) +
                                              response(contact.moments_first[2], contact.moments_second[2]));
   const double twist = response(contact.axes[0], contact.axes[0]);
   law.friction_stiffness = 1 / (friction_compliance * along);
   law.twist_stiffness = twist > 0 ? 1 / (friction_compliance * twist) : 0;
+  law.pyramid = input.settings.pyramid;
+  law.slip = {0, 0};
+  law.rolling_stiffness = 0;
+  if (input.surface_contacts != nullptr) {
+    SurfaceContact& surface = input.surface_contacts[pair.slot];
+    note_surfaces_of(pair, table, manifold, surface);
+    const Vector3 slip = get3(surface.slip);
+    law.slip = {slip.dot(contact.axes[1]), slip.dot(contact.axes[2])};
+    contact.rolling = surface.rolling_friction;
+    contact.torsional = surface.torsional_friction;
+    const double rolls =
+        0.5 * (response(contact.axes[1], contact.axes[1]) + response(contact.axes[2], contact.axes[2]));
+    if (contact.rolling > 0 && rolls > 0) law.rolling_stiffness = 1 / (friction_compliance * rolls);
+  }
   warm_start(input, contact);
+}
+
+// Contacts stop what closes them, and no more.
+void DirectContacts::stop_contacts(const SolveInput& input) {
+  for (Contact& contact : contacts_) {
+    for (int i = 0; i < contact.law.points; ++i) {
+      contact.law.stiffness[i] = contact.mass[i] / compliance;
+      contact.law.bias[i] = std::max(contact.separation[i], 0.0) / input.dt;
+    }
+  }
+}
+
+// They part their overlap: as the springs that they are said to be, or as fast as sweeps would.
+void DirectContacts::push_contacts_apart(const SolveInput& input) {
+  const SolverSettings& settings = input.settings;
+  const bool soft = settings.contact_hertz > 0;
+  for (Contact& contact : contacts_) {
+    const double hertz = contact.fixed ? 2 * settings.contact_hertz : settings.contact_hertz;
+    const double turn = 2 * std::numbers::pi * hertz * input.dt;
+    const double held = turn * (2 * settings.contact_damping_ratio + turn);  // of the mass, see Softness
+    const double rate =
+        soft ? turn * turn / (held * input.dt) : SubstepConstants::parting_rate(settings, input.dt, contact.fixed);
+    for (int i = 0; i < contact.law.points; ++i) {
+      const double separation = contact.separation[i];
+      const bool apart = separation > 0;
+      contact.law.stiffness[i] = contact.mass[i] * (apart || !soft ? 1 / compliance : held);
+      contact.law.bias[i] = apart ? separation / input.dt : std::max(rate * separation, -settings.contact_push_speed);
+    }
+    if (soft) contact.factored.points = 0xff;
+  }
 }
 
 void DirectContacts::place(const SolveInput& input, const TouchingPair& pair, Contact& contact) const {
@@ -166,6 +212,7 @@ void DirectContacts::place(const SolveInput& input, const TouchingPair& pair, Co
   const Vector3 tangent = (nearly - normal.dot(nearly) * normal).normalized();
   contact.axes = {normal, tangent, normal.cross(tangent)};
   contact.given = {};
+  contact.fixed = contact.first == none || contact.second == none;
   const auto place_side = [&](std::uint32_t body, const float(&anchor)[3], std::array<Vector3, 3>& moments,
                               double sign) {
     // A ball is touched on the line through its centre.
@@ -196,12 +243,25 @@ void DirectContacts::warm_start(const SolveInput& input, Contact& contact) {
   const Vector3 friction = substeps * get3(manifold.friction_impulse);
   answer.friction = {friction.dot(contact.axes[1]), friction.dot(contact.axes[2])};
   answer.twist = substeps * manifold.twist_impulse;
-  answer.pieces.slides = friction.norm() >= at_bound * contact.law.friction_bound;
-  answer.pieces.spins = std::abs(answer.twist) >= at_bound * contact.law.twist_bound;
+  const auto is_bound = [](double impulse, double bound) { return std::abs(impulse) >= at_bound * bound; };
+  if (contact.law.pyramid) {
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      const bool slides = is_bound(answer.friction[axis], contact.law.friction_bound);
+      answer.pieces.slides |= static_cast<std::uint8_t>(slides ? 1 << axis : 0);
+    }
+  } else {
+    answer.pieces.slides = is_bound(friction.norm(), contact.law.friction_bound) ? 3 : 0;
+  }
+  answer.pieces.spins = is_bound(answer.twist, contact.law.twist_bound);
+  if (contact.law.rolling_stiffness > 0) {
+    const Vector3 rolling = substeps * get3(input.surface_contacts[contact.slot].rolling_impulse);
+    answer.rolling = {rolling.dot(contact.axes[1]), rolling.dot(contact.axes[2])};
+    answer.pieces.rolls = is_bound(rolling.norm(), contact.law.rolling_bound);
+  }
   if (load > 0) return;
   // It has just begun.
   for (int i = 0; i < contact.law.points; ++i) {
-    if (contact.law.bias[i] <= 0) answer.pieces.points |= static_cast<std::uint8_t>(1 << i);
+    if (contact.separation[i] <= 0) answer.pieces.points |= static_cast<std::uint8_t>(1 << i);
   }
 }
 
@@ -214,8 +274,10 @@ void DirectContacts::Contact::add_motion(double sign, const std::array<Vector3, 
 }
 
 void DirectContacts::Contact::bound_friction(double load) {
+  bound_load = load;
   law.friction_bound = friction * load;
-  law.twist_bound = lever * law.friction_bound;
+  law.twist_bound = lever * law.friction_bound + torsional * load;
+  law.rolling_bound = rolling * load;
 }
 
 Six DirectContacts::Contact::motion_after(double t) const {
@@ -273,7 +335,9 @@ void DirectContacts::mass_times(const std::vector<double>& velocities, std::vect
 bool DirectContacts::is_factored() const {
   // Where something slides its stiffness is another at each motion.
   return std::all_of(contacts_.begin(), contacts_.end(), [](const Contact& contact) {
-    return contact.factored == contact.answer.pieces && !contact.answer.pieces.slides;
+    const PatchPieces& pieces = contact.answer.pieces;
+    const bool turns = (pieces.slides != 0 && !contact.law.pyramid) || pieces.rolls;
+    return contact.factored == pieces && !turns;
   });
 }
 

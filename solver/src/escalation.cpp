@@ -7,11 +7,11 @@
 namespace atl::solver {
 namespace {
 
-// Steps under overload after which something is done. What is done lasts as long as any of it is left; a step of
-// overload wears off in one without.
-constexpr std::uint8_t lasting = 3;
-constexpr std::uint8_t lasting_crush = 2;
-constexpr std::uint8_t most = 30;
+// s, under overload after which something is done: three steps of 1/60 s, or two. What is done lasts as long as any of
+// it is left; overload wears off in the time that it took, or in the last of these.
+constexpr float lasting = 0.04f;
+constexpr float lasting_crush = 0.025f;
+constexpr float most = 0.5f;
 
 // Finer substeps are for what is built to stand and sags of its own weight, in so large a part. A few small stones
 // under large ones are not worth them, nor is a heap that has found its rest on soft contacts: to stiffen them stirs
@@ -22,11 +22,6 @@ constexpr double part_of_island = 0.25;
 bool has_locks(const LoadInput& input, std::size_t island) {
   const std::span<const std::uint32_t> bodies = input.islands.bodies(island, island + 1);
   return std::any_of(bodies.begin(), bodies.end(), [&](std::uint32_t body) { return input.bodies.locks[body] != 0; });
-}
-
-void strain_more(std::uint8_t& strain) { strain = std::min<std::uint8_t>(most, strain + 1) + 1; }
-void strain_less(std::uint8_t& strain) {
-  if (strain > 0) --strain;
 }
 
 // By body, each once.
@@ -71,7 +66,7 @@ void Escalation::estimate_arrived(const LoadInput& input) {
     const auto bodies = static_cast<double>(input.islands.body_count(island));
     const bool sags = static_cast<double>(estimated_.size()) >= part_of_island * bodies;
     for (const Overload& overload : estimated_) {
-      strain_[overload.body] = {most, overload.crushed ? most : std::uint8_t{0}, sags};
+      strain_[overload.body] = {most, overload.crushed ? most : 0, sags};
       strained_.push_back(overload.body);
     }
   }
@@ -87,10 +82,10 @@ std::span<const Remedy> Escalation::choose(const LoadInput& input) {
   for (const std::uint32_t body : strained_) {
     const std::uint32_t island = islands.island_of(body);
     if (island == Islands::none) continue;
-    symptoms_[island].lasts |= strain_[body].overloaded >= lasting;
+    symptoms_[island].lasts |= strain_[body].overloaded > lasting;
     // What is joined leaps at once.
-    const std::uint8_t lasts = islands.joint_count(island) > 0 ? 1 : lasting_crush;
-    symptoms_[island].crushes |= strain_[body].crushed >= lasts;
+    const float lasts = islands.joint_count(island) > 0 ? 0 : lasting_crush;
+    symptoms_[island].crushes |= strain_[body].crushed > lasts;
     symptoms_[island].sags |= strain_[body].sags;
   }
   remedies_.assign(islands.count(), Remedy::None);
@@ -112,6 +107,19 @@ std::span<const Remedy> Escalation::choose(const LoadInput& input) {
   return any ? std::span<const Remedy>(remedies_) : std::span<const Remedy>();
 }
 
+std::span<const Remedy> Escalation::choose_direct(const LoadInput& input) {
+  forget_all();
+  const Islands& islands = input.islands;
+  symptoms_.assign(islands.count(), {});
+  remedies_.assign(islands.count(), Remedy::None);
+  for (std::size_t island = 0; island < islands.count(); ++island) {
+    const bool can = islands.contact_count(island) > 0 && islands.joint_count(island) == 0 &&
+                     islands.body_count(island) <= DirectContacts::most_bodies && !has_locks(input, island);
+    if (can) remedies_[island] = Remedy::Direct;
+  }
+  return remedies_;
+}
+
 const char* Escalation::why(std::size_t island) const {
   if (remedies_[island] == Remedy::Finest) return "a body carries one many times as heavy, and there are joints";
   if (symptoms_[island].crushes) return "a body carries many times what its contacts are made for";
@@ -119,22 +127,26 @@ const char* Escalation::why(std::size_t island) const {
 }
 
 void Escalation::note(std::vector<Overload>& overloads, std::span<const std::uint32_t> failed,
-                      std::span<const std::uint8_t> awake) {
+                      std::span<const std::uint8_t> awake, double dt) {
   if (overloads.empty() && strained_.empty()) return;
+  const auto step = static_cast<float>(dt);
   order(overloads);
   of_overloads_.clear();
   for (const Overload& overload : overloads) {
     of_overloads_.push_back(overload.body);
-    strain_more(strain_[overload.body].overloaded);
-    if (overload.crushed) strain_more(strain_[overload.body].crushed);
+    const auto grow = [step](float& strain) { strain = std::min(most, strain + step) + step; };
+    grow(strain_[overload.body].overloaded);
+    if (overload.crushed) grow(strain_[overload.body].crushed);
   }
   merged_.clear();
   std::set_union(strained_.begin(), strained_.end(), of_overloads_.begin(), of_overloads_.end(),
                  std::back_inserter(merged_));
   for (const std::uint32_t body : merged_) {
     if (!awake[body]) continue;
-    strain_less(strain_[body].overloaded);
-    strain_less(strain_[body].crushed);
+    // But for rounding.
+    const auto wear_off = [step](float& strain) { strain = strain < 1.5f * step ? 0 : strain - step; };
+    wear_off(strain_[body].overloaded);
+    wear_off(strain_[body].crushed);
   }
   for (const std::uint32_t body : failed) strain_[body] = {};
   std::erase_if(merged_, [this](std::uint32_t body) {

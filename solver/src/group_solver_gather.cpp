@@ -86,21 +86,9 @@ void GroupSolver::collect_joints(const SolveInput& input, const IslandGroup& gro
 // Notes what the surfaces of touching pairs do in this step. Whether that is more than plain friction anywhere.
 bool GroupSolver::note_surfaces(const SolveInput& input, const IslandGroup& group) {
   if (!with_surfaces || input.surface_contacts == nullptr) return false;
-  static const Surface plain;
-  const auto surface_of = [&](std::uint32_t body) -> const Surface& {
-    return input.bodies.surfaces.empty() ? plain : input.bodies.surfaces[body];
-  };
   bool any = input.settings.everything;
   for (const TouchingPair& pair : input.islands.contacts(group.begin, group.end)) {
-    const Surface& first = surface_of(pair.first);
-    const Surface& second = surface_of(pair.second);
-    SurfaceContact& contact = input.surface_contacts[pair.slot];
-    if (!is_pressed(input.manifolds[pair.slot])) std::fill_n(contact.rolling_impulse, 3, 0.0f);
-    set3(contact.slip, input.bodies.orientation(pair.second) * second.velocity -
-                           input.bodies.orientation(pair.first) * first.velocity);
-    contact.rolling_friction = static_cast<float>(std::max(first.rolling_friction, second.rolling_friction));
-    contact.torsional_friction = static_cast<float>(std::max(first.torsional_friction, second.torsional_friction));
-    any |= !first.is_plain() || !second.is_plain();
+    any |= note_surfaces_of(pair, input.bodies, input.manifolds[pair.slot], input.surface_contacts[pair.slot]);
   }
   return any;
 }

@@ -47,8 +47,8 @@ struct Piles {
     const auto remedies = escalation.choose({islands, bodies, manifolds.data(), {0, 0, -9.81}, 1.0 / 60, settings});
     return {remedies.begin(), remedies.end()};
   }
-  void note(std::vector<Overload> overloads, const std::vector<std::uint32_t>& failed = {}) {
-    escalation.note(overloads, failed, awake);
+  void note(std::vector<Overload> overloads, const std::vector<std::uint32_t>& failed = {}, double dt = 1.0 / 60) {
+    escalation.note(overloads, failed, awake, dt);
   }
 };
 
@@ -74,6 +74,19 @@ TEST(Escalation, ALoadHasToLastAndAnImpactDoesNot) {
   EXPECT_EQ(piles.choose(), none);
   for (int step = 0; step < 2; ++step) piles.note({});
   EXPECT_TRUE(piles.escalation.strained().empty());
+}
+
+// It is the time that counts, not the steps: a load lasts after 0.04 s, and what is done about it for half a second.
+TEST(Escalation, LoadsLastAsLongInShortSteps) {
+  for (const int rate : {60, 240, 1000}) {
+    Piles piles({4});
+    int steps = 0;
+    for (; piles.choose().empty(); ++steps) piles.note({{2, false}}, {}, 1.0 / rate);
+    EXPECT_NEAR(static_cast<double>(steps) / rate, 0.04, 1.5 / rate) << rate;
+    for (int i = 0; i < rate; ++i) piles.note({{2, false}}, {}, 1.0 / rate);
+    for (steps = 0; !piles.choose().empty(); ++steps) piles.note({}, {}, 1.0 / rate);
+    EXPECT_NEAR(static_cast<double>(steps) / rate, 0.5 - 0.04, 2.0 / rate) << rate;
+  }
 }
 
 // Substeps make contacts stiffer, but sweeps don't settle a column any sooner.

@@ -26,6 +26,10 @@ PatchLaw random_law(Random& random) {
   law.twist_stiffness = random.real(1, 10);
   law.friction_bound = random.real(0, 5);
   law.twist_bound = random.real(0, 2);
+  law.pyramid = random.below(2) == 0;
+  law.slip = {random.real(-1, 1), random.real(-1, 1)};
+  if (random.below(2) == 0) law.rolling_stiffness = random.real(1, 10);
+  law.rolling_bound = random.real(0, 5);
   return law;
 }
 
@@ -43,7 +47,7 @@ double power(const Six& a, const Six& b) {
 
 TEST(PatchLaw, ImpulsesStayInTheirCone) {
   Random random(1);
-  int slides = 0, sticks = 0, spins = 0;
+  int slides = 0, sticks = 0, spins = 0, rolls = 0;
   for (int i = 0; i < 1000; ++i) {
     const PatchLaw law = random_law(random);
     const Six motion = random_motion(random);
@@ -52,10 +56,16 @@ TEST(PatchLaw, ImpulsesStayInTheirCone) {
       const double closing = -(law.speed(p, motion) + law.bias[p]);
       EXPECT_DOUBLE_EQ(answer.normal[p], closing > 0 ? law.stiffness[p] * closing : 0);
     }
-    const double friction = std::hypot(answer.friction[0], answer.friction[1]);
+    const double friction = law.pyramid ? std::max(std::abs(answer.friction[0]), std::abs(answer.friction[1]))
+                                        : std::hypot(answer.friction[0], answer.friction[1]);
     EXPECT_LE(friction, law.friction_bound * (1 + 1e-14));
     EXPECT_LE(std::abs(answer.twist), law.twist_bound);
-    EXPECT_LE(answer.friction[0] * motion[3] + answer.friction[1] * motion[4], 0) << "it takes energy";
+    EXPECT_LE(std::hypot(answer.rolling[0], answer.rolling[1]), law.rolling_bound * (1 + 1e-14));
+    const double slides_at[2] = {motion[3] + law.slip[0], motion[4] + law.slip[1]};
+    EXPECT_LE(answer.friction[0] * slides_at[0] + answer.friction[1] * slides_at[1], 0) << "it takes energy";
+    EXPECT_LE(answer.rolling[0] * motion[1] + answer.rolling[1] * motion[2], 0) << "it takes energy";
+    EXPECT_EQ(answer.rolling[0] != 0, law.rolling_stiffness > 0);
+    rolls += answer.pieces.rolls;
     if (answer.pieces.slides) {
       EXPECT_NEAR(friction, law.friction_bound, 1e-14 * law.friction_bound);
     }
@@ -65,6 +75,7 @@ TEST(PatchLaw, ImpulsesStayInTheirCone) {
   EXPECT_GT(slides, 100);
   EXPECT_GT(sticks, 100);
   EXPECT_GT(spins, 100);
+  EXPECT_GT(rolls, 100);
 }
 
 // Between any two motions: what a convex function's derivative is.
@@ -125,6 +136,7 @@ TEST(PatchLaw, LinearAnswerAgreesOnItsOwnPieces) {
     EXPECT_EQ(linear.normal, answer.normal);
     EXPECT_EQ(linear.friction, answer.friction);
     EXPECT_EQ(linear.twist, answer.twist);
+    EXPECT_EQ(linear.rolling, answer.rolling);
   }
 }
 
@@ -136,10 +148,12 @@ TEST(PatchLaw, SecantTimesMotionIsFriction) {
     const Six motion = random_motion(random);
     const PatchAnswer answer = law.answer(motion);
     const auto k = law.secant(motion, {});
-    EXPECT_NEAR(-k[3][3] * motion[3], answer.friction[0], 1e-13);
-    EXPECT_NEAR(-k[4][4] * motion[4], answer.friction[1], 1e-13);
+    EXPECT_NEAR(-k[3][3] * (motion[3] + law.slip[0]), answer.friction[0], 1e-13);
+    EXPECT_NEAR(-k[4][4] * (motion[4] + law.slip[1]), answer.friction[1], 1e-13);
     EXPECT_NEAR(-k[5][5] * motion[5], answer.twist, 1e-13);
-    for (int a = 0; a < 3; ++a) EXPECT_EQ(k[a], Six{}) << "no point is held";
+    EXPECT_NEAR(-k[1][1] * motion[1], answer.rolling[0], 1e-13);
+    EXPECT_NEAR(-k[2][2] * motion[2], answer.rolling[1], 1e-13);
+    EXPECT_EQ(k[0], Six{}) << "no point is held";
   }
 }
 

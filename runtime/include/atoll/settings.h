@@ -28,6 +28,9 @@ enum class ContactSolver {
   /// once, large ones in finer substeps. In a build without ATOLL_WITH_DIRECT_CONTACTS as Iterative.
   Auto,
   Iterative,  ///< by sweeps, whatever they carry
+  /// At once, in all islands of up to 400 bodies without joints and motion locks, as long as nothing bounces or tumbles
+  /// fast in them: exact, for several times the time. Others by sweeps.
+  Direct,
 };
 
 /// How joints are solved.

@@ -11,8 +11,8 @@ Stabilisation read_stabilisation(const Reader& in) {
 }
 
 ContactSolver read_contact_solver(const Reader& in) {
-  constexpr std::array solvers = {ContactSolver::Auto, ContactSolver::Iterative};
-  return solvers[in.choice({"auto", "iterative"})];
+  constexpr std::array solvers = {ContactSolver::Auto, ContactSolver::Iterative, ContactSolver::Direct};
+  return solvers[in.choice({"auto", "iterative", "direct"})];
 }
 
 JointSolver read_joint_solver(const Reader& in) {

@@ -33,7 +33,10 @@ struct DirectContactsReport {
 /// finds them; its matrix, M plus the stiffness of the contacts that hold, is positive definite, with a block of 6 x 6
 /// for each body and each pair, and is factored directly (Todorov, "Convex and analytically-invertible dynamics with
 /// contacts and constraints", ICRA 2014; Castro, Permenter and Han, "An unconstrained convex formulation of compliant
-/// contact", T-RO 2022). Friction's bound follows the load in the first few iterations, and is then given.
+/// contact", T-RO 2022). Friction's bound is given while that is done, and follows the load from one time to the next.
+///
+/// As with sweeps of soft contacts, this is done twice: bodies keep velocities at which contacts just stop, and move by
+/// velocities at which overlap is parted, too.
 ///
 /// The first solve takes each contact to be on the pieces that the impulses of the last step tell of, and at rest is
 /// all there is to do. Where Newton's method doesn't end soon, as after an impact, an interior point method starts
@@ -50,13 +53,16 @@ class DirectContacts {
   /// Memory held.
   std::size_t bytes() const {
     return sizeof(*this) + system_.bytes() +
-           jobs::bytes_of(members_, pairs_, bodies_, contacts_, velocity_, free_, moving_, gradient_, direction_,
-                          product_);
+           jobs::bytes_of(members_, pairs_, bodies_, contacts_, velocity_, free_, lasting_, moving_, gradient_,
+                          direction_, product_);
   }
 
  private:
   static constexpr std::uint32_t none = ~std::uint32_t{0};
   static constexpr double tolerance = 2e-4;  // m/s, of what the balance of a body's impulses may lack
+  // Iterations in which friction's bound follows the load. With more it would go to and fro for long: each halves the
+  // difference at best.
+  static constexpr int following = 2;
 
   struct Body {
     std::uint32_t body;
@@ -80,15 +86,19 @@ class DirectContacts {
   struct Contact {
     std::uint32_t slot;
     std::uint32_t first, second;                           // bodies_, or none of what doesn't respond
+    bool fixed;                                            // against something of infinite mass
     std::array<Vector3, 3> axes;                           // normal, tangents
     std::array<Vector3, 3> moments_first, moments_second;  // m, arm x axis
-    double friction, lever;
+    double friction, lever, rolling, torsional;            // of what the points push with
+    double bound_load;                                     // N s, that the bounds of these are of
     PatchLaw law;
-    std::array<double, collision::max_points> mass;  // kg, effective, of each point
-    Six given;                                       // motion by what doesn't respond
-    Six motion;                                      // at velocity_
-    Six change;                                      // along direction_
+    std::array<double, collision::max_points> mass;        // kg, effective, of each point
+    std::array<double, collision::max_points> separation;  // m
+    Six given;                                             // motion by what doesn't respond
+    Six motion;                                            // at velocity_
+    Six change;                                            // along direction_
     PatchAnswer answer;
+    PatchAnswer lasting;   // that of the velocities which bodies keep
     PatchPieces factored;  // what the factor is of
     Interior interior;
 
@@ -96,7 +106,9 @@ class DirectContacts {
                     Six& to) const;
     void bound_friction(double load);
     Six motion_after(double t) const;  // of the way along direction_
-    Vector3 friction_impulse() const { return answer.friction[0] * axes[1] + answer.friction[1] * axes[2]; }
+    Vector3 in_plane(const std::array<double, 2>& along_tangents) const {
+      return along_tangents[0] * axes[1] + along_tangents[1] * axes[2];
+    }
   };
 
   // Where in a Six what is along and about an axis is.
@@ -119,9 +131,17 @@ class DirectContacts {
   bool factor();
   bool is_factored() const;
 
+  void stop_contacts(const SolveInput& input);
+  void push_contacts_apart(const SolveInput& input);
+  bool overlaps_notably(const SolveInput& input) const;
   bool find_velocities(const SolveInput& input, DirectContactsReport& report);
+  bool settle_friction(DirectContactsReport& report);
+  double friction_off() const;
+  bool is_bounded() const;
+  void take_back_give(const SolveInput& input);
+  void keep_velocities();
   bool solve_on_last_pieces();
-  bool minimise(DirectContactsReport& report);
+  bool minimise(DirectContactsReport& report, int follows);
   template <typename Answer>
   void balance(const Answer& answer);
   double unbalanced() const;
@@ -137,8 +157,6 @@ class DirectContacts {
   double interior_step(double target, bool corrected);
   double interior_after(double t) const;
   void take_interior_step(double t);
-  bool pushes_apart() const;
-  void leave_out_pushes();
   void capture(const SolveInput& input) const;
   void write_back(const SolveInput& input);
   void note_work(const SolveInput& input, DirectContactsReport& report) const;
@@ -153,7 +171,8 @@ class DirectContacts {
   std::vector<Body> bodies_;
   std::vector<Contact> contacts_;
   // Six numbers a body: linear, angular.
-  std::vector<double> velocity_, free_, moving_;        // m/s, rad/s
+  std::vector<double> velocity_, free_;                 // m/s, rad/s
+  std::vector<double> lasting_, moving_;                // those that bodies keep, and those that they move by
   std::vector<double> gradient_, direction_, product_;  // N s, N m s; m/s, rad/s; N s, N m s
   double mass_slope_ = 0, mass_curvature_ = 0;          // of the first term, along direction_
 };

@@ -24,22 +24,25 @@ class Escalation {
   void forget_all();
   void forget_arrived() { arrived_.clear(); }
 
+  /// By island, where all are to be solved at once that can be.
+  std::span<const Remedy> choose_direct(const LoadInput& input);
+
   /// By island, for the next step; empty if none needs a remedy.
   std::span<const Remedy> choose(const LoadInput& input);
 
   /// Why an island got its remedy, by the last choice; in words, static storage.
   const char* why(std::size_t island) const;
 
-  /// After a step: its overloads, in any order and with bodies any number of times, and bodies of islands that could
-  /// not be solved at once, which will be tried again after some steps. What sleeps stays as it is.
+  /// After a step of dt seconds: its overloads, in any order and with bodies any number of times, and bodies of islands
+  /// that could not be solved at once, which will be tried again after some time. What sleeps stays as it is.
   void note(std::vector<Overload>& overloads, std::span<const std::uint32_t> failed,
-            std::span<const std::uint8_t> awake);
+            std::span<const std::uint8_t> awake, double dt);
 
-  /// For how many steps a body has been overloaded, and crushed, more or less: what lasts from step to step.
+  /// For how long a body has been overloaded, and crushed, more or less: what lasts from step to step.
   struct Strain {
-    std::uint8_t overloaded = 0;
-    std::uint8_t crushed = 0;
-    bool sags = false;  ///< with a large part of its island
+    float overloaded = 0;  ///< s
+    float crushed = 0;     ///< s
+    bool sags = false;     ///< with a large part of its island
     bool operator==(const Strain&) const = default;
   };
   /// Bodies that came since the last choice, in the order in which they did.

@@ -15,8 +15,9 @@ using Six = std::array<double, 6>;
 /// Which pieces of its law a contact is on.
 struct PatchPieces {
   std::uint8_t points = 0;  ///< a bit for each that pushes
-  bool slides = false;
+  std::uint8_t slides = 0;  ///< both bits where the disc of friction binds; of the pyramid a bit for each tangent
   bool spins = false;
+  bool rolls = false;
 
   bool operator==(const PatchPieces&) const = default;
 };
@@ -26,24 +27,29 @@ struct PatchAnswer {
   std::array<double, collision::max_points> normal = {};  ///< N s
   std::array<double, 2> friction = {};                    ///< N s, along the tangents
   double twist = 0;                                       ///< N m s
+  std::array<double, 2> rolling = {};                     ///< N m s, about the tangents
   PatchPieces pieces;
 
   double load() const { return normal[0] + normal[1] + normal[2] + normal[3]; }
 };
 
-/// A very slightly soft contact of up to four points: impulses as functions of the motion. Points push by what they
-/// close faster than they may; friction holds back what slides and spins, up to a bound. Each is the derivative of a
-/// convex function, as long as the bound is given.
+/// A contact of up to four points that is at least very slightly soft: impulses as functions of the motion. Points push
+/// by what they close faster than they may; friction holds back what slides, spins and rolls, up to a bound. Each is
+/// the derivative of a convex function, as long as the bounds are given.
 struct PatchLaw {
   int points = 0;
   std::array<double, collision::max_points> x = {};          ///< m, from the centre along the tangents
   std::array<double, collision::max_points> y = {};          ///< m
   std::array<double, collision::max_points> stiffness = {};  ///< N s by m/s
   std::array<double, collision::max_points> bias = {};       ///< m/s: closing speed allowed, or less than 0: to part at
+  std::array<double, 2> slip = {};  ///< m/s, of the surfaces along the tangents, beside the motion
+  bool pyramid = false;             ///< friction is bounded along each tangent by itself
   double friction_stiffness = 0;
   double twist_stiffness = 0;
+  double rolling_stiffness = 0;
   double friction_bound = 0;  ///< N s
   double twist_bound = 0;     ///< N m s
+  double rolling_bound = 0;   ///< N m s
 
   /// m/s, at which a point parts.
   double speed(int point, const Six& motion) const { return motion[0] + y[point] * motion[1] - x[point] * motion[2]; }
@@ -51,7 +57,7 @@ struct PatchLaw {
   PatchAnswer answer(const Six& motion) const;
 
   /// The answer of all those pieces that `pieces` names, and of no other: a point among them pulls where it parts. What
-  /// slides or spins answers as `before`.
+  /// slides, spins or rolls answers as `before`.
   PatchAnswer linear_answer(const Six& motion, const PatchPieces& pieces, const PatchAnswer& before) const;
 
   /// Impulses by motions, negative: the derivative of answer() where it is on these pieces. Symmetric, with no
@@ -67,6 +73,7 @@ struct PatchLaw {
 
  private:
   void add_points(std::array<Six, 6>& k, const std::array<double, collision::max_points>& held) const;
+  std::array<double, 2> sliding(const Six& motion) const { return {motion[3] + slip[0], motion[4] + slip[1]}; }
 };
 
 }  // namespace atl::solver

@@ -97,6 +97,16 @@ struct SubstepConstants {
     return c;
   }
 
+  /// 1/s: how fast sweeps part the overlap of soft contacts that carry nothing, on the mean of a step of dt seconds.
+  static double parting_rate(const SolverSettings& settings, double dt, bool fixed) {
+    const double h = dt / settings.substeps;
+    const double hertz = contact_hertz(settings, h);
+    const Softness soft = Softness::of(fixed ? 2 * hertz : hertz, settings.contact_damping_ratio, h);
+    double left = 1;
+    for (int i = 0; i < settings.substeps; ++i) left *= 1 - h * soft.bias_rate * soft.mass_scale;
+    return (1 - left) / dt;
+  }
+
   /// Hz, of soft contacts in substeps of h seconds.
   static double contact_hertz(const SolverSettings& settings, double h) {
     // A contact much stiffer than the substep can follow would be integrated badly.

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <collision/contact.h>
+#include <collision/touching_pair.h>
+#include <solver/body_table.h>
 
 namespace atl::solver {
 
@@ -22,5 +24,9 @@ inline bool is_pressed(const collision::ContactManifold& manifold) {
   }
   return false;
 }
+
+/// Fills in what the surfaces of a touching pair do in this step. Whether that is more than plain friction.
+bool note_surfaces_of(const collision::TouchingPair& pair, const BodyTable& bodies,
+                      const collision::ContactManifold& manifold, SurfaceContact& contact);
 
 }  // namespace atl::solver
