@@ -17,10 +17,6 @@ namespace {
 
 using solver::Remedy;
 
-// Substeps for each of those that were asked for, where islands get finer ones: contacts give by its square less.
-constexpr int finer = 4;
-constexpr int finest = 16;
-
 }  // namespace
 
 void World::Impl::solve_islands() {
@@ -60,14 +56,14 @@ void World::Impl::choose_remedies() {
 
 void World::Impl::solve_groups() {
   const solver::SolverSettings how = solver_settings(settings);
-  const auto in_finer = [&](int times) {
+  const auto in_finer = [&](Remedy remedy) {
     solver::SolverSettings with = how;
-    with.finer = times;
-    with.substeps *= times;
+    with.finer = solver::finer_by(remedy, how, dt_);
+    with.substeps *= with.finer;
     return with;
   };
-  const solver::SolverSettings how_finer = in_finer(finer);
-  solver::SolverSettings how_finest = in_finer(finest);
+  const solver::SolverSettings how_finer = in_finer(Remedy::Finer);
+  solver::SolverSettings how_finest = in_finer(Remedy::Finest);
   how_finest.joint_method = solver::JointMethod::Iterative;
   const bool captures = settings.keep_contact_problem || settings.run_everything;
   if (captures) capture_.resize(cache.manifolds.size(), bodies.size());

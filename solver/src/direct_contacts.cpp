@@ -351,7 +351,7 @@ void DirectContacts::capture(const SolveInput& input) const {
 // By the measure of soft contacts, so that the island is solved at once for as long as these would give way.
 void DirectContacts::note_overloads(const SolveInput& input) const {
   const Build build = build_of(input.islands, island_);
-  const double give = SubstepConstants::give_by_impulse(input.settings, input.dt, build);
+  const double give = SubstepConstants::give_by_impulse(input.settings, input.dt);
   for (const TouchingPair& pair : pairs_) {
     const LoadedContact contact = loaded_contact(input.bodies, input.manifolds, pair);
     note_overload(contact, give * load_of(contact.manifold), build, input.overloads.local());

@@ -33,7 +33,20 @@ void order(std::vector<Overload>& overloads) {
   overloads.erase(std::unique(overloads.begin(), overloads.end(), same), overloads.end());
 }
 
+// s, the longest substep of what sags, and of what is joined and crushed: a wall of 100 layers sinks by 165 mm with
+// twice the first, and by 41 with it.
+constexpr double finer_substep = 1.0 / 960;
+constexpr double finest_substep = 1.0 / 3840;
+
 }  // namespace
+
+int finer_by(Remedy remedy, const SolverSettings& settings, double dt) {
+  const double longest = remedy == Remedy::Finest ? finest_substep : finer_substep;
+  constexpr double rounding = 1 + 1e-9;
+  int times = 1;
+  while (dt / (settings.substeps * times) > rounding * longest) times *= 2;
+  return times;
+}
 
 void Escalation::resize(std::size_t bodies) { strain_.resize(bodies); }
 
@@ -102,6 +115,8 @@ std::span<const Remedy> Escalation::choose(const LoadInput& input) {
     } else if (has.lasts && has.sags) {
       remedies_[island] = Remedy::Finer;
     }
+    const bool swept = remedies_[island] == Remedy::Finer || remedies_[island] == Remedy::Finest;
+    if (swept && finer_by(remedies_[island], input.settings, input.dt) == 1) remedies_[island] = Remedy::None;
     any |= remedies_[island] != Remedy::None;
   }
   return any ? std::span<const Remedy>(remedies_) : std::span<const Remedy>();

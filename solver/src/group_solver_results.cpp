@@ -52,8 +52,7 @@ void GroupSolver::note_overloads(const SolveInput& input, std::span<const std::u
     const auto i = static_cast<std::uint32_t>(local);
     return i < first_dynamic_ ? Islands::none : bodies[i - first_dynamic_];
   };
-  const double give_of_columns = SubstepConstants::give_by_impulse(input.settings, input.dt, Build::Columns);
-  const double give_of_others = SubstepConstants::give_by_impulse(input.settings, input.dt, Build::Any);
+  const double give = SubstepConstants::give_by_impulse(input.settings, input.dt);
   for (std::size_t b = begin; b < end; ++b) {
     const ContactBlock& block = blocks_[b];
     for (unsigned lanes = block.loaded; lanes != 0; lanes &= lanes - 1) {
@@ -65,7 +64,6 @@ void GroupSolver::note_overloads(const SolveInput& input, std::span<const std::u
                                      .inverse_second = block.inverse_mass[1][lane]};
       const std::uint32_t island = input.islands.island_of(contact.inverse_first > 0 ? contact.first : contact.second);
       const Build build = build_of(input.islands, island);
-      const double give = build == Build::Columns ? give_of_columns : give_of_others;
       note_overload(contact, give * load_of(contact.manifold), build, input.overloads.local());
     }
   }

@@ -23,7 +23,7 @@ void LoadEstimate::add_overloads(const LoadInput& input, std::size_t island, std
   const Build build = build_of(input.islands, island);
   // m by N and 1/kg
   const double give =
-      SubstepConstants::give_by_impulse(input.settings, input.dt, build) * input.dt / input.settings.substeps;
+      SubstepConstants::give_by_impulse(input.settings, input.dt) * input.dt / input.settings.substeps;
   const std::uint32_t first_rank = input.islands.first_rank(island);
   const auto place = [&](std::uint32_t body) {
     return input.bodies.mobility[body] == Mobility::Dynamic ? input.islands.rank(body) - first_rank : Islands::none;

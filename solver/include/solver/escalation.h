@@ -9,6 +9,10 @@
 
 namespace atl::solver {
 
+/// How many substeps an island with a remedy gets for each that was asked for, a power of two; 1 where these are as
+/// short already.
+int finer_by(Remedy remedy, const SolverSettings& settings, double dt);
+
 /// Follows which contacts carry more than soft ones are made for, and says what is done about their islands. A load has
 /// to stay for some steps, or it is an impact; of bodies that are new it is estimated at once. Tall columns, heavy
 /// bodies on light ones and large walls are what it finds. While there are none it costs nothing.

@@ -63,8 +63,8 @@ struct SubstepConstants {
   float slop;              ///< m, overlap that is left alone
   float restitution_threshold;
   float finer;       ///< as in SolverSettings: impulses are kept as those of so many substeps together
-  float give;        ///< m by N s and 1/kg: of contacts between dynamic bodies under a lasting impulse, as they give in
-                     ///< the substeps that were asked for; 0 where they aren't soft
+  float give;        ///< m by N s and 1/kg: of contacts between dynamic bodies under a lasting impulse, see
+                     ///< give_by_impulse(); 0 where they aren't soft
   float give_fixed;  ///< likewise, against what doesn't respond
 
   static SubstepConstants of(const SolverSettings& settings, double dt) {
@@ -89,7 +89,7 @@ struct SubstepConstants {
     c.joint = Softness::of(joint_hertz, settings.joint_damping_ratio, h);
     c.finer = static_cast<float>(settings.finer);
     const bool soft = settings.stabilisation == Stabilisation::Soft;
-    const double give = soft ? settings.finer * give_by_impulse(settings, dt, Build::Columns) : 0;
+    const double give = soft ? settings.finer * give_by_impulse(settings, dt) : 0;
     c.give = static_cast<float>(give);
     c.give_fixed = static_cast<float>(give / 4);  // twice the frequency
     c.push_speed = static_cast<float>(settings.contact_push_speed);
@@ -115,12 +115,13 @@ struct SubstepConstants {
     return wanted < limit ? wanted : limit;
   }
 
-  /// m by N s and 1/kg: how far soft contacts between dynamic bodies count as giving, in the substeps that were asked
-  /// for, under a lasting impulse in each of these.
-  static double give_by_impulse(const SolverSettings& settings, double dt, Build build) {
+  /// m by N s and 1/kg: how far contacts between dynamic bodies count as giving under a lasting impulse in each of the
+  /// substeps that were asked for.
+  static double give_by_impulse(const SolverSettings& settings, double dt) {
     const double h = dt * settings.finer / settings.substeps;
-    double hertz = contact_hertz(settings, h);
-    if (build == Build::Columns && hertz > most_column_hertz) hertz = most_column_hertz;
+    const double follows = load_hertz_by_step / dt;
+    double hertz = follows < load_hertz ? follows : load_hertz;
+    if (settings.contact_hertz > 0 && settings.contact_hertz < hertz) hertz = settings.contact_hertz;
     const double omega = 2 * 3.14159265358979323846 * hertz;
     return 1 / (h * omega * omega);
   }
