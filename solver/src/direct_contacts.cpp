@@ -23,8 +23,8 @@ constexpr double friction_tolerance = 1e-3;
 // between others so that nothing tells how hard.
 constexpr double most_impulse = 10;
 
-// m/s: slower than this, what sinks may.
-constexpr double least_give = 1e-8;
+// m/s: slower than this the top of a column may sink.
+constexpr double least_sinking = 5e-7;
 // With a million times its weight on it, a box sinks by a tenth of what it did in each.
 constexpr int most_give_rounds = 8;
 
@@ -236,24 +236,37 @@ double DirectContacts::step_length() const {
 // weight, would sink on them: once more, from where they carry it already.
 void DirectContacts::take_back_give(const SolveInput& input) {
   if (!is_factored()) return;
-  const auto on_these_pieces = [](const Contact& contact) {
-    return contact.law.linear_answer(contact.motion, contact.answer.pieces, contact.answer);
+  const auto answer_on_its_pieces = [](Contact& contact) {
+    contact.answer = contact.law.linear_answer(contact.motion, contact.answer.pieces, contact.answer);
   };
   for (int round = 0; round < most_give_rounds; ++round) {
-    double most = 0;
+    double sinks = 0;
     for (Contact& contact : contacts_) {
+      double most = 0;
       for (int i = 0; i < contact.law.points; ++i) {
         if (!(contact.answer.pieces.points & (1 << i))) continue;
         const double closest = std::max(contact.separation[i], 0.0) / input.dt;
         most = std::max(most, -contact.law.speed(i, contact.motion) - closest);
         contact.law.bias[i] = closest - contact.answer.normal[i] / contact.law.stiffness[i];
       }
+      sinks += most;
     }
-    if (most < least_give) return;
-    balance(on_these_pieces);
+    if (sinks < least_sinking) return;
+    for (Contact& contact : contacts_) {
+      Six more = contact.law.total(contact.answer);
+      for (double& impulse : more) impulse = -impulse;
+      answer_on_its_pieces(contact);
+      const Six total = contact.law.total(contact.answer);
+      for (int k = 0; k < 6; ++k) more[k] += total[k];
+      add_impulse(contact, more, -1, gradient_);
+    }
     find_direction();
     for (std::size_t i = 0; i < velocity_.size(); ++i) velocity_[i] += direction_[i];
-    balance(on_these_pieces);
+    for (Contact& contact : contacts_) {
+      contact.motion = contact.motion_after(1);
+      answer_on_its_pieces(contact);
+    }
+    std::fill(gradient_.begin(), gradient_.end(), 0.0);
   }
 }
 

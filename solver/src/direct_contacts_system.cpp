@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "matrix3.h"
 #include "rows3.h"
 
 namespace atl::solver {
@@ -147,12 +148,15 @@ void DirectContacts::load_contact(const SolveInput& input, const TouchingPair& p
     const double y = law.y[p] = manifold.y[i];
     // (arm + x t1 + y t2) x n, of which t1 x n = -t2 and t2 x n = t1
     const Vector3 offset = y * contact.axes[1] - x * contact.axes[2];
-    const double k = inverse_mass + response(contact.moments_first[0] + offset, contact.moments_second[0] + offset);
+    const double k = inverse_mass + response(contact.arm_first.cross(contact.axes[0]) + offset,
+                                             contact.arm_second.cross(contact.axes[0]) + offset);
     contact.mass[p] = 1 / k;
     contact.separation[p] = manifold.separation[i];
   }
-  const double along = inverse_mass + 0.5 * (response(contact.moments_first[1], contact.moments_second[1]) +
-                                             response(contact.moments_first[2], contact.moments_second[2]));
+  const auto along_tangent = [&](const Vector3& axis) {
+    return inverse_mass + response(contact.arm_first.cross(axis), contact.arm_second.cross(axis));
+  };
+  const double along = 0.5 * (along_tangent(contact.axes[1]) + along_tangent(contact.axes[2]));
   const double twist = response(contact.axes[0], contact.axes[0]);
   law.friction_stiffness = 1 / (friction_compliance * along);
   law.twist_stiffness = twist > 0 ? 1 / (friction_compliance * twist) : 0;
@@ -213,16 +217,14 @@ void DirectContacts::place(const SolveInput& input, const TouchingPair& pair, Co
   contact.axes = {normal, tangent, normal.cross(tangent)};
   contact.given = {};
   contact.fixed = contact.first == none || contact.second == none;
-  const auto place_side = [&](std::uint32_t body, const float(&anchor)[3], std::array<Vector3, 3>& moments,
-                              double sign) {
+  const auto place_side = [&](std::uint32_t body, const float(&anchor)[3], Vector3& arm, double sign) {
     // A ball is touched on the line through its centre.
-    const Vector3 arm = table.ball[body] ? Vector3(normal.dot(get3(anchor)) * normal) : get3(anchor);
-    for (int k = 0; k < 3; ++k) moments[k] = arm.cross(contact.axes[k]);
+    arm = table.ball[body] ? Vector3(normal.dot(get3(anchor)) * normal) : get3(anchor);
     if (table.mobility[body] != Mobility::Kinematic) return;
-    contact.add_motion(sign, moments, table.velocity(body), table.angular_velocity(body), contact.given);
+    contact.add_motion(sign, arm, table.velocity(body), table.angular_velocity(body), contact.given);
   };
-  place_side(pair.first, manifold.anchor_first, contact.moments_first, -1);
-  place_side(pair.second, manifold.anchor_second, contact.moments_second, 1);
+  place_side(pair.first, manifold.anchor_first, contact.arm_first, -1);
+  place_side(pair.second, manifold.anchor_second, contact.arm_second, 1);
 }
 
 // The pieces that the last step's impulses were on.
@@ -265,10 +267,11 @@ void DirectContacts::warm_start(const SolveInput& input, Contact& contact) {
   }
 }
 
-void DirectContacts::Contact::add_motion(double sign, const std::array<Vector3, 3>& moments, const Vector3& v,
-                                         const Vector3& w, Six& to) const {
+void DirectContacts::Contact::add_motion(double sign, const Vector3& arm, const Vector3& v, const Vector3& w,
+                                         Six& to) const {
+  const Vector3 at_centre = v + w.cross(arm);
   for (int axis = 0; axis < 3; ++axis) {
-    to[along(axis)] += sign * (axes[axis].dot(v) + moments[axis].dot(w));
+    to[along(axis)] += sign * axes[axis].dot(at_centre);
     to[about(axis)] += sign * axes[axis].dot(w);
   }
 }
@@ -289,13 +292,13 @@ Six DirectContacts::Contact::motion_after(double t) const {
 // What velocities make of the motion.
 Six DirectContacts::motion_of(const Contact& contact, const std::vector<double>& velocities) const {
   Six motion = {};
-  const auto add = [&](std::uint32_t body, const std::array<Vector3, 3>& moments, double sign) {
+  const auto add = [&](std::uint32_t body, const Vector3& arm, double sign) {
     if (body == none) return;
-    contact.add_motion(sign, moments, Eigen::Map<const Vector3>(&velocities[6 * body]),
+    contact.add_motion(sign, arm, Eigen::Map<const Vector3>(&velocities[6 * body]),
                        Eigen::Map<const Vector3>(&velocities[6 * body + 3]), motion);
   };
-  add(contact.first, contact.moments_first, -1);
-  add(contact.second, contact.moments_second, 1);
+  add(contact.first, contact.arm_first, -1);
+  add(contact.second, contact.arm_second, 1);
   return motion;
 }
 
@@ -309,16 +312,16 @@ void DirectContacts::add_impulse(const Contact& contact, const Six& impulse, dou
                                  std::vector<double>& to) const {
   const Vector3 force = impulse[0] * contact.axes[0] + impulse[3] * contact.axes[1] + impulse[4] * contact.axes[2];
   const Vector3 couple = impulse[1] * contact.axes[1] + impulse[2] * contact.axes[2] + impulse[5] * contact.axes[0];
-  const auto add = [&](std::uint32_t body, const std::array<Vector3, 3>& moments, double side) {
+  const auto add = [&](std::uint32_t body, const Vector3& arm, double side) {
     if (body == none) return;
-    const Vector3 torque = couple + impulse[0] * moments[0] + impulse[3] * moments[1] + impulse[4] * moments[2];
+    const Vector3 torque = couple + arm.cross(force);
     for (int k = 0; k < 3; ++k) {
       to[6 * body + k] += side * force[k];
       to[6 * body + 3 + k] += side * torque[k];
     }
   };
-  add(contact.first, contact.moments_first, -sign);
-  add(contact.second, contact.moments_second, sign);
+  add(contact.first, contact.arm_first, -sign);
+  add(contact.second, contact.arm_second, sign);
 }
 
 void DirectContacts::mass_times(const std::vector<double>& velocities, std::vector<double>& product) const {
@@ -362,51 +365,51 @@ void DirectContacts::add_masses() {
   }
 }
 
-// J^T K J, with K the derivative of the contact's impulses by its motion and J that of its motion by the velocities.
+// J^T K J, with K the derivative of the contact's impulses by its motion and J that of its motion by the velocities. K
+// is put into the world's frame at the contact's centre, [P Q; Q^T S] of forces and couples by speeds and spins, and
+// moved to the bodies' centres by their arms.
 void DirectContacts::add_stiffness(const Contact& contact, const std::array<Six, 6>& k) {
+  const auto& [n, t1, t2] = contact.axes;
+  const Vector3 leans = k[0][1] * t1 + k[0][2] * t2;
+  Matrix3 p, q, s;
+  for (int c = 0; c < 3; ++c) {
+    const double p_n = k[0][0] * n[c], p_1 = k[3][3] * t1[c] + k[3][4] * t2[c], p_2 = k[3][4] * t1[c] + k[4][4] * t2[c];
+    const double s_n = k[5][5] * n[c], s_1 = k[1][1] * t1[c] + k[1][2] * t2[c], s_2 = k[1][2] * t1[c] + k[2][2] * t2[c];
+    for (int r = 0; r < 3; ++r) {
+      p(r, c) = p_n * n[r] + p_1 * t1[r] + p_2 * t2[r];
+      q(r, c) = leans[c] * n[r];
+      s(r, c) = s_n * n[r] + s_1 * t1[r] + s_2 * t2[r];
+    }
+  }
   struct Side {
-    std::array<Six, 6> j = {};
-    std::array<Six, 6> kj = {};
+    Vector3 arm;
+    Matrix3 forces;   // by spins
+    Matrix3 crossed;  // [arm] q
   };
-  const auto side_of = [&](const std::array<Vector3, 3>& moments, double sign) {
-    Side side;
-    for (int d = 0; d < 3; ++d) {
-      for (int axis = 0; axis < 3; ++axis) {
-        side.j[along(axis)][d] = sign * contact.axes[axis][d];
-        side.j[along(axis)][3 + d] = sign * moments[axis][d];
-        side.j[about(axis)][3 + d] = sign * contact.axes[axis][d];
-      }
-    }
-    // K is blocks of 3, 2 and 1.
-    for (int d = 0; d < 6; ++d) {
-      for (int a = 0; a < 3; ++a) {
-        side.kj[a][d] = k[a][0] * side.j[0][d] + k[a][1] * side.j[1][d] + k[a][2] * side.j[2][d];
-      }
-      for (int a = 3; a < 5; ++a) side.kj[a][d] = k[a][3] * side.j[3][d] + k[a][4] * side.j[4][d];
-      side.kj[5][d] = k[5][5] * side.j[5][d];
-    }
-    return side;
-  };
-  const auto add = [&](std::uint32_t row, const Side& of_row, std::uint32_t column, const Side& of_column) {
+  const auto side_of = [&](const Vector3& arm) { return Side{arm, q + crossed(arm, p).transpose(), crossed(arm, q)}; };
+  const auto add = [&](std::uint32_t row, const Side& of_row, std::uint32_t column, const Side& of_column,
+                       double sign) {
     double* block = system_.values(system_.block_index(row, column));
-    for (int c = 0; c < 6; ++c) {
-      double sum[6] = {};
-      for (int a = 0; a < 6; ++a) {
-        for (int r = 0; r < 6; ++r) sum[r] += of_row.j[a][r] * of_column.kj[a][c];
+    const Matrix3 turns = crossed(of_row.arm, of_column.forces);
+    for (int c = 0; c < 3; ++c) {
+      for (int r = 0; r < 3; ++r) {
+        block[r + 6 * c] += sign * p(r, c);
+        block[3 + r + 6 * c] += sign * of_row.forces(c, r);
+        block[r + 6 * (3 + c)] += sign * of_column.forces(r, c);
+        block[3 + r + 6 * (3 + c)] += sign * (turns(r, c) + of_column.crossed(c, r) + s(r, c));
       }
-      for (int r = 0; r < 6; ++r) block[r + 6 * c] += sum[r];
     }
   };
-  const Side first = side_of(contact.moments_first, -1);
-  const Side second = side_of(contact.moments_second, 1);
-  if (contact.first != none) add(contact.first, first, contact.first, first);
-  if (contact.second != none) add(contact.second, second, contact.second, second);
+  const Side first = side_of(contact.arm_first);
+  const Side second = side_of(contact.arm_second);
+  if (contact.first != none) add(contact.first, first, contact.first, first, 1);
+  if (contact.second != none) add(contact.second, second, contact.second, second, 1);
   if (contact.first == none || contact.second == none) return;
   // A block has the rows of what is eliminated later.
   if (system_.is_earlier(contact.first, contact.second)) {
-    add(contact.second, second, contact.first, first);
+    add(contact.second, second, contact.first, first, -1);
   } else {
-    add(contact.first, first, contact.second, second);
+    add(contact.first, first, contact.second, second, -1);
   }
 }
 

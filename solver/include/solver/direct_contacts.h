@@ -85,12 +85,12 @@ class DirectContacts {
 
   struct Contact {
     std::uint32_t slot;
-    std::uint32_t first, second;                           // bodies_, or none of what doesn't respond
-    bool fixed;                                            // against something of infinite mass
-    std::array<Vector3, 3> axes;                           // normal, tangents
-    std::array<Vector3, 3> moments_first, moments_second;  // m, arm x axis
-    double friction, lever, rolling, torsional;            // of what the points push with
-    double bound_load;                                     // N s, that the bounds of these are of
+    std::uint32_t first, second;                 // bodies_, or none of what doesn't respond
+    bool fixed;                                  // against something of infinite mass
+    std::array<Vector3, 3> axes;                 // normal, tangents
+    Vector3 arm_first, arm_second;               // m, from the centres of mass
+    double friction, lever, rolling, torsional;  // of what the points push with
+    double bound_load;                           // N s, that the bounds of these are of
     PatchLaw law;
     std::array<double, collision::max_points> mass;        // kg, effective, of each point
     std::array<double, collision::max_points> separation;  // m
@@ -102,8 +102,7 @@ class DirectContacts {
     PatchPieces factored;  // what the factor is of
     Interior interior;
 
-    void add_motion(double sign, const std::array<Vector3, 3>& moments, const Vector3& v, const Vector3& w,
-                    Six& to) const;
+    void add_motion(double sign, const Vector3& arm, const Vector3& v, const Vector3& w, Six& to) const;
     void bound_friction(double load);
     Six motion_after(double t) const;  // of the way along direction_
     Vector3 in_plane(const std::array<double, 2>& along_tangents) const {
