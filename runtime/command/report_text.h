@@ -1,5 +1,7 @@
 #pragma once
 
+#include <atoll/world.h>
+
 #include <iosfwd>
 
 #include "simulation.h"

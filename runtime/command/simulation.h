@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atoll/scene.h>
+#include <atoll/world.h>
 
 #include <array>
 #include <cstdint>

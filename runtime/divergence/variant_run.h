@@ -2,6 +2,7 @@
 
 #include <atoll/scene.h>
 #include <atoll/snapshot.h>
+#include <atoll/world.h>
 
 #include <cstdint>
 #include <functional>

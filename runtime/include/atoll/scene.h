@@ -5,7 +5,7 @@
 #include <atoll/errors.h>
 #include <atoll/joint.h>
 #include <atoll/settings.h>
-#include <atoll/world.h>
+#include <atoll/types.h>
 
 #include <cstdint>
 #include <optional>
@@ -14,6 +14,8 @@
 #include <vector>
 
 namespace atl {
+
+class World;
 
 /// A body of a scene: its definition and its name ("" or unique within the scene).
 struct SceneBody {

@@ -1,4 +1,5 @@
 #include <atoll/scene.h>
+#include <atoll/world.h>
 
 #include <algorithm>
 #include <map>

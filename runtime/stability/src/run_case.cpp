@@ -1,3 +1,5 @@
+#include <atoll/world.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
