@@ -49,7 +49,6 @@ DirectContactsReport DirectContacts::solve(const SolveInput& input) {
     push_contacts_apart(input);
     if (!minimise(report, 0)) return report;
   }
-  moving_ = velocity_;
   report.solved = true;
   note_work(input, report);
   if (input.capture != nullptr) capture(input);
@@ -273,8 +272,10 @@ void DirectContacts::take_back_give(const SolveInput& input) {
 // Whether there is anything to part.
 bool DirectContacts::overlaps_notably(const SolveInput& input) const {
   const bool soft = input.settings.contact_hertz > 0;
+  const double from_fixed = SubstepConstants::parting_rate(input.settings, input.dt, true);
+  const double from_dynamic = SubstepConstants::parting_rate(input.settings, input.dt, false);
   for (const Contact& contact : contacts_) {
-    const double rate = SubstepConstants::parting_rate(input.settings, input.dt, contact.fixed);
+    const double rate = contact.fixed() ? from_fixed : from_dynamic;
     for (int i = 0; i < contact.law.points; ++i) {
       const double parts = rate * -contact.separation[i] * input.dt;
       if (parts > least_parting || (soft && contact.lasting.normal[i] > 0)) return true;
@@ -304,8 +305,8 @@ void DirectContacts::write_back(const SolveInput& input) {
     const Vector3 spin = Eigen::Map<const Vector3>(&lasting_[6 * i + 3]);
     const Vector3 gained = velocity - table.velocity(body);
     const Vector3 gained_spin = spin - table.angular_velocity(body);
-    Vector3 moves = Eigen::Map<const Vector3>(&moving_[6 * i]);
-    Vector3 turns = Eigen::Map<const Vector3>(&moving_[6 * i + 3]);
+    Vector3 moves = Eigen::Map<const Vector3>(&velocity_[6 * i]);
+    Vector3 turns = Eigen::Map<const Vector3>(&velocity_[6 * i + 3]);
     if (changes_steadily(gained, gained_spin, of.acceleration, input.dt, table.radius[body])) {
       moves -= 0.5 * gained;
       turns -= 0.5 * gained_spin;

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "matrix3.h"
 #include "rows3.h"
@@ -191,17 +190,26 @@ void DirectContacts::stop_contacts(const SolveInput& input) {
 void DirectContacts::push_contacts_apart(const SolveInput& input) {
   const SolverSettings& settings = input.settings;
   const bool soft = settings.contact_hertz > 0;
+  struct Push {
+    double rate;  // 1/s, of the overlap
+    double held;  // of the mass
+  };
+  const auto push_from = [&](bool fixed) -> Push {
+    if (!soft) return {SubstepConstants::parting_rate(settings, input.dt, fixed), 1 / compliance};
+    const double hertz = fixed ? 2 * settings.contact_hertz : settings.contact_hertz;
+    const Softness spring = Softness::of(hertz, settings.contact_damping_ratio, input.dt);
+    return {spring.bias_rate, static_cast<double>(spring.mass_scale) / spring.impulse_scale};
+  };
+  const Push from_fixed = push_from(true);
+  const Push from_dynamic = push_from(false);
   for (Contact& contact : contacts_) {
-    const double hertz = contact.fixed ? 2 * settings.contact_hertz : settings.contact_hertz;
-    const double turn = 2 * std::numbers::pi * hertz * input.dt;
-    const double held = turn * (2 * settings.contact_damping_ratio + turn);  // of the mass, see Softness
-    const double rate =
-        soft ? turn * turn / (held * input.dt) : SubstepConstants::parting_rate(settings, input.dt, contact.fixed);
+    const Push& push = contact.fixed() ? from_fixed : from_dynamic;
     for (int i = 0; i < contact.law.points; ++i) {
       const double separation = contact.separation[i];
       const bool apart = separation > 0;
-      contact.law.stiffness[i] = contact.mass[i] * (apart || !soft ? 1 / compliance : held);
-      contact.law.bias[i] = apart ? separation / input.dt : std::max(rate * separation, -settings.contact_push_speed);
+      contact.law.stiffness[i] = contact.mass[i] * (apart ? 1 / compliance : push.held);
+      contact.law.bias[i] =
+          apart ? separation / input.dt : std::max(push.rate * separation, -settings.contact_push_speed);
     }
     if (soft) contact.factored.points = 0xff;
   }
@@ -216,7 +224,6 @@ void DirectContacts::place(const SolveInput& input, const TouchingPair& pair, Co
   const Vector3 tangent = (nearly - normal.dot(nearly) * normal).normalized();
   contact.axes = {normal, tangent, normal.cross(tangent)};
   contact.given = {};
-  contact.fixed = contact.first == none || contact.second == none;
   const auto place_side = [&](std::uint32_t body, const float(&anchor)[3], Vector3& arm, double sign) {
     // A ball is touched on the line through its centre.
     arm = table.ball[body] ? Vector3(normal.dot(get3(anchor)) * normal) : get3(anchor);

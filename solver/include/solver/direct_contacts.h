@@ -53,8 +53,8 @@ class DirectContacts {
   /// Memory held.
   std::size_t bytes() const {
     return sizeof(*this) + system_.bytes() +
-           jobs::bytes_of(members_, pairs_, bodies_, contacts_, velocity_, free_, lasting_, moving_, gradient_,
-                          direction_, product_);
+           jobs::bytes_of(members_, pairs_, bodies_, contacts_, velocity_, free_, lasting_, gradient_, direction_,
+                          product_);
   }
 
  private:
@@ -86,7 +86,6 @@ class DirectContacts {
   struct Contact {
     std::uint32_t slot;
     std::uint32_t first, second;                 // bodies_, or none of what doesn't respond
-    bool fixed;                                  // against something of infinite mass
     std::array<Vector3, 3> axes;                 // normal, tangents
     Vector3 arm_first, arm_second;               // m, from the centres of mass
     double friction, lever, rolling, torsional;  // of what the points push with
@@ -103,6 +102,7 @@ class DirectContacts {
     Interior interior;
 
     void add_motion(double sign, const Vector3& arm, const Vector3& v, const Vector3& w, Six& to) const;
+    bool fixed() const { return first == none || second == none; }  // against something of infinite mass
     void bound_friction(double load);
     Six motion_after(double t) const;  // of the way along direction_
     Vector3 in_plane(const std::array<double, 2>& along_tangents) const {
@@ -171,7 +171,7 @@ class DirectContacts {
   std::vector<Contact> contacts_;
   // Six numbers a body: linear, angular.
   std::vector<double> velocity_, free_;                 // m/s, rad/s
-  std::vector<double> lasting_, moving_;                // those that bodies keep, and those that they move by
+  std::vector<double> lasting_;                         // likewise: velocity_ is what bodies move by, these they keep
   std::vector<double> gradient_, direction_, product_;  // N s, N m s; m/s, rad/s; N s, N m s
   double mass_slope_ = 0, mass_curvature_ = 0;          // of the first term, along direction_
 };
