@@ -93,20 +93,31 @@ TEST(SolverChoice, OverlapIsPushedApartNoFasterThanIsAskedFor) {
   }
 }
 
+// A column of slabs that moves as one, of which none but the lowest slips. Returns the lowest, which is as `foot` says.
+BodyId add_slabs(World& world, int count, const BodyDef& foot) {
+  BodyId lowest;
+  for (int i = 0; i < count; ++i) {
+    BodyDef slab = foot;
+    slab.shape = Box{{0.5, 0.5, 0.05}};
+    slab.position = {0, 0, 0.05 + 0.1 * i};
+    if (i > 0) slab.material = {.friction = 2};
+    const BodyId id = world.add_body(slab);
+    if (i == 0) lowest = id;
+  }
+  return lowest;
+}
+
 // A column that slides at an angle to the pyramid's axes.
 TEST(SolverChoice, ThePyramidBindsEachAxisByItself) {
   const auto slides_to = [](ContactSolver solver, FrictionModel friction) {
     World world({.settings = {.friction = friction, .contact_solver = solver}});
     world.add_body(ground(0.3));
-    std::vector<BodyId> ids;
-    for (int i = 0; i < 8; ++i) {
-      BodyDef def = box({0, 0, 0.05 + 0.1 * i}, {0.5, 0.5, 0.05});
-      def.material.friction = i == 0 ? 0.3 : 2;
-      def.velocity = {2, 1, 0};
-      ids.push_back(world.add_body(def));
-    }
+    BodyDef foot;
+    foot.material.friction = 0.3;
+    foot.velocity = {2, 1, 0};
+    const BodyId id = add_slabs(world, 8, foot);
     run(world, 120);
-    return world.pose(ids[0]).position;
+    return world.pose(id).position;
   };
   for (const FrictionModel friction : {FrictionModel::Cone, FrictionModel::Pyramid}) {
     const Vector3 swept = slides_to(ContactSolver::Iterative, friction);
@@ -150,16 +161,13 @@ TEST(SolverChoice, TorsionalFrictionStopsASpinningColumn) {
   const auto turned = [](ContactSolver solver, double torsional_friction) {
     World world({.settings = {.contact_solver = solver}});
     world.add_body(ground());
-    std::vector<BodyId> ids;
-    for (int i = 0; i < 7; ++i) {
-      BodyDef def = box({0, 0, 0.05 + 0.1 * i}, {0.5, 0.5, 0.05});
-      def.material.friction = i == 0 ? 0.05 : 2;
-      if (i == 0) def.material.torsional_friction = torsional_friction;
-      def.angular_velocity = {0, 0, 2};
-      ids.push_back(world.add_body(def));
-    }
+    BodyDef foot;
+    foot.material.friction = 0.05;
+    foot.material.torsional_friction = torsional_friction;
+    foot.angular_velocity = {0, 0, 2};
+    const BodyId id = add_slabs(world, 7, foot);
     run(world, 12);
-    return world.angular_velocity(ids[0]).z();
+    return world.angular_velocity(id).z();
   };
   for (const double torsional_friction : {0.0, 0.03}) {
     const double swept = turned(ContactSolver::Iterative, torsional_friction);

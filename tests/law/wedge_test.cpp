@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <random>
 #include <string>
 
 #include "support/bodies.h"
+#include "unit/random.h"
 
 namespace atl::test {
 namespace {
@@ -21,18 +21,14 @@ struct Squeeze {
   bool quarantined = false;
 };
 
-double real(std::mt19937& random, double low, double high) {
-  return low + (high - low) * static_cast<double>(random()) / 4294967296.0;
-}
-
 // A box between the two walls of a pocket, with a load on top. Walls are children of one body, parallel or leaning out,
 // and overlap the box by up to 2 mm. Whatever it does, it doesn't fall far.
 Squeeze squeeze(std::uint32_t seed, ContactSolver solver) {
-  std::mt19937 random(seed);
-  const double lean = seed % 2 == 0 ? 0 : real(random, 0.1, 0.6);  // rad, from the vertical
-  const double overlap = real(random, 0, 2e-3);
-  const double ratio = std::pow(10, real(random, 0, 4));
-  const double mu = real(random, 0.05, 0.8);
+  Random random(seed);
+  const double lean = seed % 2 == 0 ? 0 : random.real(0.1, 0.6);  // rad, from the vertical
+  const double overlap = random.real(0, 2e-3);
+  const double ratio = std::pow(10, random.real(0, 4));
+  const double mu = random.real(0.05, 0.8);
   const bool free = seed % 3 == 0;  // the pocket lies on the ground
   World world({.settings = {.contact_solver = solver}});
   world.add_body(ground());

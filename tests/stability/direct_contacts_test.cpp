@@ -5,9 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 
 #include "support/scene_run.h"
+#include "support/scenes.h"
 
 namespace atl::test {
 namespace {
@@ -45,12 +45,7 @@ INSTANTIATE_TEST_SUITE_P(Columns, ColumnTest,
                                          Column{"stack:height=10,ratio=10000", 1e-4},
                                          Column{"stack:height=10,ratio=100000", 1e-3},
                                          Column{"stack:height=10,ratio=1000000", 5e-3}),
-                         [](const auto& column) {
-                           std::string name = column.param.scene;
-                           std::replace_if(
-                               name.begin(), name.end(), [](char c) { return !std::isalnum(c); }, '_');
-                           return name;
-                         });
+                         [](const auto& column) { return case_name(column.param.scene); });
 
 // Each box 2.15 times as heavy as the one under it.
 TEST(DirectContacts, LadderOfMassesStands) {

@@ -2,11 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cctype>
-#include <string>
-
 #include "support/scene_run.h"
+#include "support/scenes.h"
 
 namespace atl::test {
 namespace {
@@ -49,12 +46,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes, SubstepsTest,
                                          Case{"stack:height=7", 300}, Case{"stack:height=20", 300},
                                          Case{"stack:height=10,ratio=100", 300}, Case{"pyramid3d:layers=9", 200},
                                          Case{"islands:count=3", 200}),
-                         [](const auto& param) {
-                           std::string name = param.param.scene;
-                           std::replace_if(
-                               name.begin(), name.end(), [](char c) { return !std::isalnum(c); }, '_');
-                           return name;
-                         });
+                         [](const auto& param) { return case_name(param.param.scene); });
 
 }  // namespace
 }  // namespace atl::test
