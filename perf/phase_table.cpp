@@ -3,7 +3,7 @@
 
 #include <atoll/atoll.h>
 #include <collision/contact.h>
-#include <solver/contact_block.h>
+#include <solver/sweep/contact_block.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>

@@ -2,7 +2,7 @@
 
 #include <benchmark/benchmark.h>
 #include <collision/update_contacts.h>
-#include <solver/kernels.h>
+#include <solver/sweep/kernels.h>
 
 #include <vector>
 

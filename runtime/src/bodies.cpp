@@ -50,7 +50,7 @@ void World::Impl::resize_bodies(std::size_t count) {
   records.resize(count);
   sleeping.resize(count);
   quarantine.resize(count);
-  if constexpr (with_direct_contacts) escalation_.resize(count);
+  if constexpr (with_direct_contacts) selection_.resize(count);
   active_.resize(count);
   reaches_.resize(count);
   stretch_.resize(count, 0.0);
@@ -109,7 +109,7 @@ BodyId World::Impl::add_body(const CheckedBody& start) {
 
   sleeping.awake[body] = records.dynamic[body];
   sleeping.rest_time[body] = 0;
-  if (records.dynamic[body]) escalation_.arrive(body);
+  if (records.dynamic[body]) selection_.arrive(body);
   contents.count(bodies, records, body, +1);
   note_arrival_or_departure(body);
   add_colliders(body);
@@ -149,7 +149,7 @@ void World::Impl::take_out(std::uint32_t body) {
   remove_proxies(body);
   contents.count(bodies, records, body, -1);
   sleeping.awake[body] = 0;
-  if constexpr (with_direct_contacts) escalation_.forget(body);
+  if constexpr (with_direct_contacts) selection_.forget(body);
   records.dynamic[body] = 0;
   note_arrival_or_departure(body);
   bodies.mobility[body] = solver::Mobility::Fixed;

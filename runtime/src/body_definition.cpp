@@ -3,8 +3,8 @@
 #include <collision/height_field.h>
 #include <collision/hull.h>
 #include <collision/triangle_mesh.h>
-#include <solver/contact_inertia.h>
-#include <solver/motion_locks.h>
+#include <solver/constraints/contact_inertia.h>
+#include <solver/constraints/motion_locks.h>
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>

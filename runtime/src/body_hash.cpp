@@ -68,7 +68,7 @@ void World::Impl::hash_body(BodyParts& parts, std::uint32_t body) const {
       visit_filter(parts.input, quarantined ? quarantine.kept(body).filter : broadphase.filter(collider));
     });
   }
-  const solver::Escalation::Strain strain = escalation_.strain(body);
+  const solver::SolverSelection::Strain strain = selection_.strain(body);
   visit_strain(parts.contacts, strain);
 }
 

@@ -1,4 +1,4 @@
-#include <solver/motion_locks.h>
+#include <solver/constraints/motion_locks.h>
 
 #include "world_impl.h"
 

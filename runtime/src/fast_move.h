@@ -2,7 +2,7 @@
 
 #include <collision/pose.h>
 #include <collision/refresh.h>
-#include <solver/motion.h>
+#include <solver/integrate/motion.h>
 
 #include <compare>
 #include <cstdint>

@@ -2,7 +2,7 @@
 /// A joint's definition, and what lasts of it from step to step, for archives (state_archive.h).
 
 #include <atoll/joint.h>
-#include <solver/joint.h>
+#include <solver/constraints/joint.h>
 
 #include <cstddef>
 #include <cstdint>

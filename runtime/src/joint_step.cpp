@@ -1,5 +1,7 @@
 // What the step does about joints besides solving them.
 
+#include <solver/select/joint_selection.h>
+
 #include <algorithm>
 
 #include "settings_check.h"
@@ -12,7 +14,11 @@ void World::Impl::update_joint_graph() {
   if (!joints_stale_) return;
   joints_stale_ = false;
   islands_stale_ = true;
-  joint_graph_.build(joints.joints, joints.acts, bodies, solver_settings(settings).joint_method);
+  joint_graph_.build(joints.joints, joints.acts, bodies);
+  const solver::JointMethod method = solver_settings(settings).joint_method;
+  joint_systems_.build(joint_graph_, joints.joints, bodies, [&](std::uint32_t component) {
+    return solver::joins_directly(joint_graph_.links_of(component), bodies, method);
+  });
   to_kinematic_.clear();
   for (const solver::JointLink& link : joint_graph_.links()) {
     if (bodies.mobility[link.first] == solver::Mobility::Kinematic) to_kinematic_.push_back({link.first, link.second});
@@ -39,7 +45,7 @@ void World::Impl::count_joints() {
   const std::span<const solver::JointLink> acting = acting_joints();
   if (islands_rebuilt_) {
     direct_joints_ = std::count_if(acting.begin(), acting.end(), [this](const solver::JointLink& link) {
-      return joint_graph_.is_direct(joint_graph_.component_of(link.joint));
+      return joint_systems_.is_direct(joint_graph_.component_of(link.joint));
     });
   }
   report_.counts.joints = static_cast<std::int64_t>(acting.size());

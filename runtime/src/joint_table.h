@@ -2,7 +2,7 @@
 
 #include <atoll/joint.h>
 #include <jobs/bytes.h>
-#include <solver/joint.h>
+#include <solver/constraints/joint.h>
 
 #include <array>
 #include <cstdint>

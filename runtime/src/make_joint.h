@@ -1,7 +1,7 @@
 #pragma once
 
 #include <atoll/joint.h>
-#include <solver/joint.h>
+#include <solver/constraints/joint.h>
 
 #include <span>
 

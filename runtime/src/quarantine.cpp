@@ -5,8 +5,8 @@
 
 #include <atoll/error.h>
 #include <jobs/with_joints.h>
-#include <solver/motion_locks.h>
-#include <solver/state_bounds.h>
+#include <solver/constraints/motion_locks.h>
+#include <solver/integrate/state_bounds.h>
 
 #include <algorithm>
 #include <cmath>
@@ -218,7 +218,7 @@ void World::Impl::release_body(BodyId id) {
   records.dynamic[body] = kept.mobility == solver::Mobility::Dynamic;
   sleeping.awake[body] = records.dynamic[body];
   sleeping.rest_time[body] = 0;
-  if (records.dynamic[body]) escalation_.arrive(body);
+  if (records.dynamic[body]) selection_.arrive(body);
   contents.count(bodies, records, body, +1);
   note_arrival_or_departure(body);
   add_proxies(body, kept.filter);

@@ -2,8 +2,8 @@
 
 #include <atoll/quarantine.h>
 #include <collision/filter.h>
-#include <solver/body_table.h>
-#include <solver/motion.h>
+#include <solver/integrate/body_table.h>
+#include <solver/integrate/motion.h>
 
 #include <cstddef>
 #include <cstdint>

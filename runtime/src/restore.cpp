@@ -49,12 +49,13 @@ void World::Impl::adopt(const std::shared_ptr<const Roster>& roster) {
   colliders = {};
   joints = {};
   joint_graph_ = {};
+  joint_systems_ = {};
   joints_stale_ = true;
   bodies = {};
   records = {};
   sleeping = {};
   quarantine = {};
-  escalation_ = {};
+  selection_ = {};
   active_ = {};
   may_start_or_stop_.clear();
   reaches_.clear();

@@ -1,8 +1,8 @@
 #pragma once
 
 #include <atoll/settings.h>
-#include <solver/kernels.h>
 #include <solver/solver_settings.h>
+#include <solver/sweep/kernels.h>
 
 namespace atl {
 

@@ -2,8 +2,8 @@
 
 #include <atoll/settings.h>
 #include <jobs/bytes.h>
-#include <solver/body_table.h>
-#include <solver/islands.h>
+#include <solver/integrate/body_table.h>
+#include <solver/islands/islands.h>
 
 #include <cstdint>
 #include <span>

@@ -1,10 +1,10 @@
-// The step's solve: which islands get which remedy, and who solves them.
+// The step's solve: which islands are solved how, and who solves them.
 
 #include <jobs/stopwatch.h>
 #include <jobs/with_direct_contacts.h>
 #include <jobs/with_surfaces.h>
 #include <jobs/worker_team.h>
-#include <solver/free_flight.h>
+#include <solver/integrate/free_flight.h>
 
 #include <algorithm>
 #include <numeric>
@@ -15,7 +15,7 @@
 namespace atl {
 namespace {
 
-using solver::Remedy;
+using solver::SolveMode;
 
 }  // namespace
 
@@ -30,8 +30,8 @@ bool World::Impl::escalates() const {
 }
 
 // Islands whose contacts carry too much are solved on their own, and otherwise.
-void World::Impl::choose_remedies() {
-  std::span<const Remedy> remedies;
+void World::Impl::choose_modes() {
+  std::span<const SolveMode> modes;
   if (with_direct_contacts && escalates()) {
     const solver::SolverSettings how = solver_settings(settings);
     const solver::LoadInput input = {.islands = islands_,
@@ -41,29 +41,36 @@ void World::Impl::choose_remedies() {
                                      .dt = dt_,
                                      .settings = how};
     const bool all = settings.contact_solver == ContactSolver::Direct;
-    remedies = all ? escalation_.choose_direct(input) : escalation_.choose(input);
+    modes = all ? selection_.choose_direct(input) : selection_.choose(input);
   } else if (with_direct_contacts) {
-    escalation_.forget_all();
+    selection_.forget_all();
   } else {
-    escalation_.forget_arrived();
+    selection_.forget_arrived();
   }
-  const bool changed = !std::equal(remedies.begin(), remedies.end(), remedies_.begin(), remedies_.end());
+  const bool changed = !std::equal(modes.begin(), modes.end(), modes_.begin(), modes_.end());
   if (!changed && !islands_rebuilt_) return;
-  remedies_.assign(remedies.begin(), remedies.end());
-  solver::pack_groups(islands_, one_each_, remedies_, groups_);
+  modes_.assign(modes.begin(), modes.end());
+  alone_.resize(modes_.size());
+  std::transform(modes_.begin(), modes_.end(), alone_.begin(),
+                 [](SolveMode mode) -> std::uint8_t { return mode != SolveMode::Sweep; });
+  solver::pack_groups(islands_, one_each_, alone_, groups_);
   regrouped_ = true;
+}
+
+SolveMode World::Impl::mode_of(const solver::IslandGroup& group) const {
+  return modes_.empty() ? SolveMode::Sweep : modes_[group.begin];
 }
 
 void World::Impl::solve_groups() {
   const solver::SolverSettings how = solver_settings(settings);
-  const auto in_finer = [&](Remedy remedy) {
+  const auto in_finer = [&](SolveMode mode) {
     solver::SolverSettings with = how;
-    with.finer = solver::finer_by(remedy, how, dt_);
+    with.finer = solver::finer_by(mode, how, dt_);
     with.substeps *= with.finer;
     return with;
   };
-  const solver::SolverSettings how_finer = in_finer(Remedy::Finer);
-  solver::SolverSettings how_finest = in_finer(Remedy::Finest);
+  const solver::SolverSettings how_finer = in_finer(SolveMode::Finer);
+  solver::SolverSettings how_finest = in_finer(SolveMode::Finest);
   how_finest.joint_method = solver::JointMethod::Iterative;
   const bool captures = settings.keep_contact_problem || settings.run_everything;
   if (captures) capture_.resize(cache.manifolds.size(), bodies.size());
@@ -82,14 +89,16 @@ void World::Impl::solve_groups() {
                               .capture = captures ? &capture_ : nullptr,
                               .surface_contacts = surfaces ? surface_contacts_.data() : nullptr,
                               .joints = joints.joints.data(),
-                              .joint_graph = joints.count == 0 ? nullptr : &joint_graph_};
+                              .joint_graph = joints.count == 0 ? nullptr : &joint_graph_,
+                              .joint_systems = &joint_systems_};
   };
   const solver::SolveInput plain = input_with(how);
   const solver::SolveInput fine = input_with(how_finer);
   const solver::SolveInput finest_of_all = input_with(how_finest);
   const auto input_of = [&](const solver::IslandGroup& group) -> const solver::SolveInput& {
-    if (group.remedy == Remedy::None) return plain;
-    return group.remedy == Remedy::Finest ? finest_of_all : fine;
+    const SolveMode mode = mode_of(group);
+    if (mode == SolveMode::Sweep) return plain;
+    return mode == SolveMode::Finest ? finest_of_all : fine;
   };
 
   group_reports_.assign(groups_.size(), {});
@@ -110,7 +119,7 @@ void World::Impl::solve_groups() {
     jobs::WorkerTeam team(arena);
     group_reports_[g] = large_solvers_[large++]->solve(input_of(groups_[g]), groups_[g], team, contacts);
   }
-  note_remedies();
+  note_modes();
 }
 
 // One for each group that is to be solved at once, which keeps its order of elimination.
@@ -118,10 +127,10 @@ void World::Impl::prepare_direct_solvers() {
   if constexpr (!with_direct_contacts) return;
   direct_of_group_.clear();
   direct_reports_.clear();
-  if (remedies_.empty()) return;
+  if (modes_.empty()) return;
   std::size_t count = 0;
   for (std::size_t g = 0; g < groups_.size(); ++g) {
-    if (groups_[g].remedy != Remedy::Direct) continue;
+    if (mode_of(groups_[g]) != SolveMode::Direct) continue;
     direct_of_group_.resize(groups_.size(), nullptr);
     if (count == direct_solvers_.size()) direct_solvers_.push_back(std::make_unique<solver::DirectContacts>());
     direct_of_group_[g] = direct_solvers_[count++].get();
@@ -143,8 +152,8 @@ bool World::Impl::solve_directly(const solver::SolveInput& input, std::size_t gr
   return true;
 }
 
-// What is overloaded now, and what could not be solved at once, which decide on the next step's remedies.
-void World::Impl::note_remedies() {
+// What is overloaded now, and what could not be solved at once, which decide on the next step's modes.
+void World::Impl::note_modes() {
   if constexpr (!with_direct_contacts) return;
   all_overloads_.clear();
   overloads_.for_each([this](std::vector<solver::Overload>& of_worker) {
@@ -153,17 +162,18 @@ void World::Impl::note_remedies() {
   });
   failed_.clear();
   escalated_.clear();
-  for (std::size_t g = 0; g < groups_.size() && !remedies_.empty(); ++g) {
+  for (std::size_t g = 0; g < groups_.size() && !modes_.empty(); ++g) {
     const solver::IslandGroup& group = groups_[g];
-    if (group.remedy == Remedy::None) continue;
+    const SolveMode mode = mode_of(group);
+    if (mode == SolveMode::Sweep) continue;
     const std::span<const std::uint32_t> members = islands_.bodies(group.begin, group.end);
     EscalatedIsland island{.lowest = {members.front(), records.generation[members.front()]},
                            .bodies = members.size(),
                            .contacts = islands_.contact_count(group.begin),
-                           .why = escalation_.why(group.begin)};
+                           .why = selection_.why(group.begin)};
     const auto& stage_ms = group_reports_[g].stage_ms;
     island.ms = std::accumulate(stage_ms.begin(), stage_ms.end(), 0.0);
-    if (group.remedy == Remedy::Direct) {
+    if (mode == SolveMode::Direct) {
       const solver::DirectContactsReport& report = direct_reports_[g];
       island.direct = report.solved;
       island.gave_up = !report.solved;
@@ -175,7 +185,7 @@ void World::Impl::note_remedies() {
     report_.counts.newton_iterations += island.iterations;
     escalated_.push_back(island);
   }
-  if (escalates()) escalation_.note(all_overloads_, failed_, sleeping.awake, dt_);
+  if (escalates()) selection_.note(all_overloads_, failed_, sleeping.awake, dt_);
 }
 
 void World::Impl::move_unconstrained_bodies() {

@@ -118,7 +118,7 @@ void World::Impl::build_islands() {
     one_each_ = one_each;
     islands_stale_ = false;
   }
-  choose_remedies();
+  choose_modes();
   if (with_joints && joints.count > 0) count_joints();
   report_.counts.pairs = static_cast<std::int64_t>(cache.pairs.size());
   report_.counts.contacts = static_cast<std::int64_t>(touching_.size());

@@ -5,7 +5,7 @@
 #include <jobs/with_joints.h>
 #include <jobs/with_recording.h>
 #include <jobs/with_snapshots.h>
-#include <solver/motion_locks.h>
+#include <solver/constraints/motion_locks.h>
 
 #include <atomic>
 #include <cmath>

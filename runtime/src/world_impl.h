@@ -8,12 +8,13 @@
 #include <collision/update_contacts.h>
 #include <jobs/arena.h>
 #include <jobs/scratch.h>
-#include <solver/body_table.h>
-#include <solver/direct_contacts.h>
-#include <solver/escalation.h>
-#include <solver/group_solver.h>
-#include <solver/islands.h>
-#include <solver/joint_graph.h>
+#include <solver/direct/direct_contacts.h>
+#include <solver/direct/joint_systems.h>
+#include <solver/integrate/body_table.h>
+#include <solver/islands/islands.h>
+#include <solver/islands/joint_graph.h>
+#include <solver/select/solver_selection.h>
+#include <solver/sweep/group_solver.h>
 
 #include <array>
 #include <cstddef>
@@ -232,11 +233,12 @@ class World::Impl {
   void wake_touched_sleepers();
   void remove_lost_contacts();
   bool escalates() const;
-  void choose_remedies();
+  void choose_modes();
+  solver::SolveMode mode_of(const solver::IslandGroup& group) const;
   void solve_groups();
   void prepare_direct_solvers();
   bool solve_directly(const solver::SolveInput& input, std::size_t group);
-  void note_remedies();
+  void note_modes();
   void move_unconstrained_bodies();
   void note_stages();  // step_plan.cpp
 
@@ -320,8 +322,9 @@ class World::Impl {
   std::vector<solver::GroupReport> group_reports_;
   jobs::Scratch<solver::GroupSolver> group_solvers_;
   std::vector<std::unique_ptr<solver::GroupSolver>> large_solvers_;  // of large groups, in order
-  solver::Escalation escalation_;
-  std::vector<solver::Remedy> remedies_;  // by island, or empty
+  solver::SolverSelection selection_;
+  std::vector<solver::SolveMode> modes_;  // by island, or empty
+  std::vector<std::uint8_t> alone_;       // likewise: solved in a way of its own
   bool regrouped_ = false;                // since the last solve
   std::vector<std::unique_ptr<solver::DirectContacts>> direct_solvers_;
   std::vector<solver::DirectContacts*> direct_of_group_;  // or empty
@@ -339,7 +342,8 @@ class World::Impl {
   std::vector<FastStop> stops_;                               // by fast body
   jobs::Scratch<FastSweep> sweep_scratch_;
   solver::JointGraph joint_graph_;
-  bool joints_stale_ = false;  // joints came, went or changed since the graph was made
+  solver::JointSystems joint_systems_;  // by component of the graph
+  bool joints_stale_ = false;           // joints came, went or changed since the graph was made
   std::vector<std::pair<std::uint32_t, std::uint32_t>> to_kinematic_;  // kinematic bodies, and what is joined to them
   std::int64_t direct_joints_ = 0;                                     // of awake bodies
   std::vector<JointEvent> joint_events_;

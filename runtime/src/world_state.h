@@ -8,7 +8,7 @@
 #include <jobs/with_joints.h>
 #include <jobs/with_sleeping.h>
 #include <jobs/with_surfaces.h>
-#include <solver/surface_contact.h>
+#include <solver/constraints/surface_contact.h>
 
 #include <algorithm>
 #include <array>
@@ -46,7 +46,7 @@ class WorldState {
     visit_surfaces();
     visit_sleeping();
     visit_quarantine();
-    visit_escalation();
+    visit_selection();
     visit_events();
     visit_joints();
     visit_kept_apart();
@@ -246,20 +246,20 @@ class WorldState {
     if constexpr (reads) world_.note_restored_bodies();
   }
 
-  void visit_escalation() {
-    using Strain = solver::Escalation::Strain;
-    auto& escalation = world_.escalation_;
-    if constexpr (reads && with_direct_contacts) escalation.forget_all();
-    if constexpr (reads && !with_direct_contacts) escalation.forget_arrived();
-    const auto is_strained = [&escalation](std::uint32_t body) { return escalation.strain(body) != Strain{}; };
-    visit_some(escalation.strained().empty() && !reads ? 0 : body_count(), is_strained, [&](std::uint32_t body) {
+  void visit_selection() {
+    using Strain = solver::SolverSelection::Strain;
+    auto& selection = world_.selection_;
+    if constexpr (reads && with_direct_contacts) selection.forget_all();
+    if constexpr (reads && !with_direct_contacts) selection.forget_arrived();
+    const auto is_strained = [&selection](std::uint32_t body) { return selection.strain(body) != Strain{}; };
+    visit_some(selection.strained().empty() && !reads ? 0 : body_count(), is_strained, [&](std::uint32_t body) {
       check_body(body);
       archive_.check(with_direct_contacts, "overloaded contacts, which this build does nothing about");
-      Strain strain = escalation.strain(body);
+      Strain strain = selection.strain(body);
       visit_strain(archive_, strain);
-      if constexpr (reads) escalation.restore_strain(body, strain);
+      if constexpr (reads) selection.restore_strain(body, strain);
     });
-    auto count = static_cast<std::uint32_t>(escalation.arrived().size());
+    auto count = static_cast<std::uint32_t>(selection.arrived().size());
     if constexpr (reads) {
       count = archive_.count_of(sizeof(std::uint32_t));
     } else {
@@ -267,10 +267,10 @@ class WorldState {
     }
     for (std::uint32_t i = 0; i < count; ++i) {
       std::uint32_t body = 0;
-      if constexpr (!reads) body = escalation.arrived()[i];
+      if constexpr (!reads) body = selection.arrived()[i];
       archive_.value(body);
       check_body(body);
-      if constexpr (reads) escalation.arrive(body);
+      if constexpr (reads) selection.arrive(body);
     }
   }
 

@@ -1,7 +1,7 @@
 // The factor of block-sparse systems, against dense algebra.
 
 #include <gtest/gtest.h>
-#include <solver/block_ldlt.h>
+#include <solver/direct/block_ldlt.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/QR>

@@ -1,8 +1,8 @@
 // Islands against plain breadth-first components, and the colouring of their contacts.
 
 #include <gtest/gtest.h>
-#include <solver/colouring.h>
-#include <solver/islands.h>
+#include <solver/islands/islands.h>
+#include <solver/sweep/colouring.h>
 
 #include <algorithm>
 #include <map>

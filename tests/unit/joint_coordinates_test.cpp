@@ -1,7 +1,7 @@
 // Coordinates of joints against finite differences, and at poses where they are known.
 
 #include <gtest/gtest.h>
-#include <solver/joint.h>
+#include <solver/constraints/joint.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 #pragma once
 /// A joint between two bodies at random places, and where they are a little later.
 
-#include <solver/joint.h>
+#include <solver/constraints/joint.h>
 
 #include <array>
 #include <cmath>

@@ -3,7 +3,8 @@
 
 #include <jobs/arena.h>
 #include <jobs/worker_team.h>
-#include <solver/group_solver.h>
+#include <solver/select/joint_selection.h>
+#include <solver/sweep/group_solver.h>
 
 #include <algorithm>
 #include <optional>
@@ -119,7 +120,11 @@ inline void add_hinge_rows(Joint& joint, const Law& about_axis) {
 
 inline GroupReport JointRig::step(double dt, int count) {
   JointGraph graph;
-  graph.build(joints, std::vector<std::uint8_t>(joints.size(), 1), bodies, settings.joint_method);
+  graph.build(joints, std::vector<std::uint8_t>(joints.size(), 1), bodies);
+  JointSystems systems;
+  systems.build(graph, joints, bodies, [&](std::uint32_t component) {
+    return joins_directly(graph.links_of(component), bodies, settings.joint_method);
+  });
   std::vector<std::uint32_t> candidates;
   std::vector<std::uint8_t> awake(bodies.size(), 0);
   for (std::uint32_t body = 0; body < bodies.size(); ++body) {
@@ -147,7 +152,8 @@ inline GroupReport JointRig::step(double dt, int count) {
                            .fast = fast,
                            .overloads = overloads,
                            .joints = joints.data(),
-                           .joint_graph = &graph};
+                           .joint_graph = &graph,
+                           .joint_systems = &systems};
     for (const IslandGroup& group : groups) {
       if (team == 0) {
         report = solver_.solve(input, group);

@@ -1,8 +1,8 @@
 // The wide kernels: against each other bit for bit, and against the textbook.
 
 #include <gtest/gtest.h>
-#include <solver/colouring.h>
-#include <solver/kernels.h>
+#include <solver/sweep/colouring.h>
+#include <solver/sweep/kernels.h>
 
 #include <Eigen/Eigenvalues>
 #include <cstring>

@@ -3,8 +3,8 @@
 
 #include <collision/contact.h>
 #include <gtest/gtest.h>
-#include <solver/contact_block.h>
-#include <solver/solver_bodies.h>
+#include <solver/integrate/solver_bodies.h>
+#include <solver/sweep/contact_block.h>
 
 #include <cstddef>
 #include <cstdint>

@@ -1,7 +1,7 @@
 // What is noted of bodies' motion.
 
 #include <gtest/gtest.h>
-#include <solver/motion.h>
+#include <solver/integrate/motion.h>
 
 #include <algorithm>
 

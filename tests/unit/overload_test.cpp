@@ -1,8 +1,8 @@
 // Which contacts count as carrying too much.
 
 #include <gtest/gtest.h>
-#include <solver/body_table.h>
-#include <solver/overload.h>
+#include <solver/constraints/load_check.h>
+#include <solver/integrate/body_table.h>
 
 #include <vector>
 

@@ -1,7 +1,7 @@
 // The law of a contact in the direct solver: a monotone function of the motion, and its derivative.
 
 #include <gtest/gtest.h>
-#include <solver/patch_law.h>
+#include <solver/constraints/contact_law.h>
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
@@ -13,8 +13,8 @@ namespace {
 
 using test::Random;
 
-PatchLaw random_law(Random& random) {
-  PatchLaw law;
+ContactLaw random_law(Random& random) {
+  ContactLaw law;
   law.points = 1 + static_cast<int>(random.below(4));
   for (int i = 0; i < law.points; ++i) {
     law.x[i] = random.real(-1, 1);
@@ -45,13 +45,13 @@ double power(const Six& a, const Six& b) {
   return sum;
 }
 
-TEST(PatchLaw, ImpulsesStayInTheirCone) {
+TEST(ContactLaw, ImpulsesStayInTheirCone) {
   Random random(1);
   int slides = 0, sticks = 0, spins = 0, rolls = 0;
   for (int i = 0; i < 1000; ++i) {
-    const PatchLaw law = random_law(random);
+    const ContactLaw law = random_law(random);
     const Six motion = random_motion(random);
-    const PatchAnswer answer = law.answer(motion);
+    const ContactAnswer answer = law.answer(motion);
     for (int p = 0; p < law.points; ++p) {
       const double closing = -(law.speed(p, motion) + law.bias[p]);
       EXPECT_DOUBLE_EQ(answer.normal[p], closing > 0 ? law.stiffness[p] * closing : 0);
@@ -79,10 +79,10 @@ TEST(PatchLaw, ImpulsesStayInTheirCone) {
 }
 
 // Between any two motions: what a convex function's derivative is.
-TEST(PatchLaw, IsMonotone) {
+TEST(ContactLaw, IsMonotone) {
   Random random(2);
   for (int i = 0; i < 10000; ++i) {
-    const PatchLaw law = random_law(random);
+    const ContactLaw law = random_law(random);
     const Six a = random_motion(random), b = random_motion(random);
     const Six pa = law.total(law.answer(a)), pb = law.total(law.answer(b));
     Six motion, impulse;
@@ -94,14 +94,14 @@ TEST(PatchLaw, IsMonotone) {
   }
 }
 
-TEST(PatchLaw, DerivativeIsThatOfItsImpulses) {
+TEST(ContactLaw, DerivativeIsThatOfItsImpulses) {
   constexpr double h = 1e-6;
   Random random(3);
   int checked = 0;
   for (int i = 0; i < 2000; ++i) {
-    const PatchLaw law = random_law(random);
+    const ContactLaw law = random_law(random);
     const Six at = random_motion(random);
-    const PatchPieces pieces = law.answer(at).pieces;
+    const ContactPieces pieces = law.answer(at).pieces;
     const auto k = law.derivative(at, pieces);
     Eigen::Matrix<double, 6, 6> matrix;
     bool one_piece = true;
@@ -126,13 +126,13 @@ TEST(PatchLaw, DerivativeIsThatOfItsImpulses) {
 }
 
 // On the pieces that a motion is on, it answers as the law does.
-TEST(PatchLaw, LinearAnswerAgreesOnItsOwnPieces) {
+TEST(ContactLaw, LinearAnswerAgreesOnItsOwnPieces) {
   Random random(4);
   for (int i = 0; i < 1000; ++i) {
-    const PatchLaw law = random_law(random);
+    const ContactLaw law = random_law(random);
     const Six motion = random_motion(random);
-    const PatchAnswer answer = law.answer(motion);
-    const PatchAnswer linear = law.linear_answer(motion, answer.pieces, answer);
+    const ContactAnswer answer = law.answer(motion);
+    const ContactAnswer linear = law.linear_answer(motion, answer.pieces, answer);
     EXPECT_EQ(linear.normal, answer.normal);
     EXPECT_EQ(linear.friction, answer.friction);
     EXPECT_EQ(linear.twist, answer.twist);
@@ -141,12 +141,12 @@ TEST(PatchLaw, LinearAnswerAgreesOnItsOwnPieces) {
 }
 
 // Friction's impulse is its secant stiffness times its speed, whatever it does.
-TEST(PatchLaw, SecantTimesMotionIsFriction) {
+TEST(ContactLaw, SecantTimesMotionIsFriction) {
   Random random(5);
   for (int i = 0; i < 1000; ++i) {
-    const PatchLaw law = random_law(random);
+    const ContactLaw law = random_law(random);
     const Six motion = random_motion(random);
-    const PatchAnswer answer = law.answer(motion);
+    const ContactAnswer answer = law.answer(motion);
     const auto k = law.secant(motion, {});
     EXPECT_NEAR(-k[3][3] * (motion[3] + law.slip[0]), answer.friction[0], 1e-13);
     EXPECT_NEAR(-k[4][4] * (motion[4] + law.slip[1]), answer.friction[1], 1e-13);

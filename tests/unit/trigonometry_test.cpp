@@ -1,7 +1,7 @@
 // Sine, cosine and arctangent against the C library in long double.
 
 #include <gtest/gtest.h>
-#include <solver/trigonometry.h>
+#include <solver/integrate/trigonometry.h>
 
 #include <cmath>
 #include <limits>

@@ -2,7 +2,7 @@
 // section 36): angular momentum and kinetic energy are constant, whatever the spin.
 
 #include <gtest/gtest.h>
-#include <solver/kernels.h>
+#include <solver/sweep/kernels.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,15 +1,16 @@
 #pragma once
 
 #include <collision/contact.h>
-#include <solver/contact_capture.h>
-#include <solver/islands.h>
-#include <solver/joint.h>
-#include <solver/joint_graph.h>
-#include <solver/kernels.h>
-#include <solver/load_estimate.h>
-#include <solver/motion.h>
+#include <solver/constraints/joint.h>
+#include <solver/constraints/surface_contact.h>
+#include <solver/direct/joint_systems.h>
+#include <solver/integrate/motion.h>
+#include <solver/islands/islands.h>
+#include <solver/islands/joint_graph.h>
+#include <solver/select/load_estimate.h>
 #include <solver/solver_settings.h>
-#include <solver/surface_contact.h>
+#include <solver/sweep/contact_capture.h>
+#include <solver/sweep/kernels.h>
 
 namespace atl::solver {
 
@@ -30,11 +31,12 @@ struct SolveInput {
   ContactCapture* capture = nullptr;           ///< null where nobody asks
   SurfaceContact* surface_contacts = nullptr;  ///< by contact slot; null while all surfaces are plain
   Joint* joints = nullptr;                     ///< by index of joint
-  JointGraph* joint_graph = nullptr;           ///< null where there are none
+  const JointGraph* joint_graph = nullptr;     ///< null where there are none
+  JointSystems* joint_systems = nullptr;       ///< likewise
 
   /// Whether a component of joints is solved at once.
   bool solves_directly(std::uint32_t component) const {
-    return settings.joint_method != JointMethod::Iterative && joint_graph->is_direct(component);
+    return settings.joint_method != JointMethod::Iterative && joint_systems->is_direct(component);
   }
 };
 

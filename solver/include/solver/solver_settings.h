@@ -1,6 +1,6 @@
 #pragma once
 
-#include <solver/overload.h>
+#include <solver/constraints/load_check.h>
 
 namespace atl::solver {
 

@@ -2,7 +2,7 @@
 /// What the scenes with a closed form are set up from.
 
 #include <atoll/scene.h>
-#include <solver/trigonometry.h>
+#include <solver/integrate/trigonometry.h>
 
 #include <cmath>
 #include <string>

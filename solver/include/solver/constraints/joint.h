@@ -1,0 +1,104 @@
+#pragma once
+
+#include <solver/constraints/joint_coordinates.h>
+#include <solver/integrate/body_table.h>
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+namespace atl::solver {
+
+/// The coordinates that joints lock, limit and drive: see joint_coordinates.h. Axes are the first frame's where not
+/// said otherwise.
+enum class Coordinate : std::uint8_t {
+  OffsetX,
+  OffsetY,
+  OffsetZ,
+  Distance,
+  TurnX,  ///< 2 sin(angle / 2) about an axis
+  TurnY,
+  TurnZ,
+  CosineXY,  ///< of the first frame's x and the second's y axis
+  CosineXZ,
+  CosineZY,
+  Twist,  ///< about the x axes
+  Swing,
+  AngleX,        ///< about the first x axis, of the second y axis
+  AngleSecondY,  ///< about the second y axis, of the first x axis
+  Steer,         ///< about the first z axis, of the second y axis
+  Roll,          ///< about the second y axis, of the first z axis
+  SpinX,         ///< a rate only
+  SpinY,
+  SpinZ,
+  Orbit,  ///< a rate only: of the second x axis at right angles to its swing
+  Gear,   ///< a rate only: of the first about its x axis, and ratio times the second about its own
+  Rack,   ///< likewise, and ratio times the second along its x axis
+};
+
+/// What acts along a coordinate: which impulses go with which rates. Range, spring and motor add up.
+struct Law {
+  static constexpr double unlimited = std::numeric_limits<double>::infinity();
+
+  double lower = -unlimited;  ///< m or rad; locked where both are equal
+  double upper = unlimited;
+  double spring_hertz = 0;  ///< with the effective mass along the coordinate; 0: no spring
+  double damping_ratio = 0;
+  double rest = 0;
+  double motor_speed = 0;
+  double motor_force = 0;  ///< N or N m; 0: no motor
+
+  bool locked() const { return lower == upper; }
+  bool limited() const { return lower > -unlimited || upper < unlimited; }
+  bool acts() const { return limited() || spring_hertz > 0 || motor_force > 0; }
+};
+
+inline constexpr std::size_t max_joint_rows = 6;
+
+/// A joint as the solver sees it: which coordinates of two frames obey which laws. What users call its kind is a choice
+/// of these (runtime's make_joint).
+struct alignas(64) Joint {
+  std::uint32_t first = 0;  ///< bodies
+  std::uint32_t second = 0;
+  bool point = false;     ///< the origins stay together: 3 rows along the world's axes, ahead of the others
+  std::uint8_t rows = 0;  ///< others; with those of the point at most max_joint_rows
+  std::array<std::int8_t, max_joint_rows> limit = {};  ///< -1 at the lower, 1 at the upper end of the range, else 0
+  Vector3 anchor_first = Vector3::Zero();              ///< m, the frame's origin from the centre of mass, body frame
+  Vector3 anchor_second = Vector3::Zero();
+
+  // State, that lasts from step to step.
+  Vector3 point_impulse = Vector3::Zero();  ///< N s, of a substep, on the second body
+  Vector3 tension = Vector3::Zero();        ///< N, on the second body, followed over some substeps
+
+  // Results of the last step.
+  Vector3 force = Vector3::Zero();   ///< N, on the second body, in the last substep
+  Vector3 torque = Vector3::Zero();  ///< N m, about the second frame's origin
+
+  // What a joint of a point alone has no use for.
+  Quaternion axes_first = Quaternion::Identity();  ///< from the frame to the body's
+  Quaternion axes_second = Quaternion::Identity();
+  std::array<Coordinate, max_joint_rows> coordinate = {};
+  std::array<Law, max_joint_rows> law = {};
+  double ratio = 1;                                  ///< of gears
+  std::array<double, max_joint_rows> impulse = {};   ///< N s or N m s
+  std::array<double, max_joint_rows> position = {};  ///< as of the end of the step; angles over full turns
+  /// -1 where the motor pulled backwards with all it had, 1 forwards, else 0. Of joints that are solved at once, which
+  /// start the next step from there.
+  std::array<std::int8_t, max_joint_rows> motor_bound = {};
+
+  std::size_t row_count() const { return rows + (point ? 3u : 0u); }
+};
+
+/// One row of a joint at the given frames. The value of a rate only is 0, that of an angle within half a turn of zero.
+JointRow joint_row(const Joint& joint, std::size_t row, const JointFrames& frames);
+
+/// The value in m or rad as a continuation of the position before: of angles, the turn nearest to it; of what is a rate
+/// only, that position itself.
+double continued(Coordinate coordinate, double value, double before);
+
+/// Where the frames of a joint are, of bodies whose centres of mass are at these places. Unit quaternions.
+JointFrames joint_frames(const Joint& joint, const Vector3& position_first, const Quaternion& orientation_first,
+                         const Vector3& position_second, const Quaternion& orientation_second);
+
+}  // namespace atl::solver

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <solver/constraints/joint.h>
+
+#include <cstdint>
+
+namespace atl::solver {
+
+/// Which piece of its law a coordinate is on, and the equation that this makes of it: for the rate u and the impulse l
+/// of a substep, either u + compliance * (l - given) = target, or l = given.
+class LawMode {
+ public:
+  /// Goes on from where a step ended: at that end of the range, or that bound of the motor; see limit(), motor_bound().
+  void resume(const Law& law, int limit, int motor_bound);
+
+  /// Starts a substep of h seconds with the coordinate at `position`. `effective_mass` along it, kg or kg m^2.
+  void begin(const Law& law, double position, double effective_mass, double h);
+
+  bool is_solved() const { return solved_; }  ///< else the impulse is given
+  double target() const { return target_; }
+  double compliance() const { return compliance_; }
+  double given() const { return given_; }
+  /// -1 at the lower end of the range, 1 at the upper, else 0.
+  int limit() const { return piece_ == Piece::Lower ? -1 : piece_ == Piece::Upper ? 1 : 0; }
+  /// -1 where the motor pulls backwards with all it has, 1 forwards, else 0.
+  int motor_bound() const { return piece_ == Piece::MotorLow ? -1 : piece_ == Piece::MotorHigh ? 1 : 0; }
+  bool is_locked() const { return piece_ == Piece::Locked; }
+  /// Locked, or at an end of the range: whose position is held.
+  bool holds() const { return is_locked() || limit() != 0; }
+
+  /// Moves to the end of the range, if the coordinate is beyond it, where the rate allowed it not to be held. Returns
+  /// whether it was moved.
+  bool catch_at_end(const Law& law, double position);
+
+  /// Moves to the piece on which the rate and impulse of a solution belong. Returns whether that is another one.
+  bool update(const Law& law, double rate, double impulse);
+
+ private:
+  enum class Piece : std::uint8_t { Locked, Lower, Upper, Between, MotorLow, MotorHigh };
+
+  void go_to(Piece piece, const Law& law);
+  double spring_impulse(double rate) const { return spring_ ? -(rate + bias_) / gamma_ : 0; }
+  double motor_impulse(const Law& law, double rate) const;
+
+  Piece piece_ = Piece::Between;
+  bool solved_ = false;
+  bool spring_ = false;
+  double target_ = 0, compliance_ = 0, given_ = 0;
+  double gamma_ = 0, bias_ = 0;  // of the spring
+  double motor_ = 0;             // N s or N m s, bound
+  double lower_rate_ = 0, upper_rate_ = 0;
+};
+
+}  // namespace atl::solver

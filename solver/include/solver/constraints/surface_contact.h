@@ -1,0 +1,32 @@
+#pragma once
+
+#include <collision/contact.h>
+#include <collision/touching_pair.h>
+#include <solver/integrate/body_table.h>
+
+namespace atl::solver {
+
+/// What the surfaces of a touching pair do beside plain friction, by contact slot, in rows of four floats for the
+/// kernels. The step fills in all but the impulse, which lasts as those of a manifold do, but only as long as the
+/// contact is_pressed(): what a slot holds of a contact that has gone is not for the next one.
+struct alignas(32) SurfaceContact {
+  float slip[3] = {0, 0,
+                   0};  ///< m/s, world frame: of the second surface along its body, against the first along its own
+  float rolling_friction = 0;            ///< m
+  float rolling_impulse[3] = {0, 0, 0};  ///< N m s, in the tangent plane, on the second body
+  float torsional_friction = 0;          ///< m
+};
+
+/// Whether a contact carried something in the last step.
+inline bool is_pressed(const collision::ContactManifold& manifold) {
+  for (const float impulse : manifold.normal_impulse) {
+    if (impulse != 0) return true;
+  }
+  return false;
+}
+
+/// Fills in what the surfaces of a touching pair do in this step. Whether that is more than plain friction.
+bool note_surfaces_of(const collision::TouchingPair& pair, const BodyTable& bodies,
+                      const collision::ContactManifold& manifold, SurfaceContact& contact);
+
+}  // namespace atl::solver

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <jobs/bytes.h>
+#include <solver/direct/direct_joints.h>
+#include <solver/islands/joint_graph.h>
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace atl::solver {
+
+/// The systems of those components of a joint graph that are solved at once, kept for as long as the graph is.
+class JointSystems {
+ public:
+  /// `wanted(component)`: whether it is to be solved at once. What loops would fill in too far is not.
+  template <typename Wanted>
+  void build(const JointGraph& graph, std::span<const Joint> joints, const BodyTable& bodies, const Wanted& wanted) {
+    systems_.clear();
+    systems_.resize(graph.component_count());
+    for (std::uint32_t component = 0; component < systems_.size(); ++component) {
+      if (!wanted(component)) continue;
+      auto system = std::make_unique<DirectJoints>();
+      if (system->analyse(graph.links_of(component), joints, bodies)) systems_[component] = std::move(system);
+    }
+  }
+
+  bool is_direct(std::uint32_t component) const { return systems_[component] != nullptr; }
+  /// Of a component that is.
+  DirectJoints& of(std::uint32_t component) { return *systems_[component]; }
+
+  /// Memory held.
+  std::size_t bytes() const {
+    std::size_t all = jobs::bytes_of(systems_);
+    for (const std::unique_ptr<DirectJoints>& system : systems_) {
+      if (system != nullptr) all += sizeof(DirectJoints) + system->bytes();
+    }
+    return all;
+  }
+
+ private:
+  std::vector<std::unique_ptr<DirectJoints>> systems_;  // by component; null where it is solved joint by joint
+};
+
+}  // namespace atl::solver

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <jobs/scratch.h>
+#include <solver/integrate/body_table.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace atl::solver {
+
+struct BodyPose {
+  Vector3 position;  ///< m
+  Quaternion orientation;
+};
+
+/// A body that may have passed through something in this step, or that came out of it unsound (see state_bounds.h), and
+/// where it started.
+struct FastBody {
+  std::uint32_t body;
+  BodyPose start;
+};
+
+/// By worker; only those bodies cost anything. Order them by body before use.
+using FastBodies = jobs::Scratch<std::vector<FastBody>>;
+
+/// 2 sin(angle / 2) of the turn between two orientations: how far a point 1 m from the axis gets, in a straight line.
+inline double turn_chord(const Quaternion& from, const Quaternion& to) {
+  return 2 * (from.conjugate() * to).vec().norm();
+}
+
+/// Whether what a body gained in a step of dt seconds is a steady change, as of one that slides, rolls or tips, and no
+/// impact: what the forces on it, its weight above all, make of its velocity in a step, times 4. Contacts return them
+/// several times where a body is pressed on or friction is high. Then the trapezoidal rule moves it by half the gain
+/// less than its last velocity does, to second order instead of first. `radius` in m.
+bool changes_steadily(const Vector3& gained, const Vector3& gained_spin, const Vector3& acceleration, double dt,
+                      double radius);
+
+/// Keeps account of a body that has moved from `start` in a step of dt seconds: whether it may have used up the
+/// slack of its bounds by the end of the next one, and whether it was fast or is unsound.
+void note_motion(BodyTable& bodies, std::uint32_t body, const BodyPose& start, double dt, FastBodies& fast);
+
+}  // namespace atl::solver

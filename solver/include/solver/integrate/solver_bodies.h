@@ -1,0 +1,126 @@
+#pragma once
+
+#include <jobs/block_lanes.h>
+#include <jobs/bytes.h>
+#include <solver/constraints/motion_locks.h>
+#include <solver/integrate/body_table.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace atl::solver {
+
+using jobs::block_lanes;
+
+// The hot state of an island group's bodies, in rows of four floats that kernels load for several bodies at
+// once by transposes. Velocities are of the world frame; displacements are since the start of the step, so
+// single precision is enough however far from the origin a body is.
+
+struct alignas(32) VelocityRows {
+  float linear[3];   ///< m/s
+  float inertia_xx;  ///< of the inverse inertia, world frame, 1/(kg m^2); it rides along
+  float angular[3];  ///< rad/s
+  float inertia_yy;
+};
+
+struct alignas(16) InertiaRow {
+  float zz, xy, xz, yz;  ///< the rest of the inverse inertia
+};
+
+struct alignas(32) DisplacementRows {
+  float linear[3];    ///< m
+  float carries;      ///< 1 if contact points turn with the body; 0 for a ball, on which they stay behind
+  float rotation[4];  ///< x, y, z, w, world frame
+};
+
+/// Velocity at the start of the substep, before constraints: what they changed since is what warm-starts the
+/// next substep.
+struct alignas(32) FreeVelocityRows {
+  float linear[3];
+  float inverse_mass;  ///< 1/kg
+  float angular[3];
+  float unused;
+};
+
+struct alignas(32) AccelerationRows {
+  float linear[3];        ///< m/s^2
+  float linear_damping;   ///< factor a substep
+  float angular[3];       ///< rad/s^2
+  float angular_damping;  ///< factor a substep
+};
+
+/// How a body with unequal moments of inertia tumbles: what Euler's equations need.
+struct alignas(16) GyroscopicRows {
+  float principal[4] = {0, 0, 0, 1};  ///< x, y, z, w: orientation of its principal axes at the start of the step
+  float ratio[3] = {0, 0, 0};         ///< (I2 - I3) / I1, (I3 - I1) / I2, (I1 - I2) / I3
+  float active = 0;                   ///< 1, or 0 where the moments are equal
+  float moment[4] = {1, 1, 1, 0};     ///< kg m^2
+
+  /// `axes` of the world frame.
+  static GyroscopicRows of(const Quaternion& axes, const Vector3& moment) {
+    GyroscopicRows rows;
+    for (int k = 0; k < 4; ++k) rows.principal[k] = static_cast<float>(axes.coeffs()[k]);
+    for (int k = 0; k < 3; ++k) {
+      rows.ratio[k] = static_cast<float>((moment[(k + 1) % 3] - moment[(k + 2) % 3]) / moment[k]);
+      rows.moment[k] = static_cast<float>(moment[k]);
+    }
+    rows.active = 1;
+    return rows;
+  }
+};
+
+/// Along which axes of the world a body may move.
+struct alignas(16) LockRow {
+  float free[3] = {1, 1, 1};  ///< 1, or 0 along a locked one
+  float kind = 0;             ///< 1, 2, 3 if it stays in its plane across x, y, z; -1 if it may turn about all axes,
+                              ///< else -2; 0 unless dynamic
+
+  static LockRow of(std::uint8_t locks) {
+    LockRow row;
+    for (unsigned k = 0; k < 3; ++k) row.free[k] = linear_locks(locks) >> k & 1u ? 0.0f : 1.0f;
+    const int plane = plane_of(locks);
+    row.kind = plane >= 0 ? static_cast<float>(plane + 1) : angular_locks(locks) == 0 ? -1.0f : -2.0f;
+    return row;
+  }
+};
+
+/// Rows that groups have only if they need them.
+struct OptionalRows {
+  bool gyroscopic = false;
+  bool correction = false;
+  bool locks = false;
+};
+
+/// Bodies of one island group. Index 0 stands for every fixed body and is never written; copies of kinematic
+/// bodies follow, then the islands' dynamic bodies. The count is padded to full blocks.
+struct SolverBodies {
+  std::vector<VelocityRows> velocity;
+  std::vector<InertiaRow> inertia;
+  std::vector<DisplacementRows> displacement;
+  std::vector<FreeVelocityRows> free_velocity;
+  std::vector<AccelerationRows> acceleration;
+  std::vector<GyroscopicRows> gyroscopic;  ///< empty if no body needs it
+  std::vector<VelocityRows> correction;    ///< by which overlap is removed in this substep; empty where nothing asks
+  std::vector<LockRow> locks;              ///< empty if no body has motion locks
+  bool balls = true;                       ///< some body may be one (see DisplacementRows::carries)
+
+  void reset(std::size_t count, const OptionalRows& with) {
+    const std::size_t padded = (count + block_lanes - 1) / block_lanes * block_lanes;
+    velocity.assign(padded, {});
+    inertia.assign(padded, {});
+    displacement.assign(padded, {{0, 0, 0}, 1, {0, 0, 0, 1}});
+    free_velocity.assign(padded, {});
+    acceleration.assign(padded, {{0, 0, 0}, 1, {0, 0, 0}, 1});
+    gyroscopic.assign(with.gyroscopic ? padded : 0, {});
+    correction.assign(with.correction ? padded : 0, {});
+    locks.assign(with.locks ? padded : 0, {});
+  }
+  /// Memory held.
+  std::size_t bytes() const {
+    return jobs::bytes_of(velocity, inertia, displacement, free_velocity, acceleration, gyroscopic, correction, locks);
+  }
+  std::size_t padded_count() const { return velocity.size(); }
+};
+
+}  // namespace atl::solver

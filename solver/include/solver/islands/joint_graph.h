@@ -1,0 +1,44 @@
+#pragma once
+
+#include <jobs/bytes.h>
+#include <solver/constraints/joint.h>
+#include <solver/integrate/body_table.h>
+#include <solver/islands/islands.h>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace atl::solver {
+
+/// What hangs together by joints alone: components of dynamic bodies under the joints that act, whatever touches or
+/// sleeps. Made anew when joints come, go or change, and kept from step to step in between.
+class JointGraph {
+ public:
+  static constexpr std::uint32_t none = ~std::uint32_t{0};
+
+  /// `acts[joint]` is 1 for joints that are there and enabled; of these, those with a dynamic body count.
+  void build(std::span<const Joint> joints, std::span<const std::uint8_t> acts, const BodyTable& bodies);
+
+  /// All joints that act, in order.
+  std::span<const JointLink> links() const { return links_; }
+  std::size_t component_count() const { return start_.empty() ? 0 : start_.size() - 1; }
+  /// Of a joint; none if it doesn't act. Components are in order of their first joint.
+  std::uint32_t component_of(std::uint32_t joint) const { return component_of_[joint]; }
+  std::span<const JointLink> links_of(std::uint32_t component) const;
+
+  /// Memory held.
+  std::size_t bytes() const {
+    return jobs::bytes_of(links_, component_of_, sorted_, start_, parent_, component_of_root_);
+  }
+
+ private:
+  std::vector<JointLink> links_;
+  std::vector<std::uint32_t> component_of_;       // by joint
+  std::vector<JointLink> sorted_;                 // by component, in order of joints
+  std::vector<std::uint32_t> start_;              // by component, in sorted_, and the end
+  std::vector<std::uint32_t> parent_;             // by body, while building
+  std::vector<std::uint32_t> component_of_root_;  // by body, while building
+};
+
+}  // namespace atl::solver

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <jobs/bytes.h>
+#include <solver/select/load_estimate.h>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace atl::solver {
+
+/// How an island is solved.
+enum class SolveMode : std::uint8_t {
+  Sweep,   ///< as the settings say
+  Finer,   ///< in more substeps
+  Finest,  ///< in many more, and joints one after another: where these and contacts fight over what lies between
+  Direct,  ///< at once
+};
+
+/// How many substeps an island gets for each that was asked for, a power of two; 1 where these are as short already.
+int finer_by(SolveMode mode, const SolverSettings& settings, double dt);
+
+/// Follows which contacts carry more than soft ones are made for, and says what is done about their islands. A load has
+/// to stay for some steps, or it is an impact; of bodies that are new it is estimated at once. Tall columns, heavy
+/// bodies on light ones and large walls are what it finds. While there are none it costs nothing.
+class SolverSelection {
+ public:
+  /// For a world of so many bodies.
+  void resize(std::size_t bodies);
+  /// A new dynamic body.
+  void arrive(std::uint32_t body) { arrived_.push_back(body); }
+  /// One that is gone.
+  void forget(std::uint32_t body);
+  /// Where nothing is to be done.
+  void forget_all();
+  void forget_arrived() { arrived_.clear(); }
+
+  /// By island, where all are to be solved at once that can be.
+  std::span<const SolveMode> choose_direct(const LoadInput& input);
+
+  /// By island, for the next step; empty if all are to be swept.
+  std::span<const SolveMode> choose(const LoadInput& input);
+
+  /// Why an island got its mode, by the last choice; in words, static storage.
+  const char* why(std::size_t island) const;
+
+  /// After a step of dt seconds: its overloads, in any order and with bodies any number of times, and bodies of islands
+  /// that could not be solved at once, which will be tried again after some time. What sleeps stays as it is.
+  void note(std::vector<Overload>& overloads, std::span<const std::uint32_t> failed,
+            std::span<const std::uint8_t> awake, double dt);
+
+  /// For how long a body has been overloaded, and crushed, more or less: what lasts from step to step.
+  struct Strain {
+    float overloaded = 0;  ///< s
+    float crushed = 0;     ///< s
+    bool sags = false;     ///< with a large part of its island
+    bool operator==(const Strain&) const = default;
+  };
+  /// Bodies that came since the last choice, in the order in which they did.
+  std::span<const std::uint32_t> arrived() const { return arrived_; }
+  /// Bodies under strain, in order.
+  std::span<const std::uint32_t> strained() const { return strained_; }
+  Strain strain(std::uint32_t body) const { return strain_[body]; }
+  /// Of a state that is restored: the bodies under strain come in order.
+  void restore_strain(std::uint32_t body, const Strain& strain) {
+    strain_[body] = strain;
+    strained_.push_back(body);
+  }
+
+  /// Memory held.
+  std::size_t bytes() const {
+    return jobs::bytes_of(strain_, strained_, arrived_, of_overloads_, merged_, symptoms_, modes_, estimated_);
+  }
+
+ private:
+  void estimate_arrived(const LoadInput& input);
+
+  // What is known of an island by its bodies under strain.
+  struct Symptoms {
+    bool lasts = false;
+    bool crushes = false;
+    bool sags = false;
+  };
+
+  std::vector<Strain> strain_;           // by body
+  std::vector<std::uint32_t> strained_;  // in order
+  std::vector<std::uint32_t> arrived_;
+  std::vector<std::uint32_t> of_overloads_, merged_;
+  std::vector<Symptoms> symptoms_;  // by island
+  std::vector<SolveMode> modes_;    // by island
+  std::vector<Overload> estimated_;
+  LoadEstimate estimate_;
+};
+
+}  // namespace atl::solver

@@ -1,0 +1,118 @@
+#pragma once
+
+#include <collision/contact.h>
+#include <solver/integrate/solver_bodies.h>
+
+#include <cstdint>
+
+namespace atl::solver {
+
+using collision::max_points;
+
+/// Which bodies of a block's contacts may move; the others are fixed. Locked is Both where some may move along some
+/// axes only: kernels know of it, blocks tell it by their traits.
+enum class Movers : std::uint8_t { Both, First, Second, Locked };
+
+/// What a block's contacts call for in this step: kernels leave out the rest of the work, which would change no bit.
+struct ContactTraits {
+  std::uint8_t points = max_points;  ///< no contact has more
+  bool friction = true;
+  bool bounces = true;
+  bool locked = true;  ///< some body is locked along an axis, and not all that may move stay in one plane
+};
+
+/// Eight contacts of one colour, one a lane, for the wide kernels: no two share a dynamic body.
+///
+/// The points of a manifold share the normal, so all four are solved in three relative speeds: along the
+/// normal at the centre (u), and of spin about the two tangents (w1, w2). Point i closes at
+/// u + y_i w1 - x_i w2, and K maps impulses to changes of the three. Lanes without a contact hold zeros and
+/// K00 = 1.
+struct alignas(64) ContactBlock {
+  template <std::size_t n>
+  using Lanes = float[n][block_lanes];
+
+  std::int32_t first[block_lanes];  ///< index into SolverBodies
+  std::int32_t second[block_lanes];
+  Lanes<3> normal;
+  Lanes<3> tangent;  ///< the first; the second is normal x tangent
+  Lanes<3> anchor_first;
+  Lanes<3> anchor_second;
+  Lanes<4> x;
+  Lanes<4> y;
+  Lanes<4> start_separation;  ///< at the start of the step
+  Lanes<4> separation;        ///< as of the last sweep that looked
+  Lanes<4> normal_impulse;
+  Lanes<6> k;  ///< 00, 01, 02, 11, 12, 22
+  Lanes<2> inverse_mass;
+  Lanes<2> friction_impulse;
+  float twist_impulse[block_lanes];
+  Lanes<3> friction_mass;  ///< inverse of the tangential 2 x 2 matrix: 11, 12, 22
+  float twist_mass[block_lanes];
+  float friction[block_lanes];
+  float lever[block_lanes];
+  std::int32_t slot[block_lanes];  ///< of the contact; -1 in a lane without one
+  std::uint8_t write_first;        ///< bit a lane: the first body is dynamic
+  std::uint8_t write_second;
+  std::uint8_t loaded;    ///< bit a lane: it may carry more than soft contacts are made for, see load_check.h
+  std::uint8_t contacts;  ///< lanes with one
+  Movers movers;
+  ContactTraits traits;
+};
+
+/// How many contacts kernels did what for, by blocks.
+struct ContactWork {
+  std::int64_t contacts = 0;
+  std::int64_t several_points = 0;
+  std::int64_t two_movable = 0;
+  std::int64_t friction = 0;
+  std::int64_t bounces = 0;
+
+  void add(const ContactBlock& block) {
+    contacts += block.contacts;
+    if (block.traits.points > 1) several_points += block.contacts;
+    if (block.movers == Movers::Both) two_movable += block.contacts;
+    if (block.traits.friction) friction += block.contacts;
+    if (block.traits.bounces) bounces += block.contacts;
+  }
+  ContactWork& operator+=(const ContactWork& other) {
+    contacts += other.contacts;
+    several_points += other.several_points;
+    two_movable += other.two_movable;
+    friction += other.friction;
+    bounces += other.bounces;
+    return *this;
+  }
+};
+
+/// What a block needs beside, if its group has restitution.
+struct alignas(64) BounceBlock {
+  float approach[4][block_lanes];     ///< m/s, closing speed (negative) at the start of the step
+  float max_impulse[4][block_lanes];  ///< N s, over the substeps: zero if the point never touched
+  float restitution[block_lanes];
+};
+
+/// What a block needs beside, if surfaces in its group run, or hold back rolling or spinning.
+struct alignas(64) SurfaceBlock {
+  template <std::size_t n>
+  using Lanes = float[n][block_lanes];
+
+  Lanes<2> slip;                ///< m/s, along the tangents
+  Lanes<2> rolling_impulse;     ///< N m s, about the tangents
+  Lanes<3> rolling_mass;        ///< inverse of the tangential 2 x 2 matrix of spins: 11, 12, 22
+  Lanes<1> rolling_friction;    ///< m
+  Lanes<1> torsional_friction;  ///< m
+};
+
+/// What a block needs beside, if bodies of its group have motion locks. A contact of bodies that stay in one plane has
+/// at most two points, its first.
+struct alignas(64) PlanarBlock {
+  float planar[block_lanes];    ///< 1 for such a contact, else 0
+  float point[2][block_lanes];  ///< which of the manifold's points they are; -1 if there is none
+};
+
+/// What a block needs beside, if overlap is removed by velocities of its own.
+struct alignas(64) SplitBlock {
+  float impulse[4][block_lanes];  ///< N s, of this substep
+};
+
+}  // namespace atl::solver

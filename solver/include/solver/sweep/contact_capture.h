@@ -1,0 +1,43 @@
+#pragma once
+
+#include <solver/integrate/body_table.h>
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace atl::solver {
+
+/// What the last substep's sweeps had to solve and what they answered, before restitution, for the error audit. Groups
+/// write the entries of their own bodies and contacts.
+struct ContactCapture {
+  struct Answer {
+    double step = 0;                      ///< s, of what it is the answer to
+    std::array<float, 4> separation;      ///< m, as the sweeps saw it
+    std::array<float, 4> normal_impulse;  ///< N s
+    std::array<float, 3> friction_impulse;
+    float twist_impulse;                               ///< N m s
+    std::array<float, 3> rolling_impulse = {0, 0, 0};  ///< N m s
+    /// It was solved in the plane that its bodies stay in, with two points on the tangent, and not as the manifold has
+    /// it.
+    bool planar = false;
+    std::array<float, 3> normal;
+    std::array<float, 3> tangent;
+    std::array<float, 2> x;  ///< m
+  };
+  struct Motion {
+    Vector3 free_velocity;  ///< after forces, before contact impulses
+    Vector3 free_angular_velocity;
+    Matrix3 inverse_inertia;  ///< world frame
+  };
+
+  std::vector<Answer> answers;  ///< by contact slot
+  std::vector<Motion> motions;  ///< by body, of the dynamic ones that contacts touch
+
+  void resize(std::size_t slots, std::size_t bodies) {
+    answers.resize(slots);
+    motions.resize(bodies);
+  }
+};
+
+}  // namespace atl::solver

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <jobs/bytes.h>
+#include <solver/constraints/joint.h>
+#include <solver/integrate/body_table.h>
+#include <solver/sweep/colouring.h>
+#include <solver/sweep/joint_block.h>
+#include <solver/sweep/kernels.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace atl::solver {
+
+/// What the joints of a group look at in a step.
+struct JointStep {
+  Joint* joints;           ///< by index
+  const BodyTable& table;  ///< poses of the start of the step, or, as results are stored, of its end
+  const SolverBodies& bodies;
+  const SubstepConstants& constants;
+  double h;  ///< s, of a substep
+};
+
+/// The joints of an island group that are solved one after another, as contacts are: coloured blocks for the wide
+/// kernels, of which this makes those parts that are not wide. A point's motion is followed in the kernels; the
+/// coordinates of other rows, with their Jacobians, are taken anew in each substep in double. Memory is reused.
+class GroupJoints {
+ public:
+  /// Starts a new group.
+  void clear();
+  void add(const LocalJoint& joint) { joints_.push_back(joint); }
+  /// As Colouring has it, of all that were added.
+  void colour(std::uint32_t first_dynamic, std::uint32_t body_count);
+
+  bool empty() const { return joints_.empty(); }
+  bool has_rows() const { return !rows_.empty(); }
+  std::span<const Colour> colours() const { return colouring_.colours(); }
+  std::size_t block_count() const { return empty() ? 0 : colouring_.block_count(); }
+  JointKernelData kernel_data(SolverBodies& bodies, const SubstepConstants& constants) {
+    return {.bodies = bodies, .blocks = blocks_.data(), .rows = rows_.data(), .constants = constants};
+  }
+
+  // Over blocks [begin, end), several workers at once.
+
+  /// The start of the step, with the impulses of the last. Kernels::prepare_joints does the rest.
+  void prepare(const JointStep& step, std::size_t begin, std::size_t end);
+  /// Adds what the tension in points makes of how bodies turn (arm_stiffness.h), by index into SolverBodies. Not for
+  /// blocks of different colours at once.
+  void add_stiffness(const JointStep& step, std::span<Matrix3> stiffness, std::size_t begin, std::size_t end) const;
+  /// After positions have moved by the velocities that the bodies have: coordinates and rows other than points.
+  void refresh_rows(const JointStep& step, std::size_t begin, std::size_t end);
+  void clear_impulses(std::size_t begin, std::size_t end);
+  /// Impulses, coordinates and what holds the joints, back to them. Bodies have their new poses.
+  void store(const JointStep& step, std::size_t begin, std::size_t end) const;
+
+  /// Memory held.
+  std::size_t bytes() const { return jobs::bytes_of(joints_, blocks_, rows_) + colouring_.bytes(); }
+
+ private:
+  void prepare_rows(const JointStep& step, JointBlock& block);
+
+  std::vector<LocalJoint> joints_;
+  Colouring colouring_;
+  std::vector<JointBlock> blocks_;
+  std::vector<JointRowBlock> rows_;
+};
+
+/// Whether a coordinate is at an end of its range: -1, 1 or 0. It gets there within a millimetre or milliradian, or a
+/// hundredth of a range that is shorter than ten of these, and leaves at twice that.
+std::int8_t limit_reached(const Law& law, double position, std::int8_t before);
+
+}  // namespace atl::solver

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <jobs/bytes.h>
+#include <solver/integrate/body_table.h>
+#include <solver/islands/islands.h>
+#include <solver/solve_input.h>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace atl::solver {
+
+/// Which bodies of an island group hang together by joints, and so what may be done to them as a step starts and ends
+/// to make it of second order. Bodies by their place in the group.
+class JoinedMotion {
+ public:
+  /// Of a group with joints.
+  void build(const SolveInput& input, const IslandGroup& group);
+
+  /// Graph components of the group that are solved at once.
+  std::span<const std::uint32_t> direct() const { return direct_; }
+  /// Those of them that something touches.
+  std::span<const std::uint32_t> touched_direct() const { return touched_direct_; }
+  /// Those of them whose velocities something else changes as the step ends: forces' second half, or bounces.
+  std::span<const std::uint32_t> disturbed_direct() const { return disturbed_direct_; }
+  bool is_joined(std::size_t body) const { return component_[body] != none; }
+  bool is_direct(std::size_t body) const { return is_joined(body) && components_[component_[body]].direct; }
+  /// Solved at once, and touched by nothing: it gets its forces half a substep before, and half a substep after the
+  /// positions, as a leapfrog has it.
+  bool leaps(std::size_t body) const {
+    return is_joined(body) && components_[component_[body]].direct && !components_[component_[body]].touched;
+  }
+  bool any_leaps() const { return touched_direct_.size() < direct_.size(); }
+  /// Joined one by one, to nothing that is fixed, and touched by nothing: it falls as a whole.
+  bool falls(std::size_t body) const {
+    if (!is_joined(body)) return false;
+    const Component& component = components_[component_[body]];
+    return !component.direct && !component.touched && !component.anchored;
+  }
+  /// m/s^2, of the centre of mass of all that hang together with it.
+  Vector3 acceleration(std::size_t body) const { return components_[component_[body]].acceleration; }
+
+  /// Takes in what accelerates the bodies in this step.
+  void note_forces(std::span<const std::uint32_t> body_ids, const BodyTable& bodies, const Vector3& gravity);
+
+  /// Memory held.
+  std::size_t bytes() const {
+    return jobs::bytes_of(component_, components_, direct_, touched_direct_, disturbed_direct_, number_);
+  }
+
+ private:
+  static constexpr std::uint32_t none = JointGraph::none;
+
+  struct Component {
+    bool direct = false;
+    bool touched = false;
+    bool bounces = false;  // off something
+    bool anchored = false;
+    double mass = 0;  // kg
+    Vector3 acceleration = Vector3::Zero();
+  };
+
+  std::vector<std::uint32_t> component_;  // by body, in components_
+  std::vector<Component> components_;
+  std::vector<std::uint32_t> direct_, touched_direct_, disturbed_direct_;
+  std::vector<std::uint32_t> number_;  // by component of the graph; all none between calls
+};
+
+}  // namespace atl::solver

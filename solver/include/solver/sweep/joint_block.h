@@ -1,0 +1,79 @@
+#pragma once
+
+#include <solver/integrate/solver_bodies.h>
+
+#include <cstdint>
+
+namespace atl::solver {
+
+/// Eight joints of one colour, one a lane, for the wide kernels: no two share a dynamic body. All of them hold the
+/// origins of their frames together, or none does; and all have rows beside (JointRowBlock), or none has. A lane
+/// without a joint holds zeros.
+///
+/// Arms and the offset of the origins are of world axes. They follow the bodies' displacements, so a joint is right
+/// at the end of a step as at its start; inertia stays that of the start, as contacts have it.
+struct alignas(64) JointBlock {
+  template <std::size_t n>
+  using Lanes = float[n][block_lanes];
+
+  std::int32_t first[block_lanes];  ///< index into SolverBodies
+  std::int32_t second[block_lanes];
+
+  // Of blocks with a point: as of the last sweep that looked.
+  Lanes<3> arm_first;  ///< m, of the frame's origin from the centre of mass
+  Lanes<3> arm_second;
+  Lanes<3> offset;         ///< m, from the first frame's origin to the second's
+  Lanes<6> mass;           ///< kg, inverse of K = J M^-1 J^T: xx, yy, zz, xy, xz, yz
+  Lanes<3> impulse;        ///< N s, on the second body
+  Lanes<2> inverse_mass;   ///< 1/kg
+  Lanes<3> carried_first;  ///< N m s, see joint_sweep-inl.h: what turning made of the impulses that are carried over
+  Lanes<3> carried_second;
+
+  Lanes<3> start_arm_first;  ///< at the start of the step
+  Lanes<3> start_arm_second;
+  Lanes<3> start_offset;
+  Lanes<3> carried_linear;  ///< N s, of blocks with rows
+
+  std::int32_t joint[block_lanes];  ///< -1 in a lane without one
+  std::uint32_t first_row;          ///< in the array of JointRowBlocks, where the block's lie one after another
+  std::uint8_t rows;                ///< most of its lanes
+  std::uint8_t point;               ///< 1 if the origins stay together
+  std::uint8_t write_first;         ///< bit a lane: the first body is dynamic
+  std::uint8_t write_second;
+};
+
+/// One coordinate of each joint of a block: its row of the Jacobian (see joint_coordinates.h) and its law, as numbers
+/// that are the same for all laws.
+///
+/// Let u0 be the rate without this row's impulse and w = J M^-1 J^T. A spring makes of it scale * u0 + shift, a motor
+/// then brings it as near to its speed as its force lets it, and a limit keeps the rest in [lower_speed, upper_speed].
+/// Where a limit is exceeded, sweeps with a bias put the speed that a soft spring at it would leave in place of the
+/// bound. What is locked is exceeded on both sides, by as much as it is off. A row that does nothing, as those of
+/// lanes with fewer than the block, has mass 0.
+struct alignas(64) JointRowBlock {
+  template <std::size_t n>
+  using Lanes = float[n][block_lanes];
+
+  Lanes<3> linear;  ///< on the second body; the opposite on the first
+  Lanes<3> angular_first;
+  Lanes<3> angular_second;
+  float impulse[block_lanes];       ///< N s or N m s
+  float mass[block_lanes];          ///< 1 / w
+  float inverse_mass[block_lanes];  ///< w
+
+  float spring_scale[block_lanes];
+  float spring_shift[block_lanes];       ///< m/s or rad/s, from where the substep starts
+  float next_spring_shift[block_lanes];  ///< and where the next one does
+  float motor_speed[block_lanes];
+  float motor_change[block_lanes];  ///< what the motor can change the rate by
+  float lower_speed[block_lanes];
+  float upper_speed[block_lanes];
+
+  float soft_lower[block_lanes];  ///< 1 where the lower end is exceeded, or the coordinate locked
+  float soft_upper[block_lanes];
+  float soft_scale[block_lanes];
+  float soft_shift[block_lanes];
+  float soft_motor_change[block_lanes];
+};
+
+}  // namespace atl::solver

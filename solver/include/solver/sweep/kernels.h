@@ -1,0 +1,105 @@
+#pragma once
+
+#include <solver/constraints/surface_contact.h>
+#include <solver/integrate/solver_bodies.h>
+#include <solver/solver_settings.h>
+#include <solver/sweep/contact_block.h>
+#include <solver/sweep/joint_block.h>
+
+#include <cstddef>
+#include <string_view>
+#include <vector>
+
+namespace atl::solver {
+
+/// What the contact kernels work on.
+struct ContactKernelData {
+  SolverBodies& bodies;
+  ContactBlock* blocks;
+  BounceBlock* bounces;                   ///< one a block, or null if nothing bounces
+  collision::ContactManifold* manifolds;  ///< by contact slot
+  const SubstepConstants& constants;
+  SurfaceBlock* surface_blocks = nullptr;      ///< one a block, or null if all surfaces are plain
+  SurfaceContact* surface_contacts = nullptr;  ///< by contact slot, with them
+  SplitBlock* split_blocks = nullptr;          ///< one a block, or null where nothing asks
+  PlanarBlock* planar_blocks = nullptr;        ///< one a block, or null if no body has motion locks
+  bool leaves_out = true;                      ///< what a block has none of; else it is gone through for nothing
+};
+
+/// What a sweep does about overlap.
+enum class Push {
+  None,   ///< nothing: it only stops approach
+  Bias,   ///< asks for a speed that gets bodies apart
+  Split,  ///< the same, in SolverBodies::correction and impulses of its own, and nothing else
+};
+
+/// A sweep of projected Gauss-Seidel over blocks.
+struct Sweep {
+  Push push;
+  bool refresh;           ///< recompute separations from the bodies' displacements first
+  Friction friction;      ///< None with Push::Split
+  bool twice = false;     ///< goes over the points of each contact twice: some may be new
+  bool measures = false;  ///< tell the residual
+};
+
+/// What the joint kernels work on.
+struct JointKernelData {
+  SolverBodies& bodies;
+  JointBlock* blocks;
+  JointRowBlock* rows;
+  const SubstepConstants& constants;
+};
+
+/// A sweep over the blocks of joints.
+struct JointSweep {
+  bool bias;     ///< asks for speeds that take errors back, softly; else joints are rigid and look at rates alone
+  bool refresh;  ///< recompute arms, offsets and masses from the bodies' displacements first
+  bool carries;  ///< the first sweep after impulses were carried over from the substep before
+  bool measures = false;  ///< tell the residual
+};
+
+/// The wide kernels for one instruction set. Each runs over [begin, end): of blocks, or of body indices in
+/// multiples of block_lanes; null if this build leaves out what it is for. The same operations in the same order in
+/// every lane on each set, without fused multiply-add or approximations, so all give the same bits.
+struct Kernels {
+  const char* name;
+  std::size_t lanes;
+
+  /// Makes blocks, whose indices are filled in, from their manifolds.
+  void (*prepare)(const ContactKernelData& data, std::size_t begin, std::size_t end);
+  /// Applies the accumulated impulses.
+  void (*warm_start)(const ContactKernelData& data, std::size_t begin, std::size_t end);
+  /// Returns, if the sweep measures, its residual, m/s: the largest change that an impulse made to the relative speed
+  /// which it is there for, at the time it was found. Spins count with the lever they have at the contact.
+  float (*sweep)(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end);
+  /// Gives points that hit faster than the threshold their part of the closing speed back.
+  void (*restitute)(const ContactKernelData& data, std::size_t begin, std::size_t end);
+  /// Writes impulses back to the manifolds, and notes what is overloaded.
+  void (*store)(const ContactKernelData& data, std::size_t begin, std::size_t end);
+
+  /// Starts a substep: forces, then, if `carry_over`, what constraints changed in the
+  /// last substep once more (their warm start).
+  void (*integrate_velocities)(SolverBodies& bodies, const SubstepConstants& constants, bool carry_over,
+                               std::size_t begin, std::size_t end);
+  /// Starts the corrections of a substep at zero, where there are any.
+  void (*clear_corrections)(SolverBodies& bodies, std::size_t begin, std::size_t end);
+  /// Moves and turns; bodies with unequal moments of inertia tumble. What contacts see of their
+  /// inertia stays that of the start of the step.
+  void (*integrate_positions)(SolverBodies& bodies, const SubstepConstants& constants, std::size_t begin,
+                              std::size_t end);
+
+  /// Completes blocks of joints whose start of the step, impulses and rows are filled in.
+  void (*prepare_joints)(const JointKernelData& data, std::size_t begin, std::size_t end);
+  /// Applies the accumulated impulses.
+  void (*warm_start_joints)(const JointKernelData& data, std::size_t begin, std::size_t end);
+  /// Returns, if the sweep measures, its residual as that over contacts does. Spins count with a lever of 1 m.
+  float (*sweep_joints)(const JointKernelData& data, const JointSweep& sweep, std::size_t begin, std::size_t end);
+};
+
+/// The sets that this machine runs, best first: of "avx512", "avx2", "sse4", "neon" and always "portable".
+const std::vector<const Kernels*>& available_kernels();
+
+/// Null if this machine lacks it.
+const Kernels* find_kernels(std::string_view name);
+
+}  // namespace atl::solver

@@ -1,0 +1,137 @@
+#include <solver/constraints/contact_law.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace atl::solver {
+namespace {
+
+using Two = std::array<double, 2>;
+
+double length(const Two& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1]); }
+
+// What holds back motion at `speed`, no more than a disc allows. Whether that binds.
+bool hold_in_disc(const Two& speed, double stiffness, double bound, Two& impulse) {
+  impulse = {-stiffness * speed[0], -stiffness * speed[1]};
+  const double wanted = length(impulse);
+  if (!(wanted > bound)) return false;
+  for (double& of_axis : impulse) of_axis *= bound / wanted;
+  return true;
+}
+
+// Its stiffness where the disc binds: the impulse's size is given, and only motion across it turns it.
+void add_turning(std::array<Six, 6>& k, int axis, const Two& speed, double bound) {
+  const double square = speed[0] * speed[0] + speed[1] * speed[1];
+  if (!(square > 0)) return;
+  const Two across = {-speed[1], speed[0]};
+  const double by_square = bound / (square * std::sqrt(square));
+  for (int a = 0; a < 2; ++a) {
+    for (int b = 0; b < 2; ++b) k[axis + a][axis + b] += by_square * across[a] * across[b];
+  }
+}
+
+// The impulse over the speed, no more than the bound lets it be.
+double held(double speed, double stiffness, double bound) {
+  return stiffness * speed > bound ? bound / speed : stiffness;
+}
+
+}  // namespace
+
+ContactAnswer ContactLaw::answer(const Six& motion) const {
+  ContactAnswer answer;
+  for (int i = 0; i < points; ++i) {
+    const double closing = speed(i, motion) + bias[i];
+    if (!(closing < 0)) continue;
+    answer.normal[i] = -stiffness[i] * closing;
+    answer.pieces.points |= static_cast<std::uint8_t>(1 << i);
+  }
+  const Two slides = sliding(motion);
+  if (pyramid) {
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      const double wanted = -friction_stiffness * slides[axis];
+      answer.friction[axis] = std::clamp(wanted, -friction_bound, friction_bound);
+      if (answer.friction[axis] != wanted) answer.pieces.slides |= static_cast<std::uint8_t>(1 << axis);
+    }
+  } else if (hold_in_disc(slides, friction_stiffness, friction_bound, answer.friction)) {
+    answer.pieces.slides = 3;
+  }
+  const double twist = -twist_stiffness * motion[5];
+  answer.twist = std::clamp(twist, -twist_bound, twist_bound);
+  answer.pieces.spins = answer.twist != twist;
+  if (rolling_stiffness > 0) {
+    answer.pieces.rolls = hold_in_disc({motion[1], motion[2]}, rolling_stiffness, rolling_bound, answer.rolling);
+  }
+  return answer;
+}
+
+ContactAnswer ContactLaw::linear_answer(const Six& motion, const ContactPieces& pieces,
+                                        const ContactAnswer& before) const {
+  ContactAnswer answer = before;
+  answer.pieces = pieces;
+  for (int i = 0; i < points; ++i) {
+    answer.normal[i] = pieces.points & (1 << i) ? -stiffness[i] * (speed(i, motion) + bias[i]) : 0;
+  }
+  const Two slides = sliding(motion);
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    if (!(pieces.slides & (1 << axis))) answer.friction[axis] = -friction_stiffness * slides[axis];
+    if (!pieces.rolls) answer.rolling[axis] = -rolling_stiffness * motion[1 + axis];
+  }
+  if (!pieces.spins) answer.twist = -twist_stiffness * motion[5];
+  return answer;
+}
+
+void ContactLaw::add_points(std::array<Six, 6>& k, const std::array<double, collision::max_points>& held) const {
+  for (int i = 0; i < points; ++i) {
+    const double row[3] = {1, y[i], -x[i]};
+    for (int a = 0; a < 3; ++a) {
+      for (int b = 0; b < 3; ++b) k[a][b] += held[i] * row[a] * row[b];
+    }
+  }
+}
+
+std::array<Six, 6> ContactLaw::secant(const Six& motion,
+                                      const std::array<double, collision::max_points>& held_by_points) const {
+  std::array<Six, 6> k = {};
+  add_points(k, held_by_points);
+  const Two slides = sliding(motion);
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    const double speed = pyramid ? std::abs(slides[axis]) : length(slides);
+    k[3 + axis][3 + axis] = held(speed, friction_stiffness, friction_bound);
+    k[1 + axis][1 + axis] += held(length({motion[1], motion[2]}), rolling_stiffness, rolling_bound);
+  }
+  k[5][5] = held(std::abs(motion[5]), twist_stiffness, twist_bound);
+  return k;
+}
+
+std::array<Six, 6> ContactLaw::derivative(const Six& motion, const ContactPieces& pieces) const {
+  std::array<Six, 6> k = {};
+  std::array<double, collision::max_points> pushing = {};
+  for (int i = 0; i < points; ++i) pushing[i] = pieces.points & (1 << i) ? stiffness[i] : 0;
+  add_points(k, pushing);
+  if (pieces.slides == 3 && !pyramid) {
+    add_turning(k, 3, sliding(motion), friction_bound);
+  } else {
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      if (!(pieces.slides & (1 << axis))) k[3 + axis][3 + axis] = friction_stiffness;
+    }
+  }
+  if (pieces.rolls) {
+    add_turning(k, 1, {motion[1], motion[2]}, rolling_bound);
+  } else {
+    for (std::size_t axis = 1; axis < 3; ++axis) k[axis][axis] += rolling_stiffness;
+  }
+  if (!pieces.spins) k[5][5] = twist_stiffness;
+  return k;
+}
+
+Six ContactLaw::total(const ContactAnswer& answer) const {
+  Six sum = {0, answer.rolling[0], answer.rolling[1], answer.friction[0], answer.friction[1], answer.twist};
+  for (int i = 0; i < points; ++i) {
+    sum[0] += answer.normal[i];
+    sum[1] += y[i] * answer.normal[i];
+    sum[2] -= x[i] * answer.normal[i];
+  }
+  return sum;
+}
+
+}  // namespace atl::solver

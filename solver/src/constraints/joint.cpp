@@ -1,0 +1,90 @@
+#include <solver/constraints/joint.h>
+
+#include <cmath>
+
+namespace atl::solver {
+
+JointRow joint_row(const Joint& joint, std::size_t row, const JointFrames& frames) {
+  switch (joint.coordinate[row]) {
+    case Coordinate::OffsetX:
+      return offset_along(frames, 0);
+    case Coordinate::OffsetY:
+      return offset_along(frames, 1);
+    case Coordinate::OffsetZ:
+      return offset_along(frames, 2);
+    case Coordinate::Distance:
+      return distance(frames);
+    case Coordinate::TurnX:
+      return turn_about(frames, 0);
+    case Coordinate::TurnY:
+      return turn_about(frames, 1);
+    case Coordinate::TurnZ:
+      return turn_about(frames, 2);
+    case Coordinate::CosineXY:
+      return cosine_between(frames, 0, 1);
+    case Coordinate::CosineXZ:
+      return cosine_between(frames, 0, 2);
+    case Coordinate::CosineZY:
+      return cosine_between(frames, 2, 1);
+    case Coordinate::Twist:
+      return twist(frames);
+    case Coordinate::Swing:
+      return swing(frames);
+    case Coordinate::AngleX:
+      return angle_about_first(frames, 0, 1);
+    case Coordinate::AngleSecondY:
+      return angle_about_second(frames, 1, 0);
+    case Coordinate::Steer:
+      return angle_about_first(frames, 2, 1);
+    case Coordinate::Roll:
+      return angle_about_second(frames, 1, 2);
+    case Coordinate::SpinX:
+      return spin_about(frames, 0);
+    case Coordinate::SpinY:
+      return spin_about(frames, 1);
+    case Coordinate::SpinZ:
+      return spin_about(frames, 2);
+    case Coordinate::Orbit:
+      return orbit(frames);
+    case Coordinate::Gear:
+      return gear(frames, joint.ratio);
+    case Coordinate::Rack:
+      break;
+  }
+  return rack(frames, joint.ratio);
+}
+
+double continued(Coordinate coordinate, double value, double before) {
+  switch (coordinate) {
+    case Coordinate::Twist:
+    case Coordinate::AngleX:
+    case Coordinate::AngleSecondY:
+    case Coordinate::Steer:
+    case Coordinate::Roll: {
+      constexpr double turn = 2 * 3.14159265358979323846;
+      return value + turn * std::round((before - value) / turn);
+    }
+    case Coordinate::SpinX:
+    case Coordinate::SpinY:
+    case Coordinate::SpinZ:
+    case Coordinate::Orbit:
+    case Coordinate::Gear:
+    case Coordinate::Rack:
+      return before;
+    default:
+      return value;
+  }
+}
+
+JointFrames joint_frames(const Joint& joint, const Vector3& position_first, const Quaternion& orientation_first,
+                         const Vector3& position_second, const Quaternion& orientation_second) {
+  JointFrames frames;
+  frames.arm_first = orientation_first * joint.anchor_first;
+  frames.arm_second = orientation_second * joint.anchor_second;
+  frames.offset = (position_second - position_first) + (frames.arm_second - frames.arm_first);
+  frames.axes_first = (orientation_first * joint.axes_first).toRotationMatrix();
+  frames.axes_second = (orientation_second * joint.axes_second).toRotationMatrix();
+  return frames;
+}
+
+}  // namespace atl::solver

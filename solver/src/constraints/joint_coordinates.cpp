@@ -1,0 +1,131 @@
+#include <solver/constraints/joint_coordinates.h>
+#include <solver/integrate/trigonometry.h>
+
+#include <cmath>
+
+namespace atl::solver {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+// Orientation of the second frame in the first, of the shorter way round.
+Quaterniond relative_turn(const JointFrames& frames) {
+  Quaterniond turn(Matrix3d(frames.axes_first.transpose() * frames.axes_second));
+  if (turn.w() < 0) turn.coeffs() = -turn.coeffs();
+  return turn;
+}
+
+// A coordinate that changes at axis . (w_B - w_A).
+JointRow angular_row(const Vector3d& axis, double value) {
+  return {.linear = Vector3d::Zero(), .angular_first = axis, .angular_second = axis, .value = value};
+}
+
+// Across both x axes, which it takes from the first to the second by the shorter way.
+Vector3d swing_axis(const JointFrames& frames) {
+  const Vector3d across = frames.axes_first.col(0).cross(frames.axes_second.col(0));
+  const double sine = across.norm();
+  return sine > 0 ? Vector3d(across / sine) : Vector3d(frames.axes_first.col(1));
+}
+
+}  // namespace
+
+// d/dt (a . offset), with a fixed to the first body: its turning adds (w_A x a) . offset = w_A . (a x offset).
+JointRow offset_along(const JointFrames& frames, int axis) {
+  const Vector3d a = frames.axes_first.col(axis);
+  return {.linear = a,
+          .angular_first = (frames.arm_first + frames.offset).cross(a),
+          .angular_second = frames.arm_second.cross(a),
+          .value = a.dot(frames.offset)};
+}
+
+JointRow distance(const JointFrames& frames) {
+  const double length = frames.offset.norm();
+  const Vector3d direction = length > 0 ? Vector3d(frames.offset / length) : Vector3d(frames.axes_first.col(0));
+  return {.linear = direction,
+          .angular_first = frames.arm_first.cross(direction),
+          .angular_second = frames.arm_second.cross(direction),
+          .value = length};
+}
+
+// For q = (s, v), q' = (0, w) q / 2 with w the relative spin in the first frame, so (2 v)' = s w + w x v, of which row
+// k is (s e_k + v x e_k) . w.
+JointRow turn_about(const JointFrames& frames, int axis) {
+  const Quaterniond turn = relative_turn(frames);
+  const Vector3d unit = Vector3d::Unit(axis);
+  return angular_row(frames.axes_first * (turn.w() * unit + turn.vec().cross(unit)), 2 * turn.vec()[axis]);
+}
+
+// (a . b)' = (w_A x a) . b + a . (w_B x b) = (b x a) . (w_B - w_A).
+JointRow cosine_between(const JointFrames& frames, int axis_first, int axis_second) {
+  const Vector3d a = frames.axes_first.col(axis_first);
+  const Vector3d b = frames.axes_second.col(axis_second);
+  return angular_row(b.cross(a), a.dot(b));
+}
+
+// Of q = (s, v) the twist is 2 atan2(v_x, s). Its rate in terms of the relative spin is that about the direction
+// halfway between the two x axes, over the cosine of half the swing: (a + b) . w / (1 + a . b).
+JointRow twist(const JointFrames& frames) {
+  const Quaterniond turn = relative_turn(frames);
+  const Vector3d a = frames.axes_first.col(0);
+  const Vector3d b = frames.axes_second.col(0);
+  const double both = 1 + a.dot(b);
+  const Vector3d axis = both > 0 ? Vector3d((a + b) / both) : a;
+  return angular_row(axis, 2 * arctangent(turn.x(), turn.w()));
+}
+
+JointRow swing(const JointFrames& frames) {
+  const Vector3d a = frames.axes_first.col(0);
+  const Vector3d b = frames.axes_second.col(0);
+  return angular_row(swing_axis(frames), arctangent(a.cross(b).norm(), a.dot(b)));
+}
+
+namespace {
+
+// Angle about `axis`, which is fixed with `from` to one body, by which `to` of the other has turned from `from`:
+// atan2(s, c) with s = m . (a x r) and c = m . r, both cosines of an axis of each frame, so (atan2(s, c))' = (c s' - s
+// c') / (s^2 + c^2). Where both are 0, as of an axis that is parallel to the one it should turn about, the row is of
+// turning about that. `sign` of the angle: -1 where it is the other body's that counts.
+JointRow angle_about(const Vector3d& axis, const Vector3d& from, const Vector3d& to, double sign) {
+  const Vector3d across = axis.cross(from);
+  const double sine = to.dot(across);
+  const double cosine = to.dot(from);
+  const double square = sine * sine + cosine * cosine;
+  if (!(square > 0)) return angular_row(axis, 0);
+  return angular_row((cosine * to.cross(across) - sine * to.cross(from)) / square, sign * arctangent(sine, cosine));
+}
+
+}  // namespace
+
+JointRow angle_about_first(const JointFrames& frames, int about, int of) {
+  return angle_about(frames.axes_first.col(about), frames.axes_first.col(of), frames.axes_second.col(of), 1);
+}
+
+// The second frame's turning is the first's against it, the other way round, and so is its row.
+JointRow angle_about_second(const JointFrames& frames, int about, int of) {
+  return angle_about(frames.axes_second.col(about), frames.axes_second.col(of), frames.axes_first.col(of), -1);
+}
+
+JointRow spin_about(const JointFrames& frames, int axis) { return angular_row(frames.axes_first.col(axis), 0); }
+
+// (w x b) . n = (b x n) . w, with n the axis of the swing.
+JointRow orbit(const JointFrames& frames) {
+  return angular_row(frames.axes_second.col(0).cross(swing_axis(frames)), 0);
+}
+
+JointRow gear(const JointFrames& frames, double ratio) {
+  return {.linear = Vector3d::Zero(),
+          .angular_first = -frames.axes_first.col(0),
+          .angular_second = ratio * frames.axes_second.col(0),
+          .value = 0};
+}
+
+JointRow rack(const JointFrames& frames, double ratio) {
+  return {.linear = ratio * frames.axes_second.col(0),
+          .angular_first = -frames.axes_first.col(0),
+          .angular_second = Vector3d::Zero(),
+          .value = 0};
+}
+
+}  // namespace atl::solver

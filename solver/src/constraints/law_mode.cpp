@@ -1,0 +1,126 @@
+#include <solver/constraints/law_mode.h>
+
+#include <algorithm>
+
+namespace atl::solver {
+namespace {
+
+// m/s or rad/s: the fastest that a coordinate is brought back into its range.
+constexpr double limit_push_speed = 3;
+
+// Of a motor's bound and of rates, so that rounding doesn't change the piece.
+constexpr double margin = 1e-9;
+
+}  // namespace
+
+void LawMode::resume(const Law& law, int limit, int motor_bound) {
+  piece_ = Piece::Between;
+  if (motor_bound != 0) piece_ = motor_bound < 0 ? Piece::MotorLow : Piece::MotorHigh;
+  if (limit < 0 && law.lower > -Law::unlimited) piece_ = Piece::Lower;
+  if (limit > 0 && law.upper < Law::unlimited) piece_ = Piece::Upper;
+}
+
+void LawMode::begin(const Law& law, double position, double effective_mass, double h) {
+  if (law.locked()) {
+    piece_ = Piece::Locked;
+    solved_ = true;
+    target_ = compliance_ = given_ = 0;
+    return;
+  }
+  lower_rate_ = std::min((law.lower - position) / h, limit_push_speed);
+  upper_rate_ = std::max((law.upper - position) / h, -limit_push_speed);
+  spring_ = law.spring_hertz > 0;
+  if (spring_) {
+    const double omega = 2 * 3.14159265358979323846 * law.spring_hertz;
+    const double stiffness = effective_mass * omega * omega;
+    const double response = h * stiffness + 2 * effective_mass * law.damping_ratio * omega;
+    gamma_ = 1 / (h * response);
+    bias_ = stiffness * (position - law.rest) / response;
+  }
+  motor_ = h * law.motor_force;
+  go_to(piece_ == Piece::Locked ? Piece::Between : piece_, law);
+}
+
+// A motor that reaches its speed holds it like a lock; one that doesn't pulls with all it has.
+double LawMode::motor_impulse(const Law& law, double rate) const {
+  return rate < law.motor_speed ? motor_ : rate > law.motor_speed ? -motor_ : 0;
+}
+
+void LawMode::go_to(Piece piece, const Law& law) {
+  if (motor_ == 0 && (piece == Piece::MotorLow || piece == Piece::MotorHigh)) piece = Piece::Between;
+  piece_ = piece;
+  compliance_ = given_ = target_ = 0;
+  switch (piece) {
+    case Piece::Lower:
+      solved_ = true;
+      target_ = lower_rate_;
+      return;
+    case Piece::Upper:
+      solved_ = true;
+      target_ = upper_rate_;
+      return;
+    case Piece::Between:
+      if (motor_ > 0) {
+        solved_ = true;
+        target_ = law.motor_speed;
+        return;
+      }
+      break;
+    case Piece::MotorLow:
+      given_ = -motor_;
+      break;
+    case Piece::MotorHigh:
+      given_ = motor_;
+      break;
+    case Piece::Locked:
+      return;
+  }
+  solved_ = spring_;
+  if (!spring_) return;
+  compliance_ = gamma_;
+  target_ = -bias_;
+}
+
+bool LawMode::catch_at_end(const Law& law, double position) {
+  constexpr double beyond = 1e-4;  // m or rad
+  if (is_locked()) return false;
+  const Piece end = position < law.lower - beyond   ? Piece::Lower
+                    : position > law.upper + beyond ? Piece::Upper
+                                                    : piece_;
+  if (end == piece_) return false;
+  go_to(end, law);
+  return true;
+}
+
+bool LawMode::update(const Law& law, double rate, double impulse) {
+  const Piece before = piece_;
+  if (piece_ == Piece::Locked) return false;
+  const double slack = margin * (1 + std::abs(rate));
+  if (piece_ == Piece::Lower || piece_ == Piece::Upper) {
+    // What spring and motor do at this rate is not the stop's.
+    const double stop = impulse - spring_impulse(rate) - motor_impulse(law, rate);
+    if (piece_ == Piece::Lower ? stop >= 0 : stop <= 0) return false;
+    go_to(motor_ == 0              ? Piece::Between
+          : rate < law.motor_speed ? Piece::MotorHigh
+          : rate > law.motor_speed ? Piece::MotorLow
+                                   : Piece::Between,
+          law);
+    return true;
+  }
+  if (rate < lower_rate_ - slack) {
+    go_to(Piece::Lower, law);
+  } else if (rate > upper_rate_ + slack) {
+    go_to(Piece::Upper, law);
+  } else if (motor_ > 0) {
+    if (piece_ == Piece::Between) {
+      const double motor = impulse - spring_impulse(rate);
+      if (motor > motor_ * (1 + margin)) go_to(Piece::MotorHigh, law);
+      if (motor < -motor_ * (1 + margin)) go_to(Piece::MotorLow, law);
+    } else if (piece_ == Piece::MotorHigh ? rate > law.motor_speed + slack : rate < law.motor_speed - slack) {
+      go_to(Piece::Between, law);
+    }
+  }
+  return piece_ != before;
+}
+
+}  // namespace atl::solver

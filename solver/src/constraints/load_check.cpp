@@ -1,0 +1,59 @@
+#include <solver/constraints/load_check.h>
+#include <solver/direct/direct_contacts.h>
+#include <solver/islands/islands.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "integrate/rows3.h"
+
+namespace atl::solver {
+namespace {
+
+constexpr double contacts_of_columns = 1.5;  // a body
+
+struct Size {
+  double arm, half_thickness;  // m
+};
+
+Size size_at(const float (&normal)[3], const float (&anchor)[3], double inverse_mass) {
+  constexpr double infinite = std::numeric_limits<double>::infinity();
+  if (inverse_mass == 0) return {infinite, infinite};
+  const Vector3 arm = get3(anchor);
+  return {arm.norm(), std::max(std::abs(get3(normal).dot(arm)), least_thickness * arm.norm())};
+}
+
+}  // namespace
+
+double load_of(const collision::ContactManifold& manifold) {
+  double load = 0;
+  for (const float impulse : manifold.normal_impulse) load += impulse;
+  return load;
+}
+
+void note_overload(const LoadedContact& contact, double give, Build build, std::vector<Overload>& overloads) {
+  // Contacts are twice as fast, four times as stiff, against what doesn't respond.
+  const double softness = contact.inverse_first == 0 || contact.inverse_second == 0 ? 0.25 : 1;
+  const double gives = softness * give * (contact.inverse_first + contact.inverse_second);
+  const collision::ContactManifold& manifold = contact.manifold;
+  const Size first = size_at(manifold.normal, manifold.anchor_first, contact.inverse_first);
+  const Size second = size_at(manifold.normal, manifold.anchor_second, contact.inverse_second);
+  const double allowed = build == Build::Columns ? column_give : overload_give;
+  if (!(gives > allowed * std::min(first.half_thickness, second.half_thickness))) return;
+  const bool first_lighter = contact.inverse_first >= contact.inverse_second;
+  const auto [heavy, light] = std::minmax(contact.inverse_first, contact.inverse_second);
+  const bool crushed = build == Build::Joined ? heavy > 0 && light >= crushing_ratio * heavy
+                                              : gives > crushing_give * std::min(first.arm, second.arm);
+  overloads.push_back({first_lighter ? contact.first : contact.second, crushed});
+}
+
+Build build_of(const Islands& islands, std::size_t island) {
+  if (islands.joint_count(island) > 0) return Build::Joined;
+  const auto bodies = static_cast<double>(islands.body_count(island));
+  const auto contacts = static_cast<double>(islands.contact_count(island));
+  const bool columns = bodies <= DirectContacts::most_bodies && contacts <= contacts_of_columns * bodies;
+  return columns ? Build::Columns : Build::Any;
+}
+
+}  // namespace atl::solver

@@ -1,0 +1,25 @@
+#include <solver/constraints/surface_contact.h>
+
+#include <algorithm>
+
+#include "integrate/rows3.h"
+
+namespace atl::solver {
+
+bool note_surfaces_of(const collision::TouchingPair& pair, const BodyTable& bodies,
+                      const collision::ContactManifold& manifold, SurfaceContact& contact) {
+  static const Surface plain;
+  const auto surface_of = [&](std::uint32_t body) -> const Surface& {
+    return bodies.surfaces.empty() ? plain : bodies.surfaces[body];
+  };
+  const Surface& first = surface_of(pair.first);
+  const Surface& second = surface_of(pair.second);
+  if (!is_pressed(manifold)) std::fill_n(contact.rolling_impulse, 3, 0.0f);
+  set3(contact.slip,
+       bodies.orientation(pair.second) * second.velocity - bodies.orientation(pair.first) * first.velocity);
+  contact.rolling_friction = static_cast<float>(std::max(first.rolling_friction, second.rolling_friction));
+  contact.torsional_friction = static_cast<float>(std::max(first.torsional_friction, second.torsional_friction));
+  return !first.is_plain() || !second.is_plain();
+}
+
+}  // namespace atl::solver

@@ -1,0 +1,467 @@
+#include <solver/direct/direct_joints.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "integrate/matrix3.h"
+#include "integrate/rows3.h"
+
+namespace atl::solver {
+namespace {
+
+// Rounds of finding out which limits, motors and springs hold, in one substep. What is not found then is in the next.
+constexpr int rounds = 12;
+
+// Of the force in a joint, by which the one that stiffness is made of follows it in a substep: what light links pull is
+// noise from substep to substep. A chain of 100 links with 100,000 times the mass at its end opened by 24 mm with 1,
+// and by a nanometre with 0.2.
+constexpr double smoothing = 0.2;
+
+// m or rad: what closes joints moves no body farther than this, or the rows are near where they are singular. The tip
+// of a whip gets far within a substep; what is closed without velocity has come apart by little.
+constexpr double far_in_motion = 2;
+constexpr double far_at_rest = 0.3;
+
+// A turn by the vector `turn`, of a small angle, after an orientation.
+Quaternion turned(const Vector3& turn, const Quaternion& orientation) {
+  return (Quaternion(1, 0.5 * turn.x(), 0.5 * turn.y(), 0.5 * turn.z()) * orientation).normalized();
+}
+
+// What takes a vector to zero. Returns where the next number goes.
+double* put_negative(const Vector3& v, double* to) {
+  for (int k = 0; k < 3; ++k) *to++ = -v[k];
+  return to;
+}
+
+}  // namespace
+
+void DirectJoints::begin_step(const DirectInput& input) {
+  for (Member& member : members_) {
+    member.start = input.table.position(member.body);
+    member.start_turn = input.table.orientation(member.body);
+  }
+  for (Node& node : nodes_) {
+    const Joint& joint = input.joints[node.joint];
+    node.tension = joint.tension;
+    for (std::uint32_t r = node.begin; r < node.end; ++r) {
+      const std::uint32_t k = r - node.begin;
+      rows_[r].position = joint.position[k];
+      rows_[r].mode.resume(joint.law[k], joint.limit[k], joint.motor_bound[k]);
+    }
+  }
+  prepare(input);
+}
+
+// For the poses that bodies have now.
+void DirectJoints::prepare(const DirectInput& input) {
+  place_members(input);
+  place_frames(input.joints);
+  place_inertia(input.table, input.h);
+  begin_laws(input.joints, input.h);
+  factor();
+}
+
+// The pieces of their laws that rows were on still hold as a guess.
+void DirectJoints::begin_laws(const Joint* joints, double h) {
+  if (rows_.empty()) return;
+  for (const Node& node : nodes_) {
+    const Joint& joint = joints[node.joint];
+    const Member& a = members_[node.first];
+    const Member& b = members_[node.second];
+    for (std::uint32_t r = node.begin; r < node.end; ++r) {
+      Row& row = rows_[r];
+      const double response = row.at.response(a.inverse_mass + b.inverse_mass, a.inverse_inertia, b.inverse_inertia);
+      row.mode.begin(joint.law[r - node.begin], row.position, response > 0 ? 1 / response : 0, h);
+    }
+  }
+}
+
+bool DirectJoints::update_laws(const Joint* joints) {
+  bool changed = false;
+  for (const Node& node : nodes_) {
+    for (std::uint32_t r = node.begin; r < node.end; ++r) {
+      Row& row = rows_[r];
+      changed |= row.mode.update(joints[node.joint].law[r - node.begin], row_speed(node, row), row.impulse);
+    }
+  }
+  return changed;
+}
+
+void DirectJoints::load_velocities(const SolverBodies& bodies) {
+  for (Member& member : members_) {
+    member.velocity = member.velocity_before = get3(bodies.velocity[member.local].linear);
+    member.spin = member.spin_before = get3(bodies.velocity[member.local].angular);
+  }
+}
+
+// Of positions that are closed for themselves.
+void DirectJoints::load_no_velocities() {
+  for (Member& member : members_) {
+    member.velocity = member.velocity_before = Vector3::Zero();
+    member.spin = member.spin_before = Vector3::Zero();
+  }
+}
+
+// Not to be carried over into the next substep: there the impulses act along other rows.
+void DirectJoints::store_velocities(SolverBodies& bodies) const {
+  for (const Member& member : members_) {
+    if (!member.dynamic) continue;
+    set3(bodies.velocity[member.local].linear, member.velocity);
+    set3(bodies.velocity[member.local].angular, member.spin);
+    add3(bodies.free_velocity[member.local].linear, member.velocity - member.velocity_before);
+    add3(bodies.free_velocity[member.local].angular, member.spin - member.spin_before);
+  }
+}
+
+Vector3 DirectJoints::point_speed(const Node& node) const {
+  const Member& a = members_[node.first];
+  const Member& b = members_[node.second];
+  return (b.velocity + b.spin.cross(node.arm_second)) - (a.velocity + a.spin.cross(node.arm_first));
+}
+
+double DirectJoints::row_speed(const Node& node, const Row& row) const {
+  const Member& a = members_[node.first];
+  const Member& b = members_[node.second];
+  return row.at.rate(a.velocity, a.spin, b.velocity, b.spin);
+}
+
+void DirectJoints::apply(const Node& node, const JointRow& row, double impulse) {
+  Member& a = members_[node.first];
+  Member& b = members_[node.second];
+  if (a.dynamic) {
+    a.velocity -= (a.inverse_mass * impulse) * row.linear;
+    a.spin -= a.inverse_inertia * (impulse * row.angular_first);
+  }
+  if (b.dynamic) {
+    b.velocity += (b.inverse_mass * impulse) * row.linear;
+    b.spin += b.inverse_inertia * (impulse * row.angular_second);
+  }
+}
+
+// Impulses that change the rates of all rows by b.
+void DirectJoints::solve_and_apply() {
+  if (!solvable_) return;
+  system_.solve(b_);
+  for (Member& member : members_) {
+    member.impulse.setZero();
+    member.angular_impulse.setZero();
+  }
+  for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
+    Node& node = nodes_[i];
+    Member& a = members_[node.first];
+    Member& b = members_[node.second];
+    const double* impulse = &b_[system_.row(i)];
+    if (node.point) {
+      const Vector3 of_point(impulse[0], impulse[1], impulse[2]);
+      node.impulse += of_point;
+      a.impulse -= of_point;
+      a.angular_impulse -= node.arm_first.cross(of_point);
+      b.impulse += of_point;
+      b.angular_impulse += node.arm_second.cross(of_point);
+      impulse += 3;
+    }
+    for (std::uint32_t r = node.begin; r < node.end; ++r, ++impulse) {
+      Row& row = rows_[r];
+      if (!row.mode.is_solved()) continue;
+      row.impulse += *impulse;
+      a.impulse -= *impulse * row.at.linear;
+      a.angular_impulse -= *impulse * row.at.angular_first;
+      b.impulse += *impulse * row.at.linear;
+      b.angular_impulse += *impulse * row.at.angular_second;
+    }
+  }
+  for (Member& member : members_) {
+    if (!member.dynamic) continue;
+    member.velocity += member.inverse_mass * member.impulse;
+    member.spin += product(member.inverse_inertia, member.angular_impulse);
+  }
+}
+
+void DirectJoints::begin_substep() {
+  for (Node& node : nodes_) node.impulse.setZero();
+  for (Row& row : rows_) row.impulse = 0;
+}
+
+void DirectJoints::solve_velocities(const DirectInput& input) {
+  load_velocities(input.bodies);
+  for (int round = 0; round < rounds; ++round) {
+    for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
+      const Node& node = nodes_[i];
+      for (std::uint32_t r = node.begin; r < node.end; ++r) {
+        Row& row = rows_[r];
+        if (row.mode.is_solved()) continue;
+        apply(node, row.at, row.mode.given() - row.impulse);
+        row.impulse = row.mode.given();
+      }
+    }
+    for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
+      const Node& node = nodes_[i];
+      double* b = &b_[system_.row(i)];
+      if (node.point) b = put_negative(point_speed(node), b);
+      for (std::uint32_t r = node.begin; r < node.end; ++r) {
+        const Row& row = rows_[r];
+        const LawMode& mode = row.mode;
+        *b++ = mode.is_solved()
+                   ? mode.target() - row_speed(node, row) - mode.compliance() * (row.impulse - mode.given())
+                   : 0;
+      }
+    }
+    solve_and_apply();
+    // The system must be that of the pieces the rows are on.
+    if (rows_.empty() || round + 1 == rounds || !update_laws(input.joints)) break;
+    factor();
+  }
+  store_velocities(input.bodies);
+}
+
+void DirectJoints::solve_positions(const DirectInput& input) {
+  place_members(input);
+  load_velocities(input.bodies);
+  if (catch_limits(input.joints, input.h)) factor();
+  for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
+    measure(input.joints[nodes_[i].joint], nodes_[i], &b_[system_.row(i)], input.h);
+  }
+  const bool torn = torn_ = set_tears_aside(input.joints, input.h);
+  solve_and_apply();
+  if (moves_far(input.h, far_in_motion)) take_back();
+  move_members(input);
+  store_velocities(input.bodies);
+  if (!torn) return;
+  load_velocities(input.bodies);
+  b_.swap(tears_);
+  solve_and_apply();
+  if (!moves_far(input.h, far_at_rest)) move_members(input);
+}
+
+// Holds what an impact has pushed beyond its range. Whether there is such a row.
+bool DirectJoints::catch_limits(const Joint* joints, double h) {
+  if (rows_.empty()) return false;
+  bool caught = false;
+  for (const Node& node : nodes_) {
+    const Joint& joint = joints[node.joint];
+    if (std::none_of(joint.law.begin(), joint.law.begin() + joint.rows,
+                     [](const Law& law) { return law.limited() && !law.locked(); })) {
+      continue;
+    }
+    const JointFrames frames = frames_of(joint, node);
+    for (std::uint32_t r = node.begin; r < node.end; ++r) {
+      const Law& law = joint.law[r - node.begin];
+      if (!law.limited() || law.locked()) continue;
+      caught |= rows_[r].mode.catch_at_end(law, position_of(joint, frames, node, r, h));
+    }
+  }
+  return caught;
+}
+
+// The same of what closing other gaps has turned beyond its range, where bodies are now.
+bool DirectJoints::catch_limits_here(const Joint* joints) {
+  bool caught = false;
+  for (const Node& node : nodes_) {
+    for (std::uint32_t r = node.begin; r < node.end; ++r) {
+      const Law& law = joints[node.joint].law[r - node.begin];
+      if (law.limited()) caught |= rows_[r].mode.catch_at_end(law, rows_[r].position);
+    }
+  }
+  return caught;
+}
+
+// The position of a row's coordinate at the frames, after h seconds at the velocities that are loaded.
+double DirectJoints::position_of(const Joint& joint, const JointFrames& frames, const Node& node, std::uint32_t r,
+                                 double h) const {
+  const double moved = rows_[r].position + h * row_speed(node, rows_[r]);  // what is a rate only is there
+  return continued(joint.coordinate[r - node.begin], joint_row(joint, r - node.begin, frames).value, moved);
+}
+
+JointFrames DirectJoints::frames_of(const Joint& joint, const Node& node) const {
+  const Member& first = members_[node.first];
+  const Member& second = members_[node.second];
+  return joint_frames(joint, first.position, first.turn, second.position, second.turn);
+}
+
+// What was apart when the substep began, as no substep leaves it, was put apart from outside. It is closed, too, but by
+// no velocity: bodies would fly. Takes it out of b_, and leaves in tears_ the rates that close it. Whether there is
+// any.
+bool DirectJoints::set_tears_aside(const Joint* joints, double h) {
+  constexpr double least = 1e-3;         // m or rad
+  constexpr double least_beyond = 0.05;  // of a range: there impacts may leave them
+  constexpr double most_speed = 3;       // m/s or rad/s
+  bool torn = false;
+  for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
+    const Node& node = nodes_[i];
+    std::size_t at = system_.row(i);
+    const auto set_aside = [&](double apart) {
+      if (!torn) tears_.assign(b_.size(), 0.0);
+      torn = true;
+      b_[at] -= apart / h;
+      tears_[at] = std::clamp(apart / h, -most_speed, most_speed);
+    };
+    if (node.point) {
+      const bool apart = node.offset.squaredNorm() > least * least;
+      for (int k = 0; k < 3; ++k, ++at) {
+        if (apart) set_aside(-node.offset[k]);
+      }
+    }
+    for (std::uint32_t r = node.begin; r < node.end; ++r, ++at) {
+      const Row& row = rows_[r];
+      if (!row.mode.holds()) continue;
+      const double apart = bound(row, joints[node.joint].law[r - node.begin]) - row.position;
+      // To an end that it is still on its way to it goes as fast as it goes.
+      const bool beyond = row.mode.is_locked() || (row.mode.limit() < 0 ? apart > 0 : apart < 0);
+      if (beyond && std::abs(apart) > (row.mode.is_locked() ? least : least_beyond)) set_aside(apart);
+    }
+  }
+  return torn;
+}
+
+// Whether what was gained since velocities were loaded would take a body so far that no row is true there: near where
+// rows are singular the solution of the linear system says nothing of where joints close.
+bool DirectJoints::moves_far(double h, double far) const {
+  return std::any_of(members_.begin(), members_.end(), [=](const Member& member) {
+    return !(h * (member.velocity - member.velocity_before).norm() <= far &&
+             h * (member.spin - member.spin_before).norm() <= far);
+  });
+}
+
+// What was gained since velocities were loaded.
+void DirectJoints::take_back() {
+  for (Member& member : members_) {
+    member.velocity = member.velocity_before;
+    member.spin = member.spin_before;
+  }
+}
+
+// By the velocities that were gained since they were loaded.
+void DirectJoints::move_members(const DirectInput& input) {
+  for (Member& member : members_) {
+    if (!member.dynamic) continue;
+    DisplacementRows& moved = input.bodies.displacement[member.local];
+    add3(moved.linear, input.h * (member.velocity - member.velocity_before));
+    const Quaternion turn = turned(input.h * (member.spin - member.spin_before), rotation_of(moved));
+    for (int k = 0; k < 4; ++k) moved.rotation[k] = static_cast<float>(turn.coeffs()[k]);
+  }
+}
+
+// How far the joint's rows are from where they should be, as rates that take them there in h seconds.
+void DirectJoints::measure(const Joint& joint, const Node& node, double* b, double h) const {
+  const Member& first = members_[node.first];
+  const Member& second = members_[node.second];
+  if (node.point) {
+    const Vector3 offset =
+        (second.position - first.position) + (second.turn * joint.anchor_second - first.turn * joint.anchor_first);
+    b = put_negative(offset / h, b);
+  }
+  if (node.begin == node.end) return;
+  const JointFrames frames = frames_of(joint, node);
+  for (std::uint32_t r = node.begin; r < node.end; ++r) {
+    const Row& row = rows_[r];
+    *b++ = row.mode.holds() ? (bound(row, joint.law[r - node.begin]) - position_of(joint, frames, node, r, h)) / h : 0;
+  }
+}
+
+void DirectJoints::relax(const DirectInput& input) {
+  const double over_h = 1 / input.h;
+  for (Node& node : nodes_) {
+    Vector3 force = over_h * node.impulse;
+    for (std::uint32_t r = node.begin; r < node.end; ++r) {
+      Row& row = rows_[r];
+      force += over_h * row.impulse * row.at.linear;
+      row.position += input.h * row_speed(node, row);
+    }
+    node.tension += smoothing * (force - node.tension);
+  }
+  prepare(input);
+  close_gaps(input);
+  project(input);
+}
+
+// One round of Newton's method is all that positions get where bodies turn by little in a substep. After an impact it
+// takes more, at rows that are true there.
+void DirectJoints::close_gaps(const DirectInput& input) {
+  constexpr double tolerance = 1e-4;  // m or rad
+  for (int round = 1; round < rounds && !torn_; ++round) {
+    load_no_velocities();
+    bool closed = !catch_limits_here(input.joints);
+    if (!closed) factor();
+    for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
+      const Node& node = nodes_[i];
+      double* b = &b_[system_.row(i)];
+      if (node.point) {
+        closed &= node.offset.squaredNorm() <= tolerance * tolerance;
+        b = put_negative(node.offset / input.h, b);
+      }
+      for (std::uint32_t r = node.begin; r < node.end; ++r, ++b) {
+        const Row& row = rows_[r];
+        const double apart =
+            row.mode.holds() ? bound(row, input.joints[node.joint].law[r - node.begin]) - row.position : 0;
+        closed &= std::abs(apart) <= tolerance;
+        *b = apart / input.h;
+      }
+    }
+    if (closed) return;
+    solve_and_apply();
+    if (moves_far(input.h, far_at_rest)) return;
+    move_members(input);
+    prepare(input);
+  }
+}
+
+void DirectJoints::project(const DirectInput& input) {
+  load_velocities(input.bodies);
+  for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
+    const Node& node = nodes_[i];
+    double* b = &b_[system_.row(i)];
+    if (node.point) b = put_negative(point_speed(node), b);
+    // Springs and motors have had their impulse, and answer to changes only.
+    for (std::uint32_t r = node.begin; r < node.end; ++r) *b++ = rows_[r].mode.holds() ? -row_speed(node, rows_[r]) : 0;
+  }
+  solve_and_apply();
+  store_velocities(input.bodies);
+}
+
+void DirectJoints::end_step(const DirectInput& input) {
+  const double over_h = 1 / input.h;
+  for (const Node& node : nodes_) {
+    Joint& joint = input.joints[node.joint];
+    joint.point_impulse = node.impulse;
+    joint.tension = node.tension;
+    joint.force = over_h * node.impulse;
+    joint.torque.setZero();
+    for (std::uint32_t r = node.begin; r < node.end; ++r) {
+      const Row& row = rows_[r];
+      const std::uint32_t k = r - node.begin;
+      joint.impulse[k] = row.impulse;
+      joint.position[k] = row.position;
+      joint.limit[k] = static_cast<std::int8_t>(row.mode.limit());
+      joint.motor_bound[k] = static_cast<std::int8_t>(row.mode.motor_bound());
+      joint.force += over_h * row.impulse * row.at.linear;
+      joint.torque += over_h * row.impulse * (row.at.angular_second - node.arm_second.cross(row.at.linear));
+    }
+  }
+}
+
+void DirectJoints::settle(const DirectInput& input, BodyTable& table, double dt, FastBodies& fast) {
+  constexpr double tolerance = 1e-7;  // m or rad: displacements are known no better
+  for (Member& member : members_) {
+    member.position = table.position(member.body);
+    member.turn = table.orientation(member.body);
+  }
+  load_no_velocities();
+  for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
+    measure(input.joints[nodes_[i].joint], nodes_[i], &b_[system_.row(i)], 1);
+  }
+  bool holds = std::all_of(b_.begin(), b_.end(), [](double b) { return std::abs(b) <= tolerance; });
+  if (!holds) {
+    solve_and_apply();
+    holds = moves_far(1, far_at_rest);
+  }
+  for (const Member& member : members_) {
+    if (!member.dynamic) continue;
+    if (!holds) {
+      table.position(member.body) += member.velocity;
+      table.set_orientation(member.body, turned(member.spin, member.turn));
+    }
+    note_motion(table, member.body, {member.start, member.start_turn}, dt, fast);
+  }
+}
+
+}  // namespace atl::solver

@@ -1,0 +1,134 @@
+#include <solver/constraints/motion_locks.h>
+#include <solver/integrate/free_flight.h>
+#include <solver/integrate/trigonometry.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace atl::solver {
+namespace {
+
+void move_linear(BodyTable& bodies, std::uint32_t body, const Vector3& acceleration, double dt, int substeps) {
+  auto position = bodies.position(body);
+  auto velocity = bodies.velocity(body);
+  const double damping = bodies.linear_damping[body];
+  if (damping == 0) {
+    position += dt * velocity + (0.5 * dt * dt) * acceleration;
+    velocity += dt * acceleration;
+    return;
+  }
+  const double h = dt / substeps;
+  for (int i = 0; i < substeps; ++i) {
+    const Vector3 start = velocity;
+    velocity = (velocity + h * acceleration) / (1 + h * damping);
+    position += (0.5 * h) * (start + velocity);
+  }
+}
+
+// Rotation vector of a turn for h seconds in which the momentum stays as it is in the world, both in the body's frame
+// at the start: Magnus' series to fourth order in h, from the derivatives of the spin at the start (Blanes, Casas, Oteo
+// and Ros, "The Magnus expansion and some of its applications", 2009, section 2). A steady spin is followed exactly.
+Vector3 free_turn(const Vector3& momentum, const Matrix3& inverse_inertia, double h) {
+  const auto spin_of = [&](const Vector3& l) -> Vector3 { return inverse_inertia * l; };
+  // Euler's equations, l' = l x w, and their derivatives.
+  const Vector3 l = momentum;
+  const Vector3 w = spin_of(l);
+  const Vector3 l1 = l.cross(w);
+  const Vector3 w1 = spin_of(l1);
+  const Vector3 l2 = l1.cross(w) + l.cross(w1);
+  const Vector3 w2 = spin_of(l2);
+  const Vector3 l3 = l2.cross(w) + 2 * l1.cross(w1) + l.cross(w2);
+  const Vector3 w3 = spin_of(l3);
+  const Vector3 cubic = w2 + 0.5 * w.cross(w1);
+  const Vector3 quartic = w3 + w.cross(w2);
+  return h * (w + h / 2 * (w1 + h / 3 * (cubic + h / 4 * quartic)));
+}
+
+void move_gyroscopic(BodyTable& bodies, std::uint32_t body, double dt, int substeps) {
+  // Steps short enough that a fast top turns less than a twentieth of a radian in each. Where moments differ by more
+  // than a dozen times, what a turn makes of the spin about the least counts for more: a needle's grows by its whole
+  // momentum over that moment.
+  constexpr double ordinary = 16;
+  const Vector3& moments = bodies.moments[body];
+  const double ratio = moments.maxCoeff() / moments.minCoeff();
+  const double angle = bodies.angular_velocity(body).norm() * dt * std::sqrt(std::max(1.0, ratio / ordinary));
+  // A slow one needs fewer steps than there are substeps, if no torque and no damping act in each.
+  const bool alone = bodies.torque(body).isZero(0) && bodies.angular_damping[body] == 0;
+  const double twentieths = std::min(4096.0, angle / 0.05);  // 4096 if it isn't a number
+  const int least = alone ? std::max(1, static_cast<int>(std::ceil(substeps * std::min(1.0, twentieths)))) : substeps;
+  const int steps = std::max(least, static_cast<int>(twentieths));
+  const double h = dt / steps;
+  const Matrix3& inverse_inertia = bodies.inverse_inertia[body];
+  Quaternion orientation = bodies.orientation(body);
+  Vector3 momentum =
+      orientation * (bodies.inertia[body] * (orientation.conjugate() * Vector3(bodies.angular_velocity(body))));
+  const double damping = 1 / (1 + h * bodies.angular_damping[body]);
+  for (int i = 0; i < steps; ++i) {
+    momentum += h * bodies.torque(body);
+    const Vector3 turn = free_turn(orientation.conjugate() * momentum, inverse_inertia, h);
+    orientation = (orientation * rotation_by(turn)).normalized();
+    momentum *= damping;
+  }
+  bodies.set_orientation(body, orientation);
+  bodies.angular_velocity(body) = orientation * (inverse_inertia * (orientation.conjugate() * momentum));
+}
+
+void turn_by(BodyTable& bodies, std::uint32_t body, const Vector3& rotation_vector) {
+  bodies.set_orientation(body, (rotation_by(rotation_vector) * bodies.orientation(body)).normalized());
+}
+
+// A body whose inertia is the same about all axes that it may turn about, or is taken to be.
+void move_isotropic(BodyTable& bodies, std::uint32_t body, double dt, int substeps) {
+  auto w = bodies.angular_velocity(body);
+  const Vector3 acceleration = angular_locks(bodies.locks[body]) != 0
+                                   ? angular_response(bodies, body, bodies.torque(body))
+                                   : Vector3(bodies.inverse_inertia[body](0, 0) * bodies.torque(body));
+  const double damping = bodies.angular_damping[body];
+  const int steps = damping == 0 ? 1 : substeps;
+  const double h = dt / steps;
+  for (int i = 0; i < steps; ++i) {
+    const Vector3 start = w;
+    w = (w + h * acceleration) / (1 + h * damping);
+    turn_by(bodies, body, (0.5 * h) * (start + w));
+  }
+}
+
+}  // namespace
+
+Quaternion rotation_by(const Vector3& rotation_vector) {
+  const double square = rotation_vector.squaredNorm();
+  double cosine, scale;  // of half the angle, and its sine over the angle
+  if (square < 0.004) {
+    // Their series: the first terms left out are below 3e-17.
+    cosine = 1 - square / 8 * (1 - square / 48 * (1 - square / 120));
+    scale = 0.5 - square / 48 * (1 - square / 80 * (1 - square / 168));
+  } else {
+    const double angle = std::sqrt(square);
+    const SineCosine half = sine_cosine(0.5 * angle);
+    cosine = half.cosine;
+    scale = half.sine / angle;
+  }
+  const Vector3 v = scale * rotation_vector;
+  return {cosine, v.x(), v.y(), v.z()};
+}
+
+void move_free_body(BodyTable& bodies, std::uint32_t body, const Vector3& gravity, double dt, int substeps,
+                    FastBodies& fast) {
+  const BodyPose start{bodies.position(body), bodies.orientation(body)};
+  move_linear(bodies, body, linear_acceleration(bodies, body, gravity), dt, substeps);
+  if (bodies.gyroscopic[body]) {
+    move_gyroscopic(bodies, body, dt, substeps);
+  } else {
+    move_isotropic(bodies, body, dt, substeps);
+  }
+  note_motion(bodies, body, start, dt, fast);
+}
+
+void move_kinematic_body(BodyTable& bodies, std::uint32_t body, double dt, FastBodies& fast) {
+  const BodyPose start{bodies.position(body), bodies.orientation(body)};
+  bodies.position(body) += dt * bodies.velocity(body);
+  turn_by(bodies, body, dt * bodies.angular_velocity(body));
+  note_motion(bodies, body, start, dt, fast);
+}
+
+}  // namespace atl::solver

@@ -1,0 +1,145 @@
+#include <solver/islands/islands.h>
+
+#include <algorithm>
+#include <numeric>
+
+namespace atl::solver {
+namespace {
+
+// Contacts and joints, which count alike: of about 250 bytes each with their share of bodies, these stay well within
+// the 1 MB of second-level cache that current server cores have; throughput was flat from 100 to 3500 contacts a group.
+constexpr std::size_t group_contacts = 512;
+
+// An island of this many contacts takes one worker about a millisecond: the rest should help.
+constexpr std::size_t large_contacts = 2048;
+
+}  // namespace
+
+std::uint32_t Islands::find(std::uint32_t body) {
+  while (parent_[body] != body) {
+    parent_[body] = parent_[parent_[body]];
+    body = parent_[body];
+  }
+  return body;
+}
+
+void Islands::build(std::span<const std::uint32_t> candidates, std::span<const std::uint8_t> awake,
+                    std::span<const TouchingPair> pairs, std::span<const JointLink> links) {
+  for (const std::uint32_t body : bodies_) island_of_[body] = none;
+  parent_.resize(awake.size());
+  rank_.resize(awake.size());
+  island_of_.resize(awake.size(), none);
+  join(candidates, awake, pairs, links);
+  number(candidates, awake);
+
+  // Counting sorts of bodies and pairs by island.
+  std::partial_sum(body_start_.begin(), body_start_.end(), body_start_.begin());
+  bodies_.resize(body_start_.back());
+  cursor_.assign(body_start_.begin(), body_start_.end());
+  for (const std::uint32_t body : candidates) {
+    if (island_of_[body] == none) continue;
+    rank_[body] = cursor_[island_of_[body]]++;
+    bodies_[rank_[body]] = body;
+  }
+  sort_by_island(pairs, contacts_, contact_start_);
+  sort_by_island(links, joints_, joint_start_);
+}
+
+// Of pairs of bodies those with an awake one, island by island, in the order given.
+template <typename Pair>
+void Islands::sort_by_island(std::span<const Pair> pairs, std::vector<Pair>& sorted,
+                             std::vector<std::uint32_t>& start) {
+  start.assign(body_start_.size(), 0);
+  island_of_pair_.resize(pairs.size());
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const std::uint32_t island = island_of_[pairs[i].first];
+    island_of_pair_[i] = island != none ? island : island_of_[pairs[i].second];
+    if (island_of_pair_[i] != none) ++start[island_of_pair_[i] + 1];
+  }
+  std::partial_sum(start.begin(), start.end(), start.begin());
+  sorted.resize(start.back());
+  cursor_.assign(start.begin(), start.end());
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (island_of_pair_[i] != none) sorted[cursor_[island_of_pair_[i]]++] = pairs[i];
+  }
+}
+
+// Finds the components.
+void Islands::join(std::span<const std::uint32_t> candidates, std::span<const std::uint8_t> awake,
+                   std::span<const TouchingPair> pairs, std::span<const JointLink> links) {
+  for (const std::uint32_t body : candidates) parent_[body] = none;
+  const auto touch = [this](std::uint32_t body) {
+    if (parent_[body] == none) parent_[body] = body;
+  };
+  const auto join_all = [&](const auto& all) {
+    for (const auto& pair : all) {
+      if (awake[pair.first]) touch(pair.first);
+      if (awake[pair.second]) touch(pair.second);
+      if (!awake[pair.first] || !awake[pair.second]) continue;
+      const std::uint32_t a = find(pair.first);
+      const std::uint32_t b = find(pair.second);
+      parent_[std::max(a, b)] = std::min(a, b);
+    }
+  };
+  join_all(pairs);
+  join_all(links);
+}
+
+// Numbers islands as their lowest body comes up, and counts their bodies.
+void Islands::number(std::span<const std::uint32_t> candidates, std::span<const std::uint8_t> awake) {
+  free_bodies_.clear();
+  body_start_.assign(1, 0);
+  for (const std::uint32_t body : candidates) {
+    if (!awake[body]) continue;
+    if (parent_[body] == none) {
+      free_bodies_.push_back(body);
+      continue;
+    }
+    const std::uint32_t root = find(body);
+    if (root == body) {
+      island_of_[body] = static_cast<std::uint32_t>(body_start_.size()) - 1;
+      body_start_.push_back(0);
+    } else {
+      island_of_[body] = island_of_[root];
+    }
+    ++body_start_[island_of_[body] + 1];
+  }
+}
+
+std::span<const std::uint32_t> Islands::bodies(std::size_t begin, std::size_t end) const {
+  return std::span(bodies_).subspan(body_start_[begin], body_start_[end] - body_start_[begin]);
+}
+
+std::span<const TouchingPair> Islands::contacts(std::size_t begin, std::size_t end) const {
+  return std::span(contacts_).subspan(contact_start_[begin], contact_start_[end] - contact_start_[begin]);
+}
+
+std::span<const JointLink> Islands::joints(std::size_t begin, std::size_t end) const {
+  return std::span(joints_).subspan(joint_start_[begin], joint_start_[end] - joint_start_[begin]);
+}
+
+void pack_groups(const Islands& islands, bool one_each, std::span<const std::uint8_t> alone,
+                 std::vector<IslandGroup>& groups) {
+  groups.clear();
+  std::size_t begin = 0;
+  std::size_t contacts = 0;
+  const auto close = [&](std::size_t end) {
+    if (begin < end) groups.push_back({begin, end, false});
+    begin = end;
+    contacts = 0;
+  };
+  for (std::size_t island = 0; island < islands.count(); ++island) {
+    const std::size_t here = islands.contact_count(island) + islands.joint_count(island);
+    if (here >= large_contacts || (!alone.empty() && alone[island] != 0)) {
+      close(island);
+      groups.push_back({island, island + 1, here >= large_contacts});
+      begin = island + 1;
+    } else {
+      if (one_each || contacts + here > group_contacts) close(island);
+      contacts += here;
+    }
+  }
+  close(islands.count());
+}
+
+}  // namespace atl::solver

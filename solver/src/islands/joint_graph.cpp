@@ -1,0 +1,57 @@
+#include <solver/islands/joint_graph.h>
+
+#include <algorithm>
+#include <numeric>
+
+namespace atl::solver {
+namespace {
+
+// The lowest of each set is its root.
+std::uint32_t find(std::vector<std::uint32_t>& parent, std::uint32_t body) {
+  while (parent[body] != body) {
+    parent[body] = parent[parent[body]];
+    body = parent[body];
+  }
+  return body;
+}
+
+}  // namespace
+
+void JointGraph::build(std::span<const Joint> joints, std::span<const std::uint8_t> acts, const BodyTable& bodies) {
+  links_.clear();
+  component_of_.assign(joints.size(), none);
+  parent_.resize(bodies.size());
+  std::iota(parent_.begin(), parent_.end(), 0u);
+  const auto dynamic = [&](std::uint32_t body) { return bodies.mobility[body] == Mobility::Dynamic; };
+  for (std::uint32_t joint = 0; joint < joints.size(); ++joint) {
+    const std::uint32_t first = joints[joint].first, second = joints[joint].second;
+    if (!acts[joint] || !(dynamic(first) || dynamic(second))) continue;
+    links_.push_back({first, second, joint});
+    if (!dynamic(first) || !dynamic(second)) continue;
+    const std::uint32_t a = find(parent_, first), b = find(parent_, second);
+    parent_[std::max(a, b)] = std::min(a, b);
+  }
+
+  // Numbers components as their first joint comes up, and sorts joints by component.
+  component_of_root_.assign(bodies.size(), none);
+  start_.assign(1, 0);
+  for (const JointLink& link : links_) {
+    const std::uint32_t root = find(parent_, dynamic(link.first) ? link.first : link.second);
+    if (component_of_root_[root] == none) {
+      component_of_root_[root] = static_cast<std::uint32_t>(start_.size()) - 1;
+      start_.push_back(0);
+    }
+    component_of_[link.joint] = component_of_root_[root];
+    ++start_[component_of_[link.joint] + 1];
+  }
+  std::partial_sum(start_.begin(), start_.end(), start_.begin());
+  sorted_.resize(links_.size());
+  std::vector<std::uint32_t> cursor(start_.begin(), start_.end());
+  for (const JointLink& link : links_) sorted_[cursor[component_of_[link.joint]]++] = link;
+}
+
+std::span<const JointLink> JointGraph::links_of(std::uint32_t component) const {
+  return std::span(sorted_).subspan(start_[component], start_[component + 1] - start_[component]);
+}
+
+}  // namespace atl::solver

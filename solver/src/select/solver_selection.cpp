@@ -1,0 +1,174 @@
+#include <solver/direct/direct_contacts.h>
+#include <solver/select/solver_selection.h>
+
+#include <algorithm>
+#include <iterator>
+
+namespace atl::solver {
+namespace {
+
+// s, under overload after which something is done: three steps of 1/60 s, or two. What is done lasts as long as any of
+// it is left; overload wears off in the time that it took, or in the last of these.
+constexpr float lasting = 0.04f;
+constexpr float lasting_crush = 0.025f;
+constexpr float most = 0.5f;
+
+// Finer substeps are for what is built to stand and sags of its own weight, in so large a part. A few small stones
+// under large ones are not worth them, nor is a heap that has found its rest on soft contacts: to stiffen them stirs
+// it.
+constexpr double part_of_island = 0.25;
+
+// What is solved at once is so without locks.
+bool has_locks(const LoadInput& input, std::size_t island) {
+  const std::span<const std::uint32_t> bodies = input.islands.bodies(island, island + 1);
+  return std::any_of(bodies.begin(), bodies.end(), [&](std::uint32_t body) { return input.bodies.locks[body] != 0; });
+}
+
+// By body, each once.
+void order(std::vector<Overload>& overloads) {
+  std::sort(overloads.begin(), overloads.end(), [](const Overload& a, const Overload& b) {
+    return a.body != b.body ? a.body < b.body : a.crushed > b.crushed;
+  });
+  const auto same = [](const Overload& a, const Overload& b) { return a.body == b.body; };
+  overloads.erase(std::unique(overloads.begin(), overloads.end(), same), overloads.end());
+}
+
+// s, the longest substep of what sags, and of what is joined and crushed: a wall of 100 layers sinks by 165 mm with
+// twice the first, and by 41 with it.
+constexpr double finer_substep = 1.0 / 960;
+constexpr double finest_substep = 1.0 / 3840;
+
+}  // namespace
+
+int finer_by(SolveMode mode, const SolverSettings& settings, double dt) {
+  const double longest = mode == SolveMode::Finest ? finest_substep : finer_substep;
+  constexpr double rounding = 1 + 1e-9;
+  int times = 1;
+  while (dt / (settings.substeps * times) > rounding * longest) times *= 2;
+  return times;
+}
+
+void SolverSelection::resize(std::size_t bodies) { strain_.resize(bodies); }
+
+void SolverSelection::forget(std::uint32_t body) {
+  std::erase(arrived_, body);
+  if (strain_[body] == Strain{}) return;
+  strain_[body] = {};
+  strained_.erase(std::lower_bound(strained_.begin(), strained_.end(), body));
+}
+
+void SolverSelection::forget_all() {
+  arrived_.clear();
+  for (const std::uint32_t body : strained_) strain_[body] = {};
+  strained_.clear();
+}
+
+// What new bodies stand on and under, as if it had been for long: it takes a wall some time to settle on its load.
+void SolverSelection::estimate_arrived(const LoadInput& input) {
+  if (arrived_.empty()) return;
+  std::vector<std::uint32_t> islands;
+  for (const std::uint32_t body : arrived_) islands.push_back(input.islands.island_of(body));
+  arrived_.clear();
+  std::sort(islands.begin(), islands.end());
+  islands.erase(std::unique(islands.begin(), islands.end()), islands.end());
+  for (const std::uint32_t island : islands) {
+    if (island == Islands::none) continue;
+    estimated_.clear();
+    estimate_.add_overloads(input, island, estimated_);
+    order(estimated_);
+    const auto bodies = static_cast<double>(input.islands.body_count(island));
+    const bool sags = static_cast<double>(estimated_.size()) >= part_of_island * bodies;
+    for (const Overload& overload : estimated_) {
+      strain_[overload.body] = {most, overload.crushed ? most : 0, sags};
+      strained_.push_back(overload.body);
+    }
+  }
+  std::sort(strained_.begin(), strained_.end());
+  strained_.erase(std::unique(strained_.begin(), strained_.end()), strained_.end());
+}
+
+std::span<const SolveMode> SolverSelection::choose(const LoadInput& input) {
+  estimate_arrived(input);
+  if (strained_.empty()) return {};
+  const Islands& islands = input.islands;
+  symptoms_.assign(islands.count(), {});
+  for (const std::uint32_t body : strained_) {
+    const std::uint32_t island = islands.island_of(body);
+    if (island == Islands::none) continue;
+    symptoms_[island].lasts |= strain_[body].overloaded > lasting;
+    // What is joined leaps at once.
+    const float lasts = islands.joint_count(island) > 0 ? 0 : lasting_crush;
+    symptoms_[island].crushes |= strain_[body].crushed > lasts;
+    symptoms_[island].sags |= strain_[body].sags;
+  }
+  modes_.assign(islands.count(), SolveMode::Sweep);
+  bool any = false;
+  for (std::size_t island = 0; island < islands.count(); ++island) {
+    const Symptoms& has = symptoms_[island];
+    if (!(has.lasts || has.crushes)) continue;
+    const bool small = islands.body_count(island) <= DirectContacts::most_bodies;
+    const Build build = build_of(islands, island);
+    if (build == Build::Joined) {
+      if (has.crushes && small) modes_[island] = SolveMode::Finest;
+    } else if (build == Build::Columns || (has.crushes && small)) {
+      modes_[island] = has_locks(input, island) ? SolveMode::Finer : SolveMode::Direct;
+    } else if (has.lasts && has.sags) {
+      modes_[island] = SolveMode::Finer;
+    }
+    const bool swept = modes_[island] == SolveMode::Finer || modes_[island] == SolveMode::Finest;
+    if (swept && finer_by(modes_[island], input.settings, input.dt) == 1) modes_[island] = SolveMode::Sweep;
+    any |= modes_[island] != SolveMode::Sweep;
+  }
+  return any ? std::span<const SolveMode>(modes_) : std::span<const SolveMode>();
+}
+
+std::span<const SolveMode> SolverSelection::choose_direct(const LoadInput& input) {
+  forget_all();
+  const Islands& islands = input.islands;
+  symptoms_.assign(islands.count(), {});
+  modes_.assign(islands.count(), SolveMode::Sweep);
+  for (std::size_t island = 0; island < islands.count(); ++island) {
+    const bool can = islands.contact_count(island) > 0 && islands.joint_count(island) == 0 &&
+                     islands.body_count(island) <= DirectContacts::most_bodies && !has_locks(input, island);
+    if (can) modes_[island] = SolveMode::Direct;
+  }
+  return modes_;
+}
+
+const char* SolverSelection::why(std::size_t island) const {
+  if (modes_[island] == SolveMode::Finest) return "a body carries one many times as heavy, and there are joints";
+  if (symptoms_[island].crushes) return "a body carries many times what its contacts are made for";
+  return modes_[island] == SolveMode::Finer ? "it sags under its own weight" : "columns give way under what they carry";
+}
+
+void SolverSelection::note(std::vector<Overload>& overloads, std::span<const std::uint32_t> failed,
+                           std::span<const std::uint8_t> awake, double dt) {
+  if (overloads.empty() && strained_.empty()) return;
+  const auto step = static_cast<float>(dt);
+  order(overloads);
+  of_overloads_.clear();
+  for (const Overload& overload : overloads) {
+    of_overloads_.push_back(overload.body);
+    const auto grow = [step](float& strain) { strain = std::min(most, strain + step) + step; };
+    grow(strain_[overload.body].overloaded);
+    if (overload.crushed) grow(strain_[overload.body].crushed);
+  }
+  merged_.clear();
+  std::set_union(strained_.begin(), strained_.end(), of_overloads_.begin(), of_overloads_.end(),
+                 std::back_inserter(merged_));
+  for (const std::uint32_t body : merged_) {
+    if (!awake[body]) continue;
+    // But for rounding.
+    const auto wear_off = [step](float& strain) { strain = strain < 1.5f * step ? 0 : strain - step; };
+    wear_off(strain_[body].overloaded);
+    wear_off(strain_[body].crushed);
+  }
+  for (const std::uint32_t body : failed) strain_[body] = {};
+  std::erase_if(merged_, [this](std::uint32_t body) {
+    if (strain_[body].overloaded == 0) strain_[body] = {};
+    return strain_[body] == Strain{};
+  });
+  strained_.swap(merged_);
+}
+
+}  // namespace atl::solver

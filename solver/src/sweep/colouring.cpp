@@ -1,0 +1,157 @@
+#include <solver/sweep/colouring.h>
+
+#include <algorithm>
+#include <bit>
+
+namespace atl::solver {
+namespace {
+
+constexpr std::size_t overflow = 64;
+
+// Within a colour constraints are in order of their rank, and blocks begin anew where another kind does.
+constexpr std::size_t rank_of(const LocalContact& contact) { return contact.kind; }
+constexpr std::size_t rank_count(const LocalContact*) { return contact_kinds; }
+constexpr bool starts_kind(const LocalContact*, std::size_t) { return false; }
+
+constexpr std::size_t most_rows = 6;
+// A point alone; a point with rows, from many to few; rows alone.
+constexpr std::size_t rank_of(const LocalJoint& joint) {
+  const std::size_t rows = joint.rows;
+  if (joint.point) return rows == 0 ? 0 : 1 + most_rows - rows;
+  return 1 + most_rows + most_rows - rows;
+}
+constexpr std::size_t rank_count(const LocalJoint*) { return 2 + 2 * most_rows; }
+constexpr bool starts_kind(const LocalJoint*, std::size_t rank) { return rank == 1 || rank == 1 + most_rows; }
+
+constexpr std::size_t round_up(std::size_t lane) { return (lane + block_lanes - 1) / block_lanes * block_lanes; }
+
+auto& label_of(ContactBlock& block) { return block.slot; }
+auto& label_of(JointBlock& block) { return block.joint; }
+std::uint32_t label_of(const LocalContact& contact) { return contact.slot; }
+std::uint32_t label_of(const LocalJoint& joint) { return joint.joint; }
+
+template <typename Block>
+void clear_lanes(Block& block) {
+  std::fill_n(block.first, block_lanes, 0);
+  std::fill_n(block.second, block_lanes, 0);
+  std::fill_n(label_of(block), block_lanes, -1);
+  block.write_first = 0;
+  block.write_second = 0;
+}
+
+template <typename Block, typename Constraint>
+void set_lane(Block& block, std::size_t lane, const Constraint& constraint, std::uint32_t first_dynamic) {
+  block.first[lane] = static_cast<std::int32_t>(constraint.first);
+  block.second[lane] = static_cast<std::int32_t>(constraint.second);
+  label_of(block)[lane] = static_cast<std::int32_t>(label_of(constraint));
+  const auto bit = static_cast<std::uint8_t>(1u << lane);
+  if (constraint.first >= first_dynamic) block.write_first |= bit;
+  if (constraint.second >= first_dynamic) block.write_second |= bit;
+}
+
+void note_movers(ContactBlock& block) {
+  std::int32_t first = 0, second = 0;
+  block.contacts = 0;
+  for (std::size_t lane = 0; lane < block_lanes; ++lane) {
+    first |= block.first[lane];
+    second |= block.second[lane];
+    block.contacts += block.slot[lane] >= 0;
+  }
+  block.movers = first == 0 ? Movers::Second : second == 0 ? Movers::First : Movers::Both;
+}
+
+}  // namespace
+
+template <typename Constraint>
+void Colouring::assign_colours(std::span<const Constraint> constraints, std::uint32_t first_dynamic,
+                               std::uint32_t body_count) {
+  used_.assign(body_count, 0);
+  colour_of_.resize(constraints.size());
+  for (std::size_t i = 0; i < constraints.size(); ++i) {
+    const Constraint& constraint = constraints[i];
+    std::uint64_t taken = 0;
+    if (constraint.first >= first_dynamic) taken |= used_[constraint.first];
+    if (constraint.second >= first_dynamic) taken |= used_[constraint.second];
+    const auto colour = static_cast<std::uint8_t>(std::countr_one(taken));
+    colour_of_[i] = colour;
+    if (colour == overflow) continue;
+    used_[constraint.first] |= std::uint64_t{1} << colour;
+    used_[constraint.second] |= std::uint64_t{1} << colour;
+  }
+}
+
+// By colour, then rank, then in order; those that are left over get a block each.
+template <typename Constraint>
+void Colouring::assign_lanes(std::span<const Constraint> constraints) {
+  constexpr const Constraint* kind = nullptr;
+  constexpr std::size_t ranks = rank_count(kind);
+  next_lane_.assign((overflow + 1) * ranks, 0);
+  const auto place = [&](std::size_t i) -> std::uint32_t& {
+    return next_lane_[colour_of_[i] * ranks + rank_of(constraints[i])];
+  };
+  for (std::size_t i = 0; i < constraints.size(); ++i) ++place(i);
+
+  colours_.clear();
+  std::size_t lane = 0;
+  for (std::size_t colour = 0; colour <= overflow; ++colour) {
+    const bool serial = colour == overflow;
+    const std::size_t begin = lane;
+    for (std::size_t rank = 0; rank < ranks; ++rank) {
+      if (starts_kind(kind, rank)) lane = round_up(lane);
+      std::uint32_t& next = next_lane_[colour * ranks + rank];
+      const std::size_t count = next;
+      next = static_cast<std::uint32_t>(lane);
+      lane += serial ? count * block_lanes : count;
+    }
+    lane = round_up(lane);
+    if (lane > begin) colours_.push_back({begin / block_lanes, lane / block_lanes, serial});
+  }
+
+  lane_of_.resize(constraints.size());
+  for (std::size_t i = 0; i < constraints.size(); ++i) {
+    std::uint32_t& next = place(i);
+    lane_of_[i] = next;
+    next += colour_of_[i] == overflow ? static_cast<std::uint32_t>(block_lanes) : 1;
+  }
+}
+
+template <typename Constraint, typename Block>
+void Colouring::fill(std::span<const Constraint> constraints, std::uint32_t first_dynamic,
+                     std::vector<Block>& blocks) const {
+  if (blocks.size() < block_count()) blocks.resize(block_count());
+  for (std::size_t b = 0; b < block_count(); ++b) clear_lanes(blocks[b]);
+  for (std::size_t i = 0; i < constraints.size(); ++i) {
+    set_lane(blocks[lane_of_[i] / block_lanes], lane_of_[i] % block_lanes, constraints[i], first_dynamic);
+  }
+}
+
+void Colouring::build(std::span<const LocalContact> contacts, std::uint32_t first_dynamic, std::uint32_t body_count,
+                      std::vector<ContactBlock>& blocks) {
+  assign_colours(contacts, first_dynamic, body_count);
+  assign_lanes(contacts);
+  fill(contacts, first_dynamic, blocks);
+  for (std::size_t b = 0; b < block_count(); ++b) note_movers(blocks[b]);
+}
+
+void Colouring::build(std::span<const LocalJoint> joints, std::uint32_t first_dynamic, std::uint32_t body_count,
+                      std::vector<JointBlock>& blocks) {
+  assign_colours(joints, first_dynamic, body_count);
+  assign_lanes(joints);
+  fill(joints, first_dynamic, blocks);
+  for (std::size_t b = 0; b < block_count(); ++b) {
+    blocks[b].rows = 0;
+    blocks[b].point = 0;
+  }
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    JointBlock& block = blocks[lane_of_[i] / block_lanes];
+    block.rows = std::max(block.rows, joints[i].rows);
+    block.point = joints[i].point ? 1 : 0;
+  }
+  std::uint32_t row = 0;
+  for (std::size_t b = 0; b < block_count(); ++b) {
+    blocks[b].first_row = row;
+    row += blocks[b].rows;
+  }
+}
+
+}  // namespace atl::solver

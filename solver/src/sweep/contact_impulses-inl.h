@@ -1,0 +1,181 @@
+// What happens to accumulated impulses around the sweeps: warm start, bounces, and back to the manifolds. Included once
+// for each instruction set.
+
+#if defined(ATOLL_SOLVER_CONTACT_IMPULSES_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef ATOLL_SOLVER_CONTACT_IMPULSES_INL_H_
+#undef ATOLL_SOLVER_CONTACT_IMPULSES_INL_H_
+#else
+#define ATOLL_SOLVER_CONTACT_IMPULSES_INL_H_
+#endif
+
+#include <jobs/with_surfaces.h>
+#include <solver/constraints/load_check.h>
+
+#include "sweep/contact_lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace atl::solver {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+using namespace jobs::HWY_NAMESPACE;
+
+template <Movers movers>
+void warm_start_by(const ContactKernelData& data, std::size_t begin, std::size_t end) {
+  for (std::size_t b = begin; b < end; ++b) {
+    const ContactBlock& block = data.blocks[b];
+    for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
+      ContactLanes<movers> c = load_contacts<movers>(data, block, lane);
+      V sum = zero();
+      V sum_y = zero();
+      V sum_minus_x = zero();
+      for (std::size_t i = 0; i < max_points; ++i) {
+        const V impulse = load(block.normal_impulse[i] + lane);
+        sum = hn::Add(sum, impulse);
+        sum_y = hn::Add(sum_y, hn::Mul(impulse, load(block.y[i] + lane)));
+        sum_minus_x = hn::Sub(sum_minus_x, hn::Mul(impulse, load(block.x[i] + lane)));
+      }
+      const V f1 = load(block.friction_impulse[0] + lane);
+      const V f2 = load(block.friction_impulse[1] + lane);
+      const V twist = load(block.twist_impulse + lane);
+      if (with_surfaces && data.surface_blocks != nullptr) {
+        const SurfaceBlock& surface = data.surface_blocks[b];
+        sum_y = hn::Add(sum_y, load(surface.rolling_impulse[0] + lane));
+        sum_minus_x = hn::Add(sum_minus_x, load(surface.rolling_impulse[1] + lane));
+      }
+      apply(c, sum * c.normal + (f1 * c.tangent1 + f2 * c.tangent2),
+            twist * c.normal + (sum_y * c.tangent1 + sum_minus_x * c.tangent2));
+      store_contact_bodies(c, data, block, lane);
+    }
+  }
+}
+
+inline void warm_start(const ContactKernelData& data, std::size_t begin, std::size_t end) {
+  if (data.bodies.locks.empty()) return warm_start_by<Movers::Both>(data, begin, end);
+  warm_start_by<Movers::Locked>(data, begin, end);
+}
+
+// Over the points of each contact: with one, a face that hits flat would leave spinning.
+constexpr std::size_t restitution_sweeps = 16;
+
+template <Movers movers>
+void restitute_by(const ContactKernelData& data, std::size_t begin, std::size_t end) {
+  const V threshold = splat(-data.constants.restitution_threshold);
+  for (std::size_t b = begin; b < end; ++b) {
+    ContactBlock& block = data.blocks[b];
+    if (!block.traits.bounces) continue;
+    const BounceBlock& bounce = data.bounces[b];
+    const std::size_t points = block.traits.points;
+    for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
+      ContactLanes<movers> c = load_contacts<movers>(data, block, lane);
+      const V restitution = load(bounce.restitution + lane);
+      NormalSolve solve(c);
+      for (std::size_t n = 0; n < restitution_sweeps * points; ++n) {
+        const std::size_t i = n % points;
+        const V x = load(block.x[i] + lane);
+        const V y = load(block.y[i] + lane);
+        const V old_impulse = load(block.normal_impulse[i] + lane);
+        const V approach = load(bounce.approach[i] + lane);
+        const PointResponse response(block, lane, x, y);
+        const M bounces = hn::And(hn::And(hn::Lt(approach, threshold), hn::Gt(restitution, zero())),
+                                  hn::Gt(load(bounce.max_impulse[i] + lane), zero()));
+        const V target = hn::Add(solve.speed(x, y), hn::Mul(restitution, approach));
+        const V wanted = hn::Max(hn::Neg(hn::Mul(response.mass, target)), hn::Neg(old_impulse));
+        const V impulse = hn::IfThenElse(bounces, wanted, zero());
+        store(hn::Add(old_impulse, impulse), block.normal_impulse[i] + lane);
+        response.apply(impulse, x, y, solve);
+      }
+      solve.finish(c);
+      store_contact_bodies(c, data, block, lane);
+    }
+  }
+}
+
+inline void restitute(const ContactKernelData& data, std::size_t begin, std::size_t end) {
+  if (data.bodies.locks.empty()) return restitute_by<Movers::Both>(data, begin, end);
+  restitute_by<Movers::Locked>(data, begin, end);
+}
+
+// Lanes where soft contacts would give farther under what they carry now than in columns they should.
+HWY_INLINE unsigned loaded_lanes(const ContactKernelData& data, const ContactBlock& block, std::size_t lane,
+                                 V normal_impulse) {
+  const V first = load(block.inverse_mass[0] + lane);
+  const V second = load(block.inverse_mass[1] + lane);
+  const M first_fixed = hn::Eq(first, zero());
+  const M second_fixed = hn::Eq(second, zero());
+  const V scale =
+      hn::IfThenElse(hn::Or(first_fixed, second_fixed), splat(data.constants.give_fixed), splat(data.constants.give));
+  const V give = hn::Mul(hn::Mul(normal_impulse, hn::Add(first, second)), scale);
+  const V3 normal = load3(block.normal, lane);
+  constexpr auto least_square = static_cast<float>(least_thickness * least_thickness);
+  constexpr auto give_square = static_cast<float>(column_give * column_give);
+  const auto square_of_half_thickness = [&](const V3& arm, const M& fixed) {
+    const V along = dot(normal, arm);
+    const V square = hn::Max(hn::Mul(along, along), hn::Mul(splat(least_square), dot(arm, arm)));
+    return hn::IfThenElse(fixed, splat(collision::no_point), square);
+  };
+  const V square = hn::Min(square_of_half_thickness(load3(block.anchor_first, lane), first_fixed),
+                           square_of_half_thickness(load3(block.anchor_second, lane), second_fixed));
+  const M over = hn::Gt(hn::Mul(give, give), hn::Mul(splat(give_square), square));
+  if (HWY_LIKELY(hn::AllFalse(D(), over))) return 0;
+  std::uint8_t bits[8] = {};
+  hn::StoreMaskBits(D(), over, bits);
+  return bits[0];
+}
+
+// Impulses of points, by the manifold's numbers.
+HWY_INLINE V4 back_to_manifold(const PlanarBlock& block, std::size_t lane, const V4& rows) {
+  const M planar = hn::Gt(load(block.planar + lane), zero());
+  const V first = load(block.point[0] + lane);
+  const V second = load(block.point[1] + lane);
+  const auto of_point = [&](float point, V row) {
+    const V sum = hn::Add(hn::IfThenElseZero(hn::Eq(first, splat(point)), rows.x),
+                          hn::IfThenElseZero(hn::Eq(second, splat(point)), rows.y));
+    return hn::IfThenElse(planar, sum, row);
+  };
+  return {of_point(0, rows.x), of_point(1, rows.y), of_point(2, rows.z), of_point(3, rows.w)};
+}
+
+inline void store_impulses(const ContactKernelData& data, std::size_t begin, std::size_t end) {
+  const V together = splat(data.constants.finer);
+  for (std::size_t b = begin; b < end; ++b) {
+    ContactBlock& block = data.blocks[b];
+    unsigned loaded = 0;
+    for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
+      unsigned used = 0;
+      for (std::size_t k = 0; k < lanes; ++k) used |= (block.slot[lane + k] >= 0 ? 1u : 0u) << k;
+      const std::int32_t* slot = block.slot + lane;
+      collision::ContactManifold* manifolds = data.manifolds;
+      V4 normal = {load(block.normal_impulse[0] + lane), load(block.normal_impulse[1] + lane),
+                   load(block.normal_impulse[2] + lane), load(block.normal_impulse[3] + lane)};
+      const V load_of_all = hn::Add(hn::Add(normal.x, normal.y), hn::Add(normal.z, normal.w));
+      loaded |= (loaded_lanes(data, block, lane, load_of_all) & used) << lane;
+      if (data.planar_blocks != nullptr) normal = back_to_manifold(data.planar_blocks[b], lane, normal);
+      store_rows(
+          {hn::Mul(together, normal.x), hn::Mul(together, normal.y), hn::Mul(together, normal.z),
+           hn::Mul(together, normal.w)},
+          [=](std::size_t k) { return manifolds[slot[k]].normal_impulse; }, used);
+      const V3 t1 = load3(block.tangent, lane);
+      const V3 t2 = cross(load3(block.normal, lane), t1);
+      const V3 friction =
+          together * (load(block.friction_impulse[0] + lane) * t1 + load(block.friction_impulse[1] + lane) * t2);
+      store_rows(
+          {friction.x, friction.y, friction.z, hn::Mul(together, load(block.twist_impulse + lane))},
+          [=](std::size_t k) { return manifolds[slot[k]].friction_impulse; }, used);
+      if (!with_surfaces || data.surface_blocks == nullptr) continue;
+      const SurfaceBlock& surface = data.surface_blocks[b];
+      SurfaceContact* contacts = data.surface_contacts;
+      const V3 rolling =
+          together * (load(surface.rolling_impulse[0] + lane) * t1 + load(surface.rolling_impulse[1] + lane) * t2);
+      store_rows(
+          {rolling.x, rolling.y, rolling.z, load(surface.torsional_friction[0] + lane)},
+          [=](std::size_t k) { return contacts[slot[k]].rolling_impulse; }, used);
+    }
+    block.loaded = static_cast<std::uint8_t>(loaded);
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace atl::solver
+HWY_AFTER_NAMESPACE();
+
+#endif  // ATOLL_SOLVER_CONTACT_IMPULSES_INL_H_

@@ -1,0 +1,310 @@
+// Makes contact blocks of manifolds. Included once for each instruction set.
+
+#if defined(ATOLL_SOLVER_CONTACT_PREPARE_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef ATOLL_SOLVER_CONTACT_PREPARE_INL_H_
+#undef ATOLL_SOLVER_CONTACT_PREPARE_INL_H_
+#else
+#define ATOLL_SOLVER_CONTACT_PREPARE_INL_H_
+#endif
+
+#include <jobs/prefetch.h>
+#include <jobs/with_restitution.h>
+#include <jobs/with_surfaces.h>
+
+#include "sweep/contact_lanes-inl.h"
+#include "sweep/contact_locks-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace atl::solver {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+using namespace jobs::HWY_NAMESPACE;
+
+HWY_INLINE const collision::ContactManifold& manifold_of(const ContactKernelData& data, const ContactBlock& block,
+                                                         std::size_t lane) {
+  // What a lane without a contact reads.
+  static constexpr collision::ContactManifold vacant = {
+      {0, 0, 1},
+      0,
+      {0, 0, 0},
+      0,
+      {0, 0, 0},
+      0,
+      {0, 0, 0, 0},
+      {0, 0, 0, 0},
+      {collision::no_point, collision::no_point, collision::no_point, collision::no_point},
+      {0, 0, 0, 0},
+      {0, 0, 0},
+      0};
+  const std::int32_t slot = block.slot[lane];
+  return slot < 0 ? vacant : data.manifolds[slot];
+}
+
+template <typename ManifoldOf>
+HWY_INLINE ManifoldLanes load_manifolds(const ManifoldOf& of) {
+  return {load_rows([&](std::size_t k) { return of(k).normal; }),
+          load_rows([&](std::size_t k) { return of(k).anchor_first; }),
+          load_rows([&](std::size_t k) { return of(k).anchor_second; }),
+          load_rows([&](std::size_t k) { return of(k).x; }),
+          load_rows([&](std::size_t k) { return of(k).y; }),
+          load_rows([&](std::size_t k) { return of(k).separation; }),
+          load_rows([&](std::size_t k) { return of(k).normal_impulse; }),
+          load_rows([&](std::size_t k) { return of(k).friction_impulse; })};
+}
+
+HWY_INLINE void store4(const V4& v, float (*rows)[block_lanes], std::size_t lane) {
+  store(v.x, rows[0] + lane);
+  store(v.y, rows[1] + lane);
+  store(v.z, rows[2] + lane);
+  store(v.w, rows[3] + lane);
+}
+
+// Without friction, or what twists, there is no such row: it has no mass, and what sweeps it comes to zero, exactly.
+HWY_INLINE void prepare_masses(ContactBlock& block, std::size_t lane, const ContactLanes<>& c, M rubs, M twists) {
+  const V inverse_mass = hn::Add(c.inverse_mass_first, c.inverse_mass_second);
+  const M vacant = hn::Eq(inverse_mass, zero());
+  const V one_if_vacant = hn::IfThenElse(vacant, splat(1), zero());
+  const V3& t1 = c.tangent1;
+  const V3& t2 = c.tangent2;
+
+  const V3 n_first = cross(c.anchor_first, c.normal);
+  const V3 n_second = cross(c.anchor_second, c.normal);
+  const V k[6] = {
+      hn::Add(hn::Add(inverse_mass, angular_response(c, n_first, n_second, n_first, n_second)), one_if_vacant),
+      angular_response(c, n_first, n_second, t1, t1),
+      angular_response(c, n_first, n_second, t2, t2),
+      angular_response(c, t1, t1, t1, t1),
+      angular_response(c, t1, t1, t2, t2),
+      angular_response(c, t2, t2, t2, t2)};
+  for (std::size_t i = 0; i < 6; ++i) store(k[i], block.k[i] + lane);
+
+  const Plane mass = tangential_response(c, hn::Add(inverse_mass, one_if_vacant)).inverse();
+  Plane{hn::IfThenElseZero(rubs, mass.m11), hn::IfThenElseZero(rubs, mass.m12), hn::IfThenElseZero(rubs, mass.m22)}
+      .store_to(block.friction_mass, lane);
+
+  const V twist = angular_response(c, c.normal, c.normal, c.normal, c.normal);
+  const M turns = hn::And(twists, hn::Gt(twist, zero()));
+  store(hn::IfThenElse(turns, hn::Div(splat(1), hn::IfThenElse(turns, twist, splat(1))), zero()),
+        block.twist_mass + lane);
+}
+
+HWY_INLINE bool any(const M& mask) { return !hn::AllFalse(D(), mask); }
+
+// What the block has, without which kernels need not look for it.
+HWY_INLINE void note_traits(ContactTraits& traits, const ManifoldLanes& m) {
+  const V separation[max_points] = {m.separation.x, m.separation.y, m.separation.z, m.separation.w};
+  for (std::size_t i = traits.points; i < max_points; ++i) {
+    if (any(hn::Lt(separation[i], splat(collision::no_point)))) traits.points = static_cast<std::uint8_t>(i + 1);
+  }
+  traits.friction |= any(hn::Gt(m.normal.w, zero()));
+  traits.bounces |= any(hn::Gt(m.anchor_first.w, zero()));
+}
+
+HWY_INLINE const SurfaceContact& surface_of(const ContactKernelData& data, const ContactBlock& block,
+                                            std::size_t lane) {
+  static constexpr SurfaceContact plain = {};
+  const std::int32_t slot = block.slot[lane];
+  return slot < 0 ? plain : data.surface_contacts[slot];
+}
+
+// The rolling impulses, and in w the torsional friction.
+HWY_INLINE V4 rolling_lanes(const ContactKernelData& data, const ContactBlock& block, std::size_t lane) {
+  return load_rows([&](std::size_t k) { return surface_of(data, block, lane + k).rolling_impulse; });
+}
+
+// A contact that has just begun has no normal impulse, and so nothing that an earlier one in its slot left behind.
+HWY_INLINE void prepare_surfaces(const ContactKernelData& data, const ContactBlock& block, SurfaceBlock& surface,
+                                 std::size_t lane, const ContactLanes<>& c, const V4& rolling) {
+  const V4 slip = load_rows([&](std::size_t k) { return surface_of(data, block, lane + k).slip; });
+  const float(*pushes)[block_lanes] = block.normal_impulse;
+  const V normal_impulse = hn::Add(hn::Add(load(pushes[0] + lane), load(pushes[1] + lane)),
+                                   hn::Add(load(pushes[2] + lane), load(pushes[3] + lane)));
+  store(dot(c.tangent1, {slip.x, slip.y, slip.z}), surface.slip[0] + lane);
+  store(dot(c.tangent2, {slip.x, slip.y, slip.z}), surface.slip[1] + lane);
+  store(slip.w, surface.rolling_friction[0] + lane);
+  store(rolling.w, surface.torsional_friction[0] + lane);
+
+  const V3 kept = splat(1 / data.constants.finer) * V3{rolling.x, rolling.y, rolling.z};
+  V r1 = dot(c.tangent1, kept);
+  V r2 = dot(c.tangent2, kept);
+  clamp_to_disc(r1, r2, hn::Mul(slip.w, normal_impulse));
+  // A disc of radius zero lets pass what is so small that its square is zero.
+  const M rolls_hard = hn::Gt(slip.w, zero());
+  store(hn::IfThenElse(rolls_hard, r1, zero()), surface.rolling_impulse[0] + lane);
+  store(hn::IfThenElse(rolls_hard, r2, zero()), surface.rolling_impulse[1] + lane);
+
+  // Bodies that can't turn are not to be held from rolling.
+  Plane spins{load(block.k[3] + lane), load(block.k[4] + lane), load(block.k[5] + lane)};
+  const M turn = hn::And(rolls_hard, hn::Gt(spins.determinant(), zero()));
+  spins = {hn::IfThenElse(turn, spins.m11, splat(1)), hn::IfThenElse(turn, spins.m12, zero()),
+           hn::IfThenElse(turn, spins.m22, splat(1))};
+  const Plane mass = spins.inverse();
+  Plane{hn::IfThenElse(turn, mass.m11, zero()), hn::IfThenElse(turn, mass.m12, zero()),
+        hn::IfThenElse(turn, mass.m22, zero())}
+      .store_to(surface.rolling_mass, lane);
+  if (!data.bodies.locks.empty()) lock_rolling(data.bodies, block, lane, rolls_hard, surface);
+}
+
+// m/s^2, of the forces on the bodies along the normal.
+struct Pull {
+  V relative;  // negative where it brings them together
+  V most;      // either could be held up by something else: as if both came
+};
+HWY_INLINE Pull pull_together(const SolverBodies& bodies, const ContactBlock& block, std::size_t lane,
+                              const V3& normal) {
+  const auto along_normal = [&](const std::int32_t* index) {
+    const V4 a = load_rows([&](std::size_t k) { return bodies.acceleration[index[k]].linear; });
+    return dot({a.x, a.y, a.z}, normal);
+  };
+  const V first = along_normal(block.first + lane);
+  const V second = along_normal(block.second + lane);
+  return {hn::Sub(second, first), hn::Neg(hn::Add(hn::Abs(first), hn::Abs(second)))};
+}
+
+// Whether a point that closes at `speed` under `acceleration` gets through its separation within the step.
+HWY_INLINE M meets(V speed, V separation, V acceleration, float step) {
+  const V shift = hn::Mul(splat(step), hn::Add(speed, hn::Mul(splat(0.5f * step), acceleration)));
+  return hn::Or(hn::Le(separation, zero()), hn::Lt(hn::Add(separation, shift), zero()));
+}
+
+// The speed (negative) with which such a point arrives: as if the impact were found to the instant, so that bodies
+// bounce off with the energy that they came with.
+HWY_INLINE V impact_speed(V speed, V separation, V acceleration) {
+  const V gained = hn::Mul(hn::Mul(splat(2), acceleration), separation);
+  const V square = hn::Max(hn::Sub(hn::Mul(speed, speed), gained), zero());
+  return hn::IfThenElse(hn::And(hn::Lt(speed, zero()), hn::Gt(separation, zero())), hn::Neg(hn::Sqrt(square)), speed);
+}
+
+// Bounces go from body to body one step after the other: a bouncy point that would meet nothing in this step, if it
+// were not for other impacts, waits for the next. Solved at once, as one impact, they would end as one that shares its
+// motion.
+HWY_INLINE void prepare_bounces(const ContactKernelData& data, ContactBlock& block, BounceBlock& bounce,
+                                std::size_t lane) {
+  const ContactLanes<> c = load_contacts(data, block, lane);
+  const NormalSolve solve(c);
+  const V restitution = load_rows([&](std::size_t k) { return manifold_of(data, block, lane + k).anchor_first; }).w;
+  const Pull pull = pull_together(data.bodies, block, lane, c.normal);
+  const M bouncy = hn::Gt(restitution, zero());
+  for (std::size_t i = 0; i < max_points; ++i) {
+    const V speed = solve.speed(load(block.x[i] + lane), load(block.y[i] + lane));
+    const V separation = load(block.start_separation[i] + lane);
+    const M comes = meets(speed, separation, pull.most, data.constants.step);
+    const V seen = hn::IfThenElse(hn::Or(comes, hn::Not(bouncy)), separation, splat(collision::no_point));
+    store(seen, block.start_separation[i] + lane);
+    store(seen, block.separation[i] + lane);
+    store(hn::IfThenElse(comes, impact_speed(speed, separation, pull.relative), zero()), bounce.approach[i] + lane);
+    store(zero(), bounce.max_impulse[i] + lane);
+  }
+  store(restitution, bounce.restitution + lane);
+}
+
+// A ball is touched where the normal through its centre leaves it. Its contact may be some way from there: as the step
+// starts, it may yet have to travel to where it will be hit.
+HWY_INLINE void put_on_line_of_centres(const SolverBodies& bodies, const ContactBlock& block, std::size_t lane,
+                                       ContactLanes<>& c) {
+  const auto on_line = [&](const std::int32_t* index, const V3& anchor) {
+    const V carries = load_displacement(bodies, index).w;
+    return select(hn::Gt(carries, zero()), anchor, dot(anchor, c.normal) * c.normal);
+  };
+  c.anchor_first = on_line(block.first + lane, c.anchor_first);
+  c.anchor_second = on_line(block.second + lane, c.anchor_second);
+}
+
+HWY_INLINE ContactLanes<> lanes_of(const SolverBodies& bodies, const ContactBlock& block, std::size_t lane,
+                                   const ManifoldLanes& m) {
+  ContactLanes<> c;
+  c.normal = {m.normal.x, m.normal.y, m.normal.z};
+  c.tangent1 = tangent_lanes(c.normal).first;
+  c.tangent2 = cross(c.normal, c.tangent1);
+  c.anchor_first = {m.anchor_first.x, m.anchor_first.y, m.anchor_first.z};
+  c.anchor_second = {m.anchor_second.x, m.anchor_second.y, m.anchor_second.z};
+  load_bodies(bodies, block.first + lane, c.first);
+  load_bodies(bodies, block.second + lane, c.second);
+  const FreeVelocityRows* free_velocity = bodies.free_velocity.data();
+  const auto inverse_mass_of = [&](const std::int32_t* index) {
+    return load_rows([=](std::size_t k) { return free_velocity[index[k]].linear; }).w;
+  };
+  c.inverse_mass_first = inverse_mass_of(block.first + lane);
+  c.inverse_mass_second = inverse_mass_of(block.second + lane);
+  return c;
+}
+
+HWY_INLINE void store_geometry(ContactBlock& block, std::size_t lane, const ContactLanes<>& c, const ManifoldLanes& m) {
+  store3(c.normal, block.normal, lane);
+  store3(c.tangent1, block.tangent, lane);
+  store3(c.anchor_first, block.anchor_first, lane);
+  store3(c.anchor_second, block.anchor_second, lane);
+  store(m.normal.w, block.friction + lane);
+  store(m.anchor_second.w, block.lever + lane);
+  store4(m.x, block.x, lane);
+  store4(m.y, block.y, lane);
+  store4(m.separation, block.start_separation, lane);
+  store4(m.separation, block.separation, lane);
+  store(c.inverse_mass_first, block.inverse_mass[0] + lane);
+  store(c.inverse_mass_second, block.inverse_mass[1] + lane);
+}
+
+// Those of the last step, for each of the substeps; of what isn't there, none.
+HWY_INLINE void store_impulses(ContactBlock& block, std::size_t lane, const ContactLanes<>& c, const ManifoldLanes& m,
+                               V share, M rubs, M twists) {
+  store4({hn::Mul(share, m.impulse.x), hn::Mul(share, m.impulse.y), hn::Mul(share, m.impulse.z),
+          hn::Mul(share, m.impulse.w)},
+         block.normal_impulse, lane);
+  const V3 friction = share * V3{m.friction.x, m.friction.y, m.friction.z};
+  store(hn::IfThenElseZero(rubs, dot(c.tangent1, friction)), block.friction_impulse[0] + lane);
+  store(hn::IfThenElseZero(rubs, dot(c.tangent2, friction)), block.friction_impulse[1] + lane);
+  store(hn::IfThenElseZero(twists, hn::Mul(share, m.friction.w)), block.twist_impulse + lane);
+}
+
+HWY_INLINE void prepare_lanes(const ContactKernelData& data, std::size_t b, std::size_t lane, ContactTraits& traits) {
+  ContactBlock& block = data.blocks[b];
+  ManifoldLanes m = load_manifolds(
+      [&](std::size_t k) -> const collision::ContactManifold& { return manifold_of(data, block, lane + k); });
+  ContactLanes<> c = lanes_of(data.bodies, block, lane, m);
+  const bool locks = data.planar_blocks != nullptr;
+  const bool surfaces = with_surfaces && data.surface_blocks != nullptr;
+  PlanarLanes in_plane{hn::Lt(zero(), zero()), hn::Lt(zero(), zero())};
+  if (locks) in_plane = turn_into_plane(data.bodies, block, lane, data.planar_blocks[b], c, m);
+  if (data.bodies.balls) put_on_line_of_centres(data.bodies, block, lane, c);
+  store_geometry(block, lane, c, m);
+
+  M rubs = hn::Gt(m.normal.w, zero());
+  if (locks) rubs = hn::AndNot(in_plane.across, rubs);
+  M twists = rubs;
+  V4 rolling;
+  if (surfaces) {
+    rolling = rolling_lanes(data, block, lane);
+    twists = hn::Or(twists, hn::Gt(rolling.w, zero()));
+  }
+  if (locks) twists = hn::AndNot(in_plane.planar, twists);
+  store_impulses(block, lane, c, m, splat(1 / data.constants.finer), rubs, twists);
+  prepare_masses(block, lane, c, rubs, twists);
+  if (locks) {
+    traits.locked |= lock_contacts(data.bodies, block, lane, c, rubs, in_plane.planar, m.separation);
+    keep_in_plane(block, lane, c, rubs, in_plane.planar);
+  }
+  if (surfaces) prepare_surfaces(data, block, data.surface_blocks[b], lane, c, rolling);
+  note_traits(traits, m);
+}
+
+inline void prepare(const ContactKernelData& data, std::size_t begin, std::size_t end) {
+  constexpr std::size_t ahead = 2;
+  for (std::size_t b = begin; b < end; ++b) {
+    ContactBlock& block = data.blocks[b];
+    if (b + ahead < end) {
+      for (const std::int32_t slot : data.blocks[b + ahead].slot) jobs::prefetch(data.manifolds[slot < 0 ? 0 : slot]);
+    }
+    ContactTraits traits = {.points = 1, .friction = data.surface_blocks != nullptr, .bounces = false, .locked = false};
+    for (std::size_t lane = 0; lane < block_lanes; lane += lanes) prepare_lanes(data, b, lane, traits);
+    block.traits = data.leaves_out ? traits : ContactTraits();
+    block.traits.bounces &= data.bounces != nullptr;
+    if (!with_restitution || !block.traits.bounces) continue;
+    for (std::size_t lane = 0; lane < block_lanes; lane += lanes) prepare_bounces(data, block, data.bounces[b], lane);
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace atl::solver
+HWY_AFTER_NAMESPACE();
+
+#endif  // ATOLL_SOLVER_CONTACT_PREPARE_INL_H_

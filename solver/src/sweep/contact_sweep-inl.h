@@ -1,0 +1,457 @@
+// A sweep of sequential impulses over contact blocks. Included once for each instruction set.
+
+#if defined(ATOLL_SOLVER_CONTACT_SWEEP_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef ATOLL_SOLVER_CONTACT_SWEEP_INL_H_
+#undef ATOLL_SOLVER_CONTACT_SWEEP_INL_H_
+#else
+#define ATOLL_SOLVER_CONTACT_SWEEP_INL_H_
+#endif
+
+#include <jobs/with_restitution.h>
+#include <jobs/with_surfaces.h>
+
+#include "sweep/contact_lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace atl::solver {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+using namespace jobs::HWY_NAMESPACE;
+
+// R(q)^T n - n without cancellation, for the rotation that a body has made since the start of the step.
+HWY_INLINE V3 turned_normal_change(const V4& q, const V3& n) {
+  const V3 v{q.x, q.y, q.z};
+  const V3 t = cross(v, n);
+  const V3 change = cross(v, t) - q.w * t;
+  return change + change;
+}
+
+// How a body changes the normal, as it sees it itself. A rolling ball's lowest point does not rise with its surface.
+HWY_INLINE V3 normal_change(const ContactKernelData& data, const BodyLanes& body, const V4& moved, const V3& normal) {
+  return moved.w * turned_normal_change(load_rotation(data.bodies, body.index), normal);
+}
+
+// The points' separations, for which those of the start of the step change by `at_centre` and, linear in their x and y,
+// along the tangents.
+template <std::size_t points>
+HWY_INLINE void shift_points(ContactBlock& block, std::size_t lane, V at_centre, V along_x, V along_y) {
+  for (std::size_t i = 0; i < points; ++i) {
+    const V x = load(block.x[i] + lane);
+    const V y = load(block.y[i] + lane);
+    const V shift = hn::Add(at_centre, hn::Add(hn::Mul(x, along_x), hn::Mul(y, along_y)));
+    store(hn::Add(load(block.start_separation[i] + lane), shift), block.separation[i] + lane);
+  }
+}
+
+// separation = start + n . (moved centres) + turned anchors.
+template <std::size_t points, Movers movers>
+HWY_INLINE void refresh_separations(const ContactKernelData& data, ContactBlock& block, std::size_t lane,
+                                    const ContactLanes<movers>& c) {
+  const V3 rest{zero(), zero(), zero()};
+  if constexpr (movers == Movers::First) {
+    const V4 moved = load_displacement(data.bodies, c.first.index);
+    const V3 change = normal_change(data, c.first, moved, c.normal);
+    const V at_centre =
+        hn::Add(dot(c.normal, rest - V3{moved.x, moved.y, moved.z}), hn::Sub(zero(), dot(change, c.anchor_first)));
+    const V3 turned = rest - change;
+    shift_points<points>(block, lane, at_centre, dot(turned, c.tangent1), dot(turned, c.tangent2));
+  } else if constexpr (movers == Movers::Second) {
+    const V4 moved = load_displacement(data.bodies, c.second.index);
+    const V3 change = normal_change(data, c.second, moved, c.normal);
+    const V at_centre = hn::Add(dot(c.normal, V3{moved.x, moved.y, moved.z}), dot(change, c.anchor_second));
+    shift_points<points>(block, lane, at_centre, dot(change, c.tangent1), dot(change, c.tangent2));
+  } else {
+    const V4 first = load_displacement(data.bodies, c.first.index);
+    const V4 second = load_displacement(data.bodies, c.second.index);
+    const V3 change_first = normal_change(data, c.first, first, c.normal);
+    const V3 change_second = normal_change(data, c.second, second, c.normal);
+    const V3 moved = V3{second.x, second.y, second.z} - V3{first.x, first.y, first.z};
+    const V turned = hn::Sub(dot(change_second, c.anchor_second), dot(change_first, c.anchor_first));
+    const V3 change = change_second - change_first;
+    shift_points<points>(block, lane, hn::Add(dot(c.normal, moved), turned), dot(change, c.tangent1),
+                         dot(change, c.tangent2));
+  }
+}
+
+// What is known of a sweep when it is compiled.
+template <Push push_, bool refresh_, bool rubs_, int rounds_>
+struct Common {
+  static constexpr Push push = push_;
+  static constexpr bool special = false;
+  static HWY_INLINE bool refresh(const Sweep&) { return refresh_; }
+  static HWY_INLINE bool rubs(const Sweep&) { return rubs_; }
+  static HWY_INLINE int rounds(const Sweep&) { return rounds_; }
+};
+
+// Whatever a sweep asks for, and what few scenes need and costs something: running surfaces, rolling and torsional
+// friction, the pyramid, locks, slop, and a residual.
+template <Push push_>
+struct Special {
+  static constexpr Push push = push_;
+  static constexpr bool special = true;
+  static HWY_INLINE bool refresh(const Sweep& sweep) { return sweep.refresh; }
+  static HWY_INLINE bool rubs(const Sweep& sweep) { return sweep.friction != Friction::None; }
+  static HWY_INLINE int rounds(const Sweep& sweep) { return sweep.twice ? 2 : 1; }
+};
+
+// What is left out of blocks that have no need of it.
+template <std::size_t points_, Movers movers_>
+struct What {
+  static constexpr std::size_t points = points_;
+  static constexpr Movers movers = movers_;
+};
+
+// The largest change of relative speed so far. Each lane on its own: the most of all is no sum and knows no order.
+struct Residual {
+  V most;
+  HWY_INLINE Residual() : most(zero()) {}
+  HWY_INLINE void add(V change) { most = hn::Max(most, hn::Abs(change)); }
+};
+
+// m, of a contact: what turns a spin into a speed. Of the bodies the smaller one's.
+template <Movers movers>
+HWY_INLINE V reach_of(const ContactLanes<movers>& c) {
+  return hn::Sqrt(hn::Min(dot(c.anchor_first, c.anchor_first), dot(c.anchor_second, c.anchor_second)));
+}
+
+// Holds back rolling: an angular impulse about an axis in the tangent plane, bound as friction is.
+template <Movers movers>
+HWY_INLINE void solve_rolling(SurfaceBlock& surface, std::size_t lane, V normal_impulse, ContactLanes<movers>& c,
+                              Residual& residual) {
+  const V3 spin = relative_spin(c);
+  const Plane mass = Plane::load_from(surface.rolling_mass, lane);
+  const V w1 = dot(c.tangent1, spin);
+  const V w2 = dot(c.tangent2, spin);
+  const V old1 = load(surface.rolling_impulse[0] + lane);
+  const V old2 = load(surface.rolling_impulse[1] + lane);
+  V new1 = hn::Sub(old1, mass.first(w1, w2));
+  V new2 = hn::Sub(old2, mass.second(w1, w2));
+  clamp_to_disc(new1, new2, hn::Mul(load(surface.rolling_friction[0] + lane), normal_impulse));
+  store(new1, surface.rolling_impulse[0] + lane);
+  store(new2, surface.rolling_impulse[1] + lane);
+  apply(c, {zero(), zero(), zero()}, hn::Sub(new1, old1) * c.tangent1 + hn::Sub(new2, old2) * c.tangent2);
+  const V3 change = relative_spin(c) - spin;
+  const V reach = reach_of(c);
+  residual.add(hn::Mul(reach, dot(c.tangent1, change)));
+  residual.add(hn::Mul(reach, dot(c.tangent2, change)));
+}
+
+// Contacts with a body that is locked along some axis.
+HWY_INLINE M locked_lanes(const ContactBlock& block, std::size_t lane, const ContactLanes<Movers::Locked>& c) {
+  const auto differs = [&](const V3& along_axes, const float* inverse_mass) {
+    const V of_all = load(inverse_mass + lane);
+    return hn::Or(hn::Ne(along_axes.x, of_all), hn::Or(hn::Ne(along_axes.y, of_all), hn::Ne(along_axes.z, of_all)));
+  };
+  return hn::Or(differs(c.inverse_mass_first, block.inverse_mass[0]),
+                differs(c.inverse_mass_second, block.inverse_mass[1]));
+}
+
+// Of all points of a contact.
+template <std::size_t points>
+HWY_INLINE V normal_impulse_of(const ContactBlock& block, std::size_t lane) {
+  V sum = load(block.normal_impulse[0] + lane);
+  for (std::size_t i = 1; i < points; ++i) sum = hn::Add(sum, load(block.normal_impulse[i] + lane));
+  return sum;
+}
+
+template <typename how, typename what>
+HWY_INLINE void solve_friction(ContactBlock& block, SurfaceBlock* surface, [[maybe_unused]] Friction friction,
+                               std::size_t lane, ContactLanes<what::movers>& c, Residual& residual) {
+  const V3 velocity = relative_velocity(c);
+  V v1 = dot(c.tangent1, velocity);
+  V v2 = dot(c.tangent2, velocity);
+  const V spin = dot(c.normal, relative_spin(c));
+  const V normal_impulse = normal_impulse_of<what::points>(block, lane);
+  const V bound = hn::Mul(load(block.friction + lane), normal_impulse);
+  V twist_bound = hn::Mul(bound, load(block.lever + lane));
+  if constexpr (how::special) {
+    if (surface != nullptr) {
+      v1 = hn::Add(v1, load(surface->slip[0] + lane));
+      v2 = hn::Add(v2, load(surface->slip[1] + lane));
+      twist_bound = hn::Add(twist_bound, hn::Mul(load(surface->torsional_friction[0] + lane), normal_impulse));
+    }
+  }
+
+  const V old1 = load(block.friction_impulse[0] + lane);
+  const V old2 = load(block.friction_impulse[1] + lane);
+  const Plane mass = Plane::load_from(block.friction_mass, lane);
+  V new1 = hn::Sub(old1, mass.first(v1, v2));
+  V new2 = hn::Sub(old2, mass.second(v1, v2));
+  if (how::special && friction == Friction::Pyramid) {
+    new1 = clamp_to(new1, bound);
+    new2 = clamp_to(new2, bound);
+  } else {
+    clamp_to_disc(new1, new2, bound);
+  }
+  const V old_twist = load(block.twist_impulse + lane);
+  const V new_twist = clamp_to(hn::Sub(old_twist, hn::Mul(load(block.twist_mass + lane), spin)), twist_bound);
+  store(new1, block.friction_impulse[0] + lane);
+  store(new2, block.friction_impulse[1] + lane);
+  store(new_twist, block.twist_impulse + lane);
+  apply(c, hn::Sub(new1, old1) * c.tangent1 + hn::Sub(new2, old2) * c.tangent2,
+        hn::Sub(new_twist, old_twist) * c.normal);
+  if constexpr (how::special) {
+    if (surface != nullptr) solve_rolling(*surface, lane, normal_impulse, c, residual);
+    const M rubs = hn::Gt(load(block.friction + lane), zero());
+    const Plane response = mass.inverse();
+    const V change1 = hn::Sub(new1, old1);
+    const V change2 = hn::Sub(new2, old2);
+    V slowed1 = response.first(change1, change2);
+    V slowed2 = response.second(change1, change2);
+    if constexpr (what::movers == Movers::Locked) {
+      // What can't move has no mass to ask.
+      const V3 slowed = relative_velocity(c) - velocity;
+      const M locked = locked_lanes(block, lane, c);
+      slowed1 = hn::IfThenElse(locked, dot(c.tangent1, slowed), slowed1);
+      slowed2 = hn::IfThenElse(locked, dot(c.tangent2, slowed), slowed2);
+    }
+    residual.add(hn::IfThenElseZero(rubs, slowed1));
+    residual.add(hn::IfThenElseZero(rubs, slowed2));
+    const V twist_change = hn::Sub(dot(c.normal, relative_spin(c)), spin);
+    residual.add(hn::Mul(load(block.lever + lane), twist_change));
+  }
+}
+
+// One round over the points of each contact.
+template <typename how, typename what>
+HWY_INLINE void solve_points(const ContactKernelData& data, ContactBlock& block, float (*impulses)[block_lanes],
+                             std::size_t lane, [[maybe_unused]] const ContactLanes<what::movers>& c, NormalSolve& solve,
+                             Residual& residual) {
+  const SubstepConstants& constants = data.constants;
+  const V inverse_h = splat(constants.inverse_h);
+  const auto soft = [&](float of_fixed, float of_dynamic) {
+    if constexpr (!both_move<what::movers>) return splat(of_fixed);
+    const M fixed =
+        hn::Or(hn::Eq(load(block.inverse_mass[0] + lane), zero()), hn::Eq(load(block.inverse_mass[1] + lane), zero()));
+    return hn::IfThenElse(fixed, splat(of_fixed), splat(of_dynamic));
+  };
+  const Softness& with_fixed = constants.fixed_contact;
+  const Softness& with_dynamic = constants.dynamic_contact;
+  const V soft_rate = soft(with_fixed.bias_rate, with_dynamic.bias_rate);
+  const V soft_mass = soft(with_fixed.mass_scale, with_dynamic.mass_scale);
+  const V soft_impulse = soft(with_fixed.impulse_scale, with_dynamic.impulse_scale);
+
+  for (std::size_t i = 0; i < what::points; ++i) {
+    const V x = load(block.x[i] + lane);
+    const V y = load(block.y[i] + lane);
+    const V old_impulse = load(impulses[i] + lane);
+    const V separation = load(block.separation[i] + lane);
+    const PointResponse response(block, lane, x, y);
+    // Apart: may close the gap in this substep, no faster. Overlapping: a push, or nothing but a stop. Corrections
+    // leave gaps to the velocities.
+    const M apart = hn::Gt(separation, zero());
+    V speed_bias = hn::Mul(separation, inverse_h);
+    V mass = response.mass;
+    V leak = zero();
+    if constexpr (how::push == Push::None) {
+      speed_bias = hn::IfThenElse(apart, speed_bias, zero());
+    } else {
+      V overlap = separation;
+      if constexpr (how::special) overlap = hn::Min(hn::Add(separation, splat(constants.slop)), zero());
+      const V push = hn::Max(hn::Mul(soft_rate, overlap), splat(-constants.push_speed));
+      speed_bias = hn::IfThenElse(apart, how::push == Push::Split ? zero() : speed_bias, push);
+      mass = hn::IfThenElse(apart, mass, hn::Mul(mass, soft_mass));
+      leak = hn::IfThenElse(apart, zero(), hn::Mul(soft_impulse, old_impulse));
+    }
+    // All but the product with the speed is off the chain from point to point.
+    const V offset = hn::Neg(hn::Add(hn::Mul(mass, speed_bias), leak));
+    const V wanted = hn::Sub(offset, hn::Mul(mass, solve.speed(x, y)));
+    const V impulse = hn::Max(wanted, hn::Neg(old_impulse));
+    store(hn::Add(old_impulse, impulse), impulses[i] + lane);
+    response.apply(impulse, x, y, solve);
+    if constexpr (how::special) residual.add(hn::Mul(impulse, response.own));
+  }
+}
+
+// One round leaves a body that lands flat turning, and it jumps sideways. A contact that closes faster than this at its
+// centre gets this many more: a box of 1 m dropped flat from 3 m then slides by 0.05 mm instead of 15, from 10 m by 4
+// mm instead of 150.
+constexpr float landing_speed = 0.5f;  // m/s
+constexpr int landing_rounds = 7;
+
+// For the lanes that land, and for them alone: whether others of their block do must not show.
+template <typename how, typename what>
+HWY_NOINLINE void share_impact(const ContactKernelData& data, ContactBlock& block, float (*impulses)[block_lanes],
+                               std::size_t lane, const M& lands, ContactLanes<what::movers>& c, Residual& residual) {
+  V before[what::points];
+  for (std::size_t i = 0; i < what::points; ++i) before[i] = load(impulses[i] + lane);
+  ContactLanes<what::movers> landed = c;
+  Residual of_landed = residual;
+  NormalSolve solve(landed);
+  for (int round = 0; round < landing_rounds; ++round) {
+    solve_points<how, what>(data, block, impulses, lane, landed, solve, of_landed);
+  }
+  solve.finish(landed);
+  for (std::size_t i = 0; i < what::points; ++i) {
+    store(hn::IfThenElse(lands, load(impulses[i] + lane), before[i]), impulses[i] + lane);
+  }
+  if constexpr (first_moves<what::movers>) {
+    c.first.v = select(lands, landed.first.v, c.first.v);
+    c.first.w = select(lands, landed.first.w, c.first.w);
+  }
+  if constexpr (second_moves<what::movers>) {
+    c.second.v = select(lands, landed.second.v, c.second.v);
+    c.second.w = select(lands, landed.second.w, c.second.w);
+  }
+  residual.most = hn::IfThenElse(lands, of_landed.most, residual.most);
+}
+
+template <typename how, typename what>
+HWY_INLINE void solve_normals(const ContactKernelData& data, ContactBlock& block, float (*impulses)[block_lanes],
+                              std::size_t lane, ContactLanes<what::movers>& c, Residual& residual) {
+  NormalSolve solve(c);
+  const M lands = hn::Lt(solve.u, splat(-landing_speed));
+  solve_points<how, what>(data, block, impulses, lane, c, solve, residual);
+  solve.finish(c);
+  if (HWY_LIKELY(hn::AllFalse(D(), lands))) return;
+  // Of copies, so that nothing else has to be in memory.
+  ContactLanes<what::movers> landing = c;
+  Residual landing_residual = residual;
+  share_impact<how, what>(data, block, impulses, lane, lands, landing, landing_residual);
+  c = landing;
+  residual = landing_residual;
+}
+
+// The most that points pushed, which tells whether they were hit.
+inline void note_impulses(const ContactBlock& block, BounceBlock& bounce) {
+  for (std::size_t i = 0; i < block.traits.points; ++i) {
+    for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
+      const V impulse = load(block.normal_impulse[i] + lane);
+      store(hn::Max(impulse, load(bounce.max_impulse[i] + lane)), bounce.max_impulse[i] + lane);
+    }
+  }
+}
+
+// Over blocks of a kind.
+template <typename how, typename what>
+HWY_NOINLINE void sweep_alike(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end,
+                              Residual& of_all) {
+  Residual residual;
+  for (std::size_t b = begin; b < end; ++b) {
+    ContactBlock& block = data.blocks[b];
+    SurfaceBlock* surface =
+        with_surfaces && how::special && data.surface_blocks != nullptr ? &data.surface_blocks[b] : nullptr;
+    auto* impulses = how::push == Push::Split ? data.split_blocks[b].impulse : block.normal_impulse;
+    for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
+      ContactLanes<what::movers> c = load_contacts<what::movers>(data, block, lane);
+      if (how::refresh(sweep)) refresh_separations<what::points>(data, block, lane, c);
+      // One round over the points leaves a body that lands flat tilted, and friction with too low a bound.
+      solve_normals<how, what>(data, block, impulses, lane, c, residual);
+      if (how::rounds(sweep) == 2) solve_normals<how, what>(data, block, impulses, lane, c, residual);
+      // Last, so that its bound is the normal impulse that it goes with.
+      if (how::push != Push::Split && how::rubs(sweep) && block.traits.friction) {
+        solve_friction<how, what>(block, surface, sweep.friction, lane, c, residual);
+      }
+      store_contact_bodies(c, data, block, lane);
+    }
+    if (with_restitution && block.traits.bounces && how::push != Push::Split) note_impulses(block, data.bounces[b]);
+  }
+  of_all.add(residual.most);
+}
+
+template <typename how, std::size_t points>
+HWY_INLINE void sweep_points(const ContactKernelData& data, const Sweep& sweep, Movers movers, std::size_t begin,
+                             std::size_t end, Residual& residual) {
+  if (movers == Movers::First) {
+    sweep_alike<how, What<points, Movers::First>>(data, sweep, begin, end, residual);
+  } else if (movers == Movers::Second) {
+    sweep_alike<how, What<points, Movers::Second>>(data, sweep, begin, end, residual);
+  } else {
+    sweep_alike<how, What<points, Movers::Both>>(data, sweep, begin, end, residual);
+  }
+}
+
+// With a kernel for each kind of block.
+template <typename how>
+void sweep_by_kind(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end) {
+  const auto movers_of = [&](std::size_t b) { return data.leaves_out ? data.blocks[b].movers : Movers::Both; };
+  const auto points_of = [&](std::size_t b) {
+    const std::uint8_t points = data.blocks[b].traits.points;
+    return points == 3 ? std::uint8_t{4} : points;
+  };
+  Residual residual;
+  for (std::size_t next; begin < end; begin = next) {
+    const Movers movers = movers_of(begin);
+    const std::uint8_t points = points_of(begin);
+    const auto is_alike = [&](std::size_t b) { return movers_of(b) == movers && points_of(b) == points; };
+    for (next = begin + 1; next < end && is_alike(next);) ++next;
+    if (points == 1) {
+      sweep_points<how, 1>(data, sweep, movers, begin, next, residual);
+    } else if (points == 2) {
+      sweep_points<how, 2>(data, sweep, movers, begin, next, residual);
+    } else {
+      sweep_points<how, max_points>(data, sweep, movers, begin, next, residual);
+    }
+  }
+}
+
+// What few scenes need: it leaves nothing out.
+template <Push push>
+float special_sweep(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end) {
+  using how = Special<push>;
+  Residual residual;
+  if (data.bodies.locks.empty()) {
+    sweep_alike<how, What<max_points, Movers::Both>>(data, sweep, begin, end, residual);
+  } else {
+    sweep_alike<how, What<max_points, Movers::Locked>>(data, sweep, begin, end, residual);
+  }
+  return hn::GetLane(hn::MaxOfLanes(D(), residual.most));
+}
+
+// A step of soft contacts with relaxation is made of these.
+inline bool is_common(const Sweep& sweep) {
+  if (sweep.friction == Friction::Pyramid) return false;
+  if (sweep.push == Push::None) return sweep.refresh && !sweep.twice;
+  return sweep.push == Push::Bias && !sweep.refresh && (sweep.twice || sweep.friction == Friction::None);
+}
+
+// Blocks without friction tell so themselves.
+inline void common_sweep(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end) {
+  if (sweep.push == Push::None) {
+    sweep_by_kind<Common<Push::None, true, true, 1>>(data, sweep, begin, end);
+  } else if (sweep.twice) {
+    sweep_by_kind<Common<Push::Bias, false, true, 2>>(data, sweep, begin, end);
+  } else {
+    sweep_by_kind<Common<Push::Bias, false, false, 1>>(data, sweep, begin, end);
+  }
+}
+
+template <Push push>
+float sweep_with_push(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end) {
+  const bool special = sweep.measures || !is_common(sweep) || data.surface_blocks != nullptr ||
+                       data.split_blocks != nullptr || data.constants.slop > 0;
+  if (special) return special_sweep<push>(data, sweep, begin, end);
+  if (data.bodies.locks.empty()) {
+    common_sweep(data, sweep, begin, end);
+    return 0;
+  }
+  const auto is_locked = [&](std::size_t b) { return data.blocks[b].traits.locked; };
+  for (std::size_t next; begin < end; begin = next) {
+    const bool locked = is_locked(begin);
+    for (next = begin + 1; next < end && is_locked(next) == locked;) ++next;
+    if (locked) {
+      special_sweep<push>(data, sweep, begin, next);
+    } else {
+      common_sweep(data, sweep, begin, next);
+    }
+  }
+  return 0;
+}
+
+inline float sweep(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end) {
+  switch (sweep.push) {
+    case Push::None:
+      return sweep_with_push<Push::None>(data, sweep, begin, end);
+    case Push::Bias:
+      return sweep_with_push<Push::Bias>(data, sweep, begin, end);
+    case Push::Split:
+      return special_sweep<Push::Split>(data, sweep, begin, end);
+  }
+  return 0;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace atl::solver
+HWY_AFTER_NAMESPACE();
+
+#endif  // ATOLL_SOLVER_CONTACT_SWEEP_INL_H_

@@ -1,0 +1,358 @@
+#include <jobs/prefetch.h>
+#include <solver/constraints/arm_stiffness.h>
+#include <solver/integrate/motion.h>
+#include <solver/sweep/group_joints.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "integrate/rows3.h"
+
+namespace atl::solver {
+namespace {
+
+template <std::size_t n>
+using Lanes = float[n][block_lanes];
+
+// Of the force in a joint, by which its tension follows it in a step.
+constexpr double tension_smoothing = 0.5;
+
+// As good as unlimited, and its sums and differences are finite.
+constexpr double unlimited_speed = 1e30;
+
+void set_lane(Lanes<3>& rows, std::size_t lane, const Vector3& from) {
+  for (int i = 0; i < 3; ++i) rows[i][lane] = static_cast<float>(from[i]);
+}
+Vector3 get_lane(const Lanes<3>& rows, std::size_t lane) { return {rows[0][lane], rows[1][lane], rows[2][lane]}; }
+
+BodyPose start_pose(const BodyTable& table, std::uint32_t body) {
+  return {table.position(body), table.orientation(body)};
+}
+
+// Where a body's displacement has brought it.
+BodyPose pose_now(const JointStep& step, std::uint32_t body, std::int32_t local) {
+  const DisplacementRows& displacement = step.bodies.displacement[static_cast<std::size_t>(local)];
+  return {step.table.position(body) + get3(displacement.linear),
+          (rotation_of(displacement) * step.table.orientation(body)).normalized()};
+}
+
+JointFrames frames_of(const Joint& joint, const BodyPose& first, const BodyPose& second) {
+  return joint_frames(joint, first.position, first.orientation, second.position, second.orientation);
+}
+
+// The velocity by which a body has moved, with what removes overlap in it.
+struct Motion {
+  Vector3 linear;
+  Vector3 angular;
+};
+Motion motion_of(const SolverBodies& bodies, std::size_t local) {
+  Motion motion{get3(bodies.velocity[local].linear), get3(bodies.velocity[local].angular)};
+  if (bodies.correction.empty()) return motion;
+  motion.linear += get3(bodies.correction[local].linear);
+  motion.angular += get3(bodies.correction[local].angular);
+  return motion;
+}
+
+float speed(double value) { return static_cast<float>(std::clamp(value, -unlimited_speed, unlimited_speed)); }
+
+void set_idle(JointRowBlock& row, std::size_t lane) {
+  for (Lanes<3>* part : {&row.linear, &row.angular_first, &row.angular_second}) set_lane(*part, lane, Vector3::Zero());
+  for (float* number :
+       {row.impulse, row.mass, row.inverse_mass, row.spring_shift, row.next_spring_shift, row.motor_speed,
+        row.motor_change, row.soft_lower, row.soft_upper, row.soft_shift, row.soft_motor_change}) {
+    number[lane] = 0;
+  }
+  row.spring_scale[lane] = 1;
+  row.soft_scale[lane] = 1;
+  row.lower_speed[lane] = speed(-unlimited_speed);
+  row.upper_speed[lane] = speed(unlimited_speed);
+}
+
+// A spring is that of the effective mass m along the row: k = m w^2, c = 2 m zeta w. Integrated implicitly its impulse
+// is -m q (u + b), with q = h w (h w + 2 zeta) and b = w (C - rest) / (h w + 2 zeta), so that
+// u = (u0 - q b) / (1 + q). An impulse beside it changes u by w / (1 + q) each.
+struct SpringNumbers {
+  double q = 0;
+  double b = 0;
+
+  SpringNumbers(const Law& law, double value, double h) {
+    if (law.spring_hertz <= 0) return;
+    const double omega = 2 * 3.14159265358979323846 * law.spring_hertz;
+    const double damping = h * omega + 2 * law.damping_ratio;
+    q = h * omega * damping;
+    b = omega * (value - law.rest) / damping;
+  }
+};
+
+// The numbers of JointRowBlock for a law, at a value of the coordinate; `w` is J M^-1 J^T.
+void set_law(JointRowBlock& row, std::size_t lane, const Law& law, double value, double w, const JointStep& step) {
+  const Softness& soft = step.constants.joint;
+  // Softness leaks 1 / (1 + stiffness) of the impulse: it is an implicit spring with this q.
+  const double stiffness = static_cast<double>(soft.mass_scale) / static_cast<double>(soft.impulse_scale);
+  const double bias_rate = soft.bias_rate;
+  row.mass[lane] = static_cast<float>(1 / w);
+  row.inverse_mass[lane] = static_cast<float>(w);
+  if (law.locked()) {
+    row.lower_speed[lane] = row.upper_speed[lane] = 0;
+    row.soft_lower[lane] = row.soft_upper[lane] = 1;
+    row.soft_scale[lane] = static_cast<float>(1 / (1 + stiffness));
+    row.soft_shift[lane] = static_cast<float>(-stiffness * bias_rate * (value - law.lower) / (1 + stiffness));
+    return;
+  }
+  const SpringNumbers spring(law, value, step.h);
+  row.spring_scale[lane] = static_cast<float>(1 / (1 + spring.q));
+  row.spring_shift[lane] = row.next_spring_shift[lane];
+  row.next_spring_shift[lane] = static_cast<float>(-spring.q * spring.b / (1 + spring.q));
+  const double motor_change = law.motor_force > 0 ? law.motor_force * step.h * w : 0;
+  row.motor_speed[lane] = static_cast<float>(law.motor_speed);
+  row.motor_change[lane] = speed(motor_change / (1 + spring.q));
+
+  const double room_below = value - law.lower;
+  const double room_above = law.upper - value;
+  row.lower_speed[lane] = speed(-std::max(room_below, 0.0) / step.h);
+  row.upper_speed[lane] = speed(std::max(room_above, 0.0) / step.h);
+  row.soft_lower[lane] = room_below < 0 ? 1 : 0;
+  row.soft_upper[lane] = room_above < 0 ? 1 : 0;
+  if (room_below >= 0 && room_above >= 0) return;
+  const double push =
+      std::min(-bias_rate * std::min(room_below, room_above), static_cast<double>(step.constants.push_speed));
+  const double target = room_below < 0 ? push : -push;
+  const double all = 1 + spring.q + stiffness;
+  row.soft_scale[lane] = static_cast<float>(1 / all);
+  row.soft_shift[lane] = static_cast<float>((stiffness * target - spring.q * spring.b) / all);
+  row.soft_motor_change[lane] = speed(motor_change / all);
+}
+
+// A lane of a block's rows, as its bodies are now.
+struct RowLane {
+  const JointStep& step;
+  JointBlock& block;
+  JointRowBlock* rows;
+  std::size_t lane;
+  std::size_t first, second;  // in SolverBodies
+  Matrix3 inertia_first, inertia_second;
+  double inverse_mass;
+
+  RowLane(const JointStep& at, JointBlock& of, JointRowBlock* all_rows, std::size_t of_lane)
+      : step(at),
+        block(of),
+        rows(all_rows + of.first_row),
+        lane(of_lane),
+        first(static_cast<std::size_t>(of.first[of_lane])),
+        second(static_cast<std::size_t>(of.second[of_lane])),
+        inertia_first(inverse_inertia_of(at.bodies, first)),
+        inertia_second(inverse_inertia_of(at.bodies, second)),
+        inverse_mass(static_cast<double>(at.bodies.free_velocity[first].inverse_mass) +
+                     static_cast<double>(at.bodies.free_velocity[second].inverse_mass)) {}
+
+  Joint& joint() const { return step.joints[block.joint[lane]]; }
+  JointFrames frames_now() const {
+    const Joint& of = joint();
+    return frames_of(of, pose_now(step, of.first, block.first[lane]), pose_now(step, of.second, block.second[lane]));
+  }
+
+  // What a rate that has no position turned into one by.
+  double travel(const JointRowBlock& row) const {
+    const Motion a = motion_of(step.bodies, first);
+    const Motion b = motion_of(step.bodies, second);
+    return step.h *
+           (get_lane(row.linear, lane).dot(b.linear - a.linear) + get_lane(row.angular_second, lane).dot(b.angular) -
+            get_lane(row.angular_first, lane).dot(a.angular));
+  }
+
+  void set(std::size_t r, const JointRow& now) {
+    JointRowBlock& row = rows[r];
+    Joint& of = joint();
+    const double w = now.response(inverse_mass, inertia_first, inertia_second);
+    // Neither bodies that the row can't turn nor a place where the coordinate means nothing.
+    if (!(w > 0) || !std::isfinite(w) || !std::isfinite(now.value)) {
+      set_idle(row, lane);
+      return;
+    }
+    of.position[r] = continued(of.coordinate[r], now.value, of.position[r]);
+    set_lane(row.linear, lane, now.linear);
+    set_lane(row.angular_first, lane, now.angular_first);
+    set_lane(row.angular_second, lane, now.angular_second);
+    set_law(row, lane, of.law[r], of.position[r], w, step);
+  }
+};
+
+}  // namespace
+
+void GroupJoints::clear() {
+  joints_.clear();
+  rows_.clear();
+}
+
+void GroupJoints::colour(std::uint32_t first_dynamic, std::uint32_t body_count) {
+  if (empty()) return;
+  colouring_.build(joints_, first_dynamic, body_count, blocks_);
+  const JointBlock& last = blocks_[colouring_.block_count() - 1];
+  rows_.resize(last.first_row + last.rows);
+}
+
+void GroupJoints::prepare(const JointStep& step, std::size_t begin, std::size_t end) {
+  constexpr std::size_t ahead = 2;
+  for (std::size_t b = begin; b < end; ++b) {
+    JointBlock& block = blocks_[b];
+    if (b + ahead < end) {
+      for (const std::int32_t ahead_joint : blocks_[b + ahead].joint) {
+        const Joint& joint = step.joints[std::max(ahead_joint, 0)];
+        jobs::prefetch(joint.anchor_first);
+        jobs::prefetch(joint.anchor_second);
+        jobs::prefetch(joint.point_impulse);
+      }
+    }
+    for (std::size_t lane = 0; lane < block_lanes; ++lane) {
+      Vector3 arm_first = Vector3::Zero();
+      Vector3 arm_second = Vector3::Zero();
+      Vector3 offset = Vector3::Zero();
+      Vector3 impulse = Vector3::Zero();
+      if (block.joint[lane] >= 0) {
+        const Joint& joint = step.joints[block.joint[lane]];
+        arm_first = step.table.orientation(joint.first) * joint.anchor_first;
+        arm_second = step.table.orientation(joint.second) * joint.anchor_second;
+        offset = (step.table.position(joint.second) - step.table.position(joint.first)) + (arm_second - arm_first);
+        impulse = joint.point_impulse / step.constants.finer;
+      }
+      set_lane(block.start_arm_first, lane, arm_first);
+      set_lane(block.start_arm_second, lane, arm_second);
+      set_lane(block.start_offset, lane, offset);
+      set_lane(block.impulse, lane, impulse);
+    }
+    if (block.rows > 0) prepare_rows(step, block);
+  }
+}
+
+void GroupJoints::add_stiffness(const JointStep& step, std::span<Matrix3> stiffness, std::size_t begin,
+                                std::size_t end) const {
+  for (std::size_t b = begin; b < end; ++b) {
+    const JointBlock& block = blocks_[b];
+    if (!block.point) continue;
+    for (std::size_t lane = 0; lane < block_lanes; ++lane) {
+      if (block.joint[lane] < 0) continue;
+      const Vector3& tension = step.joints[block.joint[lane]].tension;
+      const auto bit = 1u << lane;
+      if (block.write_first & bit) {
+        stiffness[static_cast<std::size_t>(block.first[lane])] +=
+            arm_stiffness(get_lane(block.start_arm_first, lane), -tension);
+      }
+      if (block.write_second & bit) {
+        stiffness[static_cast<std::size_t>(block.second[lane])] +=
+            arm_stiffness(get_lane(block.start_arm_second, lane), tension);
+      }
+    }
+  }
+}
+
+void GroupJoints::prepare_rows(const JointStep& step, JointBlock& block) {
+  for (std::size_t lane = 0; lane < block_lanes; ++lane) {
+    for (std::size_t r = 0; r < block.rows; ++r) set_idle(rows_[block.first_row + r], lane);
+    for (Lanes<3>* carried : {&block.carried_linear, &block.carried_first, &block.carried_second}) {
+      set_lane(*carried, lane, Vector3::Zero());
+    }
+    if (block.joint[lane] < 0) continue;
+    RowLane row(step, block, rows_.data(), lane);
+    const Joint& joint = row.joint();
+    const JointFrames frames =
+        frames_of(joint, start_pose(step.table, joint.first), start_pose(step.table, joint.second));
+    for (std::size_t r = 0; r < joint.rows; ++r) {
+      row.rows[r].impulse[lane] = static_cast<float>(joint.impulse[r] / step.constants.finer);
+      row.set(r, joint_row(joint, r, frames));
+    }
+  }
+}
+
+void GroupJoints::refresh_rows(const JointStep& step, std::size_t begin, std::size_t end) {
+  for (std::size_t b = begin; b < end; ++b) {
+    JointBlock& block = blocks_[b];
+    if (block.rows == 0) continue;
+    for (std::size_t lane = 0; lane < block_lanes; ++lane) {
+      if (block.joint[lane] < 0) continue;
+      RowLane row(step, block, rows_.data(), lane);
+      Joint& joint = row.joint();
+      const JointFrames frames = row.frames_now();
+      Vector3 linear = Vector3::Zero();
+      Vector3 angular_first = Vector3::Zero();
+      Vector3 angular_second = Vector3::Zero();
+      for (std::size_t r = 0; r < joint.rows; ++r) {
+        const JointRowBlock& lanes = row.rows[r];
+        if (joint.coordinate[r] == Coordinate::Gear || joint.coordinate[r] == Coordinate::Rack) {
+          joint.position[r] += row.travel(lanes);
+        }
+        const double impulse = lanes.impulse[lane];
+        const Vector3 before[3] = {get_lane(lanes.linear, lane), get_lane(lanes.angular_first, lane),
+                                   get_lane(lanes.angular_second, lane)};
+        row.set(r, joint_row(joint, r, frames));
+        linear += impulse * (get_lane(lanes.linear, lane) - before[0]);
+        angular_first += impulse * (get_lane(lanes.angular_first, lane) - before[1]);
+        angular_second += impulse * (get_lane(lanes.angular_second, lane) - before[2]);
+      }
+      set_lane(block.carried_linear, lane, linear);
+      set_lane(block.carried_first, lane, angular_first);
+      set_lane(block.carried_second, lane, angular_second);
+    }
+  }
+}
+
+void GroupJoints::clear_impulses(std::size_t begin, std::size_t end) {
+  for (std::size_t b = begin; b < end; ++b) {
+    JointBlock& block = blocks_[b];
+    for (auto& axis : block.impulse) std::fill_n(axis, block_lanes, 0.0f);
+    for (std::size_t r = 0; r < block.rows; ++r) std::fill_n(rows_[block.first_row + r].impulse, block_lanes, 0.0f);
+  }
+}
+
+void GroupJoints::store(const JointStep& step, std::size_t begin, std::size_t end) const {
+  constexpr std::size_t ahead = 2;
+  const double inverse_h = 1 / step.h;
+  const double together = step.constants.finer;
+  for (std::size_t b = begin; b < end; ++b) {
+    const JointBlock& block = blocks_[b];
+    if (b + ahead < end) {
+      for (const std::int32_t ahead_joint : blocks_[b + ahead].joint) {
+        const Joint& joint = step.joints[std::max(ahead_joint, 0)];
+        jobs::prefetch(joint.point_impulse);
+        jobs::prefetch(joint.force);
+        jobs::prefetch(joint.torque);
+      }
+    }
+    for (std::size_t lane = 0; lane < block_lanes; ++lane) {
+      if (block.joint[lane] < 0) continue;
+      Joint& joint = step.joints[block.joint[lane]];
+      // Of what the joint is the block knows enough: one cache line less.
+      Vector3 linear = block.point ? get_lane(block.impulse, lane) : Vector3(Vector3::Zero());
+      Vector3 angular = Vector3::Zero();
+      joint.point_impulse = together * linear;
+      if (block.rows > 0) {
+        const JointFrames frames =
+            frames_of(joint, start_pose(step.table, joint.first), start_pose(step.table, joint.second));
+        for (std::size_t r = 0; r < joint.rows; ++r) {
+          const JointRowBlock& row = rows_[block.first_row + r];
+          const double impulse = row.impulse[lane];
+          const Vector3 along = get_lane(row.linear, lane);
+          linear += impulse * along;
+          angular += impulse * (get_lane(row.angular_second, lane) - frames.arm_second.cross(along));
+          joint.impulse[r] = together * impulse;
+          const double value = joint_row(joint, r, frames).value;
+          if (std::isfinite(value)) joint.position[r] = continued(joint.coordinate[r], value, joint.position[r]);
+          joint.limit[r] = limit_reached(joint.law[r], joint.position[r], joint.limit[r]);
+        }
+      }
+      joint.force = inverse_h * linear;
+      joint.tension += tension_smoothing * (joint.force - joint.tension);
+      joint.torque = inverse_h * angular;
+    }
+  }
+}
+
+std::int8_t limit_reached(const Law& law, double position, std::int8_t before) {
+  if (law.locked()) return 0;
+  const double near = std::min(1e-3, 0.01 * (law.upper - law.lower));
+  const auto reaches = [&](double room, std::int8_t end) { return room <= (before == end ? 2 * near : near); };
+  if (reaches(position - law.lower, -1)) return -1;
+  if (reaches(law.upper - position, 1)) return 1;
+  return 0;
+}
+
+}  // namespace atl::solver

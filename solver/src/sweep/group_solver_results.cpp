@@ -1,0 +1,118 @@
+// What a group has come to, written back: to the bodies, to who decides on modes, and to who asked.
+
+#include <jobs/with_direct_contacts.h>
+#include <jobs/with_joints.h>
+#include <solver/sweep/group_solver.h>
+
+#include <algorithm>
+#include <bit>
+
+#include "integrate/rows3.h"
+
+namespace atl::solver {
+
+void GroupSolver::write_back(const SolveInput& input, std::span<const std::uint32_t> bodies, bool joined,
+                             std::size_t begin, std::size_t end) {
+  BodyTable& table = input.bodies;
+  const double substep = input.dt / input.settings.substeps;
+  for (std::size_t i = begin; i < end; ++i) {
+    const std::uint32_t body = bodies[i];
+    const std::size_t local = first_dynamic_ + i;
+    const BodyPose start{table.position(body), table.orientation(body)};
+    const bool is_joined = with_joints && joined && joined_motion_.is_joined(i);
+    const Vector3 velocity = get3(bodies_.velocity[local].linear);
+    const Vector3 spin = get3(bodies_.velocity[local].angular);
+    const Vector3 gained = velocity - table.velocity(body);
+    const Vector3 gained_spin = spin - table.angular_velocity(body);
+    // Over the substeps of a step the halves of their gains add up to that of the step's.
+    const bool shifts = !is_joined && changes_steadily(gained, gained_spin, get3(bodies_.acceleration[local].linear),
+                                                       input.dt, table.radius[body]);
+    table.velocity(body) = velocity;
+    table.angular_velocity(body) = spin;
+    table.position(body) += get3(bodies_.displacement[local].linear);
+    Quaternion orientation = rotation_of(bodies_.displacement[local]) * table.orientation(body);
+    if (is_joined) {
+      // Joints would part if bodies were shifted each by its own.
+      if (joined_motion_.falls(i)) table.position(body) -= 0.5 * substep * input.dt * joined_motion_.acceleration(i);
+    } else if (shifts) {
+      table.position(body) -= 0.5 * substep * gained;
+      const Vector3 back = -0.25 * substep * gained_spin;  // half a small rotation
+      orientation = Quaternion(1, back.x(), back.y(), back.z()) * orientation;
+    }
+    table.set_orientation(body, orientation.normalized());
+    if (is_joined && joined_motion_.is_direct(i)) continue;  // joints have a last word
+    note_motion(table, body, start, input.dt, input.fast);
+  }
+}
+
+void GroupSolver::note_overloads(const SolveInput& input, std::span<const std::uint32_t> bodies, std::size_t begin,
+                                 std::size_t end) const {
+  if constexpr (!with_direct_contacts) return;
+  const auto body_of = [&](std::int32_t local) {
+    const auto i = static_cast<std::uint32_t>(local);
+    return i < first_dynamic_ ? Islands::none : bodies[i - first_dynamic_];
+  };
+  const double give = SubstepConstants::give_by_impulse(input.settings, input.dt);
+  for (std::size_t b = begin; b < end; ++b) {
+    const ContactBlock& block = blocks_[b];
+    for (unsigned lanes = block.loaded; lanes != 0; lanes &= lanes - 1) {
+      const int lane = std::countr_zero(lanes);
+      const LoadedContact contact = {.manifold = input.manifolds[block.slot[lane]],
+                                     .first = body_of(block.first[lane]),
+                                     .second = body_of(block.second[lane]),
+                                     .inverse_first = block.inverse_mass[0][lane],
+                                     .inverse_second = block.inverse_mass[1][lane]};
+      const std::uint32_t island = input.islands.island_of(contact.inverse_first > 0 ? contact.first : contact.second);
+      const Build build = build_of(input.islands, island);
+      note_overload(contact, give * load_of(contact.manifold), build, input.overloads.local());
+    }
+  }
+}
+
+void GroupSolver::capture(const SolveInput& input, const GroupReport& report,
+                          std::span<const std::uint32_t> bodies) const {
+  for (std::size_t b = 0; b < colouring_.block_count(); ++b) {
+    const ContactBlock& block = blocks_[b];
+    for (std::size_t lane = 0; lane < block_lanes; ++lane) {
+      if (block.slot[lane] < 0) continue;
+      ContactCapture::Answer& answer = input.capture->answers[static_cast<std::size_t>(block.slot[lane])];
+      answer.step = input.dt / input.settings.substeps;
+      for (std::size_t i = 0; i < max_points; ++i) {
+        answer.separation[i] = block.separation[i][lane];
+        answer.normal_impulse[i] = block.normal_impulse[i][lane];
+      }
+      const float normal[3] = {block.normal[0][lane], block.normal[1][lane], block.normal[2][lane]};
+      collision::Tangents t = collision::tangents(normal);
+      answer.planar = !bodies_.locks.empty() && planar_blocks_[b].planar[lane] > 0;
+      if (answer.planar) {
+        for (std::size_t i = 0; i < 3; ++i) {
+          const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
+          answer.normal[i] = normal[i];
+          answer.tangent[i] = t.first[i] = block.tangent[i][lane];
+          t.second[i] = normal[j] * block.tangent[k][lane] - normal[k] * block.tangent[j][lane];
+        }
+        for (std::size_t i = 0; i < 2; ++i) answer.x[i] = block.x[i][lane];
+      }
+      for (std::size_t i = 0; i < 3; ++i) {
+        answer.friction_impulse[i] =
+            block.friction_impulse[0][lane] * t.first[i] + block.friction_impulse[1][lane] * t.second[i];
+      }
+      answer.twist_impulse = block.twist_impulse[lane];
+      answer.rolling_impulse = {0, 0, 0};
+      if (!report.surfaces) continue;
+      const auto& rolling = surface_blocks_[b].rolling_impulse;
+      for (std::size_t i = 0; i < 3; ++i) {
+        answer.rolling_impulse[i] = rolling[0][lane] * t.first[i] + rolling[1][lane] * t.second[i];
+      }
+    }
+  }
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const std::size_t local = first_dynamic_ + i;
+    ContactCapture::Motion& motion = input.capture->motions[bodies[i]];
+    motion.free_velocity = get3(bodies_.free_velocity[local].linear);
+    motion.free_angular_velocity = get3(bodies_.free_velocity[local].angular);
+    motion.inverse_inertia = inverse_inertia_of(bodies_, local);
+  }
+}
+
+}  // namespace atl::solver

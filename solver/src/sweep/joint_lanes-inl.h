@@ -1,0 +1,157 @@
+// A block's joints in lanes: their bodies, the point that they share and how it moves. Included once for each
+// instruction set.
+
+#if defined(ATOLL_SOLVER_JOINT_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef ATOLL_SOLVER_JOINT_LANES_INL_H_
+#undef ATOLL_SOLVER_JOINT_LANES_INL_H_
+#else
+#define ATOLL_SOLVER_JOINT_LANES_INL_H_
+#endif
+
+#include "sweep/contact_lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace atl::solver {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+using namespace jobs::HWY_NAMESPACE;
+
+// A block's joints from `lane` on, with their bodies.
+struct JointLanes {
+  BodyLanes first, second;
+  V inverse_mass_first, inverse_mass_second;
+};
+
+HWY_INLINE JointLanes load_joints(const JointKernelData& data, const JointBlock& block, std::size_t lane) {
+  return {load_bodies(data.bodies, block.first + lane), load_bodies(data.bodies, block.second + lane),
+          load(block.inverse_mass[0] + lane), load(block.inverse_mass[1] + lane)};
+}
+
+HWY_INLINE void store_joint_bodies(const JointLanes& c, const JointKernelData& data, const JointBlock& block,
+                                   std::size_t lane) {
+  store_bodies(c.first, data.bodies, static_cast<unsigned>(block.write_first) >> lane);
+  store_bodies(c.second, data.bodies, static_cast<unsigned>(block.write_second) >> lane);
+}
+
+// An impulse and angular impulses about the centres of mass, on the second body; the opposite on the first.
+HWY_INLINE void apply(JointLanes& c, const V3& linear, const V3& angular_first, const V3& angular_second) {
+  c.first.v = c.first.v - c.inverse_mass_first * linear;
+  c.first.w = c.first.w - c.first.inverse_inertia * angular_first;
+  c.second.v = c.second.v + c.inverse_mass_second * linear;
+  c.second.w = c.second.w + c.second.inverse_inertia * angular_second;
+}
+
+// The origins of the two frames.
+struct PointLanes {
+  V3 arm_first, arm_second;
+
+  HWY_INLINE static PointLanes load_from(const JointBlock& block, std::size_t lane) {
+    return {load3(block.arm_first, lane), load3(block.arm_second, lane)};
+  }
+  // Velocity of the second against the first.
+  HWY_INLINE V3 rate(const JointLanes& c) const {
+    return (c.second.v - c.first.v) + (cross(c.second.w, arm_second) - cross(c.first.w, arm_first));
+  }
+  HWY_INLINE void apply_to(JointLanes& c, const V3& impulse) const {
+    apply(c, impulse, cross(arm_first, impulse), cross(arm_second, impulse));
+  }
+};
+
+// -[r]x I^-1 [r]x: what an impulse at r makes of the velocity there by turning the body.
+HWY_INLINE SymmetricMatrix turning_response(const SymmetricMatrix& inverse_inertia, const V3& r) {
+  // Columns of I^-1 [r]x; those of [r]x are (0, z, -y), (-z, 0, x), (y, -x, 0).
+  const V3 a = inverse_inertia * V3{zero(), r.z, hn::Neg(r.y)};
+  const V3 b = inverse_inertia * V3{hn::Neg(r.z), zero(), r.x};
+  const V3 c = inverse_inertia * V3{r.y, hn::Neg(r.x), zero()};
+  const V3 ra = cross(r, a);
+  const V3 rb = cross(r, b);
+  const V3 rc = cross(r, c);
+  return {hn::Neg(ra.x), hn::Neg(rb.y), hn::Neg(rc.z), hn::Neg(rb.x), hn::Neg(rc.x), hn::Neg(rc.y)};
+}
+
+// The inverse of a positive definite matrix, by its factors L D L^T: sums of squares on the diagonal, and nothing that
+// leaves single precision's range for bodies of any mass.
+HWY_INLINE SymmetricMatrix inverse_of(const SymmetricMatrix& k) {
+  const V one = splat(1);
+  const V e0 = hn::Div(one, k.xx);
+  const V l10 = hn::Mul(k.xy, e0);
+  const V l20 = hn::Mul(k.xz, e0);
+  const V e1 = hn::Div(one, hn::Sub(k.yy, hn::Mul(l10, k.xy)));
+  const V rest = hn::Sub(k.yz, hn::Mul(l10, k.xz));
+  const V l21 = hn::Mul(rest, e1);
+  const V e2 = hn::Div(one, hn::Sub(hn::Sub(k.zz, hn::Mul(l20, k.xz)), hn::Mul(l21, rest)));
+  // Of L^-1, below the diagonal.
+  const V m10 = hn::Neg(l10);
+  const V m21 = hn::Neg(l21);
+  const V m20 = hn::Sub(hn::Mul(l10, l21), l20);
+  const V yz = hn::Mul(m21, e2);
+  const V xz = hn::Mul(m20, e2);
+  const V xy = hn::Mul(m10, e1);
+  return {hn::Add(hn::Add(e0, hn::Mul(m10, xy)), hn::Mul(m20, xz)),
+          hn::Add(e1, hn::Mul(m21, yz)),
+          e2,
+          hn::Add(xy, hn::Mul(m20, yz)),
+          xz,
+          yz};
+}
+
+// The inverse of K = J M^-1 J^T of the point.
+HWY_INLINE SymmetricMatrix point_mass(const JointLanes& c, const PointLanes& point) {
+  const V inverse_mass = hn::Add(c.inverse_mass_first, c.inverse_mass_second);
+  const V diagonal = hn::IfThenElse(hn::Eq(inverse_mass, zero()), splat(1), inverse_mass);
+  const SymmetricMatrix a = turning_response(c.first.inverse_inertia, point.arm_first);
+  const SymmetricMatrix b = turning_response(c.second.inverse_inertia, point.arm_second);
+  return inverse_of({hn::Add(diagonal, hn::Add(a.xx, b.xx)), hn::Add(diagonal, hn::Add(a.yy, b.yy)),
+                     hn::Add(diagonal, hn::Add(a.zz, b.zz)), hn::Add(a.xy, b.xy), hn::Add(a.xz, b.xz),
+                     hn::Add(a.yz, b.yz)});
+}
+
+HWY_INLINE void store_matrix(const SymmetricMatrix& m, float (*rows)[block_lanes], std::size_t lane) {
+  const V values[6] = {m.xx, m.yy, m.zz, m.xy, m.xz, m.yz};
+  for (std::size_t i = 0; i < 6; ++i) store(values[i], rows[i] + lane);
+}
+HWY_INLINE SymmetricMatrix load_matrix(const float (*rows)[block_lanes], std::size_t lane) {
+  return {load(rows[0] + lane), load(rows[1] + lane), load(rows[2] + lane),
+          load(rows[3] + lane), load(rows[4] + lane), load(rows[5] + lane)};
+}
+
+// R(q) a - a without cancellation, for the rotation that a body has made since the start of the step.
+HWY_INLINE V3 turned_arm_change(const V4& q, const V3& a) {
+  const V3 v{q.x, q.y, q.z};
+  const V3 t = cross(v, a);
+  const V3 change = q.w * t + cross(v, t);
+  return change + change;
+}
+
+// Where the bodies' displacements have brought the point, and what K is there.
+HWY_INLINE void refresh_point(const JointKernelData& data, JointBlock& block, std::size_t lane, const JointLanes& c) {
+  const V3 start_first = load3(block.start_arm_first, lane);
+  const V3 start_second = load3(block.start_arm_second, lane);
+  const V3 change_first = turned_arm_change(load_rotation(data.bodies, c.first.index), start_first);
+  const V3 change_second = turned_arm_change(load_rotation(data.bodies, c.second.index), start_second);
+  const V4 first = load_displacement(data.bodies, c.first.index);
+  const V4 second = load_displacement(data.bodies, c.second.index);
+  const V3 moved = V3{second.x, second.y, second.z} - V3{first.x, first.y, first.z};
+  store3(load3(block.start_offset, lane) + (moved + (change_second - change_first)), block.offset, lane);
+
+  const PointLanes before = PointLanes::load_from(block, lane);
+  const PointLanes now{start_first + change_first, start_second + change_second};
+  const V3 impulse = load3(block.impulse, lane);
+  V3 carried_first = cross(now.arm_first - before.arm_first, impulse);
+  V3 carried_second = cross(now.arm_second - before.arm_second, impulse);
+  if (block.rows > 0) {
+    carried_first = load3(block.carried_first, lane) + carried_first;
+    carried_second = load3(block.carried_second, lane) + carried_second;
+  }
+  store3(carried_first, block.carried_first, lane);
+  store3(carried_second, block.carried_second, lane);
+  store3(now.arm_first, block.arm_first, lane);
+  store3(now.arm_second, block.arm_second, lane);
+  store_matrix(point_mass(c, now), block.mass, lane);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace atl::solver
+HWY_AFTER_NAMESPACE();
+
+#endif  // ATOLL_SOLVER_JOINT_LANES_INL_H_

@@ -1,0 +1,188 @@
+// A sweep of sequential impulses over blocks of joints, and what comes before the first. Included once for each
+// instruction set.
+//
+// Impulses are carried from substep to substep as what they made of velocities, by rows as these were. Bodies turn in
+// between, and the impulse at a point that has turned with its body has another torque. A sweep that carries adds the
+// difference, so that what is applied is at all times the accumulated impulse along the rows as they are: without it a
+// pair of joined bodies that spins would gain or lose angular momentum in every substep.
+
+#if defined(ATOLL_SOLVER_JOINT_SWEEP_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef ATOLL_SOLVER_JOINT_SWEEP_INL_H_
+#undef ATOLL_SOLVER_JOINT_SWEEP_INL_H_
+#else
+#define ATOLL_SOLVER_JOINT_SWEEP_INL_H_
+#endif
+
+#include "sweep/contact_sweep-inl.h"
+#include "sweep/joint_lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace atl::solver {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+using namespace jobs::HWY_NAMESPACE;
+
+inline void prepare_joints(const JointKernelData& data, std::size_t begin, std::size_t end) {
+  const FreeVelocityRows* free_velocity = data.bodies.free_velocity.data();
+  for (std::size_t b = begin; b < end; ++b) {
+    JointBlock& block = data.blocks[b];
+    for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
+      const auto inverse_mass_of = [&](const std::int32_t* index) {
+        return load_rows([=](std::size_t k) { return free_velocity[index[k]].linear; }).w;
+      };
+      store(inverse_mass_of(block.first + lane), block.inverse_mass[0] + lane);
+      store(inverse_mass_of(block.second + lane), block.inverse_mass[1] + lane);
+      if (block.point == 0) continue;
+      const PointLanes point{load3(block.start_arm_first, lane), load3(block.start_arm_second, lane)};
+      store3(point.arm_first, block.arm_first, lane);
+      store3(point.arm_second, block.arm_second, lane);
+      store3(load3(block.start_offset, lane), block.offset, lane);
+      store_matrix(point_mass(load_joints(data, block, lane), point), block.mass, lane);
+    }
+  }
+}
+
+inline void warm_start_joints(const JointKernelData& data, std::size_t begin, std::size_t end) {
+  for (std::size_t b = begin; b < end; ++b) {
+    const JointBlock& block = data.blocks[b];
+    for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
+      JointLanes c = load_joints(data, block, lane);
+      V3 linear{zero(), zero(), zero()};
+      V3 first = linear;
+      V3 second = linear;
+      // Sums that begin with zero never are -0, so idle rows change no bit.
+      for (std::size_t r = 0; r < block.rows; ++r) {
+        const JointRowBlock& row = data.rows[block.first_row + r];
+        const V impulse = load(row.impulse + lane);
+        linear = linear + impulse * load3(row.linear, lane);
+        first = first + impulse * load3(row.angular_first, lane);
+        second = second + impulse * load3(row.angular_second, lane);
+      }
+      if (block.point != 0) {
+        const PointLanes point = PointLanes::load_from(block, lane);
+        const V3 impulse = load3(block.impulse, lane);
+        linear = linear + impulse;
+        first = first + cross(point.arm_first, impulse);
+        second = second + cross(point.arm_second, impulse);
+      }
+      apply(c, linear, first, second);
+      store_joint_bodies(c, data, block, lane);
+    }
+  }
+}
+
+// The rate that a row's law makes of the rate without its impulse: see JointRowBlock. Monotone in it, so a motor never
+// drives beyond its speed, and a limit only stops what would pass it.
+template <bool bias>
+HWY_INLINE V lawful_rate(const JointRowBlock& row, std::size_t lane, V free) {
+  const V motor_speed = load(row.motor_speed + lane);
+  const auto driven = [&](V rate, const float* change) {
+    return hn::Add(rate, clamp_to(hn::Sub(motor_speed, rate), load(change + lane)));
+  };
+  const float* shift = bias ? row.next_spring_shift : row.spring_shift;
+  const V sprung = hn::Add(hn::Mul(load(row.spring_scale + lane), free), load(shift + lane));
+  const V rate = driven(sprung, row.motor_change);
+  V lower = load(row.lower_speed + lane);
+  V upper = load(row.upper_speed + lane);
+  if constexpr (bias) {
+    const V soft =
+        driven(hn::Add(hn::Mul(load(row.soft_scale + lane), free), load(row.soft_shift + lane)), row.soft_motor_change);
+    lower = hn::IfThenElse(hn::Gt(load(row.soft_lower + lane), zero()), soft, lower);
+    upper = hn::IfThenElse(hn::Gt(load(row.soft_upper + lane), zero()), soft, upper);
+  }
+  return hn::Min(hn::Max(rate, lower), upper);
+}
+
+template <bool bias>
+HWY_INLINE void solve_row(JointRowBlock& row, std::size_t lane, bool measures, JointLanes& c, Residual& residual) {
+  const V3 linear = load3(row.linear, lane);
+  const V3 angular_first = load3(row.angular_first, lane);
+  const V3 angular_second = load3(row.angular_second, lane);
+  const V mass = load(row.mass + lane);
+  const V old_impulse = load(row.impulse + lane);
+  const V rate = hn::Add(dot(linear, c.second.v - c.first.v),
+                         hn::Sub(dot(angular_second, c.second.w), dot(angular_first, c.first.w)));
+  const V free = hn::Sub(rate, hn::Mul(load(row.inverse_mass + lane), old_impulse));
+  const V change = hn::Sub(lawful_rate<bias>(row, lane, free), rate);
+  const V impulse = hn::Mul(mass, change);
+  JointLanes solved = c;
+  apply(solved, impulse * linear, impulse * angular_first, impulse * angular_second);
+  // Not so much as the sign of a zero may show that a lane has fewer rows than its block.
+  const M active = hn::Gt(mass, zero());
+  c.first.v = select(active, solved.first.v, c.first.v);
+  c.first.w = select(active, solved.first.w, c.first.w);
+  c.second.v = select(active, solved.second.v, c.second.v);
+  c.second.w = select(active, solved.second.w, c.second.w);
+  store(hn::IfThenElse(active, hn::Add(old_impulse, impulse), old_impulse), row.impulse + lane);
+  if (measures) residual.add(hn::IfThenElse(active, change, zero()));
+}
+
+template <bool bias>
+HWY_INLINE void solve_point(const JointKernelData& data, JointBlock& block, std::size_t lane, bool measures,
+                            JointLanes& c, Residual& residual) {
+  const PointLanes point = PointLanes::load_from(block, lane);
+  const SymmetricMatrix mass = load_matrix(block.mass, lane);
+  const V3 old_impulse = load3(block.impulse, lane);
+  const V3 rate = point.rate(c);
+  V3 impulse;
+  if constexpr (bias) {
+    const Softness& soft = data.constants.joint;
+    const V3 push = splat(-soft.mass_scale) * (mass * (rate + splat(soft.bias_rate) * load3(block.offset, lane)));
+    impulse = push - splat(soft.impulse_scale) * old_impulse;
+  } else {
+    impulse = splat(-1) * (mass * rate);
+  }
+  store3(old_impulse + impulse, block.impulse, lane);
+  point.apply_to(c, impulse);
+  if (!measures) return;
+  const V3 change = point.rate(c) - rate;
+  residual.add(hn::Sqrt(dot(change, change)));
+}
+
+template <bool bias, bool refresh, bool carries>
+float sweep_joint_blocks(const JointKernelData& data, const JointSweep& sweep, std::size_t begin, std::size_t end) {
+  Residual residual;
+  for (std::size_t b = begin; b < end; ++b) {
+    JointBlock& block = data.blocks[b];
+    for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
+      JointLanes c = load_joints(data, block, lane);
+      if (refresh && block.point != 0) refresh_point(data, block, lane, c);
+      if (carries) {
+        const V3 first = load3(block.carried_first, lane);
+        const V3 second = load3(block.carried_second, lane);
+        if (block.rows > 0) {
+          apply(c, load3(block.carried_linear, lane), first, second);
+        } else {
+          c.first.w = c.first.w - c.first.inverse_inertia * first;
+          c.second.w = c.second.w + c.second.inverse_inertia * second;
+        }
+      }
+      // The point last: of what is left over it shows most.
+      for (std::size_t r = 0; r < block.rows; ++r) {
+        solve_row<bias>(data.rows[block.first_row + r], lane, sweep.measures, c, residual);
+      }
+      if (block.point != 0) solve_point<bias>(data, block, lane, sweep.measures, c, residual);
+      store_joint_bodies(c, data, block, lane);
+    }
+  }
+  return sweep.measures ? hn::GetLane(hn::MaxOfLanes(D(), residual.most)) : 0;
+}
+
+inline float sweep_joints(const JointKernelData& data, const JointSweep& sweep, std::size_t begin, std::size_t end) {
+  if (!sweep.bias) {
+    return sweep.refresh ? sweep_joint_blocks<false, true, false>(data, sweep, begin, end)
+                         : sweep_joint_blocks<false, false, false>(data, sweep, begin, end);
+  }
+  if (sweep.refresh) {
+    return sweep.carries ? sweep_joint_blocks<true, true, true>(data, sweep, begin, end)
+                         : sweep_joint_blocks<true, true, false>(data, sweep, begin, end);
+  }
+  return sweep.carries ? sweep_joint_blocks<true, false, true>(data, sweep, begin, end)
+                       : sweep_joint_blocks<true, false, false>(data, sweep, begin, end);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace atl::solver
+HWY_AFTER_NAMESPACE();
+
+#endif  // ATOLL_SOLVER_JOINT_SWEEP_INL_H_

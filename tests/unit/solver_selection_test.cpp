@@ -1,0 +1,167 @@
+// When overloaded contacts get their island another solver, and for how long.
+
+#include <gtest/gtest.h>
+#include <solver/select/solver_selection.h>
+
+#include <vector>
+
+namespace atl::solver {
+namespace {
+
+// Islands of boxes on a floor, body 0, each touching the floor and the one before: contacts are as many as bodies.
+struct Piles {
+  BodyTable bodies;
+  Islands islands;
+  std::vector<TouchingPair> pairs;
+  std::vector<std::uint8_t> awake;
+  std::vector<collision::ContactManifold> manifolds;
+  SolverSelection selection;
+  SolverSettings settings;
+
+  explicit Piles(const std::vector<int>& heights, const std::vector<JointLink>& links = {}) {
+    std::uint32_t count = 1;
+    for (const int height : heights) count += static_cast<std::uint32_t>(height);
+    bodies.resize(count);
+    awake.assign(count, 1);
+    awake[0] = 0;
+    std::vector<std::uint32_t> candidates;
+    std::uint32_t body = 1;
+    for (const int height : heights) {
+      for (int i = 0; i < height; ++i, ++body) {
+        bodies.mobility[body] = Mobility::Dynamic;
+        bodies.inverse_mass[body] = 1;
+        bodies.position(body) = Vector3(3.0 * body, 0, 0.5 + i);
+        candidates.push_back(body);
+        pairs.push_back({i == 0 ? 0 : body - 1, body, static_cast<std::uint32_t>(pairs.size())});
+        collision::ContactManifold manifold = {};
+        manifold.normal[2] = 1;
+        manifold.anchor_first[2] = 0.5f;
+        manifold.anchor_second[2] = -0.5f;
+        manifolds.push_back(manifold);
+      }
+    }
+    islands.build(candidates, awake, pairs, links);
+    selection.resize(count);
+  }
+  std::vector<SolveMode> choose() {
+    const auto modes = selection.choose({islands, bodies, manifolds.data(), {0, 0, -9.81}, 1.0 / 60, settings});
+    return {modes.begin(), modes.end()};
+  }
+  void note(std::vector<Overload> overloads, const std::vector<std::uint32_t>& failed = {}, double dt = 1.0 / 60) {
+    selection.note(overloads, failed, awake, dt);
+  }
+};
+
+const std::vector<SolveMode> none = {};
+
+TEST(SolverSelection, CostsNothingWhereNothingIsOverloaded) {
+  Piles piles({5, 5});
+  EXPECT_EQ(piles.choose(), none);
+  piles.note({});
+  EXPECT_TRUE(piles.selection.strained().empty());
+}
+
+TEST(SolverSelection, ALoadHasToLastAndAnImpactDoesNot) {
+  Piles piles({4, 4});
+  for (int step = 0; step < 2; ++step) {
+    piles.note({{6, false}});
+    EXPECT_EQ(piles.choose(), none) << step;
+  }
+  piles.note({{6, false}, {6, false}});
+  EXPECT_EQ(piles.choose(), (std::vector<SolveMode>{SolveMode::Sweep, SolveMode::Direct}));
+  // It wears off as it came.
+  piles.note({});
+  EXPECT_EQ(piles.choose(), none);
+  for (int step = 0; step < 2; ++step) piles.note({});
+  EXPECT_TRUE(piles.selection.strained().empty());
+}
+
+// It is the time that counts, not the steps: a load lasts after 0.04 s, and what is done about it for half a second.
+TEST(SolverSelection, LoadsLastAsLongInShortSteps) {
+  for (const int rate : {60, 240, 1000}) {
+    Piles piles({4});
+    int steps = 0;
+    for (; piles.choose().empty(); ++steps) piles.note({{2, false}}, {}, 1.0 / rate);
+    EXPECT_NEAR(static_cast<double>(steps) / rate, 0.04, 1.5 / rate) << rate;
+    for (int i = 0; i < rate; ++i) piles.note({{2, false}}, {}, 1.0 / rate);
+    for (steps = 0; !piles.choose().empty(); ++steps) piles.note({}, {}, 1.0 / rate);
+    EXPECT_NEAR(static_cast<double>(steps) / rate, 0.5 - 0.04, 2.0 / rate) << rate;
+  }
+}
+
+// Substeps make contacts stiffer, but sweeps don't settle a column any sooner.
+TEST(SolverSelection, ColumnsNeedTheSameWithManySubsteps) {
+  Piles piles({5, 20});
+  piles.settings.substeps = 32;
+  for (std::uint32_t body = 1; body < 26; ++body) piles.selection.arrive(body);
+  EXPECT_EQ(piles.choose(), (std::vector<SolveMode>{SolveMode::Sweep, SolveMode::Direct}));
+}
+
+TEST(SolverSelection, JoinedBodiesGetManySubstepsAsSoonAsTheyAreCrushed) {
+  Piles piles({4, 4}, {{1, 2, 0}});
+  for (int step = 0; step < 5; ++step) piles.note({{2, false}});
+  EXPECT_EQ(piles.choose(), none);
+  piles.note({{2, true}});
+  EXPECT_EQ(piles.choose(), (std::vector<SolveMode>{SolveMode::Finest, SolveMode::Sweep}));
+}
+
+TEST(SolverSelection, CrushingNeedsOneStepLess) {
+  Piles piles({4});
+  piles.note({{2, true}});
+  EXPECT_EQ(piles.choose(), none);
+  piles.note({{2, true}});
+  EXPECT_EQ(piles.choose(), std::vector<SolveMode>{SolveMode::Direct});
+}
+
+TEST(SolverSelection, WhatCanNotBeSolvedIsTriedAgainLater) {
+  Piles piles({4});
+  for (int step = 0; step < 10; ++step) piles.note({{2, false}});
+  EXPECT_EQ(piles.choose(), std::vector<SolveMode>{SolveMode::Direct});
+  piles.note({{2, false}}, {1, 2, 3, 4});
+  EXPECT_EQ(piles.choose(), none);
+  for (int step = 0; step < 3; ++step) piles.note({{2, false}});
+  EXPECT_EQ(piles.choose(), std::vector<SolveMode>{SolveMode::Direct});
+}
+
+TEST(SolverSelection, SleepersKeepTheirStrain) {
+  Piles piles({4});
+  for (int step = 0; step < 5; ++step) piles.note({{2, false}});
+  const auto before = piles.selection.strain(2);
+  piles.awake[2] = 0;
+  for (int step = 0; step < 50; ++step) piles.note({});
+  EXPECT_EQ(piles.selection.strain(2), before);
+  piles.awake[2] = 1;
+  for (int step = 0; step < 50; ++step) piles.note({});
+  EXPECT_EQ(piles.selection.strain(2), SolverSelection::Strain{});
+}
+
+TEST(SolverSelection, ForgetsWhoIsGone) {
+  Piles piles({4});
+  for (int step = 0; step < 5; ++step) piles.note({{2, false}, {3, false}});
+  piles.selection.forget(2);
+  EXPECT_EQ(piles.selection.strained().size(), 1u);
+  EXPECT_EQ(piles.selection.strain(2), SolverSelection::Strain{});
+  piles.selection.forget(1);
+  EXPECT_EQ(piles.selection.strained().size(), 1u);
+  piles.selection.arrive(4);
+  piles.selection.forget_all();
+  EXPECT_TRUE(piles.selection.strained().empty());
+  EXPECT_TRUE(piles.selection.arrived().empty());
+  EXPECT_EQ(piles.selection.strain(3), SolverSelection::Strain{});
+}
+
+// At 30 Hz a contact between boxes of 1 kg gives by 2 g / 35500 s^2 = 0.55 mm for each box above, so that in columns,
+// of half a metre of half thickness, five are too many (0.5%); on the ground it gives by an eighth of that.
+TEST(SolverSelection, EstimatesTheLoadsOfWhatIsNew) {
+  Piles piles({5, 20});
+  for (std::uint32_t body = 1; body < 26; ++body) piles.selection.arrive(body);
+  EXPECT_EQ(piles.choose(), (std::vector<SolveMode>{SolveMode::Sweep, SolveMode::Direct}));
+  std::vector<std::uint32_t> expected;
+  for (std::uint32_t body = 6; body <= 20; ++body) expected.push_back(body);
+  const auto strained = piles.selection.strained();
+  EXPECT_EQ(std::vector<std::uint32_t>(strained.begin(), strained.end()), expected);
+  EXPECT_TRUE(piles.selection.arrived().empty());
+}
+
+}  // namespace
+}  // namespace atl::solver
