@@ -39,7 +39,10 @@ void World::Impl::choose_modes() {
                                      .manifolds = cache.manifolds.data(),
                                      .gravity = gravity,
                                      .dt = dt_,
-                                     .settings = how};
+                                     .settings = how,
+                                     .joint_graph = joints.count == 0 ? nullptr : &joint_graph_,
+                                     .joint_systems = &joint_systems_,
+                                     .rebuilt = islands_rebuilt_};
     const bool all = settings.contact_solver == ContactSolver::Direct;
     modes = all ? selection_.choose_direct(input) : selection_.choose(input);
   } else if (with_direct_contacts) {
@@ -63,15 +66,9 @@ SolveMode World::Impl::mode_of(const solver::IslandGroup& group) const {
 
 void World::Impl::solve_groups() {
   const solver::SolverSettings how = solver_settings(settings);
-  const auto in_finer = [&](SolveMode mode) {
-    solver::SolverSettings with = how;
-    with.finer = solver::finer_by(mode, how, dt_);
-    with.substeps *= with.finer;
-    return with;
-  };
-  const solver::SolverSettings how_finer = in_finer(SolveMode::Finer);
-  solver::SolverSettings how_finest = in_finer(SolveMode::Finest);
-  how_finest.joint_method = solver::JointMethod::Iterative;
+  solver::SolverSettings how_finer = how;
+  how_finer.finer = solver::finer_by(how, dt_);
+  how_finer.substeps *= how_finer.finer;
   const bool captures = settings.keep_contact_problem || settings.run_everything;
   if (captures) capture_.resize(cache.manifolds.size(), bodies.size());
   const bool surfaces = with_surfaces && (settings.run_everything || !bodies.surfaces.empty());
@@ -94,11 +91,8 @@ void World::Impl::solve_groups() {
   };
   const solver::SolveInput plain = input_with(how);
   const solver::SolveInput fine = input_with(how_finer);
-  const solver::SolveInput finest_of_all = input_with(how_finest);
   const auto input_of = [&](const solver::IslandGroup& group) -> const solver::SolveInput& {
-    const SolveMode mode = mode_of(group);
-    if (mode == SolveMode::Sweep) return plain;
-    return mode == SolveMode::Finest ? finest_of_all : fine;
+    return mode_of(group) == SolveMode::Sweep ? plain : fine;
   };
 
   group_reports_.assign(groups_.size(), {});
@@ -132,7 +126,7 @@ void World::Impl::prepare_direct_solvers() {
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     if (mode_of(groups_[g]) != SolveMode::Direct) continue;
     direct_of_group_.resize(groups_.size(), nullptr);
-    if (count == direct_solvers_.size()) direct_solvers_.push_back(std::make_unique<solver::DirectContacts>());
+    if (count == direct_solvers_.size()) direct_solvers_.push_back(std::make_unique<solver::DirectIsland>());
     direct_of_group_[g] = direct_solvers_[count++].get();
   }
   direct_reports_.resize(direct_of_group_.size());
@@ -141,8 +135,8 @@ void World::Impl::prepare_direct_solvers() {
 bool World::Impl::solve_directly(const solver::SolveInput& input, std::size_t group) {
   if constexpr (!with_direct_contacts) return false;
   if (direct_of_group_.empty() || direct_of_group_[group] == nullptr) return false;
-  solver::DirectContacts& direct = *direct_of_group_[group];
-  solver::DirectContactsReport& report = direct_reports_[group];
+  solver::DirectIsland& direct = *direct_of_group_[group];
+  solver::DirectIslandReport& report = direct_reports_[group];
   const auto begin = jobs::Clock::now();
   if (direct.analyse(input, groups_[group])) report = direct.solve(input);
   if (settings.profile) report.ms = jobs::ms_since(begin);
@@ -174,7 +168,7 @@ void World::Impl::note_modes() {
     const auto& stage_ms = group_reports_[g].stage_ms;
     island.ms = std::accumulate(stage_ms.begin(), stage_ms.end(), 0.0);
     if (mode == SolveMode::Direct) {
-      const solver::DirectContactsReport& report = direct_reports_[g];
+      const solver::DirectIslandReport& report = direct_reports_[g];
       island.direct = report.solved;
       island.gave_up = !report.solved;
       island.iterations = report.iterations;

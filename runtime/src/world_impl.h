@@ -8,7 +8,7 @@
 #include <collision/update_contacts.h>
 #include <jobs/arena.h>
 #include <jobs/scratch.h>
-#include <solver/direct/direct_contacts.h>
+#include <solver/direct/direct_island.h>
 #include <solver/direct/joint_systems.h>
 #include <solver/integrate/body_table.h>
 #include <solver/islands/islands.h>
@@ -326,9 +326,9 @@ class World::Impl {
   std::vector<solver::SolveMode> modes_;  // by island, or empty
   std::vector<std::uint8_t> alone_;       // likewise: solved in a way of its own
   bool regrouped_ = false;                // since the last solve
-  std::vector<std::unique_ptr<solver::DirectContacts>> direct_solvers_;
-  std::vector<solver::DirectContacts*> direct_of_group_;  // or empty
-  std::vector<solver::DirectContactsReport> direct_reports_;
+  std::vector<std::unique_ptr<solver::DirectIsland>> direct_solvers_;
+  std::vector<solver::DirectIsland*> direct_of_group_;  // or empty
+  std::vector<solver::DirectIslandReport> direct_reports_;
   solver::Overloads overloads_;
   std::vector<solver::Overload> all_overloads_;
   std::vector<EscalatedIsland> escalated_;

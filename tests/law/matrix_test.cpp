@@ -191,6 +191,125 @@ std::vector<Feature> features() {
   return all;
 }
 
+// Two boxes that lie on the ground and are joined.
+struct Pair {
+  JointKind kind = FixedJoint{};
+  Vector3 axis = Vector3::UnitX();  // of the joint's frames
+  double friction = 0;
+  double mass = 1000;     // kg, of the first; the second has 2000
+  double distance = 1.5;  // m
+  Vector3 velocity = {0, 0, 0}, other_velocity = {0, 0, 0};
+  Vector3 spin = {0, 0, 0};
+  Vector3 force = {0, 0, 0};  // N, on the second, in each step
+  double time = 1;            // s
+};
+
+// A joint's way: contacts swept and joints at once is what a few joints in a scene of sweeps get.
+Settings settings_of_joints(Way way, int substeps) {
+  Settings settings = settings_of(way == Way::Joined ? Way::Swept : way, substeps);
+  settings.joint_solver = way == Way::Swept || way == Way::Finer ? JointSolver::Iterative : JointSolver::Direct;
+  return settings;
+}
+
+std::vector<double> run_pair(const Pair& pair, Way way, int substeps) {
+  World world({.settings = settings_of_joints(way, substeps)});
+  world.add_body(static_box({0, 0, -0.5}, {20, 20, 0.5}));
+  std::vector<BodyId> ids;
+  for (const int i : {0, 1}) {
+    BodyDef def{.shape = Box{{0.5, 0.5, 0.25}}, .position = {i * pair.distance, 0, 0.25}};
+    def.mass = (1 + i) * pair.mass;
+    def.material.friction = pair.friction;
+    def.velocity = i == 0 ? pair.velocity : pair.other_velocity;
+    if (i == 1) def.angular_velocity = pair.spin;
+    ids.push_back(world.add_body(def));
+  }
+  const Quaternion frame = Quaternion::FromTwoVectors(Vector3::UnitX(), pair.axis);
+  const bool apart = std::holds_alternative<DistanceJoint>(pair.kind);
+  const Vector3 first = {apart ? 0 : pair.distance / 2, 0, 0}, second = {apart ? 0 : -pair.distance / 2, 0, 0};
+  world.add_joint({.kind = pair.kind,
+                   .first = ids[0],
+                   .second = ids[1],
+                   .frame_first = {first, frame},
+                   .frame_second = {second, frame}});
+  std::int64_t direct = 0;
+  const auto steps = std::lround(pair.time / dt);
+  for (int i = 0; i < steps; ++i) {
+    world.apply_force(ids[1], pair.force);
+    direct += world.step(dt).counts.direct_islands;
+  }
+  if (way == Way::Direct) {
+    EXPECT_GT(direct, 0.9 * static_cast<double>(steps)) << "it was swept";
+  }
+  std::vector<double> result;
+  for (const BodyId id : ids) {
+    const Vector3 at = world.pose(id).position;
+    result.insert(result.end(), {at.x(), at.y(), at.z(), heading(world, id)});
+  }
+  return result;
+}
+
+Feature pair(const std::string& name, const std::function<void(Pair&)>& set) {
+  return {name, 1, [set](Way way, int substeps) {
+            Pair pair;
+            set(pair);
+            return run_pair(pair, way, substeps);
+          }};
+}
+
+std::vector<Feature> joint_features() {
+  std::vector<Feature> all;
+  const Vector3 up = Vector3::UnitZ();
+  all.push_back(pair("fixed", [](Pair& p) {
+    p.friction = 0.3;
+    p.velocity = p.other_velocity = {2, 0.5, 0};
+  }));
+  all.push_back(pair("ball", [](Pair& p) { p.other_velocity = {0, 1, 0}; }));
+  all.push_back(pair("ball_friction", [](Pair& p) {
+    p.kind = BallJoint{.friction = 300};
+    p.other_velocity = {0, 1, 0};
+  }));
+  all.push_back(pair("rod", [](Pair& p) {
+    p.kind = DistanceJoint{.distance = {.range = {1.5, 1.5}}};
+    p.other_velocity = {0, 1, 0};
+  }));
+  all.push_back(pair("rope", [](Pair& p) {
+    p.kind = DistanceJoint{.distance = {.range = {0, 1.8}}};
+    p.other_velocity = {1, 0.2, 0};
+  }));
+  all.push_back(pair("slider_spring", [](Pair& p) {
+    p.kind = SliderJoint{.offset = {.spring = JointSpring{.hertz = 0.5, .damping_ratio = 0.5, .rest = 0.3}}};
+  }));
+  all.push_back(pair("slider_range", [](Pair& p) {
+    p.kind = SliderJoint{.offset = {.range = {0, 0.4}}};
+    p.other_velocity = {1, 0, 0};
+  }));
+  all.push_back(pair("slider_motor", [](Pair& p) {
+    p.kind = SliderJoint{.offset = {.motor = JointMotor{.speed = 0.5, .max_force = 2000}}};
+  }));
+  all.push_back(pair("slider_brake", [](Pair& p) {
+    p.kind = SliderJoint{.offset = {.motor = JointMotor{.speed = 0, .max_force = 500}}};
+    p.other_velocity = {0.5, 0, 0};
+  }));
+  all.push_back(pair("hinge_range", [up](Pair& p) {
+    p.kind = HingeJoint{.angle = {.range = {-0.2, 0.2}}};
+    p.axis = up;
+    p.other_velocity = {0, 0.75, 0};
+  }));
+  all.push_back(pair("hinge_motor", [up](Pair& p) {
+    p.kind = HingeJoint{.angle = {.motor = JointMotor{.speed = 0.5, .max_force = 1000}}};
+    p.axis = up;
+  }));
+  all.push_back(pair("hinge_spring", [up](Pair& p) {
+    p.kind = HingeJoint{.angle = {.spring = JointSpring{.hertz = 0.5, .damping_ratio = 0.5, .rest = 0.4}}};
+    p.axis = up;
+  }));
+  all.push_back(pair("force_on_a_joint", [](Pair& p) {
+    p.friction = 0.3;
+    p.force = {3000, 8000, 0};
+  }));
+  return all;
+}
+
 class LawTest : public testing::TestWithParam<Feature> {};
 
 TEST_P(LawTest, IsTheSameHoweverItIsSolved) {
@@ -208,6 +327,25 @@ TEST_P(LawTest, IsTheSameHoweverItIsSolved) {
     }
   }
 }
+
+class JointLawTest : public testing::TestWithParam<Feature> {};
+
+TEST_P(JointLawTest, IsTheSameHoweverItIsSolved) {
+  const Feature& feature = GetParam();
+  for (const auto& [substeps, allowed] : {std::pair{4, 0.02}, std::pair{16, 1e-3}}) {
+    const std::vector<double> direct = feature.run(Way::Direct, substeps);
+    for (const Way way : {Way::Swept, Way::Finer, Way::Joined}) {
+      const std::vector<double> other = feature.run(way, substeps);
+      for (std::size_t i = 0; i < direct.size(); ++i) {
+        EXPECT_NEAR(other[i], direct[i], allowed * feature.scale)
+            << name_of(way) << " " << substeps << " [" << i << "]";
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Joints, JointLawTest, testing::ValuesIn(joint_features()),
+                         [](const auto& feature) { return feature.param.name; });
 
 INSTANTIATE_TEST_SUITE_P(Features, LawTest, testing::ValuesIn(features()),
                          [](const auto& feature) { return feature.param.name; });

@@ -1,5 +1,5 @@
 #include <solver/constraints/load_check.h>
-#include <solver/direct/direct_contacts.h>
+#include <solver/direct/direct_island.h>
 #include <solver/islands/islands.h>
 
 #include <algorithm>
@@ -52,7 +52,7 @@ Build build_of(const Islands& islands, std::size_t island) {
   if (islands.joint_count(island) > 0) return Build::Joined;
   const auto bodies = static_cast<double>(islands.body_count(island));
   const auto contacts = static_cast<double>(islands.contact_count(island));
-  const bool columns = bodies <= DirectContacts::most_bodies && contacts <= contacts_of_columns * bodies;
+  const bool columns = bodies <= DirectIsland::most_bodies && contacts <= contacts_of_columns * bodies;
   return columns ? Build::Columns : Build::Any;
 }
 

@@ -7,9 +7,7 @@
 namespace atl::solver {
 namespace {
 
-// The most that one of two joined bodies may weigh of the other, and the longest way through joints, that joints solved
-// one by one hold well.
-constexpr double light_ratio = 10;
+// The longest way through joints that joints solved one by one hold well.
 constexpr std::size_t long_chain = 12;
 
 // Bodies joined to each body, of a component.

@@ -1,4 +1,5 @@
-#include <solver/direct/direct_contacts.h>
+#include <solver/direct/direct_island.h>
+#include <solver/select/joint_selection.h>
 #include <solver/select/solver_selection.h>
 
 #include <algorithm>
@@ -36,15 +37,13 @@ void order(std::vector<Overload>& overloads) {
 // s, the longest substep of what sags, and of what is joined and crushed: a wall of 100 layers sinks by 165 mm with
 // twice the first, and by 41 with it.
 constexpr double finer_substep = 1.0 / 960;
-constexpr double finest_substep = 1.0 / 3840;
 
 }  // namespace
 
-int finer_by(SolveMode mode, const SolverSettings& settings, double dt) {
-  const double longest = mode == SolveMode::Finest ? finest_substep : finer_substep;
+int finer_by(const SolverSettings& settings, double dt) {
   constexpr double rounding = 1 + 1e-9;
   int times = 1;
-  while (dt / (settings.substeps * times) > rounding * longest) times *= 2;
+  while (dt / (settings.substeps * times) > rounding * finer_substep) times *= 2;
   return times;
 }
 
@@ -89,7 +88,8 @@ void SolverSelection::estimate_arrived(const LoadInput& input) {
 
 std::span<const SolveMode> SolverSelection::choose(const LoadInput& input) {
   estimate_arrived(input);
-  if (strained_.empty()) return {};
+  if (input.rebuilt) find_pressed(input);
+  if (strained_.empty() && pressed_.empty()) return {};
   const Islands& islands = input.islands;
   symptoms_.assign(islands.count(), {});
   for (const std::uint32_t body : strained_) {
@@ -102,24 +102,69 @@ std::span<const SolveMode> SolverSelection::choose(const LoadInput& input) {
     symptoms_[island].sags |= strain_[body].sags;
   }
   modes_.assign(islands.count(), SolveMode::Sweep);
-  bool any = false;
+  for (const std::size_t island : pressed_) modes_[island] = SolveMode::Direct;
+  bool any = !pressed_.empty();
   for (std::size_t island = 0; island < islands.count(); ++island) {
     const Symptoms& has = symptoms_[island];
-    if (!(has.lasts || has.crushes)) continue;
-    const bool small = islands.body_count(island) <= DirectContacts::most_bodies;
+    if (!(has.lasts || has.crushes) || modes_[island] != SolveMode::Sweep) continue;
+    const bool small = islands.body_count(island) <= DirectIsland::most_bodies;
     const Build build = build_of(islands, island);
-    if (build == Build::Joined) {
-      if (has.crushes && small) modes_[island] = SolveMode::Finest;
-    } else if (build == Build::Columns || (has.crushes && small)) {
+    if (build == Build::Columns || (has.crushes && small)) {
       modes_[island] = has_locks(input, island) ? SolveMode::Finer : SolveMode::Direct;
-    } else if (has.lasts && has.sags) {
+    } else if (has.lasts && has.sags && build == Build::Any) {
       modes_[island] = SolveMode::Finer;
     }
-    const bool swept = modes_[island] == SolveMode::Finer || modes_[island] == SolveMode::Finest;
-    if (swept && finer_by(modes_[island], input.settings, input.dt) == 1) modes_[island] = SolveMode::Sweep;
+    const bool as_fine = finer_by(input.settings, input.dt) == 1;
+    if (modes_[island] == SolveMode::Finer && as_fine) modes_[island] = SolveMode::Sweep;
     any |= modes_[island] != SolveMode::Sweep;
   }
   return any ? std::span<const SolveMode>(modes_) : std::span<const SolveMode>();
+}
+
+// Where joints that are solved at once and contacts took turns over a light body between heavy ones, each would undo
+// what the other did, and boxes leap off a bridge.
+void SolverSelection::find_pressed(const LoadInput& input) {
+  pressed_.clear();
+  if (input.joint_graph == nullptr || input.settings.joint_method == JointMethod::Iterative) return;
+  const Islands& islands = input.islands;
+  for (std::size_t island = 0; island < islands.count(); ++island) {
+    if (islands.joint_count(island) == 0 || islands.contact_count(island) == 0) continue;
+    if (islands.body_count(island) > DirectIsland::most_bodies || !is_pressed(input, island)) continue;
+    pressed_.push_back(island);
+  }
+}
+
+bool SolverSelection::is_pressed(const LoadInput& input, std::size_t island) {
+  const Islands& islands = input.islands;
+  const std::uint32_t first_rank = islands.first_rank(island);
+  const auto is_dynamic = [&](std::uint32_t body) { return input.bodies.mobility[body] == Mobility::Dynamic; };
+  on_system_.assign(islands.body_count(island), 0);
+  // What is anchored can't give way, as limbs can.
+  std::uint32_t component = JointGraph::none;
+  bool needs = false;
+  for (const JointLink& link : islands.joints(island, island + 1)) {
+    if (const std::uint32_t of_link = input.joint_graph->component_of(link.joint); of_link != component) {
+      component = of_link;
+      const std::span<const JointLink> links = input.joint_graph->links_of(component);
+      needs = input.joint_systems->is_direct(component) &&
+              std::any_of(links.begin(), links.end(), [&](const JointLink& of_component) {
+                return !is_dynamic(of_component.first) || !is_dynamic(of_component.second);
+              });
+    }
+    if (!needs) continue;
+    for (const std::uint32_t body : {link.first, link.second}) {
+      if (is_dynamic(body)) on_system_[islands.rank(body) - first_rank] = 1;
+    }
+  }
+  const auto carries = [&](std::uint32_t body, std::uint32_t other) {
+    const bool light = input.bodies.inverse_mass[body] > light_ratio * input.bodies.inverse_mass[other];
+    return light && on_system_[islands.rank(body) - first_rank] != 0;
+  };
+  const std::span<const TouchingPair> contacts = islands.contacts(island, island + 1);
+  return std::any_of(contacts.begin(), contacts.end(), [&](const TouchingPair& pair) {
+    if (!is_dynamic(pair.first) || !is_dynamic(pair.second)) return false;
+    return carries(pair.first, pair.second) || carries(pair.second, pair.first);
+  });
 }
 
 std::span<const SolveMode> SolverSelection::choose_direct(const LoadInput& input) {
@@ -128,15 +173,16 @@ std::span<const SolveMode> SolverSelection::choose_direct(const LoadInput& input
   symptoms_.assign(islands.count(), {});
   modes_.assign(islands.count(), SolveMode::Sweep);
   for (std::size_t island = 0; island < islands.count(); ++island) {
-    const bool can = islands.contact_count(island) > 0 && islands.joint_count(island) == 0 &&
-                     islands.body_count(island) <= DirectContacts::most_bodies && !has_locks(input, island);
+    const bool can = islands.contact_count(island) > 0 && islands.body_count(island) <= DirectIsland::most_bodies &&
+                     !has_locks(input, island);
     if (can) modes_[island] = SolveMode::Direct;
   }
   return modes_;
 }
 
 const char* SolverSelection::why(std::size_t island) const {
-  if (modes_[island] == SolveMode::Finest) return "a body carries one many times as heavy, and there are joints";
+  const bool pressed = std::binary_search(pressed_.begin(), pressed_.end(), island);
+  if (pressed) return "a body carries one many times as heavy, and there are joints";
   if (symptoms_[island].crushes) return "a body carries many times what its contacts are made for";
   return modes_[island] == SolveMode::Finer ? "it sags under its own weight" : "columns give way under what they carry";
 }

@@ -2,6 +2,7 @@
 
 #include <collision/contact.h>
 #include <solver/constraints/load_check.h>
+#include <solver/direct/joint_systems.h>
 #include <solver/integrate/body_table.h>
 #include <solver/islands/islands.h>
 #include <solver/solver_settings.h>
@@ -20,6 +21,9 @@ struct LoadInput {
   Vector3 gravity;                              ///< m/s^2
   double dt;                                    ///< s
   const SolverSettings& settings;
+  const JointGraph* joint_graph = nullptr;      ///< null where there are no joints
+  const JointSystems* joint_systems = nullptr;  ///< likewise
+  bool rebuilt = true;                          ///< islands are others than at the last choice
 };
 
 /// What the contacts of an island carry if all stands: from the top down, each body hands its weight and what it

@@ -13,12 +13,11 @@ namespace atl::solver {
 enum class SolveMode : std::uint8_t {
   Sweep,   ///< as the settings say
   Finer,   ///< in more substeps
-  Finest,  ///< in many more, and joints one after another: where these and contacts fight over what lies between
   Direct,  ///< at once
 };
 
 /// How many substeps an island gets for each that was asked for, a power of two; 1 where these are as short already.
-int finer_by(SolveMode mode, const SolverSettings& settings, double dt);
+int finer_by(const SolverSettings& settings, double dt);
 
 /// Follows which contacts carry more than soft ones are made for, and says what is done about their islands. A load has
 /// to stay for some steps, or it is an impact; of bodies that are new it is estimated at once. Tall columns, heavy
@@ -69,11 +68,14 @@ class SolverSelection {
 
   /// Memory held.
   std::size_t bytes() const {
-    return jobs::bytes_of(strain_, strained_, arrived_, of_overloads_, merged_, symptoms_, modes_, estimated_);
+    return jobs::bytes_of(strain_, strained_, arrived_, of_overloads_, merged_, symptoms_, modes_, estimated_, pressed_,
+                          on_system_);
   }
 
  private:
   void estimate_arrived(const LoadInput& input);
+  void find_pressed(const LoadInput& input);
+  bool is_pressed(const LoadInput& input, std::size_t island);
 
   // What is known of an island by its bodies under strain.
   struct Symptoms {
@@ -86,8 +88,10 @@ class SolverSelection {
   std::vector<std::uint32_t> strained_;  // in order
   std::vector<std::uint32_t> arrived_;
   std::vector<std::uint32_t> of_overloads_, merged_;
-  std::vector<Symptoms> symptoms_;  // by island
-  std::vector<SolveMode> modes_;    // by island
+  std::vector<Symptoms> symptoms_;       // by island
+  std::vector<std::size_t> pressed_;     // islands in which something heavy lies on joints that are solved at once
+  std::vector<std::uint8_t> on_system_;  // by body of an island
+  std::vector<SolveMode> modes_;         // by island
   std::vector<Overload> estimated_;
   LoadEstimate estimate_;
 };

@@ -5,7 +5,7 @@
 // positive, and p s is led to 0 over the same path for all. Friction goes along with its impulse over its speed as its
 // stiffness, bound by what the points push at the time.
 
-#include <solver/direct/direct_contacts.h>
+#include <solver/direct/island_problem.h>
 
 #include <algorithm>
 #include <cmath>
@@ -26,7 +26,7 @@ constexpr double most_of_way = 0.99;
 
 }  // namespace
 
-bool DirectContacts::follow_interior(DirectContactsReport& report) {
+bool IslandProblem::follow_interior() {
   start_interior();
   for (int step = 0; step < most_steps; ++step) {
     const double mean = note_interior();
@@ -35,10 +35,10 @@ bool DirectContacts::follow_interior(DirectContactsReport& report) {
       if (residual <= tolerance) return true;
       // Friction lags behind, but it is known which points push.
       take_pieces();
-      return solve_on_last_pieces() && minimise(report, following);
+      return solve_on_last_pieces() && minimise(following);
     }
     if (!std::isfinite(mean + residual)) return false;
-    ++report.iterations;
+    ++iterations_;
     if (!factor_interior()) return false;
     // How far it could go at once says how far it should.
     const double reach = interior_step(0, false);
@@ -48,10 +48,10 @@ bool DirectContacts::follow_interior(DirectContactsReport& report) {
   return false;
 }
 
-void DirectContacts::start_interior() {
-  for (Contact& contact : contacts_) {
-    contact.motion = motion_now(contact);
-    Interior& in = contact.interior;
+void IslandProblem::start_interior() {
+  for (DirectContact& contact : contacts) {
+    contact.motion = motion_of(contact);
+    DirectContact::Interior& in = contact.interior;
     for (int i = 0; i < contact.law.points; ++i) {
       const double parts = contact.law.speed(i, contact.motion) + contact.law.bias[i];
       in.gap[i] = std::max(parts, start_speed);
@@ -60,9 +60,9 @@ void DirectContacts::start_interior() {
   }
 }
 
-void DirectContacts::take_pieces() {
-  for (Contact& contact : contacts_) {
-    const Interior& in = contact.interior;
+void IslandProblem::take_pieces() {
+  for (DirectContact& contact : contacts) {
+    const DirectContact::Interior& in = contact.interior;
     contact.answer.pieces.points = 0;
     for (int i = 0; i < contact.law.points; ++i) {
       if (in.impulse[i] > in.gap[i] * contact.law.stiffness[i]) {
@@ -73,11 +73,11 @@ void DirectContacts::take_pieces() {
 }
 
 // Where it stands. Returns the mean of p s over the effective masses.
-double DirectContacts::note_interior() {
+double IslandProblem::note_interior() {
   double sum = 0;
   std::size_t points = 0;
-  balance([&](Contact& contact) {
-    Interior& in = contact.interior;
+  balance([&](DirectContact& contact) {
+    DirectContact::Interior& in = contact.interior;
     const ContactLaw& law = contact.law;
     double load = 0;
     for (int i = 0; i < law.points; ++i) load += in.impulse[i];
@@ -96,29 +96,30 @@ double DirectContacts::note_interior() {
   return points > 0 ? sum / static_cast<double>(points) : 0;
 }
 
-bool DirectContacts::factor_interior() {
+bool IslandProblem::factor_interior() {
   add_masses();
-  for (Contact& contact : contacts_) {
+  for (DirectContact& contact : contacts) {
     add_stiffness(contact, contact.law.secant(contact.motion, contact.interior.held));
     contact.factored.points = 0xff;  // not that of any pieces
   }
+  for (DirectJoint& joint : joints) add_stiffness(joint);
   return system_.factor();
 }
 
 // The step to where p s is `target` times the effective mass; `corrected` for what the step that is there makes of
 // their product. Returns how much of it can be taken.
-double DirectContacts::interior_step(double target, bool corrected) {
-  const auto wanted = [&](const Contact& contact, int i) {
-    const Interior& in = contact.interior;
+double IslandProblem::interior_step(double target, bool corrected) {
+  const auto wanted = [&](const DirectContact& contact, int i) {
+    const DirectContact::Interior& in = contact.interior;
     const double product = in.impulse[i] * in.gap[i] + (corrected ? in.impulse_step[i] * in.gap_step[i] : 0);
     return target * contact.mass[i] - product;
   };
-  const auto slack = [](const Contact& contact, int i) {
+  const auto slack = [](const DirectContact& contact, int i) {
     return contact.interior.gap[i] + contact.interior.impulse[i] / contact.law.stiffness[i];
   };
   for (std::size_t i = 0; i < gradient_.size(); ++i) direction_[i] = -gradient_[i];
-  for (const Contact& contact : contacts_) {
-    const Interior& in = contact.interior;
+  for (const DirectContact& contact : contacts) {
+    const DirectContact::Interior& in = contact.interior;
     ContactAnswer pushes;
     for (int i = 0; i < contact.law.points; ++i) {
       pushes.normal[i] = (wanted(contact, i) - in.impulse[i] * in.missing[i]) / slack(contact, i);
@@ -127,8 +128,8 @@ double DirectContacts::interior_step(double target, bool corrected) {
   }
   system_.solve(direction_);
   double reach = 1;
-  for (Contact& contact : contacts_) {
-    Interior& in = contact.interior;
+  for (DirectContact& contact : contacts) {
+    DirectContact::Interior& in = contact.interior;
     contact.change = motion_of(contact, direction_);
     for (int i = 0; i < contact.law.points; ++i) {
       const double parts = contact.law.speed(i, contact.change) + in.missing[i];
@@ -142,11 +143,11 @@ double DirectContacts::interior_step(double target, bool corrected) {
 }
 
 // The mean of p s after so much of the step.
-double DirectContacts::interior_after(double t) const {
+double IslandProblem::interior_after(double t) const {
   double sum = 0;
   std::size_t points = 0;
-  for (const Contact& contact : contacts_) {
-    const Interior& in = contact.interior;
+  for (const DirectContact& contact : contacts) {
+    const DirectContact::Interior& in = contact.interior;
     for (int i = 0; i < contact.law.points; ++i) {
       sum += (in.impulse[i] + t * in.impulse_step[i]) * (in.gap[i] + t * in.gap_step[i]) / contact.mass[i];
       ++points;
@@ -155,10 +156,10 @@ double DirectContacts::interior_after(double t) const {
   return points > 0 ? sum / static_cast<double>(points) : 0;
 }
 
-void DirectContacts::take_interior_step(double t) {
-  for (std::size_t i = 0; i < velocity_.size(); ++i) velocity_[i] += t * direction_[i];
-  for (Contact& contact : contacts_) {
-    Interior& in = contact.interior;
+void IslandProblem::take_interior_step(double t) {
+  for (std::size_t i = 0; i < velocity.size(); ++i) velocity[i] += t * direction_[i];
+  for (DirectContact& contact : contacts) {
+    DirectContact::Interior& in = contact.interior;
     for (int i = 0; i < contact.law.points; ++i) {
       in.impulse[i] += t * in.impulse_step[i];
       in.gap[i] += t * in.gap_step[i];

@@ -1,0 +1,127 @@
+#pragma once
+
+#include <jobs/bytes.h>
+#include <solver/direct/island_problem.h>
+#include <solver/solve_input.h>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace atl::solver {
+
+/// What became of a direct solve.
+struct DirectIslandReport {
+  bool solved = false;  ///< if not, no state was changed
+  int iterations = 0;   ///< of Newton's method, beyond the first solves
+  ContactWork work;
+  std::int64_t gyroscopic_bodies = 0;  ///< whose moments of inertia differ
+  double ms = 0;                       ///< with SolverSettings::profile
+};
+
+/// An island whose contacts and joints are solved at once, as one system (IslandProblem): one so ill-conditioned (tall
+/// columns, heavy bodies on light ones, loaded bridges) that sweeps get nowhere.
+///
+/// As with sweeps of soft contacts, velocities are solved for twice: bodies keep velocities at which contacts just
+/// stop, and move by velocities at which overlap is parted, too. Contacts alone take one solve for a whole step. With
+/// joints there is one for each substep, which is one of RATTLE (see DirectJoints) with the contacts in it.
+///
+/// The first solve takes each contact to be on the pieces that the impulses of the last step tell of, and at rest is
+/// all there is to do. No state outlives a step, but the order of elimination, which the pairs determine.
+class DirectIsland {
+ public:
+  static constexpr std::size_t most_bodies = 400;  ///< of an island: more take longer than a step may
+
+  /// Takes in an island. Returns false if its factor would be too large.
+  bool analyse(const SolveInput& input, const IslandGroup& group);
+  /// Solves the island that was taken in last. Not solved is what bounces, tumbles fast or didn't converge.
+  DirectIslandReport solve(const SolveInput& input);
+
+  /// Memory held.
+  std::size_t bytes() const {
+    return sizeof(*this) + problem_.bytes() +
+           jobs::bytes_of(members_, pairs_, links_, states_, lasting_, placed_, couplings_);
+  }
+
+ private:
+  // A body as it moves through the step.
+  struct State {
+    Vector3 position, start;        // m
+    Quaternion turn, start_turn;    // orientations
+    Vector3 acceleration;           // m/s^2
+    Matrix3 body_inertia, inertia;  // kg m^2, body and world frame
+    Matrix3 stiffness;              // N m, geometric
+    bool tumbles;                   // its moments of inertia differ
+  };
+
+  // Where the points of a contact were as the step began, against what they are refreshed.
+  struct Placed {
+    std::uint32_t first_body, second_body;  // of the world
+    DirectContact::Points start_separation;
+  };
+
+  std::uint32_t local(const SolveInput& input, std::uint32_t body) const;
+  bool load_bodies(const SolveInput& input);
+  void free_velocities(const SolveInput& input, double dt);
+  void load_velocities(const SolveInput& input);
+  bool load_contacts(const SolveInput& input);
+  void load_contact(const SolveInput& input, const TouchingPair& pair, double share, DirectContact& contact) const;
+  void place(const SolveInput& input, const TouchingPair& pair, DirectContact& contact) const;
+  static void warm_start(const SolveInput& input, double share, DirectContact& contact);
+  void stop_contacts(double dt);
+  void push_contacts_apart(const SolverSettings& settings, double dt);
+  bool overlaps_notably(const SolverSettings& settings, double dt) const;
+  bool find_velocities(const SolveInput& input, double from_outside);
+  void take_back_give(double dt);
+  void keep_velocities();
+
+  bool solve_step(const SolveInput& input);
+  void write_back_step(const SolveInput& input);
+
+  bool solve_substeps(const SolveInput& input);
+  void load_joints(const SolveInput& input);
+  void place_inertia(const SolveInput& input, double time, double h);
+  void place_joints(const SolveInput& input, double time);
+  void place_contacts(const SolveInput& input, double time);
+  void begin_laws(const SolveInput& input, double h);
+  double drive(double h, const SolveInput& input) const;
+  void free_substep_velocities(const SolveInput& input, double h);
+  Vector3 free_spin(const State& state, const Vector3& spin, const Vector3& torque, double h) const;
+  BodyPose pose_of(const SolveInput& input, std::uint32_t local, std::uint32_t body, double time) const;
+  void move(double h, std::span<const double> by);
+  static double gap_of(const Joint& of, const DirectJoint& joint, std::size_t row, double position);
+  void note_gaps(const SolveInput& input, double time);
+  double farthest() const;
+  void push_gently(double push_speed);
+  void note_tears(const SolveInput& input);
+  void close_joints(const SolveInput& input, double h, double time, bool pushed);
+  void close_tears(double h);
+  double move_closer(const SolveInput& input, double time, double gap_before);
+  double widest_noted() const;
+  double widest_gap(const SolveInput& input, double time) const;
+  DirectJoint::Rows<double> gaps_of(const SolveInput& input, const DirectJoint& joint, double time) const;
+  void settle_joints(const SolveInput& input);
+  bool project(double h);
+  bool follow_tension(double h);
+  void write_back_substeps(const SolveInput& input);
+
+  void write_impulses(const SolveInput& input, double share) const;
+  void capture(const SolveInput& input, double step) const;
+  void note_work(const SolveInput& input, DirectIslandReport& report) const;
+  void note_overloads(const SolveInput& input) const;
+
+  std::vector<std::uint32_t> members_;
+  std::size_t island_ = 0;
+  std::vector<TouchingPair> pairs_;
+  std::vector<JointLink> links_;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> couplings_;
+  bool fits_ = false;
+  bool all_locked_ = false;  // all rows of joints
+  std::uint32_t first_rank_ = 0;
+  IslandProblem problem_;
+  std::vector<State> states_;
+  std::vector<Placed> placed_;
+  std::vector<double> lasting_;  // m/s, rad/s: what bodies keep; the problem's velocity is what they move by
+};
+
+}  // namespace atl::solver

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <solver/constraints/contact_law.h>
+#include <solver/constraints/joint.h>
+#include <solver/constraints/row_law.h>
+
+#include <array>
+#include <cstdint>
+
+namespace atl::solver {
+
+/// A body as a direct solve sees it.
+struct DirectBody {
+  std::uint32_t body = 0;
+  double mass = 0;          ///< kg
+  double radius = 0;        ///< m, of gyration
+  Matrix3 inertia;          ///< kg m^2, world frame
+  Matrix3 inverse_inertia;  ///< likewise
+};
+
+inline constexpr std::uint32_t no_body = ~std::uint32_t{0};  ///< what doesn't respond
+
+/// A contact between two bodies of a direct solve: its frame, and its law at the state of the solve.
+struct DirectContact {
+  using Points = std::array<double, collision::max_points>;
+
+  /// Points on the interior path: see island_problem_interior.cpp.
+  struct Interior {
+    Points impulse;                 ///< N s, > 0
+    Points gap;                     ///< m/s, > 0: how much faster it parts than where it pushes with this impulse
+    Points missing;                 ///< m/s, by which the gap is not yet that
+    Points held;                    ///< N s by m/s
+    Points impulse_step, gap_step;  ///< along the search direction
+  };
+
+  std::uint32_t slot;
+  std::uint32_t first, second;                 ///< bodies of the problem, or no_body
+  std::array<Vector3, 3> axes;                 ///< normal, tangents
+  Vector3 arm_first, arm_second;               ///< m, from the centres of mass
+  double friction, lever, rolling, torsional;  ///< of what the points push with
+  double bound_load;                           ///< N s, that the bounds of these are of
+  ContactLaw law;
+  Points mass;        ///< kg, effective, of each point
+  Points separation;  ///< m
+  Six given;          ///< motion by what doesn't respond
+  Six motion;         ///< at the velocities of the problem
+  Six change;         ///< along its search direction
+  ContactAnswer answer;
+  ContactAnswer lasting;   ///< that of the velocities which bodies keep
+  ContactPieces factored;  ///< what the factor is of
+  Interior interior;
+
+  void add_motion(double sign, const Vector3& arm, const Vector3& v, const Vector3& w, Six& to) const;
+  bool fixed() const { return first == no_body || second == no_body; }  ///< against something of infinite mass
+  void bound_friction(double load);
+  Six motion_after(double t) const;  ///< of the way along the search direction
+  Vector3 in_plane(const std::array<double, 2>& along_tangents) const {
+    return along_tangents[0] * axes[1] + along_tangents[1] * axes[2];
+  }
+};
+
+/// A joint between two bodies of a direct solve: its rows, those of the point first.
+struct DirectJoint {
+  template <typename Number>
+  using Rows = std::array<Number, max_joint_rows>;
+
+  std::uint32_t joint;
+  std::uint32_t first_body, second_body;  ///< of the world
+  std::uint32_t first, second;            ///< bodies of the problem, or no_body
+  std::size_t rows;
+  Rows<JointRow> at;
+  Rows<double> mass;  ///< kg or kg m^2, effective
+  Vector3 arm_first, arm_second;
+  Rows<double> position;  ///< m or rad
+  Rows<bool> torn;        ///< apart as the step began
+  Rows<double> gap;       ///< m or rad, from where it is held
+  Rows<RowLaw> law;
+  Rows<double> given;    ///< rate by what doesn't respond
+  Rows<double> rate;     ///< at the velocities of the problem
+  Rows<double> change;   ///< along its search direction
+  Rows<double> impulse;  ///< N s or N m s
+  Rows<double> lasting;  ///< of the velocities which bodies keep
+  Rows<std::uint8_t> factored;
+  Rows<std::int8_t> limit, motor_bound;  ///< as Joint has them
+  Vector3 tension;                       ///< N, followed over some substeps
+};
+
+}  // namespace atl::solver

@@ -1,0 +1,63 @@
+#include <solver/constraints/row_law.h>
+
+#include <algorithm>
+#include <limits>
+
+namespace atl::solver {
+namespace {
+
+// m/s or rad/s: the fastest that a coordinate is brought back into its range.
+constexpr double limit_push_speed = 3;
+
+}  // namespace
+
+RowLaw RowLaw::of(const Law& law, double position, double effective_mass, double h, double compliance) {
+  RowLaw row;
+  row.stiffness = effective_mass / compliance;
+  row.locked = law.locked();
+  if (row.locked) return row;
+  // An infinite end stays infinite.
+  row.lower_rate = std::min((law.lower - position) / h, limit_push_speed);
+  row.upper_rate = std::max((law.upper - position) / h, -limit_push_speed);
+  row.motor_speed = law.motor_speed;
+  row.motor_impulse = h * law.motor_force;
+  if (law.spring_hertz > 0) {
+    const double omega = 2 * 3.14159265358979323846 * law.spring_hertz;
+    const double stiffness = effective_mass * omega * omega;
+    const double response = h * stiffness + 2 * effective_mass * law.damping_ratio * omega;
+    row.spring_slope = h * response;
+    row.spring_rate = -stiffness * (position - law.rest) / response;
+  }
+  return row;
+}
+
+double RowLaw::impulse(double rate) const {
+  if (locked) return -stiffness * (rate - lock_rate);
+  double sum = -spring_slope * (rate - spring_rate);
+  if (rate < lower_rate) sum += stiffness * (lower_rate - rate);
+  if (rate > upper_rate) sum -= stiffness * (rate - upper_rate);
+  if (motor_impulse > 0) sum += std::clamp(-stiffness * (rate - motor_speed), -motor_impulse, motor_impulse);
+  return sum;
+}
+
+int RowLaw::motor_bound(double rate) const {
+  if (!(motor_impulse > 0)) return 0;
+  const double wanted = -stiffness * (rate - motor_speed);
+  return wanted > motor_impulse ? 1 : wanted < -motor_impulse ? -1 : 0;
+}
+
+double RowLaw::slope(double rate) const {
+  if (locked) return stiffness;
+  double sum = spring_slope;
+  if (limit(rate) != 0) sum += stiffness;
+  if (motor_impulse > 0 && motor_bound(rate) == 0) sum += stiffness;
+  return sum;
+}
+
+std::uint8_t RowLaw::pieces(double rate) const {
+  if (locked) return 0;
+  const bool moves = motor_impulse > 0 && motor_bound(rate) == 0;
+  return static_cast<std::uint8_t>((limit(rate) != 0 ? 1 : 0) | (moves ? 2 : 0));
+}
+
+}  // namespace atl::solver
