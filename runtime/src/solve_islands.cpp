@@ -92,7 +92,7 @@ void World::Impl::solve_groups() {
   const solver::SolveInput plain = input_with(how);
   const solver::SolveInput fine = input_with(how_finer);
   const auto input_of = [&](const solver::IslandGroup& group) -> const solver::SolveInput& {
-    return mode_of(group) == SolveMode::Sweep ? plain : fine;
+    return mode_of(group) == SolveMode::Finer ? fine : plain;
   };
 
   group_reports_.assign(groups_.size(), {});

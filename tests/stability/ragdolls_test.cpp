@@ -18,22 +18,28 @@ TEST_P(RagdollsTest, HoldTogetherAndComeToRest) {
   constexpr double degree = std::numbers::pi / 180;
   constexpr int dolls = 20, parts = 13;
   const bool direct = GetParam() == JointSolver::Direct;
-  JoinedRun run("ragdolls:count=20", GetParam());
-  double gap = 0, excess = 0, gap_at_end = 0, excess_at_end = 0;
-  std::int64_t asleep = 0;
-  for (int step = 0; step < run.scene.steps; ++step) {
-    const StepReport report = run.world.step(run.scene.dt);
-    ASSERT_EQ(report.first_non_finite_body, -1) << step;
-    asleep = report.counts.asleep;
-    const JointDriftReport drift = run.drift();
-    gap = std::max(gap, gap_at_end = drift.max);
-    excess = std::max(excess, excess_at_end = drift.angle_excess_max);
+  // Where each heap ends is chance, so gaps of joints that are swept are the mean of several.
+  constexpr std::uint64_t seeds = 4;
+  double mean_gap_at_end = 0;
+  for (std::uint64_t seed = 1; seed <= (direct ? 1 : seeds); ++seed) {
+    JoinedRun run(load_scene("ragdolls:count=20", seed), GetParam());
+    double gap = 0, excess = 0, gap_at_end = 0, excess_at_end = 0;
+    std::int64_t asleep = 0;
+    for (int step = 0; step < run.scene.steps; ++step) {
+      const StepReport report = run.world.step(run.scene.dt);
+      ASSERT_EQ(report.first_non_finite_body, -1) << step;
+      asleep = report.counts.asleep;
+      const JointDriftReport drift = run.drift();
+      gap = std::max(gap, gap_at_end = drift.max);
+      excess = std::max(excess, excess_at_end = drift.angle_excess_max);
+    }
+    EXPECT_LT(gap, direct ? 0.005 : 0.1) << seed;
+    EXPECT_LT(excess, (direct ? 1 : 60) * degree) << seed;
+    EXPECT_LT(excess_at_end, (direct ? 1e-3 : 2) * degree) << seed;
+    EXPECT_EQ(asleep, dolls * parts) << seed;
+    mean_gap_at_end += gap_at_end / (direct ? 1 : seeds);
   }
-  EXPECT_LT(gap, direct ? 0.005 : 0.1);
-  EXPECT_LT(gap_at_end, direct ? 1e-6 : 0.005);
-  EXPECT_LT(excess, (direct ? 1 : 60) * degree);
-  EXPECT_LT(excess_at_end, (direct ? 1e-3 : 2) * degree);
-  EXPECT_EQ(asleep, dolls * parts);
+  EXPECT_LT(mean_gap_at_end, direct ? 1e-6 : 0.004);
 }
 
 INSTANTIATE_TEST_SUITE_P(Solvers, RagdollsTest, testing::Values(JointSolver::Iterative, JointSolver::Direct),

@@ -65,8 +65,9 @@ TEST_P(SteadyState, JointsOfEverySolver) {
   }
 }
 
+// Small ones that break off it may be solved at once, which takes memory for each new order of elimination.
 TEST_P(SteadyState, ALargeIslandInMotion) {
-  World world({.threads = GetParam()});
+  World world({.threads = GetParam(), .settings = {.contact_solver = ContactSolver::Iterative}});
   world.add_body(static_box({0, 0, -0.5}, {20, 20, 0.5}));
   BodyDef piston = box({0, 0, 0.25}, {8, 0.2, 0.2});
   piston.type = BodyType::Kinematic;

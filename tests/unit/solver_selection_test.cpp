@@ -105,14 +105,6 @@ TEST(SolverSelection, JoinedBodiesAreSolvedAtOnceAsSoonAsTheyAreCrushed) {
   EXPECT_EQ(piles.choose(), (std::vector<SolveMode>{SolveMode::Direct, SolveMode::Sweep}));
 }
 
-TEST(SolverSelection, CrushingNeedsOneStepLess) {
-  Piles piles({4});
-  piles.note({{2, true}});
-  EXPECT_EQ(piles.choose(), none);
-  piles.note({{2, true}});
-  EXPECT_EQ(piles.choose(), std::vector<SolveMode>{SolveMode::Direct});
-}
-
 TEST(SolverSelection, WhatCanNotBeSolvedIsTriedAgainLater) {
   Piles piles({4});
   for (int step = 0; step < 10; ++step) piles.note({{2, false}});

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <solver/constraints/load_check.h>
+#include <solver/tuning.h>
 
 namespace atl::solver {
 
@@ -83,7 +83,7 @@ struct SubstepConstants {
       c.slop = static_cast<float>(settings.slop);
     }
     // A net of joints that are swept once a substep rings up from 0.4 / h on.
-    const double joint_limit = 0.3 / h;
+    const double joint_limit = tuning::joint_hertz_limit / h;
     const double joint_hertz =
         settings.joint_hertz > 0 && settings.joint_hertz < joint_limit ? settings.joint_hertz : joint_limit;
     c.joint = Softness::of(joint_hertz, settings.joint_damping_ratio, h);
@@ -110,8 +110,8 @@ struct SubstepConstants {
   /// Hz, of soft contacts in substeps of h seconds.
   static double contact_hertz(const SolverSettings& settings, double h) {
     // A contact much stiffer than the substep can follow would be integrated badly.
-    const double limit = 0.25 / h;
-    const double wanted = settings.contact_hertz > 0 ? settings.contact_hertz : 0.125 / h;
+    const double limit = tuning::contact_hertz_limit / h;
+    const double wanted = settings.contact_hertz > 0 ? settings.contact_hertz : tuning::contact_hertz_share / h;
     return wanted < limit ? wanted : limit;
   }
 
@@ -119,8 +119,7 @@ struct SubstepConstants {
   /// substeps that were asked for.
   static double give_by_impulse(const SolverSettings& settings, double dt) {
     const double h = dt * settings.finer / settings.substeps;
-    const double follows = load_hertz_by_step / dt;
-    double hertz = follows < load_hertz ? follows : load_hertz;
+    double hertz = tuning::contact_hertz_share * tuning::usual_substeps / dt;
     if (settings.contact_hertz > 0 && settings.contact_hertz < hertz) hertz = settings.contact_hertz;
     const double omega = 2 * 3.14159265358979323846 * hertz;
     return 1 / (h * omega * omega);

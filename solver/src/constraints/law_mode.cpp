@@ -1,12 +1,10 @@
 #include <solver/constraints/law_mode.h>
+#include <solver/tuning.h>
 
 #include <algorithm>
 
 namespace atl::solver {
 namespace {
-
-// m/s or rad/s: the fastest that a coordinate is brought back into its range.
-constexpr double limit_push_speed = 3;
 
 // Of a motor's bound and of rates, so that rounding doesn't change the piece.
 constexpr double margin = 1e-9;
@@ -27,8 +25,8 @@ void LawMode::begin(const Law& law, double position, double effective_mass, doub
     target_ = compliance_ = given_ = 0;
     return;
   }
-  lower_rate_ = std::min((law.lower - position) / h, limit_push_speed);
-  upper_rate_ = std::max((law.upper - position) / h, -limit_push_speed);
+  lower_rate_ = std::min((law.lower - position) / h, tuning::closing_speed);
+  upper_rate_ = std::max((law.upper - position) / h, -tuning::closing_speed);
   spring_ = law.spring_hertz > 0;
   if (spring_) {
     const double omega = 2 * 3.14159265358979323846 * law.spring_hertz;
@@ -82,11 +80,10 @@ void LawMode::go_to(Piece piece, const Law& law) {
 }
 
 bool LawMode::catch_at_end(const Law& law, double position) {
-  constexpr double beyond = 1e-4;  // m or rad
   if (is_locked()) return false;
-  const Piece end = position < law.lower - beyond   ? Piece::Lower
-                    : position > law.upper + beyond ? Piece::Upper
-                                                    : piece_;
+  const Piece end = position < law.lower - tuning::open_gap   ? Piece::Lower
+                    : position > law.upper + tuning::open_gap ? Piece::Upper
+                                                              : piece_;
   if (end == piece_) return false;
   go_to(end, law);
   return true;

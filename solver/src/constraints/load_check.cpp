@@ -1,6 +1,6 @@
 #include <solver/constraints/load_check.h>
-#include <solver/direct/direct_island.h>
 #include <solver/islands/islands.h>
+#include <solver/tuning.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,8 +11,6 @@
 namespace atl::solver {
 namespace {
 
-constexpr double contacts_of_columns = 1.5;  // a body
-
 struct Size {
   double arm, half_thickness;  // m
 };
@@ -21,7 +19,7 @@ Size size_at(const float (&normal)[3], const float (&anchor)[3], double inverse_
   constexpr double infinite = std::numeric_limits<double>::infinity();
   if (inverse_mass == 0) return {infinite, infinite};
   const Vector3 arm = get3(anchor);
-  return {arm.norm(), std::max(std::abs(get3(normal).dot(arm)), least_thickness * arm.norm())};
+  return {arm.norm(), std::max(std::abs(get3(normal).dot(arm)), tuning::least_thickness * arm.norm())};
 }
 
 }  // namespace
@@ -39,12 +37,12 @@ void note_overload(const LoadedContact& contact, double give, Build build, std::
   const collision::ContactManifold& manifold = contact.manifold;
   const Size first = size_at(manifold.normal, manifold.anchor_first, contact.inverse_first);
   const Size second = size_at(manifold.normal, manifold.anchor_second, contact.inverse_second);
-  const double allowed = build == Build::Columns ? column_give : overload_give;
+  const double allowed = build == Build::Columns ? tuning::column_give : tuning::overload_give;
   if (!(gives > allowed * std::min(first.half_thickness, second.half_thickness))) return;
   const bool first_lighter = contact.inverse_first >= contact.inverse_second;
   const auto [heavy, light] = std::minmax(contact.inverse_first, contact.inverse_second);
-  const bool crushed = build == Build::Joined ? heavy > 0 && light >= crushing_ratio * heavy
-                                              : gives > crushing_give * std::min(first.arm, second.arm);
+  const bool crushed = build == Build::Joined ? heavy > 0 && light >= tuning::crushing_ratio * heavy
+                                              : gives > tuning::crushing_give * std::min(first.arm, second.arm);
   overloads.push_back({first_lighter ? contact.first : contact.second, crushed});
 }
 
@@ -52,7 +50,7 @@ Build build_of(const Islands& islands, std::size_t island) {
   if (islands.joint_count(island) > 0) return Build::Joined;
   const auto bodies = static_cast<double>(islands.body_count(island));
   const auto contacts = static_cast<double>(islands.contact_count(island));
-  const bool columns = bodies <= DirectIsland::most_bodies && contacts <= contacts_of_columns * bodies;
+  const bool columns = bodies <= tuning::most_bodies && contacts <= tuning::contacts_of_columns * bodies;
   return columns ? Build::Columns : Build::Any;
 }
 

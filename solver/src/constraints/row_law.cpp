@@ -1,24 +1,18 @@
 #include <solver/constraints/row_law.h>
+#include <solver/tuning.h>
 
 #include <algorithm>
 #include <limits>
 
 namespace atl::solver {
-namespace {
-
-// m/s or rad/s: the fastest that a coordinate is brought back into its range.
-constexpr double limit_push_speed = 3;
-
-}  // namespace
-
 RowLaw RowLaw::of(const Law& law, double position, double effective_mass, double h, double compliance) {
   RowLaw row;
   row.stiffness = effective_mass / compliance;
   row.locked = law.locked();
   if (row.locked) return row;
   // An infinite end stays infinite.
-  row.lower_rate = std::min((law.lower - position) / h, limit_push_speed);
-  row.upper_rate = std::max((law.upper - position) / h, -limit_push_speed);
+  row.lower_rate = std::min((law.lower - position) / h, tuning::closing_speed);
+  row.upper_rate = std::max((law.upper - position) / h, -tuning::closing_speed);
   row.motor_speed = law.motor_speed;
   row.motor_impulse = h * law.motor_force;
   if (law.spring_hertz > 0) {

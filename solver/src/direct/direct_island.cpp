@@ -2,6 +2,7 @@
 
 #include <solver/constraints/contact_inertia.h>
 #include <solver/direct/direct_island.h>
+#include <solver/tuning.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,18 +13,8 @@
 namespace atl::solver {
 namespace {
 
-// Of an effective mass's inverse, that friction gives: more than contacts do, or Newton's method finds no way over its
-// edges. What is held back by friction alone creeps by 1e-6 g dt.
-constexpr double friction_compliance = 1e-6;
-
-// rad: a body whose moments of inertia differ may not turn by more within what is solved for.
-constexpr double most_tumble = 0.3;
-
 // Of the bound: at it, but for rounding to single precision.
 constexpr double at_bound = 1 - 1e-6;
-
-// m: what a step parts of overlaps has to be more than this, or nothing is done about them.
-constexpr double least_parting = 1e-7;
 
 }  // namespace
 
@@ -43,7 +34,7 @@ bool DirectIsland::analyse(const SolveInput& input, const IslandGroup& group) {
   links_.assign(links.begin(), links.end());
   if (same) return fits_;
   members_.assign(bodies.begin(), bodies.end());
-  if (bodies.size() > most_bodies) return fits_ = false;
+  if (bodies.size() > tuning::most_bodies) return fits_ = false;
   couplings_.clear();
   const auto couple = [&](const auto& pair) {
     const std::uint32_t first = local(input, pair.first);
@@ -131,7 +122,7 @@ bool DirectIsland::load_bodies(const SolveInput& input) {
     const Vector3 spin = table.angular_velocity(body);
     State& state = states_[i];
     state.tumbles = table.gyroscopic[body] != 0;
-    if (state.tumbles && !(solved_time * spin.norm() <= most_tumble)) return false;
+    if (state.tumbles && !(solved_time * spin.norm() <= tuning::most_tumble)) return false;
     DirectBody& of = problem_.bodies[i];
     of.body = body;
     of.mass = 1 / table.inverse_mass[body];
@@ -239,8 +230,8 @@ void DirectIsland::load_contact(const SolveInput& input, const TouchingPair& pai
   };
   const double along = 0.5 * (along_tangent(contact.axes[1]) + along_tangent(contact.axes[2]));
   const double twist = response(contact.axes[0], contact.axes[0]);
-  law.friction_stiffness = 1 / (friction_compliance * along);
-  law.twist_stiffness = twist > 0 ? 1 / (friction_compliance * twist) : 0;
+  law.friction_stiffness = 1 / (tuning::friction_compliance * along);
+  law.twist_stiffness = twist > 0 ? 1 / (tuning::friction_compliance * twist) : 0;
   law.pyramid = input.settings.pyramid;
   law.slip = {0, 0};
   law.rolling_stiffness = 0;
@@ -253,7 +244,7 @@ void DirectIsland::load_contact(const SolveInput& input, const TouchingPair& pai
     contact.torsional = surface.torsional_friction;
     const double rolls =
         0.5 * (response(contact.axes[1], contact.axes[1]) + response(contact.axes[2], contact.axes[2]));
-    if (contact.rolling > 0 && rolls > 0) law.rolling_stiffness = 1 / (friction_compliance * rolls);
+    if (contact.rolling > 0 && rolls > 0) law.rolling_stiffness = 1 / (tuning::friction_compliance * rolls);
   }
   warm_start(input, share, contact);
 }
@@ -320,7 +311,7 @@ void DirectIsland::warm_start(const SolveInput& input, double share, DirectConta
 void DirectIsland::stop_contacts(double dt) {
   for (DirectContact& contact : problem_.contacts) {
     for (int i = 0; i < contact.law.points; ++i) {
-      contact.law.stiffness[i] = contact.mass[i] / IslandProblem::compliance;
+      contact.law.stiffness[i] = contact.mass[i] / tuning::compliance;
       contact.law.bias[i] = std::max(contact.separation[i], 0.0) / dt;
     }
   }
@@ -336,7 +327,7 @@ void DirectIsland::push_contacts_apart(const SolverSettings& settings, double dt
     double held;  // of the mass
   };
   const auto push_from = [&](bool fixed) -> Push {
-    if (!soft) return {SubstepConstants::parting_rate(settings, whole, fixed), 1 / IslandProblem::compliance};
+    if (!soft) return {SubstepConstants::parting_rate(settings, whole, fixed), 1 / tuning::compliance};
     const double hertz = fixed ? 2 * settings.contact_hertz : settings.contact_hertz;
     const Softness spring = Softness::of(hertz, settings.contact_damping_ratio, dt);
     return {spring.bias_rate, static_cast<double>(spring.mass_scale) / spring.impulse_scale};
@@ -348,7 +339,7 @@ void DirectIsland::push_contacts_apart(const SolverSettings& settings, double dt
     for (int i = 0; i < contact.law.points; ++i) {
       const double separation = contact.separation[i];
       const bool apart = separation > 0;
-      contact.law.stiffness[i] = contact.mass[i] * (apart ? 1 / IslandProblem::compliance : push.held);
+      contact.law.stiffness[i] = contact.mass[i] * (apart ? 1 / tuning::compliance : push.held);
       contact.law.bias[i] = apart ? separation / dt : std::max(push.rate * separation, -settings.contact_push_speed);
     }
     if (soft) contact.factored.points = 0xff;
@@ -365,7 +356,7 @@ bool DirectIsland::overlaps_notably(const SolverSettings& settings, double dt) c
     const double rate = contact.fixed() ? from_fixed : from_dynamic;
     for (int i = 0; i < contact.law.points; ++i) {
       const double parts = rate * -contact.separation[i] * dt;
-      if (parts > least_parting || (soft && contact.lasting.normal[i] > 0)) return true;
+      if (parts > tuning::least_parting || (soft && contact.lasting.normal[i] > 0)) return true;
     }
   }
   return false;

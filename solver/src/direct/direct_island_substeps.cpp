@@ -4,6 +4,7 @@
 #include <solver/constraints/arm_stiffness.h>
 #include <solver/direct/direct_island.h>
 #include <solver/integrate/motion.h>
+#include <solver/tuning.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,35 +13,6 @@
 
 namespace atl::solver {
 namespace {
-
-// Of the force in a joint, by which the one that stiffness is made of follows it in a substep: see direct_joints.cpp.
-constexpr double smoothing = 0.2;
-
-// Of a body's inertia: by so much tension may stiffen it before the system is made anew.
-constexpr double notable_stiffness = 0.1;
-
-// m or rad: what was farther apart than this as the substep began was put apart from outside, and is closed by no
-// velocity, or bodies would fly; and how fast, in m/s or rad/s.
-constexpr double torn = 1e-3;
-constexpr double most_closing_speed = 3;
-
-// m or rad: what closes joints moves no body farther than this, or the rows are near where they are singular.
-constexpr double far_at_rest = 0.3;
-
-// m or rad: joints that are closer than this are closed, by so many solves at most.
-constexpr double closed = 1e-10;
-constexpr int most_closings = 3;
-
-// m or rad: what is farther apart after a substep's motion is closed along rows that follow, by so many solves at most.
-constexpr double wide = 1e-4;
-constexpr int most_following = 20;
-constexpr int most_shortenings = 4;
-
-// Of the push speed: what parts overlaps moves no body faster, or wedges would turn light ones at once.
-constexpr double most_push = 2;
-
-// m/s: points of contacts that part or close faster are left to the next substep's solve.
-constexpr double resting_speed = 1e-3;
 
 Quaternion turned(const Vector3& turn, const Quaternion& orientation) {
   const Vector3 half = 0.5 * turn;
@@ -240,7 +212,7 @@ void DirectIsland::note_tears(const SolveInput& input) {
     for (std::size_t r = 0; r < joint.rows; ++r) {
       const bool locked = r < points || of.law[r - points].locked();
       const double place = r < points ? 0 : of.law[r - points].lower;
-      joint.torn[r] = locked && std::abs(joint.position[r] - place) > torn;
+      joint.torn[r] = locked && std::abs(joint.position[r] - place) > tuning::torn;
     }
   }
 }
@@ -252,7 +224,7 @@ void DirectIsland::begin_laws(const SolveInput& input, double h) {
     const std::size_t points = of.point ? 3 : 0;
     for (std::size_t r = 0; r < joint.rows; ++r) {
       const Law& law = r < points ? locked : of.law[r - points];
-      joint.law[r] = RowLaw::of(law, joint.position[r], joint.mass[r], h, IslandProblem::compliance);
+      joint.law[r] = RowLaw::of(law, joint.position[r], joint.mass[r], h, tuning::compliance);
     }
   }
 }
@@ -332,7 +304,7 @@ void DirectIsland::push_gently(double push_speed) {
     };
     most = std::max(most, gained(6 * i).norm() + problem_.bodies[i].radius * gained(6 * i + 3).norm());
   }
-  const double share = std::min(1.0, most_push * push_speed / most);
+  const double share = std::min(1.0, tuning::most_push * push_speed / most);
   for (std::size_t i = 0; i < lasting_.size() && share < 1; ++i) {
     problem_.velocity[i] = lasting_[i] + share * (problem_.velocity[i] - lasting_[i]);
   }
@@ -346,8 +318,8 @@ void DirectIsland::close_joints(const SolveInput& input, double h, double time, 
   note_gaps(input, time);
   double most = widest_noted();
   bool tightens = follow_tension(h);
-  for (int round = 0; round == 0 || (most > wide && round < most_following); ++round) {
-    if (most > wide || tightens) {
+  for (int round = 0; round == 0 || (most > tuning::open_gap && round < tuning::most_closing_steps); ++round) {
+    if (most > tuning::open_gap || tightens) {
       tightens = false;
       place_inertia(input, time, h);
       place_joints(input, time);
@@ -370,10 +342,10 @@ void DirectIsland::close_joints(const SolveInput& input, double h, double time, 
 // By as much of the closing motion as closes anything. Returns how much that was, or 0 if nothing does.
 double DirectIsland::move_closer(const SolveInput& input, double time, double gap_before) {
   const std::vector<State> before = states_;
-  double share = std::min(1.0, far_at_rest / farthest());
-  for (int round = 0; round < most_shortenings; ++round, share *= 0.25) {
+  double share = std::min(1.0, tuning::far_at_rest / farthest());
+  for (int round = 0; round < tuning::most_shortenings; ++round, share *= 0.25) {
     move(share, problem_.direction());
-    if (widest_gap(input, time) <= std::max(gap_before, wide)) return share;
+    if (widest_gap(input, time) <= std::max(gap_before, tuning::open_gap)) return share;
     states_ = before;
   }
   return 0;
@@ -405,9 +377,9 @@ void DirectIsland::close_tears(double h) {
   bool any = false;
   problem_.find_closing_motion([&](const DirectJoint& joint, std::size_t r) {
     any |= joint.torn[r];
-    return joint.torn[r] ? std::clamp(joint.gap[r], -h * most_closing_speed, h * most_closing_speed) : 0;
+    return joint.torn[r] ? std::clamp(joint.gap[r], -h * tuning::closing_speed, h * tuning::closing_speed) : 0;
   });
-  if (any && farthest() <= far_at_rest) move(1, problem_.direction());
+  if (any && farthest() <= tuning::far_at_rest) move(1, problem_.direction());
 }
 
 // Of all rows, at the poses of now.
@@ -453,7 +425,7 @@ bool DirectIsland::project(double h) {
       joint.motor_bound[r] = static_cast<std::int8_t>(before.motor_bound(joint.rate[r]));
       if (!before.holds(joint.rate[r])) continue;
       joint.law[r].locked = true;
-      joint.law[r].stiffness = joint.mass[r] / IslandProblem::compliance;
+      joint.law[r].stiffness = joint.mass[r] / tuning::compliance;
     }
   }
   problem_.free = lasting_;
@@ -466,7 +438,7 @@ bool DirectIsland::project(double h) {
     const Six motion = problem_.motion_of(contact);
     for (int i = 0; i < contact.law.points; ++i) {
       contact.law.bias[i] = 0;
-      const bool rests = std::abs(contact.law.speed(i, motion)) <= resting_speed;
+      const bool rests = std::abs(contact.law.speed(i, motion)) <= tuning::resting_speed;
       if (!rests) contact.answer.pieces.points &= static_cast<std::uint8_t>(~(1 << i));
     }
   }
@@ -482,11 +454,11 @@ bool DirectIsland::follow_tension(double h) {
     Vector3 force = Vector3::Zero();
     for (std::size_t r = 0; r < joint.rows; ++r) force += (joint.lasting[r] / h) * joint.at[r].linear;
     const bool grows = force.squaredNorm() > joint.tension.squaredNorm();
-    const Vector3 change = (grows ? 1 : smoothing) * (force - joint.tension);
+    const Vector3 change = (grows ? 1 : tuning::tension_smoothing) * (force - joint.tension);
     joint.tension += change;
     const auto turns = [&](std::uint32_t body, const Vector3& arm) {
       if (body == no_body) return false;
-      return h * h * change.norm() * arm.norm() > notable_stiffness * problem_.bodies[body].inertia.trace();
+      return h * h * change.norm() * arm.norm() > tuning::notable_stiffness * problem_.bodies[body].inertia.trace();
     };
     tightens |= grows && (turns(joint.first, joint.arm_first) || turns(joint.second, joint.arm_second));
   }
@@ -495,13 +467,13 @@ bool DirectIsland::follow_tension(double h) {
 
 // What a step of Newton's method has left.
 void DirectIsland::settle_joints(const SolveInput& input) {
-  for (int round = 0; round < most_closings; ++round) {
+  for (int round = 0; round < tuning::most_closings; ++round) {
     note_gaps(input, input.dt);
-    if (widest_noted() <= closed) return;
+    if (widest_noted() <= tuning::closed) return;
     problem_.find_closing_motion([](const DirectJoint& joint, std::size_t r) {
       return joint.law[r].locked && !joint.torn[r] ? joint.gap[r] : 0;
     });
-    if (farthest() > far_at_rest) return;
+    if (farthest() > tuning::far_at_rest) return;
     move(1, problem_.direction());
   }
 }

@@ -1,4 +1,5 @@
 #include <solver/direct/direct_joints.h>
+#include <solver/tuning.h>
 
 #include <algorithm>
 #include <cmath>
@@ -8,19 +9,6 @@
 
 namespace atl::solver {
 namespace {
-
-// Rounds of finding out which limits, motors and springs hold, in one substep. What is not found then is in the next.
-constexpr int rounds = 12;
-
-// Of the force in a joint, by which the one that stiffness is made of follows it in a substep: what light links pull is
-// noise from substep to substep. A chain of 100 links with 100,000 times the mass at its end opened by 24 mm with 1,
-// and by a nanometre with 0.2.
-constexpr double smoothing = 0.2;
-
-// m or rad: what closes joints moves no body farther than this, or the rows are near where they are singular. The tip
-// of a whip gets far within a substep; what is closed without velocity has come apart by little.
-constexpr double far_in_motion = 2;
-constexpr double far_at_rest = 0.3;
 
 // A turn by the vector `turn`, of a small angle, after an orientation.
 Quaternion turned(const Vector3& turn, const Quaternion& orientation) {
@@ -184,7 +172,7 @@ void DirectJoints::begin_substep() {
 
 void DirectJoints::solve_velocities(const DirectInput& input) {
   load_velocities(input.bodies);
-  for (int round = 0; round < rounds; ++round) {
+  for (int round = 0; round < tuning::mode_rounds; ++round) {
     for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
       const Node& node = nodes_[i];
       for (std::uint32_t r = node.begin; r < node.end; ++r) {
@@ -208,7 +196,7 @@ void DirectJoints::solve_velocities(const DirectInput& input) {
     }
     solve_and_apply();
     // The system must be that of the pieces the rows are on.
-    if (rows_.empty() || round + 1 == rounds || !update_laws(input.joints)) break;
+    if (rows_.empty() || round + 1 == tuning::mode_rounds || !update_laws(input.joints)) break;
     factor();
   }
   store_velocities(input.bodies);
@@ -223,14 +211,14 @@ void DirectJoints::solve_positions(const DirectInput& input) {
   }
   const bool torn = torn_ = set_tears_aside(input.joints, input.h);
   solve_and_apply();
-  if (moves_far(input.h, far_in_motion)) take_back();
+  if (moves_far(input.h, tuning::far_in_motion)) take_back();
   move_members(input);
   store_velocities(input.bodies);
   if (!torn) return;
   load_velocities(input.bodies);
   b_.swap(tears_);
   solve_and_apply();
-  if (!moves_far(input.h, far_at_rest)) move_members(input);
+  if (!moves_far(input.h, tuning::far_at_rest)) move_members(input);
 }
 
 // Holds what an impact has pushed beyond its range. Whether there is such a row.
@@ -282,9 +270,6 @@ JointFrames DirectJoints::frames_of(const Joint& joint, const Node& node) const 
 // no velocity: bodies would fly. Takes it out of b_, and leaves in tears_ the rates that close it. Whether there is
 // any.
 bool DirectJoints::set_tears_aside(const Joint* joints, double h) {
-  constexpr double least = 1e-3;         // m or rad
-  constexpr double least_beyond = 0.05;  // of a range: there impacts may leave them
-  constexpr double most_speed = 3;       // m/s or rad/s
   bool torn = false;
   for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
     const Node& node = nodes_[i];
@@ -293,10 +278,10 @@ bool DirectJoints::set_tears_aside(const Joint* joints, double h) {
       if (!torn) tears_.assign(b_.size(), 0.0);
       torn = true;
       b_[at] -= apart / h;
-      tears_[at] = std::clamp(apart / h, -most_speed, most_speed);
+      tears_[at] = std::clamp(apart / h, -tuning::closing_speed, tuning::closing_speed);
     };
     if (node.point) {
-      const bool apart = node.offset.squaredNorm() > least * least;
+      const bool apart = node.offset.squaredNorm() > tuning::torn * tuning::torn;
       for (int k = 0; k < 3; ++k, ++at) {
         if (apart) set_aside(-node.offset[k]);
       }
@@ -307,7 +292,7 @@ bool DirectJoints::set_tears_aside(const Joint* joints, double h) {
       const double apart = bound(row, joints[node.joint].law[r - node.begin]) - row.position;
       // To an end that it is still on its way to it goes as fast as it goes.
       const bool beyond = row.mode.is_locked() || (row.mode.limit() < 0 ? apart > 0 : apart < 0);
-      if (beyond && std::abs(apart) > (row.mode.is_locked() ? least : least_beyond)) set_aside(apart);
+      if (beyond && std::abs(apart) > tuning::torn) set_aside(apart);
     }
   }
   return torn;
@@ -367,7 +352,7 @@ void DirectJoints::relax(const DirectInput& input) {
       force += over_h * row.impulse * row.at.linear;
       row.position += input.h * row_speed(node, row);
     }
-    node.tension += smoothing * (force - node.tension);
+    node.tension += tuning::tension_smoothing * (force - node.tension);
   }
   prepare(input);
   close_gaps(input);
@@ -377,8 +362,7 @@ void DirectJoints::relax(const DirectInput& input) {
 // One round of Newton's method is all that positions get where bodies turn by little in a substep. After an impact it
 // takes more, at rows that are true there.
 void DirectJoints::close_gaps(const DirectInput& input) {
-  constexpr double tolerance = 1e-4;  // m or rad
-  for (int round = 1; round < rounds && !torn_; ++round) {
+  for (int round = 1; round < tuning::mode_rounds && !torn_; ++round) {
     load_no_velocities();
     bool closed = !catch_limits_here(input.joints);
     if (!closed) factor();
@@ -386,20 +370,20 @@ void DirectJoints::close_gaps(const DirectInput& input) {
       const Node& node = nodes_[i];
       double* b = &b_[system_.row(i)];
       if (node.point) {
-        closed &= node.offset.squaredNorm() <= tolerance * tolerance;
+        closed &= node.offset.squaredNorm() <= tuning::open_gap * tuning::open_gap;
         b = put_negative(node.offset / input.h, b);
       }
       for (std::uint32_t r = node.begin; r < node.end; ++r, ++b) {
         const Row& row = rows_[r];
         const double apart =
             row.mode.holds() ? bound(row, input.joints[node.joint].law[r - node.begin]) - row.position : 0;
-        closed &= std::abs(apart) <= tolerance;
+        closed &= std::abs(apart) <= tuning::open_gap;
         *b = apart / input.h;
       }
     }
     if (closed) return;
     solve_and_apply();
-    if (moves_far(input.h, far_at_rest)) return;
+    if (moves_far(input.h, tuning::far_at_rest)) return;
     move_members(input);
     prepare(input);
   }
@@ -440,7 +424,6 @@ void DirectJoints::end_step(const DirectInput& input) {
 }
 
 void DirectJoints::settle(const DirectInput& input, BodyTable& table, double dt, FastBodies& fast) {
-  constexpr double tolerance = 1e-7;  // m or rad: displacements are known no better
   for (Member& member : members_) {
     member.position = table.position(member.body);
     member.turn = table.orientation(member.body);
@@ -449,10 +432,10 @@ void DirectJoints::settle(const DirectInput& input, BodyTable& table, double dt,
   for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
     measure(input.joints[nodes_[i].joint], nodes_[i], &b_[system_.row(i)], 1);
   }
-  bool holds = std::all_of(b_.begin(), b_.end(), [](double b) { return std::abs(b) <= tolerance; });
+  bool holds = std::all_of(b_.begin(), b_.end(), [](double b) { return std::abs(b) <= tuning::settled_gap; });
   if (!holds) {
     solve_and_apply();
-    holds = moves_far(1, far_at_rest);
+    holds = moves_far(1, tuning::far_at_rest);
   }
   for (const Member& member : members_) {
     if (!member.dynamic) continue;

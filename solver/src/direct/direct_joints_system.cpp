@@ -2,6 +2,7 @@
 
 #include <solver/constraints/arm_stiffness.h>
 #include <solver/direct/direct_joints.h>
+#include <solver/tuning.h>
 
 #include <algorithm>
 
@@ -10,13 +11,6 @@
 
 namespace atl::solver {
 namespace {
-
-// Loops fill the factor in; where they do by more than this it is cheaper to solve joint by joint.
-constexpr std::size_t factor_blocks_per_joint = 6;
-
-// Of the diagonal, so that joints that ask for the same twice (two hinges of one door) share it.
-constexpr double redundancy = 1e-10;
-constexpr double redundancy_of_loops = 1e-6;
 
 Matrix3 cross_matrix(const Vector3& v) {
   Matrix3 m;
@@ -74,7 +68,7 @@ bool DirectJoints::analyse(std::span<const JointLink> links, std::span<const Joi
   }
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
   for (const Coupling& coupling : couplings_) pairs.emplace_back(coupling.row, coupling.column);
-  if (!system_.analyse(sizes, pairs, factor_blocks_per_joint * nodes_.size())) return false;
+  if (!system_.analyse(sizes, pairs, tuning::factor_blocks_per_joint * nodes_.size())) return false;
   for (std::uint32_t i = 0; i < nodes_.size(); ++i) nodes_[i].block = system_.block_index(i, i);
   for (Coupling& coupling : couplings_) {
     coupling.block = system_.block_index(coupling.row, coupling.column);
@@ -85,8 +79,8 @@ bool DirectJoints::analyse(std::span<const JointLink> links, std::span<const Joi
   assigns_all_ = rows_.empty() && system_.factor_blocks() == couplings_.size();
   const auto count = std::count_if(members_.begin(), members_.end(), [](const Member& m) { return m.dynamic; });
   const bool anchored = static_cast<std::size_t>(count) < members_.size();
-  redundancy_ =
-      nodes_.size() > static_cast<std::size_t>(anchored ? count : count - 1) ? redundancy_of_loops : redundancy;
+  redundancy_ = nodes_.size() > static_cast<std::size_t>(anchored ? count : count - 1) ? tuning::redundancy_of_loops
+                                                                                       : tuning::redundancy;
   return true;
 }
 

@@ -1,36 +1,17 @@
 #include <solver/direct/island_problem.h>
+#include <solver/tuning.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 namespace atl::solver {
-namespace {
-
-// Newton's method takes 0 to 4 iterations at rest. Where it would take more, points come and go one by one, and the
-// interior point method gets there in 10 to 25.
-constexpr int most_iterations = 6;
-// With joints it takes more, as where a heavy box lands on a chain of light planks, and gets there: 6 to 30 of these.
-constexpr int most_iterations_of_joints = 100;
-
-// How often friction's bound is then brought up to the load that it went with.
-constexpr int friction_rounds = 8;
-
-// m/s: what friction makes of velocities may be off by so much, as its bound is not that of the load.
-constexpr double friction_tolerance = 1e-3;
-
-// Of what would stop all bodies of the island at once and hold their weights: a contact that pushes harder is wedged
-// between others so that nothing tells how hard.
-constexpr double most_impulse = 10;
-
-}  // namespace
-
 void IslandProblem::resize(std::size_t body_count) {
   bodies.resize(body_count);
   for (auto* numbers : {&velocity, &free, &gradient_, &direction_, &product_}) numbers->resize(6 * body_count);
 }
 
-bool IslandProblem::solve() { return solve_on_last_pieces() && minimise(following) && settle_friction(); }
+bool IslandProblem::solve() { return solve_on_last_pieces() && minimise(tuning::following) && settle_friction(); }
 
 bool IslandProblem::solve_by_interior() { return follow_interior() && settle_friction(); }
 
@@ -40,8 +21,8 @@ bool IslandProblem::settle_friction() {
   double before = std::numeric_limits<double>::infinity();
   for (int round = 0;; ++round) {
     const double off = friction_off();
-    if (off <= friction_tolerance) return true;
-    if (round == friction_rounds) return !joints.empty();
+    if (off <= tuning::friction_tolerance) return true;
+    if (round == tuning::friction_rounds) return !joints.empty();
     const double share = off < 0.5 * before ? 1 : 0.5;
     before = off;
     for (DirectContact& contact : contacts) {
@@ -93,7 +74,7 @@ bool IslandProblem::is_bounded(double from_outside) const {
     if (contact.second != no_body) all += bodies[contact.second].mass * moved;
   }
   return std::all_of(contacts.begin(), contacts.end(),
-                     [&](const DirectContact& contact) { return contact.answer.load() <= most_impulse * all; });
+                     [&](const DirectContact& contact) { return contact.answer.load() <= tuning::most_impulse * all; });
 }
 
 // The velocities if all contacts stay on the pieces that they are on.
@@ -112,8 +93,9 @@ bool IslandProblem::minimise(int follows) {
   for (int iteration = 0;; ++iteration) {
     balance([](const DirectContact& contact) { return contact.law.answer(contact.motion); });
     const double residual = unbalanced();
-    if (residual <= tolerance) return true;
-    if (iteration == (joints.empty() ? most_iterations : most_iterations_of_joints) || !std::isfinite(residual))
+    if (residual <= tuning::balance_tolerance) return true;
+    if (iteration == (joints.empty() ? tuning::most_iterations : tuning::most_iterations_of_joints) ||
+        !std::isfinite(residual))
       return false;
     ++iterations_;
     if (!is_factored() && !factor()) return false;

@@ -6,36 +6,22 @@
 // stiffness, bound by what the points push at the time.
 
 #include <solver/direct/island_problem.h>
+#include <solver/tuning.h>
 
 #include <algorithm>
 #include <cmath>
 
 namespace atl::solver {
-namespace {
-
-constexpr int most_steps = 40;
-
-// (m/s)^2, of p s over a point's effective mass, where the end is near enough.
-constexpr double near_end = 1e-9;
-
-// m/s, at which gaps start, and the speeds that impulses there take from the effective masses.
-constexpr double start_speed = 1;
-
-// Of the way to where an impulse or a gap is zero.
-constexpr double most_of_way = 0.99;
-
-}  // namespace
-
 bool IslandProblem::follow_interior() {
   start_interior();
-  for (int step = 0; step < most_steps; ++step) {
+  for (int step = 0; step < tuning::most_interior_steps; ++step) {
     const double mean = note_interior();
     const double residual = unbalanced();
-    if (mean <= near_end) {
-      if (residual <= tolerance) return true;
+    if (mean <= tuning::near_end) {
+      if (residual <= tuning::balance_tolerance) return true;
       // Friction lags behind, but it is known which points push.
       take_pieces();
-      return solve_on_last_pieces() && minimise(following);
+      return solve_on_last_pieces() && minimise(tuning::following);
     }
     if (!std::isfinite(mean + residual)) return false;
     ++iterations_;
@@ -54,8 +40,8 @@ void IslandProblem::start_interior() {
     DirectContact::Interior& in = contact.interior;
     for (int i = 0; i < contact.law.points; ++i) {
       const double parts = contact.law.speed(i, contact.motion) + contact.law.bias[i];
-      in.gap[i] = std::max(parts, start_speed);
-      in.impulse[i] = contact.mass[i] * std::max(-parts, start_speed);
+      in.gap[i] = std::max(parts, tuning::start_speed);
+      in.impulse[i] = contact.mass[i] * std::max(-parts, tuning::start_speed);
     }
   }
 }
@@ -135,8 +121,8 @@ double IslandProblem::interior_step(double target, bool corrected) {
       const double parts = contact.law.speed(i, contact.change) + in.missing[i];
       in.impulse_step[i] = (wanted(contact, i) - in.impulse[i] * parts) / slack(contact, i);
       in.gap_step[i] = parts + in.impulse_step[i] / contact.law.stiffness[i];
-      if (in.impulse_step[i] < 0) reach = std::min(reach, -most_of_way * in.impulse[i] / in.impulse_step[i]);
-      if (in.gap_step[i] < 0) reach = std::min(reach, -most_of_way * in.gap[i] / in.gap_step[i]);
+      if (in.impulse_step[i] < 0) reach = std::min(reach, -tuning::most_of_way * in.impulse[i] / in.impulse_step[i]);
+      if (in.gap_step[i] < 0) reach = std::min(reach, -tuning::most_of_way * in.gap[i] / in.gap_step[i]);
     }
   }
   return reach;

@@ -1,6 +1,7 @@
 // The matrix of an island's direct solve, and what velocities make of contacts and joints.
 
 #include <solver/direct/island_problem.h>
+#include <solver/tuning.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,9 +11,6 @@
 namespace atl::solver {
 namespace {
 
-// Columns have one block of the factor a body, walls 5 to 10.
-constexpr std::size_t factor_blocks_per_body = 12;
-
 // Where in a Six what is along and about an axis is.
 constexpr int along(int axis) { return axis == 0 ? 0 : 2 + axis; }
 constexpr int about(int axis) { return axis == 0 ? 5 : axis; }
@@ -21,7 +19,7 @@ constexpr int about(int axis) { return axis == 0 ? 5 : axis; }
 
 bool IslandProblem::analyse(std::size_t body_count, std::span<const std::pair<std::uint32_t, std::uint32_t>> pairs) {
   const std::vector<std::uint8_t> sizes(body_count, 6);
-  return system_.analyse(sizes, pairs, factor_blocks_per_body * body_count);
+  return system_.analyse(sizes, pairs, tuning::factor_blocks_per_body * body_count);
 }
 
 void DirectContact::add_motion(double sign, const Vector3& arm, const Vector3& v, const Vector3& w, Six& to) const {

@@ -1,4 +1,5 @@
 #include <solver/select/joint_selection.h>
+#include <solver/tuning.h>
 
 #include <algorithm>
 #include <utility>
@@ -6,9 +7,6 @@
 
 namespace atl::solver {
 namespace {
-
-// The longest way through joints that joints solved one by one hold well.
-constexpr std::size_t long_chain = 12;
 
 // Bodies joined to each body, of a component.
 class Neighbours {
@@ -61,11 +59,11 @@ bool asks_for_direct(std::span<const JointLink> links, const BodyTable& bodies) 
   for (const JointLink& link : links) {
     const double a = bodies.inverse_mass[link.first], b = bodies.inverse_mass[link.second];
     if (a == 0 || b == 0) return true;
-    if (std::max(a, b) > light_ratio * std::min(a, b)) return true;
+    if (std::max(a, b) > tuning::light_ratio * std::min(a, b)) return true;
   }
-  if (links.size() <= long_chain) return false;
+  if (links.size() <= tuning::long_chain) return false;
   const Neighbours neighbours(links, bodies);
-  return neighbours.farthest(neighbours.farthest(0).first).second > long_chain;
+  return neighbours.farthest(neighbours.farthest(0).first).second > tuning::long_chain;
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 #include <solver/select/load_estimate.h>
+#include <solver/tuning.h>
 
 #include <algorithm>
 #include <cmath>
@@ -8,13 +9,6 @@
 #include "integrate/rows3.h"
 
 namespace atl::solver {
-namespace {
-
-// Of the normal against up: what leans farther out holds nothing up.
-constexpr double least_slope = 0.3;
-
-}  // namespace
-
 void LoadEstimate::add_overloads(const LoadInput& input, std::size_t island, std::vector<Overload>& overloads) {
   const double g = input.gravity.norm();
   if (!(g > 0)) return;
@@ -42,7 +36,7 @@ void LoadEstimate::add_overloads(const LoadInput& input, std::size_t island, std
     const bool second_above = slope > 0;
     const std::uint32_t upper = second_above ? pair.second : pair.first;
     const std::uint32_t lower = second_above ? pair.first : pair.second;
-    if (!(std::abs(slope) >= least_slope) || place(upper) == Islands::none) continue;
+    if (!(std::abs(slope) >= tuning::least_slope) || place(upper) == Islands::none) continue;
     supports_.push_back({.above = place(upper),
                          .below = place(lower),
                          .along = std::abs(slope),

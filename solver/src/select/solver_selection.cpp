@@ -1,23 +1,13 @@
 #include <solver/direct/direct_island.h>
 #include <solver/select/joint_selection.h>
 #include <solver/select/solver_selection.h>
+#include <solver/tuning.h>
 
 #include <algorithm>
 #include <iterator>
 
 namespace atl::solver {
 namespace {
-
-// s, under overload after which something is done: three steps of 1/60 s, or two. What is done lasts as long as any of
-// it is left; overload wears off in the time that it took, or in the last of these.
-constexpr float lasting = 0.04f;
-constexpr float lasting_crush = 0.025f;
-constexpr float most = 0.5f;
-
-// Finer substeps are for what is built to stand and sags of its own weight, in so large a part. A few small stones
-// under large ones are not worth them, nor is a heap that has found its rest on soft contacts: to stiffen them stirs
-// it.
-constexpr double part_of_island = 0.25;
 
 // What is solved at once is so without locks.
 bool has_locks(const LoadInput& input, std::size_t island) {
@@ -34,16 +24,12 @@ void order(std::vector<Overload>& overloads) {
   overloads.erase(std::unique(overloads.begin(), overloads.end(), same), overloads.end());
 }
 
-// s, the longest substep of what sags, and of what is joined and crushed: a wall of 100 layers sinks by 165 mm with
-// twice the first, and by 41 with it.
-constexpr double finer_substep = 1.0 / 960;
-
 }  // namespace
 
 int finer_by(const SolverSettings& settings, double dt) {
   constexpr double rounding = 1 + 1e-9;
   int times = 1;
-  while (dt / (settings.substeps * times) > rounding * finer_substep) times *= 2;
+  while (dt / (settings.substeps * times) > rounding * tuning::finer_substep) times *= 2;
   return times;
 }
 
@@ -76,9 +62,9 @@ void SolverSelection::estimate_arrived(const LoadInput& input) {
     estimate_.add_overloads(input, island, estimated_);
     order(estimated_);
     const auto bodies = static_cast<double>(input.islands.body_count(island));
-    const bool sags = static_cast<double>(estimated_.size()) >= part_of_island * bodies;
+    const bool sags = static_cast<double>(estimated_.size()) >= tuning::part_of_island * bodies;
     for (const Overload& overload : estimated_) {
-      strain_[overload.body] = {most, overload.crushed ? most : 0, sags};
+      strain_[overload.body] = {tuning::most_strain, overload.crushed ? tuning::most_strain : 0, sags};
       strained_.push_back(overload.body);
     }
   }
@@ -95,9 +81,9 @@ std::span<const SolveMode> SolverSelection::choose(const LoadInput& input) {
   for (const std::uint32_t body : strained_) {
     const std::uint32_t island = islands.island_of(body);
     if (island == Islands::none) continue;
-    symptoms_[island].lasts |= strain_[body].overloaded > lasting;
+    symptoms_[island].lasts |= strain_[body].overloaded > tuning::lasting;
     // What is joined leaps at once.
-    const float lasts = islands.joint_count(island) > 0 ? 0 : lasting_crush;
+    const float lasts = islands.joint_count(island) > 0 ? 0 : tuning::lasting;
     symptoms_[island].crushes |= strain_[body].crushed > lasts;
     symptoms_[island].sags |= strain_[body].sags;
   }
@@ -107,7 +93,7 @@ std::span<const SolveMode> SolverSelection::choose(const LoadInput& input) {
   for (std::size_t island = 0; island < islands.count(); ++island) {
     const Symptoms& has = symptoms_[island];
     if (!(has.lasts || has.crushes) || modes_[island] != SolveMode::Sweep) continue;
-    const bool small = islands.body_count(island) <= DirectIsland::most_bodies;
+    const bool small = islands.body_count(island) <= tuning::most_bodies;
     const Build build = build_of(islands, island);
     if (build == Build::Columns || (has.crushes && small)) {
       modes_[island] = has_locks(input, island) ? SolveMode::Finer : SolveMode::Direct;
@@ -129,7 +115,7 @@ void SolverSelection::find_pressed(const LoadInput& input) {
   const Islands& islands = input.islands;
   for (std::size_t island = 0; island < islands.count(); ++island) {
     if (islands.joint_count(island) == 0 || islands.contact_count(island) == 0) continue;
-    if (islands.body_count(island) > DirectIsland::most_bodies || !is_pressed(input, island)) continue;
+    if (islands.body_count(island) > tuning::most_bodies || !is_pressed(input, island)) continue;
     pressed_.push_back(island);
   }
 }
@@ -157,7 +143,7 @@ bool SolverSelection::is_pressed(const LoadInput& input, std::size_t island) {
     }
   }
   const auto carries = [&](std::uint32_t body, std::uint32_t other) {
-    const bool light = input.bodies.inverse_mass[body] > light_ratio * input.bodies.inverse_mass[other];
+    const bool light = input.bodies.inverse_mass[body] > tuning::light_ratio * input.bodies.inverse_mass[other];
     return light && on_system_[islands.rank(body) - first_rank] != 0;
   };
   const std::span<const TouchingPair> contacts = islands.contacts(island, island + 1);
@@ -173,7 +159,7 @@ std::span<const SolveMode> SolverSelection::choose_direct(const LoadInput& input
   symptoms_.assign(islands.count(), {});
   modes_.assign(islands.count(), SolveMode::Sweep);
   for (std::size_t island = 0; island < islands.count(); ++island) {
-    const bool can = islands.contact_count(island) > 0 && islands.body_count(island) <= DirectIsland::most_bodies &&
+    const bool can = islands.contact_count(island) > 0 && islands.body_count(island) <= tuning::most_bodies &&
                      !has_locks(input, island);
     if (can) modes_[island] = SolveMode::Direct;
   }
@@ -195,7 +181,7 @@ void SolverSelection::note(std::vector<Overload>& overloads, std::span<const std
   of_overloads_.clear();
   for (const Overload& overload : overloads) {
     of_overloads_.push_back(overload.body);
-    const auto grow = [step](float& strain) { strain = std::min(most, strain + step) + step; };
+    const auto grow = [step](float& strain) { strain = std::min(tuning::most_strain, strain + step) + step; };
     grow(strain_[overload.body].overloaded);
     if (overload.crushed) grow(strain_[overload.body].crushed);
   }

@@ -10,6 +10,7 @@
 
 #include <jobs/with_surfaces.h>
 #include <solver/constraints/load_check.h>
+#include <solver/tuning.h>
 
 #include "sweep/contact_lanes-inl.h"
 
@@ -54,9 +55,6 @@ inline void warm_start(const ContactKernelData& data, std::size_t begin, std::si
   warm_start_by<Movers::Locked>(data, begin, end);
 }
 
-// Over the points of each contact: with one, a face that hits flat would leave spinning.
-constexpr std::size_t restitution_sweeps = 16;
-
 template <Movers movers>
 void restitute_by(const ContactKernelData& data, std::size_t begin, std::size_t end) {
   const V threshold = splat(-data.constants.restitution_threshold);
@@ -69,7 +67,7 @@ void restitute_by(const ContactKernelData& data, std::size_t begin, std::size_t 
       ContactLanes<movers> c = load_contacts<movers>(data, block, lane);
       const V restitution = load(bounce.restitution + lane);
       NormalSolve solve(c);
-      for (std::size_t n = 0; n < restitution_sweeps * points; ++n) {
+      for (std::size_t n = 0; n < tuning::restitution_rounds * points; ++n) {
         const std::size_t i = n % points;
         const V x = load(block.x[i] + lane);
         const V y = load(block.y[i] + lane);
@@ -106,8 +104,8 @@ HWY_INLINE unsigned loaded_lanes(const ContactKernelData& data, const ContactBlo
       hn::IfThenElse(hn::Or(first_fixed, second_fixed), splat(data.constants.give_fixed), splat(data.constants.give));
   const V give = hn::Mul(hn::Mul(normal_impulse, hn::Add(first, second)), scale);
   const V3 normal = load3(block.normal, lane);
-  constexpr auto least_square = static_cast<float>(least_thickness * least_thickness);
-  constexpr auto give_square = static_cast<float>(column_give * column_give);
+  constexpr auto least_square = static_cast<float>(tuning::least_thickness * tuning::least_thickness);
+  constexpr auto give_square = static_cast<float>(tuning::column_give * tuning::column_give);
   const auto square_of_half_thickness = [&](const V3& arm, const M& fixed) {
     const V along = dot(normal, arm);
     const V square = hn::Max(hn::Mul(along, along), hn::Mul(splat(least_square), dot(arm, arm)));

@@ -9,6 +9,7 @@
 
 #include <jobs/with_restitution.h>
 #include <jobs/with_surfaces.h>
+#include <solver/tuning.h>
 
 #include "sweep/contact_lanes-inl.h"
 
@@ -216,7 +217,7 @@ HWY_INLINE void solve_friction(ContactBlock& block, SurfaceBlock* surface, [[may
 template <typename how, typename what>
 HWY_INLINE void solve_points(const ContactKernelData& data, ContactBlock& block, float (*impulses)[block_lanes],
                              std::size_t lane, [[maybe_unused]] const ContactLanes<what::movers>& c, NormalSolve& solve,
-                             Residual& residual) {
+                             Residual& residual, bool backwards) {
   const SubstepConstants& constants = data.constants;
   const V inverse_h = splat(constants.inverse_h);
   const auto soft = [&](float of_fixed, float of_dynamic) {
@@ -231,7 +232,8 @@ HWY_INLINE void solve_points(const ContactKernelData& data, ContactBlock& block,
   const V soft_mass = soft(with_fixed.mass_scale, with_dynamic.mass_scale);
   const V soft_impulse = soft(with_fixed.impulse_scale, with_dynamic.impulse_scale);
 
-  for (std::size_t i = 0; i < what::points; ++i) {
+  for (std::size_t n = 0; n < what::points; ++n) {
+    const std::size_t i = backwards ? what::points - 1 - n : n;
     const V x = load(block.x[i] + lane);
     const V y = load(block.y[i] + lane);
     const V old_impulse = load(impulses[i] + lane);
@@ -263,23 +265,18 @@ HWY_INLINE void solve_points(const ContactKernelData& data, ContactBlock& block,
   }
 }
 
-// One round leaves a body that lands flat turning, and it jumps sideways. A contact that closes faster than this at its
-// centre gets this many more: a box of 1 m dropped flat from 3 m then slides by 0.05 mm instead of 15, from 10 m by 4
-// mm instead of 150.
-constexpr float landing_speed = 0.5f;  // m/s
-constexpr int landing_rounds = 7;
-
 // For the lanes that land, and for them alone: whether others of their block do must not show.
 template <typename how, typename what>
 HWY_NOINLINE void share_impact(const ContactKernelData& data, ContactBlock& block, float (*impulses)[block_lanes],
-                               std::size_t lane, const M& lands, ContactLanes<what::movers>& c, Residual& residual) {
+                               std::size_t lane, const M& lands, ContactLanes<what::movers>& c, Residual& residual,
+                               bool backwards) {
   V before[what::points];
   for (std::size_t i = 0; i < what::points; ++i) before[i] = load(impulses[i] + lane);
   ContactLanes<what::movers> landed = c;
   Residual of_landed = residual;
   NormalSolve solve(landed);
-  for (int round = 0; round < landing_rounds; ++round) {
-    solve_points<how, what>(data, block, impulses, lane, landed, solve, of_landed);
+  for (int round = 0; round < tuning::landing_rounds; ++round) {
+    solve_points<how, what>(data, block, impulses, lane, landed, solve, of_landed, backwards);
   }
   solve.finish(landed);
   for (std::size_t i = 0; i < what::points; ++i) {
@@ -298,16 +295,16 @@ HWY_NOINLINE void share_impact(const ContactKernelData& data, ContactBlock& bloc
 
 template <typename how, typename what>
 HWY_INLINE void solve_normals(const ContactKernelData& data, ContactBlock& block, float (*impulses)[block_lanes],
-                              std::size_t lane, ContactLanes<what::movers>& c, Residual& residual) {
+                              std::size_t lane, ContactLanes<what::movers>& c, Residual& residual, bool backwards) {
   NormalSolve solve(c);
-  const M lands = hn::Lt(solve.u, splat(-landing_speed));
-  solve_points<how, what>(data, block, impulses, lane, c, solve, residual);
+  const M lands = hn::Lt(solve.u, splat(-tuning::landing_speed));
+  solve_points<how, what>(data, block, impulses, lane, c, solve, residual, backwards);
   solve.finish(c);
   if (HWY_LIKELY(hn::AllFalse(D(), lands))) return;
   // Of copies, so that nothing else has to be in memory.
   ContactLanes<what::movers> landing = c;
   Residual landing_residual = residual;
-  share_impact<how, what>(data, block, impulses, lane, lands, landing, landing_residual);
+  share_impact<how, what>(data, block, impulses, lane, lands, landing, landing_residual, backwards);
   c = landing;
   residual = landing_residual;
 }
@@ -336,8 +333,8 @@ HWY_NOINLINE void sweep_alike(const ContactKernelData& data, const Sweep& sweep,
       ContactLanes<what::movers> c = load_contacts<what::movers>(data, block, lane);
       if (how::refresh(sweep)) refresh_separations<what::points>(data, block, lane, c);
       // One round over the points leaves a body that lands flat tilted, and friction with too low a bound.
-      solve_normals<how, what>(data, block, impulses, lane, c, residual);
-      if (how::rounds(sweep) == 2) solve_normals<how, what>(data, block, impulses, lane, c, residual);
+      solve_normals<how, what>(data, block, impulses, lane, c, residual, sweep.backwards);
+      if (how::rounds(sweep) == 2) solve_normals<how, what>(data, block, impulses, lane, c, residual, sweep.backwards);
       // Last, so that its bound is the normal impulse that it goes with.
       if (how::push != Push::Split && how::rubs(sweep) && block.traits.friction) {
         solve_friction<how, what>(block, surface, sweep.friction, lane, c, residual);

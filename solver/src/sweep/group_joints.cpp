@@ -2,6 +2,7 @@
 #include <solver/constraints/arm_stiffness.h>
 #include <solver/integrate/motion.h>
 #include <solver/sweep/group_joints.h>
+#include <solver/tuning.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,9 +14,6 @@ namespace {
 
 template <std::size_t n>
 using Lanes = float[n][block_lanes];
-
-// Of the force in a joint, by which its tension follows it in a step.
-constexpr double tension_smoothing = 0.5;
 
 // As good as unlimited, and its sums and differences are finite.
 constexpr double unlimited_speed = 1e30;
@@ -340,7 +338,7 @@ void GroupJoints::store(const JointStep& step, std::size_t begin, std::size_t en
         }
       }
       joint.force = inverse_h * linear;
-      joint.tension += tension_smoothing * (joint.force - joint.tension);
+      joint.tension += tuning::tension_smoothing * (joint.force - joint.tension);
       joint.torque = inverse_h * angular;
     }
   }

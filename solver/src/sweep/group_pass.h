@@ -135,11 +135,11 @@ class GroupSolver::Pass {
   void prepare_joints();
   void prepare_systems();
   void warm_start(int number);
-  void sweep(Sweep how, JointSweep joints, int iterations);
+  void sweep(Sweep how, JointSweep joints, int iterations, int number);
   void solve_velocities(int number, bool carries);
-  void split_off_corrections();
+  void split_off_corrections(int number);
   void integrate_positions();
-  void relax();
+  void relax(int number);
 
   GroupSolver& solver_;
   const SolveInput& input_;
@@ -210,7 +210,7 @@ void GroupSolver::Pass<Executor>::substep(int number) {
   warm_start(number);
   clock_.lap(SolverStage::WarmStart);
   solve_velocities(number, carries);
-  if (splits_) split_off_corrections();
+  if (splits_) split_off_corrections(number);
   // What contacts have done to one link is not to turn it far out of its joints before these see it.
   if (joined_) {
     each_system_of(solver_.joined_motion_.touched_direct(),
@@ -219,7 +219,7 @@ void GroupSolver::Pass<Executor>::substep(int number) {
   clock_.lap(SolverStage::Solve);
   integrate_positions();
   clock_.lap(SolverStage::Integrate);
-  relax();
+  relax(number);
   clock_.lap(SolverStage::Relax);
 }
 
@@ -237,10 +237,11 @@ void GroupSolver::Pass<Executor>::warm_start(int number) {
 
 // Sweeps until the residual is small, or for as often as is asked for. Joints first: contacts are what may not give.
 template <typename Executor>
-void GroupSolver::Pass<Executor>::sweep(Sweep how, JointSweep joints, int iterations) {
+void GroupSolver::Pass<Executor>::sweep(Sweep how, JointSweep joints, int iterations, int number) {
   how.measures = joints.measures = settings_.tolerance > 0;
   for (int i = 0; i < iterations; ++i) {
     LargestOf residual;
+    how.backwards = relaxes_ && (number + i) % 2 == 1;
     if (how.push != Push::Split) {
       if (joints.bias) each_system([&](DirectJoints& system) { system.solve_velocities(direct_input_); });
       each_joint_colour([&](std::size_t begin, std::size_t end) {
@@ -262,17 +263,17 @@ void GroupSolver::Pass<Executor>::solve_velocities(int number, bool carries) {
   const bool refresh = !relaxes_ && number > 0;
   const bool twice = !(relaxes_ && carries);
   sweep({splits_ ? Push::None : Push::Bias, refresh, friction, twice},
-        {.bias = true, .refresh = refresh, .carries = carries}, settings_.iterations);
+        {.bias = true, .refresh = refresh, .carries = carries}, settings_.iterations, number);
 }
 
 // The same sweeps over velocities of their own, which move bodies and are forgotten.
 template <typename Executor>
-void GroupSolver::Pass<Executor>::split_off_corrections() {
+void GroupSolver::Pass<Executor>::split_off_corrections(int number) {
   each_body_block([&](std::size_t begin, std::size_t end) { kernels_.clear_corrections(solver_.bodies_, begin, end); });
   solver_.clear_split_impulses();
   solver_.bodies_.velocity.swap(solver_.bodies_.correction);
   // Rigid contacts have no softness to forgive what a round over the points leaves.
-  sweep({Push::Split, false, Friction::None, true}, {}, settings_.iterations);
+  sweep({Push::Split, false, Friction::None, true}, {}, settings_.iterations, number);
   solver_.bodies_.velocity.swap(solver_.bodies_.correction);
 }
 
@@ -289,11 +290,11 @@ void GroupSolver::Pass<Executor>::integrate_positions() {
 }
 
 template <typename Executor>
-void GroupSolver::Pass<Executor>::relax() {
+void GroupSolver::Pass<Executor>::relax(int number) {
   each_system([&](DirectJoints& system) { system.solve_positions(direct_input_); });
   if (relaxes_) {
-    sweep({Push::None, true, friction_}, {.bias = false, .refresh = true, .carries = false},
-          settings_.relax_iterations);
+    sweep({Push::None, true, friction_}, {.bias = false, .refresh = true, .carries = false}, settings_.relax_iterations,
+          number);
   }
   each_system([&](DirectJoints& system) { system.relax(direct_input_); });
 }

@@ -30,8 +30,6 @@ struct DirectIslandReport {
 /// all there is to do. No state outlives a step, but the order of elimination, which the pairs determine.
 class DirectIsland {
  public:
-  static constexpr std::size_t most_bodies = 400;  ///< of an island: more take longer than a step may
-
   /// Takes in an island. Returns false if its factor would be too large.
   bool analyse(const SolveInput& input, const IslandGroup& group);
   /// Solves the island that was taken in last. Not solved is what bounces, tumbles fast or didn't converge.

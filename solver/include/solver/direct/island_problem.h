@@ -3,6 +3,7 @@
 #include <jobs/bytes.h>
 #include <solver/direct/block_ldlt.h>
 #include <solver/direct/direct_rows.h>
+#include <solver/tuning.h>
 
 #include <algorithm>
 #include <span>
@@ -26,9 +27,6 @@ namespace atl::solver {
 /// method doesn't end soon, as after an impact, an interior point method starts over, with the same matrices.
 class IslandProblem {
  public:
-  /// Of an effective mass's inverse, that contacts and locks give.
-  static constexpr double compliance = 1e-8;
-
   std::vector<DirectBody> bodies;
   std::vector<DirectContact> contacts;
   std::vector<DirectJoint> joints;
@@ -83,11 +81,6 @@ class IslandProblem {
   }
 
  private:
-  static constexpr double tolerance = 2e-4;  // m/s, of what the balance of a body's impulses may lack
-  // Iterations in which friction's bound follows the load. With more it would go to and fro for long: each halves the
-  // difference at best.
-  static constexpr int following = 2;
-
   Six motion_of(const DirectContact& contact, const std::vector<double>& velocities) const;
   double rate_of(const DirectJoint& joint, std::size_t row, const std::vector<double>& velocities) const;
   void add_impulse(const DirectContact& contact, const Six& impulse, double sign, std::vector<double>& to) const;
@@ -119,10 +112,6 @@ class IslandProblem {
   double interior_after(double t) const;
   void take_interior_step(double t);
 
-  static constexpr double least_sinking_ = 5e-7;  // m/s: slower than this the top of a column may sink
-  // With a million times its weight on it, a box sinks by a tenth of what it did in each.
-  static constexpr int most_give_rounds_ = 8;
-
   BlockLdlt system_;
   std::vector<double> gradient_, direction_, product_;  // N s, N m s; m/s, rad/s; N s, N m s
   double mass_slope_ = 0, mass_curvature_ = 0;          // of the first term, along direction_
@@ -135,7 +124,7 @@ void IslandProblem::take_back_give(const Closest& closest) {
   const auto answer_on_its_pieces = [](DirectContact& contact) {
     contact.answer = contact.law.linear_answer(contact.motion, contact.answer.pieces, contact.answer);
   };
-  for (int round = 0; round < most_give_rounds_; ++round) {
+  for (int round = 0; round < tuning::most_give_rounds; ++round) {
     double sinks = 0;
     for (DirectContact& contact : contacts) {
       double most = 0;
@@ -157,7 +146,7 @@ void IslandProblem::take_back_give(const Closest& closest) {
       }
       sinks += most;
     }
-    if (sinks < least_sinking_) return;
+    if (sinks < tuning::least_sinking) return;
     for (DirectContact& contact : contacts) {
       Six more = contact.law.total(contact.answer);
       for (double& impulse : more) impulse = -impulse;

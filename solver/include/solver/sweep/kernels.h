@@ -40,6 +40,9 @@ struct Sweep {
   Friction friction;      ///< None with Push::Split
   bool twice = false;     ///< goes over the points of each contact twice: some may be new
   bool measures = false;  ///< tell the residual
+  /// Goes over the points of each contact from the last to the first. One order alone pushes what stands towards where
+  /// it ends: by turns they cancel.
+  bool backwards = false;
 };
 
 /// What the joint kernels work on.

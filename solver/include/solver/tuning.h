@@ -1,0 +1,179 @@
+#pragma once
+
+#include <cstddef>
+
+/// Every tuned number of the solver: its unit, what it trades, and what set it. "Suite" is `atoll verify --stability`;
+/// most were also moved by four both ways with it and with ten built-in scenes, and where nothing moved that is said.
+/// Numbers that a method or a paper gives, and grains of parallel loops, stay where they are used.
+namespace atl::solver::tuning {
+
+// --- Soft contacts and joints in sweeps
+
+/// By the substep rate: frequency of contacts. Twice of it is 4 times as stiff, but a pyramid of 22 layers drifts by 55
+/// mm instead of 10; half of it lets a wide wall sink by 0.58 m instead of 42 mm.
+inline constexpr double contact_hertz_share = 0.125;
+/// The most that may be asked for: from 1 on, stacks of soft contacts drift off.
+inline constexpr double contact_hertz_limit = 0.25;
+/// By the substep rate, of joints that are swept: a net of joints that is swept once a substep rings up from 0.4 on.
+inline constexpr double joint_hertz_limit = 0.3;
+
+/// m/s: a contact that closes faster gets more rounds over its points, or a body that lands flat is left turning. A box
+/// of 1 m dropped flat from 3 m slides by 0.05 mm instead of 15, from 10 m by 4 mm instead of 150. At an eighth, what
+/// merely moves gets them too: a piston's load is thrown at 15 m/s.
+inline constexpr float landing_speed = 0.5f;
+/// With one, hopper overlaps by twice as much; with 28 a coin's landing is farther off.
+inline constexpr int landing_rounds = 7;
+/// Rounds over the points of each contact that bounces: with one, a face that hits flat would leave spinning. With 4 or
+/// 64 nothing moved.
+inline constexpr std::size_t restitution_rounds = 16;
+
+// --- Joints
+
+/// Of the force in a joint, by which the one that stiffness is made of follows it in a substep, or in a step where
+/// joints are swept: what light links pull is noise. A chain of 100 links with 100,000 times the mass at its end opens
+/// by 24 mm with 1, and by a nanometre with 0.2; one of 1,000,000 times breaks with 0.8.
+inline constexpr double tension_smoothing = 0.2;
+/// m/s or rad/s: the fastest that a coordinate is brought back into its range, and what was put apart is closed. As
+/// contacts' push speed by default.
+inline constexpr double closing_speed = 3;
+/// m or rad: what was farther apart than this as the step began was put apart from outside, and is closed by no
+/// velocity, or bodies would fly. At a quarter and at four times nothing moved.
+inline constexpr double torn = 1e-3;
+/// m or rad: gaps that one Newton step has left are closed by more. At a hundredth the chatter of loads on a bridge
+/// grows by 4%, at a hundred times energy does.
+inline constexpr double open_gap = 1e-4;
+/// m or rad: displacements in single precision are known no better.
+inline constexpr double settled_gap = 1e-7;
+/// m or rad: what closes joints moves no body farther than this, or rows are near where they are singular. The tip of a
+/// whip gets far within a substep; what is closed without velocity has come apart by little.
+inline constexpr double far_in_motion = 2;
+inline constexpr double far_at_rest = 0.3;
+/// Rounds of finding out which limits, motors and springs hold in one substep. With 3, ragdolls overlap twice as much;
+/// with 48 nothing moved. What is not found then is in the next substep.
+inline constexpr int mode_rounds = 12;
+/// Of the diagonal of J M^-1 J^T, so that joints that ask for the same twice (two hinges of one door) share it; more of
+/// it where joints make loops. A hundredth or a hundred times moved nothing but the chaos of a heap.
+inline constexpr double redundancy = 1e-10;
+inline constexpr double redundancy_of_loops = 1e-6;
+/// Loops fill the factor in. A net of 32 x 32 would take 20 blocks a joint, and 31 ms a step instead of 0.55.
+inline constexpr std::size_t factor_blocks_per_joint = 6;
+
+// --- Which islands are solved how
+
+/// How far soft contacts may give under what they carry, in parts of the smaller body's half thickness, before they
+/// count as overloaded. A column of boxes starts to buckle from about 15 boxes on, where it is 1.6% (by Euler's load; a
+/// longer one takes a while). At four times a wide wall sinks by 0.7 m; at a quarter a wall of 50 boxes takes 2.3 times
+/// as long, and sinks by 10 mm instead of 167.
+inline constexpr double overload_give = 0.015;
+/// In islands that are little but columns, which cost little to solve at once: six boxes. At four times columns of ten
+/// and arches fall. At a quarter it would take in stacks of two, and five of the suite's known failures would hold;
+/// such stacks in a crowd then take three times as many instructions a step.
+inline constexpr double column_give = 0.005;
+/// Contacts a body, of what is little but columns or arches. At a quarter these are no longer known; at four times the
+/// contents of a piston are.
+inline constexpr double contacts_of_columns = 1.5;
+/// In parts of the arm: crushes what carries it. A quarter of it makes hopper 2.4 times as dear, four times moves
+/// nothing; without any a heavy box sinks through four small ones.
+inline constexpr double crushing_give = 0.12;
+/// A body that is so many times as heavy as a joined one it presses on crushes it: by more than limbs of a body differ.
+/// With 10, a hundred ragdolls take six times as long.
+inline constexpr double crushing_ratio = 64;
+/// Substeps of a step, as of which contacts count as soft when it is decided whether they carry too much: with more
+/// they are stiffer, but to decide by that would leave a wall to eight, and sink by 165 mm, that gets sixteen if four
+/// are asked for, and sinks by 41. Nor do sweeps settle columns any sooner: with 16 a tower of 50 boxes falls that
+/// gives by 0.3% only.
+inline constexpr double usual_substeps = 4;
+/// Of a contact's arm: how far a body counts as reaching along the normal at least, of what is touched at a rim. At
+/// four times card houses sag, at a quarter nothing moved.
+inline constexpr double least_thickness = 0.1;
+/// Of the normal against up: what leans farther out holds nothing up, when loads are estimated. A quarter of it moved
+/// nothing.
+inline constexpr double least_slope = 0.3;
+/// s, under overload after which something is done: three steps of 1/60 s. At a quarter impacts count as loads.
+inline constexpr float lasting = 0.04f;
+/// s: what is done lasts as long as any of the overload is left, which wears off in the time that it took, or in this.
+/// Four times of it moved nothing.
+inline constexpr float most_strain = 0.5f;
+/// Finer substeps are for what is built to stand and sags of its own weight, in so large a part. A few small stones
+/// under large ones are not worth them, nor is a heap that has found its rest on soft contacts: to stiffen them stirs
+/// it. With a quarter of it, walls of 50 boxes are among them, at 2.2 times the time.
+inline constexpr double part_of_island = 0.25;
+/// s, the longest substep of what sags: a wall of 100 layers sinks by 165 mm with twice of it, and by 41 with it; with
+/// a quarter what is squeezed gets out.
+inline constexpr double finer_substep = 1.0 / 960;
+/// Of an island that is solved at once: more take longer than a step may.
+inline constexpr std::size_t most_bodies = 400;
+/// The most that one of two bodies which joints or contacts hold may weigh of the other, where these are solved one by
+/// one: boxes of 10 times a plank's weight bounce off a bridge at 2.3 m/s, of 30 times at 4, where 0.9 is right.
+inline constexpr double light_ratio = 10;
+/// Joints, of the longest way through them that joints solved one by one hold. 3 or 48 moved nothing.
+inline constexpr std::size_t long_chain = 12;
+
+// --- At once: the problem and its matrix
+
+/// Of an effective mass's inverse, that contacts and locks give: an overlap of 5 compliance g dt^2 by own weights
+/// carried. Doubles hold a top box a million times as heavy as the nine below it at 1e-9; at 1e-6 it sinks by 25 mm,
+/// here by 2. At a hundredth bridges fly.
+inline constexpr double compliance = 1e-8;
+/// Likewise friction: less, and Newton's method finds no way over its edges (at a hundredth what is wedged slips). What
+/// is held back by friction alone creeps by this times g dt.
+inline constexpr double friction_compliance = 1e-6;
+/// Columns have one block of the factor a body, walls 5 to 10.
+inline constexpr std::size_t factor_blocks_per_body = 12;
+/// rad: a body whose moments of inertia differ may not turn by more within what is solved for.
+inline constexpr double most_tumble = 0.3;
+
+// --- At once: iterations
+
+/// m/s, of what the balance of a body's impulses may lack.
+inline constexpr double balance_tolerance = 2e-4;
+/// Newton's method takes 0 to 4 iterations at rest. Where it would take more, points come and go one by one, and the
+/// interior point method gets there in 10 to 25.
+inline constexpr int most_iterations = 6;
+/// With joints it takes more, as where a heavy box lands on a chain of light planks, and gets there: 6 to 30 of these.
+inline constexpr int most_iterations_of_joints = 100;
+/// Iterations in which friction's bound follows the load. With more it would go to and fro for long: each halves the
+/// difference at best.
+inline constexpr int following = 2;
+/// How often friction's bound is then brought up to the load that it went with. With 2, boxes chatter on a bridge.
+inline constexpr int friction_rounds = 8;
+/// m/s: what friction makes of velocities may be off by so much, as its bound is not that of the load.
+inline constexpr double friction_tolerance = 1e-3;
+/// Of what would stop all bodies of the island at once and hold their weights: a contact that pushes harder is wedged
+/// between others so that nothing tells how hard.
+inline constexpr double most_impulse = 10;
+/// m/s: slower than this the top of a column may sink. At a hundred times one of 50 boxes sinks by 14 um in 3 s.
+inline constexpr double least_sinking = 5e-7;
+/// With a million times its weight on it, a box sinks by a tenth of what it did in each; with 4 of them that column
+/// falls.
+inline constexpr int most_give_rounds = 8;
+/// m: what a step parts of overlaps has to be more than this, or nothing is done about them.
+inline constexpr double least_parting = 1e-7;
+/// Of the interior point method.
+inline constexpr int most_interior_steps = 40;
+/// (m/s)^2, of p s over a point's effective mass, where the end is near enough.
+inline constexpr double near_end = 1e-9;
+/// m/s, at which gaps start, and the speeds that impulses there take from the effective masses.
+inline constexpr double start_speed = 1;
+/// Of the way to where an impulse or a gap is zero.
+inline constexpr double most_of_way = 0.99;
+
+// --- At once: substeps of islands with joints
+
+/// Of a body's inertia: by so much tension may stiffen it before the system is made anew. Without that, boxes of 100
+/// times a plank's weight are thrown off a bridge.
+inline constexpr double notable_stiffness = 0.1;
+/// Of the push speed: what parts overlaps moves no body faster, or wedges would turn light ones at once. With a quarter
+/// boxes chatter on a bridge.
+inline constexpr double most_push = 2;
+/// m/s: points of contacts that part or close faster are left to the next substep's solve.
+inline constexpr double resting_speed = 1e-3;
+/// Newton steps that close joints in a substep's motion; one, but for one in fifty after impacts. How often each may be
+/// shortened to a quarter. Both four times less or more moved nothing.
+inline constexpr int most_closing_steps = 20;
+inline constexpr int most_shortenings = 4;
+/// m or rad: joints that are closer than this at the end of a step are closed; by so many solves at most.
+inline constexpr double closed = 1e-10;
+inline constexpr int most_closings = 3;
+
+}  // namespace atl::solver::tuning
