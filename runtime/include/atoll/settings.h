@@ -25,11 +25,12 @@ enum class Stabilisation {
 /// How contacts are solved. With Soft stabilisation.
 enum class ContactSolver {
   /// By sweeps, but islands whose contacts carry more than soft ones are made for get more: small ones are solved at
-  /// once, large ones in finer substeps. In a build without ATOLL_WITH_DIRECT_CONTACTS as Iterative.
+  /// once, with their joints where something heavy lies on these, large ones in finer substeps. In a build without
+  /// ATOLL_WITH_DIRECT_CONTACTS as Iterative.
   Auto,
   Iterative,  ///< by sweeps, whatever they carry
-  /// At once, in all islands of up to 400 bodies without joints and motion locks, as long as nothing bounces or tumbles
-  /// fast in them: exact, for several times the time. Others by sweeps.
+  /// At once, in all islands of up to 400 bodies without motion locks, contacts and joints in one system, as long as
+  /// nothing bounces or tumbles fast in them: exact, for several times the time. Others by sweeps.
   Direct,
 };
 

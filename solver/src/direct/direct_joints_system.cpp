@@ -12,11 +12,7 @@
 namespace atl::solver {
 namespace {
 
-Matrix3 cross_matrix(const Vector3& v) {
-  Matrix3 m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
+double dot(const double (&a)[3], const double (&b)[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 }  // namespace
 
@@ -75,6 +71,7 @@ bool DirectJoints::analyse(std::span<const JointLink> links, std::span<const Joi
     coupling.transposed = system_.is_earlier(coupling.row, coupling.column);
   }
   b_.assign(system_.rows(), 0.0);
+  node_rows_.resize(rows_.empty() ? 0 : nodes_.size());
   // Points alone, each two of which share one body at most, and no fill: every value is written once.
   assigns_all_ = rows_.empty() && system_.factor_blocks() == couplings_.size();
   const auto count = std::count_if(members_.begin(), members_.end(), [](const Member& m) { return m.dynamic; });
@@ -127,24 +124,36 @@ void DirectJoints::place_inertia(const BodyTable& table, double h) {
   }
 }
 
-// Rows of a node's Jacobian: of its point first. Those whose impulse is given are zero.
-void DirectJoints::fill_rows(const Node& node, SideRows& linear, SideRows& angular_first,
-                             SideRows& angular_second) const {
-  const Eigen::Index point = node.point ? 3 : 0;
-  const Eigen::Index count = point + (node.end - node.begin);
-  for (SideRows* rows : {&linear, &angular_first, &angular_second}) rows->resize(count, 3);
+// Rows of a node's Jacobian, of its point first, and what bodies answer them with. Those whose impulse is given are
+// zero.
+void DirectJoints::fill_rows(const Node& node, NodeRows& rows) const {
+  const auto put = [](const Vector3& v, double(&to)[3]) {
+    for (int k = 0; k < 3; ++k) to[k] = v[k];
+  };
+  const Member& a = members_[node.first];
+  const Member& b = members_[node.second];
+  rows.count = 0;
+  const auto add = [&](const Vector3& linear, const Vector3& first, const Vector3& second) {
+    put(linear, rows.linear[rows.count]);
+    put(first, rows.first[rows.count]);
+    put(second, rows.second[rows.count]);
+    put(product(a.inverse_inertia, first), rows.answer_first[rows.count]);
+    put(product(b.inverse_inertia, second), rows.answer_second[rows.count]);
+    ++rows.count;
+  };
   if (node.point) {
-    linear.topRows<3>().setIdentity();
-    angular_first.topRows<3>() = -cross_matrix(node.arm_first);
-    angular_second.topRows<3>() = -cross_matrix(node.arm_second);
+    for (int axis = 0; axis < 3; ++axis) {
+      const Vector3 along = Vector3::Unit(axis);
+      add(along, node.arm_first.cross(along), node.arm_second.cross(along));
+    }
   }
   for (std::uint32_t r = node.begin; r < node.end; ++r) {
-    const Row& row = rows_[r];
-    const double solved = row.mode.is_solved() ? 1 : 0;
-    const Eigen::Index at = point + (r - node.begin);
-    linear.row(at) = solved * row.at.linear;
-    angular_first.row(at) = solved * row.at.angular_first;
-    angular_second.row(at) = solved * row.at.angular_second;
+    const JointRow& at = rows_[r].at;
+    if (rows_[r].mode.is_solved()) {
+      add(at.linear, at.angular_first, at.angular_second);
+    } else {
+      add(Vector3::Zero(), Vector3::Zero(), Vector3::Zero());
+    }
   }
 }
 
@@ -158,6 +167,7 @@ void DirectJoints::factor() {
     if (node.is_point_only()) {
       node.response_first = crossed(node.arm_first, a.inverse_inertia);
       node.response_second = crossed(node.arm_second, b.inverse_inertia);
+      if (!rows_.empty()) fill_rows(node, node_rows_[i]);
       const Matrix3 of_first = crossed_transpose(node.arm_first, node.response_first);
       const Matrix3 of_second = crossed_transpose(node.arm_second, node.response_second);
       const double inverse_mass = a.inverse_mass + b.inverse_mass;
@@ -167,7 +177,8 @@ void DirectJoints::factor() {
         diagonal[4 * k] = (diagonal[4 * k] + inverse_mass) * (1 + redundancy_);
       }
     } else {
-      fill_diagonal(node, i);
+      fill_rows(node, node_rows_[i]);
+      fill_diagonal(node, node_rows_[i]);
     }
   }
   for (const Coupling& coupling : couplings_) {
@@ -196,35 +207,43 @@ void DirectJoints::factor() {
   solvable_ = system_.factor();
 }
 
-void DirectJoints::fill_diagonal(const Node& node, std::uint32_t index) {
-  const Member& a = members_[node.first];
-  const Member& b = members_[node.second];
-  auto diagonal = system_.diagonal(index);
-  SideRows linear, first, second;
-  fill_rows(node, linear, first, second);
-  diagonal.noalias() = (a.inverse_mass + b.inverse_mass) * linear.lazyProduct(linear.transpose());
-  if (a.dynamic) diagonal.noalias() += SideRows(first * a.inverse_inertia).lazyProduct(first.transpose());
-  if (b.dynamic) diagonal.noalias() += SideRows(second * b.inverse_inertia).lazyProduct(second.transpose());
-  const Eigen::Index point = node.point ? 3 : 0;
-  for (Eigen::Index k = 0; k < diagonal.rows(); ++k) {
-    diagonal(k, k) *= 1 + redundancy_;
+void DirectJoints::fill_diagonal(const Node& node, const NodeRows& rows) {
+  const double inverse_mass = members_[node.first].inverse_mass + members_[node.second].inverse_mass;
+  const std::size_t n = rows.count;
+  double* const block = system_.values(node.block);
+  for (std::size_t c = 0; c < n; ++c) {
+    for (std::size_t r = c; r < n; ++r) {
+      block[r + n * c] = inverse_mass * dot(rows.linear[r], rows.linear[c]) + dot(rows.first[r], rows.answer_first[c]) +
+                         dot(rows.second[r], rows.answer_second[c]);
+    }
+  }
+  const std::size_t point = node.point ? 3 : 0;
+  for (std::size_t k = 0; k < n; ++k) {
+    double& value = block[k + n * k];
+    value *= 1 + redundancy_;
     if (k < point) continue;
-    const LawMode& mode = rows_[node.begin + static_cast<std::uint32_t>(k - point)].mode;
-    diagonal(k, k) = mode.is_solved() ? diagonal(k, k) + mode.compliance() : 1;
+    const LawMode& mode = rows_[node.begin + k - point].mode;
+    value = mode.is_solved() ? value + mode.compliance() : 1;
   }
 }
 
 void DirectJoints::fill_coupling(const Coupling& coupling) {
-  const Member& member = members_[coupling.member];
-  SideRows linear, first, second, linear_other, first_other, second_other;
-  fill_rows(nodes_[coupling.row], linear, first, second);
-  fill_rows(nodes_[coupling.column], linear_other, first_other, second_other);
-  const SideRows& own = coupling.row_second ? second : first;
-  const SideRows& other = coupling.column_second ? second_other : first_other;
+  const NodeRows& of_row = node_rows_[coupling.row];
+  const NodeRows& of_column = node_rows_[coupling.column];
+  const auto& own = coupling.row_second ? of_row.second : of_row.first;
+  const auto& answer = coupling.column_second ? of_column.answer_second : of_column.answer_first;
   const double sign = coupling.row_second == coupling.column_second ? 1 : -1;
-  BlockLdlt::Block block = (sign * member.inverse_mass) * linear.lazyProduct(linear_other.transpose());
-  block.noalias() += sign * SideRows(own * member.inverse_inertia).lazyProduct(other.transpose());
-  system_.add(coupling.row, coupling.column, block);
+  const double inverse_mass = sign * members_[coupling.member].inverse_mass;
+  // The block has the rows of what is eliminated later.
+  const std::size_t by_row = coupling.transposed ? of_column.count : 1;
+  const std::size_t by_column = coupling.transposed ? 1 : of_row.count;
+  double* const block = system_.values(coupling.block);
+  for (std::size_t c = 0; c < of_column.count; ++c) {
+    for (std::size_t r = 0; r < of_row.count; ++r) {
+      block[by_row * r + by_column * c] +=
+          inverse_mass * dot(of_row.linear[r], of_column.linear[c]) + sign * dot(own[r], answer[c]);
+    }
+  }
 }
 
 }  // namespace atl::solver

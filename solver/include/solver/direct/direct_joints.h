@@ -65,7 +65,7 @@ class DirectJoints {
 
   /// Memory held.
   std::size_t bytes() const {
-    return jobs::bytes_of(members_, nodes_, rows_, couplings_, b_, tears_) + system_.bytes();
+    return jobs::bytes_of(members_, nodes_, rows_, couplings_, node_rows_, b_, tears_) + system_.bytes();
   }
 
  private:
@@ -115,7 +115,13 @@ class DirectJoints {
     std::size_t block;
   };
 
-  using SideRows = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::ColMajor, BlockLdlt::max_size, 3>;
+  // A node's rows of the Jacobian, and what the inverse inertia makes of them.
+  struct NodeRows {
+    std::size_t count = 0;
+    double linear[BlockLdlt::max_size][3];
+    double first[BlockLdlt::max_size][3], second[BlockLdlt::max_size][3];                // angular
+    double answer_first[BlockLdlt::max_size][3], answer_second[BlockLdlt::max_size][3];  // 1/(kg m^2) times these
+  };
 
   void place_members(const DirectInput& input);
   void place_frames(const Joint* joints);
@@ -135,9 +141,9 @@ class DirectJoints {
   void move_members(const DirectInput& input);
   static double bound(const Row& row, const Law& law) { return row.mode.limit() > 0 ? law.upper : law.lower; }
   void measure(const Joint& joint, const Node& node, double* b, double h) const;
-  void fill_diagonal(const Node& node, std::uint32_t index);
+  void fill_diagonal(const Node& node, const NodeRows& rows);
   void fill_coupling(const Coupling& coupling);
-  void fill_rows(const Node& node, SideRows& linear, SideRows& angular_first, SideRows& angular_second) const;
+  void fill_rows(const Node& node, NodeRows& rows) const;
   void load_velocities(const SolverBodies& bodies);
   void load_no_velocities();
   void store_velocities(SolverBodies& bodies) const;
@@ -151,6 +157,7 @@ class DirectJoints {
   std::vector<Row> rows_;
   std::vector<Coupling> couplings_;
   BlockLdlt system_;
+  std::vector<NodeRows> node_rows_;  // by node, where there are rows
   std::vector<double> b_;
   std::vector<double> tears_;
   double redundancy_ = 0;
