@@ -25,58 +25,48 @@ void LawMode::begin(const Law& law, double position, double effective_mass, doub
     target_ = compliance_ = given_ = 0;
     return;
   }
-  lower_rate_ = std::min((law.lower - position) / h, tuning::closing_speed);
-  upper_rate_ = std::max((law.upper - position) / h, -tuning::closing_speed);
-  spring_ = law.spring_hertz > 0;
-  if (spring_) {
-    const double omega = 2 * 3.14159265358979323846 * law.spring_hertz;
-    const double stiffness = effective_mass * omega * omega;
-    const double response = h * stiffness + 2 * effective_mass * law.damping_ratio * omega;
-    gamma_ = 1 / (h * response);
-    bias_ = stiffness * (position - law.rest) / response;
-  }
-  motor_ = h * law.motor_force;
+  row_ = RowLaw::of(law, position, effective_mass, h);
   go_to(piece_ == Piece::Locked ? Piece::Between : piece_, law);
 }
 
 // A motor that reaches its speed holds it like a lock; one that doesn't pulls with all it has.
 double LawMode::motor_impulse(const Law& law, double rate) const {
-  return rate < law.motor_speed ? motor_ : rate > law.motor_speed ? -motor_ : 0;
+  return rate < law.motor_speed ? row_.motor_impulse : rate > law.motor_speed ? -row_.motor_impulse : 0;
 }
 
 void LawMode::go_to(Piece piece, const Law& law) {
-  if (motor_ == 0 && (piece == Piece::MotorLow || piece == Piece::MotorHigh)) piece = Piece::Between;
+  if (row_.motor_impulse == 0 && (piece == Piece::MotorLow || piece == Piece::MotorHigh)) piece = Piece::Between;
   piece_ = piece;
   compliance_ = given_ = target_ = 0;
   switch (piece) {
     case Piece::Lower:
       solved_ = true;
-      target_ = lower_rate_;
+      target_ = row_.lower_rate;
       return;
     case Piece::Upper:
       solved_ = true;
-      target_ = upper_rate_;
+      target_ = row_.upper_rate;
       return;
     case Piece::Between:
-      if (motor_ > 0) {
+      if (row_.motor_impulse > 0) {
         solved_ = true;
         target_ = law.motor_speed;
         return;
       }
       break;
     case Piece::MotorLow:
-      given_ = -motor_;
+      given_ = -row_.motor_impulse;
       break;
     case Piece::MotorHigh:
-      given_ = motor_;
+      given_ = row_.motor_impulse;
       break;
     case Piece::Locked:
       return;
   }
-  solved_ = spring_;
-  if (!spring_) return;
-  compliance_ = gamma_;
-  target_ = -bias_;
+  solved_ = row_.spring_slope > 0;
+  if (!solved_) return;
+  compliance_ = 1 / row_.spring_slope;
+  target_ = row_.spring_rate;
 }
 
 bool LawMode::catch_at_end(const Law& law, double position) {
@@ -97,22 +87,22 @@ bool LawMode::update(const Law& law, double rate, double impulse) {
     // What spring and motor do at this rate is not the stop's.
     const double stop = impulse - spring_impulse(rate) - motor_impulse(law, rate);
     if (piece_ == Piece::Lower ? stop >= 0 : stop <= 0) return false;
-    go_to(motor_ == 0              ? Piece::Between
+    go_to(row_.motor_impulse == 0  ? Piece::Between
           : rate < law.motor_speed ? Piece::MotorHigh
           : rate > law.motor_speed ? Piece::MotorLow
                                    : Piece::Between,
           law);
     return true;
   }
-  if (rate < lower_rate_ - slack) {
+  if (rate < row_.lower_rate - slack) {
     go_to(Piece::Lower, law);
-  } else if (rate > upper_rate_ + slack) {
+  } else if (rate > row_.upper_rate + slack) {
     go_to(Piece::Upper, law);
-  } else if (motor_ > 0) {
+  } else if (row_.motor_impulse > 0) {
     if (piece_ == Piece::Between) {
       const double motor = impulse - spring_impulse(rate);
-      if (motor > motor_ * (1 + margin)) go_to(Piece::MotorHigh, law);
-      if (motor < -motor_ * (1 + margin)) go_to(Piece::MotorLow, law);
+      if (motor > row_.motor_impulse * (1 + margin)) go_to(Piece::MotorHigh, law);
+      if (motor < -row_.motor_impulse * (1 + margin)) go_to(Piece::MotorLow, law);
     } else if (piece_ == Piece::MotorHigh ? rate > law.motor_speed + slack : rate < law.motor_speed - slack) {
       go_to(Piece::Between, law);
     }

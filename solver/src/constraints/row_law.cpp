@@ -7,7 +7,7 @@
 namespace atl::solver {
 RowLaw RowLaw::of(const Law& law, double position, double effective_mass, double h, double compliance) {
   RowLaw row;
-  row.stiffness = effective_mass / compliance;
+  row.stiffness = compliance > 0 ? effective_mass / compliance : 0;
   row.locked = law.locked();
   if (row.locked) return row;
   // An infinite end stays infinite.

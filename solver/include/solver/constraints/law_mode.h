@@ -1,6 +1,6 @@
 #pragma once
 
-#include <solver/constraints/joint.h>
+#include <solver/constraints/row_law.h>
 
 #include <cstdint>
 
@@ -39,16 +39,13 @@ class LawMode {
   enum class Piece : std::uint8_t { Locked, Lower, Upper, Between, MotorLow, MotorHigh };
 
   void go_to(Piece piece, const Law& law);
-  double spring_impulse(double rate) const { return spring_ ? -(rate + bias_) / gamma_ : 0; }
+  double spring_impulse(double rate) const { return -row_.spring_slope * (rate - row_.spring_rate); }
   double motor_impulse(const Law& law, double rate) const;
 
   Piece piece_ = Piece::Between;
   bool solved_ = false;
-  bool spring_ = false;
   double target_ = 0, compliance_ = 0, given_ = 0;
-  double gamma_ = 0, bias_ = 0;  // of the spring
-  double motor_ = 0;             // N s or N m s, bound
-  double lower_rate_ = 0, upper_rate_ = 0;
+  RowLaw row_;
 };
 
 }  // namespace atl::solver

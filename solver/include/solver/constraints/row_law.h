@@ -19,8 +19,8 @@ struct RowLaw {
   double spring_slope = 0, spring_rate = 0;   ///< of impulse by rate, and the rate at which there is none; 0 without
 
   /// `position` in m or rad, `effective_mass` along the coordinate in kg or kg m^2, h in s; what locks gives by
-  /// `compliance` over the effective mass.
-  static RowLaw of(const Law& law, double position, double effective_mass, double h, double compliance);
+  /// `compliance` over the effective mass, or is left to the caller where that is 0.
+  static RowLaw of(const Law& law, double position, double effective_mass, double h, double compliance = 0);
 
   double impulse(double rate) const;
   /// Impulse by rate, not negative.
