@@ -1,4 +1,3 @@
-#include <solver/direct/direct_island.h>
 #include <solver/select/joint_selection.h>
 #include <solver/select/solver_selection.h>
 #include <solver/tuning.h>
@@ -44,6 +43,8 @@ void SolverSelection::forget(std::uint32_t body) {
 
 void SolverSelection::forget_all() {
   arrived_.clear();
+  pressed_.clear();
+  knows_pressed_ = false;
   for (const std::uint32_t body : strained_) strain_[body] = {};
   strained_.clear();
 }
@@ -74,7 +75,7 @@ void SolverSelection::estimate_arrived(const LoadInput& input) {
 
 std::span<const SolveMode> SolverSelection::choose(const LoadInput& input) {
   estimate_arrived(input);
-  if (input.rebuilt) find_pressed(input);
+  if (input.rebuilt || !knows_pressed_) find_pressed(input);
   if (strained_.empty() && pressed_.empty()) return {};
   const Islands& islands = input.islands;
   symptoms_.assign(islands.count(), {});
@@ -111,6 +112,7 @@ std::span<const SolveMode> SolverSelection::choose(const LoadInput& input) {
 // what the other did, and boxes leap off a bridge.
 void SolverSelection::find_pressed(const LoadInput& input) {
   pressed_.clear();
+  knows_pressed_ = true;
   if (input.joint_graph == nullptr || input.settings.joint_method == JointMethod::Iterative) return;
   const Islands& islands = input.islands;
   for (std::size_t island = 0; island < islands.count(); ++island) {

@@ -90,6 +90,7 @@ class SolverSelection {
   std::vector<std::uint32_t> of_overloads_, merged_;
   std::vector<Symptoms> symptoms_;       // by island
   std::vector<std::size_t> pressed_;     // islands in which something heavy lies on joints that are solved at once
+  bool knows_pressed_ = false;           // of the islands as they are
   std::vector<std::uint8_t> on_system_;  // by body of an island
   std::vector<SolveMode> modes_;         // by island
   std::vector<Overload> estimated_;
