@@ -2,12 +2,12 @@
 
 #include <collision/contact.h>
 #include <solver/constraints/joint.h>
+#include <solver/constraints/load_check.h>
 #include <solver/constraints/surface_contact.h>
 #include <solver/direct/joint_systems.h>
 #include <solver/integrate/motion.h>
 #include <solver/islands/islands.h>
 #include <solver/islands/joint_graph.h>
-#include <solver/select/load_estimate.h>
 #include <solver/solver_settings.h>
 #include <solver/sweep/contact_capture.h>
 #include <solver/sweep/kernels.h>

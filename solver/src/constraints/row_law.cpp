@@ -2,9 +2,9 @@
 #include <solver/tuning.h>
 
 #include <algorithm>
-#include <limits>
 
 namespace atl::solver {
+
 RowLaw RowLaw::of(const Law& law, double position, double effective_mass, double h, double compliance) {
   RowLaw row;
   row.stiffness = compliance > 0 ? effective_mass / compliance : 0;

@@ -66,14 +66,14 @@ DirectIslandReport DirectIsland::solve(const SolveInput& input) {
 bool DirectIsland::solve_step(const SolveInput& input) {
   const SolverSettings& settings = input.settings;
   free_velocities(input, input.dt);
-  load_velocities(input);
+  lasting_ = problem_.velocity;
   const bool relaxes = settings.relax_iterations > 0;
   if (relaxes) {
     stop_contacts(input.dt);
   } else {
     push_contacts_apart(settings, input.dt);
   }
-  if (!find_velocities(input, 0)) return false;
+  if (!find_velocities(0)) return false;
   if (relaxes) take_back_give(input.dt);
   keep_velocities();
   if (relaxes && overlaps_notably(settings, input.dt)) {
@@ -86,14 +86,10 @@ bool DirectIsland::solve_step(const SolveInput& input) {
   return true;
 }
 
-// Where Newton's method ends nowhere, an interior point method starts over.
-bool DirectIsland::find_velocities(const SolveInput& input, double from_outside) {
+// Where Newton's method ends nowhere, an interior point method starts over, from the velocities that bodies came with.
+bool DirectIsland::find_velocities(double from_outside) {
   if (!problem_.solve()) {
-    if (links_.empty()) {
-      load_velocities(input);
-    } else {
-      problem_.velocity = lasting_;
-    }
+    problem_.velocity = lasting_;
     if (!problem_.solve_by_interior()) return false;
   }
   return problem_.is_bounded(from_outside);

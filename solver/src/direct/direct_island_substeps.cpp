@@ -52,7 +52,7 @@ bool DirectIsland::solve_substeps(const SolveInput& input) {
       push_contacts_apart(settings, h);
     }
     if (!all_locked_) problem_.forget_factor();
-    if (!find_velocities(input, drive(h, input))) return false;
+    if (!find_velocities(drive(h, input))) return false;
     if (relaxes) take_back_give(h);
     keep_velocities();
     bool pushed = false;
@@ -206,6 +206,7 @@ void DirectIsland::place_contacts(const SolveInput& input, double time) {
 }
 
 void DirectIsland::note_tears(const SolveInput& input) {
+  tears_ = false;
   for (DirectJoint& joint : problem_.joints) {
     const Joint& of = input.joints[joint.joint];
     const std::size_t points = of.point ? 3 : 0;
@@ -213,6 +214,7 @@ void DirectIsland::note_tears(const SolveInput& input) {
       const bool locked = r < points || of.law[r - points].locked();
       const double place = r < points ? 0 : of.law[r - points].lower;
       joint.torn[r] = locked && std::abs(joint.position[r] - place) > tuning::torn;
+      tears_ |= joint.torn[r];
     }
   }
 }
@@ -323,7 +325,7 @@ void DirectIsland::close_joints(const SolveInput& input, double h, double time, 
       tightens = false;
       place_inertia(input, time, h);
       place_joints(input, time);
-      if (!problem_.refactor()) return;
+      if (!problem_.factor()) return;
     }
     problem_.find_closing_motion(sound);
     const double share = move_closer(input, time, most);
@@ -341,12 +343,12 @@ void DirectIsland::close_joints(const SolveInput& input, double h, double time, 
 
 // By as much of the closing motion as closes anything. Returns how much that was, or 0 if nothing does.
 double DirectIsland::move_closer(const SolveInput& input, double time, double gap_before) {
-  const std::vector<State> before = states_;
+  before_ = states_;
   double share = std::min(1.0, tuning::far_at_rest / farthest());
   for (int round = 0; round < tuning::most_shortenings; ++round, share *= 0.25) {
     move(share, problem_.direction());
     if (widest_gap(input, time) <= std::max(gap_before, tuning::open_gap)) return share;
-    states_ = before;
+    states_ = before_;
   }
   return 0;
 }
@@ -374,12 +376,11 @@ double DirectIsland::widest_gap(const SolveInput& input, double time) const {
 
 // What was apart as the step began was put apart from outside. It is closed too, but by no velocity: bodies would fly.
 void DirectIsland::close_tears(double h) {
-  bool any = false;
+  if (!tears_) return;
   problem_.find_closing_motion([&](const DirectJoint& joint, std::size_t r) {
-    any |= joint.torn[r];
     return joint.torn[r] ? std::clamp(joint.gap[r], -h * tuning::closing_speed, h * tuning::closing_speed) : 0;
   });
-  if (any && farthest() <= tuning::far_at_rest) move(1, problem_.direction());
+  if (farthest() <= tuning::far_at_rest) move(1, problem_.direction());
 }
 
 // Of all rows, at the poses of now.

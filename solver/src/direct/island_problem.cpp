@@ -6,6 +6,7 @@
 #include <limits>
 
 namespace atl::solver {
+
 void IslandProblem::resize(std::size_t body_count) {
   bodies.resize(body_count);
   for (auto* numbers : {&velocity, &free, &gradient_, &direction_, &product_}) numbers->resize(6 * body_count);

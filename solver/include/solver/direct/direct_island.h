@@ -38,7 +38,7 @@ class DirectIsland {
   /// Memory held.
   std::size_t bytes() const {
     return sizeof(*this) + problem_.bytes() +
-           jobs::bytes_of(members_, pairs_, links_, states_, lasting_, placed_, couplings_);
+           jobs::bytes_of(members_, pairs_, links_, states_, before_, lasting_, placed_, couplings_);
   }
 
  private:
@@ -69,7 +69,7 @@ class DirectIsland {
   void stop_contacts(double dt);
   void push_contacts_apart(const SolverSettings& settings, double dt);
   bool overlaps_notably(const SolverSettings& settings, double dt) const;
-  bool find_velocities(const SolveInput& input, double from_outside);
+  bool find_velocities(double from_outside);
   void take_back_give(double dt);
   void keep_velocities();
 
@@ -115,11 +115,13 @@ class DirectIsland {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> couplings_;
   bool fits_ = false;
   bool all_locked_ = false;  // all rows of joints
+  bool tears_ = false;       // some row was apart as the step began
   std::uint32_t first_rank_ = 0;
   IslandProblem problem_;
-  std::vector<State> states_;
+  std::vector<State> states_, before_;
   std::vector<Placed> placed_;
-  std::vector<double> lasting_;  // m/s, rad/s: what bodies keep; the problem's velocity is what they move by
+  // m/s, rad/s: what bodies come with, and then what they keep; the problem's velocity is what they move by.
+  std::vector<double> lasting_;
 };
 
 }  // namespace atl::solver

@@ -71,7 +71,8 @@ class IslandProblem {
   Six motion_of(const DirectContact& contact) const;
   /// Where bodies, axes or stiffnesses have changed.
   void forget_factor();
-  bool refactor() { return factor(); }
+  /// For what everything is on now. Returns false if that can't be.
+  bool factor();
   int iterations() const { return iterations_; }
   void count_anew() { iterations_ = 0; }
 
@@ -89,7 +90,6 @@ class IslandProblem {
   void add_masses();
   void add_stiffness(const DirectContact& contact, const std::array<Six, 6>& k);
   void add_stiffness(DirectJoint& joint);
-  bool factor();
   bool is_factored() const;
 
   bool settle_friction();
