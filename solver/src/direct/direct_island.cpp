@@ -67,23 +67,28 @@ bool DirectIsland::solve_step(const SolveInput& input) {
   const SolverSettings& settings = input.settings;
   free_velocities(input, input.dt);
   lasting_ = problem_.velocity;
-  const bool relaxes = settings.relax_iterations > 0;
-  if (relaxes) {
-    stop_contacts(input.dt);
-  } else {
-    push_contacts_apart(settings, input.dt);
-  }
-  if (!find_velocities(0)) return false;
-  if (relaxes) take_back_give(input.dt);
-  keep_velocities();
-  if (relaxes && overlaps_notably(settings, input.dt)) {
-    push_contacts_apart(settings, input.dt);
-    if (!problem_.solve_nearby()) return false;
-  }
+  if (!find_motions(settings, input.dt, 0)) return false;
   if (input.capture != nullptr) capture(input, input.dt);
   write_back_step(input);
   write_impulses(input, 1.0 / settings.substeps);
   return true;
+}
+
+// The velocities that bodies keep, and those that they move by in dt seconds.
+bool DirectIsland::find_motions(const SolverSettings& settings, double dt, double from_outside) {
+  const bool relaxes = settings.relax_iterations > 0;
+  if (relaxes) {
+    stop_contacts(dt);
+  } else {
+    push_contacts_apart(settings, dt);
+  }
+  if (!find_velocities(from_outside)) return false;
+  if (relaxes) take_back_give(dt);
+  keep_velocities();
+  pushes_ = relaxes && overlaps_notably(settings, dt);
+  if (!pushes_) return true;
+  push_contacts_apart(settings, dt);
+  return problem_.solve_nearby();
 }
 
 // Where Newton's method ends nowhere, an interior point method starts over, from the velocities that bodies came with.

@@ -37,7 +37,6 @@ Vector3 gained_by_turning(const Quaternion& start, const Quaternion& now, const 
 bool DirectIsland::solve_substeps(const SolveInput& input) {
   const SolverSettings& settings = input.settings;
   const double h = input.dt / settings.substeps;
-  const bool relaxes = settings.relax_iterations > 0;
   load_joints(input);
   place_inertia(input, 0, h);
   place_joints(input, 0);
@@ -46,26 +45,13 @@ bool DirectIsland::solve_substeps(const SolveInput& input) {
     lasting_ = problem_.velocity;
     free_substep_velocities(input, h);
     begin_laws(input, h);
-    if (relaxes) {
-      stop_contacts(h);
-    } else {
-      push_contacts_apart(settings, h);
-    }
     if (!all_locked_) problem_.forget_factor();
-    if (!find_velocities(drive(h, input))) return false;
-    if (relaxes) take_back_give(h);
-    keep_velocities();
-    bool pushed = false;
-    if (relaxes && overlaps_notably(settings, h)) {
-      push_contacts_apart(settings, h);
-      if (!problem_.solve_nearby()) return false;
-      pushed = true;
-      push_gently(settings.contact_push_speed);
-    }
+    if (!find_motions(settings, h, drive(h, input))) return false;
+    if (pushes_) push_gently(settings.contact_push_speed);
     if (input.capture != nullptr && substep + 1 == settings.substeps) capture(input, h);
     const double time = h * (substep + 1);
     move(h, problem_.velocity);
-    close_joints(input, h, time, pushed);
+    close_joints(input, h, time);
     place_inertia(input, time, h);
     place_joints(input, time);
     place_contacts(input, time);
@@ -188,9 +174,10 @@ void DirectIsland::place_contacts(const SolveInput& input, double time) {
     DirectContact& contact = problem_.contacts[c];
     const Placed& placed = placed_[c];
     const auto& [normal, tangent, other] = contact.axes;
-    const auto moved = [&](std::uint32_t local, std::uint32_t body, const Vector3& at) -> Vector3 {
+    const BodyPose pose_first = pose_of(input, contact.first, placed.first_body, time);
+    const BodyPose pose_second = pose_of(input, contact.second, placed.second_body, time);
+    const auto moved = [&](std::uint32_t body, const BodyPose& now, const Vector3& at) -> Vector3 {
       if (table.mobility[body] == Mobility::Fixed) return Vector3::Zero();
-      const BodyPose now = pose_of(input, local, body, time);
       Vector3 by = now.position - table.position(body);
       // A rolling ball's lowest point does not rise with its surface.
       if (!table.ball[body]) by += gained_by_turning(table.orientation(body), now.orientation, at);
@@ -198,34 +185,35 @@ void DirectIsland::place_contacts(const SolveInput& input, double time) {
     };
     for (int i = 0; i < contact.law.points; ++i) {
       const Vector3 out = contact.law.x[i] * tangent + contact.law.y[i] * other;
-      const Vector3 first = moved(contact.first, placed.first_body, contact.arm_first + out);
-      const Vector3 second = moved(contact.second, placed.second_body, contact.arm_second + out);
+      const Vector3 first = moved(placed.first_body, pose_first, contact.arm_first + out);
+      const Vector3 second = moved(placed.second_body, pose_second, contact.arm_second + out);
       contact.separation[i] = placed.start_separation[i] + normal.dot(second - first);
     }
   }
 }
 
+// Of a row, those of the point first, which are locked.
+const Law& DirectIsland::law_of(const Joint& joint, std::size_t row) {
+  static constexpr Law locked{.lower = 0, .upper = 0};
+  const std::size_t points = joint.point ? 3 : 0;
+  return row < points ? locked : joint.law[row - points];
+}
+
 void DirectIsland::note_tears(const SolveInput& input) {
   tears_ = false;
   for (DirectJoint& joint : problem_.joints) {
-    const Joint& of = input.joints[joint.joint];
-    const std::size_t points = of.point ? 3 : 0;
     for (std::size_t r = 0; r < joint.rows; ++r) {
-      const bool locked = r < points || of.law[r - points].locked();
-      const double place = r < points ? 0 : of.law[r - points].lower;
-      joint.torn[r] = locked && std::abs(joint.position[r] - place) > tuning::torn;
+      const Law& law = law_of(input.joints[joint.joint], r);
+      joint.torn[r] = law.locked() && std::abs(joint.position[r] - law.lower) > tuning::torn;
       tears_ |= joint.torn[r];
     }
   }
 }
 
 void DirectIsland::begin_laws(const SolveInput& input, double h) {
-  constexpr Law locked{.lower = 0, .upper = 0};
   for (DirectJoint& joint : problem_.joints) {
-    const Joint& of = input.joints[joint.joint];
-    const std::size_t points = of.point ? 3 : 0;
     for (std::size_t r = 0; r < joint.rows; ++r) {
-      const Law& law = r < points ? locked : of.law[r - points];
+      const Law& law = law_of(input.joints[joint.joint], r);
       joint.law[r] = RowLaw::of(law, joint.position[r], joint.mass[r], h, tuning::compliance);
     }
   }
@@ -289,9 +277,7 @@ void DirectIsland::move(double h, std::span<const double> by) {
 
 // m or rad: how far a row is from where it is held, at the poses of now; 0 of what is free.
 double DirectIsland::gap_of(const Joint& of, const DirectJoint& joint, std::size_t row, double position) {
-  const std::size_t points = of.point ? 3 : 0;
-  if (row < points) return position;
-  const Law& law = of.law[row - points];
+  const Law& law = law_of(of, row);
   if (law.locked()) return position - law.lower;
   const int limit = joint.law[row].limit(joint.rate[row]);
   return limit < 0 ? position - law.lower : limit > 0 ? position - law.upper : 0;
@@ -315,7 +301,7 @@ void DirectIsland::push_gently(double push_speed) {
 // What bodies' turns have left open is closed by Newton's method, in poses and velocities: by one step along the rows
 // of the substep's start, or where that is not near, along rows that follow. There a taut chain of light links would
 // rather turn them far than move what it pulls on; what holds it straight is the stiffness of its tension.
-void DirectIsland::close_joints(const SolveInput& input, double h, double time, bool pushed) {
+void DirectIsland::close_joints(const SolveInput& input, double h, double time) {
   const auto sound = [](const DirectJoint& joint, std::size_t r) { return joint.torn[r] ? 0 : joint.gap[r]; };
   note_gaps(input, time);
   double most = widest_noted();
@@ -330,7 +316,7 @@ void DirectIsland::close_joints(const SolveInput& input, double h, double time, 
     problem_.find_closing_motion(sound);
     const double share = move_closer(input, time, most);
     if (share == 0) break;
-    if (!pushed) {
+    if (!pushes_) {
       for (std::size_t i = 0; i < lasting_.size(); ++i) lasting_[i] += share * problem_.direction()[i] / h;
     }
     problem_.add_closing_impulses(sound, share / h);

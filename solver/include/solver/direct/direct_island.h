@@ -69,6 +69,7 @@ class DirectIsland {
   void stop_contacts(double dt);
   void push_contacts_apart(const SolverSettings& settings, double dt);
   bool overlaps_notably(const SolverSettings& settings, double dt) const;
+  bool find_motions(const SolverSettings& settings, double dt, double from_outside);
   bool find_velocities(double from_outside);
   void take_back_give(double dt);
   void keep_velocities();
@@ -91,8 +92,9 @@ class DirectIsland {
   void note_gaps(const SolveInput& input, double time);
   double farthest() const;
   void push_gently(double push_speed);
+  static const Law& law_of(const Joint& joint, std::size_t row);
   void note_tears(const SolveInput& input);
-  void close_joints(const SolveInput& input, double h, double time, bool pushed);
+  void close_joints(const SolveInput& input, double h, double time);
   void close_tears(double h);
   double move_closer(const SolveInput& input, double time, double gap_before);
   double widest_noted() const;
@@ -115,6 +117,7 @@ class DirectIsland {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> couplings_;
   bool fits_ = false;
   bool all_locked_ = false;  // all rows of joints
+  bool pushes_ = false;      // bodies move by other velocities than they keep
   bool tears_ = false;       // some row was apart as the step began
   std::uint32_t first_rank_ = 0;
   IslandProblem problem_;
