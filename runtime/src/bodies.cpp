@@ -57,6 +57,26 @@ void World::Impl::resize_bodies(std::size_t count) {
 }
 
 // What the body is for as long as it lives.
+namespace {
+
+// Whether a shape looks the same turned about the z axis of its body's frame.
+bool is_round(const CheckedCollider& collider) {
+  const auto& [position, orientation] = collider.local;
+  if (position.x() != 0 || position.y() != 0) return false;
+  switch (collider.shape.kind) {
+    case collision::ShapeKind::Sphere:
+      return true;
+    case collision::ShapeKind::Capsule:
+    case collision::ShapeKind::Cylinder:
+    case collision::ShapeKind::Cone:
+      return orientation.x() == 0 && orientation.y() == 0;
+    default:
+      return false;
+  }
+}
+
+}  // namespace
+
 void World::Impl::give_constants(std::uint32_t body, const std::shared_ptr<const BodyConstants>& constants) {
   records.constants[body] = constants;
   const BodyConstants& c = *constants;
@@ -79,6 +99,7 @@ void World::Impl::give_constants(std::uint32_t body, const std::shared_ptr<const
   if (!bodies.least_moment.empty()) bodies.least_moment[body] = least_moment;
   bodies.ball[body] = c.colliders.size() == 1 && c.colliders.front().shape.kind == collision::ShapeKind::Sphere &&
                       c.centre.isZero(0) && c.colliders.front().local.position.isZero(0);
+  bodies.round[body] = !bodies.ball[body] && std::all_of(c.colliders.begin(), c.colliders.end(), is_round);
   bodies.gravity_scale[body] = c.gravity_scale;
   bodies.linear_damping[body] = c.linear_damping;
   bodies.angular_damping[body] = c.angular_damping;

@@ -45,17 +45,12 @@ ContactProblem World::Impl::contact_problem() const {
         answer.planar ? vector(answer.tangent) : vector(collision::tangents(manifold.normal).first);
     const Vector3 tangent = (first_tangent - normal.dot(first_tangent) * normal).normalized();
     const Vector3 friction = vector(answer.friction_impulse);
-    // A ball is touched on the line through its centre, see the solver's prepare().
-    const auto anchor = [&](std::uint32_t body, const float(&from_centre)[3]) {
-      const Vector3 arm = vector(from_centre);
-      return bodies.ball[body] != 0 ? Vector3(normal.dot(arm) * normal) : arm;
-    };
     ContactProblem::Patch patch{.first = place_of(pair.first),
                                 .second = place_of(pair.second),
                                 .normal = normal,
                                 .tangent = tangent,
-                                .anchor_first = anchor(pair.first, manifold.anchor_first),
-                                .anchor_second = anchor(pair.second, manifold.anchor_second),
+                                .anchor_first = vector(answer.anchor_first),
+                                .anchor_second = vector(answer.anchor_second),
                                 .friction = manifold.friction,
                                 .lever = manifold.lever,
                                 .friction_impulse = friction - normal.dot(friction) * normal,

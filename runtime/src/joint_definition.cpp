@@ -1,6 +1,5 @@
 #include "joint_definition.h"
 
-
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -56,6 +55,8 @@ void check_axis(const std::string& field, const JointAxis& axis, const Domain& d
     if (!(std::isfinite(hertz) && hertz > 0)) refuse(field + ".spring.hertz", hertz, "a finite number above 0");
     check_not_negative(field + ".spring.damping_ratio", axis.spring->damping_ratio);
     check_finite(field + ".spring.rest", axis.spring->rest);
+    if (axis.spring->stiffness) check_not_negative(field + ".spring.stiffness", *axis.spring->stiffness);
+    if (axis.spring->damping) check_not_negative(field + ".spring.damping", *axis.spring->damping);
   }
   if (axis.motor) {
     check_finite(field + ".motor.speed", axis.motor->speed);

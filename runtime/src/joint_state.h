@@ -38,6 +38,8 @@ struct JointKindState {
       archive.value(spring.hertz);
       archive.value(spring.damping_ratio);
       archive.value(spring.rest);
+      visit_optional(archive, spring.stiffness, [this](auto& stiffness) { archive.value(stiffness); });
+      visit_optional(archive, spring.damping, [this](auto& damping) { archive.value(damping); });
     });
     visit_optional(archive, axis.motor, [this](auto& motor) {
       archive.value(motor.speed);

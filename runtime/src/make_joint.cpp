@@ -15,8 +15,13 @@ Law law_of(const JointAxis& axis) {
   Law law{.lower = axis.range.lower, .upper = axis.range.upper};
   if (law.locked()) return law;
   if (axis.spring) {
-    law.spring_hertz = axis.spring->hertz;
-    law.damping_ratio = axis.spring->damping_ratio;
+    if (axis.spring->is_linear()) {
+      law.stiffness = axis.spring->stiffness.value_or(0);
+      law.damping = axis.spring->damping.value_or(0);
+    } else {
+      law.spring_hertz = axis.spring->hertz;
+      law.damping_ratio = axis.spring->damping_ratio;
+    }
     law.rest = axis.spring->rest;
   }
   if (axis.motor && axis.motor->max_force > 0) {

@@ -52,18 +52,17 @@ TEST(AnalyticJoint, CrankMovesTheSlider) {
 
 // Implicit Euler damps what has no damping of its own, the faster the more: w h / 2 of critical.
 TEST(AnalyticJoint, SpringsOscillate) {
-  for (const auto& run : {&direct, &iterative}) {
-    const Errors coarse = run("spring-damper", dt), fine = run("spring-damper", dt / 4);
-    EXPECT_LT(coarse.at("undamped_error"), 0.3);
-    EXPECT_LT(coarse.at("underdamped_error"), 0.04);
-    EXPECT_LT(coarse.at("critical_error"), 0.01);
-    EXPECT_LT(coarse.at("overdamped_error"), 0.005);
-    EXPECT_LT(coarse.at("distance_error"), 0.04);
-    for (const auto& [name, error] : coarse) {
-      if (name.ends_with("damped_error") || name == "critical_error") {
-        EXPECT_LT(fine.at(name), 0.35 * error) << name;
-      }
+  for (const auto& [name, error] : direct("spring-damper", dt)) {
+    if (name.ends_with("_error") && !name.starts_with("joint")) {
+      EXPECT_LT(error, 1e-4) << name;
     }
+  }
+  // Swept ones' velocities are half a substep behind.
+  const Errors coarse = iterative("spring-damper", dt), fine = iterative("spring-damper", dt / 4);
+  for (const char* name :
+       {"undamped_error", "underdamped_error", "critical_error", "overdamped_error", "distance_error"}) {
+    EXPECT_LT(coarse.at(name), 0.02) << name;
+    EXPECT_LT(fine.at(name), 0.35 * coarse.at(name)) << name;
   }
 }
 

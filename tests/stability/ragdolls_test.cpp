@@ -18,9 +18,9 @@ TEST_P(RagdollsTest, HoldTogetherAndComeToRest) {
   constexpr double degree = std::numbers::pi / 180;
   constexpr int dolls = 20, parts = 13;
   const bool direct = GetParam() == JointSolver::Direct;
-  // Where each heap ends is chance, so gaps of joints that are swept are the mean of several.
+  // Where each heap ends is chance, so what joints that are swept come to is the mean of several.
   constexpr std::uint64_t seeds = 4;
-  double mean_gap_at_end = 0;
+  double mean_gap_at_end = 0, mean_excess_at_end = 0;
   for (std::uint64_t seed = 1; seed <= (direct ? 1 : seeds); ++seed) {
     JoinedRun run(load_scene("ragdolls:count=20", seed), GetParam());
     double gap = 0, excess = 0, gap_at_end = 0, excess_at_end = 0;
@@ -35,11 +35,12 @@ TEST_P(RagdollsTest, HoldTogetherAndComeToRest) {
     }
     EXPECT_LT(gap, direct ? 0.005 : 0.1) << seed;
     EXPECT_LT(excess, (direct ? 1 : 60) * degree) << seed;
-    EXPECT_LT(excess_at_end, (direct ? 1e-3 : 2) * degree) << seed;
     EXPECT_EQ(asleep, dolls * parts) << seed;
     mean_gap_at_end += gap_at_end / (direct ? 1 : seeds);
+    mean_excess_at_end += excess_at_end / (direct ? 1 : seeds);
   }
   EXPECT_LT(mean_gap_at_end, direct ? 1e-6 : 0.004);
+  EXPECT_LT(mean_excess_at_end, (direct ? 1e-3 : 2) * degree);
 }
 
 INSTANTIATE_TEST_SUITE_P(Solvers, RagdollsTest, testing::Values(JointSolver::Iterative, JointSolver::Direct),

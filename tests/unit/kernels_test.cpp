@@ -123,6 +123,7 @@ void simulate(Group& group, const Kernels& kernels) {
   const std::size_t bodies = group.bodies.padded_count();
   kernels.prepare(data, 0, group.colouring.block_count());
   for (const bool again : {false, true}) {
+    if (again) kernels.note_approaches(data, 1, 0, group.colouring.block_count());
     kernels.integrate_velocities(group.bodies, group.constants, again, 0, bodies);
     if (!again) {
       each_colour(group, [&](std::size_t begin, std::size_t end) { kernels.warm_start(data, begin, end); });
@@ -132,7 +133,8 @@ void simulate(Group& group, const Kernels& kernels) {
     sweep(group, kernels, {Push::None, true, again ? Friction::Pyramid : Friction::Cone});
     sweep(group, kernels, {Push::None, false, Friction::None});
   }
-  each_colour(group, [&](std::size_t begin, std::size_t end) { kernels.restitute(data, begin, end); });
+  each_colour(group,
+              [&](std::size_t begin, std::size_t end) { kernels.restitute(data, Friction::Cone, true, begin, end); });
   kernels.store(data, 0, group.colouring.block_count());
 }
 

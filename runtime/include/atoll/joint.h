@@ -27,11 +27,18 @@ struct JointRange {
   double upper = unlimited;
 };
 
-/// A damped spring that pulls a coordinate to its rest, implicitly, so that any stiffness is stable.
+/// A damped spring that pulls a coordinate to its rest. Any stiffness is stable; without damping no energy is lost.
+///
+/// Either as a frequency, with the two bodies' effective mass along the coordinate as they are at the time, as if
+/// nothing else held them; or, with `stiffness` or `damping`, as a force linear in offset and speed.
 struct JointSpring {
-  double hertz = 1;          ///< > 0, with the two bodies' effective mass along the coordinate
-  double damping_ratio = 1;  ///< >= 0; 1 is critical
-  double rest = 0;           ///< m or rad, finite
+  double hertz = 1;                      ///< > 0
+  double damping_ratio = 1;              ///< >= 0; 1 is critical
+  double rest = 0;                       ///< m or rad, finite
+  std::optional<double> stiffness = {};  ///< N/m or N m/rad, >= 0; with it or `damping`, the first two do nothing
+  std::optional<double> damping = {};    ///< N s/m or N m s/rad, >= 0
+
+  bool is_linear() const { return stiffness || damping; }
 };
 
 /// Drives a coordinate at a speed, by no more than so much force or torque. At speed 0 it is friction, or a brake.

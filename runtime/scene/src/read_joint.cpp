@@ -20,11 +20,25 @@ JointRange read_range(const Reader& in, const Range& ends) {
 }
 
 JointSpring read_spring(const Reader& in) {
-  in.only_keys({"hertz", "damping_ratio", "rest"});
+  in.only_keys({"hertz", "damping_ratio", "rest", "stiffness", "damping"});
   JointSpring spring;
+  in.get("rest", spring.rest);
+  const auto number_of = [&](const char* key, std::optional<double>& to) {
+    if (!in.has(key)) return;
+    double value = 0;
+    in.get(key, value, at_least(0));
+    to = value;
+  };
+  number_of("stiffness", spring.stiffness);
+  number_of("damping", spring.damping);
+  if (spring.is_linear()) {
+    for (const char* key : {"hertz", "damping_ratio"}) {
+      if (in.has(key)) in.fail(std::string("\"") + key + "\" with a stiffness or damping", "either of the two pairs");
+    }
+    return spring;
+  }
   spring.hertz = in.at("hertz", "a number > 0, in Hz").number(above(0));
   in.get("damping_ratio", spring.damping_ratio, at_least(0));
-  in.get("rest", spring.rest);
   return spring;
 }
 

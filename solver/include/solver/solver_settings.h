@@ -53,8 +53,9 @@ struct Softness {
 
 /// What the kernels need to know of a substep.
 struct SubstepConstants {
-  float step;       ///< s, of all substeps together
-  float h;          ///< s
+  float step;  ///< s, of all substeps together
+  float h;     ///< s
+  int substeps;
   float inverse_h;  ///< 1/s
   Softness dynamic_contact;
   Softness fixed_contact;  ///< against a body of infinite mass
@@ -73,6 +74,7 @@ struct SubstepConstants {
     SubstepConstants c;
     c.step = static_cast<float>(dt);
     c.h = static_cast<float>(h);
+    c.substeps = settings.substeps;
     c.inverse_h = static_cast<float>(1 / h);
     c.slop = 0;
     if (settings.stabilisation == Stabilisation::Soft) {

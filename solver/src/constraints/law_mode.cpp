@@ -29,6 +29,12 @@ void LawMode::begin(const Law& law, double position, double effective_mass, doub
   go_to(piece_ == Piece::Locked ? Piece::Between : piece_, law);
 }
 
+void LawMode::start_at(const Law& law, double rate) {
+  if (row_.spring_slope == 0) return;
+  row_.start_at(rate);
+  go_to(piece_, law);
+}
+
 // A motor that reaches its speed holds it like a lock; one that doesn't pulls with all it has.
 double LawMode::motor_impulse(const Law& law, double rate) const {
   return rate < law.motor_speed ? row_.motor_impulse : rate > law.motor_speed ? -row_.motor_impulse : 0;

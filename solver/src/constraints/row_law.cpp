@@ -1,7 +1,9 @@
 #include <solver/constraints/row_law.h>
+#include <solver/constraints/spring_step.h>
 #include <solver/tuning.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace atl::solver {
 
@@ -15,12 +17,14 @@ RowLaw RowLaw::of(const Law& law, double position, double effective_mass, double
   row.upper_rate = std::max((law.upper - position) / h, -tuning::closing_speed);
   row.motor_speed = law.motor_speed;
   row.motor_impulse = h * law.motor_force;
-  if (law.spring_hertz > 0) {
-    const double omega = 2 * 3.14159265358979323846 * law.spring_hertz;
-    const double stiffness = effective_mass * omega * omega;
-    const double response = h * stiffness + 2 * effective_mass * law.damping_ratio * omega;
-    row.spring_slope = h * response;
-    row.spring_rate = -stiffness * (position - law.rest) / response;
+  if (law.springs() && effective_mass > 0) {
+    constexpr double least = 1e-12;  // of what rounding leaves of a very soft one
+    const SpringStep spring =
+        SpringStep::of(std::sqrt(law.square_of_omega(effective_mass)), law.decay(effective_mass), h);
+    const double hold = std::max(spring.hold, least);
+    row.spring_slope = effective_mass * hold;
+    row.spring_rate = -spring.pull * (position - law.rest) / hold;
+    row.spring_keeps = spring.keep / hold;
   }
   return row;
 }

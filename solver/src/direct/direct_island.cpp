@@ -419,6 +419,8 @@ void DirectIsland::capture(const SolveInput& input, double step) const {
     const Vector3 friction = contact.in_plane(contact.lasting.friction);
     const Vector3 rolling = contact.in_plane(contact.lasting.rolling);
     for (int k = 0; k < 3; ++k) {
+      answer.anchor_first[k] = static_cast<float>(contact.arm_first[k]);
+      answer.anchor_second[k] = static_cast<float>(contact.arm_second[k]);
       answer.friction_impulse[k] = static_cast<float>(friction[k]);
       answer.rolling_impulse[k] = static_cast<float>(rolling[k]);
     }

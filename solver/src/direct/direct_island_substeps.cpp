@@ -14,11 +14,6 @@
 namespace atl::solver {
 namespace {
 
-Quaternion turned(const Vector3& turn, const Quaternion& orientation) {
-  const Vector3 half = 0.5 * turn;
-  return (Quaternion(1, half.x(), half.y(), half.z()) * orientation).normalized();
-}
-
 JointRow point_row(int axis, const Vector3& arm_first, const Vector3& arm_second) {
   JointRow row;
   row.linear = Vector3::Unit(axis);
@@ -210,11 +205,26 @@ void DirectIsland::note_tears(const SolveInput& input) {
   }
 }
 
+// Of a joint's row, before the substep's forces.
+double DirectIsland::lasting_rate(const DirectJoint& joint, std::size_t row) const {
+  double rate = joint.given[row];
+  const auto add = [&](std::uint32_t body, double sign, const Vector3& angular) {
+    if (body == no_body) return;
+    const double* velocity = &lasting_[6 * body];
+    rate += sign * joint.at[row].linear.dot(Eigen::Map<const Vector3>(velocity)) +
+            sign * angular.dot(Eigen::Map<const Vector3>(velocity + 3));
+  };
+  add(joint.first, -1, joint.at[row].angular_first);
+  add(joint.second, 1, joint.at[row].angular_second);
+  return rate;
+}
+
 void DirectIsland::begin_laws(const SolveInput& input, double h) {
   for (DirectJoint& joint : problem_.joints) {
     for (std::size_t r = 0; r < joint.rows; ++r) {
       const Law& law = law_of(input.joints[joint.joint], r);
       joint.law[r] = RowLaw::of(law, joint.position[r], joint.mass[r], h, tuning::compliance);
+      if (joint.law[r].spring_slope > 0) joint.law[r].start_at(lasting_rate(joint, r));
     }
   }
 }

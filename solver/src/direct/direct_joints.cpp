@@ -1,4 +1,6 @@
+#include <solver/constraints/spring_step.h>
 #include <solver/direct/direct_joints.h>
+#include <solver/integrate/free_flight.h>
 #include <solver/tuning.h>
 
 #include <algorithm>
@@ -9,11 +11,6 @@
 
 namespace atl::solver {
 namespace {
-
-// A turn by the vector `turn`, of a small angle, after an orientation.
-Quaternion turned(const Vector3& turn, const Quaternion& orientation) {
-  return (Quaternion(1, 0.5 * turn.x(), 0.5 * turn.y(), 0.5 * turn.z()) * orientation).normalized();
-}
 
 // What takes a vector to zero. Returns where the next number goes.
 double* put_negative(const Vector3& v, double* to) {
@@ -59,9 +56,99 @@ void DirectJoints::begin_laws(const Joint* joints, double h) {
     for (std::uint32_t r = node.begin; r < node.end; ++r) {
       Row& row = rows_[r];
       const double response = row.at.response(a.inverse_mass + b.inverse_mass, a.inverse_inertia, b.inverse_inertia);
-      row.mode.begin(joint.law[r - node.begin], row.position, response > 0 ? 1 / response : 0, h);
+      row.mass = response > 0 ? 1 / response : 0;
+      row.mode.begin(joint.law[r - node.begin], row.position, row.mass, h);
     }
   }
+}
+
+void DirectJoints::note_rates(const DirectInput& input) {
+  if (rows_.empty()) return;
+  load_velocities(input.bodies);
+  for (const Node& node : nodes_) {
+    for (std::uint32_t r = node.begin; r < node.end; ++r) {
+      rows_[r].mode.start_at(input.joints[node.joint].law[r - node.begin], row_speed(node, rows_[r]));
+    }
+  }
+}
+
+// Where substeps can't follow a spring there is no half of one. Called between the half kicks of other forces.
+void DirectJoints::kick_springs(const DirectInput& input, int sign) {
+  if (rows_.empty()) return;
+  load_velocities(input.bodies);
+  bool kicks = false;
+  for (const Node& node : nodes_) {
+    for (std::uint32_t r = node.begin; r < node.end; ++r) {
+      const Row& row = rows_[r];
+      const Law& law = input.joints[node.joint].law[r - node.begin];
+      if (!law.springs() || law.locked() || !(row.mass > 0)) continue;
+      const double omega = std::sqrt(law.square_of_omega(row.mass));
+      const double decay = law.decay(row.mass);
+      if (omega * input.h > SpringStep::most_phase || decay * input.h > SpringStep::most_phase) continue;
+      const LateRate late = LateRate::of(omega, decay, input.h);
+      const auto accelerates = [&](std::uint32_t member, bool turns) -> Vector3 {
+        const AccelerationRows& by = input.bodies.acceleration[members_[member].local];
+        return get3(turns ? by.angular : by.linear);
+      };
+      const double acceleration = row.at.rate(accelerates(node.first, false), accelerates(node.first, true),
+                                              accelerates(node.second, false), accelerates(node.second, true));
+      const double of_force = 0.5 * input.h * acceleration;  // half a kick of everything else, which it has
+      const double beside = late.of_position * (row.position - law.rest) + late.of_acceleration * acceleration;
+      const double rate = row_speed(node, row);
+      const double kicked =
+          sign < 0 ? beside + late.of_rate * (rate + of_force) : (rate - beside) / late.of_rate - of_force;
+      apply(node, row.at, row.mass * (kicked - rate));
+      kicks = true;
+    }
+  }
+  if (kicks) store_velocities(input.bodies);
+}
+
+// What the rows' bending makes of their rates by the end of the substep, on the mean: points that go round are pulled
+// inwards, and what tumbles turns otherwise than it spins. Rates that are asked for with it bring positions onto the
+// constraint to third order, before bodies have moved: impulses that come later act on spins that have gone another
+// way. Not where arms swing farther in a substep than that is true for.
+void DirectJoints::note_bends(const DirectInput& input) {
+  for (Member& member : members_) {
+    member.next_turn = member.turn;
+    if (member.spin.isZero(0)) continue;
+    Vector3 spin = member.turn.conjugate() * member.spin;
+    if (member.dynamic && input.table.gyroscopic[member.body]) {
+      const Vector3 torque = (input.table.inertia[member.body] * spin).cross(spin);
+      spin += (0.5 * input.h) * (input.table.inverse_inertia[member.body] * torque);
+    }
+    member.next_turn = turned(input.h * (member.turn * spin), member.turn);
+  }
+  constexpr double least_square = tuning::least_bend_spin * tuning::least_bend_spin;
+  const auto spins = [=](const Member& member) { return member.spin.squaredNorm() > least_square; };
+  bool goes_far = false;
+  for (Node& node : nodes_) {
+    const Member& a = members_[node.first];
+    const Member& b = members_[node.second];
+    node.bend.setZero();
+    for (std::uint32_t r = node.begin; r < node.end; ++r) rows_[r].bend = 0;
+    if (!spins(a) && !spins(b)) continue;
+    const Joint& joint = input.joints[node.joint];
+    const Vector3 turned_first = a.next_turn * joint.anchor_first - node.arm_first;
+    const Vector3 turned_second = b.next_turn * joint.anchor_second - node.arm_second;
+    goes_far |= turned_first.norm() > tuning::most_bend * node.arm_first.norm() ||
+                turned_second.norm() > tuning::most_bend * node.arm_second.norm();
+    node.bend =
+        (turned_second - turned_first) / input.h - (b.spin.cross(node.arm_second) - a.spin.cross(node.arm_first));
+    if (node.begin == node.end) continue;
+    const JointFrames frames = joint_frames(joint, a.position + input.h * a.velocity, a.next_turn,
+                                            b.position + input.h * b.velocity, b.next_turn);
+    for (std::uint32_t r = node.begin; r < node.end; ++r) {
+      Row& row = rows_[r];
+      const double straight = row.position + input.h * row_speed(node, row);
+      const double there =
+          continued(joint.coordinate[r - node.begin], joint_row(joint, r - node.begin, frames).value, straight);
+      row.bend = (there - straight) / input.h;
+    }
+  }
+  if (!goes_far) return;
+  for (Node& node : nodes_) node.bend.setZero();
+  for (Row& row : rows_) row.bend = 0;
 }
 
 bool DirectJoints::update_laws(const Joint* joints) {
@@ -172,6 +259,7 @@ void DirectJoints::begin_substep() {
 
 void DirectJoints::solve_velocities(const DirectInput& input) {
   load_velocities(input.bodies);
+  note_bends(input);
   for (int round = 0; round < tuning::mode_rounds; ++round) {
     for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
       const Node& node = nodes_[i];
@@ -185,13 +273,12 @@ void DirectJoints::solve_velocities(const DirectInput& input) {
     for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
       const Node& node = nodes_[i];
       double* b = &b_[system_.row(i)];
-      if (node.point) b = put_negative(point_speed(node), b);
+      if (node.point) b = put_negative(point_speed(node) + node.bend, b);
       for (std::uint32_t r = node.begin; r < node.end; ++r) {
         const Row& row = rows_[r];
         const LawMode& mode = row.mode;
-        *b++ = mode.is_solved()
-                   ? mode.target() - row_speed(node, row) - mode.compliance() * (row.impulse - mode.given())
-                   : 0;
+        const double speed = row_speed(node, row) + (mode.holds() ? row.bend : 0);
+        *b++ = mode.is_solved() ? mode.target() - speed - mode.compliance() * (row.impulse - mode.given()) : 0;
       }
     }
     solve_and_apply();
@@ -321,8 +408,13 @@ void DirectJoints::move_members(const DirectInput& input) {
     if (!member.dynamic) continue;
     DisplacementRows& moved = input.bodies.displacement[member.local];
     add3(moved.linear, input.h * (member.velocity - member.velocity_before));
-    const Quaternion turn = turned(input.h * (member.spin - member.spin_before), rotation_of(moved));
-    for (int k = 0; k < 4; ++k) moved.rotation[k] = static_cast<float>(turn.coeffs()[k]);
+    const Vector3 turn = input.h * (member.spin - member.spin_before);
+    const auto turn_rows = [&](float(&rotation)[4]) {
+      const Quaternion now = turned(turn, {rotation[3], rotation[0], rotation[1], rotation[2]});
+      for (int k = 0; k < 4; ++k) rotation[k] = static_cast<float>(now.coeffs()[k]);
+    };
+    turn_rows(moved.rotation);
+    if (input.bodies.round_shapes) turn_rows(input.bodies.shape[member.local].rotation);
   }
 }
 
@@ -357,6 +449,7 @@ void DirectJoints::relax(const DirectInput& input) {
   prepare(input);
   close_gaps(input);
   project(input);
+  note_rates(input);
 }
 
 // One round of Newton's method is all that positions get where bodies turn by little in a substep. After an impact it

@@ -11,6 +11,7 @@
 #include <jobs/with_gyroscopic.h>
 #include <solver/integrate/solver_bodies.h>
 #include <solver/solver_settings.h>
+#include <solver/tuning.h>
 
 HWY_BEFORE_NAMESPACE();
 namespace atl::solver {
@@ -137,9 +138,6 @@ struct Tumbling {
   }
 };
 
-// rad a substep: what turns less does not tumble to speak of, and a pile at rest need not pay for it.
-constexpr float least_turn = 1e-3f;
-
 // Turns bodies with unequal moments of inertia, among those of one vector from `i` on. Returns the rotation since the
 // start of the step: of these, and of the others as it is given.
 HWY_INLINE Q tumble(SolverBodies& bodies, std::size_t i, const Q& before, const Q& plain, V h) {
@@ -147,7 +145,8 @@ HWY_INLINE Q tumble(SolverBodies& bodies, std::size_t i, const Q& before, const 
   const V4 w4 = load_rows(angular_row);
   const V4 ratio4 = load_rows([&](std::size_t k) { return bodies.gyroscopic[i + k].ratio; });
   const V3 w{w4.x, w4.y, w4.z};
-  const M turns = hn::Gt(hn::Mul(hn::Mul(h, h), dot(w, w)), splat(least_turn * least_turn));
+  constexpr auto least_square = static_cast<float>(tuning::least_spin * tuning::least_spin);
+  const M turns = hn::Gt(dot(w, w), splat(least_square));
   const M active = hn::And(turns, hn::Gt(ratio4.w, zero()));
   if (hn::AllFalse(D(), active)) return plain;
 
@@ -169,6 +168,28 @@ HWY_INLINE Q tumble(SolverBodies& bodies, std::size_t i, const Q& before, const 
              free_angular_row, ~0u);
   const Q turned_by = body.orientation * conjugate(principal);
   return {select(active, turned_by.vector, plain.vector), hn::IfThenElse(active, turned_by.scalar, plain.scalar)};
+}
+
+// How what contacts touch of bodies has turned, among those of one vector from `i` on, once they have turned from one
+// rotation to another. A round body's axis is taken along without a turn about itself.
+HWY_INLINE void turn_shapes(SolverBodies& bodies, std::size_t i, const Q& from, const Q& to) {
+  const auto axis_row = [&](std::size_t k) { return bodies.shape[i + k].axis; };
+  const auto rotation_row = [&](std::size_t k) { return bodies.shape[i + k].rotation; };
+  const V4 axis4 = load_rows(axis_row);
+  const M round = hn::Gt(axis4.w, splat(1.5f));
+  V4 rotation = {to.vector.x, to.vector.y, to.vector.z, to.scalar};
+  if (!hn::AllFalse(D(), round)) {
+    const V3 axis{axis4.x, axis4.y, axis4.z};
+    const V3 before = turned(from, axis);
+    const V3 after = turned(to, axis);
+    const V4 old = load_rows(rotation_row);
+    // Of half the angle between them.
+    const Q swing = normalized({cross(before, after), hn::Add(splat(1), dot(before, after))});
+    const Q swung = normalized(swing * Q{{old.x, old.y, old.z}, old.w});
+    const V3 vector = select(round, swung.vector, to.vector);
+    rotation = {vector.x, vector.y, vector.z, hn::IfThenElse(round, swung.scalar, to.scalar)};
+  }
+  store_rows(rotation, rotation_row, ~0u);
 }
 
 inline void integrate_positions(SolverBodies& bodies, const SubstepConstants& constants, std::size_t begin,
@@ -195,6 +216,7 @@ inline void integrate_positions(SolverBodies& bodies, const SubstepConstants& co
     }
     Q turn = normalized(advanced(q, {w.x, w.y, w.z}, half_h));
     if (gyroscopic) turn = tumble(bodies, i, q, turn, h);
+    if (bodies.round_shapes) turn_shapes(bodies, i, {{q4.x, q4.y, q4.z}, q4.w}, turn);
     store_rows({moved.x, moved.y, moved.z, p.w}, linear_row, ~0u);
     store_rows({turn.vector.x, turn.vector.y, turn.vector.z, turn.scalar}, rotation_row, ~0u);
   }

@@ -72,6 +72,20 @@ SineCosine sine_cosine(double angle) {
   }
 }
 
+double exponential_less_one(double x) {
+  constexpr double all = -40;  // below, exp(x) is less than a rounding of 1
+  constexpr double small = -0.25;
+  if (!(x > all)) return x == x ? -1 : x;
+  int halvings = 0;
+  for (; x < small; x *= 0.5) ++halvings;
+  // Taylor's series: the first term left out is below 1e-19 of x. Then exp(2 x) - 1 = (exp(x) - 1) (exp(x) + 1).
+  double sum = 0;
+  for (int n = 14; n >= 2; --n) sum = (sum + 1) * (x / n);
+  double result = x + x * sum;
+  for (; halvings > 0; --halvings) result *= 2 + result;
+  return result;
+}
+
 double arctangent(double y, double x) {
   // Multiples of pi/2 in two parts each.
   constexpr double half_pi = 1.57079632679489661923, half_pi_low = 6.12323399573676588614e-17;

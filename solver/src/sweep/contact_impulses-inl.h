@@ -8,6 +8,7 @@
 #define ATOLL_SOLVER_CONTACT_IMPULSES_INL_H_
 #endif
 
+#include <jobs/with_restitution.h>
 #include <jobs/with_surfaces.h>
 #include <solver/constraints/load_check.h>
 #include <solver/tuning.h>
@@ -53,44 +54,6 @@ void warm_start_by(const ContactKernelData& data, std::size_t begin, std::size_t
 inline void warm_start(const ContactKernelData& data, std::size_t begin, std::size_t end) {
   if (data.bodies.locks.empty()) return warm_start_by<Movers::Both>(data, begin, end);
   warm_start_by<Movers::Locked>(data, begin, end);
-}
-
-template <Movers movers>
-void restitute_by(const ContactKernelData& data, std::size_t begin, std::size_t end) {
-  const V threshold = splat(-data.constants.restitution_threshold);
-  for (std::size_t b = begin; b < end; ++b) {
-    ContactBlock& block = data.blocks[b];
-    if (!block.traits.bounces) continue;
-    const BounceBlock& bounce = data.bounces[b];
-    const std::size_t points = block.traits.points;
-    for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
-      ContactLanes<movers> c = load_contacts<movers>(data, block, lane);
-      const V restitution = load(bounce.restitution + lane);
-      NormalSolve solve(c);
-      for (std::size_t n = 0; n < tuning::restitution_rounds * points; ++n) {
-        const std::size_t i = n % points;
-        const V x = load(block.x[i] + lane);
-        const V y = load(block.y[i] + lane);
-        const V old_impulse = load(block.normal_impulse[i] + lane);
-        const V approach = load(bounce.approach[i] + lane);
-        const PointResponse response(block, lane, x, y);
-        const M bounces = hn::And(hn::And(hn::Lt(approach, threshold), hn::Gt(restitution, zero())),
-                                  hn::Gt(load(bounce.max_impulse[i] + lane), zero()));
-        const V target = hn::Add(solve.speed(x, y), hn::Mul(restitution, approach));
-        const V wanted = hn::Max(hn::Neg(hn::Mul(response.mass, target)), hn::Neg(old_impulse));
-        const V impulse = hn::IfThenElse(bounces, wanted, zero());
-        store(hn::Add(old_impulse, impulse), block.normal_impulse[i] + lane);
-        response.apply(impulse, x, y, solve);
-      }
-      solve.finish(c);
-      store_contact_bodies(c, data, block, lane);
-    }
-  }
-}
-
-inline void restitute(const ContactKernelData& data, std::size_t begin, std::size_t end) {
-  if (data.bodies.locks.empty()) return restitute_by<Movers::Both>(data, begin, end);
-  restitute_by<Movers::Locked>(data, begin, end);
 }
 
 // Lanes where soft contacts would give farther under what they carry now than in columns they should.
@@ -147,6 +110,11 @@ inline void store_impulses(const ContactKernelData& data, std::size_t begin, std
                    load(block.normal_impulse[2] + lane), load(block.normal_impulse[3] + lane)};
       const V load_of_all = hn::Add(hn::Add(normal.x, normal.y), hn::Add(normal.z, normal.w));
       loaded |= (loaded_lanes(data, block, lane, load_of_all) & used) << lane;
+      if (with_restitution && block.traits.bounces) {
+        const float(*spent)[block_lanes] = data.bounces[b].spent;
+        normal = {hn::Add(normal.x, load(spent[0] + lane)), hn::Add(normal.y, load(spent[1] + lane)),
+                  hn::Add(normal.z, load(spent[2] + lane)), hn::Add(normal.w, load(spent[3] + lane))};
+      }
       if (data.planar_blocks != nullptr) normal = back_to_manifold(data.planar_blocks[b], lane, normal);
       store_rows(
           {hn::Mul(together, normal.x), hn::Mul(together, normal.y), hn::Mul(together, normal.z),

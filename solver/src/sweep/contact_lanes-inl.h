@@ -11,6 +11,7 @@
 
 #include <jobs/lanes-inl.h>
 #include <solver/sweep/kernels.h>
+#include <solver/tuning.h>
 
 #include <type_traits>
 
@@ -64,6 +65,13 @@ HWY_INLINE V4 load_displacement(const SolverBodies& bodies, const std::int32_t* 
 HWY_INLINE V4 load_rotation(const SolverBodies& bodies, const std::int32_t* index) {
   const DisplacementRows* displacement = bodies.displacement.data();
   return load_rows([=](std::size_t k) { return displacement[index[k]].rotation; });
+}
+
+// The same of what contacts touch of them.
+HWY_INLINE V4 load_shape_rotation(const SolverBodies& bodies, const std::int32_t* index) {
+  if (!bodies.round_shapes) return load_rotation(bodies, index);
+  const ShapeRows* shape = bodies.shape.data();
+  return load_rows([=](std::size_t k) { return shape[index[k]].rotation; });
 }
 
 HWY_INLINE void store_bodies(const BodyLanes& body, SolverBodies& bodies, unsigned mask) {
@@ -179,15 +187,6 @@ HWY_INLINE void apply(ContactLanes<movers>& c, const V3& impulse, const V3& angu
   }
 }
 
-// Two impulses, scaled down to the disc of a radius where they leave it.
-HWY_INLINE void clamp_to_disc(V& a, V& b, V radius) {
-  const V length = hn::Sqrt(hn::Add(hn::Mul(a, a), hn::Mul(b, b)));
-  const M outside = hn::Gt(length, radius);
-  const V scale = hn::IfThenElse(outside, hn::Div(radius, hn::IfThenElse(outside, length, splat(1))), splat(1));
-  a = hn::Mul(scale, a);
-  b = hn::Mul(scale, b);
-}
-
 // A symmetric 2 x 2 matrix, as blocks hold them.
 struct Plane {
   V m11, m12, m22;
@@ -230,6 +229,71 @@ struct Plane {
     return {pick(m22, hn::Sub(m11, low)), pick(hn::Neg(m12), m12), pick(m11, hn::Sub(m22, low))};
   }
 };
+
+// Two impulses, scaled down to the disc of a radius where they leave it.
+HWY_INLINE void clamp_to_disc(V& a, V& b, V radius) {
+  const V length = hn::Sqrt(hn::Add(hn::Mul(a, a), hn::Mul(b, b)));
+  const M outside = hn::Gt(length, radius);
+  const V scale = hn::IfThenElse(outside, hn::Div(radius, hn::IfThenElse(outside, length, splat(1))), splat(1));
+  a = hn::Mul(scale, a);
+  b = hn::Mul(scale, b);
+}
+
+// Newton's method for hold_in_disc(), in lanes that slip.
+HWY_NOINLINE void act_against_slip(const Plane& m, const M& slips, V radius, V& p1, V& p2) {
+  const auto length_of = [](V a, V b) { return hn::Sqrt(hn::Add(hn::Mul(a, a), hn::Mul(b, b))); };
+  const V one = splat(1);
+  const V disc = hn::IfThenElse(slips, radius, one);
+  V s;
+  const auto solve = [&](V a, V b, V& to1, V& to2) {
+    const V d11 = hn::Add(one, hn::Mul(s, m.m11));
+    const V d22 = hn::Add(one, hn::Mul(s, m.m22));
+    const V d12 = hn::Mul(s, m.m12);
+    const V over = hn::Div(one, hn::Sub(hn::Mul(d11, d22), hn::Mul(d12, d12)));
+    to1 = hn::Mul(over, hn::Sub(hn::Mul(d22, a), hn::Mul(d12, b)));
+    to2 = hn::Mul(over, hn::Sub(hn::Mul(d11, b), hn::Mul(d12, a)));
+  };
+  // As it would be with the mean of m in all directions.
+  const V trace = hn::Add(m.m11, m.m22);
+  const V excess_of_all = hn::Div(hn::Sub(length_of(p1, p2), disc), hn::Mul(disc, trace));
+  s = hn::IfThenElseZero(hn::And(slips, hn::Gt(trace, zero())), hn::Add(excess_of_all, excess_of_all));
+  V f1, f2;
+  solve(p1, p2, f1, f2);
+  for (int i = 0; i < tuning::slip_rounds; ++i) {
+    V g1, g2;
+    solve(m.first(f1, f2), m.second(f1, f2), g1, g2);
+    const V square = hn::Add(hn::Mul(f1, f1), hn::Mul(f2, f2));
+    const V slope = hn::Add(hn::Mul(f1, g1), hn::Mul(f2, g2));
+    const M rises = hn::And(slips, hn::Gt(slope, zero()));
+    const V excess = hn::Div(hn::Sub(hn::Sqrt(square), disc), disc);
+    const V step = hn::Mul(hn::Div(square, hn::IfThenElse(rises, slope, one)), excess);
+    s = hn::IfThenElse(rises, hn::Max(hn::Add(s, step), zero()), s);
+    solve(p1, p2, f1, f2);
+  }
+  const V found = length_of(f1, f2);
+  const V scale = hn::Div(radius, hn::IfThenElse(hn::Gt(found, zero()), found, one));
+  p1 = hn::IfThenElse(slips, hn::Mul(scale, f1), p1);
+  p2 = hn::IfThenElse(slips, hn::Mul(scale, f2), p2);
+}
+
+// Of impulses p that would stop all slip, with the effective mass m, what friction's disc lets through: against the
+// slip that is left, v = -s f, so that p = (1 + s m) f with s >= 0 and |f| = radius. Newton's method for 1 / |f| over s
+// (More and Sorensen, "Computing a Trust
+// Region Step", SIAM J. Sci. Stat. Comput. 1983, section 3).
+HWY_INLINE void hold_in_disc(const Plane& m, V& p1, V& p2, V radius) {
+  const V square = hn::Add(hn::Mul(p1, p1), hn::Mul(p2, p2));
+  const M presses = hn::Gt(radius, zero());
+  const M slips = hn::And(presses, hn::Gt(square, hn::Mul(radius, radius)));
+  p1 = hn::IfThenElseZero(presses, p1);
+  p2 = hn::IfThenElseZero(presses, p2);
+  if (HWY_LIKELY(hn::AllFalse(D(), slips))) return;
+  // Of copies, so that nothing else has to be in memory.
+  const Plane mass = m;
+  V f1 = p1, f2 = p2;
+  act_against_slip(mass, slips, radius, f1, f2);
+  p1 = f1;
+  p2 = f2;
+}
 
 // J M^-1 J^T for two rows with angular parts j (on both bodies, towards the second) and linear parts alike.
 HWY_INLINE V angular_response(const ContactLanes<>& c, const V3& j_first, const V3& j_second, const V3& i_first,

@@ -11,6 +11,7 @@
 #include <jobs/with_restitution.h>
 #include <jobs/with_surfaces.h>
 
+#include "sweep/contact_bounces-inl.h"
 #include "sweep/contact_lanes-inl.h"
 #include "sweep/contact_locks-inl.h"
 
@@ -145,59 +146,6 @@ HWY_INLINE void prepare_surfaces(const ContactKernelData& data, const ContactBlo
   if (!data.bodies.locks.empty()) lock_rolling(data.bodies, block, lane, rolls_hard, surface);
 }
 
-// m/s^2, of the forces on the bodies along the normal.
-struct Pull {
-  V relative;  // negative where it brings them together
-  V most;      // either could be held up by something else: as if both came
-};
-HWY_INLINE Pull pull_together(const SolverBodies& bodies, const ContactBlock& block, std::size_t lane,
-                              const V3& normal) {
-  const auto along_normal = [&](const std::int32_t* index) {
-    const V4 a = load_rows([&](std::size_t k) { return bodies.acceleration[index[k]].linear; });
-    return dot({a.x, a.y, a.z}, normal);
-  };
-  const V first = along_normal(block.first + lane);
-  const V second = along_normal(block.second + lane);
-  return {hn::Sub(second, first), hn::Neg(hn::Add(hn::Abs(first), hn::Abs(second)))};
-}
-
-// Whether a point that closes at `speed` under `acceleration` gets through its separation within the step.
-HWY_INLINE M meets(V speed, V separation, V acceleration, float step) {
-  const V shift = hn::Mul(splat(step), hn::Add(speed, hn::Mul(splat(0.5f * step), acceleration)));
-  return hn::Or(hn::Le(separation, zero()), hn::Lt(hn::Add(separation, shift), zero()));
-}
-
-// The speed (negative) with which such a point arrives: as if the impact were found to the instant, so that bodies
-// bounce off with the energy that they came with.
-HWY_INLINE V impact_speed(V speed, V separation, V acceleration) {
-  const V gained = hn::Mul(hn::Mul(splat(2), acceleration), separation);
-  const V square = hn::Max(hn::Sub(hn::Mul(speed, speed), gained), zero());
-  return hn::IfThenElse(hn::And(hn::Lt(speed, zero()), hn::Gt(separation, zero())), hn::Neg(hn::Sqrt(square)), speed);
-}
-
-// Bounces go from body to body one step after the other: a bouncy point that would meet nothing in this step, if it
-// were not for other impacts, waits for the next. Solved at once, as one impact, they would end as one that shares its
-// motion.
-HWY_INLINE void prepare_bounces(const ContactKernelData& data, ContactBlock& block, BounceBlock& bounce,
-                                std::size_t lane) {
-  const ContactLanes<> c = load_contacts(data, block, lane);
-  const NormalSolve solve(c);
-  const V restitution = load_rows([&](std::size_t k) { return manifold_of(data, block, lane + k).anchor_first; }).w;
-  const Pull pull = pull_together(data.bodies, block, lane, c.normal);
-  const M bouncy = hn::Gt(restitution, zero());
-  for (std::size_t i = 0; i < max_points; ++i) {
-    const V speed = solve.speed(load(block.x[i] + lane), load(block.y[i] + lane));
-    const V separation = load(block.start_separation[i] + lane);
-    const M comes = meets(speed, separation, pull.most, data.constants.step);
-    const V seen = hn::IfThenElse(hn::Or(comes, hn::Not(bouncy)), separation, splat(collision::no_point));
-    store(seen, block.start_separation[i] + lane);
-    store(seen, block.separation[i] + lane);
-    store(hn::IfThenElse(comes, impact_speed(speed, separation, pull.relative), zero()), bounce.approach[i] + lane);
-    store(zero(), bounce.max_impulse[i] + lane);
-  }
-  store(restitution, bounce.restitution + lane);
-}
-
 // A ball is touched where the normal through its centre leaves it. Its contact may be some way from there: as the step
 // starts, it may yet have to travel to where it will be hit.
 HWY_INLINE void put_on_line_of_centres(const SolverBodies& bodies, const ContactBlock& block, std::size_t lane,
@@ -208,6 +156,47 @@ HWY_INLINE void put_on_line_of_centres(const SolverBodies& bodies, const Contact
   };
   c.anchor_first = on_line(block.first + lane, c.anchor_first);
   c.anchor_second = on_line(block.second + lane, c.anchor_second);
+}
+
+// Bodies that are apart will have closed by the time they push: each is touched at its own surface, not half way.
+HWY_INLINE void put_on_surfaces(const ManifoldLanes& m, ContactLanes<>& c) {
+  const V least = hn::Min(hn::Min(m.separation.x, m.separation.y), hn::Min(m.separation.z, m.separation.w));
+  const M apart = hn::And(hn::Gt(least, zero()), hn::Lt(least, splat(collision::no_point)));
+  const V3 half_gap = hn::IfThenElseZero(apart, hn::Mul(splat(0.5f), least)) * c.normal;
+  c.anchor_first = c.anchor_first - half_gap;
+  c.anchor_second = c.anchor_second + half_gap;
+}
+
+// An arm turned by the vector `turn`.
+HWY_INLINE V3 turned_arm(const V3& turn, const V3& arm) {
+  const V3 u = splat(0.5f) * turn;
+  const V norm = hn::Add(splat(1), dot(u, u));
+  const V3 t = cross(u, arm);
+  return arm + hn::Div(splat(2), norm) * (t + cross(u, t));
+}
+
+// Takes the contact along with each of its bodies for half of the step. A round body is touched where it is lowest: its
+// spin doesn't move that, but the turn of its axis moves it along the rim.
+HWY_INLINE void take_half_way(const ContactKernelData& data, TurningBlock& turning, std::size_t lane,
+                              ContactLanes<>& c) {
+  store3(c.anchor_first, turning.anchor_first, lane);
+  store3(c.anchor_second, turning.anchor_second, lane);
+  const ShapeRows* shape = data.bodies.shape.data();
+  const auto moved = [&](const BodyLanes& body, const V3& arm) {
+    const std::int32_t* index = body.index;
+    const V4 row = load_rows([=](std::size_t k) { return shape[index[k]].axis; });
+    const V3 axis{row.x, row.y, row.z};
+    const V4 turn = load_rows([=](std::size_t k) { return shape[index[k]].half_turn; });
+    const V3 half{turn.x, turn.y, turn.z};
+    constexpr float least_lean = 0.01f;  // the square of the sine: what lies flat is touched at no single point
+    const V along = dot(axis, c.normal);
+    const V lean = hn::Max(hn::Sub(splat(1), hn::Mul(along, along)), splat(least_lean));
+    const V round_rim = hn::Div(hn::Mul(dot(half, c.normal), along), lean);
+    const V3 taken = select(hn::Gt(row.w, splat(1.5f)), half + round_rim * axis, half);
+    return select(hn::Gt(row.w, zero()), turned_arm(taken, arm), arm);
+  };
+  c.anchor_first = moved(c.first, c.anchor_first);
+  c.anchor_second = moved(c.second, c.anchor_second);
 }
 
 HWY_INLINE ContactLanes<> lanes_of(const SolverBodies& bodies, const ContactBlock& block, std::size_t lane,
@@ -266,6 +255,8 @@ HWY_INLINE void prepare_lanes(const ContactKernelData& data, std::size_t b, std:
   PlanarLanes in_plane{hn::Lt(zero(), zero()), hn::Lt(zero(), zero())};
   if (locks) in_plane = turn_into_plane(data.bodies, block, lane, data.planar_blocks[b], c, m);
   if (data.bodies.balls) put_on_line_of_centres(data.bodies, block, lane, c);
+  put_on_surfaces(m, c);
+  if (data.turning_blocks != nullptr) take_half_way(data, data.turning_blocks[b], lane, c);
   store_geometry(block, lane, c, m);
 
   M rubs = hn::Gt(m.normal.w, zero());
@@ -299,7 +290,10 @@ inline void prepare(const ContactKernelData& data, std::size_t begin, std::size_
     block.traits = data.leaves_out ? traits : ContactTraits();
     block.traits.bounces &= data.bounces != nullptr;
     if (!with_restitution || !block.traits.bounces) continue;
-    for (std::size_t lane = 0; lane < block_lanes; lane += lanes) prepare_bounces(data, block, data.bounces[b], lane);
+    for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
+      const V4 rows = load_rows([&](std::size_t k) { return manifold_of(data, block, lane + k).anchor_first; });
+      prepare_bounces(data, block, data.bounces[b], lane, rows.w);
+    }
   }
 }
 

@@ -29,7 +29,7 @@ HWY_INLINE V3 turned_normal_change(const V4& q, const V3& n) {
 
 // How a body changes the normal, as it sees it itself. A rolling ball's lowest point does not rise with its surface.
 HWY_INLINE V3 normal_change(const ContactKernelData& data, const BodyLanes& body, const V4& moved, const V3& normal) {
-  return moved.w * turned_normal_change(load_rotation(data.bodies, body.index), normal);
+  return moved.w * turned_normal_change(load_shape_rotation(data.bodies, body.index), normal);
 }
 
 // The points' separations, for which those of the start of the step change by `at_centre` and, linear in their x and y,
@@ -44,10 +44,18 @@ HWY_INLINE void shift_points(ContactBlock& block, std::size_t lane, V at_centre,
   }
 }
 
+HWY_INLINE const TurningBlock* turning_of(const ContactKernelData& data, std::size_t b) {
+  return data.turning_blocks != nullptr ? &data.turning_blocks[b] : nullptr;
+}
+
 // separation = start + n . (moved centres) + turned anchors.
 template <std::size_t points, Movers movers>
-HWY_INLINE void refresh_separations(const ContactKernelData& data, ContactBlock& block, std::size_t lane,
-                                    const ContactLanes<movers>& c) {
+HWY_INLINE void refresh_separations(const ContactKernelData& data, ContactBlock& block, const TurningBlock* turning,
+                                    std::size_t lane, ContactLanes<movers> c) {
+  if (turning != nullptr) {
+    c.anchor_first = load3(turning->anchor_first, lane);
+    c.anchor_second = load3(turning->anchor_second, lane);
+  }
   const V3 rest{zero(), zero(), zero()};
   if constexpr (movers == Movers::First) {
     const V4 moved = load_displacement(data.bodies, c.first.index);
@@ -182,7 +190,7 @@ HWY_INLINE void solve_friction(ContactBlock& block, SurfaceBlock* surface, [[may
     new1 = clamp_to(new1, bound);
     new2 = clamp_to(new2, bound);
   } else {
-    clamp_to_disc(new1, new2, bound);
+    hold_in_disc(mass, new1, new2, bound);
   }
   const V old_twist = load(block.twist_impulse + lane);
   const V new_twist = clamp_to(hn::Sub(old_twist, hn::Mul(load(block.twist_mass + lane), spin)), twist_bound);
@@ -213,37 +221,41 @@ HWY_INLINE void solve_friction(ContactBlock& block, SurfaceBlock* surface, [[may
   }
 }
 
-// One round over the points of each contact.
-template <typename how, typename what>
-HWY_INLINE void solve_points(const ContactKernelData& data, ContactBlock& block, float (*impulses)[block_lanes],
-                             std::size_t lane, [[maybe_unused]] const ContactLanes<what::movers>& c, NormalSolve& solve,
-                             Residual& residual, bool backwards) {
-  const SubstepConstants& constants = data.constants;
-  const V inverse_h = splat(constants.inverse_h);
-  const auto soft = [&](float of_fixed, float of_dynamic) {
-    if constexpr (!both_move<what::movers>) return splat(of_fixed);
-    const M fixed =
-        hn::Or(hn::Eq(load(block.inverse_mass[0] + lane), zero()), hn::Eq(load(block.inverse_mass[1] + lane), zero()));
-    return hn::IfThenElse(fixed, splat(of_fixed), splat(of_dynamic));
-  };
-  const Softness& with_fixed = constants.fixed_contact;
-  const Softness& with_dynamic = constants.dynamic_contact;
-  const V soft_rate = soft(with_fixed.bias_rate, with_dynamic.bias_rate);
-  const V soft_mass = soft(with_fixed.mass_scale, with_dynamic.mass_scale);
-  const V soft_impulse = soft(with_fixed.impulse_scale, with_dynamic.impulse_scale);
+// What a sweep makes of a point: its impulse changes by offset - mass * speed, or to zero.
+struct PointTarget {
+  V offset, mass;
+};
 
-  for (std::size_t n = 0; n < what::points; ++n) {
-    const std::size_t i = backwards ? what::points - 1 - n : n;
-    const V x = load(block.x[i] + lane);
-    const V y = load(block.y[i] + lane);
-    const V old_impulse = load(impulses[i] + lane);
+template <typename how, typename what>
+struct PointTargets {
+  const ContactKernelData& data;
+  const ContactBlock& block;
+  std::size_t lane;
+  V soft_rate, soft_mass, soft_impulse;
+
+  HWY_INLINE PointTargets(const ContactKernelData& of, const ContactBlock& contacts, std::size_t from)
+      : data(of), block(contacts), lane(from) {
+    const auto soft = [&](float of_fixed, float of_dynamic) {
+      if constexpr (!both_move<what::movers>) return splat(of_fixed);
+      const M fixed = hn::Or(hn::Eq(load(block.inverse_mass[0] + lane), zero()),
+                             hn::Eq(load(block.inverse_mass[1] + lane), zero()));
+      return hn::IfThenElse(fixed, splat(of_fixed), splat(of_dynamic));
+    };
+    const Softness& with_fixed = data.constants.fixed_contact;
+    const Softness& with_dynamic = data.constants.dynamic_contact;
+    soft_rate = soft(with_fixed.bias_rate, with_dynamic.bias_rate);
+    soft_mass = soft(with_fixed.mass_scale, with_dynamic.mass_scale);
+    soft_impulse = soft(with_fixed.impulse_scale, with_dynamic.impulse_scale);
+  }
+
+  // Apart: may close the gap in this substep, no faster. Overlapping: a push, or nothing but a stop. Corrections
+  // leave gaps to the velocities.
+  HWY_INLINE PointTarget of(std::size_t i, V rigid_mass, V old_impulse) const {
+    const SubstepConstants& constants = data.constants;
     const V separation = load(block.separation[i] + lane);
-    const PointResponse response(block, lane, x, y);
-    // Apart: may close the gap in this substep, no faster. Overlapping: a push, or nothing but a stop. Corrections
-    // leave gaps to the velocities.
     const M apart = hn::Gt(separation, zero());
-    V speed_bias = hn::Mul(separation, inverse_h);
-    V mass = response.mass;
+    V speed_bias = hn::Mul(separation, splat(constants.inverse_h));
+    V mass = rigid_mass;
     V leak = zero();
     if constexpr (how::push == Push::None) {
       speed_bias = hn::IfThenElse(apart, speed_bias, zero());
@@ -255,13 +267,72 @@ HWY_INLINE void solve_points(const ContactKernelData& data, ContactBlock& block,
       mass = hn::IfThenElse(apart, mass, hn::Mul(mass, soft_mass));
       leak = hn::IfThenElse(apart, zero(), hn::Mul(soft_impulse, old_impulse));
     }
+    return {hn::Neg(hn::Add(hn::Mul(mass, speed_bias), leak)), mass};
+  }
+};
+
+// One round over the points of each contact.
+template <typename how, typename what>
+HWY_INLINE void solve_points(const ContactKernelData& data, ContactBlock& block, float (*impulses)[block_lanes],
+                             std::size_t lane, NormalSolve& solve, Residual& residual, bool backwards) {
+  const PointTargets<how, what> targets(data, block, lane);
+  for (std::size_t n = 0; n < what::points; ++n) {
+    const std::size_t i = backwards ? what::points - 1 - n : n;
+    const V x = load(block.x[i] + lane);
+    const V y = load(block.y[i] + lane);
+    const V old_impulse = load(impulses[i] + lane);
+    const PointResponse response(block, lane, x, y);
     // All but the product with the speed is off the chain from point to point.
-    const V offset = hn::Neg(hn::Add(hn::Mul(mass, speed_bias), leak));
-    const V wanted = hn::Sub(offset, hn::Mul(mass, solve.speed(x, y)));
+    const PointTarget target = targets.of(i, response.mass, old_impulse);
+    const V wanted = hn::Sub(target.offset, hn::Mul(target.mass, solve.speed(x, y)));
     const V impulse = hn::Max(wanted, hn::Neg(old_impulse));
     store(hn::Add(old_impulse, impulse), impulses[i] + lane);
     response.apply(impulse, x, y, solve);
     if constexpr (how::special) residual.add(hn::Mul(impulse, response.own));
+  }
+}
+
+// What all points together do first about an impact, in lanes that land: a step down the gradient, as far as it is
+// best. Whatever order of the points follows, what lands flat stays so.
+template <typename how, typename what>
+HWY_NOINLINE void spread_impact(const ContactKernelData& data, const ContactBlock& block,
+                                float (*impulses)[block_lanes], std::size_t lane, const M& lands, NormalSolve& solve) {
+  const PointTargets<how, what> targets(data, block, lane);
+  V change[what::points];
+  NormalSolve along = solve;
+  along.u = along.w1 = along.w2 = zero();
+  V gained = zero();
+  for (std::size_t i = 0; i < what::points; ++i) {
+    const V x = load(block.x[i] + lane);
+    const V y = load(block.y[i] + lane);
+    const V old_impulse = load(impulses[i] + lane);
+    const PointResponse response(block, lane, x, y);
+    const PointTarget target = targets.of(i, response.mass, old_impulse);
+    const V wanted = hn::Sub(target.offset, hn::Mul(target.mass, solve.speed(x, y)));
+    change[i] = hn::Max(wanted, hn::Neg(old_impulse));
+    gained = hn::Add(gained, hn::Mul(change[i], hn::Mul(wanted, response.own)));
+    response.apply(change[i], x, y, along);
+  }
+  V curvature = zero();
+  for (std::size_t i = 0; i < what::points; ++i) {
+    const V speed = along.speed(load(block.x[i] + lane), load(block.y[i] + lane));
+    curvature = hn::Add(curvature, hn::Mul(change[i], speed));
+  }
+  const M steps = hn::And(lands, hn::And(hn::Gt(curvature, zero()), hn::Gt(gained, zero())));
+  const V part = hn::Min(hn::Div(gained, hn::IfThenElse(steps, curvature, splat(1))), splat(1));
+  const V taken = hn::IfThenElseZero(steps, part);
+  NormalSolve after = solve;
+  for (std::size_t i = 0; i < what::points; ++i) {
+    const V x = load(block.x[i] + lane);
+    const V y = load(block.y[i] + lane);
+    const V old_impulse = load(impulses[i] + lane);
+    const V impulse = hn::Mul(taken, change[i]);
+    store(hn::IfThenElse(steps, hn::Add(old_impulse, impulse), old_impulse), impulses[i] + lane);
+    PointResponse(block, lane, x, y).apply(impulse, x, y, after);
+  }
+  for (V NormalSolve::*number : {&NormalSolve::u, &NormalSolve::w1, &NormalSolve::w2, &NormalSolve::sum,
+                                 &NormalSolve::sum_y, &NormalSolve::sum_minus_x}) {
+    solve.*number = hn::IfThenElse(steps, after.*number, solve.*number);
   }
 }
 
@@ -276,7 +347,7 @@ HWY_NOINLINE void share_impact(const ContactKernelData& data, ContactBlock& bloc
   Residual of_landed = residual;
   NormalSolve solve(landed);
   for (int round = 0; round < tuning::landing_rounds; ++round) {
-    solve_points<how, what>(data, block, impulses, lane, landed, solve, of_landed, backwards);
+    solve_points<how, what>(data, block, impulses, lane, solve, of_landed, backwards);
   }
   solve.finish(landed);
   for (std::size_t i = 0; i < what::points; ++i) {
@@ -298,15 +369,36 @@ HWY_INLINE void solve_normals(const ContactKernelData& data, ContactBlock& block
                               std::size_t lane, ContactLanes<what::movers>& c, Residual& residual, bool backwards) {
   NormalSolve solve(c);
   const M lands = hn::Lt(solve.u, splat(-tuning::landing_speed));
-  solve_points<how, what>(data, block, impulses, lane, c, solve, residual, backwards);
-  solve.finish(c);
-  if (HWY_LIKELY(hn::AllFalse(D(), lands))) return;
+  const bool any_lands = HWY_UNLIKELY(!hn::AllFalse(D(), lands));
   // Of copies, so that nothing else has to be in memory.
+  if constexpr (what::points > 1) {
+    if (any_lands) {
+      NormalSolve spread = solve;
+      const M several = hn::Lt(load(block.separation[1] + lane), splat(collision::no_point));
+      spread_impact<how, what>(data, block, impulses, lane, hn::And(lands, several), spread);
+      solve = spread;
+    }
+  }
+  solve_points<how, what>(data, block, impulses, lane, solve, residual, backwards);
+  solve.finish(c);
+  if (!any_lands) return;
   ContactLanes<what::movers> landing = c;
   Residual landing_residual = residual;
   share_impact<how, what>(data, block, impulses, lane, lands, landing, landing_residual, backwards);
   c = landing;
   residual = landing_residual;
+}
+
+// After a refresh: bouncy points that can't meet, or that nothing has touched once bodies have moved. The next substep
+// has to see how fast they close.
+inline void hide_waiting(const Sweep& sweep, ContactBlock& block, const BounceBlock& bounce, std::size_t lane) {
+  const M bouncy = hn::Gt(load(bounce.restitution + lane), zero());
+  for (std::size_t i = 0; i < block.traits.points; ++i) {
+    M waits = hn::Gt(load(bounce.waits[i] + lane), zero());
+    if (sweep.relaxes) waits = hn::Or(waits, hn::And(bouncy, hn::Eq(load(bounce.max_impulse[i] + lane), zero())));
+    const V separation = load(block.separation[i] + lane);
+    store(hn::IfThenElse(waits, splat(collision::no_point), separation), block.separation[i] + lane);
+  }
 }
 
 // The most that points pushed, which tells whether they were hit.
@@ -331,7 +423,10 @@ HWY_NOINLINE void sweep_alike(const ContactKernelData& data, const Sweep& sweep,
     auto* impulses = how::push == Push::Split ? data.split_blocks[b].impulse : block.normal_impulse;
     for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
       ContactLanes<what::movers> c = load_contacts<what::movers>(data, block, lane);
-      if (how::refresh(sweep)) refresh_separations<what::points>(data, block, lane, c);
+      if (how::refresh(sweep)) {
+        refresh_separations<what::points>(data, block, turning_of(data, b), lane, c);
+        if (with_restitution && block.traits.bounces) hide_waiting(sweep, block, data.bounces[b], lane);
+      }
       // One round over the points leaves a body that lands flat tilted, and friction with too low a bound.
       solve_normals<how, what>(data, block, impulses, lane, c, residual, sweep.backwards);
       if (how::rounds(sweep) == 2) solve_normals<how, what>(data, block, impulses, lane, c, residual, sweep.backwards);

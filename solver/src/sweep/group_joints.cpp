@@ -1,5 +1,6 @@
 #include <jobs/prefetch.h>
 #include <solver/constraints/arm_stiffness.h>
+#include <solver/constraints/spring_step.h>
 #include <solver/integrate/motion.h>
 #include <solver/sweep/group_joints.h>
 #include <solver/tuning.h>
@@ -56,8 +57,8 @@ float speed(double value) { return static_cast<float>(std::clamp(value, -unlimit
 void set_idle(JointRowBlock& row, std::size_t lane) {
   for (Lanes<3>* part : {&row.linear, &row.angular_first, &row.angular_second}) set_lane(*part, lane, Vector3::Zero());
   for (float* number :
-       {row.impulse, row.mass, row.inverse_mass, row.spring_shift, row.next_spring_shift, row.motor_speed,
-        row.motor_change, row.soft_lower, row.soft_upper, row.soft_shift, row.soft_motor_change}) {
+       {row.impulse, row.mass, row.inverse_mass, row.spring_keep, row.spring_shift, row.next_spring_shift,
+        row.motor_speed, row.motor_change, row.soft_lower, row.soft_upper, row.soft_shift, row.soft_motor_change}) {
     number[lane] = 0;
   }
   row.spring_scale[lane] = 1;
@@ -66,19 +67,19 @@ void set_idle(JointRowBlock& row, std::size_t lane) {
   row.upper_speed[lane] = speed(unlimited_speed);
 }
 
-// A spring is that of the effective mass m along the row: k = m w^2, c = 2 m zeta w. Integrated implicitly its impulse
-// is -m q (u + b), with q = h w (h w + 2 zeta) and b = w (C - rest) / (h w + 2 zeta), so that
-// u = (u0 - q b) / (1 + q). An impulse beside it changes u by w / (1 + q) each.
+// Of a spring, so that u = (u0 + keep * u_before - pull) / (1 + hold): see SpringStep. An impulse beside it changes u
+// by w / (1 + hold) each.
 struct SpringNumbers {
-  double q = 0;
-  double b = 0;
+  double hold = 0;
+  double keep = 0;
+  double pull = 0;
 
-  SpringNumbers(const Law& law, double value, double h) {
-    if (law.spring_hertz <= 0) return;
-    const double omega = 2 * 3.14159265358979323846 * law.spring_hertz;
-    const double damping = h * omega + 2 * law.damping_ratio;
-    q = h * omega * damping;
-    b = omega * (value - law.rest) / damping;
+  SpringNumbers(const Law& law, double value, double w, double h) {
+    if (!law.springs()) return;
+    const SpringStep step = SpringStep::of(std::sqrt(law.square_of_omega(1 / w)), law.decay(1 / w), h);
+    hold = step.hold;
+    keep = step.keep;
+    pull = step.pull * (value - law.rest);
   }
 };
 
@@ -97,13 +98,15 @@ void set_law(JointRowBlock& row, std::size_t lane, const Law& law, double value,
     row.soft_shift[lane] = static_cast<float>(-stiffness * bias_rate * (value - law.lower) / (1 + stiffness));
     return;
   }
-  const SpringNumbers spring(law, value, step.h);
-  row.spring_scale[lane] = static_cast<float>(1 / (1 + spring.q));
+  const SpringNumbers spring(law, value, w, step.h);
+  const double share = 1 / (1 + spring.hold);
+  row.spring_scale[lane] = static_cast<float>(share);
+  row.spring_keep[lane] = static_cast<float>(share * spring.keep);
   row.spring_shift[lane] = row.next_spring_shift[lane];
-  row.next_spring_shift[lane] = static_cast<float>(-spring.q * spring.b / (1 + spring.q));
+  row.next_spring_shift[lane] = static_cast<float>(-share * spring.pull);
   const double motor_change = law.motor_force > 0 ? law.motor_force * step.h * w : 0;
   row.motor_speed[lane] = static_cast<float>(law.motor_speed);
-  row.motor_change[lane] = speed(motor_change / (1 + spring.q));
+  row.motor_change[lane] = speed(motor_change * share);
 
   const double room_below = value - law.lower;
   const double room_above = law.upper - value;
@@ -115,9 +118,9 @@ void set_law(JointRowBlock& row, std::size_t lane, const Law& law, double value,
   const double push =
       std::min(-bias_rate * std::min(room_below, room_above), static_cast<double>(step.constants.push_speed));
   const double target = room_below < 0 ? push : -push;
-  const double all = 1 + spring.q + stiffness;
+  const double all = 1 + spring.hold + stiffness;
   row.soft_scale[lane] = static_cast<float>(1 / all);
-  row.soft_shift[lane] = static_cast<float>((stiffness * target - spring.q * spring.b) / all);
+  row.soft_shift[lane] = static_cast<float>((stiffness * target - spring.pull) / all);
   row.soft_motor_change[lane] = speed(motor_change / all);
 }
 
@@ -289,6 +292,26 @@ void GroupJoints::refresh_rows(const JointStep& step, std::size_t begin, std::si
       set_lane(block.carried_linear, lane, linear);
       set_lane(block.carried_first, lane, angular_first);
       set_lane(block.carried_second, lane, angular_second);
+    }
+  }
+}
+
+// A spring's impulse goes by the rate before the forces of the substep, too.
+void GroupJoints::note_rates(const JointStep& step, std::size_t begin, std::size_t end) {
+  for (std::size_t b = begin; b < end; ++b) {
+    JointBlock& block = blocks_[b];
+    for (std::size_t r = 0; r < block.rows; ++r) {
+      JointRowBlock& row = rows_[block.first_row + r];
+      for (std::size_t lane = 0; lane < block_lanes; ++lane) {
+        const double keep = row.spring_keep[lane];
+        if (keep == 0) continue;
+        const VelocityRows& a = step.bodies.velocity[static_cast<std::size_t>(block.first[lane])];
+        const VelocityRows& c = step.bodies.velocity[static_cast<std::size_t>(block.second[lane])];
+        const double rate = get_lane(row.linear, lane).dot(get3(c.linear) - get3(a.linear)) +
+                            get_lane(row.angular_second, lane).dot(get3(c.angular)) -
+                            get_lane(row.angular_first, lane).dot(get3(a.angular));
+        row.next_spring_shift[lane] = static_cast<float>(row.next_spring_shift[lane] + keep * rate);
+      }
     }
   }
 }

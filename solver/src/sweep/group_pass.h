@@ -140,6 +140,7 @@ class GroupSolver::Pass {
   void split_off_corrections(int number);
   void integrate_positions();
   void relax(int number);
+  void bounce(bool last);
 
   GroupSolver& solver_;
   const SolveInput& input_;
@@ -188,6 +189,7 @@ void GroupSolver::Pass<Executor>::prepare_joints() {
   executor_.parallel_for(body_ids_.size(), body_grain, [&](std::size_t begin, std::size_t end) {
     solver_.stiffen_bodies(input_, body_ids_, begin, end);
   });
+  solver_.find_followers(input_, body_ids_);
 }
 
 template <typename Executor>
@@ -198,11 +200,23 @@ void GroupSolver::Pass<Executor>::prepare_systems() {
     system.locate([&](std::uint32_t body) { return solver_.local_body(input_, group_, body); });
     system.begin_step(direct_input_);
   });
+  each_system_of(solver_.joined_motion_.untouched_direct(),
+                 [&](DirectJoints& system) { system.kick_springs(direct_input_, -1); });
+  each_system([&](DirectJoints& system) { system.note_rates(direct_input_); });
 }
 
 template <typename Executor>
 void GroupSolver::Pass<Executor>::substep(int number) {
   const bool carries = settings_.warm_starting && number > 0;  // impulses of the last substep
+  if (sweeps_joints_ && solver_.joints_.has_rows()) {
+    each_joint_block(joint_row_grain,
+                     [&](std::size_t begin, std::size_t end) { solver_.joints_.note_rates(joint_step_, begin, end); });
+  }
+  if (report_.restitution && number > 0) {
+    executor_.parallel_for(block_count_, block_grain, [&](std::size_t begin, std::size_t end) {
+      kernels_.note_approaches(data_, number, begin, end);
+    });
+  }
   each_body_block([&](std::size_t begin, std::size_t end) {
     kernels_.integrate_velocities(solver_.bodies_, constants_, carries, begin, end);
   });
@@ -221,6 +235,10 @@ void GroupSolver::Pass<Executor>::substep(int number) {
   clock_.lap(SolverStage::Integrate);
   relax(number);
   clock_.lap(SolverStage::Relax);
+  const bool last = number + 1 == settings_.substeps;
+  if (last && input_.capture != nullptr) solver_.capture(input_, report_, body_ids_);
+  if (report_.restitution) bounce(last);
+  clock_.lap(SolverStage::Restitution);
 }
 
 template <typename Executor>
@@ -282,6 +300,7 @@ void GroupSolver::Pass<Executor>::integrate_positions() {
   each_body_block([&](std::size_t begin, std::size_t end) {
     kernels_.integrate_positions(solver_.bodies_, constants_, begin, end);
   });
+  if (sweeps_joints_) solver_.follow_inertia(input_, body_ids_);
   if (solver_.joints_.has_rows()) {
     each_joint_block(joint_row_grain, [&](std::size_t begin, std::size_t end) {
       solver_.joints_.refresh_rows(joint_step_, begin, end);
@@ -293,19 +312,22 @@ template <typename Executor>
 void GroupSolver::Pass<Executor>::relax(int number) {
   each_system([&](DirectJoints& system) { system.solve_positions(direct_input_); });
   if (relaxes_) {
-    sweep({Push::None, true, friction_}, {.bias = false, .refresh = true, .carries = false}, settings_.relax_iterations,
-          number);
+    sweep({.push = Push::None, .refresh = true, .friction = friction_, .relaxes = true},
+          {.bias = false, .refresh = true, .carries = false}, settings_.relax_iterations, number);
   }
   each_system([&](DirectJoints& system) { system.relax(direct_input_); });
 }
 
 template <typename Executor>
+void GroupSolver::Pass<Executor>::bounce(bool last) {
+  each_colour([&](std::size_t begin, std::size_t end) { kernels_.restitute(data_, friction_, last, begin, end); });
+  if (!joined_) return;
+  each_system_of(solver_.joined_motion_.bouncing_direct(),
+                 [&](DirectJoints& system) { system.project(direct_input_); });
+}
+
+template <typename Executor>
 void GroupSolver::Pass<Executor>::finish() {
-  if (input_.capture != nullptr) solver_.capture(input_, report_, body_ids_);
-  if (report_.restitution) {
-    each_colour([&](std::size_t begin, std::size_t end) { kernels_.restitute(data_, begin, end); });
-  }
-  clock_.lap(SolverStage::Restitution);
   // Nothing is done about a large island that wasn't built to stand.
   const bool notes_overloads = !group_.large || settings_.finer > 1;
   executor_.parallel_for(block_count_, block_grain, [&](std::size_t begin, std::size_t end) {
@@ -313,10 +335,11 @@ void GroupSolver::Pass<Executor>::finish() {
     if (notes_overloads) solver_.note_overloads(input_, body_ids_, begin, end);
   });
   each_system([&](DirectJoints& system) { system.end_step(direct_input_); });
-  if (leaps_) solver_.give_half_kick(body_ids_, 0.5f * constants_.h);
   if (joined_) {
-    each_system_of(solver_.joined_motion_.disturbed_direct(),
-                   [&](DirectJoints& system) { system.project(direct_input_); });
+    const std::span<const std::uint32_t> leaping = solver_.joined_motion_.untouched_direct();
+    each_system_of(leaping, [&](DirectJoints& system) { system.kick_springs(direct_input_, 1); });
+    if (leaps_) solver_.give_half_kick(body_ids_, 0.5f * constants_.h);
+    each_system_of(leaping, [&](DirectJoints& system) { system.project(direct_input_); });
   }
   executor_.parallel_for(body_ids_.size(), body_grain, [&](std::size_t begin, std::size_t end) {
     solver_.write_back(input_, body_ids_, joined_, begin, end);

@@ -78,9 +78,23 @@ void GroupSolver::gather_bodies(const SolveInput& input, const IslandGroup& grou
                                 Executor& executor) {
   const SolverSettings& settings = input.settings;
   const std::span<const std::uint32_t> ids = input.islands.bodies(group.begin, group.end);
+  bool any_turns = false, any_round_turns = false;
+  const auto note_turns = [&](std::span<const std::uint32_t> bodies) {
+    for (const std::uint32_t body : bodies) {
+      const bool turned = turns(input, body);
+      any_turns |= turned;
+      any_round_turns |= turned && input.bodies.round[body];
+    }
+  };
+  if (!contacts_.empty()) {
+    note_turns(ids);
+    note_turns(kinematic_);
+  }
   bodies_.reset(first_dynamic_ + ids.size(), {.gyroscopic = report.gyroscopic_bodies > 0 || settings.everything,
                                               .correction = settings.stabilisation == Stabilisation::SplitImpulse,
-                                              .locks = report.locked_bodies > 0 || settings.everything});
+                                              .locks = report.locked_bodies > 0 || settings.everything,
+                                              .shape = !contacts_.empty() && (any_turns || settings.everything)});
+  bodies_.round_shapes = any_round_turns;
   load_kinematic_bodies(input);
   executor.parallel_for(ids.size(), body_grain, [&](std::size_t begin, std::size_t end) {
     load_bodies(input, ids, begin, end, input.dt / settings.substeps);
@@ -103,6 +117,7 @@ ContactKernelData GroupSolver::kernel_data(const SolveInput& input, const GroupR
           .surface_contacts = input.surface_contacts,
           .split_blocks = one_a_block(split_blocks_, splits),
           .planar_blocks = one_a_block(planar_blocks_, !bodies_.locks.empty()),
+          .turning_blocks = one_a_block(turning_blocks_, !bodies_.shape.empty()),
           .leaves_out = !input.settings.everything};
 }
 

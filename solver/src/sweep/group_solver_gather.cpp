@@ -4,11 +4,14 @@
 #include <jobs/with_surfaces.h>
 #include <solver/constraints/contact_inertia.h>
 #include <solver/constraints/motion_locks.h>
+#include <solver/integrate/free_flight.h>
 #include <solver/sweep/group_solver.h>
+#include <solver/tuning.h>
 
 #include <Eigen/LU>
 #include <algorithm>
 
+#include "integrate/matrix3.h"
 #include "integrate/rows3.h"
 
 namespace atl::solver {
@@ -100,8 +103,13 @@ void GroupSolver::load_bodies(const SolveInput& input, std::span<const std::uint
     const std::uint32_t body = bodies[i];
     const std::size_t local = first_dynamic_ + i;
     const bool heavier = is_seen_heavier(input, body);
-    const Matrix3 inverse_inertia =
-        heavier ? inverse_inertia_in_contact(table, body) : world_inverse_inertia(table, body);
+    if (!bodies_.shape.empty()) load_shape(input, body, local);
+    Matrix3 inverse_inertia = heavier ? inverse_inertia_in_contact(table, body) : world_inverse_inertia(table, body);
+    if (!bodies_.shape.empty() && bodies_.shape[local].kind > 0 && table.gyroscopic[body]) {
+      // As it is half way through the step.
+      const Matrix3 half = rotation_by(get3(bodies_.shape[local].half_turn)).toRotationMatrix();
+      inverse_inertia = symmetric_product(product(half, inverse_inertia), half);
+    }
 
     VelocityRows& velocity = bodies_.velocity[local];
     set3(velocity.linear, table.velocity(body));
@@ -132,17 +140,76 @@ void GroupSolver::load_bodies(const SolveInput& input, std::span<const std::uint
   }
 }
 
+// Whether contacts move with a body that turns in the step, by what counts.
+bool GroupSolver::turns(const SolveInput& input, std::uint32_t body) const {
+  return input.dt * input.bodies.angular_velocity(body).norm() > tuning::least_turn && !input.bodies.ball[body];
+}
+
+void GroupSolver::load_shape(const SolveInput& input, std::uint32_t body, std::size_t local) {
+  ShapeRows& shape = bodies_.shape[local];
+  shape.kind = turns(input, body) ? 1 : 0;
+  if (shape.kind == 0) return;
+  const Vector3 turn = input.dt * input.bodies.angular_velocity(body);
+  Vector3 moves = turn;
+  if (input.bodies.round[body]) {
+    const Vector3 axis = input.bodies.orientation(body) * Vector3::UnitZ();
+    shape.kind = 2;
+    set3(shape.axis, axis);
+    moves -= turn.dot(axis) * axis;
+  }
+  // What turns far in a step may come to turn any way in it.
+  const double square = turn.squaredNorm() / (tuning::known_turn * tuning::known_turn);
+  set3(shape.half_turn, 0.5 / (1 + square * square) * moves);
+}
+
 // Where tension turns bodies back faster than substeps can follow, it counts as inertia.
 void GroupSolver::stiffen_bodies(const SolveInput& input, std::span<const std::uint32_t> bodies, std::size_t begin,
                                  std::size_t end) {
   constexpr double negligible = 1e-3;  // of the inertia
   const double h = input.dt / input.settings.substeps;
   for (std::size_t i = begin; i < end; ++i) {
-    const Matrix3 added = h * h * stiffness_[first_dynamic_ + i];
+    Matrix3& added = stiffness_[first_dynamic_ + i];
+    added *= h * h;
     const Matrix3& own = input.bodies.inertia[bodies[i]];
-    if (!(added.trace() > negligible * own.trace())) continue;
+    if (!(added.trace() > negligible * own.trace())) {
+      added.setZero();
+      continue;
+    }
     const Matrix3 rotation = input.bodies.orientation(bodies[i]).toRotationMatrix();
     set_inverse_inertia(first_dynamic_ + i, (rotation * own * rotation.transpose() + added).inverse());
+  }
+}
+
+// Bodies of unequal moments of inertia in swept joints, whose inertia is to turn with them in the step. Contacts have
+// made their matrices of it: what they touch is left as it is.
+void GroupSolver::find_followers(const SolveInput& input, std::span<const std::uint32_t> bodies) {
+  followers_.clear();
+  for (std::uint32_t i = 0; i < bodies.size(); ++i) {
+    if (!input.bodies.gyroscopic[bodies[i]] || !joined_motion_.follows(i)) continue;
+    const Matrix3& added = stiffness_[first_dynamic_ + i];
+    const Matrix3 rotation = input.bodies.orientation(bodies[i]).toRotationMatrix();
+    const Matrix3 own = symmetric_product(product(rotation, input.bodies.inertia[bodies[i]]), rotation);
+    followers_.push_back({i, !added.isZero(0), own + added});
+  }
+}
+
+void GroupSolver::follow_inertia(const SolveInput& input, std::span<const std::uint32_t> bodies) {
+  for (Follower& follower : followers_) {
+    const std::size_t local = first_dynamic_ + follower.place;
+    const std::uint32_t body = bodies[follower.place];
+    const Vector3 spin = get3(bodies_.velocity[local].angular);
+    if (!(spin.squaredNorm() > tuning::least_spin * tuning::least_spin)) continue;
+    const Quaternion turn = rotation_of(bodies_.displacement[local]) * input.bodies.orientation(body);
+    const Matrix3 rotation = turn.normalized().toRotationMatrix();
+    Matrix3 inertia = symmetric_product(product(rotation, input.bodies.inertia[body]), rotation);
+    if (follower.stiff) inertia += stiffness_[local];
+    const Matrix3 inverse = symmetric_inverse(inertia);
+    // What joints did is carried over as a change of spin: as the same angular impulse it is another one now.
+    FreeVelocityRows& free = bodies_.free_velocity[local];
+    const Vector3 done = spin - get3(free.angular);
+    set3(free.angular, spin - product(inverse, product(follower.inertia, done)));
+    set_inverse_inertia(local, inverse);
+    follower.inertia = inertia;
   }
 }
 
@@ -161,6 +228,7 @@ void GroupSolver::load_kinematic_bodies(const SolveInput& input) {
     FreeVelocityRows& free_velocity = bodies_.free_velocity[1 + i];
     std::copy_n(velocity.linear, 3, free_velocity.linear);
     std::copy_n(velocity.angular, 3, free_velocity.angular);
+    if (!bodies_.shape.empty()) load_shape(input, kinematic_[i], 1 + i);
   }
 }
 

@@ -81,6 +81,10 @@ void GroupSolver::capture(const SolveInput& input, const GroupReport& report,
         answer.separation[i] = block.separation[i][lane];
         answer.normal_impulse[i] = block.normal_impulse[i][lane];
       }
+      for (std::size_t i = 0; i < 3; ++i) {
+        answer.anchor_first[i] = block.anchor_first[i][lane];
+        answer.anchor_second[i] = block.anchor_second[i][lane];
+      }
       const float normal[3] = {block.normal[0][lane], block.normal[1][lane], block.normal[2][lane]};
       collision::Tangents t = collision::tangents(normal);
       answer.planar = !bodies_.locks.empty() && planar_blocks_[b].planar[lane] > 0;

@@ -11,7 +11,8 @@ void JoinedMotion::build(const SolveInput& input, const IslandGroup& group) {
   components_.clear();
   direct_.clear();
   touched_direct_.clear();
-  disturbed_direct_.clear();
+  untouched_direct_.clear();
+  bouncing_direct_.clear();
   if (number_.size() < graph.component_count()) number_.resize(graph.component_count(), none);
   const auto place = [&](std::uint32_t body) { return islands.rank(body) - first_rank; };
   const auto dynamic = [&](std::uint32_t body) { return input.bodies.mobility[body] == Mobility::Dynamic; };
@@ -41,8 +42,8 @@ void JoinedMotion::build(const SolveInput& input, const IslandGroup& group) {
   }
   for (const std::uint32_t of_graph : direct_) {
     const Component& component = components_[number_[of_graph]];
-    if (component.touched) touched_direct_.push_back(of_graph);
-    if (!component.touched || component.bounces) disturbed_direct_.push_back(of_graph);
+    (component.touched ? touched_direct_ : untouched_direct_).push_back(of_graph);
+    if (component.bounces) bouncing_direct_.push_back(of_graph);
   }
   for (const JointLink& link : joints) number_[graph.component_of(link.joint)] = none;
 }

@@ -11,6 +11,7 @@
 #if HWY_TARGET == ATOLL_SET
 
 #include "integrate/body_kernels-inl.h"
+#include "sweep/contact_bounces-inl.h"
 #include "sweep/contact_impulses-inl.h"
 #include "sweep/contact_prepare-inl.h"
 #include "sweep/contact_sweep-inl.h"
@@ -27,6 +28,7 @@ const Kernels& kernels() {
                                 &prepare,
                                 &warm_start,
                                 &sweep,
+                                with_restitution ? &note_approaches : nullptr,
                                 with_restitution ? &restitute : nullptr,
                                 &store_impulses,
                                 &integrate_velocities,

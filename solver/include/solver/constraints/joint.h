@@ -43,15 +43,25 @@ struct Law {
 
   double lower = -unlimited;  ///< m or rad; locked where both are equal
   double upper = unlimited;
-  double spring_hertz = 0;  ///< with the effective mass along the coordinate; 0: no spring
+  double spring_hertz = 0;  ///< with the effective mass along the coordinate, as the damping ratio
   double damping_ratio = 0;
+  double stiffness = 0;  ///< N/m or N m/rad; of a spring that has no frequency of its own
+  double damping = 0;    ///< N s/m or N m s/rad, likewise
   double rest = 0;
   double motor_speed = 0;
   double motor_force = 0;  ///< N or N m; 0: no motor
 
   bool locked() const { return lower == upper; }
   bool limited() const { return lower > -unlimited || upper < unlimited; }
-  bool acts() const { return limited() || spring_hertz > 0 || motor_force > 0; }
+  bool springs() const { return spring_hertz > 0 || stiffness > 0 || damping > 0; }
+  bool acts() const { return limited() || springs() || motor_force > 0; }
+  /// The square of its frequency, 1/s^2, and twice its damping ratio times that frequency, 1/s, with a mass in kg or
+  /// kg m^2 that is more than 0.
+  double square_of_omega(double mass) const {
+    const double omega = 2 * 3.14159265358979323846 * spring_hertz;
+    return omega * omega + stiffness / mass;
+  }
+  double decay(double mass) const { return 4 * 3.14159265358979323846 * spring_hertz * damping_ratio + damping / mass; }
 };
 
 inline constexpr std::size_t max_joint_rows = 6;

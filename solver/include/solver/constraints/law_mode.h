@@ -16,6 +16,9 @@ class LawMode {
   /// Starts a substep of h seconds with the coordinate at `position`. `effective_mass` along it, kg or kg m^2.
   void begin(const Law& law, double position, double effective_mass, double h);
 
+  /// Likewise, at a rate before the substep's forces, once; without it, at rest.
+  void start_at(const Law& law, double rate);
+
   bool is_solved() const { return solved_; }  ///< else the impulse is given
   double target() const { return target_; }
   double compliance() const { return compliance_; }

@@ -17,10 +17,13 @@ struct RowLaw {
   double upper_rate = Law::unlimited;
   double motor_speed = 0, motor_impulse = 0;  ///< the most that it has; 0 without
   double spring_slope = 0, spring_rate = 0;   ///< of impulse by rate, and the rate at which there is none; 0 without
+  double spring_keeps = 0;                    ///< how the rate before the step adds to that
 
   /// `position` in m or rad, `effective_mass` along the coordinate in kg or kg m^2, h in s; what locks gives by
-  /// `compliance` over the effective mass, or is left to the caller where that is 0.
+  /// `compliance` over the effective mass, or is left to the caller where that is 0. At rest before the step.
   static RowLaw of(const Law& law, double position, double effective_mass, double h, double compliance = 0);
+  /// The same at a rate before the step's forces, once.
+  void start_at(double rate) { spring_rate += spring_keeps * rate; }
 
   double impulse(double rate) const;
   /// Impulse by rate, not negative.

@@ -48,6 +48,11 @@ class DirectJoints {
   }
   void begin_step(const DirectInput& input);
 
+  /// Springs' share of the half substep by which velocities are behind positions in the substeps of a step: takes it
+  /// away before (-1), gives it back after (1).
+  void kick_springs(const DirectInput& input, int sign);
+  /// Once the velocities that a substep starts with are there.
+  void note_rates(const DirectInput& input);
   void begin_substep();
   /// After forces: velocities that keep the joints at the present poses, springs, motors and limits.
   void solve_velocities(const DirectInput& input);
@@ -79,6 +84,7 @@ class DirectJoints {
     Matrix3 stiffness;                          // N m, geometric
     Matrix3 inverse_inertia = Matrix3::Zero();  // 1/(kg m^2), world frame, with a share of the stiffness
     Vector3 velocity, spin;                     // m/s, rad/s
+    Quaternion next_turn;                       // as it would be at the substep's end
     Vector3 velocity_before, spin_before;
     Vector3 impulse, angular_impulse;  // N s, N m s
   };
@@ -89,6 +95,8 @@ class DirectJoints {
     LawMode mode;
     double impulse;   // N s or N m s, in this substep
     double position;  // m or rad
+    double mass;      // kg or kg m^2, effective
+    double bend;      // m/s or rad/s, see note_bends()
   };
 
   // A joint, a node of the system.
@@ -99,6 +107,7 @@ class DirectJoints {
     std::uint32_t begin, end;  // in rows_
     bool is_point_only() const { return point && begin == end; }
     Vector3 arm_first, arm_second;
+    Vector3 bend;                             // m/s, see note_bends()
     Vector3 offset;                           // m, of the origins, as the substep begins
     Vector3 impulse;                          // of the point, in this substep
     std::size_t block;                        // of the system, diagonal
@@ -127,6 +136,7 @@ class DirectJoints {
   void place_frames(const Joint* joints);
   void place_inertia(const BodyTable& table, double h);
   void begin_laws(const Joint* joints, double h);
+  void note_bends(const DirectInput& input);
   bool update_laws(const Joint* joints);
   void prepare(const DirectInput& input);
   void factor();

@@ -44,6 +44,7 @@ struct BodyTable {
   std::vector<Vector3> moments;            ///< kg m^2, about these
   std::vector<std::uint8_t> locks;         ///< what each body is without, see motion_locks.h
   std::vector<std::uint8_t> ball;          ///< 1 for a sphere about the centre of mass: it looks the same turned
+  std::vector<std::uint8_t> round;         ///< 1 for what looks the same turned about the z axis of its frame
   std::vector<Surface> surfaces;           ///< empty while all are plain
   std::vector<double> least_moment;        ///< kg m^2, see contact_inertia.h; 0 or empty where there is no need
   std::vector<double> gravity_scale;
@@ -87,7 +88,7 @@ struct BodyTable {
 
 inline std::size_t BodyTable::bytes() const {
   return jobs::bytes_of(positions, orientations, velocities, angular_velocities, forces, torques, mobility,
-                        inverse_mass, inertia, inverse_inertia, gyroscopic, principal_axes, moments, locks, ball,
+                        inverse_mass, inertia, inverse_inertia, gyroscopic, principal_axes, moments, locks, ball, round,
                         least_moment, gravity_scale, linear_damping, angular_damping, radius, turned, slack,
                         reach_limit, sweep_distance, outgrown);
 }
@@ -106,6 +107,7 @@ inline void BodyTable::resize(std::size_t count) {
   moments.resize(count, Vector3::Zero());
   locks.resize(count, 0);
   ball.resize(count, 0);
+  round.resize(count, 0);
   if (!surfaces.empty()) surfaces.resize(count);
   if (!least_moment.empty()) least_moment.resize(count, 0.0);
   gravity_scale.resize(count, 1.0);

@@ -39,4 +39,10 @@ bool changes_steadily(const Vector3& gained, const Vector3& gained_spin, const V
 /// slack of its bounds by the end of the next one, and whether it was fast or is unsound.
 void note_motion(BodyTable& bodies, std::uint32_t body, const BodyPose& start, double dt, FastBodies& fast);
 
+/// A turn by the vector `turn` (rad), of a small angle, after an orientation.
+inline Quaternion turned(const Vector3& turn, const Quaternion& orientation) {
+  const Vector3 half = 0.5 * turn;
+  return (Quaternion(1, half.x(), half.y(), half.z()) * orientation).normalized();
+}
+
 }  // namespace atl::solver

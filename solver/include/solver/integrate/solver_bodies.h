@@ -85,11 +85,23 @@ struct alignas(16) LockRow {
   }
 };
 
+/// How what contacts touch of a body turns with it.
+struct alignas(16) ShapeRows {
+  float axis[3] = {0, 0, 0};  ///< of revolution, as the step begins, world frame; of round bodies
+  float kind = 0;             ///< 0: turns too little in the step to matter, 1: all of it turns, 2: round
+  /// x, y, z, w, world frame, since the start of the step: of a round body without its turn about its axis, which moves
+  /// no contact. Kept up to date only where there are such.
+  float rotation[4] = {0, 0, 0, 1};
+  float half_turn[3] = {0, 0, 0};  ///< rad: that half way through the step, as expected when it begins
+  float unused = 0;
+};
+
 /// Rows that groups have only if they need them.
 struct OptionalRows {
   bool gyroscopic = false;
   bool correction = false;
   bool locks = false;
+  bool shape = false;
 };
 
 /// Bodies of one island group. Index 0 stands for every fixed body and is never written; copies of kinematic
@@ -103,6 +115,8 @@ struct SolverBodies {
   std::vector<GyroscopicRows> gyroscopic;  ///< empty if no body needs it
   std::vector<VelocityRows> correction;    ///< by which overlap is removed in this substep; empty where nothing asks
   std::vector<LockRow> locks;              ///< empty if no body has motion locks
+  std::vector<ShapeRows> shape;            ///< empty if contacts stay where they are on all bodies in the step
+  bool round_shapes = false;               ///< some of them are of kind 2; else they turn as bodies do
   bool balls = true;                       ///< some body may be one (see DisplacementRows::carries)
 
   void reset(std::size_t count, const OptionalRows& with) {
@@ -115,10 +129,13 @@ struct SolverBodies {
     gyroscopic.assign(with.gyroscopic ? padded : 0, {});
     correction.assign(with.correction ? padded : 0, {});
     locks.assign(with.locks ? padded : 0, {});
+    shape.assign(with.shape ? padded : 0, {});
+    round_shapes = false;
   }
   /// Memory held.
   std::size_t bytes() const {
-    return jobs::bytes_of(velocity, inertia, displacement, free_velocity, acceleration, gyroscopic, correction, locks);
+    return jobs::bytes_of(velocity, inertia, displacement, free_velocity, acceleration, gyroscopic, correction, locks,
+                          shape);
   }
   std::size_t padded_count() const { return velocity.size(); }
 };

@@ -16,4 +16,7 @@ SineCosine sine_cosine(double angle);
 /// -pi, with x = 0 or more y itself; two infinities make a diagonal. NaN if either is.
 double arctangent(double y, double x);
 
+/// exp(x) - 1 for x <= 0, to within 4 units in the last place, by such operations too.
+double exponential_less_one(double x);
+
 }  // namespace atl::solver

@@ -34,8 +34,8 @@ struct alignas(64) ContactBlock {
   std::int32_t first[block_lanes];  ///< index into SolverBodies
   std::int32_t second[block_lanes];
   Lanes<3> normal;
-  Lanes<3> tangent;  ///< the first; the second is normal x tangent
-  Lanes<3> anchor_first;
+  Lanes<3> tangent;       ///< the first; the second is normal x tangent
+  Lanes<3> anchor_first;  ///< half way through the step
   Lanes<3> anchor_second;
   Lanes<4> x;
   Lanes<4> y;
@@ -86,8 +86,11 @@ struct ContactWork {
 
 /// What a block needs beside, if its group has restitution.
 struct alignas(64) BounceBlock {
-  float approach[4][block_lanes];     ///< m/s, closing speed (negative) at the start of the step
-  float max_impulse[4][block_lanes];  ///< N s, over the substeps: zero if the point never touched
+  float approach[4][block_lanes];     ///< m/s, closing speed (negative) at the start of the substep
+  float departure[4][block_lanes];    ///< m/s, with which it is to part
+  float max_impulse[4][block_lanes];  ///< N s, over its sweeps: zero if the point didn't touch
+  float waits[4][block_lanes];        ///< 1 if the point can't meet in this substep, else 0
+  float spent[4][block_lanes];        ///< N s, of bounces of substeps before, which are not carried over
   float restitution[block_lanes];
 };
 
@@ -108,6 +111,12 @@ struct alignas(64) SurfaceBlock {
 struct alignas(64) PlanarBlock {
   float planar[block_lanes];    ///< 1 for such a contact, else 0
   float point[2][block_lanes];  ///< which of the manifold's points they are; -1 if there is none
+};
+
+/// What a block needs beside, if bodies of its group turn.
+struct alignas(64) TurningBlock {
+  float anchor_first[3][block_lanes];  ///< m, as the step begins
+  float anchor_second[3][block_lanes];
 };
 
 /// What a block needs beside, if overlap is removed by velocities of its own.

@@ -12,7 +12,9 @@ namespace atl::solver {
 /// write the entries of their own bodies and contacts.
 struct ContactCapture {
   struct Answer {
-    double step = 0;                      ///< s, of what it is the answer to
+    double step = 0;                    ///< s, of what it is the answer to
+    std::array<float, 3> anchor_first;  ///< m, world frame, from the centres of mass
+    std::array<float, 3> anchor_second;
     std::array<float, 4> separation;      ///< m, as the sweeps saw it
     std::array<float, 4> normal_impulse;  ///< N s
     std::array<float, 3> friction_impulse;

@@ -51,6 +51,8 @@ class GroupJoints {
   void add_stiffness(const JointStep& step, std::span<Matrix3> stiffness, std::size_t begin, std::size_t end) const;
   /// After positions have moved by the velocities that the bodies have: coordinates and rows other than points.
   void refresh_rows(const JointStep& step, std::size_t begin, std::size_t end);
+  /// Before the forces of a substep.
+  void note_rates(const JointStep& step, std::size_t begin, std::size_t end);
   void clear_impulses(std::size_t begin, std::size_t end);
   /// Impulses, coordinates and what holds the joints, back to them. Bodies have their new poses.
   void store(const JointStep& step, std::size_t begin, std::size_t end) const;

@@ -50,8 +50,8 @@ class GroupSolver {
 
   /// Memory held.
   std::size_t bytes() const {
-    return jobs::bytes_of(kinematic_, contacts_, stiffness_, blocks_, bounces_, surface_blocks_, split_blocks_,
-                          planar_blocks_) +
+    return jobs::bytes_of(kinematic_, contacts_, stiffness_, followers_, blocks_, bounces_, surface_blocks_,
+                          split_blocks_, planar_blocks_, turning_blocks_) +
            colouring_.bytes() + bodies_.bytes() + joints_.bytes() + joined_motion_.bytes();
   }
 
@@ -76,8 +76,12 @@ class GroupSolver {
   void set_inverse_inertia(std::size_t local, const Matrix3& inverse);
   void stiffen_bodies(const SolveInput& input, std::span<const std::uint32_t> bodies, std::size_t begin,
                       std::size_t end);
+  void find_followers(const SolveInput& input, std::span<const std::uint32_t> bodies);
+  void follow_inertia(const SolveInput& input, std::span<const std::uint32_t> bodies);
   void give_half_kick(std::span<const std::uint32_t> bodies, float time);
   void load_kinematic_bodies(const SolveInput& input);
+  bool turns(const SolveInput& input, std::uint32_t body) const;
+  void load_shape(const SolveInput& input, std::uint32_t body, std::size_t local);
   void write_back(const SolveInput& input, std::span<const std::uint32_t> bodies, bool joined, std::size_t begin,
                   std::size_t end);
   ContactKernelData kernel_data(const SolveInput& input, const GroupReport& report, const SubstepConstants& constants,
@@ -96,11 +100,19 @@ class GroupSolver {
   Colouring colouring_;
   SolverBodies bodies_;
   std::vector<Matrix3> stiffness_;  // N m, of bodies that joints pull on
+  // A body whose inertia joints see turn with it.
+  struct Follower {
+    std::uint32_t place;
+    bool stiff;       // tension counts as inertia
+    Matrix3 inertia;  // kg m^2, world frame, as velocities were last changed with it
+  };
+  std::vector<Follower> followers_;
   std::vector<ContactBlock> blocks_;
   std::vector<BounceBlock> bounces_;
   std::vector<SurfaceBlock> surface_blocks_;
   std::vector<SplitBlock> split_blocks_;
   std::vector<PlanarBlock> planar_blocks_;
+  std::vector<TurningBlock> turning_blocks_;
   GroupJoints joints_;
   JoinedMotion joined_motion_;
 };

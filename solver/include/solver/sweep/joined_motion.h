@@ -22,8 +22,10 @@ class JoinedMotion {
   std::span<const std::uint32_t> direct() const { return direct_; }
   /// Those of them that something touches.
   std::span<const std::uint32_t> touched_direct() const { return touched_direct_; }
-  /// Those of them whose velocities something else changes as the step ends: forces' second half, or bounces.
-  std::span<const std::uint32_t> disturbed_direct() const { return disturbed_direct_; }
+  /// The others, whose velocities the second half of forces changes as the step ends.
+  std::span<const std::uint32_t> untouched_direct() const { return untouched_direct_; }
+  /// Those that may bounce off something.
+  std::span<const std::uint32_t> bouncing_direct() const { return bouncing_direct_; }
   bool is_joined(std::size_t body) const { return component_[body] != none; }
   bool is_direct(std::size_t body) const { return is_joined(body) && components_[component_[body]].direct; }
   /// Solved at once, and touched by nothing: it gets its forces half a substep before, and half a substep after the
@@ -38,6 +40,10 @@ class JoinedMotion {
     const Component& component = components_[component_[body]];
     return !component.direct && !component.touched && !component.anchored;
   }
+  /// Joined one by one, and touched by nothing.
+  bool follows(std::size_t body) const {
+    return is_joined(body) && !components_[component_[body]].direct && !components_[component_[body]].touched;
+  }
   /// m/s^2, of the centre of mass of all that hang together with it.
   Vector3 acceleration(std::size_t body) const { return components_[component_[body]].acceleration; }
 
@@ -46,7 +52,8 @@ class JoinedMotion {
 
   /// Memory held.
   std::size_t bytes() const {
-    return jobs::bytes_of(component_, components_, direct_, touched_direct_, disturbed_direct_, number_);
+    return jobs::bytes_of(component_, components_, direct_, touched_direct_, untouched_direct_, bouncing_direct_,
+                          number_);
   }
 
  private:
@@ -63,7 +70,7 @@ class JoinedMotion {
 
   std::vector<std::uint32_t> component_;  // by body, in components_
   std::vector<Component> components_;
-  std::vector<std::uint32_t> direct_, touched_direct_, disturbed_direct_;
+  std::vector<std::uint32_t> direct_, touched_direct_, untouched_direct_, bouncing_direct_;
   std::vector<std::uint32_t> number_;  // by component of the graph; all none between calls
 };
 

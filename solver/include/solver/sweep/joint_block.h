@@ -62,6 +62,7 @@ struct alignas(64) JointRowBlock {
   float inverse_mass[block_lanes];  ///< w
 
   float spring_scale[block_lanes];
+  float spring_keep[block_lanes];        ///< of the rate before the substep, that adds to the shift of the next one
   float spring_shift[block_lanes];       ///< m/s or rad/s, from where the substep starts
   float next_spring_shift[block_lanes];  ///< and where the next one does
   float motor_speed[block_lanes];

@@ -23,6 +23,7 @@ struct ContactKernelData {
   SurfaceContact* surface_contacts = nullptr;  ///< by contact slot, with them
   SplitBlock* split_blocks = nullptr;          ///< one a block, or null where nothing asks
   PlanarBlock* planar_blocks = nullptr;        ///< one a block, or null if no body has motion locks
+  TurningBlock* turning_blocks = nullptr;      ///< one a block, or null if bodies turn too little for it to matter
   bool leaves_out = true;                      ///< what a block has none of; else it is gone through for nothing
 };
 
@@ -43,6 +44,7 @@ struct Sweep {
   /// Goes over the points of each contact from the last to the first. One order alone pushes what stands towards where
   /// it ends: by turns they cancel.
   bool backwards = false;
+  bool relaxes = false;  ///< takes back what pushed bodies apart: what they have yet to hit is left to the next substep
 };
 
 /// What the joint kernels work on.
@@ -75,8 +77,12 @@ struct Kernels {
   /// Returns, if the sweep measures, its residual, m/s: the largest change that an impulse made to the relative speed
   /// which it is there for, at the time it was found. Spins count with the lever they have at the contact.
   float (*sweep)(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end);
-  /// Gives points that hit faster than the threshold their part of the closing speed back.
-  void (*restitute)(const ContactKernelData& data, std::size_t begin, std::size_t end);
+  /// Before the forces of substep `number`: how fast bouncy points close, and which of them will not meet in it. Blocks
+  /// are made with that of the first.
+  void (*note_approaches)(const ContactKernelData& data, int number, std::size_t begin, std::size_t end);
+  /// Gives points that hit faster than the threshold their part of the closing speed back, with the friction that goes
+  /// with it. Unless the substep is the `last`, nothing of such contacts is carried over.
+  void (*restitute)(const ContactKernelData& data, Friction friction, bool last, std::size_t begin, std::size_t end);
   /// Writes impulses back to the manifolds, and notes what is overloaded.
   void (*store)(const ContactKernelData& data, std::size_t begin, std::size_t end);
 

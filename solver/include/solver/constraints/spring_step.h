@@ -1,0 +1,33 @@
+#pragma once
+
+namespace atl::solver {
+
+/// A damped spring over a time step, so that a body alone on it moves as the closed form has it, to the rounding error,
+/// in semi-implicit Euler's leapfrog of positions and velocities: with the rate u before the step and the position x
+/// from rest, a rate that everything else makes u0 becomes (u0 + keep * u - pull * x) / (1 + hold). A constant force is
+/// answered by its static deflection. Exact maps are always stable; a spring that would swing by more than `most_phase`
+/// in a step, which nobody could see, is damped so far that it swings by that.
+struct SpringStep {
+  static constexpr double most_phase = 1;  ///< rad
+
+  double hold = 0;
+  double keep = 0;
+  double pull = 0;  ///< 1/s
+
+  /// `omega` = sqrt(k / m) in rad/s, `decay` = c / m in 1/s, h in s; all >= 0.
+  static SpringStep of(double omega, double decay, double h);
+};
+
+/// The rate of that leapfrog, half a step behind the position x, as that with which a body alone on the spring has come
+/// to x in the last step, where its velocity is u and something else accelerates it by a: of_position * x + of_rate * u
+/// + of_acceleration * a.
+struct LateRate {
+  double of_position = 0;  ///< 1/s
+  double of_rate = 1;
+  double of_acceleration = 0;  ///< s
+
+  /// As above, with `omega` h and `decay` h up to 1.
+  static LateRate of(double omega, double decay, double h);
+};
+
+}  // namespace atl::solver

@@ -1,0 +1,51 @@
+#include <solver/constraints/spring_step.h>
+#include <solver/integrate/trigonometry.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace atl::solver {
+
+// Of x'' + decay x' + omega^2 x = 0 the exact map of a step has the eigenvalues exp(-a h), exp(-b h) with a and b the
+// roots of s^2 - decay s + omega^2. The map u1 = (1 - d) u - p x, x1 = x + h u1 has them if d = 1 - exp(-(a + b) h) and
+// p h = (1 - exp(-a h)) (1 - exp(-b h)).
+SpringStep SpringStep::of(double omega, double decay, double h) {
+  const double phase = omega * h;
+  const double half = std::max(0.5 * decay * h, std::sqrt(std::max(phase * phase - most_phase * most_phase, 0.0)));
+  const double lost = -exponential_less_one(-2 * half);  // d
+  double hold = 0;
+  if (half >= phase) {
+    const double root = std::sqrt((half - phase) * (half + phase));
+    const double fast = half + root;
+    const double slow = fast > 0 ? phase * phase / fast : 0;
+    // (1 - exp(-x)) / x
+    const auto part = [](double x) { return x > 0 ? -exponential_less_one(-x) / x : 1; };
+    hold = 1 / (part(fast) * part(slow)) - 1;
+  } else {
+    const double angle = std::sqrt((phase - half) * (phase + half));
+    const double left = 1 + exponential_less_one(-half);
+    const double sine = sine_cosine(0.5 * angle).sine;
+    hold = phase * phase / ((1 - left) * (1 - left) + 4 * left * sine * sine) - 1;
+  }
+  return {hold, hold - lost * (1 + hold), omega * phase};
+}
+
+// (x(0) - x(-h)) / h by Taylor's series, the derivatives of x as sums of x, u and a.
+LateRate LateRate::of(double omega, double decay, double h) {
+  constexpr int terms = 14;
+  LateRate late;
+  double of_position = 0, of_rate = 1, of_acceleration = 0, power = 1;
+  for (int n = 2; n <= terms; ++n) {
+    of_acceleration = of_rate;
+    const double next = of_position - decay * of_rate;
+    of_position = -omega * omega * of_rate;
+    of_rate = next;
+    power *= -h / n;
+    late.of_position += power * of_position;
+    late.of_rate += power * of_rate;
+    late.of_acceleration += power * of_acceleration;
+  }
+  return late;
+}
+
+}  // namespace atl::solver
