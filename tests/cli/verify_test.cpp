@@ -23,7 +23,7 @@ TEST(CommandVerify, HelpHasEveryOption) {
 }
 
 TEST(CommandVerify, RefusesWhatItCannotCheck) {
-  expect_refused(run_atoll({"verify"}), 2, {"found no check to make", "a scene", "--stability"});
+  expect_refused(run_atoll({"verify"}), 2, {"found no check to make", "a scene", "--stability", "--physics"});
   expect_refused(run_atoll({"verify", "--case", "stack-10"}), 2, {"found no check to make", "--stability"});
   expect_refused(run_atoll({"verify", "--stability", "--case", "stak-10"}), 2,
                  {"--case: found \"stak-10\"", "did you mean \"stack-10\"?"});

@@ -63,14 +63,21 @@ void add_determinism_options(CLI::App& command, VerifyOptions& options) {
 
 void add_verify_options(CLI::App& command, VerifyOptions& options) {
   add_determinism_options(command, options);
+  const char* suites = "Stability and physics, instead of a scene";
   command
       .add_flag("--stability", options.stability,
                 "run stiff and extreme scenes, and hold penetration, drift, energy and the like to limits")
-      ->group("Stability, instead of a scene");
+      ->group(suites);
+  command
+      .add_flag("--physics", options.physics,
+                "run motions that are known, and hold them against closed forms and published values")
+      ->group(suites);
+  command.add_flag("--refine", options.refine, "with --physics: also in steps of a 4th, a 16th and a 64th")
+      ->group(suites);
   command.add_option("--case", options.cases, "only the case of this name; may be given again")
       ->type_name("NAME")
       ->allow_extra_args(false)
-      ->group("Stability, instead of a scene");
+      ->group(suites);
   add_format_option(command, options.format);
 }
 

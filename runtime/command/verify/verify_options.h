@@ -10,6 +10,8 @@ namespace atl::command {
 /// What `atoll verify` was asked to do.
 struct VerifyOptions {
   bool stability = false;
+  bool physics = false;
+  bool refine = false;             ///< runs cases of physics in finer steps, too
   std::vector<std::string> cases;  ///< names; all where there is none
 
   SceneOptions scene;  ///< to check for determinism, unless its text is ""

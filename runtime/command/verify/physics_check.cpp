@@ -1,0 +1,65 @@
+#include "physics_check.h"
+
+#include <algorithm>
+#include <iostream>
+#include <string_view>
+
+#include "../failure.h"
+#include "../progress.h"
+#include "physics_report.h"
+#include "scene/src/words.h"
+
+namespace atl::command {
+namespace {
+
+using physics::PhysicsCase;
+using physics::PhysicsResult;
+
+std::vector<PhysicsCase> chosen_physics(const VerifyOptions& options) {
+  const std::vector<PhysicsCase>& all = physics::physics_cases();
+  if (options.cases.empty()) return all;
+  std::vector<PhysicsCase> cases;
+  for (const std::string& name : options.cases) {
+    const auto found = std::find_if(all.begin(), all.end(), [&](const PhysicsCase& c) { return c.name == name; });
+    if (found == all.end()) {
+      std::vector<std::string_view> names;
+      for (const PhysicsCase& known : all) names.push_back(known.name);
+      throw Failure(Status::Usage, "--case: found " + scene::quote(name) +
+                                       ", expected a name from the table of atoll verify --physics" +
+                                       scene::suggestion(name, names));
+    }
+    cases.push_back(*found);
+  }
+  return cases;
+}
+
+}  // namespace
+
+void check_physics(const VerifyOptions& options) {
+  const std::vector<PhysicsCase> cases = chosen_physics(options);
+  Progress progress(static_cast<std::int64_t>(cases.size()), "cases");
+  std::vector<std::vector<PhysicsResult>> results;
+  for (const PhysicsCase& test : cases) {
+    std::vector<PhysicsResult> of_case;
+    for (const int divisor : refinements) {
+      of_case.push_back(run_case(test, test.dt / divisor));
+      if (!options.refine) break;
+    }
+    results.push_back(std::move(of_case));
+    progress.update(static_cast<std::int64_t>(results.size()));
+  }
+  if (options.format == Format::Json) {
+    write_physics_json(std::cout, cases, results);
+  } else {
+    write_physics_text(std::cout, cases, results);
+  }
+  if (!std::cout.flush()) throw Failure(Status::Usage, "cannot write the results to standard output");
+  std::size_t failed = 0;
+  for (std::size_t i = 0; i < cases.size(); ++i) failed += results[i].front().expected(cases[i]) ? 0 : 1;
+  if (failed > 0) {
+    throw Failure(Status::CheckFailed, std::to_string(failed) + " of " + std::to_string(cases.size()) +
+                                           " physics cases are not as expected");
+  }
+}
+
+}  // namespace atl::command

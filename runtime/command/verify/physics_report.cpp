@@ -1,0 +1,93 @@
+#include "physics_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <nlohmann/json.hpp>
+#include <ostream>
+#include <string>
+
+#include "../names.h"
+
+namespace atl::command {
+namespace {
+
+using physics::PhysicsCase;
+using physics::PhysicsResult;
+
+const char* physics_status(const PhysicsCase& test, const PhysicsResult& result) {
+  if (!test.known_failure.empty()) return result.holds(test) ? "ok, no longer a known failure" : "known failure";
+  return result.holds(test) ? "ok" : "FAILS";
+}
+
+nlohmann::ordered_json finite_number(double value) {
+  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json();
+}
+
+}  // namespace
+
+void write_physics_text(std::ostream& out, std::span<const PhysicsCase> cases,
+                        std::span<const std::vector<PhysicsResult>> results) {
+  constexpr int width = 11;
+  int names = 4;
+  for (const PhysicsCase& test : cases) names = std::max(names, static_cast<int>(test.name.size()));
+  const bool refined = std::any_of(results.begin(), results.end(), [](const auto& r) { return r.size() > 1; });
+  out << std::left << std::setw(names) << "case" << std::right;
+  for (const char* title : {"right", "value", "unit", "error", "limit", "dt", "ms"}) out << std::setw(width) << title;
+  if (refined) {
+    for (std::size_t i = 1; i < refinements.size(); ++i) {
+      out << std::setw(width) << "dt / " + std::to_string(refinements[i]);
+    }
+  }
+  out << "\n";
+  std::size_t ok = 0, known = 0, fails = 0;
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    const PhysicsCase& test = cases[i];
+    const PhysicsResult& result = results[i].front();
+    (result.holds(test) ? ok : test.known_failure.empty() ? fails : known)++;
+    out << std::left << std::setw(names) << test.name << std::right;
+    for (const std::string& text :
+         {significant(test.right, 4), significant(result.value, 4), test.unit.empty() ? std::string("-") : test.unit,
+          significant(result.error, 2), significant(test.limit, 2), "1/" + significant(1 / test.dt, 4),
+          significant(1e3 * result.seconds, 3)}) {
+      out << std::setw(width) << text;
+    }
+    for (std::size_t k = 1; k < results[i].size(); ++k) {
+      out << std::setw(width) << significant(results[i][k].error, 2);
+    }
+    out << "  " << physics_status(test, result) << "\n";
+  }
+  out << "\n";
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    if (!cases[i].known_failure.empty()) out << cases[i].name << ": " << cases[i].known_failure << "\n";
+  }
+  out << cases.size() << (cases.size() == 1 ? " case: " : " cases: ") << ok << " hold, " << fails << " fail, " << known
+      << " are known to fail\n";
+}
+
+void write_physics_json(std::ostream& out, std::span<const PhysicsCase> cases,
+                        std::span<const std::vector<PhysicsResult>> results) {
+  using Json = nlohmann::ordered_json;
+  Json array = Json::array();
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    const PhysicsCase& test = cases[i];
+    Json runs = Json::array();
+    for (std::size_t k = 0; k < results[i].size(); ++k) {
+      runs.push_back({{"dt", test.dt / refinements[k]},
+                      {"value", finite_number(results[i][k].value)},
+                      {"error", finite_number(results[i][k].error)},
+                      {"seconds", results[i][k].seconds}});
+    }
+    Json object = {{"name", test.name},   {"what", test.what},
+                   {"unit", test.unit},   {"right", test.right},
+                   {"scale", test.scale}, {"source", test.source},
+                   {"limit", test.limit}, {"status", physics_status(test, results[i].front())}};
+    if (!test.known_failure.empty()) object["known_failure"] = test.known_failure;
+    object["runs"] = std::move(runs);
+    array.push_back(std::move(object));
+  }
+  const Json object = {{"format", "atoll-physics"}, {"version", 1}, {"cases", std::move(array)}};
+  out << object.dump(2) << '\n';
+}
+
+}  // namespace atl::command

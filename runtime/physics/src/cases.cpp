@@ -1,0 +1,54 @@
+#include "cases.h"
+
+#include <chrono>
+
+namespace atl::physics {
+
+const std::vector<PhysicsCase>& physics_cases() {
+  static const std::vector<PhysicsCase> all = [] {
+    std::vector<PhysicsCase> cases;
+    for (const auto add : {add_sliding, add_impacts, add_rolling, add_spins, add_springs, add_invariances}) add(cases);
+    return cases;
+  }();
+  return all;
+}
+
+PhysicsResult run_case(const PhysicsCase& test, double dt) {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point start = Clock::now();
+  PhysicsResult result;
+  result.value = test.measure({.dt = dt > 0 ? dt : test.dt});
+  result.error = std::abs(result.value - test.right) / test.scale;
+  result.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  return result;
+}
+
+World make_world(const Resolution& at, double gravity, Settings settings) {
+  settings.substeps = at.substeps;
+  return World({.gravity = {0, 0, -gravity}, .settings = settings});
+}
+
+void run(World& world, const Resolution& at, double seconds) {
+  run(world, at, seconds, [](double) {});
+}
+
+BodyId add_ground(World& world, const Material& material) {
+  return world.add_body({.type = BodyType::Static, .shape = HalfSpace{}, .material = material});
+}
+
+Matrix3 world_inertia(const World& world, BodyId id, const Matrix3& own) {
+  const Matrix3 turn = world.pose(id).orientation.toRotationMatrix();
+  return turn * own * turn.transpose();
+}
+
+double kinetic_energy(const World& world, BodyId id, const Matrix3& own_inertia) {
+  const Vector3 spin = world.angular_velocity(id);
+  return 0.5 * world.mass(id) * world.velocity(id).squaredNorm() +
+         0.5 * spin.dot(world_inertia(world, id, own_inertia) * spin);
+}
+
+Quaternion turn_about(const Vector3& axis, double angle) {
+  return Quaternion(Eigen::AngleAxisd(angle, axis.normalized()));
+}
+
+}  // namespace atl::physics

@@ -1,0 +1,42 @@
+#pragma once
+/// The themes of the suite, a file each, and what they share.
+
+#include <atoll/world.h>
+
+#include <cmath>
+#include <vector>
+
+#include "../suite.h"
+
+namespace atl::physics {
+
+inline constexpr double g = 9.81;  ///< m/s^2
+inline constexpr double pi = 3.14159265358979323846;
+
+void add_sliding(std::vector<PhysicsCase>& cases);
+void add_impacts(std::vector<PhysicsCase>& cases);
+void add_rolling(std::vector<PhysicsCase>& cases);
+void add_spins(std::vector<PhysicsCase>& cases);
+void add_springs(std::vector<PhysicsCase>& cases);
+void add_invariances(std::vector<PhysicsCase>& cases);
+
+/// A world at the defaults but for the resolution's substeps.
+World make_world(const Resolution& at, double gravity = g, Settings settings = {});
+/// Steps for `seconds`, to the nearest whole step.
+template <typename AfterStep>
+void run(World& world, const Resolution& at, double seconds, const AfterStep& after) {
+  const int steps = static_cast<int>(std::lround(seconds / at.dt));
+  for (int i = 0; i < steps; ++i) {
+    world.step(at.dt);
+    after((i + 1) * at.dt);
+  }
+}
+void run(World& world, const Resolution& at, double seconds);
+
+BodyId add_ground(World& world, const Material& material = {});
+/// kg m^2 of a body in the world frame, about its centre of mass.
+Matrix3 world_inertia(const World& world, BodyId id, const Matrix3& own);
+double kinetic_energy(const World& world, BodyId id, const Matrix3& own_inertia);
+Quaternion turn_about(const Vector3& axis, double angle);
+
+}  // namespace atl::physics

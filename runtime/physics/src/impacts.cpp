@@ -1,0 +1,160 @@
+// Bodies that land and bounce.
+
+#include <algorithm>
+#include <random>
+
+#include "cases.h"
+
+namespace atl::physics {
+namespace {
+
+double aside_of_fall(const Resolution& at, const Shape& shape, double half, double height, Material material = {}) {
+  World world = make_world(at);
+  add_ground(world);
+  const BodyId body = world.add_body({.shape = shape, .position = {0, 0, half + height}, .material = material});
+  run(world, at, std::sqrt(2 * height / g) + 1);
+  return world.centre_of_mass(body).head<2>().norm();
+}
+
+double speed_after_oblique_bounce(const Resolution& at, double restitution) {
+  World world = make_world(at, 0);
+  const Material material{.friction = 0.1, .restitution = restitution};
+  add_ground(world, material);
+  const BodyId ball =
+      world.add_body({.shape = Sphere{0.5}, .position = {0, 0, 1.5}, .velocity = {3, 0, -4}, .material = material});
+  run(world, at, 0.5);
+  return world.velocity(ball).x();
+}
+
+// Of the upper of two elastic balls that fall 1 mm apart, by the speed of the fall.
+double cannon(const Resolution& at, double ratio) {
+  constexpr double fall = 1;
+  World world = make_world(at);
+  const Material material{.friction = 0, .restitution = 1};
+  add_ground(world, material);
+  world.add_body({.shape = Sphere{0.5}, .position = {0, 0, 0.5 + fall}, .mass = ratio, .material = material});
+  const BodyId top = world.add_body(
+      {.shape = Sphere{0.25}, .position = {0, 0, 1 + fall + 0.001 + 0.25}, .mass = 1, .material = material});
+  const double v0 = std::sqrt(2 * g * fall);
+  double most = 0;
+  // What it leaves with, from how high it is by then.
+  run(world, at, 0.6, [&](double) {
+    const double v = world.velocity(top).z();
+    if (v > 0) most = std::max(most, std::sqrt(v * v + 2 * g * (world.pose(top).position.z() - (1.25 + 0.001))));
+  });
+  return most / v0;
+}
+
+double energy_of_gas(const Resolution& at) {
+  constexpr int side = 10;
+  World world = make_world(at, 0);
+  const Material material{.friction = 0, .restitution = 1};
+  const double half = 5;
+  for (const Vector3& normal : {Vector3(1, 0, 0), Vector3(0, 1, 0), Vector3(0, 0, 1)}) {
+    for (const double sign : {1.0, -1.0}) {
+      world.add_body({.type = BodyType::Static, .shape = HalfSpace{sign * normal, -half}, .material = material});
+    }
+  }
+  std::mt19937 random(1);
+  const auto speed = [&] { return 4 * (static_cast<double>(random()) / 4294967296.0 - 0.5); };
+  std::vector<BodyId> bodies;
+  for (int i = 0; i < side * side * side; ++i) {
+    const Vector3 place(i % side, i / side % side, i / (side * side));
+    const double vx = speed(), vy = speed(), vz = speed();
+    bodies.push_back(
+        world.add_body({.shape = Sphere{0.2},
+                        .position = (2 * half / side) * (place + Vector3::Constant(0.5)) - Vector3::Constant(half),
+                        .velocity = {vx, vy, vz},
+                        .material = material}));
+  }
+  Settings settings = world.settings();
+  settings.restitution_threshold = 0;
+  world.set_settings(settings);
+  const auto energy = [&] {
+    double sum = 0;
+    for (const BodyId id : bodies) sum += world.velocity(id).squaredNorm();
+    return sum;
+  };
+  const double before = energy();
+  run(world, at, 8);
+  return energy() / before;
+}
+
+// Speed of a wave of toppling dominoes by sqrt(g h), between the 20th and the 60th.
+double domino_speed(const Resolution& at) {
+  constexpr int count = 70;
+  const double h = 0.05, thickness = 0.1 * h, pitch = 0.5 * h + thickness;
+  World world = make_world(at);
+  const Material material{.friction = 0.2};
+  add_ground(world, {.friction = 0.6});
+  std::vector<BodyId> bodies;
+  for (int i = 0; i < count; ++i) {
+    bodies.push_back(world.add_body(
+        {.shape = Box{{thickness / 2, h / 4, h / 2}}, .position = {i * pitch, 0, h / 2}, .material = material}));
+  }
+  world.set_velocity(bodies[0], Vector3(0.3, 0, 0), Vector3(0, 0.3 / (h / 2), 0));
+  std::vector<double> toppled(count, 0);
+  run(world, at, 6, [&](double time) {
+    for (int i = 0; i < count; ++i) {
+      if (toppled[static_cast<std::size_t>(i)] > 0) continue;
+      const Vector3 up = world.pose(bodies[static_cast<std::size_t>(i)]).orientation * Vector3::UnitZ();
+      if (up.x() > 0.1) toppled[static_cast<std::size_t>(i)] = time;
+    }
+  });
+  return 40 * pitch / (toppled[60] - toppled[20]) / std::sqrt(g * h);
+}
+
+}  // namespace
+
+void add_impacts(std::vector<PhysicsCase>& cases) {
+  const auto falls = [&](const char* name, const char* what, const Shape& shape, double half, double height) {
+    cases.push_back({.name = name,
+                     .what = std::string(what) + ": how far aside it comes to rest",
+                     .unit = "m",
+                     .source = "symmetry",
+                     .limit = 1e-3,
+                     .measure = [=](const Resolution& at) { return aside_of_fall(at, shape, half, height); },
+                     .known_failure = "a little of the impact is left to sweeps over the points, in an order that "
+                                      "cancels only over two substeps"});
+  };
+  falls("drop-cube-2.5", "a cube of 1 m dropped flat from 2.5 m", Box{}, 0.5, 2.5);
+  falls("drop-cube-6", "the same from 6 m", Box{}, 0.5, 6);
+  falls("drop-cylinder-2.5", "a cylinder of 1 m dropped flat from 2.5 m", Cylinder{}, 0.5, 2.5);
+  falls("drop-cone-2.5", "a cone of 1 m dropped flat from 2.5 m", Cone{}, 0.5, 2.5);
+  for (const double e : {0.0, 0.5, 0.9}) {
+    cases.push_back({.name = "oblique-bounce-e" + std::to_string(static_cast<int>(10 * e)),
+                     .what = "a ball that bounces at (3, -4) m/s, sliding, friction 0.1, restitution " +
+                             std::to_string(e).substr(0, 3) + ": its speed along the wall",
+                     .unit = "m/s",
+                     .right = 3 - 0.1 * (1 + e) * 4,
+                     .source = "v - mu (1 + e) u; Walton, 1993",
+                     .scale = 3,
+                     .measure = [=](const Resolution& at) { return speed_after_oblique_bounce(at, e); }});
+  }
+  for (const double ratio : {3.0, 100.0}) {
+    cases.push_back({.name = "cannon-" + std::to_string(static_cast<int>(ratio)),
+                     .what = "Galileo's cannon: of two elastic balls 1 mm apart, the lower " +
+                             std::to_string(static_cast<int>(ratio)) + " times as heavy: the upper one's speed",
+                     .unit = "",
+                     .right = (3 * ratio - 1) / (ratio + 1),
+                     .source = "two impacts one after the other: (3 M - m) / (M + m)",
+                     .scale = (3 * ratio - 1) / (ratio + 1),
+                     .measure = [=](const Resolution& at) { return cannon(at, ratio); }});
+  }
+  cases.push_back({.name = "gas-1000",
+                   .what = "1000 elastic balls without friction in a box for 8 s: their energy",
+                   .unit = "",
+                   .right = 1,
+                   .source = "conservation",
+                   .measure = energy_of_gas});
+  cases.push_back({.name = "dominoes-5cm",
+                   .what = "dominoes of 5 cm at half their height, friction 0.2: speed by sqrt(g h)",
+                   .unit = "",
+                   .right = 1.375,
+                   .source = "converged, at dt 1/3840",
+                   .scale = 1.375,
+                   .dt = 1.0 / 240,
+                   .measure = domino_speed});
+}
+
+}  // namespace atl::physics

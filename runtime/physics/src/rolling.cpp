@@ -1,0 +1,201 @@
+// Round bodies that roll.
+
+#include <algorithm>
+
+#include "cases.h"
+
+namespace atl::physics {
+namespace {
+
+// m, to the side after 50 m on level ground. `shape` is round about its z axis.
+double aside_of_way(const Resolution& at, const Shape& shape, double radius, double speed) {
+  World world = make_world(at);
+  add_ground(world);
+  const double yaw = 0.3;
+  const Vector3 ahead(std::cos(yaw), std::sin(yaw), 0);
+  const Vector3 axle = Vector3::UnitZ().cross(ahead);
+  Matrix3 frame;
+  frame << ahead, -Vector3::UnitZ(), axle;
+  const BodyId body = world.add_body({.shape = shape,
+                                      .position = {0, 0, radius},
+                                      .orientation = Quaternion(frame),
+                                      .velocity = speed * ahead,
+                                      .angular_velocity = (speed / radius) * axle});
+  run(world, at, 50 / speed);
+  return std::abs(world.pose(body).position.dot(axle));
+}
+
+// A disc that rolls without slip, by its equations of motion about the point of contact.
+struct RollingDisc {
+  double mass, radius, half_height;
+  Vector3 moments;  // about its own axes, z the axle
+  Quaternion turn;
+  Vector3 spin;
+  Vector3 centre;
+
+  // From the centre to the contact; and how it changes.
+  Vector3 arm(const Quaternion& q) const {
+    const Vector3 a = q * Vector3::UnitZ();
+    return -radius * (Vector3::UnitZ() - a.z() * a).normalized() - std::copysign(half_height, a.z()) * a;
+  }
+  Vector3 arm_rate(const Quaternion& q, const Vector3& w) const {
+    const Vector3 a = q * Vector3::UnitZ();
+    const Vector3 da = w.cross(a);
+    const Vector3 u = Vector3::UnitZ() - a.z() * a;
+    const Vector3 du = -da.z() * a - a.z() * da;
+    const double n = u.norm();
+    return -radius * (du / n - u * (u.dot(du) / (n * n * n))) - std::copysign(half_height, a.z()) * da;
+  }
+  Vector3 acceleration(const Quaternion& q, const Vector3& w) const {
+    const Matrix3 rotation = q.toRotationMatrix();
+    const Matrix3 inertia = rotation * moments.asDiagonal() * rotation.transpose();
+    const Vector3 r = arm(q);
+    const Matrix3 about_contact = inertia + mass * (r.squaredNorm() * Matrix3::Identity() - r * r.transpose());
+    const Vector3 torque = r.cross(mass * (g * Vector3::UnitZ() - w.cross(arm_rate(q, w)))) - w.cross(inertia * w);
+    return about_contact.ldlt().solve(torque);
+  }
+  static Quaternion advanced(const Quaternion& q, const Vector3& w, double h) {
+    const Quaternion rate = Quaternion(0, w.x(), w.y(), w.z()) * q;
+    return Quaternion(q.coeffs() + 0.5 * h * rate.coeffs()).normalized();
+  }
+  // The classical Runge-Kutta method.
+  void advance(double h) {
+    const Quaternion q1 = turn;
+    const Vector3 w1 = spin, a1 = acceleration(q1, w1);
+    const Quaternion q2 = advanced(turn, w1, h / 2);
+    const Vector3 w2 = spin + h / 2 * a1, a2 = acceleration(q2, w2);
+    const Quaternion q3 = advanced(turn, w2, h / 2);
+    const Vector3 w3 = spin + h / 2 * a2, a3 = acceleration(q3, w3);
+    const Quaternion q4 = advanced(turn, w3, h);
+    const Vector3 w4 = spin + h * a3, a4 = acceleration(q4, w4);
+    const auto rate = [](const Quaternion& q, const Vector3& w) {
+      return Eigen::Vector4d((Quaternion(0, w.x(), w.y(), w.z()) * q).coeffs());
+    };
+    const auto speed = [&](const Quaternion& q, const Vector3& w) { return Vector3(-w.cross(arm(q))); };
+    centre += h / 6 * (speed(q1, w1) + 2 * speed(q2, w2) + 2 * speed(q3, w3) + speed(q4, w4));
+    turn = Quaternion(q1.coeffs() + h / 12 * (rate(q1, w1) + 2 * rate(q2, w2) + 2 * rate(q3, w3) + rate(q4, w4)))
+               .normalized();
+    spin += h / 6 * (a1 + 2 * a2 + 2 * a3 + a4);
+  }
+  double energy() const {
+    const Vector3 own = turn.conjugate() * spin;
+    return 0.5 * mass * spin.cross(arm(turn)).squaredNorm() + 0.5 * own.dot(moments.asDiagonal() * own) +
+           mass * g * centre.z();
+  }
+};
+
+struct Coin {
+  double radius, half_height, tilt, speed, seconds;
+};
+
+struct CoinError {
+  double tilt;    // rad, the most
+  double energy;  // change over the first, at the end
+};
+
+CoinError coin_error(const Resolution& at, const Coin& coin) {
+  World world = make_world(at);
+  const Material material{.friction = 10};
+  add_ground(world, material);
+  // Its axle is tilted from y towards the vertical; it rolls along x.
+  const Quaternion turn = turn_about(Vector3::UnitX(), pi / 2 - coin.tilt);
+  const BodyDef def{.shape = Cylinder{coin.radius, coin.half_height}, .orientation = turn, .material = material};
+  const MassProperties mass = body_mass(def);
+  RollingDisc disc{mass.mass, coin.radius,     coin.half_height, mass.inertia.diagonal(),
+                   turn,      Vector3::Zero(), Vector3::Zero()};
+  const Vector3 axle = turn * Vector3::UnitZ();
+  disc.spin = (coin.speed / coin.radius) * -axle;
+  if ((-disc.spin.cross(disc.arm(turn))).x() < 0) disc.spin = -disc.spin;
+  disc.centre = -disc.arm(turn);
+  BodyDef placed = def;
+  placed.position = disc.centre;
+  placed.velocity = -disc.spin.cross(disc.arm(turn));
+  placed.angular_velocity = disc.spin;
+  const BodyId body = world.add_body(placed);
+  const auto energy = [&] {
+    return kinetic_energy(world, body, mass.inertia) + mass.mass * g * world.pose(body).position.z();
+  };
+  const double before = energy();
+  CoinError error{0, 0};
+  run(world, at, coin.seconds, [&](double) {
+    const int steps = 1 + static_cast<int>(at.dt / 5e-4);
+    for (int i = 0; i < steps; ++i) disc.advance(at.dt / steps);
+    const double is = std::asin((world.pose(body).orientation * Vector3::UnitZ()).z());
+    const double right = std::asin((disc.turn * Vector3::UnitZ()).z());
+    error.tilt = std::max(error.tilt, std::abs(is - right));
+  });
+  error.energy = std::abs(energy() / before - 1);
+  return error;
+}
+
+// R w over the speed with which a rolling ball hit a wall, right after.
+double spin_after_wall(const Resolution& at, double phase) {
+  constexpr double radius = 0.1, speed = 4;
+  World world = make_world(at);
+  add_ground(world, {.friction = 0});
+  const Material material{.friction = 1};
+  world.add_body({.type = BodyType::Static, .shape = HalfSpace{{-1, 0, 0}, 0}, .material = material});
+  const BodyId ball = world.add_body({.shape = Sphere{radius},
+                                      .position = {-radius - (3 + phase) * speed * at.dt, 0, radius},
+                                      .velocity = {speed, 0, 0},
+                                      .angular_velocity = {0, speed / radius, 0},
+                                      .material = material});
+  double result = 1;
+  run(world, at, 8 * at.dt, [&](double) { result = std::abs(world.angular_velocity(ball).y()) * radius / speed; });
+  return result;
+}
+
+}  // namespace
+
+void add_rolling(std::vector<PhysicsCase>& cases) {
+  const auto rolls = [&](const char* name, const Shape& shape, double radius, double dt) {
+    cases.push_back({.name = std::string("roll-") + name,
+                     .what = std::string("a ") + name + " that rolls 50 m at 5 m/s: how far aside it gets",
+                     .unit = "m",
+                     .source = "symmetry",
+                     .limit = 1e-3,
+                     .dt = dt,
+                     .measure = [=](const Resolution& at) { return aside_of_way(at, shape, radius, 5); }});
+  };
+  rolls("cylinder", Cylinder{0.5, 0.5}, 0.5, 1.0 / 60);
+  rolls("capsule", Capsule{0.5, 0.5}, 0.5, 1.0 / 60);
+  rolls("disc", Cylinder{0.5, 0.02}, 0.5, 1.0 / 240);
+  // The critical speed of a thin disc: sqrt(g R / 3).
+  cases.push_back({.name = "coin-tilt",
+                   .what = "a coin of 1 m radius that rolls at twice its critical speed, 0.3 rad tilted, 3 s: its tilt",
+                   .unit = "rad",
+                   .source = "equations of rolling, RK4 at 0.5 ms",
+                   .limit = 0.01,
+                   .measure =
+                       [](const Resolution& at) {
+                         return coin_error(at, {1, 0.02, 0.3, 2 * std::sqrt(g / 3), 3}).tilt;
+                       },
+                   .known_failure = "of second order in the step: 0.003 rad at 1/240"});
+  cases.push_back({.name = "coin-energy",
+                   .what = "a thin coin of 0.1 m radius, 25 degrees, 3 s: change of its energy",
+                   .unit = "",
+                   .source = "conservation",
+                   .dt = 1.0 / 240,
+                   .measure = [](const Resolution& at) {
+                     return coin_error(at, {0.1, 0.001, 25 * pi / 180, 3 * std::sqrt(g * 0.1 / 3), 3}).energy;
+                   }});
+  cases.push_back({.name = "rolling-impact",
+                   .what = "a rolling ball of 0.1 m that hits a wall at 4 m/s, friction 1: R w / v after, worst of 8 "
+                           "places in the step",
+                   .unit = "",
+                   .right = 2.0 / 7,
+                   .source = "it rolls up the wall: 2/7",
+                   .scale = 2.0 / 7,
+                   .measure =
+                       [](const Resolution& at) {
+                         double worst = 2.0 / 7;
+                         for (int i = 0; i < 8; ++i) {
+                           const double value = spin_after_wall(at, i / 8.0);
+                           if (std::abs(value - 2.0 / 7) > std::abs(worst - 2.0 / 7)) worst = value;
+                         }
+                         return worst;
+                       },
+                   .known_failure = "gravity acts for the substeps that the impact takes"});
+}
+
+}  // namespace atl::physics

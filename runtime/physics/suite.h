@@ -1,0 +1,48 @@
+#pragma once
+/// Physical laws that a run is held against: closed forms, published values, and integrations of the equations of
+/// motion that share nothing with the solver.
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace atl::physics {
+
+/// How finely a case is run.
+struct Resolution {
+  double dt = 1.0 / 60;  ///< s
+  int substeps = 4;
+};
+
+struct PhysicsCase {
+  std::string name;  ///< unique, of lower-case words and numbers with '-' between
+  std::string what;  ///< one line
+  std::string unit;  ///< of the value: "m", "rad", "m/s", or "" for a ratio
+  double right = 0;  ///< what the value should be
+  std::string source;
+  double scale = 1;      ///< what the error is relative to, in the unit
+  double limit = 0.01;   ///< of the error
+  double dt = 1.0 / 60;  ///< s, at which the limit is to hold
+  /// The value that a run at this resolution comes to: deterministic, on one thread. Not finite where a body is lost.
+  std::function<double(const Resolution&)> measure;
+  std::string known_failure = {};  ///< the reason why the error is above the limit as things stand, else ""
+};
+
+/// What a case came to.
+struct PhysicsResult {
+  double value = 0;
+  double error = 0;    ///< |value - right| / scale
+  double seconds = 0;  ///< of the run
+
+  bool holds(const PhysicsCase& test) const { return error <= test.limit; }  ///< so NaN does not
+  /// As it should be: it holds, or is known not to. A known failure that holds is no longer one, and has to be told.
+  bool expected(const PhysicsCase& test) const { return holds(test) == test.known_failure.empty(); }
+};
+
+/// All cases, in the order to show them.
+const std::vector<PhysicsCase>& physics_cases();
+
+/// Runs it at `dt`, or at its own if that is 0.
+PhysicsResult run_case(const PhysicsCase& test, double dt = 0);
+
+}  // namespace atl::physics

@@ -1,0 +1,61 @@
+// Every case of the suite of physical laws is right, but for what is known not to be, which still isn't.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cctype>
+#include <set>
+#include <string>
+
+#include "physics/suite.h"
+
+namespace atl::physics {
+
+// What GoogleTest shows of a case.
+void PrintTo(const PhysicsCase& test, std::ostream* out) { *out << test.name; }
+
+}  // namespace atl::physics
+
+namespace atl::test {
+namespace {
+
+using physics::PhysicsCase;
+using physics::PhysicsResult;
+
+std::string case_name(const testing::TestParamInfo<PhysicsCase>& info) {
+  std::string name = info.param.name;
+  std::replace_if(
+      name.begin(), name.end(), [](unsigned char letter) { return std::isalnum(letter) == 0; }, '_');
+  return name;
+}
+
+class PhysicsSuite : public testing::TestWithParam<PhysicsCase> {};
+
+TEST_P(PhysicsSuite, IsRight) {
+  const PhysicsCase& test = GetParam();
+  const PhysicsResult result = run_case(test);
+  const auto found = testing::Message() << test.name << " (" << test.what << "): " << result.value << " " << test.unit
+                                        << ", right is " << test.right << ", error " << result.error;
+  if (test.known_failure.empty()) {
+    EXPECT_TRUE(result.holds(test)) << found;
+  } else {
+    EXPECT_FALSE(result.holds(test)) << found << ": no longer fails, so it is to be taken off the known failures ("
+                                     << test.known_failure << ")";
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, PhysicsSuite, testing::ValuesIn(physics::physics_cases()), case_name);
+
+TEST(PhysicsCases, HaveNamesSourcesAndLimits) {
+  std::set<std::string> names;
+  for (const PhysicsCase& test : physics::physics_cases()) {
+    EXPECT_TRUE(names.insert(test.name).second) << test.name << " is there twice";
+    EXPECT_FALSE(test.what.empty()) << test.name;
+    EXPECT_FALSE(test.source.empty()) << test.name;
+    EXPECT_GT(test.limit, 0) << test.name;
+    EXPECT_GT(test.scale, 0) << test.name;
+  }
+}
+
+}  // namespace
+}  // namespace atl::test
