@@ -81,7 +81,7 @@ double energy_of_gas(const Resolution& at) {
 }
 
 // Speed of a wave of toppling dominoes by sqrt(g h), between the 20th and the 60th.
-double domino_speed(const Resolution& at) {
+double domino_speed(const Resolution& at, double push) {
   constexpr int count = 70;
   const double h = 0.05, thickness = 0.1 * h, pitch = 0.5 * h + thickness;
   World world = make_world(at);
@@ -92,13 +92,15 @@ double domino_speed(const Resolution& at) {
     bodies.push_back(world.add_body(
         {.shape = Box{{thickness / 2, h / 4, h / 2}}, .position = {i * pitch, 0, h / 2}, .material = material}));
   }
-  world.set_velocity(bodies[0], Vector3(0.3, 0, 0), Vector3(0, 0.3 / (h / 2), 0));
-  std::vector<double> toppled(count, 0);
-  run(world, at, 6, [&](double time) {
-    for (int i = 0; i < count; ++i) {
-      if (toppled[static_cast<std::size_t>(i)] > 0) continue;
-      const Vector3 up = world.pose(bodies[static_cast<std::size_t>(i)]).orientation * Vector3::UnitZ();
-      if (up.x() > 0.1) toppled[static_cast<std::size_t>(i)] = time;
+  world.set_velocity(bodies[0], Vector3(push, 0, 0), Vector3(0, push / (h / 2), 0));
+  // When each leans by a tenth, between two steps.
+  std::vector<double> toppled(count, 0), leans(count, 0);
+  run(world, at, 4, [&](double time) {
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      if (toppled[i] > 0) continue;
+      const double before = leans[i];
+      leans[i] = (world.pose(bodies[i]).orientation * Vector3::UnitZ()).x();
+      if (leans[i] > 0.1) toppled[i] = time - at.dt * (leans[i] - 0.1) / (leans[i] - before);
     }
   });
   return 40 * pitch / (toppled[60] - toppled[20]) / std::sqrt(g * h);
@@ -113,9 +115,7 @@ void add_impacts(std::vector<PhysicsCase>& cases) {
                      .unit = "m",
                      .source = "symmetry",
                      .limit = 1e-3,
-                     .measure = [=](const Resolution& at) { return aside_of_fall(at, shape, half, height); },
-                     .known_failure = "a little of the impact is left to sweeps over the points, in an order that "
-                                      "cancels only over two substeps"});
+                     .measure = [=](const Resolution& at) { return aside_of_fall(at, shape, half, height); }});
   };
   falls("drop-cube-2.5", "a cube of 1 m dropped flat from 2.5 m", Box{}, 0.5, 2.5);
   falls("drop-cube-6", "the same from 6 m", Box{}, 0.5, 6);
@@ -148,13 +148,18 @@ void add_impacts(std::vector<PhysicsCase>& cases) {
                    .source = "conservation",
                    .measure = energy_of_gas});
   cases.push_back({.name = "dominoes-5cm",
-                   .what = "dominoes of 5 cm at half their height, friction 0.2: speed by sqrt(g h)",
+                   .what = "dominoes of 5 cm at half their height, friction 0.2: speed by sqrt(g h), mean of 8 pushes",
                    .unit = "",
                    .right = 1.375,
                    .source = "converged, at dt 1/3840",
                    .scale = 1.375,
                    .dt = 1.0 / 240,
-                   .measure = domino_speed});
+                   .measure = [](const Resolution& at) {
+                     constexpr int pushes = 8;
+                     double sum = 0;
+                     for (int i = 0; i < pushes; ++i) sum += domino_speed(at, 0.26 + 0.01 * i);
+                     return sum / pushes;
+                   }});
 }
 
 }  // namespace atl::physics

@@ -25,9 +25,12 @@ void DirectJoints::begin_step(const DirectInput& input) {
     member.start = input.table.position(member.body);
     member.start_turn = input.table.orientation(member.body);
   }
+  springs_ = false;
   for (Node& node : nodes_) {
     const Joint& joint = input.joints[node.joint];
     node.tension = joint.tension;
+    springs_ |=
+        std::any_of(joint.law.begin(), joint.law.begin() + joint.rows, [](const Law& law) { return law.springs(); });
     for (std::uint32_t r = node.begin; r < node.end; ++r) {
       const std::uint32_t k = r - node.begin;
       rows_[r].position = joint.position[k];
@@ -63,18 +66,19 @@ void DirectJoints::begin_laws(const Joint* joints, double h) {
 }
 
 void DirectJoints::note_rates(const DirectInput& input) {
-  if (rows_.empty()) return;
+  if (!springs_) return;
   load_velocities(input.bodies);
   for (const Node& node : nodes_) {
     for (std::uint32_t r = node.begin; r < node.end; ++r) {
-      rows_[r].mode.start_at(input.joints[node.joint].law[r - node.begin], row_speed(node, rows_[r]));
+      const Law& law = input.joints[node.joint].law[r - node.begin];
+      if (law.springs()) rows_[r].mode.start_at(law, row_speed(node, rows_[r]));
     }
   }
 }
 
 // Where substeps can't follow a spring there is no half of one. Called between the half kicks of other forces.
 void DirectJoints::kick_springs(const DirectInput& input, int sign) {
-  if (rows_.empty()) return;
+  if (!springs_) return;
   load_velocities(input.bodies);
   bool kicks = false;
   for (const Node& node : nodes_) {
@@ -277,7 +281,7 @@ void DirectJoints::solve_velocities(const DirectInput& input) {
       for (std::uint32_t r = node.begin; r < node.end; ++r) {
         const Row& row = rows_[r];
         const LawMode& mode = row.mode;
-        const double speed = row_speed(node, row) + (mode.holds() ? row.bend : 0);
+        const double speed = row_speed(node, row) + (mode.is_locked() ? row.bend : 0);
         *b++ = mode.is_solved() ? mode.target() - speed - mode.compliance() * (row.impulse - mode.given()) : 0;
       }
     }

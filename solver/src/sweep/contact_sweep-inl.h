@@ -9,9 +9,8 @@
 
 #include <jobs/with_restitution.h>
 #include <jobs/with_surfaces.h>
-#include <solver/tuning.h>
 
-#include "sweep/contact_lanes-inl.h"
+#include "sweep/contact_normals-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace atl::solver {
@@ -81,41 +80,6 @@ HWY_INLINE void refresh_separations(const ContactKernelData& data, ContactBlock&
                          dot(change, c.tangent2));
   }
 }
-
-// What is known of a sweep when it is compiled.
-template <Push push_, bool refresh_, bool rubs_, int rounds_>
-struct Common {
-  static constexpr Push push = push_;
-  static constexpr bool special = false;
-  static HWY_INLINE bool refresh(const Sweep&) { return refresh_; }
-  static HWY_INLINE bool rubs(const Sweep&) { return rubs_; }
-  static HWY_INLINE int rounds(const Sweep&) { return rounds_; }
-};
-
-// Whatever a sweep asks for, and what few scenes need and costs something: running surfaces, rolling and torsional
-// friction, the pyramid, locks, slop, and a residual.
-template <Push push_>
-struct Special {
-  static constexpr Push push = push_;
-  static constexpr bool special = true;
-  static HWY_INLINE bool refresh(const Sweep& sweep) { return sweep.refresh; }
-  static HWY_INLINE bool rubs(const Sweep& sweep) { return sweep.friction != Friction::None; }
-  static HWY_INLINE int rounds(const Sweep& sweep) { return sweep.twice ? 2 : 1; }
-};
-
-// What is left out of blocks that have no need of it.
-template <std::size_t points_, Movers movers_>
-struct What {
-  static constexpr std::size_t points = points_;
-  static constexpr Movers movers = movers_;
-};
-
-// The largest change of relative speed so far. Each lane on its own: the most of all is no sum and knows no order.
-struct Residual {
-  V most;
-  HWY_INLINE Residual() : most(zero()) {}
-  HWY_INLINE void add(V change) { most = hn::Max(most, hn::Abs(change)); }
-};
 
 // m, of a contact: what turns a spin into a speed. Of the bodies the smaller one's.
 template <Movers movers>
@@ -219,174 +183,6 @@ HWY_INLINE void solve_friction(ContactBlock& block, SurfaceBlock* surface, [[may
     const V twist_change = hn::Sub(dot(c.normal, relative_spin(c)), spin);
     residual.add(hn::Mul(load(block.lever + lane), twist_change));
   }
-}
-
-// What a sweep makes of a point: its impulse changes by offset - mass * speed, or to zero.
-struct PointTarget {
-  V offset, mass;
-};
-
-template <typename how, typename what>
-struct PointTargets {
-  const ContactKernelData& data;
-  const ContactBlock& block;
-  std::size_t lane;
-  V soft_rate, soft_mass, soft_impulse;
-
-  HWY_INLINE PointTargets(const ContactKernelData& of, const ContactBlock& contacts, std::size_t from)
-      : data(of), block(contacts), lane(from) {
-    const auto soft = [&](float of_fixed, float of_dynamic) {
-      if constexpr (!both_move<what::movers>) return splat(of_fixed);
-      const M fixed = hn::Or(hn::Eq(load(block.inverse_mass[0] + lane), zero()),
-                             hn::Eq(load(block.inverse_mass[1] + lane), zero()));
-      return hn::IfThenElse(fixed, splat(of_fixed), splat(of_dynamic));
-    };
-    const Softness& with_fixed = data.constants.fixed_contact;
-    const Softness& with_dynamic = data.constants.dynamic_contact;
-    soft_rate = soft(with_fixed.bias_rate, with_dynamic.bias_rate);
-    soft_mass = soft(with_fixed.mass_scale, with_dynamic.mass_scale);
-    soft_impulse = soft(with_fixed.impulse_scale, with_dynamic.impulse_scale);
-  }
-
-  // Apart: may close the gap in this substep, no faster. Overlapping: a push, or nothing but a stop. Corrections
-  // leave gaps to the velocities.
-  HWY_INLINE PointTarget of(std::size_t i, V rigid_mass, V old_impulse) const {
-    const SubstepConstants& constants = data.constants;
-    const V separation = load(block.separation[i] + lane);
-    const M apart = hn::Gt(separation, zero());
-    V speed_bias = hn::Mul(separation, splat(constants.inverse_h));
-    V mass = rigid_mass;
-    V leak = zero();
-    if constexpr (how::push == Push::None) {
-      speed_bias = hn::IfThenElse(apart, speed_bias, zero());
-    } else {
-      V overlap = separation;
-      if constexpr (how::special) overlap = hn::Min(hn::Add(separation, splat(constants.slop)), zero());
-      const V push = hn::Max(hn::Mul(soft_rate, overlap), splat(-constants.push_speed));
-      speed_bias = hn::IfThenElse(apart, how::push == Push::Split ? zero() : speed_bias, push);
-      mass = hn::IfThenElse(apart, mass, hn::Mul(mass, soft_mass));
-      leak = hn::IfThenElse(apart, zero(), hn::Mul(soft_impulse, old_impulse));
-    }
-    return {hn::Neg(hn::Add(hn::Mul(mass, speed_bias), leak)), mass};
-  }
-};
-
-// One round over the points of each contact.
-template <typename how, typename what>
-HWY_INLINE void solve_points(const ContactKernelData& data, ContactBlock& block, float (*impulses)[block_lanes],
-                             std::size_t lane, NormalSolve& solve, Residual& residual, bool backwards) {
-  const PointTargets<how, what> targets(data, block, lane);
-  for (std::size_t n = 0; n < what::points; ++n) {
-    const std::size_t i = backwards ? what::points - 1 - n : n;
-    const V x = load(block.x[i] + lane);
-    const V y = load(block.y[i] + lane);
-    const V old_impulse = load(impulses[i] + lane);
-    const PointResponse response(block, lane, x, y);
-    // All but the product with the speed is off the chain from point to point.
-    const PointTarget target = targets.of(i, response.mass, old_impulse);
-    const V wanted = hn::Sub(target.offset, hn::Mul(target.mass, solve.speed(x, y)));
-    const V impulse = hn::Max(wanted, hn::Neg(old_impulse));
-    store(hn::Add(old_impulse, impulse), impulses[i] + lane);
-    response.apply(impulse, x, y, solve);
-    if constexpr (how::special) residual.add(hn::Mul(impulse, response.own));
-  }
-}
-
-// What all points together do first about an impact, in lanes that land: a step down the gradient, as far as it is
-// best. Whatever order of the points follows, what lands flat stays so.
-template <typename how, typename what>
-HWY_NOINLINE void spread_impact(const ContactKernelData& data, const ContactBlock& block,
-                                float (*impulses)[block_lanes], std::size_t lane, const M& lands, NormalSolve& solve) {
-  const PointTargets<how, what> targets(data, block, lane);
-  V change[what::points];
-  NormalSolve along = solve;
-  along.u = along.w1 = along.w2 = zero();
-  V gained = zero();
-  for (std::size_t i = 0; i < what::points; ++i) {
-    const V x = load(block.x[i] + lane);
-    const V y = load(block.y[i] + lane);
-    const V old_impulse = load(impulses[i] + lane);
-    const PointResponse response(block, lane, x, y);
-    const PointTarget target = targets.of(i, response.mass, old_impulse);
-    const V wanted = hn::Sub(target.offset, hn::Mul(target.mass, solve.speed(x, y)));
-    change[i] = hn::Max(wanted, hn::Neg(old_impulse));
-    gained = hn::Add(gained, hn::Mul(change[i], hn::Mul(wanted, response.own)));
-    response.apply(change[i], x, y, along);
-  }
-  V curvature = zero();
-  for (std::size_t i = 0; i < what::points; ++i) {
-    const V speed = along.speed(load(block.x[i] + lane), load(block.y[i] + lane));
-    curvature = hn::Add(curvature, hn::Mul(change[i], speed));
-  }
-  const M steps = hn::And(lands, hn::And(hn::Gt(curvature, zero()), hn::Gt(gained, zero())));
-  const V part = hn::Min(hn::Div(gained, hn::IfThenElse(steps, curvature, splat(1))), splat(1));
-  const V taken = hn::IfThenElseZero(steps, part);
-  NormalSolve after = solve;
-  for (std::size_t i = 0; i < what::points; ++i) {
-    const V x = load(block.x[i] + lane);
-    const V y = load(block.y[i] + lane);
-    const V old_impulse = load(impulses[i] + lane);
-    const V impulse = hn::Mul(taken, change[i]);
-    store(hn::IfThenElse(steps, hn::Add(old_impulse, impulse), old_impulse), impulses[i] + lane);
-    PointResponse(block, lane, x, y).apply(impulse, x, y, after);
-  }
-  for (V NormalSolve::*number : {&NormalSolve::u, &NormalSolve::w1, &NormalSolve::w2, &NormalSolve::sum,
-                                 &NormalSolve::sum_y, &NormalSolve::sum_minus_x}) {
-    solve.*number = hn::IfThenElse(steps, after.*number, solve.*number);
-  }
-}
-
-// For the lanes that land, and for them alone: whether others of their block do must not show.
-template <typename how, typename what>
-HWY_NOINLINE void share_impact(const ContactKernelData& data, ContactBlock& block, float (*impulses)[block_lanes],
-                               std::size_t lane, const M& lands, ContactLanes<what::movers>& c, Residual& residual,
-                               bool backwards) {
-  V before[what::points];
-  for (std::size_t i = 0; i < what::points; ++i) before[i] = load(impulses[i] + lane);
-  ContactLanes<what::movers> landed = c;
-  Residual of_landed = residual;
-  NormalSolve solve(landed);
-  for (int round = 0; round < tuning::landing_rounds; ++round) {
-    solve_points<how, what>(data, block, impulses, lane, solve, of_landed, backwards);
-  }
-  solve.finish(landed);
-  for (std::size_t i = 0; i < what::points; ++i) {
-    store(hn::IfThenElse(lands, load(impulses[i] + lane), before[i]), impulses[i] + lane);
-  }
-  if constexpr (first_moves<what::movers>) {
-    c.first.v = select(lands, landed.first.v, c.first.v);
-    c.first.w = select(lands, landed.first.w, c.first.w);
-  }
-  if constexpr (second_moves<what::movers>) {
-    c.second.v = select(lands, landed.second.v, c.second.v);
-    c.second.w = select(lands, landed.second.w, c.second.w);
-  }
-  residual.most = hn::IfThenElse(lands, of_landed.most, residual.most);
-}
-
-template <typename how, typename what>
-HWY_INLINE void solve_normals(const ContactKernelData& data, ContactBlock& block, float (*impulses)[block_lanes],
-                              std::size_t lane, ContactLanes<what::movers>& c, Residual& residual, bool backwards) {
-  NormalSolve solve(c);
-  const M lands = hn::Lt(solve.u, splat(-tuning::landing_speed));
-  const bool any_lands = HWY_UNLIKELY(!hn::AllFalse(D(), lands));
-  // Of copies, so that nothing else has to be in memory.
-  if constexpr (what::points > 1) {
-    if (any_lands) {
-      NormalSolve spread = solve;
-      const M several = hn::Lt(load(block.separation[1] + lane), splat(collision::no_point));
-      spread_impact<how, what>(data, block, impulses, lane, hn::And(lands, several), spread);
-      solve = spread;
-    }
-  }
-  solve_points<how, what>(data, block, impulses, lane, solve, residual, backwards);
-  solve.finish(c);
-  if (!any_lands) return;
-  ContactLanes<what::movers> landing = c;
-  Residual landing_residual = residual;
-  share_impact<how, what>(data, block, impulses, lane, lands, landing, landing_residual, backwards);
-  c = landing;
-  residual = landing_residual;
 }
 
 // After a refresh: bouncy points that can't meet, or that nothing has touched once bodies have moved. The next substep

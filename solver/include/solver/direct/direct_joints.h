@@ -173,6 +173,7 @@ class DirectJoints {
   double redundancy_ = 0;
   bool assigns_all_ = false;
   bool solvable_ = false;
+  bool springs_ = false;
   bool torn_ = false;  // something was apart as the substep began
 };
 
