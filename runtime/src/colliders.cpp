@@ -74,9 +74,10 @@ void World::Impl::note_size(std::uint32_t body) {
   }
   bodies.radius[body] = radius;
   bodies.reach_limit[body] = collision::approach_share * size;
-  // Only dynamic bodies are stopped by what they hit.
-  bodies.sweep_distance[body] =
-      constants.type != BodyType::Dynamic ? infinity : (constants.continuous ? continuous_share : sweep_share) * size;
+  // Only dynamic bodies are stopped by what they hit; how kinematic ones move is part of what these meet.
+  bodies.sweep_distance[body] = constants.type == BodyType::Static ? infinity
+                                : constants.continuous             ? continuous_share * size
+                                                                   : sweep_share * size;
 }
 
 // Puts all colliders of a body into the broadphase.

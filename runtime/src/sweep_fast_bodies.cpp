@@ -167,7 +167,8 @@ void World::Impl::list_fast_bodies() {
   fast_.for_each([this](std::vector<solver::FastBody>& of_worker) {
     for (const solver::FastBody& fast : of_worker) {
       // A body that is put back tears the joints that hold it to others, which have gone on.
-      if (with_joints && is_joined(fast.body) && !records.continuous[fast.body]) continue;
+      const bool dynamic = records.dynamic[fast.body] != 0;
+      if (with_joints && dynamic && is_joined(fast.body) && !records.continuous[fast.body]) continue;
       // An arc of up to half a turn is at most pi / 2 times its chord.
       const Quaternion change = fast.start.orientation.conjugate() * bodies.orientation(fast.body);
       const double radius = bodies.radius[fast.body];
@@ -187,13 +188,19 @@ void World::Impl::list_fast_bodies() {
 
 void World::Impl::sweep_fast_bodies() {
   list_fast_bodies();
-  if (fast_in_order_.empty()) return;
+  // Kinematic bodies alone meet nobody who would be stopped.
+  const auto dynamic = [this](const FastMove& fast) { return records.dynamic[fast.body] != 0; };
+  if (std::none_of(fast_in_order_.begin(), fast_in_order_.end(), dynamic)) {
+    for (const FastMove& fast : fast_in_order_) fast_place_[fast.body] = 0;
+    return;
+  }
 
   find_near_fast();
   stops_.assign(fast_in_order_.size(), FastStop{});
   arena.parallel_for(fast_in_order_.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      if (!is_finite(fast_in_order_[i].body)) continue;
+      const std::uint32_t body = fast_in_order_[i].body;
+      if (!is_finite(body) || !records.dynamic[body]) continue;
       stops_[i] = find_stop(fast_in_order_[i], sweep_scratch_.local());
     }
   });
@@ -212,8 +219,8 @@ void World::Impl::sweep_fast_bodies() {
   for (const FastMove& fast : fast_in_order_) {
     if (fast.rushed) move_proxies(fast.body);
     fast_place_[fast.body] = 0;
+    report_.counts.swept += records.dynamic[fast.body];
   }
-  report_.counts.swept = static_cast<std::int64_t>(fast_in_order_.size());
 }
 
 }  // namespace atl
