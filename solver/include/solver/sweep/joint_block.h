@@ -11,7 +11,8 @@ namespace atl::solver {
 /// without a joint holds zeros.
 ///
 /// Arms and the offset of the origins are of world axes. They follow the bodies' displacements, so a joint is right
-/// at the end of a step as at its start; inertia stays that of the start, as contacts have it.
+/// at the end of a step as at its start. So does the inertia of bodies that nothing touches; of others it is that which
+/// contacts see.
 struct alignas(64) JointBlock {
   template <std::size_t n>
   using Lanes = float[n][block_lanes];

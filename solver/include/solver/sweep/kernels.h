@@ -93,7 +93,7 @@ struct Kernels {
   /// Starts the corrections of a substep at zero, where there are any.
   void (*clear_corrections)(SolverBodies& bodies, std::size_t begin, std::size_t end);
   /// Moves and turns; bodies with unequal moments of inertia tumble. What contacts see of their
-  /// inertia stays that of the start of the step.
+  /// inertia stays that half way through the step.
   void (*integrate_positions)(SolverBodies& bodies, const SubstepConstants& constants, std::size_t begin,
                               std::size_t end);
 
