@@ -60,7 +60,8 @@ struct SubstepConstants {
   Softness dynamic_contact;
   Softness fixed_contact;  ///< against a body of infinite mass
   Softness joint;          ///< of joints that are solved one by one
-  float push_speed;        ///< m/s
+  float push_speed;        ///< m/s, of contacts of what isn't large
+  float gravity = 0;       ///< m/s^2: what is large under it is pushed apart faster
   float slop;              ///< m, overlap that is left alone
   float restitution_threshold;
   float finer;       ///< as in SolverSettings: impulses are kept as those of so many substeps together

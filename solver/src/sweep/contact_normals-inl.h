@@ -94,7 +94,7 @@ struct PointTargets {
     } else {
       V overlap = separation;
       if constexpr (how::special) overlap = hn::Min(hn::Add(separation, splat(constants.slop)), zero());
-      const V push = hn::Max(hn::Mul(soft_rate, overlap), splat(-constants.push_speed));
+      const V push = hn::Max(hn::Mul(soft_rate, overlap), hn::Neg(load(block.push_speed + lane)));
       speed_bias = hn::IfThenElse(apart, how::push == Push::Split ? zero() : speed_bias, push);
       mass = hn::IfThenElse(apart, mass, hn::Mul(mass, soft_mass));
       leak = hn::IfThenElse(apart, zero(), hn::Mul(soft_impulse, old_impulse));

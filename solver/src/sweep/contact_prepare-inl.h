@@ -245,6 +245,21 @@ HWY_INLINE void store_impulses(ContactBlock& block, std::size_t lane, const Cont
   store(hn::IfThenElseZero(twists, hn::Mul(share, m.friction.w)), block.twist_impulse + lane);
 }
 
+// The smaller of the bodies that move says how large a contact is. A body sinks in by as much of its size in a step,
+// and falls as fast, by the root of gravity times size: of what is larger than usual, the push follows that.
+HWY_INLINE void prepare_push(const ContactKernelData& data, ContactBlock& block, std::size_t lane,
+                             const ContactLanes<>& c) {
+  constexpr auto most = static_cast<float>(1 / (tuning::usual_gravity * tuning::usual_size));
+  const auto square_of = [](const V3& arm, V inverse_mass) {
+    return hn::IfThenElse(hn::Gt(inverse_mass, zero()), dot(arm, arm), splat(collision::no_point));
+  };
+  const V square =
+      hn::Min(square_of(c.anchor_first, c.inverse_mass_first), square_of(c.anchor_second, c.inverse_mass_second));
+  const V size = hn::IfThenElseZero(hn::Lt(square, splat(collision::no_point)), hn::Sqrt(square));
+  const V growth = hn::Max(hn::Mul(splat(most * data.constants.gravity), size), splat(1));
+  store(hn::Mul(splat(data.constants.push_speed), hn::Sqrt(growth)), block.push_speed + lane);
+}
+
 HWY_INLINE void prepare_lanes(const ContactKernelData& data, std::size_t b, std::size_t lane, ContactTraits& traits) {
   ContactBlock& block = data.blocks[b];
   ManifoldLanes m = load_manifolds(
@@ -258,6 +273,7 @@ HWY_INLINE void prepare_lanes(const ContactKernelData& data, std::size_t b, std:
   put_on_surfaces(m, c);
   if (data.turning_blocks != nullptr) take_half_way(data, data.turning_blocks[b], lane, c);
   store_geometry(block, lane, c, m);
+  prepare_push(data, block, lane, c);
 
   M rubs = hn::Gt(m.normal.w, zero());
   if (locks) rubs = hn::AndNot(in_plane.across, rubs);

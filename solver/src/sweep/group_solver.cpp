@@ -33,7 +33,8 @@ GroupReport GroupSolver::solve(const SolveInput& input, const IslandGroup& group
 template <typename Executor>
 GroupReport GroupSolver::run(const SolveInput& input, const IslandGroup& group, Executor& executor,
                              GroupContacts contacts) {
-  const SubstepConstants constants = SubstepConstants::of(input.settings, input.dt);
+  SubstepConstants constants = SubstepConstants::of(input.settings, input.dt);
+  constants.gravity = static_cast<float>(input.gravity.norm());
   GroupReport report;
   StageClock clock(input.settings.profile, report.stage_ms);
   if (contacts == GroupContacts::New) collect(input, group);
