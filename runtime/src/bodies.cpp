@@ -4,6 +4,7 @@
 #include <jobs/with_direct_contacts.h>
 #include <jobs/with_joints.h>
 #include <jobs/with_recording.h>
+#include <solver/constraints/motion_locks.h>
 
 #include <algorithm>
 #include <sstream>
@@ -191,7 +192,10 @@ std::uint32_t World::Impl::index_of(BodyId id, const char* call) const {
 }
 
 std::uint32_t World::Impl::awaken(BodyId id, const char* call) {
-  const std::uint32_t body = index_of(id, call);
+  return awaken(index_of(id, call));
+}
+
+std::uint32_t World::Impl::awaken(std::uint32_t body) {
   sleeping.wake(body);
   look_again(body);
   quarantine.suspect(body);
@@ -204,6 +208,13 @@ void World::Impl::apply_force(std::uint32_t body, const Vector3& force, const Ve
   if (bodies.force(body).isZero(0) && bodies.torque(body).isZero(0)) pushed_.push_back(body);
   bodies.force(body) += force;
   bodies.torque(body) += torque;
+}
+
+void World::Impl::apply_impulse(std::uint32_t body, const Vector3& impulse, const Vector3& moment) {
+  if (quarantine.contains(body)) return;
+  bodies.velocity(body) +=
+      bodies.inverse_mass[body] * solver::without(solver::linear_locks(bodies.locks[body]), impulse);
+  bodies.angular_velocity(body) += solver::angular_response(bodies, body, moment);
 }
 
 Pose World::Impl::pose(BodyId id) const {

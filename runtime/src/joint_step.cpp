@@ -53,7 +53,6 @@ void World::Impl::count_joints() {
 }
 
 void World::Impl::note_joints() {
-  joint_events_.clear();
   for (const solver::JointLink& link : acting_joints()) {
     if (joints.watched[link.joint]) watch_joint(link.joint);
     if (settings.sleeping && joints.driven[link.joint]) keep_driven_awake(link.joint);

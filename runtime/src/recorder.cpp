@@ -45,11 +45,34 @@ void Recorder::note_state(const Roster& roster, std::span<const std::byte> state
   write(RecordKind::State, writer);
 }
 
-void Recorder::note_step(double dt) {
+void Recorder::note_step(double dt, bool forced) {
   ++steps_;
   StateWriter writer(bytes_);
   writer.value(dt);
+  writer.value(forced);
   write(RecordKind::Step, writer);
+  file_.flush();
+}
+
+void Recorder::note_forces(const Eigen::Ref<const Eigen::Matrix3Xd>& forces,
+                           const Eigen::Ref<const Eigen::Matrix3Xd>& torques) {
+  forces_.clear();
+  for (Eigen::Index body = 0; body < forces.cols(); ++body) {
+    if (forces.col(body).isZero(0) && torques.col(body).isZero(0)) continue;
+    forces_.push_back({static_cast<std::uint32_t>(body), forces.col(body), torques.col(body)});
+  }
+  note_forces(true);
+}
+
+void Recorder::note_no_forces() {
+  forces_.clear();
+  note_forces(false);
+}
+
+void Recorder::note_forces(bool given) {
+  StateWriter writer(bytes_);
+  visit_forces(writer, given, forces_);
+  write(RecordKind::Forces, writer);
   file_.flush();
 }
 

@@ -42,12 +42,9 @@ std::vector<RecordedBody> World::Impl::recorded_bodies() const {
   return all;
 }
 
-StepReport World::Impl::record_step(double dt) {
-  recorder->note_step(dt);
-  const StepReport report = step(dt);
+void World::Impl::record_result() {
   recorder->note_hash(state_hash());
   if (recorder->wants_bodies(records.count)) recorder->note_bodies(recorded_bodies());
-  return report;
 }
 
 void World::Impl::stop_recording(const char* call) {

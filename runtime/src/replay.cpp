@@ -1,6 +1,7 @@
 // A recording, done again: see recorder.h for what is in it.
 
 #include <atoll/error.h>
+#include <atoll/forces.h>
 #include <atoll/recording.h>
 #include <atoll/world.h>
 #include <jobs/with_recording.h>
@@ -63,6 +64,10 @@ std::vector<ReplayedBody> differences(const std::vector<RecordedBody>& recorded,
 
 /// A recording, and the world in which it is done again.
 class Replay {
+  static constexpr StateSource record_source = {"", "record", "World::record"};
+  // Of the force law's part of a step: it threw, or the recording is cut off there.
+  struct LawEnded {};
+
  public:
   Replay(const std::string& path, const ReplayOptions& options)
       : on_step_(options.on_step),
@@ -76,7 +81,7 @@ class Replay {
   ReplayResult run() {
     while (!done_ && reader_.next()) {
       try {
-        StateReader record(reader_.content(), {"", "record", "World::record"});
+        StateReader record(reader_.content(), record_source);
         take(record);
       } catch (const Error& error) {
         // What was done to another state need not be possible in this.
@@ -155,10 +160,35 @@ class Replay {
 
   void step(StateReader& record) {
     double dt = 0;
+    bool forced = false;
     record.value(dt);
-    world_.step(dt);
+    record.value(forced);
+    if (forced) {
+      try {
+        world_.step(dt, [this](Forces& forces) { take_forces(forces); });
+      } catch (const LawEnded&) {  // as it did when it was recorded
+      }
+    } else {
+      world_.step(dt);
+    }
     ++result_.steps;
     if (on_step_) on_step_(result_.steps, result_.recorded_steps);
+  }
+
+  // The law's next answer.
+  void take_forces(Forces& forces) {
+    if (!reader_.next()) throw LawEnded{};
+    StateReader record(reader_.content(), record_source);
+    record.check(reader_.kind() == RecordKind::Forces, "a step without the forces of its law");
+    bool given = false;
+    std::vector<RecordedForce> recorded;
+    visit_forces(record, given, recorded);
+    if (!given) throw LawEnded{};
+    for (const RecordedForce& of : recorded) {
+      record.check(of.body < forces.forces().cols(), "a force on no body");
+      forces.forces().col(of.body) = of.force;
+      forces.torques().col(of.body) = of.torque;
+    }
   }
 
   void compare_hash(StateReader& record) {

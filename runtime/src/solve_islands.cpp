@@ -24,6 +24,12 @@ void World::Impl::solve_islands() {
   move_unconstrained_bodies();
 }
 
+solver::SolverSettings World::Impl::how() const {
+  solver::SolverSettings how = solver_settings(settings);
+  how.substeps = substeps_;
+  return how;
+}
+
 bool World::Impl::escalates() const {
   return with_direct_contacts && settings.stabilisation == Stabilisation::Soft &&
          settings.contact_solver != ContactSolver::Iterative;
@@ -33,7 +39,7 @@ bool World::Impl::escalates() const {
 void World::Impl::choose_modes() {
   std::span<const SolveMode> modes;
   if (with_direct_contacts && escalates()) {
-    const solver::SolverSettings how = solver_settings(settings);
+    const solver::SolverSettings how = this->how();
     const solver::LoadInput input = {.islands = islands_,
                                      .bodies = bodies,
                                      .manifolds = cache.manifolds.data(),
@@ -65,7 +71,7 @@ SolveMode World::Impl::mode_of(const solver::IslandGroup& group) const {
 }
 
 void World::Impl::solve_groups() {
-  const solver::SolverSettings how = solver_settings(settings);
+  const solver::SolverSettings how = this->how();
   solver::SolverSettings how_finer = how;
   how_finer.finer = solver::finer_by(how, dt_);
   how_finer.substeps *= how_finer.finer;
@@ -187,7 +193,7 @@ void World::Impl::move_unconstrained_bodies() {
   const std::span<const std::uint32_t> free = islands_.free_bodies();
   arena.parallel_for(free.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      solver::move_free_body(bodies, free[i], gravity, dt_, settings.substeps, fast_);
+      solver::move_free_body(bodies, free[i], gravity, dt_, substeps_, fast_);
     }
   });
   if (contents.kinematic == 0 && !settings.run_everything) return;

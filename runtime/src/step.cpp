@@ -12,9 +12,20 @@
 namespace atl {
 
 StepReport World::Impl::step(double dt) {
+  begin_step();
+  return advance(dt, settings.substeps, true);
+}
+
+void World::Impl::begin_step() {
+  ++steps_;
+  joint_events_.clear();
+}
+
+StepReport World::Impl::advance(double dt, int substeps, bool ends_step) {
   const jobs::Clock::time_point start = jobs::Clock::now();
   dt_ = dt;
-  ++steps_;
+  substeps_ = substeps;
+  ends_step_ = ends_step;
   report_ = {};
   contact_forces_valid_ = false;
   captured_ = settings.keep_contact_problem;
@@ -30,7 +41,7 @@ StepReport World::Impl::step(double dt) {
   run(Phase::SolveIslands, &Impl::solve_islands);          // groups are tasks: prepare, substeps, restitution, store
   run(Phase::SweepFastBodies, &Impl::follow_fast_bodies);  // nothing passes through anything
   run(Phase::Finish, &Impl::finish);                       // sleep, checks, report
-  last_substep_ = dt / settings.substeps;
+  last_substep_ = dt / substeps_;
   last_dt_ = dt;
   note_stages();
   report_.ms = jobs::ms_since(start);
@@ -153,14 +164,7 @@ void World::Impl::finish() {
     bodies.torque(body).setZero();
   }
   pushed_.clear();
-  if (with_events && settings.contact_events) {
-    note_events(events_);
-  } else {
-    events_.told.clear();
-    if (with_events && settings.run_everything) note_events(unasked_events_);
-  }
-  events_.noted = settings.contact_events;
-  unasked_events_.noted = settings.run_everything && !settings.contact_events;
+  if (ends_step_) note_what_began_and_ended();
   if (with_joints && joints.size() > 0) note_joints();
   if (with_sleeping && settings.sleeping) {
     if (with_surfaces && !bodies.surfaces.empty()) keep_belts_awake();
@@ -176,6 +180,17 @@ void World::Impl::finish() {
   }
   quarantine_broken();
   counts.asleep = sleeping.asleep;
+}
+
+void World::Impl::note_what_began_and_ended() {
+  if (with_events && settings.contact_events) {
+    note_events(events_);
+  } else {
+    events_.told.clear();
+    if (with_events && settings.run_everything) note_events(unasked_events_);
+  }
+  events_.noted = settings.contact_events;
+  unasked_events_.noted = settings.run_everything && !settings.contact_events;
 }
 
 // However slow a belt runs, what it carries is not at rest; what it slips under may be.

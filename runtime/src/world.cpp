@@ -13,6 +13,7 @@
 #include <sstream>
 
 #include "body_definition.h"
+#include "forced_step.h"
 #include "left_out.h"
 #include "recorder.h"
 #include "refuse.h"
@@ -62,6 +63,25 @@ World::Impl::Impl(const WorldDef& def)
       sweep_scratch_(def.threads),
       serial_(next_serial()) {
   check_finite("WorldDef.gravity", def.gravity);
+}
+
+// Checks and records a step, which is done by `step()`.
+template <typename Step>
+StepReport World::Impl::take_step(double dt, bool forced, const Step& step) {
+  if (!(dt > 0 && dt <= 1)) {
+    std::ostringstream message;
+    message << "World::step: dt is " << dt << "; expected a number above 0 and at most 1 (s)";
+    throw Error(message.str());
+  }
+  if (forced_) throw Error("World::step: found a step under way; expected no call of it from a force law");
+  if constexpr (with_recording) {
+    if (recorder) recorder->note_step(dt, forced);
+  }
+  const StepReport report = step();
+  if constexpr (with_recording) {
+    if (recorder) record_result();
+  }
+  return report;
 }
 
 World::Impl::~Impl() {
@@ -150,12 +170,8 @@ void World::apply_impulse(BodyId id, const Vector3& impulse, const Vector3& poin
   check_finite("World::apply_impulse: point", point);
   const std::uint32_t body = impl_->awaken(id, "apply_impulse");
   note<calls::ApplyImpulse>(*impl_, id, impulse, point);
-  if (impl_->quarantine.contains(body)) return;
-  solver::BodyTable& bodies = impl_->bodies;
-  const Vector3 moment = (point - bodies.position(body)).cross(impulse);
-  bodies.velocity(body) +=
-      bodies.inverse_mass[body] * solver::without(solver::linear_locks(bodies.locks[body]), impulse);
-  bodies.angular_velocity(body) += solver::angular_response(bodies, body, moment);
+  const Vector3 arm = point - impl_->bodies.position(body);
+  impl_->apply_impulse(body, impulse, arm.cross(impulse));
 }
 
 void World::wake(BodyId id) {
@@ -249,15 +265,12 @@ int World::threads() const { return impl_->arena.threads(); }
 Simd World::simd() const { return simd_of(*impl_->kernels); }
 
 StepReport World::step(double dt) {
-  if (!(dt > 0 && dt <= 1)) {
-    std::ostringstream message;
-    message << "World::step: dt is " << dt << "; expected a number above 0 and at most 1 (s)";
-    throw Error(message.str());
-  }
-  if constexpr (with_recording) {
-    if (impl_->recorder) return impl_->record_step(dt);
-  }
-  return impl_->step(dt);
+  return impl_->take_step(dt, false, [&] { return impl_->step(dt); });
+}
+
+StepReport World::step(double dt, const ForceLaw& law) {
+  if (!law) throw Error("World::step: the force law is empty; expected one that can be called");
+  return impl_->take_step(dt, true, [&] { return ForcedStep(*this, law, dt).run(); });
 }
 
 std::span<const ContactForce> World::contact_forces() const { return impl_->contact_forces(); }

@@ -90,14 +90,21 @@ class World::Impl {
   ~Impl();
 
   // The step and its phases: step.cpp.
+  template <typename Step>
+  StepReport take_step(double dt, bool forced, const Step& step);  // world.cpp
   StepReport step(double dt);
+  void begin_step();
+  /// By dt seconds of the step that has begun, maybe all of it. Its events wait for its end.
+  StepReport advance(double dt, int substeps, bool ends_step);
 
   // Bodies: bodies.cpp.
   BodyId add_body(const CheckedBody& start);
   void remove_body(BodyId id);
   std::uint32_t index_of(BodyId id, const char* call) const;
   std::uint32_t awaken(BodyId id, const char* call);
+  std::uint32_t awaken(std::uint32_t body);
   void apply_force(std::uint32_t body, const Vector3& force, const Vector3& torque);
+  void apply_impulse(std::uint32_t body, const Vector3& impulse, const Vector3& moment);  // N s, N m s
   Pose pose(BodyId id) const;
   void set_pose(BodyId id, const Pose& pose);
   void set_surface(std::uint32_t body, const solver::Surface& surface);
@@ -131,10 +138,10 @@ class World::Impl {
   // Recordings: recording.cpp.
   void record(const std::string& path, const RecordingOptions& options);
   void record_state();
-  StepReport record_step(double dt);  // does the step, too
   void stop_recording(const char* call);
   void end_recording();  // as the world ends
   std::vector<RecordedBody> recorded_bodies() const;
+  void record_result();  // of a step
 
   // Results: contact_forces.cpp, contact_problem.cpp, restore.cpp.
   std::span<const ContactForce> contact_forces();
@@ -168,6 +175,7 @@ class World::Impl {
  private:
   template <typename Archive, typename AnyWorld>
   friend class WorldState;
+  friend class ForcedStep;
 
   void plan();
   void find_pairs();
@@ -215,6 +223,7 @@ class World::Impl {
   collision::ContactUpdateInput contact_input() const;
   void note_arrival_or_departure(std::uint32_t body);
   void note_reaches();
+  void note_what_began_and_ended();
   void note_events(ContactEvents& events);
   void list_fast_bodies();
   const FastMove* find_fast(std::uint32_t body) const;
@@ -232,6 +241,7 @@ class World::Impl {
   FastStop find_stop(const FastMove& fast, FastSweep& scratch) const;
   void wake_touched_sleepers();
   void remove_lost_contacts();
+  solver::SolverSettings how() const;  // the step in progress is solved
   bool escalates() const;
   void choose_modes();
   solver::SolveMode mode_of(const solver::IslandGroup& group) const;
@@ -301,6 +311,9 @@ class World::Impl {
   // The step in progress, and what its phases hand on.
   std::int64_t steps_ = 0;  // begun so far
   double dt_ = 0;
+  int substeps_ = 1;
+  bool ends_step_ = true;  // else more substeps follow, under a force law
+  bool forced_ = false;    // a force law is being asked
   double last_dt_ = 0;
   double last_substep_ = 0;  // s; 0 before the first step
   StepReport report_;

@@ -8,6 +8,7 @@
 #include <atoll/error.h>
 #include <atoll/error_meter.h>
 #include <atoll/errors.h>
+#include <atoll/forces.h>
 #include <atoll/joint.h>
 #include <atoll/quarantine.h>
 #include <atoll/queries.h>

@@ -14,6 +14,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -61,6 +62,11 @@ struct EscalatedIsland {
 };
 
 class Snapshot;
+
+class Forces;  // see forces.h
+
+/// Adds the forces of a moment to those that bodies feel: see World::step().
+using ForceLaw = std::function<void(Forces&)>;
 
 /// A world of rigid bodies. Independent worlds may be used from different threads; one world may be used
 /// from one thread at a time. Same calls, same bits: whatever the threads, vector width or machine.
@@ -141,6 +147,16 @@ class World {
 
   /// Advances by dt seconds. dt in (0, 1], else Error; nothing else is ever thrown from a step.
   StepReport step(double dt);
+  /// The same under forces that depend on where bodies are, how fast they are, and the time: controllers, stiff
+  /// springs, fields. The law is called on this thread as each of Settings::substeps begins, and as the last one ends,
+  /// so that smooth forces on what touches nothing are of second order in the substep. They add to those of
+  /// apply_force(), and like these they wake bodies.
+  ///
+  /// Each substep is a step of its own, whose contacts are found anew: it costs as much as one. Events are those of the
+  /// whole step; of the report's counts, what was done is summed up, and what there is, is as of the last substep. A
+  /// recording holds the forces, and is replayed without the law. What the law throws goes through: the world is then
+  /// as the last whole substep left it.
+  StepReport step(double dt, const ForceLaw& law);
 
   /// After a step: one entry a manifold point that carries force, in order of body ids and features.
   std::span<const ContactForce> contact_forces() const;
@@ -213,6 +229,7 @@ class World {
   friend struct QueryAccess;  // see queries.h
   friend class Snapshot;
   friend class Replay;
+  friend class ForcedStep;
 
   class Impl;
   std::unique_ptr<Impl> impl_;

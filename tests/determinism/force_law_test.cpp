@@ -1,0 +1,130 @@
+// Steps under a force law have the same bits whatever the threads, vectors and restores, and are replayed without the
+// law.
+
+#include <atoll/forces.h>
+#include <atoll/recording.h>
+#include <atoll/snapshot.h>
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "divergence/variant_run.h"
+#include "support/scene_run.h"
+#include "support/scenes.h"
+#include "support/temporary_file.h"
+
+namespace atl::test {
+namespace {
+
+constexpr int steps = 8;
+
+/// A wind that swirls and drags, and grows within a step.
+void blow(Forces& forces) {
+  const World& world = forces.world();
+  const auto velocities = world.velocities();
+  forces.forces() = -3 * velocities;
+  forces.forces().row(0).array() += 20 * forces.time() + world.positions().row(1).array().sin();
+  forces.torques() = -0.1 * world.angular_velocities();
+}
+
+Settings settings_of(const Scene& scene, JointSolver joints, ContactSolver contacts) {
+  Settings settings = scene.settings;
+  settings.joint_solver = joints;
+  settings.contact_solver = contacts;
+  settings.contact_events = true;
+  return settings;
+}
+
+using Case = std::tuple<std::string, JointSolver, ContactSolver>;
+
+class ForceLawOn : public testing::TestWithParam<Case> {
+ protected:
+  Scene scene = load_scene(std::get<0>(GetParam()));
+  Settings settings = settings_of(scene, std::get<1>(GetParam()), std::get<2>(GetParam()));
+
+  SceneRun start(int threads = 1, Simd simd = Simd::Auto) const {
+    Settings with = settings;
+    with.simd = simd;
+    return {scene, {.threads = threads, .settings = with}};
+  }
+};
+
+TEST_P(ForceLawOn, IsTheSameWhateverTheThreadsAndVectors) {
+  std::vector<std::uint64_t> trail;
+  SceneRun first = start();
+  for (int i = 0; i < steps; ++i) {
+    ASSERT_EQ(first.world.step(scene.dt, blow).first_non_finite_body, -1);
+    trail.push_back(first.world.state_hash());
+  }
+  for (const int threads : {1, 4}) {
+    for (const Simd simd : divergence::supported_simds()) {
+      SceneRun other = start(threads, simd);
+      for (int i = 0; i < steps; ++i) {
+        other.world.step(scene.dt, blow);
+        ASSERT_EQ(other.world.state_hash(), trail[static_cast<std::size_t>(i)]) << "step " << i;
+      }
+    }
+  }
+}
+
+TEST_P(ForceLawOn, GoesOnAsItWasSaved) {
+  SceneRun run = start();
+  for (int i = 0; i < steps / 2; ++i) run.world.step(scene.dt, blow);
+  Snapshot snapshot;
+  run.world.save(snapshot);
+  SceneRun fresh = start(2);
+  fresh.world.restore(snapshot);
+  for (int i = 0; i < steps / 2; ++i) {
+    run.world.step(scene.dt, blow);
+    fresh.world.step(scene.dt, blow);
+    ASSERT_EQ(run.world.state_hash(), fresh.world.state_hash()) << "step " << i;
+  }
+}
+
+TEST_P(ForceLawOn, IsReplayedWithoutTheLaw) {
+  const TemporaryFile file(".force-law");
+  SceneRun run = start();
+  run.world.record(file.path());
+  for (int i = 0; i < steps; ++i) {
+    if (i % 3 == 2) {
+      run.world.step(scene.dt);
+    } else {
+      run.world.step(scene.dt, blow);
+    }
+  }
+  run.world.stop_recording();
+  const ReplayResult result = replay(file.path(), {.threads = 2});
+  EXPECT_FALSE(result.divergence.has_value());
+  EXPECT_EQ(result.steps, steps);
+  EXPECT_EQ(result.hash, run.world.state_hash());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Scenes, ForceLawOn,
+    testing::Combine(testing::Values("pile:bodies=30", "ragdolls:count=2", "vehicle", "double-pendulum",
+                                     "bridge:planks=6", "conveyor:boxes=6", "wall:base=5,planar=1"),
+                     testing::Values(JointSolver::Auto, JointSolver::Direct, JointSolver::Iterative),
+                     testing::Values(ContactSolver::Auto, ContactSolver::Direct, ContactSolver::Iterative)),
+    [](const auto& test) { return case_name(std::get<0>(test.param)) + "_" + std::to_string(test.index); });
+
+// A law that asks for nothing leaves a step of as many steps of a substep each.
+TEST(ForceLaw, WithoutForcesItIsAsManyShorterSteps) {
+  const Scene scene = load_scene("pile:bodies=30");
+  SceneRun forced(scene, {.settings = scene.settings});
+  Settings single = scene.settings;
+  single.substeps = 1;
+  SceneRun plain(scene, {.settings = single});
+  for (int i = 0; i < 40; ++i) {
+    forced.world.step(scene.dt, [](Forces&) {});
+    for (int k = 0; k < scene.settings.substeps; ++k) plain.world.step(scene.dt / scene.settings.substeps);
+  }
+  EXPECT_EQ(forced.world.positions(), plain.world.positions());
+  EXPECT_EQ(forced.world.orientations(), plain.world.orientations());
+  EXPECT_EQ(forced.world.velocities(), plain.world.velocities());
+}
+
+}  // namespace
+}  // namespace atl::test
