@@ -46,6 +46,18 @@ void check_range(const std::string& field, const JointRange& range, const Domain
   }
   check_end(field + ".lower", range.lower, domain);
   check_end(field + ".upper", range.upper, domain);
+  if (!(range.restitution >= 0 && range.restitution <= 1)) {
+    refuse(field + ".restitution", range.restitution, "a number in [0, 1]");
+  }
+}
+
+void check_servo(const std::string& field, const JointServo& servo) {
+  check_finite(field + ".target", servo.target);
+  check_not_negative(field + ".stiffness", servo.stiffness);
+  check_not_negative(field + ".damping", servo.damping);
+  if (servo.stiffness == 0 && servo.damping == 0) {
+    throw Error(field + ": stiffness and damping are 0; expected one of them above 0");
+  }
 }
 
 void check_axis(const std::string& field, const JointAxis& axis, const Domain& domain = any) {
@@ -63,7 +75,9 @@ void check_axis(const std::string& field, const JointAxis& axis, const Domain& d
     if (!(axis.motor->max_force >= 0)) {
       refuse(field + ".motor.max_force", axis.motor->max_force, "a number not below 0, or unlimited");
     }
+    if (axis.motor->servo) check_servo(field + ".motor.servo", *axis.motor->servo);
   }
+  check_not_negative(field + ".armature", axis.armature);
 }
 
 struct KindCheck {

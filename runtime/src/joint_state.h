@@ -34,6 +34,8 @@ struct JointKindState {
   void axis(Axis& axis) const {
     archive.value(axis.range.lower);
     archive.value(axis.range.upper);
+    archive.value(axis.range.restitution);
+    archive.value(axis.armature);
     visit_optional(archive, axis.spring, [this](auto& spring) {
       archive.value(spring.hertz);
       archive.value(spring.damping_ratio);
@@ -44,6 +46,11 @@ struct JointKindState {
     visit_optional(archive, axis.motor, [this](auto& motor) {
       archive.value(motor.speed);
       archive.value(motor.max_force);
+      visit_optional(archive, motor.servo, [this](auto& servo) {
+        archive.value(servo.target);
+        archive.value(servo.stiffness);
+        archive.value(servo.damping);
+      });
     });
   }
 

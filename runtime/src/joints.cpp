@@ -28,7 +28,7 @@ bool hold_the_same(const solver::Joint& a, const solver::Joint& b) {
     const solver::Law& x = a.law[row];
     const solver::Law& y = b.law[row];
     if (x.locked() != y.locked() || x.limited() != y.limited()) return false;
-    if (x.springs() != y.springs() || (x.motor_force > 0) != (y.motor_force > 0)) return false;
+    if (x.springs() != y.springs() || x.drives() != y.drives()) return false;
   }
   return true;
 }

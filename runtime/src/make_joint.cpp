@@ -14,6 +14,8 @@ using solver::Law;
 Law law_of(const JointAxis& axis) {
   Law law{.lower = axis.range.lower, .upper = axis.range.upper};
   if (law.locked()) return law;
+  law.restitution = law.limited() ? axis.range.restitution : 0;
+  law.armature = axis.armature;
   if (axis.spring) {
     if (axis.spring->is_linear()) {
       law.stiffness = axis.spring->stiffness.value_or(0);
@@ -27,6 +29,11 @@ Law law_of(const JointAxis& axis) {
   if (axis.motor && axis.motor->max_force > 0) {
     law.motor_speed = axis.motor->speed;
     law.motor_force = axis.motor->max_force;
+    if (const auto& servo = axis.motor->servo) {
+      law.servo_target = servo->target;
+      law.servo_stiffness = servo->stiffness;
+      law.servo_damping = servo->damping;
+    }
   }
   return law;
 }
@@ -41,6 +48,7 @@ struct Rows {
     if (!law.acts()) return;
     joint.coordinate[joint.rows] = coordinate;
     joint.law[joint.rows] = law;
+    joint.bounces |= law.restitution > 0;
     ++joint.rows;
   }
   void add(Coordinate coordinate, const JointAxis& axis) const { add(coordinate, law_of(axis)); }

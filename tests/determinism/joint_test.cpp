@@ -1,6 +1,7 @@
 // Same bits, always: of joined bodies too, whatever the number of threads and the width of the vectors, and however
 // their ids came about.
 
+#include <atoll/snapshot.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -28,7 +29,8 @@ struct Tangle {
     const std::vector<JointKind> kinds = {
         BallJoint{.friction = 0.5},
         HingeJoint{{.range = {-0.5, 0.5}, .motor = JointMotor{2, 5}}},
-        SliderJoint{{.range = {-0.1, 0.1}, .spring = JointSpring{.hertz = 3}}},
+        SliderJoint{{.range = {-0.1, 0.1, 0.7}, .spring = JointSpring{.hertz = 3}, .armature = 2}},
+        HingeJoint{{.range = {-0.6, 0.4, 0.5}, .motor = JointMotor{0, 5, JointServo{0.2, 40, 2}}, .armature = 0.1}},
         FixedJoint{},
         UniversalJoint{.first = {.range = {-1, 1}}},
         ConeTwistJoint{.swing_limit = 0.4, .twist = {.range = {-0.3, 0.3}}},
@@ -76,6 +78,24 @@ TEST_P(JointBits, DoNotDependOnThreadsOrVectors) {
     Settings with = settings;
     with.simd = simd;
     EXPECT_EQ(trail({.threads = 2, .settings = with}), expected) << name_of(simd);
+  }
+}
+
+TEST_P(JointBits, GoOnAsTheyWereSaved) {
+  const WorldDef def{.settings = {.joint_solver = GetParam()}};
+  Tangle tangle(def);
+  Tangle fresh(def);
+  Snapshot snapshot;
+  for (int i = 0; i < steps; ++i) {
+    if (i % 20 == 10) {
+      tangle.world.save(snapshot);
+      fresh.world.restore(snapshot);
+    }
+    tangle.world.step(dt);
+    fresh.world.step(dt);
+    if (i >= 10) {
+      ASSERT_EQ(fresh.world.state_hash(), tangle.world.state_hash()) << i;
+    }
   }
 }
 

@@ -30,6 +30,8 @@ JointAxis sprung(double hertz, double damping_ratio, double rest) {
 }
 JointAxis driven(double speed, double max_force) { return {.motor = JointMotor{speed, max_force}}; }
 
+JointAxis servo(const JointServo& servo) { return {.motor = JointMotor{0, 1, servo}}; }
+
 const std::vector<BadKind>& bad_kinds() {
   static const std::vector<BadKind> kinds = {
       {BallJoint{-1.5}, "kind.friction", "-1.5", "not below 0"},
@@ -65,6 +67,13 @@ const std::vector<BadKind>& bad_kinds() {
       {WheelJoint{.suspension = sprung(-2, 1, 0)}, "kind.suspension.spring.hertz", "-2", "above 0"},
       {WheelJoint{.steering = ranged(1, 0)}, "kind.steering.range", "lower 1", "upper 0"},
       {WheelJoint{.spin = driven(0, -1)}, "kind.spin.motor.max_force", "-1", "not below 0"},
+      {HingeJoint{{.range = {-1, 1, 1.5}}}, "kind.angle.range.restitution", "1.5", "[0, 1]"},
+      {HingeJoint{{.range = {-1, 1, nan}}}, "kind.angle.range.restitution", "nan", "[0, 1]"},
+      {SliderJoint{{.armature = -1}}, "kind.offset.armature", "-1", "not below 0"},
+      {SliderJoint{servo({nan, 1, 1})}, "kind.offset.motor.servo.target", "nan", "finite"},
+      {SliderJoint{servo({0, -1, 1})}, "kind.offset.motor.servo.stiffness", "-1", "not below 0"},
+      {SliderJoint{servo({0, 1, unlimited})}, "kind.offset.motor.servo.damping", "inf", "not below 0"},
+      {SliderJoint{servo({0, 0, 0})}, "kind.offset.motor.servo", "stiffness and damping are 0", "one of them above 0"},
   };
   return kinds;
 }

@@ -25,6 +25,9 @@ inline constexpr double unlimited = std::numeric_limits<double>::infinity();
 struct JointRange {
   double lower = -unlimited;
   double upper = unlimited;
+  /// In [0, 1]: the part of its rate with which the coordinate comes back from an end, once bounces last longer than a
+  /// substep. Newton's law.
+  double restitution = 0;
 };
 
 /// A damped spring that pulls a coordinate to its rest. Any stiffness is stable; without damping no energy is lost.
@@ -41,10 +44,21 @@ struct JointSpring {
   bool is_linear() const { return stiffness || damping; }
 };
 
+/// What makes a motor a servo: gains, by one of which at least it pulls. Any are stable.
+struct JointServo {
+  double target = 0;     ///< m or rad, finite
+  double stiffness = 0;  ///< N/m or N m/rad, finite and >= 0
+  double damping = 0;    ///< N s/m or N m s/rad, finite and >= 0
+};
+
 /// Drives a coordinate at a speed, by no more than so much force or torque. At speed 0 it is friction, or a brake.
+///
+/// With a servo it drives it to a position instead, by stiffness * (target - position) + damping * (speed - rate), cut
+/// off where that is more force than it has.
 struct JointMotor {
   double speed = 0;      ///< m/s or rad/s, finite
   double max_force = 0;  ///< N or N m, >= 0; unlimited is allowed
+  std::optional<JointServo> servo = {};
 };
 
 /// A coordinate of a joint, and what acts along it. Range, spring and motor may all be there.
@@ -52,6 +66,9 @@ struct JointAxis {
   JointRange range = {};
   std::optional<JointSpring> spring = {};
   std::optional<JointMotor> motor = {};
+  /// kg or kg m^2, finite and >= 0: inertia that moves with the coordinate and with nothing else, as of the rotor of a
+  /// motor (its own, times the square of the gear ratio). It has no weight, and does nothing where the range is locked.
+  double armature = 0;
 };
 
 // Each kind below says which coordinates it locks, a row of constraints each, and which it leaves free. Ends of

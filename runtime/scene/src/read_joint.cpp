@@ -23,14 +23,8 @@ JointSpring read_spring(const Reader& in) {
   in.only_keys({"hertz", "damping_ratio", "rest", "stiffness", "damping"});
   JointSpring spring;
   in.get("rest", spring.rest);
-  const auto number_of = [&](const char* key, std::optional<double>& to) {
-    if (!in.has(key)) return;
-    double value = 0;
-    in.get(key, value, at_least(0));
-    to = value;
-  };
-  number_of("stiffness", spring.stiffness);
-  number_of("damping", spring.damping);
+  if (in.has("stiffness")) in.get("stiffness", spring.stiffness.emplace(), at_least(0));
+  if (in.has("damping")) in.get("damping", spring.damping.emplace(), at_least(0));
   if (spring.is_linear()) {
     for (const char* key : {"hertz", "damping_ratio"}) {
       if (in.has(key)) in.fail(std::string("\"") + key + "\" with a stiffness or damping", "either of the two pairs");
@@ -42,16 +36,29 @@ JointSpring read_spring(const Reader& in) {
   return spring;
 }
 
+JointServo read_servo(const Reader& in) {
+  in.only_keys({"target", "stiffness", "damping"});
+  JointServo servo;
+  in.get("target", servo.target);
+  in.get("stiffness", servo.stiffness, at_least(0));
+  in.get("damping", servo.damping, at_least(0));
+  if (servo.stiffness == 0 && servo.damping == 0) {
+    in.fail("a servo without stiffness and damping", "one of them above 0");
+  }
+  return servo;
+}
+
 JointMotor read_motor(const Reader& in) {
-  in.only_keys({"speed", "max_force"});
+  in.only_keys({"speed", "max_force", "servo"});
   JointMotor motor;
   in.get("speed", motor.speed);
   motor.max_force = in.at("max_force", "a number >= 0, in N, or N m where it turns").number(at_least(0));
+  if (const auto servo = in.find("servo")) motor.servo = read_servo(*servo);
   return motor;
 }
 
 JointAxis read_axis(const Reader& in, const Range& ends) {
-  in.only_keys({"range", "lower", "upper", "spring", "motor"});
+  in.only_keys({"range", "lower", "upper", "restitution", "spring", "motor", "armature"});
   JointAxis axis;
   if (const auto range = in.find("range")) {
     for (const char* key : {"lower", "upper"}) {
@@ -64,6 +71,8 @@ JointAxis read_axis(const Reader& in, const Range& ends) {
   if (axis.range.lower > axis.range.upper) {
     in.fail_at("upper", number_text(axis.range.upper), "an upper end that is not below the lower one");
   }
+  in.get("restitution", axis.range.restitution, between(0, 1));
+  in.get("armature", axis.armature, at_least(0));
   if (const auto spring = in.find("spring")) axis.spring = read_spring(*spring);
   if (const auto motor = in.find("motor")) axis.motor = read_motor(*motor);
   return axis;

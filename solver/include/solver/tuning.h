@@ -23,16 +23,16 @@ inline constexpr double least_turn = 1e-5;
 /// falls with its fourth power. With 1 a top of 50 rad/s, whose nutation no step of 1/60 s sees, falls over (an error
 /// of 1.2 instead of 0.27, relative to its tilt); with 0.25 or 0.5 what rolls is the same.
 inline constexpr double known_turn = 0.25;
-/// m/s^2 and m, from the centre of mass to the contact: under more gravity times size than this the push speed grows by its
-/// root. Boxes of a metre touch at half of one, and are pushed by the speed that is set.
+/// m/s^2 and m, from the centre of mass to the contact: under more gravity times size than this the push speed grows by
+/// its root. Boxes of a metre touch at half of one, and are pushed by the speed that is set.
 inline constexpr double usual_gravity = 9.81;
 inline constexpr double usual_size = 1;
 /// m/s: a contact that closes faster gets more rounds over its points, or a body that lands flat is left turning. A box
 /// of 1 m dropped flat from 3 m slides by 0.05 mm instead of 15, from 10 m by 4 mm instead of 150. At an eighth, what
 /// merely moves gets them too: a piston's load is thrown at 15 m/s.
 inline constexpr float landing_speed = 0.5f;
-/// m/s, to or from each other, from which on all points of a contact are first changed at once. With 0.05 and 0.25 a box
-/// dropped flat from 2.5 m ends 7 um aside, without it 3.7 mm.
+/// m/s, to or from each other, from which on all points of a contact are first changed at once. With 0.05 and 0.25 a
+/// box dropped flat from 2.5 m ends 7 um aside, without it 3.7 mm.
 inline constexpr float spread_speed = 0.25f;
 /// With one, hopper overlaps by twice as much; with 28 a coin's landing is farther off.
 inline constexpr int landing_rounds = 7;
@@ -41,6 +41,9 @@ inline constexpr int landing_rounds = 7;
 inline constexpr std::size_t restitution_rounds = 16;
 /// Of friction in a bounce, each with all those after it.
 inline constexpr int bounce_rounds = 2;
+
+/// Sweeps over a group's joints in a substep in which some coordinate bounces at the end of its range.
+inline constexpr int joint_bounce_sweeps = 16;
 
 /// Steps of Newton's method for which way friction acts that holds nothing. With 1 and with 3 a long box across its way
 /// stops as far off, by a hundred thousandth of it.

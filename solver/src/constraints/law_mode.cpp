@@ -26,21 +26,27 @@ void LawMode::begin(const Law& law, double position, double effective_mass, doub
     return;
   }
   row_ = RowLaw::of(law, position, effective_mass, h);
-  go_to(piece_ == Piece::Locked ? Piece::Between : piece_, law);
+  go_to(piece_ == Piece::Locked ? Piece::Between : piece_);
 }
 
-void LawMode::start_at(const Law& law, double rate) {
-  if (row_.spring_slope == 0) return;
+void LawMode::start_at(double rate) {
+  if (row_.spring_slope == 0 && row_.motor_slope == 0) return;
   row_.start_at(rate);
-  go_to(piece_, law);
+  go_to(piece_);
 }
 
-// A motor that reaches its speed holds it like a lock; one that doesn't pulls with all it has.
-double LawMode::motor_impulse(const Law& law, double rate) const {
-  return rate < law.motor_speed ? row_.motor_impulse : rate > law.motor_speed ? -row_.motor_impulse : 0;
+// A motor that reaches its speed holds it like a lock; one that doesn't pulls with all it has. So does a servo at rates
+// farther than that from where it does nothing.
+double LawMode::motor_impulse(double rate) const {
+  if (row_.motor_slope > 0) return row_.motor_impulse_at(rate);
+  return rate < row_.motor_speed ? row_.motor_impulse : rate > row_.motor_speed ? -row_.motor_impulse : 0;
 }
 
-void LawMode::go_to(Piece piece, const Law& law) {
+double LawMode::rate_at_bound(double sign) const {
+  return row_.motor_slope > 0 ? row_.motor_speed - sign * row_.motor_impulse / row_.motor_slope : row_.motor_speed;
+}
+
+void LawMode::go_to(Piece piece) {
   if (row_.motor_impulse == 0 && (piece == Piece::MotorLow || piece == Piece::MotorHigh)) piece = Piece::Between;
   piece_ = piece;
   compliance_ = given_ = target_ = 0;
@@ -56,7 +62,10 @@ void LawMode::go_to(Piece piece, const Law& law) {
     case Piece::Between:
       if (row_.motor_impulse > 0) {
         solved_ = true;
-        target_ = law.motor_speed;
+        target_ = row_.motor_speed;
+        if (row_.motor_slope == 0) return;
+        compliance_ = 1 / (row_.spring_slope + row_.motor_slope);
+        target_ = compliance_ * (row_.spring_slope * row_.spring_rate + row_.motor_slope * row_.motor_speed);
         return;
       }
       break;
@@ -81,36 +90,35 @@ bool LawMode::catch_at_end(const Law& law, double position) {
                     : position > law.upper + tuning::open_gap ? Piece::Upper
                                                               : piece_;
   if (end == piece_) return false;
-  go_to(end, law);
+  go_to(end);
   return true;
 }
 
-bool LawMode::update(const Law& law, double rate, double impulse) {
+bool LawMode::update(double rate, double impulse) {
   const Piece before = piece_;
   if (piece_ == Piece::Locked) return false;
   const double slack = margin * (1 + std::abs(rate));
   if (piece_ == Piece::Lower || piece_ == Piece::Upper) {
     // What spring and motor do at this rate is not the stop's.
-    const double stop = impulse - spring_impulse(rate) - motor_impulse(law, rate);
+    const double stop = impulse - spring_impulse(rate) - motor_impulse(rate);
     if (piece_ == Piece::Lower ? stop >= 0 : stop <= 0) return false;
-    go_to(row_.motor_impulse == 0  ? Piece::Between
-          : rate < law.motor_speed ? Piece::MotorHigh
-          : rate > law.motor_speed ? Piece::MotorLow
-                                   : Piece::Between,
-          law);
+    go_to(row_.motor_impulse == 0    ? Piece::Between
+          : rate < rate_at_bound(1)  ? Piece::MotorHigh
+          : rate > rate_at_bound(-1) ? Piece::MotorLow
+                                     : Piece::Between);
     return true;
   }
   if (rate < row_.lower_rate - slack) {
-    go_to(Piece::Lower, law);
+    go_to(Piece::Lower);
   } else if (rate > row_.upper_rate + slack) {
-    go_to(Piece::Upper, law);
+    go_to(Piece::Upper);
   } else if (row_.motor_impulse > 0) {
     if (piece_ == Piece::Between) {
       const double motor = impulse - spring_impulse(rate);
-      if (motor > row_.motor_impulse * (1 + margin)) go_to(Piece::MotorHigh, law);
-      if (motor < -row_.motor_impulse * (1 + margin)) go_to(Piece::MotorLow, law);
-    } else if (piece_ == Piece::MotorHigh ? rate > law.motor_speed + slack : rate < law.motor_speed - slack) {
-      go_to(Piece::Between, law);
+      if (motor > row_.motor_impulse * (1 + margin)) go_to(Piece::MotorHigh);
+      if (motor < -row_.motor_impulse * (1 + margin)) go_to(Piece::MotorLow);
+    } else if (piece_ == Piece::MotorHigh ? rate > rate_at_bound(1) + slack : rate < rate_at_bound(-1) - slack) {
+      go_to(Piece::Between);
     }
   }
   return piece_ != before;

@@ -4,8 +4,48 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace atl::solver {
+
+LinearForce LinearForce::of_spring(const Law& law, double mass) {
+  const double omega = 2 * std::numbers::pi * law.spring_hertz;
+  return {.square_of_omega = omega * omega + law.stiffness / mass,
+          .decay = 2 * omega * law.damping_ratio + law.damping / mass,
+          .rest = law.rest};
+}
+
+LinearForce LinearForce::of_servo(const Law& law, double mass) {
+  return {.square_of_omega = law.servo_stiffness / mass,
+          .decay = law.servo_damping / mass,
+          .rest = law.servo_target,
+          .beside = law.servo_damping * law.motor_speed / mass};
+}
+
+void LinearForce::add(const LinearForce& other) {
+  const double both = square_of_omega + other.square_of_omega;
+  if (both > 0) rest = (square_of_omega * rest + other.square_of_omega * other.rest) / both;
+  square_of_omega = both;
+  decay += other.decay;
+  beside += other.beside;
+}
+
+LinearStep LinearStep::of_spring(const Law& law, double position, double mass, double h) {
+  const double moved = mass + law.armature;
+  const LinearForce force = LinearForce::of_spring(law, moved);
+  const SpringStep step = SpringStep::of(std::sqrt(force.square_of_omega), force.decay, h);
+  const double pull = step.pull * (position - law.rest);
+  if (law.armature == 0) return {step.hold, step.keep, -pull};
+  const double own = law.armature / mass, share = moved / mass;
+  return {own + share * step.hold, own + share * step.keep, -share * pull};
+}
+
+LinearStep LinearStep::of_servo(const Law& law, double position, double mass, double h) {
+  const double moved = mass + law.armature, share = moved / mass;
+  const LinearForce force = LinearForce::of_servo(law, moved);
+  const SpringStep step = SpringStep::of(std::sqrt(force.square_of_omega), force.decay, h);
+  return {share * step.hold, share * step.keep, share * (h * force.beside - step.pull * (position - force.rest))};
+}
 
 RowLaw RowLaw::of(const Law& law, double position, double effective_mass, double h, double compliance) {
   RowLaw row;
@@ -17,16 +57,27 @@ RowLaw RowLaw::of(const Law& law, double position, double effective_mass, double
   row.upper_rate = std::max((law.upper - position) / h, -tuning::closing_speed);
   row.motor_speed = law.motor_speed;
   row.motor_impulse = h * law.motor_force;
-  if (law.springs() && effective_mass > 0) {
-    constexpr double least = 1e-12;  // of what rounding leaves of a very soft one
-    const SpringStep spring =
-        SpringStep::of(std::sqrt(law.square_of_omega(effective_mass)), law.decay(effective_mass), h);
+  if (!(effective_mass > 0)) return row;
+  constexpr double least = 1e-12;  // of what rounding leaves of a very soft one
+  if (law.springs() || law.armature > 0) {
+    const LinearStep spring = LinearStep::of_spring(law, position, effective_mass, h);
     const double hold = std::max(spring.hold, least);
     row.spring_slope = effective_mass * hold;
-    row.spring_rate = -spring.pull * (position - law.rest) / hold;
+    row.spring_rate = spring.shift / hold;
     row.spring_keeps = spring.keep / hold;
   }
+  if (law.is_servo()) {
+    const LinearStep servo = LinearStep::of_servo(law, position, effective_mass, h);
+    const double hold = std::max(servo.hold, least);
+    row.motor_slope = effective_mass * hold;
+    row.motor_speed = servo.shift / hold;
+    row.motor_keeps = servo.keep / hold;
+  }
   return row;
+}
+
+double RowLaw::motor_impulse_at(double rate) const {
+  return motor_impulse > 0 ? std::clamp(-drive() * (rate - motor_speed), -motor_impulse, motor_impulse) : 0;
 }
 
 double RowLaw::impulse(double rate) const {
@@ -34,13 +85,12 @@ double RowLaw::impulse(double rate) const {
   double sum = -spring_slope * (rate - spring_rate);
   if (rate < lower_rate) sum += stiffness * (lower_rate - rate);
   if (rate > upper_rate) sum -= stiffness * (rate - upper_rate);
-  if (motor_impulse > 0) sum += std::clamp(-stiffness * (rate - motor_speed), -motor_impulse, motor_impulse);
-  return sum;
+  return sum + motor_impulse_at(rate);
 }
 
 int RowLaw::motor_bound(double rate) const {
   if (!(motor_impulse > 0)) return 0;
-  const double wanted = -stiffness * (rate - motor_speed);
+  const double wanted = -drive() * (rate - motor_speed);
   return wanted > motor_impulse ? 1 : wanted < -motor_impulse ? -1 : 0;
 }
 
@@ -48,7 +98,7 @@ double RowLaw::slope(double rate) const {
   if (locked) return stiffness;
   double sum = spring_slope;
   if (limit(rate) != 0) sum += stiffness;
-  if (motor_impulse > 0 && motor_bound(rate) == 0) sum += stiffness;
+  if (motor_impulse > 0 && motor_bound(rate) == 0) sum += drive();
   return sum;
 }
 
@@ -56,6 +106,20 @@ std::uint8_t RowLaw::pieces(double rate) const {
   if (locked) return 0;
   const bool moves = motor_impulse > 0 && motor_bound(rate) == 0;
   return static_cast<std::uint8_t>((limit(rate) != 0 ? 1 : 0) | (moves ? 2 : 0));
+}
+
+LimitImpact LimitImpact::of(const Law& law, double position, double rate, double free_rate, double h) {
+  const double there = position + h * free_rate;
+  const int end = there < law.lower ? -1 : there > law.upper ? 1 : 0;
+  if (end == 0) return {};
+  // As seen from where it hits: room > 0 is left, and it comes at a speed > 0.
+  const double room = end < 0 ? position - law.lower : law.upper - position;
+  const double acceleration = end * (free_rate - rate) / h;
+  const double start = end * rate + 0.5 * h * acceleration;
+  const double square = start * start + 2 * acceleration * std::max(room, 0.0);
+  const double speed = start > 0 && square > 0 ? law.restitution * std::sqrt(square) : 0;
+  if (!(speed > h * acceleration)) return {.rests = true};
+  return {.end = end, .leaving = -end * speed, .leaving_late = -end * (speed + 0.5 * h * acceleration)};
 }
 
 }  // namespace atl::solver

@@ -36,6 +36,7 @@ bool DirectIsland::solve_substeps(const SolveInput& input) {
   place_inertia(input, 0, h);
   place_joints(input, 0);
   note_tears(input);
+  if (may_bounce(input)) return false;
   for (int substep = 0; substep < settings.substeps; ++substep) {
     lasting_ = problem_.velocity;
     free_substep_velocities(input, h);
@@ -205,12 +206,27 @@ void DirectIsland::note_tears(const SolveInput& input) {
   }
 }
 
+// Whether a coordinate that bounces at the ends of its range may get there within the step, and not rest there.
+bool DirectIsland::may_bounce(const SolveInput& input) const {
+  for (const DirectJoint& joint : problem_.joints) {
+    const Joint& of = input.joints[joint.joint];
+    if (!of.bounces) continue;
+    for (std::size_t r = of.point ? 3 : 0; r < joint.rows; ++r) {
+      const Law& law = law_of(of, r);
+      const double there = joint.position[r] + input.dt * rate_of(problem_.velocity, joint, r);
+      const bool leaves = there < law.lower - tuning::open_gap || there > law.upper + tuning::open_gap;
+      if (law.restitution > 0 && leaves) return true;
+    }
+  }
+  return false;
+}
+
 // Of a joint's row, before the substep's forces.
-double DirectIsland::lasting_rate(const DirectJoint& joint, std::size_t row) const {
+double DirectIsland::rate_of(std::span<const double> velocities, const DirectJoint& joint, std::size_t row) {
   double rate = joint.given[row];
   const auto add = [&](std::uint32_t body, double sign, const Vector3& angular) {
     if (body == no_body) return;
-    const double* velocity = &lasting_[6 * body];
+    const double* velocity = &velocities[6 * body];
     rate += sign * joint.at[row].linear.dot(Eigen::Map<const Vector3>(velocity)) +
             sign * angular.dot(Eigen::Map<const Vector3>(velocity + 3));
   };
@@ -224,7 +240,7 @@ void DirectIsland::begin_laws(const SolveInput& input, double h) {
     for (std::size_t r = 0; r < joint.rows; ++r) {
       const Law& law = law_of(input.joints[joint.joint], r);
       joint.law[r] = RowLaw::of(law, joint.position[r], joint.mass[r], h, tuning::compliance);
-      if (joint.law[r].spring_slope > 0) joint.law[r].start_at(lasting_rate(joint, r));
+      if (law.looks_back()) joint.law[r].start_at(rate_of(lasting_, joint, r));
     }
   }
 }

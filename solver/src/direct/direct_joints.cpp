@@ -25,14 +25,16 @@ void DirectJoints::begin_step(const DirectInput& input) {
     member.start = input.table.position(member.body);
     member.start_turn = input.table.orientation(member.body);
   }
-  springs_ = false;
+  looks_back_ = bounces_ = false;
+  late_ = true;
   for (Node& node : nodes_) {
     const Joint& joint = input.joints[node.joint];
     node.tension = joint.tension;
-    springs_ |=
-        std::any_of(joint.law.begin(), joint.law.begin() + joint.rows, [](const Law& law) { return law.springs(); });
     for (std::uint32_t r = node.begin; r < node.end; ++r) {
       const std::uint32_t k = r - node.begin;
+      looks_back_ |= joint.law[k].looks_back();
+      bounces_ |= joint.law[k].restitution > 0;
+      rows_[r].bounces = false;
       rows_[r].position = joint.position[k];
       rows_[r].mode.resume(joint.law[k], joint.limit[k], joint.motor_bound[k]);
     }
@@ -66,30 +68,43 @@ void DirectJoints::begin_laws(const Joint* joints, double h) {
 }
 
 void DirectJoints::note_rates(const DirectInput& input) {
-  if (!springs_) return;
+  if (!looks_back_ && !bounces_) return;
   load_velocities(input.bodies);
   for (const Node& node : nodes_) {
     for (std::uint32_t r = node.begin; r < node.end; ++r) {
       const Law& law = input.joints[node.joint].law[r - node.begin];
-      if (law.springs()) rows_[r].mode.start_at(law, row_speed(node, rows_[r]));
+      rows_[r].rate_before = row_speed(node, rows_[r]);
+      if (law.looks_back()) rows_[r].mode.start_at(rows_[r].rate_before);
     }
   }
 }
 
 // Where substeps can't follow a spring there is no half of one. Called between the half kicks of other forces.
 void DirectJoints::kick_springs(const DirectInput& input, int sign) {
-  if (!springs_) return;
+  late_ = sign < 0;
+  if (!looks_back_) return;
   load_velocities(input.bodies);
   bool kicks = false;
   for (const Node& node : nodes_) {
     for (std::uint32_t r = node.begin; r < node.end; ++r) {
       const Row& row = rows_[r];
       const Law& law = input.joints[node.joint].law[r - node.begin];
-      if (!law.springs() || law.locked() || !(row.mass > 0)) continue;
-      const double omega = std::sqrt(law.square_of_omega(row.mass));
-      const double decay = law.decay(row.mass);
-      if (omega * input.h > SpringStep::most_phase || decay * input.h > SpringStep::most_phase) continue;
-      const LateRate late = LateRate::of(omega, decay, input.h);
+      if (!law.looks_back() || law.locked() || !(row.mass > 0)) continue;
+      const double moved = row.mass + law.armature;
+      LinearForce force = LinearForce::of_spring(law, moved);
+      if (law.is_servo()) {
+        const LinearForce servo = LinearForce::of_servo(law, moved);
+        const double most = law.motor_force / moved;
+        const double pull = servo.at(row.position, row_speed(node, row));
+        if (std::abs(pull) < most) {
+          force.add(servo);
+        } else {
+          force.beside += std::copysign(most, pull);
+        }
+      }
+      const double omega = std::sqrt(force.square_of_omega);
+      if (omega * input.h > SpringStep::most_phase || force.decay * input.h > SpringStep::most_phase) continue;
+      const LateRate late = LateRate::of(omega, force.decay, input.h);
       const auto accelerates = [&](std::uint32_t member, bool turns) -> Vector3 {
         const AccelerationRows& by = input.bodies.acceleration[members_[member].local];
         return get3(turns ? by.angular : by.linear);
@@ -97,7 +112,8 @@ void DirectJoints::kick_springs(const DirectInput& input, int sign) {
       const double acceleration = row.at.rate(accelerates(node.first, false), accelerates(node.first, true),
                                               accelerates(node.second, false), accelerates(node.second, true));
       const double of_force = 0.5 * input.h * acceleration;  // half a kick of everything else, which it has
-      const double beside = late.of_position * (row.position - law.rest) + late.of_acceleration * acceleration;
+      const double beside = late.of_position * (row.position - force.rest) +
+                            late.of_acceleration * (row.mass / moved * acceleration + force.beside);
       const double rate = row_speed(node, row);
       const double kicked =
           sign < 0 ? beside + late.of_rate * (rate + of_force) : (rate - beside) / late.of_rate - of_force;
@@ -155,12 +171,11 @@ void DirectJoints::note_bends(const DirectInput& input) {
   for (Row& row : rows_) row.bend = 0;
 }
 
-bool DirectJoints::update_laws(const Joint* joints) {
+bool DirectJoints::update_laws() {
   bool changed = false;
   for (const Node& node : nodes_) {
     for (std::uint32_t r = node.begin; r < node.end; ++r) {
-      Row& row = rows_[r];
-      changed |= row.mode.update(joints[node.joint].law[r - node.begin], row_speed(node, row), row.impulse);
+      changed |= rows_[r].mode.update(row_speed(node, rows_[r]), rows_[r].impulse);
     }
   }
   return changed;
@@ -286,8 +301,9 @@ void DirectJoints::solve_velocities(const DirectInput& input) {
       }
     }
     solve_and_apply();
+    if (bounces_ && round == 0) note_impacts(input.joints, input.h);
     // The system must be that of the pieces the rows are on.
-    if (rows_.empty() || round + 1 == tuning::mode_rounds || !update_laws(input.joints)) break;
+    if (rows_.empty() || round + 1 == tuning::mode_rounds || !update_laws()) break;
     factor();
   }
   store_velocities(input.bodies);
@@ -439,6 +455,21 @@ void DirectJoints::measure(const Joint& joint, const Node& node, double* b, doub
   }
 }
 
+// How fast rows that bounce would come to the ends of their ranges, if nothing held them there: with what accelerates
+// them along the way.
+void DirectJoints::note_impacts(const Joint* joints, double h) {
+  for (const Node& node : nodes_) {
+    for (std::uint32_t r = node.begin; r < node.end; ++r) {
+      const Law& law = joints[node.joint].law[r - node.begin];
+      Row& row = rows_[r];
+      row.bounces = false;
+      row.impact = row.mode.holds() || law.restitution == 0
+                       ? LimitImpact{}
+                       : LimitImpact::of(law, row.position, row.rate_before, row_speed(node, row), h);
+    }
+  }
+}
+
 void DirectJoints::relax(const DirectInput& input) {
   const double over_h = 1 / input.h;
   for (Node& node : nodes_) {
@@ -449,6 +480,9 @@ void DirectJoints::relax(const DirectInput& input) {
       row.position += input.h * row_speed(node, row);
     }
     node.tension += tuning::tension_smoothing * (force - node.tension);
+  }
+  if (bounces_) {
+    for (Row& row : rows_) row.bounces = row.mode.limit() * row.impact.end > 0;
   }
   prepare(input);
   close_gaps(input);
@@ -493,7 +527,11 @@ void DirectJoints::project(const DirectInput& input) {
     double* b = &b_[system_.row(i)];
     if (node.point) b = put_negative(point_speed(node), b);
     // Springs and motors have had their impulse, and answer to changes only.
-    for (std::uint32_t r = node.begin; r < node.end; ++r) *b++ = rows_[r].mode.holds() ? -row_speed(node, rows_[r]) : 0;
+    for (std::uint32_t r = node.begin; r < node.end; ++r) {
+      const Row& row = rows_[r];
+      const double leaving = !row.bounces ? 0 : late_ ? row.impact.leaving_late : row.impact.leaving;
+      *b++ = row.mode.holds() ? leaving - row_speed(node, row) : 0;
+    }
   }
   solve_and_apply();
   store_velocities(input.bodies);

@@ -1,6 +1,6 @@
 #include <jobs/prefetch.h>
 #include <solver/constraints/arm_stiffness.h>
-#include <solver/constraints/spring_step.h>
+#include <solver/constraints/row_law.h>
 #include <solver/integrate/motion.h>
 #include <solver/sweep/group_joints.h>
 #include <solver/tuning.h>
@@ -52,13 +52,22 @@ Motion motion_of(const SolverBodies& bodies, std::size_t local) {
   return motion;
 }
 
+double rate_of(const SolverBodies& bodies, const JointBlock& block, const JointRowBlock& row, std::size_t lane) {
+  const VelocityRows& a = bodies.velocity[static_cast<std::size_t>(block.first[lane])];
+  const VelocityRows& c = bodies.velocity[static_cast<std::size_t>(block.second[lane])];
+  return get_lane(row.linear, lane).dot(get3(c.linear) - get3(a.linear)) +
+         get_lane(row.angular_second, lane).dot(get3(c.angular)) -
+         get_lane(row.angular_first, lane).dot(get3(a.angular));
+}
+
 float speed(double value) { return static_cast<float>(std::clamp(value, -unlimited_speed, unlimited_speed)); }
 
 void set_idle(JointRowBlock& row, std::size_t lane) {
   for (Lanes<3>* part : {&row.linear, &row.angular_first, &row.angular_second}) set_lane(*part, lane, Vector3::Zero());
   for (float* number :
        {row.impulse, row.mass, row.inverse_mass, row.spring_keep, row.spring_shift, row.next_spring_shift,
-        row.motor_speed, row.motor_change, row.soft_lower, row.soft_upper, row.soft_shift, row.soft_motor_change}) {
+        row.motor_part, row.motor_keep, row.motor_speed, row.next_motor_speed, row.motor_change, row.open_ends,
+        row.soft_lower, row.soft_upper, row.soft_shift, row.soft_motor_part, row.soft_motor_change}) {
     number[lane] = 0;
   }
   row.spring_scale[lane] = 1;
@@ -66,22 +75,6 @@ void set_idle(JointRowBlock& row, std::size_t lane) {
   row.lower_speed[lane] = speed(-unlimited_speed);
   row.upper_speed[lane] = speed(unlimited_speed);
 }
-
-// Of a spring, so that u = (u0 + keep * u_before - pull) / (1 + hold): see SpringStep. An impulse beside it changes u
-// by w / (1 + hold) each.
-struct SpringNumbers {
-  double hold = 0;
-  double keep = 0;
-  double pull = 0;
-
-  SpringNumbers(const Law& law, double value, double w, double h) {
-    if (!law.springs()) return;
-    const SpringStep step = SpringStep::of(std::sqrt(law.square_of_omega(1 / w)), law.decay(1 / w), h);
-    hold = step.hold;
-    keep = step.keep;
-    pull = step.pull * (value - law.rest);
-  }
-};
 
 // The numbers of JointRowBlock for a law, at a value of the coordinate; `w` is J M^-1 J^T.
 void set_law(JointRowBlock& row, std::size_t lane, const Law& law, double value, double w, const JointStep& step) {
@@ -98,14 +91,23 @@ void set_law(JointRowBlock& row, std::size_t lane, const Law& law, double value,
     row.soft_shift[lane] = static_cast<float>(-stiffness * bias_rate * (value - law.lower) / (1 + stiffness));
     return;
   }
-  const SpringNumbers spring(law, value, w, step.h);
+  const LinearStep spring =
+      law.springs() || law.armature > 0 ? LinearStep::of_spring(law, value, 1 / w, step.h) : LinearStep{};
   const double share = 1 / (1 + spring.hold);
   row.spring_scale[lane] = static_cast<float>(share);
   row.spring_keep[lane] = static_cast<float>(share * spring.keep);
   row.spring_shift[lane] = row.next_spring_shift[lane];
-  row.next_spring_shift[lane] = static_cast<float>(-share * spring.pull);
-  const double motor_change = law.motor_force > 0 ? law.motor_force * step.h * w : 0;
-  row.motor_speed[lane] = static_cast<float>(law.motor_speed);
+  row.next_spring_shift[lane] = static_cast<float>(share * spring.shift);
+  const double motor_change = law.drives() ? law.motor_force * step.h * w : 0;
+  const LinearStep servo = law.is_servo() ? LinearStep::of_servo(law, value, 1 / w, step.h) : LinearStep{};
+  const bool holds = servo.hold > 0;
+  const auto motor_part = [&](double with_spring) {
+    return static_cast<float>(holds ? servo.hold / (with_spring + servo.hold) : 1);
+  };
+  row.motor_part[lane] = motor_part(1 + spring.hold);
+  row.motor_keep[lane] = static_cast<float>(holds ? servo.keep / servo.hold : 0);
+  row.motor_speed[lane] = row.next_motor_speed[lane];
+  row.next_motor_speed[lane] = static_cast<float>(holds ? servo.shift / servo.hold : law.motor_speed);
   row.motor_change[lane] = speed(motor_change * share);
 
   const double room_below = value - law.lower;
@@ -120,7 +122,8 @@ void set_law(JointRowBlock& row, std::size_t lane, const Law& law, double value,
   const double target = room_below < 0 ? push : -push;
   const double all = 1 + spring.hold + stiffness;
   row.soft_scale[lane] = static_cast<float>(1 / all);
-  row.soft_shift[lane] = static_cast<float>((stiffness * target - spring.pull) / all);
+  row.soft_shift[lane] = static_cast<float>((stiffness * target + spring.shift) / all);
+  row.soft_motor_part[lane] = motor_part(all);
   row.soft_motor_change[lane] = speed(motor_change / all);
 }
 
@@ -183,6 +186,7 @@ struct RowLane {
 void GroupJoints::clear() {
   joints_.clear();
   rows_.clear();
+  may_bounce_ = false;
 }
 
 void GroupJoints::colour(std::uint32_t first_dynamic, std::uint32_t body_count) {
@@ -190,6 +194,7 @@ void GroupJoints::colour(std::uint32_t first_dynamic, std::uint32_t body_count) 
   colouring_.build(joints_, first_dynamic, body_count, blocks_);
   const JointBlock& last = blocks_[colouring_.block_count() - 1];
   rows_.resize(last.first_row + last.rows);
+  row_rates_.assign(may_bounce_ ? rows_.size() * block_lanes : 0, {});
 }
 
 void GroupJoints::prepare(const JointStep& step, std::size_t begin, std::size_t end) {
@@ -304,16 +309,56 @@ void GroupJoints::note_rates(const JointStep& step, std::size_t begin, std::size
       JointRowBlock& row = rows_[block.first_row + r];
       for (std::size_t lane = 0; lane < block_lanes; ++lane) {
         const double keep = row.spring_keep[lane];
-        if (keep == 0) continue;
-        const VelocityRows& a = step.bodies.velocity[static_cast<std::size_t>(block.first[lane])];
-        const VelocityRows& c = step.bodies.velocity[static_cast<std::size_t>(block.second[lane])];
-        const double rate = get_lane(row.linear, lane).dot(get3(c.linear) - get3(a.linear)) +
-                            get_lane(row.angular_second, lane).dot(get3(c.angular)) -
-                            get_lane(row.angular_first, lane).dot(get3(a.angular));
+        const double motor_keep = row.motor_keep[lane];
+        if (keep == 0 && motor_keep == 0 && !may_bounce_) continue;
+        const double rate = rate_of(step.bodies, block, row, lane);
         row.next_spring_shift[lane] = static_cast<float>(row.next_spring_shift[lane] + keep * rate);
+        row.next_motor_speed[lane] = static_cast<float>(row.next_motor_speed[lane] + motor_keep * rate);
+        if (may_bounce_) row_rates_[(block.first_row + r) * block_lanes + lane].before = rate;
       }
     }
   }
+}
+
+bool GroupJoints::note_impacts(const JointStep& step, std::size_t begin, std::size_t end) {
+  bool any = false;
+  for (std::size_t b = begin; b < end; ++b) {
+    const JointBlock& block = blocks_[b];
+    for (std::size_t lane = 0; lane < block_lanes; ++lane) {
+      if (block.joint[lane] < 0 || !step.joints[block.joint[lane]].bounces) continue;
+      const Joint& joint = step.joints[block.joint[lane]];
+      for (std::size_t r = 0; r < joint.rows; ++r) {
+        JointRowBlock& row = rows_[block.first_row + r];
+        RowRate& rate = row_rates_[(block.first_row + r) * block_lanes + lane];
+        rate.impact = {};
+        const Law& law = joint.law[r];
+        if (law.restitution == 0 || !(row.mass[lane] > 0)) continue;
+        const double free_rate = rate_of(step.bodies, block, row, lane);
+        rate.impact = LimitImpact::of(law, joint.position[r], rate.before, free_rate, step.h);
+        row.open_ends[lane] = rate.impact.rests ? 0 : 1;
+        any |= rate.impact.end != 0;
+      }
+    }
+  }
+  return any;
+}
+
+void GroupJoints::begin_bounces() {
+  blocks_before_ = blocks_;
+  rows_before_ = rows_;
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    for (std::size_t lane = 0; lane < block_lanes; ++lane) {
+      const LimitImpact& impact = row_rates_[r * block_lanes + lane].impact;
+      if (impact.end == 0) continue;
+      rows_[r].open_ends[lane] = 0;
+      (impact.end < 0 ? rows_[r].lower_speed : rows_[r].upper_speed)[lane] = speed(impact.leaving_late);
+    }
+  }
+}
+
+void GroupJoints::end_bounces() {
+  std::copy(blocks_before_.begin(), blocks_before_.end(), blocks_.begin());  // where kernels look for them
+  std::copy(rows_before_.begin(), rows_before_.end(), rows_.begin());
 }
 
 void GroupJoints::clear_impulses(std::size_t begin, std::size_t end) {

@@ -3,6 +3,7 @@
 
 #include <jobs/with_joints.h>
 #include <solver/sweep/group_solver.h>
+#include <solver/tuning.h>
 
 #include <algorithm>
 #include <atomic>
@@ -141,6 +142,8 @@ class GroupSolver::Pass {
   void integrate_positions();
   void relax(int number);
   void bounce(bool last);
+  void note_joint_impacts();
+  void bounce_joints();
 
   GroupSolver& solver_;
   const SolveInput& input_;
@@ -158,6 +161,7 @@ class GroupSolver::Pass {
   const bool joined_;         // there are joints
   const bool sweeps_joints_;  // some are solved one by one
   const bool leaps_;
+  bool joint_impacts_ = false;  // some coordinate bounces at the end of its range in this substep
   const Friction friction_;
   const JointStep joint_step_;
   const DirectInput direct_input_;
@@ -222,6 +226,7 @@ void GroupSolver::Pass<Executor>::substep(int number) {
   });
   clock_.lap(SolverStage::Integrate);
   warm_start(number);
+  if (sweeps_joints_ && solver_.joints_.may_bounce()) note_joint_impacts();
   clock_.lap(SolverStage::WarmStart);
   solve_velocities(number, carries);
   if (splits_) split_off_corrections(number);
@@ -238,6 +243,7 @@ void GroupSolver::Pass<Executor>::substep(int number) {
   const bool last = number + 1 == settings_.substeps;
   if (last && input_.capture != nullptr) solver_.capture(input_, report_, body_ids_);
   if (report_.restitution) bounce(last);
+  if (joint_impacts_) bounce_joints();
   clock_.lap(SolverStage::Restitution);
 }
 
@@ -324,6 +330,35 @@ void GroupSolver::Pass<Executor>::bounce(bool last) {
   if (!joined_) return;
   each_system_of(solver_.joined_motion_.bouncing_direct(),
                  [&](DirectJoints& system) { system.project(direct_input_); });
+}
+
+template <typename Executor>
+void GroupSolver::Pass<Executor>::note_joint_impacts() {
+  std::atomic<bool> any = false;
+  each_joint_block(joint_row_grain, [&](std::size_t begin, std::size_t end) {
+    if (solver_.joints_.note_impacts(joint_step_, begin, end)) any.store(true, std::memory_order_relaxed);
+  });
+  joint_impacts_ = any.load(std::memory_order_relaxed);
+}
+
+// At the ends of their ranges, by a few sweeps of which the next substep carries nothing over.
+template <typename Executor>
+void GroupSolver::Pass<Executor>::bounce_joints() {
+  SolverBodies& bodies = solver_.bodies_;
+  const std::vector<VelocityRows> before = bodies.velocity;
+  solver_.joints_.begin_bounces();
+  for (int i = 0; i < tuning::joint_bounce_sweeps; ++i) {
+    each_joint_colour([&](std::size_t begin, std::size_t end) {
+      kernels_.sweep_joints(joint_data_, {.bias = false, .refresh = false, .carries = false}, begin, end);
+    });
+  }
+  solver_.joints_.end_bounces();
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    for (int k = 0; k < 3; ++k) {
+      bodies.free_velocity[i].linear[k] += bodies.velocity[i].linear[k] - before[i].linear[k];
+      bodies.free_velocity[i].angular[k] += bodies.velocity[i].angular[k] - before[i].angular[k];
+    }
+  }
 }
 
 template <typename Executor>

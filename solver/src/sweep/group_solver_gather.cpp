@@ -82,7 +82,8 @@ void GroupSolver::collect_joints(const SolveInput& input, const IslandGroup& gro
     if (input.solves_directly(input.joint_graph->component_of(link.joint))) continue;
     const Joint& joint = input.joints[link.joint];
     joints_.add({local_body(input, group, link.first), local_body(input, group, link.second), link.joint, joint.point,
-                 joint.rows});
+                 joint.rows},
+                joint.bounces);
   }
 }
 

@@ -75,20 +75,24 @@ inline void warm_start_joints(const JointKernelData& data, std::size_t begin, st
 // drives beyond its speed, and a limit only stops what would pass it.
 template <bool bias>
 HWY_INLINE V lawful_rate(const JointRowBlock& row, std::size_t lane, V free) {
-  const V motor_speed = load(row.motor_speed + lane);
-  const auto driven = [&](V rate, const float* change) {
-    return hn::Add(rate, clamp_to(hn::Sub(motor_speed, rate), load(change + lane)));
+  const V motor_speed = load((bias ? row.next_motor_speed : row.motor_speed) + lane);
+  const auto driven = [&](V rate, const float* part, const float* change) {
+    return hn::Add(rate, clamp_to(hn::Mul(load(part + lane), hn::Sub(motor_speed, rate)), load(change + lane)));
   };
   const float* shift = bias ? row.next_spring_shift : row.spring_shift;
   const V sprung = hn::Add(hn::Mul(load(row.spring_scale + lane), free), load(shift + lane));
-  const V rate = driven(sprung, row.motor_change);
+  const V rate = driven(sprung, row.motor_part, row.motor_change);
   V lower = load(row.lower_speed + lane);
   V upper = load(row.upper_speed + lane);
   if constexpr (bias) {
-    const V soft =
-        driven(hn::Add(hn::Mul(load(row.soft_scale + lane), free), load(row.soft_shift + lane)), row.soft_motor_change);
+    const V soft = driven(hn::Add(hn::Mul(load(row.soft_scale + lane), free), load(row.soft_shift + lane)),
+                          row.soft_motor_part, row.soft_motor_change);
     lower = hn::IfThenElse(hn::Gt(load(row.soft_lower + lane), zero()), soft, lower);
     upper = hn::IfThenElse(hn::Gt(load(row.soft_upper + lane), zero()), soft, upper);
+  } else {
+    const M open = hn::Gt(load(row.open_ends + lane), zero());
+    lower = hn::IfThenElse(open, rate, lower);
+    upper = hn::IfThenElse(open, rate, upper);
   }
   return hn::Min(hn::Max(rate, lower), upper);
 }

@@ -49,19 +49,21 @@ struct Law {
   double damping = 0;    ///< N s/m or N m s/rad, likewise
   double rest = 0;
   double motor_speed = 0;
-  double motor_force = 0;  ///< N or N m; 0: no motor
+  double motor_force = 0;      ///< N or N m; 0: no motor
+  double servo_target = 0;     ///< m or rad, of a motor that is a servo
+  double servo_stiffness = 0;  ///< N/m or N m/rad, likewise
+  double servo_damping = 0;    ///< N s/m or N m s/rad, likewise: against other speeds than the motor's
+  double armature = 0;         ///< kg or kg m^2, that moves with the coordinate
+  double restitution = 0;      ///< at the ends of the range
 
   bool locked() const { return lower == upper; }
   bool limited() const { return lower > -unlimited || upper < unlimited; }
   bool springs() const { return spring_hertz > 0 || stiffness > 0 || damping > 0; }
-  bool acts() const { return limited() || springs() || motor_force > 0; }
-  /// The square of its frequency, 1/s^2, and twice its damping ratio times that frequency, 1/s, with a mass in kg or
-  /// kg m^2 that is more than 0.
-  double square_of_omega(double mass) const {
-    const double omega = 2 * 3.14159265358979323846 * spring_hertz;
-    return omega * omega + stiffness / mass;
-  }
-  double decay(double mass) const { return 4 * 3.14159265358979323846 * spring_hertz * damping_ratio + damping / mass; }
+  bool drives() const { return motor_force > 0; }
+  bool is_servo() const { return drives() && (servo_stiffness > 0 || servo_damping > 0); }
+  /// Whether the impulse of a substep depends on the rate before it.
+  bool looks_back() const { return springs() || is_servo() || armature > 0; }
+  bool acts() const { return limited() || drives() || springs() || armature > 0; }
 };
 
 inline constexpr std::size_t max_joint_rows = 6;
@@ -72,6 +74,7 @@ struct alignas(64) Joint {
   std::uint32_t first = 0;  ///< bodies
   std::uint32_t second = 0;
   bool point = false;     ///< the origins stay together: 3 rows along the world's axes, ahead of the others
+  bool bounces = false;   ///< some coordinate does, at the ends of its range
   std::uint8_t rows = 0;  ///< others; with those of the point at most max_joint_rows
   std::array<std::int8_t, max_joint_rows> limit = {};  ///< -1 at the lower, 1 at the upper end of the range, else 0
   Vector3 anchor_first = Vector3::Zero();              ///< m, the frame's origin from the centre of mass, body frame

@@ -17,7 +17,7 @@ class LawMode {
   void begin(const Law& law, double position, double effective_mass, double h);
 
   /// Likewise, at a rate before the substep's forces, once; without it, at rest.
-  void start_at(const Law& law, double rate);
+  void start_at(double rate);
 
   bool is_solved() const { return solved_; }  ///< else the impulse is given
   double target() const { return target_; }
@@ -36,14 +36,15 @@ class LawMode {
   bool catch_at_end(const Law& law, double position);
 
   /// Moves to the piece on which the rate and impulse of a solution belong. Returns whether that is another one.
-  bool update(const Law& law, double rate, double impulse);
+  bool update(double rate, double impulse);
 
  private:
   enum class Piece : std::uint8_t { Locked, Lower, Upper, Between, MotorLow, MotorHigh };
 
-  void go_to(Piece piece, const Law& law);
+  void go_to(Piece piece);
   double spring_impulse(double rate) const { return -row_.spring_slope * (rate - row_.spring_rate); }
-  double motor_impulse(const Law& law, double rate) const;
+  double motor_impulse(double rate) const;
+  double rate_at_bound(double sign) const;  // beyond which the motor has less than all, forwards or backwards
 
   Piece piece_ = Piece::Between;
   bool solved_ = false;

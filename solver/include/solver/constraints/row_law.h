@@ -6,6 +6,33 @@
 
 namespace atl::solver {
 
+/// A spring and what else is linear along a coordinate: stiffness and damping by mass, with a force beside.
+struct LinearForce {
+  double square_of_omega = 0;  ///< 1/s^2
+  double decay = 0;            ///< 1/s
+  double rest = 0;             ///< m or rad
+  double beside = 0;           ///< m/s^2 or rad/s^2, at rest
+
+  /// Of the law's spring at a distance from zero, or of its servo; with a mass in kg or kg m^2 that is more than 0.
+  static LinearForce of_spring(const Law& law, double mass);
+  static LinearForce of_servo(const Law& law, double mass);
+  void add(const LinearForce& other);
+  double at(double position, double rate) const { return beside - square_of_omega * (position - rest) - decay * rate; }
+};
+
+/// What a law that is linear makes of the rate u before a step and of the free rate u0: see SpringStep. An impulse
+/// beside it changes the rate by 1 / (1 + hold) of what it would alone.
+struct LinearStep {
+  double hold = 0;
+  double keep = 0;
+  double shift = 0;  ///< m/s or rad/s, to be added
+
+  /// With the inertia that the law adds to `mass`, which is the coordinate's without it.
+  static LinearStep of_spring(const Law& law, double position, double mass, double h);
+  /// Without it: a servo goes with a spring, or with none.
+  static LinearStep of_servo(const Law& law, double position, double mass, double h);
+};
+
 /// A Law over a time step: the impulse along a coordinate as a function of the rate that it ends with. It falls as the
 /// rate rises, piece by piece linear: what locks and stops is at least very slightly soft, the rest is as it is said to
 /// be.
@@ -15,7 +42,9 @@ struct RowLaw {
   double lock_rate = 0;                 ///< m/s or rad/s, at which a lock has no impulse
   double lower_rate = -Law::unlimited;  ///< at which the ends of the range are reached
   double upper_rate = Law::unlimited;
-  double motor_speed = 0, motor_impulse = 0;  ///< the most that it has; 0 without
+  double motor_speed = 0, motor_impulse = 0;  ///< at which it does nothing, and the most that it has; 0 without
+  double motor_slope = 0;                     ///< of impulse by rate, of a servo; others are as stiff as locks
+  double motor_keeps = 0;                     ///< as spring_keeps
   double spring_slope = 0, spring_rate = 0;   ///< of impulse by rate, and the rate at which there is none; 0 without
   double spring_keeps = 0;                    ///< how the rate before the step adds to that
 
@@ -23,9 +52,13 @@ struct RowLaw {
   /// `compliance` over the effective mass, or is left to the caller where that is 0. At rest before the step.
   static RowLaw of(const Law& law, double position, double effective_mass, double h, double compliance = 0);
   /// The same at a rate before the step's forces, once.
-  void start_at(double rate) { spring_rate += spring_keeps * rate; }
+  void start_at(double rate) {
+    spring_rate += spring_keeps * rate;
+    motor_speed += motor_keeps * rate;
+  }
 
   double impulse(double rate) const;
+  double motor_impulse_at(double rate) const;
   /// Impulse by rate, not negative.
   double slope(double rate) const;
   /// A bit for each piece that the rate is on: the same pieces have the same slope.
@@ -34,6 +67,21 @@ struct RowLaw {
   bool holds(double rate) const { return locked || rate < lower_rate || rate > upper_rate; }
   int limit(double rate) const { return locked ? 0 : rate < lower_rate ? -1 : rate > upper_rate ? 1 : 0; }
   int motor_bound(double rate) const;
+
+ private:
+  double drive() const { return motor_slope > 0 ? motor_slope : stiffness; }
+};
+
+/// How a coordinate would bounce at an end of its range within a step.
+struct LimitImpact {
+  int end = 0;              ///< -1 the lower, 1 the upper; 0 if there is none
+  bool rests = false;       ///< at an end, from which it doesn't come back
+  double leaving = 0;       ///< m/s or rad/s, the rate after it, where the position is now
+  double leaving_late = 0;  ///< likewise, half a step behind the position, as substeps have rates
+
+  /// From `position` at a `rate` that would be `free_rate` after h seconds if nothing held it, both half a step behind
+  /// positions; by Newton's law of restitution. It doesn't bounce where it would be back within the step: it rests.
+  static LimitImpact of(const Law& law, double position, double rate, double free_rate, double h);
 };
 
 }  // namespace atl::solver

@@ -93,7 +93,8 @@ class DirectIsland {
   double farthest() const;
   void push_gently(double push_speed);
   static const Law& law_of(const Joint& joint, std::size_t row);
-  double lasting_rate(const DirectJoint& joint, std::size_t row) const;
+  static double rate_of(std::span<const double> velocities, const DirectJoint& joint, std::size_t row);
+  bool may_bounce(const SolveInput& input) const;
   void note_tears(const SolveInput& input);
   void close_joints(const SolveInput& input, double h, double time);
   void close_tears(double h);

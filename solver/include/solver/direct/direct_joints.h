@@ -93,10 +93,13 @@ class DirectJoints {
   struct Row {
     JointRow at;
     LawMode mode;
-    double impulse;   // N s or N m s, in this substep
-    double position;  // m or rad
-    double mass;      // kg or kg m^2, effective
-    double bend;      // m/s or rad/s, see note_bends()
+    double impulse;          // N s or N m s, in this substep
+    double position;         // m or rad
+    double mass;             // kg or kg m^2, effective
+    double bend;             // m/s or rad/s, see note_bends()
+    double rate_before = 0;  // m/s or rad/s, as the substep begins, before its forces
+    LimitImpact impact;
+    bool bounces = false;  // at that end, in this substep
   };
 
   // A joint, a node of the system.
@@ -137,7 +140,8 @@ class DirectJoints {
   void place_inertia(const BodyTable& table, double h);
   void begin_laws(const Joint* joints, double h);
   void note_bends(const DirectInput& input);
-  bool update_laws(const Joint* joints);
+  bool update_laws();
+  void note_impacts(const Joint* joints, double h);
   void prepare(const DirectInput& input);
   void factor();
   bool catch_limits(const Joint* joints, double h);
@@ -173,8 +177,10 @@ class DirectJoints {
   double redundancy_ = 0;
   bool assigns_all_ = false;
   bool solvable_ = false;
-  bool springs_ = false;
-  bool torn_ = false;  // something was apart as the substep began
+  bool looks_back_ = false;  // some row's impulse depends on the rate before
+  bool bounces_ = false;     // some row may, at an end of its range
+  bool late_ = false;        // velocities are half a substep behind positions
+  bool torn_ = false;        // something was apart as the substep began
 };
 
 }  // namespace atl::solver

@@ -2,6 +2,7 @@
 
 #include <jobs/bytes.h>
 #include <solver/constraints/joint.h>
+#include <solver/constraints/row_law.h>
 #include <solver/integrate/body_table.h>
 #include <solver/sweep/colouring.h>
 #include <solver/sweep/joint_block.h>
@@ -30,7 +31,10 @@ class GroupJoints {
  public:
   /// Starts a new group.
   void clear();
-  void add(const LocalJoint& joint) { joints_.push_back(joint); }
+  void add(const LocalJoint& joint, bool bounces) {
+    joints_.push_back(joint);
+    may_bounce_ |= bounces;
+  }
   /// As Colouring has it, of all that were added.
   void colour(std::uint32_t first_dynamic, std::uint32_t body_count);
 
@@ -53,12 +57,22 @@ class GroupJoints {
   void refresh_rows(const JointStep& step, std::size_t begin, std::size_t end);
   /// Before the forces of a substep.
   void note_rates(const JointStep& step, std::size_t begin, std::size_t end);
+  /// Whether some coordinate may bounce at the end of its range.
+  bool may_bounce() const { return may_bounce_; }
+  /// Once forces and the impulses of the last substep are on: which will, in this substep. Whether any.
+  bool note_impacts(const JointStep& step, std::size_t begin, std::size_t end);
+  /// All blocks: has sweeps without a bias make those bounce. What they do to impulses is forgotten, as by the next
+  /// substep nothing is left of it.
+  void begin_bounces();
+  void end_bounces();
   void clear_impulses(std::size_t begin, std::size_t end);
   /// Impulses, coordinates and what holds the joints, back to them. Bodies have their new poses.
   void store(const JointStep& step, std::size_t begin, std::size_t end) const;
 
   /// Memory held.
-  std::size_t bytes() const { return jobs::bytes_of(joints_, blocks_, rows_) + colouring_.bytes(); }
+  std::size_t bytes() const {
+    return jobs::bytes_of(joints_, blocks_, rows_, row_rates_, blocks_before_, rows_before_) + colouring_.bytes();
+  }
 
  private:
   void prepare_rows(const JointStep& step, JointBlock& block);
@@ -67,6 +81,16 @@ class GroupJoints {
   Colouring colouring_;
   std::vector<JointBlock> blocks_;
   std::vector<JointRowBlock> rows_;
+
+  // A coordinate that may bounce: m/s or rad/s.
+  struct RowRate {
+    double before = 0;   // as the substep began, before its forces
+    LimitImpact impact;  // in it
+  };
+  bool may_bounce_ = false;
+  std::vector<RowRate> row_rates_;  // by lane of rows_, if any may
+  std::vector<JointBlock> blocks_before_;
+  std::vector<JointRowBlock> rows_before_;
 };
 
 /// Whether a coordinate is at an end of its range: -1, 1 or 0. It gets there within a millimetre or milliradian, or a

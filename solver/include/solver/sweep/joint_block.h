@@ -47,10 +47,10 @@ struct alignas(64) JointBlock {
 /// that are the same for all laws.
 ///
 /// Let u0 be the rate without this row's impulse and w = J M^-1 J^T. A spring makes of it scale * u0 + shift, a motor
-/// then brings it as near to its speed as its force lets it, and a limit keeps the rest in [lower_speed, upper_speed].
-/// Where a limit is exceeded, sweeps with a bias put the speed that a soft spring at it would leave in place of the
-/// bound. What is locked is exceeded on both sides, by as much as it is off. A row that does nothing, as those of
-/// lanes with fewer than the block, has mass 0.
+/// then brings it as near to its speed as its force lets it, or a servo by a part of the way, and a limit keeps the
+/// rest in [lower_speed, upper_speed]. Where a limit is exceeded, sweeps with a bias put the speed that a soft spring
+/// at it would leave in place of the bound. What is locked is exceeded on both sides, by as much as it is off. A row
+/// that does nothing, as those of lanes with fewer than the block, has mass 0.
 struct alignas(64) JointRowBlock {
   template <std::size_t n>
   using Lanes = float[n][block_lanes];
@@ -66,15 +66,21 @@ struct alignas(64) JointRowBlock {
   float spring_keep[block_lanes];        ///< of the rate before the substep, that adds to the shift of the next one
   float spring_shift[block_lanes];       ///< m/s or rad/s, from where the substep starts
   float next_spring_shift[block_lanes];  ///< and where the next one does
-  float motor_speed[block_lanes];
-  float motor_change[block_lanes];  ///< what the motor can change the rate by
+  float motor_part[block_lanes];         ///< of the way to its speed: 1, or less of a servo
+  float motor_keep[block_lanes];         ///< as spring_keep, of a servo's speed
+  float motor_speed[block_lanes];        ///< from where the substep starts
+  float next_motor_speed[block_lanes];   ///< and where the next one does
+  float motor_change[block_lanes];       ///< what the motor can change the rate by
   float lower_speed[block_lanes];
   float upper_speed[block_lanes];
+  /// 1 where sweeps without a bias leave the ends of the range alone: of what bounces there, and has yet to arrive.
+  float open_ends[block_lanes];
 
   float soft_lower[block_lanes];  ///< 1 where the lower end is exceeded, or the coordinate locked
   float soft_upper[block_lanes];
   float soft_scale[block_lanes];
   float soft_shift[block_lanes];
+  float soft_motor_part[block_lanes];
   float soft_motor_change[block_lanes];
 };
 
