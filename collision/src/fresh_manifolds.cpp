@@ -93,6 +93,7 @@ void ContactStretch::replace(std::size_t entry, const Manifold& fresh, const Pos
     counts_.id_matches += matches.by_id;
     counts_.id_misses += matches.missed;
   }
+  if (!cache_.rises.empty()) cache_.rises[cache_.order[entry]] = static_cast<float>(fresh.rise);
   capture(contact, fresh, incident, margin, tolerance_of(contact.pair, fresh));
   status_[entry] = fresh.count > 0 ? ContactStatus::Touching : ContactStatus::Apart;
   if (fresh.count > 0) add_to(fresh_batch_, entry, true);
@@ -209,7 +210,13 @@ void ContactStretch::find_surface_parts(std::size_t entry) {
   const Pose incident = relative(colliders.pose(surface, input_.poses), colliders.pose(solid, input_.poses));
   const double margin = margin_of(contact);
   SurfaceManifolds found;
-  collide_surface(colliders.shape[solid], colliders.shape[surface], incident, margin, found);
+  Vector3 shift = Vector3::Zero();
+  if (is_smooth(colliders.shape[surface])) {
+    const Vector3 shift_second = shift_between(contact);
+    shift = colliders.pose(surface, input_.poses).orientation.conjugate() *
+            (surface_second ? Vector3(-shift_second) : shift_second);
+  }
+  collide_surface(colliders.shape[solid], colliders.shape[surface], incident, margin, found, shift);
 
   constexpr auto parts = static_cast<std::size_t>(max_surface_manifolds);
   std::array<int, parts> assigned;  // manifold of a part, or -1

@@ -43,6 +43,14 @@ struct Normals {
   }
 };
 
+// Of the smooth surface, at a sample: by central differences, at the border by one-sided ones.
+Vector3 sample_normal(const HeightField& field, std::uint32_t i, std::uint32_t j) {
+  const std::uint32_t left = i > 0 ? i - 1 : 0, right = std::min(i + 1, field.columns - 1);
+  const std::uint32_t below = j > 0 ? j - 1 : 0, above = std::min(j + 1, field.rows - 1);
+  return upward((field.height(right, j) - field.height(left, j)) / ((right - left) * field.spacing_x),
+                (field.height(i, above) - field.height(i, below)) / ((above - below) * field.spacing_y));
+}
+
 }  // namespace
 
 HeightField::CellRange HeightField::columns_between(double lower, double upper) const {
@@ -78,6 +86,11 @@ Triangle HeightField::triangle(std::uint32_t index) const {
     if (inside[1]) result.neighbour_normals[1] = normals.below(i, j + 1);
     if (inside[2]) result.neighbour_normals[2] = normals.below(i - 1, j);
   }
+  if (smooth) {
+    result.corner_normals = {sample_normal(*this, i, j),
+                             is_below ? sample_normal(*this, i + 1, j) : sample_normal(*this, i + 1, j + 1),
+                             is_below ? sample_normal(*this, i + 1, j + 1) : sample_normal(*this, i, j + 1)};
+  }
   for (std::size_t e = 0; e < 3; ++e) {
     const Vector3 edge = result.vertices[(e + 1) % 3] - result.vertices[e];
     if (!inside[e] || is_convex_edge(result.normal, result.neighbour_normals[e], edge)) {
@@ -95,13 +108,14 @@ std::uint64_t content_of(const HeightField& field) {
   hash.add(field.spacing_x);
   hash.add(field.spacing_y);
   hash.add_all(field.heights);
+  if (field.smooth) hash.add(std::uint64_t{1});
   return hash.value();
 }
 
 }  // namespace
 
 std::variant<HeightField, std::string> build_height_field(std::uint32_t columns, std::uint32_t rows, double spacing_x,
-                                                          double spacing_y, std::vector<double> heights) {
+                                                          double spacing_y, std::vector<double> heights, bool smooth) {
   if (columns < 2 || rows < 2) {
     return text("found ", columns, " columns and ", rows, " rows of samples, expected at least 2 of each");
   }
@@ -130,6 +144,7 @@ std::variant<HeightField, std::string> build_height_field(std::uint32_t columns,
   field.spacing_x = spacing_x;
   field.spacing_y = spacing_y;
   field.heights = std::move(heights);
+  field.smooth = smooth;
   const double farthest_up = std::max(std::abs(field.lowest), std::abs(field.highest));
   field.bounding_radius = Vector3((columns - 1) * spacing_x, (rows - 1) * spacing_y, farthest_up).norm();
   field.content = content_of(field);

@@ -1,8 +1,13 @@
 #include <collision/aabb.h>
+#include <collision/feature_id.h>
 #include <collision/height_field.h>
 #include <collision/surface_contacts.h>
 #include <collision/triangle_mesh.h>
 
+#include <algorithm>
+#include <cmath>
+
+#include "point_distance.h"
 #include "surface_clusters.h"
 
 namespace atl::collision {
@@ -38,10 +43,107 @@ bool can_push_at_vertex(const Shape& surface, const Vector3& vertex, const Vecto
   return can;
 }
 
+// Triangles that look other ways than the smooth surface where a ball touches it are none of it.
+constexpr double same_sheet = 0.96592582628906831;  // cosine of 15 degrees
+// A surface that bends by more within a step is one that the ball hits: a quarter of a radian, and its cosine.
+constexpr double most_bend = 0.25;
+constexpr double least_bend_cosine = 0.96891242171064473;
+
+// Where a smooth surface is met from its front along its own normal, from a point above a triangle of it. The surface
+// is over the triangle the mean of that and its projections onto the tangent planes at the corners: Phong tessellation
+// (Boubekeur and Alexa, ACM Trans. Graph. 27, 2008), with the factor 1/2, with which arcs are exact to second order.
+struct SmoothPlace {
+  double distance;  // m
+  Vector3 normal;
+
+  SmoothPlace(const Triangle& triangle, const Vector3& from, Vector3 foot) {
+    constexpr int rounds = 4;  // each brings the foot nearer by the point's distance over the surface's radius
+    double height = 0, lift = 0;
+    for (int round = 0; round < rounds; ++round) {
+      normal.setZero();
+      std::array<double, 3> share;  // by areas
+      for (std::size_t i = 0; i < 3; ++i) {
+        const Vector3 next = triangle.vertices[(i + 1) % 3] - foot;
+        const Vector3 last = triangle.vertices[(i + 2) % 3] - foot;
+        share[i] = next.cross(last).dot(triangle.normal);
+        normal += share[i] * triangle.corner_normals[i];
+      }
+      normal.normalize();
+      lift = 0;
+      for (std::size_t i = 0; i < 3; ++i) {
+        const Vector3& corner = triangle.corner_normals[i];
+        lift += share[i] * corner.dot(triangle.vertices[i] - foot) * corner.dot(normal);
+      }
+      lift *= 0.5 / (share[0] + share[1] + share[2]);
+      height = triangle.normal.dot(from - triangle.vertices[0]) / triangle.normal.dot(normal);
+      foot = from - height * normal;
+    }
+    distance = height - lift;
+  }
+};
+
+// The triangle on whose front a point is nearest.
+struct Nearest {
+  double distance = INFINITY;  // m
+  Triangle triangle;
+  Vector3 foot;
+
+  void look_at(const Triangle& other, const Vector3& from) {
+    if (other.normal.dot(from - other.vertices[0]) < 0) return;
+    const Vector3 point = closest_point_of_triangle(other.vertices, from);
+    const double away = (from - point).norm();
+    if (!(away < distance)) return;
+    distance = away;
+    triangle = other;
+    foot = point;
+  }
+};
+
+Nearest nearest_to(const Shape& surface, const Vector3& centre, double reach) {
+  Nearest nearest;
+  const Vector3 around = Vector3::Constant(reach);
+  visit_triangles(surface, Aabb::around(centre - around, centre + around),
+                  [&](const Triangle& triangle, std::uint32_t) { nearest.look_at(triangle, centre); });
+  return nearest;
+}
+
+// In place of all that a ball's contacts say of the smooth surface it is nearest to, one of that.
+void follow_smooth_surface(const Shape& ball, const Shape& surface, const Vector3& centre, double margin,
+                           const Vector3& shift, SurfaceManifolds& result) {
+  const double reach = ball.radius + margin;
+  const Nearest nearest = nearest_to(surface, centre, reach);
+  if (!(nearest.distance <= reach)) return;
+  const SmoothPlace start(nearest.triangle, centre, nearest.foot);
+  const auto other_end =
+      std::remove_if(result.manifolds.begin(), result.manifolds.begin() + result.count,
+                     [&](const Manifold& manifold) { return manifold.normal.dot(start.normal) > same_sheet; });
+  result.count = static_cast<int>(other_end - result.manifolds.begin());
+  if (result.count == max_surface_manifolds) return;
+  Manifold& manifold = result.manifolds[static_cast<std::size_t>(result.count++)];
+  manifold = {};
+  manifold.reference_is_second = true;
+  const Vector3 along = shift - shift.dot(start.normal) * start.normal;
+  manifold.normal = start.normal;
+  const Nearest ahead = nearest_to(surface, centre + along, reach + along.norm() * most_bend);
+  if (ahead.distance < INFINITY) {
+    const SmoothPlace end(ahead.triangle, centre + along, ahead.foot);
+    if (start.normal.dot(end.normal) > least_bend_cosine) {
+      manifold.normal = (start.normal + end.normal).normalized();
+      manifold.rise = -0.5 * (end.normal - start.normal).dot(along);
+    }
+  }
+  manifold.add(centre - ball.radius * manifold.normal, start.distance - ball.radius, single_point_id());
+}
+
 }  // namespace
 
+bool is_smooth(const Shape& surface) {
+  if (surface.kind == ShapeKind::Mesh) return surface.mesh != nullptr && surface.mesh->smooth_angle > 0;
+  return surface.kind == ShapeKind::HeightField && surface.field != nullptr && surface.field->smooth;
+}
+
 void collide_surface(const Shape& solid, const Shape& surface, const Pose& solid_pose, double margin,
-                     SurfaceManifolds& result) {
+                     SurfaceManifolds& result, const Vector3& shift) {
   result.count = 0;
   if (!is_convex_solid(solid.kind) || !is_surface(surface.kind)) return;
   if (!solid_pose.position.allFinite() || !solid_pose.orientation.coeffs().allFinite()) return;
@@ -60,6 +162,9 @@ void collide_surface(const Shape& solid, const Shape& surface, const Pose& solid
     clusters.add(contact);
   });
   clusters.finish(result);
+  if (solid.kind == ShapeKind::Sphere && is_smooth(surface)) {
+    follow_smooth_surface(solid, surface, placed.position, margin, shift, result);
+  }
 }
 
 }  // namespace atl::collision

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 #include "text.h"
@@ -157,6 +158,46 @@ void find_convex_edges(TriangleMesh& mesh) {
   }
 }
 
+// Which corner of a triangle lies where another's does.
+std::uint32_t corner_at(const TriangleMesh& mesh, std::uint32_t triangle, const Vector3& place) {
+  const Indices& corners = mesh.triangles[triangle];
+  return mesh.vertices[corners[0]] == place ? 0 : mesh.vertices[corners[1]] == place ? 1 : 2;
+}
+
+// Of the smooth surface, at a corner: what lies around it, both ways from the triangle up to a crease.
+Vector3 corner_normal(const TriangleMesh& mesh, std::uint32_t triangle, std::uint32_t corner) {
+  const Vector3 place = mesh.vertices[mesh.triangles[triangle][corner]];
+  const double least_cosine = std::cos(mesh.smooth_angle);
+  Vector3 sum = Vector3::Zero();
+  const auto add = [&](std::uint32_t t, std::uint32_t at) {
+    const Vector3 next = edge_of(mesh, t, at);
+    const Vector3 last = -edge_of(mesh, t, (at + 2) % 3);
+    sum += next.cross(last) / (next.squaredNorm() * last.squaredNorm());
+  };
+  add(triangle, corner);
+  for (const bool onwards : {true, false}) {
+    std::uint32_t t = triangle, at = corner;
+    for (;;) {
+      const std::uint32_t beyond = mesh.neighbours[t][onwards ? (at + 2) % 3 : at];
+      if (beyond == TriangleMesh::no_triangle || mesh.normals[t].dot(mesh.normals[beyond]) < least_cosine) break;
+      if (beyond == triangle) return sum.normalized();  // all around
+      t = beyond;
+      at = corner_at(mesh, t, place);
+      add(t, at);
+    }
+  }
+  return sum.normalized();
+}
+
+void find_corner_normals(TriangleMesh& mesh) {
+  if (mesh.smooth_angle == 0) return;
+  mesh.corner_normals.resize(mesh.triangles.size());
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (std::uint32_t corner = 0; corner < 3; ++corner)
+      mesh.corner_normals[t][corner] = corner_normal(mesh, t, corner);
+  }
+}
+
 void measure(TriangleMesh& mesh) {
   std::vector<Aabb> boxes;
   boxes.reserve(mesh.triangles.size());
@@ -181,6 +222,7 @@ std::uint64_t content_of(const TriangleMesh& mesh) {
   for (const Indices& corners : mesh.triangles) {
     for (const std::uint32_t corner : corners) hash.add(std::uint64_t{corner});
   }
+  if (mesh.smooth_angle > 0) hash.add(mesh.smooth_angle);
   return hash.value();
 }
 
@@ -190,6 +232,7 @@ Triangle TriangleMesh::triangle(std::uint32_t index) const {
   Triangle result;
   result.normal = normals[index];
   result.convex_edges = convex_edges[index];
+  if (!corner_normals.empty()) result.corner_normals = corner_normals[index];
   for (std::size_t i = 0; i < 3; ++i) {
     const std::uint32_t neighbour = neighbours[index][i];
     result.vertices[i] = vertices[triangles[index][i]];
@@ -199,7 +242,10 @@ Triangle TriangleMesh::triangle(std::uint32_t index) const {
 }
 
 std::variant<TriangleMesh, std::string> build_triangle_mesh(std::span<const Vector3> vertices,
-                                                            std::span<const Indices> triangles) {
+                                                            std::span<const Indices> triangles, double smooth_angle) {
+  if (!(smooth_angle >= 0 && smooth_angle < std::numbers::pi)) {
+    return text("found a smooth angle of ", smooth_angle, ", expected one in [0, pi) rad");
+  }
   if (triangles.empty()) return text("found no triangle, expected at least one");
   if (triangles.size() >= TriangleMesh::no_triangle / 2) {
     return text("found ", triangles.size(), " triangles, expected fewer than 2^31");
@@ -214,6 +260,8 @@ std::variant<TriangleMesh, std::string> build_triangle_mesh(std::span<const Vect
   if (std::string problem = join_by_index(mesh); !problem.empty()) return problem;
   join_by_place(mesh);
   find_convex_edges(mesh);
+  mesh.smooth_angle = smooth_angle;
+  find_corner_normals(mesh);
   measure(mesh);
   mesh.content = content_of(mesh);
   return mesh;

@@ -1,6 +1,7 @@
 // Bodies coming, going and being changed from outside.
 
 #include <atoll/error.h>
+#include <collision/surface_contacts.h>
 #include <jobs/with_direct_contacts.h>
 #include <jobs/with_joints.h>
 #include <jobs/with_recording.h>
@@ -32,6 +33,9 @@ void Contents::count(const solver::BodyTable& bodies, const BodyRecords& records
   add(with_friction, records.material[body].friction > 0);
   add(with_restitution, records.material[body].restitution > 0);
   add(gyroscopic, bodies.gyroscopic[body] != 0);
+  const auto smooth = [](const CheckedCollider& collider) { return collision::is_smooth(collider.shape); };
+  const std::vector<CheckedCollider>& colliders = records.constants[body]->colliders;
+  add(smooth_surfaces, std::any_of(colliders.begin(), colliders.end(), smooth));
 }
 
 void BodyRecords::resize(std::size_t bodies) {
@@ -191,9 +195,7 @@ std::uint32_t World::Impl::index_of(BodyId id, const char* call) const {
   throw Error(message.str());
 }
 
-std::uint32_t World::Impl::awaken(BodyId id, const char* call) {
-  return awaken(index_of(id, call));
-}
+std::uint32_t World::Impl::awaken(BodyId id, const char* call) { return awaken(index_of(id, call)); }
 
 std::uint32_t World::Impl::awaken(std::uint32_t body) {
   sleeping.wake(body);

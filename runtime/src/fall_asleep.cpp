@@ -1,7 +1,7 @@
-#include "sleeping.h"
-
 #include <algorithm>
 #include <limits>
+
+#include "sleeping.h"
 
 namespace atl {
 

@@ -101,6 +101,7 @@ void write_geometry(Archive& archive, const CheckedCollider& collider) {
       return visit_hull(archive, *collider.shape.hull);
     case collision::ShapeKind::Mesh:
       visit_vectors(archive, collider.shape.mesh->vertices);
+      archive.value(collider.shape.mesh->smooth_angle);
       return visit_each(archive, collider.shape.mesh->triangles, 3 * sizeof(std::uint32_t),
                         [&](const auto& triangle) { archive.values(triangle.data(), 3); });
     default: {
@@ -109,6 +110,7 @@ void write_geometry(Archive& archive, const CheckedCollider& collider) {
       archive.value(field.rows);
       archive.value(field.spacing_x);
       archive.value(field.spacing_y);
+      archive.value(field.smooth);
       archive.list(field.heights);
     }
   }
@@ -148,10 +150,12 @@ ReadGeometry read_geometry(Archive& archive) {
     case collision::ShapeKind::Mesh: {
       std::vector<Vector3> vertices;
       std::vector<std::array<std::uint32_t, 3>> triangles;
+      double smooth_angle = 0;
       visit_vectors(archive, vertices);
+      archive.value(smooth_angle);
       visit_each(archive, triangles, 3 * sizeof(std::uint32_t),
                  [&](auto& triangle) { archive.values(triangle.data(), 3); });
-      take_built(collision::build_triangle_mesh(vertices, triangles));
+      take_built(collision::build_triangle_mesh(vertices, triangles, smooth_angle));
       break;
     }
     case collision::ShapeKind::HeightField: {
@@ -160,9 +164,10 @@ ReadGeometry read_geometry(Archive& archive) {
       archive.value(field.rows);
       archive.value(field.spacing_x);
       archive.value(field.spacing_y);
+      archive.value(field.smooth);
       archive.list(field.heights);
       take_built(collision::build_height_field(field.columns, field.rows, field.spacing_x, field.spacing_y,
-                                               std::move(field.heights)));
+                                               std::move(field.heights), field.smooth));
       break;
     }
     default:

@@ -77,7 +77,7 @@ void World::Impl::solve_groups() {
   how_finer.substeps *= how_finer.finer;
   const bool captures = settings.keep_contact_problem || settings.run_everything;
   if (captures) capture_.resize(cache.manifolds.size(), bodies.size());
-  const bool surfaces = with_surfaces && (settings.run_everything || !bodies.surfaces.empty());
+  const bool surfaces = with_surfaces && (settings.run_everything || !bodies.surfaces.empty() || !cache.rises.empty());
   if (surfaces) surface_contacts_.resize(cache.manifolds.size());
   const auto input_with = [&](const solver::SolverSettings& with) {
     return solver::SolveInput{.islands = islands_,
@@ -91,6 +91,7 @@ void World::Impl::solve_groups() {
                               .overloads = overloads_,
                               .capture = captures ? &capture_ : nullptr,
                               .surface_contacts = surfaces ? surface_contacts_.data() : nullptr,
+                              .rises = cache.rises.empty() ? nullptr : cache.rises.data(),
                               .joints = joints.joints.data(),
                               .joint_graph = joints.count == 0 ? nullptr : &joint_graph_,
                               .joint_systems = &joint_systems_};

@@ -81,6 +81,7 @@ collision::ContactUpdateInput World::Impl::contact_input() const {
 
 void World::Impl::update_contacts() {
   note_reaches();
+  cache.rises.resize(contents.smooth_surfaces > 0 ? cache.contacts.size() : 0);
   collision::update_contacts(cache, broadphase, contact_input(), arena, contact_update_);
   broadphase.forget_moves();
   const collision::ContactUpdateCounts& counts = contact_update_.counts;

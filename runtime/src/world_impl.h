@@ -76,6 +76,7 @@ struct Contents {
   std::size_t with_friction = 0;
   std::size_t with_restitution = 0;
   std::size_t gyroscopic = 0;
+  std::size_t smooth_surfaces = 0;
 
   void count(const solver::BodyTable& bodies, const BodyRecords& records, std::uint32_t body, int sign);
 };

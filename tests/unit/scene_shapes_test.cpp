@@ -95,6 +95,18 @@ TEST(SceneShapes, HeightField) {
   EXPECT_EQ(field.heights()[3], 4);
 }
 
+TEST(SceneShapes, SmoothSurfaces) {
+  const auto field = read<HeightField>(
+      R"({"type": "height_field", "heights": [[1, 2], [4, 5]], "spacing": [1, 1], "smooth": true})");
+  EXPECT_TRUE(field.smooth());
+  const auto mesh = read<TriangleMesh>(
+      R"({"type": "mesh", "vertices": [[0, 0, 0], [1, 0, 0], [1, 1, 0]], "triangles": [[0, 1, 2]],
+          "scale": [2, 1, 1], "smooth_angle": 0.5})");
+  EXPECT_EQ(mesh.smooth_angle(), 0.5);
+  expect_refused(R"({"type": "mesh", "vertices": [], "triangles": [], "smooth_angle": 4})", "/smooth_angle: found 4",
+                 "a number in [0, 3.14159");
+}
+
 TEST(SceneShapes, Compound) {
   const auto compound = read<Compound>(R"({"type": "compound", "children": [
       {"shape": {"type": "sphere", "radius": 2}},

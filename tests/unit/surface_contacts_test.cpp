@@ -497,5 +497,97 @@ TEST(Surface, PosesThatAreNotFiniteTouchNothing) {
   EXPECT_EQ(touch(box, Shape::triangle_mesh(mesh), skewed, 0.1).count, 0);
 }
 
+// Vertices of a sphere from inside, in rings around the lowest.
+TriangleMesh bowl(std::uint32_t rings, std::uint32_t sectors, double smooth_angle) {
+  std::vector<Vector3> vertices = {{0, 0, 0}};
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  for (std::uint32_t i = 1; i <= rings; ++i) {
+    for (std::uint32_t j = 0; j < sectors; ++j) {
+      const double out = M_PI / 2 * i / rings, around = 2 * M_PI * j / sectors;
+      vertices.emplace_back(std::sin(out) * std::cos(around), std::sin(out) * std::sin(around), 1 - std::cos(out));
+    }
+  }
+  const auto at = [&](std::uint32_t i, std::uint32_t j) { return i == 0 ? 0 : 1 + (i - 1) * sectors + j % sectors; };
+  for (std::uint32_t i = 0; i < rings; ++i) {
+    for (std::uint32_t j = 0; j < sectors; ++j) {
+      triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+      if (i > 0) triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+    }
+  }
+  return std::get<TriangleMesh>(build_triangle_mesh(vertices, triangles, smooth_angle));
+}
+
+TEST(SmoothSurface, ABallTouchesTheSphereThatTheTrianglesStandFor) {
+  const TriangleMesh mesh = bowl(20, 80, 0.3);
+  const Shape ball = Shape::sphere(0.1);
+  Random random(3);
+  for (int i = 0; i < 200; ++i) {
+    const double out = random.real(0.02, 1.2), around = random.real(0, 6.28), depth = random.real(-1e-3, 1e-3);
+    const Vector3 towards(std::sin(out) * std::cos(around), std::sin(out) * std::sin(around), -std::cos(out));
+    const Vector3 centre = Vector3::UnitZ() + (0.9 + depth) * towards;
+    const SurfaceManifolds found = touch(ball, Shape::triangle_mesh(mesh), {centre, Quaternion::Identity()}, 0.02);
+    ASSERT_EQ(found.count, 1);
+    EXPECT_LT((found.manifolds[0].normal + towards).norm(), 2e-4);  // facets: 0.04
+    EXPECT_NEAR(deepest(found.manifolds[0]), -depth, 4e-6);         // facets: 8e-4
+    EXPECT_EQ(found.manifolds[0].rise, 0);
+  }
+}
+
+// Across the bowl, along a great circle: the normal is that half way, and the surface rises by the centripetal motion.
+TEST(SmoothSurface, BendsUnderABallThatSlides) {
+  const TriangleMesh mesh = bowl(20, 80, 0.3);
+  const double out = 0.4, step = 0.03, turn = step / 0.9;
+  const auto towards = [](double angle) { return Vector3(std::sin(angle), 0, -std::cos(angle)); };
+  const Vector3 shift = step * Vector3(std::cos(out), 0, std::sin(out));
+  SurfaceManifolds found;
+  collide_surface(Shape::sphere(0.1), Shape::triangle_mesh(mesh),
+                  {Vector3::UnitZ() + 0.9 * towards(out), Quaternion::Identity()}, 0.02, found, shift);
+  ASSERT_EQ(found.count, 1);
+  EXPECT_LT((found.manifolds[0].normal + towards(out + turn / 2)).norm(), 1e-3);
+  EXPECT_NEAR(found.manifolds[0].rise, 0.5 * turn * step, 0.05 * 0.5 * turn * step);
+}
+
+// What bends by more than the angle is a crease: normals on either side are those of their own triangles.
+TEST(SmoothSurface, KeepsCreases) {
+  const auto roof = [](double x, double) { return -0.5 * std::abs(x); };
+  for (const bool smooth : {false, true}) {
+    TriangleMesh mesh = grid(8, 1, roof);
+    mesh = std::get<TriangleMesh>(build_triangle_mesh(mesh.vertices, mesh.triangles, smooth ? 1.5 : 0.5));
+    const Vector3 side = Vector3(0.5, 0, 1).normalized();
+    const Vector3 centre = Vector3(0.2, 0.1, -0.1) + 0.1 * side;
+    const SurfaceManifolds found =
+        touch(Shape::sphere(0.1), Shape::triangle_mesh(mesh), {centre, Quaternion::Identity()}, 0.02);
+    ASSERT_EQ(found.count, 1);
+    const double off = (found.manifolds[0].normal - side).norm();
+    if (smooth) {
+      EXPECT_GT(off, 0.05);
+    } else {
+      EXPECT_LT(off, 1e-12);
+    }
+  }
+}
+
+TEST(SmoothSurface, AHeightFieldHasTheNormalsOfItsSlopes) {
+  constexpr std::uint32_t samples = 41;
+  constexpr double cell = 0.05;
+  std::vector<double> heights;
+  const auto height = [](double x, double y) { return 0.3 * (x - 1) * (x - 1) + 0.2 * (x - 1) * (y - 1); };
+  for (std::uint32_t j = 0; j < samples; ++j) {
+    for (std::uint32_t i = 0; i < samples; ++i) heights.push_back(height(i * cell, j * cell));
+  }
+  const auto field = std::get<HeightField>(build_height_field(samples, samples, cell, cell, heights, true));
+  Random random(5);
+  for (int i = 0; i < 100; ++i) {
+    const double x = random.real(0.2, 1.8), y = random.real(0.2, 1.8);
+    const Vector3 normal = Vector3(-0.6 * (x - 1) - 0.2 * (y - 1), -0.2 * (x - 1), 1).normalized();
+    const Vector3 centre = Vector3(x, y, height(x, y)) + 0.1 * normal;
+    const SurfaceManifolds found =
+        touch(Shape::sphere(0.1), Shape::height_field(field), {centre, Quaternion::Identity()}, 0.02);
+    ASSERT_EQ(found.count, 1);
+    EXPECT_LT((found.manifolds[0].normal - normal).norm(), 2e-3);
+    EXPECT_NEAR(deepest(found.manifolds[0]), 0, 1e-5);
+  }
+}
+
 }  // namespace
 }  // namespace atl::collision

@@ -246,5 +246,31 @@ TEST(TriangleMesh, RefusesWhatIsNoSurface) {
   expect_problem({{0, 0, 0}, {1, 0, 0}, {0, infinity, 0}}, {{0, 1, 2}}, "found vertex 2 at (0, inf, 0)");
 }
 
+// A cube has its corners' normals along the diagonals, or those of its faces where its edges count as creases.
+TEST(TriangleMesh, CornerNormalsAreOfWhatIsAroundUpToCreases) {
+  const auto cube = [](double angle) {
+    return std::get<TriangleMesh>(build_triangle_mesh(cube_vertices, cube_triangles, angle));
+  };
+  EXPECT_TRUE(cube(0).corner_normals.empty());
+  const TriangleMesh creased = cube(1.5), smooth = cube(1.6);
+  EXPECT_NE(creased.content, smooth.content);
+  for (std::size_t t = 0; t < cube_triangles.size(); ++t) {
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      EXPECT_LT((creased.corner_normals[t][corner] - creased.normals[t]).norm(), 1e-12);
+      const Vector3 out = (cube_vertices[cube_triangles[t][corner]] - Vector3::Constant(0.5)).normalized();
+      EXPECT_LT((smooth.corner_normals[t][corner] - out).norm(), 1e-12);
+    }
+  }
+}
+
+TEST(TriangleMesh, RefusesAnAngleThatIsNone) {
+  for (const double angle : {-0.1, 3.2, std::numeric_limits<double>::quiet_NaN()}) {
+    const auto result = build_triangle_mesh(cube_vertices, cube_triangles, angle);
+    const std::string* problem = std::get_if<std::string>(&result);
+    ASSERT_NE(problem, nullptr) << angle;
+    EXPECT_NE(problem->find("expected one in [0, pi) rad"), std::string::npos) << *problem;
+  }
+}
+
 }  // namespace
 }  // namespace atl::collision

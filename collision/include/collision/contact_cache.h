@@ -19,9 +19,12 @@ class ContactCache {
  public:
   std::vector<Contact> contacts;           ///< by slot
   std::vector<ContactManifold> manifolds;  ///< by slot
-  std::vector<std::uint32_t> order;        ///< slots of active contacts
-  std::vector<std::uint32_t> free_slots;   ///< the last is used first
-  PairSet pairs;                           ///< of all contacts, idle ones too
+  /// By slot, m: what a smooth surface gains along the normal in half a step, see collide_surface(). Empty while there
+  /// is none.
+  std::vector<float> rises;
+  std::vector<std::uint32_t> order;       ///< slots of active contacts
+  std::vector<std::uint32_t> free_slots;  ///< the last is used first
+  PairSet pairs;                          ///< of all contacts, idle ones too
 
   /// What a contact starts with.
   struct Start {
@@ -73,8 +76,8 @@ class ContactCache {
 
   /// Memory held.
   std::size_t bytes() const {
-    return jobs::bytes_of(contacts, manifolds, order, free_slots, keys_, state_, links_, first_end_, active_, added_,
-                          gone_, idle_, newly_idle_, is_newly_idle_, all_) +
+    return jobs::bytes_of(contacts, manifolds, rises, order, free_slots, keys_, state_, links_, first_end_, active_,
+                          added_, gone_, idle_, newly_idle_, is_newly_idle_, all_) +
            pairs.bytes();
   }
 

@@ -21,6 +21,7 @@ struct HeightField {
   std::vector<double> heights;     ///< m, along z; row after row: sample (i, j) at j * columns + i
   double lowest = 0, highest = 0;  ///< m
   double bounding_radius = 0;      ///< m, about the origin
+  bool smooth = false;             ///< it stands for a smooth surface
   std::uint64_t content = 0;       ///< hash of all of these
 
   std::uint32_t triangle_count() const { return 2 * (columns - 1) * (rows - 1); }
@@ -64,6 +65,7 @@ struct HeightField {
 /// that isn't positive (or beyond 1e30 m), another number of heights than columns * rows, or one that isn't finite
 /// (or beyond 1e30 m).
 std::variant<HeightField, std::string> build_height_field(std::uint32_t columns, std::uint32_t rows, double spacing_x,
-                                                          double spacing_y, std::vector<double> heights);
+                                                          double spacing_y, std::vector<double> heights,
+                                                          bool smooth = false);
 
 }  // namespace atl::collision

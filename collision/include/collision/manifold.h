@@ -26,7 +26,8 @@ struct Manifold {
   Vector3 normal = Vector3::UnitZ();  ///< unit, out of the reference shape
   std::uint32_t axis = 0;             ///< the axis the normal was found on; 0: none
   int count = 0;
-  double gap = 0;  ///< m, where there are no points: the shapes are at least this far apart, if it is known, else 0
+  double rise = 0;  ///< m, along the normal: see collide_surface()
+  double gap = 0;   ///< m, where there are no points: the shapes are at least this far apart, if it is known, else 0
   std::array<Point, max_points> points;
 
   void add(const Vector3& position, double separation, FeatureId id) {

@@ -37,7 +37,14 @@ void collide_triangle(const Shape& solid, const Triangle& triangle, std::uint32_
 /// put together, and then the shallowest are left out. Of faces that bend away from each other, only those push that
 /// the solid leaves soonest. Nothing is allocated. A
 /// pose that isn't finite has none.
+///
+/// A ball on a surface that stands for a smooth one has the normals of that. It is going to shift by `shift` (m, in the
+/// surface's frame) in the step, and what it slides on bends: its normal is that half way, and `rise` is the part of
+/// the way that the surface gains along it from there to the end of the step, and has lost by then since its start.
 void collide_surface(const Shape& solid, const Shape& surface, const Pose& solid_pose, double margin,
-                     SurfaceManifolds& result);
+                     SurfaceManifolds& result, const Vector3& shift = Vector3::Zero());
+
+/// Whether a surface stands for a smooth one.
+bool is_smooth(const Shape& surface);
 
 }  // namespace atl::collision

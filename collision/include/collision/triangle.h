@@ -17,6 +17,8 @@ struct Triangle {
   /// Bit i: the surface is convex (or ends) at that edge, so something can touch the edge itself. At the
   /// others, flat or concave, a neighbour always touches first and a contact's normal is the triangle's.
   std::uint8_t convex_edges = 0;
+  /// Unit, by vertex: those of the smooth surface that the triangles stand for. Set on smooth surfaces alone.
+  std::array<Vector3, 3> corner_normals;
 };
 
 /// Angle (rad) from which on a surface that bends outwards at an edge counts as convex there. Below it a contact

@@ -66,10 +66,10 @@ struct Settings {
   /// substeps can well follow (30 Hz at the defaults), so that more substeps mean less overlap.
   std::optional<double> contact_hertz = {};
   double contact_damping_ratio = 10;  ///< >= 0; 1 is critical
-  /// m/s, > 0: the fastest that overlap is pushed apart. Of contacts farther than 1 m from the centres of mass of the bodies
-  /// that move, or under more gravity, times the root of distance by gravity over 1 m by 9.81 m/s^2.
+  /// m/s, > 0: the fastest that overlap is pushed apart. Of contacts farther than 1 m from the centres of mass of the
+  /// bodies that move, or under more gravity, times the root of distance by gravity over 1 m by 9.81 m/s^2.
   double contact_push_speed = 3;
-  double restitution_threshold = 1;   ///< m/s, >= 0: slower impacts don't bounce
+  double restitution_threshold = 1;  ///< m/s, >= 0: slower impacts don't bounce
 
   ContactSolver contact_solver = ContactSolver::Auto;
 

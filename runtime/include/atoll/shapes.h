@@ -85,12 +85,17 @@ class TriangleMesh {
   using Indices = std::array<std::uint32_t, 3>;
   /// Vertices in m. Throws Error, naming the triangle, on an index out of range, a triangle without area, or an
   /// edge that more than two triangles (or two of opposite winding) share. A surface may be open.
-  TriangleMesh(std::span<const Vector3> vertices, std::span<const Indices> triangles);
+  ///
+  /// With a `smooth_angle` (rad, in [0, pi)) the triangles stand for a smooth surface, but for edges that bend by as
+  /// much: balls slide and roll on that, with normals that go over from corner to corner, so that the energy of what
+  /// rolls through a bowl is kept. Other shapes touch the triangles as they are.
+  TriangleMesh(std::span<const Vector3> vertices, std::span<const Indices> triangles, double smooth_angle = 0);
   TriangleMesh scaled(const Vector3& factors) const;  ///< as ConvexHull's; fronts stay outside when mirrored
 
   std::span<const Vector3> vertices() const;
   std::span<const Indices> triangles() const;
-  bool closed() const;  ///< every edge has two triangles
+  bool closed() const;          ///< every edge has two triangles
+  double smooth_angle() const;  ///< rad
 
   const std::shared_ptr<const collision::TriangleMesh>& data() const { return mesh_; }  ///< for Atoll's own use
 
@@ -104,15 +109,17 @@ class HeightField {
  public:
   /// heights[row * columns + column] (m) is that at x = column * spacing_x, y = row * spacing_y; columns and
   /// rows >= 2, spacings > 0, all finite, else Error. A cell's diagonal runs from its lower left to its upper
-  /// right sample.
+  /// right sample. With `smooth`, the samples stand for a smooth surface, as of a TriangleMesh with a smooth angle, and
+  /// without creases.
   HeightField(std::uint32_t columns, std::uint32_t rows, double spacing_x, double spacing_y,
-              std::vector<double> heights);
+              std::vector<double> heights, bool smooth = false);
 
   std::uint32_t columns() const;
   std::uint32_t rows() const;
   double spacing_x() const;
   double spacing_y() const;
   std::span<const double> heights() const;
+  bool smooth() const;
 
   const std::shared_ptr<const collision::HeightField>& data() const { return field_; }  ///< for Atoll's own use
 

@@ -16,6 +16,7 @@ inline constexpr double pi = 3.14159265358979323846;
 void add_sliding(std::vector<PhysicsCase>& cases);
 void add_impacts(std::vector<PhysicsCase>& cases);
 void add_rolling(std::vector<PhysicsCase>& cases);
+void add_bowls(std::vector<PhysicsCase>& cases);
 void add_spins(std::vector<PhysicsCase>& cases);
 void add_springs(std::vector<PhysicsCase>& cases);
 void add_invariances(std::vector<PhysicsCase>& cases);

@@ -1,5 +1,6 @@
 #include <cmath>
 #include <filesystem>
+#include <numbers>
 #include <utility>
 
 #include "schema.h"
@@ -22,7 +23,7 @@ constexpr const char* solid_names = "box, sphere, capsule, cylinder, cone or hul
 
 void only_keys_of_a_shape(const Reader& in) {
   in.only_keys({"type", "half_extents", "radius", "half_height", "points", "vertices", "triangles", "file", "scale",
-                "heights", "spacing", "children", "normal", "offset"});
+                "smooth_angle", "heights", "spacing", "smooth", "children", "normal", "offset"});
 }
 
 // What the library finds wrong with a geometry is the fault of the values it is made of.
@@ -101,7 +102,7 @@ ConvexHull read_hull(const Reader& in) {
 }
 
 TriangleMesh read_mesh(const Reader& in) {
-  in.only_keys({"type", "vertices", "triangles", "file", "scale"});
+  in.only_keys({"type", "vertices", "triangles", "file", "scale", "smooth_angle"});
   const auto file = in.find("file");
   if (file && (in.has("vertices") || in.has("triangles"))) {
     in.fail_at("file", "both a file and vertices or triangles", "one of them");
@@ -114,15 +115,19 @@ TriangleMesh read_mesh(const Reader& in) {
     surface.vertices = read_points(in.at("vertices", "an array of points, [x, y, z] each, or a file"));
     surface.triangles = read_triangles(in.at("triangles", "an array of triangles, three numbers of vertices each"));
   }
+  double smooth_angle = 0;
+  in.get("smooth_angle", smooth_angle, between(0, std::nextafter(std::numbers::pi, 0)));
   const Reader source = file ? *file : in.at("triangles", "");
   return made(source, [&] {
-    const TriangleMesh mesh(surface.vertices, surface.triangles);
+    const TriangleMesh mesh(surface.vertices, surface.triangles, smooth_angle);
     return scale == Vector3::Ones() ? mesh : mesh.scaled(scale);
   });
 }
 
 HeightField read_height_field(const Reader& in) {
-  in.only_keys({"type", "heights", "spacing"});
+  in.only_keys({"type", "heights", "spacing", "smooth"});
+  bool smooth = false;
+  in.get("smooth", smooth);
   constexpr const char* what = "an array of rows, each an array of at least two numbers, in m";
   const Reader rows = in.at("heights", what);
   const std::size_t row_count = rows.size(what);
@@ -140,7 +145,8 @@ HeightField read_height_field(const Reader& in) {
   constexpr const char* distances = "an array of two numbers, [x, y]";
   const auto [x, y] = in.at("spacing", "[x, y], the distances between samples, in m").numbers<2>(distances, above(0));
   return made(rows, [&, dx = x, dy = y] {
-    return HeightField(static_cast<std::uint32_t>(columns), static_cast<std::uint32_t>(row_count), dx, dy, heights);
+    return HeightField(static_cast<std::uint32_t>(columns), static_cast<std::uint32_t>(row_count), dx, dy, heights,
+                       smooth);
   });
 }
 
@@ -205,8 +211,8 @@ Compound read_compound(const Reader& in) {
 Shape read_shape(const Reader& in) {
   only_keys_of_a_shape(in);
   const auto kind = static_cast<ShapeName>(in.at("type", shape_names)
-                                          .choice({"box", "sphere", "capsule", "cylinder", "cone", "hull", "half_space",
-                                                   "mesh", "height_field", "compound"}));
+                                               .choice({"box", "sphere", "capsule", "cylinder", "cone", "hull",
+                                                        "half_space", "mesh", "height_field", "compound"}));
   switch (kind) {
     case ShapeName::HalfSpace:
       return read_half_space(in);

@@ -30,6 +30,7 @@ struct SolveInput {
   Overloads& overloads;
   ContactCapture* capture = nullptr;           ///< null where nobody asks
   SurfaceContact* surface_contacts = nullptr;  ///< by contact slot; null while all surfaces are plain
+  const float* rises = nullptr;                ///< m, by contact slot (ContactCache::rises); null where there are none
   Joint* joints = nullptr;                     ///< by index of joint
   const JointGraph* joint_graph = nullptr;     ///< null where there are none
   JointSystems* joint_systems = nullptr;       ///< likewise

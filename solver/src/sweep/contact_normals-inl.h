@@ -172,12 +172,13 @@ HWY_NOINLINE void spread_impact(const ContactKernelData& data, const ContactBloc
 template <typename how, typename what>
 HWY_NOINLINE void share_impact(const ContactKernelData& data, ContactBlock& block, float (*impulses)[block_lanes],
                                std::size_t lane, const M& lands, ContactLanes<what::movers>& c, Residual& residual,
-                               bool backwards) {
+                               bool backwards, const V& rise) {
   V before[what::points];
   for (std::size_t i = 0; i < what::points; ++i) before[i] = load(impulses[i] + lane);
   ContactLanes<what::movers> landed = c;
   Residual of_landed = residual;
   NormalSolve solve(landed);
+  if constexpr (how::special) solve.u = hn::Sub(solve.u, rise);
   for (int round = 0; round < tuning::landing_rounds; ++round) {
     solve_points<how, what>(data, block, impulses, lane, solve, of_landed, backwards);
   }
@@ -198,8 +199,10 @@ HWY_NOINLINE void share_impact(const ContactKernelData& data, ContactBlock& bloc
 
 template <typename how, typename what>
 HWY_INLINE void solve_normals(const ContactKernelData& data, ContactBlock& block, float (*impulses)[block_lanes],
-                              std::size_t lane, ContactLanes<what::movers>& c, Residual& residual, bool backwards) {
+                              std::size_t lane, ContactLanes<what::movers>& c, Residual& residual, bool backwards,
+                              [[maybe_unused]] const V& rise) {
   NormalSolve solve(c);
+  if constexpr (how::special) solve.u = hn::Sub(solve.u, rise);
   const M lands = hn::Lt(solve.u, splat(-tuning::landing_speed));
   const bool any_lands = HWY_UNLIKELY(!hn::AllFalse(D(), lands));
   // Of copies, so that nothing else has to be in memory.
@@ -221,7 +224,7 @@ HWY_INLINE void solve_normals(const ContactKernelData& data, ContactBlock& block
   if (!any_lands) return;
   ContactLanes<what::movers> landing = c;
   Residual landing_residual = residual;
-  share_impact<how, what>(data, block, impulses, lane, lands, landing, landing_residual, backwards);
+  share_impact<how, what>(data, block, impulses, lane, lands, landing, landing_residual, backwards, rise);
   c = landing;
   residual = landing_residual;
 }

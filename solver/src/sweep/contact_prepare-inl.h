@@ -124,6 +124,10 @@ HWY_INLINE void prepare_surfaces(const ContactKernelData& data, const ContactBlo
   store(dot(c.tangent2, {slip.x, slip.y, slip.z}), surface.slip[1] + lane);
   store(slip.w, surface.rolling_friction[0] + lane);
   store(rolling.w, surface.torsional_friction[0] + lane);
+  for (std::size_t k = lane; k < lane + lanes; ++k) {
+    const bool rises = data.rises != nullptr && block.slot[k] >= 0;
+    surface.rise[0][k] = rises ? data.rises[block.slot[k]] / data.constants.step : 0;
+  }
 
   const V3 kept = splat(1 / data.constants.finer) * V3{rolling.x, rolling.y, rolling.z};
   V r1 = dot(c.tangent1, kept);

@@ -185,6 +185,15 @@ HWY_INLINE void solve_friction(ContactBlock& block, SurfaceBlock* surface, [[may
   }
 }
 
+// After a refresh: what surfaces that bend have gained.
+template <std::size_t points>
+HWY_INLINE void raise_surfaces(const Sweep& sweep, ContactBlock& block, const SurfaceBlock& surface, std::size_t lane) {
+  const V risen = hn::Mul(splat(sweep.rise_time), load(surface.rise[0] + lane));
+  for (std::size_t i = 0; i < points; ++i) {
+    store(hn::Sub(load(block.separation[i] + lane), risen), block.separation[i] + lane);
+  }
+}
+
 // After a refresh: bouncy points that can't meet, or that nothing has touched once bodies have moved. The next substep
 // has to see how fast they close.
 inline void hide_waiting(const Sweep& sweep, ContactBlock& block, const BounceBlock& bounce, std::size_t lane) {
@@ -216,16 +225,20 @@ HWY_NOINLINE void sweep_alike(const ContactKernelData& data, const Sweep& sweep,
     ContactBlock& block = data.blocks[b];
     SurfaceBlock* surface =
         with_surfaces && how::special && data.surface_blocks != nullptr ? &data.surface_blocks[b] : nullptr;
+    const bool rises = how::special && surface != nullptr && data.rises != nullptr;
     auto* impulses = how::push == Push::Split ? data.split_blocks[b].impulse : block.normal_impulse;
     for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
       ContactLanes<what::movers> c = load_contacts<what::movers>(data, block, lane);
       if (how::refresh(sweep)) {
         refresh_separations<what::points>(data, block, turning_of(data, b), lane, c);
+        if (rises) raise_surfaces<what::points>(sweep, block, *surface, lane);
         if (with_restitution && block.traits.bounces) hide_waiting(sweep, block, data.bounces[b], lane);
       }
+      const V rise = rises ? hn::Mul(splat(sweep.rise_part), load(surface->rise[0] + lane)) : zero();
       // One round over the points leaves a body that lands flat tilted, and friction with too low a bound.
-      solve_normals<how, what>(data, block, impulses, lane, c, residual, sweep.backwards);
-      if (how::rounds(sweep) == 2) solve_normals<how, what>(data, block, impulses, lane, c, residual, sweep.backwards);
+      for (int round = 0; round < how::rounds(sweep); ++round) {
+        solve_normals<how, what>(data, block, impulses, lane, c, residual, sweep.backwards, rise);
+      }
       // Last, so that its bound is the normal impulse that it goes with.
       if (how::push != Push::Split && how::rubs(sweep) && block.traits.friction) {
         solve_friction<how, what>(block, surface, sweep.friction, lane, c, residual);

@@ -137,6 +137,7 @@ class GroupSolver::Pass {
   void prepare_systems();
   void warm_start(int number);
   void sweep(Sweep how, JointSweep joints, int iterations, int number);
+  void rise(Sweep& how, double at, double after) const;
   void solve_velocities(int number, bool carries);
   void split_off_corrections(int number);
   void integrate_positions();
@@ -279,6 +280,14 @@ void GroupSolver::Pass<Executor>::sweep(Sweep how, JointSweep joints, int iterat
   }
 }
 
+// Of surfaces that bend, whose speeds are those `at` substeps into the step, and whose places `after` as many.
+template <typename Executor>
+void GroupSolver::Pass<Executor>::rise(Sweep& how, double at, double after) const {
+  const double substeps = settings_.substeps;
+  how.rise_part = static_cast<float>(2 * at / substeps - 1);
+  how.rise_time = static_cast<float>(after / substeps * (after / substeps - 1) * input_.dt);
+}
+
 template <typename Executor>
 void GroupSolver::Pass<Executor>::solve_velocities(int number, bool carries) {
   // The relaxing sweeps' friction is carried over; a contact that has just begun has none yet to carry.
@@ -286,8 +295,9 @@ void GroupSolver::Pass<Executor>::solve_velocities(int number, bool carries) {
   // Where sweeps relax they have seen the positions that the last substep ended with.
   const bool refresh = !relaxes_ && number > 0;
   const bool twice = !(relaxes_ && carries);
-  sweep({splits_ ? Push::None : Push::Bias, refresh, friction, twice},
-        {.bias = true, .refresh = refresh, .carries = carries}, settings_.iterations, number);
+  Sweep how = {splits_ ? Push::None : Push::Bias, refresh, friction, twice};
+  rise(how, number + 0.5, number);
+  sweep(how, {.bias = true, .refresh = refresh, .carries = carries}, settings_.iterations, number);
 }
 
 // The same sweeps over velocities of their own, which move bodies and are forgotten.
@@ -318,8 +328,9 @@ template <typename Executor>
 void GroupSolver::Pass<Executor>::relax(int number) {
   each_system([&](DirectJoints& system) { system.solve_positions(direct_input_); });
   if (relaxes_) {
-    sweep({.push = Push::None, .refresh = true, .friction = friction_, .relaxes = true},
-          {.bias = false, .refresh = true, .carries = false}, settings_.relax_iterations, number);
+    Sweep how = {.push = Push::None, .refresh = true, .friction = friction_, .relaxes = true};
+    rise(how, number + 1, number + 1);
+    sweep(how, {.bias = false, .refresh = true, .carries = false}, settings_.relax_iterations, number);
   }
   each_system([&](DirectJoints& system) { system.relax(direct_input_); });
 }

@@ -116,6 +116,7 @@ ContactKernelData GroupSolver::kernel_data(const SolveInput& input, const GroupR
           .constants = constants,
           .surface_blocks = one_a_block(surface_blocks_, report.surfaces),
           .surface_contacts = input.surface_contacts,
+          .rises = input.rises,
           .split_blocks = one_a_block(split_blocks_, splits),
           .planar_blocks = one_a_block(planar_blocks_, !bodies_.locks.empty()),
           .turning_blocks = one_a_block(turning_blocks_, !bodies_.shape.empty()),

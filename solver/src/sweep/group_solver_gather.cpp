@@ -93,6 +93,7 @@ bool GroupSolver::note_surfaces(const SolveInput& input, const IslandGroup& grou
   bool any = input.settings.everything;
   for (const TouchingPair& pair : input.islands.contacts(group.begin, group.end)) {
     any |= note_surfaces_of(pair, input.bodies, input.manifolds[pair.slot], input.surface_contacts[pair.slot]);
+    any |= input.rises != nullptr && input.rises[pair.slot] != 0;
   }
   return any;
 }

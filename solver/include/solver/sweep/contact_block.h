@@ -105,6 +105,7 @@ struct alignas(64) SurfaceBlock {
   Lanes<3> rolling_mass;        ///< inverse of the tangential 2 x 2 matrix of spins: 11, 12, 22
   Lanes<1> rolling_friction;    ///< m
   Lanes<1> torsional_friction;  ///< m
+  Lanes<1> rise;  ///< m/s, of the surface along the normal, at the end of the step; the opposite at its start
 };
 
 /// What a block needs beside, if bodies of its group have motion locks. A contact of bodies that stay in one plane has

@@ -21,6 +21,7 @@ struct ContactKernelData {
   const SubstepConstants& constants;
   SurfaceBlock* surface_blocks = nullptr;      ///< one a block, or null if all surfaces are plain
   SurfaceContact* surface_contacts = nullptr;  ///< by contact slot, with them
+  const float* rises = nullptr;                ///< m, by contact slot, or null: see ContactCache
   SplitBlock* split_blocks = nullptr;          ///< one a block, or null where nothing asks
   PlanarBlock* planar_blocks = nullptr;        ///< one a block, or null if no body has motion locks
   TurningBlock* turning_blocks = nullptr;      ///< one a block, or null if bodies turn too little for it to matter
@@ -44,6 +45,10 @@ struct Sweep {
   /// Goes over the points of each contact from the last to the first. One order alone pushes what stands towards where
   /// it ends: by turns they cancel.
   bool backwards = false;
+  /// Of surfaces that bend under what slides on them (SurfaceBlock::rise): the part of their speed at the end of the
+  /// step that they have in this sweep, and what it has taken them by then, s.
+  float rise_part = 0;
+  float rise_time = 0;
   bool relaxes = false;  ///< takes back what pushed bodies apart: what they have yet to hit is left to the next substep
 };
 
