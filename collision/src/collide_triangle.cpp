@@ -106,7 +106,9 @@ void touch_face(const SurfaceSolid& solid, const Triangle& triangle, std::uint32
     const double height = triangle.normal.dot(corner - triangle.vertices[0]);
     has_lowest |= height <= lowest + 1e-9 * solid.shape.inner_radius;
   }
-  const double slack = over_slack * solid.shape.inner_radius;
+  // Over an edge that is bent outwards, but by too little to count, a ball's foot is on neither side: on both, then.
+  const double least_slack = solid.shape.kind == ShapeKind::Sphere ? convex_edge_angle : over_slack;
+  const double slack = least_slack * solid.shape.inner_radius;
   clip(outline, face, slack);
 
   contact.normal = triangle.normal;

@@ -497,6 +497,19 @@ TEST(Surface, PosesThatAreNotFiniteTouchNothing) {
   EXPECT_EQ(touch(box, Shape::triangle_mesh(mesh), skewed, 0.1).count, 0);
 }
 
+// A ridge that bends by less than counts as an edge: the ball's foot on either side lies beyond it.
+TEST(SurfaceContacts, ABallOverAnEdgeThatHardlyBendsTouches) {
+  for (const double angle : {1e-5, 3e-4, 9e-4, 2e-3}) {
+    const TriangleMesh ridge = grid(2, 1, [&](double x, double) { return -0.5 * angle * std::abs(x); });
+    for (const double x : {-2e-4, -1e-5, 0.0, 1e-5, 2e-4}) {
+      const SurfaceManifolds found =
+          touch(Shape::sphere(0.3), Shape::triangle_mesh(ridge), {{x, 0.4, 0.2999}, Quaternion::Identity()}, 0.01);
+      ASSERT_GE(found.count, 1) << angle << ", " << x;
+      EXPECT_NEAR(deepest(found.manifolds[0]), -1e-4, 1e-6) << angle << ", " << x;
+    }
+  }
+}
+
 // Vertices of a sphere from inside, in rings around the lowest.
 TriangleMesh bowl(std::uint32_t rings, std::uint32_t sectors, double smooth_angle) {
   std::vector<Vector3> vertices = {{0, 0, 0}};
