@@ -23,6 +23,22 @@ collision::Filter to_collision(const CollisionFilter& filter, std::uint32_t body
   return {filter.category, filter.mask, filter.group, body};
 }
 
+// Whether a shape looks the same turned about the z axis of its body's frame.
+bool is_round(const CheckedCollider& collider) {
+  const auto& [position, orientation] = collider.local;
+  if (position.x() != 0 || position.y() != 0) return false;
+  switch (collider.shape.kind) {
+    case collision::ShapeKind::Sphere:
+      return true;
+    case collision::ShapeKind::Capsule:
+    case collision::ShapeKind::Cylinder:
+    case collision::ShapeKind::Cone:
+      return orientation.x() == 0 && orientation.y() == 0;
+    default:
+      return false;
+  }
+}
+
 }  // namespace
 
 void Contents::count(const solver::BodyTable& bodies, const BodyRecords& records, std::uint32_t body, int sign) {
@@ -62,26 +78,6 @@ void World::Impl::resize_bodies(std::size_t count) {
 }
 
 // What the body is for as long as it lives.
-namespace {
-
-// Whether a shape looks the same turned about the z axis of its body's frame.
-bool is_round(const CheckedCollider& collider) {
-  const auto& [position, orientation] = collider.local;
-  if (position.x() != 0 || position.y() != 0) return false;
-  switch (collider.shape.kind) {
-    case collision::ShapeKind::Sphere:
-      return true;
-    case collision::ShapeKind::Capsule:
-    case collision::ShapeKind::Cylinder:
-    case collision::ShapeKind::Cone:
-      return orientation.x() == 0 && orientation.y() == 0;
-    default:
-      return false;
-  }
-}
-
-}  // namespace
-
 void World::Impl::give_constants(std::uint32_t body, const std::shared_ptr<const BodyConstants>& constants) {
   records.constants[body] = constants;
   const BodyConstants& c = *constants;

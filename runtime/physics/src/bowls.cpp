@@ -73,8 +73,7 @@ double energy_left(const Resolution& at, const Shape& bowl, const Vector3& posit
 
 void add_bowls(std::vector<PhysicsCase>& cases) {
   const auto add = [&](const char* name, const char* what, auto measure) {
-    cases.push_back(
-        {.name = name, .what = what, .unit = "", .right = 1, .source = "conservation", .measure = measure});
+    cases.push_back({.name = name, .what = what, .unit = "", .right = 1, .source = "conservation", .measure = measure});
   };
   add("bowl-mesh", "a frictionless ball in a bowl of 80 x 320 triangles that count as smooth: energy left after 15 s",
       [](const Resolution& at) { return energy_left(at, bowl_mesh(80, 320), Vector3::Zero(), 0, 0, 15); });

@@ -7,39 +7,39 @@
 namespace atl::physics {
 namespace {
 
-// m, of a body on an undamped spring of 1 m amplitude in the last of ten periods.
+// A body on an undamped spring along x that starts at rest 1 m from where it would be, at x = 1.
+struct Swinging {
+  World world;
+  BodyId body;
+
+  Swinging(const Resolution& at, JointSolver solver, double hertz)
+      : world(make_world(at, 0, {.joint_solver = solver})),
+        body(world.add_body({.shape = Sphere{0.1}, .position = {1, 0, 0}, .filter = {.mask = 0}})) {
+    const BodyId anchor = world.add_body({.type = BodyType::Static, .shape = Sphere{0.1}, .filter = {.mask = 0}});
+    world.add_joint({.kind = SliderJoint{{.spring = JointSpring{.hertz = hertz, .damping_ratio = 0, .rest = -1}}},
+                     .first = anchor,
+                     .second = body,
+                     .frame_first = {.position = {1, 0, 0}}});
+  }
+  double x() const { return world.pose(body).position.x(); }
+};
+
+// m, in the last of ten periods.
 double amplitude(const Resolution& at, JointSolver solver, double hertz) {
-  Settings settings;
-  settings.joint_solver = solver;
-  World world = make_world(at, 0, settings);
-  const BodyId anchor = world.add_body({.type = BodyType::Static, .shape = Sphere{0.1}, .filter = {.mask = 0}});
-  const BodyId body = world.add_body({.shape = Sphere{0.1}, .position = {1, 0, 0}, .filter = {.mask = 0}});
-  world.add_joint({.kind = SliderJoint{{.spring = JointSpring{.hertz = hertz, .damping_ratio = 0, .rest = -1}}},
-                   .first = anchor,
-                   .second = body,
-                   .frame_first = {.position = {1, 0, 0}}});
+  Swinging swinging(at, solver, hertz);
   double most = 0;
-  run(world, at, 10 / hertz, [&](double time) {
-    if (time > 9 / hertz) most = std::max(most, std::abs(world.pose(body).position.x()));
+  run(swinging.world, at, 10 / hertz, [&](double time) {
+    if (time > 9 / hertz) most = std::max(most, std::abs(swinging.x()));
   });
   return most;
 }
 
-// m, where it is after 9.7 periods
+// m, the farthest off a cosine in ten periods.
 double phase_error(const Resolution& at, JointSolver solver, double hertz) {
-  Settings settings;
-  settings.joint_solver = solver;
-  World world = make_world(at, 0, settings);
-  const BodyId anchor = world.add_body({.type = BodyType::Static, .shape = Sphere{0.1}, .filter = {.mask = 0}});
-  const BodyId body = world.add_body({.shape = Sphere{0.1}, .position = {1, 0, 0}, .filter = {.mask = 0}});
-  world.add_joint({.kind = SliderJoint{{.spring = JointSpring{.hertz = hertz, .damping_ratio = 0, .rest = -1}}},
-                   .first = anchor,
-                   .second = body,
-                   .frame_first = {.position = {1, 0, 0}}});
+  Swinging swinging(at, solver, hertz);
   double most = 0;
-  run(world, at, 10 / hertz, [&](double time) {
-    most = std::max(most, std::abs(world.pose(body).position.x() - std::cos(2 * pi * hertz * time)));
-  });
+  run(swinging.world, at, 10 / hertz,
+      [&](double time) { most = std::max(most, std::abs(swinging.x() - std::cos(2 * pi * hertz * time))); });
   return most;
 }
 
@@ -48,6 +48,7 @@ struct HungRod {
   static constexpr double length = 1, mass = 1;
   World world;
   BodyId hook, rod;
+  JointId hinge;
   double inertia;  // kg m^2, about the hinge
 
   HungRod(const Resolution& at, double angle, const JointAxis& axis) : world(make_world(at)) {
@@ -62,11 +63,11 @@ struct HungRod {
     inertia = body_mass(def).inertia(1, 1) + mass * length * length / 4;
     // Hinges turn about the x axes of their frames.
     const Quaternion frame = turn_about(Vector3::UnitZ(), pi / 2);
-    world.add_joint({.kind = HingeJoint{axis},
-                     .first = hook,
-                     .second = rod,
-                     .frame_first = {Vector3::Zero(), frame},
-                     .frame_second = {{0, 0, length / 2}, frame}});
+    hinge = world.add_joint({.kind = HingeJoint{axis},
+                             .first = hook,
+                             .second = rod,
+                             .frame_first = {Vector3::Zero(), frame},
+                             .frame_second = {{0, 0, length / 2}, frame}});
   }
   // From hanging, towards x.
   double angle() const {
@@ -111,9 +112,8 @@ double tip_on_spring(const Resolution& at) {
 
 // Hz, of a rod without weight on a spring of its hinge that is to make it swing at 1 Hz.
 double hinge_frequency(const Resolution& at) {
-  HungRod measure(at, 0.1, {});
-  const double stiffness = measure.inertia * 4 * pi * pi;
-  HungRod hung(at, 0.1, {.spring = JointSpring{.rest = 0, .stiffness = stiffness}});
+  HungRod hung(at, 0.1, {});
+  hung.world.set_joint(hung.hinge, HingeJoint{{.spring = JointSpring{.stiffness = hung.inertia * 4 * pi * pi}}});
   hung.world.set_gravity(Vector3::Zero());
   // The hinge's angle is 0 where it starts, so it swings about there once it is pushed.
   const double begin = hung.angle();
