@@ -52,7 +52,7 @@ atl::BodyDef body_of(std::string_view scene) {
 }
 
 atl::Settings settings_of(std::string_view scene) {
-  return {.restitution_threshold = scene == "restitution" ? 0.01 : 1,
+  return {.restitution_threshold = scene == "restitution" ? 0.01 : 1.0,
           .sleeping = scene == "sleeping",
           .contact_events = scene == "events",
           .simd = atl::Simd::Avx2};

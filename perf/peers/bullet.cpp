@@ -68,7 +68,7 @@ class BulletSimulation : public peer::Simulation {
     world_.setGravity(to_bullet(scene.gravity));
     btContactSolverInfo& info = world_.getSolverInfo();
     info.m_numIterations = setting.iterations;
-    info.m_restitutionVelocityThreshold = static_cast<btScalar>(scene.settings.restitution_threshold);
+    info.m_restitutionVelocityThreshold = static_cast<btScalar>(peer::threshold_of(scene));
     if (setting.variant == "split-impulse") info.m_splitImpulsePenetrationThreshold = 0;
     if (two_frictions_) info.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
     if (filter_.may_touch) broadphase_.getOverlappingPairCache()->setOverlapFilterCallback(&filter_);

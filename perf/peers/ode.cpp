@@ -207,7 +207,7 @@ class OdeSimulation : public peer::Simulation {
     contact.surface.bounce = peer::combined_restitution(def_a.material.restitution, def_b.material.restitution);
     if (contact.surface.bounce > 0) {
       contact.surface.mode |= dContactBounce;
-      contact.surface.bounce_vel = scene_.settings.restitution_threshold;
+      contact.surface.bounce_vel = peer::threshold_of(scene_);
     }
     for (int i = 0; i < count; ++i) {
       contact.geom = points[static_cast<std::size_t>(i)];

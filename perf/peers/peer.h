@@ -27,6 +27,12 @@ struct NamedSetting {
   bool large = false;  ///< worth the time in scenes of thousands of bodies too
 };
 
+/// m/s: as fast as Atoll lets things bounce where the scene doesn't say.
+inline double threshold_of(const atl::Scene& scene) {
+  const atl::Settings& settings = scene.settings;
+  return settings.restitution_threshold.value_or(2 * scene.gravity.norm() * scene.dt / settings.substeps);
+}
+
 /// A scene in another engine, at Setting::substeps engine steps a step.
 class Simulation {
  public:

@@ -103,7 +103,8 @@ void write_text(std::ostream& out, const Scene& scene, const Explanation& found)
   std::size_t all = 0;
   for (const MemoryUse& use : found.memory) {
     all += use.bytes;
-    out << "  " << std::left << std::setw(feature_width) << words_of(use.name) << std::right << std::setw(12) << use.bytes;
+    out << "  " << std::left << std::setw(feature_width) << words_of(use.name) << std::right << std::setw(12)
+        << use.bytes;
     if (use.bytes > 0 && use.count > 0) {
       out << "    " << significant(static_cast<double>(use.bytes) / static_cast<double>(use.count), 4) << " of "
           << use.count << " " << use.unit;

@@ -25,7 +25,7 @@ Json settings_json(const Settings& s) {
           {"contact_hertz", s.contact_hertz ? Json(*s.contact_hertz) : Json("auto")},
           {"contact_damping_ratio", s.contact_damping_ratio},
           {"contact_push_speed", s.contact_push_speed},
-          {"restitution_threshold", s.restitution_threshold},
+          {"restitution_threshold", s.restitution_threshold ? Json(*s.restitution_threshold) : Json("auto")},
           {"contact_solver", name_of(s.contact_solver)},
           {"joint_solver", name_of(s.joint_solver)},
           {"joint_hertz", s.joint_hertz ? Json(*s.joint_hertz) : Json("auto")},

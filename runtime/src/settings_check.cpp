@@ -35,7 +35,9 @@ void check(const Settings& settings) {
   if (settings.contact_hertz) check_positive("Settings.contact_hertz", *settings.contact_hertz);
   check_not_negative("Settings.contact_damping_ratio", settings.contact_damping_ratio);
   check_positive("Settings.contact_push_speed", settings.contact_push_speed);
-  check_not_negative("Settings.restitution_threshold", settings.restitution_threshold);
+  if (settings.restitution_threshold) {
+    check_not_negative("Settings.restitution_threshold", *settings.restitution_threshold);
+  }
   if (settings.contact_solver < ContactSolver::Auto || settings.contact_solver > ContactSolver::Direct) {
     refuse("Settings.contact_solver", static_cast<int>(settings.contact_solver), "a value of ContactSolver");
   }
@@ -69,7 +71,7 @@ solver::SolverSettings solver_settings(const Settings& settings) {
   s.contact_hertz = settings.contact_hertz.value_or(0);
   s.contact_damping_ratio = settings.contact_damping_ratio;
   s.contact_push_speed = settings.contact_push_speed;
-  s.restitution_threshold = settings.restitution_threshold;
+  s.restitution_threshold = settings.restitution_threshold.value_or(0);
   s.joint_method = static_cast<solver::JointMethod>(settings.joint_solver);
   s.joint_hertz = settings.joint_hertz.value_or(0);
   s.joint_damping_ratio = settings.joint_damping_ratio;

@@ -26,7 +26,7 @@ void visit_settings(Archive& archive, AnySettings& s) {
   optional(s.contact_hertz);
   archive.value(s.contact_damping_ratio);
   archive.value(s.contact_push_speed);
-  archive.value(s.restitution_threshold);
+  optional(s.restitution_threshold);
   archive.value(s.contact_solver);
   archive.value(s.joint_solver);
   optional(s.joint_hertz);

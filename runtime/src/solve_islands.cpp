@@ -5,6 +5,7 @@
 #include <jobs/with_surfaces.h>
 #include <jobs/worker_team.h>
 #include <solver/integrate/free_flight.h>
+#include <solver/tuning.h>
 
 #include <algorithm>
 #include <numeric>
@@ -27,6 +28,9 @@ void World::Impl::solve_islands() {
 solver::SolverSettings World::Impl::how() const {
   solver::SolverSettings how = solver_settings(settings);
   how.substeps = substeps_;
+  if (!settings.restitution_threshold) {
+    how.restitution_threshold = solver::tuning::least_bounce * gravity.norm() * dt_ / substeps_;
+  }
   return how;
 }
 

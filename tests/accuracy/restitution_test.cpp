@@ -77,6 +77,29 @@ TEST(Restitution, ImpactBelowTheThresholdDoesNotBounce) {
   }
 }
 
+// By how fast gravity makes things fall in a substep, so that a world a thousand times as large bounces alike if
+// gravity is.
+TEST(Restitution, WhatBouncesDoesNotDependOnTheScale) {
+  std::vector<double> heights;
+  for (const double scale : {1e-2, 1.0, 1e3}) {
+    World world({.gravity = {0, 0, -g * scale}});
+    BodyDef floor = ground();
+    floor.material.restitution = 0.5;
+    world.add_body(floor);
+    BodyDef falls = sphere({0, 0, 1.1 * scale}, 0.1 * scale);
+    falls.material = {.restitution = 0.5};
+    const BodyId id = world.add_body(falls);
+    for (int i = 0; i < 90; ++i) {
+      world.step(dt);
+      heights.push_back(world.pose(id).position.z() / scale);
+    }
+  }
+  for (std::size_t i = 0; i < 90; ++i) {
+    EXPECT_NEAR(heights[i], heights[90 + i], 2e-3) << i;
+    EXPECT_NEAR(heights[180 + i], heights[90 + i], 2e-3) << i;
+  }
+}
+
 TEST(Restitution, ElasticBallKeepsItsEnergyOverManyBounces) {
   World world;
   world.add_body(ground());

@@ -69,7 +69,9 @@ struct Settings {
   /// m/s, > 0: the fastest that overlap is pushed apart. Of contacts farther than 1 m from the centres of mass of the
   /// bodies that move, or under more gravity, times the root of distance by gravity over 1 m by 9.81 m/s^2.
   double contact_push_speed = 3;
-  double restitution_threshold = 1;  ///< m/s, >= 0: slower impacts don't bounce
+  /// m/s, >= 0: slower impacts don't bounce. Left out, it is twice the speed that gravity gives in a substep (0.08 m/s
+  /// at the defaults), so that large and small worlds bounce alike, and all impacts do where there is no gravity.
+  std::optional<double> restitution_threshold = {};
 
   ContactSolver contact_solver = ContactSolver::Auto;
 

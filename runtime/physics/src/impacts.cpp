@@ -106,9 +106,30 @@ double domino_speed(const Resolution& at, double push) {
   return 40 * pitch / (toppled[60] - toppled[20]) / std::sqrt(g * h);
 }
 
+// s, after which a ball of restitution 0.8 that falls by 1 m has come to rest.
+double time_to_rest(const Resolution& at) {
+  World world = make_world(at);
+  const Material material{.friction = 0, .restitution = 0.8};
+  add_ground(world, material);
+  const BodyId ball = world.add_body({.shape = Sphere{0.1}, .position = {0, 0, 1.1}, .material = material});
+  double last = 0;
+  run(world, at, 6, [&](double time) {
+    if (std::abs(world.velocity(ball).z()) > 1e-3) last = time;
+  });
+  return last;
+}
+
 }  // namespace
 
 void add_impacts(std::vector<PhysicsCase>& cases) {
+  cases.push_back({.name = "bounces-to-rest",
+                   .what = "a ball of restitution 0.8 that falls by 1 m: when it has come to rest",
+                   .unit = "s",
+                   .right = 9 * std::sqrt(2 / g),
+                   .source = "sqrt(2 h / g) (1 + e) / (1 - e)",
+                   .scale = 9 * std::sqrt(2 / g),
+                   .dt = 1.0 / 240,
+                   .measure = time_to_rest});
   const auto falls = [&](const char* name, const char* what, const Shape& shape, double half, double height) {
     cases.push_back({.name = name,
                      .what = std::string(what) + ": how far aside it comes to rest",

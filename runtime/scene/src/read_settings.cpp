@@ -58,7 +58,9 @@ Settings read_settings(const Reader& in) {
   if (in.find("contact_hertz")) in.get("contact_hertz", settings.contact_hertz.emplace(), above(0));
   in.get("contact_damping_ratio", settings.contact_damping_ratio, at_least(0));
   in.get("contact_push_speed", settings.contact_push_speed, above(0));
-  in.get("restitution_threshold", settings.restitution_threshold, at_least(0));
+  if (in.find("restitution_threshold")) {
+    in.get("restitution_threshold", settings.restitution_threshold.emplace(), at_least(0));
+  }
   if (const auto solver = in.find("contact_solver")) settings.contact_solver = read_contact_solver(*solver);
   if (const auto solver = in.find("joint_solver")) settings.joint_solver = read_joint_solver(*solver);
   if (in.find("joint_hertz")) in.get("joint_hertz", settings.joint_hertz.emplace(), above(0));

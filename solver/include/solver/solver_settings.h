@@ -25,7 +25,7 @@ struct SolverSettings {
   double contact_hertz = 0;  ///< 0: an eighth of the substep rate
   double contact_damping_ratio = 10;
   double contact_push_speed = 3;
-  double restitution_threshold = 1;
+  double restitution_threshold = 0;  ///< m/s
   JointMethod joint_method = JointMethod::Auto;
   double joint_hertz = 0;  ///< 0: 0.3 of the substep rate
   double joint_damping_ratio = 2;

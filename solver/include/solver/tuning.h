@@ -39,6 +39,10 @@ inline constexpr int landing_rounds = 7;
 /// Rounds over the points of each contact that bounces: with one, a face that hits flat would leave spinning. With 4 or
 /// 64 nothing moved.
 inline constexpr std::size_t restitution_rounds = 16;
+/// Of the speed that gravity gives in a substep: slower impacts don't bounce where nothing else is asked for. With 1, what
+/// lies is noise; a ball of restitution 0.8 that falls from 1 m comes to rest after 3.95 s with 2, with 25 after 3.3, and
+/// by its closed form after 4.06.
+inline constexpr double least_bounce = 2;
 /// Of friction in a bounce, each with all those after it.
 inline constexpr int bounce_rounds = 2;
 

@@ -259,9 +259,16 @@ HWY_INLINE void prepare_push(const ContactKernelData& data, ContactBlock& block,
   };
   const V square =
       hn::Min(square_of(c.anchor_first, c.inverse_mass_first), square_of(c.anchor_second, c.inverse_mass_second));
-  const V size = hn::IfThenElseZero(hn::Lt(square, splat(collision::no_point)), hn::Sqrt(square));
+  const V push = splat(data.constants.push_speed);
+  const float largest = 1 / (most * data.constants.gravity);
+  const M known = hn::Lt(square, splat(collision::no_point));
+  if (hn::AllFalse(D(), hn::And(known, hn::Gt(square, splat(largest * largest))))) {
+    store(push, block.push_speed + lane);
+    return;
+  }
+  const V size = hn::IfThenElseZero(known, hn::Sqrt(square));
   const V growth = hn::Max(hn::Mul(splat(most * data.constants.gravity), size), splat(1));
-  store(hn::Mul(splat(data.constants.push_speed), hn::Sqrt(growth)), block.push_speed + lane);
+  store(hn::Mul(push, hn::Sqrt(growth)), block.push_speed + lane);
 }
 
 HWY_INLINE void prepare_lanes(const ContactKernelData& data, std::size_t b, std::size_t lane, ContactTraits& traits) {
