@@ -115,7 +115,14 @@ TEST(ForceLaw, WhatIsWrongWithItIsSaid) {
   world.remove_body(gone);
   expect_error([&] { world.step(dt, ForceLaw{}); }, {"force law is empty"});
   expect_error([&] { world.step(-1, [](Forces&) {}); }, {"dt is -1"});
-  expect_error([&] { world.step(dt, [&](Forces& forces) { forces.add(gone, {1, 0, 0}); }); }, {"no body has the id"});
+  expect_error([&] { world.step(dt, [&](Forces& forces) {
+                       forces.add(gone, {1, 0, 0});
+                     }); },
+               {"Forces::add", "no body has the id"});
+  expect_error([&] { world.step(dt, [&](Forces& forces) {
+                       forces.add_at(gone, {1, 0, 0}, {0, 0, 0});
+                     }); },
+               {"Forces::add_at", "no body has the id"});
   expect_error([&] { world.step(dt, [&](Forces& forces) {
                        forces.add(id, {nan, 0, 0});
                      }); },
