@@ -8,7 +8,7 @@
 #include <solver/constraints/motion_locks.h>
 
 #include <algorithm>
-#include <sstream>
+#include <string>
 
 #include "body_definition.h"
 #include "recorder.h"
@@ -185,10 +185,7 @@ std::uint32_t World::Impl::index_of(BodyId id, const char* call) const {
   if (id.index < bodies.size() && records.alive[id.index] && records.generation[id.index] == id.generation) {
     return id.index;
   }
-  std::ostringstream message;
-  message << "World::" << call << ": no body has the id (index " << id.index << ", generation " << id.generation
-          << "); expected the id of a body that has not been removed";
-  throw Error(message.str());
+  refuse_stale(std::string("World::") + call, id);
 }
 
 std::uint32_t World::Impl::awaken(BodyId id, const char* call) { return awaken(index_of(id, call)); }

@@ -2,7 +2,6 @@
 
 #include <jobs/with_recording.h>
 
-#include <sstream>
 #include <utility>
 
 #include "recorder.h"
@@ -36,20 +35,12 @@ void add(StepReport& sum, const StepReport& last) {
   }
 }
 
-void check_alive(const char* call, const World& world, BodyId id) {
-  if (world.contains(id)) return;
-  std::ostringstream message;
-  message << call << ": no body has the id (index " << id.index << ", generation " << id.generation
-          << "); expected the id of a body that has not been removed";
-  throw Error(message.str());
-}
-
 }  // namespace
 
 void Forces::add(BodyId id, const Vector3& force, const Vector3& torque) {
   check_finite("Forces::add: force", force);
   check_finite("Forces::add: torque", torque);
-  check_alive("Forces::add", world_, id);
+  if (!world_.contains(id)) refuse_stale("Forces::add", id);
   force_.col(id.index) += force;
   torque_.col(id.index) += torque;
 }
@@ -57,7 +48,7 @@ void Forces::add(BodyId id, const Vector3& force, const Vector3& torque) {
 void Forces::add_at(BodyId id, const Vector3& force, const Vector3& point) {
   check_finite("Forces::add_at: force", force);
   check_finite("Forces::add_at: point", point);
-  check_alive("Forces::add_at", world_, id);
+  if (!world_.contains(id)) refuse_stale("Forces::add_at", id);
   const Vector3 arm = point - world_.centre_of_mass(id);
   force_.col(id.index) += force;
   torque_.col(id.index) += arm.cross(force);

@@ -26,6 +26,14 @@ template <typename Value>
   throw Error(message.str());
 }
 
+/// Throws Error: `call` was given the id of a body that there is no longer, or never was.
+[[noreturn]] inline void refuse_stale(std::string_view call, BodyId id) {
+  std::ostringstream message;
+  message << call << ": no body has the id (index " << id.index << ", generation " << id.generation
+          << "); expected the id of a body that has not been removed";
+  throw Error(message.str());
+}
+
 inline void check_finite(std::string_view field, double value) {
   if (!std::isfinite(value)) refuse(field, value, "a finite number");
 }

@@ -2,12 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cctype>
 #include <set>
 #include <string>
 
 #include "physics/suite.h"
+#include "support/scenes.h"
 
 namespace atl::physics {
 
@@ -21,13 +20,6 @@ namespace {
 
 using physics::PhysicsCase;
 using physics::PhysicsResult;
-
-std::string case_name(const testing::TestParamInfo<PhysicsCase>& info) {
-  std::string name = info.param.name;
-  std::replace_if(
-      name.begin(), name.end(), [](unsigned char letter) { return std::isalnum(letter) == 0; }, '_');
-  return name;
-}
 
 class PhysicsSuite : public testing::TestWithParam<PhysicsCase> {};
 
@@ -44,7 +36,8 @@ TEST_P(PhysicsSuite, IsRight) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, PhysicsSuite, testing::ValuesIn(physics::physics_cases()), case_name);
+INSTANTIATE_TEST_SUITE_P(All, PhysicsSuite, testing::ValuesIn(physics::physics_cases()),
+                         [](const auto& test) { return case_name(test.param.name); });
 
 TEST(PhysicsCases, HaveNamesSourcesAndLimits) {
   std::set<std::string> names;

@@ -9,6 +9,8 @@
 #include <set>
 #include <string>
 
+#include "support/scenes.h"
+
 namespace atl::stability {
 
 // What GoogleTest shows of a case.
@@ -23,14 +25,6 @@ using stability::CaseResult;
 using stability::Criterion;
 using stability::Finding;
 using stability::StabilityCase;
-
-std::string case_name(const testing::TestParamInfo<StabilityCase>& info) {
-  std::string name = info.param.name;
-  for (char& letter : name) {
-    if (std::isalnum(static_cast<unsigned char>(letter)) == 0) letter = '_';
-  }
-  return name;
-}
 
 class StabilitySuite : public testing::TestWithParam<StabilityCase> {};
 
@@ -52,7 +46,8 @@ TEST_P(StabilitySuite, KeepsToItsLimits) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, StabilitySuite, testing::ValuesIn(stability::stability_cases()), case_name);
+INSTANTIATE_TEST_SUITE_P(All, StabilitySuite, testing::ValuesIn(stability::stability_cases()),
+                         [](const auto& test) { return case_name(test.param.name); });
 
 TEST(StabilityCases, HaveNamesAndLimitsOfTheirOwn) {
   std::set<std::string> names;

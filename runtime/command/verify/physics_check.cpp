@@ -1,42 +1,20 @@
 #include "physics_check.h"
 
-#include <algorithm>
 #include <iostream>
-#include <string_view>
+#include <string>
 
 #include "../failure.h"
 #include "../progress.h"
+#include "chosen_cases.h"
 #include "physics_report.h"
-#include "scene/src/words.h"
 
 namespace atl::command {
-namespace {
 
 using physics::PhysicsCase;
 using physics::PhysicsResult;
 
-std::vector<PhysicsCase> chosen_physics(const VerifyOptions& options) {
-  const std::vector<PhysicsCase>& all = physics::physics_cases();
-  if (options.cases.empty()) return all;
-  std::vector<PhysicsCase> cases;
-  for (const std::string& name : options.cases) {
-    const auto found = std::find_if(all.begin(), all.end(), [&](const PhysicsCase& c) { return c.name == name; });
-    if (found == all.end()) {
-      std::vector<std::string_view> names;
-      for (const PhysicsCase& known : all) names.push_back(known.name);
-      throw Failure(Status::Usage, "--case: found " + scene::quote(name) +
-                                       ", expected a name from the table of atoll verify --physics" +
-                                       scene::suggestion(name, names));
-    }
-    cases.push_back(*found);
-  }
-  return cases;
-}
-
-}  // namespace
-
 void check_physics(const VerifyOptions& options) {
-  const std::vector<PhysicsCase> cases = chosen_physics(options);
+  const std::vector<PhysicsCase> cases = chosen_cases(physics::physics_cases(), options.cases, "--physics");
   Progress progress(static_cast<std::int64_t>(cases.size()), "cases");
   std::vector<std::vector<PhysicsResult>> results;
   for (const PhysicsCase& test : cases) {

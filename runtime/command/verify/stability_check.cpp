@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <iostream>
-#include <string_view>
+#include <string>
 
 #include "../failure.h"
 #include "../progress.h"
-#include "scene/src/words.h"
+#include "chosen_cases.h"
 #include "stability_report.h"
 
 namespace atl::command {
@@ -14,24 +14,6 @@ namespace {
 
 using stability::CaseResult;
 using stability::StabilityCase;
-
-const StabilityCase& find_case(const std::string& name) {
-  const std::vector<StabilityCase>& cases = stability::stability_cases();
-  const auto found = std::find_if(cases.begin(), cases.end(), [&](const StabilityCase& c) { return c.name == name; });
-  if (found != cases.end()) return *found;
-  std::vector<std::string_view> names;
-  for (const StabilityCase& known : cases) names.push_back(known.name);
-  throw Failure(Status::Usage, "--case: found " + scene::quote(name) +
-                                   ", expected a name from the table of atoll verify --stability" +
-                                   scene::suggestion(name, names));
-}
-
-std::vector<StabilityCase> chosen_cases(const VerifyOptions& options) {
-  if (options.cases.empty()) return stability::stability_cases();
-  std::vector<StabilityCase> cases;
-  for (const std::string& name : options.cases) cases.push_back(find_case(name));
-  return cases;
-}
 
 std::vector<CaseResult> run_cases(const std::vector<StabilityCase>& cases) {
   Progress progress(static_cast<std::int64_t>(cases.size()), "cases");
@@ -46,7 +28,7 @@ std::vector<CaseResult> run_cases(const std::vector<StabilityCase>& cases) {
 }  // namespace
 
 void check_stability(const VerifyOptions& options) {
-  const std::vector<StabilityCase> cases = chosen_cases(options);
+  const std::vector<StabilityCase> cases = chosen_cases(stability::stability_cases(), options.cases, "--stability");
   const std::vector<CaseResult> results = run_cases(cases);
   if (options.format == Format::Json) {
     write_stability_json(std::cout, cases, results);

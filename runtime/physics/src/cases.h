@@ -4,6 +4,7 @@
 #include <atoll/world.h>
 
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "../suite.h"
@@ -11,7 +12,7 @@
 namespace atl::physics {
 
 inline constexpr double g = 9.81;  ///< m/s^2
-inline constexpr double pi = 3.14159265358979323846;
+inline constexpr double pi = std::numbers::pi;
 
 void add_sliding(std::vector<PhysicsCase>& cases);
 void add_impacts(std::vector<PhysicsCase>& cases);
