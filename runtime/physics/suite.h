@@ -25,6 +25,7 @@ struct PhysicsCase {
   double dt = 1.0 / 60;  ///< s, at which the limit is to hold
   /// The value that a run at this resolution comes to: deterministic, on one thread. Not finite where a body is lost.
   std::function<double(const Resolution&)> measure;
+  bool statistical = false;        ///< of many bodies: the value scatters, and finer steps tell no more of it
   std::string known_failure = {};  ///< the reason why the error is above the limit as things stand, else ""
 };
 

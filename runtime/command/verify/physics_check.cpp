@@ -21,7 +21,7 @@ void check_physics(const VerifyOptions& options) {
     std::vector<PhysicsResult> of_case;
     for (const int divisor : refinements) {
       of_case.push_back(run_case(test, test.dt / divisor));
-      if (!options.refine) break;
+      if (!options.refine || test.statistical) break;
     }
     results.push_back(std::move(of_case));
     progress.update(static_cast<std::int64_t>(results.size()));

@@ -52,8 +52,8 @@ void write_physics_text(std::ostream& out, std::span<const PhysicsCase> cases,
           significant(1e3 * result.seconds, 3)}) {
       out << std::setw(width) << text;
     }
-    for (std::size_t k = 1; k < results[i].size(); ++k) {
-      out << std::setw(width) << significant(results[i][k].error, 2);
+    for (std::size_t k = 1; refined && k < refinements.size(); ++k) {
+      out << std::setw(width) << (k < results[i].size() ? significant(results[i][k].error, 2) : "-");
     }
     out << "  " << physics_status(test, result) << "\n";
   }

@@ -72,7 +72,8 @@ void add_verify_options(CLI::App& command, VerifyOptions& options) {
       .add_flag("--physics", options.physics,
                 "run motions that are known, and hold them against closed forms and published values")
       ->group(suites);
-  command.add_flag("--refine", options.refine, "with --physics: also in steps of a 4th, a 16th and a 64th")
+  command
+      .add_flag("--refine", options.refine, "with --physics: also in steps of a 4th, a 16th and a 64th, but for grains")
       ->group(suites);
   command.add_option("--case", options.cases, "only the case of this name; may be given again")
       ->type_name("NAME")

@@ -22,6 +22,7 @@ void add_spins(std::vector<PhysicsCase>& cases);
 void add_springs(std::vector<PhysicsCase>& cases);
 void add_mechanisms(std::vector<PhysicsCase>& cases);
 void add_statics(std::vector<PhysicsCase>& cases);
+void add_granular(std::vector<PhysicsCase>& cases);
 void add_invariances(std::vector<PhysicsCase>& cases);
 
 /// A world at the defaults but for the resolution's substeps.
@@ -36,6 +37,22 @@ void run(World& world, const Resolution& at, double seconds, const AfterStep& af
   }
 }
 void run(World& world, const Resolution& at, double seconds);
+
+/// What y comes to whose rates are rates(y), both vectors of Eigen's, after `seconds` in steps of at most `longest`:
+/// the classical Runge-Kutta method.
+template <typename State, typename Rates>
+State integrated(State y, double seconds, double longest, const Rates& rates) {
+  const int steps = static_cast<int>(std::ceil(seconds / longest));
+  const double h = seconds / steps;
+  for (int i = 0; i < steps; ++i) {
+    const State k1 = rates(y);
+    const State k2 = rates(State(y + h / 2 * k1));
+    const State k3 = rates(State(y + h / 2 * k2));
+    const State k4 = rates(State(y + h * k3));
+    y += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
+  }
+  return y;
+}
 
 BodyId add_ground(World& world, const Material& material = {});
 /// kg m^2 of a body in the world frame, about its centre of mass.

@@ -80,6 +80,34 @@ struct Gas {
   }
 };
 
+// Of an elastic body without friction that is thrown at a wall without gravity, turned in 200 ways: the most by which
+// its energy changes.
+double thrown(const Resolution& at, const Shape& shape, const Vector3& moments) {
+  const Material material{.friction = 0, .restitution = 1};
+  const Matrix3 inertia = moments.asDiagonal();
+  std::mt19937 random(1);
+  const auto part = [&] { return 2 * static_cast<double>(random()) / 4294967296.0 - 1; };
+  double worst = 0;
+  for (int i = 0; i < 200; ++i) {
+    World world = make_world(at, 0);
+    add_ground(world, material);
+    const double x = part(), y = part(), z = part(), angle = pi * part();
+    const double wx = part(), wy = part(), wz = part();
+    const BodyId body = world.add_body({.shape = shape,
+                                        .position = {0, 0, 1.5},
+                                        .orientation = turn_about({x, y, z}, angle),
+                                        .velocity = {1, 0, -4},
+                                        .angular_velocity = {wx, wy, wz},
+                                        .mass = 1.0,
+                                        .inertia = inertia,
+                                        .material = material});
+    const double before = kinetic_energy(world, body, inertia);
+    run(world, at, 1);
+    worst = std::max(worst, std::abs(kinetic_energy(world, body, inertia) / before - 1));
+  }
+  return worst;
+}
+
 double energy_of_gas(const Resolution& at) {
   Gas gas(at, 1, 1);
   const double before = gas.energy();
@@ -189,6 +217,20 @@ void add_impacts(std::vector<PhysicsCase>& cases) {
                    .right = 1,
                    .source = "conservation",
                    .measure = energy_of_gas});
+  const auto throws = [&](const char* name, const char* what, const Shape& shape, const Vector3& moments,
+                          const char* known = "") {
+    cases.push_back({.name = name,
+                     .what = std::string("an elastic ") + what +
+                             " thrown at a wall at 4 m/s, turned in 200 ways: the most that its energy changes",
+                     .unit = "",
+                     .source = "conservation",
+                     .measure = [=](const Resolution& at) { return thrown(at, shape, moments); },
+                     .known_failure = known});
+  };
+  throws("throw-box", "box of 1 x 0.5 x 0.25 m", Box{{0.5, 0.25, 0.125}}, Vector3(5, 17, 20) / 192,
+         "after its first hit it turns by a third of a radian a step; none of the 200 at dt 1/240 is off by more");
+  throws("throw-cylinder", "cylinder of 1 m", Cylinder{}, Vector3(7, 7, 6) / 48);
+  throws("throw-capsule", "capsule of 1 m", Capsule{.radius = 0.25, .half_height = 0.25}, {0.06, 0.06, 0.03});
   cases.push_back({.name = "haff-cooling",
                    .what = "the same of restitution 0.8, 20 s: R^2 of a line through its inverse root of energy",
                    .unit = "",

@@ -95,18 +95,20 @@ void add_invariances(std::vector<PhysicsCase>& cases) {
                      .limit = 0.01,
                      .measure = [=](const Resolution& at) { return stack_on_flatbed(at, speed); }});
   }
-  const auto scales = [&](const char* name, const char* what, double size, bool scaled) {
+  const auto scales = [&](const char* name, const char* what, double size, bool scaled, double dt = 1.0 / 60) {
     cases.push_back(
         {.name = name,
          .what = std::string("five boxes of ") + what + " that fall 0.2 of it on each other: overlap by size",
          .unit = "",
          .source = "scale",
          .limit = 0.02,
+         .dt = dt,
          .measure = [=](const Resolution& at) { return overlap_by_scale(at, size, scaled); }});
   };
   scales("scale-1m", "1 m", 1, true);
   scales("scale-1km", "1 km, gravity scaled,", 1000, true);
   scales("scale-1cm-scaled", "1 cm, gravity scaled,", 0.01, true);
+  scales("scale-1cm", "1 cm under usual gravity", 0.01, false, 1.0 / 240);
 }
 
 }  // namespace atl::physics

@@ -171,6 +171,75 @@ double squeezer(const Resolution& at) {
   return turned;
 }
 
+// A governor: two arms of 1 m with balls of 5 kg at their ends, hinged to a shaft that turns freely, lift a sleeve of 1
+// kg by stiff springs and dampers from the middle of each. The IFToMM benchmark A05 has arms of some inertia too.
+struct Governor {
+  static constexpr double ball = 5, ball_moment = 0.05, sleeve = 1, shaft_moment = 0.2, sleeve_moment = 0.01,
+                          stiffness = 8e5, damping = 4e4, start = pi / 6, spin = 2 * pi;
+  static double level(double lean) { return std::cos(lean); }  // m, of the sleeve below the top, springs at rest
+  static constexpr double rest = 0.5;                          // m, of springs
+};
+
+// m: how far the sleeve is off Lagrange's equations, at most, in 5 s.
+double governor(const Resolution& at) {
+  using Go = Governor;
+  World world = mechanism_world(at, g);
+  const Vector3 z = Vector3::UnitZ();
+  const BodyId floor = world.add_body({.type = BodyType::Static, .shape = Sphere{0.01}, .filter = no_contact});
+  const auto add = [&](double mass, double moment, const Vector3& place, const Vector3& velocity) {
+    return world.add_body({.shape = Sphere{0.01},
+                           .position = place,
+                           .velocity = velocity,
+                           .angular_velocity = Go::spin * z,
+                           .mass = mass,
+                           .inertia = Matrix3(moment * Matrix3::Identity()),
+                           .filter = no_contact});
+  };
+  const BodyId shaft = add(1, Go::shaft_moment, {0, 0, 0}, {0, 0, 0});
+  const BodyId sleeve = add(Go::sleeve, Go::sleeve_moment, {0, 0, -Go::level(Go::start)}, {0, 0, 0});
+  add_hinge(world, floor, shaft, {0, 0, 0}, z);
+  const Quaternion down = Quaternion::FromTwoVectors(Vector3::UnitX(), z);
+  world.add_joint({.kind = SliderJoint{},
+                   .first = shaft,
+                   .second = sleeve,
+                   .frame_first = {world.pose(sleeve).position, down},
+                   .frame_second = {{0, 0, 0}, down}});
+  for (const double side : {1.0, -1.0}) {
+    const Vector3 tip(side * std::sin(Go::start), 0, -std::cos(Go::start));
+    const BodyId arm = add(Go::ball, Go::ball_moment, tip, Go::spin * z.cross(tip));
+    add_hinge(world, shaft, arm, {0, 0, 0}, Vector3::UnitY());
+    world.add_joint(
+        {.kind = DistanceJoint{{.range = {},
+                                .spring =
+                                    JointSpring{.rest = Go::rest, .stiffness = Go::stiffness, .damping = Go::damping}}},
+         .first = arm,
+         .second = sleeve,
+         .frame_first = {.position = -0.5 * tip}});
+  }
+  // Lean and its rate, what the sleeve is below the top and its rate; the spin is from the angular momentum.
+  const auto moment = [](double lean) {
+    return 2 * (Go::ball * std::sin(lean) * std::sin(lean) + Go::ball_moment) + Go::shaft_moment + Go::sleeve_moment;
+  };
+  const double momentum = moment(Go::start) * Go::spin;
+  using State = Eigen::Vector4d;
+  const auto rates = [&](const State& y) {
+    const double s = std::sin(y[0]), c = std::cos(y[0]), spin = momentum / moment(y[0]);
+    const double across = 0.5 * s, along = y[2] - 0.5 * c, length = std::hypot(across, along);
+    const double lean_part = 0.5 * (across * c + along * s) / length, level_part = along / length;
+    const double stretching = lean_part * y[1] + level_part * y[3];
+    const double force = Go::stiffness * (length - Go::rest) + Go::damping * stretching;
+    const double turning = Go::ball * s * (c * spin * spin - g) - force * lean_part;
+    return State(y[1], turning / (Go::ball + Go::ball_moment), y[3], g - 2 * force * level_part / Go::sleeve);
+  };
+  State y(Go::start, 0, Go::level(Go::start), 0);
+  double worst = 0;
+  run(world, at, 5, [&](double) {
+    y = integrated(y, at.dt, 2e-5, rates);
+    worst = std::max(worst, std::abs(-world.pose(sleeve).position.z() - y[2]));
+  });
+  return worst;
+}
+
 // A joint along x whose body of 2 kg starts at rest at 0.
 struct Slider {
   World world;
@@ -255,6 +324,12 @@ void add_mechanisms(std::vector<PhysicsCase>& cases) {
                    .limit = 0.01,
                    .dt = 1e-4,
                    .measure = squeezer});
+  cases.push_back(
+      {.name = "governor",
+       .what = "a governor with springs of 8e5 N/m and 4e4 N s/m: the farthest that its sleeve is off in 5 s",
+       .unit = "m",
+       .source = "Lagrange's equations, RK4 at 20 us; after IFToMM multibody benchmark A05",
+       .measure = governor});
   cases.push_back({.name = "servo-motion",
                    .what = "2 kg by a servo of 200 N/m and 4 N s/m to 0.5 m: the farthest off in 3 s",
                    .unit = "m",

@@ -54,28 +54,18 @@ struct RollingDisc {
     const Vector3 torque = r.cross(mass * (g * Vector3::UnitZ() - w.cross(arm_rate(q, w)))) - w.cross(inertia * w);
     return about_contact.ldlt().solve(torque);
   }
-  static Quaternion advanced(const Quaternion& q, const Vector3& w, double h) {
-    const Quaternion rate = Quaternion(0, w.x(), w.y(), w.z()) * q;
-    return Quaternion(q.coeffs() + 0.5 * h * rate.coeffs()).normalized();
-  }
-  // The classical Runge-Kutta method.
-  void advance(double h) {
-    const Quaternion q1 = turn;
-    const Vector3 w1 = spin, a1 = acceleration(q1, w1);
-    const Quaternion q2 = advanced(turn, w1, h / 2);
-    const Vector3 w2 = spin + h / 2 * a1, a2 = acceleration(q2, w2);
-    const Quaternion q3 = advanced(turn, w2, h / 2);
-    const Vector3 w3 = spin + h / 2 * a2, a3 = acceleration(q3, w3);
-    const Quaternion q4 = advanced(turn, w3, h);
-    const Vector3 w4 = spin + h * a3, a4 = acceleration(q4, w4);
-    const auto rate = [](const Quaternion& q, const Vector3& w) {
-      return Eigen::Vector4d((Quaternion(0, w.x(), w.y(), w.z()) * q).coeffs());
-    };
-    const auto speed = [&](const Quaternion& q, const Vector3& w) { return Vector3(-w.cross(arm(q))); };
-    centre += h / 6 * (speed(q1, w1) + 2 * speed(q2, w2) + 2 * speed(q3, w3) + speed(q4, w4));
-    turn = Quaternion(q1.coeffs() + h / 12 * (rate(q1, w1) + 2 * rate(q2, w2) + 2 * rate(q3, w3) + rate(q4, w4)))
-               .normalized();
-    spin += h / 6 * (a1 + 2 * a2 + 2 * a3 + a4);
+  void advance(double seconds) {
+    using State = Eigen::Matrix<double, 10, 1>;
+    const State start = (State() << centre, turn.coeffs(), spin).finished();
+    const State end = integrated(start, seconds, 5e-4, [&](const State& y) {
+      const Quaternion q = Quaternion(y.segment<4>(3)).normalized();
+      const Vector3 w = y.tail<3>();
+      const Quaternion turning = Quaternion(0, 0.5 * w.x(), 0.5 * w.y(), 0.5 * w.z()) * q;
+      return State((State() << -w.cross(arm(q)), turning.coeffs(), acceleration(q, w)).finished());
+    });
+    centre = end.head<3>();
+    turn = Quaternion(end.segment<4>(3)).normalized();
+    spin = end.tail<3>();
   }
   double energy() const {
     const Vector3 own = turn.conjugate() * spin;
@@ -118,8 +108,7 @@ CoinError coin_error(const Resolution& at, const Coin& coin) {
   const double before = energy();
   CoinError error{0, 0};
   run(world, at, coin.seconds, [&](double) {
-    const int steps = 1 + static_cast<int>(at.dt / 5e-4);
-    for (int i = 0; i < steps; ++i) disc.advance(at.dt / steps);
+    disc.advance(at.dt);
     const double is = std::asin((world.pose(body).orientation * Vector3::UnitZ()).z());
     const double right = std::asin((disc.turn * Vector3::UnitZ()).z());
     error.tilt = std::max(error.tilt, std::abs(is - right));

@@ -92,20 +92,12 @@ double tip_on_spring(const Resolution& at) {
     const Vector3 pulls = stiffness * (1 - rest / (hold - tip).norm()) * (hold - tip);
     return (tip.z() * -pulls.x() + tip.x() * pulls.z() - HungRod::mass * g / 2 * std::sin(angle)) / hung.inertia;
   };
-  double angle = start, rate = 0, worst = 0;
+  Eigen::Vector2d swing(start, 0);  // the angle and its rate
+  double worst = 0;
   run(hung.world, at, 3, [&](double) {
-    const int steps = 1 + static_cast<int>(at.dt / 5e-4);
-    const double h = at.dt / steps;
-    for (int i = 0; i < steps; ++i) {
-      // The classical Runge-Kutta method.
-      const double a1 = acceleration(angle);
-      const double r2 = rate + h / 2 * a1, a2 = acceleration(angle + h / 2 * rate);
-      const double r3 = rate + h / 2 * a2, a3 = acceleration(angle + h / 2 * r2);
-      const double r4 = rate + h * a3, a4 = acceleration(angle + h * r3);
-      angle += h / 6 * (rate + 2 * r2 + 2 * r3 + r4);
-      rate += h / 6 * (a1 + 2 * a2 + 2 * a3 + a4);
-    }
-    worst = std::max(worst, HungRod::length * std::abs(std::remainder(hung.angle() - angle, 2 * pi)));
+    swing = integrated(swing, at.dt, 5e-4,
+                       [&](const Eigen::Vector2d& y) { return Eigen::Vector2d(y[1], acceleration(y[0])); });
+    worst = std::max(worst, HungRod::length * std::abs(std::remainder(hung.angle() - swing[0], 2 * pi)));
   });
   return worst;
 }
