@@ -18,6 +18,14 @@ namespace {
 
 using solver::SolveMode;
 
+std::vector<std::size_t> large_islands(std::span<const solver::IslandGroup> groups) {
+  std::vector<std::size_t> islands;
+  for (const solver::IslandGroup& group : groups) {
+    if (group.large) islands.push_back(group.begin);
+  }
+  return islands;
+}
+
 }  // namespace
 
 void World::Impl::solve_islands() {
@@ -66,8 +74,9 @@ void World::Impl::choose_modes() {
   alone_.resize(modes_.size());
   std::transform(modes_.begin(), modes_.end(), alone_.begin(),
                  [](SolveMode mode) -> std::uint8_t { return mode != SolveMode::Sweep; });
+  const std::vector<std::size_t> before = large_islands(groups_);
   solver::pack_groups(islands_, one_each_, alone_, groups_);
-  regrouped_ = true;
+  regrouped_ |= islands_rebuilt_ || large_islands(groups_) != before;
 }
 
 SolveMode World::Impl::mode_of(const solver::IslandGroup& group) const {
@@ -79,6 +88,10 @@ void World::Impl::solve_groups() {
   solver::SolverSettings how_finer = how;
   how_finer.finer = solver::finer_by(how, dt_);
   how_finer.substeps *= how_finer.finer;
+  solver::SolverSettings how_landing = how;
+  how_landing.finer = solver::tuning::landing_finer;
+  how_landing.contact_hertz = solver::SubstepConstants::contact_hertz(how, dt_ / how.substeps);
+  how_landing.substeps *= how_landing.finer;
   const bool captures = settings.keep_contact_problem || settings.run_everything;
   if (captures) capture_.resize(cache.manifolds.size(), bodies.size());
   const bool surfaces = with_surfaces && (settings.run_everything || !bodies.surfaces.empty() || !cache.rises.empty());
@@ -102,8 +115,10 @@ void World::Impl::solve_groups() {
   };
   const solver::SolveInput plain = input_with(how);
   const solver::SolveInput fine = input_with(how_finer);
+  const solver::SolveInput landing = input_with(how_landing);
   const auto input_of = [&](const solver::IslandGroup& group) -> const solver::SolveInput& {
-    return mode_of(group) == SolveMode::Finer ? fine : plain;
+    const SolveMode mode = mode_of(group);
+    return mode == SolveMode::Finer ? fine : mode == SolveMode::Landing ? landing : plain;
   };
 
   group_reports_.assign(groups_.size(), {});

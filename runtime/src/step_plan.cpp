@@ -46,7 +46,7 @@ constexpr std::array<StageWords, stage_count> words = {{
      "no tolerance is set, or nothing touches"},
     {"direct_contacts", "islands", "some islands' contacts carry more than sweeps can settle",
      "no island's contacts carry more than sweeps can settle"},
-    {"finer_substeps", "islands", "some islands sag under their own weight", "no island sags under its own weight"},
+    {"finer_substeps", "islands", "some islands sag under their own weight, or a body lands", "no island sags, and no body lands that leans"},
     {"joint_solver", "joints", "bodies that are awake are joined: one joint after the other",
      "all joints are solved at once"},
     {"direct_joints", "joints", "some joints that hang together are solved at once",

@@ -155,5 +155,46 @@ TEST(SolverSelection, EstimatesTheLoadsOfWhatIsNew) {
   EXPECT_TRUE(piles.selection.arrived().empty());
 }
 
+// A box that leans on one edge and whose other one comes down.
+struct Rocking : Piles {
+  Rocking() : Piles({1}) {
+    collision::ContactManifold& manifold = manifolds[0];
+    manifold.x[0] = -0.5f;
+    manifold.x[1] = 0.5f;
+    manifold.separation[1] = 0.01f;
+    for (const int i : {2, 3}) manifold.separation[i] = collision::no_point;
+    manifold.normal_impulse[0] = 0.1f;
+    bodies.radius[1] = 0.8;
+    bodies.angular_velocity(1) = turning();
+  }
+  // What brings the second point down: the tangents decide where it is.
+  Vector3 turning() const {
+    const collision::Tangents tangents = collision::tangents(manifolds[0].normal);
+    const Vector3 x(tangents.first[0], tangents.first[1], tangents.first[2]);
+    return -2 * x.cross(Vector3::UnitZ());
+  }
+};
+
+TEST(SolverSelection, GivesLandingsFinerSubsteps) {
+  Rocking rocking;
+  EXPECT_EQ(rocking.choose(), std::vector<SolveMode>{SolveMode::Landing});
+  EXPECT_STREQ(rocking.selection.why(0), "something lands in it that leans on something else");
+}
+
+TEST(SolverSelection, LeavesOtherLandingsToTheSweeps) {
+  Rocking away;
+  away.bodies.angular_velocity(1) *= -1;
+  EXPECT_EQ(away.choose(), none);
+  Rocking slow;
+  slow.bodies.angular_velocity(1) *= 0.05;
+  EXPECT_EQ(slow.choose(), none);
+  Rocking high;
+  high.manifolds[0].separation[1] = 0.1f;
+  EXPECT_EQ(high.choose(), none);
+  Rocking free;
+  free.manifolds[0].normal_impulse[0] = 0;
+  EXPECT_EQ(free.choose(), none);
+}
+
 }  // namespace
 }  // namespace atl::solver

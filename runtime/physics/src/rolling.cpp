@@ -183,8 +183,7 @@ void add_rolling(std::vector<PhysicsCase>& cases) {
                            if (std::abs(value - 2.0 / 7) > std::abs(worst - 2.0 / 7)) worst = value;
                          }
                          return worst;
-                       },
-                   .known_failure = "gravity acts for the substeps that the impact takes"});
+                       }});
 }
 
 }  // namespace atl::physics

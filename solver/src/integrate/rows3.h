@@ -3,11 +3,15 @@
 #include <solver/integrate/body_table.h>
 #include <solver/integrate/solver_bodies.h>
 
+#include <array>
+
 // The rows of floats that kernels work on, as vectors and matrices in double.
 
 namespace atl::solver {
 
 inline Vector3 get3(const float (&from)[3]) { return {from[0], from[1], from[2]}; }
+
+inline Vector3 get3(const std::array<float, 3>& from) { return {from[0], from[1], from[2]}; }
 
 inline void set3(float (&to)[3], const Vector3& from) {
   for (int i = 0; i < 3; ++i) to[i] = static_cast<float>(from[i]);

@@ -1,4 +1,5 @@
 #include <solver/select/joint_selection.h>
+#include <solver/select/landing.h>
 #include <solver/select/solver_selection.h>
 #include <solver/tuning.h>
 
@@ -76,7 +77,8 @@ void SolverSelection::estimate_arrived(const LoadInput& input) {
 std::span<const SolveMode> SolverSelection::choose(const LoadInput& input) {
   estimate_arrived(input);
   if (input.rebuilt || !knows_pressed_) find_pressed(input);
-  if (strained_.empty() && pressed_.empty()) return {};
+  find_landings(input);
+  if (strained_.empty() && pressed_.empty() && landings_.empty()) return {};
   const Islands& islands = input.islands;
   symptoms_.assign(islands.count(), {});
   for (const std::uint32_t body : strained_) {
@@ -90,10 +92,13 @@ std::span<const SolveMode> SolverSelection::choose(const LoadInput& input) {
   }
   modes_.assign(islands.count(), SolveMode::Sweep);
   for (const std::size_t island : pressed_) modes_[island] = SolveMode::Direct;
-  bool any = !pressed_.empty();
+  for (const std::size_t island : landings_) {
+    if (modes_[island] == SolveMode::Sweep) modes_[island] = SolveMode::Landing;
+  }
+  bool any = !pressed_.empty() || !landings_.empty();
   for (std::size_t island = 0; island < islands.count(); ++island) {
     const Symptoms& has = symptoms_[island];
-    if (!(has.lasts || has.crushes) || modes_[island] != SolveMode::Sweep) continue;
+    if (!(has.lasts || has.crushes) || modes_[island] == SolveMode::Direct) continue;
     const bool small = islands.body_count(island) <= tuning::most_bodies;
     const Build build = build_of(islands, island);
     if (build == Build::Columns || (has.crushes && small)) {
@@ -106,6 +111,13 @@ std::span<const SolveMode> SolverSelection::choose(const LoadInput& input) {
     any |= modes_[island] != SolveMode::Sweep;
   }
   return any ? std::span<const SolveMode>(modes_) : std::span<const SolveMode>();
+}
+
+void SolverSelection::find_landings(const LoadInput& input) {
+  landings_.clear();
+  for (std::size_t island = 0; island < input.islands.count(); ++island) {
+    if (lands(input, island)) landings_.push_back(island);
+  }
 }
 
 // Where joints that are solved at once and contacts took turns over a light body between heavy ones, each would undo
@@ -157,6 +169,7 @@ bool SolverSelection::is_pressed(const LoadInput& input, std::size_t island) {
 
 std::span<const SolveMode> SolverSelection::choose_direct(const LoadInput& input) {
   forget_all();
+  landings_.clear();
   const Islands& islands = input.islands;
   symptoms_.assign(islands.count(), {});
   modes_.assign(islands.count(), SolveMode::Sweep);
@@ -171,6 +184,7 @@ std::span<const SolveMode> SolverSelection::choose_direct(const LoadInput& input
 const char* SolverSelection::why(std::size_t island) const {
   const bool pressed = std::binary_search(pressed_.begin(), pressed_.end(), island);
   if (pressed) return "a body carries one many times as heavy, and there are joints";
+  if (modes_[island] == SolveMode::Landing) return "something lands in it that leans on something else";
   if (symptoms_[island].crushes) return "a body carries many times what its contacts are made for";
   return modes_[island] == SolveMode::Finer ? "it sags under its own weight" : "columns give way under what they carry";
 }

@@ -11,9 +11,10 @@ namespace atl::solver {
 
 /// How an island is solved.
 enum class SolveMode : std::uint8_t {
-  Sweep,   ///< as the settings say
-  Finer,   ///< in more substeps
-  Direct,  ///< at once
+  Sweep,    ///< as the settings say
+  Finer,    ///< in more substeps
+  Landing,  ///< in more substeps, for a step in which something lands
+  Direct,   ///< at once
 };
 
 /// How many substeps an island gets for each that was asked for, a power of two; 1 where these are as short already.
@@ -21,7 +22,8 @@ int finer_by(const SolverSettings& settings, double dt);
 
 /// Follows which contacts carry more than soft ones are made for, and says what is done about their islands. A load has
 /// to stay for some steps, or it is an impact; of bodies that are new it is estimated at once. Tall columns, heavy
-/// bodies on light ones and large walls are what it finds. While there are none it costs nothing.
+/// bodies on light ones and large walls are what it finds, and landings in small islands. While there are none it costs
+/// nothing.
 class SolverSelection {
  public:
   /// For a world of so many bodies.
@@ -68,12 +70,13 @@ class SolverSelection {
 
   /// Memory held.
   std::size_t bytes() const {
-    return jobs::bytes_of(strain_, strained_, arrived_, of_overloads_, merged_, symptoms_, modes_, estimated_, pressed_,
+    return jobs::bytes_of(strain_, strained_, arrived_, of_overloads_, merged_, symptoms_, modes_, estimated_, pressed_, landings_,
                           on_system_);
   }
 
  private:
   void estimate_arrived(const LoadInput& input);
+  void find_landings(const LoadInput& input);
   void find_pressed(const LoadInput& input);
   bool is_pressed(const LoadInput& input, std::size_t island);
 
@@ -89,6 +92,7 @@ class SolverSelection {
   std::vector<std::uint32_t> arrived_;
   std::vector<std::uint32_t> of_overloads_, merged_;
   std::vector<Symptoms> symptoms_;       // by island
+  std::vector<std::size_t> landings_;    // islands in which something lands
   std::vector<std::size_t> pressed_;     // islands in which something heavy lies on joints that are solved at once
   bool knows_pressed_ = false;           // of the islands as they are
   std::vector<std::uint8_t> on_system_;  // by body of an island
