@@ -54,7 +54,8 @@ TEST(SceneBuiltin, AllHaveWhatTheyShare) {
     if (scene.closed_form) continue;      // those are as simple as their formula wants them
     if (!scene.joints.empty()) continue;  // and those in scene_joint_builtin_test.cpp
     EXPECT_EQ(scene.gravity, Vector3(0, 0, -9.81));
-    const std::set<std::string> dropped = {"pile", "marbles", "hopper", "conveyor"};
+    const std::set<std::string> dropped = {"pile",  "marbles", "hopper", "conveyor",
+                                           "rocks", "mixed",   "drum",   "terrain"};
     EXPECT_EQ(scene.starts_at_rest, !dropped.contains(builtin.name));
     EXPECT_EQ(scene.bodies.front().name, "ground");
     EXPECT_EQ(scene.bodies.front().def.type, BodyType::Static);
@@ -67,7 +68,9 @@ TEST(SceneBuiltin, AllHaveWhatTheyShare) {
         EXPECT_EQ(body.def.density, 1000);
       }
     }
-    EXPECT_TRUE(names.contains(builtin.name == "marbles" ? "marble_0" : "box_0"));
+    const std::map<std::string, std::string> others = {
+        {"marbles", "marble_0"}, {"rocks", "rock_0"}, {"mixed", "solid_0"}, {"terrain", "burr_0"}};
+    EXPECT_TRUE(names.contains(others.contains(builtin.name) ? others.at(builtin.name) : "box_0"));
   }
 }
 
@@ -99,7 +102,11 @@ TEST(SceneBuiltin, CountsAndSteps) {
                {"stack", 10, 600},       {"stack:height=3,ratio=100", 3, 600},
                {"conveyor", 12, 600},    {"conveyor:boxes=3", 3, 600},
                {"marbles", 5000, 600},   {"marbles:bodies=40", 40, 600},
-               {"hopper", 2000, 600},    {"hopper:bodies=30,friction=0.2", 30, 600}};
+               {"hopper", 2000, 600},    {"hopper:bodies=30,friction=0.2", 30, 600},
+               {"rocks", 5000, 600},     {"rocks:bodies=40", 40, 600},
+               {"mixed", 3000, 600},     {"mixed:bodies=40", 40, 600},
+               {"drum", 3000, 600},      {"drum:boxes=40", 40, 600},
+               {"terrain", 100, 600},    {"terrain:bodies=3,triangles=800", 3, 600}};
   for (const auto& expected : cases) {
     const Scene scene = load_scene(expected.scene);
     EXPECT_EQ(dynamic_bodies(scene).size(), expected.bodies) << expected.scene;
@@ -199,7 +206,8 @@ TEST(SceneBuiltin, RefusesWhatItDoesNotKnow) {
     std::initializer_list<std::string_view> words;
   } cases[] = {
       {"stak",
-       {"unknown scene \"stak\"", "pyramid3d, wall, islands, pile, marbles, hopper, stack, conveyor, chain",
+       {"unknown scene \"stak\"",
+        "pyramid3d, wall, islands, pile, marbles, rocks, mixed, drum, terrain, hopper, stack, conveyor, chain",
         "or catenary", "did you mean \"stack\"?"}},
       {"pyramid", {"did you mean \"pyramid3d\"?"}},
       {"", {"unknown scene \"\""}},
