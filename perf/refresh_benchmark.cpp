@@ -40,7 +40,7 @@ struct Columns {
 
   ContactUpdateCounts update(const NarrowphaseKernels& kernels) {
     const PoseView poses{positions.data(), orientations.data()};
-    update_contacts(cache, broadphase, {colliders, poses, dynamic, turned, reaches, kernels}, arena, result);
+    update_contacts(cache, broadphase, {colliders, poses, dynamic, dynamic, turned, reaches, kernels}, arena, result);
     return result.counts;
   }
 

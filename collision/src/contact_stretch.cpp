@@ -95,7 +95,7 @@ void ContactStretch::add_to(Batch& batch, std::size_t entry, bool fresh) {
     if (const Contact& contact = contact_at(entry); contact.gap > 0) {
       if (still_apart(contact)) {
         status_[entry] = ContactStatus::Apart;
-        ++counts_.kept;
+        counts_.kept += contact.part == 0;
       } else {
         status_[entry] = ContactStatus::Stale;
         stale_[stale_count_++] = static_cast<std::uint32_t>(entry);

@@ -65,6 +65,9 @@ class ContactStretch {
   void find_boxes();
   void find_surface_parts(std::size_t entry);
   void set_apart(std::size_t entry, double margin, double gap);
+  double lever_of(Pair pair) const;
+  bool set_surface_apart(std::size_t entry, std::uint32_t solid, std::uint32_t surface, const Pose& incident,
+                         double margin);
   void replace(std::size_t entry, const Manifold& fresh, const Pose& incident, double margin);
   float tolerance_of(Pair pair, const Manifold& fresh) const;
   bool are_boxes(Pair pair) const;

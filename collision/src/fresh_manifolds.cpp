@@ -17,6 +17,11 @@ namespace {
 // smaller shape's inner radius.
 constexpr double match_distance = 0.04;
 
+// By the inner radius of a solid: how far around it triangles are looked for, where none touches it, so that it can be
+// left alone for some steps; and how far off they have to be for that to be worth it.
+constexpr double surface_gap_share = 1;
+constexpr double least_surface_gap = 0.1;
+
 // Of the boxes of a lane.
 Pose incident_in_reference(const BoxAxes& axes, std::size_t lane, bool reference_is_second) {
   const auto position = [&](std::size_t i) { return axes.position[i][lane]; };
@@ -99,18 +104,40 @@ void ContactStretch::replace(std::size_t entry, const Manifold& fresh, const Pos
   if (fresh.count > 0) add_to(fresh_batch_, entry, true);
 }
 
+// m: no point of those of the two that may turn is farther from its body's centre of mass.
+double ContactStretch::lever_of(Pair pair) const {
+  const ColliderTable& colliders = input_.colliders;
+  const auto lever = [&](std::uint32_t collider) {
+    if (is_surface(colliders.shape[collider].kind) && input_.mobility[colliders.body[collider]] == 0) return 0.0;
+    return colliders.local[collider].position.norm() + colliders.shape[collider].bounding_radius;
+  };
+  return std::max(lever(pair.first), lever(pair.second));
+}
+
+// As set_apart(), of all parts of a solid and a surface that stands still. False where they are too near each other for
+// that to last.
+bool ContactStretch::set_surface_apart(std::size_t entry, std::uint32_t solid, std::uint32_t surface,
+                                       const Pose& incident, double margin) {
+  if (input_.mobility[input_.colliders.body[surface]] != 0) return false;
+  const Shape& shape = input_.colliders.shape[solid];
+  const double size = static_cast<double>(contact_at(entry).size);
+  const double gap = surface_gap(shape, input_.colliders.shape[surface], incident, margin + surface_gap_share * size);
+  if (gap < margin + least_surface_gap * size) return false;
+  for (std::size_t part = 0; part < max_surface_manifolds; ++part) {
+    set_apart(entry + part, margin, gap);
+    if (!cache_.rises.empty()) cache_.rises[cache_.order[entry + part]] = 0;
+  }
+  return true;
+}
+
 // Two solids found apart are left alone until they have used their gap up, or, where that hardly exceeds the margin,
 // until they have moved by the tolerance. Of those that were apart before the first cache line is all that changes.
 void ContactStretch::set_apart(std::size_t entry, double margin, double gap) {
   Contact& contact = contact_at(entry);
   if (!(contact.gap > 0)) {
-    const ColliderTable& colliders = input_.colliders;
-    const auto lever = [&](std::uint32_t collider) {
-      return colliders.local[collider].position.norm() + colliders.shape[collider].bounding_radius;
-    };
     clear_impulses(cache_.manifolds[cache_.order[entry]]);
     capture(contact, Manifold{}, {Vector3::Zero(), Quaternion::Identity()}, margin, 0);
-    contact.lever = static_cast<float>(std::max(lever(contact.pair.first), lever(contact.pair.second)));
+    contact.lever = static_cast<float>(lever_of(contact.pair));
   }
   const double size = static_cast<double>(contact.size);
   contact.gap = static_cast<float>(std::max(gap, margin + static_cast<double>(flat_tolerance) * size));
@@ -217,6 +244,7 @@ void ContactStretch::find_surface_parts(std::size_t entry) {
             (surface_second ? Vector3(-shift_second) : shift_second);
   }
   collide_surface(colliders.shape[solid], colliders.shape[surface], incident, margin, found, shift);
+  if (found.count == 0 && set_surface_apart(entry, solid, surface, incident, margin)) return;
 
   constexpr auto parts = static_cast<std::size_t>(max_surface_manifolds);
   std::array<int, parts> assigned;  // manifold of a part, or -1

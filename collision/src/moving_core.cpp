@@ -119,26 +119,13 @@ double radius_about(const ConvexCore& core, const Vector3& centre, const Vector3
   return farthest + core.radius;
 }
 
-// Whether a plane across a direction keeps the two farther apart than `aim` up to t_limit, for the price of two support
-// points: most pairs that a sweep is asked for only pass by each other.
-bool stay_parted(const MovingCore& first, const MovingCore& second, double aim, double near, const Vector3& direction,
-                 double t_limit) {
-  const double length = direction.norm();
-  if (!(length > 0)) return false;
-  const Vector3 unit = direction / length;
-  const double separation = -second.reach(second.motion.start, -unit) - first.reach(first.motion.start, unit);
-  if (!(separation > near)) return false;
-  const double closing = first.advance_along(unit) + second.advance_along(-unit);
-  return !(closing > 0) || separation - aim > closing * t_limit;
-}
-
-// The same by the best of the axes of two boxes at the start: that costs less than their distance.
-bool boxes_stay_parted(const MovingCore& first, const MovingCore& second, double aim, double near, double t_limit) {
+// As stay_parted(), by the best of the axes of two boxes at the start: that costs less than their distance.
+bool boxes_stay_parted(const MovingCore& first, const MovingCore& second, const SweepGoal& goal, double t_limit) {
   if (first.core.kind != ConvexCore::Kind::Box || second.core.kind != ConvexCore::Kind::Box) return false;
   BoxAxes axes;
   const Pose& start = first.motion.start;
   find_box_axes(first.core.half_extents, second.core.half_extents, relative(start, second.motion.start), axes);
-  return stay_parted(first, second, aim, near, start.orientation * best_box_axis(axes, 0), t_limit);
+  return stay_parted(first, second, goal, start.orientation * best_box_axis(axes, 0), t_limit);
 }
 
 }  // namespace
@@ -171,17 +158,27 @@ double MovingCore::reach(const Pose& pose, const Vector3& direction) const {
   return pose.position.dot(direction) + core.support(seen).dot(seen) + core.radius;
 }
 
+bool stay_parted(const MovingCore& first, const MovingCore& second, const SweepGoal& goal, const Vector3& direction,
+                 double t_limit) {
+  const double length = direction.norm();
+  if (!(length > 0)) return false;
+  const Vector3 unit = direction / length;
+  const double separation = -second.reach(second.motion.start, -unit) - first.reach(first.motion.start, unit);
+  if (!(separation > goal.separation + goal.tolerance)) return false;
+  const double closing = first.advance_along(unit) + second.advance_along(-unit);
+  return !(closing > 0) || separation - goal.aim() > closing * t_limit;
+}
+
 bool advance(const MovingCore& first, const MovingCore& second, const SweepGoal& goal, double t_limit, SweepHit& hit) {
   const bool turning = first.turns() || second.turns();
-  // Steps aim at the middle of what is allowed, so that rounding never brings them below the goal.
-  const double aim = goal.separation + 0.5 * goal.tolerance;
+  const double aim = goal.aim();
   const double near = goal.separation + goal.tolerance;
   Pose pose_first = first.motion.start;
   Pose pose_second = second.motion.start;
   Vector3 guess = pose_second.position - pose_first.position;
   if (second.core.kind == ConvexCore::Kind::Triangle) guess += pose_second.orientation * second.core.triangle[0];
-  if (stay_parted(first, second, aim, near, guess, t_limit)) return false;
-  if (boxes_stay_parted(first, second, aim, near, t_limit)) return false;
+  if (stay_parted(first, second, goal, guess, t_limit)) return false;
+  if (boxes_stay_parted(first, second, goal, t_limit)) return false;
   double t = 0;
   SweepHit last;
   for (int i = 0; i < max_distances; ++i) {

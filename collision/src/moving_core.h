@@ -24,6 +24,11 @@ struct MovingCore {
   double reach(const Pose& pose, const Vector3& direction) const;
 };
 
+/// Whether a plane across a direction (from the first to the second, world) keeps the two farther apart than the goal
+/// up to t_limit, for the price of two support points: most pairs that a sweep is asked for only pass by each other.
+bool stay_parted(const MovingCore& first, const MovingCore& second, const SweepGoal& goal, const Vector3& direction,
+                 double t_limit);
+
 /// Conservative advancement of two convex cores; see sweep().
 bool advance(const MovingCore& first, const MovingCore& second, const SweepGoal& goal, double t_limit, SweepHit& hit);
 

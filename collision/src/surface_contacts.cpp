@@ -142,6 +142,24 @@ bool is_smooth(const Shape& surface) {
   return surface.kind == ShapeKind::HeightField && surface.field != nullptr && surface.field->smooth;
 }
 
+double surface_gap(const Shape& solid, const Shape& surface, const Pose& solid_pose, double most) {
+  const Bounds bounds = bounds_of(solid, solid_pose.position, solid_pose.orientation.toRotationMatrix());
+  const Vector3 around = Vector3::Constant(most);
+  double gap = most;
+  visit_triangles(surface, Aabb::around(bounds.lower - around, bounds.upper + around),
+                  [&](const Triangle& triangle, std::uint32_t) {
+                    const auto& [a, b, c] = triangle.vertices;
+                    const Vector3 below = bounds.lower - a.cwiseMax(b).cwiseMax(c);
+                    const Vector3 above = a.cwiseMin(b).cwiseMin(c) - bounds.upper;
+                    const double boxes = below.cwiseMax(above).cwiseMax(0).norm();
+                    if (boxes >= gap) return;
+                    const Vector3 nearest = closest_point_of_triangle(triangle.vertices, solid_pose.position);
+                    const double ball = (nearest - solid_pose.position).norm() - solid.bounding_radius;
+                    gap = std::min(gap, std::max(boxes, ball));
+                  });
+  return gap;
+}
+
 void collide_surface(const Shape& solid, const Shape& surface, const Pose& solid_pose, double margin,
                      SurfaceManifolds& result, const Vector3& shift) {
   result.count = 0;

@@ -44,7 +44,7 @@ bool sweep_to_plane(const Shape& solid, const MovingCore& moving, const Shape& p
   const bool plane_turns = plane_motion.rotation.squaredNorm() > 0;
   const double any_closing =
       plane_turns ? relative_path(moving, radius_about_centre(solid, moving.motion), plane_motion) : 0;
-  const double aim = goal.separation + 0.5 * goal.tolerance;
+  const double aim = goal.aim();
   double t = 0;
   for (int i = 0; i < max_advances; ++i) {
     const Pose pose = moving.motion.at(t);
@@ -83,22 +83,22 @@ Aabb swept_box(const Shape& solid, const MovingCore& moving, const Motion& surfa
     const double slack = margin + 1e-12 * (lower.cwiseAbs().maxCoeff() + upper.cwiseAbs().maxCoeff());
     return Aabb::around(lower - Vector3::Constant(slack), upper + Vector3::Constant(slack));
   };
-  if (!moves(surface) && !moving.turns()) {
+  if (!moves(surface)) {
+    // Between its ends a point that turns by an angle about an axis it is r away from gets off the line from one to the
+    // other by r angle^2 / 8 at most, as linear interpolation does.
+    const double angle = t_limit * motion.rotation.norm();
+    const Vector3 bulge = Vector3::Constant(moving.axis_radius * angle * angle / 8);
     const Pose first = relative(surface.start, motion.start);
     const Pose last = relative(surface.start, motion.at(t_limit));
     const Bounds a = bounds_of(solid, first.position, first.orientation.toRotationMatrix());
     const Bounds b = bounds_of(solid, last.position, last.orientation.toRotationMatrix());
-    return grown(a.lower.cwiseMin(b.lower), a.upper.cwiseMax(b.upper));
+    return grown(a.lower.cwiseMin(b.lower) - bulge, a.upper.cwiseMax(b.upper) + bulge);
   }
   const Quaternion inverse = surface.start.orientation.conjugate();
   const Vector3 first = inverse * (centre_at_start(motion) - surface.start.position);
-  Vector3 last = first + inverse * (t_limit * motion.translation);
   double radius = radius_about_centre(solid, motion);
-  if (moves(surface)) {
-    radius += t_limit * relative_path(moving, radius, surface);
-    last = first;
-  }
-  return grown(first.cwiseMin(last) - Vector3::Constant(radius), first.cwiseMax(last) + Vector3::Constant(radius));
+  radius += t_limit * relative_path(moving, radius, surface);
+  return grown(first - Vector3::Constant(radius), first + Vector3::Constant(radius));
 }
 
 // The first hit of the triangles tested so far; of those at the same time, that of the lowest triangle.
@@ -114,8 +114,10 @@ class SurfaceSweep {
 
   void test(std::uint32_t number, const Triangle& triangle) {
     if (triangle.normal.dot(centre_ - triangle.vertices[0]) < 0) return;
+    const MovingCore moving(ConvexCore::of(triangle.vertices), surface_);
+    if (stay_parted(solid_, moving, goal_, surface_.start.orientation * -triangle.normal, t_limit_)) return;
     SweepHit fresh;
-    if (!advance(solid_, MovingCore(ConvexCore::of(triangle.vertices), surface_), goal_, t_limit_, fresh)) return;
+    if (!advance(solid_, moving, goal_, t_limit_, fresh)) return;
     if (fresh.t == 0 && triangle.normal.dot(shift_) >= 0) return;
     if (found_ && fresh.t == hit_.t && number > hit_.triangle) return;
     hit_ = fresh;

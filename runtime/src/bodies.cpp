@@ -230,7 +230,9 @@ void World::Impl::set_pose(BodyId id, const Pose& pose) {
   const Vector3 position = pose.position + orientation * records.centre[body];
   before_move(body, position);
   bodies.position(body) = position;
-  bodies.turned[body] += solver::turn_chord(bodies.orientation(body), orientation);
+  const double turn = solver::turn_chord(bodies.orientation(body), orientation);
+  const bool fixed = bodies.mobility[body] == solver::Mobility::Fixed;
+  bodies.turned[body] += fixed && turn > 0 ? collision::put_elsewhere : turn;
   bodies.set_orientation(body, orientation);
   move_proxies(body);
 }

@@ -71,9 +71,11 @@ bool World::Impl::update_active_bodies() {
 }
 
 collision::ContactUpdateInput World::Impl::contact_input() const {
+  static_assert(sizeof(solver::Mobility) == 1 && static_cast<int>(solver::Mobility::Fixed) == 0);
   return {.colliders = colliders,
           .poses = {bodies.positions.data(), bodies.orientations.data()},
           .dynamic = records.dynamic,
+          .mobility = {reinterpret_cast<const std::uint8_t*>(bodies.mobility.data()), bodies.size()},
           .turned = bodies.turned,
           .reaches = reaches_,
           .kernels = *narrowphase_kernels};

@@ -1,6 +1,8 @@
 // Pairs found apart are left alone for as long as motion can't have brought them together, and no longer.
 
 #include <collision/collide.h>
+#include <collision/surface_contacts.h>
+#include <collision/triangle_mesh.h>
 #include <collision/update_contacts.h>
 #include <gtest/gtest.h>
 
@@ -38,9 +40,12 @@ struct TwoBodies {
     }
     const Pair pair{0, 1};
     const auto size = static_cast<float>(std::min(first.inner_radius, second.inner_radius));
+    const bool on_surface = is_surface(second.kind);
+    if (on_surface) dynamic[1] = mobility[1] = 0;
     cache.set_active(both, {});
-    cache.add(std::span(&pair, 1),
-              [&](Pair) { return ContactCache::Start{0, 1, 0.5f, 0, size, colliders.placed[0] != 0, 1}; });
+    cache.add(std::span(&pair, 1), [&](Pair) {
+      return ContactCache::Start{0, 1, 0.5f, 0, size, colliders.placed[0] != 0, on_surface ? max_surface_manifolds : 1};
+    });
     update();
   }
 
@@ -56,11 +61,14 @@ struct TwoBodies {
   PoseView poses() const { return {positions.data(), orientations.data()}; }
 
   void update() {
-    update_contacts(cache, broadphase, {colliders, poses(), dynamic, turned, reaches, any_kernels()}, arena, result);
+    update_contacts(cache, broadphase, {colliders, poses(), dynamic, mobility, turned, reaches, any_kernels()}, arena,
+                    result);
     broadphase.forget_moves();
   }
 
-  bool found_touching() const { return cache.contacts[0].count > 0; }
+  bool found_touching() const {
+    return std::any_of(cache.contacts.begin(), cache.contacts.end(), [](const Contact& c) { return c.count > 0; });
+  }
 
   // Whether the narrowphase finds points at this part of the margin.
   bool touching(double share) const {
@@ -68,6 +76,12 @@ struct TwoBodies {
     const std::uint32_t lower = swap ? 1 : 0;
     const Pose second = relative(colliders.pose(lower, poses()), colliders.pose(1 - lower, poses()));
     const double margin = speculative_margin(static_cast<double>(cache.contacts[0].size), 0);
+    if (is_surface(colliders.shape[1].kind)) {
+      SurfaceManifolds found;
+      collide_surface(colliders.shape[0], colliders.shape[1],
+                      relative(colliders.pose(1, poses()), colliders.pose(0, poses())), share * margin, found);
+      return found.count > 0;
+    }
     Manifold manifold;
     collide(colliders.shape[lower], colliders.shape[1 - lower], second, share * margin, manifold);
     return manifold.count > 0;
@@ -79,6 +93,7 @@ struct TwoBodies {
   std::array<double, 8> orientations = {0, 0, 0, 1, 0, 0, 0, 1};
   static constexpr std::array<std::uint32_t, 2> both = {0, 1};
   std::array<std::uint8_t, 2> dynamic = {1, 1};
+  std::array<std::uint8_t, 2> mobility = {2, 2};
   std::array<double, 2> turned = {0, 0};
   std::array<StepReach, 2> reaches = {};
   Broadphase broadphase;
@@ -116,6 +131,90 @@ TEST(Apart, NoneThatComesWithinTheMarginIsMissed) {
   // Both happen.
   EXPECT_GT(touching, 100);
   EXPECT_GT(kept, 100);
+}
+
+// Hills and dales of triangles of 0.5 m, of which there are 200.
+TriangleMesh hills(Random& random) {
+  std::vector<Vector3> vertices;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  constexpr std::uint32_t corners = 11;
+  for (std::uint32_t i = 0; i < corners * corners; ++i) {
+    vertices.push_back({0.5 * (i % corners) - 2.5, 0.5 * (i / corners) - 2.5, 0.3 * random.vector(1).x()});
+  }
+  for (std::uint32_t row = 0; row + 1 < corners; ++row) {
+    for (std::uint32_t column = 0; column + 1 < corners; ++column) {
+      const std::uint32_t a = row * corners + column;
+      triangles.push_back({a, a + 1, a + corners + 1});
+      triangles.push_back({a, a + corners + 1, a + corners});
+    }
+  }
+  return std::get<TriangleMesh>(build_triangle_mesh(vertices, triangles));
+}
+
+TEST(Apart, NoneThatComesToASurfaceIsMissed) {
+  Random random(8);
+  const std::vector<Shape> shapes = {Shape::box({0.2, 0.3, 0.5}), Shape::capsule(0.2, 0.3), Shape::sphere(0.3)};
+  const TriangleMesh mesh = hills(random);
+  const Shape surface = Shape::triangle_mesh(mesh);
+  int touching = 0;
+  std::int64_t kept = 0, fresh = 0;
+  for (int run = 0; run < 60; ++run) {
+    TwoBodies bodies(shapes[random.below(3)], surface, centred);
+    const Pose stands{random.vector(20), random.rotation()};
+    bodies.put(1, stands.position, stands.orientation);
+    Vector3 at = random.vector(1.5) + Vector3(0, 0, 1.5);
+    Quaternion turn = random.rotation();
+    const double pace = random.magnitude(1e-3, 0.1);
+    for (int step = 0; step < 100; ++step) {
+      at = at + random.vector(pace) - 0.02 * (at - Vector3(0, 0, 0.5));
+      turn = (random.rotation(pace) * turn).normalized();
+      bodies.put(0, stands.position + stands.orientation * at, turn);
+      bodies.update();
+      fresh += bodies.result.counts.fresh;
+      kept += bodies.found_touching() ? 0 : bodies.result.counts.kept;
+      if (!bodies.touching(0.5)) continue;
+      ++touching;
+      ASSERT_TRUE(bodies.found_touching()) << "run " << run << ", step " << step;
+    }
+  }
+  EXPECT_GT(touching, 100);
+  EXPECT_GT(kept, fresh / 4);
+}
+
+// By hand, as set_pose() does: the solid stays where it is.
+TEST(Apart, ASurfaceThatIsTurnedIsLookedAtAnew) {
+  Random random(9);
+  const TriangleMesh mesh = hills(random);
+  TwoBodies bodies(Shape::box({0.2, 0.3, 0.5}), Shape::triangle_mesh(mesh), centred);
+  const Vector3 above(0, 0, 2.2);
+  bodies.put(0, above, Quaternion::Identity());
+  bodies.put(1, Vector3::Zero(), Quaternion::Identity());
+  bodies.update();
+  bodies.update();
+  ASSERT_FALSE(bodies.found_touching());
+  ASSERT_EQ(bodies.result.counts.fresh, 0);
+  // About x by a right angle, and a half more: its rim comes up to the box.
+  bodies.put(1, Vector3::Zero(), Quaternion(std::sqrt(0.5), -std::sqrt(0.5), 0, 0));
+  bodies.turned[1] += put_elsewhere;
+  bodies.update();
+  EXPECT_EQ(bodies.result.counts.fresh, 1);
+}
+
+TEST(Apart, ASurfacesGapIsByTheBallAndTheBoxAround) {
+  const std::array<Vector3, 3> vertices = {Vector3(-5, -5, 0), Vector3(5, -5, 0), Vector3(0, 5, 0)};
+  const std::array<std::array<std::uint32_t, 3>, 1> triangles = {{{0, 1, 2}}};
+  const auto mesh = std::get<TriangleMesh>(build_triangle_mesh(vertices, triangles));
+  const Shape surface = Shape::triangle_mesh(mesh);
+  const Shape box = Shape::box({0.3, 0.4, 1.2});
+  const auto gap = [&](const Vector3& place, double most) {
+    return surface_gap(box, surface, {place, Quaternion::Identity()}, most);
+  };
+  EXPECT_NEAR(gap({0, 0, 2}, 10), 2 - 1.2, 1e-12);
+  EXPECT_NEAR(gap({0, -8, 4}, 10), std::hypot(3 - 0.4, 4 - 1.2), 1e-12);
+  // Over the box of the triangle, but beside it: the ball is farther off.
+  EXPECT_NEAR(gap({4, 4, 0}, 10), 7 / std::sqrt(5) - 1.3, 1e-12);
+  EXPECT_NEAR(gap({0, -8, 4}, 1), 1, 1e-12);
+  EXPECT_LE(gap({0, 0, 1}, 10), 0);
 }
 
 // The boxes' centres stay where they are, and the second's longest axis comes round.

@@ -44,6 +44,9 @@ void collide_triangle(const Shape& solid, const Triangle& triangle, std::uint32_
 void collide_surface(const Shape& solid, const Shape& surface, const Pose& solid_pose, double margin,
                      SurfaceManifolds& result, const Vector3& shift = Vector3::Zero());
 
+/// m: how far a convex solid is from a mesh or height field at least, by the ball and the box around it; at most `most`.
+double surface_gap(const Shape& solid, const Shape& surface, const Pose& solid_pose, double most);
+
 /// Whether a surface stands for a smooth one.
 bool is_smooth(const Shape& surface);
 

@@ -28,6 +28,9 @@ struct Motion {
 struct SweepGoal {
   double separation = 0;    ///< m, >= 0: a pair that comes this near hits
   double tolerance = 1e-6;  ///< m, > 0: a hit's separation lies at most this above the goal, and not below it
+
+  /// m: steps aim at the middle of what is allowed, so that rounding never brings them below the goal.
+  double aim() const { return separation + 0.5 * tolerance; }
 };
 
 /// Where two shapes first come near each other.

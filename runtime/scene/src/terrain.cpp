@@ -6,8 +6,9 @@
 namespace atl::scene {
 namespace hilly {
 
-constexpr double cell = 0.5;  // m
-constexpr double hills = 8;   // m, from crest to crest
+constexpr double cell = 0.5;   // m
+constexpr double hills = 8;    // m, from crest to crest
+constexpr double slope = 0.3;  // of all of it, down along x
 
 // Smooth between random heights on a coarse grid, by cubic weights in both directions.
 class Hills {
@@ -36,7 +37,8 @@ TriangleMesh mesh(Random& random, int cells) {
   std::vector<Vector3> vertices;
   for (int i = 0; i < corners * corners; ++i) {
     const double x = cell * (i % corners), y = cell * (i / corners);
-    vertices.push_back({x - half, y - half, shape.at(x / hills, y / hills) + 0.1 * random.uniform(0, 1)});
+    vertices.push_back(
+        {x - half, y - half, shape.at(x / hills, y / hills) + 0.1 * random.uniform(0, 1) - slope * (x - half)});
   }
   std::vector<TriangleMesh::Indices> triangles;
   for (int row = 0; row < cells; ++row) {
@@ -66,7 +68,7 @@ Compound burr(Random& random) {
 Scene build_terrain(const ParameterValues& values, std::uint64_t seed) {
   using namespace hilly;
   Scene scene = scene_on_ground(600, false);
-  scene.bodies.front().def.position.z() = -20;
+  scene.bodies.front().def.position.z() = -50;
   Random random(seed);
   // Two triangles a cell.
   const int cells = std::max(8, static_cast<int>(std::sqrt(0.5 * values["triangles"])));
@@ -77,10 +79,12 @@ Scene build_terrain(const ParameterValues& values, std::uint64_t seed) {
   std::vector<Compound> burrs;
   for (int i = 0; i < kinds; ++i) burrs.push_back(burr(random));
   const LoosePlaces places(3, 0.3 * cell * cells, 3);
+  const Vector3 uphill(-0.15 * cell * cells, 0, 0);
   for (int i = 0; i < values.integer("bodies"); ++i) {
-    SceneBody body = loose_solid("burr_" + std::to_string(i), burrs[static_cast<std::size_t>(i % kinds)], places[i],
-                                 random.rotation());
-    body.def.velocity = 5 * Vector3(random.uniform(-1, 1), random.uniform(-1, 1), 0);
+    SceneBody body = loose_solid("burr_" + std::to_string(i), burrs[static_cast<std::size_t>(i % kinds)],
+                                 places[i] + uphill, random.rotation());
+    body.def.position.z() -= slope * body.def.position.x();
+    body.def.velocity = 5 * Vector3(random.uniform(0, 1), random.uniform(-1, 1), 0);
     scene.bodies.push_back(body);
   }
   return scene;
