@@ -14,6 +14,9 @@
 namespace atl::collision {
 namespace {
 
+// By the size: of two boxes that are at rest against each other the margin is a third of that.
+constexpr double fast_margin = 0.15;
+
 // The two boxes in the frame of the reference box.
 struct BoxPair {
   Vector3 half_reference;
@@ -192,6 +195,60 @@ void edge_manifold(const BoxPair& pair, const fcl_narrowphase::Axis& axis, doubl
   manifold.add(position, separation, edge_edge_id(static_cast<int>(i), first.sides, static_cast<int>(j), second.sides));
 }
 
+// Where a ray enters a box around the origin from outside.
+struct Entry {
+  double distance = std::numeric_limits<double>::infinity();  // m; infinite if it doesn't
+  int face = 0;
+};
+Entry entry_into(const Vector3& half_extents, const Vector3& from, const Vector3& direction) {
+  Entry entry{-std::numeric_limits<double>::infinity(), 0};
+  double leaves = std::numeric_limits<double>::infinity();
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const double side = direction[i] > 0 ? -1 : 1;  // of the face that it enters by
+    const double ahead = side * from[i] - half_extents[i];
+    const double speed = -side * direction[i];
+    if (speed < 1e-9) {
+      if (std::abs(from[i]) > half_extents[i]) return {};
+      continue;
+    }
+    if (ahead / speed > entry.distance) entry = {ahead / speed, static_cast<int>(2 * i) + (side < 0 ? 1 : 0)};
+    leaves = std::min(leaves, (ahead + 2 * half_extents[i]) / speed);
+  }
+  return entry.distance >= 0 && entry.distance < leaves ? entry : Entry{};
+}
+
+// Of boxes that come fast, other corners may get there before the edges that are nearest now: in a step a box that
+// spins rolls over onto a face. Those that would meet the other box along the normal, within the margin.
+void add_other_corners(const BoxPair& pair, double margin, Manifold& manifold) {
+  constexpr std::size_t corners = 8;
+  std::array<Manifold::Point, 1 + 2 * corners> points;
+  points[0] = manifold.points[0];
+  int count = 1;
+  const Vector3 normal = manifold.normal, seen = pair.rotation.transpose() * normal;
+  // Nothing of the incident box lies lower, and of the reference box higher.
+  const double lowest = normal.dot(points[0].position), highest = lowest - points[0].separation;
+  for (std::size_t corner = 0; corner < corners; ++corner) {
+    const auto sign = [&](std::size_t bit) { return (corner >> bit & 1) != 0 ? -1.0 : 1.0; };
+    const Vector3 signs(sign(0), sign(1), sign(2));
+    const auto add = [&](const Vector3& position, double separation, FeatureId id) {
+      if (separation <= margin) points[static_cast<std::size_t>(count++)] = {position, separation, id};
+    };
+    const auto number = static_cast<int>(corner);
+    const Vector3 incident = pair.position + pair.rotation * signs.cwiseProduct(pair.half_incident);
+    if (normal.dot(incident) - highest <= margin) {
+      const Entry entry = entry_into(pair.half_reference, incident, -normal);
+      add(incident, entry.distance, feature_pair_id(2, entry.face, 0, number, 0));
+    }
+    const Vector3 reference = signs.cwiseProduct(pair.half_reference);
+    if (lowest - normal.dot(reference) <= margin) {
+      const Entry entry = entry_into(pair.half_incident, pair.rotation.transpose() * (reference - pair.position), seen);
+      add(reference + entry.distance * normal, entry.distance, feature_pair_id(0, number, 2, entry.face, 0));
+    }
+  }
+  manifold.count = 0;
+  reduce_points(points.data(), count, manifold);
+}
+
 Vector3 outward_normal(const FaceAxis& axis, const Matrix3& rotation) {
   const double side = axis.negative ? -1 : 1;
   return axis.of_second() ? Vector3(-side * rotation.col(axis.index())) : Vector3(side * Vector3::Unit(axis.index()));
@@ -273,6 +330,7 @@ bool collide_boxes(const Vector3& half_first, const Vector3& half_second, const 
     if (had_face && face_stands_in(pair, edge, previous, true, margin, size, manifold)) return ask;
     if (face_stands_in(pair, edge, face, false, margin, size, manifold)) return ask;
     edge_manifold(pair, edge, margin, manifold);
+    if (manifold.count > 0 && margin > fast_margin * size) add_other_corners(pair, std::max(margin, size), manifold);
     return ask;
   }
   // Parallel faces are equally good up to rounding: keep the previous one, or its points' ids would flicker.

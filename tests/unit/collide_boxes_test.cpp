@@ -196,5 +196,38 @@ TEST(CollideBoxes, ExtremePairsStayFinite) {
   }
 }
 
+// Of boxes that come fast: more points than where the edges cross, each with a surface at both its ends.
+TEST(CollideBoxes, OtherCornersLieOnBothSurfaces) {
+  Random random(31);
+  int corners = 0;
+  const auto beyond = [](const Vector3& half, const Vector3& point) { return (point.cwiseAbs() - half).maxCoeff(); };
+  for (int run = 0; run < 3000; ++run) {
+    const Vector3 first(random.real(0.2, 1), random.real(0.2, 1), random.real(0.2, 1));
+    const Vector3 second(random.real(0.2, 1), random.real(0.2, 1), random.real(0.2, 1));
+    Pose pose{random.vector(1).normalized(), random.rotation()};
+    // To where they touch.
+    for (int round = 0; round < 3; ++round) {
+      const Separation edges = best_axis(first, second, pose, false), faces = best_axis(first, second, pose, true);
+      const Separation& best = edges.distance > faces.distance ? edges : faces;
+      pose.position -= best.distance * best.normal;
+    }
+    Manifold slow, fast;
+    const double size = std::min(first.minCoeff(), second.minCoeff());
+    collide_boxes(first, second, pose, 0.05 * size, slow);
+    collide_boxes(first, second, pose, 0.5 * size, fast);
+    if (slow.count != 1 || fast.count == 0 || fast.reference_is_second) continue;
+    EXPECT_NEAR(deepest(fast), deepest(slow), 1e-12);
+    for (int i = 0; i < fast.count; ++i) {
+      const Manifold::Point& point = fast.points[static_cast<std::size_t>(i)];
+      if (point.separation < 1e-6) continue;
+      ++corners;
+      const Vector3 opposite = point.position - point.separation * fast.normal;
+      EXPECT_NEAR(beyond(first, opposite), 0, 1e-9);
+      EXPECT_NEAR(beyond(second, pose.orientation.conjugate() * (point.position - pose.position)), 0, 1e-9);
+    }
+  }
+  EXPECT_GT(corners, 300);
+}
+
 }  // namespace
 }  // namespace atl::collision
