@@ -100,7 +100,8 @@ TEST(AnalyticScene, TippingBlocksHoldAndTip) {
   EXPECT_LT(error("tipping-block", {}, dt / 16), 0.005);
 }
 
-// Landings have substeps of their own: they take place where a substep finds them, up to v h away from where they should.
+// Landings have substeps of their own: they take place where a substep finds them, up to v h away from where they
+// should.
 TEST(AnalyticScene, RockingBlockFollowsHousner) {
   EXPECT_LT(error("rocking-block"), 0.05);
   EXPECT_LT(error("rocking-block", {}, dt / 4), 0.006);

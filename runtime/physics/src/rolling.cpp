@@ -175,15 +175,14 @@ void add_rolling(std::vector<PhysicsCase>& cases) {
                    .right = 2.0 / 7,
                    .source = "it rolls up the wall: 2/7",
                    .scale = 2.0 / 7,
-                   .measure =
-                       [](const Resolution& at) {
-                         double worst = 2.0 / 7;
-                         for (int i = 0; i < 8; ++i) {
-                           const double value = spin_after_wall(at, i / 8.0);
-                           if (std::abs(value - 2.0 / 7) > std::abs(worst - 2.0 / 7)) worst = value;
-                         }
-                         return worst;
-                       }});
+                   .measure = [](const Resolution& at) {
+                     double worst = 2.0 / 7;
+                     for (int i = 0; i < 8; ++i) {
+                       const double value = spin_after_wall(at, i / 8.0);
+                       if (std::abs(value - 2.0 / 7) > std::abs(worst - 2.0 / 7)) worst = value;
+                     }
+                     return worst;
+                   }});
 }
 
 }  // namespace atl::physics

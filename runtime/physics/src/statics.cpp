@@ -113,14 +113,16 @@ void add_statics(std::vector<PhysicsCase>& cases) {
                      .scale = friction,
                      .measure = [=](const Resolution& at) { return sliding_slope(at, friction); }});
   }
-  cases.push_back({.name = "toppling-3",
-                   .what = "a column of three cubes, let go on a slope: the tangent at which it topples",
-                   .unit = "",
-                   .right = 1.0 / 3,
-                   .source = "its weight over its edge, by bisection",
-                   .scale = 1.0 / 3,
-                   .measure = [](const Resolution& at) { return toppling_slope(at, 3); },
-                   .known_failure = "a load that comes at once takes the sweeps some substeps to carry; solved at once it is right"});
+  cases.push_back(
+      {.name = "toppling-3",
+       .what = "a column of three cubes, let go on a slope: the tangent at which it topples",
+       .unit = "",
+       .right = 1.0 / 3,
+       .source = "its weight over its edge, by bisection",
+       .scale = 1.0 / 3,
+       .measure = [](const Resolution& at) { return toppling_slope(at, 3); },
+       .known_failure =
+           "a load that comes at once takes the sweeps some substeps to carry; solved at once it is right"});
   cases.push_back({.name = "overhang-5",
                    .what = "five blocks that lean out by the harmonic series: the part of it at which they fall",
                    .unit = "",

@@ -22,7 +22,7 @@ int finer_by(const SolverSettings& settings, double dt);
 
 /// Follows which contacts carry more than soft ones are made for, and says what is done about their islands. A load has
 /// to stay for some steps, or it is an impact; of bodies that are new it is estimated at once. Tall columns, heavy
-/// bodies on light ones and large walls are what it finds, and landings in small islands. While there are none it costs
+/// bodies on light ones and large walls are what it finds, and landings of bodies alone. While there are none it costs
 /// nothing.
 class SolverSelection {
  public:
@@ -70,8 +70,8 @@ class SolverSelection {
 
   /// Memory held.
   std::size_t bytes() const {
-    return jobs::bytes_of(strain_, strained_, arrived_, of_overloads_, merged_, symptoms_, modes_, estimated_, pressed_, landings_,
-                          on_system_);
+    return jobs::bytes_of(strain_, strained_, arrived_, of_overloads_, merged_, symptoms_, modes_, estimated_, pressed_,
+                          landings_, on_system_);
   }
 
  private:
