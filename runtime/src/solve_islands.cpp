@@ -18,14 +18,6 @@ namespace {
 
 using solver::SolveMode;
 
-std::vector<std::size_t> large_islands(std::span<const solver::IslandGroup> groups) {
-  std::vector<std::size_t> islands;
-  for (const solver::IslandGroup& group : groups) {
-    if (group.large) islands.push_back(group.begin);
-  }
-  return islands;
-}
-
 }  // namespace
 
 void World::Impl::solve_islands() {
@@ -74,9 +66,9 @@ void World::Impl::choose_modes() {
   alone_.resize(modes_.size());
   std::transform(modes_.begin(), modes_.end(), alone_.begin(),
                  [](SolveMode mode) -> std::uint8_t { return mode != SolveMode::Sweep; });
-  const std::vector<std::size_t> before = large_islands(groups_);
   solver::pack_groups(islands_, one_each_, alone_, groups_);
-  regrouped_ |= islands_rebuilt_ || large_islands(groups_) != before;
+  // Which islands are large follows from the islands alone.
+  regrouped_ |= islands_rebuilt_;
 }
 
 SolveMode World::Impl::mode_of(const solver::IslandGroup& group) const {

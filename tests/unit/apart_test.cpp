@@ -15,6 +15,7 @@
 #include <span>
 #include <vector>
 
+#include "grid_mesh.h"
 #include "random.h"
 
 namespace atl::collision {
@@ -135,20 +136,7 @@ TEST(Apart, NoneThatComesWithinTheMarginIsMissed) {
 
 // Hills and dales of triangles of 0.5 m, of which there are 200.
 TriangleMesh hills(Random& random) {
-  std::vector<Vector3> vertices;
-  std::vector<std::array<std::uint32_t, 3>> triangles;
-  constexpr std::uint32_t corners = 11;
-  for (std::uint32_t i = 0; i < corners * corners; ++i) {
-    vertices.push_back({0.5 * (i % corners) - 2.5, 0.5 * (i / corners) - 2.5, 0.3 * random.vector(1).x()});
-  }
-  for (std::uint32_t row = 0; row + 1 < corners; ++row) {
-    for (std::uint32_t column = 0; column + 1 < corners; ++column) {
-      const std::uint32_t a = row * corners + column;
-      triangles.push_back({a, a + 1, a + corners + 1});
-      triangles.push_back({a, a + corners + 1, a + corners});
-    }
-  }
-  return std::get<TriangleMesh>(build_triangle_mesh(vertices, triangles));
+  return test::grid(10, 2.5, [&](double, double) { return 0.3 * random.vector(1).x(); });
 }
 
 TEST(Apart, NoneThatComesToASurfaceIsMissed) {

@@ -13,34 +13,14 @@
 #include <set>
 #include <vector>
 
+#include "grid_mesh.h"
 #include "random.h"
 
 namespace atl::collision {
 namespace {
 
+using test::grid;
 using test::Random;
-
-// Cells over [-reach, reach]^2, at heights given by (x, y).
-TriangleMesh grid(int cells, double reach, const std::function<double(double, double)>& height) {
-  std::vector<Vector3> vertices;
-  std::vector<std::array<std::uint32_t, 3>> triangles;
-  const auto row = static_cast<std::uint32_t>(cells + 1);
-  for (int j = 0; j <= cells; ++j) {
-    for (int i = 0; i <= cells; ++i) {
-      const double x = reach * (2.0 * i / cells - 1);
-      const double y = reach * (2.0 * j / cells - 1);
-      vertices.emplace_back(x, y, height(x, y));
-    }
-  }
-  for (std::uint32_t j = 0; j + 1 < row; ++j) {
-    for (std::uint32_t i = 0; i + 1 < row; ++i) {
-      const std::uint32_t a = j * row + i;
-      triangles.push_back({a, a + 1, a + row + 1});
-      triangles.push_back({a, a + row + 1, a + row});
-    }
-  }
-  return std::get<TriangleMesh>(build_triangle_mesh(vertices, triangles));
-}
 
 double flat(double, double) { return 0; }
 

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <random>
 #include <vector>
 
 #include "../suite.h"
@@ -37,6 +38,9 @@ void run(World& world, const Resolution& at, double seconds, const AfterStep& af
   }
 }
 void run(World& world, const Resolution& at, double seconds);
+
+/// In [0, 1), the same everywhere.
+inline double uniform(std::mt19937& random) { return static_cast<double>(random()) / 4294967296.0; }
 
 /// What y comes to whose rates are rates(y), both vectors of Eigen's, after `seconds` in steps of at most `longest`:
 /// the classical Runge-Kutta method.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <numeric>
-#include <random>
 #include <span>
 
 #include "cases.h"
@@ -12,7 +11,6 @@ namespace {
 
 constexpr double d = 1;                // m, of grains on average
 const double beat = std::sqrt(d / g);  // s: they fall by half of themselves
-double to_unit(std::uint32_t random) { return static_cast<double>(random) / 4294967296.0; }
 
 // Balls of a tenth more or less than d, so that they don't line up, which fall loosely into a shaft.
 class Grains {
@@ -28,13 +26,6 @@ class Grains {
       add(first + pitch * Vector3(i % along, i / along % across, i / (along * across)));
     }
   }
-  void add(const Vector3& place) {
-    const double radius = d * (0.45 + 0.1 * to_unit(random_()));
-    const double vx = to_unit(random_()) - 0.5, vy = to_unit(random_()) - 0.5;  // d / s
-    ids_.push_back(world_.add_body(
-        {.shape = Sphere{radius}, .position = place, .velocity = {vx, vy, 0}, .material = {.friction = friction_}}));
-    radii_.push_back(radius);
-  }
   std::span<const BodyId> ids() const { return ids_; }
   double mass() const {
     double sum = 0;
@@ -46,6 +37,14 @@ class Grains {
   double top(std::size_t grain) const { return place(grain).z() + radii_[grain]; }
 
  private:
+  void add(const Vector3& place) {
+    const double radius = d * (0.45 + 0.1 * uniform(random_));
+    const double vx = uniform(random_) - 0.5, vy = uniform(random_) - 0.5;  // d / s
+    ids_.push_back(world_.add_body(
+        {.shape = Sphere{radius}, .position = place, .velocity = {vx, vy, 0}, .material = {.friction = friction_}}));
+    radii_.push_back(radius);
+  }
+
   World& world_;
   double friction_;
   std::mt19937 random_{1};
@@ -242,7 +241,7 @@ double janssen(const Resolution& at) {
   return best;
 }
 
-// rad: against the horizontal, the slope that grains come to lie at in a long box that is tilted to twice it.
+// rad: against the horizontal, the slope that grains come to lie at in a long box that is tilted by more.
 double repose(const Resolution& at, double friction) {
   constexpr double length = 24 * d, width = 6 * d, tilt = 0.6;
   constexpr int count = 1400;

@@ -1,7 +1,6 @@
 // Bodies that land and bounce.
 
 #include <algorithm>
-#include <random>
 
 #include "cases.h"
 
@@ -62,7 +61,7 @@ struct Gas {
       }
     }
     std::mt19937 random(1);
-    const auto speed = [&] { return 4 * (static_cast<double>(random()) / 4294967296.0 - 0.5); };
+    const auto speed = [&] { return 4 * (uniform(random) - 0.5); };
     for (int i = 0; i < side * side * side; ++i) {
       const Vector3 place(i % side, i / side % side, i / (side * side));
       const double vx = speed(), vy = speed(), vz = speed();
@@ -86,7 +85,7 @@ double thrown(const Resolution& at, const Shape& shape, const Vector3& moments) 
   const Material material{.friction = 0, .restitution = 1};
   const Matrix3 inertia = moments.asDiagonal();
   std::mt19937 random(1);
-  const auto part = [&] { return 2 * static_cast<double>(random()) / 4294967296.0 - 1; };
+  const auto part = [&] { return 2 * uniform(random) - 1; };
   double worst = 0;
   for (int i = 0; i < 200; ++i) {
     World world = make_world(at, 0);
