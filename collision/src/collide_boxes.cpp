@@ -41,6 +41,9 @@ struct FaceAxis {
   static FaceAxis unpacked(std::uint32_t axis) { return {static_cast<int>(axis / 2), axis % 2 != 0}; }
 };
 
+// In Manifold::axis: beside the faces' codes.
+constexpr std::uint32_t edge_axis(int code) { return static_cast<std::uint32_t>(2 * code); }
+
 // Signed distance of the incident box from the reference face.
 double face_separation(const BoxPair& pair, int axis, bool negative) {
   const double side = negative ? -1 : 1;
@@ -190,7 +193,7 @@ void edge_manifold(const BoxPair& pair, const fcl_narrowphase::Axis& axis, doubl
   const double separation = normal.dot(position - opposite);
   manifold.reference_is_second = false;
   manifold.normal = normal;
-  manifold.axis = static_cast<std::uint32_t>(2 * axis.code);
+  manifold.axis = edge_axis(axis.code);
   if (separation > margin) return;
   manifold.add(position, separation, edge_edge_id(static_cast<int>(i), first.sides, static_cast<int>(j), second.sides));
 }
@@ -292,58 +295,107 @@ FaceAxis face_axis(const BoxPair& pair, int code) {
   return {code, pair.rotation.col(code - 4).dot(pair.position) > 0};
 }
 
+// m, along a unit direction from the first to the second.
+double separation_along(const BoxPair& pair, const Vector3& normal) {
+  return normal.dot(pair.position) - normal.cwiseAbs().dot(pair.half_reference) -
+         (pair.rotation.transpose() * normal).cwiseAbs().dot(pair.half_incident);
+}
+
+// What the lanes found of a pair.
+struct BestAxes {
+  FaceAxis face;
+  fcl_narrowphase::Axis edge;
+  double face_separation;  // m
+  double separation;       // m, of the better of both
+  bool on_edges;           // the edges' is better
+};
+
+// Whether a face, where no axis is better, is as good a reference as the best, but for rounding and a hair.
+bool is_as_good(const BoxPair& pair, const BestAxes& best, const FaceAxis& face, double size) {
+  return face.packed() == best.face.packed() || separation_along(pair, face) >= best.face_separation - 1e-3 * size;
+}
+
+// The manifold on the axis of the last one, if there is one and it is still as good as the best. Of faces that are
+// equally good the last one stays, or its points' ids would flicker.
+bool keep_axis(const BoxPair& pair, const BestAxes& best, std::uint32_t last, double margin, double size,
+               Manifold& manifold) {
+  const FaceAxis face = FaceAxis::unpacked(last);
+  if (face.code >= 1 && face.code <= 6) {
+    if (best.on_edges) return face_stands_in(pair, best.edge, face, true, margin, size, manifold);
+    if (!is_as_good(pair, best, face, size)) return false;
+    face_manifold(pair, face, margin, manifold);
+    return manifold.count > 0 || face.packed() == best.face.packed();
+  }
+  if (!best.on_edges || last != edge_axis(best.edge.code)) return false;
+  edge_manifold(pair, best.edge, margin, manifold);
+  return true;
+}
+
+// FCL's answer about two boxes that meet by a new axis. It drops pairs that don't overlap: those are shown to it with
+// the first box grown by the margin.
+bool ask_fcl(const BoxPair& pair, double separation, double margin, fcl_narrowphase::Axis& answer) {
+  const Vector3 grown = pair.half_reference + Vector3::Constant(separation > 0 ? margin : 0);
+  return fcl_narrowphase::box_box(grown, pair.half_incident, pair.position, pair.rotation, margin, answer);
+}
+
+// The manifold on FCL's axis, where it parts the boxes as well as the best one does; else on that. FCL takes a face
+// rather than edges that part them by less than 5% of the depth better.
+Narrowphase take_axis(const BoxPair& pair, const BestAxes& best, const fcl_narrowphase::Axis& answer, double margin,
+                      double size, Manifold& manifold) {
+  const bool on_face = answer.code >= 1 && answer.code <= 6;
+  const FaceAxis face = on_face ? face_axis(pair, answer.code) : best.face;
+  const double along = separation_along(pair, answer.normal);
+  if (best.on_edges) {
+    const bool fits = along >= best.separation - 1e-9 * size;
+    if (face_stands_in(pair, best.edge, face, false, margin, size, manifold)) {
+      return fits || on_face ? Narrowphase::Fcl : Narrowphase::Repaired;
+    }
+    const bool is_edge = fits && !on_face;
+    edge_manifold(pair, is_edge ? answer : best.edge, margin, manifold);
+    return is_edge ? Narrowphase::Fcl : Narrowphase::Repaired;
+  }
+  const bool fits = on_face && along >= best.separation - 1e-3 * size && is_as_good(pair, best, face, size);
+  face_manifold(pair, fits ? face : best.face, margin, manifold);
+  return fits ? Narrowphase::Fcl : Narrowphase::Repaired;
+}
+
 }  // namespace
 
-bool collide_boxes(const Vector3& half_first, const Vector3& half_second, const BoxAxes& axes, std::size_t lane,
-                   double margin, Manifold& manifold) {
+Narrowphase collide_boxes(const Vector3& half_first, const Vector3& half_second, const BoxAxes& axes, std::size_t lane,
+                          double margin, Manifold& manifold) {
   manifold.count = 0;
+  manifold.known = false;
   const std::uint32_t last = std::exchange(manifold.axis, 0);
-  const FaceAxis previous = FaceAxis::unpacked(last);
   const int face_code = static_cast<int>(axes.face_code[lane]);
   const int edge_code = static_cast<int>(axes.edge_code[lane]);
-  if (face_code == 0) return false;  // not finite, or so far away that sums overflow
+  if (face_code == 0) return Narrowphase::ClosedForm;  // not finite, or so far away that sums overflow
   const double face_apart = axes.face[lane];
   const double separation = std::max(face_apart, axes.edge[lane]);
   const double gap = std::max(separation, axes.centres[lane]);
   if (!(gap <= margin)) {
     manifold.gap = gap;
-    return false;
+    return Narrowphase::ClosedForm;
   }
   const BoxPair pair = pair_of(half_first, half_second, axes, lane);
-  if (!pair.position.allFinite() || !pair.rotation.allFinite()) return false;
+  if (!pair.position.allFinite() || !pair.rotation.allFinite()) return Narrowphase::ClosedForm;
   const double size = std::min(pair.half_reference.minCoeff(), pair.half_incident.minCoeff());
-  const bool on_edges = axes.edge[lane] > face_apart + 1e-9 * size;
+  BestAxes best{face_axis(pair, face_code), {}, face_apart, separation, axes.edge[lane] > face_apart + 1e-9 * size};
+  if (best.on_edges) best.edge = {box_axis(axes, lane, edge_code), axes.edge[lane], edge_code};
 
-  // FCL confirms that two boxes meet that didn't. It drops pairs that don't overlap: it is shown the first box grown by
-  // the margin then.
-  const bool ask = last == 0;
-  if (ask) {
-    const Vector3 grown = pair.half_reference + Vector3::Constant(separation > 0 ? margin : 0);
-    fcl_narrowphase::Axis found;
-    if (!fcl_narrowphase::box_box(grown, pair.half_incident, pair.position, pair.rotation, margin, found)) return true;
+  Narrowphase by = Narrowphase::Kept;
+  if (!keep_axis(pair, best, last, margin, size, manifold)) {
+    by = Narrowphase::Fcl;
+    fcl_narrowphase::Axis answer;
+    if (!ask_fcl(pair, separation, margin, answer)) return by;
+    by = take_axis(pair, best, answer, margin, size, manifold);
   }
-
-  const bool had_face = previous.code >= 1 && previous.code <= 6;
-  const FaceAxis face = face_axis(pair, face_code);
-  if (on_edges) {
-    const fcl_narrowphase::Axis edge = {box_axis(axes, lane, edge_code), axes.edge[lane], edge_code};
-    if (had_face && face_stands_in(pair, edge, previous, true, margin, size, manifold)) return ask;
-    if (face_stands_in(pair, edge, face, false, margin, size, manifold)) return ask;
-    edge_manifold(pair, edge, margin, manifold);
-    if (manifold.count > 0 && margin > fast_margin * size) add_other_corners(pair, std::max(margin, size), manifold);
-    return ask;
-  }
-  // Parallel faces are equally good up to rounding: keep the previous one, or its points' ids would flicker.
-  if (had_face && previous.packed() != face.packed() && separation_along(pair, previous) >= face_apart - 1e-3 * size) {
-    face_manifold(pair, previous, margin, manifold);
-    if (manifold.count > 0) return ask;
-  }
-  face_manifold(pair, face, margin, manifold);
-  return ask;
+  const bool crossing = manifold.count > 0 && FaceAxis::unpacked(manifold.axis).code > 6;
+  if (crossing && margin > fast_margin * size) add_other_corners(pair, std::max(margin, size), manifold);
+  return by;
 }
 
-bool collide_boxes(const Vector3& half_first, const Vector3& half_second, const Pose& second, double margin,
-                   Manifold& manifold) {
+Narrowphase collide_boxes(const Vector3& half_first, const Vector3& half_second, const Pose& second, double margin,
+                          Manifold& manifold) {
   BoxAxes axes;
   find_box_axes(half_first, half_second, second, axes);
   return collide_boxes(half_first, half_second, axes, 0, margin, manifold);

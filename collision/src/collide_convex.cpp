@@ -22,7 +22,9 @@ struct Reference {
   FlatFace face;
   double separation = -INFINITY;
 
-  std::uint32_t packed() const { return (of_second ? 2u : 1u) << 16 | static_cast<std::uint32_t>(face.number); }
+  std::uint32_t packed() const {
+    return PackedAxis{of_second ? AxisOf::FaceOfSecond : AxisOf::FaceOfFirst, face.number}.packed();
+  }
 };
 
 // A face stands in for an axis across edges where it looks the same way, within 0.1 degrees, and its manifold is as
@@ -67,14 +69,33 @@ bool goes_first(const Solids& solids, const Reference& a, const Reference& b, st
   return round(a) && !round(b);
 }
 
-References reference_faces(const Solids& solids, double best_separation, std::uint32_t previous) {
+// A vertex of what meets, of a core.
+int vertex_of(const Polytope& core, const Feature& feature) {
+  if (feature.kind == Feature::Kind::Vertex) return feature.index;
+  return feature.kind == Feature::Kind::Edge ? core.edges[feature.index].tail
+                                             : core.face_vertices[core.face_start[feature.index]];
+}
+
+// The face of a shape that looks along the axis most directly, of those at what meets there.
+FlatFace face_at(const Solids& solids, bool second, const LocalAxis& axis) {
+  const Shape& shape = solids.shape(second);
+  const Polytope& core = solids.core(second);
+  const Feature& feature = second ? axis.second : axis.first;
+  if (shape.kind != ShapeKind::Box && shape.kind != ShapeKind::Hull) {
+    return flat_face_along(shape, core, solids.normal(second));
+  }
+  if (feature.kind == Feature::Kind::Face) return flat_face(shape, core, feature.index, solids.normal(second));
+  return flat_face_at(core, vertex_of(core, feature), solids.normal(second));
+}
+
+References reference_faces(const Solids& solids, const LocalAxis& axis, std::uint32_t previous) {
   constexpr double same = 1 - 1e-12;
   const double size = solids.pair.size();
   References found;
   for (const bool of_second : {false, true}) {
-    const FlatFace face = flat_face_along(solids.shape(of_second), solids.core(of_second), solids.normal(of_second));
+    const FlatFace face = face_at(solids, of_second, axis);
     if (face.number < 0) continue;
-    Reference candidate{of_second, face, best_separation};
+    Reference candidate{of_second, face, axis.separation};
     if (face.cosine < (candidate.packed() == previous ? kept_axis : same_axis)) continue;
     if (face.cosine < same) candidate = solids.measured(of_second, face);
     found.faces[static_cast<std::size_t>(found.count++)] = candidate;
@@ -126,7 +147,8 @@ double beside(const Shape& shape, const FacePolygon& face, const Vector3& point)
 }
 
 // No points where there is nothing over the face.
-void face_manifold(const Solids& solids, const Reference& reference, double margin, Manifold& manifold) {
+void face_manifold(const Solids& solids, const Reference& reference, const LocalAxis& axis, double margin,
+                   Manifold& manifold) {
   const SolidPair& pair = solids.pair;
   const bool second = reference.of_second;
   // Of the incident shape in the reference frame.
@@ -137,7 +159,11 @@ void face_manifold(const Solids& solids, const Reference& reference, double marg
   face_polygon(solids.shape(second), solids.core(second), reference.face.number, face);
   Outline outline;
   const Vector3 towards = -(rotation.transpose() * face.normal);
-  const int incident_face = incident_outline(solids.shape(!second), solids.core(!second), towards, outline);
+  const Polytope& core = solids.core(!second);
+  const bool has_vertices =
+      solids.shape(!second).kind == ShapeKind::Box || solids.shape(!second).kind == ShapeKind::Hull;
+  const int lowest = has_vertices ? core.climb(vertex_of(core, second ? axis.first : axis.second), towards) : -1;
+  const int incident_face = incident_outline(solids.shape(!second), core, towards, outline, lowest);
   for (int i = 0; i < outline.count; ++i) {
     Vector3& corner = outline.corners[static_cast<std::size_t>(i)].position;
     corner = position + rotation * corner;
@@ -301,10 +327,16 @@ FeatureId witness_id(const Solids& solids, const LocalAxis& axis) {
   return feature_pair_id(static_cast<int>(first.kind), first.index, static_cast<int>(second.kind), second.index, 0);
 }
 
+// Of a manifold that has no reference face.
+std::uint32_t edges_of(const Solids& solids, const LocalAxis& axis) {
+  const bool crossing = axis.first.kind == Feature::Kind::Edge && axis.second.kind == Feature::Kind::Edge;
+  if (!crossing || solids.pair.has_round()) return 0;
+  return PackedAxis{AxisOf::Edges, axis.first.index, axis.second.index}.packed();
+}
+
 void point_manifold(const Solids& solids, const LocalAxis& axis, Manifold& manifold) {
   manifold.reference_is_second = false;
   manifold.normal = axis.normal;
-  manifold.axis = 0;
   manifold.count = 0;
   manifold.add(axis.on_second, axis.separation, witness_id(solids, axis));
 }
@@ -336,10 +368,10 @@ bool face_contact(const Solids& solids, const LocalAxis& axis, double margin, st
                   Manifold& manifold) {
   constexpr double same = 1 - 1e-12;
   const double size = solids.pair.size();
-  const References references = reference_faces(solids, axis.separation, previous);
+  const References references = reference_faces(solids, axis, previous);
   for (int i = 0; i < references.count; ++i) {
     const Reference& reference = references.faces[static_cast<std::size_t>(i)];
-    face_manifold(solids, reference, margin, manifold);
+    face_manifold(solids, reference, axis, margin, manifold);
     if (manifold.count == 0) continue;
     const double allowed = reference.packed() == previous ? hysteresis : depth_tolerance;
     if (std::abs(deepest_of(manifold) - axis.separation) <= allowed * size) return true;
@@ -347,7 +379,7 @@ bool face_contact(const Solids& solids, const LocalAxis& axis, double margin, st
   for (int i = 0; i < references.count; ++i) {
     const Reference& reference = references.faces[static_cast<std::size_t>(i)];
     if (reference.face.cosine < same) continue;
-    face_manifold(solids, reference, margin, manifold);
+    face_manifold(solids, reference, axis, margin, manifold);
     add_witness(solids, axis, manifold);
     return true;
   }
@@ -360,10 +392,10 @@ bool face_contact(const Solids& solids, const LocalAxis& axis, double margin, st
 // refined.
 bool flat_contact(const Solids& solids, const LocalAxis& axis, double margin, std::uint32_t previous,
                   Manifold& manifold) {
-  const References references = reference_faces(solids, axis.separation, previous);
+  const References references = reference_faces(solids, axis, previous);
   for (int i = 0; i < references.count; ++i) {
     const Reference& reference = references.faces[static_cast<std::size_t>(i)];
-    face_manifold(solids, reference, margin, manifold);
+    face_manifold(solids, reference, axis, margin, manifold);
     if (is_best_nearby(solids, reference, manifold) || stands_in_nearby(solids, reference, manifold)) return true;
   }
   manifold.axis = 0;
@@ -373,33 +405,50 @@ bool flat_contact(const Solids& solids, const LocalAxis& axis, double margin, st
 
 }  // namespace
 
-void collide_convex(const Shape& first_shape, const Shape& second_shape, const Pose& second, double margin,
-                    Manifold& manifold) {
+Narrowphase collide_convex(const Shape& first_shape, const Shape& second_shape, const Pose& second, double margin,
+                           Manifold& manifold) {
   const std::uint32_t previous = std::exchange(manifold.axis, 0);
+  const bool known = std::exchange(manifold.known, false);
   manifold.count = 0;
   if (first_shape.kind == ShapeKind::Sphere) {
     collide_sphere_solid(first_shape.radius, second_shape, second, margin, manifold);
-    return;
+    return Narrowphase::ClosedForm;
   }
   if (first_shape.kind == ShapeKind::Capsule && second_shape.kind == ShapeKind::Capsule) {
     collide_capsules(first_shape, second_shape, second, margin, manifold);
-    return;
+    return Narrowphase::ClosedForm;
   }
   Solids solids{{first_shape, second_shape, second.position, second.orientation.toRotationMatrix()}, {}, {}, {}, {}};
   const SolidPair& pair = solids.pair;
-  LocalAxis axis;
-  if (!find_axis(pair, margin, solids.first_core, solids.second_core, axis)) return;
+  KnownAxis last;
+  if (known) {
+    const bool of_second = manifold.reference_is_second;
+    const Vector3& normal = manifold.normal;
+    const Vector3& middle = manifold.middle;
+    last = {true, of_second ? Vector3(-(pair.rotation * normal)) : normal,
+            of_second ? Vector3(pair.position + pair.rotation * middle) : middle, previous};
+  }
+  AxisSearch found = find_axis(pair, margin, last, solids.first_core, solids.second_core);
+  if (!found.touches) {
+    manifold.gap = found.gap;
+    return found.by;
+  }
+  LocalAxis& axis = found.axis;
   solids.set_normal(axis.normal);
 
   if (pair.has_round()) {
-    if (flat_contact(solids, axis, margin, previous, manifold)) return;
-    refine_axis(pair, solids.first_core, solids.second_core, axis);
-    if (!(axis.separation <= margin)) return;
+    if (flat_contact(solids, axis, margin, previous, manifold)) return found.by;
+    refine_axis(pair, last, solids.first_core, solids.second_core, axis);
+    if (!(axis.separation <= margin)) {
+      manifold.gap = axis.separation;
+      return found.by;
+    }
     solids.set_normal(axis.normal);
   }
-  if (face_contact(solids, axis, margin, previous, manifold)) return;
-  if (line_manifold(solids, axis, margin, manifold)) return;
-  point_manifold(solids, axis, manifold);
+  if (face_contact(solids, axis, margin, previous, manifold)) return found.by;
+  manifold.axis = edges_of(solids, axis);
+  if (!line_manifold(solids, axis, margin, manifold)) point_manifold(solids, axis, manifold);
+  return found.by;
 }
 
 }  // namespace atl::collision

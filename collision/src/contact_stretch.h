@@ -61,6 +61,7 @@ class ContactStretch {
 
   // fresh_manifolds.cpp: what is found anew.
   void find_stale();
+  void note_source(Narrowphase by);
   void find_anew(std::size_t entry);
   void find_boxes();
   void find_surface_parts(std::size_t entry);

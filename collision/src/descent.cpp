@@ -67,6 +67,31 @@ LocalAxis Descent::from_face_of_second(int face) {
   return walk(State::FaceOfSecond);
 }
 
+// Whether no face beside the edge rises along the normal.
+bool Descent::supports(const Polytope& polytope, const Hull::Edge& edge, const Vector3& along,
+                       const Vector3& normal) const {
+  if (edge.left == Polytope::no_face || edge.right == Polytope::no_face) return false;
+  return normal.dot(polytope.planes[edge.left].normal.cross(along)) <= 0 &&
+         normal.dot(along.cross(polytope.planes[edge.right].normal)) <= 0;
+}
+
+LocalAxis Descent::from_edges(int first, int second, const Vector3& unit_normal) {
+  const Hull::Edge& ea = first_.edges[first];
+  const Hull::Edge& eb = second_.edges[second];
+  const Vector3 u = first_.vertices[ea.head] - first_.vertices[ea.tail];
+  const Vector3 v = second_.vertices[eb.head] - second_.vertices[eb.tail];
+  const Vector3 across = u.cross(rotation_ * v);
+  const double sine = across.norm();
+  if (sine * sine <= 1e-6 * u.squaredNorm() * v.squaredNorm()) return from_direction(unit_normal);
+  n_ = (across.dot(unit_normal) < 0 ? -1 : 1) / sine * across;
+  if (!supports(first_, ea, u, n_) || !supports(second_, eb, v, -to_second(n_))) return from_direction(unit_normal);
+  edge_a_ = first;
+  edge_b_ = second;
+  a_ = ea.tail;
+  b_ = eb.tail;
+  return walk(State::Edges);
+}
+
 double Descent::separation_from_first(int face) const {
   const Hull::Plane& plane = first_.planes[face];
   return plane.normal.dot(of_second(second_.support(-to_second(plane.normal)))) - plane.offset;

@@ -15,6 +15,14 @@
 #include <cmath>
 #include <vector>
 
+// Compiled here, with the flags of all else: the packaged library's answers depend on the machine it was built for.
+namespace fcl::detail {
+template bool sphereSphereIntersect(const Sphere<double>&, const Transform3<double>&, const Sphere<double>&,
+                                    const Transform3<double>&, std::vector<ContactPoint<double>>*);
+template bool sphereBoxIntersect(const Sphere<double>&, const Transform3<double>&, const Box<double>&,
+                                 const Transform3<double>&, std::vector<ContactPoint<double>>*);
+}  // namespace fcl::detail
+
 namespace atl::collision::fcl_narrowphase {
 namespace {
 

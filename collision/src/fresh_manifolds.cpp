@@ -31,8 +31,20 @@ Pose incident_in_reference(const BoxAxes& axes, std::size_t lane, bool reference
   return relative(second, {Vector3::Zero(), Quaternion::Identity()});
 }
 
-// That of its manifold. Two that were apart have none: what isn't in the first cache line of theirs isn't read.
-std::uint32_t last_axis(const Contact& contact) { return contact.gap > 0 ? 0 : contact.axis; }
+// A manifold that starts with what is known of the pair's last one. Two that were apart have none: what isn't in the
+// first cache line of theirs isn't read.
+Manifold after_last(const Contact& contact, bool swapped) {
+  Manifold fresh;
+  if (contact.gap > 0) return fresh;
+  fresh.axis = contact.axis;
+  fresh.known = contact.count > 0;
+  if (!fresh.known) return fresh;
+  fresh.reference_is_second = contact.reference_is_second != swapped;
+  const auto& [x, y, z] = contact.normal;
+  fresh.normal = Vector3(x, y, z).normalized();
+  fresh.middle = Vector3(contact.centre_reference[0], contact.centre_reference[1], contact.centre_reference[2]);
+  return fresh;
+}
 
 void clear_impulses(ContactManifold& manifold) {
   std::fill_n(manifold.normal_impulse, max_points, 0.0f);
@@ -147,6 +159,11 @@ void ContactStretch::set_apart(std::size_t entry, double margin, double gap) {
   status_[entry] = ContactStatus::Apart;
 }
 
+void ContactStretch::note_source(Narrowphase by) {
+  counts_.fcl_calls += asks_fcl(by);
+  counts_.fcl_repairs += by == Narrowphase::Repaired;
+}
+
 void ContactStretch::find_anew(std::size_t entry) {
   const Contact& contact = contact_at(entry);
   const Pair pair = contact.pair;
@@ -161,18 +178,16 @@ void ContactStretch::find_anew(std::size_t entry) {
   const Shape& higher = colliders.shape[swap ? pair.first : pair.second];
   const Pose in_lower = swap ? relative(second, first) : relative(first, second);
   const bool bounded = is_convex_solid(higher.kind);
-  if (bounded) {
+  Manifold fresh = after_last(contact, swap);
+  if (bounded && !fresh.known) {
     const double gap = centre_line(lower, {Vector3::Zero(), Quaternion::Identity()}, higher, in_lower).gap;
     if (gap > margin) {
       set_apart(entry, margin, gap);
       return;
     }
   }
-  Manifold fresh;
-  fresh.axis = last_axis(contact);
-  const Narrowphase by = collide(lower, higher, in_lower, margin, fresh);
+  note_source(collide(lower, higher, in_lower, margin, fresh));
   if (fresh.count == 0 && bounded) {
-    counts_.fcl_calls += by == Narrowphase::Fcl;
     set_apart(entry, margin, fresh.gap);
     return;
   }
@@ -181,7 +196,6 @@ void ContactStretch::find_anew(std::size_t entry) {
                    fresh);
   }
   fresh.reference_is_second ^= swap;
-  counts_.fcl_calls += by == Narrowphase::Fcl;
   const bool lower_is_reference = fresh.reference_is_second == swap;
   const Pose incident = lower_is_reference ? in_lower : swap ? relative(first, second) : relative(second, first);
   replace(entry, fresh, incident, margin);
@@ -212,11 +226,10 @@ void ContactStretch::find_boxes() {
     const std::uint32_t entry = box_batch_.entries[lane];
     const Contact& contact = contact_at(entry);
     const double margin = margin_of(contact);
-    Manifold fresh;
-    fresh.axis = last_axis(contact);
-    counts_.fcl_calls +=
-        collide_boxes(input_.colliders.shape[contact.pair.first].half_extents,
-                      input_.colliders.shape[contact.pair.second].half_extents, box_axes_, lane, margin, fresh);
+    Manifold fresh = after_last(contact, false);
+    note_source(collide_boxes(input_.colliders.shape[contact.pair.first].half_extents,
+                              input_.colliders.shape[contact.pair.second].half_extents, box_axes_, lane, margin,
+                              fresh));
     if (fresh.count == 0) {
       set_apart(entry, margin, fresh.gap);
     } else {

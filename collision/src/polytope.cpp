@@ -191,6 +191,23 @@ int Polytope::support(const Vector3& direction) const {
   return best;
 }
 
+int Polytope::climb(int vertex, const Vector3& direction) const {
+  double farthest = vertices[vertex].dot(direction);
+  for (int step = 0; step < vertex_count; ++step) {
+    const int from = vertex;
+    for (int i = vertex_start[from]; i < vertex_start[from + 1]; ++i) {
+      const Hull::Edge& edge = edges[vertex_edges[i]];
+      const int next = edge.tail == from ? edge.head : edge.tail;
+      const double reach = vertices[next].dot(direction);
+      if (reach <= farthest) continue;
+      farthest = reach;
+      vertex = next;
+    }
+    if (vertex == from) break;
+  }
+  return vertex;
+}
+
 Polytope polytope_of(const Hull& hull) {
   Polytope p;
   p.vertices = hull.vertices.data();

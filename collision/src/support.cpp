@@ -1,5 +1,6 @@
 #include <collision/convex.h>
 #include <collision/hull.h>
+#include <collision/polytope.h>
 
 #include <cmath>
 #include <limits>
@@ -15,19 +16,6 @@ Vector3 disc_support(double radius, double height, const Vector3& direction) {
 }
 
 double with_sign(double size, double sign) { return sign < 0 ? -size : size; }
-
-// Every vertex: up to the few dozen of usual hulls that is faster than to walk along edges. The first of equals.
-Vector3 hull_support(const Hull& hull, const Vector3& direction) {
-  std::size_t best = 0;
-  double farthest = hull.vertices[0].dot(direction);
-  for (std::size_t i = 1; i < hull.vertices.size(); ++i) {
-    const double reach = hull.vertices[i].dot(direction);
-    if (reach <= farthest) continue;
-    farthest = reach;
-    best = i;
-  }
-  return hull.vertices[best];
-}
 
 }  // namespace
 
@@ -53,7 +41,7 @@ Vector3 support_point(const Shape& shape, const Vector3& direction) {
       return apex >= rim ? Vector3(0, 0, shape.half_height) : disc_support(shape.radius, -shape.half_height, direction);
     }
     case ShapeKind::Hull:
-      return hull_support(*shape.hull, direction);
+      return shape.hull->vertices[static_cast<std::size_t>(polytope_of(*shape.hull).support(direction))];
     case ShapeKind::HalfSpace:
     case ShapeKind::Mesh:
     case ShapeKind::HeightField:

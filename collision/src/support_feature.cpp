@@ -88,6 +88,18 @@ FlatFace best_plane(const Polytope& core, const Vector3& direction) {
 
 }  // namespace
 
+FlatFace flat_face_at(const Polytope& core, int vertex, const Vector3& unit_direction) {
+  FlatFace best;
+  core.for_each_face_at(vertex, [&](int face) {
+    const double cosine = core.planes[face].normal.dot(unit_direction);
+    if (cosine <= best.cosine) return;
+    best.cosine = cosine;
+    best.number = face;
+  });
+  if (best.number >= 0) best.normal = core.planes[best.number].normal;
+  return best;
+}
+
 FlatFace flat_face(const Shape& shape, const Polytope& core, int number, const Vector3& unit_direction) {
   FlatFace face;
   switch (shape.kind) {
@@ -143,7 +155,8 @@ void face_polygon(const Shape& shape, const Polytope& core, int number, FacePoly
   }
 }
 
-int incident_outline(const Shape& shape, const Polytope& core, const Vector3& unit_direction, Outline& outline) {
+int incident_outline(const Shape& shape, const Polytope& core, const Vector3& unit_direction, Outline& outline,
+                     int vertex) {
   outline.count = 0;
   const double r = shape.radius;
   const double h = shape.half_height;
@@ -175,7 +188,7 @@ int incident_outline(const Shape& shape, const Polytope& core, const Vector3& un
       outline.add_end(h * Vector3::UnitZ());
       return line_on_side;
     default: {
-      const FlatFace face = best_plane(core, unit_direction);
+      const FlatFace face = vertex < 0 ? best_plane(core, unit_direction) : flat_face_at(core, vertex, unit_direction);
       if (face.number < 0) return 0;
       const int size = core.face_size(face.number);
       const int start = core.face_start[face.number];

@@ -10,6 +10,7 @@ ContactUpdateCounts& ContactUpdateCounts::operator+=(const ContactUpdateCounts& 
   kept += other.kept;
   fresh += other.fresh;
   fcl_calls += other.fcl_calls;
+  fcl_repairs += other.fcl_repairs;
   id_matches += other.id_matches;
   id_misses += other.id_misses;
   points += other.points;

@@ -11,6 +11,7 @@ std::vector<Count> named_counts(const StepCounts& c) {
           {"groups", c.groups},
           {"colours", c.colours},
           {"fcl_calls", c.fcl_calls},
+          {"fcl_repairs", c.fcl_repairs},
           {"kept_manifolds", c.kept_manifolds},
           {"fresh_manifolds", c.fresh_manifolds},
           {"asleep", c.asleep},

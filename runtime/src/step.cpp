@@ -88,6 +88,7 @@ void World::Impl::update_contacts() {
   broadphase.forget_moves();
   const collision::ContactUpdateCounts& counts = contact_update_.counts;
   report_.counts.fcl_calls = counts.fcl_calls;
+  report_.counts.fcl_repairs = counts.fcl_repairs;
   report_.counts.kept_manifolds = counts.kept;
   report_.counts.fresh_manifolds = counts.fresh;
   report_.counts.id_matches = counts.id_matches;

@@ -59,12 +59,14 @@ TEST(CommandRun, JsonHasTheKeysInTheirOrder) {
   EXPECT_EQ(keys_of(json["ms_per_step"]), (Keys{"mean", "median", "p99", "max"}));
   EXPECT_EQ(keys_of(json["phases_ms"]), (Keys{"plan", "find_pairs", "update_contacts", "build_islands", "solve_islands",
                                               "sweep_fast_bodies", "finish"}));
-  EXPECT_EQ(keys_of(json["counts"]),
-            (Keys{"pairs",    "contacts",      "points",         "joints",         "islands",
-                  "groups",   "colours",       "fcl_calls",      "kept_manifolds", "fresh_manifolds",
-                  "asleep",   "id_matches",    "id_misses",      "swept",          "stopped",
-                  "sweeps",   "direct_joints", "direct_islands", "finer_islands",  "newton_iterations",
-                  "new_boxes"}));
+  EXPECT_EQ(keys_of(json["counts"]), (Keys{"pairs",          "contacts",        "points",
+                                           "joints",         "islands",         "groups",
+                                           "colours",        "fcl_calls",       "fcl_repairs",
+                                           "kept_manifolds", "fresh_manifolds", "asleep",
+                                           "id_matches",     "id_misses",       "swept",
+                                           "stopped",        "sweeps",          "direct_joints",
+                                           "direct_islands", "finer_islands",   "newton_iterations",
+                                           "new_boxes"}));
   EXPECT_EQ(keys_of(json["errors"]),
             (Keys{"penetration_max", "penetration_p99", "penetration_mean", "penetration_max_relative", "sink_max",
                   "sink_mean", "drift_max", "tilt_max", "energy_drift"}));

@@ -36,8 +36,8 @@ ClosestPoints closest_points(const Shape& first_shape, const Shape& second_shape
 ClosestPoints closest_points(const Shape& first_shape, const std::array<Vector3, 3>& triangle);
 
 /// Contact points of two solids: see collide().
-void collide_convex(const Shape& first_shape, const Shape& second_shape, const Pose& second, double margin,
-                    Manifold& manifold);
+Narrowphase collide_convex(const Shape& first_shape, const Shape& second_shape, const Pose& second, double margin,
+                           Manifold& manifold);
 
 /// Contact points of a solid with a half-space, given in the frame of the solid by `second`.
 void collide_half_space(const Shape& solid_shape, const Shape& half_space, const Pose& second, double margin,

@@ -38,6 +38,8 @@ class Descent {
   LocalAxis from_direction(const Vector3& unit_normal);
   LocalAxis from_face_of_first(int face);
   LocalAxis from_face_of_second(int face);
+  /// From the direction across an edge of each, that looks as this one does.
+  LocalAxis from_edges(int first, int second, const Vector3& unit_normal);
 
   /// Separation (m) along a face's normal.
   double separation_from_first(int face) const;
@@ -57,6 +59,7 @@ class Descent {
   Vector3 of_second(int vertex) const { return position_ + rotation_ * second_.vertices[vertex]; }
   Vector3 to_second(const Vector3& direction) const { return rotation_.transpose() * direction; }
 
+  bool supports(const Polytope& polytope, const Hull::Edge& edge, const Vector3& along, const Vector3& normal) const;
   void nearest_hit(const Polytope& polytope, int vertex, const Vector3& from, const Vector3& towards, Hit& hit) const;
   LocalAxis walk(State state);
   State slide_from_vertices();

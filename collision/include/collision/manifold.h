@@ -13,6 +13,15 @@ using FeatureId = std::uint64_t;
 
 inline constexpr int max_points = 4;
 
+/// Where a manifold's axis comes from.
+enum class Narrowphase {
+  ClosedForm,  ///< a formula, or the pair was found apart
+  Kept,        ///< that of the pair's last manifold, or one beside it
+  Fcl,         ///< FCL's answer
+  Repaired,    ///< FCL's answer, which fell short of the best axis by more than a hundredth of the size
+};
+constexpr bool asks_fcl(Narrowphase by) { return by == Narrowphase::Fcl || by == Narrowphase::Repaired; }
+
 /// Contact points of a pair as the narrowphase finds them. Everything is in the frame of the reference shape:
 /// the one whose face (or, where there is none, whose side) the points are measured against.
 struct Manifold {
@@ -25,6 +34,8 @@ struct Manifold {
   bool reference_is_second = false;
   Vector3 normal = Vector3::UnitZ();  ///< unit, out of the reference shape
   std::uint32_t axis = 0;             ///< the axis the normal was found on; 0: none
+  bool known = false;                 ///< on entry to collide(), as the next: see there
+  Vector3 middle = Vector3::Zero();   ///< m, of the last manifold's points
   int count = 0;
   double rise = 0;  ///< m, along the normal: see collide_surface()
   double gap = 0;   ///< m, where there are no points: the shapes are at least this far apart, if it is known, else 0

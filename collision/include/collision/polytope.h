@@ -33,6 +33,18 @@ struct Polytope {
 
   /// The vertex farthest along a direction, the first of equals.
   int support(const Vector3& direction) const;
+  /// A vertex as far along a direction as any, from one near it: from neighbour to neighbour.
+  int climb(int vertex, const Vector3& direction) const;
+  /// Calls visit(face) for the faces that meet in a vertex.
+  template <typename Visit>
+  void for_each_face_at(int vertex, const Visit& visit) const {
+    for (int i = vertex_start[vertex]; i < vertex_start[vertex + 1]; ++i) {
+      const Hull::Edge& edge = edges[vertex_edges[i]];
+      // Each face is on the left of the one of its two edges there that leaves the vertex.
+      const int face = edge.tail == vertex ? edge.left : edge.right;
+      if (face != no_face) visit(face);
+    }
+  }
   int face_size(int face) const { return face_start[face + 1] - face_start[face]; }
 };
 

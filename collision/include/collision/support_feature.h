@@ -20,6 +20,8 @@ struct FlatFace {
   double cosine = -1;  ///< of the angle between normal and direction
 };
 FlatFace flat_face_along(const Shape& shape, const Polytope& core, const Vector3& unit_direction);
+/// The same of a box or a hull, of the faces that meet in a vertex alone.
+FlatFace flat_face_at(const Polytope& core, int vertex, const Vector3& unit_direction);
 /// A face by its number; number -1 where there is no such face.
 FlatFace flat_face(const Shape& shape, const Polytope& core, int number, const Vector3& unit_direction);
 
@@ -28,9 +30,11 @@ void face_polygon(const Shape& shape, const Polytope& core, int number, FacePoly
 
 /// What of a solid is clipped: its face that looks most directly along a direction, or, of round shapes, the
 /// line on their side that does; the farthest corner is the solid's farthest point. A disc becomes eight of its
-/// rim's points, always the same as long as it lies flat.
+/// rim's points, always the same as long as it lies flat. Of a box or a hull, if `vertex` is the farthest along the
+/// direction, the face is one of those that meet there.
 /// Returns the number of the face: flat faces' own, 2 for a line on the side.
-int incident_outline(const Shape& shape, const Polytope& core, const Vector3& unit_direction, Outline& outline);
+int incident_outline(const Shape& shape, const Polytope& core, const Vector3& unit_direction, Outline& outline,
+                     int vertex = -1);
 
 /// The line on the side of a capsule, cylinder or cone that looks along a direction.
 struct SideLine {

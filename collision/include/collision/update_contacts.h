@@ -39,9 +39,10 @@ enum class ContactStatus : std::uint8_t {
 };
 
 struct ContactUpdateCounts {
-  std::int64_t kept = 0;       ///< pairs that kept their features, or their having none
-  std::int64_t fresh = 0;      ///< pairs that the narrowphase looked at
-  std::int64_t fcl_calls = 0;  ///< pairs of these for which FCL ran
+  std::int64_t kept = 0;         ///< pairs that kept their features, or their having none
+  std::int64_t fresh = 0;        ///< pairs that the narrowphase looked at
+  std::int64_t fcl_calls = 0;    ///< pairs of these for which FCL ran
+  std::int64_t fcl_repairs = 0;  ///< and its answer was not taken: see Narrowphase
   std::int64_t id_matches = 0;
   std::int64_t id_misses = 0;
   std::int64_t points = 0;  ///< of touching pairs
