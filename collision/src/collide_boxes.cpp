@@ -11,23 +11,18 @@
 #include <limits>
 #include <utility>
 
+#include "box_pair.h"
+
 namespace atl::collision {
 namespace {
 
 // By the size: of two boxes that are at rest against each other the margin is a third of that.
 constexpr double fast_margin = 0.15;
 
-// The two boxes in the frame of the reference box.
-struct BoxPair {
-  Vector3 half_reference;
-  Vector3 half_incident;
-  Vector3 position;  // of the incident box
-  Matrix3 rotation;  // its axes, as columns
-
-  BoxPair swapped() const {
-    return {half_incident, half_reference, -(rotation.transpose() * position), rotation.transpose()};
-  }
-};
+// Of the depth: where boxes overlap, edges have to part them by more than this better than a face does, as for FCL. A
+// face holds a box by four points. While `pile` lands (240 steps), pairs are 15 cm deep 620 times, and 1470 times
+// with 1.
+constexpr double face_preference = 0.95;
 
 // A face axis: axis `code - 1` of the first box (code 1-3) or `code - 4` of the second (4-6), on one side.
 struct FaceAxis {
@@ -155,21 +150,6 @@ void face_manifold(const BoxPair& first_is_reference, const FaceAxis& axis, doub
   reduce_points(points.data(), count, manifold);
 }
 
-// The edge of a box that lies farthest along a direction, of the four along one of its axes.
-struct SupportEdge {
-  Vector3 middle;  // in the box's frame
-  int sides;       // bit i: on the negative side of axis i
-};
-SupportEdge support_edge(const Vector3& half_extents, const Vector3& direction, Eigen::Index axis) {
-  SupportEdge edge{Vector3::Zero(), 0};
-  for (Eigen::Index i = 0; i < 3; ++i) {
-    if (i == axis) continue;
-    edge.middle[i] = direction[i] < 0 ? -half_extents[i] : half_extents[i];
-    if (direction[i] < 0) edge.sides |= 1 << i;
-  }
-  return edge;
-}
-
 // Closest points of the two edges (Ericson, "Real-Time Collision Detection", 2005, section 5.1.8).
 void edge_manifold(const BoxPair& pair, const fcl_narrowphase::Axis& axis, double margin, Manifold& manifold) {
   const Eigen::Index i = (axis.code - 7) / 3;
@@ -196,60 +176,6 @@ void edge_manifold(const BoxPair& pair, const fcl_narrowphase::Axis& axis, doubl
   manifold.axis = edge_axis(axis.code);
   if (separation > margin) return;
   manifold.add(position, separation, edge_edge_id(static_cast<int>(i), first.sides, static_cast<int>(j), second.sides));
-}
-
-// Where a ray enters a box around the origin from outside.
-struct Entry {
-  double distance = std::numeric_limits<double>::infinity();  // m; infinite if it doesn't
-  int face = 0;
-};
-Entry entry_into(const Vector3& half_extents, const Vector3& from, const Vector3& direction) {
-  Entry entry{-std::numeric_limits<double>::infinity(), 0};
-  double leaves = std::numeric_limits<double>::infinity();
-  for (Eigen::Index i = 0; i < 3; ++i) {
-    const double side = direction[i] > 0 ? -1 : 1;  // of the face that it enters by
-    const double ahead = side * from[i] - half_extents[i];
-    const double speed = -side * direction[i];
-    if (speed < 1e-9) {
-      if (std::abs(from[i]) > half_extents[i]) return {};
-      continue;
-    }
-    if (ahead / speed > entry.distance) entry = {ahead / speed, static_cast<int>(2 * i) + (side < 0 ? 1 : 0)};
-    leaves = std::min(leaves, (ahead + 2 * half_extents[i]) / speed);
-  }
-  return entry.distance >= 0 && entry.distance < leaves ? entry : Entry{};
-}
-
-// Of boxes that come fast, other corners may get there before the edges that are nearest now: in a step a box that
-// spins rolls over onto a face. Those that would meet the other box along the normal, within the margin.
-void add_other_corners(const BoxPair& pair, double margin, Manifold& manifold) {
-  constexpr std::size_t corners = 8;
-  std::array<Manifold::Point, 1 + 2 * corners> points;
-  points[0] = manifold.points[0];
-  int count = 1;
-  const Vector3 normal = manifold.normal, seen = pair.rotation.transpose() * normal;
-  // Nothing of the incident box lies lower, and of the reference box higher.
-  const double lowest = normal.dot(points[0].position), highest = lowest - points[0].separation;
-  for (std::size_t corner = 0; corner < corners; ++corner) {
-    const auto sign = [&](std::size_t bit) { return (corner >> bit & 1) != 0 ? -1.0 : 1.0; };
-    const Vector3 signs(sign(0), sign(1), sign(2));
-    const auto add = [&](const Vector3& position, double separation, FeatureId id) {
-      if (separation <= margin) points[static_cast<std::size_t>(count++)] = {position, separation, id};
-    };
-    const auto number = static_cast<int>(corner);
-    const Vector3 incident = pair.position + pair.rotation * signs.cwiseProduct(pair.half_incident);
-    if (normal.dot(incident) - highest <= margin) {
-      const Entry entry = entry_into(pair.half_reference, incident, -normal);
-      add(incident, entry.distance, feature_pair_id(2, entry.face, 0, number, 0));
-    }
-    const Vector3 reference = signs.cwiseProduct(pair.half_reference);
-    if (lowest - normal.dot(reference) <= margin) {
-      const Entry entry = entry_into(pair.half_incident, pair.rotation.transpose() * (reference - pair.position), seen);
-      add(reference + entry.distance * normal, entry.distance, feature_pair_id(0, number, 2, entry.face, 0));
-    }
-  }
-  manifold.count = 0;
-  reduce_points(points.data(), count, manifold);
 }
 
 Vector3 outward_normal(const FaceAxis& axis, const Matrix3& rotation) {
@@ -379,7 +305,11 @@ Narrowphase collide_boxes(const Vector3& half_first, const Vector3& half_second,
   const BoxPair pair = pair_of(half_first, half_second, axes, lane);
   if (!pair.position.allFinite() || !pair.rotation.allFinite()) return Narrowphase::ClosedForm;
   const double size = std::min(pair.half_reference.minCoeff(), pair.half_incident.minCoeff());
-  BestAxes best{face_axis(pair, face_code), {}, face_apart, separation, axes.edge[lane] > face_apart + 1e-9 * size};
+  BestAxes best{face_axis(pair, face_code),
+                {},
+                face_apart,
+                separation,
+                axes.edge[lane] > (face_apart < 0 ? face_preference : 1) * face_apart + 1e-9 * size};
   if (best.on_edges) best.edge = {box_axis(axes, lane, edge_code), axes.edge[lane], edge_code};
 
   Narrowphase by = Narrowphase::Kept;
@@ -389,8 +319,10 @@ Narrowphase collide_boxes(const Vector3& half_first, const Vector3& half_second,
     if (!ask_fcl(pair, separation, margin, answer)) return by;
     by = take_axis(pair, best, answer, margin, size, manifold);
   }
-  const bool crossing = manifold.count > 0 && FaceAxis::unpacked(manifold.axis).code > 6;
-  if (crossing && margin > fast_margin * size) add_other_corners(pair, std::max(margin, size), manifold);
+  if (manifold.count > 0 && FaceAxis::unpacked(manifold.axis).code > 6 && margin > fast_margin * size) {
+    const BoxPair as_reference = manifold.reference_is_second ? pair.swapped() : pair;
+    add_other_features(as_reference, std::max(margin, size), manifold);
+  }
   return by;
 }
 
