@@ -48,22 +48,19 @@ Bounds bounds_of_box(const Vector3& lower, const Vector3& upper, const Vector3& 
 // How far a mesh reaches along a direction, past the subtrees that reach less far than what was found.
 double reach_of_mesh(const TriangleMesh& mesh, const Vector3& direction) {
   double reach = -std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < mesh.tree.nodes.size();) {
-    const TriangleTree::Node& node = mesh.tree.nodes[i];
+  const auto short_of = [&](const Aabb& box) {
     double limit = 0;
     for (int axis = 0; axis < 3; ++axis) {
-      const auto& side = direction[axis] < 0 ? node.box.lower : node.box.upper;
+      const auto& side = direction[axis] < 0 ? box.lower : box.upper;
       limit += direction[axis] * side[static_cast<std::size_t>(axis)];
     }
-    if (limit <= reach) {
-      i = node.skip;
-      continue;
-    }
-    if (node.item != TriangleTree::no_item) {
-      for (const std::uint32_t v : mesh.triangles[node.item]) reach = std::max(reach, mesh.vertices[v].dot(direction));
-    }
-    ++i;
-  }
+    return -limit;
+  };
+  mesh.tree.visit_near(
+      short_of, [&] { return -reach; },
+      [&](std::uint32_t item) {
+        for (const std::uint32_t v : mesh.triangles[item]) reach = std::max(reach, mesh.vertices[v].dot(direction));
+      });
   return reach;
 }
 
