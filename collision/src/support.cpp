@@ -16,19 +16,6 @@ Vector3 disc_support(double radius, double height, const Vector3& direction) {
 
 double with_sign(double size, double sign) { return sign < 0 ? -size : size; }
 
-// Every vertex: up to the few dozen of usual hulls that is faster than to walk along edges. The first of equals.
-Vector3 hull_support(const Hull& hull, const Vector3& direction) {
-  std::size_t best = 0;
-  double farthest = hull.vertices[0].dot(direction);
-  for (std::size_t i = 1; i < hull.vertices.size(); ++i) {
-    const double reach = hull.vertices[i].dot(direction);
-    if (reach <= farthest) continue;
-    farthest = reach;
-    best = i;
-  }
-  return hull.vertices[best];
-}
-
 }  // namespace
 
 Vector3 support_point(const Shape& shape, const Vector3& direction) {
@@ -53,7 +40,7 @@ Vector3 support_point(const Shape& shape, const Vector3& direction) {
       return apex >= rim ? Vector3(0, 0, shape.half_height) : disc_support(shape.radius, -shape.half_height, direction);
     }
     case ShapeKind::Hull:
-      return hull_support(*shape.hull, direction);
+      return shape.hull->vertices[shape.hull->support(direction)];
     case ShapeKind::HalfSpace:
     case ShapeKind::Mesh:
     case ShapeKind::HeightField:
@@ -64,6 +51,7 @@ Vector3 support_point(const Shape& shape, const Vector3& direction) {
 
 double reach_along(const Shape& shape, const Vector3& unit_direction) {
   if (shape.kind == ShapeKind::Box) return unit_direction.cwiseAbs().dot(shape.half_extents);
+  if (shape.kind == ShapeKind::Hull) return shape.hull->reach(unit_direction);
   return support_point(shape, unit_direction).dot(unit_direction);
 }
 
