@@ -79,11 +79,11 @@ void nearest_of_field(const HeightField& field, const Bounds& bounds, NearestTri
   };
   const std::uint32_t below = 2 * (cell(middle.y(), field.spacing_y, field.rows) * (field.columns - 1) +
                                    cell(middle.x(), field.spacing_x, field.columns));
-  nearest.test(below, field.triangle(below).vertices);
-  nearest.test(below + 1, field.triangle(below + 1).vertices);
+  nearest.test(below, field.face(below).vertices);
+  nearest.test(below + 1, field.face(below + 1).vertices);
   const double limit = std::min(nearest.limit(), 1e30);
   field.query(grown(bounds, limit),
-              [&](std::uint32_t number) { nearest.test(number, field.triangle(number).vertices); });
+              [&](std::uint32_t number) { nearest.test(number, field.face(number).vertices); });
 }
 
 }  // namespace
