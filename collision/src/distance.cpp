@@ -82,8 +82,7 @@ void nearest_of_field(const HeightField& field, const Bounds& bounds, NearestTri
   nearest.test(below, field.face(below).vertices);
   nearest.test(below + 1, field.face(below + 1).vertices);
   const double limit = std::min(nearest.limit(), 1e30);
-  field.query(grown(bounds, limit),
-              [&](std::uint32_t number) { nearest.test(number, field.face(number).vertices); });
+  field.query(grown(bounds, limit), [&](std::uint32_t number) { nearest.test(number, field.face(number).vertices); });
 }
 
 }  // namespace

@@ -68,9 +68,8 @@ bool reaches_ahead(const Triangle& triangle, const Vector3& vertex, const Vector
 
 bool can_push_at_vertex(const Shape& surface, const Vector3& vertex, const Vector3& direction) {
   bool can = true;
-  visit_near(surface, Aabb::around(vertex, vertex), [&](std::uint32_t number) {
-    can = can && !reaches_ahead(face_of(surface, number), vertex, direction);
-  });
+  visit_near(surface, Aabb::around(vertex, vertex),
+             [&](std::uint32_t number) { can = can && !reaches_ahead(face_of(surface, number), vertex, direction); });
   return can;
 }
 
