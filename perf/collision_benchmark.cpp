@@ -3,11 +3,16 @@
 /// "resting" pairs lie on each other, tilted by up to a milliradian; "touching" ones overlap by half a
 /// centimetre in random poses. Shapes are about a metre across and the margin is 2 cm. "anew" is a pair that comes to
 /// meet, "kept" one whose last manifold is known, after a turn by a milliradian and a shift by a millimetre.
+///
+/// "mesh" is a million triangles with legs of half a metre on smooth hills, with 10 cm of noise; solids lie on it, all
+/// over it, in random poses, and sink in by half a centimetre.
 
 #include <benchmark/benchmark.h>
 #include <collision/collide.h>
 #include <collision/convex.h>
 #include <collision/hull.h>
+#include <collision/surface_contacts.h>
+#include <collision/triangle_mesh.h>
 
 #include <algorithm>
 #include <cmath>
@@ -136,6 +141,55 @@ Hull ball_of(int vertices) {
   return std::get<Hull>(build_hull(points));
 }
 
+TriangleMesh hills() {
+  constexpr std::uint32_t corners = 708;
+  Random random;
+  std::vector<Vector3> vertices;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  for (std::uint32_t i = 0; i < corners * corners; ++i) {
+    const double x = 0.5 * (i % corners);
+    const double y = 0.5 * (i / corners);
+    vertices.emplace_back(x, y, std::sin(x / 3) * std::cos(y / 4) + random.real(0, 0.1));
+    if (i % corners + 1 == corners || i / corners + 1 == corners) continue;
+    triangles.push_back({i, i + 1, i + corners + 1});
+    triangles.push_back({i, i + corners + 1, i + corners});
+  }
+  return std::get<TriangleMesh>(build_triangle_mesh(vertices, triangles));
+}
+
+// With each lowered until it touches, and lifted by `above` (m).
+void collide_mesh(benchmark::State& state, const Shape& solid, const TriangleMesh& mesh, double above) {
+  const Shape surface = Shape::triangle_mesh(mesh);
+  Random random;
+  std::vector<Pose> poses;
+  SurfaceManifolds found;
+  for (int i = 0; i < pose_count; ++i) {
+    Pose pose{{random.real(10, 340), random.real(10, 340), 3}, random.rotation(std::numbers::pi)};
+    for (double step = 1; step > 1e-3; step /= 2) {
+      for (int k = 0; k < 8; ++k) {
+        collide_surface(solid, surface, pose, 0, found);
+        if (found.count > 0) break;
+        pose.position.z() -= step;
+      }
+      pose.position.z() += step;
+    }
+    pose.position.z() += above;
+    poses.push_back(pose);
+  }
+  std::int64_t points = 0;
+  std::int64_t calls = 0;
+  for (auto _ : state) {
+    for (const Pose& pose : poses) {
+      collide_surface(solid, surface, pose, margin, found);
+      for (int m = 0; m < found.count; ++m) points += found.manifolds[static_cast<std::size_t>(m)].count;
+    }
+    calls += pose_count;
+  }
+  using benchmark::Counter;
+  state.counters["s/pair"] = Counter(static_cast<double>(calls), Counter::kIsRate | Counter::kInvert);
+  state.counters["points"] = static_cast<double>(points) / static_cast<double>(calls);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -180,6 +234,16 @@ int main(int argc, char** argv) {
   for (const auto& [name, pair] : pairs) {
     benchmark::RegisterBenchmark(("anew/" + name).c_str(), collide_pair, pair, false);
     benchmark::RegisterBenchmark(("kept/" + name).c_str(), collide_pair, pair, true);
+  }
+  const TriangleMesh mesh = hills();
+  const std::pair<std::string, Shape> solids[] = {{"sphere", sphere},
+                                                  {"box", box},
+                                                  {"capsule", capsule},
+                                                  {"cylinder", cylinder},
+                                                  {"hull32", Shape::convex_hull(ball32)}};
+  for (const auto& [name, solid] : solids) {
+    benchmark::RegisterBenchmark(("collide/" + name + "-mesh/touching").c_str(), collide_mesh, solid, mesh, -5e-3);
+    benchmark::RegisterBenchmark(("collide/" + name + "-mesh/above").c_str(), collide_mesh, solid, mesh, 0.1);
   }
   benchmark::RunSpecifiedBenchmarks();
   benchmark::Shutdown();

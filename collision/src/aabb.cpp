@@ -27,16 +27,29 @@ Vector3 disc_reach(const Matrix3& rotation) {
   return (rotation.col(0).cwiseAbs2() + rotation.col(1).cwiseAbs2()).cwiseSqrt();
 }
 
-template <typename Points>
-Bounds bounds_of_points(const Points& points, const Vector3& position, const Matrix3& rotation) {
-  Vector3 lower = Vector3::Constant(std::numeric_limits<double>::infinity());
-  Vector3 upper = -lower;
-  for (const Vector3& point : points) {
-    const Vector3 turned = rotation * point;
-    lower = lower.cwiseMin(turned);
-    upper = upper.cwiseMax(turned);
+// In lanes of vertices.
+Bounds bounds_of_hull(const Hull& hull, const Vector3& position, const Matrix3& rotation) {
+  using Lanes = Eigen::Array<double, Hull::lanes, 1>;
+  const std::size_t size = hull.columns.size() / 3;
+  std::array<Lanes, 3> lower, upper;
+  lower.fill(Lanes::Constant(std::numeric_limits<double>::infinity()));
+  upper.fill(Lanes::Constant(-std::numeric_limits<double>::infinity()));
+  for (std::size_t i = 0; i < size; i += Hull::lanes) {
+    const Eigen::Map<const Lanes> x(hull.columns.data() + i);
+    const Eigen::Map<const Lanes> y(hull.columns.data() + size + i);
+    const Eigen::Map<const Lanes> z(hull.columns.data() + 2 * size + i);
+    // The sums in the order in which a product of a matrix and a vector has them.
+    const std::array<Lanes, 3> turned = {(rotation(0, 0) * x + rotation(0, 1) * y) + rotation(0, 2) * z,
+                                         (rotation(1, 0) * x + rotation(1, 1) * y) + rotation(1, 2) * z,
+                                         rotation(2, 0) * x + (rotation(2, 1) * y + rotation(2, 2) * z)};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      lower[axis] = lower[axis].min(turned[axis]);
+      upper[axis] = upper[axis].max(turned[axis]);
+    }
   }
-  return {position + lower, position + upper};
+  const Vector3 least(lower[0].minCoeff(), lower[1].minCoeff(), lower[2].minCoeff());
+  const Vector3 most(upper[0].maxCoeff(), upper[1].maxCoeff(), upper[2].maxCoeff());
+  return {position + least, position + most};
 }
 
 Bounds bounds_of_box(const Vector3& lower, const Vector3& upper, const Vector3& position, const Matrix3& rotation) {
@@ -48,22 +61,19 @@ Bounds bounds_of_box(const Vector3& lower, const Vector3& upper, const Vector3& 
 // How far a mesh reaches along a direction, past the subtrees that reach less far than what was found.
 double reach_of_mesh(const TriangleMesh& mesh, const Vector3& direction) {
   double reach = -std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < mesh.tree.nodes.size();) {
-    const TriangleTree::Node& node = mesh.tree.nodes[i];
+  const auto short_of = [&](const Aabb& box) {
     double limit = 0;
     for (int axis = 0; axis < 3; ++axis) {
-      const auto& side = direction[axis] < 0 ? node.box.lower : node.box.upper;
+      const auto& side = direction[axis] < 0 ? box.lower : box.upper;
       limit += direction[axis] * side[static_cast<std::size_t>(axis)];
     }
-    if (limit <= reach) {
-      i = node.skip;
-      continue;
-    }
-    if (node.item != TriangleTree::no_item) {
-      for (const std::uint32_t v : mesh.triangles[node.item]) reach = std::max(reach, mesh.vertices[v].dot(direction));
-    }
-    ++i;
-  }
+    return -limit;
+  };
+  mesh.tree.visit_near(
+      short_of, [&] { return -reach; },
+      [&](std::uint32_t item) {
+        for (const std::uint32_t v : mesh.triangles[item]) reach = std::max(reach, mesh.vertices[v].dot(direction));
+      });
   return reach;
 }
 
@@ -105,7 +115,7 @@ Bounds bounds_of(const Shape& shape, const Vector3& position, const Matrix3& rot
       return {position + axis.cwiseMin(-axis - base), position + axis.cwiseMax(base - axis)};
     }
     case ShapeKind::Hull:
-      return bounds_of_points(shape.hull->vertices, position, rotation);
+      return bounds_of_hull(*shape.hull, position, rotation);
     case ShapeKind::Mesh:
       return bounds_of_mesh(*shape.mesh, position, rotation);
     case ShapeKind::HeightField: {

@@ -251,15 +251,16 @@ void touch_vertex(const SurfaceSolid& solid, const Triangle& triangle, const Tri
   if (outline.count > 0) contact.add(vertex + axis.separation * axis.normal, axis.separation, id);
 }
 
-// Farther away than the margin, by the ball around the solid or a plane through a side: most triangles near a solid
-// are, and to find the axis costs twenty times as much.
-bool is_beside(const SurfaceSolid& solid, const Triangle& triangle, double margin) {
-  const double reach = solid.shape.bounding_radius + margin;
-  const Vector3 nearest = closest_point_of_triangle(triangle.vertices, solid.position);
-  if ((nearest - solid.position).squaredNorm() > reach * reach) return true;
+// Whether a plane through a side keeps the solid farther off than the margin. Where its centre is within that, and
+// within what the solid reaches at least in any direction, no plane does.
+bool is_beside(const SurfaceSolid& solid, const Triangle& face, double margin) {
+  const double near = margin + (1 - 1e-9) * solid.least_reach;
   for (std::size_t i = 0; i < 3; ++i) {
-    const Vector3& tail = triangle.vertices[i];
-    const Vector3 outward = (triangle.vertices[(i + 1) % 3] - tail).cross(triangle.normal).normalized();
+    const Vector3& tail = face.vertices[i];
+    const Vector3 across = (face.vertices[(i + 1) % 3] - tail).cross(face.normal);
+    const double beside = across.dot(solid.position - tail);
+    if (near >= 0 && (beside <= 0 || beside * beside <= near * near * across.squaredNorm())) continue;
+    const Vector3 outward = across.normalized();
     if (solid.height(outward, tail) > margin) return true;
   }
   return false;
@@ -275,15 +276,28 @@ double deepest(const TriangleContact& contact) {
 
 }  // namespace
 
-void touch_triangle(const SurfaceSolid& solid, const Triangle& triangle, std::uint32_t number, double margin,
-                    TriangleContact& contact) {
-  contact.clear();
-  const double height = solid.height(triangle.normal, triangle.vertices[0]);
-  if (!(height <= margin)) return;
+// Most triangles near a solid are farther away than the margin: by the ball around it, by the triangle's plane or one
+// through a side. To find the axis costs twenty times as much.
+bool comes_near(const SurfaceSolid& solid, const Triangle& face, double margin, double& height) {
+  constexpr double rounding = 1 + 1e-9;
+  const double radius = solid.shape.bounding_radius;
+  const double reach = radius + margin;
+  const double level = face.normal.dot(solid.position - face.vertices[0]);
+  if (level > rounding * reach || level < -rounding * radius) return false;
+  const Vector3 nearest = closest_point_of_triangle(face.vertices, solid.position);
+  if ((nearest - solid.position).squaredNorm() > reach * reach) return false;
+  const Vector3 up = solid.turned(face.normal);
+  height = level - reach_along(solid.shape, -up);
+  if (!(height <= margin)) return false;
   // Wholly behind.
-  if (!(solid.reach(triangle.normal, triangle.vertices[0]) > 0)) return;
-  if (is_beside(solid, triangle, margin)) return;
-  const TriangleAxis axis = find_triangle_axis(solid, triangle, height);
+  if (!(height > 0) && !(level + reach_along(solid.shape, up) > 0)) return false;
+  return !is_beside(solid, face, margin);
+}
+
+void touch_triangle(const SurfaceSolid& solid, const Triangle& triangle, double height, std::uint32_t number,
+                    double margin, TriangleContact& contact) {
+  contact.clear();
+  const TriangleAxis axis = find_triangle_axis(solid, triangle, height, margin);
   if (!(axis.separation <= margin)) return;
   if (axis.part == Part::Face) {
     touch_face(solid, triangle, number, margin, contact);
@@ -313,7 +327,8 @@ void collide_triangle(const Shape& solid, const Triangle& triangle, std::uint32_
   if (!solid_pose.position.allFinite() || !solid_pose.orientation.coeffs().allFinite()) return;
   const SurfaceSolid placed(solid, solid_pose);
   TriangleContact contact;
-  touch_triangle(placed, triangle, number, margin, contact);
+  double height = 0;
+  if (comes_near(placed, triangle, margin, height)) touch_triangle(placed, triangle, height, number, margin, contact);
   manifold.normal = contact.normal;
   reduce_points(contact.points.data(), contact.count, manifold);
 }

@@ -40,6 +40,13 @@ std::size_t ContactStretch::parts_from(std::size_t entry) const {
   return end - entry;
 }
 
+// The entry after the parts of a pair: to find it reads no contact.
+std::size_t ContactStretch::pair_end(std::size_t entry) const {
+  std::size_t end = entry + 1;
+  while (end < cache_.order.size() && cache_.pair_at(end) == cache_.pair_at(entry)) ++end;
+  return end;
+}
+
 ContactStretch::Result ContactStretch::run(std::size_t begin, std::size_t end, ContactStatus* status,
                                            std::span<TouchingPair> touching) {
   status_ = status;
@@ -49,15 +56,15 @@ ContactStretch::Result ContactStretch::run(std::size_t begin, std::size_t end, C
   if (begin < end) end += parts_from(end - 1) - 1;
 
   begin_ = begin;
-  for (std::size_t i = begin; i < end; ++i) {
-    const Contact& contact = contact_at(i);
-    pairs_[i - begin] = {contact.body_first, contact.body_second, cache_.order[i]};
-    if (is_lost(contact.pair)) {
-      status_[i] = ContactStatus::Lost;
-      ++counts_.lost;
+  for (std::size_t i = begin; i < end;) {
+    const std::size_t next = pair_end(i);
+    if (is_lost(cache_.pair_at(i))) {
+      std::fill(status_ + i, status_ + next, ContactStatus::Lost);
+      counts_.lost += static_cast<std::int64_t>(next - i);
     } else {
-      add_to(kept_batch_, i, false);
+      keep(i, next);
     }
+    i = next;
   }
   refresh(kept_batch_, false);
 
@@ -89,20 +96,28 @@ void ContactStretch::list_touching(std::size_t begin, std::size_t end, std::span
   counts_.points += points;
 }
 
-void ContactStretch::add_to(Batch& batch, std::size_t entry, bool fresh) {
-  if (!fresh) {
-    fetch_ahead(entry);
-    if (const Contact& contact = contact_at(entry); contact.gap > 0) {
-      if (still_apart(contact)) {
-        status_[entry] = ContactStatus::Apart;
-        counts_.kept += contact.part == 0;
-      } else {
-        status_[entry] = ContactStatus::Stale;
-        stale_[stale_count_++] = static_cast<std::uint32_t>(entry);
-      }
-      return;
+// A pair that isn't lost, of which the parts are apart together.
+void ContactStretch::keep(std::size_t first, std::size_t end) {
+  fetch_ahead(first);
+  const Contact& contact = contact_at(first);
+  const bool was_apart = contact.gap > 0;
+  if (was_apart && still_apart(contact)) {
+    std::fill(status_ + first, status_ + end, ContactStatus::Apart);
+    ++counts_.kept;
+    return;
+  }
+  for (std::size_t i = first; i < end; ++i) {
+    pairs_[i - begin_] = {contact.body_first, contact.body_second, cache_.order[i]};
+    if (was_apart) {
+      status_[i] = ContactStatus::Stale;
+    } else {
+      add_to(kept_batch_, i, false);
     }
   }
+  if (was_apart) stale_[stale_count_++] = static_cast<std::uint32_t>(first);
+}
+
+void ContactStretch::add_to(Batch& batch, std::size_t entry, bool fresh) {
   fetch_rest(cache_.order[entry]);
   batch.entries[batch.count++] = static_cast<std::uint32_t>(entry);
   if (batch.count == block_lanes) refresh(batch, fresh);

@@ -46,6 +46,7 @@ class ContactStretch {
   // contact_stretch.cpp: what is kept, and what is not.
   bool is_lost(Pair pair) const;
   bool still_apart(const Contact& contact) const;
+  void keep(std::size_t first, std::size_t end);
   void add_to(Batch& batch, std::size_t entry, bool fresh);
   void refresh(Batch& batch, bool fresh);
   template <typename SlotOf>
@@ -58,6 +59,7 @@ class ContactStretch {
   Vector3 shift_between(const Contact& contact) const;
   double margin_of(const Contact& contact) const;
   std::size_t parts_from(std::size_t entry) const;
+  std::size_t pair_end(std::size_t entry) const;
 
   // fresh_manifolds.cpp: what is found anew.
   void find_stale();
@@ -67,8 +69,7 @@ class ContactStretch {
   void find_surface_parts(std::size_t entry);
   void set_apart(std::size_t entry, double margin, double gap);
   double lever_of(Pair pair) const;
-  bool set_surface_apart(std::size_t entry, std::uint32_t solid, std::uint32_t surface, const Pose& incident,
-                         double margin);
+  bool set_surface_apart(std::size_t entry, double margin, double gap);
   void replace(std::size_t entry, const Manifold& fresh, const Pose& incident, double margin);
   float tolerance_of(Pair pair, const Manifold& fresh) const;
   bool are_boxes(Pair pair) const;

@@ -89,17 +89,8 @@ inline Vector3 ConvexCore::support(const Vector3& direction) const {
       return {scale * direction.x(), scale * direction.y(),
               cone ? -half_height : signed_as(half_height, direction.z())};
     }
-    case Kind::Hull: {
-      std::size_t best = 0;
-      double farthest = hull->vertices[0].dot(direction);
-      for (std::size_t i = 1; i < hull->vertices.size(); ++i) {
-        const double reach = hull->vertices[i].dot(direction);
-        if (reach <= farthest) continue;
-        farthest = reach;
-        best = i;
-      }
-      return hull->vertices[best];
-    }
+    case Kind::Hull:
+      return hull->vertices[hull->support(direction)];
     case Kind::Triangle: {
       const double x = triangle[0].dot(direction);
       const double y = triangle[1].dot(direction);

@@ -62,45 +62,13 @@ Aabb grown(const Bounds& bounds, double margin) {
   return Aabb::around(bounds.lower - Vector3::Constant(margin), bounds.upper + Vector3::Constant(margin));
 }
 
-// The nearer child first; where the stack is full (a tree deeper than a balanced one could ever be) a subtree is run
-// through in its own order.
 void nearest_of_mesh(const TriangleMesh& mesh, const Bounds& bounds, NearestTriangle& nearest) {
-  constexpr int max_depth = 96;
-  const std::vector<TriangleTree::Node>& nodes = mesh.tree.nodes;
-  struct Entry {
-    std::uint32_t node;
-    double square;
+  const auto limit = [&] {
+    const double reach = nearest.limit() * (1 + 1e-12);
+    return reach * reach;
   };
-  const auto reachable = [&](double square) {
-    const double limit = nearest.limit() * (1 + 1e-12);
-    return square <= limit * limit;
-  };
-  Entry stack[max_depth];
-  int top = 0;
-  if (!nodes.empty()) stack[top++] = {0, square_apart(nodes[0].box, bounds)};
-  while (top > 0) {
-    const Entry entry = stack[--top];
-    if (!reachable(entry.square)) continue;
-    const TriangleTree::Node& node = nodes[entry.node];
-    if (node.item != TriangleTree::no_item) {
-      nearest.test(node.item, corners(mesh, node.item));
-      continue;
-    }
-    if (top + 2 > max_depth) {
-      for (std::uint32_t i = entry.node; i < node.skip;) {
-        const bool near = reachable(square_apart(nodes[i].box, bounds));
-        if (near && nodes[i].item != TriangleTree::no_item) nearest.test(nodes[i].item, corners(mesh, nodes[i].item));
-        i = near ? i + 1 : nodes[i].skip;
-      }
-      continue;
-    }
-    Entry first{entry.node + 1, square_apart(nodes[entry.node + 1].box, bounds)};
-    const std::uint32_t other = nodes[first.node].skip;
-    Entry second{other, other < node.skip ? square_apart(nodes[other].box, bounds) : infinity};
-    if (second.square < first.square) std::swap(first, second);
-    if (reachable(second.square)) stack[top++] = second;
-    if (reachable(first.square)) stack[top++] = first;
-  }
+  mesh.tree.visit_near([&](const Aabb& box) { return square_apart(box, bounds); }, limit,
+                       [&](std::uint32_t item) { nearest.test(item, corners(mesh, item)); });
 }
 
 // The triangles of the cell nearest to the middle of the bounds limit how far away others need to be looked at.
@@ -111,11 +79,10 @@ void nearest_of_field(const HeightField& field, const Bounds& bounds, NearestTri
   };
   const std::uint32_t below = 2 * (cell(middle.y(), field.spacing_y, field.rows) * (field.columns - 1) +
                                    cell(middle.x(), field.spacing_x, field.columns));
-  nearest.test(below, field.triangle(below).vertices);
-  nearest.test(below + 1, field.triangle(below + 1).vertices);
+  nearest.test(below, field.face(below).vertices);
+  nearest.test(below + 1, field.face(below + 1).vertices);
   const double limit = std::min(nearest.limit(), 1e30);
-  field.query(grown(bounds, limit),
-              [&](std::uint32_t number) { nearest.test(number, field.triangle(number).vertices); });
+  field.query(grown(bounds, limit), [&](std::uint32_t number) { nearest.test(number, field.face(number).vertices); });
 }
 
 }  // namespace

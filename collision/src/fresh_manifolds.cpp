@@ -128,13 +128,8 @@ double ContactStretch::lever_of(Pair pair) const {
 
 // As set_apart(), of all parts of a solid and a surface that stands still. False where they are too near each other for
 // that to last.
-bool ContactStretch::set_surface_apart(std::size_t entry, std::uint32_t solid, std::uint32_t surface,
-                                       const Pose& incident, double margin) {
-  if (input_.mobility[input_.colliders.body[surface]] != 0) return false;
-  const Shape& shape = input_.colliders.shape[solid];
-  const double size = static_cast<double>(contact_at(entry).size);
-  const double gap = surface_gap(shape, input_.colliders.shape[surface], incident, margin + surface_gap_share * size);
-  if (gap < margin + least_surface_gap * size) return false;
+bool ContactStretch::set_surface_apart(std::size_t entry, double margin, double gap) {
+  if (gap < margin + least_surface_gap * static_cast<double>(contact_at(entry).size)) return false;
   for (std::size_t part = 0; part < max_surface_manifolds; ++part) {
     set_apart(entry + part, margin, gap);
     if (!cache_.rises.empty()) cache_.rises[cache_.order[entry + part]] = 0;
@@ -256,8 +251,10 @@ void ContactStretch::find_surface_parts(std::size_t entry) {
     shift = colliders.pose(surface, input_.poses).orientation.conjugate() *
             (surface_second ? Vector3(-shift_second) : shift_second);
   }
-  collide_surface(colliders.shape[solid], colliders.shape[surface], incident, margin, found, shift);
-  if (found.count == 0 && set_surface_apart(entry, solid, surface, incident, margin)) return;
+  const bool stands_still = input_.mobility[colliders.body[surface]] == 0;
+  const double most_gap = stands_still ? margin + surface_gap_share * static_cast<double>(contact.size) : 0;
+  collide_surface(colliders.shape[solid], colliders.shape[surface], incident, margin, found, shift, most_gap);
+  if (found.count == 0 && stands_still && set_surface_apart(entry, margin, found.gap)) return;
 
   constexpr auto parts = static_cast<std::size_t>(max_surface_manifolds);
   std::array<int, parts> assigned;  // manifold of a part, or -1

@@ -62,42 +62,52 @@ HeightField::CellRange HeightField::rows_between(double lower, double upper) con
 }
 
 Triangle HeightField::triangle(std::uint32_t index) const {
-  const std::uint32_t i = index / 2 % (columns - 1);
-  const std::uint32_t j = index / 2 / (columns - 1);
+  Triangle result = face(index);
+  complete(index, result);
+  return result;
+}
+
+Triangle HeightField::face(std::uint32_t index) const {
+  const auto [i, j] = cell(index);
   const auto sample = [&](std::uint32_t column, std::uint32_t row) {
     return Vector3(column * spacing_x, row * spacing_y, height(column, row));
   };
-  const Normals normals{*this};
   const bool is_below = index % 2 == 0;
   Triangle result;
-  result.normal = is_below ? normals.below(i, j) : normals.above(i, j);
-  result.neighbour_normals = {result.normal, result.normal, result.normal};
+  result.normal = is_below ? Normals{*this}.below(i, j) : Normals{*this}.above(i, j);
+  result.vertices = {sample(i, j), is_below ? sample(i + 1, j) : sample(i + 1, j + 1),
+                     is_below ? sample(i + 1, j + 1) : sample(i, j + 1)};
+  return result;
+}
+
+void HeightField::complete(std::uint32_t index, Triangle& face) const {
+  const auto [i, j] = cell(index);
+  const Normals normals{*this};
+  const bool is_below = index % 2 == 0;
+  face.neighbour_normals = {face.normal, face.normal, face.normal};
   std::array<bool, 3> inside;  // whether there is a triangle beyond the edge
   if (is_below) {
-    result.vertices = {sample(i, j), sample(i + 1, j), sample(i + 1, j + 1)};
     inside = {j > 0, i + 2 < columns, true};
-    if (inside[0]) result.neighbour_normals[0] = normals.above(i, j - 1);
-    if (inside[1]) result.neighbour_normals[1] = normals.above(i + 1, j);
-    result.neighbour_normals[2] = normals.above(i, j);
+    if (inside[0]) face.neighbour_normals[0] = normals.above(i, j - 1);
+    if (inside[1]) face.neighbour_normals[1] = normals.above(i + 1, j);
+    face.neighbour_normals[2] = normals.above(i, j);
   } else {
-    result.vertices = {sample(i, j), sample(i + 1, j + 1), sample(i, j + 1)};
     inside = {true, j + 2 < rows, i > 0};
-    result.neighbour_normals[0] = normals.below(i, j);
-    if (inside[1]) result.neighbour_normals[1] = normals.below(i, j + 1);
-    if (inside[2]) result.neighbour_normals[2] = normals.below(i - 1, j);
+    face.neighbour_normals[0] = normals.below(i, j);
+    if (inside[1]) face.neighbour_normals[1] = normals.below(i, j + 1);
+    if (inside[2]) face.neighbour_normals[2] = normals.below(i - 1, j);
   }
   if (smooth) {
-    result.corner_normals = {sample_normal(*this, i, j),
-                             is_below ? sample_normal(*this, i + 1, j) : sample_normal(*this, i + 1, j + 1),
-                             is_below ? sample_normal(*this, i + 1, j + 1) : sample_normal(*this, i, j + 1)};
+    face.corner_normals = {sample_normal(*this, i, j),
+                           is_below ? sample_normal(*this, i + 1, j) : sample_normal(*this, i + 1, j + 1),
+                           is_below ? sample_normal(*this, i + 1, j + 1) : sample_normal(*this, i, j + 1)};
   }
   for (std::size_t e = 0; e < 3; ++e) {
-    const Vector3 edge = result.vertices[(e + 1) % 3] - result.vertices[e];
-    if (!inside[e] || is_convex_edge(result.normal, result.neighbour_normals[e], edge)) {
-      result.convex_edges = static_cast<std::uint8_t>(result.convex_edges | 1u << e);
+    const Vector3 edge = face.vertices[(e + 1) % 3] - face.vertices[e];
+    if (!inside[e] || is_convex_edge(face.normal, face.neighbour_normals[e], edge)) {
+      face.convex_edges = static_cast<std::uint8_t>(face.convex_edges | 1u << e);
     }
   }
-  return result;
 }
 
 namespace {

@@ -117,6 +117,7 @@ void measure(Hull& hull) {
     square = std::max(square, vertex.squaredNorm());
   }
   hull.bounding_radius = std::sqrt(square);
+  hull.prepare();
   hull.inner_radius = std::numeric_limits<double>::infinity();
   for (const Hull::Plane& plane : hull.planes) {
     hull.inner_radius = std::min(hull.inner_radius, plane.offset - plane.normal.dot(hull.mass.centre));

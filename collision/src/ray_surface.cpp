@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "ray_triangle.h"
 
@@ -77,54 +78,21 @@ void test_cell(const HeightField& field, std::uint32_t i, std::uint32_t j, doubl
 
 }  // namespace
 
-// Front to back with a stack of far children; where it is full (a tree deeper than a balanced one could ever be) a
-// subtree is run through in its own order.
+// Front to back.
 bool cast_ray_at_mesh(const TriangleMesh& mesh, const Ray& ray, Sides sides, RayHit& hit) {
-  constexpr int max_depth = 96;
-  struct Entry {
-    std::uint32_t node;
-    double t_enter;
-  };
-  const std::vector<TriangleTree::Node>& nodes = mesh.tree.nodes;
   const RaySlabs slabs(ray.origin, ray.direction, ray.max_t, Vector3::Zero());
+  if (!slabs.valid()) return false;
   ClosestTriangle closest(ray, sides);
-  const auto test = [&](std::uint32_t item) {
-    const auto& corners = mesh.triangles[item];
-    closest.test(item, mesh.vertices[corners[0]], mesh.vertices[corners[1]], mesh.vertices[corners[2]]);
+  const auto enter = [&](const Aabb& box) {
+    double t_enter = 0;
+    return slabs.enter(box, closest.max_t(), t_enter) ? t_enter : std::numeric_limits<double>::quiet_NaN();
   };
-  Entry stack[max_depth];
-  int top = 0;
-  double t_root = 0;
-  if (nodes.empty() || !slabs.valid() || !slabs.enter(nodes[0].box, ray.max_t, t_root)) return false;
-  stack[top++] = {0, t_root};
-  while (top > 0) {
-    const Entry entry = stack[--top];
-    if (entry.t_enter > closest.max_t()) continue;
-    const TriangleTree::Node& node = nodes[entry.node];
-    if (node.item != TriangleTree::no_item) {
-      test(node.item);
-      continue;
-    }
-    if (top + 2 > max_depth) {
-      for (std::uint32_t i = entry.node; i < node.skip;) {
-        double t_enter = 0;
-        const bool enters = slabs.enter(nodes[i].box, closest.max_t(), t_enter);
-        if (enters && nodes[i].item != TriangleTree::no_item) test(nodes[i].item);
-        i = enters ? i + 1 : nodes[i].skip;
-      }
-      continue;
-    }
-    Entry near{entry.node + 1, 0};
-    Entry far{nodes[near.node].skip, 0};
-    bool hits_near = slabs.enter(nodes[near.node].box, closest.max_t(), near.t_enter);
-    bool hits_far = far.node < node.skip && slabs.enter(nodes[far.node].box, closest.max_t(), far.t_enter);
-    if (far.t_enter < near.t_enter) {
-      std::swap(near, far);
-      std::swap(hits_near, hits_far);
-    }
-    if (hits_far) stack[top++] = far;
-    if (hits_near) stack[top++] = near;
-  }
+  mesh.tree.visit_near(
+      enter, [&] { return closest.max_t(); },
+      [&](std::uint32_t item) {
+        const auto& corners = mesh.triangles[item];
+        closest.test(item, mesh.vertices[corners[0]], mesh.vertices[corners[1]], mesh.vertices[corners[2]]);
+      });
   return closest.take(hit);
 }
 

@@ -1,6 +1,5 @@
 #include <collision/convex.h>
 #include <collision/hull.h>
-#include <collision/polytope.h>
 
 #include <cmath>
 #include <limits>
@@ -41,7 +40,7 @@ Vector3 support_point(const Shape& shape, const Vector3& direction) {
       return apex >= rim ? Vector3(0, 0, shape.half_height) : disc_support(shape.radius, -shape.half_height, direction);
     }
     case ShapeKind::Hull:
-      return shape.hull->vertices[static_cast<std::size_t>(polytope_of(*shape.hull).support(direction))];
+      return shape.hull->vertices[shape.hull->support(direction)];
     case ShapeKind::HalfSpace:
     case ShapeKind::Mesh:
     case ShapeKind::HeightField:
@@ -52,6 +51,7 @@ Vector3 support_point(const Shape& shape, const Vector3& direction) {
 
 double reach_along(const Shape& shape, const Vector3& unit_direction) {
   if (shape.kind == ShapeKind::Box) return unit_direction.cwiseAbs().dot(shape.half_extents);
+  if (shape.kind == ShapeKind::Hull) return shape.hull->reach(unit_direction);
   return support_point(shape, unit_direction).dot(unit_direction);
 }
 

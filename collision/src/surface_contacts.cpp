@@ -7,19 +7,50 @@
 #include <algorithm>
 #include <cmath>
 
+#include "box_distance.h"
 #include "point_distance.h"
 #include "surface_clusters.h"
 
 namespace atl::collision {
 namespace {
 
+// Calls visit(number) for the triangles near a box.
+template <typename Visit>
+void visit_near(const Shape& surface, const Aabb& box, const Visit& visit) {
+  if (surface.kind == ShapeKind::Mesh) {
+    surface.mesh->tree.query(box, visit);
+  } else if (surface.kind == ShapeKind::HeightField) {
+    surface.field->query(box, visit);
+  }
+}
+
+// Calls visit(number) for those near a box that a ball may touch as well, by their own boxes.
+template <typename Visit>
+void visit_near_ball(const Shape& surface, const Aabb& box, const Vector3& centre, double radius, const Visit& visit) {
+  if (surface.kind != ShapeKind::Mesh) return visit_near(surface, box, visit);
+  const double square = (1 + 1e-9) * radius * radius;
+  surface.mesh->tree.query_boxes(box, [&](std::uint32_t number, const Aabb& around) {
+    if (square_apart(around, {centre, centre}) <= square) visit(number);
+  });
+}
+
 // Calls visit(triangle, number) for those near a box.
 template <typename Visit>
 void visit_triangles(const Shape& surface, const Aabb& box, const Visit& visit) {
+  visit_near(surface, box, [&](std::uint32_t i) {
+    visit(surface.kind == ShapeKind::Mesh ? surface.mesh->triangle(i) : surface.field->triangle(i), i);
+  });
+}
+
+// Vertices and normal of a triangle; the rest of it.
+Triangle face_of(const Shape& surface, std::uint32_t number) {
+  return surface.kind == ShapeKind::Mesh ? surface.mesh->face(number) : surface.field->face(number);
+}
+void complete(const Shape& surface, std::uint32_t number, Triangle& face) {
   if (surface.kind == ShapeKind::Mesh) {
-    surface.mesh->tree.query(box, [&](std::uint32_t i) { visit(surface.mesh->triangle(i), i); });
-  } else if (surface.kind == ShapeKind::HeightField) {
-    surface.field->query(box, [&](std::uint32_t i) { visit(surface.field->triangle(i), i); });
+    surface.mesh->complete(number, face);
+  } else {
+    surface.field->complete(number, face);
   }
 }
 
@@ -37,9 +68,8 @@ bool reaches_ahead(const Triangle& triangle, const Vector3& vertex, const Vector
 
 bool can_push_at_vertex(const Shape& surface, const Vector3& vertex, const Vector3& direction) {
   bool can = true;
-  visit_triangles(surface, Aabb::around(vertex, vertex), [&](const Triangle& triangle, std::uint32_t) {
-    can = can && !reaches_ahead(triangle, vertex, direction);
-  });
+  visit_near(surface, Aabb::around(vertex, vertex),
+             [&](std::uint32_t number) { can = can && !reaches_ahead(face_of(surface, number), vertex, direction); });
   return can;
 }
 
@@ -135,6 +165,35 @@ void follow_smooth_surface(const Shape& ball, const Shape& surface, const Vector
   manifold.add(centre - ball.radius * manifold.normal, start.distance - ball.radius, single_point_id());
 }
 
+// How far a solid is from triangles at least, by its box and ball, up to a limit.
+class SurfaceGap {
+ public:
+  SurfaceGap(const SurfaceSolid& solid, const Bounds& bounds, double most)
+      : position_(solid.position), radius_(solid.shape.bounding_radius), bounds_(bounds), gap_(most) {}
+
+  void look_at(const std::array<Vector3, 3>& triangle) {
+    const auto& [a, b, c] = triangle;
+    const Vector3 below = bounds_.lower - a.cwiseMax(b).cwiseMax(c);
+    const Vector3 above = a.cwiseMin(b).cwiseMin(c) - bounds_.upper;
+    const double boxes = below.cwiseMax(above).cwiseMax(0).norm();
+    if (boxes >= gap_) return;
+    const double ball = (closest_point_of_triangle(triangle, position_) - position_).norm() - radius_;
+    gap_ = std::min(gap_, std::max(boxes, ball));
+  }
+  double gap() const { return gap_; }
+
+ private:
+  const Vector3& position_;
+  double radius_;
+  const Bounds& bounds_;
+  double gap_;
+};
+
+Aabb grown(const Bounds& bounds, double margin) {
+  const Vector3 around = Vector3::Constant(margin);
+  return Aabb::around(bounds.lower - around, bounds.upper + around);
+}
+
 }  // namespace
 
 bool is_smooth(const Shape& surface) {
@@ -142,37 +201,23 @@ bool is_smooth(const Shape& surface) {
   return surface.kind == ShapeKind::HeightField && surface.field != nullptr && surface.field->smooth;
 }
 
-double surface_gap(const Shape& solid, const Shape& surface, const Pose& solid_pose, double most) {
-  const Bounds bounds = bounds_of(solid, solid_pose.position, solid_pose.orientation.toRotationMatrix());
-  const Vector3 around = Vector3::Constant(most);
-  double gap = most;
-  visit_triangles(surface, Aabb::around(bounds.lower - around, bounds.upper + around),
-                  [&](const Triangle& triangle, std::uint32_t) {
-                    const auto& [a, b, c] = triangle.vertices;
-                    const Vector3 below = bounds.lower - a.cwiseMax(b).cwiseMax(c);
-                    const Vector3 above = a.cwiseMin(b).cwiseMin(c) - bounds.upper;
-                    const double boxes = below.cwiseMax(above).cwiseMax(0).norm();
-                    if (boxes >= gap) return;
-                    const Vector3 nearest = closest_point_of_triangle(triangle.vertices, solid_pose.position);
-                    const double ball = (nearest - solid_pose.position).norm() - solid.bounding_radius;
-                    gap = std::min(gap, std::max(boxes, ball));
-                  });
-  return gap;
-}
-
 void collide_surface(const Shape& solid, const Shape& surface, const Pose& solid_pose, double margin,
-                     SurfaceManifolds& result, const Vector3& shift) {
+                     SurfaceManifolds& result, const Vector3& shift, double most_gap) {
   result.count = 0;
+  result.gap = 0;
   if (!is_convex_solid(solid.kind) || !is_surface(surface.kind)) return;
   if (!solid_pose.position.allFinite() || !solid_pose.orientation.coeffs().allFinite()) return;
   const SurfaceSolid placed(solid, solid_pose);
   const Bounds bounds = bounds_of(solid, placed.position, placed.rotation);
-  const Vector3 around = Vector3::Constant(margin);
-  const Aabb box = Aabb::around(bounds.lower - around, bounds.upper + around);
   SurfaceClusters clusters(placed);
   TriangleContact contact;
-  visit_triangles(surface, box, [&](const Triangle& triangle, std::uint32_t number) {
-    touch_triangle(placed, triangle, number, margin, contact);
+  const double reach = solid.bounding_radius + margin;
+  visit_near_ball(surface, grown(bounds, margin), placed.position, reach, [&](std::uint32_t number) {
+    Triangle triangle = face_of(surface, number);
+    double height = 0;
+    if (!comes_near(placed, triangle, margin, height)) return;
+    complete(surface, number, triangle);
+    touch_triangle(placed, triangle, height, number, margin, contact);
     if (contact.part == TriangleAxis::Part::Vertex && contact.count > 0 &&
         !can_push_at_vertex(surface, triangle.vertices[static_cast<std::size_t>(contact.vertex)], contact.normal)) {
       return;
@@ -183,6 +228,11 @@ void collide_surface(const Shape& solid, const Shape& surface, const Pose& solid
   if (solid.kind == ShapeKind::Sphere && is_smooth(surface)) {
     follow_smooth_surface(solid, surface, placed.position, margin, shift, result);
   }
+  if (result.count > 0 || !(most_gap > 0)) return;
+  SurfaceGap gap(placed, bounds, most_gap);
+  visit_near(surface, grown(bounds, most_gap),
+             [&](std::uint32_t number) { gap.look_at(face_of(surface, number).vertices); });
+  result.gap = gap.gap();
 }
 
 }  // namespace atl::collision

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <collision/convex.h>
+#include <collision/hull.h>
 #include <collision/polytope.h>
 
 namespace atl::collision {
@@ -10,10 +11,14 @@ struct SurfaceSolid {
   const Shape& shape;
   Vector3 position;  ///< m
   Matrix3 rotation;
+  double least_reach;  ///< m: along every direction it reaches as far as that at least; or minus infinity
   Core core;
 
   SurfaceSolid(const Shape& solid, const Pose& pose)
-      : shape(solid), position(pose.position), rotation(pose.orientation.toRotationMatrix()) {
+      : shape(solid), position(pose.position), rotation(pose.orientation.toRotationMatrix()), least_reach(0) {
+    if (solid.kind == ShapeKind::Sphere) least_reach = solid.radius;
+    if (solid.kind == ShapeKind::Box) least_reach = solid.half_extents.minCoeff();
+    if (solid.kind == ShapeKind::Hull) least_reach = solid.hull->least_reach;
     core.build(solid);
   }
 

@@ -158,10 +158,10 @@ bool sweep(const Shape& solid, const Motion& solid_motion, const Shape& other, c
   SurfaceSweep surface(moving, other_motion, goal, t_limit);
   if (other.kind == ShapeKind::Mesh) {
     const TriangleMesh& mesh = *other.mesh;
-    mesh.tree.query(box, [&](std::uint32_t number) { surface.test(number, mesh.triangle(number)); });
+    mesh.tree.query(box, [&](std::uint32_t number) { surface.test(number, mesh.face(number)); });
   } else {
     const HeightField& field = *other.field;
-    field.query(box, [&](std::uint32_t number) { surface.test(number, field.triangle(number)); });
+    field.query(box, [&](std::uint32_t number) { surface.test(number, field.face(number)); });
   }
   return surface.take(hit);
 }

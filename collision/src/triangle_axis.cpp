@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "hypotenuse.h"
+#include "point_distance.h"
 
 namespace atl::collision {
 namespace {
@@ -47,8 +48,8 @@ Edge edge_of(const Triangle& triangle, std::size_t i) {
 
 class Search {
  public:
-  Search(const SurfaceSolid& solid, const Triangle& triangle, double height)
-      : solid_(solid), triangle_(triangle), tolerance_(1e-9 * solid.shape.inner_radius) {
+  Search(const SurfaceSolid& solid, const Triangle& triangle, double height, double most)
+      : solid_(solid), triangle_(triangle), most_(most), tolerance_(1e-9 * solid.shape.inner_radius) {
     best_.normal = triangle.normal;
     best_.separation = height;
   }
@@ -58,28 +59,47 @@ class Search {
     lowest_ = solid_.support(Vector3(-triangle_.normal));
     bool is_over = true;
     for (std::size_t i = 0; i < 3; ++i) {
-      const Edge edge = edge_of(triangle_, i);
-      is_over &= edge.outward.dot(lowest_ - edge.tail) <= 0;
+      edges_[i] = edge_of(triangle_, i);
+      is_over &= edges_[i].outward.dot(lowest_ - edges_[i].tail) <= 0;
     }
     // The triangle's nearest point is right below the solid's.
     if (is_over && best_.separation >= 0) return best_;
     bool near_edge = false;
     for (std::size_t i = 0; i < 3; ++i) {
       if ((triangle_.convex_edges >> i & 1) == 0) continue;
-      const Edge edge = edge_of(triangle_, i);
+      const Edge& edge = edges_[i];
       if (solid_.reach(edge.outward, edge.tail) <= 0) continue;
       near_edge = true;
       try_edge(i, edge);
+      if (is_parted()) return best_;
     }
     if (!near_edge) return best_;
     try_faces_on_vertices();
-    if (is_over) return best_;  // the solid goes through
+    if (is_over || is_parted()) return best_;  // over: the solid goes through
     const double core_separation = best_.separation + solid_.core.radius();
-    if (core_separation > -0.5 * solid_.shape.inner_radius) try_nearest_vertex();
+    if (core_separation > -0.5 * solid_.shape.inner_radius && may_be_farther()) try_nearest_vertex();
     return best_;
   }
 
  private:
+  bool is_parted() const { return best_.separation > most_; }
+
+  // Whether a direction may part them farther than the best so far: that is as far as they are apart if the solid's
+  // point that it was found by is.
+  bool may_be_farther() const {
+    if (best_.support_count == 0) return true;
+    Vector3 point = best_.support[0];
+    if (best_.support_count == 2) {
+      const Edge& edge = edges_[static_cast<std::size_t>(best_.index)];
+      const Vector3 line = best_.support[1] - point;
+      const Vector3 across = best_.normal.cross(edge.along);
+      const double rate = across.dot(line);
+      if (rate != 0) point += std::clamp(across.dot(edge.tail - point) / rate, 0.0, 1.0) * line;
+    }
+    const double apart = (point - closest_point_of_triangle(triangle_.vertices, point)).norm();
+    return apart - solid_.core.radius() > best_.separation + 0.5 * tolerance_;
+  }
+
   bool improves(double separation) const { return separation > best_.separation + tolerance_; }
 
   void try_edge(std::size_t i, const Edge& edge) {
@@ -253,7 +273,7 @@ class Search {
     const std::array<std::size_t, 2> edges = {vertex, (vertex + 2) % 3};
     bool convex = false;
     for (const std::size_t i : edges) {
-      const Edge edge = edge_of(triangle_, i);
+      const Edge& edge = edges_[i];
       const double inwards = i == vertex ? edge.along.dot(direction) : -edge.along.dot(direction);
       if (inwards > 1e-9) return false;
       const bool is_convex = (triangle_.convex_edges >> i & 1) != 0;
@@ -314,9 +334,17 @@ class Search {
       try_side_on_vertices();
       return;
     }
+    // Most faces look away from all of the triangle: far less than what would be better, beyond any rounding.
+    std::array<Vector3, 3> seen;
+    for (std::size_t v = 0; v < 3; ++v) seen[v] = solid_.seen(triangle_.vertices[v]);
+    const double rounding =
+        1e-12 * std::max({seen[0].lpNorm<1>(), seen[1].lpNorm<1>(), seen[2].lpNorm<1>(), shape.bounding_radius});
     const Polytope& polytope = solid_.core.polytope();
-    for (int f = 0; f < polytope.face_count; ++f)
-      try_face_on_vertices(polytope.planes[f].normal, polytope.planes[f].offset);
+    for (int f = 0; f < polytope.face_count; ++f) {
+      const auto& [normal, offset] = polytope.planes[f];
+      const double most = std::max({normal.dot(seen[0]), normal.dot(seen[1]), normal.dot(seen[2])}) - offset;
+      if (most + rounding > best_.separation) try_face_on_vertices(normal, offset);
+    }
   }
 
   void try_nearest_vertex() {
@@ -337,7 +365,9 @@ class Search {
 
   const SurfaceSolid& solid_;
   const Triangle& triangle_;
+  double most_;       // m
   double tolerance_;  // m
+  std::array<Edge, 3> edges_;
   TriangleAxis best_;
   Vector3 lowest_ = Vector3::Zero();  // of the solid along the triangle's normal
   // The edge being looked at, in the solid's frame.
@@ -349,8 +379,8 @@ class Search {
 
 }  // namespace
 
-TriangleAxis find_triangle_axis(const SurfaceSolid& solid, const Triangle& triangle, double height) {
-  return Search(solid, triangle, height).run();
+TriangleAxis find_triangle_axis(const SurfaceSolid& solid, const Triangle& triangle, double height, double most) {
+  return Search(solid, triangle, height, most).run();
 }
 
 }  // namespace atl::collision

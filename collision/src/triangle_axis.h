@@ -32,6 +32,8 @@ inline bool is_border(const Triangle& triangle, std::size_t edge) {
 ///
 /// Around an edge the separation is piecewise smooth in the angle: a polytope's support vertices are walked
 /// through, each with its closed form; a cylinder's or cone's are searched.
-TriangleAxis find_triangle_axis(const SurfaceSolid& solid, const Triangle& triangle, double height);
+///
+/// Once one parts them by more than `most` (m) it may not be the best.
+TriangleAxis find_triangle_axis(const SurfaceSolid& solid, const Triangle& triangle, double height, double most);
 
 }  // namespace atl::collision

@@ -34,8 +34,12 @@ struct TriangleContact {
   }
 };
 
-/// Finds the points no farther apart than `margin` (m). `number` is the triangle's.
-void touch_triangle(const SurfaceSolid& solid, const Triangle& triangle, std::uint32_t number, double margin,
-                    TriangleContact& contact);
+/// Whether a solid may touch a triangle, of which vertices and normal are known. If so, `height` (m) is how far it is
+/// from its plane.
+bool comes_near(const SurfaceSolid& solid, const Triangle& face, double margin, double& height);
+
+/// Finds the points no farther apart than `margin` (m), of what comes near. `number` is the triangle's.
+void touch_triangle(const SurfaceSolid& solid, const Triangle& triangle, double height, std::uint32_t number,
+                    double margin, TriangleContact& contact);
 
 }  // namespace atl::collision

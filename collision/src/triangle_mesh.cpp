@@ -229,16 +229,25 @@ std::uint64_t content_of(const TriangleMesh& mesh) {
 }  // namespace
 
 Triangle TriangleMesh::triangle(std::uint32_t index) const {
+  Triangle result = face(index);
+  complete(index, result);
+  return result;
+}
+
+Triangle TriangleMesh::face(std::uint32_t index) const {
   Triangle result;
   result.normal = normals[index];
-  result.convex_edges = convex_edges[index];
-  if (!corner_normals.empty()) result.corner_normals = corner_normals[index];
+  for (std::size_t i = 0; i < 3; ++i) result.vertices[i] = vertices[triangles[index][i]];
+  return result;
+}
+
+void TriangleMesh::complete(std::uint32_t index, Triangle& face) const {
+  face.convex_edges = convex_edges[index];
+  if (!corner_normals.empty()) face.corner_normals = corner_normals[index];
   for (std::size_t i = 0; i < 3; ++i) {
     const std::uint32_t neighbour = neighbours[index][i];
-    result.vertices[i] = vertices[triangles[index][i]];
-    result.neighbour_normals[i] = neighbour == no_triangle ? result.normal : normals[neighbour];
+    face.neighbour_normals[i] = neighbour == no_triangle ? face.normal : normals[neighbour];
   }
-  return result;
 }
 
 std::variant<TriangleMesh, std::string> build_triangle_mesh(std::span<const Vector3> vertices,

@@ -3,10 +3,21 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace atl::collision {
+
+// Of a tree of two children a node, in depth-first order: the first child is the next node.
+struct TriangleTree::BinaryNode {
+  Aabb box;
+  std::uint32_t second;  // child; 0 of a leaf
+  std::uint32_t item;    // of a leaf
+};
+
 namespace {
+
+using BinaryNode = TriangleTree::BinaryNode;
 
 // More bins than this gain little (Wald 2007, section 3).
 constexpr int bins = 16;
@@ -16,7 +27,7 @@ constexpr int deepest_heuristic_split = 48;
 struct Builder {
   std::span<const Aabb> boxes;
   std::vector<Vector3> centres;
-  std::vector<TriangleTree::Node>& nodes;
+  std::vector<BinaryNode> nodes;
 
   void build(std::uint32_t* begin, std::uint32_t* end, int depth);
   std::uint32_t* split(std::uint32_t* begin, std::uint32_t* end, int depth) const;
@@ -90,33 +101,123 @@ std::uint32_t* Builder::split(std::uint32_t* begin, std::uint32_t* end, int dept
 void Builder::build(std::uint32_t* begin, std::uint32_t* end, int depth) {
   const std::size_t node = nodes.size();
   nodes.push_back({boxes[*begin], 0, *begin});
-  if (end - begin > 1) {
-    nodes[node].item = TriangleTree::no_item;
-    std::uint32_t* middle = split(begin, end, depth);
-    const std::size_t left = nodes.size();
-    build(begin, middle, depth + 1);
-    const std::size_t right = nodes.size();
-    build(middle, end, depth + 1);
-    nodes[node].box = nodes[left].box.joined(nodes[right].box);
+  if (end - begin == 1) return;
+  std::uint32_t* middle = split(begin, end, depth);
+  build(begin, middle, depth + 1);
+  const auto second = static_cast<std::uint32_t>(nodes.size());
+  build(middle, end, depth + 1);
+  nodes[node].second = second;
+  nodes[node].box = nodes[node + 1].box.joined(nodes[second].box);
+}
+
+// Nodes of the binary tree that are to be children of one node, in order.
+struct Children {
+  std::array<std::uint32_t, TriangleTree::width> node;
+  std::size_t count = 0;
+};
+
+// The children of a node, of which the largest are opened while there is room.
+Children gather(std::span<const BinaryNode> nodes, std::uint32_t root) {
+  Children children;
+  children.node[children.count++] = root;
+  while (children.count < TriangleTree::width) {
+    std::size_t largest = children.count;
+    double most = -1;
+    for (std::size_t i = 0; i < children.count; ++i) {
+      const BinaryNode& node = nodes[children.node[i]];
+      const double area = node.second == 0 ? -1 : half_area(node.box);
+      if (!(area > most)) continue;
+      most = area;
+      largest = i;
+    }
+    if (largest == children.count) break;
+    for (std::size_t i = children.count++; i > largest + 1; --i) children.node[i] = children.node[i - 1];
+    children.node[largest + 1] = nodes[children.node[largest]].second;
+    ++children.node[largest];
   }
-  nodes[node].skip = static_cast<std::uint32_t>(nodes.size());
+  return children;
 }
 
 }  // namespace
 
-void TriangleTree::build(std::span<const Aabb> boxes) {
+// The origin is finite, and so is the scale, and more than none: the difference to any bound is a number, and times the
+// scale, too.
+TriangleTree::Node TriangleTree::frame_of(const Aabb& box) {
+  constexpr float most = std::numeric_limits<float>::max();
+  constexpr float least = std::numeric_limits<float>::min();
+  Node node = {};
+  node.origin.setZero();
+  node.steps.setOnes();
+  node.lower.fill(beyond * each);
+  node.upper.fill(top_bits);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto axis = static_cast<Eigen::Index>(i);
+    node.origin[axis] = std::clamp(box.lower[i], -most, most);
+    node.steps[axis] = std::clamp((last_step - 2) / (box.upper[i] - node.origin[axis]), least, most);
+  }
+  return node;
+}
+
+void TriangleTree::Node::set_bounds(std::size_t child, const Aabb& box) {
+  const Eigen::Array4i from = steps_to(box.lower);
+  const Eigen::Array4i to = steps_to(box.upper);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto axis = static_cast<Eigen::Index>(i);
+    lower[i] &= ~(std::uint64_t{0xff} << 8 * child);
+    lower[i] |= static_cast<std::uint64_t>(from[axis]) << 8 * child;
+    upper[i] |= static_cast<std::uint64_t>(to[axis]) << 8 * child;
+  }
+}
+
+void TriangleTree::build(std::span<const Aabb> item_boxes) {
   nodes.clear();
-  if (boxes.empty()) return;
-  nodes.reserve(2 * boxes.size() - 1);
-  std::vector<std::uint32_t> items(boxes.size());
-  std::iota(items.begin(), items.end(), 0u);
-  Builder builder{boxes, {}, nodes};
-  builder.centres.reserve(boxes.size());
-  for (const Aabb& box : boxes) {
+  node_boxes.clear();
+  items.clear();
+  boxes.clear();
+  if (item_boxes.empty()) return;
+  std::vector<std::uint32_t> order(item_boxes.size());
+  std::iota(order.begin(), order.end(), 0u);
+  Builder builder{item_boxes, {}, {}};
+  builder.nodes.reserve(2 * item_boxes.size() - 1);
+  builder.centres.reserve(item_boxes.size());
+  for (const Aabb& box : item_boxes) {
     const auto centre = [&](std::size_t axis) { return (double{box.lower[axis]} + box.upper[axis]) / 2; };
     builder.centres.emplace_back(centre(0), centre(1), centre(2));
   }
-  builder.build(items.data(), items.data() + items.size(), 0);
+  builder.build(order.data(), order.data() + order.size(), 0);
+  take(builder.nodes);
+}
+
+// A level after the other, so that the children of a node stand in a row.
+void TriangleTree::take(std::span<const BinaryNode> binary) {
+  items.reserve(binary.size() / 2 + 1);
+  boxes.reserve(binary.size() / 2 + 1);
+  std::vector<std::uint32_t> roots = {0};  // of the nodes, in the binary tree
+  for (std::size_t n = 0; n < roots.size(); ++n) {
+    const Aabb& around = binary[roots[n]].box;
+    const Children children = gather(binary, roots[n]);
+    Node node = frame_of(around);
+    node.first_node = static_cast<std::uint32_t>(roots.size());
+    node.first_item = static_cast<std::uint32_t>(items.size());
+    node.count = static_cast<std::uint8_t>(children.count);
+    for (std::size_t i = 0; i < children.count; ++i) {
+      const BinaryNode& child = binary[children.node[i]];
+      node.set_bounds(i, child.box);
+      if (child.second != 0) {
+        node.inner = static_cast<std::uint8_t>(node.inner | 1u << i);
+        node.place[i] = static_cast<std::uint8_t>(roots.size() - node.first_node);
+        roots.push_back(children.node[i]);
+      } else {
+        node.place[i] = static_cast<std::uint8_t>(items.size() - node.first_item);
+        items.push_back(child.item);
+        boxes.push_back(child.box);
+      }
+    }
+    nodes.push_back(node);
+    node_boxes.push_back(around);
+  }
+  nodes.shrink_to_fit();
+  node_boxes.shrink_to_fit();
 }
 
 }  // namespace atl::collision

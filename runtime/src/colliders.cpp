@@ -176,9 +176,17 @@ void World::Impl::move_proxies(std::uint32_t body) {
 
 bool World::Impl::is_in_boxes(std::uint32_t body) const {
   bool inside = is_finite(body);
+  const collision::PoseView poses{bodies.positions.data(), bodies.orientations.data()};
   for_each_collider(body, [&](std::uint32_t collider) {
-    inside = inside && is_bounded(colliders.shape[collider]) &&
-             room_in(broadphase.fat_box(collider), bounds_now(collider)) >= 0;
+    if (!inside) return;
+    inside = is_bounded(colliders.shape[collider]);
+    if (!inside) return;
+    // The ball around it is there for less than its box.
+    const collision::Aabb& fat = broadphase.fat_box(collider);
+    const Vector3 centre = poses[body].position + poses[body].orientation * colliders.local[collider].position;
+    const Vector3 around = Vector3::Constant(colliders.shape[collider].bounding_radius);
+    const double rounding = 1e-12 * (centre.lpNorm<1>() + around.x());
+    inside = room_in(fat, {centre - around, centre + around}) >= rounding || room_in(fat, bounds_now(collider)) >= 0;
   });
   return inside;
 }

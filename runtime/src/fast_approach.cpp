@@ -83,14 +83,15 @@ class NearBoxes {
 // What the shape of a collider may meet, of what is near its body, which ends `aside` of where it did; in order.
 void World::Impl::find_approaching(const FastMove& fast, const Vector3& aside, std::uint32_t collider,
                                    FastSweep& scratch) const {
+  scratch.approaching.clear();
+  const auto of_collider = std::ranges::equal_range(scratch.nearby, collider, {}, &Nearby::own);
+  if (of_collider.empty()) return;
   const collision::Shape& shape = colliders.shape[collider];
   const collision::Pose start = collision::placed(fast.start_pose(), colliders.local[collider]);
   const collision::PoseView poses{bodies.positions.data(), bodies.orientations.data()};
   const Vector3 own_shift = fast.shift + aside;
-  scratch.approaching.clear();
   NearBoxes boxes(*narrowphase_kernels, shape, start, scratch.approaching);
-  for (const Nearby& near : scratch.nearby) {
-    if (near.own != collider) continue;
+  for (const Nearby& near : of_collider) {
     const std::uint32_t other = near.other;
     const collision::Shape& other_shape = colliders.shape[other];
     const FastMove* moved = find_fast(colliders.body[other]);

@@ -14,6 +14,18 @@ namespace {
 
 constexpr std::size_t grain = 16;  // of loops over fast bodies
 
+// Whether a box holds bounds, beyond the rounding of these.
+bool holds(const collision::Aabb& box, const Vector3& lower, const Vector3& upper) {
+  const double slack = 1e-12 * (lower.cwiseAbs().maxCoeff() + upper.cwiseAbs().maxCoeff());
+  bool inside = true;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto axis = static_cast<Eigen::Index>(i);
+    inside &= static_cast<double>(box.lower[i]) <= lower[axis] - slack &&
+              upper[axis] + slack <= static_cast<double>(box.upper[i]);
+  }
+  return inside;
+}
+
 }  // namespace
 
 // Everywhere that a collider of the body has been in this step, if it ends `aside` of where it did.
@@ -23,6 +35,19 @@ collision::Aabb World::Impl::swept_box(const FastMove& fast, std::uint32_t colli
   const Vector3 bulge = Vector3::Constant(fast.bulge);
   return collision::Aabb::around(start.lower.cwiseMin(end.lower + aside) - bulge,
                                  start.upper.cwiseMax(end.upper + aside) + bulge);
+}
+
+// Whether a collider has been in its fat box in all of this step. The balls around it at both ends tell that of most,
+// for less than their boxes.
+bool World::Impl::stayed_in_box(const FastMove& fast, std::uint32_t collider) const {
+  const collision::Aabb& fat = broadphase.fat_box(collider);
+  const collision::PoseView poses{bodies.positions.data(), bodies.orientations.data()};
+  const Vector3& at = colliders.local[collider].position;
+  const Vector3 start = fast.start.position + fast.start.orientation * at;
+  const Vector3 end = poses[fast.body].position + poses[fast.body].orientation * at;
+  const Vector3 around = Vector3::Constant(colliders.shape[collider].bounding_radius + fast.bulge);
+  if (holds(fat, start.cwiseMin(end) - around, start.cwiseMax(end) + around)) return true;
+  return fat.contains(swept_box(fast, collider, Vector3::Zero()));
 }
 
 // For fast bodies to find each other their boxes must show where they went, as those that were stretched along the
@@ -36,7 +61,7 @@ void World::Impl::note_rushed() {
       if (!is_finite(fast.body)) continue;
       fast.queried = queried;
       for_each_collider(fast.body, [&](std::uint32_t collider) {
-        if (broadphase.fat_box(collider).contains(swept_box(fast, collider, Vector3::Zero()))) return;
+        if (fast.rushed || stayed_in_box(fast, collider)) return;
         fast.rushed = fast.queried = true;
       });
     }
@@ -71,11 +96,14 @@ bool World::Impl::stay_apart(const collision::Contact& contact, const FastMove* 
 // What fast bodies may meet of that which they have contacts with, touching or not, of some entries of their order.
 void World::Impl::find_near_by_contacts(std::size_t begin, std::size_t end, FastSweep& scratch) const {
   scratch.contacts.clear();
+  const auto is_first = [&](std::size_t entry) {  // of a pair's parts
+    return entry == 0 || cache.pair_at(entry - 1) != cache.pair_at(entry);
+  };
   for (std::size_t entry = begin; entry < end; ++entry) {
     const collision::Pair pair = cache.pair_at(entry);
     const std::uint32_t first = fast_place_[colliders.body[pair.first]];
     const std::uint32_t second = fast_place_[colliders.body[pair.second]];
-    if ((first | second) == 0) continue;
+    if ((first | second) == 0 || !is_first(entry)) continue;
     // The first line of it is all that is read.
     __builtin_prefetch(&cache.contacts[cache.order[entry]]);
     scratch.contacts.push_back({static_cast<std::uint32_t>(entry), first, second});
@@ -87,7 +115,10 @@ void World::Impl::find_near_by_contacts(std::size_t begin, std::size_t end, Fast
     const FastMove* second = fast(found.fast_second);
     if (stay_apart(contact, first, second)) continue;
     const auto [of_first, of_second] = contact.pair;
-    const bool apart = contact.count == 0;
+    bool apart = contact.count == 0;
+    for (std::size_t part = found.entry + 1; part < cache.order.size() && !is_first(part); ++part) {
+      apart = apart && cache.contacts[cache.order[part]].count == 0;
+    }
     if (first) scratch.near_fast.push_back({found.fast_first - 1, {of_first, of_second, apart}});
     if (second) scratch.near_fast.push_back({found.fast_second - 1, {of_second, of_first, apart}});
   }

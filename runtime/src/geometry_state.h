@@ -144,6 +144,7 @@ ReadGeometry read_geometry(Archive& archive) {
       check_hull(archive, *hull);
       archive.check(collision::content_of(*hull) == hull->content, "a hull of another content than it says");
       archive.check(collision::is_made_of_its_faces(*hull), "a hull that its vertices and faces don't make");
+      hull->prepare();
       take(hull);
       break;
     }

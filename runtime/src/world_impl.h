@@ -230,6 +230,7 @@ class World::Impl {
   const FastMove* find_fast(std::uint32_t body) const;
   collision::Motion step_motion(std::uint32_t collider, const Vector3& centre, const Vector3& aside) const;
   collision::Aabb swept_box(const FastMove& fast, std::uint32_t collider, const Vector3& aside) const;
+  bool stayed_in_box(const FastMove& fast, std::uint32_t collider) const;
   void find_near_fast();
   void note_rushed();
   void find_near_by_contacts(std::size_t begin, std::size_t end, FastSweep& scratch) const;

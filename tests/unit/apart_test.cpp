@@ -195,7 +195,9 @@ TEST(Apart, ASurfacesGapIsByTheBallAndTheBoxAround) {
   const Shape surface = Shape::triangle_mesh(mesh);
   const Shape box = Shape::box({0.3, 0.4, 1.2});
   const auto gap = [&](const Vector3& place, double most) {
-    return surface_gap(box, surface, {place, Quaternion::Identity()}, most);
+    SurfaceManifolds found;
+    collide_surface(box, surface, {place, Quaternion::Identity()}, 0, found, Vector3::Zero(), most);
+    return found.gap;
   };
   EXPECT_NEAR(gap({0, 0, 2}, 10), 2 - 1.2, 1e-12);
   EXPECT_NEAR(gap({0, -8, 4}, 10), std::hypot(3 - 0.4, 4 - 1.2), 1e-12);

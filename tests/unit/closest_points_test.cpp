@@ -50,6 +50,7 @@ Shape random_solid(ShapeKind kind, double size, Hull& hull, Random& random) {
     default: {
       hull.vertices.resize(4 + random.below(40));
       for (Vector3& vertex : hull.vertices) vertex = size * random.direction();
+      hull.prepare();
       hull.bounding_radius = size;
       return Shape::convex_hull(hull);
     }
@@ -164,6 +165,7 @@ TEST(ClosestPoints, SolidsInTheSamePlaceAndAlignedStacks) {
     hull.vertices.emplace_back(corner & 1 ? -0.5 : 0.5, corner & 2 ? -0.5 : 0.5, corner & 4 ? -0.5 : 0.5);
   }
   hull.bounding_radius = std::sqrt(0.75);
+  hull.prepare();
   const Shape shapes[] = {Shape::sphere(0.5),        Shape::capsule(0.25, 0.25), Shape::box(Vector3::Constant(0.5)),
                           Shape::cylinder(0.5, 0.5), Shape::cone(0.5, 0.5),      Shape::convex_hull(hull)};
   for (const Shape& first : shapes) {

@@ -185,7 +185,6 @@ TEST(TriangleTree, QueriesMatchBruteForce) {
     }
     TriangleTree tree;
     tree.build(boxes);
-    EXPECT_EQ(tree.nodes.size(), 2 * count - 1);
     for (int trial = 0; trial < 300; ++trial) {
       const Vector3 lower = random.vector(12);
       const Aabb box = Aabb::around(lower, lower + random.vector(3).cwiseAbs());
@@ -217,6 +216,112 @@ TEST(TriangleTree, DegenerateBoxesAreAllFound) {
   }
 }
 
+std::vector<std::uint32_t> found_in(const TriangleTree& tree, const Aabb& box) {
+  std::vector<std::uint32_t> found;
+  tree.query(box, [&](std::uint32_t item) { found.push_back(item); });
+  return found;
+}
+
+TEST(TriangleTree, FindsAllInInfiniteBoxesAndNothingInNoneOrNan) {
+  constexpr float inf = std::numeric_limits<float>::infinity();
+  constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+  TriangleTree tree;
+  tree.build({});
+  EXPECT_TRUE(found_in(tree, {{-inf, -inf, -inf}, {inf, inf, inf}}).empty());
+  Random random(6);
+  for (const std::size_t count : {1u, 8u, 9u, 500u}) {
+    std::vector<Aabb> boxes;
+    for (std::size_t i = 0; i < count; ++i) {
+      const Vector3 lower = random.vector(i % 7 == 0 ? 1e30 : 10);
+      boxes.push_back(Aabb::around(lower, lower + random.vector(2).cwiseAbs()));
+    }
+    tree.build(boxes);
+    EXPECT_EQ(found_in(tree, {{-inf, -inf, -inf}, {inf, inf, inf}}).size(), count);
+    EXPECT_EQ(found_in(tree, {{-inf, -inf, -inf}, {inf, inf, -inf}}).size(), 0u);
+    EXPECT_EQ(found_in(tree, {{nan, -inf, -inf}, {nan, inf, inf}}).size(), 0u);
+    EXPECT_TRUE(found_in(tree, Aabb::empty()).empty());
+    std::size_t left = 0;
+    for (const Aabb& box : boxes) left += box.lower[0] <= 0;
+    EXPECT_EQ(found_in(tree, {{-inf, -inf, -inf}, {0, inf, inf}}).size(), left);
+  }
+}
+
+// Steps of a node of thin boxes are denormal, and those of one that spans the range of float overflow.
+TEST(TriangleTree, IsExactForBoxesOfAllSizes) {
+  constexpr float most = std::numeric_limits<float>::max();
+  std::vector<Aabb> boxes = {{{-most, -most, -most}, {most, most, most}}, {{0, 0, 0}, {0, 0, 0}}};
+  for (int i = -140; i < 120; ++i) {
+    const float size = std::ldexp(1.0f, i);
+    boxes.push_back({{-size, size, -size}, {size, size, 2 * size}});
+    boxes.push_back({{size, -size, size}, {size, -size, size}});
+  }
+  TriangleTree tree;
+  tree.build(boxes);
+  for (const Aabb& box : boxes) {
+    std::vector<std::uint32_t> found = found_in(tree, box), expected;
+    for (std::uint32_t i = 0; i < boxes.size(); ++i) {
+      if (boxes[i].overlaps(box)) expected.push_back(i);
+    }
+    std::sort(found.begin(), found.end());
+    EXPECT_EQ(found, expected);
+  }
+}
+
+// What a smaller box finds stands in the order in which a larger one finds it.
+TEST(TriangleTree, OrderOfVisitsIsThatOfTheTree) {
+  Random random(7);
+  const Surface surface = random_surface(30, random, false);
+  const TriangleMesh mesh = mesh_of(surface.vertices, surface.triangles);
+  const std::vector<std::uint32_t> all = found_in(mesh.tree, {{-1e9f, -1e9f, -1e9f}, {1e9f, 1e9f, 1e9f}});
+  ASSERT_EQ(all.size(), mesh.triangles.size());
+  for (int trial = 0; trial < 100; ++trial) {
+    const Vector3 lower = random.vector(30);
+    const std::vector<std::uint32_t> some =
+        found_in(mesh.tree, Aabb::around(lower, lower + random.vector(9).cwiseAbs()));
+    std::size_t at = 0;
+    for (const std::uint32_t item : some) {
+      while (at < all.size() && all[at] != item) ++at;
+      EXPECT_LT(at, all.size()) << "triangle " << item << " is out of order";
+    }
+  }
+}
+
+// The nearest comes first, and nothing beyond the limit is visited.
+TEST(TriangleTree, VisitsTheNearestFirst) {
+  Random random(8);
+  std::vector<Aabb> boxes;
+  for (int i = 0; i < 1000; ++i) {
+    const Vector3 lower = random.vector(10);
+    boxes.push_back(Aabb::around(lower, lower + random.vector(1).cwiseAbs()));
+  }
+  TriangleTree tree;
+  tree.build(boxes);
+  for (int trial = 0; trial < 50; ++trial) {
+    const Vector3 from = random.vector(12);
+    const auto apart = [&](const Aabb& box) {
+      double square = 0;
+      for (std::size_t i = 0; i < 3; ++i) {
+        const double at = from[static_cast<Eigen::Index>(i)];
+        const double beside = std::max({0.0, double{box.lower[i]} - at, at - double{box.upper[i]}});
+        square += beside * beside;
+      }
+      return square;
+    };
+    double limit = std::numeric_limits<double>::infinity();
+    std::size_t visits = 0;
+    tree.visit_near(
+        apart, [&] { return limit; },
+        [&](std::uint32_t item) {
+          ++visits;
+          limit = std::min(limit, apart(boxes[item]));
+        });
+    double nearest = limit;
+    for (const Aabb& box : boxes) nearest = std::min(nearest, apart(box));
+    EXPECT_EQ(limit, nearest);
+    EXPECT_LT(visits, 40u);
+  }
+}
+
 // A small query looks at a small part of the tree: of a surface of 20 000 triangles, at few more than it finds.
 TEST(TriangleTree, SmallQueriesVisitFewNodes) {
   Random random(4);
@@ -226,11 +331,17 @@ TEST(TriangleTree, SmallQueriesVisitFewNodes) {
   for (int trial = 0; trial < 100; ++trial) {
     const Vector3 lower(random.real(0, 98), random.real(0, 98), 0);
     const Aabb box = Aabb::around(lower, lower + Vector3(1, 1, 1));
-    for (std::size_t i = 0; i < mesh.tree.nodes.size(); ++visited) {
-      i = mesh.tree.nodes[i].box.overlaps(box) ? i + 1 : mesh.tree.nodes[i].skip;
+    std::vector<std::uint32_t> open = {0};
+    for (; !open.empty(); ++visited) {
+      const TriangleTree::Node& node = mesh.tree.nodes[open.back()];
+      open.pop_back();
+      const std::uint64_t near = node.near(box);
+      for (std::size_t i = 0; i < node.count; ++i) {
+        if (node.is_inner(i) && (near >> (8 * i + 7) & 1) != 0) open.push_back(node.child(i));
+      }
     }
   }
-  EXPECT_LT(visited, 100u * 100u);
+  EXPECT_LT(visited, 100u * 12u);
 }
 
 TEST(TriangleMesh, RefusesWhatIsNoSurface) {

@@ -29,8 +29,17 @@ struct HeightField {
   /// sample (i, j) to (i + 1, j + 1). Below: vertices (i, j), (i + 1, j), (i + 1, j + 1); above: (i, j),
   /// (i + 1, j + 1), (i, j + 1).
   Triangle triangle(std::uint32_t index) const;
+  /// The same in two steps: vertices and normal, then the rest.
+  Triangle face(std::uint32_t index) const;
+  void complete(std::uint32_t index, Triangle& face) const;
 
   double height(std::uint32_t column, std::uint32_t row) const { return heights[std::size_t{row} * columns + column]; }
+
+  /// That of a triangle.
+  struct Cell {
+    std::uint32_t column, row;
+  };
+  Cell cell(std::uint32_t index) const { return {index / 2 % (columns - 1), index / 2 / (columns - 1)}; }
 
   /// Cells first <= i < end whose stretch along an axis meets that of a box.
   struct CellRange {

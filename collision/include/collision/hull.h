@@ -42,6 +42,12 @@ struct Hull {
   std::vector<std::uint16_t> vertex_start;
   std::vector<std::uint16_t> vertex_edges;
 
+  /// m: the vertices' x, then all y, then all z, each up to a whole number of lanes with the last one repeated.
+  std::vector<double> columns;
+  static constexpr std::size_t lanes = 4;
+  /// m: it reaches at least so far from the origin along every direction; minus infinity where the origin is outside.
+  double least_reach = 0;
+
   MassProperties mass;
   double bounding_radius = 0;       ///< m, about the origin
   double inner_radius = 0;          ///< m, from the centre of mass to the nearest face
@@ -51,6 +57,11 @@ struct Hull {
   std::uint64_t content = 0;  ///< hash of vertices and faces
 
   std::size_t face_count() const { return planes.size(); }
+  void prepare();  ///< makes columns and least_reach of the rest
+
+  /// The vertex farthest along a direction, the first of equals, and how far that is, as dot() has it.
+  std::size_t support(const Vector3& direction) const;
+  double reach(const Vector3& direction) const;
 };
 
 /// Convex hull of a cloud of points (qhull). Vertices in order of first appearance in `points`, so the same

@@ -16,6 +16,7 @@ inline constexpr int max_surface_manifolds = 4;
 
 struct SurfaceManifolds {
   int count = 0;
+  double gap = 0;  ///< m: without manifolds, how far the two are apart at least, if that was asked for
   std::array<Manifold, max_surface_manifolds> manifolds;
 };
 
@@ -41,11 +42,11 @@ void collide_triangle(const Shape& solid, const Triangle& triangle, std::uint32_
 /// A ball on a surface that stands for a smooth one has the normals of that. It is going to shift by `shift` (m, in the
 /// surface's frame) in the step, and what it slides on bends: its normal is that half way, and `rise` is the part of
 /// the way that the surface gains along it from there to the end of the step, and has lost by then since its start.
+///
+/// With a `most_gap` (m) the gap of two that don't touch is found as well, up to so much: by the ball and the box
+/// around the solid.
 void collide_surface(const Shape& solid, const Shape& surface, const Pose& solid_pose, double margin,
-                     SurfaceManifolds& result, const Vector3& shift = Vector3::Zero());
-
-/// m: how far a convex solid is from a mesh or height field at least, by the ball and the box around it; at most `most`.
-double surface_gap(const Shape& solid, const Shape& surface, const Pose& solid_pose, double most);
+                     SurfaceManifolds& result, const Vector3& shift = Vector3::Zero(), double most_gap = 0);
 
 /// Whether a surface stands for a smooth one.
 bool is_smooth(const Shape& surface);

@@ -31,6 +31,9 @@ struct TriangleMesh {
   static constexpr std::uint32_t no_triangle = ~0u;
 
   Triangle triangle(std::uint32_t index) const;
+  /// The same in two steps: vertices and normal, which tell of most triangles that nothing comes near them; the rest.
+  Triangle face(std::uint32_t index) const;
+  void complete(std::uint32_t index, Triangle& face) const;
 };
 
 /// Error text where there is no surface: no triangle, a vertex that isn't finite (or beyond 1e30 m), an index
