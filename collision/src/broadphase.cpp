@@ -65,7 +65,7 @@ void Broadphase::mark_shapes_of(std::uint32_t owner) {
 void Broadphase::add_box(std::uint32_t shape, const Aabb& fat, bool fixed, const Filter& filter) {
   Proxy& proxy = claim(shape, fixed ? Kind::Fixed : Kind::Moving, filter);
   proxy.fat = fat.known_or_nan();
-  tree_of(proxy).insert(shape, proxy.fat);
+  fixed ? fixed_.insert_later(shape, proxy.fat) : moving_.insert(shape, proxy.fat);
 }
 
 void Broadphase::add_half_space(std::uint32_t shape, const Plane& plane, const Filter& filter) {
@@ -180,9 +180,20 @@ void Broadphase::find_partners(std::uint32_t shape, std::vector<Pair>& found) co
   }
 }
 
+// Whether a shape that moved may meet fixed ones.
+bool Broadphase::asks_fixed() const {
+  return std::any_of(moved_.begin(), moved_.end(), [this](std::uint32_t shape) {
+    return proxies_[shape].kind == Kind::Moving && !meets_nothing(proxies_[shape].filter);
+  });
+}
+
 std::span<const Pair> Broadphase::find_new_pairs(const PairSet& known, jobs::Arena& arena) {
-  moving_.rebuild_if_worn();
-  fixed_.rebuild_if_worn();
+  new_pairs_.clear();
+  // All pairs have a moving shape.
+  if (moving_.size() == 0) return new_pairs_;
+  moving_.rebuild_if_worn(&arena);
+  if (fixed_.is_behind() && asks_fixed()) fixed_.take_in(&arena);
+  fixed_.rebuild_if_worn(&arena);
 
   constexpr std::size_t grain = 64;
   const std::size_t chunks = jobs::Arena::chunk_count(moved_.size(), grain);
@@ -194,7 +205,6 @@ std::span<const Pair> Broadphase::find_new_pairs(const PairSet& known, jobs::Are
     known.drop_contained(found, 0);
   });
 
-  new_pairs_.clear();
   for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
     new_pairs_.insert(new_pairs_.end(), found_[chunk].begin(), found_[chunk].end());
   }
@@ -204,7 +214,12 @@ std::span<const Pair> Broadphase::find_new_pairs(const PairSet& known, jobs::Are
 }
 
 void Broadphase::forget_moves() {
-  for (const std::uint32_t shape : moved_) flags_[shape] &= static_cast<std::uint8_t>(~moved_flag);
+  constexpr auto kept = static_cast<std::uint8_t>(~moved_flag);
+  if (moved_.size() < flags_.size() / 16) {
+    for (const std::uint32_t shape : moved_) flags_[shape] &= kept;
+  } else {
+    for (std::uint8_t& flags : flags_) flags &= kept;
+  }
   moved_.clear();
 }
 

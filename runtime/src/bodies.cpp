@@ -136,7 +136,7 @@ BodyId World::Impl::add_body(const CheckedBody& start) {
   note_arrival_or_departure(body);
   add_colliders(body);
   add_proxies(body, to_collision(start.filter, body));
-  quarantine.suspect(body);
+  suspect_new(body);
   if constexpr (with_recording) {
     if (recorder) recorder->note_body(start, kind);
   }
@@ -301,7 +301,7 @@ void World::Impl::wake_touching(std::uint32_t body) {
 
 // Islands are made anew even if the index was used again for a body that looks the same to them.
 void World::Impl::note_arrival_or_departure(std::uint32_t body) {
-  may_start_or_stop_.push_back(body);
+  if (bodies.mobility[body] != solver::Mobility::Fixed || active_.contains(body)) may_start_or_stop_.push_back(body);
   islands_stale_ = true;
 }
 

@@ -17,10 +17,12 @@
 #include <solver/sweep/group_solver.h>
 
 #include <array>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <string>
 #include <utility>
@@ -115,6 +117,7 @@ class World::Impl {
   void wake_all();
   void wake_touching(std::uint32_t body);
   void release_body(BodyId id);  // quarantine.cpp
+  void take_in_boxes();          // colliders.cpp
 
   // Joints: joints.cpp.
   JointId add_joint(const JointDef& def);
@@ -206,6 +209,7 @@ class World::Impl {
   void note_size(std::uint32_t body);
   void remove_colliders(std::uint32_t body);
   void add_proxies(std::uint32_t body, const collision::Filter& filter);
+  void add_box(std::uint32_t collider, const collision::Aabb& box, const collision::Filter& filter);
   void remove_proxies(std::uint32_t body);
   collision::Bounds bounds_at(std::uint32_t collider, const collision::Pose& pose) const;
   collision::Bounds bounds_now(std::uint32_t collider) const;
@@ -280,6 +284,7 @@ class World::Impl {
   void hash_contact(StateHash& hash, std::uint32_t slot) const;
 
   // Containment: quarantine.cpp, and of joints joints.cpp.
+  void suspect_new(std::uint32_t body);
   void quarantine_suspects();
   void before_move(std::uint32_t body, const Vector3& position);
   void put_back(std::uint32_t body, const solver::BodyPose& pose);
@@ -323,7 +328,7 @@ class World::Impl {
   std::vector<std::uint32_t> pushed_;             // bodies with a force or torque on them
   std::vector<std::uint32_t> looked_at_;          // bodies
   std::vector<std::uint8_t> in_boxes_;            // by body looked at
-  std::vector<ProxyBox> new_boxes_;               // by collider
+  std::vector<std::vector<ProxyBox>> new_boxes_;  // by chunk of these, in order
   std::vector<double> stretch_;                   // m, of a body's fat boxes along its motion
   std::vector<std::uint32_t> stretched_;          // bodies with such boxes
   std::vector<collision::StepReach> reaches_;
@@ -369,6 +374,10 @@ class World::Impl {
 
   solver::ContactCapture capture_;
   bool captured_ = false;  // by the last step
+
+  // Whether the broadphase has boxes to take in: several threads may find that it has, and one does it.
+  std::atomic<bool> boxes_wait_ = false;
+  std::mutex taking_in_;
 
   ConstantsPool constants_;
   std::uint64_t serial_;                            // of this world in the process

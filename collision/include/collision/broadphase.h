@@ -18,6 +18,9 @@ namespace atl::collision {
 /// Moving and fixed shapes live in two trees: fixed ones are never tested against each other. Half-spaces
 /// have no box; each is tested against every shape that moved. Filters leave out pairs that may not meet.
 /// A shape whose box has a NaN meets no other; infinite bounds are allowed.
+///
+/// Fixed shapes that are added wait until something asks for them, and are then built into their tree all at once.
+/// Queries look at those that wait one by one: before many of them, call take_in().
 class Broadphase {
  public:
   /// `shape` numbers the shape, and must be free; the owner is the shape itself if the filter names none.
@@ -55,6 +58,10 @@ class Broadphase {
   bool has_moved(std::uint32_t shape) const { return (flags_[shape] & moved_flag) != 0; }
   /// Whether two shapes may meet and their fat boxes overlap. Only a pair with a shape that moved can change.
   bool overlap(std::uint32_t a, std::uint32_t b) const;
+
+  /// Builds what waits into the tree, and says whether anything does.
+  void take_in(jobs::Arena& arena) { fixed_.take_in(&arena); }
+  bool is_behind() const { return fixed_.is_behind(); }
 
   /// The pairs, in order, that overlap now, contain a shape that moved, and are not in `known`. Valid until
   /// the next call. The cost follows what moved: nothing moved, nothing done.
@@ -136,6 +143,7 @@ class Broadphase {
   void restrict(std::uint32_t shape);
   void mark_shapes_of(std::uint32_t owner);
   AabbTree& tree_of(const Proxy& proxy) { return proxy.kind == Kind::Fixed ? fixed_ : moving_; }
+  bool asks_fixed() const;
   std::size_t half_space_index(std::uint32_t shape) const;
   void find_partners(std::uint32_t shape, std::vector<Pair>& found) const;
 
