@@ -1,4 +1,5 @@
 #include <collision/aabb_tree.h>
+#include <jobs/append.h>
 
 #include <algorithm>
 #include <utility>
@@ -63,7 +64,7 @@ std::int32_t AabbTree::best_slot(const Aabb& box) const {
 }
 
 void AabbTree::insert(std::uint32_t item, const Aabb& box) {
-  if (item >= slots_.size()) slots_.resize(item + std::size_t{1}, Node::none);
+  if (item >= slots_.size()) jobs::append(slots_, item + std::size_t{1}, Node::none);
   ++size_;
   ++changes_;
   if (size_ <= 2) {
@@ -87,7 +88,7 @@ void AabbTree::insert(std::uint32_t item, const Aabb& box) {
 }
 
 void AabbTree::insert_later(std::uint32_t item, const Aabb& box) {
-  if (item >= slots_.size()) slots_.resize(item + std::size_t{1}, Node::none);
+  if (item >= slots_.size()) jobs::append(slots_, item + std::size_t{1}, Node::none);
   slots_[item] = ~static_cast<std::int32_t>(later_.size());
   later_.push_back({box, item});
 }

@@ -1,4 +1,5 @@
 #include <collision/broadphase.h>
+#include <jobs/append.h>
 
 #include <algorithm>
 
@@ -6,8 +7,8 @@ namespace atl::collision {
 
 Broadphase::Proxy& Broadphase::claim(std::uint32_t shape, Kind kind, const Filter& filter) {
   if (shape >= proxies_.size()) {
-    proxies_.resize(shape + std::size_t{1});
-    flags_.resize(shape + std::size_t{1});
+    jobs::append(proxies_, shape + std::size_t{1});
+    jobs::append(flags_, shape + std::size_t{1});
   }
   proxies_[shape].kind = kind;
   link(shape, filter);
@@ -16,7 +17,7 @@ Broadphase::Proxy& Broadphase::claim(std::uint32_t shape, Kind kind, const Filte
 }
 
 Broadphase::Owner& Broadphase::owner(std::uint32_t number) {
-  if (number >= owners_.size()) owners_.resize(number + std::size_t{1});
+  if (number >= owners_.size()) jobs::append(owners_, number + std::size_t{1});
   return owners_[number];
 }
 

@@ -2,6 +2,7 @@
 
 #include <atoll/quarantine.h>
 #include <collision/filter.h>
+#include <jobs/append.h>
 #include <solver/integrate/body_table.h>
 #include <solver/integrate/motion.h>
 
@@ -24,7 +25,7 @@ class QuarantineList {
   };
 
   /// For a world of so many bodies.
-  void resize(std::size_t count) { suspected_.resize(count, 0); }
+  void resize(std::size_t count) { jobs::append(suspected_, count, std::uint8_t{0}); }
 
   bool contains(std::uint32_t body) const { return !bodies_.empty() && find(body) < bodies_.size(); }
   std::span<const Quarantined> bodies() const { return bodies_; }  ///< in order of id

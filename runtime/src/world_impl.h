@@ -7,7 +7,9 @@
 #include <collision/sweep.h>
 #include <collision/update_contacts.h>
 #include <jobs/arena.h>
+#include <jobs/append.h>
 #include <jobs/scratch.h>
+#include <jobs/shared_values.h>
 #include <solver/direct/direct_island.h>
 #include <solver/direct/joint_systems.h>
 #include <solver/integrate/body_table.h>
@@ -46,8 +48,9 @@ struct BodyRecords {
   std::vector<std::uint8_t> alive;
   std::vector<BodyType> type;
   std::vector<std::uint8_t> dynamic;  ///< 1 for dynamic bodies
-  std::vector<Material> material;
-  std::vector<Vector3> centre;                ///< m, of mass, body frame
+  jobs::SharedValues<Material> material;
+  /// m, of mass, body frame
+  jobs::SharedValues<Vector3> centre = jobs::SharedValues<Vector3>(Vector3::Zero());
   std::vector<std::uint32_t> first_collider;  ///< the others follow, see ColliderTable::next
   std::vector<std::uint8_t> continuous;
   std::vector<std::shared_ptr<const BodyConstants>> constants;  ///< of those alive

@@ -1,5 +1,6 @@
 #include <solver/select/joint_selection.h>
 #include <solver/select/landing.h>
+#include <jobs/append.h>
 #include <solver/select/solver_selection.h>
 #include <solver/tuning.h>
 
@@ -33,7 +34,7 @@ int finer_by(const SolverSettings& settings, double dt) {
   return times;
 }
 
-void SolverSelection::resize(std::size_t bodies) { strain_.resize(bodies); }
+void SolverSelection::resize(std::size_t bodies) { jobs::append(strain_, bodies); }
 
 void SolverSelection::forget(std::uint32_t body) {
   std::erase(arrived_, body);
