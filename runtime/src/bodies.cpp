@@ -71,9 +71,7 @@ void World::Impl::resize_bodies(std::size_t count) {
   records.resize(count);
   sleeping.resize(count);
   quarantine.resize(count);
-  if constexpr (with_direct_contacts) selection_.resize(count);
   active_.resize(count);
-  jobs::append(reaches_, count);
   jobs::append(stretch_, count, 0.0);
 }
 
@@ -118,8 +116,7 @@ BodyId World::Impl::add_body(const CheckedBody& start) {
   }
   ++records.count;
   forget_roster();
-  const std::uint64_t kind = fingerprint(start.constants);
-  give_constants(body, constants_.share(start.constants, kind));
+  give_constants(body, constants_.share(start.constants));
 
   bodies.position(body) = start.position + start.orientation * records.centre[body];
   bodies.set_orientation(body, start.orientation);
@@ -138,7 +135,7 @@ BodyId World::Impl::add_body(const CheckedBody& start) {
   add_proxies(body, to_collision(start.filter, body));
   suspect_new(body);
   if constexpr (with_recording) {
-    if (recorder) recorder->note_body(start, kind);
+    if (recorder) recorder->note_body(start, fingerprint(start.constants));
   }
   return {body, records.generation[body]};
 }

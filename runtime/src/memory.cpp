@@ -11,8 +11,8 @@ namespace atl {
 using jobs::bytes_of;
 
 std::size_t BodyRecords::bytes() const {
-  return bytes_of(generation, alive, type, first_collider, continuous, constants, dynamic, free) +
-         material.bytes() + centre.bytes();
+  return bytes_of(generation, alive, type, first_collider, continuous, constants, dynamic, free) + material.bytes() +
+         centre.bytes();
 }
 
 std::vector<MemoryUse> World::Impl::memory() const {

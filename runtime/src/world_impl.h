@@ -6,8 +6,8 @@
 #include <collision/contact_cache.h>
 #include <collision/sweep.h>
 #include <collision/update_contacts.h>
-#include <jobs/arena.h>
 #include <jobs/append.h>
+#include <jobs/arena.h>
 #include <jobs/scratch.h>
 #include <jobs/shared_values.h>
 #include <solver/direct/direct_island.h>

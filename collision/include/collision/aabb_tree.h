@@ -173,7 +173,7 @@ class AabbTree {
   AabbTreeBuilder builder_;
   std::int32_t root_ = Node::none;
   std::int32_t free_ = Node::none;
-  std::size_t size_ = 0;  // of what is in the nodes
+  std::size_t size_ = 0;     // of what is in the nodes
   std::size_t changes_ = 0;  // since the last rebuild
 };
 

@@ -38,9 +38,7 @@ class AabbTreeBuilder {
   void build(std::vector<AabbTreeNode>& nodes, std::vector<std::int32_t>& slots, jobs::Arena* arena);
 
   /// Memory held.
-  std::size_t bytes() const {
-    return jobs::bytes_of(leaves, codes_, sorted_, chunks_, divided_, parts_, above_);
-  }
+  std::size_t bytes() const { return jobs::bytes_of(leaves, codes_, sorted_, chunks_, divided_, parts_, above_); }
 
  private:
   struct Code {

@@ -38,9 +38,7 @@ struct ColliderTable {
   std::vector<std::uint32_t> free;   ///< the last is used first
 
   /// Memory held.
-  std::size_t bytes() const {
-    return jobs::bytes_of(body, child, next, placed, free) + shape.bytes() + local.bytes();
-  }
+  std::size_t bytes() const { return jobs::bytes_of(body, child, next, placed, free) + shape.bytes() + local.bytes(); }
 
   std::size_t size() const { return body.size(); }
 

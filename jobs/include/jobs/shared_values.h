@@ -39,6 +39,7 @@ class SharedValues {
 
   void set(std::size_t entry, const T& value) {
     const std::uint32_t before = numbers_[entry];
+    if (same(values_[before], value)) return;
     const std::uint32_t number = find_or_add(value);
     if (number != 0) ++uses_[number];
     numbers_[entry] = number;
@@ -69,7 +70,7 @@ class SharedValues {
   std::uint32_t find_or_add(const T& value) {
     // Entries that come one after the other are often alike.
     if (same(values_[last_], value)) return last_;
-    if (same(values_[0], value)) return last_ = 0;
+    if (same(values_[0], value)) return 0;
     if (2 * (values_.size() - free_.size() + 1) > table_.size()) grow();
     std::size_t place = home(value);
     for (; table_[place] != vacant; place = next(place)) {

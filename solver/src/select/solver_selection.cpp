@@ -1,6 +1,5 @@
 #include <solver/select/joint_selection.h>
 #include <solver/select/landing.h>
-#include <jobs/append.h>
 #include <solver/select/solver_selection.h>
 #include <solver/tuning.h>
 
@@ -34,11 +33,11 @@ int finer_by(const SolverSettings& settings, double dt) {
   return times;
 }
 
-void SolverSelection::resize(std::size_t bodies) { jobs::append(strain_, bodies); }
+void SolverSelection::resize(std::size_t bodies) { strain_.resize(bodies); }
 
 void SolverSelection::forget(std::uint32_t body) {
   std::erase(arrived_, body);
-  if (strain_[body] == Strain{}) return;
+  if (strain(body) == Strain{}) return;
   strain_[body] = {};
   strained_.erase(std::lower_bound(strained_.begin(), strained_.end(), body));
 }

@@ -39,8 +39,8 @@ struct BodyTable {
   std::vector<double> torques;             ///< 3 a body, N m, for the next step only
 
   std::vector<Mobility> mobility;
-  std::vector<double> inverse_mass;        ///< 1/kg; 0 unless dynamic
-  std::vector<std::uint8_t> gyroscopic;    ///< 1 if the inertia depends on the direction
+  std::vector<double> inverse_mass;      ///< 1/kg; 0 unless dynamic
+  std::vector<std::uint8_t> gyroscopic;  ///< 1 if the inertia depends on the direction
   /// kg m^2, body frame; zero unless dynamic
   jobs::SharedValues<Matrix3> inertia = jobs::SharedValues<Matrix3>(Matrix3::Zero());
   /// Body frame; zero unless dynamic.
@@ -49,11 +49,11 @@ struct BodyTable {
   jobs::SharedValues<Quaternion> principal_axes = jobs::SharedValues<Quaternion>(Quaternion::Identity());
   /// kg m^2, about these.
   jobs::SharedValues<Vector3> moments = jobs::SharedValues<Vector3>(Vector3::Zero());
-  std::vector<std::uint8_t> locks;         ///< what each body is without, see motion_locks.h
-  std::vector<std::uint8_t> ball;          ///< 1 for a sphere about the centre of mass: it looks the same turned
-  std::vector<std::uint8_t> round;         ///< 1 for what looks the same turned about the z axis of its frame
-  std::vector<Surface> surfaces;           ///< empty while all are plain
-  std::vector<double> least_moment;        ///< kg m^2, see contact_inertia.h; 0 or empty where there is no need
+  std::vector<std::uint8_t> locks;   ///< what each body is without, see motion_locks.h
+  std::vector<std::uint8_t> ball;    ///< 1 for a sphere about the centre of mass: it looks the same turned
+  std::vector<std::uint8_t> round;   ///< 1 for what looks the same turned about the z axis of its frame
+  std::vector<Surface> surfaces;     ///< empty while all are plain
+  std::vector<double> least_moment;  ///< kg m^2, see contact_inertia.h; 0 or empty where there is no need
   std::vector<double> gravity_scale;
   std::vector<double> linear_damping;   ///< 1/s
   std::vector<double> angular_damping;  ///< 1/s
