@@ -3,26 +3,22 @@
 #include <collision/collider_table.h>
 
 #include <algorithm>
-#include <cstring>
 
 #include "roster.h"
 
 namespace atl {
 namespace {
 
-template <typename T>
-bool same_bits(const T& a, const T& b) {
-  return std::memcmp(static_cast<const void*>(&a), static_cast<const void*>(&b), sizeof(T)) == 0;
-}
+using jobs::same_bits;
 
-bool same_bits(const CheckedCollider& a, const CheckedCollider& b) {
-  return collision::words_of(a.shape) == collision::words_of(b.shape) && same_bits(a.local, b.local) &&
-         a.geometry == b.geometry && a.content == b.content;
+bool are_alike(const CheckedCollider& a, const CheckedCollider& b) {
+  return same_bits(a.shape, b.shape) && same_bits(a.local, b.local) && a.geometry == b.geometry &&
+         a.content == b.content;
 }
 
 // Field by field, as in visit_constants(): far faster than two fingerprints. Cheap and likely differences come first.
-bool same_bits(const BodyConstants& a, const BodyConstants& b) {
-  const auto alike = [](const CheckedCollider& x, const CheckedCollider& y) { return same_bits(x, y); };
+bool are_alike(const BodyConstants& a, const BodyConstants& b) {
+  const auto alike = [](const CheckedCollider& x, const CheckedCollider& y) { return are_alike(x, y); };
   return a.type == b.type &&
          std::equal(a.colliders.begin(), a.colliders.end(), b.colliders.begin(), b.colliders.end(), alike) &&
          a.continuous == b.continuous && same_bits(a.material, b.material) && a.locks == b.locks &&
@@ -37,7 +33,7 @@ bool same_bits(const BodyConstants& a, const BodyConstants& b) {
 
 std::shared_ptr<const BodyConstants> ConstantsPool::share(const BodyConstants& constants) {
   std::shared_ptr<const BodyConstants> last = last_.lock();
-  if (last && same_bits(*last, constants)) return last;
+  if (last && are_alike(*last, constants)) return last;
   if (known_.size() >= most_) {
     std::erase_if(known_, [](const auto& entry) { return entry.second.expired(); });
     most_ = std::max<std::size_t>(64, 2 * known_.size());

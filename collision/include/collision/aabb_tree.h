@@ -55,6 +55,17 @@ class AabbTree {
     }
   }
 
+  /// Calls visit(item) for every item, in no order to rely on.
+  template <typename Visit>
+  void for_each(const Visit& visit) const {
+    for (const Node& node : nodes_) {
+      for (const std::int32_t child : node.child) {
+        if (Node::is_leaf(child)) visit(item_of(child));
+      }
+    }
+    for (const AabbTreeLeaf& leaf : later_) visit(leaf.item);
+  }
+
   /// Calls visit(item) for every item whose box passes test(box); test must accept a box that is around one
   /// that it accepts.
   template <typename Test, typename Visit>

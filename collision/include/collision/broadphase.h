@@ -103,7 +103,7 @@ class Broadphase {
   std::size_t bytes() const {
     std::size_t found = jobs::bytes_of(found_);
     for (const std::vector<Pair>& of_chunk : found_) found += jobs::bytes_of(of_chunk);
-    return found + jobs::bytes_of(proxies_, flags_, owners_, half_spaces_, moved_, new_pairs_, sort_scratch_) +
+    return found + jobs::bytes_of(proxies_, flags_, owners_, half_spaces_, moved_, askers_, new_pairs_, sort_scratch_) +
            ignored_.bytes() + moving_.bytes() + fixed_.bytes();
   }
 
@@ -143,7 +143,8 @@ class Broadphase {
   void restrict(std::uint32_t shape);
   void mark_shapes_of(std::uint32_t owner);
   AabbTree& tree_of(const Proxy& proxy) { return proxy.kind == Kind::Fixed ? fixed_ : moving_; }
-  bool asks_fixed() const;
+  std::span<const std::uint32_t> list_askers();
+  bool ask_fixed(std::span<const std::uint32_t> askers) const;
   std::size_t half_space_index(std::uint32_t shape) const;
   void find_partners(std::uint32_t shape, std::vector<Pair>& found) const;
 
@@ -155,6 +156,8 @@ class Broadphase {
   AabbTree moving_;
   AabbTree fixed_;
   std::vector<std::uint32_t> moved_;
+  bool moving_ask_ = false;               // of pairs with a fixed shape, the moving one is asked, whichever moved
+  std::vector<std::uint32_t> askers_;     // then
   std::vector<std::vector<Pair>> found_;  // by chunk of moved_
   std::vector<Pair> new_pairs_;
   std::vector<Pair> sort_scratch_;
