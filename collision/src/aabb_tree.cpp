@@ -94,8 +94,9 @@ void AabbTree::insert_later(std::uint32_t item, const Aabb& box) {
 }
 
 void AabbTree::take_in(jobs::Arena* arena) {
-  // To insert a leaf takes as long as to build this many, measured from 10,000 to a million leaves.
-  constexpr std::size_t insertion = 16;
+  // To insert a leaf takes as long as to build this many: of a thousand to a million unit boxes strewn over a plane, 1
+  // to 2.3 us against 0.1 to 0.2 us. Fewer than a tenth are inserted.
+  constexpr std::size_t insertion = 10;
   if (later_.empty()) return;
   const std::size_t all = size_ + later_.size();
   if (later_.size() * insertion < all) {

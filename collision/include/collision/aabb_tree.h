@@ -19,7 +19,7 @@ namespace atl::collision {
 /// (aabb_tree_builder.h). The tree's shape never shows in a result that is sorted.
 ///
 /// Many items that come at once are best told by insert_later(): take_in() then builds the tree of all of them, which
-/// takes a tenth of what it takes to insert one after the other.
+/// takes a tenth of what it takes to insert them one by one.
 ///
 /// Boxes may be infinite. One with a NaN is never found, but may be moved and removed as any other.
 class AabbTree {
