@@ -1,6 +1,8 @@
 #include <collision/aabb_tree.h>
+#include <jobs/append.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace atl::collision {
 
@@ -62,7 +64,7 @@ std::int32_t AabbTree::best_slot(const Aabb& box) const {
 }
 
 void AabbTree::insert(std::uint32_t item, const Aabb& box) {
-  if (item >= slots_.size()) slots_.resize(item + std::size_t{1}, Node::none);
+  if (item >= slots_.size()) jobs::append(slots_, item + std::size_t{1}, Node::none);
   ++size_;
   ++changes_;
   if (size_ <= 2) {
@@ -80,15 +82,52 @@ void AabbTree::insert(std::uint32_t item, const Aabb& box) {
   update_height(parent);
   put(slot, parent, at(parent).joined());
   if (slot != Node::none) refit(slot / 2);
-  if (at(root_).height >= max_height) rebuild();
+  if (at(root_).height < max_height) return;
+  builder_.leaves.clear();
+  rebuild(nullptr);
+}
+
+void AabbTree::insert_later(std::uint32_t item, const Aabb& box) {
+  if (item >= slots_.size()) jobs::append(slots_, item + std::size_t{1}, Node::none);
+  slots_[item] = ~static_cast<std::int32_t>(later_.size());
+  later_.push_back({box, item});
+}
+
+void AabbTree::take_in(jobs::Arena* arena) {
+  // To insert a leaf takes as long as to build this many: of a thousand to a million unit boxes strewn over a plane, 1
+  // to 2.3 us against 0.1 to 0.2 us. Fewer than a tenth are inserted.
+  constexpr std::size_t insertion = 10;
+  if (later_.empty()) return;
+  const std::size_t all = size_ + later_.size();
+  if (later_.size() * insertion < all) {
+    for (const AabbTreeLeaf& leaf : later_) insert(leaf.item, leaf.box);
+    later_.clear();
+    return;
+  }
+  // What so many take is given back: they seldom come again.
+  builder_.leaves = std::move(later_);
+  later_ = {};
+  size_ = all;
+  rebuild(arena);
+  builder_ = {};
 }
 
 void AabbTree::remove(std::uint32_t item) {
+  const std::int32_t slot = slots_[item];
+  slots_[item] = Node::none;
+  if (slot < 0) {
+    // The last one takes its place.
+    AabbTreeLeaf& leaf = later_[static_cast<std::size_t>(~slot)];
+    if (later_.back().item != item) {
+      leaf = later_.back();
+      slots_[leaf.item] = slot;
+    }
+    later_.pop_back();
+    return;
+  }
   --size_;
   ++changes_;
-  const std::int32_t slot = slots_[item];
   const std::int32_t node = slot / 2;
-  slots_[item] = Node::none;
   at(node).clear(slot % 2);
   if (size_ == 0) {
     root_ = Node::none;
@@ -105,6 +144,10 @@ void AabbTree::remove(std::uint32_t item) {
 
 void AabbTree::move(std::uint32_t item, const Aabb& box) {
   const std::int32_t slot = slots_[item];
+  if (slot < 0) {
+    later_[static_cast<std::size_t>(~slot)].box = box;
+    return;
+  }
   // Far from its neighbours a leaf would make the boxes around all of them large.
   if (size_ > 2 && !at(slot / 2).box(slot % 2).overlaps(box)) {
     remove(item);
@@ -168,19 +211,22 @@ void AabbTree::refit(std::int32_t node) {
   }
 }
 
-void AabbTree::rebuild_if_worn() {
-  if (changes_ >= size_ && size_ > 2) rebuild();
+void AabbTree::rebuild_if_worn(jobs::Arena* arena) {
+  if (changes_ < size_ || size_ <= 2) return;
+  builder_.leaves.clear();
+  rebuild(arena);
 }
 
-void AabbTree::rebuild() {
+// Of the builder's leaves and those of the nodes.
+void AabbTree::rebuild(jobs::Arena* arena) {
   changes_ = 0;
-  builder_.leaves.clear();
+  builder_.leaves.reserve(size_);
   for (const Node& node : nodes_) {
     for (const int side : {0, 1}) {
       if (Node::is_leaf(node.child[side])) builder_.leaves.push_back({node.box(side), item_of(node.child[side])});
     }
   }
-  builder_.build(nodes_, slots_);
+  builder_.build(nodes_, slots_, arena);
   root_ = nodes_.empty() ? Node::none : 0;
   free_ = Node::none;
 }

@@ -1,4 +1,5 @@
 #include <collision/broadphase.h>
+#include <jobs/append.h>
 
 #include <algorithm>
 
@@ -6,8 +7,8 @@ namespace atl::collision {
 
 Broadphase::Proxy& Broadphase::claim(std::uint32_t shape, Kind kind, const Filter& filter) {
   if (shape >= proxies_.size()) {
-    proxies_.resize(shape + std::size_t{1});
-    flags_.resize(shape + std::size_t{1});
+    jobs::append(proxies_, shape + std::size_t{1});
+    jobs::append(flags_, shape + std::size_t{1});
   }
   proxies_[shape].kind = kind;
   link(shape, filter);
@@ -16,7 +17,7 @@ Broadphase::Proxy& Broadphase::claim(std::uint32_t shape, Kind kind, const Filte
 }
 
 Broadphase::Owner& Broadphase::owner(std::uint32_t number) {
-  if (number >= owners_.size()) owners_.resize(number + std::size_t{1});
+  if (number >= owners_.size()) jobs::append(owners_, number + std::size_t{1});
   return owners_[number];
 }
 
@@ -65,7 +66,7 @@ void Broadphase::mark_shapes_of(std::uint32_t owner) {
 void Broadphase::add_box(std::uint32_t shape, const Aabb& fat, bool fixed, const Filter& filter) {
   Proxy& proxy = claim(shape, fixed ? Kind::Fixed : Kind::Moving, filter);
   proxy.fat = fat.known_or_nan();
-  tree_of(proxy).insert(shape, proxy.fat);
+  fixed ? fixed_.insert_later(shape, proxy.fat) : moving_.insert(shape, proxy.fat);
 }
 
 void Broadphase::add_half_space(std::uint32_t shape, const Plane& plane, const Filter& filter) {
@@ -158,13 +159,15 @@ bool Broadphase::overlap(std::uint32_t a, std::uint32_t b) const {
   return touches(half_spaces_[half_space_index(shape)].plane, proxies_[plane_a ? b : a].fat);
 }
 
-// The pairs that a shape that moved has to report, known or not.
+// The pairs that a shape has to report, known or not.
 void Broadphase::find_partners(std::uint32_t shape, std::vector<Pair>& found) const {
   const Proxy& proxy = proxies_[shape];
+  const auto report = [&](std::uint32_t other) {
+    if (allowed(shape, other)) found.push_back(Pair::of(shape, other));
+  };
   const auto consider = [&](std::uint32_t other) {
     // Of two shapes that both moved, the lower one reports the pair. And this one moved.
-    if (other <= shape && has_moved(other)) return;
-    if (allowed(shape, other)) found.push_back(Pair::of(shape, other));
+    if (other > shape || !has_moved(other)) report(other);
   };
   if (proxy.kind == Kind::Free || meets_nothing(proxy.filter)) return;
   if (proxy.kind == Kind::HalfSpace) {
@@ -172,29 +175,65 @@ void Broadphase::find_partners(std::uint32_t shape, std::vector<Pair>& found) co
     moving_.query_if([&plane](const Aabb& box) { return touches(plane, box); }, consider);
     return;
   }
-  moving_.query(proxy.fat, consider);
+  const bool moved = has_moved(shape);
+  if (moved) moving_.query(proxy.fat, consider);
   if (proxy.kind == Kind::Fixed) return;
-  fixed_.query(proxy.fat, consider);
+  if (moving_ask_) {
+    fixed_.query(proxy.fat, [&](std::uint32_t other) {
+      if (moved || has_moved(other)) report(other);
+    });
+  } else {
+    fixed_.query(proxy.fat, consider);
+  }
+  if (!moved) return;
   for (const HalfSpace& half_space : half_spaces_) {
     if (touches(half_space.plane, proxy.fat)) consider(half_space.shape);
   }
 }
 
+// Where more fixed shapes were added or moved than there are moving ones, these ask for them.
+std::span<const std::uint32_t> Broadphase::list_askers() {
+  moving_ask_ = false;
+  if (moved_.size() > moving_.size()) {
+    const auto is_fixed = [this](std::uint32_t shape) { return proxies_[shape].kind == Kind::Fixed; };
+    const auto fixed = static_cast<std::size_t>(std::count_if(moved_.begin(), moved_.end(), is_fixed));
+    moving_ask_ = fixed > moving_.size();
+  }
+  if (!moving_ask_) return moved_;
+  askers_.clear();
+  for (const std::uint32_t shape : moved_) {
+    if (proxies_[shape].kind == Kind::HalfSpace) askers_.push_back(shape);
+  }
+  moving_.for_each([this](std::uint32_t shape) { askers_.push_back(shape); });
+  return askers_;
+}
+
+// Whether one of them may meet fixed ones.
+bool Broadphase::ask_fixed(std::span<const std::uint32_t> askers) const {
+  return std::any_of(askers.begin(), askers.end(), [this](std::uint32_t shape) {
+    return proxies_[shape].kind == Kind::Moving && !meets_nothing(proxies_[shape].filter);
+  });
+}
+
 std::span<const Pair> Broadphase::find_new_pairs(const PairSet& known, jobs::Arena& arena) {
-  moving_.rebuild_if_worn();
-  fixed_.rebuild_if_worn();
+  new_pairs_.clear();
+  // All pairs have a moving shape.
+  if (moving_.size() == 0) return new_pairs_;
+  moving_.rebuild_if_worn(&arena);
+  const std::span<const std::uint32_t> askers = list_askers();
+  if (fixed_.is_behind() && ask_fixed(askers)) fixed_.take_in(&arena);
+  fixed_.rebuild_if_worn(&arena);
 
   constexpr std::size_t grain = 64;
-  const std::size_t chunks = jobs::Arena::chunk_count(moved_.size(), grain);
+  const std::size_t chunks = jobs::Arena::chunk_count(askers.size(), grain);
   if (found_.size() < chunks) found_.resize(chunks);
-  arena.parallel_for(moved_.size(), grain, [&](std::size_t begin, std::size_t end) {
+  arena.parallel_for(askers.size(), grain, [&](std::size_t begin, std::size_t end) {
     std::vector<Pair>& found = found_[begin / grain];
     found.clear();
-    for (std::size_t i = begin; i < end; ++i) find_partners(moved_[i], found);
+    for (std::size_t i = begin; i < end; ++i) find_partners(askers[i], found);
     known.drop_contained(found, 0);
   });
 
-  new_pairs_.clear();
   for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
     new_pairs_.insert(new_pairs_.end(), found_[chunk].begin(), found_[chunk].end());
   }
@@ -204,7 +243,12 @@ std::span<const Pair> Broadphase::find_new_pairs(const PairSet& known, jobs::Are
 }
 
 void Broadphase::forget_moves() {
-  for (const std::uint32_t shape : moved_) flags_[shape] &= static_cast<std::uint8_t>(~moved_flag);
+  constexpr auto kept = static_cast<std::uint8_t>(~moved_flag);
+  if (moved_.size() < flags_.size() / 16) {
+    for (const std::uint32_t shape : moved_) flags_[shape] &= kept;
+  } else {
+    for (std::uint8_t& flags : flags_) flags &= kept;
+  }
   moved_.clear();
 }
 

@@ -55,12 +55,12 @@ void clear_impulses(ContactManifold& manifold) {
 }  // namespace
 
 bool ContactStretch::are_boxes(Pair pair) const {
-  const std::vector<Shape>& shapes = input_.colliders.shape;
+  const auto& shapes = input_.colliders.shape;
   return shapes[pair.first].kind == ShapeKind::Box && shapes[pair.second].kind == ShapeKind::Box;
 }
 
 bool ContactStretch::has_surface(Pair pair) const {
-  const std::vector<Shape>& shapes = input_.colliders.shape;
+  const auto& shapes = input_.colliders.shape;
   return is_surface(shapes[pair.first].kind) || is_surface(shapes[pair.second].kind);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <jobs/append.h>
 #include <jobs/bytes.h>
 
 #include <cstddef>
@@ -14,7 +15,7 @@ namespace atl {
 class ActiveBodies {
  public:
   /// For a world of so many bodies; new ones are not active.
-  void resize(std::size_t count) { active_.resize(count, 0); }
+  void resize(std::size_t count) { jobs::append(active_, count, std::uint8_t{0}); }
   bool contains(std::uint32_t body) const { return active_[body] != 0; }
   std::span<const std::uint32_t> in_order() const { return bodies_; }
 

@@ -55,15 +55,15 @@ void Contents::count(const solver::BodyTable& bodies, const BodyRecords& records
 }
 
 void BodyRecords::resize(std::size_t bodies) {
-  generation.resize(bodies, 0);
-  alive.resize(bodies, 0);
-  type.resize(bodies, BodyType::Static);
-  dynamic.resize(bodies, 0);
+  jobs::append(generation, bodies, std::uint32_t{0});
+  jobs::append(alive, bodies, std::uint8_t{0});
+  jobs::append(type, bodies, BodyType::Static);
+  jobs::append(dynamic, bodies, std::uint8_t{0});
   material.resize(bodies);
-  centre.resize(bodies, Vector3::Zero());
-  first_collider.resize(bodies, collision::ColliderTable::none);
-  continuous.resize(bodies, 0);
-  constants.resize(bodies);
+  centre.resize(bodies);
+  jobs::append(first_collider, bodies, collision::ColliderTable::none);
+  jobs::append(continuous, bodies, std::uint8_t{0});
+  jobs::append(constants, bodies);
 }
 
 void World::Impl::resize_bodies(std::size_t count) {
@@ -71,10 +71,8 @@ void World::Impl::resize_bodies(std::size_t count) {
   records.resize(count);
   sleeping.resize(count);
   quarantine.resize(count);
-  if constexpr (with_direct_contacts) selection_.resize(count);
   active_.resize(count);
-  reaches_.resize(count);
-  stretch_.resize(count, 0.0);
+  jobs::append(stretch_, count, 0.0);
 }
 
 // What the body is for as long as it lives.
@@ -84,17 +82,17 @@ void World::Impl::give_constants(std::uint32_t body, const std::shared_ptr<const
   records.alive[body] = 1;
   records.type[body] = c.type;
   records.dynamic[body] = c.type == BodyType::Dynamic;
-  records.material[body] = c.material;
-  records.centre[body] = c.centre;
+  records.material.set(body, c.material);
+  records.centre.set(body, c.centre);
   records.continuous[body] = c.continuous;
   bodies.mobility[body] = mobility_of(c.type);
   bodies.inverse_mass[body] = c.inverse_mass;
-  bodies.inertia[body] = c.inertia;
-  bodies.inverse_inertia[body] = c.inverse_inertia;
+  bodies.inertia.set(body, c.inertia);
+  bodies.inverse_inertia.set(body, c.inverse_inertia);
   bodies.gyroscopic[body] = c.gyroscopic;
   bodies.locks[body] = c.locks;
-  bodies.principal_axes[body] = c.principal_axes;
-  bodies.moments[body] = c.moments;
+  bodies.principal_axes.set(body, c.principal_axes);
+  bodies.moments.set(body, c.moments);
   const double least_moment = least_moment_of(c);
   if (least_moment > 0 && bodies.least_moment.empty()) bodies.least_moment.resize(bodies.size(), 0.0);
   if (!bodies.least_moment.empty()) bodies.least_moment[body] = least_moment;
@@ -118,8 +116,7 @@ BodyId World::Impl::add_body(const CheckedBody& start) {
   }
   ++records.count;
   forget_roster();
-  const std::uint64_t kind = fingerprint(start.constants);
-  give_constants(body, constants_.share(start.constants, kind));
+  give_constants(body, constants_.share(start.constants));
 
   bodies.position(body) = start.position + start.orientation * records.centre[body];
   bodies.set_orientation(body, start.orientation);
@@ -136,9 +133,9 @@ BodyId World::Impl::add_body(const CheckedBody& start) {
   note_arrival_or_departure(body);
   add_colliders(body);
   add_proxies(body, to_collision(start.filter, body));
-  quarantine.suspect(body);
+  suspect_new(body);
   if constexpr (with_recording) {
-    if (recorder) recorder->note_body(start, kind);
+    if (recorder) recorder->note_body(start, fingerprint(start.constants));
   }
   return {body, records.generation[body]};
 }
@@ -301,7 +298,7 @@ void World::Impl::wake_touching(std::uint32_t body) {
 
 // Islands are made anew even if the index was used again for a body that looks the same to them.
 void World::Impl::note_arrival_or_departure(std::uint32_t body) {
-  may_start_or_stop_.push_back(body);
+  if (bodies.mobility[body] != solver::Mobility::Fixed || active_.contains(body)) may_start_or_stop_.push_back(body);
   islands_stale_ = true;
 }
 

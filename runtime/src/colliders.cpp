@@ -86,11 +86,10 @@ void World::Impl::add_proxies(std::uint32_t body, const collision::Filter& filte
   stretch_[body] = 0;
   // Its speed has not been accounted for: how long a step is shows when there is one.
   bodies.outgrown[body] = 1;
-  const bool fixed = bodies.mobility[body] == solver::Mobility::Fixed;
   for_each_collider(body, [&](std::uint32_t collider) {
     if (is_bounded(colliders.shape[collider])) {
       const ProxyBox box = proxy_box(collider, nullptr);
-      broadphase.add_box(collider, box.fat, fixed, filter);
+      add_box(collider, box.fat, filter);
       bodies.slack[body] = std::min(bodies.slack[body], box.slack);
     } else {
       broadphase.add_half_space(collider, world_plane(collider), filter);
@@ -98,6 +97,21 @@ void World::Impl::add_proxies(std::uint32_t body, const collision::Filter& filte
     }
   });
   note_stretch(body);
+}
+
+void World::Impl::add_box(std::uint32_t collider, const collision::Aabb& box, const collision::Filter& filter) {
+  const bool fixed = records.type[colliders.body[collider]] == BodyType::Static;
+  broadphase.add_box(collider, box, fixed, filter);
+  if (fixed) boxes_wait_.store(true, std::memory_order_relaxed);
+}
+
+// Before queries.
+void World::Impl::take_in_boxes() {
+  if (!boxes_wait_.load(std::memory_order_acquire)) return;
+  const std::lock_guard lock(taking_in_);
+  if (!boxes_wait_.load(std::memory_order_relaxed)) return;
+  broadphase.take_in(arena);
+  boxes_wait_.store(false, std::memory_order_release);
 }
 
 void World::Impl::remove_proxies(std::uint32_t body) {
@@ -244,8 +258,11 @@ void World::Impl::find_pairs() {
   for (const std::uint32_t body : active_.in_order()) {
     if (bodies.outgrown[body]) looked_at_.push_back(body);
   }
-  new_boxes_.resize(colliders.size());
+  const std::size_t chunks = jobs::Arena::chunk_count(looked_at_.size(), box_grain);
+  if (new_boxes_.size() < chunks) new_boxes_.resize(chunks);
   arena.parallel_for(looked_at_.size(), box_grain, [&](std::size_t begin, std::size_t end) {
+    std::vector<ProxyBox>& new_boxes = new_boxes_[begin / box_grain];
+    new_boxes.clear();
     for (std::size_t i = begin; i < end; ++i) {
       const std::uint32_t body = looked_at_[i];
       if (!is_finite(body)) continue;
@@ -254,23 +271,28 @@ void World::Impl::find_pairs() {
       for_each_collider(body, [&](std::uint32_t collider) {
         double slack = 0;
         if (is_bounded(colliders.shape[collider])) {
-          new_boxes_[collider] = proxy_box(collider, &broadphase.fat_box(collider));
-          slack = new_boxes_[collider].slack;
+          new_boxes.push_back(proxy_box(collider, &broadphase.fat_box(collider)));
+          slack = new_boxes.back().slack;
         }
         bodies.slack[body] = std::min(bodies.slack[body], slack);
       });
     }
   });
-  for (const std::uint32_t body : looked_at_) {
+  const ProxyBox* next_box = nullptr;
+  for (std::size_t i = 0; i < looked_at_.size(); ++i) {
+    if (i % box_grain == 0) next_box = new_boxes_[i / box_grain].data();
+    const std::uint32_t body = looked_at_[i];
     if (!is_finite(body)) continue;
     bool outgrown = false;
     for_each_collider(body, [&](std::uint32_t collider) {
       if (!is_bounded(colliders.shape[collider])) {
         broadphase.move_half_space(collider, world_plane(collider));
-      } else if (new_boxes_[collider].outgrown) {
-        broadphase.move_box(collider, new_boxes_[collider].fat);
-        outgrown = true;
+        return;
       }
+      const ProxyBox& box = *next_box++;
+      if (!box.outgrown) return;
+      broadphase.move_box(collider, box.fat);
+      outgrown = true;
     });
     if (outgrown) note_stretch(body);
   }

@@ -2,8 +2,8 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <map>
 #include <memory>
+#include <unordered_map>
 
 #include "body_definition.h"
 
@@ -12,12 +12,13 @@ namespace atl {
 /// Lets bodies that are the same share what never changes of them.
 class ConstantsPool {
  public:
-  /// `kind` is their fingerprint().
-  std::shared_ptr<const BodyConstants> share(const BodyConstants& constants, std::uint64_t kind);
+  std::shared_ptr<const BodyConstants> share(const BodyConstants& constants);
 
  private:
-  std::map<std::uint64_t, std::weak_ptr<const BodyConstants>> known_;  // by fingerprint
-  std::size_t most_ = 64;                                              // at which those that are gone are dropped
+  // By fingerprint. Nothing depends on their order.
+  std::unordered_map<std::uint64_t, std::weak_ptr<const BodyConstants>> known_;
+  std::weak_ptr<const BodyConstants> last_;  // that was shared: what comes next is often the same
+  std::size_t most_ = 64;                    // at which those that are gone are dropped
 };
 
 }  // namespace atl

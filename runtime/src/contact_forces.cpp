@@ -46,6 +46,7 @@ std::span<const ContactForce> World::Impl::contact_forces() {
 // Steps leave alone what rests on both sides, so where its points are is found out from the poses by whoever asks.
 void World::Impl::place_idle_contacts() {
   if (cache.order.size() == cache.size()) return;
+  reaches_.resize(bodies.size());
   std::vector<std::uint32_t> idle;
   for (const std::uint32_t slot : cache.all_in_order()) {
     const collision::Contact& contact = cache.contacts[slot];

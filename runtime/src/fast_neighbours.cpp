@@ -136,6 +136,7 @@ void World::Impl::find_near_by_tree(std::uint32_t number, FastSweep& scratch) co
 }
 
 void World::Impl::find_near_fast() {
+  broadphase.take_in(arena);
   note_rushed();
   sweep_scratch_.for_each([](FastSweep& of_worker) { of_worker.near_fast.clear(); });
   const bool by_contacts =

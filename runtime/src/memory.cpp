@@ -11,7 +11,8 @@ namespace atl {
 using jobs::bytes_of;
 
 std::size_t BodyRecords::bytes() const {
-  return bytes_of(generation, alive, type, material, centre, first_collider, continuous, constants, dynamic, free);
+  return bytes_of(generation, alive, type, first_collider, continuous, constants, dynamic, free) + material.bytes() +
+         centre.bytes();
 }
 
 std::vector<MemoryUse> World::Impl::memory() const {
@@ -24,8 +25,10 @@ std::vector<MemoryUse> World::Impl::memory() const {
                   records.count, "bodies"});
   uses.push_back({"sleeping", sleeping.bytes(), records.count, "bodies"});
   uses.push_back({"running_surfaces", bytes_of(bodies.surfaces, surface_contacts_), records.count, "bodies"});
-  uses.push_back({"shapes", colliders.bytes() + bytes_of(new_boxes_), colliders.body.size(), "shapes"});
-  uses.push_back({"broadphase", broadphase.bytes(), colliders.body.size(), "shapes"});
+  std::size_t new_boxes = bytes_of(new_boxes_);
+  for (const auto& of_chunk : new_boxes_) new_boxes += bytes_of(of_chunk);
+  uses.push_back({"shapes", colliders.bytes(), colliders.body.size(), "shapes"});
+  uses.push_back({"broadphase", broadphase.bytes() + new_boxes, colliders.body.size(), "shapes"});
   uses.push_back({"contacts", cache.bytes() + contact_update_.bytes(), contacts, "pairs"});
   std::size_t solver = bytes_of(groups_, group_reports_);
   group_solvers_.for_each([&](const solver::GroupSolver& each) { solver += each.bytes(); });

@@ -98,9 +98,15 @@ void QuarantineList::clear() {
 }
 
 void QuarantineList::suspect(std::uint32_t body) {
-  if (suspected_[body]) return;
-  suspected_[body] = 1;
+  if (suspected_[body] == to_check) return;
+  suspected_[body] = to_check;
   suspects_.push_back(body);
+}
+
+void QuarantineList::suspect_checked(std::uint32_t body) {
+  if (suspected_[body] == to_check) return;
+  suspected_[body] = checked;
+  any_checked_ = true;
 }
 
 const solver::BodyPose* QuarantineList::pose_before(std::uint32_t body) const {
@@ -109,9 +115,24 @@ const solver::BodyPose* QuarantineList::pose_before(std::uint32_t body) const {
 }
 
 void QuarantineList::clear_suspects() {
-  for (const std::uint32_t body : suspects_) suspected_[body] = 0;
+  if (any_checked_) {
+    std::fill(suspected_.begin(), suspected_.end(), std::uint8_t{0});
+    any_checked_ = false;
+  } else {
+    for (const std::uint32_t body : suspects_) suspected_[body] = 0;
+  }
   suspects_.clear();
   poses_before_.clear();
+}
+
+// What is static stays as it is checked here, unless a caller touches it.
+void World::Impl::suspect_new(std::uint32_t body) {
+  const bool rests = records.type[body] == BodyType::Static;
+  if (rests && !fault_in(bodies, body) && !fault_in_surface(bodies, body)) {
+    quarantine.suspect_checked(body);
+  } else {
+    quarantine.suspect(body);
+  }
 }
 
 // At the start of a step, of the bodies that callers touched: those that fail meet nothing.

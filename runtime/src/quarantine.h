@@ -2,6 +2,7 @@
 
 #include <atoll/quarantine.h>
 #include <collision/filter.h>
+#include <jobs/append.h>
 #include <solver/integrate/body_table.h>
 #include <solver/integrate/motion.h>
 
@@ -24,7 +25,7 @@ class QuarantineList {
   };
 
   /// For a world of so many bodies.
-  void resize(std::size_t count) { suspected_.resize(count, 0); }
+  void resize(std::size_t count) { jobs::append(suspected_, count, std::uint8_t{0}); }
 
   bool contains(std::uint32_t body) const { return !bodies_.empty() && find(body) < bodies_.size(); }
   std::span<const Quarantined> bodies() const { return bodies_; }  ///< in order of id
@@ -37,22 +38,29 @@ class QuarantineList {
 
   /// The body's state was changed from outside, so the next step is to check it.
   void suspect(std::uint32_t body);
+  /// The same of a body that is new and was checked: it counts as a suspect, but costs the step nothing.
+  void suspect_checked(std::uint32_t body);
   /// Where a body is that is about to be put where it can't stay.
   void remember_pose(std::uint32_t body, const solver::BodyPose& pose) { poses_before_.insert_or_assign(body, pose); }
   /// What remember_pose() was last told of it since the last step, or nullptr.
   const solver::BodyPose* pose_before(std::uint32_t body) const;
   bool remembers_poses() const { return !poses_before_.empty(); }
   bool is_suspect(std::uint32_t body) const { return suspected_[body] != 0; }
-  std::span<const std::uint32_t> suspects() const { return suspects_; }  ///< in no order to rely on, each once
+  /// Those to check, in no order to rely on, each once.
+  std::span<const std::uint32_t> suspects() const { return suspects_; }
   void clear_suspects();
 
  private:
   std::size_t find(std::uint32_t body) const;  // its place, or the number of bodies
 
+  static constexpr std::uint8_t to_check = 1;
+  static constexpr std::uint8_t checked = 2;
+
   std::vector<Quarantined> bodies_;      // in order of id
   std::vector<Kept> kept_;               // the same
-  std::vector<std::uint8_t> suspected_;  // by body
-  std::vector<std::uint32_t> suspects_;
+  std::vector<std::uint8_t> suspected_;  // by body: 0 or one of these two
+  std::vector<std::uint32_t> suspects_;  // to check
+  bool any_checked_ = false;
   std::map<std::uint32_t, solver::BodyPose> poses_before_;
 };
 

@@ -26,6 +26,7 @@ struct QueryAccess {
 
   static QueryAccess of(const World& world) {
     World::Impl& impl = *world.impl_;
+    impl.take_in_boxes();
     return {impl.colliders, impl.bodies, impl.records, impl.broadphase, impl.arena};
   }
 

@@ -196,7 +196,7 @@ bool World::Impl::is_in_broadphase(std::uint32_t collider) const {
 
 void World::Impl::restore_box(std::uint32_t collider, const collision::Aabb& box, const collision::Filter& filter) {
   if (!broadphase.contains(collider)) {
-    broadphase.add_box(collider, box, records.type[colliders.body[collider]] == BodyType::Static, filter);
+    add_box(collider, box, filter);
     return;
   }
   if (broadphase.filter(collider) != filter) broadphase.set_filter(collider, filter);

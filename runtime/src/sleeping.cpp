@@ -1,11 +1,13 @@
 #include "sleeping.h"
 
+#include <jobs/append.h>
+
 namespace atl {
 
 void Sleeping::resize(std::size_t count) {
-  awake.resize(count, 0);
-  rest_time.resize(count, 0.0);
-  ring.resize(count, none);
+  jobs::append(awake, count, std::uint8_t{0});
+  jobs::append(rest_time, count, 0.0);
+  jobs::append(ring, count, none);
 }
 
 void Sleeping::wake(std::uint32_t body) {

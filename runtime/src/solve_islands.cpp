@@ -42,6 +42,7 @@ bool World::Impl::escalates() const {
 // Islands whose contacts carry too much are solved on their own, and otherwise.
 void World::Impl::choose_modes() {
   std::span<const SolveMode> modes;
+  if (with_direct_contacts && !active_.in_order().empty()) selection_.resize(bodies.size());
   if (with_direct_contacts && escalates()) {
     const solver::SolverSettings how = this->how();
     const solver::LoadInput input = {.islands = islands_,

@@ -65,6 +65,7 @@ bool World::Impl::update_active_bodies() {
   const bool changed = active_.update(may_start_or_stop_, [this](std::uint32_t body) { return may_move(body); });
   may_start_or_stop_.clear();
   if (!changed) return false;
+  reaches_.resize(bodies.size());
   for (const std::uint32_t body : active_.stopped()) reaches_[body] = {};
   islands_stale_ = true;
   return true;
@@ -101,6 +102,8 @@ void World::Impl::update_contacts() {
 void World::Impl::note_reaches() {
   constexpr std::size_t grain = 1024;
   const std::span<const std::uint32_t> active = active_.in_order();
+  if (active.empty()) return;
+  reaches_.resize(bodies.size());
   arena.parallel_for(active.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (const std::uint32_t body : active.subspan(begin, end - begin)) {
       collision::StepReach& reach = reaches_[body];

@@ -6,8 +6,10 @@
 #include <collision/contact_cache.h>
 #include <collision/sweep.h>
 #include <collision/update_contacts.h>
+#include <jobs/append.h>
 #include <jobs/arena.h>
 #include <jobs/scratch.h>
+#include <jobs/shared_values.h>
 #include <solver/direct/direct_island.h>
 #include <solver/direct/joint_systems.h>
 #include <solver/integrate/body_table.h>
@@ -17,10 +19,12 @@
 #include <solver/sweep/group_solver.h>
 
 #include <array>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <string>
 #include <utility>
@@ -44,8 +48,9 @@ struct BodyRecords {
   std::vector<std::uint8_t> alive;
   std::vector<BodyType> type;
   std::vector<std::uint8_t> dynamic;  ///< 1 for dynamic bodies
-  std::vector<Material> material;
-  std::vector<Vector3> centre;                ///< m, of mass, body frame
+  jobs::SharedValues<Material> material;
+  /// m, of mass, body frame
+  jobs::SharedValues<Vector3> centre = jobs::SharedValues<Vector3>(Vector3::Zero());
   std::vector<std::uint32_t> first_collider;  ///< the others follow, see ColliderTable::next
   std::vector<std::uint8_t> continuous;
   std::vector<std::shared_ptr<const BodyConstants>> constants;  ///< of those alive
@@ -115,6 +120,7 @@ class World::Impl {
   void wake_all();
   void wake_touching(std::uint32_t body);
   void release_body(BodyId id);  // quarantine.cpp
+  void take_in_boxes();          // colliders.cpp
 
   // Joints: joints.cpp.
   JointId add_joint(const JointDef& def);
@@ -206,6 +212,7 @@ class World::Impl {
   void note_size(std::uint32_t body);
   void remove_colliders(std::uint32_t body);
   void add_proxies(std::uint32_t body, const collision::Filter& filter);
+  void add_box(std::uint32_t collider, const collision::Aabb& box, const collision::Filter& filter);
   void remove_proxies(std::uint32_t body);
   collision::Bounds bounds_at(std::uint32_t collider, const collision::Pose& pose) const;
   collision::Bounds bounds_now(std::uint32_t collider) const;
@@ -281,6 +288,7 @@ class World::Impl {
   void hash_contact(StateHash& hash, std::uint32_t slot) const;
 
   // Containment: quarantine.cpp, and of joints joints.cpp.
+  void suspect_new(std::uint32_t body);
   void quarantine_suspects();
   void before_move(std::uint32_t body, const Vector3& position);
   void put_back(std::uint32_t body, const solver::BodyPose& pose);
@@ -324,7 +332,7 @@ class World::Impl {
   std::vector<std::uint32_t> pushed_;             // bodies with a force or torque on them
   std::vector<std::uint32_t> looked_at_;          // bodies
   std::vector<std::uint8_t> in_boxes_;            // by body looked at
-  std::vector<ProxyBox> new_boxes_;               // by collider
+  std::vector<std::vector<ProxyBox>> new_boxes_;  // by chunk of these, in order
   std::vector<double> stretch_;                   // m, of a body's fat boxes along its motion
   std::vector<std::uint32_t> stretched_;          // bodies with such boxes
   std::vector<collision::StepReach> reaches_;
@@ -370,6 +378,10 @@ class World::Impl {
 
   solver::ContactCapture capture_;
   bool captured_ = false;  // by the last step
+
+  // Whether the broadphase has boxes to take in: several threads may find that it has, and one does it.
+  std::atomic<bool> boxes_wait_ = false;
+  std::mutex taking_in_;
 
   ConstantsPool constants_;
   std::uint64_t serial_;                            // of this world in the process

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <memory>
 #include <set>
 #include <vector>
 
@@ -79,6 +80,72 @@ TEST(AabbTree, MatchesBruteForceUnderRandomChanges) {
 }
 
 // Orders of insertion that make naive trees as deep as they are large; a traversal's stack holds 128 nodes.
+// What waits is found one by one, and by the tree once it was taken in: few by insertion, many by a build in parts.
+TEST(AabbTree, FindsWhatIsInsertedLater) {
+  Random random(2);
+  jobs::Arena one(1), three(3);
+  for (jobs::Arena* arena : {static_cast<jobs::Arena*>(nullptr), &one, &three}) {
+    AabbTree tree;
+    Entries entries;
+    std::uint32_t next_item = 0;
+    const auto check = [&] {
+      ASSERT_EQ(tree.size(), entries.size());
+      for (int i = 0; i < 20; ++i) {
+        const Aabb probe = random_box(random, 30, 4);
+        ASSERT_EQ(found_in(tree, probe), expected_in(entries, probe));
+      }
+    };
+    for (const int count : {1, 2, 5, 40'000, 300, 1}) {
+      for (int i = 0; i < count; ++i) {
+        entries[next_item] = random_box(random, 30, 1);
+        tree.insert_later(next_item, entries[next_item]);
+        ++next_item;
+      }
+      check();
+      for (int i = 0; i < count / 4; ++i) {
+        const auto entry = entries.lower_bound(random.below(next_item));
+        if (entry == entries.end()) continue;
+        if (random.chance(0.5)) {
+          entry->second = random_box(random, 30, 1);
+          tree.move(entry->first, entry->second);
+        } else {
+          tree.remove(entry->first);
+          entries.erase(entry);
+        }
+      }
+      check();
+      tree.take_in(arena);
+      EXPECT_FALSE(tree.is_behind());
+      check();
+    }
+    while (!entries.empty()) {
+      tree.remove(entries.begin()->first);
+      entries.erase(entries.begin());
+      if (entries.size() % 4096 == 0) check();
+    }
+  }
+}
+
+TEST(AabbTree, IsBuiltAlikeByAnyNumberOfThreads) {
+  std::vector<std::uint32_t> places;
+  for (const int threads : {0, 1, 2, 4}) {
+    Random random(3);
+    AabbTree tree;
+    // Most near each other, some equal, one far off.
+    constexpr std::uint32_t count = 50'000;
+    for (std::uint32_t item = 0; item < count; ++item) {
+      const double reach = item == 7 ? 1e7 : item % 3 == 0 ? 1 : 100;
+      tree.insert_later(item, item % 5 == 0 ? Aabb{{0, 0, 0}, {1, 1, 1}} : random_box(random, reach, 1));
+    }
+    const auto arena = threads > 0 ? std::make_unique<jobs::Arena>(threads) : nullptr;
+    tree.take_in(arena.get());
+    std::vector<std::uint32_t> found;
+    for (std::uint32_t item = 0; item < count; ++item) found.push_back(tree.place(item));
+    if (places.empty()) places = found;
+    EXPECT_EQ(found, places) << threads;
+  }
+}
+
 TEST(AabbTree, SurvivesSortedNestedAndEqualBoxes) {
   const auto expect_all_found = [](std::uint32_t count, auto&& box_of) {
     AabbTree tree;

@@ -46,10 +46,10 @@ struct JointRig {
     bodies.mobility[body] = Mobility::Dynamic;
     bodies.set_orientation(body, orientation);
     bodies.inverse_mass[body] = 1 / mass;
-    bodies.inertia[body] = moments.asDiagonal();
-    bodies.inverse_inertia[body] = moments.cwiseInverse().asDiagonal();
+    bodies.inertia.set(body, moments.asDiagonal());
+    bodies.inverse_inertia.set(body, moments.cwiseInverse().asDiagonal());
     bodies.gyroscopic[body] = moments.isConstant(moments.x()) ? 0 : 1;
-    bodies.moments[body] = moments;
+    bodies.moments.set(body, moments);
     bodies.radius[body] = 0.5;
     bodies.sweep_distance[body] = 1e9;
     return body;

@@ -18,6 +18,9 @@ namespace atl::collision {
 /// Moving and fixed shapes live in two trees: fixed ones are never tested against each other. Half-spaces
 /// have no box; each is tested against every shape that moved. Filters leave out pairs that may not meet.
 /// A shape whose box has a NaN meets no other; infinite bounds are allowed.
+///
+/// Fixed shapes that are added wait until something asks for them, and are then built into their tree all at once.
+/// Queries look at those that wait one by one: before many of them, call take_in().
 class Broadphase {
  public:
   /// `shape` numbers the shape, and must be free; the owner is the shape itself if the filter names none.
@@ -55,6 +58,10 @@ class Broadphase {
   bool has_moved(std::uint32_t shape) const { return (flags_[shape] & moved_flag) != 0; }
   /// Whether two shapes may meet and their fat boxes overlap. Only a pair with a shape that moved can change.
   bool overlap(std::uint32_t a, std::uint32_t b) const;
+
+  /// Builds what waits into the tree, and says whether anything does.
+  void take_in(jobs::Arena& arena) { fixed_.take_in(&arena); }
+  bool is_behind() const { return fixed_.is_behind(); }
 
   /// The pairs, in order, that overlap now, contain a shape that moved, and are not in `known`. Valid until
   /// the next call. The cost follows what moved: nothing moved, nothing done.
@@ -96,7 +103,7 @@ class Broadphase {
   std::size_t bytes() const {
     std::size_t found = jobs::bytes_of(found_);
     for (const std::vector<Pair>& of_chunk : found_) found += jobs::bytes_of(of_chunk);
-    return found + jobs::bytes_of(proxies_, flags_, owners_, half_spaces_, moved_, new_pairs_, sort_scratch_) +
+    return found + jobs::bytes_of(proxies_, flags_, owners_, half_spaces_, moved_, askers_, new_pairs_, sort_scratch_) +
            ignored_.bytes() + moving_.bytes() + fixed_.bytes();
   }
 
@@ -136,6 +143,8 @@ class Broadphase {
   void restrict(std::uint32_t shape);
   void mark_shapes_of(std::uint32_t owner);
   AabbTree& tree_of(const Proxy& proxy) { return proxy.kind == Kind::Fixed ? fixed_ : moving_; }
+  std::span<const std::uint32_t> list_askers();
+  bool ask_fixed(std::span<const std::uint32_t> askers) const;
   std::size_t half_space_index(std::uint32_t shape) const;
   void find_partners(std::uint32_t shape, std::vector<Pair>& found) const;
 
@@ -147,6 +156,8 @@ class Broadphase {
   AabbTree moving_;
   AabbTree fixed_;
   std::vector<std::uint32_t> moved_;
+  bool moving_ask_ = false;               // of pairs with a fixed shape, the moving one is asked, whichever moved
+  std::vector<std::uint32_t> askers_;     // then
   std::vector<std::vector<Pair>> found_;  // by chunk of moved_
   std::vector<Pair> new_pairs_;
   std::vector<Pair> sort_scratch_;

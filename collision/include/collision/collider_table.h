@@ -2,38 +2,53 @@
 
 #include <collision/pose.h>
 #include <collision/shape.h>
+#include <jobs/append.h>
 #include <jobs/bytes.h>
+#include <jobs/shared_values.h>
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <vector>
 
 namespace atl::collision {
 
+/// For jobs::SharedValues: the kind has padding after it.
+inline std::array<std::uint64_t, sizeof(Shape) / sizeof(std::uint64_t)> words_of(const Shape& shape) {
+  std::array<std::uint64_t, sizeof(Shape) / sizeof(std::uint64_t)> words;
+  static_assert(offsetof(Shape, half_extents) == sizeof words[0]);
+  std::memcpy(words.data(), static_cast<const void*>(&shape), sizeof shape);
+  words[0] = static_cast<std::uint64_t>(shape.kind);
+  return words;
+}
+
 /// The shapes of all bodies, each at its place on its body, as flat arrays. A compound has several, linked in
-/// order of its children. "Body frame" here is that of the body's centre of mass.
+/// order of its children. Shapes that are alike are kept once. "Body frame" here is that of the body's centre of mass.
 struct ColliderTable {
   static constexpr std::uint32_t none = ~0u;
 
   std::vector<std::uint32_t> body;   ///< none where a collider is free
   std::vector<std::uint32_t> child;  ///< its number in a compound, else 0
   std::vector<std::uint32_t> next;   ///< the body's next collider, or none
-  std::vector<Shape> shape;
-  std::vector<Pose> local;           ///< of the shape, in the body frame
+  jobs::SharedValues<Shape> shape;
+  /// Of the shape, in the body frame.
+  jobs::SharedValues<Pose> local = jobs::SharedValues<Pose>(Pose{Vector3::Zero(), Quaternion::Identity()});
   std::vector<std::uint8_t> placed;  ///< 0 if `local` is the identity
   std::vector<std::uint32_t> free;   ///< the last is used first
 
   /// Memory held.
-  std::size_t bytes() const { return jobs::bytes_of(body, child, next, shape, local, placed, free); }
+  std::size_t bytes() const { return jobs::bytes_of(body, child, next, placed, free) + shape.bytes() + local.bytes(); }
 
   std::size_t size() const { return body.size(); }
 
   void resize(std::size_t count) {
-    body.resize(count, none);
-    child.resize(count);
-    next.resize(count, none);
+    jobs::append(body, count, none);
+    jobs::append(child, count, std::uint32_t{0});
+    jobs::append(next, count, none);
     shape.resize(count);
     local.resize(count);
-    placed.resize(count);
+    jobs::append(placed, count, std::uint8_t{0});
   }
 
   /// Puts a collider that is not in use, nor in the list of free ones, on a body. None follows it yet.
@@ -42,8 +57,8 @@ struct ColliderTable {
     body[collider] = on_body;
     child[collider] = number;
     next[collider] = none;
-    shape[collider] = what;
-    local[collider] = where;
+    shape.set(collider, what);
+    local.set(collider, where);
     placed[collider] = !where.position.isZero(0) || !where.orientation.vec().isZero(0);
   }
 

@@ -26,9 +26,12 @@ std::uint32_t Islands::find(std::uint32_t body) {
 void Islands::build(std::span<const std::uint32_t> candidates, std::span<const std::uint8_t> awake,
                     std::span<const TouchingPair> pairs, std::span<const JointLink> links) {
   for (const std::uint32_t body : bodies_) island_of_[body] = none;
-  parent_.resize(awake.size());
-  rank_.resize(awake.size());
-  island_of_.resize(awake.size(), none);
+  // Where nothing moves nothing is asked by body.
+  if (!candidates.empty() || !pairs.empty() || !links.empty()) {
+    parent_.resize(awake.size());
+    rank_.resize(awake.size());
+    island_of_.resize(awake.size(), none);
+  }
   join(candidates, awake, pairs, links);
   number(candidates, awake);
 

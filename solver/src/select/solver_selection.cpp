@@ -37,7 +37,7 @@ void SolverSelection::resize(std::size_t bodies) { strain_.resize(bodies); }
 
 void SolverSelection::forget(std::uint32_t body) {
   std::erase(arrived_, body);
-  if (strain_[body] == Strain{}) return;
+  if (strain(body) == Strain{}) return;
   strain_[body] = {};
   strained_.erase(std::lower_bound(strained_.begin(), strained_.end(), body));
 }

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <jobs/append.h>
 #include <jobs/bytes.h>
+#include <jobs/shared_values.h>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -26,7 +28,8 @@ struct Surface {
 };
 
 /// State and mass properties of all bodies of a world as flat arrays, one entry a body index. This is what
-/// lasts from step to step; what a step computes with is made from it (see SolverBodies).
+/// lasts from step to step; what a step computes with is made from it (see SolverBodies). What is large, never changes
+/// and is alike for many bodies, above all for all that are fixed, is kept once.
 struct BodyTable {
   std::vector<double> positions;           ///< 3 a body, m
   std::vector<double> orientations;        ///< 4 a body: x, y, z, w
@@ -36,17 +39,21 @@ struct BodyTable {
   std::vector<double> torques;             ///< 3 a body, N m, for the next step only
 
   std::vector<Mobility> mobility;
-  std::vector<double> inverse_mass;        ///< 1/kg; 0 unless dynamic
-  std::vector<Matrix3> inertia;            ///< kg m^2, body frame; zero unless dynamic
-  std::vector<Matrix3> inverse_inertia;    ///< body frame; zero unless dynamic
-  std::vector<std::uint8_t> gyroscopic;    ///< 1 if the inertia depends on the direction
-  std::vector<Quaternion> principal_axes;  ///< body frame, in which the inertia is diagonal; of gyroscopic bodies
-  std::vector<Vector3> moments;            ///< kg m^2, about these
-  std::vector<std::uint8_t> locks;         ///< what each body is without, see motion_locks.h
-  std::vector<std::uint8_t> ball;          ///< 1 for a sphere about the centre of mass: it looks the same turned
-  std::vector<std::uint8_t> round;         ///< 1 for what looks the same turned about the z axis of its frame
-  std::vector<Surface> surfaces;           ///< empty while all are plain
-  std::vector<double> least_moment;        ///< kg m^2, see contact_inertia.h; 0 or empty where there is no need
+  std::vector<double> inverse_mass;      ///< 1/kg; 0 unless dynamic
+  std::vector<std::uint8_t> gyroscopic;  ///< 1 if the inertia depends on the direction
+  /// kg m^2, body frame; zero unless dynamic
+  jobs::SharedValues<Matrix3> inertia = jobs::SharedValues<Matrix3>(Matrix3::Zero());
+  /// Body frame; zero unless dynamic.
+  jobs::SharedValues<Matrix3> inverse_inertia = jobs::SharedValues<Matrix3>(Matrix3::Zero());
+  /// Body frame, in which the inertia is diagonal; of gyroscopic bodies.
+  jobs::SharedValues<Quaternion> principal_axes = jobs::SharedValues<Quaternion>(Quaternion::Identity());
+  /// kg m^2, about these.
+  jobs::SharedValues<Vector3> moments = jobs::SharedValues<Vector3>(Vector3::Zero());
+  std::vector<std::uint8_t> locks;   ///< what each body is without, see motion_locks.h
+  std::vector<std::uint8_t> ball;    ///< 1 for a sphere about the centre of mass: it looks the same turned
+  std::vector<std::uint8_t> round;   ///< 1 for what looks the same turned about the z axis of its frame
+  std::vector<Surface> surfaces;     ///< empty while all are plain
+  std::vector<double> least_moment;  ///< kg m^2, see contact_inertia.h; 0 or empty where there is no need
   std::vector<double> gravity_scale;
   std::vector<double> linear_damping;   ///< 1/s
   std::vector<double> angular_damping;  ///< 1/s
@@ -88,37 +95,41 @@ struct BodyTable {
 
 inline std::size_t BodyTable::bytes() const {
   return jobs::bytes_of(positions, orientations, velocities, angular_velocities, forces, torques, mobility,
-                        inverse_mass, inertia, inverse_inertia, gyroscopic, principal_axes, moments, locks, ball, round,
-                        least_moment, gravity_scale, linear_damping, angular_damping, radius, turned, slack,
-                        reach_limit, sweep_distance, outgrown);
+                        inverse_mass, gyroscopic, locks, ball, round, least_moment, gravity_scale, linear_damping,
+                        angular_damping, radius, turned, slack, reach_limit, sweep_distance, outgrown) +
+         inertia.bytes() + inverse_inertia.bytes() + principal_axes.bytes() + moments.bytes();
 }
 
 inline void BodyTable::resize(std::size_t count) {
-  for (std::vector<double>* three : {&positions, &velocities, &angular_velocities, &forces, &torques}) {
-    three->resize(3 * count, 0.0);
+  const bool one_more = count == size() + 1;
+  for (std::vector<double>* rows : {&positions, &velocities, &angular_velocities, &forces, &torques}) {
+    if (one_more) {
+      for (int i = 0; i < 3; ++i) rows->push_back(0.0);
+    } else {
+      rows->resize(3 * count, 0.0);
+    }
   }
-  orientations.resize(4 * count, 0.0);
-  mobility.resize(count, Mobility::Fixed);
-  inverse_mass.resize(count, 0.0);
-  inertia.resize(count, Matrix3::Zero());
-  inverse_inertia.resize(count, Matrix3::Zero());
-  gyroscopic.resize(count, 0);
-  principal_axes.resize(count, Quaternion::Identity());
-  moments.resize(count, Vector3::Zero());
-  locks.resize(count, 0);
-  ball.resize(count, 0);
-  round.resize(count, 0);
+  if (one_more) {
+    for (int i = 0; i < 4; ++i) orientations.push_back(0.0);
+  } else {
+    orientations.resize(4 * count, 0.0);
+  }
+  jobs::append(mobility, count, Mobility::Fixed);
+  jobs::append(inverse_mass, count, 0.0);
+  inertia.resize(count);
+  inverse_inertia.resize(count);
+  principal_axes.resize(count);
+  moments.resize(count);
   if (!surfaces.empty()) surfaces.resize(count);
-  if (!least_moment.empty()) least_moment.resize(count, 0.0);
-  gravity_scale.resize(count, 1.0);
-  linear_damping.resize(count, 0.0);
-  angular_damping.resize(count, 0.0);
-  radius.resize(count, 0.0);
-  turned.resize(count, 0.0);
-  slack.resize(count, 0.0);
-  reach_limit.resize(count, 0.0);
-  sweep_distance.resize(count, 0.0);
-  outgrown.resize(count, 0);
+  if (!least_moment.empty()) jobs::append(least_moment, count, 0.0);
+  jobs::append(gravity_scale, count, 1.0);
+  for (std::vector<std::uint8_t>* flags : {&gyroscopic, &locks, &ball, &round, &outgrown}) {
+    jobs::append(*flags, count, std::uint8_t{0});
+  }
+  for (std::vector<double>* values :
+       {&linear_damping, &angular_damping, &radius, &turned, &slack, &reach_limit, &sweep_distance}) {
+    jobs::append(*values, count, 0.0);
+  }
 }
 
 }  // namespace atl::solver

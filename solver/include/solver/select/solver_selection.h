@@ -26,7 +26,7 @@ int finer_by(const SolverSettings& settings, double dt);
 /// nothing.
 class SolverSelection {
  public:
-  /// For a world of so many bodies.
+  /// For a world of so many bodies: ahead of a choice, where something moves. The others are under no strain.
   void resize(std::size_t bodies);
   /// A new dynamic body.
   void arrive(std::uint32_t body) { arrived_.push_back(body); }
@@ -61,9 +61,10 @@ class SolverSelection {
   std::span<const std::uint32_t> arrived() const { return arrived_; }
   /// Bodies under strain, in order.
   std::span<const std::uint32_t> strained() const { return strained_; }
-  Strain strain(std::uint32_t body) const { return strain_[body]; }
+  Strain strain(std::uint32_t body) const { return body < strain_.size() ? strain_[body] : Strain{}; }
   /// Of a state that is restored: the bodies under strain come in order.
   void restore_strain(std::uint32_t body, const Strain& strain) {
+    if (body >= strain_.size()) resize(body + std::size_t{1});
     strain_[body] = strain;
     strained_.push_back(body);
   }
