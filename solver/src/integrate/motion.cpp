@@ -1,3 +1,5 @@
+#include <jobs/with_continuous.h>
+#include <jobs/with_joints.h>
 #include <solver/integrate/motion.h>
 #include <solver/integrate/state_bounds.h>
 
@@ -25,7 +27,8 @@ void note_motion(BodyTable& bodies, std::uint32_t body, const BodyPose& start, d
   if (!(bodies.slack[body] >= std::min(next, bodies.reach_limit[body]))) bodies.outgrown[body] = 1;
   const bool sound =
       is_in_place(bodies.position(body), bodies.orientation(body)) && speed <= top_speed && spin <= top_spin;
-  if (moved > bodies.sweep_distance[body] || !sound) fast.local().push_back({body, start});
+  if (moved > bodies.sweep_distance[body] || !sound) fast.local().fast.push_back({body, start});
+  if (with_joints && with_continuous && bodies.joined[body]) fast.local().joined.push_back({body, start});
 }
 
 }  // namespace atl::solver

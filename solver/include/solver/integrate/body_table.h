@@ -58,6 +58,7 @@ struct BodyTable {
   std::vector<double> reach_limit;     ///< m: no more reach in a step than this counts against the slack
   std::vector<double> sweep_distance;  ///< m: who moves farther in a step may have passed through something
   std::vector<std::uint8_t> outgrown;  ///< 1 if the slack may be used up
+  std::vector<std::uint8_t> joined;    ///< 1 for dynamic bodies that joints act on
 
   std::size_t size() const { return mobility.size(); }
   void resize(std::size_t count);
@@ -90,7 +91,7 @@ inline std::size_t BodyTable::bytes() const {
   return jobs::bytes_of(positions, orientations, velocities, angular_velocities, forces, torques, mobility,
                         inverse_mass, inertia, inverse_inertia, gyroscopic, principal_axes, moments, locks, ball, round,
                         least_moment, gravity_scale, linear_damping, angular_damping, radius, turned, slack,
-                        reach_limit, sweep_distance, outgrown);
+                        reach_limit, sweep_distance, outgrown, joined);
 }
 
 inline void BodyTable::resize(std::size_t count) {
@@ -119,6 +120,7 @@ inline void BodyTable::resize(std::size_t count) {
   reach_limit.resize(count, 0.0);
   sweep_distance.resize(count, 0.0);
   outgrown.resize(count, 0);
+  joined.resize(count, 0);
 }
 
 }  // namespace atl::solver

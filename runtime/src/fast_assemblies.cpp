@@ -1,0 +1,82 @@
+// Continuous collision of bodies that joints connect: the assembly stops as one. If one of its fast bodies meets
+// something at a part of the step, all are put back to where they were then, so that no joint is torn. Static and
+// kinematic bodies connect nothing.
+
+#include <algorithm>
+
+#include "world_impl.h"
+
+namespace atl {
+
+// What joints connect a body to, by number; alone if none acts on it.
+std::uint32_t World::Impl::assembly_of(std::uint32_t body) const {
+  std::uint32_t assembly = FastMove::alone;
+  if (!bodies.joined[body]) return assembly;
+  joints.for_each_of(body, [&](std::uint32_t joint) {
+    if (joints.acts[joint]) assembly = joint_graph_.component_of(joint);
+  });
+  return assembly;
+}
+
+// The bodies that aren't fast of assemblies of which one is.
+void World::Impl::list_carried() {
+  carried_.clear();
+  // Of those in order of assemblies, those alone come last.
+  if (fast_in_order_.front().assembly == FastMove::alone) return;
+  fast_.for_each([this](const solver::MovedBodies& of_worker) {
+    for (const solver::MovedBody& joined : of_worker.joined) {
+      if (find_fast(joined.body)) continue;
+      const std::uint32_t assembly = assembly_of(joined.body);
+      const bool moves_fast = std::ranges::binary_search(fast_in_order_, assembly, {}, &FastMove::assembly);
+      if (moves_fast) carried_.push_back({assembly, joined.body, {joined.start.position, joined.start.orientation}});
+    }
+  });
+  std::sort(carried_.begin(), carried_.end(), [](const Carried& x, const Carried& y) {
+    return x.assembly != y.assembly ? x.assembly < y.assembly : x.body < y.body;
+  });
+}
+
+void World::Impl::list_together() {
+  together_.clear();
+  std::uint32_t last = FastMove::alone;
+  for (std::uint32_t i = 0; i < fast_in_order_.size(); ++i) {
+    const std::uint32_t assembly = fast_in_order_[i].assembly;
+    if (assembly == FastMove::alone || assembly != last) together_.push_back(i);
+    last = assembly;
+  }
+}
+
+std::span<const FastMove> World::Impl::moves_together(std::size_t number) const {
+  const std::size_t begin = together_[number];
+  const std::size_t end = number + 1 < together_.size() ? together_[number + 1] : fast_in_order_.size();
+  return std::span(fast_in_order_).subspan(begin, end - begin);
+}
+
+// Whether a fast body, and what is joined to it, may be put `aside` of where the step took it. An assembly that would
+// go far waits where it started until its contacts have slowed it: it may hang on the world, and those of its bodies
+// that aren't fast look for nothing in their way.
+bool World::Impl::may_shift(const FastMove& fast, const Vector3& aside) const {
+  if (fast.assembly == FastMove::alone) return bodies.locks[fast.body] == 0;
+  return aside.norm() <= bodies.reach_limit[fast.body];
+}
+
+void World::Impl::place_stopped(std::uint32_t body, const collision::Pose& start, const FastStop& stop) {
+  const collision::Pose end{bodies.position(body) + stop.aside, bodies.orientation(body)};
+  const collision::Pose pose = stop.t >= 1 ? end : collision::Motion::between(start, end, Vector3::Zero()).at(stop.t);
+  bodies.position(body) = pose.position;
+  bodies.set_orientation(body, pose.orientation);
+  look_again(body);
+  ++report_.counts.stopped;
+}
+
+void World::Impl::stop(std::size_t number, const FastStop& stop) {
+  const std::span<const FastMove> moves = moves_together(number);
+  for (const FastMove& fast : moves) place_stopped(fast.body, fast.start_pose(), stop);
+  const std::uint32_t assembly = moves.front().assembly;
+  if (assembly == FastMove::alone) return;
+  for (const Carried& carried : std::ranges::equal_range(carried_, assembly, {}, &Carried::assembly)) {
+    place_stopped(carried.body, carried.start, stop);
+  }
+}
+
+}  // namespace atl
