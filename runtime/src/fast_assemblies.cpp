@@ -2,11 +2,15 @@
 // something at a part of the step, all are put back to where they were then, so that no joint is torn. Static and
 // kinematic bodies connect nothing.
 
+#include <solver/constraints/joint.h>
+
 #include <algorithm>
 
 #include "world_impl.h"
 
 namespace atl {
+
+using collision::Motion;
 
 // What joints connect a body to, by number; alone if none acts on it.
 std::uint32_t World::Impl::assembly_of(std::uint32_t body) const {
@@ -60,22 +64,34 @@ bool World::Impl::may_shift(const FastMove& fast, const Vector3& aside) const {
   return aside.norm() <= bodies.reach_limit[fast.body];
 }
 
-void World::Impl::place_stopped(std::uint32_t body, const collision::Pose& start, const FastStop& stop) {
-  const collision::Pose end{bodies.position(body) + stop.aside, bodies.orientation(body)};
-  const collision::Pose pose = stop.t >= 1 ? end : collision::Motion::between(start, end, Vector3::Zero()).at(stop.t);
-  bodies.position(body) = pose.position;
-  bodies.set_orientation(body, pose.orientation);
-  look_again(body);
-  ++report_.counts.stopped;
-}
-
+// Ends the step of a fast body, or of an assembly, where it met something. Each body is put on the straight way of its
+// centre, turned evenly about it. Where bodies turned by an angle a in the step, joints open by that by up to a^2 / 8
+// of how far they are from these centres, until the next step closes them.
 void World::Impl::stop(std::size_t number, const FastStop& stop) {
+  const auto put_back = [&](std::uint32_t body, const collision::Pose& start) {
+    const collision::Pose end{bodies.position(body) + stop.aside, bodies.orientation(body)};
+    const collision::Pose pose = stop.t >= 1 ? end : Motion::between(start, end, Vector3::Zero()).at(stop.t);
+    bodies.position(body) = pose.position;
+    bodies.set_orientation(body, pose.orientation);
+    look_again(body);
+    ++report_.counts.stopped;
+  };
   const std::span<const FastMove> moves = moves_together(number);
-  for (const FastMove& fast : moves) place_stopped(fast.body, fast.start_pose(), stop);
+  for (const FastMove& fast : moves) put_back(fast.body, fast.start_pose());
   const std::uint32_t assembly = moves.front().assembly;
   if (assembly == FastMove::alone) return;
   for (const Carried& carried : std::ranges::equal_range(carried_, assembly, {}, &Carried::assembly)) {
-    place_stopped(carried.body, carried.start, stop);
+    put_back(carried.body, carried.start);
+  }
+  for (const solver::JointLink& link : joint_graph_.links_of(assembly)) follow_position(joints.joints[link.joint]);
+}
+
+// Of a joint whose bodies were put elsewhere, by less than half a turn.
+void World::Impl::follow_position(solver::Joint& joint) const {
+  const solver::JointFrames frames = frames_of(joint);
+  for (std::size_t row = 0; row < joint.rows; ++row) {
+    const double value = joint_row(joint, row, frames).value;
+    joint.position[row] = solver::continued(joint.coordinate[row], value, joint.position[row]);
   }
 }
 

@@ -25,6 +25,12 @@ collision::Aabb World::Impl::swept_box(const FastMove& fast, std::uint32_t colli
                                  start.upper.cwiseMax(end.upper + aside) + bulge);
 }
 
+collision::Aabb World::Impl::end_box(const FastMove& fast, std::uint32_t collider) const {
+  const collision::Bounds end = bounds_now(collider);
+  const Vector3 bulge = Vector3::Constant(fast.bulge);
+  return collision::Aabb::around(end.lower - bulge, end.upper + bulge);
+}
+
 // For fast bodies to find each other their boxes must show where they went, as those that were stretched along the
 // motion do. All are seen as the solver moved them, before any is put back.
 void World::Impl::note_rushed() {
@@ -35,8 +41,12 @@ void World::Impl::note_rushed() {
     for (FastMove& fast : std::span(fast_in_order_).subspan(begin, end - begin)) {
       if (!is_finite(fast.body)) continue;
       fast.queried = queried;
+      // It started in its boxes, with a margin around it.
+      constexpr double margin = collision::margin_share / collision::approach_share;
+      const bool end_tells = fast.bulge <= margin * bodies.reach_limit[fast.body];
       for_each_collider(fast.body, [&](std::uint32_t collider) {
-        if (broadphase.fat_box(collider).contains(swept_box(fast, collider, Vector3::Zero()))) return;
+        const collision::Aabb way = end_tells ? end_box(fast, collider) : swept_box(fast, collider, Vector3::Zero());
+        if (broadphase.fat_box(collider).contains(way)) return;
         fast.rushed = fast.queried = true;
       });
     }

@@ -108,13 +108,13 @@ collision::Motion World::Impl::step_motion(std::uint32_t collider, const Vector3
 // When the body first meets something, as part of the step, up to `first`, if it ends `aside` of where it did. What it
 // touches with its core from the start is added to what it is held by, and doesn't stop it.
 double World::Impl::first_hit(const FastMove& fast, const Vector3& aside, double first, FastSweep& scratch) const {
-  const bool spared = fast.assembly != FastMove::alone && !records.continuous[fast.body];
+  const bool joined = fast.assembly != FastMove::alone;
   for_each_collider(fast.body, [&](std::uint32_t collider) {
     const collision::Shape& shape = colliders.shape[collider];
     find_approaching(fast, aside, collider, scratch);
     if (scratch.approaching.empty()) return;
     const Motion motion = step_motion(collider, Vector3::Zero(), aside);
-    const bool only_deep = spared && has_even_core(shape.kind);
+    const bool only_deep = joined && !records.continuous[fast.body] && has_even_core(shape.kind);
     for (const Approach& approach : scratch.approaching) {
       const std::uint32_t other = approach.other;
       const double tolerance = sweep_tolerance * approach.size;
@@ -145,7 +145,7 @@ double World::Impl::first_hit(const FastMove& fast, const Vector3& aside, double
         continue;
       }
       // What is shifted together stays as it is.
-      if (spared && assembly_of(colliders.body[other]) == fast.assembly) continue;
+      if (joined && assembly_of(colliders.body[other]) == fast.assembly) continue;
       if (stays_outside(core.shape, core_motion, colliders.shape[other], other_motion)) continue;
       scratch.held.push_back(held_by(hit, other_motion, core.shape, core_motion.at(1), tolerance));
     }
@@ -157,24 +157,23 @@ double World::Impl::first_hit(const FastMove& fast, const Vector3& aside, double
 // hold it where it is, for good, if other bodies press on it: it goes all its way but for what would take the core
 // through the surfaces that it touches. An assembly is shifted as one.
 FastStop World::Impl::find_stop(std::span<const FastMove> together, FastSweep& scratch) const {
-  double first = 1;
-  scratch.held.clear();
-  for (const FastMove& fast : together) {
-    list_nearby(fast, scratch.nearby);
-    first = first_hit(fast, Vector3::Zero(), first, scratch);
-  }
+  const auto meet = [&](const Vector3& aside, const auto& find_nearby) {
+    scratch.held.clear();
+    double first = 1;
+    for (const FastMove& fast : together) {
+      find_nearby(fast);
+      first = first_hit(fast, aside, first, scratch);
+    }
+    return first;
+  };
+  const double first = meet(Vector3::Zero(), [&](const FastMove& fast) { list_nearby(fast, scratch.nearby); });
   if (scratch.held.empty()) return {first, Vector3::Zero()};
   const std::optional<Vector3> aside = way_aside(scratch.held);
   if (!aside || !may_shift(together.front(), *aside)) return {0, Vector3::Zero()};
-  first = 1;
-  scratch.held.clear();
-  for (const FastMove& fast : together) {
-    query_nearby(fast, *aside, scratch.nearby);
-    first = first_hit(fast, *aside, first, scratch);
-  }
+  const double first_aside = meet(*aside, [&](const FastMove& fast) { query_nearby(fast, *aside, scratch.nearby); });
   const bool kept_off =
       std::all_of(scratch.held.begin(), scratch.held.end(), [](const HeldBy& surface) { return surface.excess <= 0; });
-  return kept_off ? FastStop{first, *aside} : FastStop{0, Vector3::Zero()};
+  return kept_off ? FastStop{first_aside, *aside} : FastStop{0, Vector3::Zero()};
 }
 
 void World::Impl::list_fast_bodies() {

@@ -234,6 +234,7 @@ class World::Impl {
   const FastMove* find_fast(std::uint32_t body) const;
   collision::Motion step_motion(std::uint32_t collider, const Vector3& centre, const Vector3& aside) const;
   collision::Aabb swept_box(const FastMove& fast, std::uint32_t collider, const Vector3& aside) const;
+  collision::Aabb end_box(const FastMove& fast, std::uint32_t collider) const;
   void find_near_fast();
   void note_rushed();
   void find_near_by_contacts(std::size_t begin, std::size_t end, FastSweep& scratch) const;
@@ -245,8 +246,8 @@ class World::Impl {
   double first_hit(const FastMove& fast, const Vector3& aside, double first, FastSweep& scratch) const;
   bool may_shift(const FastMove& fast, const Vector3& aside) const;
   FastStop find_stop(std::span<const FastMove> together, FastSweep& scratch) const;
-  void place_stopped(std::uint32_t body, const collision::Pose& start, const FastStop& stop);
   void stop(std::size_t number, const FastStop& stop);
+  void follow_position(solver::Joint& joint) const;
   void wake_touched_sleepers();
   void remove_lost_contacts();
   solver::SolverSettings how() const;  // the step in progress is solved

@@ -48,7 +48,7 @@ bool changes_steadily(const Vector3& gained, const Vector3& gained_spin, const V
 /// Keeps account of a body that has moved from `start` in a step of dt seconds: whether it may have used up the
 /// slack of its bounds by the end of the next one, whether it was fast or is unsound, and where it started if it is
 /// joined to others.
-void note_motion(BodyTable& bodies, std::uint32_t body, const BodyPose& start, double dt, FastBodies& fast);
+void note_motion(BodyTable& bodies, std::uint32_t body, const BodyPose& start, double dt, MovedBodies& notes);
 
 /// A turn by the vector `turn` (rad), of a small angle, after an orientation.
 inline Quaternion turned(const Vector3& turn, const Quaternion& orientation) {
