@@ -12,27 +12,25 @@ namespace atl {
 
 using collision::Motion;
 
-// What joints connect a body to, by number; alone if none acts on it.
+// By number, what joints connect a body to; alone if none acts on it.
 std::uint32_t World::Impl::assembly_of(std::uint32_t body) const {
-  std::uint32_t assembly = FastMove::alone;
-  if (!bodies.joined[body]) return assembly;
-  joints.for_each_of(body, [&](std::uint32_t joint) {
-    if (joints.acts[joint]) assembly = joint_graph_.component_of(joint);
-  });
-  return assembly;
+  return bodies.joined[body] ? assembly_[body] : FastMove::alone;
 }
 
-// The bodies that aren't fast of assemblies of which one is.
+// The bodies that aren't fast of assemblies that stop.
 void World::Impl::list_carried() {
   carried_.clear();
-  // Of those in order of assemblies, those alone come last.
-  if (fast_in_order_.front().assembly == FastMove::alone) return;
-  fast_.for_each([this](const solver::MovedBodies& of_worker) {
+  // In order of assemblies.
+  const auto stops = [this](std::uint32_t assembly) {
+    const auto first_of = [this](std::uint32_t place) { return fast_in_order_[place].assembly; };
+    const auto found = std::ranges::lower_bound(together_, assembly, {}, first_of);
+    return found != together_.end() && first_of(*found) == assembly && stops_[found - together_.begin()].stops();
+  };
+  fast_.for_each([&](const solver::MovedBodies& of_worker) {
     for (const solver::MovedBody& joined : of_worker.joined) {
-      if (find_fast(joined.body)) continue;
       const std::uint32_t assembly = assembly_of(joined.body);
-      const bool moves_fast = std::ranges::binary_search(fast_in_order_, assembly, {}, &FastMove::assembly);
-      if (moves_fast) carried_.push_back({assembly, joined.body, {joined.start.position, joined.start.orientation}});
+      if (find_fast(joined.body) || !stops(assembly)) continue;
+      carried_.push_back({assembly, joined.body, {joined.start.position, joined.start.orientation}});
     }
   });
   std::sort(carried_.begin(), carried_.end(), [](const Carried& x, const Carried& y) {

@@ -86,6 +86,8 @@ struct HeldBy {
 struct FastStop {
   double t = 1;                     ///< part of its motion
   Vector3 aside = Vector3::Zero();  ///< m, added to its end
+
+  bool stops() const { return t < 1 || !aside.isZero(0); }
 };
 
 /// Memory of a worker that sweeps fast bodies.

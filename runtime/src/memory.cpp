@@ -37,7 +37,7 @@ std::vector<MemoryUse> World::Impl::memory() const {
   uses.push_back({"direct_contacts", direct, direct_solvers_.size(), "islands"});
   uses.push_back({"overload_watch", selection_.bytes() + bytes_of(modes_, alone_, all_overloads_, escalated_, failed_),
                   records.count, "bodies"});
-  std::size_t of_joints = joints.bytes() + bytes_of(to_kinematic_, joint_events_);
+  std::size_t of_joints = joints.bytes() + bytes_of(to_kinematic_, joint_events_, assembly_);
   if constexpr (with_joints) of_joints += joint_graph_.bytes() + joint_systems_.bytes();
   uses.push_back({"joints", of_joints, joints.count, "joints"});
   uses.push_back({"continuous_collision",

@@ -183,10 +183,17 @@ void World::Impl::list_fast_bodies() {
       // An arc of up to half a turn is at most pi / 2 times its chord.
       const Quaternion change = fast.start.orientation.conjugate() * bodies.orientation(fast.body);
       const double radius = bodies.radius[fast.body];
+      const Vector3 shift = bodies.position(fast.body) - fast.start.position;
+      const std::uint32_t assembly = assembly_of(fast.body);
+      if (assembly != FastMove::alone && !records.continuous[fast.body]) {
+        // Up to there nothing gets to its core that the speculative margin hasn't seen.
+        const double far = bodies.reach_limit[fast.body] * (1 + core_share / collision::approach_share);
+        if (shift.norm() + 2 * radius * change.vec().norm() <= far) continue;
+      }
       fast_in_order_.push_back({.body = fast.body,
-                                .assembly = assembly_of(fast.body),
+                                .assembly = assembly,
                                 .start = fast.start,
-                                .shift = bodies.position(fast.body) - fast.start.position,
+                                .shift = shift,
                                 .turn = std::numbers::pi * radius * change.vec().norm(),
                                 .bulge = radius * (1 - std::min(1.0, std::abs(change.w())))});
     }
@@ -209,7 +216,6 @@ void World::Impl::sweep_fast_bodies() {
     return;
   }
 
-  if constexpr (with_joints) list_carried();
   find_near_fast();
   list_together();
   stops_.assign(together_.size(), FastStop{});
@@ -221,8 +227,10 @@ void World::Impl::sweep_fast_bodies() {
       if (sound && dynamic(moves.front())) stops_[i] = find_stop(moves, sweep_scratch_.local());
     }
   });
+  const auto stops = [](const FastStop& found) { return found.stops(); };
+  if (with_joints && std::any_of(stops_.begin(), stops_.end(), stops)) list_carried();
   for (std::size_t i = 0; i < together_.size(); ++i) {
-    if (stops_[i].t < 1 || !stops_[i].aside.isZero(0)) stop(i, stops_[i]);
+    if (stops_[i].stops()) stop(i, stops_[i]);
   }
   for (const FastMove& fast : fast_in_order_) {
     if (fast.rushed) move_proxies(fast.body);

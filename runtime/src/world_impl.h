@@ -361,6 +361,7 @@ class World::Impl {
   std::vector<std::uint32_t> near_fast_begin_;                // by fast body, and the end
   std::vector<std::pair<std::uint32_t, Quarantine>> broken_;  // bodies that the solve left unsound, in order
   std::vector<std::uint32_t> together_;                       // of fast bodies, the first of each assembly and alone
+  std::vector<std::uint32_t> assembly_;                       // by joined body: its component of the graph of joints
   std::vector<Carried> carried_;                              // in order of assemblies and bodies
   std::vector<FastStop> stops_;                               // by entry of together_
   jobs::Scratch<FastSweep> sweep_scratch_;
