@@ -162,6 +162,7 @@ const Ring& ring(int level) {
 
 // Four at a time, so that products don't wait for comparisons.
 int Polytope::support(const Vector3& direction) const {
+  if (hull) return static_cast<int>(hull->support(direction));
   const double x = direction.x();
   const double y = direction.y();
   const double z = direction.z();
@@ -220,6 +221,7 @@ Polytope polytope_of(const Hull& hull) {
   p.vertex_edges = hull.vertex_edges.data();
   p.vertex_count = static_cast<int>(hull.vertices.size());
   p.face_count = static_cast<int>(hull.planes.size());
+  p.hull = &hull;
   return p;
 }
 

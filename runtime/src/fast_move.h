@@ -12,7 +12,10 @@ namespace atl {
 
 /// How a body moved in a step in which it was fast.
 struct FastMove {
+  static constexpr std::uint32_t alone = ~std::uint32_t{0};
+
   std::uint32_t body;
+  std::uint32_t assembly;  ///< of bodies that joints connect, or alone
   solver::BodyPose start;
   Vector3 shift;         ///< m, of the centre of mass
   double turn;           ///< m: no point of it got farther by turning
@@ -21,6 +24,13 @@ struct FastMove {
   bool queried = false;  ///< what is near it is asked of the tree
 
   collision::Pose start_pose() const { return {start.position, start.orientation}; }
+};
+
+/// A body that was not fast, but belongs to an assembly of which a body was.
+struct Carried {
+  std::uint32_t assembly;
+  std::uint32_t body;
+  collision::Pose start;
 };
 
 /// How near a body is put to what it met, as part of its inner radius: well within the margin in which a contact
@@ -72,10 +82,12 @@ struct HeldBy {
   double slack;    ///< m, it is to end before the surface by a part of this
 };
 
-/// How far a fast body gets.
+/// How far a fast body gets, or an assembly.
 struct FastStop {
   double t = 1;                     ///< part of its motion
   Vector3 aside = Vector3::Zero();  ///< m, added to its end
+
+  bool stops() const { return t < 1 || !aside.isZero(0); }
 };
 
 /// Memory of a worker that sweeps fast bodies.

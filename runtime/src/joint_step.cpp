@@ -20,7 +20,13 @@ void World::Impl::update_joint_graph() {
     return solver::joins_directly(joint_graph_.links_of(component), bodies, method);
   });
   to_kinematic_.clear();
+  assembly_.resize(bodies.size());
+  std::fill(bodies.joined.begin(), bodies.joined.end(), std::uint8_t{0});
   for (const solver::JointLink& link : joint_graph_.links()) {
+    for (const std::uint32_t body : {link.first, link.second}) {
+      bodies.joined[body] = records.dynamic[body];
+      assembly_[body] = joint_graph_.component_of(link.joint);
+    }
     if (bodies.mobility[link.first] == solver::Mobility::Kinematic) to_kinematic_.push_back({link.first, link.second});
     if (bodies.mobility[link.second] == solver::Mobility::Kinematic) to_kinematic_.push_back({link.second, link.first});
   }
@@ -34,12 +40,6 @@ void World::Impl::wake_joined_to_moving() {
 }
 
 std::span<const solver::JointLink> World::Impl::acting_joints() const { return islands_.joints(0, islands_.count()); }
-
-bool World::Impl::is_joined(std::uint32_t body) const {
-  bool joined = false;
-  joints.for_each_of(body, [&](std::uint32_t joint) { joined |= joints.acts[joint] != 0; });
-  return joined;
-}
 
 void World::Impl::count_joints() {
   const std::span<const solver::JointLink> acting = acting_joints();

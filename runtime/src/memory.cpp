@@ -40,10 +40,11 @@ std::vector<MemoryUse> World::Impl::memory() const {
   uses.push_back({"direct_contacts", direct, direct_solvers_.size(), "islands"});
   uses.push_back({"overload_watch", selection_.bytes() + bytes_of(modes_, alone_, all_overloads_, escalated_, failed_),
                   records.count, "bodies"});
-  std::size_t of_joints = joints.bytes() + bytes_of(to_kinematic_, joint_events_);
+  std::size_t of_joints = joints.bytes() + bytes_of(to_kinematic_, joint_events_, assembly_);
   if constexpr (with_joints) of_joints += joint_graph_.bytes() + joint_systems_.bytes();
   uses.push_back({"joints", of_joints, joints.count, "joints"});
-  uses.push_back({"continuous_collision", bytes_of(fast_in_order_, fast_place_, near_fast_, near_fast_begin_, stops_),
+  uses.push_back({"continuous_collision",
+                  bytes_of(fast_in_order_, fast_place_, near_fast_, near_fast_begin_, together_, carried_, stops_),
                   static_cast<std::size_t>(report_.counts.swept), "bodies"});
   uses.push_back({"contact_events", events_.bytes() + unasked_events_.bytes(), events_.told.size(), "events"});
   uses.push_back(

@@ -172,8 +172,8 @@ void World::Impl::put_back(std::uint32_t body, const solver::BodyPose& pose) {
 // After the solve: what came out of it unsound is where the step found it, and still, for the rest of the step.
 void World::Impl::restrain_broken() {
   broken_.clear();
-  fast_.for_each([this](std::vector<solver::FastBody>& of_worker) {
-    std::erase_if(of_worker, [this](const solver::FastBody& fast) {
+  fast_.for_each([this](solver::MovedBodies& of_worker) {
+    std::erase_if(of_worker.fast, [this](const solver::MovedBody& fast) {
       const std::optional<Quarantine> fault = fault_in(bodies, fast.body);
       if (!fault) return false;
       broken_.emplace_back(fast.body, *fault);

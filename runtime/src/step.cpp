@@ -147,7 +147,7 @@ void World::Impl::build_islands() {
 void World::Impl::follow_fast_bodies() {
   restrain_broken();
   if constexpr (with_continuous) sweep_fast_bodies();
-  fast_.for_each([](std::vector<solver::FastBody>& of_worker) { of_worker.clear(); });
+  fast_.for_each([](solver::MovedBodies& of_worker) { of_worker.clear(); });
 }
 
 // An active body that touches a sleeping one wakes its island.

@@ -1,6 +1,6 @@
 // Continuous collision: bodies that moved far in a step are put back to where they first met something in their
 // way, so that the next step finds the contact. What touches with its core already slides along what it touches. They
-// keep their velocity. Only these bodies cost anything.
+// keep their velocity. Only these bodies cost anything. What joints connect is put back together: fast_assemblies.cpp.
 
 #include <collision/convex.h>
 #include <collision/distance.h>
@@ -39,6 +39,9 @@ Core core_of(const collision::Shape& shape) {
       return {collision::Shape::sphere(shape.inner_radius - off), collision::mass_properties(shape).centre};
   }
 }
+
+// No point of such a shape is farther from its core than the core is deep, but for corners of boxes.
+bool has_even_core(ShapeKind kind) { return kind <= ShapeKind::Cylinder; }
 
 // Of a solid that starts at the other's surface: it ends off it, and on the same side.
 bool stays_outside(const collision::Shape& solid, const Motion& motion, const collision::Shape& other,
@@ -102,22 +105,23 @@ collision::Motion World::Impl::step_motion(std::uint32_t collider, const Vector3
   return Motion::between(placed(fast->start_pose(), local), end, pivot);
 }
 
-// When the body first meets something, as part of the step, if it ends `aside` of where it did. What it touches with
-// its core from the start is added to what it is held by, and doesn't stop it.
-double World::Impl::first_hit(const FastMove& fast, const Vector3& aside, FastSweep& scratch) const {
-  double first = 1;
+// When the body first meets something, as part of the step, up to `first`, if it ends `aside` of where it did. What it
+// touches with its core from the start is added to what it is held by, and doesn't stop it.
+double World::Impl::first_hit(const FastMove& fast, const Vector3& aside, double first, FastSweep& scratch) const {
+  const bool joined = fast.assembly != FastMove::alone;
   for_each_collider(fast.body, [&](std::uint32_t collider) {
     const collision::Shape& shape = colliders.shape[collider];
     find_approaching(fast, aside, collider, scratch);
     if (scratch.approaching.empty()) return;
     const Motion motion = step_motion(collider, Vector3::Zero(), aside);
+    const bool only_deep = joined && !records.continuous[fast.body] && has_even_core(shape.kind);
     for (const Approach& approach : scratch.approaching) {
       const std::uint32_t other = approach.other;
       const double tolerance = sweep_tolerance * approach.size;
       const Motion other_motion = step_motion(other, Vector3::Zero(), Vector3::Zero());
+      const collision::SweepGoal goal{stop_share * approach.size, tolerance};
       collision::SweepHit hit;
-      if (approach.apart) {
-        const collision::SweepGoal goal{stop_share * approach.size, tolerance};
+      if (approach.apart && !only_deep) {
         if (!collision::sweep(shape, motion, colliders.shape[other], other_motion, goal, first, hit)) continue;
         if (!hit.started_overlapping && hit.t > 0) {
           first = hit.t;
@@ -127,15 +131,21 @@ double World::Impl::first_hit(const FastMove& fast, const Vector3& aside, FastSw
       if (approach.passes_core) continue;
       const Core core = core_of(shape);
       const Motion core_motion = core.centre.isZero(0) ? motion : step_motion(collider, core.centre, aside);
-      const collision::SweepGoal goal{0, tolerance};
-      if (!collision::sweep(core.shape, core_motion, colliders.shape[other], other_motion, goal, first, hit) ||
+      if (!collision::sweep(core.shape, core_motion, colliders.shape[other], other_motion, {0, tolerance}, first,
+                            hit) ||
           hit.started_overlapping) {
         continue;
       }
       if (hit.t > 0) {
         first = hit.t;
+        if (!approach.apart || !only_deep) continue;
+        collision::SweepHit surface;
+        collision::sweep(shape, motion, colliders.shape[other], other_motion, goal, first, surface);
+        if (surface.t > 0) first = std::min(first, surface.t);
         continue;
       }
+      // What is shifted together stays as it is.
+      if (joined && assembly_of(colliders.body[other]) == fast.assembly) continue;
       if (stays_outside(core.shape, core_motion, colliders.shape[other], other_motion)) continue;
       scratch.held.push_back(held_by(hit, other_motion, core.shape, core_motion.at(1), tolerance));
     }
@@ -143,20 +153,24 @@ double World::Impl::first_hit(const FastMove& fast, const Vector3& aside, FastSw
   return first;
 }
 
-// Where a fast body may go in this step. What its core touches from the start would hold it where it is, for good, if
-// other bodies press on it: it goes all its way but for what would take the core through the surfaces that it touches.
-FastStop World::Impl::find_stop(const FastMove& fast, FastSweep& scratch) const {
-  const auto meet = [&](const Vector3& aside) {
+// Where a fast body, or the fast ones of an assembly, may go in this step. What a core touches from the start would
+// hold it where it is, for good, if other bodies press on it: it goes all its way but for what would take the core
+// through the surfaces that it touches. An assembly is shifted as one.
+FastStop World::Impl::find_stop(std::span<const FastMove> together, FastSweep& scratch) const {
+  const auto meet = [&](const Vector3& aside, const auto& find_nearby) {
     scratch.held.clear();
-    return first_hit(fast, aside, scratch);
+    double first = 1;
+    for (const FastMove& fast : together) {
+      find_nearby(fast);
+      first = first_hit(fast, aside, first, scratch);
+    }
+    return first;
   };
-  list_nearby(fast, scratch.nearby);
-  const double first = meet(Vector3::Zero());
+  const double first = meet(Vector3::Zero(), [&](const FastMove& fast) { list_nearby(fast, scratch.nearby); });
   if (scratch.held.empty()) return {first, Vector3::Zero()};
   const std::optional<Vector3> aside = way_aside(scratch.held);
-  if (!aside || bodies.locks[fast.body] != 0) return {0, Vector3::Zero()};
-  query_nearby(fast, *aside, scratch.nearby);
-  const double first_aside = meet(*aside);
+  if (!aside || !may_shift(together.front(), *aside)) return {0, Vector3::Zero()};
+  const double first_aside = meet(*aside, [&](const FastMove& fast) { query_nearby(fast, *aside, scratch.nearby); });
   const bool kept_off =
       std::all_of(scratch.held.begin(), scratch.held.end(), [](const HeldBy& surface) { return surface.excess <= 0; });
   return kept_off ? FastStop{first_aside, *aside} : FastStop{0, Vector3::Zero()};
@@ -164,24 +178,31 @@ FastStop World::Impl::find_stop(const FastMove& fast, FastSweep& scratch) const 
 
 void World::Impl::list_fast_bodies() {
   fast_in_order_.clear();
-  fast_.for_each([this](std::vector<solver::FastBody>& of_worker) {
-    for (const solver::FastBody& fast : of_worker) {
-      // A body that is put back tears the joints that hold it to others, which have gone on.
-      const bool dynamic = records.dynamic[fast.body] != 0;
-      if (with_joints && dynamic && is_joined(fast.body) && !records.continuous[fast.body]) continue;
+  fast_.for_each([this](const solver::MovedBodies& of_worker) {
+    for (const solver::MovedBody& fast : of_worker.fast) {
       // An arc of up to half a turn is at most pi / 2 times its chord.
       const Quaternion change = fast.start.orientation.conjugate() * bodies.orientation(fast.body);
       const double radius = bodies.radius[fast.body];
+      const Vector3 shift = bodies.position(fast.body) - fast.start.position;
+      const std::uint32_t assembly = assembly_of(fast.body);
+      if (assembly != FastMove::alone && !records.continuous[fast.body]) {
+        // Up to there nothing gets to its core that the speculative margin hasn't seen.
+        const double far = bodies.reach_limit[fast.body] * (1 + core_share / collision::approach_share);
+        if (shift.norm() + 2 * radius * change.vec().norm() <= far) continue;
+      }
       fast_in_order_.push_back({.body = fast.body,
+                                .assembly = assembly,
                                 .start = fast.start,
-                                .shift = bodies.position(fast.body) - fast.start.position,
+                                .shift = shift,
                                 .turn = std::numbers::pi * radius * change.vec().norm(),
                                 .bulge = radius * (1 - std::min(1.0, std::abs(change.w())))});
     }
   });
   if (fast_in_order_.empty()) return;
-  std::sort(fast_in_order_.begin(), fast_in_order_.end(),
-            [](const FastMove& x, const FastMove& y) { return x.body < y.body; });
+  // Those alone come last.
+  std::sort(fast_in_order_.begin(), fast_in_order_.end(), [](const FastMove& x, const FastMove& y) {
+    return x.assembly != y.assembly ? x.assembly < y.assembly : x.body < y.body;
+  });
   fast_place_.resize(bodies.size());
   for (std::uint32_t i = 0; i < fast_in_order_.size(); ++i) fast_place_[fast_in_order_[i].body] = i + 1;
 }
@@ -196,25 +217,20 @@ void World::Impl::sweep_fast_bodies() {
   }
 
   find_near_fast();
-  stops_.assign(fast_in_order_.size(), FastStop{});
-  arena.parallel_for(fast_in_order_.size(), 1, [&](std::size_t begin, std::size_t end) {
+  list_together();
+  stops_.assign(together_.size(), FastStop{});
+  arena.parallel_for(together_.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      const std::uint32_t body = fast_in_order_[i].body;
-      if (!is_finite(body) || !records.dynamic[body]) continue;
-      stops_[i] = find_stop(fast_in_order_[i], sweep_scratch_.local());
+      const std::span<const FastMove> moves = moves_together(i);
+      const bool sound =
+          std::all_of(moves.begin(), moves.end(), [this](const FastMove& f) { return is_finite(f.body); });
+      if (sound && dynamic(moves.front())) stops_[i] = find_stop(moves, sweep_scratch_.local());
     }
   });
-  for (std::size_t i = 0; i < fast_in_order_.size(); ++i) {
-    const FastStop& stop = stops_[i];
-    if (stop.t >= 1 && stop.aside.isZero(0)) continue;
-    const FastMove& fast = fast_in_order_[i];
-    const collision::Pose end{bodies.position(fast.body) + stop.aside, bodies.orientation(fast.body)};
-    const Motion motion = Motion::between(fast.start_pose(), end, Vector3::Zero());
-    const collision::Pose pose = stop.t >= 1 ? end : motion.at(stop.t);
-    bodies.position(fast.body) = pose.position;
-    bodies.set_orientation(fast.body, pose.orientation);
-    look_again(fast.body);
-    ++report_.counts.stopped;
+  const auto stops = [](const FastStop& found) { return found.stops(); };
+  if (with_joints && std::any_of(stops_.begin(), stops_.end(), stops)) list_carried();
+  for (std::size_t i = 0; i < together_.size(); ++i) {
+    if (stops_[i].stops()) stop(i, stops_[i]);
   }
   for (const FastMove& fast : fast_in_order_) {
     if (fast.rushed) move_proxies(fast.body);

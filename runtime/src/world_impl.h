@@ -234,6 +234,10 @@ class World::Impl {
   void note_what_began_and_ended();
   void note_events(ContactEvents& events);
   void list_fast_bodies();
+  void list_carried();
+  void list_together();
+  std::span<const FastMove> moves_together(std::size_t number) const;
+  std::uint32_t assembly_of(std::uint32_t body) const;
   const FastMove* find_fast(std::uint32_t body) const;
   collision::Motion step_motion(std::uint32_t collider, const Vector3& centre, const Vector3& aside) const;
   collision::Aabb swept_box(const FastMove& fast, std::uint32_t collider, const Vector3& aside) const;
@@ -246,8 +250,11 @@ class World::Impl {
   void list_nearby(const FastMove& fast, std::vector<Nearby>& nearby) const;
   void query_nearby(const FastMove& fast, const Vector3& aside, std::vector<Nearby>& nearby) const;
   void find_approaching(const FastMove& fast, const Vector3& aside, std::uint32_t collider, FastSweep& scratch) const;
-  double first_hit(const FastMove& fast, const Vector3& aside, FastSweep& scratch) const;
-  FastStop find_stop(const FastMove& fast, FastSweep& scratch) const;
+  double first_hit(const FastMove& fast, const Vector3& aside, double first, FastSweep& scratch) const;
+  bool may_shift(const FastMove& fast, const Vector3& aside) const;
+  FastStop find_stop(std::span<const FastMove> together, FastSweep& scratch) const;
+  void stop(std::size_t number, const FastStop& stop);
+  void follow_position(solver::Joint& joint) const;
   void wake_touched_sleepers();
   void remove_lost_contacts();
   solver::SolverSettings how() const;  // the step in progress is solved
@@ -274,7 +281,6 @@ class World::Impl {
   void update_joint_graph();
   void wake_joined_to_moving();
   std::span<const solver::JointLink> acting_joints() const;
-  bool is_joined(std::uint32_t body) const;  // by a joint that acts
   void count_joints();
   void note_joints();
   void watch_joint(std::uint32_t joint);
@@ -362,7 +368,10 @@ class World::Impl {
   std::vector<Nearby> near_fast_;                             // by fast body
   std::vector<std::uint32_t> near_fast_begin_;                // by fast body, and the end
   std::vector<std::pair<std::uint32_t, Quarantine>> broken_;  // bodies that the solve left unsound, in order
-  std::vector<FastStop> stops_;                               // by fast body
+  std::vector<std::uint32_t> together_;                       // of fast bodies, the first of each assembly and alone
+  std::vector<std::uint32_t> assembly_;                       // by joined body: its component of the graph of joints
+  std::vector<Carried> carried_;                              // in order of assemblies and bodies
+  std::vector<FastStop> stops_;                               // by entry of together_
   jobs::Scratch<FastSweep> sweep_scratch_;
   solver::JointGraph joint_graph_;
   solver::JointSystems joint_systems_;  // by component of the graph

@@ -25,6 +25,7 @@ struct Polytope {
   const std::uint16_t* vertex_edges = nullptr;
   int vertex_count = 0;
   int face_count = 0;
+  const Hull* hull = nullptr;  ///< whose these arrays are, if a hull's: it tells supports in lanes
   /// The vertices are an upper and a lower ring that lie straight above each other.
   bool is_prism = false;
 

@@ -85,10 +85,12 @@ struct BodyDef {
   double angular_damping = 0;  ///< 1/s, >= 0: w' = -c w
   MotionLocks locks = {};      ///< of dynamic bodies
   CollisionFilter filter = {};
-  /// Looks for what the body may have passed through after every step in which it moved at all. Without it that
-  /// is done in steps in which it moved farther than three quarters of its inner radius, unless it is joined to others:
-  /// what stops a body in its tracks opens its joints, until they are closed again in the next step. What it touched
-  /// already it slides along. In a build without ATOLL_WITH_CONTINUOUS nothing is swept, and true throws.
+  /// Looks for what the body may have passed through after every step in which it moved at all. Without it that is
+  /// done in steps in which it moved farther than three quarters of its inner radius. It ends the step where it first
+  /// met something; what it touched already it slides along. Bodies that joints connect end it together, all where they
+  /// were at that time, so that no joint is torn; as that costs all of them the rest of the step, one that doesn't ask
+  /// for it by this is stopped only by what would get deeper into it than half its inner radius. In a build without
+  /// ATOLL_WITH_CONTINUOUS nothing is swept, and true throws.
   bool continuous = false;
 };
 

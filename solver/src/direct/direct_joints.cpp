@@ -572,13 +572,14 @@ void DirectJoints::settle(const DirectInput& input, BodyTable& table, double dt,
     solve_and_apply();
     holds = moves_far(1, tuning::far_at_rest);
   }
+  MovedBodies& notes = fast.local();
   for (const Member& member : members_) {
     if (!member.dynamic) continue;
     if (!holds) {
       table.position(member.body) += member.velocity;
       table.set_orientation(member.body, turned(member.spin, member.turn));
     }
-    note_motion(table, member.body, {member.start, member.start_turn}, dt, fast);
+    note_motion(table, member.body, {member.start, member.start_turn}, dt, notes);
   }
 }
 

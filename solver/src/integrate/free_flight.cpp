@@ -121,14 +121,14 @@ void move_free_body(BodyTable& bodies, std::uint32_t body, const Vector3& gravit
   } else {
     move_isotropic(bodies, body, dt, substeps);
   }
-  note_motion(bodies, body, start, dt, fast);
+  note_motion(bodies, body, start, dt, fast.local());
 }
 
 void move_kinematic_body(BodyTable& bodies, std::uint32_t body, double dt, FastBodies& fast) {
   const BodyPose start{bodies.position(body), bodies.orientation(body)};
   bodies.position(body) += dt * bodies.velocity(body);
   turn_by(bodies, body, dt * bodies.angular_velocity(body));
-  note_motion(bodies, body, start, dt, fast);
+  note_motion(bodies, body, start, dt, fast.local());
 }
 
 }  // namespace atl::solver

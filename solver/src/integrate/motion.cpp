@@ -1,3 +1,5 @@
+#include <jobs/with_continuous.h>
+#include <jobs/with_joints.h>
 #include <solver/integrate/motion.h>
 #include <solver/integrate/state_bounds.h>
 
@@ -12,7 +14,7 @@ bool changes_steadily(const Vector3& gained, const Vector3& gained_spin, const V
   return gained.squaredNorm() <= most && gained_spin.squaredNorm() * radius * radius <= most;
 }
 
-void note_motion(BodyTable& bodies, std::uint32_t body, const BodyPose& start, double dt, FastBodies& fast) {
+void note_motion(BodyTable& bodies, std::uint32_t body, const BodyPose& start, double dt, MovedBodies& notes) {
   const double radius = bodies.radius[body];
   const double chord = turn_chord(start.orientation, bodies.orientation(body));
   const double moved = (bodies.position(body) - start.position).norm() + radius * chord;
@@ -25,7 +27,8 @@ void note_motion(BodyTable& bodies, std::uint32_t body, const BodyPose& start, d
   if (!(bodies.slack[body] >= std::min(next, bodies.reach_limit[body]))) bodies.outgrown[body] = 1;
   const bool sound =
       is_in_place(bodies.position(body), bodies.orientation(body)) && speed <= top_speed && spin <= top_spin;
-  if (moved > bodies.sweep_distance[body] || !sound) fast.local().push_back({body, start});
+  if (moved > bodies.sweep_distance[body] || !sound) notes.fast.push_back({body, start});
+  if (with_joints && with_continuous && bodies.joined[body]) notes.joined.push_back({body, start});
 }
 
 }  // namespace atl::solver

@@ -15,6 +15,7 @@ void GroupSolver::write_back(const SolveInput& input, std::span<const std::uint3
                              std::size_t begin, std::size_t end) {
   BodyTable& table = input.bodies;
   const double substep = input.dt / input.settings.substeps;
+  MovedBodies& notes = input.fast.local();
   for (std::size_t i = begin; i < end; ++i) {
     const std::uint32_t body = bodies[i];
     const std::size_t local = first_dynamic_ + i;
@@ -41,7 +42,7 @@ void GroupSolver::write_back(const SolveInput& input, std::span<const std::uint3
     }
     table.set_orientation(body, orientation.normalized());
     if (is_joined && joined_motion_.is_direct(i)) continue;  // joints have a last word
-    note_motion(table, body, start, input.dt, input.fast);
+    note_motion(table, body, start, input.dt, notes);
   }
 }
 

@@ -13,15 +13,25 @@ struct BodyPose {
   Quaternion orientation;
 };
 
-/// A body that may have passed through something in this step, or that came out of it unsound (see state_bounds.h), and
-/// where it started.
-struct FastBody {
+/// A body that moved in this step, and where it started.
+struct MovedBody {
   std::uint32_t body;
   BodyPose start;
 };
 
-/// By worker; only those bodies cost anything. Order them by body before use.
-using FastBodies = jobs::Scratch<std::vector<FastBody>>;
+struct MovedBodies {
+  /// Those that may have passed through something, or that came out of the step unsound (see state_bounds.h).
+  std::vector<MovedBody> fast;
+  std::vector<MovedBody> joined;  ///< all that joints act on: if one of them is put back, so is what it is joined to
+
+  void clear() {
+    fast.clear();
+    joined.clear();
+  }
+};
+
+/// By worker. Order them by body before use.
+using FastBodies = jobs::Scratch<MovedBodies>;
 
 /// 2 sin(angle / 2) of the turn between two orientations: how far a point 1 m from the axis gets, in a straight line.
 inline double turn_chord(const Quaternion& from, const Quaternion& to) {
@@ -36,8 +46,9 @@ bool changes_steadily(const Vector3& gained, const Vector3& gained_spin, const V
                       double radius);
 
 /// Keeps account of a body that has moved from `start` in a step of dt seconds: whether it may have used up the
-/// slack of its bounds by the end of the next one, and whether it was fast or is unsound.
-void note_motion(BodyTable& bodies, std::uint32_t body, const BodyPose& start, double dt, FastBodies& fast);
+/// slack of its bounds by the end of the next one, whether it was fast or is unsound, and where it started if it is
+/// joined to others.
+void note_motion(BodyTable& bodies, std::uint32_t body, const BodyPose& start, double dt, MovedBodies& notes);
 
 /// A turn by the vector `turn` (rad), of a small angle, after an orientation.
 inline Quaternion turned(const Vector3& turn, const Quaternion& orientation) {
