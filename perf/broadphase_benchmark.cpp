@@ -5,8 +5,8 @@
 /// that parted. The times are of this thread's processor, so that other load on the machine matters less.
 
 #include <benchmark/benchmark.h>
-#include <collision/broadphase.h>
-#include <collision/fat_box.h>
+#include <collision/broadphase/broadphase.h>
+#include <collision/broadphase/fat_box.h>
 #include <time.h>
 
 #include <algorithm>

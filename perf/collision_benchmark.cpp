@@ -8,11 +8,11 @@
 /// over it, in random poses, and sink in by half a centimetre.
 
 #include <benchmark/benchmark.h>
-#include <collision/collide.h>
-#include <collision/convex.h>
-#include <collision/hull.h>
-#include <collision/surface_contacts.h>
-#include <collision/triangle_mesh.h>
+#include <collision/narrowphase/collide.h>
+#include <collision/narrowphase/surface_contacts.h>
+#include <collision/shapes/convex.h>
+#include <collision/shapes/hull.h>
+#include <collision/shapes/triangle_mesh.h>
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 /// stage of the contact solver. A Markdown table, one column a scene.
 
 #include <atoll/atoll.h>
-#include <collision/contact.h>
+#include <collision/contacts/contact.h>
 #include <solver/sweep/contact_block.h>
 
 #include <CLI/CLI.hpp>

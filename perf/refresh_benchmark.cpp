@@ -1,7 +1,7 @@
 // What it costs to keep a manifold: the contact update of a scene at rest, a pair at a time.
 
 #include <benchmark/benchmark.h>
-#include <collision/update_contacts.h>
+#include <collision/contacts/update_contacts.h>
 #include <solver/sweep/kernels.h>
 
 #include <vector>

@@ -1,7 +1,7 @@
 // Bodies coming, going and being changed from outside.
 
 #include <atoll/error.h>
-#include <collision/surface_contacts.h>
+#include <collision/narrowphase/surface_contacts.h>
 #include <jobs/with_direct_contacts.h>
 #include <jobs/with_joints.h>
 #include <jobs/with_recording.h>

@@ -1,8 +1,8 @@
 #include "body_definition.h"
 
-#include <collision/height_field.h>
-#include <collision/hull.h>
-#include <collision/triangle_mesh.h>
+#include <collision/shapes/height_field.h>
+#include <collision/shapes/hull.h>
+#include <collision/shapes/triangle_mesh.h>
 #include <solver/constraints/contact_inertia.h>
 #include <solver/constraints/motion_locks.h>
 

@@ -1,8 +1,8 @@
 #pragma once
 
 #include <atoll/body.h>
-#include <collision/pose.h>
-#include <collision/shape.h>
+#include <collision/shapes/pose.h>
+#include <collision/shapes/shape.h>
 
 #include <cstdint>
 #include <memory>

@@ -1,7 +1,7 @@
 // Bodies' shapes, and their boxes in the broadphase.
 
-#include <collision/fat_box.h>
-#include <collision/surface_contacts.h>
+#include <collision/broadphase/fat_box.h>
+#include <collision/narrowphase/surface_contacts.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 #include "constants_pool.h"
 
-#include <collision/collider_table.h>
+#include <collision/contacts/collider_table.h>
 
 #include <algorithm>
 

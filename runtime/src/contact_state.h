@@ -1,8 +1,8 @@
 #pragma once
 /// What lasts of a contact from step to step, for archives (state_archive.h).
 
-#include <collision/contact.h>
-#include <collision/refresh.h>
+#include <collision/contacts/contact.h>
+#include <collision/contacts/refresh.h>
 
 #include <algorithm>
 #include <array>

@@ -1,8 +1,8 @@
 // Which of the shapes near a fast body it may meet in a step. Most it passes by, and a plane that keeps them apart
 // tells that for less than a sweep costs.
 
-#include <collision/box_axes.h>
-#include <collision/convex.h>
+#include <collision/narrowphase/box_axes.h>
+#include <collision/shapes/convex.h>
 
 #include <algorithm>
 #include <array>

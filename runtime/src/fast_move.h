@@ -1,7 +1,7 @@
 #pragma once
 
-#include <collision/pose.h>
-#include <collision/refresh.h>
+#include <collision/contacts/refresh.h>
+#include <collision/shapes/pose.h>
 #include <solver/integrate/motion.h>
 
 #include <compare>

@@ -1,7 +1,7 @@
 // What is near a fast body. All that touches its fat boxes is paired with it already, so the boxes' tree is asked for
 // the few only that left theirs.
 
-#include <collision/aabb.h>
+#include <collision/shapes/aabb.h>
 
 #include <algorithm>
 #include <numeric>

@@ -2,10 +2,10 @@
 /// Hulls, meshes and height fields for archives (state_archive.h). A hull is told in full, as one that is made of its
 /// own vertices may have its faces in another order; the others follow from what they were made of.
 
-#include <collision/height_field.h>
-#include <collision/hull.h>
-#include <collision/hull_check.h>
-#include <collision/triangle_mesh.h>
+#include <collision/shapes/height_field.h>
+#include <collision/shapes/hull.h>
+#include <collision/shapes/hull_check.h>
+#include <collision/shapes/triangle_mesh.h>
 
 #include <algorithm>
 #include <memory>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <atoll/quarantine.h>
-#include <collision/filter.h>
+#include <collision/broadphase/filter.h>
 #include <jobs/append.h>
 #include <solver/integrate/body_table.h>
 #include <solver/integrate/motion.h>

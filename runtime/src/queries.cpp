@@ -2,7 +2,7 @@
 
 #include <atoll/error.h>
 #include <atoll/queries.h>
-#include <collision/query.h>
+#include <collision/queries/query.h>
 
 #include <algorithm>
 #include <cmath>

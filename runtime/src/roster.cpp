@@ -1,9 +1,9 @@
 #include "roster.h"
 
 #include <atoll/error.h>
-#include <collision/height_field.h>
-#include <collision/hull.h>
-#include <collision/triangle_mesh.h>
+#include <collision/shapes/height_field.h>
+#include <collision/shapes/hull.h>
+#include <collision/shapes/triangle_mesh.h>
 
 #include <algorithm>
 #include <sstream>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <collision/collider_table.h>
+#include <collision/contacts/collider_table.h>
 
 #include <cstddef>
 #include <cstdint>

@@ -2,9 +2,9 @@
 
 #include <atoll/error.h>
 #include <atoll/shapes.h>
-#include <collision/height_field.h>
-#include <collision/hull.h>
-#include <collision/triangle_mesh.h>
+#include <collision/shapes/height_field.h>
+#include <collision/shapes/hull.h>
+#include <collision/shapes/triangle_mesh.h>
 #include <jobs/with_hulls.h>
 #include <jobs/with_meshes.h>
 

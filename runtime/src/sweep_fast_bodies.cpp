@@ -2,9 +2,9 @@
 // way, so that the next step finds the contact. What touches with its core already slides along what it touches. They
 // keep their velocity. Only these bodies cost anything. What joints connect is put back together: fast_assemblies.cpp.
 
-#include <collision/convex.h>
-#include <collision/distance.h>
-#include <collision/sweep.h>
+#include <collision/continuous/sweep.h>
+#include <collision/queries/distance.h>
+#include <collision/shapes/convex.h>
 #include <jobs/with_joints.h>
 
 #include <algorithm>

@@ -1,11 +1,11 @@
 #pragma once
 
 #include <atoll/world.h>
-#include <collision/broadphase.h>
-#include <collision/collider_table.h>
-#include <collision/contact_cache.h>
-#include <collision/sweep.h>
-#include <collision/update_contacts.h>
+#include <collision/broadphase/broadphase.h>
+#include <collision/contacts/collider_table.h>
+#include <collision/contacts/contact_cache.h>
+#include <collision/contacts/update_contacts.h>
+#include <collision/continuous/sweep.h>
 #include <jobs/append.h>
 #include <jobs/arena.h>
 #include <jobs/scratch.h>

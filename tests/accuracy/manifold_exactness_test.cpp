@@ -13,7 +13,7 @@
 // found is up to rounding. The depth is held against the bar there too.
 
 #include <audit/placed.h>
-#include <collision/collide.h>
+#include <collision/narrowphase/collide.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

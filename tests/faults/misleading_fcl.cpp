@@ -1,6 +1,6 @@
 #include "misleading_fcl.h"
 
-#include <collision/fcl_narrowphase.h>
+#include <collision/narrowphase/fcl_narrowphase.h>
 
 #include <Eigen/Geometry>
 

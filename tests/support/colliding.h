@@ -1,7 +1,7 @@
 #pragma once
 
 #include <audit/placed.h>
-#include <collision/collide.h>
+#include <collision/narrowphase/collide.h>
 
 #include <algorithm>
 #include <cmath>

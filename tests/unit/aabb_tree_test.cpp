@@ -1,6 +1,6 @@
 // The tree's queries against brute force, and boxes that round outwards.
 
-#include <collision/aabb_tree.h>
+#include <collision/broadphase/aabb_tree.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,9 +1,9 @@
 // Pairs found apart are left alone for as long as motion can't have brought them together, and no longer.
 
-#include <collision/collide.h>
-#include <collision/surface_contacts.h>
-#include <collision/triangle_mesh.h>
-#include <collision/update_contacts.h>
+#include <collision/contacts/update_contacts.h>
+#include <collision/narrowphase/collide.h>
+#include <collision/narrowphase/surface_contacts.h>
+#include <collision/shapes/triangle_mesh.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

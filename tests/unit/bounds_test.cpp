@@ -1,10 +1,10 @@
 // Bounds hold the shape and touch it on every side.
 
-#include <collision/aabb.h>
-#include <collision/convex.h>
-#include <collision/height_field.h>
-#include <collision/hull.h>
-#include <collision/triangle_mesh.h>
+#include <collision/shapes/aabb.h>
+#include <collision/shapes/convex.h>
+#include <collision/shapes/height_field.h>
+#include <collision/shapes/hull.h>
+#include <collision/shapes/triangle_mesh.h>
 #include <gtest/gtest.h>
 
 #include <vector>

@@ -1,7 +1,7 @@
 // New pairs against brute force, under random motion, additions and removals.
 
-#include <collision/broadphase.h>
-#include <collision/fat_box.h>
+#include <collision/broadphase/broadphase.h>
+#include <collision/broadphase/fat_box.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

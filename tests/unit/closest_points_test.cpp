@@ -1,7 +1,7 @@
 // Closest points of convex solids, against pairs of surface points that face each other across a known gap.
 
-#include <collision/convex.h>
-#include <collision/hull.h>
+#include <collision/shapes/convex.h>
+#include <collision/shapes/hull.h>
 #include <gtest/gtest.h>
 
 #include <cmath>

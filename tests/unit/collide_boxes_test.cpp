@@ -1,6 +1,6 @@
 // Box against box, held against an exact separating-axis test.
 
-#include <collision/collide.h>
+#include <collision/narrowphase/collide.h>
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,9 +1,9 @@
 // Pairs of all solids: axes and depths against sampled directions and exact tests, and full, steady manifolds where
 // shapes rest on each other.
 
-#include <collision/collide.h>
-#include <collision/convex.h>
-#include <collision/hull.h>
+#include <collision/narrowphase/collide.h>
+#include <collision/shapes/convex.h>
+#include <collision/shapes/hull.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,8 +1,8 @@
 // Spheres against spheres and boxes, against closed forms.
 
-#include <collision/collide.h>
-#include <collision/convex.h>
-#include <collision/feature_id.h>
+#include <collision/narrowphase/collide.h>
+#include <collision/narrowphase/feature_id.h>
+#include <collision/shapes/convex.h>
 #include <gtest/gtest.h>
 
 #include <cmath>

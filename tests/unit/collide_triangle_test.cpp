@@ -1,8 +1,8 @@
 // Solids on one triangle: its front, its edges as far as neighbours leave room, and never its back.
 
-#include <collision/convex.h>
-#include <collision/hull.h>
-#include <collision/surface_contacts.h>
+#include <collision/narrowphase/surface_contacts.h>
+#include <collision/shapes/convex.h>
+#include <collision/shapes/hull.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,10 +1,10 @@
 // Queries of many colliders, against asking each one.
 
-#include <collision/convex.h>
-#include <collision/height_field.h>
-#include <collision/hull.h>
-#include <collision/query.h>
-#include <collision/triangle_mesh.h>
+#include <collision/queries/query.h>
+#include <collision/shapes/convex.h>
+#include <collision/shapes/height_field.h>
+#include <collision/shapes/hull.h>
+#include <collision/shapes/triangle_mesh.h>
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,6 +1,6 @@
 // The cache of contacts against a plain list of them.
 
-#include <collision/contact_cache.h>
+#include <collision/contacts/contact_cache.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <collision/triangle_mesh.h>
+#include <collision/shapes/triangle_mesh.h>
 
 #include <cstdint>
 #include <functional>

@@ -1,9 +1,9 @@
 // Solids on half-spaces, against closed forms.
 
-#include <collision/collide.h>
-#include <collision/convex.h>
-#include <collision/feature_id.h>
-#include <collision/hull.h>
+#include <collision/narrowphase/collide.h>
+#include <collision/narrowphase/feature_id.h>
+#include <collision/shapes/convex.h>
+#include <collision/shapes/hull.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

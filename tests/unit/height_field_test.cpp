@@ -1,7 +1,7 @@
 // Height fields against the same surface as a mesh, and their box query against brute force.
 
-#include <collision/height_field.h>
-#include <collision/triangle_mesh.h>
+#include <collision/shapes/height_field.h>
+#include <collision/shapes/triangle_mesh.h>
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,6 +1,6 @@
 // Hulls against the clouds they are made of: nothing outside, no vertex lost, faces and edges that close up.
 
-#include <collision/hull.h>
+#include <collision/shapes/hull.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

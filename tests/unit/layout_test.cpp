@@ -1,7 +1,7 @@
 // Sizes and alignments that kernels rely on: they load rows of four floats with aligned 16-byte loads, and a
 // row must not straddle a cache line.
 
-#include <collision/contact.h>
+#include <collision/contacts/contact.h>
 #include <gtest/gtest.h>
 #include <solver/integrate/solver_bodies.h>
 #include <solver/sweep/contact_block.h>

@@ -1,7 +1,7 @@
 // Mass properties: closed forms, integration, polyhedra that approach round solids, and how they transform.
 
-#include <collision/hull.h>
-#include <collision/shape.h>
+#include <collision/shapes/hull.h>
+#include <collision/shapes/shape.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>

@@ -1,13 +1,13 @@
 // Degenerate and extreme pairs: whatever the poses and sizes, the narrowphase answers, with finite numbers, and the
 // world lives on. ATOLL_LONG_TESTS=1 makes ten million calls.
 
-#include <collision/collide.h>
-#include <collision/convex.h>
-#include <collision/height_field.h>
-#include <collision/hull.h>
-#include <collision/surface_contacts.h>
-#include <collision/sweep.h>
-#include <collision/triangle_mesh.h>
+#include <collision/continuous/sweep.h>
+#include <collision/narrowphase/collide.h>
+#include <collision/narrowphase/surface_contacts.h>
+#include <collision/shapes/convex.h>
+#include <collision/shapes/height_field.h>
+#include <collision/shapes/hull.h>
+#include <collision/shapes/triangle_mesh.h>
 #include <gtest/gtest.h>
 
 #include <cstdlib>

@@ -1,6 +1,6 @@
 // PairSet against std::set.
 
-#include <collision/pair_set.h>
+#include <collision/broadphase/pair_set.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

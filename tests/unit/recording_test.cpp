@@ -2,7 +2,7 @@
 // refused.
 
 #include <atoll/atoll.h>
-#include <collision/shape.h>
+#include <collision/shapes/shape.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // Mass properties against numeric integration, and the radii.
 
-#include <collision/shape.h>
+#include <collision/shapes/shape.h>
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,10 +1,10 @@
 // Solids on meshes and height fields: a flat one is a half-space, a bent one has the normals of its parts.
 
-#include <collision/convex.h>
-#include <collision/height_field.h>
-#include <collision/hull.h>
-#include <collision/surface_contacts.h>
-#include <collision/triangle_mesh.h>
+#include <collision/narrowphase/surface_contacts.h>
+#include <collision/shapes/convex.h>
+#include <collision/shapes/height_field.h>
+#include <collision/shapes/hull.h>
+#include <collision/shapes/triangle_mesh.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -2,9 +2,9 @@
 /// Random points of shapes' surfaces with a normal there: two that face each other across a gap are, by
 /// convexity, the closest points of their shapes, so the distance is known without computing one.
 
-#include <collision/hull.h>
-#include <collision/pose.h>
-#include <collision/shape.h>
+#include <collision/shapes/hull.h>
+#include <collision/shapes/pose.h>
+#include <collision/shapes/shape.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,10 +1,10 @@
 // Times of impact against closed forms, and fast thin things against thin walls.
 
-#include <collision/convex.h>
-#include <collision/height_field.h>
-#include <collision/hull.h>
-#include <collision/sweep.h>
-#include <collision/triangle_mesh.h>
+#include <collision/continuous/sweep.h>
+#include <collision/shapes/convex.h>
+#include <collision/shapes/height_field.h>
+#include <collision/shapes/hull.h>
+#include <collision/shapes/triangle_mesh.h>
 #include <gtest/gtest.h>
 
 #include <cmath>

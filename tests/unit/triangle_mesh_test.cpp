@@ -1,6 +1,6 @@
 // Meshes: adjacency, which edges are convex, the tree against brute force, and what is refused.
 
-#include <collision/triangle_mesh.h>
+#include <collision/shapes/triangle_mesh.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

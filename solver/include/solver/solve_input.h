@@ -1,6 +1,6 @@
 #pragma once
 
-#include <collision/contact.h>
+#include <collision/contacts/contact.h>
 #include <solver/constraints/joint.h>
 #include <solver/constraints/load_check.h>
 #include <solver/constraints/surface_contact.h>

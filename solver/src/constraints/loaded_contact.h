@@ -1,6 +1,6 @@
 #pragma once
 
-#include <collision/touching_pair.h>
+#include <collision/contacts/touching_pair.h>
 #include <solver/constraints/load_check.h>
 #include <solver/integrate/body_table.h>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <collision/contact.h>
+#include <collision/contacts/contact.h>
 
 #include <array>
 #include <cstdint>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <collision/contact.h>
-#include <collision/touching_pair.h>
+#include <collision/contacts/contact.h>
+#include <collision/contacts/touching_pair.h>
 #include <solver/integrate/body_table.h>
 
 namespace atl::solver {

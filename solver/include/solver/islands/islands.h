@@ -1,6 +1,6 @@
 #pragma once
 
-#include <collision/touching_pair.h>
+#include <collision/contacts/touching_pair.h>
 #include <jobs/bytes.h>
 
 #include <cstdint>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <collision/contact.h>
+#include <collision/contacts/contact.h>
 #include <solver/constraints/load_check.h>
 #include <solver/direct/joint_systems.h>
 #include <solver/integrate/body_table.h>

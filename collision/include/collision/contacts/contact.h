@@ -1,0 +1,83 @@
+#pragma once
+
+#include <collision/broadphase/pair.h>
+#include <collision/narrowphase/manifold.h>
+#include <collision/shapes/pose.h>
+
+#include <array>
+#include <cstdint>
+
+namespace atl::collision {
+
+/// What the solver reads and writes of a contact: rows of four floats, that kernels load for many contacts at
+/// once by transposes. World axes; the normal points from the first shape to the second.
+///
+/// All points of a manifold share the normal, so a point is where it lies in the tangent plane: (x, y) from
+/// the centre, along the tangents that tangents() makes of the normal.
+struct alignas(64) ContactManifold {
+  float normal[3];
+  float friction;         ///< Coulomb coefficient of the pair
+  float anchor_first[3];  ///< m, of the centre from the first body's centre of mass
+  float restitution;
+  float anchor_second[3];
+  float lever;  ///< m, mean distance of the points from the centre: the arm of friction against twisting
+  float x[max_points];
+  float y[max_points];
+  float separation[max_points];      ///< no_point where there is none
+  float normal_impulse[max_points];  ///< N s, of the last substep
+  float friction_impulse[3];         ///< N s, in the tangent plane, on the second body
+  float twist_impulse;               ///< N m s, about the normal, on the second body
+};
+static_assert(sizeof(ContactManifold) == 128);
+
+/// So far apart that no speed closes it: such a point's impulse is always zero.
+inline constexpr float no_point = 1e10f;
+
+/// Two unit vectors that make a right-handed frame with a unit normal (t1 x t2 = n). Duff et al., "Building an
+/// orthonormal basis, revisited", JCGT 2017. The kernels do the same operations in the same order.
+struct Tangents {
+  std::array<float, 3> first;
+  std::array<float, 3> second;
+};
+Tangents tangents(const float normal[3]);
+
+/// A pair and what its last manifold looked like, in the frames of its shapes, so that separations can follow
+/// small motion in closed form. "Incident" and "reference" as in Manifold. Rows of four floats are for kernels. The
+/// first cache line is all that is read of a pair that stays apart.
+struct alignas(64) Contact {
+  Pair pair;  ///< colliders
+  std::uint32_t body_first = 0;
+  std::uint32_t body_second = 0;
+  float size = 0;  ///< m, inner radius of the smaller shape: tolerances are parts of it
+  bool reference_is_second = false;
+  std::uint8_t count = 0;
+  /// Of a solid and a surface: which of the pair's contacts this is. They stand in a row, each with a normal of
+  /// its own, and those not needed have no points.
+  std::uint8_t part = 0;
+  bool placed = false;  ///< a shape of it isn't at its body's centre of mass, or turned
+  /// Of two solids found apart: m, how far, at least. Else 0. The next three say where they were then.
+  float gap = 0;
+  float lever = 0;                        ///< m, no point of a shape is farther from its body's centre of mass
+  std::array<double, 3> apart_from = {};  ///< m, world: centre of mass of the second body from the first's
+  double turned = 0;                      ///< sum of how much the bodies had turned in all
+
+  std::array<float, 4> orientation = {};  ///< x, y, z, w of incident in reference, at capture
+  std::array<float, 3> normal = {};       ///< reference frame
+  float margin = -1;                      ///< m, speculative at capture; -1 before the first
+  /// By point: m, from the centre, in the reference frame, and the separation, at capture.
+  std::array<std::array<float, 4>, max_points> points = {};
+  /// m, mean of the points, incident frame; the incident's origin where there are none.
+  std::array<double, 3> centre_incident = {};
+  std::array<double, 3> centre_reference = {};  ///< m, the same point in the reference frame, at capture
+  std::array<FeatureId, max_points> ids = {};
+  float tolerance = 0;  ///< how far the pair may drift, as part of the size, and turn, rad, before it is found anew
+  std::uint32_t axis = 0;
+};
+static_assert(sizeof(Contact) == 256);
+
+/// Stores a fresh manifold, which may have no points, found with the given margin. What it replaces is lost:
+/// match impulses before. `incident` is the pose of the incident shape in the frame of the reference. `tolerance` is
+/// how long it may be kept, see Contact.
+void capture(Contact& contact, const Manifold& manifold, const Pose& incident, double margin, float tolerance);
+
+}  // namespace atl::collision

@@ -1,0 +1,186 @@
+#pragma once
+
+#include <collision/broadphase/pair_set.h>
+#include <collision/contacts/contact.h>
+#include <jobs/bytes.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <iterator>
+#include <span>
+#include <vector>
+
+namespace atl::collision {
+
+/// All contacts of a world, kept from step to step with their manifolds and impulses. A contact has a slot
+/// for its lifetime. Those with an active body are in `order`, by pair, which is the order of everything that is
+/// done to contacts. The others are idle: nothing visits them until one of their bodies becomes active or goes.
+class ContactCache {
+ public:
+  std::vector<Contact> contacts;           ///< by slot
+  std::vector<ContactManifold> manifolds;  ///< by slot
+  /// By slot, m: what a smooth surface gains along the normal in half a step, see collide_surface(). Empty while there
+  /// is none.
+  std::vector<float> rises;
+  std::vector<std::uint32_t> order;       ///< slots of active contacts
+  std::vector<std::uint32_t> free_slots;  ///< the last is used first
+  PairSet pairs;                          ///< of all contacts, idle ones too
+
+  /// What a contact starts with.
+  struct Start {
+    std::uint32_t body_first;
+    std::uint32_t body_second;
+    float friction;
+    float restitution;
+    float size;   ///< m, of the smaller shape, see Contact
+    bool placed;  ///< see Contact
+    int parts;    ///< contacts that the pair needs: more than one only of a solid and a surface
+  };
+
+  /// Adds contacts without points for pairs, which are in order and not in the cache. `start(pair)` gives Start.
+  template <typename StartOf>
+  void add(std::span<const Pair> fresh, const StartOf& start_of);
+
+  /// Bodies that have become active, or ceased to be; before the first call none are. Returns the slots of contacts
+  /// that were idle and are active now, in order, valid until the next change. The cost follows the contacts of
+  /// what becomes active, and the active ones.
+  std::span<const std::uint32_t> set_active(std::span<const std::uint32_t> started,
+                                            std::span<const std::uint32_t> stopped);
+
+  /// Whether a pair with an active body has contact points. In time logarithmic in the number of active contacts.
+  bool touches(Pair pair) const;
+
+  /// The pair of an entry of `order`: to go through them needn't touch contacts.
+  Pair pair_at(std::size_t entry) const { return Pair::of_key(keys_[entry]); }
+
+  /// Removes the active contacts for which gone(slot) holds, asked in order: of a pair, all parts or none.
+  template <typename Gone>
+  void remove_if(const Gone& gone);
+
+  /// The same of all contacts, idle or not.
+  template <typename Gone>
+  void remove_any_if(const Gone& gone);
+
+  /// Removes the contacts of a body, idle or not.
+  void remove_contacts_of(std::uint32_t body);
+
+  /// Calls visit(slot) for the contacts of a body, idle or not, in no order to rely on.
+  template <typename Visit>
+  void for_each_contact_of(std::uint32_t body, const Visit& visit) const;
+
+  std::size_t size() const { return contacts.size() - free_slots.size(); }
+
+  /// All slots in use, of idle contacts too, in order. If some are idle and any came or went since the last call the
+  /// cost is linear in their number, and that of sorting in the number that became idle. Valid until the next change.
+  std::span<const std::uint32_t> all_in_order() const;
+
+  /// Memory held.
+  std::size_t bytes() const {
+    return jobs::bytes_of(contacts, manifolds, rises, order, free_slots, keys_, state_, links_, first_end_, active_,
+                          added_, gone_, idle_, newly_idle_, is_newly_idle_, all_) +
+           pairs.bytes();
+  }
+
+ private:
+  static constexpr std::uint32_t none = ~std::uint32_t{0};
+
+  enum class State : std::uint8_t { Free, Active, Idle };
+
+  struct Entry {
+    std::uint64_t key;  // of the pair
+    std::uint32_t part;
+    std::uint32_t slot;
+  };
+
+  // A contact is in the lists of both its bodies, by its ends: 2 * slot for the first body, + 1 for the second.
+  struct Link {
+    std::uint32_t next = none;
+    std::uint32_t previous = none;
+  };
+
+  std::uint32_t body_of(std::uint32_t end) const {
+    const Contact& contact = contacts[end / 2];
+    return end % 2 == 0 ? contact.body_first : contact.body_second;
+  }
+  bool is_active(const Contact& contact) const {
+    return active_[contact.body_first] != 0 || active_[contact.body_second] != 0;
+  }
+  bool precedes(std::uint32_t a, std::uint32_t b) const;
+  void make_room_for(std::size_t count);
+  void claim_body(std::uint32_t body);
+  std::uint32_t claim_slot();
+  void link(std::uint32_t slot);
+  template <typename Gone>
+  void release_of(std::span<const std::uint32_t> slots, const Gone& gone);
+  void release_all(std::span<const std::uint32_t> slots);
+  void release(std::uint32_t slot);
+  void merge_into_order();
+  void drop_inactive();
+  void note_idle(std::uint32_t slot);
+  void update_idle() const;
+  std::size_t first_entry_of(Pair pair) const;
+
+  std::vector<std::uint64_t> keys_;       // of the pairs in `order`: to search them needn't touch contacts
+  std::vector<State> state_;              // by slot
+  std::vector<Link> links_;               // by end
+  std::vector<std::uint32_t> first_end_;  // by body
+  std::vector<std::uint8_t> active_;      // by body
+  std::vector<std::uint32_t> added_;      // scratch: slots, in order
+  std::vector<std::uint32_t> gone_;       // scratch: slots, in order
+  // Idle contacts as of the last call of all_in_order(), in order, and the slots that became idle since.
+  mutable std::vector<Entry> idle_;
+  mutable std::vector<std::uint32_t> newly_idle_;
+  mutable std::vector<std::uint8_t> is_newly_idle_;  // by slot
+  mutable std::vector<std::uint32_t> all_;
+  mutable bool all_stale_ = false;
+};
+
+template <typename StartOf>
+void ContactCache::add(std::span<const Pair> fresh, const StartOf& start_of) {
+  added_.clear();
+  make_room_for(fresh.size());
+  for (const Pair pair : fresh) {
+    const Start start = start_of(pair);
+    for (int part = 0; part < start.parts; ++part) {
+      const std::uint32_t slot = claim_slot();
+      contacts[slot].pair = pair;
+      contacts[slot].body_first = start.body_first;
+      contacts[slot].body_second = start.body_second;
+      contacts[slot].size = start.size;
+      contacts[slot].placed = start.placed;
+      contacts[slot].part = static_cast<std::uint8_t>(part);
+      manifolds[slot].friction = start.friction;
+      manifolds[slot].restitution = start.restitution;
+      link(slot);
+      if (state_[slot] == State::Active) added_.push_back(slot);
+    }
+    pairs.insert(pair);
+  }
+  merge_into_order();
+}
+
+template <typename Gone>
+void ContactCache::remove_if(const Gone& gone) {
+  release_of(order, gone);
+}
+
+template <typename Gone>
+void ContactCache::remove_any_if(const Gone& gone) {
+  release_of(all_in_order(), gone);
+}
+
+template <typename Gone>
+void ContactCache::release_of(std::span<const std::uint32_t> slots, const Gone& gone) {
+  gone_.clear();
+  std::copy_if(slots.begin(), slots.end(), std::back_inserter(gone_), gone);
+  release_all(gone_);
+  drop_inactive();
+}
+
+template <typename Visit>
+void ContactCache::for_each_contact_of(std::uint32_t body, const Visit& visit) const {
+  if (body >= first_end_.size()) return;
+  for (std::uint32_t end = first_end_[body]; end != none; end = links_[end].next) visit(end / 2);
+}
+
+}  // namespace atl::collision

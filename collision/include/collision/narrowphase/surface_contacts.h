@@ -1,0 +1,54 @@
+#pragma once
+
+#include <collision/narrowphase/manifold.h>
+#include <collision/shapes/pose.h>
+#include <collision/shapes/shape.h>
+#include <collision/shapes/triangle.h>
+
+#include <array>
+#include <cstdint>
+
+namespace atl::collision {
+
+/// Manifolds that a solid and a surface can have, each with a normal of its own: floor, two walls of a corner, and
+/// one to spare.
+inline constexpr int max_surface_manifolds = 4;
+
+struct SurfaceManifolds {
+  int count = 0;
+  double gap = 0;  ///< m: without manifolds, how far the two are apart at least, if that was asked for
+  std::array<Manifold, max_surface_manifolds> manifolds;
+};
+
+/// Contact points of a convex solid (Sphere to Hull) with the front of one triangle, no farther apart than `margin`
+/// (m, >= 0). `solid_pose` is in the frame of the triangle's surface, which is always the reference, so the normal
+/// points out of the front. `number` is the triangle's, part of the points' ids.
+///
+/// Over the triangle the normal is its own, and separations are those from its plane. At a convex edge or at a vertex
+/// of one the normal is the best one between the triangle's and the neighbours'; what is nearer along a neighbour's
+/// own is left to the neighbour. At edges that aren't convex the normal stays the triangle's, and there are points
+/// only over the triangle. A solid wholly behind has none; one that is partly behind is pushed to the front, never to
+/// the back. A pose that isn't finite has none.
+void collide_triangle(const Shape& solid, const Triangle& triangle, std::uint32_t number, const Pose& solid_pose,
+                      double margin, Manifold& manifold);
+
+/// Contact points of a convex solid with a triangle mesh or height field. `solid_pose` is in the frame of the
+/// surface, which is the reference of all manifolds. Triangles that look the same way (within a degree) make one
+/// manifold, as if they were one face; where there are more ways than manifolds, similar ones (within 15 degrees) are
+/// put together, and then the shallowest are left out. Of faces that bend away from each other, only those push that
+/// the solid leaves soonest. Nothing is allocated. A
+/// pose that isn't finite has none.
+///
+/// A ball on a surface that stands for a smooth one has the normals of that. It is going to shift by `shift` (m, in the
+/// surface's frame) in the step, and what it slides on bends: its normal is that half way, and `rise` is the part of
+/// the way that the surface gains along it from there to the end of the step, and has lost by then since its start.
+///
+/// With a `most_gap` (m) the gap of two that don't touch is found as well, up to so much: by the ball and the box
+/// around the solid.
+void collide_surface(const Shape& solid, const Shape& surface, const Pose& solid_pose, double margin,
+                     SurfaceManifolds& result, const Vector3& shift = Vector3::Zero(), double most_gap = 0);
+
+/// Whether a surface stands for a smooth one.
+bool is_smooth(const Shape& surface);
+
+}  // namespace atl::collision

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <collision/shapes/pose.h>
+#include <collision/shapes/shape.h>
+
+#include <cstdint>
+
+namespace atl::collision {
+
+/// How near two shapes are.
+struct Distance {
+  static constexpr std::uint32_t no_triangle = ~0u;
+
+  double distance = 0;                   ///< m; 0 where they touch or overlap: then the rest means little
+  Vector3 on_solid = Vector3::Zero();    ///< m, world
+  Vector3 on_other = Vector3::Zero();    ///< m, world
+  Vector3 normal = Vector3::UnitZ();     ///< unit, from the solid to the other, world
+  std::uint32_t triangle = no_triangle;  ///< the closest of a surface, of equal ones the lowest
+};
+
+/// Distance of a bounded convex solid (or a point: a sphere of radius 0) from a shape of any kind. False if it is
+/// more than `limit` (m, >= 0, may be infinite). The triangles of a surface are plates: they have two sides, and
+/// there is nothing behind them.
+bool find_distance(const Shape& solid, const Pose& solid_pose, const Shape& other, const Pose& other_pose, double limit,
+                   Distance& result);
+
+/// Whether they touch or overlap.
+bool overlaps(const Shape& solid, const Pose& solid_pose, const Shape& other, const Pose& other_pose);
+
+}  // namespace atl::collision

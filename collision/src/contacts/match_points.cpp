@@ -1,0 +1,55 @@
+#include <collision/contacts/match_points.h>
+
+namespace atl::collision {
+
+OldPoints OldPoints::of(const Contact& contact, const ContactManifold& manifold) {
+  OldPoints old;
+  old.count = contact.count;
+  old.ids = contact.ids;
+  old.reference_is_second = contact.reference_is_second;
+  const Vector3 centre(contact.centre_reference[0], contact.centre_reference[1], contact.centre_reference[2]);
+  for (std::size_t i = 0; i < contact.count; ++i) {
+    const std::array<float, 4>& point = contact.points[i];
+    old.impulses[i] = manifold.normal_impulse[i];
+    old.positions[i] = centre + Vector3(point[0], point[1], point[2]);
+  }
+  return old;
+}
+
+PointMatches match_points(const OldPoints& old, const Manifold& fresh, double reach, ContactManifold& manifold) {
+  PointMatches matches;
+  std::array<bool, max_points> taken = {};
+  std::array<bool, max_points> matched = {};
+  const auto fresh_count = static_cast<std::size_t>(fresh.count);
+  const auto old_count = static_cast<std::size_t>(old.count);
+  for (std::size_t i = 0; i < max_points; ++i) manifold.normal_impulse[i] = 0;
+  for (std::size_t i = 0; i < fresh_count; ++i) {
+    for (std::size_t j = 0; j < old_count; ++j) {
+      if (taken[j] || old.ids[j] != fresh.points[i].id) continue;
+      manifold.normal_impulse[i] = old.impulses[j];
+      taken[j] = matched[i] = true;
+      ++matches.by_id;
+      break;
+    }
+  }
+  if (old_count == 0) return matches;
+  for (std::size_t i = 0; i < fresh_count; ++i) {
+    if (matched[i]) continue;
+    ++matches.missed;
+    if (old.reference_is_second != fresh.reference_is_second) continue;
+    double nearest = reach * reach;
+    std::size_t best = max_points;
+    for (std::size_t j = 0; j < old_count; ++j) {
+      const double distance = (old.positions[j] - fresh.points[i].position).squaredNorm();
+      if (taken[j] || !(distance < nearest)) continue;
+      nearest = distance;
+      best = j;
+    }
+    if (best == max_points) continue;
+    manifold.normal_impulse[i] = old.impulses[best];
+    taken[best] = true;
+  }
+  return matches;
+}
+
+}  // namespace atl::collision

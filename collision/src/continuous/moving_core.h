@@ -1,0 +1,35 @@
+#pragma once
+
+#include <collision/continuous/sweep.h>
+
+#include "narrowphase/convex_core.h"
+#include "narrowphase/gjk.h"
+
+namespace atl::collision {
+
+/// A convex core and how it moves.
+struct MovingCore {
+  ConvexCore core;
+  Motion motion;
+  double axis_radius = 0;  ///< m: no point, with the core's radius, is farther from the axis of rotation
+
+  MovingCore(const ConvexCore& convex, const Motion& how);
+
+  /// How far (m in the whole time) its points may get along a unit direction that stays as it is.
+  double advance_along(const Vector3& direction) const {
+    return motion.translation.dot(direction) + motion.rotation.cross(direction).norm() * axis_radius;
+  }
+  bool turns() const { return motion.rotation.squaredNorm() > 0; }
+  /// How far it reaches along a unit direction at a pose, world.
+  double reach(const Pose& pose, const Vector3& direction) const;
+};
+
+/// Whether a plane across a direction (from the first to the second, world) keeps the two farther apart than the goal
+/// up to t_limit, for the price of two support points: most pairs that a sweep is asked for only pass by each other.
+bool stay_parted(const MovingCore& first, const MovingCore& second, const SweepGoal& goal, const Vector3& direction,
+                 double t_limit);
+
+/// Conservative advancement of two convex cores; see sweep().
+bool advance(const MovingCore& first, const MovingCore& second, const SweepGoal& goal, double t_limit, SweepHit& hit);
+
+}  // namespace atl::collision

@@ -1,0 +1,169 @@
+#include <collision/continuous/sweep.h>
+#include <collision/shapes/aabb.h>
+#include <collision/shapes/height_field.h>
+#include <collision/shapes/triangle_mesh.h>
+#include <jobs/with_meshes.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "continuous/moving_core.h"
+
+namespace atl::collision {
+namespace {
+
+constexpr int max_advances = 200;
+
+Vector3 centre_at_start(const Motion& motion) {
+  return motion.start.position + motion.start.orientation * motion.centre;
+}
+
+bool moves(const Motion& motion) { return motion.translation.squaredNorm() > 0 || motion.rotation.squaredNorm() > 0; }
+
+// No point of the solid is farther (m) from the centre of its motion.
+double radius_about_centre(const Shape& solid, const Motion& motion) {
+  return solid.bounding_radius + motion.centre.norm();
+}
+
+// How far (m, in the whole time) a point of the solid may get in the other's frame, in any direction.
+double relative_path(const MovingCore& solid, double solid_radius, const Motion& other) {
+  const Motion& motion = solid.motion;
+  const Vector3 shift = motion.translation - other.translation;
+  double path = shift.norm() + motion.rotation.norm() * solid.axis_radius;
+  const double spin = other.rotation.norm();
+  if (spin > 0) {
+    const Vector3 apart = centre_at_start(motion) - centre_at_start(other);
+    path += spin * (std::max(apart.norm(), (apart + shift).norm()) + solid_radius);
+  }
+  return path;
+}
+
+// As advance(), along the plane's normal; that of a plane that turns changes, so there any motion counts.
+bool sweep_to_plane(const Shape& solid, const MovingCore& moving, const Shape& plane, const Motion& plane_motion,
+                    const SweepGoal& goal, double t_limit, SweepHit& hit) {
+  const bool plane_turns = plane_motion.rotation.squaredNorm() > 0;
+  const double any_closing =
+      plane_turns ? relative_path(moving, radius_about_centre(solid, moving.motion), plane_motion) : 0;
+  const double aim = goal.aim();
+  double t = 0;
+  for (int i = 0; i < max_advances; ++i) {
+    const Pose pose = moving.motion.at(t);
+    const Pose plane_pose = plane_motion.at(t);
+    const Vector3 normal = plane_pose.orientation * plane.normal;
+    const double level = normal.dot(plane_pose.position) + plane.offset;
+    const double separation = -moving.reach(pose, -normal) - level;
+    const double closing =
+        plane_turns ? any_closing : moving.advance_along(-normal) + plane_motion.translation.dot(normal);
+    const bool overlaps = i == 0 && !(separation > 0);
+    if (!overlaps && !(closing > 0)) return false;
+    if (overlaps || separation <= goal.separation + goal.tolerance || i + 1 == max_advances) {
+      const Vector3 seen = pose.orientation.conjugate() * -normal;
+      const Vector3 lowest = pose.position + pose.orientation * moving.core.support(seen);
+      hit = {};
+      hit.t = t;
+      hit.normal = -normal;
+      hit.point = lowest - (normal.dot(lowest) - level) * normal;
+      hit.separation = std::max(0.0, separation);
+      hit.started_overlapping = overlaps;
+      hit.converged = overlaps || separation <= goal.separation + goal.tolerance;
+      return true;
+    }
+    const double next = t + (separation - aim) / closing;
+    if (!(next <= t_limit)) return false;
+    t = next;
+  }
+  return false;
+}
+
+// Box around all places that the solid may get to up to t_limit, in the frame of the surface.
+Aabb swept_box(const Shape& solid, const MovingCore& moving, const Motion& surface, double margin, double t_limit) {
+  const Motion& motion = moving.motion;
+  const auto grown = [&](const Vector3& lower, const Vector3& upper) {
+    // More than the rounding of the poses, far from the origin.
+    const double slack = margin + 1e-12 * (lower.cwiseAbs().maxCoeff() + upper.cwiseAbs().maxCoeff());
+    return Aabb::around(lower - Vector3::Constant(slack), upper + Vector3::Constant(slack));
+  };
+  if (!moves(surface)) {
+    // Between its ends a point that turns by an angle about an axis it is r away from gets off the line from one to the
+    // other by r angle^2 / 8 at most, as linear interpolation does.
+    const double angle = t_limit * motion.rotation.norm();
+    const Vector3 bulge = Vector3::Constant(moving.axis_radius * angle * angle / 8);
+    const Pose first = relative(surface.start, motion.start);
+    const Pose last = relative(surface.start, motion.at(t_limit));
+    const Bounds a = bounds_of(solid, first.position, first.orientation.toRotationMatrix());
+    const Bounds b = bounds_of(solid, last.position, last.orientation.toRotationMatrix());
+    return grown(a.lower.cwiseMin(b.lower) - bulge, a.upper.cwiseMax(b.upper) + bulge);
+  }
+  const Quaternion inverse = surface.start.orientation.conjugate();
+  const Vector3 first = inverse * (centre_at_start(motion) - surface.start.position);
+  double radius = radius_about_centre(solid, motion);
+  radius += t_limit * relative_path(moving, radius, surface);
+  return grown(first - Vector3::Constant(radius), first + Vector3::Constant(radius));
+}
+
+// The first hit of the triangles tested so far; of those at the same time, that of the lowest triangle.
+class SurfaceSweep {
+ public:
+  SurfaceSweep(const MovingCore& solid, const Motion& surface, const SweepGoal& goal, double t_limit)
+      : solid_(solid), surface_(surface), goal_(goal), t_limit_(t_limit) {
+    const Quaternion inverse = surface.start.orientation.conjugate();
+    centre_ = inverse * (centre_at_start(solid.motion) - surface.start.position);
+    const Vector3 centre_shift = surface.rotation.cross(centre_at_start(solid.motion) - centre_at_start(surface));
+    shift_ = inverse * (solid.motion.translation - surface.translation - centre_shift);
+  }
+
+  void test(std::uint32_t number, const Triangle& triangle) {
+    if (triangle.normal.dot(centre_ - triangle.vertices[0]) < 0) return;
+    const MovingCore moving(ConvexCore::of(triangle.vertices), surface_);
+    if (stay_parted(solid_, moving, goal_, surface_.start.orientation * -triangle.normal, t_limit_)) return;
+    SweepHit fresh;
+    if (!advance(solid_, moving, goal_, t_limit_, fresh)) return;
+    if (fresh.t == 0 && triangle.normal.dot(shift_) >= 0) return;
+    if (found_ && fresh.t == hit_.t && number > hit_.triangle) return;
+    hit_ = fresh;
+    hit_.triangle = number;
+    t_limit_ = fresh.t;
+    found_ = true;
+  }
+
+  bool take(SweepHit& hit) const {
+    if (found_) hit = hit_;
+    return found_;
+  }
+
+ private:
+  const MovingCore& solid_;
+  const Motion& surface_;
+  SweepGoal goal_;
+  double t_limit_;
+  Vector3 centre_;  // of the solid's motion at the start, surface's frame
+  Vector3 shift_;   // its velocity there
+  bool found_ = false;
+  SweepHit hit_;
+};
+
+}  // namespace
+
+bool sweep(const Shape& solid, const Motion& solid_motion, const Shape& other, const Motion& other_motion,
+           const SweepGoal& goal, double t_limit, SweepHit& hit) {
+  const MovingCore moving(ConvexCore::of(solid), solid_motion);
+  if (is_convex_solid(other.kind)) {
+    return advance(moving, MovingCore(ConvexCore::of(other), other_motion), goal, t_limit, hit);
+  }
+  if (other.kind == ShapeKind::HalfSpace) {
+    return sweep_to_plane(solid, moving, other, other_motion, goal, t_limit, hit);
+  }
+  if constexpr (!with_meshes) return false;
+  const Aabb box = swept_box(solid, moving, other_motion, goal.separation + goal.tolerance, t_limit);
+  SurfaceSweep surface(moving, other_motion, goal, t_limit);
+  if (other.kind == ShapeKind::Mesh) {
+    const TriangleMesh& mesh = *other.mesh;
+    mesh.tree.query(box, [&](std::uint32_t number) { surface.test(number, mesh.face(number)); });
+  } else {
+    const HeightField& field = *other.field;
+    field.query(box, [&](std::uint32_t number) { surface.test(number, field.face(number)); });
+  }
+  return surface.take(hit);
+}
+
+}  // namespace atl::collision

@@ -1,0 +1,283 @@
+#include "narrowphase/convex_axis.h"
+
+#include <collision/narrowphase/fcl_narrowphase.h>
+#include <collision/shapes/convex.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace atl::collision {
+namespace {
+
+// A face can only do better than what was found if it is nearer to a point that both solids share, or almost.
+// Where the overlap is shallow that leaves the faces that meet at the contact. From those that are not much
+// worse another descent starts.
+void try_faces(const Polytope& first, const Polytope& second, const SolidPair& pair, Descent& descent,
+               LocalAxis& best) {
+  const double slack = 1e-9 * pair.size();
+  const auto promising = [&](double separation) { return separation > 2 * best.separation - 0.02 * pair.size(); };
+  for (int f = 0; f < first.face_count && best.separation < 0; ++f) {
+    const Hull::Plane& plane = first.planes[f];
+    if (plane.normal.dot(best.on_second) - plane.offset <= best.separation + slack) continue;
+    if (best.first.kind == Feature::Kind::Face && best.first.index == f) continue;
+    if (!promising(descent.separation_from_first(f))) continue;
+    const LocalAxis axis = descent.from_face_of_first(f);
+    if (axis.separation > best.separation + slack) best = axis;
+  }
+  for (int f = 0; f < second.face_count && best.separation < 0; ++f) {
+    const Hull::Plane& plane = second.planes[f];
+    const Vector3 on_first = best.on_second - best.separation * best.normal;
+    const Vector3 point = pair.rotation.transpose() * (on_first - pair.position);
+    if (plane.normal.dot(point) - plane.offset <= best.separation + slack) continue;
+    if (best.second.kind == Feature::Kind::Face && best.second.index == f) continue;
+    if (!promising(descent.separation_from_second(f))) continue;
+    const LocalAxis axis = descent.from_face_of_second(f);
+    if (axis.separation > best.separation + slack) best = axis;
+  }
+}
+
+// Whether a feature of a round shape's core lies on its side: a side or an edge between two, not a cap or a rim.
+bool is_on_side(const Shape& shape, const Polytope& core, const Feature& feature) {
+  if (feature.kind == Feature::Kind::Face) return feature.index >= (shape.kind == ShapeKind::Cone ? 1 : 2);
+  if (feature.kind == Feature::Kind::Vertex) return false;
+  const Hull::Edge& edge = core.edges[feature.index];
+  return edge.tail / Core::sides != edge.head / Core::sides;
+}
+
+// Where to look closer at a round shape: around the contact, or along the normal, if that is on the side or on the
+// shape's axis. In the shape's frame.
+Vector3 direction_about(const Shape& shape, bool on_side, const Vector3& contact, const Vector3& outward) {
+  if (!is_round(shape.kind)) return Vector3::UnitX();
+  const double far = 1e-3 * shape.radius;
+  const bool has_azimuth = outward.x() * outward.x() + outward.y() * outward.y() > 1e-12;
+  if (has_azimuth && on_side) return outward;
+  if (contact.x() * contact.x() + contact.y() * contact.y() > far * far) return contact;
+  return has_azimuth ? outward : Vector3(Vector3::UnitX());
+}
+
+struct About {
+  Vector3 first = Vector3::UnitX();
+  Vector3 second = Vector3::UnitX();
+};
+
+About look_closer(const SolidPair& pair, const Polytope& first, const Polytope& second, const LocalAxis& axis) {
+  const Vector3 on_first = axis.on_second - axis.separation * axis.normal;
+  const Vector3 on_second = pair.rotation.transpose() * (axis.on_second - pair.position);
+  return {direction_about(pair.first, is_on_side(pair.first, first, axis.first), on_first, axis.normal),
+          direction_about(pair.second, is_on_side(pair.second, second, axis.second), on_second,
+                          -(pair.rotation.transpose() * axis.normal))};
+}
+
+// Sine of the angle between two directions in the x-y plane; 1 where it is more than a right one.
+double turned(const Vector3& a, const Vector3& b) {
+  if (a.x() * b.x() + a.y() * b.y() < 0) return 1;
+  return std::abs(a.x() * b.y() - a.y() * b.x()) / (length_2d(a.x(), a.y()) * length_2d(b.x(), b.y()));
+}
+
+struct SideEdge {
+  bool exists = false;
+  Vector3 tail, head;
+};
+
+// Whether a round shape looks along the normal with its side, whatever feature of the core was found.
+bool is_side_normal(const Shape& shape, const Vector3& outward, double tolerance) {
+  const double across = length_2d(outward.x(), outward.y());
+  if (shape.kind == ShapeKind::Cylinder) return std::abs(outward.z()) < tolerance * across;
+  const double leaning = shape.radius * across - 2 * shape.half_height * outward.z();
+  return std::abs(leaning) < tolerance * (shape.radius + shape.half_height) && across > 0;
+}
+
+About look_where_known(const SolidPair& pair, const KnownAxis& known) {
+  constexpr double slightly = 1e-3;
+  const Vector3 outward_second = -(pair.rotation.transpose() * known.normal);
+  const Vector3 on_second = pair.rotation.transpose() * (known.point - pair.position);
+  return {
+      direction_about(pair.first, is_side_normal(pair.first, known.normal, slightly), known.point, known.normal),
+      direction_about(pair.second, is_side_normal(pair.second, outward_second, slightly), on_second, outward_second)};
+}
+
+// The line that touches: on a side along the normal, or an edge. Frame of the shape.
+SideEdge touching_line(const Shape& shape, const Polytope& core, const Feature& feature, const Vector3& outward) {
+  if (shape.kind == ShapeKind::Capsule) {
+    if (feature.kind != Feature::Kind::Edge) return {};
+    const Vector3 end = shape.half_height * Vector3::UnitZ();
+    return {true, shape.radius * outward - end, shape.radius * outward + end};
+  }
+  if (is_round(shape.kind)) {
+    if (!is_on_side(shape, core, feature) && !is_side_normal(shape, outward, 1e-9)) return {};
+    const double scale = shape.radius / std::max(length_2d(outward.x(), outward.y()), 1e-300);
+    const Vector3 rim(scale * outward.x(), scale * outward.y(), -shape.half_height);
+    const double top = shape.kind == ShapeKind::Cone ? 0 : 1;
+    return {true, rim, Vector3(top * rim.x(), top * rim.y(), shape.half_height)};
+  }
+  if (feature.kind != Feature::Kind::Edge) return {};
+  const Hull::Edge& edge = core.edges[feature.index];
+  return {true, core.vertices[edge.tail], core.vertices[edge.head]};
+}
+
+// Puts a point that is off the rim of a round shape onto it, at the normal's azimuth. False where it wasn't off.
+bool settle_on_rim(const Shape& shape, const Polytope& core, const Feature& feature, const Vector3& outward,
+                   double tolerance, Vector3& point) {
+  if (!is_round(shape.kind) || feature.kind == Feature::Kind::Face || is_on_side(shape, core, feature)) return false;
+  if (shape.kind == ShapeKind::Cone && point.z() > -shape.half_height + tolerance) return false;
+  const double radius = length_2d(point.x(), point.y());
+  if (!(std::abs(radius - shape.radius) > tolerance)) return false;
+  const double across = length_2d(outward.x(), outward.y());
+  const Vector3& way = across > 0.1 ? outward : point;
+  const double scale = shape.radius / (across > 0.1 ? across : radius);
+  point.x() = scale * way.x();
+  point.y() = scale * way.y();
+  return true;
+}
+
+// Where lines on the shapes themselves cross, rather than their cores', and rims for points of theirs.
+void settle_witness(const SolidPair& pair, const Polytope& first, const Polytope& second, LocalAxis& axis) {
+  const Vector3 outward_second = -(pair.rotation.transpose() * axis.normal);
+  const double tolerance = 1e-4 * pair.size();
+  Vector3 on_second = pair.rotation.transpose() * (axis.on_second - pair.position);
+  Vector3 on_first = axis.on_second - axis.separation * axis.normal;
+  if (settle_on_rim(pair.second, second, axis.second, outward_second, tolerance, on_second)) {
+    axis.on_second = pair.position + pair.rotation * on_second;
+  } else if (settle_on_rim(pair.first, first, axis.first, axis.normal, tolerance, on_first)) {
+    axis.on_second = on_first + axis.separation * axis.normal;
+  }
+  const SideEdge a = touching_line(pair.first, first, axis.first, axis.normal);
+  const SideEdge b = touching_line(pair.second, second, axis.second, outward_second);
+  if (!a.exists || !b.exists) return;
+  const Vector3 tail = pair.position + pair.rotation * b.tail;
+  const Vector3 u = a.head - a.tail;
+  const Vector3 v = pair.rotation * (b.head - b.tail);
+  const Vector3 w = tail - a.tail;
+  const Vector3 cross = u.cross(v);
+  const double cc = cross.squaredNorm();
+  if (!(cc > 1e-6 * u.squaredNorm() * v.squaredNorm())) return;
+  const double s = w.cross(v).dot(cross) / cc;
+  const double t = w.cross(u).dot(cross) / cc;
+  if (s < 0 || s > 1 || t < 0 || t > 1) return;
+  axis.on_second = tail + t * v;
+}
+
+// The last axis of a pair turns by less than this (cosine) between two looks at it, or what meets has changed. Found
+// by `rocks`: at 0.1 rad FCL is asked for PENDING of the touching pairs, at 0.4 for no fewer.
+constexpr double nearly_same_axis = 0.98;
+
+// FCL's answer counts as repaired where the best axis parts the solids better by this part of their size.
+constexpr double short_of_best = 1e-2;
+
+LocalAxis walk_from(const KnownAxis& known, Descent& descent) {
+  const PackedAxis axis = PackedAxis::unpacked(known.features);
+  switch (axis.of) {
+    case AxisOf::FaceOfFirst:
+      return descent.from_face_of_first(axis.number);
+    case AxisOf::FaceOfSecond:
+      return descent.from_face_of_second(axis.number);
+    case AxisOf::Edges:
+      return descent.from_edges(axis.number, axis.second_number, known.normal);
+    case AxisOf::None:
+      break;
+  }
+  return descent.from_direction(known.normal);
+}
+
+// FCL's normal, or where it left that out (shapes that just touch, centres that coincide) the line of centres.
+Vector3 usable(const Vector3& normal, const SolidPair& pair) {
+  if (normal.squaredNorm() > 0.25 && normal.allFinite()) return normal.normalized();
+  const double distance = pair.position.norm();
+  return distance > 0 ? Vector3(pair.position / distance) : Vector3::UnitZ();
+}
+
+// Of the cores' axis, that of the solids.
+void grow_by_radii(const SolidPair& pair, const Core& first, const Core& second, LocalAxis& axis) {
+  axis.on_second -= second.radius() * axis.normal;
+  axis.separation =
+      pair.has_round() ? pair.separation_along(axis.normal) : axis.separation - first.radius() - second.radius();
+}
+
+}  // namespace
+
+double SolidPair::separation_along(const Vector3& normal) const {
+  return normal.dot(position) - reach_along(first, normal) - reach_along(second, -(rotation.transpose() * normal));
+}
+
+// Puts sides ever closer around where the shapes meet, until that stays where it is.
+void refine_axis(const SolidPair& pair, const KnownAxis& known, Core& first, Core& second, LocalAxis& axis) {
+  if (!pair.has_round()) return;
+  constexpr int last_level = Core::levels - 1;
+  constexpr int most_rounds = 10;
+  // rad, by level: as far as the sides are dense; of the last, where they are less than 0.1 degrees apart.
+  constexpr std::array<double, Core::levels> settled = {0.6, 0.25, 0.03, 2e-3};
+  const bool first_round = is_round(pair.first.kind);
+  const bool second_round = is_round(pair.second.kind);
+  axis.on_second += second.radius() * axis.normal;
+  axis.separation += first.radius() + second.radius();
+  LocalAxis best = axis;
+  double best_separation = pair.separation_along(axis.normal);
+  About about =
+      known.exists ? look_where_known(pair, known) : look_closer(pair, first.polytope(), second.polytope(), axis);
+  int level = known.exists ? last_level : 1;
+  for (int round = 0; round < most_rounds; ++round) {
+    if (first_round) first.build(pair.first, level, about.first);
+    if (second_round) second.build(pair.second, level, about.second);
+    Descent descent(first.polytope(), second.polytope(), pair.position, pair.rotation);
+    axis = descent.from_direction(axis.normal);
+    const double separation = pair.separation_along(axis.normal);
+    // Of axes that are equal but for rounding, the features of the last lie closest.
+    if (separation >= best_separation - 1e-12 * pair.size()) {
+      best = axis;
+      best_separation = separation;
+    }
+    const About before = about;
+    about = look_closer(pair, first.polytope(), second.polytope(), axis);
+    const double moved = std::max(first_round ? turned(before.first, about.first) : 0,
+                                  second_round ? turned(before.second, about.second) : 0);
+    // Out of where the sides are dense they were too far apart to tell where it went.
+    const bool still = moved < settled[static_cast<std::size_t>(level)];
+    if (still && level == last_level) break;
+    level = still ? level + 1 : std::max(level - 1, 0);
+  }
+  axis = best;
+  axis.on_second -= second.radius() * axis.normal;
+  axis.separation = best_separation;
+  settle_witness(pair, first.polytope(), second.polytope(), axis);
+}
+
+bool SolidPair::has_round() const { return is_round(first.kind) || is_round(second.kind); }
+
+AxisSearch find_axis(const SolidPair& pair, double margin, const KnownAxis& known, Core& first, Core& second) {
+  AxisSearch found;
+  first.build(pair.first);
+  second.build(pair.second);
+  Descent descent(first.polytope(), second.polytope(), pair.position, pair.rotation);
+  const auto settle = [&](Narrowphase by) {
+    // Where the cores overlap a face elsewhere may part them better than what a walk came to.
+    if (found.axis.separation < 0) try_faces(first.polytope(), second.polytope(), pair, descent, found.axis);
+    grow_by_radii(pair, first, second, found.axis);
+    found.by = by;
+    found.touches = found.axis.separation <= margin && found.axis.normal.allFinite();
+    found.gap = found.axis.separation;
+  };
+
+  if (known.exists) {
+    found.axis = walk_from(known, descent);
+    settle(Narrowphase::Kept);
+    if (found.axis.confirmed && found.axis.normal.dot(known.normal) > nearly_same_axis) return found;
+  } else {
+    found.axis = descent.from_direction(usable(Vector3::Zero(), pair));
+    settle(Narrowphase::ClosedForm);
+    if (found.gap > margin) return found;
+  }
+
+  found.touches = false;
+  found.by = Narrowphase::Fcl;
+  fcl_narrowphase::Axis asked;
+  if (!fcl_narrowphase::convex(pair.first, pair.second, pair.position, pair.rotation, margin, asked)) return found;
+  const Vector3 start = usable(asked.normal, pair);
+  found.axis = descent.from_direction(start);
+  settle(Narrowphase::Fcl);
+  const double missed = found.axis.separation - pair.separation_along(start);
+  if (missed > short_of_best * pair.size()) found.by = Narrowphase::Repaired;
+  return found;
+}
+
+}  // namespace atl::collision

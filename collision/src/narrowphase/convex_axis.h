@@ -1,0 +1,67 @@
+#pragma once
+
+#include <collision/narrowphase/descent.h>
+#include <collision/narrowphase/manifold.h>
+#include <collision/shapes/pose.h>
+#include <collision/shapes/shape.h>
+
+namespace atl::collision {
+
+/// Two solids in the frame of the first.
+struct SolidPair {
+  const Shape& first;
+  const Shape& second;
+  Vector3 position;  ///< m, of the second
+  Matrix3 rotation;  ///< its axes, as columns
+
+  double size() const { return first.inner_radius < second.inner_radius ? first.inner_radius : second.inner_radius; }
+  /// How far the solids are apart along a unit direction from the first to the second.
+  double separation_along(const Vector3& normal) const;
+  /// Whether one is a cylinder or a cone.
+  bool has_round() const;
+};
+
+/// Where to look for an axis first: the last one of a pair that touches.
+struct KnownAxis {
+  bool exists = false;
+  Vector3 normal = Vector3::Zero();  ///< from the first to the second, frame of the first
+  Vector3 point = Vector3::Zero();   ///< m, in the middle of the contact, frame of the first
+  std::uint32_t features = 0;        ///< that made it, as Manifold::axis; 0: unknown
+};
+
+/// The direction that parts two solids best; where they overlap deeply perhaps but a good one. Builds the cores
+/// (polytope.h), which the features found are those of. The separation is exact along the normal; the normal is
+/// so too, but for cylinders and cones, which see refine_axis().
+///
+/// A walk from the known axis ends beside it as long as the features that meet hardly change. A pair that has none,
+/// or whose walk ends elsewhere, is FCL's to decide: a walk starts from its normal, and where FCL finds no contact
+/// there is none. Of a pair that is apart by more than `margin` (m) the walk's end tells the distance.
+struct AxisSearch {
+  Narrowphase by = Narrowphase::ClosedForm;
+  bool touches = false;
+  LocalAxis axis;  ///< where they are no farther apart than the margin
+  double gap = 0;  ///< m, where they don't touch: at least so far apart, if it is known
+};
+AxisSearch find_axis(const SolidPair& pair, double margin, const KnownAxis& known, Core& first, Core& second);
+
+/// Manifold::axis of two solids: the reference face by its number and whose it is, or two edges that cross.
+enum class AxisOf : std::uint32_t { None, FaceOfFirst, FaceOfSecond, Edges };
+struct PackedAxis {
+  AxisOf of = AxisOf::None;
+  int number = 0;         ///< of the face, or the edge of the first
+  int second_number = 0;  ///< of the edge of the second
+
+  constexpr std::uint32_t packed() const {
+    return static_cast<std::uint32_t>(of) << 28 | static_cast<std::uint32_t>(second_number) << 14 |
+           static_cast<std::uint32_t>(number);
+  }
+  static constexpr PackedAxis unpacked(std::uint32_t axis) {
+    return {static_cast<AxisOf>(axis >> 28), static_cast<int>(axis & 0x3fff), static_cast<int>(axis >> 14 & 0x3fff)};
+  }
+};
+
+/// Turns the axis found to the best for cylinders and cones themselves, within 0.05 degrees. Nothing to do for
+/// other shapes. Looks first where the shapes are known to have touched.
+void refine_axis(const SolidPair& pair, const KnownAxis& known, Core& first, Core& second, LocalAxis& axis);
+
+}  // namespace atl::collision

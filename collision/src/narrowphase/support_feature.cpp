@@ -1,0 +1,218 @@
+#include <collision/narrowphase/support_feature.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace atl::collision {
+namespace {
+
+constexpr double diagonal = 0.70710678118654752;
+constexpr int rim_points = 8;
+constexpr std::array<std::array<double, 2>, rim_points> rim = {{{1, 0},
+                                                                {diagonal, diagonal},
+                                                                {0, 1},
+                                                                {-diagonal, diagonal},
+                                                                {-1, 0},
+                                                                {-diagonal, -diagonal},
+                                                                {0, -1},
+                                                                {diagonal, -diagonal}}};
+
+constexpr int line_on_side = 2;
+
+// A disc lies flat as long as its fixed points miss less than this part of the inner radius of its depth.
+constexpr double flat_miss = 2e-5;
+
+// Unit vector in the x-y plane; along x where there is none.
+Vector3 across(const Vector3& direction) {
+  const double length = length_2d(direction.x(), direction.y());
+  return length > 0 ? Vector3(direction.x() / length, direction.y() / length, 0) : Vector3(Vector3::UnitX());
+}
+
+Vector3 cone_side_normal(const Shape& cone, const Vector3& outwards) {
+  return (2 * cone.half_height * outwards + cone.radius * Vector3::UnitZ()) /
+         length_2d(cone.radius, 2 * cone.half_height);
+}
+
+// Counter-clockwise seen from outside. Once tilted, the point nearest to the rim's farthest moves there.
+void disc_outline(double radius, double height, double inner_radius, bool up, const Vector3& direction,
+                  Outline& outline) {
+  const double tilt = length_2d(direction.x(), direction.y());
+  int moved = -1;
+  constexpr double most_missed = 0.0761204674887133;  // 1 - cos(22.5 degrees)
+  if (tilt * radius * most_missed > flat_miss * inner_radius) {
+    double farthest = -1;
+    for (int i = 0; i < rim_points; ++i) {
+      const auto& p = rim[static_cast<std::size_t>(i)];
+      const double reach = p[0] * direction.x() + p[1] * direction.y();
+      if (reach <= farthest) continue;
+      farthest = reach;
+      moved = i;
+    }
+  }
+  for (int i = 0; i < rim_points; ++i) {
+    const int k = up ? i : (rim_points - i) % rim_points;
+    const auto& p = rim[static_cast<std::size_t>(k)];
+    const Vector3 position = k == moved ? Vector3(radius / tilt * direction.x(), radius / tilt * direction.y(), height)
+                                        : Vector3(radius * p[0], radius * p[1], height);
+    const auto before = static_cast<std::uint16_t>((k + rim_points - 1) % rim_points);
+    const auto after = static_cast<std::uint16_t>(k);
+    outline.add(up ? OutlineCorner{position, before, after} : OutlineCorner{position, after, before});
+  }
+}
+
+void disc_polygon(double radius, double height, bool up, FacePolygon& face) {
+  constexpr double widened = 1.0195911582083184;  // 1 / cos(11.25 degrees)
+  constexpr double c = 0.98078528040323044;       // cos and sin of it
+  constexpr double s = 0.19509032201612827;
+  for (int i = 0; i < 2 * rim_points; ++i) {
+    const int k = up ? i : 2 * rim_points - 1 - i;
+    const auto& p = rim[static_cast<std::size_t>(k / 2)];
+    const double side = k % 2 == 0 ? -s : s;
+    const double r = widened * radius;
+    face.add({r * (c * p[0] - side * p[1]), r * (side * p[0] + c * p[1]), height});
+  }
+}
+
+FlatFace best_plane(const Polytope& core, const Vector3& direction) {
+  FlatFace best;
+  for (int f = 0; f < core.face_count; ++f) {
+    const double cosine = core.planes[f].normal.dot(direction);
+    if (cosine <= best.cosine) continue;
+    best.cosine = cosine;
+    best.number = f;
+  }
+  if (best.number >= 0) best.normal = core.planes[best.number].normal;
+  return best;
+}
+
+}  // namespace
+
+FlatFace flat_face_at(const Polytope& core, int vertex, const Vector3& unit_direction) {
+  FlatFace best;
+  core.for_each_face_at(vertex, [&](int face) {
+    const double cosine = core.planes[face].normal.dot(unit_direction);
+    if (cosine <= best.cosine) return;
+    best.cosine = cosine;
+    best.number = face;
+  });
+  if (best.number >= 0) best.normal = core.planes[best.number].normal;
+  return best;
+}
+
+FlatFace flat_face(const Shape& shape, const Polytope& core, int number, const Vector3& unit_direction) {
+  FlatFace face;
+  switch (shape.kind) {
+    case ShapeKind::Cylinder:
+      if (number < 0 || number > 1) return face;
+      face.normal = number == 0 ? Vector3(Vector3::UnitZ()) : Vector3(-Vector3::UnitZ());
+      break;
+    case ShapeKind::Cone:
+      if (number != 0) return face;
+      face.normal = -Vector3::UnitZ();
+      break;
+    case ShapeKind::Sphere:
+    case ShapeKind::Capsule:
+      return face;
+    default:
+      if (number < 0 || number >= core.face_count) return face;
+      face.normal = core.planes[number].normal;
+      break;
+  }
+  face.number = number;
+  face.cosine = face.normal.dot(unit_direction);
+  return face;
+}
+
+FlatFace flat_face_along(const Shape& shape, const Polytope& core, const Vector3& unit_direction) {
+  switch (shape.kind) {
+    case ShapeKind::Cylinder:
+      return flat_face(shape, core, unit_direction.z() < 0 ? 1 : 0, unit_direction);
+    case ShapeKind::Cone:
+      return flat_face(shape, core, 0, unit_direction);
+    case ShapeKind::Sphere:
+    case ShapeKind::Capsule:
+      return {};
+    default:
+      return best_plane(core, unit_direction);
+  }
+}
+
+void face_polygon(const Shape& shape, const Polytope& core, int number, FacePolygon& face) {
+  face.number = number;
+  face.count = 0;
+  if (shape.kind == ShapeKind::Cylinder || shape.kind == ShapeKind::Cone) {
+    const bool up = shape.kind == ShapeKind::Cylinder && number == 0;
+    face.normal = up ? Vector3(Vector3::UnitZ()) : Vector3(-Vector3::UnitZ());
+    face.offset = shape.half_height;
+    disc_polygon(shape.radius, up ? shape.half_height : -shape.half_height, up, face);
+    return;
+  }
+  face.normal = core.planes[number].normal;
+  face.offset = core.planes[number].offset;
+  for (int i = core.face_start[number]; i < core.face_start[number + 1]; ++i) {
+    face.add(core.vertices[core.face_vertices[i]]);
+  }
+}
+
+int incident_outline(const Shape& shape, const Polytope& core, const Vector3& unit_direction, Outline& outline,
+                     int vertex) {
+  outline.count = 0;
+  const double r = shape.radius;
+  const double h = shape.half_height;
+  const Vector3 outwards = across(unit_direction);
+  switch (shape.kind) {
+    case ShapeKind::Sphere:
+      outline.add_end(r * unit_direction);
+      return line_on_side;
+    case ShapeKind::Capsule:
+      outline.add_end(Vector3(0, 0, -h) + r * unit_direction);
+      outline.add_end(Vector3(0, 0, h) + r * unit_direction);
+      return line_on_side;
+    case ShapeKind::Cylinder: {
+      const bool up = unit_direction.z() > 0;
+      if (std::abs(unit_direction.z()) > outwards.dot(unit_direction)) {
+        disc_outline(r, up ? h : -h, shape.inner_radius, up, unit_direction, outline);
+        return up ? 0 : 1;
+      }
+      outline.add_end(r * outwards - h * Vector3::UnitZ());
+      outline.add_end(r * outwards + h * Vector3::UnitZ());
+      return line_on_side;
+    }
+    case ShapeKind::Cone:
+      if (-unit_direction.z() > cone_side_normal(shape, outwards).dot(unit_direction)) {
+        disc_outline(r, -h, shape.inner_radius, false, unit_direction, outline);
+        return 0;
+      }
+      outline.add_end(r * outwards - h * Vector3::UnitZ());
+      outline.add_end(h * Vector3::UnitZ());
+      return line_on_side;
+    default: {
+      const FlatFace face = vertex < 0 ? best_plane(core, unit_direction) : flat_face_at(core, vertex, unit_direction);
+      if (face.number < 0) return 0;
+      const int size = core.face_size(face.number);
+      const int start = core.face_start[face.number];
+      for (int i = 0; i < size; ++i) outline.add_face_corner(core.vertices[core.face_vertices[start + i]], size);
+      return face.number;
+    }
+  }
+}
+
+SideLine side_line(const Shape& shape, const Vector3& unit_direction) {
+  constexpr double sine = 0.1410673597966589;  // of the angle with cosine same_direction
+  const double r = shape.radius;
+  const Vector3 end = shape.half_height * Vector3::UnitZ();
+  const Vector3 outwards = across(unit_direction);
+  switch (shape.kind) {
+    case ShapeKind::Capsule:
+      return {std::abs(unit_direction.z()) < sine, r * unit_direction - end, r * unit_direction + end};
+    case ShapeKind::Cylinder:
+      return {std::abs(unit_direction.z()) < sine, r * outwards - end, r * outwards + end};
+    case ShapeKind::Cone:
+      return {cone_side_normal(shape, outwards).dot(unit_direction) > same_direction, r * outwards - end, end};
+    default:
+      return {false, Vector3::Zero(), Vector3::Zero()};
+  }
+}
+
+}  // namespace atl::collision

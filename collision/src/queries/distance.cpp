@@ -1,0 +1,128 @@
+#include <collision/queries/distance.h>
+#include <collision/shapes/aabb.h>
+#include <collision/shapes/convex.h>
+#include <collision/shapes/height_field.h>
+#include <collision/shapes/triangle_mesh.h>
+#include <jobs/with_meshes.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "narrowphase/box_distance.h"
+
+namespace atl::collision {
+namespace {
+
+// The nearest triangle so far, all in the frame of the solid.
+class NearestTriangle {
+ public:
+  NearestTriangle(const Shape& solid, const Pose& surface, double limit)
+      : solid_(solid), surface_(surface), limit_(limit) {}
+
+  void test(std::uint32_t number, const std::array<Vector3, 3>& vertices) {
+    std::array<Vector3, 3> seen;
+    for (std::size_t i = 0; i < 3; ++i) seen[i] = surface_.position + surface_.orientation * vertices[i];
+    const ClosestPoints fresh = closest_points(solid_, seen);
+    if (!(fresh.distance <= limit_)) return;
+    if (found_ && fresh.distance == best_.distance && number > triangle_) return;
+    best_ = fresh;
+    triangle_ = number;
+    limit_ = fresh.distance;
+    found_ = true;
+  }
+
+  double limit() const { return limit_; }
+
+  bool take(const Pose& solid_pose, Distance& result) const {
+    if (!found_) return false;
+    const auto place = [&](const Vector3& point) -> Vector3 {
+      return solid_pose.position + solid_pose.orientation * point;
+    };
+    result = {best_.distance, place(best_.on_first), place(best_.on_second), solid_pose.orientation * best_.normal,
+              triangle_};
+    return true;
+  }
+
+ private:
+  const Shape& solid_;
+  Pose surface_;
+  double limit_;
+  bool found_ = false;
+  ClosestPoints best_;
+  std::uint32_t triangle_ = Distance::no_triangle;
+};
+
+std::array<Vector3, 3> corners(const TriangleMesh& mesh, std::uint32_t number) {
+  const auto& corner = mesh.triangles[number];
+  return {mesh.vertices[corner[0]], mesh.vertices[corner[1]], mesh.vertices[corner[2]]};
+}
+
+Aabb grown(const Bounds& bounds, double margin) {
+  return Aabb::around(bounds.lower - Vector3::Constant(margin), bounds.upper + Vector3::Constant(margin));
+}
+
+void nearest_of_mesh(const TriangleMesh& mesh, const Bounds& bounds, NearestTriangle& nearest) {
+  const auto limit = [&] {
+    const double reach = nearest.limit() * (1 + 1e-12);
+    return reach * reach;
+  };
+  mesh.tree.visit_near([&](const Aabb& box) { return square_apart(box, bounds); }, limit,
+                       [&](std::uint32_t item) { nearest.test(item, corners(mesh, item)); });
+}
+
+// The triangles of the cell nearest to the middle of the bounds limit how far away others need to be looked at.
+void nearest_of_field(const HeightField& field, const Bounds& bounds, NearestTriangle& nearest) {
+  const Vector3 middle = 0.5 * (bounds.lower + bounds.upper);
+  const auto cell = [](double coordinate, double spacing, std::uint32_t samples) {
+    return static_cast<std::uint32_t>(std::clamp(std::floor(coordinate / spacing), 0.0, samples - 2.0));
+  };
+  const std::uint32_t below = 2 * (cell(middle.y(), field.spacing_y, field.rows) * (field.columns - 1) +
+                                   cell(middle.x(), field.spacing_x, field.columns));
+  nearest.test(below, field.face(below).vertices);
+  nearest.test(below + 1, field.face(below + 1).vertices);
+  const double limit = std::min(nearest.limit(), 1e30);
+  field.query(grown(bounds, limit), [&](std::uint32_t number) { nearest.test(number, field.face(number).vertices); });
+}
+
+}  // namespace
+
+bool find_distance(const Shape& solid, const Pose& solid_pose, const Shape& other, const Pose& other_pose, double limit,
+                   Distance& result) {
+  if (is_convex_solid(other.kind)) {
+    const ClosestPoints found = closest_points(solid, other, relative(solid_pose, other_pose));
+    if (!(found.distance <= limit)) return false;
+    const auto place = [&](const Vector3& point) -> Vector3 {
+      return solid_pose.position + solid_pose.orientation * point;
+    };
+    result = {found.distance, place(found.on_first), place(found.on_second), solid_pose.orientation * found.normal,
+              Distance::no_triangle};
+    return true;
+  }
+  if (other.kind == ShapeKind::HalfSpace) {
+    const Vector3 normal = other_pose.orientation * other.normal;
+    const Vector3 seen = solid_pose.orientation.conjugate() * -normal;
+    const Vector3 lowest = solid_pose.position + solid_pose.orientation * support_point(solid, seen);
+    const double height = normal.dot(lowest - other_pose.position) - other.offset;
+    if (!(height <= limit)) return false;
+    result = {std::max(0.0, height), lowest, lowest - height * normal, -normal, Distance::no_triangle};
+    return true;
+  }
+  if constexpr (!with_meshes) return false;
+  const Pose seen = relative(other_pose, solid_pose);
+  const Bounds bounds = bounds_of(solid, seen.position, seen.orientation.toRotationMatrix());
+  NearestTriangle nearest(solid, relative(solid_pose, other_pose), limit);
+  if (other.kind == ShapeKind::Mesh) {
+    nearest_of_mesh(*other.mesh, bounds, nearest);
+  } else {
+    nearest_of_field(*other.field, bounds, nearest);
+  }
+  return nearest.take(solid_pose, result);
+}
+
+bool overlaps(const Shape& solid, const Pose& solid_pose, const Shape& other, const Pose& other_pose) {
+  Distance unused;
+  return find_distance(solid, solid_pose, other, other_pose, 0, unused);
+}
+
+}  // namespace atl::collision

@@ -1,0 +1,174 @@
+#include <collision/queries/query.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "narrowphase/box_distance.h"
+
+namespace atl::collision {
+namespace {
+
+// The order of colliders in all answers.
+bool comes_before(const ColliderTable& colliders, std::uint32_t a, std::uint32_t b) {
+  if (colliders.body[a] != colliders.body[b]) return colliders.body[a] < colliders.body[b];
+  return colliders.child[a] < colliders.child[b];
+}
+
+bool cast_at(const QueryScene& scene, const Ray& ray, Sides sides, std::uint32_t collider, double max_t,
+             ColliderRayHit& hit) {
+  const Pose pose = scene.colliders.pose(collider, scene.poses);
+  const Quaternion inverse = pose.orientation.conjugate();
+  const Ray seen{inverse * (ray.origin - pose.position), inverse * ray.direction, max_t};
+  if (!cast_ray(scene.colliders.shape[collider], seen, sides, hit.hit)) return false;
+  hit.collider = collider;
+  hit.hit.normal = pose.orientation * hit.hit.normal;
+  hit.point = ray.origin + hit.hit.t * ray.direction;
+  return true;
+}
+
+template <typename Hit>
+void sort_hits(const ColliderTable& colliders, std::vector<Hit>& hits) {
+  std::sort(hits.begin(), hits.end(), [&](const Hit& a, const Hit& b) {
+    return a.hit.t != b.hit.t ? a.hit.t < b.hit.t : comes_before(colliders, a.collider, b.collider);
+  });
+}
+
+// A solid's way through the broadphase: the box around it, and where that goes.
+struct Cast {
+  Motion motion;
+  Vector3 middle;
+  Vector3 half;
+  SweepGoal goal;
+
+  Cast(const Shape& solid, const Pose& pose, const Vector3& translation) : motion(Motion::along(pose, translation)) {
+    const Bounds bounds = bounds_of(solid, pose.position, pose.orientation.toRotationMatrix());
+    middle = 0.5 * (bounds.lower + bounds.upper);
+    goal.tolerance = 1e-7 * solid.inner_radius + 1e-14 * (pose.position.norm() + translation.norm());
+    const double rounding = 1e-14 * (bounds.lower.cwiseAbs().maxCoeff() + bounds.upper.cwiseAbs().maxCoeff());
+    half = 0.5 * (bounds.upper - bounds.lower) + Vector3::Constant(goal.tolerance + rounding);
+  }
+};
+
+}  // namespace
+
+bool cast_ray(const QueryScene& scene, const Ray& ray, Sides sides, Accept accept, ColliderRayHit& first) {
+  bool found = false;
+  scene.broadphase.query_ray(ray.origin, ray.direction, ray.max_t, [&](std::uint32_t collider, double) {
+    const double max_t = found ? first.hit.t : ray.max_t;
+    ColliderRayHit fresh;
+    if (!accept(collider) || !cast_at(scene, ray, sides, collider, max_t, fresh)) return max_t;
+    if (found && fresh.hit.t == first.hit.t && !comes_before(scene.colliders, collider, first.collider)) return max_t;
+    first = fresh;
+    found = true;
+    return first.hit.t;
+  });
+  return found;
+}
+
+bool cast_ray_any(const QueryScene& scene, const Ray& ray, Sides sides, Accept accept, ColliderRayHit& any) {
+  bool found = false;
+  scene.broadphase.query_ray(ray.origin, ray.direction, ray.max_t, [&](std::uint32_t collider, double) {
+    // Below 0 nothing more is visited within a tree, but the next one begins.
+    if (found) return -1.0;
+    found = accept(collider) && cast_at(scene, ray, sides, collider, ray.max_t, any);
+    return found ? -1.0 : ray.max_t;
+  });
+  return found;
+}
+
+void cast_ray_all(const QueryScene& scene, const Ray& ray, Sides sides, Accept accept,
+                  std::vector<ColliderRayHit>& hits) {
+  hits.clear();
+  scene.broadphase.query_ray(ray.origin, ray.direction, ray.max_t, [&](std::uint32_t collider, double) {
+    ColliderRayHit fresh;
+    if (accept(collider) && cast_at(scene, ray, sides, collider, ray.max_t, fresh)) hits.push_back(fresh);
+    return ray.max_t;
+  });
+  sort_hits(scene.colliders, hits);
+}
+
+bool cast_shape(const QueryScene& scene, const Shape& solid, const Pose& pose, const Vector3& translation,
+                Accept accept, ColliderSweepHit& first) {
+  const Cast cast(solid, pose, translation);
+  bool found = false;
+  scene.broadphase.query_ray(
+      cast.middle, translation, 1,
+      [&](std::uint32_t collider, double) {
+        const double limit = found ? first.hit.t : 1;
+        ColliderSweepHit fresh{collider, {}};
+        if (!accept(collider)) return limit;
+        const Motion still = Motion::still(scene.colliders.pose(collider, scene.poses));
+        const Shape& other = scene.colliders.shape[collider];
+        if (!sweep(solid, cast.motion, other, still, cast.goal, limit, fresh.hit)) return limit;
+        if (found && fresh.hit.t == limit && !comes_before(scene.colliders, collider, first.collider)) return limit;
+        first = fresh;
+        found = true;
+        return first.hit.t;
+      },
+      cast.half);
+  return found;
+}
+
+void cast_shape_all(const QueryScene& scene, const Shape& solid, const Pose& pose, const Vector3& translation,
+                    Accept accept, std::vector<ColliderSweepHit>& hits) {
+  hits.clear();
+  const Cast cast(solid, pose, translation);
+  scene.broadphase.query_ray(
+      cast.middle, translation, 1,
+      [&](std::uint32_t collider, double) {
+        ColliderSweepHit fresh{collider, {}};
+        if (!accept(collider)) return 1.0;
+        const Motion still = Motion::still(scene.colliders.pose(collider, scene.poses));
+        if (sweep(solid, cast.motion, scene.colliders.shape[collider], still, cast.goal, 1, fresh.hit)) {
+          hits.push_back(fresh);
+        }
+        return 1.0;
+      },
+      cast.half);
+  sort_hits(scene.colliders, hits);
+}
+
+void find_overlaps(const QueryScene& scene, const Shape& solid, const Pose& pose, Accept accept,
+                   std::vector<std::uint32_t>& found) {
+  found.clear();
+  const Bounds bounds = bounds_of(solid, pose.position, pose.orientation.toRotationMatrix());
+  scene.broadphase.query_box(Aabb::around(bounds.lower, bounds.upper), [&](std::uint32_t collider) {
+    if (!accept(collider)) return;
+    const Pose at = scene.colliders.pose(collider, scene.poses);
+    if (overlaps(solid, pose, scene.colliders.shape[collider], at)) found.push_back(collider);
+  });
+  std::sort(found.begin(), found.end(),
+            [&](std::uint32_t a, std::uint32_t b) { return comes_before(scene.colliders, a, b); });
+}
+
+// The broadphase finds what overlaps a box, so the box grows until something is found within it. Each time four times
+// as large: the last one, which finds it all, then costs most.
+bool find_closest(const QueryScene& scene, const Shape& solid, const Pose& pose, double limit, Accept accept,
+                  ColliderDistance& closest) {
+  const Bounds bounds = bounds_of(solid, pose.position, pose.orientation.toRotationMatrix());
+  const double least = 1e-3 * limit;
+  for (double reach = std::max(least, std::min(limit, solid.bounding_radius));; reach = std::min(4 * reach, limit)) {
+    bool found = false;
+    const Vector3 margin = Vector3::Constant(reach);
+    scene.broadphase.query_box(Aabb::around(bounds.lower - margin, bounds.upper + margin), [&](std::uint32_t collider) {
+      if (!accept(collider)) return;
+      const double within = found ? closest.distance.distance : reach;
+      if (!scene.broadphase.is_half_space(collider) &&
+          square_apart(scene.broadphase.fat_box(collider), bounds) > within * within * (1 + 1e-12)) {
+        return;
+      }
+      const Pose at = scene.colliders.pose(collider, scene.poses);
+      ColliderDistance fresh{collider, {}};
+      if (!find_distance(solid, pose, scene.colliders.shape[collider], at, within, fresh.distance)) return;
+      if (found && fresh.distance.distance == within && !comes_before(scene.colliders, collider, closest.collider)) {
+        return;
+      }
+      closest = fresh;
+      found = true;
+    });
+    if (found) return true;
+    if (!(reach < limit)) return false;
+  }
+}
+
+}  // namespace atl::collision

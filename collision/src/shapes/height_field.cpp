@@ -1,0 +1,164 @@
+#include <collision/shapes/height_field.h>
+#include <jobs/hash.h>
+
+#include <cmath>
+#include <limits>
+
+#include "shapes/text.h"
+
+namespace atl::collision {
+namespace {
+
+constexpr double largest_length = 1e30;
+
+bool is_length(double value) { return value > 0 && value <= largest_length; }
+
+// Stretch i is [i, i + 1] * spacing. The quotient may be rounded across a whole number, so one stretch more on
+// either side is looked at.
+HeightField::CellRange cells_between(double lower, double upper, double spacing, std::uint32_t cells) {
+  if (!(lower <= upper)) return {0, 0};
+  const double last = cells;
+  auto first = static_cast<std::uint32_t>(std::clamp(std::floor(lower / spacing) - 1, 0.0, last));
+  auto end = static_cast<std::uint32_t>(std::clamp(std::floor(upper / spacing) + 2, 0.0, last));
+  while (first < end && (first + 1.0) * spacing < lower) ++first;
+  while (end > first && (end - 1.0) * spacing > upper) --end;
+  return {first, end};
+}
+
+Vector3 upward(double slope_x, double slope_y) { return Vector3(-slope_x, -slope_y, 1).normalized(); }
+
+// Those of a cell's two triangles.
+struct Normals {
+  const HeightField& field;
+
+  Vector3 below(std::uint32_t i, std::uint32_t j) const {
+    const double corner = field.height(i + 1, j);
+    return upward((corner - field.height(i, j)) / field.spacing_x,
+                  (field.height(i + 1, j + 1) - corner) / field.spacing_y);
+  }
+  Vector3 above(std::uint32_t i, std::uint32_t j) const {
+    const double corner = field.height(i, j + 1);
+    return upward((field.height(i + 1, j + 1) - corner) / field.spacing_x,
+                  (corner - field.height(i, j)) / field.spacing_y);
+  }
+};
+
+// Of the smooth surface, at a sample: by central differences, at the border by one-sided ones.
+Vector3 sample_normal(const HeightField& field, std::uint32_t i, std::uint32_t j) {
+  const std::uint32_t left = i > 0 ? i - 1 : 0, right = std::min(i + 1, field.columns - 1);
+  const std::uint32_t below = j > 0 ? j - 1 : 0, above = std::min(j + 1, field.rows - 1);
+  return upward((field.height(right, j) - field.height(left, j)) / ((right - left) * field.spacing_x),
+                (field.height(i, above) - field.height(i, below)) / ((above - below) * field.spacing_y));
+}
+
+}  // namespace
+
+HeightField::CellRange HeightField::columns_between(double lower, double upper) const {
+  return cells_between(lower, upper, spacing_x, columns - 1);
+}
+
+HeightField::CellRange HeightField::rows_between(double lower, double upper) const {
+  return cells_between(lower, upper, spacing_y, rows - 1);
+}
+
+Triangle HeightField::triangle(std::uint32_t index) const {
+  Triangle result = face(index);
+  complete(index, result);
+  return result;
+}
+
+Triangle HeightField::face(std::uint32_t index) const {
+  const auto [i, j] = cell(index);
+  const auto sample = [&](std::uint32_t column, std::uint32_t row) {
+    return Vector3(column * spacing_x, row * spacing_y, height(column, row));
+  };
+  const bool is_below = index % 2 == 0;
+  Triangle result;
+  result.normal = is_below ? Normals{*this}.below(i, j) : Normals{*this}.above(i, j);
+  result.vertices = {sample(i, j), is_below ? sample(i + 1, j) : sample(i + 1, j + 1),
+                     is_below ? sample(i + 1, j + 1) : sample(i, j + 1)};
+  return result;
+}
+
+void HeightField::complete(std::uint32_t index, Triangle& face) const {
+  const auto [i, j] = cell(index);
+  const Normals normals{*this};
+  const bool is_below = index % 2 == 0;
+  face.neighbour_normals = {face.normal, face.normal, face.normal};
+  std::array<bool, 3> inside;  // whether there is a triangle beyond the edge
+  if (is_below) {
+    inside = {j > 0, i + 2 < columns, true};
+    if (inside[0]) face.neighbour_normals[0] = normals.above(i, j - 1);
+    if (inside[1]) face.neighbour_normals[1] = normals.above(i + 1, j);
+    face.neighbour_normals[2] = normals.above(i, j);
+  } else {
+    inside = {true, j + 2 < rows, i > 0};
+    face.neighbour_normals[0] = normals.below(i, j);
+    if (inside[1]) face.neighbour_normals[1] = normals.below(i, j + 1);
+    if (inside[2]) face.neighbour_normals[2] = normals.below(i - 1, j);
+  }
+  if (smooth) {
+    face.corner_normals = {sample_normal(*this, i, j),
+                           is_below ? sample_normal(*this, i + 1, j) : sample_normal(*this, i + 1, j + 1),
+                           is_below ? sample_normal(*this, i + 1, j + 1) : sample_normal(*this, i, j + 1)};
+  }
+  for (std::size_t e = 0; e < 3; ++e) {
+    const Vector3 edge = face.vertices[(e + 1) % 3] - face.vertices[e];
+    if (!inside[e] || is_convex_edge(face.normal, face.neighbour_normals[e], edge)) {
+      face.convex_edges = static_cast<std::uint8_t>(face.convex_edges | 1u << e);
+    }
+  }
+}
+
+namespace {
+
+std::uint64_t content_of(const HeightField& field) {
+  jobs::Hash hash;
+  hash.add(std::uint64_t{field.columns} << 32 | field.rows);
+  hash.add(field.spacing_x);
+  hash.add(field.spacing_y);
+  hash.add_all(field.heights);
+  if (field.smooth) hash.add(std::uint64_t{1});
+  return hash.value();
+}
+
+}  // namespace
+
+std::variant<HeightField, std::string> build_height_field(std::uint32_t columns, std::uint32_t rows, double spacing_x,
+                                                          double spacing_y, std::vector<double> heights, bool smooth) {
+  if (columns < 2 || rows < 2) {
+    return text("found ", columns, " columns and ", rows, " rows of samples, expected at least 2 of each");
+  }
+  if (2 * (columns - 1.0) * (rows - 1.0) >= std::numeric_limits<std::uint32_t>::max()) {
+    return text("found ", columns, " columns and ", rows, " rows of samples, expected fewer than 2^31 cells");
+  }
+  if (!is_length(spacing_x) || !is_length(spacing_y)) {
+    return text("found spacings of ", spacing_x, " and ", spacing_y, " m, expected them positive, up to 1e30 m");
+  }
+  const std::size_t count = std::size_t{columns} * rows;
+  if (heights.size() != count) {
+    return text("found ", heights.size(), " heights, expected columns * rows = ", columns, " * ", rows, " = ", count);
+  }
+  HeightField field;
+  field.lowest = field.highest = heights[0];
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!(std::abs(heights[i]) <= largest_length)) {
+      return text("found a height of ", heights[i], " at column ", i % columns, ", row ", i / columns,
+                  ", expected a finite number up to 1e30 m");
+    }
+    field.lowest = std::min(field.lowest, heights[i]);
+    field.highest = std::max(field.highest, heights[i]);
+  }
+  field.columns = columns;
+  field.rows = rows;
+  field.spacing_x = spacing_x;
+  field.spacing_y = spacing_y;
+  field.heights = std::move(heights);
+  field.smooth = smooth;
+  const double farthest_up = std::max(std::abs(field.lowest), std::abs(field.highest));
+  field.bounding_radius = Vector3((columns - 1) * spacing_x, (rows - 1) * spacing_y, farthest_up).norm();
+  field.content = content_of(field);
+  return field;
+}
+
+}  // namespace atl::collision

@@ -1,0 +1,60 @@
+// What is asked of all vertices of a hull, in lanes: up to the few dozen of usual hulls that is faster than to walk
+// along edges.
+
+#include <collision/shapes/hull.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+namespace atl::collision {
+namespace {
+
+using Lanes = Eigen::Array<double, Hull::lanes, 1>;
+
+// Calls visit(i, reaches) with how far the vertices from the ith on reach along a direction, the sums as in dot().
+template <typename Visit>
+void visit_reaches(const Hull& hull, const Vector3& direction, const Visit& visit) {
+  const std::size_t size = hull.columns.size() / 3;
+  const double* x = hull.columns.data();
+  const double* y = x + size;
+  const double* z = y + size;
+  for (std::size_t i = 0; i < size; i += Hull::lanes) {
+    visit(i, Lanes((direction.x() * Eigen::Map<const Lanes>(x + i) + direction.y() * Eigen::Map<const Lanes>(y + i)) +
+                   direction.z() * Eigen::Map<const Lanes>(z + i)));
+  }
+}
+
+}  // namespace
+
+void Hull::prepare() {
+  const std::size_t size = (vertices.size() + lanes - 1) / lanes * lanes;
+  columns.clear();
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    for (std::size_t i = 0; i < size; ++i) columns.push_back(vertices[std::min(i, vertices.size() - 1)][axis]);
+  }
+  least_reach = std::numeric_limits<double>::infinity();
+  for (const Plane& plane : planes) least_reach = std::min(least_reach, plane.offset);
+  if (least_reach < 0) least_reach = -std::numeric_limits<double>::infinity();
+}
+
+double Hull::reach(const Vector3& direction) const {
+  Lanes most = Lanes::Constant(-std::numeric_limits<double>::infinity());
+  visit_reaches(*this, direction, [&](std::size_t, const Lanes& reaches) { most = most.max(reaches); });
+  return most.maxCoeff();
+}
+
+std::size_t Hull::support(const Vector3& direction) const {
+  std::array<double, max_vertices + lanes> reach;
+  Lanes most = Lanes::Constant(-std::numeric_limits<double>::infinity());
+  visit_reaches(*this, direction, [&](std::size_t i, const Lanes& reaches) {
+    most = most.max(reaches);
+    Eigen::Map<Lanes>(reach.data() + i) = reaches;
+  });
+  const double farthest = most.maxCoeff();
+  std::size_t best = 0;
+  while (best + 1 < vertices.size() && reach[best] != farthest) ++best;
+  return best;
+}
+
+}  // namespace atl::collision
