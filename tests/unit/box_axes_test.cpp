@@ -1,8 +1,8 @@
 // The axes that part two boxes, and what FCL makes of the same pairs.
 
+#include <collision/contacts/narrowphase_kernels.h>
 #include <collision/narrowphase/collide.h>
 #include <collision/narrowphase/fcl_narrowphase.h>
-#include <collision/narrowphase/narrowphase_kernels.h>
 #include <gtest/gtest.h>
 
 #include <array>

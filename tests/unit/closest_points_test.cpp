@@ -1,5 +1,6 @@
 // Closest points of convex solids, against pairs of surface points that face each other across a known gap.
 
+#include <collision/narrowphase/closest_points.h>
 #include <collision/shapes/convex.h>
 #include <collision/shapes/hull.h>
 #include <gtest/gtest.h>

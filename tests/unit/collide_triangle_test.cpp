@@ -1,5 +1,6 @@
 // Solids on one triangle: its front, its edges as far as neighbours leave room, and never its back.
 
+#include <collision/narrowphase/closest_points.h>
 #include <collision/narrowphase/surface_contacts.h>
 #include <collision/shapes/convex.h>
 #include <collision/shapes/hull.h>

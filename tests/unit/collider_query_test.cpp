@@ -1,7 +1,7 @@
 // Queries of many colliders, against asking each one.
 
+#include <collision/narrowphase/closest_points.h>
 #include <collision/queries/query.h>
-#include <collision/shapes/convex.h>
 #include <collision/shapes/height_field.h>
 #include <collision/shapes/hull.h>
 #include <collision/shapes/triangle_mesh.h>

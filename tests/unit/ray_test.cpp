@@ -1,5 +1,6 @@
 // Rays against solids, checked by supporting planes and by GJK; against surfaces, checked triangle by triangle.
 
+#include <collision/narrowphase/closest_points.h>
 #include <collision/queries/ray.h>
 #include <collision/shapes/convex.h>
 #include <collision/shapes/height_field.h>

@@ -1,5 +1,7 @@
 // Solids on meshes and height fields: a flat one is a half-space, a bent one has the normals of its parts.
 
+#include <collision/narrowphase/closest_points.h>
+#include <collision/narrowphase/collide.h>
 #include <collision/narrowphase/surface_contacts.h>
 #include <collision/shapes/convex.h>
 #include <collision/shapes/height_field.h>

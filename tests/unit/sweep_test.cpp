@@ -1,6 +1,7 @@
 // Times of impact against closed forms, and fast thin things against thin walls.
 
 #include <collision/continuous/sweep.h>
+#include <collision/narrowphase/closest_points.h>
 #include <collision/shapes/convex.h>
 #include <collision/shapes/height_field.h>
 #include <collision/shapes/hull.h>

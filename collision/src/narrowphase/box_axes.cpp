@@ -1,5 +1,5 @@
+#include <collision/contacts/narrowphase_kernels.h>
 #include <collision/narrowphase/box_axes.h>
-#include <collision/narrowphase/narrowphase_kernels.h>
 
 namespace atl::collision {
 namespace {

@@ -1,4 +1,4 @@
-#include <collision/shapes/convex.h>
+#include <collision/narrowphase/closest_points.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,9 @@
 // Any two solids: where faces nearly lie on each other they are clipped against each other, where lines do,
 // their ends count, and elsewhere the shapes touch in a point.
 
+#include <collision/narrowphase/collide.h>
 #include <collision/narrowphase/feature_id.h>
 #include <collision/narrowphase/support_feature.h>
-#include <collision/shapes/convex.h>
 
 #include <algorithm>
 #include <cmath>

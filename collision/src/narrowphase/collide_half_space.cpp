@@ -1,5 +1,6 @@
 // Solids on half-spaces: the corners of the feature that looks most directly down.
 
+#include <collision/narrowphase/collide.h>
 #include <collision/narrowphase/feature_id.h>
 #include <collision/narrowphase/support_feature.h>
 #include <collision/shapes/convex.h>

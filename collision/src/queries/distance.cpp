@@ -1,3 +1,4 @@
+#include <collision/narrowphase/closest_points.h>
 #include <collision/queries/distance.h>
 #include <collision/shapes/aabb.h>
 #include <collision/shapes/convex.h>

@@ -3,8 +3,8 @@
 #include <collision/broadphase/broadphase.h>
 #include <collision/contacts/collider_table.h>
 #include <collision/contacts/contact_cache.h>
+#include <collision/contacts/narrowphase_kernels.h>
 #include <collision/contacts/touching_pair.h>
-#include <collision/narrowphase/narrowphase_kernels.h>
 #include <jobs/arena.h>
 #include <jobs/bytes.h>
 

@@ -1,10 +1,7 @@
 #pragma once
 
-#include <collision/narrowphase/manifold.h>
 #include <collision/shapes/pose.h>
 #include <collision/shapes/shape.h>
-
-#include <array>
 
 namespace atl::collision {
 
@@ -23,24 +20,5 @@ struct CentreLine {
   double gap;         ///< m, a lower bound of the distance; minus infinity where they coincide
 };
 CentreLine centre_line(const Shape& first, const Pose& at_first, const Shape& second, const Pose& at_second);
-
-/// Closest points of two solids that are apart. Where they overlap (or touch) the distance is 0 and the rest
-/// is unspecified but finite.
-struct ClosestPoints {
-  double distance = 0;                ///< m, >= 0
-  Vector3 on_first, on_second;        ///< m, frame of the first
-  Vector3 normal = Vector3::UnitZ();  ///< unit, from the first to the second
-};
-ClosestPoints closest_points(const Shape& first_shape, const Shape& second_shape, const Pose& second);
-/// Against a triangle as a two-sided plate; the triangle is the second, in the frame of the first.
-ClosestPoints closest_points(const Shape& first_shape, const std::array<Vector3, 3>& triangle);
-
-/// Contact points of two solids: see collide().
-Narrowphase collide_convex(const Shape& first_shape, const Shape& second_shape, const Pose& second, double margin,
-                           Manifold& manifold);
-
-/// Contact points of a solid with a half-space, given in the frame of the solid by `second`.
-void collide_half_space(const Shape& solid_shape, const Shape& half_space, const Pose& second, double margin,
-                        Manifold& manifold);
 
 }  // namespace atl::collision

@@ -5,9 +5,8 @@
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE \
-  "narrowphase/narrowphase_kernels.cpp"  // NOLINT: Highway includes this file again for each set
-#include <collision/narrowphase/narrowphase_kernels.h>
+#define HWY_TARGET_INCLUDE "contacts/narrowphase_kernels.cpp"  // NOLINT: Highway includes this file again for each set
+#include <collision/contacts/narrowphase_kernels.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
