@@ -158,8 +158,8 @@ void settle_witness(const SolidPair& pair, const Polytope& first, const Polytope
   axis.on_second = tail + t * v;
 }
 
-// The last axis of a pair turns by less than this (cosine) between two looks at it, or what meets has changed. Found
-// by `rocks`: at 0.1 rad FCL is asked for PENDING of the touching pairs, at 0.4 for no fewer.
+// Cosine: the last axis of a pair turns by less between two looks at it, or what meets has changed. So FCL is asked for
+// 3% of the touching pairs of `rocks` while they land, and for none once they lie. Not tried otherwise.
 constexpr double nearly_same_axis = 0.98;
 
 // FCL's answer counts as repaired where the best axis parts the solids better by this part of their size.
