@@ -85,9 +85,6 @@ void World::Impl::solve_groups() {
   how_landing.finer = solver::tuning::landing_finer;
   how_landing.contact_hertz = solver::SubstepConstants::contact_hertz(how, dt_ / how.substeps);
   how_landing.substeps *= how_landing.finer;
-  solver::SolverSettings how_heap = how;
-  how_heap.finer = 2;
-  how_heap.substeps *= how_heap.finer;
   const bool captures = settings.keep_contact_problem || settings.run_everything;
   if (captures) capture_.resize(cache.manifolds.size(), bodies.size());
   const bool surfaces = with_surfaces && (settings.run_everything || !bodies.surfaces.empty() || !cache.rises.empty());
@@ -112,18 +109,9 @@ void World::Impl::solve_groups() {
   const solver::SolveInput plain = input_with(how);
   const solver::SolveInput fine = input_with(how_finer);
   const solver::SolveInput landing = input_with(how_landing);
-  const solver::SolveInput heap = input_with(how_heap);
   const auto input_of = [&](const solver::IslandGroup& group) -> const solver::SolveInput& {
-    switch (mode_of(group)) {
-      case SolveMode::Finer:
-        return fine;
-      case SolveMode::Heap:
-        return heap;
-      case SolveMode::Landing:
-        return landing;
-      default:
-        return plain;
-    }
+    const SolveMode mode = mode_of(group);
+    return mode == SolveMode::Finer ? fine : mode == SolveMode::Landing ? landing : plain;
   };
 
   group_reports_.assign(groups_.size(), {});

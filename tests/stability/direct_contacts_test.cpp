@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 
 #include "support/scene_run.h"
 #include "support/scenes.h"
@@ -183,29 +182,6 @@ TEST(FinerSubsteps, HoldAWallUp) {
   }
   EXPECT_LT(run.rest().sink_max, 0.1);
   EXPECT_LT(run.penetration().max, 2e-3);
-}
-
-// A heap of which much carries more than soft contacts are made for gets twice the substeps, and overlaps by less than
-// half as much.
-TEST(FinerSubsteps, PressHeapsLess) {
-  const auto mean_overlap = [](ContactSolver solver, bool& escalated) {
-    SceneRun run("pile:bodies=1500");
-    Settings settings = run.scene.settings;
-    settings.contact_solver = solver;
-    run.world.set_settings(settings);
-    for (int step = 0; step < 120; ++step) run.world.step(run.scene.dt);
-    const auto& islands = run.world.escalated_islands();
-    escalated = std::any_of(islands.begin(), islands.end(), [](const EscalatedIsland& island) {
-      return island.bodies > 1000 && !island.direct && std::string(island.why).find("squeezed") != std::string::npos;
-    });
-    return run.penetration().mean;
-  };
-  bool escalated = false;
-  const double swept = mean_overlap(ContactSolver::Iterative, escalated);
-  EXPECT_FALSE(escalated);
-  const double chosen = mean_overlap(ContactSolver::Auto, escalated);
-  EXPECT_TRUE(escalated);
-  EXPECT_LT(chosen, 0.5 * swept);
 }
 
 }  // namespace

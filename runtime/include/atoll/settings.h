@@ -25,9 +25,9 @@ enum class Stabilisation {
 /// How contacts are solved. With Soft stabilisation.
 enum class ContactSolver {
   /// By sweeps, but islands whose contacts carry more than soft ones are made for get more: small ones are solved at
-  /// once, with their joints where something heavy lies on these, large ones in finer substeps, and squeezed heaps in
-  /// twice as many. So is, for the step in which it lands, a body alone that leans on something else. In a build
-  /// without ATOLL_WITH_DIRECT_CONTACTS as Iterative.
+  /// once, with their joints where something heavy lies on these, large ones in finer substeps. So is, for the step in
+  /// which it lands, a body alone that leans on something else. In a build without ATOLL_WITH_DIRECT_CONTACTS as
+  /// Iterative.
   Auto,
   Iterative,  ///< by sweeps, whatever they carry
   /// At once, in all islands of up to 400 bodies without motion locks, contacts and joints in one system, as long as

@@ -39,9 +39,9 @@ inline constexpr int landing_rounds = 7;
 /// Rounds over the points of each contact that bounces: with one, a face that hits flat would leave spinning. With 4 or
 /// 64 nothing moved.
 inline constexpr std::size_t restitution_rounds = 16;
-/// Of the speed that gravity gives in a substep: slower impacts don't bounce where nothing else is asked for. With 1,
-/// what lies is noise; a ball of restitution 0.8 that falls from 1 m comes to rest after 3.95 s with 2, with 25
-/// after 3.3, and by its closed form after 4.06.
+/// Of the speed that gravity gives in a substep: slower impacts don't bounce where nothing else is asked for. With 1, what
+/// lies is noise; a ball of restitution 0.8 that falls from 1 m comes to rest after 3.95 s with 2, with 25 after 3.3, and
+/// by its closed form after 4.06.
 inline constexpr double least_bounce = 2;
 /// Of friction in a bounce, each with all those after it.
 inline constexpr int bounce_rounds = 2;
@@ -137,11 +137,6 @@ inline constexpr double part_of_island = 0.25;
 /// s, the longest substep of what sags: a wall of 100 layers sinks by 165 mm with twice of it, and by 41 with it; with
 /// a quarter what is squeezed gets out.
 inline constexpr double finer_substep = 1.0 / 960;
-/// Of a heap's bodies, those that carry too much for soft contacts, for it to get twice the substeps; and how many make
-/// a heap. In 12% more time `pile` overlaps by 3.0 mm in the mean instead of 10.8, `hopper` by 1.3 instead of 2.8 and
-/// `drum` by 0.9 instead of 3.0. Neither was moved.
-inline constexpr double squeezed_part = 0.1;
-inline constexpr std::size_t least_heap = 100;
 /// Substeps for one where a body lands that leans on something. Tilts of a block that rocks are off by 12% with 1,
 /// by 3.4 with 4, by 2.5 with 8 and by 1.5 with 16; in 6% more time with 8, in 12 with 16.
 inline constexpr int landing_finer = 8;

@@ -24,12 +24,6 @@ void order(std::vector<Overload>& overloads) {
   overloads.erase(std::unique(overloads.begin(), overloads.end(), same), overloads.end());
 }
 
-// Of an island that is neither columns nor built to stand.
-bool is_squeezed_heap(std::size_t bodies, std::size_t overloaded) {
-  const double least = tuning::squeezed_part * static_cast<double>(bodies);
-  return bodies >= tuning::least_heap && static_cast<double>(overloaded) >= least;
-}
-
 }  // namespace
 
 int finer_by(const SolverSettings& settings, double dt) {
@@ -91,7 +85,6 @@ std::span<const SolveMode> SolverSelection::choose(const LoadInput& input) {
     const std::uint32_t island = islands.island_of(body);
     if (island == Islands::none) continue;
     symptoms_[island].lasts |= strain_[body].overloaded > tuning::lasting;
-    ++symptoms_[island].overloaded;
     // What is joined leaps at once.
     const float lasts = islands.joint_count(island) > 0 ? 0 : tuning::lasting;
     symptoms_[island].crushes |= strain_[body].crushed > lasts;
@@ -112,12 +105,9 @@ std::span<const SolveMode> SolverSelection::choose(const LoadInput& input) {
       modes_[island] = has_locks(input, island) ? SolveMode::Finer : SolveMode::Direct;
     } else if (has.lasts && has.sags && build == Build::Any) {
       modes_[island] = SolveMode::Finer;
-    } else if (has.lasts && build == Build::Any && is_squeezed_heap(islands.body_count(island), has.overloaded)) {
-      modes_[island] = SolveMode::Heap;
     }
     const bool as_fine = finer_by(input.settings, input.dt) == 1;
-    const bool finer = modes_[island] == SolveMode::Finer || modes_[island] == SolveMode::Heap;
-    if (finer && as_fine) modes_[island] = SolveMode::Sweep;
+    if (modes_[island] == SolveMode::Finer && as_fine) modes_[island] = SolveMode::Sweep;
     any |= modes_[island] != SolveMode::Sweep;
   }
   return any ? std::span<const SolveMode>(modes_) : std::span<const SolveMode>();
@@ -196,7 +186,6 @@ const char* SolverSelection::why(std::size_t island) const {
   if (pressed) return "a body carries one many times as heavy, and there are joints";
   if (modes_[island] == SolveMode::Landing) return "something lands in it that leans on something else";
   if (symptoms_[island].crushes) return "a body carries many times what its contacts are made for";
-  if (modes_[island] == SolveMode::Heap) return "much of it is squeezed by what lies on it";
   return modes_[island] == SolveMode::Finer ? "it sags under its own weight" : "columns give way under what they carry";
 }
 

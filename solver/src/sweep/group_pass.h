@@ -374,9 +374,11 @@ void GroupSolver::Pass<Executor>::bounce_joints() {
 
 template <typename Executor>
 void GroupSolver::Pass<Executor>::finish() {
+  // Nothing is done about a large island that wasn't built to stand.
+  const bool notes_overloads = !group_.large || settings_.finer > 1;
   executor_.parallel_for(block_count_, block_grain, [&](std::size_t begin, std::size_t end) {
     kernels_.store(data_, begin, end);
-    solver_.note_overloads(input_, body_ids_, begin, end);
+    if (notes_overloads) solver_.note_overloads(input_, body_ids_, begin, end);
   });
   each_system([&](DirectJoints& system) { system.end_step(direct_input_); });
   if (joined_) {

@@ -13,7 +13,6 @@ namespace atl::solver {
 enum class SolveMode : std::uint8_t {
   Sweep,    ///< as the settings say
   Finer,    ///< in more substeps
-  Heap,     ///< in twice as many as the settings say
   Landing,  ///< in more substeps, for a step in which something lands
   Direct,   ///< at once
 };
@@ -23,7 +22,7 @@ int finer_by(const SolverSettings& settings, double dt);
 
 /// Follows which contacts carry more than soft ones are made for, and says what is done about their islands. A load has
 /// to stay for some steps, or it is an impact; of bodies that are new it is estimated at once. Tall columns, heavy
-/// bodies on light ones, large walls and heaps are what it finds, and landings of bodies alone. While there are none it costs
+/// bodies on light ones and large walls are what it finds, and landings of bodies alone. While there are none it costs
 /// nothing.
 class SolverSelection {
  public:
@@ -84,7 +83,6 @@ class SolverSelection {
 
   // What is known of an island by its bodies under strain.
   struct Symptoms {
-    std::size_t overloaded = 0;  // bodies
     bool lasts = false;
     bool crushes = false;
     bool sags = false;
