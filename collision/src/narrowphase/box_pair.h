@@ -31,8 +31,8 @@ inline SupportEdge support_edge(const Vector3& half_extents, const Vector3& dire
   return edge;
 }
 
-// Adds to a manifold what else of two boxes may meet within the margin (m): corners that would meet the other box along
-// the normal, and edges that would cross. `pair` has the manifold's reference first.
+// Adds to a manifold of crossing edges, whose reference is the first box, what else of the two may meet within the
+// margin (m): corners that would meet the other box along the normal, and edges that would cross.
 void add_other_features(const BoxPair& pair, double margin, Manifold& manifold);
 
 }  // namespace atl::collision

@@ -325,8 +325,7 @@ Narrowphase collide_boxes(const Vector3& half_first, const Vector3& half_second,
     by = take_axis(pair, best, answer, margin, size, manifold);
   }
   if (manifold.count > 0 && FaceAxis::unpacked(manifold.axis).code > 6 && is_fast) {
-    const BoxPair as_reference = manifold.reference_is_second ? pair.swapped() : pair;
-    add_other_features(as_reference, std::max(margin, size), manifold);
+    add_other_features(pair, std::max(margin, size), manifold);
   }
   return by;
 }

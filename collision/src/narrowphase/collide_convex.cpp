@@ -69,6 +69,9 @@ bool goes_first(const Solids& solids, const Reference& a, const Reference& b, st
   return round(a) && !round(b);
 }
 
+// Whether a shape is its core, with corners and edges of its own.
+bool is_polytope(const Shape& shape) { return shape.kind == ShapeKind::Box || shape.kind == ShapeKind::Hull; }
+
 // A vertex of what meets, of a core.
 int vertex_of(const Polytope& core, const Feature& feature) {
   if (feature.kind == Feature::Kind::Vertex) return feature.index;
@@ -81,7 +84,7 @@ FlatFace face_at(const Solids& solids, bool second, const LocalAxis& axis) {
   const Shape& shape = solids.shape(second);
   const Polytope& core = solids.core(second);
   const Feature& feature = second ? axis.second : axis.first;
-  if (shape.kind != ShapeKind::Box && shape.kind != ShapeKind::Hull) {
+  if (!is_polytope(shape)) {
     return flat_face_along(shape, core, solids.normal(second));
   }
   if (feature.kind == Feature::Kind::Face) return flat_face(shape, core, feature.index, solids.normal(second));
@@ -160,9 +163,8 @@ void face_manifold(const Solids& solids, const Reference& reference, const Local
   Outline outline;
   const Vector3 towards = -(rotation.transpose() * face.normal);
   const Polytope& core = solids.core(!second);
-  const bool has_vertices =
-      solids.shape(!second).kind == ShapeKind::Box || solids.shape(!second).kind == ShapeKind::Hull;
-  const int lowest = has_vertices ? core.climb(vertex_of(core, second ? axis.first : axis.second), towards) : -1;
+  const int lowest =
+      is_polytope(solids.shape(!second)) ? core.climb(vertex_of(core, second ? axis.first : axis.second), towards) : -1;
   const int incident_face = incident_outline(solids.shape(!second), core, towards, outline, lowest);
   for (int i = 0; i < outline.count; ++i) {
     Vector3& corner = outline.corners[static_cast<std::size_t>(i)].position;
@@ -287,7 +289,7 @@ Lines lines_at(const Solids& solids, bool second, const Feature& feature) {
   const Matrix3 rotation = second ? solids.pair.rotation : Matrix3(Matrix3::Identity());
   const Vector3& normal = solids.normal(second);
   const double sharp = 1e-3 * solids.pair.size();
-  if (shape.kind != ShapeKind::Box && shape.kind != ShapeKind::Hull) {
+  if (!is_polytope(shape)) {
     const SideLine side = side_line(shape, normal);
     // Where a side falls away by half a thousandth of the size. A cone's is sharp at the apex.
     const double width = shape.kind == ShapeKind::Cone ? sharp : std::sqrt(sharp * shape.radius);

@@ -52,11 +52,7 @@ bool looks_along(const SupportEdge& edge, const Vector3& direction) {
 class OtherFeatures {
  public:
   OtherFeatures(const BoxPair& pair, double margin, const Manifold& manifold)
-      : pair_(pair),
-        margin_(margin),
-        swapped_(manifold.reference_is_second),
-        normal_(manifold.normal),
-        seen_(pair.rotation.transpose() * manifold.normal) {
+      : pair_(pair), margin_(margin), normal_(manifold.normal), seen_(pair.rotation.transpose() * manifold.normal) {
     for (; count_ < manifold.count; ++count_) points_[at(count_)] = manifold.points[at(count_)];
     // Nothing of the incident box lies lower, and of the reference box higher.
     const Manifold::Point& deepest =
@@ -92,8 +88,7 @@ class OtherFeatures {
     const Vector3 incident = pair_.position + pair_.rotation * corner_of(pair_.half_incident, corner);
     if (normal_.dot(incident) - highest_ > margin_) return;
     const Entry entry = entry_into(pair_.half_reference, incident, -normal_);
-    add(incident, entry.distance,
-        swapped_ ? feature_pair_id(0, corner, 2, entry.face, 0) : feature_pair_id(2, entry.face, 0, corner, 0));
+    add(incident, entry.distance, feature_pair_id(2, entry.face, 0, corner, 0));
   }
 
   void add_reference_corner(int corner) {
@@ -101,8 +96,7 @@ class OtherFeatures {
     if (lowest_ - normal_.dot(reference) > margin_) return;
     const Entry entry =
         entry_into(pair_.half_incident, pair_.rotation.transpose() * (reference - pair_.position), seen_);
-    add(reference + entry.distance * normal_, entry.distance,
-        swapped_ ? feature_pair_id(2, entry.face, 0, corner, 0) : feature_pair_id(0, corner, 2, entry.face, 0));
+    add(reference + entry.distance * normal_, entry.distance, feature_pair_id(0, corner, 2, entry.face, 0));
   }
 
   // An edge that looks at the other box, in the frame of the reference box.
@@ -149,14 +143,13 @@ class OtherFeatures {
         if (std::abs(on_second) > pair_.half_incident[b.axis]) continue;
         const Vector3 position = middle + on_second * pair_.rotation.col(b.axis);
         add(position, normal_.dot(position - a.middle) - on_first * normal_[a.axis],
-            swapped_ ? edge_edge_id(b.axis, b.sides, a.axis, a.sides) : edge_edge_id(a.axis, a.sides, b.axis, b.sides));
+            edge_edge_id(a.axis, a.sides, b.axis, b.sides));
       }
     }
   }
 
   const BoxPair& pair_;
   double margin_;
-  bool swapped_;
   Vector3 normal_;
   Vector3 seen_;  // from the incident box
   double lowest_ = 0, highest_ = 0;

@@ -74,15 +74,16 @@ void disc_polygon(double radius, double height, bool up, FacePolygon& face) {
   }
 }
 
+// Takes a face that looks along a direction more directly than the best so far.
+void consider(const Polytope& core, int face, const Vector3& direction, FlatFace& best) {
+  const Vector3& normal = core.planes[face].normal;
+  const double cosine = normal.dot(direction);
+  if (cosine > best.cosine) best = {face, normal, cosine};
+}
+
 FlatFace best_plane(const Polytope& core, const Vector3& direction) {
   FlatFace best;
-  for (int f = 0; f < core.face_count; ++f) {
-    const double cosine = core.planes[f].normal.dot(direction);
-    if (cosine <= best.cosine) continue;
-    best.cosine = cosine;
-    best.number = f;
-  }
-  if (best.number >= 0) best.normal = core.planes[best.number].normal;
+  for (int face = 0; face < core.face_count; ++face) consider(core, face, direction, best);
   return best;
 }
 
@@ -90,13 +91,7 @@ FlatFace best_plane(const Polytope& core, const Vector3& direction) {
 
 FlatFace flat_face_at(const Polytope& core, int vertex, const Vector3& unit_direction) {
   FlatFace best;
-  core.for_each_face_at(vertex, [&](int face) {
-    const double cosine = core.planes[face].normal.dot(unit_direction);
-    if (cosine <= best.cosine) return;
-    best.cosine = cosine;
-    best.number = face;
-  });
-  if (best.number >= 0) best.normal = core.planes[best.number].normal;
+  core.for_each_face_at(vertex, [&](int face) { consider(core, face, unit_direction, best); });
   return best;
 }
 
