@@ -25,6 +25,8 @@
 #include <variant>
 #include <vector>
 
+#include "last_manifold.h"
+
 namespace {
 
 using namespace atl::collision;
@@ -89,19 +91,6 @@ Pair touching(const Shape& first, const Shape& second) {
     pair.poses.push_back({distance * direction, turn});
   }
   return pair;
-}
-
-// What is known of a manifold when the pair is looked at again.
-Manifold as_last(const Manifold& found) {
-  Manifold last;
-  last.axis = found.axis;
-  last.known = found.count > 0;
-  last.normal = found.normal;
-  last.reference_is_second = found.reference_is_second;
-  for (int i = 0; i < found.count; ++i) {
-    last.middle += found.points[static_cast<std::size_t>(i)].position / found.count;
-  }
-  return last;
 }
 
 void collide_pair(benchmark::State& state, const Pair& pair, bool kept) {

@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
 #include <limits>
 #include <numbers>
 #include <set>
@@ -16,48 +15,18 @@
 #include <vector>
 
 #include "random.h"
+#include "random_solids.h"
 
 namespace atl::collision {
 namespace {
 
+using test::hull_of;
 using test::Random;
+using test::Solids;
 
 constexpr double pi = std::numbers::pi;
 
 Quaternion about(const Vector3& axis, double angle) { return Quaternion(Eigen::AngleAxisd(angle, axis)); }
-
-Hull hull_of(const std::vector<Vector3>& points) { return std::get<Hull>(build_hull(points)); }
-
-// Hulls stay where they are as long as the store does.
-class Solids {
- public:
-  Shape random(ShapeKind kind, Random& random) {
-    switch (kind) {
-      case ShapeKind::Sphere:
-        return Shape::sphere(random.real(0.1, 0.5));
-      case ShapeKind::Capsule:
-        return Shape::capsule(random.real(0.1, 0.4), random.real(0.1, 0.6));
-      case ShapeKind::Box:
-        return Shape::box({random.real(0.1, 0.5), random.real(0.1, 0.5), random.real(0.1, 0.5)});
-      case ShapeKind::Cylinder:
-        return Shape::cylinder(random.real(0.1, 0.5), random.real(0.1, 0.5));
-      case ShapeKind::Cone:
-        return Shape::cone(random.real(0.15, 0.5), random.real(0.15, 0.5));
-      default: {
-        std::vector<Vector3> points;
-        for (int i = 0; i < 16; ++i) points.push_back(0.5 * random.direction());
-        return hull(hull_of(points));
-      }
-    }
-  }
-  Shape hull(Hull hull) {
-    hulls_.push_back(std::move(hull));
-    return Shape::convex_hull(hulls_.back());
-  }
-
- private:
-  std::deque<Hull> hulls_;
-};
 
 double separation_along(const Shape& a, const Shape& b, const Pose& second, const Vector3& n) {
   return n.dot(second.position) - reach_along(a, n) - reach_along(b, -(second.orientation.conjugate() * n));

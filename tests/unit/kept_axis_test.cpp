@@ -2,37 +2,21 @@
 // FCL is hardly asked.
 
 #include <collision/narrowphase/collide.h>
-#include <collision/shapes/convex.h>
-#include <collision/shapes/hull.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
-#include <cstdint>
+#include <cstddef>
 #include <limits>
 #include <ostream>
-#include <variant>
-#include <vector>
 
+#include "last_manifold.h"
 #include "random.h"
+#include "random_solids.h"
 
 namespace atl::collision {
 namespace {
 
 using test::Random;
-
-// What is known of a contact when it is looked at again.
-Manifold as_last(const Manifold& found) {
-  Manifold last;
-  last.axis = found.axis;
-  last.known = found.count > 0;
-  last.normal = found.normal;
-  last.reference_is_second = found.reference_is_second;
-  for (int i = 0; i < found.count; ++i) {
-    last.middle += found.points[static_cast<std::size_t>(i)].position / found.count;
-  }
-  return last;
-}
 
 double deepest(const Manifold& manifold) {
   double separation = std::numeric_limits<double>::infinity();
@@ -56,25 +40,6 @@ struct Kinds {
 
 class KeptAxis : public testing::TestWithParam<Kinds> {
  protected:
-  Shape solid(ShapeKind kind, Hull& hull) {
-    switch (kind) {
-      case ShapeKind::Capsule:
-        return Shape::capsule(random_.real(0.1, 0.4), random_.real(0.1, 0.6));
-      case ShapeKind::Box:
-        return Shape::box({random_.real(0.1, 0.5), random_.real(0.1, 0.5), random_.real(0.1, 0.5)});
-      case ShapeKind::Cylinder:
-        return Shape::cylinder(random_.real(0.1, 0.5), random_.real(0.1, 0.5));
-      case ShapeKind::Cone:
-        return Shape::cone(random_.real(0.15, 0.5), random_.real(0.15, 0.5));
-      default: {
-        std::vector<Vector3> points;
-        for (int i = 0; i < 24; ++i) points.push_back(0.5 * random_.direction());
-        hull = std::get<Hull>(build_hull(points));
-        return Shape::convex_hull(hull);
-      }
-    }
-  }
-
   Random random_{7};
 };
 
@@ -82,8 +47,9 @@ TEST_P(KeptAxis, PartsAsWellAsAFreshOne) {
   constexpr int pairs = 60, steps = 60;
   int looks = 0, asked = 0, worse = 0, lost = 0;
   for (int i = 0; i < pairs; ++i) {
-    Hull first_hull, second_hull;
-    const Shape first = solid(GetParam().first, first_hull), second = solid(GetParam().second, second_hull);
+    test::Solids solids;
+    const Shape first = solids.random(GetParam().first, random_, 24);
+    const Shape second = solids.random(GetParam().second, random_, 24);
     const double size = std::min(first.inner_radius, second.inner_radius);
     const double margin = 0.05 * size;
     Pose pose{(first.bounding_radius + second.bounding_radius) * random_.direction(), random_.rotation()};
