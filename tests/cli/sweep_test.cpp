@@ -421,9 +421,9 @@ TEST(CommandSweep, ADriverThatTakesLongIsNotTriedFurther) {
 
 TEST(CommandSweep, ADefaultThatFellHasNoStanding) {
   const ScratchDirectory scratch;
-  // At the default a tower of twenty that is left to sweeps buckles; at 16 substeps it stands.
+  // At the default a tower of forty that is left to sweeps buckles; at 16 substeps it stands.
   const CommandResult result =
-      run_atoll(sweep_of({write_stack(scratch, 20)}, scratch.path("out"), {"--substeps", "16", "--steps", "600"}));
+      run_atoll(sweep_of({write_stack(scratch, 40)}, scratch.path("out"), {"--substeps", "16", "--steps", "600"}));
   ASSERT_EQ(result.status, 0) << result.err;
   const Json scene = results_in(scratch.path("out"))["scenes"][0];
   ASSERT_EQ(scene["runs"].size(), 2u);

@@ -51,6 +51,24 @@ struct Softness {
   static Softness rigid(double correction, double h) { return {static_cast<float>(correction / h), 1, 0}; }
 };
 
+/// How soft contacts get stiffer under load. A spring gives by what it carries over its stiffness, and that goes by the
+/// masses of the two bodies, whatever lies on them. A contact that would give by more than tuning::stiffening_give has
+/// springs and dashpots as many times as strong, so that overlap goes as fast as before, but less of it stays.
+struct Stiffening {
+  float most = 1;      ///< how many times as stiff; 1: never
+  float give = 0;      ///< m by N s a substep and 1/kg, as stiff as contacts are otherwise
+  float response = 0;  ///< of the spring and dashpot to a change of speed, by that of the masses
+
+  /// What has a frequency of its own keeps it, and finer substeps are stiff as they are: to stiffen a tower in them has
+  /// it fall.
+  static Stiffening of(const SolverSettings& settings, double hertz, double h) {
+    const double omega = 2 * 3.14159265358979323846 * hertz;
+    const bool stiffens = settings.contact_hertz == 0 && settings.finer == 1;
+    return {stiffens ? tuning::most_stiffening : 1, static_cast<float>(1 / (h * omega * omega)),
+            static_cast<float>(h * omega * (2 * settings.contact_damping_ratio + h * omega))};
+  }
+};
+
 /// What the kernels need to know of a substep.
 struct SubstepConstants {
   float step;  ///< s, of all substeps together
@@ -59,6 +77,7 @@ struct SubstepConstants {
   float inverse_h;  ///< 1/s
   Softness dynamic_contact;
   Softness fixed_contact;  ///< against a body of infinite mass
+  Stiffening stiffening;   ///< of contacts between bodies that move
   Softness joint;          ///< of joints that are solved one by one
   float push_speed;        ///< m/s, of contacts of what isn't large
   float gravity = 0;       ///< m/s^2: what is large under it is pushed apart faster
@@ -81,6 +100,7 @@ struct SubstepConstants {
     if (settings.stabilisation == Stabilisation::Soft) {
       c.dynamic_contact = Softness::of(hertz, settings.contact_damping_ratio, h);
       c.fixed_contact = Softness::of(2 * hertz, settings.contact_damping_ratio, h);
+      c.stiffening = Stiffening::of(settings, hertz, h);
     } else {
       c.dynamic_contact = c.fixed_contact = Softness::rigid(settings.correction, h);
       c.slop = static_cast<float>(settings.slop);

@@ -17,6 +17,13 @@ inline constexpr double contact_hertz_limit = 0.25;
 /// By the substep rate, of joints that are swept: a net of joints that is swept once a substep rings up from 0.4 on.
 inline constexpr double joint_hertz_limit = 0.3;
 
+/// How far soft contacts may give under what they carry, in parts of the smaller body's half thickness, before they
+/// stiffen. `pile` overlaps by 10.6 mm in the mean without, by 5.5, 4.6 and 3.3 with 1.5%, 1% and half a percent, in
+/// the same time. A wall of 50 boxes then sinks by 8 cm instead of 17, and drifts by 25 instead of 5, which it doesn't
+/// with 1.5%.
+inline constexpr double stiffening_give = 0.01;
+/// With 4 and 16 `pile` overlaps by 5.0 and 4.5 mm; the stability suite holds with each.
+inline constexpr float most_stiffening = 8;
 /// rad a step: contacts of a body that turns by more are where they will be half way through it.
 inline constexpr double least_turn = 1e-5;
 /// rad a step, up to which a body is taken to turn on as it does: the part of the half turn that contacts are moved by
@@ -39,9 +46,9 @@ inline constexpr int landing_rounds = 7;
 /// Rounds over the points of each contact that bounces: with one, a face that hits flat would leave spinning. With 4 or
 /// 64 nothing moved.
 inline constexpr std::size_t restitution_rounds = 16;
-/// Of the speed that gravity gives in a substep: slower impacts don't bounce where nothing else is asked for. With 1, what
-/// lies is noise; a ball of restitution 0.8 that falls from 1 m comes to rest after 3.95 s with 2, with 25 after 3.3, and
-/// by its closed form after 4.06.
+/// Of the speed that gravity gives in a substep: slower impacts don't bounce where nothing else is asked for. With 1,
+/// what lies is noise; a ball of restitution 0.8 that falls from 1 m comes to rest after 3.95 s with 2, with 25
+/// after 3.3, and by its closed form after 4.06.
 inline constexpr double least_bounce = 2;
 /// Of friction in a bounce, each with all those after it.
 inline constexpr int bounce_rounds = 2;

@@ -66,16 +66,9 @@ HWY_INLINE unsigned loaded_lanes(const ContactKernelData& data, const ContactBlo
   const V scale =
       hn::IfThenElse(hn::Or(first_fixed, second_fixed), splat(data.constants.give_fixed), splat(data.constants.give));
   const V give = hn::Mul(hn::Mul(normal_impulse, hn::Add(first, second)), scale);
-  const V3 normal = load3(block.normal, lane);
-  constexpr auto least_square = static_cast<float>(tuning::least_thickness * tuning::least_thickness);
   constexpr auto give_square = static_cast<float>(tuning::column_give * tuning::column_give);
-  const auto square_of_half_thickness = [&](const V3& arm, const M& fixed) {
-    const V along = dot(normal, arm);
-    const V square = hn::Max(hn::Mul(along, along), hn::Mul(splat(least_square), dot(arm, arm)));
-    return hn::IfThenElse(fixed, splat(collision::no_point), square);
-  };
-  const V square = hn::Min(square_of_half_thickness(load3(block.anchor_first, lane), first_fixed),
-                           square_of_half_thickness(load3(block.anchor_second, lane), second_fixed));
+  const V square = square_of_half_thickness(load3(block.normal, lane), load3(block.anchor_first, lane), first_fixed,
+                                            load3(block.anchor_second, lane), second_fixed);
   const M over = hn::Gt(hn::Mul(give, give), hn::Mul(splat(give_square), square));
   if (HWY_LIKELY(hn::AllFalse(D(), over))) return 0;
   std::uint8_t bits[8] = {};

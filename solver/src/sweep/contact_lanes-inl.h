@@ -314,6 +314,18 @@ HWY_INLINE Plane tangential_response(const ContactLanes<>& c, V linear) {
           hn::Add(linear, angular_response(c, t2_first, t2_second, t2_first, t2_second))};
 }
 
+// m^2: of the thinner of the two bodies that move, along the normal from its centre of mass to the contact.
+HWY_INLINE V square_of_half_thickness(const V3& normal, const V3& arm_first, const M& first_fixed, const V3& arm_second,
+                                      const M& second_fixed) {
+  constexpr auto least_square = static_cast<float>(tuning::least_thickness * tuning::least_thickness);
+  const auto of = [&](const V3& arm, const M& fixed) {
+    const V along = dot(normal, arm);
+    const V square = hn::Max(hn::Mul(along, along), hn::Mul(splat(least_square), dot(arm, arm)));
+    return hn::IfThenElse(fixed, splat(collision::no_point), square);
+  };
+  return hn::Min(of(arm_first, first_fixed), of(arm_second, second_fixed));
+}
+
 // The normal impulses of a manifold's points and the speeds that they change.
 struct NormalSolve {
   V u, w1, w2;

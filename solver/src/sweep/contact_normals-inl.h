@@ -66,19 +66,12 @@ struct PointTargets {
   V soft_rate, soft_mass, soft_impulse;
 
   HWY_INLINE PointTargets(const ContactKernelData& of, const ContactBlock& contacts, std::size_t from)
-      : data(of), block(contacts), lane(from) {
-    const auto soft = [&](float of_fixed, float of_dynamic) {
-      if constexpr (!both_move<what::movers>) return splat(of_fixed);
-      const M fixed = hn::Or(hn::Eq(load(block.inverse_mass[0] + lane), zero()),
-                             hn::Eq(load(block.inverse_mass[1] + lane), zero()));
-      return hn::IfThenElse(fixed, splat(of_fixed), splat(of_dynamic));
-    };
-    const Softness& with_fixed = data.constants.fixed_contact;
-    const Softness& with_dynamic = data.constants.dynamic_contact;
-    soft_rate = soft(with_fixed.bias_rate, with_dynamic.bias_rate);
-    soft_mass = soft(with_fixed.mass_scale, with_dynamic.mass_scale);
-    soft_impulse = soft(with_fixed.impulse_scale, with_dynamic.impulse_scale);
-  }
+      : data(of),
+        block(contacts),
+        lane(from),
+        soft_rate(load(block.bias_rate + lane)),
+        soft_mass(load(block.mass_scale + lane)),
+        soft_impulse(load(block.impulse_scale + lane)) {}
 
   // Apart: may close the gap in this substep, no faster. Overlapping: a push, or nothing but a stop. Corrections
   // leave gaps to the velocities.

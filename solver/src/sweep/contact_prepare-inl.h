@@ -271,6 +271,41 @@ HWY_INLINE void prepare_push(const ContactKernelData& data, ContactBlock& block,
   store(hn::Mul(push, hn::Sqrt(growth)), block.push_speed + lane);
 }
 
+// How soft each contact is, by the load that it carried last: see Stiffening.
+HWY_INLINE void prepare_softness(const ContactKernelData& data, ContactBlock& block, std::size_t lane,
+                                 const ContactLanes<>& c) {
+  const M first_fixed = hn::Eq(c.inverse_mass_first, zero());
+  const M second_fixed = hn::Eq(c.inverse_mass_second, zero());
+  const M fixed = hn::Or(first_fixed, second_fixed);
+  const Softness& with_fixed = data.constants.fixed_contact;
+  const Softness& with_dynamic = data.constants.dynamic_contact;
+  const auto soft = [&](float Softness::*number) {
+    return hn::IfThenElse(fixed, splat(with_fixed.*number), splat(with_dynamic.*number));
+  };
+  store(soft(&Softness::bias_rate), block.bias_rate + lane);
+  store(soft(&Softness::mass_scale), block.mass_scale + lane);
+  store(soft(&Softness::impulse_scale), block.impulse_scale + lane);
+
+  const Stiffening& stiffening = data.constants.stiffening;
+  if (!(stiffening.most > 1)) return;
+  const float(*pushes)[block_lanes] = block.normal_impulse;
+  const V carries = hn::Add(hn::Add(load(pushes[0] + lane), load(pushes[1] + lane)),
+                            hn::Add(load(pushes[2] + lane), load(pushes[3] + lane)));
+  const V inverse_mass = hn::Add(c.inverse_mass_first, c.inverse_mass_second);
+  const V gives = hn::Mul(hn::Mul(carries, inverse_mass), splat(stiffening.give));
+  constexpr auto part = static_cast<float>(tuning::stiffening_give * tuning::stiffening_give);
+  const V most_square = hn::Mul(
+      splat(part), square_of_half_thickness(c.normal, c.anchor_first, first_fixed, c.anchor_second, second_fixed));
+  const M over = hn::AndNot(fixed, hn::Gt(hn::Mul(gives, gives), most_square));
+  if (HWY_LIKELY(!any(over))) return;
+  const V times = hn::Div(gives, hn::Sqrt(hn::IfThenElse(over, most_square, splat(1))));
+  const V response = hn::Mul(splat(stiffening.response), hn::Min(times, splat(stiffening.most)));
+  const V leak = hn::Div(splat(1), hn::Add(splat(1), response));
+  const auto stiffen = [&](V number, float* of) { store(hn::IfThenElse(over, number, load(of + lane)), of + lane); };
+  stiffen(hn::Mul(response, leak), block.mass_scale);
+  stiffen(leak, block.impulse_scale);
+}
+
 HWY_INLINE void prepare_lanes(const ContactKernelData& data, std::size_t b, std::size_t lane, ContactTraits& traits) {
   ContactBlock& block = data.blocks[b];
   ManifoldLanes m = load_manifolds(
@@ -296,6 +331,7 @@ HWY_INLINE void prepare_lanes(const ContactKernelData& data, std::size_t b, std:
   }
   if (locks) twists = hn::AndNot(in_plane.planar, twists);
   store_impulses(block, lane, c, m, splat(1 / data.constants.finer), rubs, twists);
+  prepare_softness(data, block, lane, c);
   prepare_masses(block, lane, c, rubs, twists);
   if (locks) {
     traits.locked |= lock_contacts(data.bodies, block, lane, c, rubs, in_plane.planar, m.separation);

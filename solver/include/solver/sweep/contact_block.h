@@ -50,7 +50,10 @@ struct alignas(64) ContactBlock {
   float twist_mass[block_lanes];
   float friction[block_lanes];
   float lever[block_lanes];
-  float push_speed[block_lanes];   ///< m/s, the fastest that overlap is pushed apart
+  float push_speed[block_lanes];  ///< m/s, the fastest that overlap is pushed apart
+  float bias_rate[block_lanes];   ///< its Softness
+  float mass_scale[block_lanes];
+  float impulse_scale[block_lanes];
   std::int32_t slot[block_lanes];  ///< of the contact; -1 in a lane without one
   std::uint8_t write_first;        ///< bit a lane: the first body is dynamic
   std::uint8_t write_second;
