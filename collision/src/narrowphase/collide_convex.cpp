@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "narrowphase/convex_axis.h"
+#include "narrowphase/feature_axis.h"
 #include "narrowphase/line_contact.h"
 #include "narrowphase/sphere_solid.h"
 
@@ -246,20 +247,18 @@ bool stands_in_nearby(const Solids& solids, const Reference& reference, const Ma
 // The feature of the shape that a feature of its core stands for.
 Feature shape_feature(const Shape& shape, const Polytope& core, const Feature& feature) {
   using enum Feature::Kind;
-  const bool cone = shape.kind == ShapeKind::Cone;
-  if (!cone && shape.kind != ShapeKind::Cylinder) return feature;
-  const auto around = [&](int vertex) { return vertex / Core::sides; };  // ring, or apex
-  switch (feature.kind) {
-    case Vertex:
-      if (cone && feature.index == Core::sides) return {Vertex, 0};
-      return {Edge, around(feature.index)};
-    case Edge: {
-      const Hull::Edge& edge = core.edges[feature.index];
-      if (around(edge.tail) == around(edge.head)) return {Edge, around(edge.tail)};
+  if (!is_round(shape.kind)) return feature;
+  switch (round_feature(shape, core, feature)) {
+    case RoundFeature::UpperRim:
+      return {Edge, 0};
+    case RoundFeature::LowerRim:
+      return {Edge, shape.kind == ShapeKind::Cone ? 0 : 1};
+    case RoundFeature::Apex:
+      return {Vertex, 0};
+    case RoundFeature::Side:
       return {Face, 2};
-    }
-    case Face:
-      return {Face, feature.index < (cone ? 1 : 2) ? feature.index : 2};
+    case RoundFeature::Cap:
+      break;
   }
   return feature;
 }
@@ -430,25 +429,34 @@ Narrowphase collide_convex(const Shape& first_shape, const Shape& second_shape, 
     last = {true, of_second ? Vector3(-(pair.rotation * normal)) : normal,
             of_second ? Vector3(pair.position + pair.rotation * middle) : middle, previous};
   }
-  AxisSearch found = find_axis(pair, margin, last, solids.first_core, solids.second_core);
-  if (!found.touches) {
-    manifold.gap = found.gap;
-    return found.by;
-  }
+  AxisSearch found;
   LocalAxis& axis = found.axis;
+  bool settled = find_on_last_features(pair, last, solids.first_core, solids.second_core, axis);
+  if (settled) {
+    found.by = Narrowphase::Kept;
+  } else {
+    found = find_axis(pair, margin, last, solids.first_core, solids.second_core);
+    if (!found.touches) {
+      manifold.gap = found.gap;
+      return found.by;
+    }
+  }
   solids.set_normal(axis.normal);
 
   if (pair.has_round()) {
-    if (flat_contact(solids, axis, margin, previous, manifold)) return found.by;
-    refine_axis(pair, last, solids.first_core, solids.second_core, axis);
+    if (!settled) {
+      if (flat_contact(solids, axis, margin, previous, manifold)) return found.by;
+      settled = settle_on_features(pair, solids.first_core.polytope(), solids.second_core.polytope(), axis);
+      if (!settled) refine_axis(pair, last, solids.first_core, solids.second_core, axis);
+      solids.set_normal(axis.normal);
+    }
     if (!(axis.separation <= margin)) {
       manifold.gap = axis.separation;
       return found.by;
     }
-    solids.set_normal(axis.normal);
   }
   if (face_contact(solids, axis, margin, previous, manifold)) return found.by;
-  manifold.axis = edges_of(solids, axis);
+  manifold.axis = settled ? packed_features(axis) : edges_of(solids, axis);
   if (!line_manifold(solids, axis, margin, manifold)) point_manifold(solids, axis, manifold);
   return found.by;
 }

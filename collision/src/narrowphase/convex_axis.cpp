@@ -39,10 +39,7 @@ void try_faces(const Polytope& first, const Polytope& second, const SolidPair& p
 
 // Whether a feature of a round shape's core lies on its side: a side or an edge between two, not a cap or a rim.
 bool is_on_side(const Shape& shape, const Polytope& core, const Feature& feature) {
-  if (feature.kind == Feature::Kind::Face) return feature.index >= (shape.kind == ShapeKind::Cone ? 1 : 2);
-  if (feature.kind == Feature::Kind::Vertex) return false;
-  const Hull::Edge& edge = core.edges[feature.index];
-  return edge.tail / Core::sides != edge.head / Core::sides;
+  return round_feature(shape, core, feature) == RoundFeature::Side;
 }
 
 // Where to look closer at a round shape: around the contact, or along the normal, if that is on the side or on the
@@ -174,6 +171,7 @@ LocalAxis walk_from(const KnownAxis& known, Descent& descent) {
       return descent.from_face_of_second(axis.number);
     case AxisOf::Edges:
       return descent.from_edges(axis.number, axis.second_number, known.normal);
+    case AxisOf::Features:
     case AxisOf::None:
       break;
   }
@@ -240,6 +238,24 @@ void refine_axis(const SolidPair& pair, const KnownAxis& known, Core& first, Cor
   axis.on_second -= second.radius() * axis.normal;
   axis.separation = best_separation;
   settle_witness(pair, first.polytope(), second.polytope(), axis);
+}
+
+RoundFeature round_feature(const Shape& shape, const Polytope& core, const Feature& feature) {
+  using enum RoundFeature;
+  const bool cone = shape.kind == ShapeKind::Cone;
+  const auto ring = [](int vertex) { return vertex / Core::sides; };  // or the apex
+  const auto rim = [&](int number) { return cone || number == 1 ? LowerRim : UpperRim; };
+  switch (feature.kind) {
+    case Feature::Kind::Vertex:
+      return cone && feature.index == Core::sides ? Apex : rim(ring(feature.index));
+    case Feature::Kind::Edge: {
+      const Hull::Edge& edge = core.edges[feature.index];
+      return ring(edge.tail) == ring(edge.head) ? rim(ring(edge.tail)) : Side;
+    }
+    case Feature::Kind::Face:
+      return feature.index < (cone ? 1 : 2) ? Cap : Side;
+  }
+  return Cap;
 }
 
 bool SolidPair::has_round() const { return is_round(first.kind) || is_round(second.kind); }
