@@ -188,6 +188,15 @@ double deepest_of(const Manifold& manifold) {
   return deepest;
 }
 
+int deepest_point(const Manifold& manifold) {
+  const auto separation = [&](int i) { return manifold.points[static_cast<std::size_t>(i)].separation; };
+  int deepest = 0;
+  for (int i = 1; i < manifold.count; ++i) {
+    if (separation(i) < separation(deepest)) deepest = i;
+  }
+  return deepest;
+}
+
 // Whether a point as deep as the incident shape goes along the face's normal lies over the face itself. No direction
 // nearby can be better then.
 bool is_best_nearby(const Solids& solids, const Reference& reference, const Manifold& manifold) {
@@ -391,17 +400,49 @@ bool face_contact(const Solids& solids, const LocalAxis& axis, double margin, st
 
 // Round shapes that lie flat: where the axis is a face's normal and the best for the shapes themselves, it needn't be
 // refined.
+bool lies_flat(const Solids& solids, const Reference& reference, const LocalAxis& axis, double margin,
+               Manifold& manifold) {
+  face_manifold(solids, reference, axis, margin, manifold);
+  return is_best_nearby(solids, reference, manifold) || stands_in_nearby(solids, reference, manifold);
+}
+
 bool flat_contact(const Solids& solids, const LocalAxis& axis, double margin, std::uint32_t previous,
                   Manifold& manifold) {
   const References references = reference_faces(solids, axis, previous);
   for (int i = 0; i < references.count; ++i) {
-    const Reference& reference = references.faces[static_cast<std::size_t>(i)];
-    face_manifold(solids, reference, axis, margin, manifold);
-    if (is_best_nearby(solids, reference, manifold) || stands_in_nearby(solids, reference, manifold)) return true;
+    if (lies_flat(solids, references.faces[static_cast<std::size_t>(i)], axis, margin, manifold)) return true;
   }
   manifold.axis = 0;
   manifold.count = 0;
   return false;
+}
+
+// The same of the last face, before any axis is looked for. As far as that may be missed one stays on the last face.
+bool still_flat(Solids& solids, double margin, std::uint32_t previous, AxisSearch& found, Manifold& manifold) {
+  const PackedAxis last = PackedAxis::unpacked(previous);
+  if (last.of != AxisOf::FaceOfFirst && last.of != AxisOf::FaceOfSecond) return false;
+  const SolidPair& pair = solids.pair;
+  const bool second = last.of == AxisOf::FaceOfSecond;
+  if (!is_round(pair.first.kind)) solids.first_core.build(pair.first);
+  if (!is_round(pair.second.kind)) solids.second_core.build(pair.second);
+  const Reference reference =
+      solids.measured(second, flat_face(solids.shape(second), solids.core(second), last.number, Vector3::UnitZ()));
+  const Vector3& outward = reference.face.normal;
+  LocalAxis& axis = found.axis;
+  axis.normal = second ? Vector3(-(pair.rotation * outward)) : outward;
+  axis.separation = reference.separation;
+  found.by = Narrowphase::Kept;
+  found.gap = axis.separation;
+  found.touches = axis.separation <= margin;
+  if (!found.touches) return true;
+  solids.set_normal(axis.normal);
+  (second ? axis.second : axis.first) = {Feature::Kind::Face, last.number};
+  const int lowest = is_polytope(solids.shape(!second)) ? solids.core(!second).support(solids.normal(!second)) : 0;
+  (second ? axis.first : axis.second) = {Feature::Kind::Vertex, lowest};
+  if (!lies_flat(solids, reference, axis, margin, manifold)) return false;
+  const Vector3& deepest = manifold.points[static_cast<std::size_t>(deepest_point(manifold))].position;
+  axis.on_second = second ? Vector3(pair.position + pair.rotation * deepest + axis.separation * axis.normal) : deepest;
+  return !face_may_be_better(pair, solids.core(false), solids.core(true), axis, hysteresis * pair.size());
 }
 
 }  // namespace
@@ -431,6 +472,12 @@ Narrowphase collide_convex(const Shape& first_shape, const Shape& second_shape, 
   }
   AxisSearch found;
   LocalAxis& axis = found.axis;
+  if (known && pair.has_round() && still_flat(solids, margin, previous, found, manifold)) {
+    if (!found.touches) manifold.gap = found.gap;
+    return found.by;
+  }
+  manifold.axis = 0;
+  manifold.count = 0;
   bool settled = find_on_last_features(pair, last, solids.first_core, solids.second_core, axis);
   if (settled) {
     found.by = Narrowphase::Kept;

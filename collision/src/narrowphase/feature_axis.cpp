@@ -233,14 +233,15 @@ Feature unpacked(int feature) {
   return {static_cast<Feature::Kind>(feature >> index_bits), feature & ((1 << index_bits) - 1)};
 }
 
-// Whether a face that isn't the one that meets may part overlapping solids better than the axis, as in find_axis(). Of
-// round solids: the caps, and the side where it is nearest to the contact.
-bool faces_may_be_better(const SolidPair& pair, const Polytope& core, bool second, const LocalAxis& axis) {
+bool faces_may_be_better(const SolidPair& pair, const Polytope& core, bool second, const LocalAxis& axis,
+                         double slack) {
   const double size = pair.size();
-  const Vector3 point = second ? Vector3(pair.rotation.transpose() * (axis.on_second - pair.position))
-                               : Vector3(axis.on_second - axis.separation * axis.normal);
+  // The other solid's, which is at least as deep in any face as that parts the solids by.
+  const Vector3 point =
+      second ? Vector3(pair.rotation.transpose() * (axis.on_second - axis.separation * axis.normal - pair.position))
+             : axis.on_second;
   const auto may_be_better = [&](const Vector3& normal, double offset) {
-    if (normal.dot(point) - offset <= axis.separation + 1e-9 * size) return false;
+    if (normal.dot(point) - offset <= axis.separation + slack) return false;
     const Vector3 outward = second ? Vector3(-(pair.rotation * normal)) : normal;
     return pair.separation_along(outward) > 2 * axis.separation - 0.02 * size;
   };
@@ -278,8 +279,13 @@ bool find_on_last_features(const SolidPair& pair, const KnownAxis& known, Core& 
   axis.second = unpacked(last.second_number);
   axis.confirmed = true;
   if (!settle_on_features(pair, first.polytope(), second.polytope(), axis)) return false;
-  return axis.separation >= 0 || (!faces_may_be_better(pair, first.polytope(), false, axis) &&
-                                  !faces_may_be_better(pair, second.polytope(), true, axis));
+  return !face_may_be_better(pair, first.polytope(), second.polytope(), axis, 1e-9 * pair.size());
+}
+
+bool face_may_be_better(const SolidPair& pair, const Polytope& first, const Polytope& second, const LocalAxis& axis,
+                        double slack) {
+  return axis.separation < 0 &&
+         (faces_may_be_better(pair, first, false, axis, slack) || faces_may_be_better(pair, second, true, axis, slack));
 }
 
 bool settle_on_features(const SolidPair& pair, const Polytope& first, const Polytope& second, LocalAxis& axis) {

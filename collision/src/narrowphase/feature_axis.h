@@ -11,6 +11,11 @@ namespace atl::collision {
 /// features become those that need no core: a vertex for a rim, a face for the side.
 bool settle_on_features(const SolidPair& pair, const Polytope& first, const Polytope& second, LocalAxis& axis);
 
+/// Whether a face that isn't the one that meets may part overlapping solids better than the axis by more than `slack`
+/// (m), as in find_axis(). Of cylinders and cones: the caps, and the side where it is nearest to the contact.
+bool face_may_be_better(const SolidPair& pair, const Polytope& first, const Polytope& second, const LocalAxis& axis,
+                        double slack);
+
 /// PackedAxis of an axis so settled; and the axis of the same features for the solids as they lie now, if it is still
 /// the best near by and no face may part them better. Builds the cores but of cylinders and cones.
 std::uint32_t packed_features(const LocalAxis& axis);
