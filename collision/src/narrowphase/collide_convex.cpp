@@ -42,6 +42,9 @@ struct Solids {
   Vector3 normal_first;   // of the best axis, out of the first, its frame
   Vector3 normal_second;  // out of the second, its frame
 
+  // The cores are large, and stay as they are until they are built.
+  explicit Solids(const SolidPair& solids) : pair(solids) {}
+
   const Shape& shape(bool second) const { return second ? pair.second : pair.first; }
   const Polytope& core(bool second) const { return (second ? second_core : first_core).polytope(); }
   const Vector3& normal(bool second) const { return second ? normal_second : normal_first; }
@@ -460,7 +463,7 @@ Narrowphase collide_convex(const Shape& first_shape, const Shape& second_shape, 
     collide_capsules(first_shape, second_shape, second, margin, manifold);
     return Narrowphase::ClosedForm;
   }
-  Solids solids{{first_shape, second_shape, second.position, second.orientation.toRotationMatrix()}, {}, {}, {}, {}};
+  Solids solids({first_shape, second_shape, second.position, second.orientation.toRotationMatrix()});
   const SolidPair& pair = solids.pair;
   KnownAxis last;
   if (known) {

@@ -10,6 +10,25 @@
 namespace atl::collision {
 namespace {
 
+// The first face from one on that a point lies farther beyond than a limit (m), or nearly: four at a time, most fail.
+int next_face_beyond(const Polytope& polytope, int face, const Vector3& point, double limit) {
+  const double x = point.x();
+  const double y = point.y();
+  const double z = point.z();
+  const auto beyond = [&](int f) {
+    const Hull::Plane& plane = polytope.planes[f];
+    return plane.normal.x() * x + plane.normal.y() * y + (plane.normal.z() * z - plane.offset);
+  };
+  const auto larger = [](double a, double b) { return a > b ? a : b; };
+  const int count = polytope.face_count;
+  while (face + 3 < count &&
+         larger(larger(beyond(face), beyond(face + 1)), larger(beyond(face + 2), beyond(face + 3))) <= limit) {
+    face += 4;
+  }
+  while (face < count && beyond(face) <= limit) ++face;
+  return face;
+}
+
 // A face can only do better than what was found if it is nearer to a point that both solids share, or almost.
 // Where the overlap is shallow that leaves the faces that meet at the contact. From those that are not much
 // worse another descent starts.
@@ -17,7 +36,11 @@ void try_faces(const Polytope& first, const Polytope& second, const SolidPair& p
                LocalAxis& best) {
   const double slack = 1e-9 * pair.size();
   const auto promising = [&](double separation) { return separation > 2 * best.separation - 0.02 * pair.size(); };
-  for (int f = 0; f < first.face_count && best.separation < 0; ++f) {
+  const auto next_of = [&](const Polytope& polytope, int face, const Vector3& point) {
+    return next_face_beyond(polytope, face, point, best.separation + 0.999 * slack);
+  };
+  for (int f = next_of(first, 0, best.on_second); f < first.face_count && best.separation < 0;
+       f = next_of(first, f + 1, best.on_second)) {
     const Hull::Plane& plane = first.planes[f];
     if (plane.normal.dot(best.on_second) - plane.offset <= best.separation + slack) continue;
     if (best.first.kind == Feature::Kind::Face && best.first.index == f) continue;
@@ -25,15 +48,20 @@ void try_faces(const Polytope& first, const Polytope& second, const SolidPair& p
     const LocalAxis axis = descent.from_face_of_first(f);
     if (axis.separation > best.separation + slack) best = axis;
   }
-  for (int f = 0; f < second.face_count && best.separation < 0; ++f) {
+  const auto on_first = [&] {
+    return Vector3(pair.rotation.transpose() * (best.on_second - best.separation * best.normal - pair.position));
+  };
+  Vector3 point = on_first();
+  for (int f = next_of(second, 0, point); f < second.face_count && best.separation < 0;
+       f = next_of(second, f + 1, point)) {
     const Hull::Plane& plane = second.planes[f];
-    const Vector3 on_first = best.on_second - best.separation * best.normal;
-    const Vector3 point = pair.rotation.transpose() * (on_first - pair.position);
     if (plane.normal.dot(point) - plane.offset <= best.separation + slack) continue;
     if (best.second.kind == Feature::Kind::Face && best.second.index == f) continue;
     if (!promising(descent.separation_from_second(f))) continue;
     const LocalAxis axis = descent.from_face_of_second(f);
-    if (axis.separation > best.separation + slack) best = axis;
+    if (axis.separation <= best.separation + slack) continue;
+    best = axis;
+    point = on_first();
   }
 }
 
