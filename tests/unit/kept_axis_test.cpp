@@ -19,14 +19,6 @@ namespace {
 
 using test::Random;
 
-double deepest(const Manifold& manifold) {
-  double separation = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < manifold.count; ++i) {
-    separation = std::min(separation, manifold.points[static_cast<std::size_t>(i)].separation);
-  }
-  return separation;
-}
-
 // From the first shape to the second, frame of the first.
 Vector3 normal_of(const Manifold& manifold, const Pose& second) {
   return manifold.reference_is_second ? Vector3(-(second.orientation * manifold.normal)) : manifold.normal;
@@ -62,7 +54,7 @@ TEST_P(KeptAxis, PartsAsWellAsAFreshOne) {
     }
     for (int step = 0; step < steps; ++step) {
       // They stay as deep in each other as a hundredth of their size, and slide and turn.
-      pose.position -= (deepest(found) + 0.01 * size) * normal_of(found, pose);
+      pose.position -= (found.least_separation() + 0.01 * size) * normal_of(found, pose);
       pose.position += 0.005 * size * random_.direction();
       pose.orientation = (random_.rotation(0.01) * pose.orientation).normalized();
       Manifold kept = as_last(found), fresh;
@@ -70,7 +62,7 @@ TEST_P(KeptAxis, PartsAsWellAsAFreshOne) {
       collide(first, second, pose, margin, fresh);
       ++looks;
       lost += kept.count == 0 && fresh.count > 0;
-      worse += kept.count > 0 && fresh.count > 0 && deepest(kept) < deepest(fresh) - 2e-3 * size;
+      worse += kept.count > 0 && fresh.count > 0 && kept.least_separation() < fresh.least_separation() - 2e-3 * size;
       found = fresh.count > 0 && kept.count == 0 ? fresh : kept;
       if (found.count == 0) break;
     }
@@ -111,15 +103,15 @@ TEST_P(KeptAxis, IsBetterThanThoseBesideIt) {
       if (found.count != 1) continue;
       ++points;
       const Vector3 normal = normal_of(found, pose);
-      EXPECT_NEAR(separation_along(first, second, pose, normal), deepest(found), 1e-9 * size);
+      EXPECT_NEAR(separation_along(first, second, pose, normal), found.least_separation(), 1e-9 * size);
       double best = -std::numeric_limits<double>::infinity();
       for (int k = 0; k < 16; ++k) {
         const Vector3 beside = (normal + 1e-4 * random_.direction()).normalized();
         best = std::max(best, separation_along(first, second, pose, beside));
       }
-      EXPECT_LT(best, deepest(found) + 1e-3 * size);
+      EXPECT_LT(best, found.least_separation() + 1e-3 * size);
       // Of two rims the axis is that of their polygons.
-      worse += best > deepest(found) + 1e-8 * size;
+      worse += best > found.least_separation() + 1e-8 * size;
     }
   }
   EXPECT_GT(points, pairs);

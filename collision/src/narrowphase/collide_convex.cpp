@@ -183,23 +183,6 @@ void face_manifold(const Solids& solids, const Reference& reference, const Local
   manifold.axis = reference.packed();
 }
 
-double deepest_of(const Manifold& manifold) {
-  double deepest = INFINITY;
-  for (int i = 0; i < manifold.count; ++i) {
-    deepest = std::min(deepest, manifold.points[static_cast<std::size_t>(i)].separation);
-  }
-  return deepest;
-}
-
-int deepest_point(const Manifold& manifold) {
-  const auto separation = [&](int i) { return manifold.points[static_cast<std::size_t>(i)].separation; };
-  int deepest = 0;
-  for (int i = 1; i < manifold.count; ++i) {
-    if (separation(i) < separation(deepest)) deepest = i;
-  }
-  return deepest;
-}
-
 // Whether a point as deep as the incident shape goes along the face's normal lies over the face itself. No direction
 // nearby can be better then.
 bool is_best_nearby(const Solids& solids, const Reference& reference, const Manifold& manifold) {
@@ -327,7 +310,7 @@ bool line_manifold(const Solids& solids, const LocalAxis& axis, double margin, M
       const SurfaceLine& line = second.lines[static_cast<std::size_t>(j)];
       manifold.count = 0;
       if (!line_points(first.lines[static_cast<std::size_t>(i)], line, axis.normal, margin, manifold)) continue;
-      const double error = std::abs(deepest_of(manifold) - axis.separation);
+      const double error = std::abs(manifold.least_separation() - axis.separation);
       if (error <= depth_tolerance * solids.pair.size()) return true;
     }
   }
@@ -387,7 +370,7 @@ bool face_contact(const Solids& solids, const LocalAxis& axis, double margin, st
     face_manifold(solids, reference, axis, margin, manifold);
     if (manifold.count == 0) continue;
     const double allowed = reference.packed() == previous ? hysteresis : depth_tolerance;
-    if (std::abs(deepest_of(manifold) - axis.separation) <= allowed * size) return true;
+    if (std::abs(manifold.least_separation() - axis.separation) <= allowed * size) return true;
   }
   for (int i = 0; i < references.count; ++i) {
     const Reference& reference = references.faces[static_cast<std::size_t>(i)];
@@ -443,7 +426,7 @@ bool still_flat(Solids& solids, double margin, std::uint32_t previous, AxisSearc
   const int lowest = is_polytope(solids.shape(!second)) ? solids.core(!second).support(solids.normal(!second)) : 0;
   (second ? axis.first : axis.second) = {Feature::Kind::Vertex, lowest};
   if (!lies_flat(solids, reference, axis, margin, manifold)) return false;
-  const Vector3& deepest = manifold.points[static_cast<std::size_t>(deepest_point(manifold))].position;
+  const Vector3& deepest = manifold.points[static_cast<std::size_t>(manifold.deepest())].position;
   axis.on_second = second ? Vector3(pair.position + pair.rotation * deepest + axis.separation * axis.normal) : deepest;
   return !face_may_be_better(pair, solids.core(false), solids.core(true), axis, hysteresis * pair.size());
 }

@@ -305,7 +305,8 @@ AxisSearch find_axis(const SolidPair& pair, double margin, const KnownAxis& know
   if (known.exists) {
     found.axis = walk_from(known, descent);
     settle(Narrowphase::Kept);
-    if (found.axis.confirmed && found.axis.normal.dot(known.normal) > nearly_same_axis) return found;
+    const bool apart = found.gap > margin;
+    if (found.axis.confirmed && (apart || found.axis.normal.dot(known.normal) > nearly_same_axis)) return found;
   } else {
     found.axis = descent.from_direction(usable(Vector3::Zero(), pair));
     settle(Narrowphase::ClosedForm);
