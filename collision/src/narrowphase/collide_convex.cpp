@@ -479,8 +479,8 @@ Narrowphase collide_convex(const Shape& first_shape, const Shape& second_shape, 
   if (pair.has_round()) {
     if (!settled) {
       if (flat_contact(solids, axis, margin, previous, manifold)) return found.by;
-      settled = settle_on_features(pair, solids.first_core.polytope(), solids.second_core.polytope(), axis);
-      if (!settled) refine_axis(pair, last, solids.first_core, solids.second_core, axis);
+      settled = settle_on_features(pair, solids.first_core.polytope(), solids.second_core.polytope(), axis) ||
+                refine_axis(pair, last, solids.first_core, solids.second_core, axis);
       solids.set_normal(axis.normal);
     }
     if (!(axis.separation <= margin)) {

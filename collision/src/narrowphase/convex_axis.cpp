@@ -7,6 +7,8 @@
 #include <array>
 #include <cmath>
 
+#include "narrowphase/feature_axis.h"
+
 namespace atl::collision {
 namespace {
 
@@ -226,9 +228,9 @@ double SolidPair::separation_along(const Vector3& normal) const {
   return normal.dot(position) - reach_along(first, normal) - reach_along(second, -(rotation.transpose() * normal));
 }
 
-// Puts sides ever closer around where the shapes meet, until that stays where it is.
-void refine_axis(const SolidPair& pair, const KnownAxis& known, Core& first, Core& second, LocalAxis& axis) {
-  if (!pair.has_round()) return;
+// Puts sides ever closer around where the shapes meet, until the features that meet settle or that stays where it is.
+bool refine_axis(const SolidPair& pair, const KnownAxis& known, Core& first, Core& second, LocalAxis& axis) {
+  if (!pair.has_round()) return false;
   constexpr int last_level = Core::levels - 1;
   constexpr int most_rounds = 10;
   // rad, by level: as far as the sides are dense; of the last, where they are less than 0.1 degrees apart.
@@ -248,6 +250,12 @@ void refine_axis(const SolidPair& pair, const KnownAxis& known, Core& first, Cor
     Descent descent(first.polytope(), second.polytope(), pair.position, pair.rotation);
     axis = descent.from_direction(axis.normal);
     const double separation = pair.separation_along(axis.normal);
+    LocalAxis exact = axis;
+    if (settle_on_features(pair, first.polytope(), second.polytope(), exact) &&
+        exact.separation >= best_separation - 1e-12 * pair.size()) {
+      axis = exact;
+      return true;
+    }
     // Of axes that are equal but for rounding, the features of the last lie closest.
     if (separation >= best_separation - 1e-12 * pair.size()) {
       best = axis;
@@ -266,6 +274,7 @@ void refine_axis(const SolidPair& pair, const KnownAxis& known, Core& first, Cor
   axis.on_second -= second.radius() * axis.normal;
   axis.separation = best_separation;
   settle_witness(pair, first.polytope(), second.polytope(), axis);
+  return false;
 }
 
 RoundFeature round_feature(const Shape& shape, const Polytope& core, const Feature& feature) {

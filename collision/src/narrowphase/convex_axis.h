@@ -66,7 +66,8 @@ enum class RoundFeature { UpperRim, LowerRim, Apex, Side, Cap };
 RoundFeature round_feature(const Shape& shape, const Polytope& core, const Feature& feature);
 
 /// Turns the axis found to the best for cylinders and cones themselves, within 0.05 degrees. Nothing to do for
-/// other shapes. Looks first where the shapes are known to have touched.
-void refine_axis(const SolidPair& pair, const KnownAxis& known, Core& first, Core& second, LocalAxis& axis);
+/// other shapes. Looks first where the shapes are known to have touched. Whether it ends on features that settle, see
+/// settle_on_features().
+bool refine_axis(const SolidPair& pair, const KnownAxis& known, Core& first, Core& second, LocalAxis& axis);
 
 }  // namespace atl::collision
