@@ -44,14 +44,6 @@ Separation best_axis(const Vector3& a, const Vector3& b, const Pose& second, boo
   return best;
 }
 
-double deepest(const Manifold& manifold) {
-  double depth = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < manifold.count; ++i) {
-    depth = std::min(depth, manifold.points[static_cast<std::size_t>(i)].separation);
-  }
-  return depth;
-}
-
 // The normal from the first box to the second, in the first's frame.
 Vector3 normal_of(const Manifold& manifold, const Pose& second) {
   return manifold.reference_is_second ? Vector3(-(second.orientation * manifold.normal)) : manifold.normal;
@@ -91,11 +83,11 @@ TEST(CollideBoxes, ShallowOverlapHasTheExactAxisAndDepth) {
       const double angle = normal_of(manifold, second).cross(face.normal).norm();
       // Another face may be as good.
       if (angle < 0.0017) ++faces;
-      ASSERT_NEAR(deepest(manifold), face.distance, 2e-3 * size) << i;
+      ASSERT_NEAR(manifold.least_separation(), face.distance, 2e-3 * size) << i;
     } else if (face.distance < edge.distance - 0.03 * size) {
       ASSERT_EQ(manifold.count, 1) << i;
       ASSERT_LT(normal_of(manifold, second).cross(edge.normal).norm(), 0.0017) << i;
-      ASSERT_NEAR(deepest(manifold), edge.distance, 1e-9) << i;
+      ASSERT_NEAR(manifold.least_separation(), edge.distance, 1e-9) << i;
       ++edges;
     }
   }
@@ -216,7 +208,7 @@ TEST(CollideBoxes, OtherCornersLieOnBothSurfaces) {
     collide_boxes(first, second, pose, 0.05 * size, slow);
     collide_boxes(first, second, pose, 0.5 * size, fast);
     if (slow.count != 1 || fast.count == 0 || fast.reference_is_second) continue;
-    EXPECT_NEAR(deepest(fast), deepest(slow), 1e-12);
+    EXPECT_NEAR(fast.least_separation(), slow.least_separation(), 1e-12);
     for (int i = 0; i < fast.count; ++i) {
       const Manifold::Point& point = fast.points[static_cast<std::size_t>(i)];
       if (point.separation < 1e-6) continue;

@@ -92,14 +92,6 @@ Vector3 normal_of(const Manifold& manifold, const Pose& second) {
   return manifold.reference_is_second ? Vector3(-(second.orientation * manifold.normal)) : manifold.normal;
 }
 
-double deepest(const Manifold& manifold) {
-  double depth = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < manifold.count; ++i) {
-    depth = std::min(depth, manifold.points[static_cast<std::size_t>(i)].separation);
-  }
-  return depth;
-}
-
 std::set<FeatureId> ids_of(const Manifold& manifold) {
   std::set<FeatureId> ids;
   for (int i = 0; i < manifold.count; ++i) ids.insert(manifold.points[static_cast<std::size_t>(i)].id);
@@ -148,7 +140,7 @@ TEST(CollideConvex, NoDirectionPartsShallowPairsBetter) {
         const bool stand_in = best > found + 1e-4 * size;
         stand_ins += stand_in;
         ASSERT_LE(best, found + (stand_in && manifold.axis != 0 ? 0.02 : 1e-4) * size) << what;
-        ASSERT_NEAR(deepest(manifold), stand_in ? best : found, (stand_in ? 0.02 : 1e-4) * size) << what;
+        ASSERT_NEAR(manifold.least_separation(), stand_in ? best : found, (stand_in ? 0.02 : 1e-4) * size) << what;
       }
     }
   }
@@ -310,7 +302,7 @@ TEST(CollideConvex, TiltedCylinderTouchesWithItsLowestRimPoint) {
     collide(slab, cylinder, second, 0.01, manifold);
     ASSERT_GT(manifold.count, 0) << tilt;
     EXPECT_LT((normal_of(manifold, second) - Vector3::UnitZ()).norm(), 1e-12) << tilt;
-    EXPECT_NEAR(deepest(manifold), -0.01, 1e-12) << tilt;
+    EXPECT_NEAR(manifold.least_separation(), -0.01, 1e-12) << tilt;
   }
 }
 
@@ -363,7 +355,7 @@ TEST(CollideConvex, CapsulesMatchTheDistanceOfTheirSegments) {
       EXPECT_EQ(manifold.count, 0) << i;
     } else if (expected < 0.1 - 1e-9) {
       ASSERT_GT(manifold.count, 0) << i;
-      EXPECT_NEAR(deepest(manifold), expected, 1e-3 * std::min(a.radius, b.radius)) << i;
+      EXPECT_NEAR(manifold.least_separation(), expected, 1e-3 * std::min(a.radius, b.radius)) << i;
     }
   }
 }

@@ -52,14 +52,6 @@ Manifold touch(const Shape& solid, const Triangle& triangle, const Pose& pose, d
   return manifold;
 }
 
-double deepest(const Manifold& manifold) {
-  double separation = INFINITY;
-  for (int i = 0; i < manifold.count; ++i) {
-    separation = std::min(separation, manifold.points[static_cast<std::size_t>(i)].separation);
-  }
-  return separation;
-}
-
 double lowest(const Shape& solid, const Pose& pose, const Vector3& direction) {
   const Vector3 local = pose.orientation.conjugate() * Vector3(-direction);
   return direction.dot(pose.position) - reach_along(solid, local);
@@ -155,7 +147,7 @@ TEST(Triangle, FlatAndConcaveEdgesHaveTheTrianglesNormal) {
       EXPECT_NEAR(point.separation, point.position.z(), 1e-12);
       EXPECT_LE(point.separation, 0.05);
     }
-    EXPECT_GE(deepest(manifold), lowest(solid, pose, Vector3::UnitZ()) - 1e-12);
+    EXPECT_GE(manifold.least_separation(), lowest(solid, pose, Vector3::UnitZ()) - 1e-12);
   }
   EXPECT_GT(touching, 500);
 }
@@ -199,7 +191,8 @@ TEST(LoneTriangle, SeparationIsTheDistance) {
     ASSERT_GT(manifold.count, 0) << i << " solid " << i % 6 << " normal " << normal.transpose();
     (normal.z() > 1 - 1e-9 ? at_face : at_vertex_or_edge) += 1;
     // Within 8 degrees, a face may stand in, up to 2% of the size.
-    EXPECT_NEAR(deepest(manifold), closest.distance, 0.02 * solid.inner_radius + 1e-6) << i << " solid " << i % 6;
+    EXPECT_NEAR(manifold.least_separation(), closest.distance, 0.02 * solid.inner_radius + 1e-6)
+        << i << " solid " << i % 6;
     if (normal.z() < 0.98) {
       EXPECT_LT((manifold.normal - normal).norm(), 1e-3) << i << " solid " << i % 6;
     }
@@ -254,7 +247,7 @@ TEST(BoxOnTriangle, LeavesTheShallowestWay) {
   // Flat on the triangle, and 1 mm in: all four corners of what is over it.
   const Manifold flat = touch(box, triangle, {{0, 0, 0.499}, {1, 0, 0, 0}}, 0.02);
   ASSERT_EQ(flat.count, 4);
-  EXPECT_NEAR(deepest(flat), -0.001, 1e-12);
+  EXPECT_NEAR(flat.least_separation(), -0.001, 1e-12);
   // Beside it, 1 mm behind the edge: the neighbour's, whose normal is -y.
   EXPECT_EQ(touch(box, triangle, {{0, -1.499, -0.3}, {1, 0, 0, 0}}, 0.02).count, 0);
 }

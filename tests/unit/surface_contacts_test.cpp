@@ -48,14 +48,6 @@ SurfaceManifolds touch(const Shape& solid, const Shape& surface, const Pose& pos
   return result;
 }
 
-double deepest(const Manifold& manifold) {
-  double separation = INFINITY;
-  for (int i = 0; i < manifold.count; ++i) {
-    separation = std::min(separation, manifold.points[static_cast<std::size_t>(i)].separation);
-  }
-  return separation;
-}
-
 Vector3 centre(const Manifold& manifold) {
   Vector3 sum = Vector3::Zero();
   for (int i = 0; i < manifold.count; ++i) sum += manifold.points[static_cast<std::size_t>(i)].position;
@@ -115,7 +107,7 @@ TEST(FlatMesh, IsAHalfSpaceForEverySolid) {
       ASSERT_EQ(found.count, 1) << "solid " << i % 6 << ", cells " << cells;
       const Manifold& manifold = found.manifolds[0];
       EXPECT_LT((manifold.normal - Vector3::UnitZ()).norm(), 1e-12);
-      EXPECT_NEAR(deepest(manifold), separation, 1e-9) << "solid " << i % 6 << ", cells " << cells;
+      EXPECT_NEAR(manifold.least_separation(), separation, 1e-9) << "solid " << i % 6 << ", cells " << cells;
       Manifold expected;
       collide_half_space(solid, plane, relative(pose, {Vector3::Zero(), Quaternion::Identity()}), 0.02, expected);
       EXPECT_EQ(manifold.count, expected.count) << "solid " << i % 6 << ", cells " << cells;
@@ -206,7 +198,7 @@ TEST(FlatField, IsTheSameAsAMesh) {
     pose.position.z() = random.real(-0.1, 0.015) - lowest(solid, pose);
     const SurfaceManifolds found = touch(solid, Shape::height_field(field), pose, 0.02);
     ASSERT_EQ(found.count, 1);
-    EXPECT_NEAR(deepest(found.manifolds[0]), lowest(solid, pose), 1e-9);
+    EXPECT_NEAR(found.manifolds[0].least_separation(), lowest(solid, pose), 1e-9);
   }
 }
 
@@ -221,7 +213,7 @@ TEST(FlatMesh, PushesWhatSankInToTheFront) {
     const SurfaceManifolds found = touch(solid, Shape::triangle_mesh(mesh), pose, 0.02);
     ASSERT_EQ(found.count, 1);
     EXPECT_LT((found.manifolds[0].normal - Vector3::UnitZ()).norm(), 1e-12);
-    EXPECT_NEAR(deepest(found.manifolds[0]), lowest(solid, pose), 1e-9);
+    EXPECT_NEAR(found.manifolds[0].least_separation(), lowest(solid, pose), 1e-9);
     pose.position.z() = -1.000001 * solid.bounding_radius;
     EXPECT_EQ(touch(solid, Shape::triangle_mesh(mesh), pose, 0.02).count, 0);
   }
@@ -271,7 +263,7 @@ TEST(ConvexMesh, SeparationIsTheDistanceFromTheSolidItBounds) {
     const SurfaceManifolds found = touch(solid, Shape::triangle_mesh(mesh), pose, 0.1);
     double least = INFINITY;
     for (int m = 0; m < found.count; ++m) {
-      least = std::min(least, deepest(found.manifolds[static_cast<std::size_t>(m)]));
+      least = std::min(least, found.manifolds[static_cast<std::size_t>(m)].least_separation());
     }
     if (closest.distance > 0.1 + 1e-9) {
       EXPECT_EQ(found.count, 0) << i << " solid " << i % 6;
@@ -284,7 +276,7 @@ TEST(ConvexMesh, SeparationIsTheDistanceFromTheSolidItBounds) {
       expected.axis = 0;
       const Pose from = relative(pose, {Vector3::Zero(), Quaternion::Identity()});
       collide_convex(solid, box, from, 0.1, expected);
-      const double depth = -deepest(expected);
+      const double depth = -expected.least_separation();
       if (!(depth > 0 && depth < 0.1 * solid.inner_radius)) continue;
       ++shallow;
       EXPECT_NEAR(least, -depth, 0.03 * solid.inner_radius) << i << " solid " << i % 6;
@@ -324,7 +316,7 @@ TEST(ConcaveMesh, ValleyHoldsASolidFromBothSides) {
       const Manifold& manifold = found.manifolds[static_cast<std::size_t>(i)];
       EXPECT_NEAR(std::abs(manifold.normal.x()), s, 1e-12);
       EXPECT_NEAR(manifold.normal.z(), s, 1e-12);
-      EXPECT_NEAR(deepest(manifold), separation, 1e-9);
+      EXPECT_NEAR(manifold.least_separation(), separation, 1e-9);
       EXPECT_EQ(manifold.count, points);
     }
     EXPECT_LT(found.manifolds[0].normal.dot(found.manifolds[1].normal), 0.01);
@@ -345,7 +337,7 @@ TEST(ConcaveMesh, CornerOfFloorAndWallsHoldsABoxFromThreeSides) {
   for (int i = 0; i < 3; ++i) {
     const Manifold& manifold = found.manifolds[static_cast<std::size_t>(i)];
     EXPECT_EQ(manifold.count, 4);
-    EXPECT_NEAR(deepest(manifold), -Vector3(0.001, 0.002, 0.003).dot(manifold.normal), 1e-12);
+    EXPECT_NEAR(manifold.least_separation(), -Vector3(0.001, 0.002, 0.003).dot(manifold.normal), 1e-12);
   }
 }
 
@@ -360,7 +352,7 @@ TEST(ConvexMesh, BoxOverhangingAnEdgeIsHeldByTheTopAlone) {
     const SurfaceManifolds found = touch(box, Shape::triangle_mesh(mesh), pose, 0.01);
     ASSERT_EQ(found.count, 1) << i;
     EXPECT_LT((found.manifolds[0].normal - Vector3::UnitZ()).norm(), 1e-9) << i;
-    EXPECT_NEAR(deepest(found.manifolds[0]), -depth, 1e-9) << i;
+    EXPECT_NEAR(found.manifolds[0].least_separation(), -depth, 1e-9) << i;
     EXPECT_GE(found.manifolds[0].count, 3) << i;
   }
 }
@@ -374,7 +366,7 @@ TEST(ConvexMesh, StepPushesABoxSideways) {
       const SurfaceManifolds found = touch(box, Shape::triangle_mesh(mesh), {{2.499, y, z}, {1, 0, 0, 0}}, 0.01);
       ASSERT_EQ(found.count, 1) << y << " " << z;
       EXPECT_LT((found.manifolds[0].normal - Vector3::UnitX()).norm(), 1e-9);
-      EXPECT_NEAR(deepest(found.manifolds[0]), -0.001, 1e-9);
+      EXPECT_NEAR(found.manifolds[0].least_separation(), -0.001, 1e-9);
       EXPECT_EQ(found.manifolds[0].count, 4);
     }
   }
@@ -393,7 +385,7 @@ TEST(ConvexMesh, ThinSlabPushesBackWhatPokesThrough) {
     const SurfaceManifolds found = touch(solid, Shape::triangle_mesh(mesh), pose, 0.02);
     ASSERT_EQ(found.count, 1) << i % 6;
     EXPECT_LT((found.manifolds[0].normal - Vector3::UnitZ()).norm(), 1e-9) << i % 6;
-    EXPECT_NEAR(deepest(found.manifolds[0]), -depth, 1e-9) << i % 6;
+    EXPECT_NEAR(found.manifolds[0].least_separation(), -depth, 1e-9) << i % 6;
   }
 }
 
@@ -406,7 +398,7 @@ TEST(ConvexMesh, RidgeCarriesABoxAlongItsLine) {
     ASSERT_EQ(found.count, 1);
     const Manifold& manifold = found.manifolds[0];
     EXPECT_LT((manifold.normal - Vector3::UnitZ()).norm(), 1e-9);
-    EXPECT_NEAR(deepest(manifold), -0.001, 1e-9);
+    EXPECT_NEAR(manifold.least_separation(), -0.001, 1e-9);
     ASSERT_GE(manifold.count, 2);
     double span = 0;
     for (int i = 0; i < manifold.count; ++i) {
@@ -440,7 +432,7 @@ TEST(FlatMesh, AnyRatioOfSizesWorks) {
       pose.position.z() = -0.01 - lowest(solid, pose);
       const SurfaceManifolds found = touch(solid, Shape::triangle_mesh(mesh), pose, 0.02);
       ASSERT_EQ(found.count, 1) << cell << " " << i % 6;
-      EXPECT_NEAR(deepest(found.manifolds[0]), -0.01, 1e-9) << cell << " " << i % 6;
+      EXPECT_NEAR(found.manifolds[0].least_separation(), -0.01, 1e-9) << cell << " " << i % 6;
     }
   }
 }
@@ -487,7 +479,7 @@ TEST(SurfaceContacts, ABallOverAnEdgeThatHardlyBendsTouches) {
       const SurfaceManifolds found =
           touch(Shape::sphere(0.3), Shape::triangle_mesh(ridge), {{x, 0.4, 0.2999}, Quaternion::Identity()}, 0.01);
       ASSERT_GE(found.count, 1) << angle << ", " << x;
-      EXPECT_NEAR(deepest(found.manifolds[0]), -1e-4, 1e-6) << angle << ", " << x;
+      EXPECT_NEAR(found.manifolds[0].least_separation(), -1e-4, 1e-6) << angle << ", " << x;
     }
   }
 }
@@ -522,8 +514,8 @@ TEST(SmoothSurface, ABallTouchesTheSphereThatTheTrianglesStandFor) {
     const Vector3 centre = Vector3::UnitZ() + (0.9 + depth) * towards;
     const SurfaceManifolds found = touch(ball, Shape::triangle_mesh(mesh), {centre, Quaternion::Identity()}, 0.02);
     ASSERT_EQ(found.count, 1);
-    EXPECT_LT((found.manifolds[0].normal + towards).norm(), 2e-4);  // facets: 0.04
-    EXPECT_NEAR(deepest(found.manifolds[0]), -depth, 4e-6);         // facets: 8e-4
+    EXPECT_LT((found.manifolds[0].normal + towards).norm(), 2e-4);     // facets: 0.04
+    EXPECT_NEAR(found.manifolds[0].least_separation(), -depth, 4e-6);  // facets: 8e-4
     EXPECT_EQ(found.manifolds[0].rise, 0);
   }
 }
@@ -580,7 +572,7 @@ TEST(SmoothSurface, AHeightFieldHasTheNormalsOfItsSlopes) {
         touch(Shape::sphere(0.1), Shape::height_field(field), {centre, Quaternion::Identity()}, 0.02);
     ASSERT_EQ(found.count, 1);
     EXPECT_LT((found.manifolds[0].normal - normal).norm(), 2e-3);
-    EXPECT_NEAR(deepest(found.manifolds[0]), 0, 1e-5);
+    EXPECT_NEAR(found.manifolds[0].least_separation(), 0, 1e-5);
   }
 }
 

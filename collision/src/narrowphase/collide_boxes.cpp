@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "narrowphase/box_pair.h"
@@ -198,11 +197,7 @@ bool face_stands_in(const BoxPair& pair, const fcl_narrowphase::Axis& edge, cons
   const double cosine = outward_normal(face, pair.rotation).dot(edge.normal);
   if (cosine < (is_previous ? 1 - 6e-4 : same_way)) return false;
   face_manifold(pair, face, margin, manifold);
-  double deepest = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < manifold.count; ++i) {
-    deepest = std::min(deepest, manifold.points[static_cast<std::size_t>(i)].separation);
-  }
-  if (std::abs(deepest - edge.separation) <= 2e-3 * size) return true;
+  if (std::abs(manifold.least_separation() - edge.separation) <= 2e-3 * size) return true;
   manifold.count = 0;
   return false;
 }

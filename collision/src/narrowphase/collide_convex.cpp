@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "narrowphase/convex_axis.h"
+#include "narrowphase/feature_axis.h"
 #include "narrowphase/line_contact.h"
 #include "narrowphase/sphere_solid.h"
 
@@ -40,6 +41,9 @@ struct Solids {
   Core first_core, second_core;
   Vector3 normal_first;   // of the best axis, out of the first, its frame
   Vector3 normal_second;  // out of the second, its frame
+
+  // The cores are large, and stay as they are until they are built.
+  explicit Solids(const SolidPair& solids) : pair(solids) {}
 
   const Shape& shape(bool second) const { return second ? pair.second : pair.first; }
   const Polytope& core(bool second) const { return (second ? second_core : first_core).polytope(); }
@@ -179,14 +183,6 @@ void face_manifold(const Solids& solids, const Reference& reference, const Local
   manifold.axis = reference.packed();
 }
 
-double deepest_of(const Manifold& manifold) {
-  double deepest = INFINITY;
-  for (int i = 0; i < manifold.count; ++i) {
-    deepest = std::min(deepest, manifold.points[static_cast<std::size_t>(i)].separation);
-  }
-  return deepest;
-}
-
 // Whether a point as deep as the incident shape goes along the face's normal lies over the face itself. No direction
 // nearby can be better then.
 bool is_best_nearby(const Solids& solids, const Reference& reference, const Manifold& manifold) {
@@ -246,20 +242,18 @@ bool stands_in_nearby(const Solids& solids, const Reference& reference, const Ma
 // The feature of the shape that a feature of its core stands for.
 Feature shape_feature(const Shape& shape, const Polytope& core, const Feature& feature) {
   using enum Feature::Kind;
-  const bool cone = shape.kind == ShapeKind::Cone;
-  if (!cone && shape.kind != ShapeKind::Cylinder) return feature;
-  const auto around = [&](int vertex) { return vertex / Core::sides; };  // ring, or apex
-  switch (feature.kind) {
-    case Vertex:
-      if (cone && feature.index == Core::sides) return {Vertex, 0};
-      return {Edge, around(feature.index)};
-    case Edge: {
-      const Hull::Edge& edge = core.edges[feature.index];
-      if (around(edge.tail) == around(edge.head)) return {Edge, around(edge.tail)};
+  if (!is_round(shape.kind)) return feature;
+  switch (round_feature(shape, core, feature)) {
+    case RoundFeature::UpperRim:
+      return {Edge, 0};
+    case RoundFeature::LowerRim:
+      return {Edge, shape.kind == ShapeKind::Cone ? 0 : 1};
+    case RoundFeature::Apex:
+      return {Vertex, 0};
+    case RoundFeature::Side:
       return {Face, 2};
-    }
-    case Face:
-      return {Face, feature.index < (cone ? 1 : 2) ? feature.index : 2};
+    case RoundFeature::Cap:
+      break;
   }
   return feature;
 }
@@ -316,7 +310,7 @@ bool line_manifold(const Solids& solids, const LocalAxis& axis, double margin, M
       const SurfaceLine& line = second.lines[static_cast<std::size_t>(j)];
       manifold.count = 0;
       if (!line_points(first.lines[static_cast<std::size_t>(i)], line, axis.normal, margin, manifold)) continue;
-      const double error = std::abs(deepest_of(manifold) - axis.separation);
+      const double error = std::abs(manifold.least_separation() - axis.separation);
       if (error <= depth_tolerance * solids.pair.size()) return true;
     }
   }
@@ -376,7 +370,7 @@ bool face_contact(const Solids& solids, const LocalAxis& axis, double margin, st
     face_manifold(solids, reference, axis, margin, manifold);
     if (manifold.count == 0) continue;
     const double allowed = reference.packed() == previous ? hysteresis : depth_tolerance;
-    if (std::abs(deepest_of(manifold) - axis.separation) <= allowed * size) return true;
+    if (std::abs(manifold.least_separation() - axis.separation) <= allowed * size) return true;
   }
   for (int i = 0; i < references.count; ++i) {
     const Reference& reference = references.faces[static_cast<std::size_t>(i)];
@@ -392,17 +386,49 @@ bool face_contact(const Solids& solids, const LocalAxis& axis, double margin, st
 
 // Round shapes that lie flat: where the axis is a face's normal and the best for the shapes themselves, it needn't be
 // refined.
+bool lies_flat(const Solids& solids, const Reference& reference, const LocalAxis& axis, double margin,
+               Manifold& manifold) {
+  face_manifold(solids, reference, axis, margin, manifold);
+  return is_best_nearby(solids, reference, manifold) || stands_in_nearby(solids, reference, manifold);
+}
+
 bool flat_contact(const Solids& solids, const LocalAxis& axis, double margin, std::uint32_t previous,
                   Manifold& manifold) {
   const References references = reference_faces(solids, axis, previous);
   for (int i = 0; i < references.count; ++i) {
-    const Reference& reference = references.faces[static_cast<std::size_t>(i)];
-    face_manifold(solids, reference, axis, margin, manifold);
-    if (is_best_nearby(solids, reference, manifold) || stands_in_nearby(solids, reference, manifold)) return true;
+    if (lies_flat(solids, references.faces[static_cast<std::size_t>(i)], axis, margin, manifold)) return true;
   }
   manifold.axis = 0;
   manifold.count = 0;
   return false;
+}
+
+// The same of the last face, before any axis is looked for. As far as that may be missed one stays on the last face.
+bool still_flat(Solids& solids, double margin, std::uint32_t previous, AxisSearch& found, Manifold& manifold) {
+  const PackedAxis last = PackedAxis::unpacked(previous);
+  if (last.of != AxisOf::FaceOfFirst && last.of != AxisOf::FaceOfSecond) return false;
+  const SolidPair& pair = solids.pair;
+  const bool second = last.of == AxisOf::FaceOfSecond;
+  if (!is_round(pair.first.kind)) solids.first_core.build(pair.first);
+  if (!is_round(pair.second.kind)) solids.second_core.build(pair.second);
+  const Reference reference =
+      solids.measured(second, flat_face(solids.shape(second), solids.core(second), last.number, Vector3::UnitZ()));
+  const Vector3& outward = reference.face.normal;
+  LocalAxis& axis = found.axis;
+  axis.normal = second ? Vector3(-(pair.rotation * outward)) : outward;
+  axis.separation = reference.separation;
+  found.by = Narrowphase::Kept;
+  found.gap = axis.separation;
+  found.touches = axis.separation <= margin;
+  if (!found.touches) return true;
+  solids.set_normal(axis.normal);
+  (second ? axis.second : axis.first) = {Feature::Kind::Face, last.number};
+  const int lowest = is_polytope(solids.shape(!second)) ? solids.core(!second).support(solids.normal(!second)) : 0;
+  (second ? axis.first : axis.second) = {Feature::Kind::Vertex, lowest};
+  if (!lies_flat(solids, reference, axis, margin, manifold)) return false;
+  const Vector3& deepest = manifold.points[static_cast<std::size_t>(manifold.deepest())].position;
+  axis.on_second = second ? Vector3(pair.position + pair.rotation * deepest + axis.separation * axis.normal) : deepest;
+  return !face_may_be_better(pair, solids.core(false), solids.core(true), axis, hysteresis * pair.size());
 }
 
 }  // namespace
@@ -420,7 +446,7 @@ Narrowphase collide_convex(const Shape& first_shape, const Shape& second_shape, 
     collide_capsules(first_shape, second_shape, second, margin, manifold);
     return Narrowphase::ClosedForm;
   }
-  Solids solids{{first_shape, second_shape, second.position, second.orientation.toRotationMatrix()}, {}, {}, {}, {}};
+  Solids solids({first_shape, second_shape, second.position, second.orientation.toRotationMatrix()});
   const SolidPair& pair = solids.pair;
   KnownAxis last;
   if (known) {
@@ -430,25 +456,40 @@ Narrowphase collide_convex(const Shape& first_shape, const Shape& second_shape, 
     last = {true, of_second ? Vector3(-(pair.rotation * normal)) : normal,
             of_second ? Vector3(pair.position + pair.rotation * middle) : middle, previous};
   }
-  AxisSearch found = find_axis(pair, margin, last, solids.first_core, solids.second_core);
-  if (!found.touches) {
-    manifold.gap = found.gap;
+  AxisSearch found;
+  LocalAxis& axis = found.axis;
+  if (known && pair.has_round() && still_flat(solids, margin, previous, found, manifold)) {
+    if (!found.touches) manifold.gap = found.gap;
     return found.by;
   }
-  LocalAxis& axis = found.axis;
+  manifold.axis = 0;
+  manifold.count = 0;
+  bool settled = find_on_last_features(pair, last, solids.first_core, solids.second_core, axis);
+  if (settled) {
+    found.by = Narrowphase::Kept;
+  } else {
+    found = find_axis(pair, margin, last, solids.first_core, solids.second_core);
+    if (!found.touches) {
+      manifold.gap = found.gap;
+      return found.by;
+    }
+  }
   solids.set_normal(axis.normal);
 
   if (pair.has_round()) {
-    if (flat_contact(solids, axis, margin, previous, manifold)) return found.by;
-    refine_axis(pair, last, solids.first_core, solids.second_core, axis);
+    if (!settled) {
+      if (flat_contact(solids, axis, margin, previous, manifold)) return found.by;
+      settled = settle_on_features(pair, solids.first_core.polytope(), solids.second_core.polytope(), axis) ||
+                refine_axis(pair, last, solids.first_core, solids.second_core, axis);
+      solids.set_normal(axis.normal);
+    }
     if (!(axis.separation <= margin)) {
       manifold.gap = axis.separation;
       return found.by;
     }
-    solids.set_normal(axis.normal);
   }
   if (face_contact(solids, axis, margin, previous, manifold)) return found.by;
-  manifold.axis = edges_of(solids, axis);
+  manifold.axis = settled ? packed_features(axis) : edges_of(solids, axis);
   if (!line_manifold(solids, axis, margin, manifold)) point_manifold(solids, axis, manifold);
   return found.by;
 }

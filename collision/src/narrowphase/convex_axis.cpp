@@ -7,8 +7,29 @@
 #include <array>
 #include <cmath>
 
+#include "narrowphase/feature_axis.h"
+
 namespace atl::collision {
 namespace {
+
+// The first face from one on that a point lies farther beyond than a limit (m), or nearly: four at a time, most fail.
+int next_face_beyond(const Polytope& polytope, int face, const Vector3& point, double limit) {
+  const double x = point.x();
+  const double y = point.y();
+  const double z = point.z();
+  const auto beyond = [&](int f) {
+    const Hull::Plane& plane = polytope.planes[f];
+    return plane.normal.x() * x + plane.normal.y() * y + (plane.normal.z() * z - plane.offset);
+  };
+  const auto larger = [](double a, double b) { return a > b ? a : b; };
+  const int count = polytope.face_count;
+  while (face + 3 < count &&
+         larger(larger(beyond(face), beyond(face + 1)), larger(beyond(face + 2), beyond(face + 3))) <= limit) {
+    face += 4;
+  }
+  while (face < count && beyond(face) <= limit) ++face;
+  return face;
+}
 
 // A face can only do better than what was found if it is nearer to a point that both solids share, or almost.
 // Where the overlap is shallow that leaves the faces that meet at the contact. From those that are not much
@@ -17,7 +38,11 @@ void try_faces(const Polytope& first, const Polytope& second, const SolidPair& p
                LocalAxis& best) {
   const double slack = 1e-9 * pair.size();
   const auto promising = [&](double separation) { return separation > 2 * best.separation - 0.02 * pair.size(); };
-  for (int f = 0; f < first.face_count && best.separation < 0; ++f) {
+  const auto next_of = [&](const Polytope& polytope, int face, const Vector3& point) {
+    return next_face_beyond(polytope, face, point, best.separation + 0.999 * slack);
+  };
+  for (int f = next_of(first, 0, best.on_second); f < first.face_count && best.separation < 0;
+       f = next_of(first, f + 1, best.on_second)) {
     const Hull::Plane& plane = first.planes[f];
     if (plane.normal.dot(best.on_second) - plane.offset <= best.separation + slack) continue;
     if (best.first.kind == Feature::Kind::Face && best.first.index == f) continue;
@@ -25,24 +50,26 @@ void try_faces(const Polytope& first, const Polytope& second, const SolidPair& p
     const LocalAxis axis = descent.from_face_of_first(f);
     if (axis.separation > best.separation + slack) best = axis;
   }
-  for (int f = 0; f < second.face_count && best.separation < 0; ++f) {
+  const auto on_first = [&] {
+    return Vector3(pair.rotation.transpose() * (best.on_second - best.separation * best.normal - pair.position));
+  };
+  Vector3 point = on_first();
+  for (int f = next_of(second, 0, point); f < second.face_count && best.separation < 0;
+       f = next_of(second, f + 1, point)) {
     const Hull::Plane& plane = second.planes[f];
-    const Vector3 on_first = best.on_second - best.separation * best.normal;
-    const Vector3 point = pair.rotation.transpose() * (on_first - pair.position);
     if (plane.normal.dot(point) - plane.offset <= best.separation + slack) continue;
     if (best.second.kind == Feature::Kind::Face && best.second.index == f) continue;
     if (!promising(descent.separation_from_second(f))) continue;
     const LocalAxis axis = descent.from_face_of_second(f);
-    if (axis.separation > best.separation + slack) best = axis;
+    if (axis.separation <= best.separation + slack) continue;
+    best = axis;
+    point = on_first();
   }
 }
 
 // Whether a feature of a round shape's core lies on its side: a side or an edge between two, not a cap or a rim.
 bool is_on_side(const Shape& shape, const Polytope& core, const Feature& feature) {
-  if (feature.kind == Feature::Kind::Face) return feature.index >= (shape.kind == ShapeKind::Cone ? 1 : 2);
-  if (feature.kind == Feature::Kind::Vertex) return false;
-  const Hull::Edge& edge = core.edges[feature.index];
-  return edge.tail / Core::sides != edge.head / Core::sides;
+  return round_feature(shape, core, feature) == RoundFeature::Side;
 }
 
 // Where to look closer at a round shape: around the contact, or along the normal, if that is on the side or on the
@@ -174,6 +201,7 @@ LocalAxis walk_from(const KnownAxis& known, Descent& descent) {
       return descent.from_face_of_second(axis.number);
     case AxisOf::Edges:
       return descent.from_edges(axis.number, axis.second_number, known.normal);
+    case AxisOf::Features:
     case AxisOf::None:
       break;
   }
@@ -200,9 +228,9 @@ double SolidPair::separation_along(const Vector3& normal) const {
   return normal.dot(position) - reach_along(first, normal) - reach_along(second, -(rotation.transpose() * normal));
 }
 
-// Puts sides ever closer around where the shapes meet, until that stays where it is.
-void refine_axis(const SolidPair& pair, const KnownAxis& known, Core& first, Core& second, LocalAxis& axis) {
-  if (!pair.has_round()) return;
+// Puts sides ever closer around where the shapes meet, until the features that meet settle or that stays where it is.
+bool refine_axis(const SolidPair& pair, const KnownAxis& known, Core& first, Core& second, LocalAxis& axis) {
+  if (!pair.has_round()) return false;
   constexpr int last_level = Core::levels - 1;
   constexpr int most_rounds = 10;
   // rad, by level: as far as the sides are dense; of the last, where they are less than 0.1 degrees apart.
@@ -222,6 +250,12 @@ void refine_axis(const SolidPair& pair, const KnownAxis& known, Core& first, Cor
     Descent descent(first.polytope(), second.polytope(), pair.position, pair.rotation);
     axis = descent.from_direction(axis.normal);
     const double separation = pair.separation_along(axis.normal);
+    LocalAxis exact = axis;
+    if (settle_on_features(pair, first.polytope(), second.polytope(), exact) &&
+        exact.separation >= best_separation - 1e-12 * pair.size()) {
+      axis = exact;
+      return true;
+    }
     // Of axes that are equal but for rounding, the features of the last lie closest.
     if (separation >= best_separation - 1e-12 * pair.size()) {
       best = axis;
@@ -240,6 +274,25 @@ void refine_axis(const SolidPair& pair, const KnownAxis& known, Core& first, Cor
   axis.on_second -= second.radius() * axis.normal;
   axis.separation = best_separation;
   settle_witness(pair, first.polytope(), second.polytope(), axis);
+  return false;
+}
+
+RoundFeature round_feature(const Shape& shape, const Polytope& core, const Feature& feature) {
+  using enum RoundFeature;
+  const bool cone = shape.kind == ShapeKind::Cone;
+  const auto ring = [](int vertex) { return vertex / Core::sides; };  // or the apex
+  const auto rim = [&](int number) { return cone || number == 1 ? LowerRim : UpperRim; };
+  switch (feature.kind) {
+    case Feature::Kind::Vertex:
+      return cone && feature.index == Core::sides ? Apex : rim(ring(feature.index));
+    case Feature::Kind::Edge: {
+      const Hull::Edge& edge = core.edges[feature.index];
+      return ring(edge.tail) == ring(edge.head) ? rim(ring(edge.tail)) : Side;
+    }
+    case Feature::Kind::Face:
+      return feature.index < (cone ? 1 : 2) ? Cap : Side;
+  }
+  return Cap;
 }
 
 bool SolidPair::has_round() const { return is_round(first.kind) || is_round(second.kind); }
@@ -261,7 +314,8 @@ AxisSearch find_axis(const SolidPair& pair, double margin, const KnownAxis& know
   if (known.exists) {
     found.axis = walk_from(known, descent);
     settle(Narrowphase::Kept);
-    if (found.axis.confirmed && found.axis.normal.dot(known.normal) > nearly_same_axis) return found;
+    const bool apart = found.gap > margin;
+    if (found.axis.confirmed && (apart || found.axis.normal.dot(known.normal) > nearly_same_axis)) return found;
   } else {
     found.axis = descent.from_direction(usable(Vector3::Zero(), pair));
     settle(Narrowphase::ClosedForm);

@@ -44,12 +44,13 @@ struct AxisSearch {
 };
 AxisSearch find_axis(const SolidPair& pair, double margin, const KnownAxis& known, Core& first, Core& second);
 
-/// Manifold::axis of two solids: the reference face by its number and whose it is, or two edges that cross.
-enum class AxisOf : std::uint32_t { None, FaceOfFirst, FaceOfSecond, Edges };
+/// Manifold::axis of two solids: the reference face by its number and whose it is, two edges that cross, or, where one
+/// is round, what meets, see settle_on_features().
+enum class AxisOf : std::uint32_t { None, FaceOfFirst, FaceOfSecond, Edges, Features };
 struct PackedAxis {
   AxisOf of = AxisOf::None;
-  int number = 0;         ///< of the face, or the edge of the first
-  int second_number = 0;  ///< of the edge of the second
+  int number = 0;         ///< of the face, or the edge or the feature of the first
+  int second_number = 0;  ///< of the edge or the feature of the second
 
   constexpr std::uint32_t packed() const {
     return static_cast<std::uint32_t>(of) << 28 | static_cast<std::uint32_t>(second_number) << 14 |
@@ -60,8 +61,13 @@ struct PackedAxis {
   }
 };
 
+/// What of a cylinder or a cone a feature of its core stands for.
+enum class RoundFeature { UpperRim, LowerRim, Apex, Side, Cap };
+RoundFeature round_feature(const Shape& shape, const Polytope& core, const Feature& feature);
+
 /// Turns the axis found to the best for cylinders and cones themselves, within 0.05 degrees. Nothing to do for
-/// other shapes. Looks first where the shapes are known to have touched.
-void refine_axis(const SolidPair& pair, const KnownAxis& known, Core& first, Core& second, LocalAxis& axis);
+/// other shapes. Looks first where the shapes are known to have touched. Whether it ends on features that settle, see
+/// settle_on_features().
+bool refine_axis(const SolidPair& pair, const KnownAxis& known, Core& first, Core& second, LocalAxis& axis);
 
 }  // namespace atl::collision

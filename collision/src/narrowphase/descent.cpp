@@ -112,10 +112,10 @@ LocalAxis Descent::walk(State state) {
         state = slide_from_vertices();
         break;
       case State::EdgeOfFirst:
-        state = slide_on_edge_of_first();
+        state = slide_on_edge(false);
         break;
       case State::EdgeOfSecond:
-        state = slide_on_edge_of_second();
+        state = slide_on_edge(true);
         break;
       case State::FaceOfFirst:
         state = leave_face_of_first();
@@ -206,72 +206,44 @@ bool Descent::limit_by_face(const Vector3& edge, Vector3& direction, const Polyt
   return true;
 }
 
-Descent::State Descent::slide_on_edge_of_first() {
-  const Hull::Edge& edge = first_.edges[edge_a_];
-  const Vector3& tail = first_.vertices[edge.tail];
-  Vector3 along = first_.vertices[edge.head] - tail;
+// Towards the other's vertex, but for what lies along the edge.
+Descent::State Descent::slide_on_edge(bool of_second_solid) {
+  const Polytope& polytope = of_second_solid ? second_ : first_;
+  const Hull::Edge& edge = polytope.edges[of_second_solid ? edge_b_ : edge_a_];
+  const Vector3 edge_vector = polytope.vertices[edge.head] - polytope.vertices[edge.tail];
+  const Vector3 tail = of_second_solid ? of_second(edge.tail) : polytope.vertices[edge.tail];
+  Vector3 along = of_second_solid ? Vector3(rotation_ * edge_vector) : edge_vector;
   const double length = along.norm();
   along /= std::max(length, tiny);
-  const Vector3 w = of_second(b_) - tail;
-  const double s = along.dot(w);
-  Vector3 direction = w - s * along;
-  const double distance = direction.norm();
+  const Vector3 to_vertex = (of_second_solid ? first_.vertices[a_] : of_second(b_)) - tail;
+  const double s = along.dot(to_vertex);
+  const Vector3 away = to_vertex - s * along;
+  const double distance = away.norm();
   if (distance > tolerance_) {
-    direction /= distance;
+    Vector3 direction = of_second_solid ? Vector3(-away / distance) : Vector3(away / distance);
     Hit hit{INFINITY};
-    limit_by_face(along, direction, first_, edge, false, hit);
-    Hit hit_second{hit.t};
-    nearest_hit(second_, b_, -to_second(n_), -to_second(direction), hit_second);
-    if (hit_second.edge >= 0) {
-      n_ = (n_ + hit_second.t * direction).stableNormalized();
-      edge_b_ = hit_second.edge;
+    limit_by_face(along, direction, polytope, edge, of_second_solid, hit);
+    Hit hit_other{hit.t};
+    if (of_second_solid) {
+      nearest_hit(first_, a_, n_, direction, hit_other);
+    } else {
+      nearest_hit(second_, b_, -to_second(n_), -to_second(direction), hit_other);
+    }
+    if (hit_other.edge >= 0) {
+      n_ = (n_ + hit_other.t * direction).stableNormalized();
+      (of_second_solid ? edge_a_ : edge_b_) = hit_other.edge;
       return State::Edges;
     }
     if (hit.face >= 0) {
       face_ = hit.face;
-      n_ = first_.planes[face_].normal;
-      return State::FaceOfFirst;
+      const Vector3& outward = polytope.planes[face_].normal;
+      n_ = of_second_solid ? Vector3(-(rotation_ * outward)) : outward;
+      return of_second_solid ? State::FaceOfSecond : State::FaceOfFirst;
     }
     n_ = direction;
   }
   if (s < -tolerance_ || s > length + tolerance_) {
-    a_ = s < 0 ? edge.tail : edge.head;
-    return State::Vertices;
-  }
-  confirmed_ = true;
-  return State::Done;
-}
-
-Descent::State Descent::slide_on_edge_of_second() {
-  const Hull::Edge& edge = second_.edges[edge_b_];
-  const Vector3 tail = of_second(edge.tail);
-  Vector3 along = rotation_ * (second_.vertices[edge.head] - second_.vertices[edge.tail]);
-  const double length = along.norm();
-  along /= std::max(length, tiny);
-  const Vector3 w = tail - first_.vertices[a_];
-  const double s = -along.dot(w);
-  Vector3 direction = w + s * along;
-  const double distance = direction.norm();
-  if (distance > tolerance_) {
-    direction /= distance;
-    Hit hit{INFINITY};
-    limit_by_face(along, direction, second_, edge, true, hit);
-    Hit hit_first{hit.t};
-    nearest_hit(first_, a_, n_, direction, hit_first);
-    if (hit_first.edge >= 0) {
-      n_ = (n_ + hit_first.t * direction).stableNormalized();
-      edge_a_ = hit_first.edge;
-      return State::Edges;
-    }
-    if (hit.face >= 0) {
-      face_ = hit.face;
-      n_ = -(rotation_ * second_.planes[face_].normal);
-      return State::FaceOfSecond;
-    }
-    n_ = direction;
-  }
-  if (s < -tolerance_ || s > length + tolerance_) {
-    b_ = s < 0 ? edge.tail : edge.head;
+    (of_second_solid ? b_ : a_) = s < 0 ? edge.tail : edge.head;
     return State::Vertices;
   }
   confirmed_ = true;

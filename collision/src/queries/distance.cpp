@@ -59,7 +59,7 @@ std::array<Vector3, 3> corners(const TriangleMesh& mesh, std::uint32_t number) {
   return {mesh.vertices[corner[0]], mesh.vertices[corner[1]], mesh.vertices[corner[2]]};
 }
 
-Aabb grown(const Bounds& bounds, double margin) {
+Aabb reached_from(const Bounds& bounds, double margin) {
   return Aabb::around(bounds.lower - Vector3::Constant(margin), bounds.upper + Vector3::Constant(margin));
 }
 
@@ -83,7 +83,8 @@ void nearest_of_field(const HeightField& field, const Bounds& bounds, NearestTri
   nearest.test(below, field.face(below).vertices);
   nearest.test(below + 1, field.face(below + 1).vertices);
   const double limit = std::min(nearest.limit(), 1e30);
-  field.query(grown(bounds, limit), [&](std::uint32_t number) { nearest.test(number, field.face(number).vertices); });
+  field.query(reached_from(bounds, limit),
+              [&](std::uint32_t number) { nearest.test(number, field.face(number).vertices); });
 }
 
 }  // namespace

@@ -63,8 +63,7 @@ class Descent {
   void nearest_hit(const Polytope& polytope, int vertex, const Vector3& from, const Vector3& towards, Hit& hit) const;
   LocalAxis walk(State state);
   State slide_from_vertices();
-  State slide_on_edge_of_first();
-  State slide_on_edge_of_second();
+  State slide_on_edge(bool of_second_solid);
   State leave_face_of_first();
   State leave_face_of_second();
   State leave_edges();

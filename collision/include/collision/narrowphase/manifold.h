@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 
 namespace atl::collision {
 
@@ -43,6 +44,19 @@ struct Manifold {
 
   void add(const Vector3& position, double separation, FeatureId id) {
     points[static_cast<std::size_t>(count++)] = {position, separation, id};
+  }
+  /// Number of the deepest point, the first of equals.
+  int deepest() const {
+    const auto separation = [this](int i) { return points[static_cast<std::size_t>(i)].separation; };
+    int least = 0;
+    for (int i = 1; i < count; ++i) {
+      if (separation(i) < separation(least)) least = i;
+    }
+    return least;
+  }
+  /// m, of the deepest point; infinite where there are none.
+  double least_separation() const {
+    return count > 0 ? points[static_cast<std::size_t>(deepest())].separation : std::numeric_limits<double>::infinity();
   }
 };
 
