@@ -32,7 +32,7 @@ double size_of(const collision::Shape& shape) {
   return shape.inner_radius < infinity ? shape.inner_radius : 0.01 * shape.bounding_radius;
 }
 
-constexpr std::size_t box_grain = 256;  // bodies whose boxes a task looks at
+constexpr std::size_t box_grain = 256;  // boxes that a task looks at, or a body's if it has more
 
 // How far bounds may grow on every side before they leave a box.
 double room_in(const collision::Aabb& box, const collision::Bounds& bounds) {
@@ -152,16 +152,22 @@ World::Impl::ProxyBox World::Impl::proxy_box(std::uint32_t collider, const colli
   const double size = size_of(colliders.shape[collider]);
   const double reach =
       (bodies.velocity(body).norm() + bodies.angular_velocity(body).norm() * bodies.radius[body]) * dt_;
+  // Of the shape's own origin: that of a compound's child moves as its body turns, too.
+  Vector3 shift = dt_ * bodies.velocity(body);
+  if (colliders.placed[collider]) {
+    const Vector3 arm = bodies.orientation(body) * colliders.local[collider].position;
+    shift += dt_ * bodies.angular_velocity(body).cross(arm);
+  }
   const double still = collision::speculative_margin(size, 0);
   const double needed = collision::speculative_margin(size, reach);
 
   const double room = current ? room_in(*current, bounds) : -1;
   const bool is_fast = reach > bodies.reach_limit[body];
-  if (room >= needed && (!is_fast || room_in(*current, ahead_of(bounds, dt_ * bodies.velocity(body))) >= still)) {
+  if (room >= needed && (!is_fast || room_in(*current, ahead_of(bounds, shift)) >= still)) {
     return {*current, room - still, false};
   }
   const double slack = needed + slack_share * size;
-  return {collision::fattened(bounds, slack, dt_ * bodies.velocity(body)), slack - still, true};
+  return {collision::fattened(bounds, slack, shift), slack - still, true};
 }
 
 collision::Plane World::Impl::world_plane(std::uint32_t collider) const {
@@ -186,6 +192,12 @@ void World::Impl::move_proxies(std::uint32_t body) {
     }
   });
   note_stretch(body);
+}
+
+// Bodies with that many boxes, by the mean of all.
+std::size_t World::Impl::bodies_a_task() const {
+  return std::max(std::size_t{1},
+                  box_grain * bodies.size() / std::max({std::size_t{1}, colliders.size(), bodies.size()}));
 }
 
 bool World::Impl::is_in_boxes(std::uint32_t body) const {
@@ -213,7 +225,7 @@ void World::Impl::catch_up_boxes() {
     if (bodies.outgrown[body] && !(bodies.slack[body] >= 0)) looked_at_.push_back(body);
   }
   in_boxes_.resize(looked_at_.size());
-  arena.parallel_for(looked_at_.size(), box_grain, [&](std::size_t begin, std::size_t end) {
+  arena.parallel_for(looked_at_.size(), bodies_a_task(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) in_boxes_[i] = is_in_boxes(looked_at_[i]);
   });
   for (std::size_t i = 0; i < looked_at_.size(); ++i) {
@@ -258,10 +270,11 @@ void World::Impl::find_pairs() {
   for (const std::uint32_t body : active_.in_order()) {
     if (bodies.outgrown[body]) looked_at_.push_back(body);
   }
-  const std::size_t chunks = jobs::Arena::chunk_count(looked_at_.size(), box_grain);
+  const std::size_t grain = bodies_a_task();
+  const std::size_t chunks = jobs::Arena::chunk_count(looked_at_.size(), grain);
   if (new_boxes_.size() < chunks) new_boxes_.resize(chunks);
-  arena.parallel_for(looked_at_.size(), box_grain, [&](std::size_t begin, std::size_t end) {
-    std::vector<ProxyBox>& new_boxes = new_boxes_[begin / box_grain];
+  arena.parallel_for(looked_at_.size(), grain, [&](std::size_t begin, std::size_t end) {
+    std::vector<ProxyBox>& new_boxes = new_boxes_[begin / grain];
     new_boxes.clear();
     for (std::size_t i = begin; i < end; ++i) {
       const std::uint32_t body = looked_at_[i];
@@ -280,7 +293,7 @@ void World::Impl::find_pairs() {
   });
   const ProxyBox* next_box = nullptr;
   for (std::size_t i = 0; i < looked_at_.size(); ++i) {
-    if (i % box_grain == 0) next_box = new_boxes_[i / box_grain].data();
+    if (i % grain == 0) next_box = new_boxes_[i / grain].data();
     const std::uint32_t body = looked_at_[i];
     if (!is_finite(body)) continue;
     bool outgrown = false;

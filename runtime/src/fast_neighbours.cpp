@@ -75,8 +75,9 @@ void World::Impl::note_rushed() {
 }
 
 // Whether two shapes can't meet in this step, by what is known of them: they come near each other by so little that the
-// speculative margin has seen it coming; or they were found apart, and what they have moved since is less. The centres
-// move on a straight line, of which an end is farthest from where they were then.
+// speculative margin has seen it coming; or they were found apart, and what they have moved since is less. The origins
+// of shapes move on a line, straight but for the bulge of those that their body turns, of which an end is farthest from
+// where they were then.
 bool World::Impl::stay_apart(const collision::Contact& contact, const FastMove* first, const FastMove* second) const {
   const auto shift_of = [](const FastMove* fast) -> Vector3 { return fast ? fast->shift : Vector3::Zero(); };
   const Vector3 shift = shift_of(second) - shift_of(first);
@@ -85,9 +86,18 @@ bool World::Impl::stay_apart(const collision::Contact& contact, const FastMove* 
   if (closing <= collision::approach_share * size) return true;
   if (!(contact.gap > 0)) return false;
 
+  const collision::PoseView poses{bodies.positions.data(), bodies.orientations.data()};
   const Eigen::Map<const Vector3> from(contact.apart_from.data());
-  const Vector3 end = bodies.position(contact.body_second) - bodies.position(contact.body_first) - from;
-  const double moved = std::sqrt(std::max(end.squaredNorm(), (end - shift).squaredNorm()));
+  const auto [own, other] = contact.pair;
+  double bulge = 0;
+  const auto at_start = [&](std::uint32_t collider, const FastMove* fast) -> Vector3 {
+    if (!fast) return colliders.position(collider, poses);
+    if (colliders.placed[collider]) bulge += fast->bulge;
+    return fast->start.position + fast->start.orientation * colliders.local[collider].position;
+  };
+  const Vector3 start = at_start(other, second) - at_start(own, first) - from;
+  const Vector3 end = colliders.position(other, poses) - colliders.position(own, poses) - from;
+  const double moved = std::sqrt(std::max(start.squaredNorm(), end.squaredNorm())) + bulge;
   const double turned = bodies.turned[contact.body_first] + bodies.turned[contact.body_second] - contact.turned;
   const double left = static_cast<double>(contact.gap) - moved - static_cast<double>(contact.lever) * turned;
   return left > (stop_share + sweep_tolerance) * size;

@@ -223,6 +223,7 @@ class World::Impl {
   double stretch_of(std::uint32_t body) const;
   void note_stretch(std::uint32_t body);
   void shrink_boxes();
+  std::size_t bodies_a_task() const;
   bool is_in_boxes(std::uint32_t body) const;
   void catch_up_boxes();
   void look_again(std::uint32_t body) { bodies.outgrown[body] = 1; }

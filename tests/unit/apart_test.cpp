@@ -1,6 +1,7 @@
 // Pairs found apart are left alone for as long as motion can't have brought them together, and no longer.
 
 #include <collision/contacts/update_contacts.h>
+#include <collision/narrowphase/closest_points.h>
 #include <collision/narrowphase/collide.h>
 #include <collision/narrowphase/surface_contacts.h>
 #include <collision/shapes/triangle_mesh.h>
@@ -146,10 +147,12 @@ TEST(Apart, NoneThatComesToASurfaceIsMissed) {
   const Shape surface = Shape::triangle_mesh(mesh);
   int touching = 0;
   std::int64_t kept = 0, fresh = 0;
-  for (int run = 0; run < 60; ++run) {
-    TwoBodies bodies(shapes[random.below(3)], surface, centred);
-    const Pose stands{random.vector(20), random.rotation()};
-    bodies.put(1, stands.position, stands.orientation);
+  for (int run = 0; run < 120; ++run) {
+    const Pose local = random.chance(0.5) ? centred : Pose{random.vector(0.7), random.rotation()};
+    TwoBodies bodies(shapes[random.below(3)], surface, local);
+    const Pose body{random.vector(20), random.rotation()};
+    bodies.put(1, body.position, body.orientation);
+    const Pose stands = placed(body, local);
     Vector3 at = random.vector(1.5) + Vector3(0, 0, 1.5);
     Quaternion turn = random.rotation();
     const double pace = random.magnitude(1e-3, 0.1);
@@ -205,6 +208,44 @@ TEST(Apart, ASurfacesGapIsByTheBallAndTheBoxAround) {
   EXPECT_NEAR(gap({4, 4, 0}, 10), 7 / std::sqrt(5) - 1.3, 1e-12);
   EXPECT_NEAR(gap({0, -8, 4}, 1), 1, 1e-12);
   EXPECT_LE(gap({0, 0, 1}, 10), 0);
+}
+
+TEST(Apart, ABallsGapIsToTheNearestTriangle) {
+  Random random(10);
+  const TriangleMesh mesh = hills(random);
+  const Shape surface = Shape::triangle_mesh(mesh);
+  for (int run = 0; run < 300; ++run) {
+    const Vector3 centre = random.vector(random.chance(0.5) ? 3 : 30);
+    const double radius = random.magnitude(0.01, 1);
+    const double gap = gap_of_ball(centre, radius, surface, 1000);
+    double nearest = 1e9;
+    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+      const auto [a, b, c] = mesh.face(i).vertices;
+      nearest = std::min(nearest, closest_points(Shape::sphere(0), {a - centre, b - centre, c - centre}).distance);
+    }
+    EXPECT_NEAR(gap, std::max(0.0, nearest - radius), 1e-12 * nearest);
+    EXPECT_NEAR(gap_of_ball(centre, radius, surface, 0.5 * gap), 0.5 * gap, 1e-12 * nearest);
+  }
+  EXPECT_EQ(gap_of_ball({0, 0, 9}, 1, Shape::box(Vector3::Ones()), 10), 0);
+}
+
+// Of a compound a child that the body's turning takes along is as far as it gets itself: its own turning brings it no
+// nearer, and one that stays where it is needs not be asked, however far out it is.
+TEST(Apart, AChildThatTurnsWhereItIsCostsNothing) {
+  Random random(11);
+  const TriangleMesh mesh = hills(random);
+  TwoBodies bodies(Shape::box({0.2, 0.3, 0.5}), Shape::triangle_mesh(mesh), {{3, 0, 0}, Quaternion::Identity()});
+  const Vector3 place(3, 0, 2);
+  bodies.put(1, Vector3::Zero(), Quaternion::Identity());
+  bodies.put(0, place - Vector3(3, 0, 0), Quaternion::Identity());
+  for (int step = 0; step < 5; ++step) bodies.update();
+  ASSERT_EQ(bodies.result.counts.fresh, 0);
+  for (int step = 1; step < 60; ++step) {
+    const Quaternion turn(Eigen::AngleAxisd(0.1 * step, Vector3::UnitZ()));
+    bodies.put(0, place - turn * Vector3(3, 0, 0), turn);
+    bodies.update();
+    ASSERT_EQ(bodies.result.counts.fresh, 0) << step;
+  }
 }
 
 // The boxes' centres stay where they are, and the second's longest axis comes round.

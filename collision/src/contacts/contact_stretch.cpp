@@ -23,6 +23,13 @@ Vector3 ContactStretch::shift_between(const Contact& contact) const {
   return {second[0] - first[0], second[1] - first[1], second[2] - first[2]};
 }
 
+// m, world: origin of the second shape from the first's.
+Vector3 ContactStretch::origins_apart(const Contact& contact) const {
+  if (!contact.placed) return input_.poses.position(contact.body_second) - input_.poses.position(contact.body_first);
+  return input_.colliders.position(contact.pair.second, input_.poses) -
+         input_.colliders.position(contact.pair.first, input_.poses);
+}
+
 double ContactStretch::margin_of(const Contact& contact) const {
   const float turn = input_.reaches[contact.body_first].turn + input_.reaches[contact.body_second].turn;
   return speculative_margin(static_cast<double>(contact.size),
@@ -135,13 +142,11 @@ void ContactStretch::fetch_ahead(std::size_t entry) const {
   if (entry + ahead < cache_.order.size()) __builtin_prefetch(&cache_.contacts[cache_.order[entry + ahead]]);
 }
 
-// Whether two solids that were found apart are so still, whatever their features: by how far the centres have moved
+// Whether two solids that were found apart are so still, whatever their features: by how far their origins have moved
 // against each other since, and how much the bodies have turned.
 bool ContactStretch::still_apart(const Contact& contact) const {
-  const Eigen::Map<const Vector3> first(input_.poses.positions + 3 * std::size_t{contact.body_first});
-  const Eigen::Map<const Vector3> second(input_.poses.positions + 3 * std::size_t{contact.body_second});
   const Eigen::Map<const Vector3> from(contact.apart_from.data());
-  const double moved = (second - first - from).norm();
+  const double moved = (origins_apart(contact) - from).norm();
   const double turned = input_.turned[contact.body_first] + input_.turned[contact.body_second] - contact.turned;
   const double left = static_cast<double>(contact.gap) - moved - static_cast<double>(contact.lever) * turned;
   return left > speculative_margin(static_cast<double>(contact.size), any_approach) || left > margin_of(contact);

@@ -57,6 +57,7 @@ class ContactStretch {
   void fetch_rest(std::uint32_t slot) const;
   void list_touching(std::size_t begin, std::size_t end, std::span<TouchingPair> touching, Result& result);
   Vector3 shift_between(const Contact& contact) const;
+  Vector3 origins_apart(const Contact& contact) const;
   double margin_of(const Contact& contact) const;
   std::size_t parts_from(std::size_t entry) const;
   std::size_t pair_end(std::size_t entry) const;
@@ -67,9 +68,9 @@ class ContactStretch {
   void find_anew(std::size_t entry);
   void find_boxes();
   void find_surface_parts(std::size_t entry);
-  void set_apart(std::size_t entry, double margin, double gap);
+  void set_apart(std::size_t entry, double margin, double gap, double lever);
   double lever_of(Pair pair) const;
-  bool set_surface_apart(std::size_t entry, double margin, double gap);
+  bool set_surface_apart(std::size_t entry, double margin, double gap, double lever);
   void replace(std::size_t entry, const Manifold& fresh, const Pose& incident, double margin);
   float tolerance_of(Pair pair, const Manifold& fresh) const;
   bool are_boxes(Pair pair) const;

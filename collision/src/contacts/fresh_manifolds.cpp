@@ -21,6 +21,14 @@ constexpr double match_distance = 0.04;
 // left alone for some steps; and how far off they have to be for that to be worth it.
 constexpr double surface_gap_share = 1;
 constexpr double least_surface_gap = 0.1;
+// How far around the ball that a solid lies in they are looked for first: as far as it gets in some steps, in radii
+// from the least to the most. And how far turning by 1 rad counts as bringing the ball nearer, in radii: it doesn't,
+// but a surface that is turned by hand (put_elsewhere) has to show.
+constexpr double ball_gap_steps = 4;
+constexpr double least_ball_gap = 0.5;
+constexpr double most_ball_gap = 1.2;
+constexpr double ball_lever = 1e-3;
+static_assert(ball_lever * put_elsewhere > most_ball_gap);
 
 // Of the boxes of a lane.
 Pose incident_in_reference(const BoxAxes& axes, std::size_t lane, bool reference_is_second) {
@@ -116,22 +124,22 @@ void ContactStretch::replace(std::size_t entry, const Manifold& fresh, const Pos
   if (fresh.count > 0) add_to(fresh_batch_, entry, true);
 }
 
-// m: no point of those of the two that may turn is farther from its body's centre of mass.
+// m: no point of those of the two that may turn is farther from its shape's origin.
 double ContactStretch::lever_of(Pair pair) const {
   const ColliderTable& colliders = input_.colliders;
   const auto lever = [&](std::uint32_t collider) {
     if (is_surface(colliders.shape[collider].kind) && input_.mobility[colliders.body[collider]] == 0) return 0.0;
-    return colliders.local[collider].position.norm() + colliders.shape[collider].bounding_radius;
+    return colliders.shape[collider].bounding_radius;
   };
   return std::max(lever(pair.first), lever(pair.second));
 }
 
 // As set_apart(), of all parts of a solid and a surface that stands still. False where they are too near each other for
 // that to last.
-bool ContactStretch::set_surface_apart(std::size_t entry, double margin, double gap) {
+bool ContactStretch::set_surface_apart(std::size_t entry, double margin, double gap, double lever) {
   if (gap < margin + least_surface_gap * static_cast<double>(contact_at(entry).size)) return false;
   for (std::size_t part = 0; part < max_surface_manifolds; ++part) {
-    set_apart(entry + part, margin, gap);
+    set_apart(entry + part, margin, gap, lever);
     if (!cache_.rises.empty()) cache_.rises[cache_.order[entry + part]] = 0;
   }
   return true;
@@ -139,17 +147,16 @@ bool ContactStretch::set_surface_apart(std::size_t entry, double margin, double 
 
 // Two solids found apart are left alone until they have used their gap up, or, where that hardly exceeds the margin,
 // until they have moved by the tolerance. Of those that were apart before the first cache line is all that changes.
-void ContactStretch::set_apart(std::size_t entry, double margin, double gap) {
+void ContactStretch::set_apart(std::size_t entry, double margin, double gap, double lever) {
   Contact& contact = contact_at(entry);
   if (!(contact.gap > 0)) {
     clear_impulses(cache_.manifolds[cache_.order[entry]]);
     capture(contact, Manifold{}, {Vector3::Zero(), Quaternion::Identity()}, margin, 0);
-    contact.lever = static_cast<float>(lever_of(contact.pair));
   }
+  contact.lever = static_cast<float>(lever);
   const double size = static_cast<double>(contact.size);
   contact.gap = static_cast<float>(std::max(gap, margin + static_cast<double>(flat_tolerance) * size));
-  const Vector3 between = input_.poses[contact.body_second].position - input_.poses[contact.body_first].position;
-  Eigen::Map<Vector3>(contact.apart_from.data()) = between;
+  Eigen::Map<Vector3>(contact.apart_from.data()) = origins_apart(contact);
   contact.turned = input_.turned[contact.body_first] + input_.turned[contact.body_second];
   status_[entry] = ContactStatus::Apart;
 }
@@ -177,13 +184,13 @@ void ContactStretch::find_anew(std::size_t entry) {
   if (bounded && !fresh.known) {
     const double gap = centre_line(lower, {Vector3::Zero(), Quaternion::Identity()}, higher, in_lower).gap;
     if (gap > margin) {
-      set_apart(entry, margin, gap);
+      set_apart(entry, margin, gap, lever_of(pair));
       return;
     }
   }
   note_source(collide(lower, higher, in_lower, margin, fresh));
   if (fresh.count == 0 && bounded) {
-    set_apart(entry, margin, fresh.gap);
+    set_apart(entry, margin, fresh.gap, lever_of(pair));
     return;
   }
   if (fresh.count > 0 && higher.kind == ShapeKind::Sphere && !contact.placed) {
@@ -226,7 +233,7 @@ void ContactStretch::find_boxes() {
                               input_.colliders.shape[contact.pair.second].half_extents, box_axes_, lane, margin,
                               fresh));
     if (fresh.count == 0) {
-      set_apart(entry, margin, fresh.gap);
+      set_apart(entry, margin, fresh.gap, lever_of(contact.pair));
     } else {
       replace(entry, fresh, incident_in_reference(box_axes_, lane, fresh.reference_is_second), margin);
     }
@@ -252,9 +259,17 @@ void ContactStretch::find_surface_parts(std::size_t entry) {
             (surface_second ? Vector3(-shift_second) : shift_second);
   }
   const bool stands_still = input_.mobility[colliders.body[surface]] == 0;
+  if (stands_still && (contact.gap > 0 || contact.margin < 0)) {
+    const double radius = colliders.shape[solid].bounding_radius;
+    const StepReach& reach = input_.reaches[colliders.body[solid]];
+    const double ahead = ball_gap_steps * (shift_between(contact).norm() + static_cast<double>(reach.turn));
+    const double most = margin + std::clamp(ahead, least_ball_gap * radius, most_ball_gap * radius);
+    const double gap = gap_of_ball(incident.position, radius, colliders.shape[surface], most);
+    if (set_surface_apart(entry, margin, gap, ball_lever * radius)) return;
+  }
   const double most_gap = stands_still ? margin + surface_gap_share * static_cast<double>(contact.size) : 0;
   collide_surface(colliders.shape[solid], colliders.shape[surface], incident, margin, found, shift, most_gap);
-  if (found.count == 0 && stands_still && set_surface_apart(entry, margin, found.gap)) return;
+  if (found.count == 0 && stands_still && set_surface_apart(entry, margin, found.gap, lever_of(pair))) return;
 
   constexpr auto parts = static_cast<std::size_t>(max_surface_manifolds);
   std::array<int, parts> assigned;  // manifold of a part, or -1

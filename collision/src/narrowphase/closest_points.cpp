@@ -61,7 +61,8 @@ ClosestPoints closest_points_of(const ConvexCore& first, const ConvexCore& secon
     segment_segment(first.half_height, second.half_height, place.position, place.rotation.col(2), on_first, on_second);
     return between_points(on_first, on_second, first.radius, second.radius);
   }
-  const Vector3 guess = second.kind == Kind::Triangle ? second.triangle[0] : place.position;
+  const Vector3 guess =
+      second.kind == Kind::Triangle ? closest_point_of_triangle(second.triangle, Vector3::Zero()) : place.position;
   const GjkResult found = gjk_distance(first, second, place, guess);
   return around_cores(found.distance, found.on_first, found.on_second, found.normal, first.radius, second.radius);
 }

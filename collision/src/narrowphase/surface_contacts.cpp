@@ -201,6 +201,26 @@ bool is_smooth(const Shape& surface) {
   return surface.kind == ShapeKind::HeightField && surface.field != nullptr && surface.field->smooth;
 }
 
+double gap_of_ball(const Vector3& centre, double radius, const Shape& surface, double most) {
+  if (!is_surface(surface.kind) || !centre.allFinite()) return 0;
+  double square = (radius + most) * (radius + most);
+  const auto look_at = [&](const std::array<Vector3, 3>& triangle) {
+    square = std::min(square, (closest_point_of_triangle(triangle, centre) - centre).squaredNorm());
+  };
+  const Aabb around = grown({centre, centre}, radius + most);
+  if (surface.kind == ShapeKind::Mesh) {
+    const TriangleMesh& mesh = *surface.mesh;
+    mesh.tree.query_boxes(around, [&](std::uint32_t number, const Aabb& box) {
+      if (square_apart(box, {centre, centre}) >= square) return;
+      const auto& [a, b, c] = mesh.triangles[number];
+      look_at({mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]});
+    });
+  } else {
+    visit_near(surface, around, [&](std::uint32_t number) { look_at(face_of(surface, number).vertices); });
+  }
+  return std::max(0.0, std::sqrt(square) - radius);
+}
+
 void collide_surface(const Shape& solid, const Shape& surface, const Pose& solid_pose, double margin,
                      SurfaceManifolds& result, const Vector3& shift, double most_gap) {
   result.count = 0;

@@ -34,6 +34,13 @@ double angle_measure(const Turn& from, const Turn& to) {
   return from.dot(to) > 0 ? sine : 2 - sine;
 }
 
+// Whether a direction of any length is surely no nearer than an angle's measure, for less than its own measure takes.
+bool is_beyond(const Turn& from, const Turn& to, double square, double measure) {
+  if (!(from.dot(to) > 0)) return measure <= 1 || !(square > 0);
+  const double sine = from.cross(to);
+  return sine > 0 && sine * sine >= (1 + 1e-9) * measure * measure * square;
+}
+
 struct Edge {
   Vector3 tail, along, outward;  // along and outward of unit length
   double length;
@@ -57,7 +64,12 @@ class Search {
 
   TriangleAxis run() {
     if (triangle_.convex_edges == 0) return best_;
-    lowest_ = solid_.support(Vector3(-triangle_.normal));
+    if (const Polytope& polytope = solid_.core.polytope(); polytope.hull != nullptr) {
+      lowest_vertex_ = polytope.support(solid_.turned(Vector3(-triangle_.normal)));
+      lowest_ = solid_.placed(polytope.vertices[lowest_vertex_]);
+    } else {
+      lowest_ = solid_.support(Vector3(-triangle_.normal));
+    }
     bool is_over = true;
     for (std::size_t i = 0; i < 3; ++i) {
       edges_[i] = edge_of(triangle_, i);
@@ -149,7 +161,8 @@ class Search {
     const double radius = solid_.core.radius();
     constexpr int most_steps = 255;
     Turn at{1, 0};
-    int vertex = polytope.support(-up_);
+    if (lowest_vertex_ < 0) lowest_vertex_ = polytope.support(-up_);
+    int vertex = lowest_vertex_;
     for (int step = 0; step < most_steps; ++step) {
       const Vector3& x = polytope.vertices[vertex];
       Turn stop = end_;
@@ -161,8 +174,9 @@ class Search {
         const Vector3 step_to = polytope.vertices[other] - x;
         const double a = up_.dot(step_to);
         const double b = out_.dot(step_to);
-        const double length = std::sqrt(a * a + b * b);
-        if (!(length > 0)) continue;
+        const double square = a * a + b * b;
+        if (is_beyond(at, {-b, a}, square, nearest)) continue;
+        const double length = std::sqrt(square);
         const Turn turn{-b / length, a / length};
         const double angle = angle_measure(at, turn);
         if (angle >= nearest) continue;
@@ -335,16 +349,37 @@ class Search {
       try_side_on_vertices();
       return;
     }
-    // Most faces look away from all of the triangle: far less than what would be better, beyond any rounding.
+    // A vertex that the surface can push at is the triangle's farthest along the direction, so that most faces look
+    // away from one that is nearer: by far more than rounding, and what may_push() lets pass.
     std::array<Vector3, 3> seen;
     for (std::size_t v = 0; v < 3; ++v) seen[v] = solid_.seen(triangle_.vertices[v]);
-    const double rounding =
-        1e-12 * std::max({seen[0].lpNorm<1>(), seen[1].lpNorm<1>(), seen[2].lpNorm<1>(), shape.bounding_radius});
+    const double slack =
+        1e-8 * std::max({seen[0].lpNorm<1>(), seen[1].lpNorm<1>(), seen[2].lpNorm<1>(), shape.bounding_radius});
     const Polytope& polytope = solid_.core.polytope();
+    if (polytope.hull != nullptr) return try_faces_in_lanes(*polytope.hull, seen, slack);
     for (int f = 0; f < polytope.face_count; ++f) {
       const auto& [normal, offset] = polytope.planes[f];
-      const double most = std::max({normal.dot(seen[0]), normal.dot(seen[1]), normal.dot(seen[2])}) - offset;
-      if (most + rounding > best_.separation) try_face_on_vertices(normal, offset);
+      const double least = std::min({normal.dot(seen[0]), normal.dot(seen[1]), normal.dot(seen[2])}) - offset;
+      if (least + slack > best_.separation) try_face_on_vertices(normal, offset);
+    }
+  }
+
+  void try_faces_in_lanes(const Hull& hull, const std::array<Vector3, 3>& seen, double slack) {
+    using Lanes = Eigen::Array<double, Hull::lanes, 1>;
+    const std::size_t size = hull.plane_columns.size() / 4;
+    for (std::size_t i = 0; i < size; i += Hull::lanes) {
+      const auto column = [&](std::size_t k) {
+        return Eigen::Map<const Lanes>(hull.plane_columns.data() + k * size + i);
+      };
+      const auto over = [&](const Vector3& point) -> Lanes {
+        return (column(0) * point.x() + column(1) * point.y()) + column(2) * point.z();
+      };
+      const Lanes least = over(seen[0]).min(over(seen[1])).min(over(seen[2])) - column(3) + slack;
+      if (!(least.maxCoeff() > best_.separation)) continue;
+      for (std::size_t lane = 0; lane < Hull::lanes && i + lane < hull.planes.size(); ++lane) {
+        const Hull::Plane& plane = hull.planes[i + lane];
+        if (least[static_cast<Eigen::Index>(lane)] > best_.separation) try_face_on_vertices(plane.normal, plane.offset);
+      }
     }
   }
 
@@ -371,6 +406,7 @@ class Search {
   std::array<Edge, 3> edges_;
   TriangleAxis best_;
   Vector3 lowest_ = Vector3::Zero();  // of the solid along the triangle's normal
+  int lowest_vertex_ = -1;            // of its polytope, the same; or not known
   // The edge being looked at, in the solid's frame.
   std::size_t edge_ = 0;
   Vector3 up_ = Vector3::UnitZ(), out_ = Vector3::UnitX(), from_ = Vector3::Zero();

@@ -33,6 +33,14 @@ void Hull::prepare() {
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
     for (std::size_t i = 0; i < size; ++i) columns.push_back(vertices[std::min(i, vertices.size() - 1)][axis]);
   }
+  const std::size_t plane_lanes = (planes.size() + lanes - 1) / lanes * lanes;
+  plane_columns.clear();
+  for (Eigen::Index column = 0; column < 4; ++column) {
+    for (std::size_t i = 0; i < plane_lanes; ++i) {
+      const Plane& plane = planes[std::min(i, planes.size() - 1)];
+      plane_columns.push_back(column < 3 ? plane.normal[column] : plane.offset);
+    }
+  }
   least_reach = std::numeric_limits<double>::infinity();
   for (const Plane& plane : planes) least_reach = std::min(least_reach, plane.offset);
   if (least_reach < 0) least_reach = -std::numeric_limits<double>::infinity();

@@ -79,6 +79,13 @@ struct ColliderTable {
     free.push_back(collider);
   }
 
+  /// World position of a collider's origin.
+  Vector3 position(std::uint32_t collider, const PoseView& bodies) const {
+    if (!placed[collider]) return bodies.position(body[collider]);
+    const Pose frame = bodies[body[collider]];
+    return frame.position + frame.orientation * local[collider].position;
+  }
+
   /// World pose of a collider.
   Pose pose(std::uint32_t collider, const PoseView& bodies) const {
     const Pose frame = bodies[body[collider]];

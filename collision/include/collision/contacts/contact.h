@@ -57,8 +57,8 @@ struct alignas(64) Contact {
   bool placed = false;  ///< a shape of it isn't at its body's centre of mass, or turned
   /// Of two solids found apart: m, how far, at least. Else 0. The next three say where they were then.
   float gap = 0;
-  float lever = 0;                        ///< m, no point of a shape is farther from its body's centre of mass
-  std::array<double, 3> apart_from = {};  ///< m, world: centre of mass of the second body from the first's
+  float lever = 0;                        ///< m: how far turning by 1 rad may bring the shapes nearer
+  std::array<double, 3> apart_from = {};  ///< m, world: origin of the second shape from the first's
   double turned = 0;                      ///< sum of how much the bodies had turned in all
 
   std::array<float, 4> orientation = {};  ///< x, y, z, w of incident in reference, at capture

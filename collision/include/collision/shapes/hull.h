@@ -45,6 +45,7 @@ struct Hull {
   /// m: the vertices' x, then all y, then all z, each up to a whole number of lanes with the last one repeated.
   std::vector<double> columns;
   static constexpr std::size_t lanes = 4;
+  std::vector<double> plane_columns;  ///< the same of the planes: x, y and z of their normals, and offsets
   /// m: it reaches at least so far from the origin along every direction; minus infinity where the origin is outside.
   double least_reach = 0;
 

@@ -18,6 +18,7 @@ struct PoseView {
   const double* positions;
   const double* orientations;
 
+  Vector3 position(std::size_t body) const { return Eigen::Map<const Vector3>(positions + 3 * body); }
   Pose operator[](std::size_t body) const {
     const double* p = positions + 3 * body;
     const double* q = orientations + 4 * body;
