@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "support/scene_run.h"
 #include "support/scenes.h"
@@ -182,6 +183,20 @@ TEST(FinerSubsteps, HoldAWallUp) {
   }
   EXPECT_LT(run.rest().sink_max, 0.1);
   EXPECT_LT(run.penetration().max, 2e-3);
+}
+
+// With a frequency of their own soft contacts give by what lies on them; left to themselves they stiffen.
+TEST(Stiffening, HeapsOverlapByHalf) {
+  const auto mean_overlap = [](std::optional<double> contact_hertz) {
+    SceneRun run("pile:bodies=1500");
+    Settings settings = run.scene.settings;
+    settings.contact_hertz = contact_hertz;
+    run.world.set_settings(settings);
+    for (int step = 0; step < 240; ++step) run.world.step(run.scene.dt);
+    return run.penetration().mean;
+  };
+  constexpr double usual = 30;  // Hz, of four substeps
+  EXPECT_LT(mean_overlap(std::nullopt), 0.6 * mean_overlap(usual));
 }
 
 }  // namespace

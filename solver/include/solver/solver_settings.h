@@ -53,7 +53,8 @@ struct Softness {
 
 /// How soft contacts get stiffer under load. A spring gives by what it carries over its stiffness, and that goes by the
 /// masses of the two bodies, whatever lies on them. A contact that would give by more than tuning::stiffening_give has
-/// springs and dashpots as many times as strong, so that overlap goes as fast as before, but less of it stays.
+/// springs and dashpots as many times as strong, so that overlap goes as fast as before, but less of it stays. Not so
+/// what joints hold: these would have to give instead.
 struct Stiffening {
   float most = 1;      ///< how many times as stiff; 1: never
   float give = 0;      ///< m by N s a substep and 1/kg, as stiff as contacts are otherwise

@@ -271,6 +271,15 @@ HWY_INLINE void prepare_push(const ContactKernelData& data, ContactBlock& block,
   store(hn::Mul(push, hn::Sqrt(growth)), block.push_speed + lane);
 }
 
+// Lanes between bodies without joints.
+HWY_INLINE M are_free(const std::uint8_t* joined, const ContactBlock& block, std::size_t lane) {
+  float free[lanes];
+  for (std::size_t k = 0; k < lanes; ++k) {
+    free[k] = joined[block.first[lane + k]] || joined[block.second[lane + k]] ? 0.0f : 1.0f;
+  }
+  return hn::Gt(hn::LoadU(D(), free), zero());
+}
+
 // How soft each contact is, by the load that it carried last: see Stiffening.
 HWY_INLINE void prepare_softness(const ContactKernelData& data, ContactBlock& block, std::size_t lane,
                                  const ContactLanes<>& c) {
@@ -296,8 +305,9 @@ HWY_INLINE void prepare_softness(const ContactKernelData& data, ContactBlock& bl
   constexpr auto part = static_cast<float>(tuning::stiffening_give * tuning::stiffening_give);
   const V most_square = hn::Mul(
       splat(part), square_of_half_thickness(c.normal, c.anchor_first, first_fixed, c.anchor_second, second_fixed));
-  const M over = hn::AndNot(fixed, hn::Gt(hn::Mul(gives, gives), most_square));
+  M over = hn::AndNot(fixed, hn::Gt(hn::Mul(gives, gives), most_square));
   if (HWY_LIKELY(!any(over))) return;
+  if (data.joined != nullptr) over = hn::And(over, are_free(data.joined, block, lane));
   const V times = hn::Div(gives, hn::Sqrt(hn::IfThenElse(over, most_square, splat(1))));
   const V response = hn::Mul(splat(stiffening.response), hn::Min(times, splat(stiffening.most)));
   const V leak = hn::Div(splat(1), hn::Add(splat(1), response));

@@ -120,6 +120,7 @@ ContactKernelData GroupSolver::kernel_data(const SolveInput& input, const GroupR
           .split_blocks = one_a_block(split_blocks_, splits),
           .planar_blocks = one_a_block(planar_blocks_, !bodies_.locks.empty()),
           .turning_blocks = one_a_block(turning_blocks_, !bodies_.shape.empty()),
+          .joined = joined_.empty() ? nullptr : joined_.data(),
           .leaves_out = !input.settings.everything};
 }
 

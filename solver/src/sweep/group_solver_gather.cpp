@@ -75,9 +75,13 @@ void GroupSolver::collect_contacts(const SolveInput& input, const IslandGroup& g
 void GroupSolver::collect_joints(const SolveInput& input, const IslandGroup& group) {
   if constexpr (!with_joints) return;
   joints_.clear();
+  joined_.clear();
   const std::span<const JointLink> links = input.islands.joints(group.begin, group.end);
   if (links.empty()) return;
   joined_motion_.build(input, group);
+  joined_.resize(first_dynamic_ + input.islands.bodies(group.begin, group.end).size());
+  for (std::size_t i = first_dynamic_; i < joined_.size(); ++i)
+    joined_[i] = joined_motion_.is_joined(i - first_dynamic_);
   for (const JointLink& link : links) {
     if (input.solves_directly(input.joint_graph->component_of(link.joint))) continue;
     const Joint& joint = input.joints[link.joint];

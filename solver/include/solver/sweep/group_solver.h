@@ -50,7 +50,7 @@ class GroupSolver {
 
   /// Memory held.
   std::size_t bytes() const {
-    return jobs::bytes_of(kinematic_, contacts_, stiffness_, followers_, blocks_, bounces_, surface_blocks_,
+    return jobs::bytes_of(joined_, kinematic_, contacts_, stiffness_, followers_, blocks_, bounces_, surface_blocks_,
                           split_blocks_, planar_blocks_, turning_blocks_) +
            colouring_.bytes() + bodies_.bytes() + joints_.bytes() + joined_motion_.bytes();
   }
@@ -92,6 +92,7 @@ class GroupSolver {
   void clear_split_impulses();
   void capture(const SolveInput& input, const GroupReport& report, std::span<const std::uint32_t> bodies) const;
 
+  std::vector<std::uint8_t> joined_;      // by body of the group; empty without joints
   std::vector<std::uint32_t> kinematic_;  // bodies that the group's contacts touch and joints join, in order
   std::uint32_t first_dynamic_ = 1;       // index in bodies_
   std::vector<LocalContact> contacts_;
