@@ -84,7 +84,9 @@ Scene build_terrain(const ParameterValues& values, std::uint64_t seed) {
     SceneBody body = loose_solid("burr_" + std::to_string(i), burrs[static_cast<std::size_t>(i % kinds)],
                                  places[i] + uphill, random.rotation());
     body.def.position.z() -= slope * body.def.position.x();
-    body.def.velocity = 5 * Vector3(random.uniform(0, 1), random.uniform(-1, 1), 0);
+    // One after the other: compilers evaluate the arguments of a call in orders of their own.
+    const double across = random.uniform(-1, 1), down = random.uniform(0, 1);
+    body.def.velocity = 5 * Vector3(down, across, 0);
     scene.bodies.push_back(body);
   }
   return scene;
