@@ -152,18 +152,16 @@ class Bed {
       return 0;
     }
     const double mass = other == nullptr ? ball.mass : ball.mass * other->mass / (ball.mass + other->mass);
-    const double log_bounce = std::log(bounce);
-    const double damping = -log_bounce / std::sqrt(pi * pi + log_bounce * log_bounce);
     const double across_stiffness = 2.0 / 7 * normal_stiffness_;
     Vector speed = -ball.velocity - ball.radius * ball.spin.cross(normal);
     if (other != nullptr) speed += other->velocity - other->radius * other->spin.cross(normal);
     const double closing = speed.dot(normal);
     const double along =
-        std::max(-normal_stiffness_ * gap - 2 * damping * std::sqrt(mass * normal_stiffness_) * closing, 0.0);
+        std::max(-normal_stiffness_ * gap - 2 * damping_ * std::sqrt(mass * normal_stiffness_) * closing, 0.0);
 
     const Vector sliding = speed - closing * normal;
     slip += step_ * sliding - slip.dot(normal) * normal;
-    Vector across = -across_stiffness * slip - 2 * damping * std::sqrt(2.0 / 7 * mass * across_stiffness) * sliding;
+    Vector across = -across_stiffness * slip - 2 * damping_ * std::sqrt(2.0 / 7 * mass * across_stiffness) * sliding;
     if (const double size = across.norm(); size > friction * along) {
       across *= friction * along / size;
       slip = -across / across_stiffness;
@@ -178,6 +176,7 @@ class Bed {
   }
 
   double normal_stiffness_, step_;
+  const double damping_ = -std::log(bounce) / std::sqrt(pi * pi + std::log(bounce) * std::log(bounce));  // ratio
   std::vector<Ball> balls_;
   std::vector<Pair> pairs_;
   std::vector<Vector> looked_;

@@ -101,8 +101,7 @@ inline void store_impulses(const ContactKernelData& data, std::size_t begin, std
       collision::ContactManifold* manifolds = data.manifolds;
       V4 normal = {load(block.normal_impulse[0] + lane), load(block.normal_impulse[1] + lane),
                    load(block.normal_impulse[2] + lane), load(block.normal_impulse[3] + lane)};
-      const V load_of_all = hn::Add(hn::Add(normal.x, normal.y), hn::Add(normal.z, normal.w));
-      loaded |= (loaded_lanes(data, block, lane, load_of_all) & used) << lane;
+      loaded |= (loaded_lanes(data, block, lane, load_of(block, lane)) & used) << lane;
       if (with_restitution && block.traits.bounces) {
         const float(*spent)[block_lanes] = data.bounces[b].spent;
         normal = {hn::Add(normal.x, load(spent[0] + lane)), hn::Add(normal.y, load(spent[1] + lane)),

@@ -314,6 +314,13 @@ HWY_INLINE Plane tangential_response(const ContactLanes<>& c, V linear) {
           hn::Add(linear, angular_response(c, t2_first, t2_second, t2_first, t2_second))};
 }
 
+// N s: the normal impulses of all points of a contact.
+HWY_INLINE V load_of(const ContactBlock& block, std::size_t lane) {
+  const float(*impulses)[block_lanes] = block.normal_impulse;
+  return hn::Add(hn::Add(load(impulses[0] + lane), load(impulses[1] + lane)),
+                 hn::Add(load(impulses[2] + lane), load(impulses[3] + lane)));
+}
+
 // m^2: of the thinner of the two bodies that move, along the normal from its centre of mass to the contact.
 HWY_INLINE V square_of_half_thickness(const V3& normal, const V3& arm_first, const M& first_fixed, const V3& arm_second,
                                       const M& second_fixed) {

@@ -117,9 +117,7 @@ HWY_INLINE V4 rolling_lanes(const ContactKernelData& data, const ContactBlock& b
 HWY_INLINE void prepare_surfaces(const ContactKernelData& data, const ContactBlock& block, SurfaceBlock& surface,
                                  std::size_t lane, const ContactLanes<>& c, const V4& rolling) {
   const V4 slip = load_rows([&](std::size_t k) { return surface_of(data, block, lane + k).slip; });
-  const float(*pushes)[block_lanes] = block.normal_impulse;
-  const V normal_impulse = hn::Add(hn::Add(load(pushes[0] + lane), load(pushes[1] + lane)),
-                                   hn::Add(load(pushes[2] + lane), load(pushes[3] + lane)));
+  const V normal_impulse = load_of(block, lane);
   store(dot(c.tangent1, {slip.x, slip.y, slip.z}), surface.slip[0] + lane);
   store(dot(c.tangent2, {slip.x, slip.y, slip.z}), surface.slip[1] + lane);
   store(slip.w, surface.rolling_friction[0] + lane);
@@ -297,11 +295,8 @@ HWY_INLINE void prepare_softness(const ContactKernelData& data, ContactBlock& bl
 
   const Stiffening& stiffening = data.constants.stiffening;
   if (!(stiffening.most > 1)) return;
-  const float(*pushes)[block_lanes] = block.normal_impulse;
-  const V carries = hn::Add(hn::Add(load(pushes[0] + lane), load(pushes[1] + lane)),
-                            hn::Add(load(pushes[2] + lane), load(pushes[3] + lane)));
   const V inverse_mass = hn::Add(c.inverse_mass_first, c.inverse_mass_second);
-  const V gives = hn::Mul(hn::Mul(carries, inverse_mass), splat(stiffening.give));
+  const V gives = hn::Mul(hn::Mul(load_of(block, lane), inverse_mass), splat(stiffening.give));
   constexpr auto part = static_cast<float>(tuning::stiffening_give * tuning::stiffening_give);
   const V most_square = hn::Mul(
       splat(part), square_of_half_thickness(c.normal, c.anchor_first, first_fixed, c.anchor_second, second_fixed));

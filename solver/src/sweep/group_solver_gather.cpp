@@ -80,8 +80,9 @@ void GroupSolver::collect_joints(const SolveInput& input, const IslandGroup& gro
   if (links.empty()) return;
   joined_motion_.build(input, group);
   joined_.resize(first_dynamic_ + input.islands.bodies(group.begin, group.end).size());
-  for (std::size_t i = first_dynamic_; i < joined_.size(); ++i)
+  for (std::size_t i = first_dynamic_; i < joined_.size(); ++i) {
     joined_[i] = joined_motion_.is_joined(i - first_dynamic_);
+  }
   for (const JointLink& link : links) {
     if (input.solves_directly(input.joint_graph->component_of(link.joint))) continue;
     const Joint& joint = input.joints[link.joint];
