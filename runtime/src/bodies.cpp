@@ -61,7 +61,6 @@ void BodyRecords::resize(std::size_t bodies) {
   jobs::append(dynamic, bodies, std::uint8_t{0});
   material.resize(bodies);
   centre.resize(bodies);
-  jobs::append(first_collider, bodies, collision::ColliderTable::none);
   jobs::append(continuous, bodies, std::uint8_t{0});
   jobs::append(constants, bodies);
 }
@@ -72,7 +71,8 @@ void World::Impl::resize_bodies(std::size_t count) {
   sleeping.resize(count);
   quarantine.resize(count);
   active_.resize(count);
-  jobs::append(stretch_, count, 0.0);
+  aabbs.resize(count);
+  colliders.resize_bodies(count);
 }
 
 // What the body is for as long as it lives.
@@ -102,7 +102,6 @@ void World::Impl::give_constants(std::uint32_t body, const std::shared_ptr<const
   bodies.gravity_scale[body] = c.gravity_scale;
   bodies.linear_damping[body] = c.linear_damping;
   bodies.angular_damping[body] = c.angular_damping;
-  note_size(body);
 }
 
 BodyId World::Impl::add_body(const CheckedBody& start) {
@@ -132,6 +131,7 @@ BodyId World::Impl::add_body(const CheckedBody& start) {
   contents.count(bodies, records, body, +1);
   note_arrival_or_departure(body);
   add_colliders(body);
+  note_size(body);
   add_proxies(body, to_collision(start.filter, body));
   suspect_new(body);
   if constexpr (with_recording) {
@@ -165,7 +165,7 @@ void World::Impl::take_out(std::uint32_t body) {
   wake_touching(body);
   sleeping.wake(body);
   cache.remove_contacts_of(body);
-  remove_proxies(body);
+  aabbs.remove(body, colliders, broadphase);
   contents.count(bodies, records, body, -1);
   sleeping.awake[body] = 0;
   if constexpr (with_direct_contacts) selection_.forget(body);
@@ -189,7 +189,7 @@ std::uint32_t World::Impl::awaken(BodyId id, const char* call) { return awaken(i
 
 std::uint32_t World::Impl::awaken(std::uint32_t body) {
   sleeping.wake(body);
-  look_again(body);
+  aabbs.mark_dirty(body);
   quarantine.suspect(body);
   if (bodies.mobility[body] == solver::Mobility::Kinematic) may_start_or_stop_.push_back(body);
   return body;
@@ -261,7 +261,7 @@ void World::Impl::set_filter(BodyId id, const CollisionFilter& filter) {
     quarantine.kept(body).filter = in_broadphase;
     return;
   }
-  for_each_collider(body, [&](std::uint32_t collider) { broadphase.set_filter(collider, in_broadphase); });
+  colliders.for_each_of(body, [&](std::uint32_t collider) { broadphase.set_filter(collider, in_broadphase); });
 }
 
 void World::Impl::set_collision_enabled(BodyId a, BodyId b, bool enabled) {
@@ -300,10 +300,6 @@ void World::Impl::wake_touching(std::uint32_t body) {
 void World::Impl::note_arrival_or_departure(std::uint32_t body) {
   if (bodies.mobility[body] != solver::Mobility::Fixed || active_.contains(body)) may_start_or_stop_.push_back(body);
   islands_stale_ = true;
-}
-
-bool World::Impl::is_finite(std::uint32_t body) const {
-  return bodies.position(body).allFinite() && bodies.orientation(body).coeffs().allFinite();
 }
 
 }  // namespace atl

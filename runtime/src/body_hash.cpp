@@ -53,12 +53,12 @@ void World::Impl::hash_body(BodyParts& parts, std::uint32_t body) const {
   parts.rest.value(sleeping.ring[body]);
 
   parts.bounds.value(bodies.turned[body]);
-  parts.bounds.value(bodies.slack[body]);
-  parts.bounds.value(bodies.outgrown[body]);
-  parts.bounds.value(stretch_[body]);
+  parts.bounds.value(aabbs.bounds.aabb_margin[body]);
+  parts.bounds.value(aabbs.bounds.aabb_dirty[body]);
+  parts.bounds.value(aabbs.swept_margins()[body]);
   if (alive) {
     const bool quarantined = quarantine.contains(body);
-    for_each_collider(body, [&](std::uint32_t collider) {
+    colliders.for_each_of(body, [&](std::uint32_t collider) {
       parts.bounds.value(collider);
       if (!quarantined && !broadphase.is_half_space(collider)) {
         const collision::Aabb box = broadphase.fat_box(collider);

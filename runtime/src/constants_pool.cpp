@@ -1,6 +1,6 @@
 #include "constants_pool.h"
 
-#include <collision/contacts/collider_table.h>
+#include <collision/shapes/collider_table.h>
 
 #include <algorithm>
 

@@ -131,7 +131,7 @@ void ForcedStep::make_up(double substep) {
     if (!force.allFinite() || !torque.allFinite()) continue;  // the next substep sees to it
     world_.apply_impulse(body, 0.5 * substep * force, 0.5 * substep * torque);
     world_.quarantine.suspect(body);
-    world_.look_again(body);
+    world_.aabbs.mark_dirty(body);
   }
 }
 

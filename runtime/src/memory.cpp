@@ -11,8 +11,7 @@ namespace atl {
 using jobs::bytes_of;
 
 std::size_t BodyRecords::bytes() const {
-  return bytes_of(generation, alive, type, first_collider, continuous, constants, dynamic, free) + material.bytes() +
-         centre.bytes();
+  return bytes_of(generation, alive, type, continuous, constants, dynamic, free) + material.bytes() + centre.bytes();
 }
 
 std::vector<MemoryUse> World::Impl::memory() const {
@@ -20,13 +19,12 @@ std::vector<MemoryUse> World::Impl::memory() const {
   const std::size_t touching = contact_update_.touching.size();
   std::vector<MemoryUse> uses;
   uses.push_back({"bodies",
-                  bodies.bytes() + records.bytes() + active_.bytes() +
-                      bytes_of(may_start_or_stop_, pushed_, looked_at_, in_boxes_, stretch_, stretched_, reaches_),
+                  bodies.bytes() + records.bytes() + aabbs.bytes() + active_.bytes() +
+                      bytes_of(may_start_or_stop_, pushed_, reaches_),
                   records.count, "bodies"});
   uses.push_back({"sleeping", sleeping.bytes(), records.count, "bodies"});
   uses.push_back({"running_surfaces", bytes_of(bodies.surfaces, surface_contacts_), records.count, "bodies"});
-  std::size_t new_boxes = bytes_of(new_boxes_);
-  for (const auto& of_chunk : new_boxes_) new_boxes += bytes_of(of_chunk);
+  const std::size_t new_boxes = aabbs.update_bytes();
   uses.push_back({"shapes", colliders.bytes(), colliders.body.size(), "shapes"});
   uses.push_back({"broadphase", broadphase.bytes() + new_boxes, colliders.body.size(), "shapes"});
   uses.push_back({"contacts", cache.bytes() + contact_update_.bytes(), contacts, "pairs"});
@@ -43,8 +41,7 @@ std::vector<MemoryUse> World::Impl::memory() const {
   std::size_t of_joints = joints.bytes() + bytes_of(to_kinematic_, joint_events_, assembly_);
   if constexpr (with_joints) of_joints += joint_graph_.bytes() + joint_systems_.bytes();
   uses.push_back({"joints", of_joints, joints.count, "joints"});
-  uses.push_back({"continuous_collision",
-                  bytes_of(fast_in_order_, fast_place_, near_fast_, near_fast_begin_, together_, carried_, stops_),
+  uses.push_back({"continuous_collision", bytes_of(fast_in_order_, carried_) + continuous_.bytes(),
                   static_cast<std::size_t>(report_.counts.swept), "bodies"});
   uses.push_back({"contact_events", events_.bytes() + unasked_events_.bytes(), events_.told.size(), "events"});
   uses.push_back(

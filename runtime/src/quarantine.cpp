@@ -180,7 +180,7 @@ void World::Impl::restrain_broken() {
       put_back(fast.body, fast.start);
       bodies.velocity(fast.body).setZero();
       bodies.angular_velocity(fast.body).setZero();
-      look_again(fast.body);
+      aabbs.mark_dirty(fast.body);
       return true;
     });
   });
@@ -195,17 +195,16 @@ void World::Impl::quarantine_broken() {
 }
 
 void World::Impl::put_in_quarantine(std::uint32_t body, Quarantine reason) {
-  QuarantineList::Kept kept{bodies.mobility[body], bodies.gyroscopic[body],
-                            broadphase.filter(records.first_collider[body])};
+  QuarantineList::Kept kept{bodies.mobility[body], bodies.gyroscopic[body], broadphase.filter(colliders.first[body])};
   if constexpr (with_joints) suspend_joints_of(body);
   take_out(body);
   // Odometers that have lost count would spread to whatever meets the body next.
   if (!std::isfinite(bodies.turned[body])) bodies.turned[body] = 0;
-  bodies.slack[body] = 0;
+  aabbs.bounds.aabb_margin[body] = 0;
   bodies.force(body).setZero();
   bodies.torque(body).setZero();
   sleeping.rest_time[body] = 0;
-  stretch_[body] = 0;
+  aabbs.swept_margins()[body] = 0;
   quarantine.add({{body, records.generation[body]}, reason, quarantine_reason(reason), steps_}, kept);
   ++report_.quarantined;
   const auto index = static_cast<std::int64_t>(body);

@@ -59,7 +59,7 @@ void World::Impl::adopt(const std::shared_ptr<const Roster>& roster) {
   active_ = {};
   may_start_or_stop_.clear();
   reaches_.clear();
-  stretch_.clear();
+  aabbs.clear();
   surface_contacts_.clear();
   islands_ = {};
   islands_stale_ = true;
@@ -89,8 +89,9 @@ void World::Impl::adopt(const std::shared_ptr<const Roster>& roster) {
   }
   for (std::size_t body = 0; body < of_body.size(); ++body) {
     if (of_body[body].empty()) continue;
-    records.first_collider[body] = of_body[body].front();
+    colliders.first[body] = of_body[body].front();
     for (std::size_t i = 1; i < of_body[body].size(); ++i) colliders.next[of_body[body][i - 1]] = of_body[body][i];
+    note_size(static_cast<std::uint32_t>(body));
   }
   roster_ = roster;
 }
@@ -129,7 +130,7 @@ void World::Impl::restore_quarantined(std::uint32_t body, Quarantine reason, std
                                       const collision::Filter& filter) {
   quarantine.add({{body, records.generation[body]}, reason, quarantine_reason(reason), step},
                  {mobility_of(records.type[body]), records.constants[body]->gyroscopic, filter});
-  for_each_collider(body, [this](std::uint32_t collider) {
+  colliders.for_each_of(body, [this](std::uint32_t collider) {
     if (broadphase.contains(collider)) broadphase.remove(collider);
   });
 }
@@ -140,11 +141,10 @@ void World::Impl::note_restored_bodies() {
   sleeping.asleep = 0;
   sleeping.changed.clear();
   pushed_.clear();
-  stretched_.clear();
+  aabbs.list_swept();
   may_start_or_stop_.clear();
   for (std::uint32_t body = 0; body < bodies.size(); ++body) {
     may_start_or_stop_.push_back(body);
-    if (stretch_[body] > 0) stretched_.push_back(body);
     if (!bodies.force(body).isZero(0) || !bodies.torque(body).isZero(0)) pushed_.push_back(body);
     if (!records.alive[body]) continue;
     const bool out = quarantine.contains(body);

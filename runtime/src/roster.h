@@ -1,6 +1,6 @@
 #pragma once
 
-#include <collision/contacts/collider_table.h>
+#include <collision/shapes/collider_table.h>
 
 #include <cstddef>
 #include <cstdint>

@@ -97,6 +97,7 @@ void World::Impl::solve_groups() {
                               .dt = dt_,
                               .settings = with,
                               .kernels = *kernels,
+                              .bounds = aabbs.bounds,
                               .fast = fast_,
                               .overloads = overloads_,
                               .capture = captures ? &capture_ : nullptr,
@@ -206,12 +207,13 @@ void World::Impl::move_unconstrained_bodies() {
   const std::span<const std::uint32_t> free = islands_.free_bodies();
   arena.parallel_for(free.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      solver::move_free_body(bodies, free[i], gravity, dt_, substeps_, fast_);
+      solver::move_free_body(bodies, free[i], gravity, dt_, substeps_, aabbs.bounds, fast_);
     }
   });
   if (contents.kinematic == 0 && !settings.run_everything) return;
   for (const std::uint32_t body : active_.in_order()) {
-    if (bodies.mobility[body] == solver::Mobility::Kinematic) solver::move_kinematic_body(bodies, body, dt_, fast_);
+    if (bodies.mobility[body] == solver::Mobility::Kinematic)
+      solver::move_kinematic_body(bodies, body, dt_, aabbs.bounds, fast_);
   }
 }
 

@@ -165,7 +165,7 @@ void World::Impl::remove_lost_contacts() {
 }
 
 void World::Impl::finish() {
-  catch_up_boxes();
+  aabbs.catch_up(active_.in_order(), motions(), broadphase, arena);
   for (const std::uint32_t body : pushed_) {
     bodies.force(body).setZero();
     bodies.torque(body).setZero();

@@ -1,241 +1,147 @@
 // Continuous collision: bodies that moved far in a step are put back to where they first met something in their
-// way, so that the next step finds the contact. What touches with its core already slides along what it touches. They
-// keep their velocity. Only these bodies cost anything. What joints connect is put back together: fast_assemblies.cpp.
+// way. They keep their velocity. What joints connect is put back together: if one of an assembly's fast bodies meets
+// something at a part of the step, all its bodies are put where they were then. Static and kinematic bodies connect
+// nothing.
 
-#include <collision/continuous/sweep.h>
-#include <collision/queries/distance.h>
-#include <collision/shapes/convex.h>
+#include <collision/continuous/continuous_collision.h>
 #include <jobs/with_joints.h>
+#include <solver/constraints/joint.h>
 
 #include <algorithm>
 #include <limits>
 #include <numbers>
-#include <optional>
 #include <span>
 
 #include "world_impl.h"
 
 namespace atl {
+
+using collision::CcdStop;
+using collision::FastBody;
+using collision::Motion;
+
 namespace {
 
-using collision::Motion;
-using collision::ShapeKind;
-
-struct Core {
-  collision::Shape shape;
-  Vector3 centre = Vector3::Zero();  // of it, in the frame of the whole shape
-};
-
-Core core_of(const collision::Shape& shape) {
-  const double off = core_share * shape.inner_radius;
-  switch (shape.kind) {
-    case ShapeKind::Capsule:
-      return {collision::Shape::capsule(shape.radius - off, shape.half_height)};
-    case ShapeKind::Box:
-      return {collision::Shape::box(shape.half_extents - Vector3::Constant(off))};
-    case ShapeKind::Cylinder:
-      return {collision::Shape::cylinder(shape.radius - off, shape.half_height - off)};
-    default:
-      return {collision::Shape::sphere(shape.inner_radius - off), collision::mass_properties(shape).centre};
-  }
-}
-
-// No point of such a shape is farther from its core than the core is deep, but for corners of boxes.
-bool has_even_core(ShapeKind kind) { return kind <= ShapeKind::Cylinder; }
-
-// Of a solid that starts at the other's surface: it ends off it, and on the same side.
-bool stays_outside(const collision::Shape& solid, const Motion& motion, const collision::Shape& other,
-                   const Motion& other_motion) {
-  constexpr double anywhere = std::numeric_limits<double>::infinity();
-  collision::Distance before, after;
-  collision::find_distance(solid, motion.at(0), other, other_motion.at(0), anywhere, before);
-  collision::find_distance(solid, motion.at(1), other, other_motion.at(1), anywhere, after);
-  return before.distance > 0 && after.distance > 0 && before.normal.dot(after.normal) > 0;
-}
-
-// How far beyond the plane of the hit the core ends.
-HeldBy held_by(const collision::SweepHit& hit, const Motion& other, const collision::Shape& core,
-               const collision::Pose& end, double slack) {
-  const collision::Pose other_end = other.at(1);
-  const Vector3 point = other_end.position + other_end.orientation * (other.start.orientation.conjugate() *
-                                                                      (hit.point - other.start.position));
-  const double reach = collision::reach_along(core, end.orientation.conjugate() * hit.normal);
-  return {hit.normal, hit.normal.dot(end.position - point) + reach, slack};
-}
-
-// The way that takes a core off all that it is held by: before one plane after the other until none is passed. A core
-// that started overlapping would be let through.
-std::optional<Vector3> way_aside(std::span<const HeldBy> held) {
-  constexpr int rounds = 20;
-  Vector3 aside = Vector3::Zero();
-  for (int round = 0; round < rounds; ++round) {
-    bool passed = false;
-    for (const HeldBy& surface : held) {
-      const double excess = surface.excess + surface.normal.dot(aside);
-      if (excess <= -0.25 * surface.slack) continue;
-      aside -= (excess + 0.5 * surface.slack) * surface.normal;
-      passed = true;
-    }
-    if (!passed) return aside;
-  }
-  return std::nullopt;
+bool comes_first(const FastBody& x, const FastBody& y) {
+  return x.assembly != y.assembly ? x.assembly < y.assembly : x.body < y.body;
 }
 
 }  // namespace
 
-// How a body moved in this step, if it was fast; else it counts as being where it is now.
-const FastMove* World::Impl::find_fast(std::uint32_t body) const {
-  const std::uint32_t place = fast_place_[body];
-  return place == 0 ? nullptr : &fast_in_order_[place - 1];
+// By number, what joints connect a body to; alone if none acts on it.
+std::uint32_t World::Impl::assembly_of(std::uint32_t body) const {
+  return bodies.joined[body] ? assembly_[body] : FastBody::alone;
 }
 
-// The collider's motion in this step, of its shape or of a part of it that is centred at `centre`, if its body ends
-// `aside` of where it did.
-collision::Motion World::Impl::step_motion(std::uint32_t collider, const Vector3& centre, const Vector3& aside) const {
-  const std::uint32_t body = colliders.body[collider];
-  const collision::PoseView poses{bodies.positions.data(), bodies.orientations.data()};
-  collision::Pose local = colliders.local[collider];
-  local.position += local.orientation * centre;
-  collision::Pose end = placed(poses[body], local);
-  end.position += aside;
-  const FastMove* fast = find_fast(body);
-  if (!fast) return Motion::still(end);
-  // In the shape's frame the body's centre of mass, about which it turns.
-  const Vector3 pivot = -(local.orientation.conjugate() * local.position);
-  return Motion::between(placed(fast->start_pose(), local), end, pivot);
-}
-
-// When the body first meets something, as part of the step, up to `first`, if it ends `aside` of where it did. What it
-// touches with its core from the start is added to what it is held by, and doesn't stop it.
-double World::Impl::first_hit(const FastMove& fast, const Vector3& aside, double first, FastSweep& scratch) const {
-  const bool joined = fast.assembly != FastMove::alone;
-  for_each_collider(fast.body, [&](std::uint32_t collider) {
-    const collision::Shape& shape = colliders.shape[collider];
-    find_approaching(fast, aside, collider, scratch);
-    if (scratch.approaching.empty()) return;
-    const Motion motion = step_motion(collider, Vector3::Zero(), aside);
-    const bool only_deep = joined && !records.continuous[fast.body] && has_even_core(shape.kind);
-    for (const Approach& approach : scratch.approaching) {
-      const std::uint32_t other = approach.other;
-      const double tolerance = sweep_tolerance * approach.size;
-      const Motion other_motion = step_motion(other, Vector3::Zero(), Vector3::Zero());
-      const collision::SweepGoal goal{stop_share * approach.size, tolerance};
-      collision::SweepHit hit;
-      if (approach.apart && !only_deep) {
-        if (!collision::sweep(shape, motion, colliders.shape[other], other_motion, goal, first, hit)) continue;
-        if (!hit.started_overlapping && hit.t > 0) {
-          first = hit.t;
-          continue;
-        }
-      }
-      if (approach.passes_core) continue;
-      const Core core = core_of(shape);
-      const Motion core_motion = core.centre.isZero(0) ? motion : step_motion(collider, core.centre, aside);
-      if (!collision::sweep(core.shape, core_motion, colliders.shape[other], other_motion, {0, tolerance}, first,
-                            hit) ||
-          hit.started_overlapping) {
-        continue;
-      }
-      if (hit.t > 0) {
-        first = hit.t;
-        if (!approach.apart || !only_deep) continue;
-        collision::SweepHit surface;
-        collision::sweep(shape, motion, colliders.shape[other], other_motion, goal, first, surface);
-        if (surface.t > 0) first = std::min(first, surface.t);
-        continue;
-      }
-      // What is shifted together stays as it is.
-      if (joined && assembly_of(colliders.body[other]) == fast.assembly) continue;
-      if (stays_outside(core.shape, core_motion, colliders.shape[other], other_motion)) continue;
-      scratch.held.push_back(held_by(hit, other_motion, core.shape, core_motion.at(1), tolerance));
-    }
-  });
-  return first;
-}
-
-// Where a fast body, or the fast ones of an assembly, may go in this step. What a core touches from the start would
-// hold it where it is, for good, if other bodies press on it: it goes all its way but for what would take the core
-// through the surfaces that it touches. An assembly is shifted as one.
-FastStop World::Impl::find_stop(std::span<const FastMove> together, FastSweep& scratch) const {
-  const auto meet = [&](const Vector3& aside, const auto& find_nearby) {
-    scratch.held.clear();
-    double first = 1;
-    for (const FastMove& fast : together) {
-      find_nearby(fast);
-      first = first_hit(fast, aside, first, scratch);
-    }
-    return first;
-  };
-  const double first = meet(Vector3::Zero(), [&](const FastMove& fast) { list_nearby(fast, scratch.nearby); });
-  if (scratch.held.empty()) return {first, Vector3::Zero()};
-  const std::optional<Vector3> aside = way_aside(scratch.held);
-  if (!aside || !may_shift(together.front(), *aside)) return {0, Vector3::Zero()};
-  const double first_aside = meet(*aside, [&](const FastMove& fast) { query_nearby(fast, *aside, scratch.nearby); });
-  const bool kept_off =
-      std::all_of(scratch.held.begin(), scratch.held.end(), [](const HeldBy& surface) { return surface.excess <= 0; });
-  return kept_off ? FastStop{first_aside, *aside} : FastStop{0, Vector3::Zero()};
+// How a body moved that may have been fast.
+FastBody World::Impl::fast_body(const solver::MovedBody& moved) const {
+  const std::uint32_t body = moved.body;
+  // An arc of up to half a turn is at most pi / 2 times its chord.
+  const Quaternion change = moved.start.orientation.conjugate() * bodies.orientation(body);
+  const double radius = bodies.radius[body];
+  const std::uint32_t assembly = assembly_of(body);
+  // An assembly that would go far waits where it started until its contacts have slowed it: it may hang on the world,
+  // and those of its bodies that aren't fast look for nothing in their way.
+  const double alone_limit = bodies.locks[body] == 0 ? std::numeric_limits<double>::infinity() : -1;
+  return {.body = body,
+          .assembly = assembly,
+          .start = {moved.start.position, moved.start.orientation},
+          .shift = bodies.position(body) - moved.start.position,
+          .turn = std::numbers::pi * radius * change.vec().norm(),
+          .bulge = radius * (1 - std::min(1.0, std::abs(change.w()))),
+          .stops = records.dynamic[body] != 0,
+          .always_swept = records.continuous[body] != 0,
+          .aside_limit = assembly == FastBody::alone ? alone_limit : aabbs.bounds.margin_limit[body]};
 }
 
 void World::Impl::list_fast_bodies() {
   fast_in_order_.clear();
   fast_.for_each([this](const solver::MovedBodies& of_worker) {
-    for (const solver::MovedBody& fast : of_worker.fast) {
-      // An arc of up to half a turn is at most pi / 2 times its chord.
-      const Quaternion change = fast.start.orientation.conjugate() * bodies.orientation(fast.body);
-      const double radius = bodies.radius[fast.body];
-      const Vector3 shift = bodies.position(fast.body) - fast.start.position;
-      const std::uint32_t assembly = assembly_of(fast.body);
-      if (assembly != FastMove::alone && !records.continuous[fast.body]) {
+    for (const solver::MovedBody& moved : of_worker.fast) {
+      const FastBody fast = fast_body(moved);
+      if (fast.assembly != FastBody::alone && !fast.always_swept) {
         // Up to there nothing gets to its core that the speculative margin hasn't seen.
-        const double far = bodies.reach_limit[fast.body] * (1 + core_share / collision::approach_share);
-        if (shift.norm() + 2 * radius * change.vec().norm() <= far) continue;
+        const double far =
+            aabbs.bounds.margin_limit[fast.body] * (1 + collision::core_share / collision::approach_share);
+        if (fast.shift.norm() + 2 * std::numbers::inv_pi * fast.turn <= far) continue;
       }
-      fast_in_order_.push_back({.body = fast.body,
-                                .assembly = assembly,
-                                .start = fast.start,
-                                .shift = shift,
-                                .turn = std::numbers::pi * radius * change.vec().norm(),
-                                .bulge = radius * (1 - std::min(1.0, std::abs(change.w())))});
+      fast_in_order_.push_back(fast);
     }
   });
-  if (fast_in_order_.empty()) return;
-  // Those alone come last.
-  std::sort(fast_in_order_.begin(), fast_in_order_.end(), [](const FastMove& x, const FastMove& y) {
-    return x.assembly != y.assembly ? x.assembly < y.assembly : x.body < y.body;
+  std::sort(fast_in_order_.begin(), fast_in_order_.end(), comes_first);
+}
+
+// The bodies that aren't fast of assemblies that stop, where they started, in order.
+void World::Impl::list_carried(std::span<const CcdStop> stops) {
+  carried_.clear();
+  const auto stopped = [&](std::uint32_t assembly) {
+    const auto assembly_of_stop = [](const CcdStop& stop) { return stop.bodies.front().assembly; };
+    const auto found = std::ranges::lower_bound(stops, assembly, {}, assembly_of_stop);
+    return found != stops.end() && assembly_of_stop(*found) == assembly && found->stops();
+  };
+  fast_.for_each([&](const solver::MovedBodies& of_worker) {
+    for (const solver::MovedBody& joined : of_worker.joined) {
+      const std::uint32_t assembly = assembly_of(joined.body);
+      if (assembly == FastBody::alone || !stopped(assembly)) continue;
+      const FastBody carried = fast_body(joined);
+      if (!std::ranges::binary_search(fast_in_order_, carried, comes_first)) carried_.push_back(carried);
+    }
   });
-  fast_place_.resize(bodies.size());
-  for (std::uint32_t i = 0; i < fast_in_order_.size(); ++i) fast_place_[fast_in_order_[i].body] = i + 1;
+  std::sort(carried_.begin(), carried_.end(), comes_first);
+}
+
+// Ends the step of a fast body, or of an assembly, where it met something. Each body is put on the straight way of its
+// centre, turned evenly about it. Where bodies turned by an angle a in the step, joints open by that by up to a^2 / 8
+// of how far they are from these centres, until the next step closes them.
+void World::Impl::stop(const CcdStop& stop) {
+  const auto put_back = [&](const FastBody& fast) {
+    const std::uint32_t body = fast.body;
+    const collision::Pose end{bodies.position(body) + stop.aside, bodies.orientation(body)};
+    const collision::Pose pose = stop.t >= 1 ? end : Motion::between(fast.start, end, Vector3::Zero()).at(stop.t);
+    bodies.position(body) = pose.position;
+    bodies.set_orientation(body, pose.orientation);
+    aabbs.mark_dirty(body);
+    ++report_.counts.stopped;
+  };
+  for (const FastBody& fast : stop.bodies) put_back(fast);
+  const std::uint32_t assembly = stop.bodies.front().assembly;
+  if (assembly == FastBody::alone) return;
+  for (const FastBody& carried : std::ranges::equal_range(carried_, assembly, {}, &FastBody::assembly)) {
+    put_back(carried);
+  }
+  for (const solver::JointLink& link : joint_graph_.links_of(assembly)) follow_position(joints.joints[link.joint]);
+}
+
+// Of a joint whose bodies were put elsewhere, by less than half a turn.
+void World::Impl::follow_position(solver::Joint& joint) const {
+  const solver::JointFrames frames = frames_of(joint);
+  for (std::size_t row = 0; row < joint.rows; ++row) {
+    const double value = joint_row(joint, row, frames).value;
+    joint.position[row] = solver::continued(joint.coordinate[row], value, joint.position[row]);
+  }
 }
 
 void World::Impl::sweep_fast_bodies() {
   list_fast_bodies();
   // Kinematic bodies alone meet nobody who would be stopped.
-  const auto dynamic = [this](const FastMove& fast) { return records.dynamic[fast.body] != 0; };
-  if (std::none_of(fast_in_order_.begin(), fast_in_order_.end(), dynamic)) {
-    for (const FastMove& fast : fast_in_order_) fast_place_[fast.body] = 0;
-    return;
+  if (std::ranges::none_of(fast_in_order_, &FastBody::stops)) return;
+  const collision::BodyMotions now = motions();
+  const std::span<const CcdStop> stops = continuous_.find_stops({.motions = now,
+                                                                 .turned = bodies.turned,
+                                                                 .joined = bodies.joined,
+                                                                 .assembly = assembly_,
+                                                                 .cache = cache,
+                                                                 .kernels = *narrowphase_kernels,
+                                                                 .active_bodies = active_.in_order().size(),
+                                                                 .fast = fast_in_order_},
+                                                                broadphase, arena);
+  if (with_joints && std::ranges::any_of(stops, &CcdStop::stops)) list_carried(stops);
+  for (const CcdStop& found : stops) {
+    if (found.stops()) stop(found);
   }
-
-  find_near_fast();
-  list_together();
-  stops_.assign(together_.size(), FastStop{});
-  arena.parallel_for(together_.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const std::span<const FastMove> moves = moves_together(i);
-      const bool sound =
-          std::all_of(moves.begin(), moves.end(), [this](const FastMove& f) { return is_finite(f.body); });
-      if (sound && dynamic(moves.front())) stops_[i] = find_stop(moves, sweep_scratch_.local());
-    }
-  });
-  const auto stops = [](const FastStop& found) { return found.stops(); };
-  if (with_joints && std::any_of(stops_.begin(), stops_.end(), stops)) list_carried();
-  for (std::size_t i = 0; i < together_.size(); ++i) {
-    if (stops_[i].stops()) stop(i, stops_[i]);
-  }
-  for (const FastMove& fast : fast_in_order_) {
-    if (fast.rushed) move_proxies(fast.body);
-    fast_place_[fast.body] = 0;
-    report_.counts.swept += records.dynamic[fast.body];
+  for (const FastBody& fast : fast_in_order_) {
+    if (fast.left_aabb) move_proxies(fast.body);
+    report_.counts.swept += fast.stops;
   }
 }
 

@@ -60,7 +60,7 @@ World::Impl::Impl(const WorldDef& def)
       group_solvers_(def.threads),
       overloads_(def.threads),
       fast_(def.threads),
-      sweep_scratch_(def.threads),
+      continuous_(def.threads),
       serial_(next_serial()) {
   check_finite("WorldDef.gravity", def.gravity);
 }

@@ -2,10 +2,11 @@
 
 #include <atoll/world.h>
 #include <collision/broadphase/broadphase.h>
-#include <collision/contacts/collider_table.h>
+#include <collision/contacts/body_aabbs.h>
 #include <collision/contacts/contact_cache.h>
 #include <collision/contacts/update_contacts.h>
-#include <collision/continuous/sweep.h>
+#include <collision/continuous/continuous_collision.h>
+#include <collision/shapes/collider_table.h>
 #include <jobs/append.h>
 #include <jobs/arena.h>
 #include <jobs/scratch.h>
@@ -34,7 +35,6 @@
 #include "body_definition.h"
 #include "constants_pool.h"
 #include "contact_events.h"
-#include "fast_move.h"
 #include "joint_table.h"
 #include "quarantine.h"
 #include "roster.h"
@@ -51,7 +51,6 @@ struct BodyRecords {
   jobs::SharedValues<Material> material;
   /// m, of mass, body frame
   jobs::SharedValues<Vector3> centre = jobs::SharedValues<Vector3>(Vector3::Zero());
-  std::vector<std::uint32_t> first_collider;  ///< the others follow, see ColliderTable::next
   std::vector<std::uint8_t> continuous;
   std::vector<std::shared_ptr<const BodyConstants>> constants;  ///< of those alive
   /// Bodies that were told not to touch a body, of those that were.
@@ -175,6 +174,7 @@ class World::Impl {
   Sleeping sleeping;
   QuarantineList quarantine;
   collision::Broadphase broadphase;
+  collision::BodyAabbs aabbs;
   collision::ContactCache cache;
 
   std::unique_ptr<Recorder> recorder;  // null while nothing is recorded
@@ -193,18 +193,6 @@ class World::Impl {
   void sweep_fast_bodies();
   void finish();
 
-  // Where a collider's fat box is to be, and how far its surface may move before it must be looked at again.
-  struct ProxyBox {
-    collision::Aabb fat;
-    double slack;
-    bool outgrown;  // it doesn't fit in the box that it has
-  };
-  template <typename Visit>
-  void for_each_collider(std::uint32_t body, const Visit& visit) const {
-    for (std::uint32_t c = records.first_collider[body]; c != collision::ColliderTable::none; c = colliders.next[c]) {
-      visit(c);
-    }
-  }
   void resize_bodies(std::size_t count);
   void give_constants(std::uint32_t body, const std::shared_ptr<const BodyConstants>& constants);
   void take_out(std::uint32_t body);
@@ -213,20 +201,8 @@ class World::Impl {
   void remove_colliders(std::uint32_t body);
   void add_proxies(std::uint32_t body, const collision::Filter& filter);
   void add_box(std::uint32_t collider, const collision::Aabb& box, const collision::Filter& filter);
-  void remove_proxies(std::uint32_t body);
-  collision::Bounds bounds_at(std::uint32_t collider, const collision::Pose& pose) const;
-  collision::Bounds bounds_now(std::uint32_t collider) const;
-  ProxyBox proxy_box(std::uint32_t collider, const collision::Aabb* current) const;
-  collision::Plane world_plane(std::uint32_t collider) const;
-  bool is_finite(std::uint32_t body) const;
+  collision::BodyMotions motions() const;
   void move_proxies(std::uint32_t body);
-  double stretch_of(std::uint32_t body) const;
-  void note_stretch(std::uint32_t body);
-  void shrink_boxes();
-  std::size_t bodies_a_task() const;
-  bool is_in_boxes(std::uint32_t body) const;
-  void catch_up_boxes();
-  void look_again(std::uint32_t body) { bodies.outgrown[body] = 1; }
   bool may_move(std::uint32_t body) const;
   bool update_active_bodies();
   collision::ContactUpdateInput contact_input() const;
@@ -234,27 +210,11 @@ class World::Impl {
   void note_reaches();
   void note_what_began_and_ended();
   void note_events(ContactEvents& events);
+  collision::FastBody fast_body(const solver::MovedBody& moved) const;
   void list_fast_bodies();
-  void list_carried();
-  void list_together();
-  std::span<const FastMove> moves_together(std::size_t number) const;
+  void list_carried(std::span<const collision::CcdStop> stops);
   std::uint32_t assembly_of(std::uint32_t body) const;
-  const FastMove* find_fast(std::uint32_t body) const;
-  collision::Motion step_motion(std::uint32_t collider, const Vector3& centre, const Vector3& aside) const;
-  collision::Aabb swept_box(const FastMove& fast, std::uint32_t collider, const Vector3& aside) const;
-  bool stayed_in_box(const FastMove& fast, std::uint32_t collider) const;
-  void find_near_fast();
-  void note_rushed();
-  void find_near_by_contacts(std::size_t begin, std::size_t end, FastSweep& scratch) const;
-  bool stay_apart(const collision::Contact& contact, const FastMove* first, const FastMove* second) const;
-  void find_near_by_tree(std::uint32_t number, FastSweep& scratch) const;
-  void list_nearby(const FastMove& fast, std::vector<Nearby>& nearby) const;
-  void query_nearby(const FastMove& fast, const Vector3& aside, std::vector<Nearby>& nearby) const;
-  void find_approaching(const FastMove& fast, const Vector3& aside, std::uint32_t collider, FastSweep& scratch) const;
-  double first_hit(const FastMove& fast, const Vector3& aside, double first, FastSweep& scratch) const;
-  bool may_shift(const FastMove& fast, const Vector3& aside) const;
-  FastStop find_stop(std::span<const FastMove> together, FastSweep& scratch) const;
-  void stop(std::size_t number, const FastStop& stop);
+  void stop(const collision::CcdStop& stop);
   void follow_position(solver::Joint& joint) const;
   void wake_touched_sleepers();
   void remove_lost_contacts();
@@ -337,11 +297,6 @@ class World::Impl {
   ActiveBodies active_;
   std::vector<std::uint32_t> may_start_or_stop_;  // bodies that came, went or got a velocity, see active_
   std::vector<std::uint32_t> pushed_;             // bodies with a force or torque on them
-  std::vector<std::uint32_t> looked_at_;          // bodies
-  std::vector<std::uint8_t> in_boxes_;            // by body looked at
-  std::vector<std::vector<ProxyBox>> new_boxes_;  // by chunk of these, in order
-  std::vector<double> stretch_;                   // m, of a body's fat boxes along its motion
-  std::vector<std::uint32_t> stretched_;          // bodies with such boxes
   std::vector<collision::StepReach> reaches_;
   collision::ContactUpdate contact_update_;
   std::span<const solver::TouchingPair> touching_;
@@ -364,16 +319,11 @@ class World::Impl {
   std::vector<EscalatedIsland> escalated_;
   std::vector<std::uint32_t> failed_;  // bodies of islands that could not be solved at once
   solver::FastBodies fast_;
-  std::vector<FastMove> fast_in_order_;
-  std::vector<std::uint32_t> fast_place_;                     // by body: its number in there + 1, or 0
-  std::vector<Nearby> near_fast_;                             // by fast body
-  std::vector<std::uint32_t> near_fast_begin_;                // by fast body, and the end
+  std::vector<collision::FastBody> fast_in_order_;  // of assemblies, then of bodies
+  std::vector<collision::FastBody> carried_;        // likewise: not fast, but joined to what stops
+  collision::ContinuousCollision continuous_;
   std::vector<std::pair<std::uint32_t, Quarantine>> broken_;  // bodies that the solve left unsound, in order
-  std::vector<std::uint32_t> together_;                       // of fast bodies, the first of each assembly and alone
   std::vector<std::uint32_t> assembly_;                       // by joined body: its component of the graph of joints
-  std::vector<Carried> carried_;                              // in order of assemblies and bodies
-  std::vector<FastStop> stops_;                               // by entry of together_
-  jobs::Scratch<FastSweep> sweep_scratch_;
   solver::JointGraph joint_graph_;
   solver::JointSystems joint_systems_;  // by component of the graph
   bool joints_stale_ = false;           // joints came, went or changed since the graph was made

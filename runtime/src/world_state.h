@@ -158,9 +158,9 @@ class WorldState {
     archive_.template rows<3>(bodies.forces, zero);
     archive_.template rows<3>(bodies.torques, zero);
     archive_.template rows<1>(bodies.turned, {0});
-    archive_.template rows<1>(bodies.slack, {0});
-    archive_.template rows<1>(world_.stretch_, {0});
-    archive_.bits(bodies.outgrown);
+    archive_.template rows<1>(world_.aabbs.bounds.aabb_margin, {0});
+    archive_.template rows<1>(world_.aabbs.swept_margins(), {0});
+    archive_.bits(world_.aabbs.bounds.aabb_dirty);
   }
 
   // How fast they run: what holds back rolling is the material's.

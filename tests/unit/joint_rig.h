@@ -51,7 +51,6 @@ struct JointRig {
     bodies.gyroscopic[body] = moments.isConstant(moments.x()) ? 0 : 1;
     bodies.moments.set(body, moments);
     bodies.radius[body] = 0.5;
-    bodies.sweep_distance[body] = 1e9;
     return body;
   }
   std::uint32_t add_ball(const Vector3& position, double mass = 1) {
@@ -137,6 +136,8 @@ inline GroupReport JointRig::step(double dt, int count) {
   std::vector<IslandGroup> groups;
   pack_groups(islands, one_each, {}, groups);
   FastBodies fast(std::max(1, team));
+  collision::MotionBounds bounds;
+  bounds.resize(bodies.size());
   Overloads overloads(std::max(1, team));
   std::optional<jobs::Arena> arena;
   if (team > 0) arena.emplace(team);
@@ -149,6 +150,7 @@ inline GroupReport JointRig::step(double dt, int count) {
                            .dt = dt,
                            .settings = settings,
                            .kernels = *kernels,
+                           .bounds = bounds,
                            .fast = fast,
                            .overloads = overloads,
                            .joints = joints.data(),

@@ -17,6 +17,8 @@ TEST(Motion, AnOdometerOfTurnsBoundsHowFarAnyPointGot) {
   for (int run = 0; run < 50; ++run) {
     BodyTable bodies;
     bodies.resize(1);
+    collision::MotionBounds bounds;
+    bounds.resize(1);
     MovedBodies notes;
     const double pace = random.magnitude(1e-4, 3);
     const Quaternion start = random.rotation();
@@ -28,7 +30,7 @@ TEST(Motion, AnOdometerOfTurnsBoundsHowFarAnyPointGot) {
       const BodyPose before{bodies.position(0), bodies.orientation(0)};
       const Quaternion turn = random.rotation(pace);
       bodies.set_orientation(0, (turn * before.orientation).normalized());
-      note_motion(bodies, 0, before, 1.0 / 60, notes);
+      note_motion(bodies, bounds, 0, before, 1.0 / 60, notes);
       farthest = std::max(farthest, (bodies.orientation(0) * point - start * point).norm());
       way += 2 * turn.vec().norm();
     }

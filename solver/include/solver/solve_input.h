@@ -26,6 +26,7 @@ struct SolveInput {
   double dt;                              ///< s
   const SolverSettings& settings;
   const Kernels& kernels;
+  collision::MotionBounds& bounds;  ///< of what the bodies move by
   FastBodies& fast;
   Overloads& overloads;
   ContactCapture* capture = nullptr;           ///< null where nobody asks

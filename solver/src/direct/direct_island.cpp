@@ -383,7 +383,7 @@ void DirectIsland::write_back_step(const SolveInput& input) {
     table.position(body) += input.dt * moves;
     const Vector3 half = 0.5 * input.dt * turns;
     table.set_orientation(body, (Quaternion(1, half.x(), half.y(), half.z()) * start.orientation).normalized());
-    note_motion(table, body, start, input.dt, input.fast.local());
+    note_motion(table, input.bounds, body, start, input.dt, input.fast.local());
   }
 }
 

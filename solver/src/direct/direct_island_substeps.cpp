@@ -499,7 +499,7 @@ void DirectIsland::write_back_substeps(const SolveInput& input) {
     table.set_orientation(body, states_[i].turn);
     table.velocity(body) = Eigen::Map<const Vector3>(&problem_.velocity[6 * i]);
     table.angular_velocity(body) = Eigen::Map<const Vector3>(&problem_.velocity[6 * i + 3]);
-    note_motion(table, body, {states_[i].start, states_[i].start_turn}, input.dt, input.fast.local());
+    note_motion(table, input.bounds, body, {states_[i].start, states_[i].start_turn}, input.dt, input.fast.local());
   }
   const double over_h = input.settings.substeps / input.dt;
   for (const DirectJoint& from : problem_.joints) {

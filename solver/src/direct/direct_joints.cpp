@@ -558,7 +558,8 @@ void DirectJoints::end_step(const DirectInput& input) {
   }
 }
 
-void DirectJoints::settle(const DirectInput& input, BodyTable& table, double dt, FastBodies& fast) {
+void DirectJoints::settle(const DirectInput& input, BodyTable& table, collision::MotionBounds& bounds, double dt,
+                          FastBodies& fast) {
   for (Member& member : members_) {
     member.position = table.position(member.body);
     member.turn = table.orientation(member.body);
@@ -579,7 +580,7 @@ void DirectJoints::settle(const DirectInput& input, BodyTable& table, double dt,
       table.position(member.body) += member.velocity;
       table.set_orientation(member.body, turned(member.spin, member.turn));
     }
-    note_motion(table, member.body, {member.start, member.start_turn}, dt, notes);
+    note_motion(table, bounds, member.body, {member.start, member.start_turn}, dt, notes);
   }
 }
 

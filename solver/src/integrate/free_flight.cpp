@@ -113,7 +113,7 @@ Quaternion rotation_by(const Vector3& rotation_vector) {
 }
 
 void move_free_body(BodyTable& bodies, std::uint32_t body, const Vector3& gravity, double dt, int substeps,
-                    FastBodies& fast) {
+                    collision::MotionBounds& bounds, FastBodies& fast) {
   const BodyPose start{bodies.position(body), bodies.orientation(body)};
   move_linear(bodies, body, linear_acceleration(bodies, body, gravity), dt, substeps);
   if (bodies.gyroscopic[body]) {
@@ -121,14 +121,15 @@ void move_free_body(BodyTable& bodies, std::uint32_t body, const Vector3& gravit
   } else {
     move_isotropic(bodies, body, dt, substeps);
   }
-  note_motion(bodies, body, start, dt, fast.local());
+  note_motion(bodies, bounds, body, start, dt, fast.local());
 }
 
-void move_kinematic_body(BodyTable& bodies, std::uint32_t body, double dt, FastBodies& fast) {
+void move_kinematic_body(BodyTable& bodies, std::uint32_t body, double dt, collision::MotionBounds& bounds,
+                         FastBodies& fast) {
   const BodyPose start{bodies.position(body), bodies.orientation(body)};
   bodies.position(body) += dt * bodies.velocity(body);
   turn_by(bodies, body, dt * bodies.angular_velocity(body));
-  note_motion(bodies, body, start, dt, fast.local());
+  note_motion(bodies, bounds, body, start, dt, fast.local());
 }
 
 }  // namespace atl::solver

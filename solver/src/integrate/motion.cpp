@@ -3,8 +3,6 @@
 #include <solver/integrate/motion.h>
 #include <solver/integrate/state_bounds.h>
 
-#include <algorithm>
-
 namespace atl::solver {
 
 bool changes_steadily(const Vector3& gained, const Vector3& gained_spin, const Vector3& acceleration, double dt,
@@ -14,20 +12,18 @@ bool changes_steadily(const Vector3& gained, const Vector3& gained_spin, const V
   return gained.squaredNorm() <= most && gained_spin.squaredNorm() * radius * radius <= most;
 }
 
-void note_motion(BodyTable& bodies, std::uint32_t body, const BodyPose& start, double dt, MovedBodies& notes) {
+void note_motion(BodyTable& bodies, collision::MotionBounds& bounds, std::uint32_t body, const BodyPose& start,
+                 double dt, MovedBodies& notes) {
   const double radius = bodies.radius[body];
   const double chord = turn_chord(start.orientation, bodies.orientation(body));
   const double moved = (bodies.position(body) - start.position).norm() + radius * chord;
   bodies.turned[body] += chord;
-  bodies.slack[body] -= moved;
   const double speed = bodies.velocity(body).norm();
   const double spin = bodies.angular_velocity(body).norm();
-  const double next = (speed + spin * radius) * dt;
-  // Written so that a body which is no longer finite is looked at, and found out.
-  if (!(bodies.slack[body] >= std::min(next, bodies.reach_limit[body]))) bodies.outgrown[body] = 1;
+  const bool fast = bounds.moved(body, moved, (speed + spin * radius) * dt);
   const bool sound =
       is_in_place(bodies.position(body), bodies.orientation(body)) && speed <= top_speed && spin <= top_spin;
-  if (moved > bodies.sweep_distance[body] || !sound) notes.fast.push_back({body, start});
+  if (fast || !sound) notes.fast.push_back({body, start});
   if (with_joints && with_continuous && bodies.joined[body]) notes.joined.push_back({body, start});
 }
 

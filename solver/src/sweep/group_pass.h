@@ -390,7 +390,9 @@ void GroupSolver::Pass<Executor>::finish() {
   executor_.parallel_for(body_ids_.size(), body_grain, [&](std::size_t begin, std::size_t end) {
     solver_.write_back(input_, body_ids_, joined_, begin, end);
   });
-  each_system([&](DirectJoints& system) { system.settle(direct_input_, input_.bodies, input_.dt, input_.fast); });
+  each_system([&](DirectJoints& system) {
+    system.settle(direct_input_, input_.bodies, input_.bounds, input_.dt, input_.fast);
+  });
   each_joint_block(joint_grain,
                    [&](std::size_t begin, std::size_t end) { solver_.joints_.store(joint_step_, begin, end); });
   clock_.lap(SolverStage::Store);

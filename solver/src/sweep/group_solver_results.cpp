@@ -42,7 +42,7 @@ void GroupSolver::write_back(const SolveInput& input, std::span<const std::uint3
     }
     table.set_orientation(body, orientation.normalized());
     if (is_joined && joined_motion_.is_direct(i)) continue;  // joints have a last word
-    note_motion(table, body, start, input.dt, notes);
+    note_motion(table, input.bounds, body, start, input.dt, notes);
   }
 }
 

@@ -1,10 +1,10 @@
 #pragma once
 
 #include <collision/broadphase/broadphase.h>
-#include <collision/contacts/collider_table.h>
 #include <collision/contacts/contact_cache.h>
 #include <collision/contacts/narrowphase_kernels.h>
 #include <collision/contacts/touching_pair.h>
+#include <collision/shapes/collider_table.h>
 #include <jobs/arena.h>
 #include <jobs/bytes.h>
 

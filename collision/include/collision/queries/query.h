@@ -1,10 +1,10 @@
 #pragma once
 
 #include <collision/broadphase/broadphase.h>
-#include <collision/contacts/collider_table.h>
 #include <collision/continuous/sweep.h>
-#include <collision/queries/distance.h>
+#include <collision/narrowphase/distance.h>
 #include <collision/queries/ray.h>
+#include <collision/shapes/collider_table.h>
 #include <collision/shapes/function_ref.h>
 
 #include <cstdint>

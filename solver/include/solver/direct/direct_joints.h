@@ -66,7 +66,7 @@ class DirectJoints {
   void project(const DirectInput& input);
   /// Once poses have been written back: takes them where the joints hold, if they are not. Notes how the bodies moved
   /// in the step, of dt seconds.
-  void settle(const DirectInput& input, BodyTable& table, double dt, FastBodies& fast);
+  void settle(const DirectInput& input, BodyTable& table, collision::MotionBounds& bounds, double dt, FastBodies& fast);
 
   /// Memory held.
   std::size_t bytes() const {

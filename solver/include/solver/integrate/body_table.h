@@ -58,14 +58,9 @@ struct BodyTable {
   std::vector<double> linear_damping;   ///< 1/s
   std::vector<double> angular_damping;  ///< 1/s
 
-  // How far bodies get, kept up to date as they move, so that what asks for it needn't look at all of them.
-  std::vector<double> radius;          ///< m, of the shapes about the centre of mass; 0 where unbounded
-  std::vector<double> turned;          ///< sum of all turns' chords 2 sin(angle / 2): an odometer
-  std::vector<double> slack;           ///< m that the surface may still move before its bounds must be looked at
-  std::vector<double> reach_limit;     ///< m: no more reach in a step than this counts against the slack
-  std::vector<double> sweep_distance;  ///< m: who moves farther in a step may have passed through something
-  std::vector<std::uint8_t> outgrown;  ///< 1 if the slack may be used up
-  std::vector<std::uint8_t> joined;    ///< 1 for dynamic bodies that joints act on
+  std::vector<double> radius;        ///< m, of the shapes about the centre of mass; 0 where unbounded
+  std::vector<double> turned;        ///< sum of all turns' chords 2 sin(angle / 2): an odometer
+  std::vector<std::uint8_t> joined;  ///< 1 for dynamic bodies that joints act on
 
   std::size_t size() const { return mobility.size(); }
   void resize(std::size_t count);
@@ -97,7 +92,7 @@ struct BodyTable {
 inline std::size_t BodyTable::bytes() const {
   return jobs::bytes_of(positions, orientations, velocities, angular_velocities, forces, torques, mobility,
                         inverse_mass, gyroscopic, locks, ball, round, least_moment, gravity_scale, linear_damping,
-                        angular_damping, radius, turned, slack, reach_limit, sweep_distance, outgrown, joined) +
+                        angular_damping, radius, turned, joined) +
          inertia.bytes() + inverse_inertia.bytes() + principal_axes.bytes() + moments.bytes();
 }
 
@@ -124,11 +119,10 @@ inline void BodyTable::resize(std::size_t count) {
   if (!surfaces.empty()) surfaces.resize(count);
   if (!least_moment.empty()) jobs::append(least_moment, count, 0.0);
   jobs::append(gravity_scale, count, 1.0);
-  for (std::vector<std::uint8_t>* flags : {&gyroscopic, &locks, &ball, &round, &outgrown, &joined}) {
+  for (std::vector<std::uint8_t>* flags : {&gyroscopic, &locks, &ball, &round, &joined}) {
     jobs::append(*flags, count, std::uint8_t{0});
   }
-  for (std::vector<double>* values :
-       {&linear_damping, &angular_damping, &radius, &turned, &slack, &reach_limit, &sweep_distance}) {
+  for (std::vector<double>* values : {&linear_damping, &angular_damping, &radius, &turned}) {
     jobs::append(*values, count, 0.0);
   }
 }

@@ -12,10 +12,11 @@ namespace atl::solver {
 /// (Iserles and Norsett, "On the solution of linear differential equations in Lie groups", 1999). Damping acts at the
 /// end of each substep, implicitly, as it does on bodies in contact.
 void move_free_body(BodyTable& bodies, std::uint32_t body, const Vector3& gravity, double dt, int substeps,
-                    FastBodies& fast);
+                    collision::MotionBounds& bounds, FastBodies& fast);
 
 /// Moves a kinematic body at its velocities.
-void move_kinematic_body(BodyTable& bodies, std::uint32_t body, double dt, FastBodies& fast);
+void move_kinematic_body(BodyTable& bodies, std::uint32_t body, double dt, collision::MotionBounds& bounds,
+                         FastBodies& fast);
 
 /// Rotation by a rotation vector (rad).
 Quaternion rotation_by(const Vector3& rotation_vector);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <collision/shapes/motion_bounds.h>
 #include <jobs/scratch.h>
 #include <solver/integrate/body_table.h>
 
@@ -45,10 +46,11 @@ inline double turn_chord(const Quaternion& from, const Quaternion& to) {
 bool changes_steadily(const Vector3& gained, const Vector3& gained_spin, const Vector3& acceleration, double dt,
                       double radius);
 
-/// Keeps account of a body that has moved from `start` in a step of dt seconds: whether it may have used up the
-/// slack of its bounds by the end of the next one, whether it was fast or is unsound, and where it started if it is
-/// joined to others.
-void note_motion(BodyTable& bodies, std::uint32_t body, const BodyPose& start, double dt, MovedBodies& notes);
+/// Keeps account of a body that has moved from `start` in a step of dt seconds: whether it may have used up its
+/// margins by the end of the next one, whether it was fast or is unsound, and where it started if it is joined to
+/// others.
+void note_motion(BodyTable& bodies, collision::MotionBounds& bounds, std::uint32_t body, const BodyPose& start,
+                 double dt, MovedBodies& notes);
 
 /// A turn by the vector `turn` (rad), of a small angle, after an orientation.
 inline Quaternion turned(const Vector3& turn, const Quaternion& orientation) {

@@ -1,25 +1,20 @@
-// Which of the shapes near a fast body it may meet in a step. Most it passes by, and a plane that keeps them apart
-// tells that for less than a sweep costs.
-
+#include <collision/continuous/ccd_culling.h>
 #include <collision/narrowphase/box_axes.h>
 #include <collision/shapes/convex.h>
 
 #include <algorithm>
 #include <array>
 
-#include "world_impl.h"
-
-namespace atl {
+namespace atl::collision {
 namespace {
 
-using collision::ShapeKind;
 using jobs::block_lanes;
 
 // A plane across `direction` (unit, from the first to the second) with the surfaces `gap` apart as the step starts.
 // Whether it keeps them apart: they come towards each other by `closing` at most, of which the shift is known by its
 // direction.
 bool keeps_apart(double gap, const Vector3& direction, const Approach& approach) {
-  const double goal = (stop_share + sweep_tolerance) * approach.size;
+  const double goal = (ccd_gap_share + ccd_tolerance) * approach.size;
   const double turning = approach.closing - approach.shift.norm();
   return gap - goal > turning + std::max(0.0, approach.shift.dot(direction));
 }
@@ -27,15 +22,14 @@ bool keeps_apart(double gap, const Vector3& direction, const Approach& approach)
 // Boxes near a box, eight at a time: those are kept that the best axis of the two doesn't keep apart.
 class NearBoxes {
  public:
-  NearBoxes(const collision::NarrowphaseKernels& kernels, const collision::Shape& box, const collision::Pose& start,
-            std::vector<Approach>& kept)
+  NearBoxes(const NarrowphaseKernels& kernels, const Shape& box, const Pose& start, std::vector<Approach>& kept)
       : kernels_(kernels), start_(start), core_depth_(core_share * box.inner_radius), kept_(kept) {
     block_.position_first.fill(start_.position.data());
     block_.orientation_first.fill(start_.orientation.coeffs().data());
     block_.half_first.fill(box.half_extents.data());
   }
 
-  void add(const Approach& approach, const collision::Shape& box, const collision::Pose& start) {
+  void add(const Approach& approach, const Shape& box, const Pose& start) {
     starts_[count_] = start;
     approaches_[count_] = approach;
     block_.position_second[count_] = starts_[count_].position.data();
@@ -67,34 +61,33 @@ class NearBoxes {
   }
 
  private:
-  const collision::NarrowphaseKernels& kernels_;
-  collision::Pose start_;
+  const NarrowphaseKernels& kernels_;
+  Pose start_;
   double core_depth_;
   std::vector<Approach>& kept_;
-  collision::BoxBlock block_;
-  collision::BoxAxes axes_;
-  std::array<collision::Pose, block_lanes> starts_;
+  BoxBlock block_;
+  BoxAxes axes_;
+  std::array<Pose, block_lanes> starts_;
   std::array<Approach, block_lanes> approaches_;
   std::size_t count_ = 0;
 };
 
 }  // namespace
 
-// What the shape of a collider may meet, of what is near its body, which ends `aside` of where it did; in order.
-void World::Impl::find_approaching(const FastMove& fast, const Vector3& aside, std::uint32_t collider,
-                                   FastSweep& scratch) const {
-  scratch.approaching.clear();
-  const auto of_collider = std::ranges::equal_range(scratch.nearby, collider, {}, &Nearby::own);
+void find_approaching(const CcdStep& step, const FastBody& fast, const Vector3& aside, std::uint32_t collider,
+                      std::span<const CcdPair> candidates, std::vector<Approach>& approaching) {
+  approaching.clear();
+  const auto of_collider = std::ranges::equal_range(candidates, collider, {}, &CcdPair::own);
   if (of_collider.empty()) return;
-  const collision::Shape& shape = colliders.shape[collider];
-  const collision::Pose start = collision::placed(fast.start_pose(), colliders.local[collider]);
-  const collision::PoseView poses{bodies.positions.data(), bodies.orientations.data()};
+  const ColliderTable& colliders = step.motions.colliders;
+  const Shape& shape = colliders.shape[collider];
+  const Pose start = placed(fast.start, colliders.local[collider]);
   const Vector3 own_shift = fast.shift + aside;
-  NearBoxes boxes(*narrowphase_kernels, shape, start, scratch.approaching);
-  for (const Nearby& near : of_collider) {
+  NearBoxes boxes(step.kernels, shape, start, approaching);
+  for (const CcdPair& near : of_collider) {
     const std::uint32_t other = near.other;
-    const collision::Shape& other_shape = colliders.shape[other];
-    const FastMove* moved = find_fast(colliders.body[other]);
+    const Shape& other_shape = colliders.shape[other];
+    const FastBody* moved = step.find_fast(colliders.body[other]);
     Approach approach;
     approach.other = other;
     approach.apart = near.apart;
@@ -103,25 +96,24 @@ void World::Impl::find_approaching(const FastMove& fast, const Vector3& aside, s
     approach.size = std::min(shape.inner_radius, other_shape.inner_radius);
     approach.passes_core = false;
     // Up to half the smaller one's size the speculative margin has seen it coming.
-    if (approach.closing <= collision::approach_share * approach.size) continue;
-    if (!collision::is_convex_solid(other_shape.kind)) {
-      scratch.approaching.push_back(approach);
+    if (approach.closing <= approach_share * approach.size) continue;
+    if (!is_convex_solid(other_shape.kind)) {
+      approaching.push_back(approach);
       continue;
     }
-    const collision::Pose at =
-        moved ? collision::placed(moved->start_pose(), colliders.local[other]) : colliders.pose(other, poses);
-    const auto [direction, gap] = collision::centre_line(shape, start, other_shape, at);
+    const Pose at = moved ? placed(moved->start, colliders.local[other]) : colliders.pose(other, step.motions.poses);
+    const auto [direction, gap] = centre_line(shape, start, other_shape, at);
     if (keeps_apart(gap, direction, approach)) continue;
     if (shape.kind == ShapeKind::Box && other_shape.kind == ShapeKind::Box) {
       boxes.add(approach, other_shape, at);
     } else {
-      scratch.approaching.push_back(approach);
+      approaching.push_back(approach);
     }
   }
   boxes.finish();
   // What holds a body is found in this order.
-  std::sort(scratch.approaching.begin(), scratch.approaching.end(),
+  std::sort(approaching.begin(), approaching.end(),
             [](const Approach& a, const Approach& b) { return a.other < b.other; });
 }
 
-}  // namespace atl
+}  // namespace atl::collision

@@ -31,6 +31,7 @@ struct ColliderTable {
   std::vector<std::uint32_t> body;   ///< none where a collider is free
   std::vector<std::uint32_t> child;  ///< its number in a compound, else 0
   std::vector<std::uint32_t> next;   ///< the body's next collider, or none
+  std::vector<std::uint32_t> first;  ///< by body: its first collider, or none
   jobs::SharedValues<Shape> shape;
   /// Of the shape, in the body frame.
   jobs::SharedValues<Pose> local = jobs::SharedValues<Pose>(Pose{Vector3::Zero(), Quaternion::Identity()});
@@ -38,7 +39,9 @@ struct ColliderTable {
   std::vector<std::uint32_t> free;   ///< the last is used first
 
   /// Memory held.
-  std::size_t bytes() const { return jobs::bytes_of(body, child, next, placed, free) + shape.bytes() + local.bytes(); }
+  std::size_t bytes() const {
+    return jobs::bytes_of(body, child, next, first, placed, free) + shape.bytes() + local.bytes();
+  }
 
   std::size_t size() const { return body.size(); }
 
@@ -49,6 +52,14 @@ struct ColliderTable {
     shape.resize(count);
     local.resize(count);
     jobs::append(placed, count, std::uint8_t{0});
+  }
+
+  void resize_bodies(std::size_t count) { jobs::append(first, count, none); }
+
+  /// Calls visit(collider) for each of a body, in order of its children.
+  template <typename Visit>
+  void for_each_of(std::uint32_t on_body, const Visit& visit) const {
+    for (std::uint32_t collider = first[on_body]; collider != none; collider = next[collider]) visit(collider);
   }
 
   /// Puts a collider that is not in use, nor in the list of free ones, on a body. None follows it yet.

@@ -1,5 +1,5 @@
 #include <collision/narrowphase/closest_points.h>
-#include <collision/queries/distance.h>
+#include <collision/narrowphase/distance.h>
 #include <collision/shapes/aabb.h>
 #include <collision/shapes/convex.h>
 #include <collision/shapes/height_field.h>

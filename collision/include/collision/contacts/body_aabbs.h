@@ -1,0 +1,92 @@
+#pragma once
+
+#include <collision/broadphase/broadphase.h>
+#include <collision/shapes/collider_table.h>
+#include <collision/shapes/motion_bounds.h>
+#include <jobs/arena.h>
+#include <jobs/bytes.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace atl::collision {
+
+/// What the AABBs of bodies' colliders follow.
+struct BodyMotions {
+  const ColliderTable& colliders;
+  PoseView poses;                    ///< of bodies
+  const double* velocities;          ///< 3 a body, m/s
+  const double* angular_velocities;  ///< 3 a body, rad/s
+  std::span<const double> radius;    ///< by body: m, of its shapes about its centre of mass; 0 where unbounded
+  double dt;                         ///< s, the step
+
+  Bounds bounds_at(std::uint32_t collider, const Pose& pose) const;
+  Bounds bounds_now(std::uint32_t collider) const { return bounds_at(collider, colliders.pose(collider, poses)); }
+  Plane plane_now(std::uint32_t half_space) const;
+  bool is_finite(std::uint32_t body) const;  ///< its pose
+};
+
+/// Keeps the fat AABBs of bodies' colliders in the broadphase: gives them room for motion, and looks only at bodies
+/// that may have used it up, so that the cost follows motion.
+class BodyAabbs {
+ public:
+  MotionBounds bounds;  ///< whoever moves a body spends its margins
+
+  void resize(std::size_t bodies);
+  void clear();  ///< of all bodies
+
+  /// m, of fat AABBs along the motion of a body; 0 where it isn't worth mentioning. Part of a world's state.
+  const std::vector<double>& swept_margins() const { return swept_margins_; }
+  std::vector<double>& swept_margins() { return swept_margins_; }
+  /// After swept margins were restored.
+  void list_swept();
+
+  /// How far a new body's shapes reach about its centre of mass (m), with `margin_limit` and `sweep_distance` set by
+  /// their sizes.
+  enum class Sweep : std::uint8_t { Never, IfFast, Always };
+  double set_limits(std::uint32_t body, Sweep sweep, const BodyMotions& motions);
+
+  /// Puts the colliders of a body that has none there into the broadphase. `fixed`: it can't move.
+  void add(std::uint32_t body, bool fixed, const Filter& filter, const BodyMotions& motions, Broadphase& broadphase);
+  void remove(std::uint32_t body, const ColliderTable& colliders, Broadphase& broadphase);
+  /// A body was put elsewhere, or left its fat AABBs. Nothing happens while its pose is not finite.
+  void move(std::uint32_t body, const BodyMotions& motions, Broadphase& broadphase);
+
+  void mark_dirty(std::uint32_t body) { bounds.aabb_dirty[body] = 1; }
+  void mark_all_dirty();
+
+  /// At the start of a step: AABBs of active bodies whose margins may be used up in it. `active` is in order.
+  void update(std::span<const std::uint32_t> active, const BodyMotions& motions, Broadphase& broadphase,
+              jobs::Arena& arena);
+  /// At its end: of those that were pushed along farther than their speed had let expect, as queries between steps go
+  /// by them.
+  void catch_up(std::span<const std::uint32_t> active, const BodyMotions& motions, Broadphase& broadphase,
+                jobs::Arena& arena);
+
+  /// Memory held by body, and of the boxes found in the last update.
+  std::size_t bytes() const;
+  std::size_t update_bytes() const;
+
+ private:
+  // Where a collider's fat AABB is to be, and how far its surface may move before it must be looked at again.
+  struct Update {
+    Aabb fat;
+    double margin;
+    bool is_new;  // it doesn't fit in the one that it has
+  };
+
+  Update look_at(std::uint32_t collider, const Aabb* current, const BodyMotions& motions) const;
+  double swept_margin(std::uint32_t body, const BodyMotions& motions) const;
+  void note_swept(std::uint32_t body, const BodyMotions& motions);
+  void shrink_swept(const BodyMotions& motions, Broadphase& broadphase);
+
+  std::vector<double> swept_margins_;         // by body
+  std::vector<std::uint32_t> swept_;          // bodies with such margins
+  std::vector<std::uint32_t> looked_at_;      // scratch, bodies
+  std::vector<std::uint8_t> inside_;          // scratch, by body looked at
+  std::vector<std::vector<Update>> updates_;  // scratch, by chunk of these, in order
+};
+
+}  // namespace atl::collision

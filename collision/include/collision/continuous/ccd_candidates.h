@@ -1,0 +1,68 @@
+#pragma once
+
+#include <collision/continuous/fast_body.h>
+#include <jobs/scratch.h>
+
+#include <compare>
+#include <cstdint>
+#include <vector>
+
+namespace atl::collision {
+
+/// A collider of a fast body and one near it. In order, so that of several contacts of the two one that touches is
+/// first.
+struct CcdPair {
+  std::uint32_t own;
+  std::uint32_t other;
+  bool apart;  ///< they have no contact with points
+
+  auto operator<=>(const CcdPair&) const = default;
+};
+
+/// What is near fast bodies. All that touches their fat AABBs is paired with them already, so the broadphase is asked
+/// for the few only that left theirs.
+class CcdCandidates {
+ public:
+  explicit CcdCandidates(int threads) : scratch_(threads) {}
+
+  /// Of all fast bodies. Fat AABBs of those that left theirs are moved to show where they went.
+  void find(const CcdStep& step, Broadphase& broadphase, jobs::Arena& arena);
+
+  /// What a fast body may meet in the step, in order.
+  void list(std::size_t fast, std::vector<CcdPair>& pairs) const;
+
+  std::size_t bytes() const { return jobs::bytes_of(pairs_, begin_); }
+
+ private:
+  // A contact of fast bodies, by its entry in the order of contacts. Numbers + 1, or 0.
+  struct FastContact {
+    std::uint32_t entry;
+    std::uint32_t fast_first;
+    std::uint32_t fast_second;
+  };
+  // Something near a fast body, which goes by its number.
+  struct Candidate {
+    std::uint32_t fast;
+    CcdPair pair;
+  };
+  // Memory of a worker.
+  struct Scratch {
+    std::vector<FastContact> contacts;
+    std::vector<Candidate> candidates;
+    std::vector<CcdPair> pairs;  // of one body
+  };
+
+  static void find_by_contacts(const CcdStep& step, std::size_t begin, std::size_t end, Scratch& scratch);
+  static void find_by_tree(const CcdStep& step, std::uint32_t fast, const Broadphase& broadphase, Scratch& scratch);
+  void sort_by_body(std::size_t fast_bodies);
+
+  std::vector<CcdPair> pairs_;        // by fast body
+  std::vector<std::uint32_t> begin_;  // by fast body, and the end
+  jobs::Scratch<Scratch> scratch_;
+};
+
+/// What a fast body may meet in the step if it ends `aside` of where it did, as the broadphase has it; in order.
+void query_candidates(const CcdStep& step, const FastBody& fast, const Vector3& aside, const Broadphase& broadphase,
+                      std::vector<CcdPair>& pairs);
+
+}  // namespace atl::collision

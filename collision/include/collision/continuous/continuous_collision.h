@@ -1,0 +1,65 @@
+#pragma once
+
+#include <collision/continuous/ccd_candidates.h>
+#include <collision/continuous/ccd_culling.h>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace atl::collision {
+
+/// How far a fast body gets, or an assembly.
+struct CcdStop {
+  std::span<const FastBody> bodies;  ///< the body, or the fast ones of its assembly
+  double t = 1;                      ///< part of their motion
+  Vector3 aside = Vector3::Zero();   ///< m, added to their ends
+
+  bool stops() const { return t < 1 || !aside.isZero(0); }
+};
+
+/// A surface that a fast body's core touches as the step starts.
+struct CcdSupport {
+  Vector3 normal;    ///< unit, from the core to the surface
+  double excess;     ///< m, how far the core ends beyond it
+  double tolerance;  ///< m, it is to end before the surface by a part of this
+};
+
+/// Continuous collision: finds how far bodies that moved far in a step get until they first meet something in their
+/// way, so that they can be put there and the next step finds the contact. What touches with its core already slides
+/// along what it touches. Only these bodies cost anything. What joints connect stops together, so that no joint is
+/// torn.
+///
+/// In three stages: candidates near each fast body; those are culled that a plane keeps apart; the rest is swept.
+class ContinuousCollision {
+ public:
+  explicit ContinuousCollision(int threads) : candidates_(threads), scratch_(threads) {}
+
+  /// The stops of all fast bodies and assemblies, in order, also of what goes all its way; valid until the next call.
+  /// Fat AABBs of bodies that left theirs are moved to show where they went: they are to be moved again once bodies are
+  /// put where they end. `step.places` is filled in here.
+  std::span<const CcdStop> find_stops(CcdStep step, Broadphase& broadphase, jobs::Arena& arena);
+
+  /// Memory held.
+  std::size_t bytes() const { return jobs::bytes_of(places_, stops_) + candidates_.bytes(); }
+
+ private:
+  // Memory of a worker.
+  struct Scratch {
+    std::vector<CcdPair> pairs;  // of one body
+    std::vector<Approach> approaching;
+    std::vector<CcdSupport> supports;
+  };
+
+  static double first_hit(const CcdStep& step, const FastBody& fast, const Vector3& aside, double first,
+                          Scratch& scratch);
+  void list_groups(std::span<const FastBody> fast);
+  void find_stop(const CcdStep& step, const Broadphase& broadphase, CcdStop& stop, Scratch& scratch) const;
+
+  std::vector<std::uint32_t> places_;  // by body, see CcdStep; all 0 between calls
+  std::vector<CcdStop> stops_;         // in order of fast bodies
+  CcdCandidates candidates_;
+  jobs::Scratch<Scratch> scratch_;
+};
+
+}  // namespace atl::collision

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <collision/contacts/body_aabbs.h>
+#include <collision/contacts/contact_cache.h>
+#include <collision/contacts/narrowphase_kernels.h>
+#include <collision/contacts/refresh.h>
+#include <collision/continuous/sweep.h>
+
+#include <cstdint>
+#include <span>
+
+namespace atl::collision {
+
+/// How a body moved in a step in which it was fast.
+struct FastBody {
+  static constexpr std::uint32_t alone = ~std::uint32_t{0};
+
+  std::uint32_t body;
+  std::uint32_t assembly;  ///< of bodies that joints connect, or alone
+  Pose start;
+  Vector3 shift;           ///< m, of the centre of mass
+  double turn;             ///< m: no point of it got farther by turning
+  double bulge;            ///< m: nor farther off the straight line from where it was to where it is
+  bool stops;              ///< what it meets stops it
+  bool always_swept;       ///< as its user asked for
+  double aside_limit;      ///< m: it may end so far from where the step took it; below 0, not at all
+  bool left_aabb = false;  ///< it left its fat AABBs
+  bool queried = false;    ///< what is near it is asked of the broadphase
+};
+
+/// The step after which fast bodies are followed: where all bodies are now, and how the fast ones got there.
+struct CcdStep {
+  const BodyMotions& motions;
+  std::span<const double> turned;           ///< by body, see ContactUpdateInput
+  std::span<const std::uint8_t> joined;     ///< by body: 1 if joints act on it
+  std::span<const std::uint32_t> assembly;  ///< by joined body
+  const ContactCache& cache;
+  const NarrowphaseKernels& kernels;
+  std::size_t active_bodies;
+
+  /// In order of assemblies, those alone last, then of bodies.
+  std::span<FastBody> fast = {};
+  std::span<const std::uint32_t> places = {};  ///< by body: its number in `fast` + 1, or 0
+
+  /// Null for a body that was not fast: it counts as being where it is now.
+  const FastBody* find_fast(std::uint32_t body) const { return places[body] == 0 ? nullptr : &fast[places[body] - 1]; }
+  std::uint32_t assembly_of(std::uint32_t body) const { return joined[body] ? assembly[body] : FastBody::alone; }
+
+  /// Everywhere that a collider of a fast body has been in this step, if it ends `aside` of where it did.
+  Aabb swept_aabb(const FastBody& body, std::uint32_t collider, const Vector3& aside) const;
+  /// The collider's motion in this step, of its shape or of a part of it that is centred at `centre`, if its body ends
+  /// `aside` of where it did.
+  Motion motion_of(std::uint32_t collider, const Vector3& centre, const Vector3& aside) const;
+};
+
+/// How near a body is put to what it met, as part of its inner radius: well within the margin in which a contact
+/// has points. Sweeps end that near but for their tolerance, a part as well.
+inline constexpr double ccd_gap_share = 0.25 * static_cast<double>(margin_share);
+inline constexpr double ccd_tolerance = 1e-3;
+
+/// What is touched already is left to its contact, unless the core gets to it: the shape with this part of its
+/// inner radius taken off.
+inline constexpr double core_share = 0.5;
+
+}  // namespace atl::collision

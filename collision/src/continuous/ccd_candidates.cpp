@@ -1,0 +1,188 @@
+#include <collision/continuous/ccd_candidates.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace atl::collision {
+namespace {
+
+constexpr std::size_t grain = 16;  // of loops over fast bodies
+
+// Whether a box holds bounds, beyond the rounding of these.
+bool holds(const Aabb& box, const Vector3& lower, const Vector3& upper) {
+  const double slack = 1e-12 * (lower.cwiseAbs().maxCoeff() + upper.cwiseAbs().maxCoeff());
+  bool inside = true;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto axis = static_cast<Eigen::Index>(i);
+    inside &= static_cast<double>(box.lower[i]) <= lower[axis] - slack &&
+              upper[axis] + slack <= static_cast<double>(box.upper[i]);
+  }
+  return inside;
+}
+
+// Whether a collider has been in its fat AABB in all of this step. The balls around it at both ends tell that of most,
+// for less than their boxes.
+bool stayed_inside(const CcdStep& step, const FastBody& fast, std::uint32_t collider, const Aabb& fat) {
+  const ColliderTable& colliders = step.motions.colliders;
+  const PoseView& poses = step.motions.poses;
+  const Vector3& at = colliders.local[collider].position;
+  const Vector3 start = fast.start.position + fast.start.orientation * at;
+  const Vector3 end = poses[fast.body].position + poses[fast.body].orientation * at;
+  const Vector3 around = Vector3::Constant(colliders.shape[collider].bounding_radius + fast.bulge);
+  if (holds(fat, start.cwiseMin(end) - around, start.cwiseMax(end) + around)) return true;
+  return fat.contains(step.swept_aabb(fast, collider, Vector3::Zero()));
+}
+
+// For fast bodies to find each other their AABBs must show where they went, as those that were stretched along the
+// motion do. All are seen as the solver moved them, before any is put back.
+void note_left_aabbs(const CcdStep& step, Broadphase& broadphase, jobs::Arena& arena) {
+  const ColliderTable& colliders = step.motions.colliders;
+  // Where few are fast, to go through all contacts takes longer than to ask the tree.
+  constexpr std::size_t few = 16;
+  const bool queried = few * step.fast.size() < step.active_bodies;
+  arena.parallel_for(step.fast.size(), grain, [&](std::size_t begin, std::size_t end) {
+    for (FastBody& fast : step.fast.subspan(begin, end - begin)) {
+      if (!step.motions.is_finite(fast.body)) continue;
+      fast.queried = queried;
+      colliders.for_each_of(fast.body, [&](std::uint32_t collider) {
+        if (fast.left_aabb || stayed_inside(step, fast, collider, broadphase.fat_box(collider))) return;
+        fast.left_aabb = fast.queried = true;
+      });
+    }
+  });
+  for (const FastBody& fast : step.fast) {
+    if (!fast.left_aabb) continue;
+    colliders.for_each_of(fast.body, [&](std::uint32_t collider) {
+      broadphase.move_box(collider, step.swept_aabb(fast, collider, Vector3::Zero()));
+    });
+  }
+}
+
+// Whether two shapes can't meet in this step, by what is known of them: they come near each other by so little that the
+// speculative margin has seen it coming; or they were found apart, and what they have moved since is less. The origins
+// of shapes move on a line, straight but for the bulge of those that their body turns, of which an end is farthest from
+// where they were then.
+bool stay_apart(const CcdStep& step, const Contact& contact, const FastBody* first, const FastBody* second) {
+  const ColliderTable& colliders = step.motions.colliders;
+  const PoseView& poses = step.motions.poses;
+  const auto shift_of = [](const FastBody* fast) -> Vector3 { return fast ? fast->shift : Vector3::Zero(); };
+  const Vector3 shift = shift_of(second) - shift_of(first);
+  const double size = contact.size;
+  const double closing = shift.norm() + (first ? first->turn : 0) + (second ? second->turn : 0);
+  if (closing <= approach_share * size) return true;
+  if (!(contact.gap > 0)) return false;
+
+  const Eigen::Map<const Vector3> from(contact.apart_from.data());
+  const auto [own, other] = contact.pair;
+  double bulge = 0;
+  const auto at_start = [&](std::uint32_t collider, const FastBody* fast) -> Vector3 {
+    if (!fast) return colliders.position(collider, poses);
+    if (colliders.placed[collider]) bulge += fast->bulge;
+    return fast->start.position + fast->start.orientation * colliders.local[collider].position;
+  };
+  const Vector3 start = at_start(other, second) - at_start(own, first) - from;
+  const Vector3 end = colliders.position(other, poses) - colliders.position(own, poses) - from;
+  const double moved = std::sqrt(std::max(start.squaredNorm(), end.squaredNorm())) + bulge;
+  const double turned = step.turned[contact.body_first] + step.turned[contact.body_second] - contact.turned;
+  const double left = static_cast<double>(contact.gap) - moved - static_cast<double>(contact.lever) * turned;
+  return left > (ccd_gap_share + ccd_tolerance) * size;
+}
+
+}  // namespace
+
+// What fast bodies may meet of that which they have contacts with, touching or not, of some entries of their order.
+void CcdCandidates::find_by_contacts(const CcdStep& step, std::size_t begin, std::size_t end, Scratch& scratch) {
+  const ContactCache& cache = step.cache;
+  const ColliderTable& colliders = step.motions.colliders;
+  scratch.contacts.clear();
+  const auto is_first = [&](std::size_t entry) {  // of a pair's parts
+    return entry == 0 || cache.pair_at(entry - 1) != cache.pair_at(entry);
+  };
+  for (std::size_t entry = begin; entry < end; ++entry) {
+    const Pair pair = cache.pair_at(entry);
+    const std::uint32_t first = step.places[colliders.body[pair.first]];
+    const std::uint32_t second = step.places[colliders.body[pair.second]];
+    if ((first | second) == 0 || !is_first(entry)) continue;
+    // The first line of it is all that is read.
+    __builtin_prefetch(&cache.contacts[cache.order[entry]]);
+    scratch.contacts.push_back({static_cast<std::uint32_t>(entry), first, second});
+  }
+  const auto fast = [&](std::uint32_t place) { return place == 0 ? nullptr : &step.fast[place - 1]; };
+  for (const FastContact& found : scratch.contacts) {
+    const Contact& contact = cache.contacts[cache.order[found.entry]];
+    const FastBody* first = fast(found.fast_first);
+    const FastBody* second = fast(found.fast_second);
+    if (stay_apart(step, contact, first, second)) continue;
+    const auto [of_first, of_second] = contact.pair;
+    bool apart = contact.count == 0;
+    for (std::size_t part = found.entry + 1; part < cache.order.size() && !is_first(part); ++part) {
+      apart = apart && cache.contacts[cache.order[part]].count == 0;
+    }
+    if (first) scratch.candidates.push_back({found.fast_first - 1, {of_first, of_second, apart}});
+    if (second) scratch.candidates.push_back({found.fast_second - 1, {of_second, of_first, apart}});
+  }
+}
+
+// What the boxes' tree has near a fast body. Those that are fast themselves learn of it.
+void CcdCandidates::find_by_tree(const CcdStep& step, std::uint32_t number, const Broadphase& broadphase,
+                                 Scratch& scratch) {
+  query_candidates(step, step.fast[number], Vector3::Zero(), broadphase, scratch.pairs);
+  for (const CcdPair& near : scratch.pairs) {
+    scratch.candidates.push_back({number, near});
+    const std::uint32_t place = step.places[step.motions.colliders.body[near.other]];
+    if (place == 0 || step.fast[place - 1].queried) continue;
+    scratch.candidates.push_back({place - 1, {near.other, near.own, near.apart}});
+  }
+}
+
+void CcdCandidates::find(const CcdStep& step, Broadphase& broadphase, jobs::Arena& arena) {
+  broadphase.take_in(arena);
+  note_left_aabbs(step, broadphase, arena);
+  scratch_.for_each([](Scratch& of_worker) { of_worker.candidates.clear(); });
+  const std::span<const FastBody> fast = step.fast;
+  const bool by_contacts = std::any_of(fast.begin(), fast.end(), [](const FastBody& body) { return !body.queried; });
+  constexpr std::size_t contact_grain = 512;
+  arena.parallel_for(by_contacts ? step.cache.order.size() : 0, contact_grain,
+                     [&](std::size_t begin, std::size_t end) { find_by_contacts(step, begin, end, scratch_.local()); });
+  arena.parallel_for(fast.size(), grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      if (fast[i].queried) find_by_tree(step, static_cast<std::uint32_t>(i), broadphase, scratch_.local());
+    }
+  });
+  sort_by_body(fast.size());
+}
+
+// Found in any order: each body will have its own in order.
+void CcdCandidates::sort_by_body(std::size_t fast_bodies) {
+  begin_.assign(fast_bodies + 1, 0);
+  scratch_.for_each([this](const Scratch& of_worker) {
+    for (const Candidate& near : of_worker.candidates) ++begin_[near.fast];
+  });
+  std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+  pairs_.resize(begin_.back());
+  scratch_.for_each([this](const Scratch& of_worker) {
+    for (const Candidate& near : of_worker.candidates) pairs_[--begin_[near.fast]] = near.pair;
+  });
+}
+
+void CcdCandidates::list(std::size_t fast, std::vector<CcdPair>& pairs) const {
+  pairs.assign(pairs_.begin() + begin_[fast], pairs_.begin() + begin_[fast + 1]);
+  std::sort(pairs.begin(), pairs.end());
+  const auto same = [](const CcdPair& a, const CcdPair& b) { return a.own == b.own && a.other == b.other; };
+  pairs.erase(std::unique(pairs.begin(), pairs.end(), same), pairs.end());
+}
+
+void query_candidates(const CcdStep& step, const FastBody& fast, const Vector3& aside, const Broadphase& broadphase,
+                      std::vector<CcdPair>& pairs) {
+  pairs.clear();
+  step.motions.colliders.for_each_of(fast.body, [&](std::uint32_t own) {
+    broadphase.query_box(step.swept_aabb(fast, own, aside), [&](std::uint32_t other) {
+      if (!broadphase.allowed(own, other)) return;
+      pairs.push_back({own, other, !step.cache.touches(Pair::of(own, other))});
+    });
+  });
+  std::sort(pairs.begin(), pairs.end());
+}
+
+}  // namespace atl::collision

@@ -1,0 +1,198 @@
+#include <collision/continuous/continuous_collision.h>
+#include <collision/narrowphase/distance.h>
+#include <collision/shapes/convex.h>
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+
+namespace atl::collision {
+namespace {
+
+struct Core {
+  Shape shape;
+  Vector3 centre = Vector3::Zero();  // of it, in the frame of the whole shape
+};
+
+Core core_of(const Shape& shape) {
+  const double off = core_share * shape.inner_radius;
+  switch (shape.kind) {
+    case ShapeKind::Capsule:
+      return {Shape::capsule(shape.radius - off, shape.half_height)};
+    case ShapeKind::Box:
+      return {Shape::box(shape.half_extents - Vector3::Constant(off))};
+    case ShapeKind::Cylinder:
+      return {Shape::cylinder(shape.radius - off, shape.half_height - off)};
+    default:
+      return {Shape::sphere(shape.inner_radius - off), mass_properties(shape).centre};
+  }
+}
+
+// No point of such a shape is farther from its core than the core is deep, but for corners of boxes.
+bool has_even_core(ShapeKind kind) { return kind <= ShapeKind::Cylinder; }
+
+// Of a solid that starts at the other's surface: it ends off it, and on the same side.
+bool stays_outside(const Shape& solid, const Motion& motion, const Shape& other, const Motion& other_motion) {
+  constexpr double anywhere = std::numeric_limits<double>::infinity();
+  Distance before, after;
+  find_distance(solid, motion.at(0), other, other_motion.at(0), anywhere, before);
+  find_distance(solid, motion.at(1), other, other_motion.at(1), anywhere, after);
+  return before.distance > 0 && after.distance > 0 && before.normal.dot(after.normal) > 0;
+}
+
+// How far beyond the plane of the hit the core ends.
+CcdSupport support_of(const SweepHit& hit, const Motion& other, const Shape& core, const Pose& end, double tolerance) {
+  const Pose other_end = other.at(1);
+  const Vector3 point = other_end.position + other_end.orientation * (other.start.orientation.conjugate() *
+                                                                      (hit.point - other.start.position));
+  const double reach = reach_along(core, end.orientation.conjugate() * hit.normal);
+  return {hit.normal, hit.normal.dot(end.position - point) + reach, tolerance};
+}
+
+// The way that takes a core off all that it is held by: before one plane after the other until none is passed. A core
+// that started overlapping would be let through.
+std::optional<Vector3> way_aside(std::span<const CcdSupport> held) {
+  constexpr int rounds = 20;
+  Vector3 aside = Vector3::Zero();
+  for (int round = 0; round < rounds; ++round) {
+    bool passed = false;
+    for (const CcdSupport& surface : held) {
+      const double excess = surface.excess + surface.normal.dot(aside);
+      if (excess <= -0.25 * surface.tolerance) continue;
+      aside -= (excess + 0.5 * surface.tolerance) * surface.normal;
+      passed = true;
+    }
+    if (!passed) return aside;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Aabb CcdStep::swept_aabb(const FastBody& body, std::uint32_t collider, const Vector3& aside) const {
+  const Bounds start = motions.bounds_at(collider, placed(body.start, motions.colliders.local[collider]));
+  const Bounds end = motions.bounds_now(collider);
+  const Vector3 bulge = Vector3::Constant(body.bulge);
+  return Aabb::around(start.lower.cwiseMin(end.lower + aside) - bulge, start.upper.cwiseMax(end.upper + aside) + bulge);
+}
+
+Motion CcdStep::motion_of(std::uint32_t collider, const Vector3& centre, const Vector3& aside) const {
+  const std::uint32_t body = motions.colliders.body[collider];
+  Pose local = motions.colliders.local[collider];
+  local.position += local.orientation * centre;
+  Pose end = placed(motions.poses[body], local);
+  end.position += aside;
+  const FastBody* moved = find_fast(body);
+  if (!moved) return Motion::still(end);
+  // In the shape's frame the body's centre of mass, about which it turns.
+  const Vector3 pivot = -(local.orientation.conjugate() * local.position);
+  return Motion::between(placed(moved->start, local), end, pivot);
+}
+
+// When the body first meets something, as part of the step, up to `first`, if it ends `aside` of where it did. What it
+// touches with its core from the start is added to what it is held by, and doesn't stop it.
+double ContinuousCollision::first_hit(const CcdStep& step, const FastBody& fast, const Vector3& aside, double first,
+                                      Scratch& scratch) {
+  const ColliderTable& colliders = step.motions.colliders;
+  const bool joined = fast.assembly != FastBody::alone;
+  colliders.for_each_of(fast.body, [&](std::uint32_t collider) {
+    const Shape& shape = colliders.shape[collider];
+    find_approaching(step, fast, aside, collider, scratch.pairs, scratch.approaching);
+    if (scratch.approaching.empty()) return;
+    const Motion motion = step.motion_of(collider, Vector3::Zero(), aside);
+    const bool only_deep = joined && !fast.always_swept && has_even_core(shape.kind);
+    for (const Approach& approach : scratch.approaching) {
+      const std::uint32_t other = approach.other;
+      const double tolerance = ccd_tolerance * approach.size;
+      const Motion other_motion = step.motion_of(other, Vector3::Zero(), Vector3::Zero());
+      const SweepGoal goal{ccd_gap_share * approach.size, tolerance};
+      SweepHit hit;
+      if (approach.apart && !only_deep) {
+        if (!sweep(shape, motion, colliders.shape[other], other_motion, goal, first, hit)) continue;
+        if (!hit.started_overlapping && hit.t > 0) {
+          first = hit.t;
+          continue;
+        }
+      }
+      if (approach.passes_core) continue;
+      const Core core = core_of(shape);
+      const Motion core_motion = core.centre.isZero(0) ? motion : step.motion_of(collider, core.centre, aside);
+      if (!sweep(core.shape, core_motion, colliders.shape[other], other_motion, {0, tolerance}, first, hit) ||
+          hit.started_overlapping) {
+        continue;
+      }
+      if (hit.t > 0) {
+        first = hit.t;
+        if (!approach.apart || !only_deep) continue;
+        SweepHit surface;
+        sweep(shape, motion, colliders.shape[other], other_motion, goal, first, surface);
+        if (surface.t > 0) first = std::min(first, surface.t);
+        continue;
+      }
+      // What is shifted together stays as it is.
+      if (joined && step.assembly_of(colliders.body[other]) == fast.assembly) continue;
+      if (stays_outside(core.shape, core_motion, colliders.shape[other], other_motion)) continue;
+      scratch.supports.push_back(support_of(hit, other_motion, core.shape, core_motion.at(1), tolerance));
+    }
+  });
+  return first;
+}
+
+// Where a fast body, or the fast ones of an assembly, may go in this step. What a core touches from the start would
+// hold it where it is, for good, if other bodies press on it: it goes all its way but for what would take the core
+// through the surfaces that it touches. An assembly is shifted as one.
+void ContinuousCollision::find_stop(const CcdStep& step, const Broadphase& broadphase, CcdStop& stop,
+                                    Scratch& scratch) const {
+  const auto meet = [&](const Vector3& aside, const auto& list_pairs) {
+    scratch.supports.clear();
+    double first = 1;
+    for (const FastBody& fast : stop.bodies) {
+      list_pairs(fast);
+      first = first_hit(step, fast, aside, first, scratch);
+    }
+    return first;
+  };
+  stop.t = meet(Vector3::Zero(), [&](const FastBody& fast) {
+    candidates_.list(static_cast<std::size_t>(&fast - step.fast.data()), scratch.pairs);
+  });
+  if (scratch.supports.empty()) return;
+  stop.t = 0;
+  const std::optional<Vector3> aside = way_aside(scratch.supports);
+  if (!aside || !(aside->norm() <= stop.bodies.front().aside_limit)) return;
+  const double t =
+      meet(*aside, [&](const FastBody& fast) { query_candidates(step, fast, *aside, broadphase, scratch.pairs); });
+  const bool kept_off = std::all_of(scratch.supports.begin(), scratch.supports.end(),
+                                    [](const CcdSupport& support) { return support.excess <= 0; });
+  if (!kept_off) return;
+  stop.t = t;
+  stop.aside = *aside;
+}
+
+void ContinuousCollision::list_groups(std::span<const FastBody> fast) {
+  stops_.clear();
+  for (std::size_t i = 0; i < fast.size();) {
+    std::size_t end = i + 1;
+    while (fast[i].assembly != FastBody::alone && end < fast.size() && fast[end].assembly == fast[i].assembly) ++end;
+    stops_.push_back({fast.subspan(i, end - i)});
+    i = end;
+  }
+}
+
+std::span<const CcdStop> ContinuousCollision::find_stops(CcdStep step, Broadphase& broadphase, jobs::Arena& arena) {
+  places_.resize(step.motions.radius.size());
+  for (std::size_t i = 0; i < step.fast.size(); ++i) places_[step.fast[i].body] = static_cast<std::uint32_t>(i + 1);
+  step.places = places_;
+  candidates_.find(step, broadphase, arena);
+  list_groups(step.fast);
+  arena.parallel_for(stops_.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (CcdStop& stop : std::span(stops_).subspan(begin, end - begin)) {
+      const auto sound = [&](const FastBody& fast) { return step.motions.is_finite(fast.body); };
+      const bool all_sound = std::all_of(stop.bodies.begin(), stop.bodies.end(), sound);
+      if (all_sound && stop.bodies.front().stops) find_stop(step, broadphase, stop, scratch_.local());
+    }
+  });
+  for (const FastBody& fast : step.fast) places_[fast.body] = 0;
+  return stops_;
+}
+
+}  // namespace atl::collision
