@@ -25,12 +25,17 @@ function(atoll_precompiled target)
     <memory> <optional> <span> <sstream> <string> <tuple> <utility> <variant> <vector>)
 endfunction()
 
+# GCC inlines less once a unit has grown by a part of its size: which files are compiled together would decide how fast
+# they get, by 6% in piles of hulls. A precompiled header must be compiled alike, or these options are its own.
+set(on_the_step $<$<AND:$<CXX_COMPILER_ID:GNU>,$<CONFIG:Release>>:--param=inline-unit-growth=200>)
+
 # What no step runs is optimised less, which takes a third less time to compile.
 set(off_the_step $<$<CONFIG:Release>:-O1>)
-atoll_precompiled(atoll_precompiled_on_the_step)
+atoll_precompiled(atoll_precompiled_on_the_step ${on_the_step})
 atoll_precompiled(atoll_precompiled_off_the_step ${off_the_step})
 
 function(atoll_on_the_step target)
+  target_compile_options(${target} PRIVATE ${on_the_step})
   target_precompile_headers(${target} REUSE_FROM atoll_precompiled_on_the_step)
 endfunction()
 function(atoll_off_the_step target)
