@@ -3,13 +3,19 @@
 #include <atoll/scene.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <iostream>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "explain.h"
 #include "failure.h"
 #include "list_scenes.h"
 #include "replay.h"
 #include "run.h"
+#include "scene/src/words.h"
 #include "sweep/sweep.h"
 #include "verify/verify.h"
 
@@ -21,9 +27,33 @@ int exit_with(Status status, const std::string& message) {
   return static_cast<int>(status);
 }
 
-int usage_error(const CLI::ParseError& error, const CLI::App& app) {
+std::vector<std::string_view> views(const std::vector<std::string>& texts) { return {texts.begin(), texts.end()}; }
+
+// The first argument that is not understood, what could stand there, and which of these may be meant.
+std::string words_of_extra(const CLI::App& app, std::span<const char* const> arguments) {
+  const std::vector<std::string> extras = app.remaining(true);
+  const auto found = std::find_first_of(arguments.begin(), arguments.end(), extras.begin(), extras.end());
+  if (found == arguments.end()) return "an argument is not understood";
+  const std::string extra = *found;
+  const auto parsed = app.get_subcommands();
+  const CLI::App& command = parsed.empty() ? app : *parsed.front();
+  std::vector<std::string> names;
+  if (extra.starts_with("-")) {
+    for (const CLI::Option* option : command.get_options()) {
+      for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    }
+    return "unknown option \"" + extra + "\"" + scene::suggestion(extra.substr(0, extra.find('=')), views(names));
+  }
+  if (!parsed.empty()) return "unexpected argument \"" + extra + "\"";
+  for (const CLI::App* each : app.get_subcommands({})) names.push_back(each->get_name());
+  return "unknown command \"" + extra + "\", expected run, explain, replay, sweep, verify or scenes" +
+         scene::suggestion(extra, views(names));
+}
+
+int usage_error(const CLI::ParseError& error, const CLI::App& app, std::span<const char* const> arguments) {
   std::string message = error.what();
   message = message.substr(0, message.find('\n'));
+  if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) message = words_of_extra(app, arguments);
   std::string command = "atoll";
   for (const CLI::App* parsed : app.get_subcommands()) command += " " + parsed->get_name();
   return exit_with(Status::Usage, message + " (see " + command + " --help)");
@@ -33,7 +63,12 @@ int usage_error(const CLI::ParseError& error, const CLI::App& app) {
 int run_parsed(int argc, char** argv) {
   CLI::App app("Atoll: deterministic, island-parallel rigid-body simulation.", "atoll");
   app.set_version_flag("--version", "atoll " ATOLL_VERSION);
-  app.footer("Exit status: 0 done, 1 a check failed, 2 usage, 3 bad scene or recording, 4 a body became non-finite.");
+  app.footer(
+      "Examples:\n"
+      "  atoll scenes                  what there is to run\n"
+      "  atoll run pile --threads 2    5000 boxes dropped into a container\n"
+      "  atoll run wall:base=100       a built-in scene with another parameter\n"
+      "\nExit status: 0 done, 1 a check failed, 2 usage, 3 bad scene or recording, 4 a body became non-finite.");
 
   CLI::App* run = app.add_subcommand("run", "simulate a scene file or a built-in scene and report time and error");
   RunOptions options;
@@ -57,18 +92,19 @@ int run_parsed(int argc, char** argv) {
   try {
     app.parse(argc, argv);
     // CLI11's require_subcommand would hide that "atoll rnu" has an argument that is not understood.
-    if (app.get_subcommands().empty())
-      throw CLI::RequiredError("A command, run, explain, replay, sweep, verify or scenes,");
+    if (app.get_subcommands().empty()) std::cout << app.help();
     if (run->parsed()) command::run(options);
     if (explanation->parsed()) command::explain(explain_options);
     if (replay->parsed()) replay_file(replay_options);
     if (sweep->parsed()) command::sweep(sweep_options);
     if (verification->parsed()) verify(verify_options);
     if (scenes->parsed()) list_scenes(std::cout);
-    return static_cast<int>(Status::Done);
   } catch (const CLI::ParseError& error) {
-    return error.get_exit_code() == 0 ? app.exit(error) : usage_error(error, app);
+    if (error.get_exit_code() != 0) return usage_error(error, app, std::span(argv + 1, argv + argc));
+    app.exit(error);
   }
+  if (!std::cout.flush()) throw Failure(Status::Usage, "cannot write to standard output");
+  return static_cast<int>(Status::Done);
 }
 
 }  // namespace

@@ -136,6 +136,9 @@ void write_json(std::ostream& out, const Scene& scene, const Explanation& found)
 }  // namespace
 
 void add_explain_options(CLI::App& command, ExplainOptions& options) {
+  command.footer(
+      "Examples:\n"
+      "  atoll explain hopper");
   add_scene_options(command, options.scene)->required();
   add_machine_options(command, options.threads, options.simd);
   add_format_option(command, options.format);

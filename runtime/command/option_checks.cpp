@@ -1,11 +1,26 @@
 #include "option_checks.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <sstream>
 
 namespace atl::command {
+
+double parse_seconds(const std::string& text) {
+  const std::size_t slash = text.find('/');
+  double value = 0, divisor = 1;
+  const bool whole = parse_whole(text.substr(0, slash), value) &&
+                     (slash == std::string::npos || parse_whole(text.substr(slash + 1), divisor));
+  return whole ? value / divisor : std::nan("");
+}
+
+std::string shortest(double value) {
+  std::array<char, 32> text;
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value);
+  return {text.data(), end.ptr};
+}
 
 CLI::Validator integer_in(int min, int max) {
   const std::string range = "[" + std::to_string(min) + ", " + std::to_string(max) + "]";
@@ -44,6 +59,16 @@ CLI::Validator number_not_below_zero() {
     return "found \"" + text + "\", expected a finite number >= 0";
   };
   return {check, ">= 0", "number not below zero"};
+}
+
+CLI::Validator seconds_a_step() {
+  const auto check = [](std::string& text) -> std::string {
+    const double value = parse_seconds(text);
+    if (!(value > 0 && value <= 1)) return "found \"" + text + "\", expected a number in (0, 1], as 1/60 or 0.01";
+    text = shortest(value);
+    return "";
+  };
+  return {check, "(0, 1]", "seconds"};
 }
 
 CLI::Validator seed_number() {

@@ -39,8 +39,8 @@ CLI::Option* add_scene_options(CLI::App& command, SceneOptions& options) {
   command.add_option("--steps", options.steps, "steps to simulate (default: the scene's)")
       ->check(integer_in(1, most_steps))
       ->group(content);
-  command.add_option("--dt", options.dt, "s of simulated time a step (default: the scene's)")
-      ->check(number_above_zero(1))
+  command.add_option("--dt", options.dt, "s of simulated time a step, as 1/60 or 0.01 (default: the scene's)")
+      ->transform(seconds_a_step())
       ->group(content);
   command.add_option("--seed", options.seed, "seed of a scene's random content (default: 1)")
       ->check(seed_number())

@@ -89,12 +89,33 @@ TEST(CommandUsage, ScenesListsAllWithParameters) {
 }
 
 TEST(CommandUsage, RefusesBadArguments) {
-  expect_refused(run_atoll({}), 2, {"run, explain, replay, sweep, verify or scenes"});
-  expect_refused(run_atoll({"walk"}), 2, {"walk"});
+  expect_refused(run_atoll({"walk"}), 2,
+                 {"unknown command \"walk\", expected run, explain, replay, sweep, verify or scenes"});
+  expect_refused(run_atoll({"rnu", "pile"}), 2, {"unknown command \"rnu\"", "did you mean \"run\"?"});
   expect_refused(run_atoll({"run"}), 2, {"SCENE"});
   expect_refused(run_atoll({"run", "stack", "wall"}), 2, {"wall"});
-  expect_refused(run_atoll({"run", "stack", "--bogus"}), 2, {"--bogus"});
+  expect_refused(run_atoll({"run", "stack", "--bogus"}), 2, {"unknown option \"--bogus\""});
+  expect_refused(run_atoll({"run", "stack", "--thread", "2"}), 2,
+                 {"unknown option \"--thread\"", "did you mean \"--threads\"?"});
   expect_refused(run_atoll({"run", "stack", "--threads"}), 2, {"--threads"});
+}
+
+TEST(CommandUsage, HelpIsWhatNoCommandAsksFor) {
+  const CommandResult nothing = run_atoll({});
+  EXPECT_EQ(nothing.status, 0);
+  EXPECT_EQ(nothing.out, run_atoll({"--help"}).out);
+  for (const char* command : {"run", "explain", "replay", "sweep", "verify"}) {
+    EXPECT_NE(run_atoll({command, "--help"}).out.find(std::string("atoll ") + command + " "), std::string::npos)
+        << "an example of " << command;
+  }
+}
+
+TEST(CommandUsage, AFractionIsASteplengthToo) {
+  const auto hash_with = [](const char* dt) {
+    return run_atoll({"run", "stack", "--steps", "3", "--dt", dt, "--hash"}).out;
+  };
+  const std::string fraction = hash_with("1/50"), number = hash_with("0.02");
+  EXPECT_EQ(fraction.substr(fraction.size() - 20), number.substr(number.size() - 20));
 }
 
 TEST(CommandUsage, RefusesBadValues) {
@@ -155,7 +176,10 @@ TEST(CommandUsage, RefusesBadScenes) {
   expect_refused(run_atoll({"run", light}), 3, {"light: body 0 \"dust\"", "mass"});
   expect_refused(run_atoll({"run", "stak"}), 3, {"unknown scene \"stak\"", "did you mean \"stack\"?"});
   expect_refused(run_atoll({"run", "stack:hight=3"}), 3, {"unknown parameter \"hight\"", "did you mean \"height\"?"});
-  expect_refused(run_atoll({"run", "stack:height=0"}), 3, {"height: found \"0\"", "an integer in [1, 10000]"});
+  expect_refused(run_atoll({"run", "stack:height=0"}), 3,
+                 {"height: found \"0\", too small", "an integer in [1, 10000]"});
+  expect_refused(run_atoll({"run", "stack:height=1e9"}), 3, {"found \"1e9\", too large", "an integer in [1, 10000]"});
+  EXPECT_EQ(run_atoll({"run", "stack:height=1e1", "--steps", "1"}).status, 0);
 }
 
 }  // namespace

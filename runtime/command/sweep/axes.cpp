@@ -26,22 +26,6 @@ int integer(const std::string& text) {
   return value;
 }
 
-// The shortest text that reads back as the same number.
-std::string shortest(double value) {
-  std::array<char, 32> text;
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), value);
-  return {text.data(), end.ptr};
-}
-
-// A number of seconds, or "1/60".
-double seconds(const std::string& text) {
-  const std::size_t slash = text.find('/');
-  double value = 0, divisor = 1;
-  const bool whole = parse_whole(text.substr(0, slash), value) &&
-                     (slash == std::string::npos || parse_whole(text.substr(slash + 1), divisor));
-  return whole ? value / divisor : std::nan("");
-}
-
 bool accepts_speed(const std::string& text) {
   double value = 0;
   return parse_whole(text, value) && std::isfinite(value) && value >= 0;
@@ -53,7 +37,7 @@ double number(const std::string& text) {
   return value;
 }
 
-bool accepts_seconds(const std::string& text) { return seconds(text) > 0 && seconds(text) <= 1; }
+bool accepts_seconds(const std::string& text) { return parse_seconds(text) > 0 && parse_seconds(text) <= 1; }
 
 std::string step_label(const Configuration& c) {
   const double rate = 1 / c.dt;
@@ -91,7 +75,7 @@ constexpr std::array table = {
          .changes_result = true,
          .expected = "a number in (0, 1], as 1/60 or 0.01",
          .accepts = accepts_seconds,
-         .apply = [](const std::string& value, Configuration& c) { c.dt = seconds(value); },
+         .apply = [](const std::string& value, Configuration& c) { c.dt = parse_seconds(value); },
          .value = [](const Configuration& c) { return shortest(c.dt); },
          .label = step_label},
     Axis{.name = "friction",

@@ -35,6 +35,10 @@ CLI::Validator not_empty() {
 }  // namespace
 
 void add_sweep_options(CLI::App& command, SweepOptions& options) {
+  command.footer(
+      "Examples:\n"
+      "  atoll sweep stack --out DIR\n"
+      "  atoll sweep pile wall:base=50 --substeps 2,4,8 --quick");
   command.add_option("SCENE", options.scenes, "scene files, or built-in scenes such as wall:base=100");
   command.add_flag("--analytic", options.analytic, "all built-in scenes that have a closed form");
 

@@ -62,6 +62,10 @@ void add_determinism_options(CLI::App& command, VerifyOptions& options) {
 }  // namespace
 
 void add_verify_options(CLI::App& command, VerifyOptions& options) {
+  command.footer(
+      "Examples:\n"
+      "  atoll verify pile --steps 60 --threads 1,2,4\n"
+      "  atoll verify --stability");
   add_determinism_options(command, options);
   const char* suites = "Stability and physics, instead of a scene";
   command

@@ -220,9 +220,13 @@ double read_value(const BuiltinScene& scene, const SceneParameter& parameter, st
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   const bool whole = error == std::errc{} && end == text.data() + text.size() && !text.empty();
-  if (!whole || !(value >= parameter.min && value <= parameter.max) ||
-      (parameter.integer && std::trunc(value) != value)) {
-    throw SceneError(scene.name + ": " + parameter.name + ": found " + quote(text) + ", expected " +
+  const bool is_kind = whole && !(parameter.integer && std::trunc(value) != value);
+  if (!is_kind || !(value >= parameter.min && value <= parameter.max)) {
+    const char* why = !is_kind                ? ""
+                      : value < parameter.min ? ", too small"
+                      : value > parameter.max ? ", too large"
+                                              : "";
+    throw SceneError(scene.name + ": " + parameter.name + ": found " + quote(text) + why + ", expected " +
                      range_words(parameter));
   }
   return value;
