@@ -6,6 +6,7 @@
 #include <ostream>
 
 #include "figures.h"
+#include "measure_words.h"
 #include "names.h"
 #include "src/hex.h"
 
@@ -65,7 +66,6 @@ void write_times(std::ostream& out, const RunResult& result) {
 bool sweeps_points(SolverStage stage) { return stage == SolverStage::Solve || stage == SolverStage::Relax; }
 
 void write_solver_times(std::ostream& out, const Scene& scene, const RunResult& result) {
-  if (!scene.settings.profile) return;
   const double all = std::accumulate(result.solver_ms.begin(), result.solver_ms.end(), 0.0);
   const double points = result.points * scene.settings.substeps;
   out << "\n" << std::left << std::setw(name_width + 2) << "solver, all groups";
@@ -121,13 +121,43 @@ void write_escalated(std::ostream& out, const Scene& scene, const RunResult& res
   if (result.escalated.size() > most) out << "  and " << result.escalated.size() - most << " more\n";
 }
 
-void write_errors(std::ostream& out, const RunResult& result) {
+void write_errors(std::ostream& out, const Scene& scene, const RunResult& result) {
+  constexpr int unit_width = 5;
   out << "\nerrors\n";
   for (const ErrorMeasure& error : result.errors) {
     write_name(out, error.name.c_str());
     write_number(out, significant(error.value, 4));
-    out << (error.unit.empty() ? "" : " ") << error.unit << "\n";
+    const std::string words = describe_measure(error.name, scene);
+    if (!error.unit.empty() || !words.empty()) out << " ";
+    if (words.empty()) {
+      out << error.unit << "\n";
+    } else {
+      out << std::left << std::setw(unit_width) << error.unit << words << "\n";
+    }
   }
+}
+
+// What a run came to, in a sentence.
+void write_summary(std::ostream& out, const Scene& scene, const RunResult& result) {
+  const double simulated = scene.steps * scene.dt;
+  const double wall = 1e-3 * result.step_times.mean * scene.steps;
+  out << "\n"
+      << plural(body_counts(scene).dynamic, "body", "bodies") << " moved for " << significant(simulated, 3)
+      << " s of simulated time in " << significant(wall, 3) << " s";
+  if (wall > 0) {
+    out << ": " << significant(scene.steps / wall, 3) << " steps/s, " << significant(simulated / wall, 3)
+        << " times real time";
+  }
+  out << "\n";
+}
+
+void write_next(std::ostream& out, const Scene& scene) {
+  out << "next\n";
+  if (!scene.settings.profile)
+    out << "  atoll run ... --profile     what the solver does, all counts, which stages ran and why\n";
+  if (!scene.settings.keep_contact_problem)
+    out << "  atoll run ... --errors      errors over all steps, not only as it ends\n";
+  out << "  atoll sweep ... --out DIR   error against run time over many settings, as a page\n";
 }
 
 void write_lost(std::ostream& out, const Scene& scene, const RunResult& result) {
@@ -140,13 +170,17 @@ void write_lost(std::ostream& out, const Scene& scene, const RunResult& result) 
 
 void write_text(std::ostream& out, const Scene& scene, const World& world, const RunResult& result) {
   write_head(out, scene, world);
-  write_times(out, result);
-  write_solver_times(out, scene, result);
-  write_counts(out, result.last.counts);
-  write_stages(out, result.last.stages);
+  if (scene.settings.profile) {
+    write_counts(out, result.last.counts);
+    write_stages(out, result.last.stages);
+    write_solver_times(out, scene, result);
+  }
   write_escalated(out, scene, result);
-  write_errors(out, result);
+  write_times(out, result);
+  write_errors(out, scene, result);
   write_lost(out, scene, result);
+  write_summary(out, scene, result);
+  write_next(out, scene);
   out << "\nhash      " << hash_text(result.hash) << "\n";
 }
 

@@ -56,7 +56,8 @@ void add_run_options(CLI::App& command, RunOptions& options) {
       ->group(output);
   command
       .add_flag("--profile", options.profile,
-                "tell what the solver spends its time on; takes a little time, and changes no bit")
+                "print all counts and stages, and what the solver spends its time on; takes a little time, and changes "
+                "no bit")
       ->group(output);
   command
       .add_flag("--run-everything", options.run_everything,
@@ -68,6 +69,11 @@ void add_run_options(CLI::App& command, RunOptions& options) {
           "go on without bodies whose state becomes non-finite or absurd, and list them, instead of exit status 4")
       ->group(output);
   command.add_flag("--hash", options.hash, "with text, end with a line that holds the state hash alone")->group(output);
+  command.footer(
+      "Examples:\n"
+      "  atoll run pile --threads 2\n"
+      "  atoll run wall:base=100 --dt 1/120 --substeps 8 --errors\n"
+      "  atoll run my_scene.json --format json --out results.json");
 }
 
 Scene load(const RunOptions& options) {

@@ -160,9 +160,15 @@ TEST(CommandRun, OutHoldsTheSameObject) {
 TEST(CommandRun, TextEndsWithTheHash) {
   const CommandResult text = run_atoll({"run", "stack", "--steps", "2"});
   ASSERT_EQ(text.status, 0) << text.err;
-  for (const char* word : {"stack:height=10,ratio=1", "10 dynamic, 1 static", "2 steps", "solve_islands", "median",
-                           "contacts", "penetration_max", "tilt_max", "hash"}) {
+  for (const char* word :
+       {"stack:height=10,ratio=1", "10 dynamic, 1 static", "2 steps", "solve_islands", "median", "penetration_max",
+        "largest overlap of two shapes", "tilt_max", "10 bodies moved for 0.0333 s", "times real time", "--profile",
+        "--errors", "atoll sweep", "hash"}) {
     EXPECT_NE(text.out.find(word), std::string::npos) << word;
+  }
+  for (const char* word : {"counts of the last step", "stages of the last step"}) {
+    EXPECT_EQ(text.out.find(word), std::string::npos) << word;
+    EXPECT_NE(run_atoll({"run", "stack", "--steps", "2", "--profile"}).out.find(word), std::string::npos) << word;
   }
   const CommandResult hash = run_atoll({"run", "stack", "--steps", "2", "--hash"});
   const std::string last = lines_of(hash.out).back();

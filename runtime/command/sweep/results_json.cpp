@@ -4,6 +4,7 @@
 #include <ostream>
 
 #include "../figures.h"
+#include "../measure_words.h"
 #include "results.h"
 #include "results_object.h"
 #include "src/hex.h"

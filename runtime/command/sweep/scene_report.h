@@ -23,8 +23,6 @@ struct SceneReport {
 /// mean penetration.
 void compare_all(SceneReport& report);
 
-/// Of a measure, in words; the scene's own words for the error against its closed form.
-std::string describe_measure(const std::string& name, const Scene& scene);
 /// "m", "rad" or "".
 std::string unit_of(const std::string& measure, const std::vector<Record>& records);
 
