@@ -131,6 +131,8 @@ TEST_F(SweepPage, DrawsEveryRunWithoutAConsoleMessage) {
       EXPECT_GE(count(sections[i], "class=\"ring\""), 1u);
       EXPECT_GE(count(sections[i], "class=\"front atoll\" d=") + count(sections[i], "\" class=\"front atoll\""), 1u);
     }
+    EXPECT_GE(count(loaded.document, "ringed: a default</li>"), results_["scenes"].size() - 1)
+        << "the key of the marks";
     EXPECT_EQ(count(loaded.document, "NaN"), 0u);
     EXPECT_GE(count(loaded.document, "point hollow"), 2u);
     EXPECT_NE(loaded.document.find("took longer than 1 s"), std::string::npos);

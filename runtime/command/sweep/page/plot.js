@@ -124,6 +124,15 @@ function drawGrid(layout, x, y, unit) {
   return group;
 }
 
+/** The level and upright pieces of a front, as boxes. */
+function frontPieces(places, byIndex, layout) {
+  const points = places.map((index) => byIndex.get(index)).filter((point) => point);
+  return points.flatMap((point, i) => {
+    const above = i ? points[i - 1].y : layout.fieldTop, right = i + 1 < points.length ? points[i + 1].x : layout.right;
+    return [{x: point.x - 1, y: above, w: 2, h: point.y - above}, {x: point.x, y: point.y - 1, w: right - point.x, h: 2}];
+  });
+}
+
 /** The staircase over which a front has something at no more time and no more error. */
 function drawFront(places, byIndex, layout, side) {
   const points = places.map((index) => byIndex.get(index)).filter((point) => point);
@@ -153,8 +162,8 @@ function drawPoint(r) {
   return group;
 }
 
-/** Texts at the defaults, each where it covers least. */
-function drawLabels(runs, layout) {
+/** Texts at the defaults, each where it covers least, of the lines of fronts above all. */
+function drawLabels(runs, layout, lines) {
   const group = svg('g', {'aria-hidden': 'true'});
   const placed = [];
   for (const r of runs.filter((run) => run.run.default)) {
@@ -168,6 +177,7 @@ function drawLabels(runs, layout) {
       const outside = box.x < layout.left + 2 || box.x + w > layout.right - 2 || box.y < layout.top || box.y + h > layout.bottom;
       const marks = runs.filter((o) => o !== r && overlaps(box, {x: o.x - 5, y: o.y - 5, w: 10, h: 10}));
       return (outside ? 1000 : 0) + 100 * placed.filter((other) => overlaps(box, other)).length +
+        10 * lines.filter((line) => overlaps(box, line)).length +
         marks.reduce((sum, o) => sum + (o.run.default ? 20 : 1), 0);
     };
     const best = boxes.reduce((a, b) => (cost(b) < cost(a) ? b : a));
@@ -195,10 +205,11 @@ function drawPlot(holder, scene, comparison, engines, noError) {
       `${comparison.verdict.text} The table below holds the numbers; arrow keys go through the runs.`});
   drawing.append(drawGrid(layout, x, y, comparison.unit));
   drawing.append(...byRank.map((r) => drawSpread(r, x)));
+  const fronts = [comparison.peer_front, comparison.atoll_front];
   drawing.append(drawFront(comparison.peer_front, byIndex, layout, 'peers'),
     drawFront(comparison.atoll_front, byIndex, layout, 'atoll'));
   drawing.append(...byRank.map(drawPoint));
-  drawing.append(drawLabels(runs, layout), svg('circle', {r: 11, class: 'cursor', visibility: 'hidden'}));
+  drawing.append(drawLabels(runs, layout, fronts.flatMap((places) => frontPieces(places, byIndex, layout))), svg('circle', {r: 11, class: 'cursor', visibility: 'hidden'}));
   holder.querySelector('svg')?.remove();
   holder.prepend(drawing);
   return runs.sort((a, b) => a.x - b.x);
