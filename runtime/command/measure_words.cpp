@@ -28,7 +28,8 @@ constexpr std::array words = {
     Words{"drift_max", "how far a body ends beside its ideal rest pose, at most"},
     Words{"tilt_max", "by how much a body ends turned from its ideal rest pose, at most"},
     Words{"energy_drift",
-          "change of mechanical energy over the run, relative to the start; impacts and friction take some of it"},
+          "change of mechanical energy over the run, relative to the start; an error only where impacts and friction "
+          "take none"},
     Words{"momentum_drift", "change of linear momentum over the run, relative to the start"},
     Words{"contact_residual", "how far the impulses are from solving the last step's contact problem"},
     Words{"contact_residual_median",

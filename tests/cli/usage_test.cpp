@@ -110,7 +110,16 @@ TEST(CommandUsage, HelpIsWhatNoCommandAsksFor) {
   }
 }
 
-TEST(CommandUsage, AFractionIsASteplengthToo) {
+TEST(CommandUsage, AFullOutputIsAnError) {
+  for (const std::string arguments : {"scenes", "--help", "run stack --steps 1"}) {
+    const CommandResult full =
+        run_program({"/bin/sh", "-c", "exec \"$0\" " + arguments + " > /dev/full", ATOLL_COMMAND_PATH});
+    EXPECT_EQ(full.status, 2) << arguments;
+    EXPECT_NE(full.err.find("standard output"), std::string::npos) << full.err;
+  }
+}
+
+TEST(CommandUsage, AFractionIsAStepLengthToo) {
   const auto hash_with = [](const char* dt) {
     return run_atoll({"run", "stack", "--steps", "3", "--dt", dt, "--hash"}).out;
   };
