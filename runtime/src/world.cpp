@@ -6,11 +6,14 @@
 #include <jobs/with_recording.h>
 #include <jobs/with_snapshots.h>
 #include <solver/constraints/motion_locks.h>
+#include <solver/integrate/trigonometry.h>
 
 #include <atomic>
 #include <cmath>
 #include <limits>
 #include <sstream>
+#include <utility>
+#include <vector>
 
 #include "body_definition.h"
 #include "forced_step.h"
@@ -33,6 +36,13 @@ int checked_threads(int threads) {
 const Settings& checked(const Settings& settings) {
   check(settings);
   return settings;
+}
+
+void check_step(const char* call, double dt) {
+  if (dt > 0 && dt <= 1) return;
+  std::ostringstream message;
+  message << call << ": dt is " << dt << "; expected a number above 0 and at most 1 (s)";
+  throw Error(message.str());
 }
 
 // Worlds are numbered as they are made. The number goes into no result: it tells whose a snapshot is.
@@ -68,11 +78,7 @@ World::Impl::Impl(const WorldDef& def)
 // Checks and records a step, which is done by `step()`.
 template <typename Step>
 StepReport World::Impl::take_step(double dt, bool forced, const Step& step) {
-  if (!(dt > 0 && dt <= 1)) {
-    std::ostringstream message;
-    message << "World::step: dt is " << dt << "; expected a number above 0 and at most 1 (s)";
-    throw Error(message.str());
-  }
+  check_step("World::step", dt);
   if (forced_) throw Error("World::step: found a step under way; expected no call of it from a force law");
   if constexpr (with_recording) {
     if (recorder) recorder->note_step(dt, forced);
@@ -106,6 +112,16 @@ bool World::contains(BodyId id) const {
 }
 
 std::size_t World::body_count() const { return impl_->records.count; }
+
+std::vector<BodyId> World::bodies() const {
+  const BodyRecords& records = impl_->records;
+  std::vector<BodyId> ids;
+  ids.reserve(records.count);
+  for (std::uint32_t body = 0; body < records.alive.size(); ++body) {
+    if (records.alive[body]) ids.push_back({body, records.generation[body]});
+  }
+  return ids;
+}
 
 Pose World::pose(BodyId id) const { return impl_->pose(id); }
 
@@ -148,6 +164,23 @@ void World::set_velocity(BodyId id, const Vector3& linear, const Vector3& angula
   bodies.velocity(body) = solver::without(solver::linear_locks(bodies.locks[body]), linear);
   bodies.angular_velocity(body) = solver::without(solver::angular_locks(bodies.locks[body]), angular);
   note<calls::SetVelocity>(*impl_, id, linear, angular);
+}
+
+void World::move_to(BodyId id, const Pose& pose, double dt) {
+  check_step("World::move_to", dt);
+  check_finite("World::move_to: pose.position", pose.position);
+  const Quaternion orientation = checked_orientation("World::move_to: pose.orientation", pose.orientation);
+  const std::uint32_t body = impl_->index_of(id, "move_to");
+  if (impl_->records.type[body] != BodyType::Kinematic) {
+    throw Error("World::move_to: the body is not kinematic; expected one that is, as forces move others");
+  }
+  const Vector3 position = pose.position + orientation * impl_->records.centre[body];
+  const Quaternion turn = orientation * impl_->bodies.orientation(body).conjugate();
+  const double half_sine = turn.vec().norm();
+  const double angle = 2 * solver::arctangent(half_sine, std::abs(turn.w()));
+  Vector3 spin = Vector3::Zero();
+  if (half_sine > 0) spin = (turn.w() < 0 ? -1 : 1) * angle / (dt * half_sine) * turn.vec();
+  set_velocity(id, (position - impl_->bodies.position(body)) / dt, spin);
 }
 
 void World::set_surface_velocity(BodyId id, const Vector3& velocity) {
@@ -218,6 +251,17 @@ void World::remove_joint(JointId id) {
 
 bool World::contains(JointId id) const { return impl_->contains(id); }
 std::size_t World::joint_count() const { return impl_->joints.count; }
+
+std::vector<JointId> World::joints() const {
+  const JointTable& joints = impl_->joints;
+  std::vector<JointId> ids;
+  ids.reserve(joints.count);
+  for (std::uint32_t joint = 0; joint < joints.size(); ++joint) {
+    if (joints.alive[joint]) ids.push_back({joint, joints.generation[joint]});
+  }
+  return ids;
+}
+
 const JointDef& World::joint(JointId id) const { return impl_->joints.def[impl_->index_of(id, "joint")]; }
 JointState World::joint_state(JointId id) const {
   const std::uint32_t joint = impl_->index_of(id, "joint_state");
@@ -274,6 +318,14 @@ StepReport World::step(double dt, const ForceLaw& law) {
 }
 
 std::span<const ContactForce> World::contact_forces() const { return impl_->contact_forces(); }
+std::vector<ContactForce> World::contact_forces(BodyId id) const {
+  impl_->index_of(id, "contact_forces");
+  std::vector<ContactForce> found;
+  for (const ContactForce& force : impl_->contact_forces()) {
+    if (force.a == id || force.b == id) found.push_back(force);
+  }
+  return found;
+}
 ContactProblem World::contact_problem() const { return impl_->contact_problem(); }
 std::span<const ContactEvent> World::contact_events() const { return impl_->contact_events(); }
 
@@ -321,5 +373,30 @@ void World::stop_recording() {
 std::uint64_t World::state_hash() const { return impl_->state_hash(); }
 std::vector<BodyHash> World::body_hashes() const { return impl_->body_hashes(); }
 BodyHash World::body_hash(BodyId id) const { return impl_->body_hash(impl_->index_of(id, "body_hash")); }
+
+JointDef joint_at(const World& world, JointKind kind, BodyId first, BodyId second, const Vector3& point,
+                  const Vector3& axis) {
+  check_finite("joint_at: point", point);
+  check_finite("joint_at: axis", axis);
+  const double length = axis.norm();
+  if (!(length > 0)) throw Error("joint_at: axis is zero; expected the direction of the joint's x axis");
+  // Frames that lie as the world's do where the axis is its x axis.
+  Matrix3 frame;
+  frame.col(0) = axis / length;
+  const Vector3 across = std::abs(frame(2, 0)) < 0.9 ? Vector3::UnitZ() : Vector3::UnitY();
+  frame.col(1) = across.cross(frame.col(0)).normalized();
+  frame.col(2) = frame.col(0).cross(frame.col(1));
+  const Quaternion orientation(frame);
+  const auto in_frame_of = [&](BodyId id) {
+    const Pose pose = world.pose(id);
+    const Quaternion back = pose.orientation.conjugate();
+    return Pose{back * (point - pose.position), back * orientation};
+  };
+  return {.kind = std::move(kind),
+          .first = first,
+          .second = second,
+          .frame_first = in_frame_of(first),
+          .frame_second = in_frame_of(second)};
+}
 
 }  // namespace atl

@@ -3,7 +3,9 @@
 #include <atoll/types.h>
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <variant>
@@ -182,3 +184,11 @@ struct JointEvent {
 };
 
 }  // namespace atl
+
+/// For unordered containers.
+template <>
+struct std::hash<atl::JointId> {
+  std::size_t operator()(const atl::JointId& id) const noexcept {
+    return std::hash<std::uint64_t>()(std::uint64_t{id.generation} << 32 | id.index);
+  }
+};

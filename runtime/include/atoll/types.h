@@ -4,7 +4,9 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <compare>
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 
 namespace atl {
@@ -39,3 +41,11 @@ struct BodyId {
 };
 
 }  // namespace atl
+
+/// For unordered containers.
+template <>
+struct std::hash<atl::BodyId> {
+  std::size_t operator()(const atl::BodyId& id) const noexcept {
+    return std::hash<std::uint64_t>()(std::uint64_t{id.generation} << 32 | id.index);
+  }
+};

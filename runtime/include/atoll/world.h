@@ -84,6 +84,8 @@ class World {
   void remove_body(BodyId id);
   bool contains(BodyId id) const;
   std::size_t body_count() const;
+  /// All bodies, in order of their indices.
+  std::vector<BodyId> bodies() const;
 
   Pose pose(BodyId id) const;
   Vector3 velocity(BodyId id) const;  ///< m/s, of the centre of mass
@@ -97,6 +99,10 @@ class World {
   void set_pose(BodyId id, const Pose& pose);
   /// Along what BodyDef::locks locks there is none, whatever is asked for.
   void set_velocity(BodyId id, const Vector3& linear, const Vector3& angular);
+  /// Gives a kinematic body the velocities that take it to a pose in a step of dt seconds, turning the shorter way:
+  /// what it carries or pushes goes with it, as it would not with set_pose(). It keeps them until they are set again.
+  /// dt in (0, 1], else Error; Error on a body of another type.
+  void move_to(BodyId id, const Pose& pose, double dt);
   /// How fast the surface runs along the body, m/s, body frame: see BodyDef::surface_velocity. Wakes what touches it.
   void set_surface_velocity(BodyId id, const Vector3& velocity);
   /// Adds to the force (N) through the centre of mass and the torque (N m) of the next step only.
@@ -129,6 +135,8 @@ class World {
   void remove_joint(JointId id);
   bool contains(JointId id) const;
   std::size_t joint_count() const;
+  /// All joints, in order of their indices.
+  std::vector<JointId> joints() const;
   const JointDef& joint(JointId id) const;
   JointState joint_state(JointId id) const;
   /// Changes ranges, springs and motors. Throws Error if it is of another kind than the joint was made with. Wakes.
@@ -160,6 +168,8 @@ class World {
 
   /// After a step: one entry a manifold point that carries force, in order of body ids and features.
   std::span<const ContactForce> contact_forces() const;
+  /// Those of one body, in the same order.
+  std::vector<ContactForce> contact_forces(BodyId id) const;
 
   /// After a step with Settings::contact_events: what began and what ended, in order of body ids.
   std::span<const ContactEvent> contact_events() const;
@@ -234,5 +244,12 @@ class World {
   class Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+/// A joint at one point (m) of the world, with the x axis of its frames along `axis`, as the bodies are placed now:
+/// every coordinate of it starts at 0. Hinges turn about `axis`, sliders move along it, cones and universal joints
+/// point along it. Throws Error on a stale id, or on an axis that is zero or not finite. The result is for
+/// World::add_joint(), once what else is to be set is set.
+JointDef joint_at(const World& world, JointKind kind, BodyId first, BodyId second, const Vector3& point,
+                  const Vector3& axis = Vector3::UnitX());
 
 }  // namespace atl
