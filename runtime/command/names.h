@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "src/simd_names.h"
+#include "world/simd_names.h"
 
 namespace atl::command {
 

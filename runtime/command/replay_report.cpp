@@ -5,7 +5,7 @@
 #include <ostream>
 
 #include "names.h"
-#include "src/hex.h"
+#include "state/hex.h"
 
 namespace atl::command {
 namespace {

@@ -8,7 +8,7 @@
 #include "figures.h"
 #include "measure_words.h"
 #include "names.h"
-#include "src/hex.h"
+#include "state/hex.h"
 
 namespace atl::command {
 namespace {

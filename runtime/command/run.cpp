@@ -9,7 +9,7 @@
 #include "report_json.h"
 #include "report_text.h"
 #include "simulation.h"
-#include "src/hex.h"
+#include "state/hex.h"
 
 namespace atl::command {
 namespace {

@@ -11,7 +11,7 @@
 #include <set>
 #include <string>
 
-#include "src/hex.h"
+#include "state/hex.h"
 #include "support/variants.h"
 
 namespace atl::test {

@@ -5,7 +5,7 @@
 #include <iostream>
 
 #include "golden/golden.h"
-#include "src/hex.h"
+#include "state/hex.h"
 
 namespace {
 

@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "src/recorded_calls.h"
-#include "src/recording_file.h"
+#include "state/recorded_calls.h"
+#include "state/recording_file.h"
 
 namespace atl::test {
 

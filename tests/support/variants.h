@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "divergence/divergence.h"
-#include "src/simd_names.h"
+#include "world/simd_names.h"
 
 namespace atl::test {
 

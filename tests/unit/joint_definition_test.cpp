@@ -8,9 +8,9 @@
 #include <string_view>
 #include <vector>
 
-#include "src/make_joint.h"
 #include "support/bodies.h"
 #include "support/expect_error.h"
+#include "world/make_joint.h"
 
 namespace atl::test {
 namespace {

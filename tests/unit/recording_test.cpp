@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "src/recording_file.h"
+#include "state/recording_file.h"
 #include "support/bodies.h"
 #include "support/expect_error.h"
 #include "support/recording_file.h"

@@ -7,7 +7,7 @@
 
 #include "../failure.h"
 #include "../residual_meter.h"
-#include "src/hex.h"
+#include "state/hex.h"
 
 namespace atl::command {
 namespace {

@@ -7,7 +7,7 @@
 #include "../measure_words.h"
 #include "results.h"
 #include "results_object.h"
-#include "src/hex.h"
+#include "state/hex.h"
 
 namespace atl::command {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "../figures.h"
 #include "../names.h"
-#include "src/hex.h"
+#include "state/hex.h"
 
 namespace atl::command {
 namespace {
@@ -88,7 +88,8 @@ void write_divergence(std::ostream& out, const Columns& columns, const Scene& sc
   for (std::size_t i = 0; i < std::min(count, most_bodies_of_run); ++i) {
     columns.write_more(out, body_words(scene, divergence.bodies[i]));
   }
-  if (count > most_bodies_of_run) columns.write_more(out, "and " + std::to_string(count - most_bodies_of_run) + " more");
+  if (count > most_bodies_of_run)
+    columns.write_more(out, "and " + std::to_string(count - most_bodies_of_run) + " more");
 }
 
 Json variant_json(const Variant& variant) {

@@ -1,6 +1,6 @@
 #include "divergence/divergence.h"
 
-#include "src/body_parts.h"
+#include "state/body_parts.h"
 
 namespace atl::divergence {
 namespace {

@@ -1,0 +1,30 @@
+#pragma once
+/// What snapshots and recordings begin with as files.
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include "state/hex.h"
+
+namespace atl {
+
+struct FileHeader {
+  std::array<char, 8> magic = {};
+  std::uint32_t order = 0x01020304;  // reads otherwise in another byte order
+  std::uint32_t version = 0;         // of all that follows
+};
+static_assert(sizeof(FileHeader) == 16);
+
+/// What is wrong with the byte order or the version of a file, as messages say it; nothing if they are as expected.
+inline std::string fault_of(const FileHeader& header, const FileHeader& expected) {
+  if (header.order != expected.order) {
+    return "found the byte order " + hex(header.order) + "; expected this machine's, " + hex(expected.order);
+  }
+  if (header.version != expected.version) {
+    return "found version " + std::to_string(header.version) + "; expected " + std::to_string(expected.version);
+  }
+  return {};
+}
+
+}  // namespace atl

@@ -1,0 +1,180 @@
+#pragma once
+/// Hulls, meshes and height fields for archives (state_archive.h). A hull is told in full, as one that is made of its
+/// own vertices may have its faces in another order; the others follow from what they were made of.
+
+#include <collision/shapes/height_field.h>
+#include <collision/shapes/hull.h>
+#include <collision/shapes/hull_check.h>
+#include <collision/shapes/triangle_mesh.h>
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "world/body_definition.h"
+
+namespace atl {
+
+/// Visits as many as there are, each of at least so many bytes.
+template <typename Archive, typename List, typename Visit>
+void visit_each(Archive& archive, List& list, std::size_t least_bytes, const Visit& visit) {
+  auto count = static_cast<std::uint32_t>(list.size());
+  if constexpr (Archive::reads) {
+    count = archive.count_of(least_bytes);
+    list.resize(count);
+  } else {
+    archive.value(count);
+  }
+  for (auto& each : list) visit(each);
+}
+
+template <typename Archive, typename List>
+void visit_vectors(Archive& archive, List& list) {
+  visit_each(archive, list, 3 * sizeof(double), [&](auto& vector) { archive.values(vector.data(), 3); });
+}
+
+template <typename Archive, typename Hull>
+void visit_hull(Archive& archive, Hull& hull) {
+  visit_vectors(archive, hull.vertices);
+  visit_each(archive, hull.planes, 4 * sizeof(double), [&](auto& plane) {
+    archive.values(plane.normal.data(), 3);
+    archive.value(plane.offset);
+  });
+  visit_each(archive, hull.edges, 4 * sizeof(std::uint16_t), [&](auto& edge) {
+    for (auto* number : {&edge.tail, &edge.head, &edge.left, &edge.right}) archive.value(*number);
+  });
+  archive.list(hull.face_start);
+  archive.list(hull.face_vertices);
+  archive.list(hull.face_edges);
+  archive.list(hull.vertex_start);
+  archive.list(hull.vertex_edges);
+  archive.value(hull.mass.volume);
+  archive.values(hull.mass.centre.data(), 3);
+  archive.values(hull.mass.unit_inertia.data(), 9);
+  archive.value(hull.bounding_radius);
+  archive.value(hull.inner_radius);
+  archive.values(hull.lower.data(), 3);
+  archive.values(hull.upper.data(), 3);
+  archive.value(hull.simplified);
+  archive.value(hull.content);
+}
+
+/// That no number of a hull leads out of it.
+template <typename Archive>
+void check_hull(Archive& archive, const collision::Hull& hull) {
+  const auto all_below = [&](const std::vector<std::uint16_t>& numbers, std::size_t end) {
+    const bool below = std::all_of(numbers.begin(), numbers.end(), [end](std::uint16_t n) { return n < end; });
+    archive.check(below, "a hull with a number of something that there is not");
+  };
+  // Parts of a list, by where each begins.
+  const auto all_parts = [&](const std::vector<std::uint16_t>& start, std::size_t parts, std::size_t all) {
+    const bool fits = start.size() == parts + 1 && start.front() == 0 && start.back() == all &&
+                      std::is_sorted(start.begin(), start.end());
+    archive.check(fits, "a hull whose parts don't fit together");
+  };
+  archive.check(hull.vertices.size() >= 4 && hull.vertices.size() <= collision::Hull::max_vertices &&
+                    hull.planes.size() >= 4 && hull.edges.size() >= 6,
+                "a hull of too few or too many parts");
+  all_parts(hull.face_start, hull.planes.size(), hull.face_vertices.size());
+  all_parts(hull.vertex_start, hull.vertices.size(), hull.vertex_edges.size());
+  archive.check(hull.face_edges.size() == hull.face_vertices.size(), "a hull whose parts don't fit together");
+  all_below(hull.face_vertices, hull.vertices.size());
+  all_below(hull.face_edges, hull.edges.size());
+  all_below(hull.vertex_edges, hull.edges.size());
+  for (const collision::Hull::Edge& edge : hull.edges) {
+    archive.check(edge.tail < hull.vertices.size() && edge.head < hull.vertices.size() &&
+                      edge.left < hull.planes.size() && edge.right < hull.planes.size(),
+                  "a hull with a number of something that there is not");
+  }
+}
+
+/// Writes the geometry of a collider that has some.
+template <typename Archive>
+void write_geometry(Archive& archive, const CheckedCollider& collider) {
+  archive.value(collider.shape.kind);
+  archive.value(collider.content);
+  switch (collider.shape.kind) {
+    case collision::ShapeKind::Hull:
+      return visit_hull(archive, *collider.shape.hull);
+    case collision::ShapeKind::Mesh:
+      visit_vectors(archive, collider.shape.mesh->vertices);
+      archive.value(collider.shape.mesh->smooth_angle);
+      return visit_each(archive, collider.shape.mesh->triangles, 3 * sizeof(std::uint32_t),
+                        [&](const auto& triangle) { archive.values(triangle.data(), 3); });
+    default: {
+      const collision::HeightField& field = *collider.shape.field;
+      archive.value(field.columns);
+      archive.value(field.rows);
+      archive.value(field.spacing_x);
+      archive.value(field.spacing_y);
+      archive.value(field.smooth);
+      archive.list(field.heights);
+    }
+  }
+}
+
+/// A hull, mesh or height field that was read.
+struct ReadGeometry {
+  collision::ShapeKind kind = collision::ShapeKind::Hull;
+  std::uint64_t content = 0;
+  std::shared_ptr<const void> geometry;
+};
+
+template <typename Archive>
+ReadGeometry read_geometry(Archive& archive) {
+  ReadGeometry result;
+  archive.value(result.kind);
+  archive.value(result.content);
+  const auto take = [&](const auto& geometry) {
+    archive.check(geometry->content == result.content, "a hull, mesh or height field of another content");
+    result.geometry = geometry;
+  };
+  const auto take_built = [&](auto&& built) {
+    using Geometry = std::variant_alternative_t<0, std::remove_cvref_t<decltype(built)>>;
+    archive.check(std::holds_alternative<Geometry>(built), "what makes no mesh or height field");
+    take(std::make_shared<const Geometry>(std::get<Geometry>(std::move(built))));
+  };
+  switch (result.kind) {
+    case collision::ShapeKind::Hull: {
+      auto hull = std::make_shared<collision::Hull>();
+      visit_hull(archive, *hull);
+      check_hull(archive, *hull);
+      archive.check(collision::content_of(*hull) == hull->content, "a hull of another content than it says");
+      archive.check(collision::is_made_of_its_faces(*hull), "a hull that its vertices and faces don't make");
+      hull->prepare();
+      take(hull);
+      break;
+    }
+    case collision::ShapeKind::Mesh: {
+      std::vector<Vector3> vertices;
+      std::vector<std::array<std::uint32_t, 3>> triangles;
+      double smooth_angle = 0;
+      visit_vectors(archive, vertices);
+      archive.value(smooth_angle);
+      visit_each(archive, triangles, 3 * sizeof(std::uint32_t),
+                 [&](auto& triangle) { archive.values(triangle.data(), 3); });
+      take_built(collision::build_triangle_mesh(vertices, triangles, smooth_angle));
+      break;
+    }
+    case collision::ShapeKind::HeightField: {
+      collision::HeightField field;
+      archive.value(field.columns);
+      archive.value(field.rows);
+      archive.value(field.spacing_x);
+      archive.value(field.spacing_y);
+      archive.value(field.smooth);
+      archive.list(field.heights);
+      take_built(collision::build_height_field(field.columns, field.rows, field.spacing_x, field.spacing_y,
+                                               std::move(field.heights), field.smooth));
+      break;
+    }
+    default:
+      archive.check(false, "geometry of a shape that has none");
+  }
+  return result;
+}
+
+}  // namespace atl

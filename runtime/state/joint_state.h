@@ -1,0 +1,141 @@
+#pragma once
+/// A joint's definition, and what lasts of it from step to step, for archives (state_archive.h).
+
+#include <atoll/joint.h>
+#include <solver/constraints/joint.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <utility>
+#include <variant>
+
+#include "world/joint_table.h"
+
+namespace atl {
+
+template <typename Archive, typename Optional, typename Visit>
+void visit_optional(Archive& archive, Optional& optional, const Visit& visit) {
+  bool is_there = optional.has_value();
+  archive.value(is_there);
+  if constexpr (Archive::reads) {
+    optional.reset();
+    if (is_there) optional.emplace();
+  }
+  if (is_there) visit(*optional);
+}
+
+/// What of a kind of joint isn't said by its name.
+template <typename Archive>
+struct JointKindState {
+  Archive& archive;
+
+  template <typename Axis>
+  void axis(Axis& axis) const {
+    archive.value(axis.range.lower);
+    archive.value(axis.range.upper);
+    archive.value(axis.range.restitution);
+    archive.value(axis.armature);
+    visit_optional(archive, axis.spring, [this](auto& spring) {
+      archive.value(spring.hertz);
+      archive.value(spring.damping_ratio);
+      archive.value(spring.rest);
+      visit_optional(archive, spring.stiffness, [this](auto& stiffness) { archive.value(stiffness); });
+      visit_optional(archive, spring.damping, [this](auto& damping) { archive.value(damping); });
+    });
+    visit_optional(archive, axis.motor, [this](auto& motor) {
+      archive.value(motor.speed);
+      archive.value(motor.max_force);
+      visit_optional(archive, motor.servo, [this](auto& servo) {
+        archive.value(servo.target);
+        archive.value(servo.stiffness);
+        archive.value(servo.damping);
+      });
+    });
+  }
+
+  template <typename Kind>
+  void operator()(Kind& kind) const {
+    using Joint = std::remove_const_t<Kind>;
+    if constexpr (std::is_same_v<Joint, BallJoint>) {
+      archive.value(kind.friction);
+    } else if constexpr (std::is_same_v<Joint, HingeJoint>) {
+      axis(kind.angle);
+    } else if constexpr (std::is_same_v<Joint, SliderJoint>) {
+      axis(kind.offset);
+    } else if constexpr (std::is_same_v<Joint, DistanceJoint>) {
+      axis(kind.distance);
+    } else if constexpr (std::is_same_v<Joint, UniversalJoint>) {
+      axis(kind.first);
+      axis(kind.second);
+    } else if constexpr (std::is_same_v<Joint, ConeTwistJoint>) {
+      archive.value(kind.swing_limit);
+      axis(kind.twist);
+      archive.value(kind.swing_friction);
+    } else if constexpr (std::is_same_v<Joint, SixDofJoint>) {
+      for (auto& each : kind.offset) axis(each);
+      for (auto& each : kind.turn) axis(each);
+    } else if constexpr (std::is_same_v<Joint, GearJoint>) {
+      archive.value(kind.ratio);
+      archive.value(kind.rack);
+    } else if constexpr (std::is_same_v<Joint, WheelJoint>) {
+      axis(kind.suspension);
+      axis(kind.steering);
+      axis(kind.spin);
+    } else {
+      static_assert(std::is_same_v<Joint, FixedJoint>);
+    }
+  }
+};
+
+template <std::size_t... numbers>
+void set_kind(JointKind& kind, std::size_t number, std::index_sequence<numbers...>) {
+  ((number == numbers ? static_cast<void>(kind.emplace<numbers>()) : static_cast<void>(0)), ...);
+}
+
+template <typename Archive, typename Kind>
+void visit_kind(Archive& archive, Kind& kind) {
+  auto number = static_cast<std::uint8_t>(kind.index());
+  archive.value(number);
+  if constexpr (Archive::reads) {
+    archive.check(number < std::variant_size_v<JointKind>, "a joint of no known kind");
+    set_kind(kind, number, std::make_index_sequence<std::variant_size_v<JointKind>>());
+  }
+  std::visit(JointKindState<Archive>{archive}, kind);
+}
+
+template <typename Archive, typename Def>
+void visit_definition(Archive& archive, Def& def) {
+  visit_kind(archive, def.kind);
+  for (auto* body : {&def.first, &def.second}) {
+    archive.value(body->index);
+    archive.value(body->generation);
+  }
+  for (auto* frame : {&def.frame_first, &def.frame_second}) {
+    archive.values(frame->position.data(), 3);
+    archive.values(frame->orientation.coeffs().data(), 4);
+  }
+  archive.value(def.collide);
+  archive.value(def.break_force);
+  archive.value(def.break_torque);
+}
+
+/// What lasts of a joint beside its definition.
+template <typename Archive, typename Joint, typename Limits>
+void visit_joint(Archive& archive, Joint& joint, Limits& limit_before) {
+  archive.values(joint.point_impulse.data(), 3);
+  archive.values(joint.tension.data(), 3);
+  archive.values(joint.force.data(), 3);
+  archive.values(joint.torque.data(), 3);
+  archive.values(joint.impulse.data(), joint.rows);
+  archive.values(joint.position.data(), joint.rows);
+  archive.values(joint.limit.data(), joint.rows);
+  archive.values(joint.motor_bound.data(), joint.rows);
+  archive.values(limit_before.data(), joint.rows);
+  for (std::size_t row = 0; row < joint.rows; ++row) {
+    archive.check(joint.limit[row] >= -1 && joint.limit[row] <= 1, "a joint at a limit that there is not");
+    archive.check(joint.motor_bound[row] >= -1 && joint.motor_bound[row] <= 1, "a motor at no bound");
+  }
+}
+
+}  // namespace atl

@@ -1,0 +1,193 @@
+#pragma once
+/// Calls of World that change it, as values: what a recording (recorder.h) notes down and replay() makes again. Adding
+/// bodies, restoring and stepping have more to tell, and records of their own (recording_file.h). A call that is new
+/// goes to the end of RecordedCall, so that the numbers of the others stay.
+
+#include <atoll/world.h>
+
+#include <cstddef>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+#include <variant>
+
+#include "state/filter_state.h"
+#include "state/joint_state.h"
+#include "state/recording_file.h"
+#include "state/settings_state.h"
+
+namespace atl::calls {
+
+// Each has fields(self), all that it was called with, and make(world), the call.
+
+struct RemoveBody {
+  BodyId body;
+  static auto fields(auto& self) { return std::tie(self.body); }
+  void make(World& world) const { world.remove_body(body); }
+};
+
+struct SetPose {
+  BodyId body;
+  Pose pose;
+  static auto fields(auto& self) { return std::tie(self.body, self.pose); }
+  void make(World& world) const { world.set_pose(body, pose); }
+};
+
+struct SetVelocity {
+  BodyId body;
+  Vector3 linear;
+  Vector3 angular;
+  static auto fields(auto& self) { return std::tie(self.body, self.linear, self.angular); }
+  void make(World& world) const { world.set_velocity(body, linear, angular); }
+};
+
+struct SetSurfaceVelocity {
+  BodyId body;
+  Vector3 velocity;
+  static auto fields(auto& self) { return std::tie(self.body, self.velocity); }
+  void make(World& world) const { world.set_surface_velocity(body, velocity); }
+};
+
+struct ApplyForce {
+  BodyId body;
+  Vector3 force;
+  Vector3 torque;
+  static auto fields(auto& self) { return std::tie(self.body, self.force, self.torque); }
+  void make(World& world) const { world.apply_force(body, force, torque); }
+};
+
+struct ApplyImpulse {
+  BodyId body;
+  Vector3 impulse;
+  Vector3 point;
+  static auto fields(auto& self) { return std::tie(self.body, self.impulse, self.point); }
+  void make(World& world) const { world.apply_impulse(body, impulse, point); }
+};
+
+struct Wake {
+  BodyId body;
+  static auto fields(auto& self) { return std::tie(self.body); }
+  void make(World& world) const { world.wake(body); }
+};
+
+struct SetFilter {
+  BodyId body;
+  CollisionFilter filter;
+  static auto fields(auto& self) { return std::tie(self.body, self.filter); }
+  void make(World& world) const { world.set_filter(body, filter); }
+};
+
+struct SetCollisionEnabled {
+  BodyId first;
+  BodyId second;
+  bool enabled;
+  static auto fields(auto& self) { return std::tie(self.first, self.second, self.enabled); }
+  void make(World& world) const { world.set_collision_enabled(first, second, enabled); }
+};
+
+struct Release {
+  BodyId body;
+  static auto fields(auto& self) { return std::tie(self.body); }
+  void make(World& world) const { world.release(body); }
+};
+
+struct AddJoint {
+  JointDef def;
+  static auto fields(auto& self) { return std::tie(self.def); }
+  void make(World& world) const { world.add_joint(def); }
+};
+
+struct RemoveJoint {
+  JointId joint;
+  static auto fields(auto& self) { return std::tie(self.joint); }
+  void make(World& world) const { world.remove_joint(joint); }
+};
+
+struct SetJoint {
+  JointId joint;
+  JointKind kind;
+  static auto fields(auto& self) { return std::tie(self.joint, self.kind); }
+  void make(World& world) const { world.set_joint(joint, kind); }
+};
+
+struct SetJointEnabled {
+  JointId joint;
+  bool enabled;
+  static auto fields(auto& self) { return std::tie(self.joint, self.enabled); }
+  void make(World& world) const { world.set_joint_enabled(joint, enabled); }
+};
+
+struct SetGravity {
+  Vector3 gravity;
+  static auto fields(auto& self) { return std::tie(self.gravity); }
+  void make(World& world) const { world.set_gravity(gravity); }
+};
+
+/// The instruction set is not of the recording but of who replays it.
+struct SetSettings {
+  Settings settings;
+  static auto fields(auto& self) { return std::tie(self.settings); }
+  void make(World& world) const {
+    Settings all = settings;
+    all.simd = world.settings().simd;
+    world.set_settings(all);
+  }
+};
+
+}  // namespace atl::calls
+
+namespace atl {
+
+using RecordedCall = std::variant<calls::RemoveBody, calls::SetPose, calls::SetVelocity, calls::SetSurfaceVelocity,
+                                  calls::ApplyForce, calls::ApplyImpulse, calls::Wake, calls::SetFilter,
+                                  calls::SetCollisionEnabled, calls::Release, calls::AddJoint, calls::RemoveJoint,
+                                  calls::SetJoint, calls::SetJointEnabled, calls::SetGravity, calls::SetSettings>;
+
+template <typename Archive, typename Field>
+void visit_field(Archive& archive, Field& field) {
+  using T = std::remove_const_t<Field>;
+  if constexpr (std::is_same_v<T, BodyId> || std::is_same_v<T, JointId>) {
+    archive.value(field.index);
+    archive.value(field.generation);
+  } else if constexpr (std::is_same_v<T, Vector3>) {
+    archive.values(field.data(), 3);
+  } else if constexpr (std::is_same_v<T, Quaternion>) {
+    archive.values(field.coeffs().data(), 4);
+  } else if constexpr (std::is_same_v<T, Pose>) {
+    visit_field(archive, field.position);
+    visit_field(archive, field.orientation);
+  } else if constexpr (std::is_same_v<T, CollisionFilter>) {
+    visit_filter(archive, field);
+  } else if constexpr (std::is_same_v<T, JointKind>) {
+    visit_kind(archive, field);
+  } else if constexpr (std::is_same_v<T, JointDef>) {
+    visit_definition(archive, field);
+  } else if constexpr (std::is_same_v<T, Settings>) {
+    visit_settings(archive, field);
+  } else {
+    archive.value(field);
+  }
+}
+
+template <typename Archive, typename Call>
+void visit_call(Archive& archive, Call& call) {
+  std::apply([&](auto&... field) { (visit_field(archive, field), ...); }, std::remove_const_t<Call>::fields(call));
+}
+
+/// The place of a call in RecordedCall.
+template <typename Call, std::size_t number = 0>
+constexpr std::size_t number_of_call() {
+  if constexpr (std::is_same_v<Call, std::variant_alternative_t<number, RecordedCall>>) {
+    return number;
+  } else {
+    return number_of_call<Call, number + 1>();
+  }
+}
+
+/// Of a call's records.
+template <typename Call>
+constexpr RecordKind kind_of() {
+  return static_cast<RecordKind>(static_cast<std::size_t>(RecordKind::Call) + number_of_call<Call>());
+}
+
+}  // namespace atl

@@ -1,0 +1,95 @@
+#include "state/recorder.h"
+
+#include "state/roster_state.h"
+
+namespace atl {
+
+Recorder::Recorder(const std::filesystem::path& path, const RecordingOptions& options, int threads, Simd simd)
+    : options_(options), file_("World::record", path) {
+  StateWriter writer(bytes_);
+  writer.value(threads);
+  writer.value(simd);
+  write(RecordKind::Begin, writer);
+}
+
+void Recorder::note_geometry(const BodyConstants& constants) {
+  for (const CheckedCollider& collider : constants.colliders) {
+    if (!collider.geometry || !geometry_.emplace(collider.shape.kind, collider.content).second) continue;
+    StateWriter writer(bytes_);
+    write_geometry(writer, collider);
+    write(RecordKind::Geometry, writer);
+  }
+}
+
+void Recorder::note_body(const CheckedBody& body, std::uint64_t kind) {
+  const auto [entry, is_new] = kinds_.try_emplace(kind, static_cast<std::uint32_t>(kinds_.size()));
+  if (is_new) {
+    note_geometry(body.constants);
+    StateWriter writer(bytes_);
+    visit_constants(writer, body.constants);
+    write(RecordKind::BodyKind, writer);
+  }
+  StateWriter writer(bytes_);
+  writer.value(entry->second);
+  visit_start(writer, body);
+  write(RecordKind::AddBody, writer);
+}
+
+void Recorder::note_state(const Roster& roster, std::span<const std::byte> state) {
+  for (const std::shared_ptr<const BodyConstants>& body : roster.bodies) {
+    if (body) note_geometry(*body);
+  }
+  StateWriter writer(bytes_);
+  write_roster(writer, roster);
+  writer.values(state.data(), state.size());
+  write(RecordKind::State, writer);
+}
+
+void Recorder::note_step(double dt, bool forced) {
+  ++steps_;
+  StateWriter writer(bytes_);
+  writer.value(dt);
+  writer.value(forced);
+  write(RecordKind::Step, writer);
+  file_.flush();
+}
+
+void Recorder::note_forces(const Eigen::Ref<const Eigen::Matrix3Xd>& forces,
+                           const Eigen::Ref<const Eigen::Matrix3Xd>& torques) {
+  forces_.clear();
+  for (Eigen::Index body = 0; body < forces.cols(); ++body) {
+    if (forces.col(body).isZero(0) && torques.col(body).isZero(0)) continue;
+    forces_.push_back({static_cast<std::uint32_t>(body), forces.col(body), torques.col(body)});
+  }
+  note_forces(true);
+}
+
+void Recorder::note_no_forces() {
+  forces_.clear();
+  note_forces(false);
+}
+
+void Recorder::note_forces(bool given) {
+  StateWriter writer(bytes_);
+  visit_forces(writer, given, forces_);
+  write(RecordKind::Forces, writer);
+  file_.flush();
+}
+
+void Recorder::note_hash(std::uint64_t hash) {
+  StateWriter writer(bytes_);
+  writer.value(hash);
+  write(RecordKind::Hash, writer);
+}
+
+bool Recorder::wants_bodies(std::size_t count) const {
+  return count <= options_.few_bodies || steps_ % options_.body_hash_interval == 0;
+}
+
+void Recorder::note_bodies(std::span<const RecordedBody> bodies) {
+  StateWriter writer(bytes_);
+  visit_recorded_bodies(writer, bodies);
+  write(RecordKind::Bodies, writer);
+}
+
+}  // namespace atl

@@ -1,0 +1,108 @@
+#pragma once
+
+#include <atoll/recording.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "state/geometry_state.h"
+#include "state/recorded_calls.h"
+#include "state/recording_file.h"
+#include "state/roster.h"
+#include "state/state_archive.h"
+#include "world/body_definition.h"
+
+namespace atl {
+
+/// The hash of one body, folded: see body_parts.h.
+struct RecordedBody {
+  BodyId id;
+  std::uint64_t parts = 0;
+};
+
+/// What a force law asked for, once, of a body.
+struct RecordedForce {
+  std::uint32_t body = 0;  // its index
+  Vector3 force;
+  Vector3 torque;
+};
+
+/// Notes down what is done to a world, once it was done, and what came of it.
+class Recorder {
+ public:
+  /// Throws Error if the file can't be written. `threads` and `simd` are the world's.
+  Recorder(const std::filesystem::path& path, const RecordingOptions& options, int threads, Simd simd);
+
+  template <typename Call>
+  void note(const Call& call) {
+    StateWriter writer(bytes_);
+    visit_call(writer, call);
+    write(kind_of<Call>(), writer);
+  }
+  /// `kind` is the fingerprint() of what never changes of it.
+  void note_body(const CheckedBody& body, std::uint64_t kind);
+  /// All of the world, as the recording begins or after it was restored.
+  void note_state(const Roster& roster, std::span<const std::byte> state);
+  /// Ahead of a step, and in the file by then: should the step crash, the recording has all that leads there.
+  /// A forced one is followed by what its law asked for, a record for each time, in the file as soon as it is known.
+  void note_step(double dt, bool forced);
+  /// 3 x bodies: N, N m.
+  void note_forces(const Eigen::Ref<const Eigen::Matrix3Xd>& forces, const Eigen::Ref<const Eigen::Matrix3Xd>& torques);
+  void note_no_forces();  ///< the law threw, and ended the step
+  void note_hash(std::uint64_t hash);
+  /// Whether bodies are to be hashed one by one after the step that was noted last.
+  bool wants_bodies(std::size_t count) const;
+  void note_bodies(std::span<const RecordedBody> bodies);
+  /// Throws Error, naming `call`, if the file could not be written.
+  void finish(const char* call) { file_.finish(call); }
+
+ private:
+  void write(RecordKind kind, const StateWriter& writer) { file_.write(kind, {bytes_.data(), writer.size()}); }
+  void note_geometry(const BodyConstants& constants);
+  void note_forces(bool given);
+
+  RecordingOptions options_;
+  RecordingWriter file_;
+  std::vector<std::byte> bytes_;       // scratch: a record's
+  std::vector<RecordedForce> forces_;  // scratch
+  std::int64_t steps_ = 0;
+  std::map<std::uint64_t, std::uint32_t> kinds_;                       // numbers, by fingerprint
+  std::set<std::pair<collision::ShapeKind, std::uint64_t>> geometry_;  // that is in the file, by content
+};
+
+/// How a body starts, for archives, but for what never changes of it.
+template <typename Archive, typename Body>
+void visit_start(Archive& archive, Body& body) {
+  visit_field(archive, body.position);
+  visit_field(archive, body.orientation);
+  visit_field(archive, body.velocity);
+  visit_field(archive, body.angular_velocity);
+  visit_field(archive, body.surface_velocity);
+  visit_field(archive, body.filter);
+}
+
+template <typename Archive, typename Forces>
+void visit_forces(Archive& archive, bool& given, Forces& forces) {
+  archive.value(given);
+  visit_each(archive, forces, 7 * sizeof(std::uint32_t), [&](auto& of) {
+    archive.value(of.body);
+    visit_field(archive, of.force);
+    visit_field(archive, of.torque);
+  });
+}
+
+template <typename Archive, typename Bodies>
+void visit_recorded_bodies(Archive& archive, Bodies& bodies) {
+  visit_each(archive, bodies, 2 * sizeof(std::uint64_t), [&](auto& body) {
+    visit_field(archive, body.id);
+    archive.value(body.parts);
+  });
+}
+
+}  // namespace atl

@@ -1,0 +1,225 @@
+// A recording, done again: see recorder.h for what is in it.
+
+#include <atoll/error.h>
+#include <atoll/forces.h>
+#include <atoll/recording.h>
+#include <atoll/world.h>
+#include <jobs/with_recording.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "state/body_parts.h"
+#include "state/geometry_state.h"
+#include "state/recorded_calls.h"
+#include "state/recorder.h"
+#include "state/recording_file.h"
+#include "state/roster_state.h"
+#include "world/left_out.h"
+#include "world/world_impl.h"
+
+namespace atl {
+namespace {
+
+// The call of a number, of those from `number` on.
+template <std::size_t number = 0>
+void make_call(std::size_t wanted, StateReader& reader, World& world) {
+  if constexpr (number < std::variant_size_v<RecordedCall>) {
+    if (wanted != number) return make_call<number + 1>(wanted, reader, world);
+    std::variant_alternative_t<number, RecordedCall> call;
+    visit_call(reader, call);
+    reader.check(reader.left() == 0, "more than there should be");
+    call.make(world);
+  } else {
+    reader.check(false, "a record of no known kind");
+  }
+}
+
+// Two lists in order of ids.
+std::vector<ReplayedBody> differences(const std::vector<RecordedBody>& recorded,
+                                      const std::vector<RecordedBody>& found) {
+  std::vector<ReplayedBody> result;
+  auto a = recorded.begin();
+  auto b = found.begin();
+  while (a != recorded.end() || b != found.end()) {
+    const bool only_a = b == found.end() || (a != recorded.end() && a->id < b->id);
+    const bool only_b = a == recorded.end() || (b != found.end() && b->id < a->id);
+    if (only_a || only_b) {
+      result.push_back({only_a ? a->id : b->id, {"id"}});
+    } else if (a->parts != b->parts) {
+      result.push_back({a->id, differing_parts(a->parts, b->parts)});
+    }
+    if (!only_b) ++a;
+    if (!only_a) ++b;
+  }
+  return result;
+}
+
+}  // namespace
+
+/// A recording, and the world in which it is done again.
+class Replay {
+  static constexpr StateSource record_source = {"", "record", "World::record"};
+  // Of the force law's part of a step: it threw, or the recording is cut off there.
+  struct LawEnded {};
+
+ public:
+  Replay(const std::string& path, const ReplayOptions& options)
+      : on_step_(options.on_step),
+        reader_(path),
+        world_({.threads = options.threads, .settings = {.simd = options.simd}}) {
+    result_.recorded_steps = reader_.steps();
+    result_.complete = reader_.complete();
+    result_.simd = world_.simd();
+  }
+
+  ReplayResult run() {
+    while (!done_ && reader_.next()) {
+      try {
+        StateReader record(reader_.content(), record_source);
+        take(record);
+      } catch (const Error& error) {
+        // What was done to another state need not be possible in this.
+        if (result_.divergence) break;
+        reader_.fail(reader_.place() + ": " + error.what());
+      }
+    }
+    if (!begun_) reader_.fail("found no state to begin with; expected a recording that holds one");
+    result_.hash = world_.state_hash();
+    return std::move(result_);
+  }
+
+ private:
+  void take(StateReader& record) {
+    const RecordKind kind = reader_.kind();
+    record.check(begun_ || kind == RecordKind::Begin || kind == RecordKind::Geometry || kind == RecordKind::State,
+                 "a record ahead of the state to begin with");
+    switch (kind) {
+      case RecordKind::Begin:
+        record.value(result_.recorded_threads);
+        record.value(result_.recorded_simd);
+        break;
+      case RecordKind::Geometry: {
+        ReadGeometry read = read_geometry(record);
+        geometry_[{read.kind, read.content}] = std::move(read.geometry);
+        break;
+      }
+      case RecordKind::BodyKind:
+        take_kind(record);
+        break;
+      case RecordKind::AddBody:
+        add_body(record);
+        break;
+      case RecordKind::State:
+        return take_state(record);
+      case RecordKind::Step:
+        step(record);
+        break;
+      case RecordKind::Hash:
+        compare_hash(record);
+        break;
+      case RecordKind::Bodies:
+        compare_bodies(record);
+        break;
+      default:
+        return make_call(static_cast<std::size_t>(kind) - static_cast<std::size_t>(RecordKind::Call), record, world_);
+    }
+    record.check(record.left() == 0, "more than there should be");
+  }
+
+  void take_kind(StateReader& record) {
+    BodyConstants constants;
+    visit_constants(record, constants);
+    record.check(give_geometry(constants, geometry_), "a body without its geometry");
+    check_built_for(constants);
+    kinds_.push_back(std::move(constants));
+  }
+
+  void add_body(StateReader& record) {
+    std::uint32_t kind = 0;
+    record.value(kind);
+    record.check(kind < kinds_.size(), "a body of no kind");
+    CheckedBody body;
+    body.constants = kinds_[kind];
+    visit_start(record, body);
+    check_built_for_surface("BodyDef.surface_velocity", body.surface_velocity);
+    world_.impl_->add_body(body);
+  }
+
+  void take_state(StateReader& record) {
+    const std::shared_ptr<const Roster> roster = read_roster(record);
+    World::Impl& impl = *world_.impl_;
+    impl.restore(with_geometry(roster, geometry_), impl.serial(), reader_.content().last(record.left()));
+    begun_ = true;
+  }
+
+  void step(StateReader& record) {
+    double dt = 0;
+    bool forced = false;
+    record.value(dt);
+    record.value(forced);
+    if (forced) {
+      try {
+        world_.step(dt, [this](Forces& forces) { take_forces(forces); });
+      } catch (const LawEnded&) {  // as it did when it was recorded
+      }
+    } else {
+      world_.step(dt);
+    }
+    ++result_.steps;
+    if (on_step_) on_step_(result_.steps, result_.recorded_steps);
+  }
+
+  // The law's next answer.
+  void take_forces(Forces& forces) {
+    if (!reader_.next()) throw LawEnded{};
+    StateReader record(reader_.content(), record_source);
+    record.check(reader_.kind() == RecordKind::Forces, "a step without the forces of its law");
+    bool given = false;
+    std::vector<RecordedForce> recorded;
+    visit_forces(record, given, recorded);
+    if (!given) throw LawEnded{};
+    for (const RecordedForce& of : recorded) {
+      record.check(of.body < forces.forces().cols(), "a force on no body");
+      forces.forces().col(of.body) = of.force;
+      forces.torques().col(of.body) = of.torque;
+    }
+  }
+
+  void compare_hash(StateReader& record) {
+    std::uint64_t expected = 0;
+    record.value(expected);
+    if (result_.divergence || world_.state_hash() == expected) return;
+    result_.divergence = {.step = result_.steps};
+  }
+
+  void compare_bodies(StateReader& record) {
+    std::vector<RecordedBody> recorded;
+    visit_recorded_bodies(record, recorded);
+    if (!result_.divergence) return;
+    result_.divergence->bodies_step = result_.steps;
+    result_.divergence->bodies = differences(recorded, world_.impl_->recorded_bodies());
+    done_ = true;
+  }
+
+  const decltype(ReplayOptions::on_step)& on_step_;
+  RecordingReader reader_;
+  World world_;
+  Geometry geometry_;
+  std::vector<BodyConstants> kinds_;
+  bool begun_ = false;
+  bool done_ = false;
+  ReplayResult result_;
+};
+
+ReplayResult replay(const std::string& path, const ReplayOptions& options) {
+  if constexpr (!with_recording) throw_left_out("replay is called", "recordings", "RECORDING");
+  return Replay(path, options).run();
+}
+
+}  // namespace atl

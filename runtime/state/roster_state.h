@@ -1,0 +1,166 @@
+#pragma once
+/// A roster for archives (state_archive.h). Geometry is told by its content.
+
+#include <solver/constraints/motion_locks.h>
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "state/roster.h"
+
+namespace atl {
+
+template <typename Archive, typename Shape>
+void visit_shape(Archive& archive, Shape& shape) {
+  archive.value(shape.kind);
+  archive.check(shape.kind <= collision::ShapeKind::HeightField, "a shape of no known kind");
+  archive.values(shape.half_extents.data(), 3);
+  archive.value(shape.radius);
+  archive.value(shape.half_height);
+  archive.values(shape.normal.data(), 3);
+  archive.value(shape.offset);
+  archive.value(shape.bounding_radius);
+  archive.value(shape.inner_radius);
+}
+
+template <typename Archive, typename Constants>
+void visit_constants(Archive& archive, Constants& body) {
+  archive.value(body.type);
+  archive.check(body.type >= BodyType::Static && body.type <= BodyType::Dynamic, "a body of no known type");
+  archive.value(body.continuous);
+  archive.value(body.material.friction);
+  archive.value(body.material.restitution);
+  archive.value(body.material.rolling_friction);
+  archive.value(body.material.torsional_friction);
+  archive.value(body.locks);
+  archive.check(body.locks <= (body.type == BodyType::Dynamic ? solver::all_locks : 0),
+                "a body with locks that there are none of");
+  archive.value(body.gravity_scale);
+  archive.value(body.linear_damping);
+  archive.value(body.angular_damping);
+  archive.values(body.centre.data(), 3);
+  archive.value(body.inverse_mass);
+  archive.values(body.inertia.data(), 9);
+  archive.values(body.inverse_inertia.data(), 9);
+  archive.value(body.gyroscopic);
+  archive.values(body.principal_axes.coeffs().data(), 4);
+  archive.values(body.moments.data(), 3);
+  auto count = static_cast<std::uint32_t>(body.colliders.size());
+  archive.value(count);
+  if constexpr (Archive::reads) {
+    constexpr std::uint32_t least_bytes = 100;
+    archive.check(count > 0 && count <= archive.left() / least_bytes, "a body with a wrong number of shapes");
+    body.colliders.resize(count);
+  }
+  for (auto& collider : body.colliders) {
+    visit_shape(archive, collider.shape);
+    archive.values(collider.local.position.data(), 3);
+    archive.values(collider.local.orientation.coeffs().data(), 4);
+    archive.value(collider.content);
+  }
+}
+
+/// Who is there, under which numbers, and who comes next.
+template <typename Archive, typename AnyRoster>
+void visit_numbers(Archive& archive, AnyRoster& roster) {
+  archive.list(roster.generation);
+  archive.list(roster.free);
+  archive.list(roster.collider_body);
+  archive.list(roster.collider_child);
+  archive.list(roster.free_colliders);
+}
+
+/// Writes what bodies are made of, each kind once.
+template <typename Archive>
+void write_constants(Archive& archive, const Roster& roster) {
+  std::map<const BodyConstants*, std::uint32_t> numbers;
+  std::vector<const BodyConstants*> kinds;
+  std::vector<std::uint32_t> kind_of_body;
+  for (const std::shared_ptr<const BodyConstants>& body : roster.bodies) {
+    const auto [entry, is_new] = numbers.try_emplace(body.get(), static_cast<std::uint32_t>(kinds.size()));
+    if (is_new) kinds.push_back(body.get());
+    kind_of_body.push_back(entry->second);
+  }
+  archive.value(static_cast<std::uint32_t>(kinds.size()));
+  for (const BodyConstants* kind : kinds) {
+    archive.value(kind != nullptr);
+    if (kind != nullptr) visit_constants(archive, *kind);
+  }
+  archive.list(kind_of_body);
+}
+
+template <typename Archive>
+void read_constants(Archive& archive, Roster& roster) {
+  std::vector<std::shared_ptr<const BodyConstants>> kinds(archive.count_of(1));
+  for (std::shared_ptr<const BodyConstants>& kind : kinds) {
+    bool is_there = false;
+    archive.value(is_there);
+    if (!is_there) continue;
+    BodyConstants constants;
+    visit_constants(archive, constants);
+    kind = std::make_shared<const BodyConstants>(std::move(constants));
+  }
+  std::vector<std::uint32_t> kind_of_body;
+  archive.list(kind_of_body);
+  for (const std::uint32_t kind : kind_of_body) {
+    archive.check(kind < kinds.size(), "a body of no kind");
+    roster.bodies.push_back(kinds[kind]);
+  }
+}
+
+/// That all numbers of a roster fit together.
+template <typename Archive>
+void check_numbers(Archive& archive, const Roster& roster) {
+  const std::size_t bodies = roster.bodies.size();
+  const std::size_t colliders = roster.collider_body.size();
+  archive.check(roster.generation.size() == bodies, "another number of generations than of bodies");
+  archive.check(roster.collider_child.size() == colliders, "another number of shapes' places than of shapes");
+  const auto check_free = [&](const std::vector<std::uint32_t>& free, std::size_t count, const auto& is_free) {
+    std::vector<std::uint8_t> named(count, 0);
+    for (const std::uint32_t number : free) {
+      archive.check(number < count && !named[number] && is_free(number), "a list of free numbers that has a wrong one");
+      named[number] = 1;
+    }
+    for (std::uint32_t number = 0; number < count; ++number) {
+      archive.check(named[number] == is_free(number), "a list of free numbers that lacks one");
+    }
+  };
+  check_free(roster.free, bodies, [&](std::uint32_t body) { return roster.bodies[body] == nullptr; });
+  constexpr std::uint32_t none = collision::ColliderTable::none;
+  check_free(roster.free_colliders, colliders, [&](std::uint32_t c) { return roster.collider_body[c] == none; });
+  std::vector<std::vector<std::uint8_t>> placed(bodies);
+  for (std::size_t body = 0; body < bodies; ++body) {
+    if (roster.bodies[body]) placed[body].resize(roster.bodies[body]->colliders.size(), 0);
+  }
+  for (std::size_t c = 0; c < colliders; ++c) {
+    const std::uint32_t body = roster.collider_body[c];
+    if (body == none) continue;
+    const bool fits =
+        body < bodies && roster.collider_child[c] < placed[body].size() && !placed[body][roster.collider_child[c]];
+    archive.check(fits, "a shape that is not its body's");
+    placed[body][roster.collider_child[c]] = 1;
+  }
+  for (const std::vector<std::uint8_t>& of_body : placed) {
+    archive.check(std::find(of_body.begin(), of_body.end(), 0) == of_body.end(), "a body that lacks a shape");
+  }
+}
+
+/// All of a roster but geometry.
+template <typename Archive>
+void write_roster(Archive& archive, const Roster& roster) {
+  write_constants(archive, roster);
+  visit_numbers(archive, roster);
+}
+
+template <typename Archive>
+std::shared_ptr<const Roster> read_roster(Archive& archive) {
+  auto roster = std::make_shared<Roster>();
+  read_constants(archive, *roster);
+  visit_numbers(archive, *roster);
+  check_numbers(archive, *roster);
+  return roster;
+}
+
+}  // namespace atl

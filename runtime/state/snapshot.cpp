@@ -1,0 +1,126 @@
+// Snapshots as files: a header, then the roster and the state as they are in memory, with lengths before them.
+
+#include <atoll/error.h>
+#include <atoll/snapshot.h>
+#include <atoll/world.h>
+#include <jobs/with_snapshots.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <ios>
+#include <iterator>
+#include <string>
+#include <system_error>
+
+#include "state/checksum.h"
+#include "state/file_beside.h"
+#include "state/file_header.h"
+#include "state/hex.h"
+#include "state/roster_state.h"
+#include "state/state_archive.h"
+#include "world/left_out.h"
+#include "world/world_impl.h"
+
+namespace atl {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Header {
+  FileHeader begin = {.magic = {'A', 'T', 'O', 'L', 'L', 'S', 'N', 'P'}, .version = 8};
+  std::uint64_t length = 0;    // bytes that follow the header
+  std::uint64_t checksum = 0;  // of these
+};
+static_assert(sizeof(Header) == 32);
+
+[[noreturn]] void fail(const char* call, const fs::path& path, const std::string& why) {
+  throw Error(std::string("Snapshot::") + call + ": " + path.string() + ": " + why);
+}
+
+void write_all(const fs::path& path, const Header& header, std::span<const std::byte> bytes) {
+  const std::error_code error = replace_file(path, [&](std::ostream& out) {
+    out.write(reinterpret_cast<const char*>(&header), sizeof header);
+    out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  });
+  if (error) fail("write", path, error.message());
+}
+
+std::vector<char> read_all(const fs::path& path) {
+  std::error_code error;
+  if (fs::is_directory(path, error)) fail("read", path, "is a directory; expected a snapshot's file");
+  errno = 0;
+  std::ifstream stream(path, std::ios::binary);
+  std::vector<char> bytes{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  if (!stream.is_open() || stream.bad()) {
+    fail("read", path, std::generic_category().message(errno != 0 ? errno : EIO));
+  }
+  return bytes;
+}
+
+// What follows the header, if the file is whole.
+std::span<const std::byte> checked_content(const fs::path& path, const std::vector<char>& file) {
+  const Header expected;
+  Header header;
+  const std::array<char, 8>& magic = expected.begin.magic;
+  if (file.size() < magic.size() || !std::equal(magic.begin(), magic.end(), file.begin())) {
+    fail("read", path, "does not begin with \"ATOLLSNP\"; expected a snapshot's file");
+  }
+  if (file.size() < sizeof header) {
+    fail("read", path,
+         "found " + std::to_string(file.size()) + " bytes; expected a header of " + std::to_string(sizeof header) +
+             " at least");
+  }
+  std::memcpy(&header, file.data(), sizeof header);
+  if (const std::string fault = fault_of(header.begin, expected.begin); !fault.empty()) fail("read", path, fault);
+  const std::span<const std::byte> content = std::as_bytes(std::span(file)).subspan(sizeof header);
+  if (content.size() != header.length) {
+    fail("read", path,
+         "found " + std::to_string(content.size()) + " bytes after the header; expected " +
+             std::to_string(header.length));
+  }
+  if (const std::uint64_t checksum = checksum_of(content); checksum != header.checksum) {
+    fail("read", path,
+         "found the checksum " + hex(checksum) + "; expected " + hex(header.checksum) + ": the file is damaged");
+  }
+  return content;
+}
+
+}  // namespace
+
+void Snapshot::write(const std::string& path) const {
+  if (empty()) fail("write", path, "the snapshot is empty; expected one that holds a state");
+  std::vector<std::byte> bytes;
+  StateWriter writer(bytes);
+  write_roster(writer, *roster_);
+  writer.values(bytes_.data(), size_);
+  const std::span<const std::byte> content(bytes.data(), writer.size());
+  Header header;
+  header.length = content.size();
+  header.checksum = checksum_of(content);
+  write_all(path, header, content);
+}
+
+Snapshot Snapshot::read(const std::string& path) {
+  if constexpr (!with_snapshots) throw_left_out("Snapshot::read is called", "snapshots", "SNAPSHOTS");
+  const std::vector<char> file = read_all(path);
+  const std::span<const std::byte> content = checked_content(path, file);
+  Snapshot snapshot;
+  try {
+    StateReader reader(content);
+    std::shared_ptr<const Roster> roster = read_roster(reader);
+    const std::span<const std::byte> state = content.last(reader.left());
+    // What is found wrong in a world of its own can't harm another.
+    World::Impl::try_out(roster, state);
+    snapshot.bytes_.assign(state.begin(), state.end());
+    snapshot.size_ = state.size();
+    snapshot.roster_ = std::move(roster);
+  } catch (const Error& error) {
+    fail("read", path, error.what());
+  }
+  return snapshot;
+}
+
+}  // namespace atl

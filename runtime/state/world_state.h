@@ -1,0 +1,477 @@
+#pragma once
+/// The state of a world, part by part: all that its future depends on beside the roster, described once for those who
+/// write, read and hash it. What follows from it is made anew after it was read: see restore.cpp. Whoever adds
+/// something that lasts from step to step adds it here.
+
+#include <jobs/prefetch.h>
+#include <jobs/with_direct_contacts.h>
+#include <jobs/with_joints.h>
+#include <jobs/with_sleeping.h>
+#include <jobs/with_surfaces.h>
+#include <solver/constraints/surface_contact.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "state/contact_state.h"
+#include "state/filter_state.h"
+#include "state/joint_state.h"
+#include "state/settings_state.h"
+#include "state/state_archive.h"
+#include "world/settings_check.h"
+#include "world/world_impl.h"
+
+namespace atl {
+
+template <typename Archive, typename Strain>
+void visit_strain(Archive& archive, Strain& strain) {
+  archive.value(strain.overloaded);
+  archive.value(strain.crushed);
+  archive.value(strain.sags);
+}
+
+/// `AnyWorld` is a World::Impl, const where the archive doesn't read. Before a state is read the world has its roster.
+template <typename Archive, typename AnyWorld>
+class WorldState {
+ public:
+  WorldState(Archive& archive, AnyWorld& world) : archive_(archive), world_(world) {}
+
+  void visit() {
+    visit_globals();
+    visit_bodies();
+    visit_surfaces();
+    visit_sleeping();
+    visit_quarantine();
+    visit_selection();
+    visit_events();
+    visit_joints();
+    visit_kept_apart();
+    visit_boxes();
+    visit_contacts();
+  }
+
+  // The parts that body_hash.cpp tells by body.
+
+  // Whether the world has the same joint.
+  bool visit_one_joint(std::uint32_t index) {
+    auto& joints = world_.joints;
+    bool same = true;
+    if constexpr (reads) {
+      same = archive_.skip_if_same(world_.definition_bytes(index));
+      if (!same) {
+        JointDef def;
+        visit_definition(archive_, def);
+        world_.restore_joint(index, def);
+      }
+    } else {
+      visit_definition(archive_, joints.def[index]);
+    }
+    const auto enabled = joints.enabled[index];
+    archive_.value(joints.enabled[index]);
+    archive_.value(joints.broken[index]);
+    archive_.check(joints.enabled[index] <= 1 && joints.broken[index] <= 1, "a flag that is neither 0 nor 1");
+    visit_joint(archive_, joints.joints[index], joints.limit_before[index]);
+    return same && enabled == joints.enabled[index];
+  }
+
+  void visit_one_contact(std::uint32_t slot) {
+    auto& contact = world_.cache.contacts[slot];
+    auto& manifold = world_.cache.manifolds[slot];
+    auto* surface = slot < world_.surface_contacts_.size() ? &world_.surface_contacts_[slot] : nullptr;
+    auto* rolling = surface != nullptr ? surface->rolling_impulse : nullptr;
+    if constexpr (!reads) {
+      if (rolling != nullptr) {
+        const bool counts =
+            solver::is_pressed(manifold) && std::any_of(rolling, rolling + 3, [](float x) { return x != 0; });
+        if (!counts) rolling = nullptr;
+      }
+    }
+    visit_contact(archive_, contact, manifold, rolling);
+  }
+
+ private:
+  static constexpr bool reads = Archive::reads;
+
+  std::size_t body_count() const { return world_.bodies.size(); }
+  bool is_body(std::uint32_t body) const { return body < body_count() && world_.records.alive[body] != 0; }
+
+  // Of the numbers below `count` those that stand out: visit(number) tells of one.
+  template <typename StandsOut, typename Visit>
+  void visit_some(std::size_t count, const StandsOut& stands_out, const Visit& visit) {
+    std::uint32_t some = 0;
+    if constexpr (reads) {
+      some = archive_.count_of(sizeof(std::uint32_t));
+      std::uint32_t next = 0;
+      for (std::uint32_t i = 0; i < some; ++i) {
+        std::uint32_t number = 0;
+        archive_.value(number);
+        archive_.check(number >= next && number < count, "numbers out of order, or of things that there are not");
+        next = number + 1;
+        visit(number);
+      }
+    } else {
+      for (std::uint32_t number = 0; number < count; ++number) some += stands_out(number) ? 1 : 0;
+      archive_.value(some);
+      for (std::uint32_t number = 0; number < count && some > 0; ++number) {
+        if (!stands_out(number)) continue;
+        --some;
+        archive_.value(number);
+        visit(number);
+      }
+    }
+  }
+  void check_body(std::uint32_t body) { archive_.check(is_body(body), "the number of a body that there is not"); }
+
+  void visit_globals() {
+    if constexpr (reads) {
+      Settings settings = world_.settings;
+      visit_settings(archive_, settings);
+      check(settings);
+      world_.joints_stale_ |= settings.joint_solver != world_.settings.joint_solver;
+      world_.settings = settings;
+    } else {
+      visit_settings(archive_, world_.settings);
+    }
+    archive_.values(world_.gravity.data(), 3);
+    archive_.check(world_.gravity.allFinite(), "gravity that is not finite");
+    archive_.value(world_.last_dt_);
+    archive_.check(world_.last_dt_ >= 0 && world_.last_dt_ <= 1, "a step of no valid duration");
+    archive_.value(world_.events_.noted);
+    // What only reports are made of.
+    if constexpr (!Archive::hashes) {
+      archive_.value(world_.last_substep_);
+      archive_.value(world_.steps_);
+    }
+  }
+
+  void visit_bodies() {
+    constexpr std::array<double, 3> zero = {0, 0, 0};
+    auto& bodies = world_.bodies;
+    archive_.template rows<3>(bodies.positions, zero);
+    archive_.template rows<4>(bodies.orientations, {0, 0, 0, 1});
+    archive_.template rows<3>(bodies.velocities, zero);
+    archive_.template rows<3>(bodies.angular_velocities, zero);
+    archive_.template rows<3>(bodies.forces, zero);
+    archive_.template rows<3>(bodies.torques, zero);
+    archive_.template rows<1>(bodies.turned, {0});
+    archive_.template rows<1>(world_.aabbs.bounds.aabb_margin, {0});
+    archive_.template rows<1>(world_.aabbs.swept_margins(), {0});
+    archive_.bits(world_.aabbs.bounds.aabb_dirty);
+  }
+
+  // How fast they run: what holds back rolling is the material's.
+  void visit_surfaces() {
+    if constexpr (reads) world_.restore_materials();
+    const auto runs = [this](std::uint32_t body) {
+      const auto& surfaces = world_.bodies.surfaces;
+      return body < surfaces.size() && is_body(body) && !surfaces[body].velocity.isZero(0);
+    };
+    visit_some(body_count(), runs, [this](std::uint32_t body) {
+      check_body(body);
+      archive_.check(with_surfaces, "a surface that runs, which this build is without");
+      Vector3 velocity;
+      if constexpr (!reads) velocity = world_.bodies.surfaces[body].velocity;
+      archive_.values(velocity.data(), 3);
+      if constexpr (reads) world_.run_surface(body, velocity);
+    });
+    if constexpr (Archive::hashes) {
+      for (std::uint32_t body = 0; body < world_.bodies.surfaces.size(); ++body) {
+        const solver::Surface& surface = world_.bodies.surfaces[body];
+        if (!is_body(body) || (surface.rolling_friction == 0 && surface.torsional_friction == 0)) continue;
+        archive_.value(body);
+        archive_.value(surface.rolling_friction);
+        archive_.value(surface.torsional_friction);
+      }
+    }
+  }
+
+  void visit_sleeping() {
+    auto& sleeping = world_.sleeping;
+    archive_.template rows<1>(sleeping.rest_time, {0});
+    archive_.template rows<1>(sleeping.ring, {Sleeping::none});
+    if constexpr (reads) check_rings();
+  }
+  // Each sleeper is dynamic, and the next of just one.
+  void check_rings() {
+    const std::vector<std::uint32_t>& ring = world_.sleeping.ring;
+    std::vector<std::uint8_t> followed(body_count(), 0);
+    for (std::uint32_t body = 0; body < body_count(); ++body) {
+      const std::uint32_t next = ring[body];
+      if (next == Sleeping::none) continue;
+      const bool fits = with_sleeping && is_body(body) && world_.records.type[body] == BodyType::Dynamic &&
+                        next < body_count() && ring[next] != Sleeping::none && !followed[next];
+      archive_.check(fits, "bodies that sleep without an island");
+      followed[next] = 1;
+    }
+  }
+
+  void visit_quarantine() {
+    auto& list = world_.quarantine;
+    if constexpr (reads) list.clear();
+    const auto is_out = [&list](std::uint32_t body) { return list.contains(body); };
+    visit_some(list.bodies().empty() && !reads ? 0 : body_count(), is_out, [&](std::uint32_t body) {
+      check_body(body);
+      archive_.check(world_.sleeping.ring[body] == Sleeping::none, "a body in quarantine that sleeps");
+      Quarantine reason = {};
+      std::int64_t step = 0;
+      collision::Filter filter = {.owner = body};
+      if constexpr (!reads) {
+        reason = list.entry(body).reason;
+        step = list.entry(body).step;
+        filter = list.kept(body).filter;
+      }
+      archive_.value(reason);
+      archive_.check(reason >= Quarantine::NotFinite && reason <= Quarantine::TooMuchTorque,
+                     "no reason for quarantine");
+      archive_.value(step);
+      visit_filter(archive_, filter);
+      if constexpr (reads) world_.restore_quarantined(body, reason, step, filter);
+    });
+    const auto is_suspect = [&list](std::uint32_t body) { return list.is_suspect(body); };
+    visit_some(body_count(), is_suspect, [&](std::uint32_t body) {
+      if constexpr (reads) list.suspect(body);
+    });
+    const auto strays = [&list](std::uint32_t body) { return list.pose_before(body) != nullptr; };
+    visit_some(list.remembers_poses() || reads ? body_count() : 0, strays, [&](std::uint32_t body) {
+      solver::BodyPose pose;
+      if constexpr (!reads) pose = *list.pose_before(body);
+      archive_.values(pose.position.data(), 3);
+      archive_.values(pose.orientation.coeffs().data(), 4);
+      if constexpr (reads) list.remember_pose(body, pose);
+    });
+    if constexpr (reads) world_.note_restored_bodies();
+  }
+
+  void visit_selection() {
+    using Strain = solver::SolverSelection::Strain;
+    auto& selection = world_.selection_;
+    if constexpr (reads && with_direct_contacts) selection.forget_all();
+    if constexpr (reads && !with_direct_contacts) selection.forget_arrived();
+    const auto is_strained = [&selection](std::uint32_t body) { return selection.strain(body) != Strain{}; };
+    visit_some(selection.strained().empty() && !reads ? 0 : body_count(), is_strained, [&](std::uint32_t body) {
+      check_body(body);
+      archive_.check(with_direct_contacts, "overloaded contacts, which this build does nothing about");
+      Strain strain = selection.strain(body);
+      visit_strain(archive_, strain);
+      if constexpr (reads) selection.restore_strain(body, strain);
+    });
+    auto count = static_cast<std::uint32_t>(selection.arrived().size());
+    if constexpr (reads) {
+      count = archive_.count_of(sizeof(std::uint32_t));
+    } else {
+      archive_.value(count);
+    }
+    for (std::uint32_t i = 0; i < count; ++i) {
+      std::uint32_t body = 0;
+      if constexpr (!reads) body = selection.arrived()[i];
+      archive_.value(body);
+      check_body(body);
+      if constexpr (reads) selection.arrive(body);
+    }
+  }
+
+  void visit_events() {
+    auto& touched = world_.events_.touched;
+    if constexpr (reads) {
+      touched.resize(archive_.count_of(sizeof(std::pair<BodyId, BodyId>)));
+    } else {
+      archive_.value(static_cast<std::uint32_t>(touched.size()));
+    }
+    for (auto& [first, second] : touched) {
+      for (auto* id : {&first, &second}) {
+        archive_.value(id->index);
+        archive_.value(id->generation);
+        archive_.check(id->index < body_count(), "the number of a body that there can't be");
+      }
+    }
+  }
+
+  void visit_joints() {
+    auto& joints = world_.joints;
+    auto count = static_cast<std::uint32_t>(joints.size());
+    [[maybe_unused]] bool same = true;  // as those that the world has
+    if constexpr (reads) {
+      count = archive_.count_of(1);
+      same = count == joints.size();
+      if (with_joints && !same) joints.reset(count);
+    } else {
+      archive_.value(count);
+    }
+    if constexpr (!with_joints) {
+      archive_.check(count == 0, "joints, which this build is without");
+    } else {
+      if (count > 0) same &= visit_joint_table(count);
+      if constexpr (reads) world_.restore_joints(same);
+    }
+  }
+  // Whether the world has the same joints.
+  bool visit_joint_table(std::uint32_t count) {
+    auto& joints = world_.joints;
+    bool same = true;
+    if constexpr (reads) {
+      std::vector<std::uint8_t> alive(count);
+      archive_.bits(alive);
+      same = alive == joints.alive;
+      joints.alive = std::move(alive);
+    } else {
+      archive_.bits(joints.alive);
+    }
+    archive_.template rows<1>(joints.generation, {0});
+    archive_.list(joints.free);
+    if constexpr (reads) check_free_joints();
+    for (std::uint32_t joint = 0; joint < count; ++joint) {
+      if (joints.alive[joint]) same &= visit_one_joint(joint);
+    }
+    return same;
+  }
+
+  void check_free_joints() {
+    std::vector<std::uint8_t> taken = world_.joints.alive;
+    for (const std::uint32_t joint : world_.joints.free) {
+      archive_.check(joint < taken.size() && !taken[joint], "a list of free joints that has a wrong one");
+      taken[joint] = 1;
+    }
+    archive_.check(std::find(taken.begin(), taken.end(), 0) == taken.end(), "a list of free joints that lacks one");
+  }
+
+  // Bodies that were told not to touch, beside those that joints keep apart.
+  void visit_kept_apart() {
+    auto& ignored = world_.records.ignored;
+    std::vector<collision::Pair> told;  // of those that are read
+    std::uint32_t count = 0;
+    if constexpr (reads) {
+      told.resize(archive_.count_of(sizeof(collision::Pair)));
+      for (collision::Pair& pair : told) {
+        visit_pair(pair);
+        check_body(pair.first);
+        check_body(pair.second);
+        archive_.check(pair.first < pair.second, "a body kept apart from itself");
+      }
+      world_.restore_kept_apart(told);
+    } else {
+      const auto visit_all = [&](const auto& visit) {
+        for (const auto& [body, others] : ignored) {
+          for (const std::uint32_t other : others) {
+            if (body < other) visit(collision::Pair{body, other});
+          }
+        }
+      };
+      visit_all([&](const collision::Pair&) { ++count; });
+      archive_.value(count);
+      visit_all([this](const collision::Pair& pair) { visit_pair(pair); });
+    }
+  }
+
+  void visit_boxes() {
+    auto& broadphase = world_.broadphase;
+    const std::size_t count = world_.colliders.size();
+    const auto is_there = [this](std::uint32_t collider) { return world_.is_in_broadphase(collider); };
+    std::vector<std::pair<std::uint32_t, collision::Filter>> filters;  // of those that are read
+    const auto is_filtered = [&](std::uint32_t collider) {
+      return is_there(collider) &&
+             broadphase.filter(collider) != collision::Filter{.owner = world_.colliders.body[collider]};
+    };
+    visit_some(count, is_filtered, [&](std::uint32_t collider) {
+      archive_.check(is_there(collider), "the number of a shape that there is not");
+      collision::Filter filter;
+      if constexpr (!reads) filter = broadphase.filter(collider);
+      visit_filter(archive_, filter);
+      if constexpr (reads) filters.emplace_back(collider, filter);
+    });
+    auto next_filter = filters.begin();
+    for (std::uint32_t collider = 0; collider < count; ++collider) {
+      if (!is_there(collider)) continue;
+      collision::Filter filter;
+      if (next_filter != filters.end() && next_filter->first == collider) filter = next_filter++->second;
+      filter.owner = world_.colliders.body[collider];
+      if (world_.colliders.shape[collider].kind == collision::ShapeKind::HalfSpace) {
+        collision::Plane plane;
+        if constexpr (!reads) plane = broadphase.plane(collider);
+        archive_.values(plane.normal.data(), 3);
+        archive_.value(plane.offset);
+        if constexpr (reads) world_.restore_plane(collider, plane, filter);
+      } else {
+        collision::Aabb box;
+        if constexpr (!reads) box = broadphase.fat_box(collider);
+        archive_.values(box.lower.data(), 3);
+        archive_.values(box.upper.data(), 3);
+        if constexpr (reads) world_.restore_box(collider, box, filter);
+      }
+    }
+    if constexpr (reads) broadphase.forget_moves();
+    const auto has_moved = [&](std::uint32_t collider) { return is_there(collider) && broadphase.has_moved(collider); };
+    visit_some(count, has_moved, [&](std::uint32_t collider) {
+      archive_.check(is_there(collider), "the number of a shape that there is not");
+      if constexpr (reads) broadphase.mark_moved(collider);
+    });
+  }
+
+  // Pairs first, so that a reader sees whether it has the same.
+  void visit_contacts() {
+    auto& cache = world_.cache;
+    if constexpr (reads) {
+      std::vector<collision::Pair> pairs(archive_.count_of(2));
+      collision::Pair before = {};
+      for (collision::Pair& pair : pairs) {
+        visit_pair_after(before, pair);
+        archive_.check(world_.may_touch(pair) && before < pair, "contacts of no valid pairs");
+        before = pair;
+      }
+      world_.restore_pairs(pairs);
+    } else {
+      archive_.value(static_cast<std::uint32_t>(cache.pairs.size()));
+      collision::Pair before = {};
+      for (const std::uint32_t slot : cache.all_in_order()) {
+        const collision::Contact& contact = cache.contacts[slot];
+        if (contact.part != 0) continue;
+        visit_pair_after(before, contact.pair);
+        before = contact.pair;
+      }
+    }
+    constexpr std::size_t ahead = 8;
+    const std::span<const std::uint32_t> slots = cache.all_in_order();
+    for (std::size_t i = 0; i < slots.size(); ++i) {
+      if (i + ahead < slots.size()) {
+        jobs::prefetch(cache.contacts[slots[i + ahead]]);
+        jobs::prefetch(cache.manifolds[slots[i + ahead]]);
+      }
+      visit_one_contact(slots[i]);
+    }
+  }
+
+  template <typename Pair>
+  void visit_pair(Pair& pair) {
+    archive_.value(pair.first);
+    archive_.value(pair.second);
+  }
+
+  // Pairs come in order, so by what they differ from the one before.
+  template <typename Pair>
+  void visit_pair_after(const collision::Pair& before, Pair& pair) {
+    if constexpr (Archive::hashes) {
+      visit_pair(pair);
+    } else {
+      std::uint32_t first = 0;
+      std::uint32_t second = 0;
+      if constexpr (!reads) {
+        first = pair.first - before.first;
+        second = pair.second - (first == 0 ? before.second : pair.first);
+      }
+      archive_.small(first);
+      archive_.small(second);
+      if constexpr (reads) {
+        pair.first = before.first + first;
+        pair.second = second + (first == 0 ? before.second : pair.first);
+      }
+    }
+  }
+
+  Archive& archive_;
+  AnyWorld& world_;
+};
+
+}  // namespace atl

@@ -1,0 +1,83 @@
+#include <solver/constraints/motion_locks.h>
+
+#include "world/world_impl.h"
+
+namespace atl {
+namespace {
+
+template <typename Floats>
+Vector3 vector(const Floats& v) {
+  return {v[0], v[1], v[2]};
+}
+
+}  // namespace
+
+ContactProblem World::Impl::contact_problem() const {
+  ContactProblem problem;
+  if (!captured_) return problem;
+  problem.substep = last_substep_;
+
+  std::vector<std::size_t> place(bodies.size(), ContactProblem::fixed);
+  const auto place_of = [&](std::uint32_t body) {
+    if (bodies.mobility[body] == solver::Mobility::Fixed || place[body] != ContactProblem::fixed) return place[body];
+    ContactProblem::Body entry{.index = body};
+    if (bodies.mobility[body] == solver::Mobility::Dynamic) {
+      const solver::ContactCapture::Motion& motion = capture_.motions[body];
+      entry.inverse_mass = bodies.inverse_mass[body];
+      entry.free_axes = solver::without(solver::linear_locks(bodies.locks[body]), Vector3::Ones());
+      entry.inverse_inertia = motion.inverse_inertia;
+      entry.free_velocity = motion.free_velocity;
+      entry.free_angular_velocity = motion.free_angular_velocity;
+    } else {
+      entry.free_velocity = bodies.velocity(body);
+      entry.free_angular_velocity = bodies.angular_velocity(body);
+    }
+    problem.bodies.push_back(entry);
+    return place[body] = problem.bodies.size() - 1;
+  };
+
+  for (const solver::TouchingPair& pair : touching_) {
+    const collision::ContactManifold& manifold = cache.manifolds[pair.slot];
+    const solver::ContactCapture::Answer& answer = capture_.answers[pair.slot];
+    // Of unit length and square in double, as the solver's are in single precision only.
+    const Vector3 normal = (answer.planar ? vector(answer.normal) : vector(manifold.normal)).normalized();
+    const Vector3 first_tangent =
+        answer.planar ? vector(answer.tangent) : vector(collision::tangents(manifold.normal).first);
+    const Vector3 tangent = (first_tangent - normal.dot(first_tangent) * normal).normalized();
+    const Vector3 friction = vector(answer.friction_impulse);
+    ContactProblem::Patch patch{.first = place_of(pair.first),
+                                .second = place_of(pair.second),
+                                .normal = normal,
+                                .tangent = tangent,
+                                .anchor_first = vector(answer.anchor_first),
+                                .anchor_second = vector(answer.anchor_second),
+                                .friction = manifold.friction,
+                                .lever = manifold.lever,
+                                .friction_impulse = friction - normal.dot(friction) * normal,
+                                .twist_impulse = answer.twist_impulse,
+                                .step = answer.step == last_substep_ ? 0 : answer.step};
+    if (!surface_contacts_.empty()) {
+      const solver::SurfaceContact& surface = surface_contacts_[pair.slot];
+      const Vector3 rolling = vector(answer.rolling_impulse);
+      patch.torsional_friction = surface.torsional_friction;
+      patch.rolling_friction = surface.rolling_friction;
+      patch.slip = vector(surface.slip);
+      patch.rolling_impulse = rolling - normal.dot(rolling) * normal;
+    }
+    if (answer.planar) {
+      for (std::size_t i = 0; i < answer.x.size(); ++i) {
+        if (!(answer.separation[i] < collision::no_point)) continue;
+        patch.points.push_back({answer.x[i], 0, answer.separation[i], answer.normal_impulse[i]});
+      }
+      if (!patch.points.empty()) problem.patches.push_back(std::move(patch));
+      continue;
+    }
+    for (std::size_t i = 0; i < cache.contacts[pair.slot].count; ++i) {
+      patch.points.push_back({manifold.x[i], manifold.y[i], answer.separation[i], answer.normal_impulse[i]});
+    }
+    problem.patches.push_back(std::move(patch));
+  }
+  return problem;
+}
+
+}  // namespace atl

@@ -1,0 +1,145 @@
+#include "step/forced_step.h"
+
+#include <jobs/with_recording.h>
+
+#include <utility>
+
+#include "state/recorder.h"
+#include "world/refuse.h"
+
+namespace atl {
+namespace {
+
+// The counts of what was done add up; those of what there is are the last ones.
+void add(StepReport& sum, const StepReport& last) {
+  const StepReport before = std::exchange(sum, last);
+  sum.ms += before.ms;
+  for (std::size_t i = 0; i < phase_count; ++i) sum.phase_ms[i] += before.phase_ms[i];
+  for (std::size_t i = 0; i < solver_stage_count; ++i) sum.solver_ms[i] += before.solver_ms[i];
+  for (std::int64_t StepCounts::*count :
+       {&StepCounts::new_boxes, &StepCounts::newton_iterations, &StepCounts::kept_manifolds,
+        &StepCounts::fresh_manifolds, &StepCounts::fcl_calls, &StepCounts::fcl_repairs, &StepCounts::id_matches,
+        &StepCounts::id_misses, &StepCounts::sweeps, &StepCounts::swept, &StepCounts::stopped}) {
+    sum.counts.*count += before.counts.*count;
+  }
+  sum.quarantined += before.quarantined;
+  if (before.first_non_finite_body >= 0 &&
+      (last.first_non_finite_body < 0 || before.first_non_finite_body < last.first_non_finite_body)) {
+    sum.first_non_finite_body = before.first_non_finite_body;
+  }
+  for (std::size_t i = 0; i < stage_count; ++i) {
+    StageReport& stage = sum.stages[i];
+    const double ms = stage.ms + before.stages[i].ms;
+    if (before.stages[i].items > stage.items) stage = before.stages[i];
+    stage.ms = ms;
+  }
+}
+
+}  // namespace
+
+void Forces::add(BodyId id, const Vector3& force, const Vector3& torque) {
+  check_finite("Forces::add: force", force);
+  check_finite("Forces::add: torque", torque);
+  if (!world_.contains(id)) refuse_stale("Forces::add", id);
+  force_.col(id.index) += force;
+  torque_.col(id.index) += torque;
+}
+
+void Forces::add_at(BodyId id, const Vector3& force, const Vector3& point) {
+  check_finite("Forces::add_at: force", force);
+  check_finite("Forces::add_at: point", point);
+  if (!world_.contains(id)) refuse_stale("Forces::add_at", id);
+  const Vector3 arm = point - world_.centre_of_mass(id);
+  force_.col(id.index) += force;
+  torque_.col(id.index) += arm.cross(force);
+}
+
+ForcedStep::ForcedStep(World& world, const ForceLaw& law, double dt)
+    : world_(*world.impl_),
+      law_(law),
+      dt_(dt),
+      now_(world, static_cast<Eigen::Index>(world_.bodies.size())),
+      before_(world, static_cast<Eigen::Index>(world_.bodies.size())) {
+  for (const std::uint32_t body : world_.pushed_) {
+    steady_.push_back({body, world_.bodies.force(body), world_.bodies.torque(body)});
+  }
+}
+
+StepReport ForcedStep::run() {
+  const int substeps = world_.settings.substeps;
+  const double h = dt_ / substeps;
+  StepReport report;
+  world_.begin_step();
+  for (int i = 0; i < substeps; ++i) {
+    ask(i * h);
+    if (i > 0) make_up(h);
+    apply(i > 0);
+    add(report, world_.advance(h, 1, i + 1 == substeps));
+  }
+  ask(dt_);
+  make_up(h);
+  return report;
+}
+
+void ForcedStep::ask(double time) {
+  std::swap(now_.force_, before_.force_);
+  std::swap(now_.torque_, before_.torque_);
+  now_.force_.setZero();
+  now_.torque_.setZero();
+  now_.time_ = time;
+  world_.forced_ = true;
+  try {
+    law_(now_);
+  } catch (...) {
+    world_.forced_ = false;
+    record(false);
+    throw;
+  }
+  world_.forced_ = false;
+  record(true);
+}
+
+void ForcedStep::record([[maybe_unused]] bool given) {
+  if constexpr (with_recording) {
+    if (!world_.recorder) return;
+    if (given) {
+      world_.recorder->note_forces(now_.forces(), now_.torques());
+    } else {
+      world_.recorder->note_no_forces();
+    }
+  }
+}
+
+void ForcedStep::apply(bool again) {
+  if (again) {
+    for (const Applied& steady : steady_) world_.apply_force(steady.body, steady.force, steady.torque);
+  }
+  for (Eigen::Index i = 0; i < now_.force_.cols(); ++i) {
+    const Vector3 force = now_.force_.col(i), torque = now_.torque_.col(i);
+    if (force.isZero(0) && torque.isZero(0)) continue;
+    const auto body = static_cast<std::uint32_t>(i);
+    if (world_.records.dynamic[body]) world_.apply_force(world_.awaken(body), force, torque);
+  }
+}
+
+void ForcedStep::make_up(double substep) {
+  for (Eigen::Index i = 0; i < now_.force_.cols(); ++i) {
+    const auto body = static_cast<std::uint32_t>(i);
+    if (!moves_freely(body)) continue;
+    const Vector3 force = now_.force_.col(i) - before_.force_.col(i);
+    const Vector3 torque = now_.torque_.col(i) - before_.torque_.col(i);
+    if (!force.allFinite() || !torque.allFinite()) continue;  // the next substep sees to it
+    world_.apply_impulse(body, 0.5 * substep * force, 0.5 * substep * torque);
+    world_.quarantine.suspect(body);
+    world_.aabbs.mark_dirty(body);
+  }
+}
+
+// Touched by nothing, nor is what it hangs together with: what rests on something is to rest.
+bool ForcedStep::moves_freely(std::uint32_t body) const {
+  if (!world_.sleeping.awake[body]) return false;
+  const std::uint32_t island = world_.islands_.island_of(body);
+  return island == solver::Islands::none || world_.islands_.contact_count(island) == 0;
+}
+
+}  // namespace atl

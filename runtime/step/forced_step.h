@@ -1,0 +1,44 @@
+#pragma once
+
+#include <atoll/forces.h>
+#include <atoll/world.h>
+
+#include <cstdint>
+#include <vector>
+
+#include "world/world_impl.h"
+
+namespace atl {
+
+/// A step under a force law. Each substep is a step of its own, contacts and all, so that the law sees bodies as they
+/// are, and forces are of second order where nothing touches: half of the difference that a law finds at the end of a
+/// substep is made up for there. With the kick of half a step on either side that is the velocity Verlet method, and
+/// with forces by velocity its variant with predicted ones (Groot and Warren, "Dissipative particle dynamics", J. Chem.
+/// Phys. 107, 1997, eq. 13 with lambda = 1/2).
+class ForcedStep {
+ public:
+  ForcedStep(World& world, const ForceLaw& law, double dt);
+
+  /// What the law throws goes through, once the world is as the last whole substep left it.
+  StepReport run();
+
+ private:
+  struct Applied {
+    std::uint32_t body;
+    Vector3 force, torque;
+  };
+
+  void ask(double time);
+  void record(bool given);
+  void apply(bool again);
+  void make_up(double substep);
+  bool moves_freely(std::uint32_t body) const;
+
+  World::Impl& world_;
+  const ForceLaw& law_;
+  double dt_;
+  std::vector<Applied> steady_;  // that were on bodies as the step began
+  Forces now_, before_;          // what the law asks for, and asked for a substep ago
+};
+
+}  // namespace atl

@@ -1,0 +1,164 @@
+// What the step did of all that it may do, and why: the plan as data, for reports.
+
+#include <jobs/with_continuous.h>
+#include <jobs/with_direct_contacts.h>
+#include <jobs/with_events.h>
+#include <jobs/with_gyroscopic.h>
+#include <jobs/with_joints.h>
+#include <jobs/with_recording.h>
+#include <jobs/with_restitution.h>
+#include <jobs/with_sleeping.h>
+#include <jobs/with_surfaces.h>
+
+#include "world/world_impl.h"
+
+namespace atl {
+namespace {
+
+struct StageWords {
+  const char* name;
+  const char* unit;
+  const char* why_run;
+  const char* why_not;
+};
+
+// By Stage.
+constexpr std::array<StageWords, stage_count> words = {{
+    {"broadphase", "pairs", "bounds of bodies overlap", "no two bodies' bounds overlap"},
+    {"narrowphase", "pairs", "pairs are new, or have moved since they were last looked at",
+     "no pair is new or has moved"},
+    {"kept_manifolds", "pairs", "pairs have hardly moved since they were last looked at",
+     "no pair was looked at before and has hardly moved since"},
+    {"contact_solver", "contacts", "bodies touch", "nothing touches"},
+    {"several_points", "contacts", "bodies touch with edges or faces", "whatever touches does so in one point"},
+    {"two_movable_bodies", "contacts", "bodies that can move touch each other",
+     "whatever touches, one of the two is fixed"},
+    {"friction", "contacts", "touching materials have friction", "no contact has friction"},
+    {"rolling_and_belts", "contacts", "surfaces run, or hold back rolling or spinning",
+     "no surface runs, or holds back rolling or spinning"},
+    {"restitution", "contacts", "touching materials bounce", "no contact bounces"},
+    {"warm_starting", "contacts", "it is on", "it is off, or nothing touches"},
+    {"relaxation", "contacts", "soft contacts push, and what they pushed is taken back",
+     "it is off, contacts are not soft, or nothing touches"},
+    {"split_impulses", "contacts", "overlap is removed by velocities of its own",
+     "stabilisation is another, or nothing touches"},
+    {"early_end", "groups", "sweeps end where they change little: a tolerance is set",
+     "no tolerance is set, or nothing touches"},
+    {"direct_contacts", "islands", "some islands' contacts carry more than sweeps can settle",
+     "no island's contacts carry more than sweeps can settle"},
+    {"finer_substeps", "islands", "some islands sag under their own weight, or a body lands",
+     "no island sags, and no body lands that leans"},
+    {"joint_solver", "joints", "bodies that are awake are joined: one joint after the other",
+     "all joints are solved at once"},
+    {"direct_joints", "joints", "some joints that hang together are solved at once",
+     "no joint needs to be solved at once"},
+    {"motion_locks", "bodies", "bodies in islands are locked along or about axes",
+     "no body in an island is locked along or about an axis"},
+    {"gyroscopic_torque", "bodies", "bodies in islands have unequal moments of inertia",
+     "no body in an island has unequal moments of inertia"},
+    {"free_flight", "bodies", "some bodies touch nothing", "every awake body touches something or is joined"},
+    {"kinematic_bodies", "bodies", "there are some", "there are none"},
+    {"continuous_collision", "bodies", "some bodies moved farther than their size allows",
+     "no body moved farther than margins see"},
+    {"sleeping", "bodies", "it is on", "it is off"},
+    {"contact_events", "events", "they are asked for", "they are not asked for"},
+    {"contact_problem", "contacts", "it is asked for", "it is not asked for"},
+    {"recording", "steps", "calls are recorded", "nothing is recorded"},
+}};
+
+// What builds may be without.
+bool is_built(Stage stage) {
+  switch (stage) {
+    case Stage::RollingAndBelts:
+      return with_surfaces;
+    case Stage::Restitution:
+      return with_restitution;
+    case Stage::DirectContacts:
+    case Stage::FinerSubsteps:
+      return with_direct_contacts;
+    case Stage::JointSolver:
+    case Stage::DirectJoints:
+      return with_joints;
+    case Stage::GyroscopicTorque:
+      return with_gyroscopic;
+    case Stage::ContinuousCollision:
+      return with_continuous;
+    case Stage::Sleeping:
+      return with_sleeping;
+    case Stage::ContactEvents:
+      return with_events;
+    case Stage::Recording:
+      return with_recording;
+    default:
+      return true;
+  }
+}
+
+}  // namespace
+
+const char* stage_name(Stage stage) { return words[static_cast<std::size_t>(stage)].name; }
+
+void World::Impl::note_stages() {
+  solver::ContactWork work;
+  std::int64_t surfaces = 0, gyroscopic = 0, locked = 0, early_ends = 0;
+  for (const solver::GroupReport& group : group_reports_) {
+    work += group.work;
+    if (group.surfaces) surfaces += group.work.contacts;
+    gyroscopic += group.gyroscopic_bodies;
+    locked += group.locked_bodies;
+    early_ends += settings.tolerance > 0;
+  }
+  const StepCounts& counts = report_.counts;
+  const auto phase_ms = [this](Phase phase) { return report_.phase_ms[static_cast<std::size_t>(phase)]; };
+  const auto note = [this](Stage stage, bool run, std::int64_t items, double ms = 0) {
+    const StageWords& of = words[static_cast<std::size_t>(stage)];
+    report_.stages[static_cast<std::size_t>(stage)] = {of.name,         run,     run ? of.why_run : of.why_not,
+                                                       run ? items : 0, of.unit, run ? ms : 0};
+  };
+  const auto note_items = [&note](Stage stage, std::int64_t items, double ms = 0) {
+    note(stage, items > 0, items, ms);
+  };
+
+  note_items(Stage::Broadphase, counts.pairs, phase_ms(Phase::FindPairs));
+  note_items(Stage::Narrowphase, counts.fresh_manifolds, phase_ms(Phase::UpdateContacts));
+  note_items(Stage::KeptManifolds, counts.kept_manifolds);
+  note_items(Stage::ContactSolver, counts.contacts, phase_ms(Phase::SolveIslands));
+  note_items(Stage::SeveralPoints, work.several_points);
+  note_items(Stage::TwoMovableBodies, work.two_movable);
+  note_items(Stage::Friction, work.friction);
+  note_items(Stage::RollingAndBelts, surfaces);
+  note_items(Stage::Restitution, work.bounces);
+  note_items(Stage::WarmStarting, settings.warm_starting ? counts.contacts : 0);
+  const bool soft = settings.stabilisation == Stabilisation::Soft;
+  note_items(Stage::Relaxation, soft && settings.relax_iterations > 0 ? work.contacts : 0);
+  note_items(Stage::SplitImpulses, settings.stabilisation == Stabilisation::SplitImpulse ? work.contacts : 0);
+  note_items(Stage::EarlyEnd, early_ends);
+  double direct_ms = 0, finer_ms = 0;
+  for (const EscalatedIsland& island : escalated_) (island.direct ? direct_ms : finer_ms) += island.ms;
+  note_items(Stage::DirectContacts, counts.direct_islands, direct_ms);
+  note_items(Stage::FinerSubsteps, counts.finer_islands, finer_ms);
+  note_items(Stage::JointSolver, counts.joints - counts.direct_joints);
+  note_items(Stage::DirectJoints, counts.direct_joints);
+  if (counts.joints == 0) {
+    const char* why = joints.count == 0 ? "there are no joints" : "no joint acts on a body that is awake";
+    for (const Stage stage : {Stage::JointSolver, Stage::DirectJoints}) {
+      report_.stages[static_cast<std::size_t>(stage)].why = why;
+    }
+  }
+  note_items(Stage::MotionLocks, locked);
+  note_items(Stage::GyroscopicTorque, gyroscopic);
+  note_items(Stage::FreeFlight, static_cast<std::int64_t>(islands_.free_bodies().size()));
+  note_items(Stage::KinematicBodies, static_cast<std::int64_t>(contents.kinematic));
+  note_items(Stage::ContinuousCollision, counts.swept, phase_ms(Phase::SweepFastBodies));
+  note(Stage::Sleeping, settings.sleeping, counts.active_bodies, phase_ms(Phase::Finish));
+  const bool events = settings.contact_events || (with_events && settings.run_everything);
+  const ContactEvents& noted = settings.contact_events ? events_ : unasked_events_;
+  note(Stage::ContactEvents, events, static_cast<std::int64_t>(noted.told.size()));
+  note(Stage::ContactProblem, settings.keep_contact_problem || settings.run_everything, counts.contacts);
+  note(Stage::Recording, recorder != nullptr, 1);
+  for (std::size_t i = 0; i < stage_count; ++i) {
+    if (!is_built(static_cast<Stage>(i))) report_.stages[i].why = "this build is without it";
+  }
+}
+
+}  // namespace atl

@@ -1,0 +1,248 @@
+#include "world/body_definition.h"
+
+#include <collision/shapes/height_field.h>
+#include <collision/shapes/hull.h>
+#include <collision/shapes/triangle_mesh.h>
+#include <solver/constraints/contact_inertia.h>
+#include <solver/constraints/motion_locks.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
+#include <string>
+#include <utility>
+
+#include "world/left_out.h"
+#include "world/refuse.h"
+
+namespace atl {
+namespace {
+
+// Appends the colliders of a shape; `what` names it.
+struct ShapeCheck {
+  std::string what;
+  std::vector<CheckedCollider>& colliders;
+
+  void add(const collision::Shape& shape, std::shared_ptr<const void> geometry = {}, std::uint64_t content = 0) const {
+    colliders.push_back({shape, {Vector3::Zero(), collision::Quaternion::Identity()}, std::move(geometry), content});
+  }
+
+  void operator()(const Box& box) const {
+    if (!box.half_extents.allFinite() || !(box.half_extents.minCoeff() > 0)) {
+      refuse(what + ": Box.half_extents", box.half_extents, "three finite numbers above 0");
+    }
+    add(collision::Shape::box(box.half_extents));
+  }
+
+  void operator()(const Sphere& sphere) const {
+    check_positive(what + ": Sphere.radius", sphere.radius);
+    add(collision::Shape::sphere(sphere.radius));
+  }
+
+  void operator()(const Capsule& capsule) const {
+    check_positive(what + ": Capsule.radius", capsule.radius);
+    check_positive(what + ": Capsule.half_height", capsule.half_height);
+    add(collision::Shape::capsule(capsule.radius, capsule.half_height));
+  }
+
+  void operator()(const Cylinder& cylinder) const {
+    check_positive(what + ": Cylinder.radius", cylinder.radius);
+    check_positive(what + ": Cylinder.half_height", cylinder.half_height);
+    add(collision::Shape::cylinder(cylinder.radius, cylinder.half_height));
+  }
+
+  void operator()(const Cone& cone) const {
+    check_positive(what + ": Cone.radius", cone.radius);
+    check_positive(what + ": Cone.half_height", cone.half_height);
+    add(collision::Shape::cone(cone.radius, cone.half_height));
+  }
+
+  void operator()(const HalfSpace& half_space) const {
+    const double length = half_space.normal.norm();
+    if (!half_space.normal.allFinite() || !(length > 0)) {
+      refuse(what + ": HalfSpace.normal", half_space.normal, "a finite vector that is not zero");
+    }
+    if (!std::isfinite(half_space.offset)) refuse(what + ": HalfSpace.offset", half_space.offset, "a finite number");
+    add(collision::Shape::half_space(half_space.normal / length, half_space.offset));
+  }
+
+  // These have been checked as they were made.
+  void operator()(const ConvexHull& hull) const {
+    add(collision::Shape::convex_hull(*hull.data()), hull.data(), hull.data()->content);
+  }
+  void operator()(const TriangleMesh& mesh) const {
+    add(collision::Shape::triangle_mesh(*mesh.data()), mesh.data(), mesh.data()->content);
+  }
+  void operator()(const HeightField& field) const {
+    add(collision::Shape::height_field(*field.data()), field.data(), field.data()->content);
+  }
+
+  void operator()(const Compound& compound) const {
+    if (compound.children.empty()) throw Error(what + ": Compound.children is empty; expected at least one child");
+    for (std::size_t i = 0; i < compound.children.size(); ++i) {
+      const CompoundChild& child = compound.children[i];
+      const std::string name = what + ": Compound.children[" + std::to_string(i) + "]";
+      if (!child.position.allFinite()) refuse(name + ".position", child.position, "three finite numbers");
+      check_positive(name + ".density_factor", child.density_factor);
+      const Quaternion orientation = checked_orientation((name + ".orientation").c_str(), child.orientation);
+      std::visit(ShapeCheck{name, colliders}, child.shape);
+      colliders.back().local = {child.position, orientation};
+    }
+  }
+};
+
+// A rigid body's principal moments can't be just any: each is at most the sum of the other two.
+void check_inertia(const Matrix3& inertia) {
+  const char* expected =
+      "a finite, symmetric, positive definite matrix whose largest principal moment is at most the sum of the others";
+  const double scale = inertia.cwiseAbs().maxCoeff();
+  if (!inertia.allFinite() || (inertia - inertia.transpose()).cwiseAbs().maxCoeff() > 1e-9 * scale) {
+    refuse("BodyDef.inertia", inertia, expected);
+  }
+  const Vector3 moments = Eigen::SelfAdjointEigenSolver<Matrix3>(inertia, Eigen::EigenvaluesOnly).eigenvalues();
+  if (!(moments[0] > 0) || moments[2] > (moments[0] + moments[1]) * (1 + 1e-9)) {
+    refuse("BodyDef.inertia", inertia, expected);
+  }
+}
+
+std::uint8_t bits_of(const MotionLocks& locks) {
+  unsigned bits = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    bits |= (locks.linear[axis] ? 1u : 0u) << axis | (locks.angular[axis] ? 8u : 0u) << axis;
+  }
+  return static_cast<std::uint8_t>(bits);
+}
+
+// What the definition of a dynamic body says of its mass; the shape has one.
+MassProperties mass_of(const BodyDef& def) {
+  MassProperties properties = mass_properties(def.shape);
+  const double mass = def.mass ? *def.mass : def.density * properties.mass;
+  properties.inertia = def.inertia ? *def.inertia : Matrix3(mass / properties.mass * properties.inertia);
+  properties.mass = mass;
+  return properties;
+}
+
+void find_principal_axes(BodyConstants& body) {
+  body.moments = body.inertia.diagonal();
+  if (body.inertia.isDiagonal()) return;
+  const Eigen::SelfAdjointEigenSolver<Matrix3> principal(body.inertia);
+  Matrix3 axes = principal.eigenvectors();
+  if (axes.determinant() < 0) axes = -axes;
+  body.principal_axes = Quaternion(axes);
+  body.moments = principal.eigenvalues();
+}
+
+void check_mass(const BodyDef& def, BodyConstants& body) {
+  check_positive("BodyDef.density", def.density);
+  if (def.mass) check_positive("BodyDef.mass", *def.mass);
+  if (def.inertia && !def.mass) throw Error("BodyDef.inertia is given without a mass; expected both or neither");
+  if (def.inertia) check_inertia(*def.inertia);
+  if (def.type != BodyType::Dynamic) return;
+  if (const char* name = massless_name(body.colliders.front().shape.kind)) {
+    throw Error(std::string("BodyDef.shape is a ") + name + " on a dynamic body; expected type Static or Kinematic");
+  }
+  const MassProperties properties = mass_of(def);
+  body.centre = properties.centre;
+  body.inertia = properties.inertia;
+  body.inverse_mass = 1 / properties.mass;
+  body.inverse_inertia = body.inertia.inverse();
+  if (!std::isfinite(body.inverse_mass) || !(body.inverse_mass > 0) || !body.inverse_inertia.allFinite()) {
+    refuse("BodyDef: mass", properties.mass, "a mass and inertia whose inverses are finite");
+  }
+  const double moment = body.inertia(0, 0);
+  // What can't turn freely doesn't tumble either.
+  body.gyroscopic = solver::angular_locks(body.locks) == 0 &&
+                    (body.inertia - moment * Matrix3::Identity()).cwiseAbs().maxCoeff() > 1e-12 * moment;
+  if (body.gyroscopic) find_principal_axes(body);
+}
+
+}  // namespace
+
+double least_moment_of(const BodyConstants& body) {
+  if (body.type != BodyType::Dynamic || solver::angular_locks(body.locks) != 0) return 0;
+  double radius = std::numeric_limits<double>::infinity();
+  for (const CheckedCollider& collider : body.colliders) radius = std::min(radius, collider.shape.inner_radius);
+  const double least = solver::least_moment_share / body.inverse_mass * radius * radius;
+  const Vector3 moments = body.gyroscopic ? body.moments : Vector3(body.inertia.diagonal());
+  return moments.minCoeff() < least ? least : 0;
+}
+
+Quaternion checked_orientation(const char* what, const Quaternion& value) {
+  if (!value.coeffs().allFinite() || !(value.norm() > 1e-6)) {
+    refuse(what, value.coeffs(), "a finite quaternion that is not zero (here as x, y, z, w)");
+  }
+  return value.normalized();
+}
+
+const char* massless_name(collision::ShapeKind kind) {
+  switch (kind) {
+    case collision::ShapeKind::HalfSpace:
+      return "HalfSpace";
+    case collision::ShapeKind::Mesh:
+      return "TriangleMesh";
+    case collision::ShapeKind::HeightField:
+      return "HeightField";
+    default:
+      return nullptr;
+  }
+}
+
+std::vector<CheckedCollider> checked_colliders(const char* what, const Shape& shape) {
+  std::vector<CheckedCollider> colliders;
+  std::visit(ShapeCheck{what, colliders}, shape);
+  return colliders;
+}
+
+CheckedBody check(const BodyDef& def) {
+  CheckedBody body;
+  BodyConstants& constants = body.constants;
+  constants.type = def.type;
+  constants.continuous = def.continuous;
+  constants.material = def.material;
+  if (def.type == BodyType::Dynamic) constants.locks = bits_of(def.locks);
+  constants.gravity_scale = def.gravity_scale;
+  constants.linear_damping = def.linear_damping;
+  constants.angular_damping = def.angular_damping;
+  constants.colliders = checked_colliders("BodyDef.shape", def.shape);
+  check_finite("BodyDef.position", def.position);
+  check_finite("BodyDef.velocity", def.velocity);
+  check_finite("BodyDef.angular_velocity", def.angular_velocity);
+  body.position = def.position;
+  body.velocity = solver::without(solver::linear_locks(constants.locks), def.velocity);
+  body.angular_velocity = solver::without(solver::angular_locks(constants.locks), def.angular_velocity);
+  body.surface_velocity = def.surface_velocity;
+  body.filter = def.filter;
+  body.orientation = checked_orientation("BodyDef.orientation", def.orientation);
+  if (def.type == BodyType::Static) {
+    if (!def.velocity.isZero(0)) refuse("BodyDef.velocity", def.velocity, "zero for a static body");
+    if (!def.angular_velocity.isZero(0)) {
+      refuse("BodyDef.angular_velocity", def.angular_velocity, "zero for a static body");
+    }
+  }
+  check_not_negative("BodyDef.material.friction", def.material.friction);
+  if (!(def.material.restitution >= 0 && def.material.restitution <= 1)) {
+    refuse("BodyDef.material.restitution", def.material.restitution, "a number in [0, 1]");
+  }
+  check_not_negative("BodyDef.material.rolling_friction", def.material.rolling_friction);
+  check_not_negative("BodyDef.material.torsional_friction", def.material.torsional_friction);
+  check_finite("BodyDef.surface_velocity", def.surface_velocity);
+  if (!std::isfinite(def.gravity_scale)) refuse("BodyDef.gravity_scale", def.gravity_scale, "a finite number");
+  check_not_negative("BodyDef.linear_damping", def.linear_damping);
+  check_not_negative("BodyDef.angular_damping", def.angular_damping);
+  check_mass(def, constants);
+  check_built_for(constants);
+  check_built_for_surface("BodyDef.surface_velocity", def.surface_velocity);
+  return body;
+}
+
+MassProperties body_mass(const BodyDef& def) {
+  if (def.type != BodyType::Dynamic) {
+    throw Error("body_mass: BodyDef.type is Static or Kinematic; expected Dynamic: others have no finite mass");
+  }
+  check(def);
+  return mass_of(def);
+}
+
+}  // namespace atl

@@ -1,0 +1,51 @@
+#include "world/constants_pool.h"
+
+#include <collision/shapes/collider_table.h>
+
+#include <algorithm>
+
+#include "state/roster.h"
+
+namespace atl {
+namespace {
+
+using jobs::same_bits;
+
+bool are_alike(const CheckedCollider& a, const CheckedCollider& b) {
+  return same_bits(a.shape, b.shape) && same_bits(a.local, b.local) && a.geometry == b.geometry &&
+         a.content == b.content;
+}
+
+// Field by field, as in visit_constants(): far faster than two fingerprints. Cheap and likely differences come first.
+bool are_alike(const BodyConstants& a, const BodyConstants& b) {
+  const auto alike = [](const CheckedCollider& x, const CheckedCollider& y) { return are_alike(x, y); };
+  return a.type == b.type &&
+         std::equal(a.colliders.begin(), a.colliders.end(), b.colliders.begin(), b.colliders.end(), alike) &&
+         a.continuous == b.continuous && same_bits(a.material, b.material) && a.locks == b.locks &&
+         same_bits(a.gravity_scale, b.gravity_scale) && same_bits(a.linear_damping, b.linear_damping) &&
+         same_bits(a.angular_damping, b.angular_damping) && same_bits(a.centre, b.centre) &&
+         same_bits(a.inverse_mass, b.inverse_mass) && same_bits(a.inertia, b.inertia) &&
+         same_bits(a.inverse_inertia, b.inverse_inertia) && a.gyroscopic == b.gyroscopic &&
+         same_bits(a.principal_axes, b.principal_axes) && same_bits(a.moments, b.moments);
+}
+
+}  // namespace
+
+std::shared_ptr<const BodyConstants> ConstantsPool::share(const BodyConstants& constants) {
+  std::shared_ptr<const BodyConstants> last = last_.lock();
+  if (last && are_alike(*last, constants)) return last;
+  if (known_.size() >= most_) {
+    std::erase_if(known_, [](const auto& entry) { return entry.second.expired(); });
+    most_ = std::max<std::size_t>(64, 2 * known_.size());
+  }
+  std::weak_ptr<const BodyConstants>& place = known_[fingerprint(constants)];
+  std::shared_ptr<const BodyConstants> shared = place.lock();
+  if (!shared) {
+    shared = std::make_shared<const BodyConstants>(constants);
+    place = shared;
+  }
+  last_ = shared;
+  return shared;
+}
+
+}  // namespace atl

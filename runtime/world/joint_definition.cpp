@@ -1,0 +1,154 @@
+#include "world/joint_definition.h"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <sstream>
+#include <string>
+
+#include "world/body_definition.h"
+#include "world/refuse.h"
+
+namespace atl {
+namespace {
+
+void check_above_zero_or_unlimited(std::string_view field, double value) {
+  if (!(value > 0)) refuse(field, value, "a number above 0, or unlimited");
+}
+
+// Within which the ends of a range make sense, where there are any.
+struct Domain {
+  double lower = -unlimited;
+  double upper = unlimited;
+  const char* name = "";
+};
+
+constexpr Domain any = {};
+constexpr Domain not_negative = {0, unlimited, "a number not below 0, as distances are"};
+constexpr Domain half_turn = {-std::numbers::pi, std::numbers::pi, "a number in [-pi, pi]"};
+constexpr Domain twice_a_sine = {-2, 2, "a number in [-2, 2], twice the sine of half the angle"};
+
+void check_end(std::string_view field, double value, const Domain& domain) {
+  if (std::isfinite(value) && (value < domain.lower || value > domain.upper)) refuse(field, value, domain.name);
+}
+
+void check_range(const std::string& field, const JointRange& range, const Domain& domain) {
+  if (std::isnan(range.lower) || range.lower == unlimited) {
+    refuse(field + ".lower", range.lower, "a finite number, or -unlimited");
+  }
+  if (std::isnan(range.upper) || range.upper == -unlimited) {
+    refuse(field + ".upper", range.upper, "a finite number, or unlimited");
+  }
+  if (range.lower > range.upper) {
+    std::ostringstream message;
+    message << field << ": lower " << range.lower << " is above upper " << range.upper << "; expected it not to be";
+    throw Error(message.str());
+  }
+  check_end(field + ".lower", range.lower, domain);
+  check_end(field + ".upper", range.upper, domain);
+  if (!(range.restitution >= 0 && range.restitution <= 1)) {
+    refuse(field + ".restitution", range.restitution, "a number in [0, 1]");
+  }
+}
+
+void check_servo(const std::string& field, const JointServo& servo) {
+  check_finite(field + ".target", servo.target);
+  check_not_negative(field + ".stiffness", servo.stiffness);
+  check_not_negative(field + ".damping", servo.damping);
+  if (servo.stiffness == 0 && servo.damping == 0) {
+    throw Error(field + ": stiffness and damping are 0; expected one of them above 0");
+  }
+}
+
+void check_axis(const std::string& field, const JointAxis& axis, const Domain& domain = any) {
+  check_range(field + ".range", axis.range, domain);
+  if (axis.spring) {
+    const double hertz = axis.spring->hertz;
+    if (!(std::isfinite(hertz) && hertz > 0)) refuse(field + ".spring.hertz", hertz, "a finite number above 0");
+    check_not_negative(field + ".spring.damping_ratio", axis.spring->damping_ratio);
+    check_finite(field + ".spring.rest", axis.spring->rest);
+    if (axis.spring->stiffness) check_not_negative(field + ".spring.stiffness", *axis.spring->stiffness);
+    if (axis.spring->damping) check_not_negative(field + ".spring.damping", *axis.spring->damping);
+  }
+  if (axis.motor) {
+    check_finite(field + ".motor.speed", axis.motor->speed);
+    if (!(axis.motor->max_force >= 0)) {
+      refuse(field + ".motor.max_force", axis.motor->max_force, "a number not below 0, or unlimited");
+    }
+    if (axis.motor->servo) check_servo(field + ".motor.servo", *axis.motor->servo);
+  }
+  check_not_negative(field + ".armature", axis.armature);
+}
+
+struct KindCheck {
+  std::string what;
+
+  void operator()(const BallJoint& ball) const { check_not_negative(what + ".friction", ball.friction); }
+  void operator()(const HingeJoint& hinge) const { check_axis(what + ".angle", hinge.angle); }
+  void operator()(const SliderJoint& slider) const { check_axis(what + ".offset", slider.offset); }
+  void operator()(const FixedJoint&) const {}
+
+  void operator()(const DistanceJoint& rod) const {
+    check_axis(what + ".distance", rod.distance, not_negative);
+    const JointRange& range = rod.distance.range;
+    if (!(range.upper > 0)) refuse(what + ".distance.range.upper", range.upper, "a number above 0");
+  }
+
+  void operator()(const UniversalJoint& cross) const {
+    check_axis(what + ".first", cross.first);
+    check_axis(what + ".second", cross.second);
+  }
+
+  void operator()(const ConeTwistJoint& cone) const {
+    if (!(cone.swing_limit > 0 && (cone.swing_limit < std::numbers::pi || cone.swing_limit == unlimited))) {
+      refuse(what + ".swing_limit", cone.swing_limit, "a number in (0, pi), or unlimited");
+    }
+    check_axis(what + ".twist", cone.twist, half_turn);
+    check_not_negative(what + ".swing_friction", cone.swing_friction);
+  }
+
+  void operator()(const SixDofJoint& six) const {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::string index = "[" + std::to_string(i) + "]";
+      check_axis(what + ".offset" + index, six.offset[i]);
+      check_axis(what + ".turn" + index, six.turn[i], twice_a_sine);
+    }
+  }
+
+  void operator()(const GearJoint& gear) const {
+    if (!std::isfinite(gear.ratio) || gear.ratio == 0) {
+      refuse(what + ".ratio", gear.ratio, "a finite number other than 0");
+    }
+  }
+
+  void operator()(const WheelJoint& wheel) const {
+    check_axis(what + ".suspension", wheel.suspension);
+    check_axis(what + ".steering", wheel.steering);
+    check_axis(what + ".spin", wheel.spin);
+  }
+};
+
+constexpr std::array<const char*, std::variant_size_v<JointKind>> kind_names = {
+    "BallJoint",      "HingeJoint",     "SliderJoint", "FixedJoint", "DistanceJoint",
+    "UniversalJoint", "ConeTwistJoint", "SixDofJoint", "GearJoint",  "WheelJoint"};
+
+}  // namespace
+
+void check(const char* what, const JointKind& kind) { std::visit(KindCheck{what}, kind); }
+
+const char* name_of(const JointKind& kind) { return kind_names[kind.index()]; }
+
+JointDef checked(const JointDef& def) {
+  check("JointDef.kind", def.kind);
+  check_finite("JointDef.frame_first.position", def.frame_first.position);
+  check_finite("JointDef.frame_second.position", def.frame_second.position);
+  check_above_zero_or_unlimited("JointDef.break_force", def.break_force);
+  check_above_zero_or_unlimited("JointDef.break_torque", def.break_torque);
+  JointDef result = def;
+  result.frame_first.orientation = checked_orientation("JointDef.frame_first.orientation", def.frame_first.orientation);
+  result.frame_second.orientation =
+      checked_orientation("JointDef.frame_second.orientation", def.frame_second.orientation);
+  return result;
+}
+
+}  // namespace atl

@@ -1,0 +1,23 @@
+// Which ids are joints': asked also in builds without them.
+
+#include <atoll/error.h>
+
+#include <sstream>
+
+#include "world/world_impl.h"
+
+namespace atl {
+
+bool World::Impl::contains(JointId id) const {
+  return id.index < joints.size() && joints.alive[id.index] && joints.generation[id.index] == id.generation;
+}
+
+std::uint32_t World::Impl::index_of(JointId id, const char* call) const {
+  if (contains(id)) return id.index;
+  std::ostringstream message;
+  message << "World::" << call << ": no joint has the id (index " << id.index << ", generation " << id.generation
+          << "); expected the id of a joint that has not been removed, by itself or with a body";
+  throw Error(message.str());
+}
+
+}  // namespace atl

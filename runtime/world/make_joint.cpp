@@ -1,0 +1,170 @@
+// The one place that says what each kind of joint is.
+
+#include "world/make_joint.h"
+
+#include <algorithm>
+#include <array>
+
+namespace atl {
+namespace {
+
+using solver::Coordinate;
+using solver::Law;
+
+Law law_of(const JointAxis& axis) {
+  Law law{.lower = axis.range.lower, .upper = axis.range.upper};
+  if (law.locked()) return law;
+  law.restitution = law.limited() ? axis.range.restitution : 0;
+  law.armature = axis.armature;
+  if (axis.spring) {
+    if (axis.spring->is_linear()) {
+      law.stiffness = axis.spring->stiffness.value_or(0);
+      law.damping = axis.spring->damping.value_or(0);
+    } else {
+      law.spring_hertz = axis.spring->hertz;
+      law.damping_ratio = axis.spring->damping_ratio;
+    }
+    law.rest = axis.spring->rest;
+  }
+  if (axis.motor && axis.motor->max_force > 0) {
+    law.motor_speed = axis.motor->speed;
+    law.motor_force = axis.motor->max_force;
+    if (const auto& servo = axis.motor->servo) {
+      law.servo_target = servo->target;
+      law.servo_stiffness = servo->stiffness;
+      law.servo_damping = servo->damping;
+    }
+  }
+  return law;
+}
+
+bool holds_at_zero(const JointAxis& axis) { return axis.range.lower == 0 && axis.range.upper == 0; }
+
+// Adds the rows of a kind.
+struct Rows {
+  solver::Joint& joint;
+
+  void add(Coordinate coordinate, const Law& law) const {
+    if (!law.acts()) return;
+    joint.coordinate[joint.rows] = coordinate;
+    joint.law[joint.rows] = law;
+    joint.bounces |= law.restitution > 0;
+    ++joint.rows;
+  }
+  void add(Coordinate coordinate, const JointAxis& axis) const { add(coordinate, law_of(axis)); }
+  void lock(std::initializer_list<Coordinate> coordinates) const {
+    for (const Coordinate coordinate : coordinates) add(coordinate, Law{.lower = 0, .upper = 0});
+  }
+
+  void operator()(const BallJoint& ball) const {
+    joint.point = true;
+    for (const Coordinate spin : {Coordinate::SpinX, Coordinate::SpinY, Coordinate::SpinZ}) {
+      add(spin, Law{.motor_force = ball.friction});
+    }
+  }
+
+  void operator()(const HingeJoint& hinge) const {
+    joint.point = true;
+    lock({Coordinate::CosineXY, Coordinate::CosineXZ});
+    add(Coordinate::Twist, hinge.angle);
+  }
+
+  void operator()(const SliderJoint& slider) const {
+    lock({Coordinate::OffsetY, Coordinate::OffsetZ, Coordinate::TurnX, Coordinate::TurnY, Coordinate::TurnZ});
+    add(Coordinate::OffsetX, slider.offset);
+  }
+
+  void operator()(const FixedJoint&) const {
+    joint.point = true;
+    lock({Coordinate::TurnX, Coordinate::TurnY, Coordinate::TurnZ});
+  }
+
+  void operator()(const DistanceJoint& rod) const { add(Coordinate::Distance, rod.distance); }
+
+  void operator()(const UniversalJoint& cross) const {
+    joint.point = true;
+    lock({Coordinate::CosineXY});
+    add(Coordinate::AngleX, cross.first);
+    add(Coordinate::AngleSecondY, cross.second);
+  }
+
+  void operator()(const ConeTwistJoint& cone) const {
+    joint.point = true;
+    add(Coordinate::Swing, Law{.upper = cone.swing_limit, .motor_force = cone.swing_friction});
+    add(Coordinate::Orbit, Law{.motor_force = cone.swing_friction});
+    add(Coordinate::Twist, cone.twist);
+  }
+
+  void operator()(const SixDofJoint& six) const {
+    joint.point = std::all_of(six.offset.begin(), six.offset.end(), holds_at_zero);
+    if (!joint.point) {
+      add(Coordinate::OffsetX, six.offset[0]);
+      add(Coordinate::OffsetY, six.offset[1]);
+      add(Coordinate::OffsetZ, six.offset[2]);
+    }
+    add(Coordinate::TurnX, six.turn[0]);
+    add(Coordinate::TurnY, six.turn[1]);
+    add(Coordinate::TurnZ, six.turn[2]);
+  }
+
+  void operator()(const GearJoint& gear) const {
+    joint.ratio = gear.ratio;
+    lock({gear.rack ? Coordinate::Rack : Coordinate::Gear});
+  }
+
+  void operator()(const WheelJoint& wheel) const {
+    lock({Coordinate::OffsetX, Coordinate::OffsetY, Coordinate::CosineZY});
+    add(Coordinate::OffsetZ, wheel.suspension);
+    add(Coordinate::Steer, wheel.steering);
+    add(Coordinate::Roll, wheel.spin);
+  }
+};
+
+constexpr std::array hinge_names = {Coordinate::Twist};
+constexpr std::array slider_names = {Coordinate::OffsetX};
+constexpr std::array distance_names = {Coordinate::Distance};
+constexpr std::array universal_names = {Coordinate::AngleX, Coordinate::AngleSecondY};
+constexpr std::array cone_names = {Coordinate::Swing, Coordinate::Twist};
+constexpr std::array six_names = {Coordinate::OffsetX, Coordinate::OffsetY, Coordinate::OffsetZ,
+                                  Coordinate::TurnX,   Coordinate::TurnY,   Coordinate::TurnZ};
+constexpr std::array gear_names = {Coordinate::Gear};
+constexpr std::array rack_names = {Coordinate::Rack};
+constexpr std::array wheel_names = {Coordinate::OffsetZ, Coordinate::Steer, Coordinate::Roll};
+
+struct Names {
+  using Coordinates = std::span<const Coordinate>;
+
+  Coordinates operator()(const BallJoint&) const { return {}; }
+  Coordinates operator()(const HingeJoint&) const { return hinge_names; }
+  Coordinates operator()(const SliderJoint&) const { return slider_names; }
+  Coordinates operator()(const FixedJoint&) const { return {}; }
+  Coordinates operator()(const DistanceJoint&) const { return distance_names; }
+  Coordinates operator()(const UniversalJoint&) const { return universal_names; }
+  Coordinates operator()(const ConeTwistJoint&) const { return cone_names; }
+  Coordinates operator()(const SixDofJoint&) const { return six_names; }
+  Coordinates operator()(const GearJoint& gear) const { return gear.rack ? Coordinates(rack_names) : gear_names; }
+  Coordinates operator()(const WheelJoint&) const { return wheel_names; }
+};
+
+}  // namespace
+
+solver::Joint make_joint(const JointKind& kind) {
+  solver::Joint joint;
+  std::visit(Rows{joint}, kind);
+  return joint;
+}
+
+solver::Joint make_joint(const JointDef& def, const Vector3& centre_first, const Vector3& centre_second) {
+  solver::Joint joint = make_joint(def.kind);
+  joint.first = def.first.index;
+  joint.second = def.second.index;
+  joint.anchor_first = def.frame_first.position - centre_first;
+  joint.anchor_second = def.frame_second.position - centre_second;
+  joint.axes_first = def.frame_first.orientation;
+  joint.axes_second = def.frame_second.orientation;
+  return joint;
+}
+
+std::span<const solver::Coordinate> named_coordinates(const JointKind& kind) { return std::visit(Names{}, kind); }
+
+}  // namespace atl

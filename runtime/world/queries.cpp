@@ -1,0 +1,324 @@
+// Checks questions, hands them to the collision layer, and names bodies in its answers.
+
+#include <atoll/error.h>
+#include <atoll/queries.h>
+#include <collision/queries/query.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <string>
+#include <utility>
+
+#include "world/body_definition.h"
+#include "world/refuse.h"
+#include "world/world_impl.h"
+
+namespace atl {
+
+/// What queries need of a world.
+struct QueryAccess {
+  const collision::ColliderTable& colliders;
+  const solver::BodyTable& bodies;
+  const BodyRecords& records;
+  const collision::Broadphase& broadphase;
+  jobs::Arena& arena;
+
+  static QueryAccess of(const World& world) {
+    World::Impl& impl = *world.impl_;
+    impl.take_in_boxes();
+    return {impl.colliders, impl.bodies, impl.records, impl.broadphase, impl.arena};
+  }
+
+  collision::QueryScene scene() const {
+    return {colliders, {bodies.positions.data(), bodies.orientations.data()}, broadphase};
+  }
+  BodyId id(std::uint32_t collider) const {
+    const std::uint32_t body = colliders.body[collider];
+    return {body, records.generation[body]};
+  }
+};
+
+namespace {
+
+using collision::infinity;
+// Few enough that a batch of a few hundred is shared evenly, many enough that handing out costs nothing.
+constexpr std::size_t batch_grain = 32;
+
+class Filter {
+ public:
+  Filter(const QueryAccess& access, const QueryFilter& filter) : access_(access), filter_(filter) {
+    for (const BodyId id : filter.ignore) {
+      if (id.index < access.records.generation.size() && access.records.generation[id.index] == id.generation) {
+        ignored_.push_back(id.index);
+      }
+    }
+    std::sort(ignored_.begin(), ignored_.end());
+  }
+
+  bool operator()(std::uint32_t collider) const {
+    const std::uint32_t body = access_.colliders.body[collider];
+    const collision::Filter& other = access_.broadphase.filter(collider);
+    if ((filter_.mask & other.category) == 0 || (other.mask & filter_.category) == 0) return false;
+    if (!wanted(access_.records.type[body])) return false;
+    if (std::binary_search(ignored_.begin(), ignored_.end(), body)) return false;
+    // A body that a step left without a place is nowhere.
+    if (!access_.bodies.position(body).allFinite()) return false;
+    return !filter_.predicate || filter_.predicate(access_.id(collider), access_.colliders.child[collider]);
+  }
+
+ private:
+  bool wanted(BodyType type) const {
+    switch (type) {
+      case BodyType::Static:
+        return filter_.static_bodies;
+      case BodyType::Kinematic:
+        return filter_.kinematic_bodies;
+      case BodyType::Dynamic:
+        break;
+    }
+    return filter_.dynamic_bodies;
+  }
+
+  const QueryAccess& access_;
+  const QueryFilter& filter_;
+  std::vector<std::uint32_t> ignored_;
+};
+
+void check_distance(const std::string& what, double value, bool may_be_infinite) {
+  if (value >= 0 && (value < infinity || may_be_infinite)) return;
+  std::ostringstream message;
+  message << what << " is " << value << "; expected a number not below 0" << (may_be_infinite ? "" : ", finite");
+  throw Error(message.str());
+}
+
+struct CheckedRay {
+  collision::Ray ray;
+  collision::Sides sides;
+};
+
+CheckedRay checked(const std::string& what, const Ray& ray) {
+  check_finite(what + ".origin", ray.origin);
+  check_finite(what + ".direction", ray.direction);
+  check_distance(what + ".max_distance", ray.max_distance, true);
+  const Vector3 direction = ray.direction.stableNormalized();
+  if (!(direction.squaredNorm() > 0.5)) throw Error(what + ".direction is zero; expected any other vector");
+  return {{ray.origin, direction, ray.max_distance}, ray.both_sides ? collision::Sides::Both : collision::Sides::Front};
+}
+
+struct CheckedSolid {
+  collision::Shape shape;
+  collision::Pose pose;
+};
+
+CheckedSolid checked(const std::string& what, const ConvexShape* shape, const Vector3& position,
+                     const Quaternion& orientation) {
+  check_finite(what + ".position", position);
+  CheckedSolid solid;
+  solid.pose = {position, checked_orientation((what + ".orientation").c_str(), orientation)};
+  // The hull, if it is one, belongs to the caller's shape, which outlives the call.
+  solid.shape =
+      shape ? std::visit([&](const auto& one) { return checked_colliders((what + ".shape").c_str(), one); }, *shape)
+                  .front()
+                  .shape
+            : collision::Shape::sphere(0);
+  return solid;
+}
+
+CheckedSolid checked(const std::string& what, const QueryShape& placed) {
+  return checked(what, placed.shape ? &*placed.shape : nullptr, placed.position, placed.orientation);
+}
+
+CheckedSolid checked(const std::string& what, const ShapeCast& cast) {
+  check_finite(what + ".translation", cast.translation);
+  return checked(what, &cast.shape, cast.position, cast.orientation);
+}
+
+std::optional<std::uint32_t> triangle_of(std::uint32_t number) {
+  if (number == collision::RayHit::no_triangle) return std::nullopt;
+  return number;
+}
+
+RayHit named(const QueryAccess& access, const collision::ColliderRayHit& found) {
+  const collision::RayHit& hit = found.hit;
+  return {access.id(found.collider),
+          access.colliders.child[found.collider],
+          hit.t,
+          found.point,
+          hit.normal,
+          triangle_of(hit.triangle),
+          hit.started_inside};
+}
+
+ShapeHit named(const QueryAccess& access, const collision::ColliderSweepHit& found, double length) {
+  const collision::SweepHit& hit = found.hit;
+  return {access.id(found.collider),
+          access.colliders.child[found.collider],
+          hit.t * length,
+          hit.point,
+          -hit.normal,
+          triangle_of(hit.triangle),
+          hit.started_overlapping};
+}
+
+std::optional<RayHit> first_hit(const QueryAccess& access, const CheckedRay& ray, const Filter& filter) {
+  collision::ColliderRayHit found;
+  if (!collision::cast_ray(access.scene(), ray.ray, ray.sides, filter, found)) return std::nullopt;
+  return named(access, found);
+}
+
+bool any_hit(const QueryAccess& access, const CheckedRay& ray, const Filter& filter) {
+  collision::ColliderRayHit unused;
+  return collision::cast_ray_any(access.scene(), ray.ray, ray.sides, filter, unused);
+}
+
+std::optional<ShapeHit> first_hit(const QueryAccess& access, const CheckedSolid& solid, const Vector3& translation,
+                                  const Filter& filter) {
+  collision::ColliderSweepHit found;
+  if (!collision::cast_shape(access.scene(), solid.shape, solid.pose, translation, filter, found)) return std::nullopt;
+  return named(access, found, translation.norm());
+}
+
+std::vector<BodyId> overlapped(const QueryAccess& access, const CheckedSolid& solid, const Filter& filter) {
+  std::vector<std::uint32_t> found;
+  collision::find_overlaps(access.scene(), solid.shape, solid.pose, filter, found);
+  std::vector<BodyId> bodies;
+  for (const std::uint32_t collider : found) {
+    const BodyId id = access.id(collider);
+    if (bodies.empty() || bodies.back() != id) bodies.push_back(id);
+  }
+  return bodies;
+}
+
+std::optional<ClosestPoint> closest(const QueryAccess& access, const CheckedSolid& solid, double max_distance,
+                                    const Filter& filter) {
+  collision::ColliderDistance found;
+  if (!collision::find_closest(access.scene(), solid.shape, solid.pose, max_distance, filter, found)) {
+    return std::nullopt;
+  }
+  const collision::Distance& distance = found.distance;
+  return ClosestPoint{access.id(found.collider),
+                      access.colliders.child[found.collider],
+                      distance.distance,
+                      distance.on_other,
+                      distance.on_solid,
+                      -distance.normal,
+                      triangle_of(distance.triangle)};
+}
+
+std::string numbered(const char* what, std::size_t i) { return what + ("[" + std::to_string(i) + "]"); }
+
+// Checks all questions, then answers them in parallel.
+template <typename Answer, typename Question, typename Respond>
+std::vector<Answer> answer_all(const QueryAccess& access, const char* what, std::span<const Question> questions,
+                               const Respond& respond) {
+  std::vector<decltype(checked(std::string(), questions[0]))> good;
+  good.reserve(questions.size());
+  for (std::size_t i = 0; i < questions.size(); ++i) good.push_back(checked(numbered(what, i), questions[i]));
+  std::vector<Answer> answers(questions.size());
+  access.arena.parallel_for(questions.size(), batch_grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) answers[i] = respond(good[i], i);
+  });
+  return answers;
+}
+
+}  // namespace
+
+Queries::Queries(const World& world) : world_(&world) {}
+
+std::optional<RayHit> Queries::cast_ray(const Ray& ray, const QueryFilter& filter) const {
+  const QueryAccess access = QueryAccess::of(*world_);
+  return first_hit(access, checked("Queries::cast_ray: ray", ray), Filter(access, filter));
+}
+
+std::vector<RayHit> Queries::cast_ray_through(const Ray& ray, const QueryFilter& filter) const {
+  const QueryAccess access = QueryAccess::of(*world_);
+  const CheckedRay good = checked("Queries::cast_ray_through: ray", ray);
+  std::vector<collision::ColliderRayHit> found;
+  const Filter accept(access, filter);
+  collision::cast_ray_all(access.scene(), good.ray, good.sides, accept, found);
+  std::vector<RayHit> hits;
+  hits.reserve(found.size());
+  for (const collision::ColliderRayHit& hit : found) hits.push_back(named(access, hit));
+  return hits;
+}
+
+bool Queries::is_blocked(const Ray& ray, const QueryFilter& filter) const {
+  const QueryAccess access = QueryAccess::of(*world_);
+  return any_hit(access, checked("Queries::is_blocked: ray", ray), Filter(access, filter));
+}
+
+std::optional<ShapeHit> Queries::cast_shape(const ShapeCast& cast, const QueryFilter& filter) const {
+  const QueryAccess access = QueryAccess::of(*world_);
+  return first_hit(access, checked("Queries::cast_shape: cast", cast), cast.translation, Filter(access, filter));
+}
+
+std::vector<ShapeHit> Queries::cast_shape_through(const ShapeCast& cast, const QueryFilter& filter) const {
+  const QueryAccess access = QueryAccess::of(*world_);
+  const CheckedSolid solid = checked("Queries::cast_shape_through: cast", cast);
+  std::vector<collision::ColliderSweepHit> found;
+  const Filter accept(access, filter);
+  collision::cast_shape_all(access.scene(), solid.shape, solid.pose, cast.translation, accept, found);
+  std::vector<ShapeHit> hits;
+  hits.reserve(found.size());
+  for (const collision::ColliderSweepHit& hit : found) hits.push_back(named(access, hit, cast.translation.norm()));
+  return hits;
+}
+
+std::vector<BodyId> Queries::overlapping(const QueryShape& shape, const QueryFilter& filter) const {
+  const QueryAccess access = QueryAccess::of(*world_);
+  return overlapped(access, checked("Queries::overlapping: shape", shape), Filter(access, filter));
+}
+
+std::optional<ClosestPoint> Queries::closest_point(const QueryShape& shape, double max_distance,
+                                                   const QueryFilter& filter) const {
+  const QueryAccess access = QueryAccess::of(*world_);
+  check_distance("Queries::closest_point: max_distance", max_distance, false);
+  return closest(access, checked("Queries::closest_point: shape", shape), max_distance, Filter(access, filter));
+}
+
+std::vector<std::optional<RayHit>> Queries::cast_rays(std::span<const Ray> rays, const QueryFilter& filter) const {
+  const QueryAccess access = QueryAccess::of(*world_);
+  const Filter accept(access, filter);
+  return answer_all<std::optional<RayHit>>(
+      access, "Queries::cast_rays: rays", rays,
+      [&](const CheckedRay& ray, std::size_t) { return first_hit(access, ray, accept); });
+}
+
+std::vector<std::uint8_t> Queries::are_blocked(std::span<const Ray> rays, const QueryFilter& filter) const {
+  const QueryAccess access = QueryAccess::of(*world_);
+  const Filter accept(access, filter);
+  return answer_all<std::uint8_t>(
+      access, "Queries::are_blocked: rays", rays,
+      [&](const CheckedRay& ray, std::size_t) -> std::uint8_t { return any_hit(access, ray, accept); });
+}
+
+std::vector<std::optional<ShapeHit>> Queries::cast_shapes(std::span<const ShapeCast> casts,
+                                                          const QueryFilter& filter) const {
+  const QueryAccess access = QueryAccess::of(*world_);
+  const Filter accept(access, filter);
+  return answer_all<std::optional<ShapeHit>>(
+      access, "Queries::cast_shapes: casts", casts,
+      [&](const CheckedSolid& solid, std::size_t i) { return first_hit(access, solid, casts[i].translation, accept); });
+}
+
+std::vector<std::vector<BodyId>> Queries::overlapping(std::span<const QueryShape> shapes,
+                                                      const QueryFilter& filter) const {
+  const QueryAccess access = QueryAccess::of(*world_);
+  const Filter accept(access, filter);
+  return answer_all<std::vector<BodyId>>(
+      access, "Queries::overlapping: shapes", shapes,
+      [&](const CheckedSolid& solid, std::size_t) { return overlapped(access, solid, accept); });
+}
+
+std::vector<std::optional<ClosestPoint>> Queries::closest_points(std::span<const QueryShape> shapes,
+                                                                 double max_distance, const QueryFilter& filter) const {
+  const QueryAccess access = QueryAccess::of(*world_);
+  check_distance("Queries::closest_points: max_distance", max_distance, false);
+  const Filter accept(access, filter);
+  return answer_all<std::optional<ClosestPoint>>(
+      access, "Queries::closest_points: shapes", shapes,
+      [&](const CheckedSolid& solid, std::size_t) { return closest(access, solid, max_distance, accept); });
+}
+
+}  // namespace atl

@@ -1,0 +1,402 @@
+// The public face of World: checks arguments and hands on.
+
+#include <atoll/snapshot.h>
+#include <atoll/world.h>
+#include <jobs/with_joints.h>
+#include <jobs/with_recording.h>
+#include <jobs/with_snapshots.h>
+#include <solver/constraints/motion_locks.h>
+#include <solver/integrate/trigonometry.h>
+
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <sstream>
+#include <utility>
+#include <vector>
+
+#include "state/recorder.h"
+#include "step/forced_step.h"
+#include "world/body_definition.h"
+#include "world/left_out.h"
+#include "world/refuse.h"
+#include "world/settings_check.h"
+#include "world/world_impl.h"
+
+namespace atl {
+namespace {
+
+int checked_threads(int threads) {
+  if (threads >= 1 && threads <= 1024) return threads;
+  std::ostringstream message;
+  message << "WorldDef.threads is " << threads << "; expected 1 to 1024";
+  throw Error(message.str());
+}
+
+const Settings& checked(const Settings& settings) {
+  check(settings);
+  return settings;
+}
+
+void check_step(const char* call, double dt) {
+  if (dt > 0 && dt <= 1) return;
+  std::ostringstream message;
+  message << call << ": dt is " << dt << "; expected a number above 0 and at most 1 (s)";
+  throw Error(message.str());
+}
+
+// Worlds are numbered as they are made. The number goes into no result: it tells whose a snapshot is.
+std::uint64_t next_serial() {
+  static std::atomic<std::uint64_t> last = 0;
+  return ++last;
+}
+
+// Has a call recorded that was made, if there is a recording.
+template <typename Call>
+void note(const auto& impl, const auto&... arguments) {
+  if constexpr (with_recording) {
+    if (impl.recorder) impl.recorder->note(Call{arguments...});
+  }
+}
+
+}  // namespace
+
+World::Impl::Impl(const WorldDef& def)
+    : gravity(def.gravity),
+      settings(checked(def.settings)),
+      kernels(&kernels_for(def.settings.simd)),
+      narrowphase_kernels(collision::find_narrowphase_kernels(kernels->name)),
+      arena(checked_threads(def.threads)),
+      group_solvers_(def.threads),
+      overloads_(def.threads),
+      fast_(def.threads),
+      continuous_(def.threads),
+      serial_(next_serial()) {
+  check_finite("WorldDef.gravity", def.gravity);
+}
+
+// Checks and records a step, which is done by `step()`.
+template <typename Step>
+StepReport World::Impl::take_step(double dt, bool forced, const Step& step) {
+  check_step("World::step", dt);
+  if (forced_) throw Error("World::step: found a step under way; expected no call of it from a force law");
+  if constexpr (with_recording) {
+    if (recorder) recorder->note_step(dt, forced);
+  }
+  const StepReport report = step();
+  if constexpr (with_recording) {
+    if (recorder) record_result();
+  }
+  return report;
+}
+
+World::Impl::~Impl() {
+  if constexpr (with_recording) end_recording();
+}
+
+World::World(const WorldDef& def) : impl_(std::make_unique<Impl>(def)) {}
+World::~World() = default;
+World::World(World&&) noexcept = default;
+World& World::operator=(World&&) noexcept = default;
+
+BodyId World::add_body(const BodyDef& def) { return impl_->add_body(check(def)); }
+
+void World::remove_body(BodyId id) {
+  impl_->remove_body(id);
+  note<calls::RemoveBody>(*impl_, id);
+}
+
+bool World::contains(BodyId id) const {
+  return id.index < impl_->bodies.size() && impl_->records.alive[id.index] &&
+         impl_->records.generation[id.index] == id.generation;
+}
+
+std::size_t World::body_count() const { return impl_->records.count; }
+
+std::vector<BodyId> World::bodies() const {
+  const BodyRecords& records = impl_->records;
+  std::vector<BodyId> ids;
+  ids.reserve(records.count);
+  for (std::uint32_t body = 0; body < records.alive.size(); ++body) {
+    if (records.alive[body]) ids.push_back({body, records.generation[body]});
+  }
+  return ids;
+}
+
+Pose World::pose(BodyId id) const { return impl_->pose(id); }
+
+BodyState World::state(BodyId id) const {
+  const std::uint32_t body = impl_->index_of(id, "state");
+  return {impl_->pose(id), impl_->bodies.velocity(body), impl_->bodies.angular_velocity(body)};
+}
+
+Vector3 World::centre_of_mass(BodyId id) const { return impl_->bodies.position(impl_->index_of(id, "centre_of_mass")); }
+
+Vector3 World::velocity(BodyId id) const { return impl_->bodies.velocity(impl_->index_of(id, "velocity")); }
+
+Vector3 World::angular_velocity(BodyId id) const {
+  return impl_->bodies.angular_velocity(impl_->index_of(id, "angular_velocity"));
+}
+
+double World::mass(BodyId id) const {
+  const double inverse = impl_->bodies.inverse_mass[impl_->index_of(id, "mass")];
+  return inverse > 0 ? 1 / inverse : std::numeric_limits<double>::infinity();
+}
+
+BodyType World::type(BodyId id) const { return impl_->records.type[impl_->index_of(id, "type")]; }
+
+bool World::is_asleep(BodyId id) const { return impl_->sleeping.is_asleep(impl_->index_of(id, "is_asleep")); }
+
+void World::set_pose(BodyId id, const Pose& pose) {
+  impl_->set_pose(id, pose);
+  note<calls::SetPose>(*impl_, id, pose);
+}
+
+void World::set_velocity(BodyId id, const Vector3& linear, const Vector3& angular) {
+  check_finite("World::set_velocity: linear", linear);
+  check_finite("World::set_velocity: angular", angular);
+  const std::uint32_t index = impl_->index_of(id, "set_velocity");
+  if (impl_->records.type[index] == BodyType::Static && !(linear.isZero(0) && angular.isZero(0))) {
+    throw Error("World::set_velocity: the body is static; expected a dynamic or kinematic one");
+  }
+  const std::uint32_t body = impl_->awaken(id, "set_velocity");
+  solver::BodyTable& bodies = impl_->bodies;
+  bodies.velocity(body) = solver::without(solver::linear_locks(bodies.locks[body]), linear);
+  bodies.angular_velocity(body) = solver::without(solver::angular_locks(bodies.locks[body]), angular);
+  note<calls::SetVelocity>(*impl_, id, linear, angular);
+}
+
+void World::move_to(BodyId id, const Pose& pose, double dt) {
+  check_step("World::move_to", dt);
+  check_finite("World::move_to: pose.position", pose.position);
+  const Quaternion orientation = checked_orientation("World::move_to: pose.orientation", pose.orientation);
+  const std::uint32_t body = impl_->index_of(id, "move_to");
+  if (impl_->records.type[body] != BodyType::Kinematic) {
+    throw Error("World::move_to: the body is not kinematic; expected one that is, as forces move others");
+  }
+  const Vector3 position = pose.position + orientation * impl_->records.centre[body];
+  const Quaternion turn = orientation * impl_->bodies.orientation(body).conjugate();
+  const double half_sine = turn.vec().norm();
+  const double angle = 2 * solver::arctangent(half_sine, std::abs(turn.w()));
+  Vector3 spin = Vector3::Zero();
+  if (half_sine > 0) spin = (turn.w() < 0 ? -1 : 1) * angle / (dt * half_sine) * turn.vec();
+  set_velocity(id, (position - impl_->bodies.position(body)) / dt, spin);
+}
+
+void World::set_surface_velocity(BodyId id, const Vector3& velocity) {
+  check_finite("World::set_surface_velocity: velocity", velocity);
+  check_built_for_surface("World::set_surface_velocity: velocity", velocity);
+  impl_->set_surface_velocity(id, velocity);
+  note<calls::SetSurfaceVelocity>(*impl_, id, velocity);
+}
+
+void World::apply_force(BodyId id, const Vector3& force, const Vector3& torque) {
+  check_finite("World::apply_force: force", force);
+  check_finite("World::apply_force: torque", torque);
+  const std::uint32_t body = impl_->awaken(id, "apply_force");
+  impl_->apply_force(body, force, torque);
+  note<calls::ApplyForce>(*impl_, id, force, torque);
+}
+
+void World::apply_impulse(BodyId id, const Vector3& impulse, const Vector3& point) {
+  check_finite("World::apply_impulse: impulse", impulse);
+  check_finite("World::apply_impulse: point", point);
+  const std::uint32_t body = impl_->awaken(id, "apply_impulse");
+  note<calls::ApplyImpulse>(*impl_, id, impulse, point);
+  const Vector3 arm = point - impl_->bodies.position(body);
+  impl_->apply_impulse(body, impulse, arm.cross(impulse));
+}
+
+void World::wake(BodyId id) {
+  impl_->awaken(id, "wake");
+  note<calls::Wake>(*impl_, id);
+}
+
+std::span<const Quarantined> World::quarantined() const { return impl_->quarantine.bodies(); }
+
+bool World::is_quarantined(BodyId id) const {
+  return impl_->quarantine.contains(impl_->index_of(id, "is_quarantined"));
+}
+
+void World::release(BodyId id) {
+  impl_->release_body(id);
+  note<calls::Release>(*impl_, id);
+}
+
+void World::set_filter(BodyId id, const CollisionFilter& filter) {
+  impl_->set_filter(id, filter);
+  note<calls::SetFilter>(*impl_, id, filter);
+}
+
+void World::set_collision_enabled(BodyId a, BodyId b, bool enabled) {
+  impl_->set_collision_enabled(a, b, enabled);
+  note<calls::SetCollisionEnabled>(*impl_, a, b, enabled);
+}
+
+JointId World::add_joint(const JointDef& def) {
+  if constexpr (with_joints) {
+    const calls::AddJoint call{def};  // that may be another joint's, which moves
+    const JointId id = impl_->add_joint(call.def);
+    note<calls::AddJoint>(*impl_, call.def);
+    return id;
+  }
+  throw_left_out("World::add_joint is called", "joints", "JOINTS");
+}
+
+void World::remove_joint(JointId id) {
+  const std::uint32_t joint = impl_->index_of(id, "remove_joint");
+  if constexpr (with_joints) impl_->remove_joint(joint);
+  note<calls::RemoveJoint>(*impl_, id);
+}
+
+bool World::contains(JointId id) const { return impl_->contains(id); }
+std::size_t World::joint_count() const { return impl_->joints.count; }
+
+std::vector<JointId> World::joints() const {
+  const JointTable& joints = impl_->joints;
+  std::vector<JointId> ids;
+  ids.reserve(joints.count);
+  for (std::uint32_t joint = 0; joint < joints.size(); ++joint) {
+    if (joints.alive[joint]) ids.push_back({joint, joints.generation[joint]});
+  }
+  return ids;
+}
+
+const JointDef& World::joint(JointId id) const { return impl_->joints.def[impl_->index_of(id, "joint")]; }
+JointState World::joint_state(JointId id) const {
+  const std::uint32_t joint = impl_->index_of(id, "joint_state");
+  if constexpr (with_joints) return impl_->joint_state(joint);
+  return {};
+}
+
+void World::set_joint(JointId id, const JointKind& kind) {
+  const std::uint32_t joint = impl_->index_of(id, "set_joint");
+  if constexpr (with_joints) impl_->set_joint(joint, kind);
+  note<calls::SetJoint>(*impl_, id, kind);
+}
+
+void World::set_joint_enabled(JointId id, bool enabled) {
+  const std::uint32_t joint = impl_->index_of(id, "set_joint_enabled");
+  if constexpr (with_joints) impl_->set_joint_enabled(joint, enabled);
+  note<calls::SetJointEnabled>(*impl_, id, enabled);
+}
+
+std::vector<MemoryUse> World::memory() const { return impl_->memory(); }
+std::span<const EscalatedIsland> World::escalated_islands() const { return impl_->escalated_islands(); }
+
+std::span<const JointEvent> World::joint_events() const { return impl_->joint_events(); }
+
+void World::set_gravity(const Vector3& gravity) {
+  check_finite("World::set_gravity: gravity", gravity);
+  if (gravity != impl_->gravity) impl_->wake_all();
+  impl_->gravity = gravity;
+  note<calls::SetGravity>(*impl_, gravity);
+}
+
+void World::set_settings(const Settings& settings) {
+  check(settings);
+  if (!settings.sleeping) impl_->wake_all();
+  if (settings.joint_solver != impl_->settings.joint_solver) impl_->solve_joints_anew();
+  impl_->settings = settings;
+  impl_->kernels = &kernels_for(settings.simd);
+  impl_->narrowphase_kernels = collision::find_narrowphase_kernels(impl_->kernels->name);
+  note<calls::SetSettings>(*impl_, settings);
+}
+
+const Settings& World::settings() const { return impl_->settings; }
+const Vector3& World::gravity() const { return impl_->gravity; }
+int World::threads() const { return impl_->arena.threads(); }
+Simd World::simd() const { return simd_of(*impl_->kernels); }
+
+StepReport World::step(double dt) {
+  return impl_->take_step(dt, false, [&] { return impl_->step(dt); });
+}
+
+StepReport World::step(double dt, const ForceLaw& law) {
+  if (!law) throw Error("World::step: the force law is empty; expected one that can be called");
+  return impl_->take_step(dt, true, [&] { return ForcedStep(*this, law, dt).run(); });
+}
+
+std::span<const ContactForce> World::contact_forces() const { return impl_->contact_forces(); }
+std::vector<ContactForce> World::contact_forces(BodyId id) const {
+  impl_->index_of(id, "contact_forces");
+  std::vector<ContactForce> found;
+  for (const ContactForce& force : impl_->contact_forces()) {
+    if (force.a == id || force.b == id) found.push_back(force);
+  }
+  return found;
+}
+ContactProblem World::contact_problem() const { return impl_->contact_problem(); }
+std::span<const ContactEvent> World::contact_events() const { return impl_->contact_events(); }
+
+Eigen::Map<const Eigen::Matrix3Xd> World::positions() const {
+  return {impl_->bodies.positions.data(), 3, static_cast<Eigen::Index>(impl_->bodies.size())};
+}
+Eigen::Map<const Eigen::Matrix4Xd> World::orientations() const {
+  return {impl_->bodies.orientations.data(), 4, static_cast<Eigen::Index>(impl_->bodies.size())};
+}
+Eigen::Map<const Eigen::Matrix3Xd> World::velocities() const {
+  return {impl_->bodies.velocities.data(), 3, static_cast<Eigen::Index>(impl_->bodies.size())};
+}
+Eigen::Map<const Eigen::Matrix3Xd> World::angular_velocities() const {
+  return {impl_->bodies.angular_velocities.data(), 3, static_cast<Eigen::Index>(impl_->bodies.size())};
+}
+
+void World::save(Snapshot& snapshot) const {
+  if constexpr (!with_snapshots) throw_left_out("World::save is called", "snapshots", "SNAPSHOTS");
+  snapshot.size_ = impl_->save_state(snapshot.bytes_);
+  snapshot.roster_ = impl_->roster();
+  snapshot.origin_ = impl_->serial();
+}
+
+void World::restore(const Snapshot& snapshot) {
+  if constexpr (!with_snapshots) throw_left_out("World::restore is called", "snapshots", "SNAPSHOTS");
+  if (snapshot.empty()) throw Error("World::restore: the snapshot is empty; expected one that holds a state");
+  impl_->restore(snapshot.roster_, snapshot.origin_, snapshot.state());
+  if constexpr (with_recording) {
+    if (impl_->recorder) impl_->record_state();
+  }
+}
+
+void World::record(const std::string& path, const RecordingOptions& options) {
+  if constexpr (!with_recording) throw_left_out("World::record is called", "recordings", "RECORDING");
+  impl_->record(path, options);
+}
+
+bool World::is_recording() const { return impl_->recorder != nullptr; }
+
+void World::stop_recording() {
+  if (!impl_->recorder) throw Error("World::stop_recording: no recording is under way; expected one");
+  if constexpr (with_recording) impl_->stop_recording("World::stop_recording");
+}
+
+std::uint64_t World::state_hash() const { return impl_->state_hash(); }
+std::vector<BodyHash> World::body_hashes() const { return impl_->body_hashes(); }
+BodyHash World::body_hash(BodyId id) const { return impl_->body_hash(impl_->index_of(id, "body_hash")); }
+
+JointDef joint_at(const World& world, JointKind kind, BodyId first, BodyId second, const Vector3& point,
+                  const Vector3& axis) {
+  check_finite("joint_at: point", point);
+  check_finite("joint_at: axis", axis);
+  const double length = axis.norm();
+  if (!(length > 0)) throw Error("joint_at: axis is zero; expected the direction of the joint's x axis");
+  // Frames that lie as the world's do where the axis is its x axis.
+  Matrix3 frame;
+  frame.col(0) = axis / length;
+  const Vector3 across = std::abs(frame(2, 0)) < 0.9 ? Vector3::UnitZ() : Vector3::UnitY();
+  frame.col(1) = across.cross(frame.col(0)).normalized();
+  frame.col(2) = frame.col(0).cross(frame.col(1));
+  const Quaternion orientation(frame);
+  const auto in_frame_of = [&](BodyId id) {
+    const Pose pose = world.pose(id);
+    const Quaternion back = pose.orientation.conjugate();
+    return Pose{back * (point - pose.position), back * orientation};
+  };
+  return {.kind = std::move(kind),
+          .first = first,
+          .second = second,
+          .frame_first = in_frame_of(first),
+          .frame_second = in_frame_of(second)};
+}
+
+}  // namespace atl
