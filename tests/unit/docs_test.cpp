@@ -1,0 +1,117 @@
+// What the READMEs say of places in the repository: links lead somewhere, and functions are in the files that are
+// named.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace atl {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path root = ATOLL_SOURCE_DIR;
+
+std::string read(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+std::vector<fs::path> readmes() {
+  std::vector<fs::path> found = {root / "README.md"};
+  for (const char* folder : {"jobs", "collision", "solver", "runtime", "tests", "perf"}) {
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / folder)) {
+      if (entry.path().extension() == ".md") found.push_back(entry.path());
+    }
+  }
+  return found;
+}
+
+// Without blocks of code, in which # begins a comment and brackets are no links.
+std::string prose_of(const fs::path& path) {
+  std::istringstream in(read(path));
+  std::string prose, line;
+  bool code = false;
+  while (std::getline(in, line)) {
+    if (line.starts_with("```")) code = !code;
+    if (!code && !line.starts_with("```")) prose += line + "\n";
+  }
+  return prose;
+}
+
+// As GitHub names headings: small letters, hyphens for spaces, no other marks.
+std::string anchor_of(const std::string& heading) {
+  std::string anchor;
+  for (const char c : heading) {
+    const auto letter = static_cast<unsigned char>(c);
+    if (c == ' ' || c == '-') {
+      anchor += '-';
+    } else if (std::isalnum(letter) || c == '_' || letter >= 0x80) {
+      anchor += static_cast<char>(std::tolower(letter));
+    }
+  }
+  return anchor;
+}
+
+std::set<std::string> anchors_in(const fs::path& path) {
+  std::set<std::string> anchors;
+  std::istringstream in(prose_of(path));
+  std::string line;
+  while (std::getline(in, line)) {
+    if (!line.starts_with("#")) continue;
+    anchors.insert(anchor_of(line.substr(line.find_first_not_of('#') + 1)));
+  }
+  return anchors;
+}
+
+TEST(Docs, LinksLeadSomewhere) {
+  const std::regex link(R"(\]\(([^)\s]+)\))");
+  std::size_t links = 0;
+  for (const fs::path& readme : readmes()) {
+    const std::string prose = prose_of(readme);
+    for (std::sregex_iterator i(prose.begin(), prose.end(), link), end; i != end; ++i) {
+      const std::string target = (*i)[1];
+      if (target.find("://") != std::string::npos) continue;
+      ++links;
+      const std::size_t hash = target.find('#');
+      const std::string file = target.substr(0, hash);
+      const fs::path path = file.empty() ? readme : readme.parent_path() / file;
+      EXPECT_TRUE(fs::exists(path)) << readme << ": " << target;
+      if (hash == std::string::npos || path.extension() != ".md") continue;
+      EXPECT_TRUE(anchors_in(path).contains(target.substr(hash + 1))) << readme << ": " << target;
+    }
+  }
+  EXPECT_GT(links, 20u);
+}
+
+// Lines "World::step   runtime/step/step.cpp" of the README's drawing of a step.
+TEST(Docs, TheCallsOfAStepAreWhereTheReadmeSays) {
+  const std::string readme = read(root / "README.md");
+  const std::size_t begin = readme.find("World::step(dt)");
+  ASSERT_NE(begin, std::string::npos);
+  std::istringstream in(readme.substr(begin, readme.find("```", begin) - begin));
+  const std::regex call(R"(\s*(?:\w+::)*(~?\w+)(?:\(\w*\))?\s+([\w/.-]+\.(?:cpp|h))(?:\s.*)?)");
+  std::string line;
+  int calls = 0;
+  while (std::getline(in, line)) {
+    std::smatch match;
+    ASSERT_TRUE(std::regex_match(line, match, call)) << line;
+    ASSERT_TRUE(fs::is_regular_file(root / match[2].str())) << line;
+    const std::regex name("\\b" + match[1].str() + "\\b");
+    EXPECT_TRUE(std::regex_search(read(root / match[2].str()), name)) << line;
+    ++calls;
+  }
+  EXPECT_GT(calls, 10);
+}
+
+}  // namespace
+}  // namespace atl
