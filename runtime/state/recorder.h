@@ -17,6 +17,7 @@
 #include "state/roster.h"
 #include "state/state_archive.h"
 #include "world/body_definition.h"
+#include "world/stores.h"
 
 namespace atl {
 
@@ -25,6 +26,9 @@ struct RecordedBody {
   BodyId id;
   std::uint64_t parts = 0;
 };
+
+/// Of all bodies, in order of ids.
+std::vector<RecordedBody> recorded_bodies(const Stores& world);
 
 /// What a force law asked for, once, of a body.
 struct RecordedForce {

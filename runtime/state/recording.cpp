@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "state/body_hashes.h"
 #include "state/body_parts.h"
 #include "state/recorder.h"
 #include "world/settings_check.h"
@@ -31,24 +32,23 @@ void World::Impl::record_state() {
   recorder->note_state(*roster(), {state.data(), size});
 }
 
-// In order of ids.
-std::vector<RecordedBody> World::Impl::recorded_bodies() const {
-  const std::vector<BodyHash> hashes = body_hashes();
+std::vector<RecordedBody> recorded_bodies(const Stores& world) {
+  const std::vector<BodyHash> hashes = body_hashes(world);
   std::vector<RecordedBody> all;
-  all.reserve(records.count);
-  for (std::uint32_t body = 0; body < bodies.size(); ++body) {
-    if (records.alive[body]) all.push_back({{body, records.generation[body]}, fold(hashes[body])});
+  all.reserve(world.records.count);
+  for (std::uint32_t body = 0; body < world.bodies.size(); ++body) {
+    if (world.records.alive[body]) all.push_back({{body, world.records.generation[body]}, fold(hashes[body])});
   }
   return all;
 }
 
 void World::Impl::record_result() {
   recorder->note_hash(state_hash());
-  if (recorder->wants_bodies(records.count)) recorder->note_bodies(recorded_bodies());
+  if (recorder->wants_bodies(stores.records.count)) recorder->note_bodies(recorded_bodies(stores));
 }
 
 void World::Impl::stop_recording(const char* call) {
-  recorder->note_bodies(recorded_bodies());
+  recorder->note_bodies(recorded_bodies(stores));
   const std::unique_ptr<Recorder> stopped = std::move(recorder);
   stopped->finish(call);
 }

@@ -154,7 +154,7 @@ class Replay {
   void take_state(StateReader& record) {
     const std::shared_ptr<const Roster> roster = read_roster(record);
     World::Impl& impl = *world_.impl_;
-    impl.restore(with_geometry(roster, geometry_), impl.serial(), reader_.content().last(record.left()));
+    impl.restore(with_geometry(roster, geometry_), impl.serial, reader_.content().last(record.left()));
     begun_ = true;
   }
 
@@ -203,7 +203,7 @@ class Replay {
     visit_recorded_bodies(record, recorded);
     if (!result_.divergence) return;
     result_.divergence->bodies_step = result_.steps;
-    result_.divergence->bodies = differences(recorded, world_.impl_->recorded_bodies());
+    result_.divergence->bodies = differences(recorded, recorded_bodies(world_.impl_->stores));
     done_ = true;
   }
 

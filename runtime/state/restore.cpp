@@ -1,14 +1,16 @@
-// A world's state as bytes, and back. What a state doesn't tell follows from it, and is made anew or, where it is the
-// same, kept.
+#include "state/restore.h"
 
 #include <algorithm>
 #include <cstring>
 #include <iterator>
 
-#include "state/roster_state.h"
-#include "state/world_state.h"
-#include "world/left_out.h"
-#include "world/world_impl.h"
+#include "state/joint_state.h"
+#include "state/state_archive.h"
+#include "world/bodies.h"
+#include "world/colliders.h"
+#include "world/joint_definition.h"
+#include "world/joints.h"
+#include "world/make_joint.h"
 
 namespace atl {
 namespace {
@@ -17,214 +19,146 @@ bool same_bits(const collision::Aabb& a, const collision::Aabb& b) { return std:
 
 }  // namespace
 
-std::size_t World::Impl::save_state(std::vector<std::byte>& bytes) const {
-  StateWriter writer(bytes);
-  WorldState(writer, *this).visit();
-  return writer.size();
-}
-
-void World::Impl::restore(const std::shared_ptr<const Roster>& saved, std::uint64_t origin,
-                          std::span<const std::byte> state) {
-  if (known_as_ != saved && !are_same(*saved, *roster())) {
-    if (origin != serial_) check_bodies_match(*saved, *roster());
-    adopt(with_geometry(saved, *roster()));
-  }
-  known_as_ = saved;
-  read_state(state);
-}
-
-void World::Impl::try_out(const std::shared_ptr<const Roster>& roster, std::span<const std::byte> state) {
-  Impl world({});
-  world.adopt(roster);
-  world.read_state(state);
-}
-
-// Other bodies: everything that knows bodies by their numbers starts afresh.
-void World::Impl::adopt(const std::shared_ptr<const Roster>& roster) {
-  for (const std::shared_ptr<const BodyConstants>& body : roster->bodies) {
-    if (body) check_built_for(*body);
-  }
-  cache = {};
-  broadphase = {};
-  colliders = {};
-  joints = {};
-  joint_graph_ = {};
-  joint_systems_ = {};
-  joints_stale_ = true;
-  bodies = {};
-  records = {};
-  sleeping = {};
-  quarantine = {};
-  selection_ = {};
-  active_ = {};
-  may_start_or_stop_.clear();
-  reaches_.clear();
-  aabbs.clear();
-  surface_contacts_.clear();
-  islands_ = {};
-  islands_stale_ = true;
-  touching_ = {};
-
-  resize_bodies(roster->bodies.size());
-  records.generation = roster->generation;
-  records.free = roster->free;
-  records.count = roster->bodies.size() - roster->free.size();
-  for (std::uint32_t body = 0; body < roster->bodies.size(); ++body) {
-    if (roster->bodies[body]) give_constants(body, roster->bodies[body]);
-  }
-
-  colliders.resize(roster->collider_body.size());
-  colliders.free = roster->free_colliders;
-  std::vector<std::vector<std::uint32_t>> of_body(roster->bodies.size());
-  for (std::uint32_t collider = 0; collider < colliders.size(); ++collider) {
-    const std::uint32_t body = roster->collider_body[collider];
-    const std::uint32_t child = roster->collider_child[collider];
-    colliders.child[collider] = child;
-    if (body == collision::ColliderTable::none) continue;
-    const BodyConstants& constants = *records.constants[body];
-    const CheckedCollider& part = constants.colliders[child];
-    colliders.place(collider, body, child, part.shape, part.in_frame_of(constants.centre));
-    of_body[body].resize(constants.colliders.size());
-    of_body[body][child] = collider;
-  }
-  for (std::size_t body = 0; body < of_body.size(); ++body) {
-    if (of_body[body].empty()) continue;
-    colliders.first[body] = of_body[body].front();
-    for (std::size_t i = 1; i < of_body[body].size(); ++i) colliders.next[of_body[body][i - 1]] = of_body[body][i];
-    note_size(static_cast<std::uint32_t>(body));
-  }
-  roster_ = roster;
-}
-
-void World::Impl::read_state(std::span<const std::byte> state) {
-  StateReader reader(state);
-  gather_kept_apart(kept_apart_before_);
-  WorldState(reader, *this).visit();
-  reader.check(reader.left() == 0, "more than there should be");
-  dt_ = last_dt_;
-
-  islands_stale_ = true;
-  one_each_ = false;
-  contact_update_.forget();
-  touching_ = {};
-  // Results are those of a step, and there was none.
-  events_.told.clear();
-  unasked_events_ = {};
-  joint_events_.clear();
-  escalated_.clear();
-  captured_ = false;
-  contact_forces_.clear();
-  contact_forces_valid_ = true;
-}
-
-void World::Impl::restore_materials() {
-  for (std::uint32_t body = 0; body < bodies.size(); ++body) {
-    const Material& material = records.material[body];
-    if (records.alive[body]) {
-      set_surface(body, {Vector3::Zero(), material.rolling_friction, material.torsional_friction});
+void restore_materials(Stores& world) {
+  for (std::uint32_t body = 0; body < world.bodies.size(); ++body) {
+    const Material& material = world.records.material[body];
+    if (world.records.alive[body]) {
+      set_surface(world, body, {Vector3::Zero(), material.rolling_friction, material.torsional_friction});
     }
   }
 }
 
-void World::Impl::restore_quarantined(std::uint32_t body, Quarantine reason, std::int64_t step,
-                                      const collision::Filter& filter) {
-  quarantine.add({{body, records.generation[body]}, reason, quarantine_reason(reason), step},
-                 {mobility_of(records.type[body]), records.constants[body]->gyroscopic, filter});
-  colliders.for_each_of(body, [this](std::uint32_t collider) {
-    if (broadphase.contains(collider)) broadphase.remove(collider);
+void restore_quarantined(Stores& world, std::uint32_t body, Quarantine reason, std::int64_t step,
+                         const collision::Filter& filter) {
+  world.quarantine.add({{body, world.records.generation[body]}, reason, quarantine_reason(reason), step},
+                       {mobility_of(world.records.type[body]), world.records.constants[body]->gyroscopic, filter});
+  world.colliders.for_each_of(body, [&](std::uint32_t collider) {
+    if (world.broadphase.contains(collider)) world.broadphase.remove(collider);
   });
 }
 
-// Poses, velocities, and who sleeps or is in quarantine are known: who may move, and all that goes by body.
-void World::Impl::note_restored_bodies() {
-  contents = {};
-  sleeping.asleep = 0;
-  sleeping.changed.clear();
-  pushed_.clear();
-  aabbs.list_swept();
-  may_start_or_stop_.clear();
-  for (std::uint32_t body = 0; body < bodies.size(); ++body) {
-    may_start_or_stop_.push_back(body);
-    if (!bodies.force(body).isZero(0) || !bodies.torque(body).isZero(0)) pushed_.push_back(body);
-    if (!records.alive[body]) continue;
-    const bool out = quarantine.contains(body);
-    const BodyConstants& constants = *records.constants[body];
-    bodies.mobility[body] = out ? solver::Mobility::Fixed : mobility_of(constants.type);
-    bodies.gyroscopic[body] = !out && constants.gyroscopic;
-    records.dynamic[body] = !out && constants.type == BodyType::Dynamic;
-    sleeping.awake[body] = records.dynamic[body] && !sleeping.is_asleep(body);
-    sleeping.asleep += sleeping.is_asleep(body);
-    if (!out) contents.count(bodies, records, body, +1);
+void note_restored_bodies(Stores& world) {
+  world.contents = {};
+  world.sleeping.asleep = 0;
+  world.sleeping.changed.clear();
+  world.changes.pushed.clear();
+  world.aabbs.list_swept();
+  world.changes.may_start_or_stop.clear();
+  for (std::uint32_t body = 0; body < world.bodies.size(); ++body) {
+    world.changes.may_start_or_stop.push_back(body);
+    if (!world.bodies.force(body).isZero(0) || !world.bodies.torque(body).isZero(0))
+      world.changes.pushed.push_back(body);
+    if (!world.records.alive[body]) continue;
+    const bool out = world.quarantine.contains(body);
+    const BodyConstants& constants = *world.records.constants[body];
+    world.bodies.mobility[body] = out ? solver::Mobility::Fixed : mobility_of(constants.type);
+    world.bodies.gyroscopic[body] = !out && constants.gyroscopic;
+    world.records.dynamic[body] = !out && constants.type == BodyType::Dynamic;
+    world.sleeping.awake[body] = world.records.dynamic[body] && !world.sleeping.is_asleep(body);
+    world.sleeping.asleep += world.sleeping.is_asleep(body);
+    if (!out) world.contents.count(world.bodies, world.records, body, +1);
   }
-  if (update_active_bodies()) cache.set_active(active_.started(), active_.stopped());
+  update_active_bodies(world);
 }
 
-void World::Impl::gather_kept_apart(std::vector<collision::Pair>& pairs) const {
-  pairs.clear();
-  for (const auto& [body, others] : records.ignored) {
+std::span<const std::byte> definition_bytes(const JointDef& def, std::vector<std::byte>& bytes) {
+  StateWriter writer(bytes);
+  visit_definition(writer, def);
+  return {bytes.data(), writer.size()};
+}
+
+void restore_joint(Stores& world, std::uint32_t joint, const JointDef& def) {
+  check_bodies(world, def);
+  checked(def);
+  world.joints.def[joint] = def;
+  world.joints.joints[joint] =
+      make_joint(def, world.records.centre[def.first.index], world.records.centre[def.second.index]);
+}
+
+void restore_joints(Stores& world, bool same) {
+  const std::vector<std::uint8_t> acts_before = world.joints.acts;
+  for (std::uint32_t joint = 0; joint < world.joints.size(); ++joint) {
+    if (!world.joints.alive[joint]) {
+      world.joints.joints[joint] = {};
+      world.joints.def[joint] = {};
+      world.joints.enabled[joint] = world.joints.broken[joint] = world.joints.suspended[joint] = 0;
+      continue;
+    }
+    const solver::Joint& j = world.joints.joints[joint];
+    world.joints.suspended[joint] =
+        static_cast<std::uint8_t>(int{world.quarantine.contains(j.first)} + int{world.quarantine.contains(j.second)});
+    world.joints.update_flags(joint);
+  }
+  if (!same) world.joints.rebuild();
+  world.changes.joints |= !same || world.joints.acts != acts_before;
+}
+
+std::vector<collision::Pair> pairs_kept_apart(const Stores& world) {
+  std::vector<collision::Pair> pairs;
+  for (const auto& [body, others] : world.records.disabled_pairs) {
     for (const std::uint32_t other : others) {
       if (body < other) pairs.push_back({body, other});
     }
   }
-  joints.for_each_kept_apart([&](std::uint32_t a, std::uint32_t b) { pairs.push_back({a, b}); });
+  world.joints.for_each_kept_apart([&](std::uint32_t a, std::uint32_t b) { pairs.push_back({a, b}); });
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  return pairs;
 }
 
-void World::Impl::restore_kept_apart(std::span<const collision::Pair> told) {
-  records.ignored.clear();
-  for (const collision::Pair& pair : told) {
-    records.ignored[pair.first].push_back(pair.second);
-    records.ignored[pair.second].push_back(pair.first);
+void restore_disabled_pairs(Stores& world, std::span<const collision::Pair> pairs,
+                            std::span<const collision::Pair> apart_before) {
+  world.records.disabled_pairs.clear();
+  for (const collision::Pair& pair : pairs) {
+    world.records.disabled_pairs[pair.first].push_back(pair.second);
+    world.records.disabled_pairs[pair.second].push_back(pair.first);
   }
-  gather_kept_apart(kept_apart_);
-  if (kept_apart_ == kept_apart_before_) return;
+  const std::vector<collision::Pair> apart = pairs_kept_apart(world);
   std::vector<collision::Pair> changed;
-  std::set_difference(kept_apart_before_.begin(), kept_apart_before_.end(), kept_apart_.begin(), kept_apart_.end(),
+  std::set_difference(apart_before.begin(), apart_before.end(), apart.begin(), apart.end(),
                       std::back_inserter(changed));
-  for (const collision::Pair& pair : changed) broadphase.unignore(pair.first, pair.second);
+  for (const collision::Pair& pair : changed) world.broadphase.unignore(pair.first, pair.second);
   changed.clear();
-  std::set_difference(kept_apart_.begin(), kept_apart_.end(), kept_apart_before_.begin(), kept_apart_before_.end(),
+  std::set_difference(apart.begin(), apart.end(), apart_before.begin(), apart_before.end(),
                       std::back_inserter(changed));
-  for (const collision::Pair& pair : changed) broadphase.ignore(pair.first, pair.second);
+  for (const collision::Pair& pair : changed) world.broadphase.ignore(pair.first, pair.second);
 }
 
-bool World::Impl::is_in_broadphase(std::uint32_t collider) const {
-  const std::uint32_t body = colliders.body[collider];
-  return body != collision::ColliderTable::none && !quarantine.contains(body);
+bool is_in_broadphase(const Stores& world, std::uint32_t collider) {
+  const std::uint32_t body = world.colliders.body[collider];
+  return body != collision::ColliderTable::none && !world.quarantine.contains(body);
 }
 
-void World::Impl::restore_box(std::uint32_t collider, const collision::Aabb& box, const collision::Filter& filter) {
-  if (!broadphase.contains(collider)) {
-    add_box(collider, box, filter);
+void restore_box(Stores& world, std::uint32_t collider, const collision::Aabb& box, const collision::Filter& filter) {
+  if (!world.broadphase.contains(collider)) {
+    add_box(world, collider, box, filter);
     return;
   }
-  if (broadphase.filter(collider) != filter) broadphase.set_filter(collider, filter);
-  if (!same_bits(broadphase.fat_box(collider), box)) broadphase.restore_box(collider, box);
+  if (world.broadphase.filter(collider) != filter) world.broadphase.set_filter(collider, filter);
+  if (!same_bits(world.broadphase.fat_box(collider), box)) world.broadphase.restore_box(collider, box);
 }
 
-void World::Impl::restore_plane(std::uint32_t collider, const collision::Plane& plane,
-                                const collision::Filter& filter) {
-  if (!broadphase.contains(collider)) {
-    broadphase.add_half_space(collider, plane, filter);
+void restore_plane(Stores& world, std::uint32_t collider, const collision::Plane& plane,
+                   const collision::Filter& filter) {
+  if (!world.broadphase.contains(collider)) {
+    world.broadphase.add_half_space(collider, plane, filter);
     return;
   }
-  if (broadphase.filter(collider) != filter) broadphase.set_filter(collider, filter);
-  broadphase.restore_half_space(collider, plane);
+  if (world.broadphase.filter(collider) != filter) world.broadphase.set_filter(collider, filter);
+  world.broadphase.restore_half_space(collider, plane);
 }
 
-bool World::Impl::may_touch(collision::Pair pair) const {
-  return pair.first < pair.second && pair.second < colliders.size() && is_in_broadphase(pair.first) &&
-         is_in_broadphase(pair.second) && colliders.body[pair.first] != colliders.body[pair.second];
+bool may_touch(const Stores& world, collision::Pair pair) {
+  return pair.first < pair.second && pair.second < world.colliders.size() && is_in_broadphase(world, pair.first) &&
+         is_in_broadphase(world, pair.second) && world.colliders.body[pair.first] != world.colliders.body[pair.second];
 }
 
-// Contacts that are there already keep their slots.
-void World::Impl::restore_pairs(std::span<const collision::Pair> pairs) {
+void restore_pairs(Stores& world, std::span<const collision::Pair> pairs) {
   std::vector<collision::Pair> missing;
   auto next = pairs.begin();
   bool stays = false;
-  cache.remove_any_if([&](std::uint32_t slot) {
-    const collision::Contact& contact = cache.contacts[slot];
+  world.cache.remove_any_if([&](std::uint32_t slot) {
+    const collision::Contact& contact = world.cache.contacts[slot];
     if (contact.part == 0) {
       while (next != pairs.end() && *next < contact.pair) missing.push_back(*next++);
       stays = next != pairs.end() && *next == contact.pair;
@@ -233,8 +167,8 @@ void World::Impl::restore_pairs(std::span<const collision::Pair> pairs) {
     return !stays;
   });
   missing.insert(missing.end(), next, pairs.end());
-  cache.add(missing, [this](collision::Pair pair) { return contact_start(pair); });
-  if (!bodies.surfaces.empty()) surface_contacts_.resize(cache.manifolds.size());
+  world.cache.add(missing, [&](collision::Pair pair) { return contact_start(world, pair); });
+  if (!world.bodies.surfaces.empty()) world.surface_contacts.resize(world.cache.manifolds.size());
 }
 
 }  // namespace atl

@@ -1,7 +1,7 @@
 #pragma once
 /// The state of a world, part by part: all that its future depends on beside the roster, described once for those who
 /// write, read and hash it. What follows from it is made anew after it was read: see restore.cpp. Whoever adds
-/// something that lasts from step to step adds it here.
+/// something that lasts from step to step adds it here: the lists of members below don't compile until it is named.
 
 #include <jobs/prefetch.h>
 #include <jobs/with_direct_contacts.h>
@@ -20,10 +20,12 @@
 #include "state/contact_state.h"
 #include "state/filter_state.h"
 #include "state/joint_state.h"
+#include "state/restore.h"
 #include "state/settings_state.h"
 #include "state/state_archive.h"
+#include "world/bodies.h"
 #include "world/settings_check.h"
-#include "world/world_impl.h"
+#include "world/stores.h"
 
 namespace atl {
 
@@ -34,13 +36,15 @@ void visit_strain(Archive& archive, Strain& strain) {
   archive.value(strain.sags);
 }
 
-/// `AnyWorld` is a World::Impl, const where the archive doesn't read. Before a state is read the world has its roster.
+/// `AnyWorld` is Stores, const where the archive doesn't read. Before a state is read the world has its roster.
 template <typename Archive, typename AnyWorld>
 class WorldState {
  public:
   WorldState(Archive& archive, AnyWorld& world) : archive_(archive), world_(world) {}
 
   void visit() {
+    check_members();
+    if constexpr (reads) apart_before_ = pairs_kept_apart(world_);
     visit_globals();
     visit_bodies();
     visit_surfaces();
@@ -61,11 +65,11 @@ class WorldState {
     auto& joints = world_.joints;
     bool same = true;
     if constexpr (reads) {
-      same = archive_.skip_if_same(world_.definition_bytes(index));
+      same = archive_.skip_if_same(definition_bytes(world_.joints.def[index], definition_bytes_));
       if (!same) {
         JointDef def;
         visit_definition(archive_, def);
-        world_.restore_joint(index, def);
+        restore_joint(world_, index, def);
       }
     } else {
       visit_definition(archive_, joints.def[index]);
@@ -81,7 +85,7 @@ class WorldState {
   void visit_one_contact(std::uint32_t slot) {
     auto& contact = world_.cache.contacts[slot];
     auto& manifold = world_.cache.manifolds[slot];
-    auto* surface = slot < world_.surface_contacts_.size() ? &world_.surface_contacts_[slot] : nullptr;
+    auto* surface = slot < world_.surface_contacts.size() ? &world_.surface_contacts[slot] : nullptr;
     auto* rolling = surface != nullptr ? surface->rolling_impulse : nullptr;
     if constexpr (!reads) {
       if (rolling != nullptr) {
@@ -131,20 +135,20 @@ class WorldState {
       Settings settings = world_.settings;
       visit_settings(archive_, settings);
       check(settings);
-      world_.joints_stale_ |= settings.joint_solver != world_.settings.joint_solver;
+      world_.changes.joints |= settings.joint_solver != world_.settings.joint_solver;
       world_.settings = settings;
     } else {
       visit_settings(archive_, world_.settings);
     }
     archive_.values(world_.gravity.data(), 3);
     archive_.check(world_.gravity.allFinite(), "gravity that is not finite");
-    archive_.value(world_.last_dt_);
-    archive_.check(world_.last_dt_ >= 0 && world_.last_dt_ <= 1, "a step of no valid duration");
-    archive_.value(world_.events_.noted);
+    archive_.value(world_.clock.last_dt);
+    archive_.check(world_.clock.last_dt >= 0 && world_.clock.last_dt <= 1, "a step of no valid duration");
+    archive_.value(world_.results.contact_events.noted);
     // What only reports are made of.
     if constexpr (!Archive::hashes) {
-      archive_.value(world_.last_substep_);
-      archive_.value(world_.steps_);
+      archive_.value(world_.clock.last_substep);
+      archive_.value(world_.clock.steps);
     }
   }
 
@@ -165,7 +169,7 @@ class WorldState {
 
   // How fast they run: what holds back rolling is the material's.
   void visit_surfaces() {
-    if constexpr (reads) world_.restore_materials();
+    if constexpr (reads) restore_materials(world_);
     const auto runs = [this](std::uint32_t body) {
       const auto& surfaces = world_.bodies.surfaces;
       return body < surfaces.size() && is_body(body) && !surfaces[body].velocity.isZero(0);
@@ -176,7 +180,7 @@ class WorldState {
       Vector3 velocity;
       if constexpr (!reads) velocity = world_.bodies.surfaces[body].velocity;
       archive_.values(velocity.data(), 3);
-      if constexpr (reads) world_.run_surface(body, velocity);
+      if constexpr (reads) run_surface(world_, body, velocity);
     });
     if constexpr (Archive::hashes) {
       for (std::uint32_t body = 0; body < world_.bodies.surfaces.size(); ++body) {
@@ -229,7 +233,7 @@ class WorldState {
                      "no reason for quarantine");
       archive_.value(step);
       visit_filter(archive_, filter);
-      if constexpr (reads) world_.restore_quarantined(body, reason, step, filter);
+      if constexpr (reads) restore_quarantined(world_, body, reason, step, filter);
     });
     const auto is_suspect = [&list](std::uint32_t body) { return list.is_suspect(body); };
     visit_some(body_count(), is_suspect, [&](std::uint32_t body) {
@@ -243,12 +247,12 @@ class WorldState {
       archive_.values(pose.orientation.coeffs().data(), 4);
       if constexpr (reads) list.remember_pose(body, pose);
     });
-    if constexpr (reads) world_.note_restored_bodies();
+    if constexpr (reads) note_restored_bodies(world_);
   }
 
   void visit_selection() {
     using Strain = solver::SolverSelection::Strain;
-    auto& selection = world_.selection_;
+    auto& selection = world_.selection;
     if constexpr (reads && with_direct_contacts) selection.forget_all();
     if constexpr (reads && !with_direct_contacts) selection.forget_arrived();
     const auto is_strained = [&selection](std::uint32_t body) { return selection.strain(body) != Strain{}; };
@@ -275,7 +279,7 @@ class WorldState {
   }
 
   void visit_events() {
-    auto& touched = world_.events_.touched;
+    auto& touched = world_.results.contact_events.touched;
     if constexpr (reads) {
       touched.resize(archive_.count_of(sizeof(std::pair<BodyId, BodyId>)));
     } else {
@@ -305,7 +309,7 @@ class WorldState {
       archive_.check(count == 0, "joints, which this build is without");
     } else {
       if (count > 0) same &= visit_joint_table(count);
-      if constexpr (reads) world_.restore_joints(same);
+      if constexpr (reads) restore_joints(world_, same);
     }
   }
   // Whether the world has the same joints.
@@ -340,7 +344,7 @@ class WorldState {
 
   // Bodies that were told not to touch, beside those that joints keep apart.
   void visit_kept_apart() {
-    auto& ignored = world_.records.ignored;
+    auto& ignored = world_.records.disabled_pairs;
     std::vector<collision::Pair> told;  // of those that are read
     std::uint32_t count = 0;
     if constexpr (reads) {
@@ -351,7 +355,7 @@ class WorldState {
         check_body(pair.second);
         archive_.check(pair.first < pair.second, "a body kept apart from itself");
       }
-      world_.restore_kept_apart(told);
+      restore_disabled_pairs(world_, told, apart_before_);
     } else {
       const auto visit_all = [&](const auto& visit) {
         for (const auto& [body, others] : ignored) {
@@ -369,7 +373,7 @@ class WorldState {
   void visit_boxes() {
     auto& broadphase = world_.broadphase;
     const std::size_t count = world_.colliders.size();
-    const auto is_there = [this](std::uint32_t collider) { return world_.is_in_broadphase(collider); };
+    const auto is_there = [this](std::uint32_t collider) { return is_in_broadphase(world_, collider); };
     std::vector<std::pair<std::uint32_t, collision::Filter>> filters;  // of those that are read
     const auto is_filtered = [&](std::uint32_t collider) {
       return is_there(collider) &&
@@ -393,13 +397,13 @@ class WorldState {
         if constexpr (!reads) plane = broadphase.plane(collider);
         archive_.values(plane.normal.data(), 3);
         archive_.value(plane.offset);
-        if constexpr (reads) world_.restore_plane(collider, plane, filter);
+        if constexpr (reads) restore_plane(world_, collider, plane, filter);
       } else {
         collision::Aabb box;
         if constexpr (!reads) box = broadphase.fat_box(collider);
         archive_.values(box.lower.data(), 3);
         archive_.values(box.upper.data(), 3);
-        if constexpr (reads) world_.restore_box(collider, box, filter);
+        if constexpr (reads) restore_box(world_, collider, box, filter);
       }
     }
     if constexpr (reads) broadphase.forget_moves();
@@ -418,10 +422,10 @@ class WorldState {
       collision::Pair before = {};
       for (collision::Pair& pair : pairs) {
         visit_pair_after(before, pair);
-        archive_.check(world_.may_touch(pair) && before < pair, "contacts of no valid pairs");
+        archive_.check(may_touch(world_, pair) && before < pair, "contacts of no valid pairs");
         before = pair;
       }
-      world_.restore_pairs(pairs);
+      restore_pairs(world_, pairs);
     } else {
       archive_.value(static_cast<std::uint32_t>(cache.pairs.size()));
       collision::Pair before = {};
@@ -470,8 +474,43 @@ class WorldState {
     }
   }
 
+  // Every member of the stores is either told above, or found in the second line of its list: made anew from what was
+  // told, known by the roster, or of no consequence for the next step. A member that is new has to be put into one.
+  void check_members() {
+    {
+      auto& [gravity, settings, clock, bodies, records, joints, broadphase, aabbs, cache, surface_contacts, sleeping,
+             quarantine, selection, results, /**/ contents, colliders, active, reaches, changes] = world_;
+      static_cast<void>(gravity);
+    }
+    {
+      auto& [steps, last_dt, last_substep, /**/ dt] = world_.clock;
+      static_cast<void>(steps);
+    }
+    {
+      auto& [positions, orientations, velocities, angular_velocities, forces, torques, surfaces, turned, /**/ mobility,
+             inverse_mass, gyroscopic, inertia, inverse_inertia, principal_axes, moments, locks, ball, round,
+             least_moment, gravity_scale, linear_damping, angular_damping, radius, joined] = world_.bodies;
+      static_cast<void>(positions);
+    }
+    {
+      auto& [disabled_pairs, /**/ generation, alive, type, dynamic, material, centre, continuous, constants, free,
+             count, version, pool] = world_.records;
+      static_cast<void>(disabled_pairs);
+    }
+    {
+      auto& [rest_time, ring, /**/ awake, asleep, changed] = world_.sleeping;
+      static_cast<void>(rest_time);
+    }
+    {
+      auto& [touched, noted, /**/ told, before, now] = world_.results.contact_events;
+      static_cast<void>(touched);
+    }
+  }
+
   Archive& archive_;
   AnyWorld& world_;
+  std::vector<std::byte> definition_bytes_;    // scratch, of a reader
+  std::vector<collision::Pair> apart_before_;  // of a reader: bodies that didn't touch, in order
 };
 
 }  // namespace atl

@@ -1,6 +1,6 @@
 #include <solver/constraints/motion_locks.h>
 
-#include "world/world_impl.h"
+#include "step/results.h"
 
 namespace atl {
 namespace {
@@ -12,33 +12,34 @@ Vector3 vector(const Floats& v) {
 
 }  // namespace
 
-ContactProblem World::Impl::contact_problem() const {
+ContactProblem contact_problem(const Stores& world, const StepPipeline& pipeline) {
   ContactProblem problem;
-  if (!captured_) return problem;
-  problem.substep = last_substep_;
+  if (!world.results.captured) return problem;
+  problem.substep = world.clock.last_substep;
 
-  std::vector<std::size_t> place(bodies.size(), ContactProblem::fixed);
+  std::vector<std::size_t> place(world.bodies.size(), ContactProblem::fixed);
   const auto place_of = [&](std::uint32_t body) {
-    if (bodies.mobility[body] == solver::Mobility::Fixed || place[body] != ContactProblem::fixed) return place[body];
+    if (world.bodies.mobility[body] == solver::Mobility::Fixed || place[body] != ContactProblem::fixed)
+      return place[body];
     ContactProblem::Body entry{.index = body};
-    if (bodies.mobility[body] == solver::Mobility::Dynamic) {
-      const solver::ContactCapture::Motion& motion = capture_.motions[body];
-      entry.inverse_mass = bodies.inverse_mass[body];
-      entry.free_axes = solver::without(solver::linear_locks(bodies.locks[body]), Vector3::Ones());
+    if (world.bodies.mobility[body] == solver::Mobility::Dynamic) {
+      const solver::ContactCapture::Motion& motion = pipeline.solve().capture().motions[body];
+      entry.inverse_mass = world.bodies.inverse_mass[body];
+      entry.free_axes = solver::without(solver::linear_locks(world.bodies.locks[body]), Vector3::Ones());
       entry.inverse_inertia = motion.inverse_inertia;
       entry.free_velocity = motion.free_velocity;
       entry.free_angular_velocity = motion.free_angular_velocity;
     } else {
-      entry.free_velocity = bodies.velocity(body);
-      entry.free_angular_velocity = bodies.angular_velocity(body);
+      entry.free_velocity = world.bodies.velocity(body);
+      entry.free_angular_velocity = world.bodies.angular_velocity(body);
     }
     problem.bodies.push_back(entry);
     return place[body] = problem.bodies.size() - 1;
   };
 
-  for (const solver::TouchingPair& pair : touching_) {
-    const collision::ContactManifold& manifold = cache.manifolds[pair.slot];
-    const solver::ContactCapture::Answer& answer = capture_.answers[pair.slot];
+  for (const solver::TouchingPair& pair : pipeline.contacts().touching()) {
+    const collision::ContactManifold& manifold = world.cache.manifolds[pair.slot];
+    const solver::ContactCapture::Answer& answer = pipeline.solve().capture().answers[pair.slot];
     // Of unit length and square in double, as the solver's are in single precision only.
     const Vector3 normal = (answer.planar ? vector(answer.normal) : vector(manifold.normal)).normalized();
     const Vector3 first_tangent =
@@ -55,9 +56,9 @@ ContactProblem World::Impl::contact_problem() const {
                                 .lever = manifold.lever,
                                 .friction_impulse = friction - normal.dot(friction) * normal,
                                 .twist_impulse = answer.twist_impulse,
-                                .step = answer.step == last_substep_ ? 0 : answer.step};
-    if (!surface_contacts_.empty()) {
-      const solver::SurfaceContact& surface = surface_contacts_[pair.slot];
+                                .step = answer.step == world.clock.last_substep ? 0 : answer.step};
+    if (!world.surface_contacts.empty()) {
+      const solver::SurfaceContact& surface = world.surface_contacts[pair.slot];
       const Vector3 rolling = vector(answer.rolling_impulse);
       patch.torsional_friction = surface.torsional_friction;
       patch.rolling_friction = surface.rolling_friction;
@@ -72,7 +73,7 @@ ContactProblem World::Impl::contact_problem() const {
       if (!patch.points.empty()) problem.patches.push_back(std::move(patch));
       continue;
     }
-    for (std::size_t i = 0; i < cache.contacts[pair.slot].count; ++i) {
+    for (std::size_t i = 0; i < world.cache.contacts[pair.slot].count; ++i) {
       patch.points.push_back({manifold.x[i], manifold.y[i], answer.separation[i], answer.normal_impulse[i]});
     }
     problem.patches.push_back(std::move(patch));

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "state/recorder.h"
+#include "world/bodies.h"
 #include "world/refuse.h"
 
 namespace atl {
@@ -55,12 +56,13 @@ void Forces::add_at(BodyId id, const Vector3& force, const Vector3& point) {
 }
 
 ForcedStep::ForcedStep(World& world, const ForceLaw& law, double dt)
-    : world_(*world.impl_),
+    : impl_(*world.impl_),
+      world_(impl_.stores),
       law_(law),
       dt_(dt),
       now_(world, static_cast<Eigen::Index>(world_.bodies.size())),
       before_(world, static_cast<Eigen::Index>(world_.bodies.size())) {
-  for (const std::uint32_t body : world_.pushed_) {
+  for (const std::uint32_t body : world_.changes.pushed) {
     steady_.push_back({body, world_.bodies.force(body), world_.bodies.torque(body)});
   }
 }
@@ -69,12 +71,12 @@ StepReport ForcedStep::run() {
   const int substeps = world_.settings.substeps;
   const double h = dt_ / substeps;
   StepReport report;
-  world_.begin_step();
+  impl_.begin_step();
   for (int i = 0; i < substeps; ++i) {
     ask(i * h);
     if (i > 0) make_up(h);
     apply(i > 0);
-    add(report, world_.advance(h, 1, i + 1 == substeps));
+    add(report, impl_.advance(h, 1, i + 1 == substeps));
   }
   ask(dt_);
   make_up(h);
@@ -87,38 +89,38 @@ void ForcedStep::ask(double time) {
   now_.force_.setZero();
   now_.torque_.setZero();
   now_.time_ = time;
-  world_.forced_ = true;
+  impl_.forced = true;
   try {
     law_(now_);
   } catch (...) {
-    world_.forced_ = false;
+    impl_.forced = false;
     record(false);
     throw;
   }
-  world_.forced_ = false;
+  impl_.forced = false;
   record(true);
 }
 
 void ForcedStep::record([[maybe_unused]] bool given) {
   if constexpr (with_recording) {
-    if (!world_.recorder) return;
+    if (!impl_.recorder) return;
     if (given) {
-      world_.recorder->note_forces(now_.forces(), now_.torques());
+      impl_.recorder->note_forces(now_.forces(), now_.torques());
     } else {
-      world_.recorder->note_no_forces();
+      impl_.recorder->note_no_forces();
     }
   }
 }
 
 void ForcedStep::apply(bool again) {
   if (again) {
-    for (const Applied& steady : steady_) world_.apply_force(steady.body, steady.force, steady.torque);
+    for (const Applied& steady : steady_) apply_force(world_, steady.body, steady.force, steady.torque);
   }
   for (Eigen::Index i = 0; i < now_.force_.cols(); ++i) {
     const Vector3 force = now_.force_.col(i), torque = now_.torque_.col(i);
     if (force.isZero(0) && torque.isZero(0)) continue;
     const auto body = static_cast<std::uint32_t>(i);
-    if (world_.records.dynamic[body]) world_.apply_force(world_.awaken(body), force, torque);
+    if (world_.records.dynamic[body]) apply_force(world_, awaken(world_, body), force, torque);
   }
 }
 
@@ -129,7 +131,7 @@ void ForcedStep::make_up(double substep) {
     const Vector3 force = now_.force_.col(i) - before_.force_.col(i);
     const Vector3 torque = now_.torque_.col(i) - before_.torque_.col(i);
     if (!force.allFinite() || !torque.allFinite()) continue;  // the next substep sees to it
-    world_.apply_impulse(body, 0.5 * substep * force, 0.5 * substep * torque);
+    apply_impulse(world_, body, 0.5 * substep * force, 0.5 * substep * torque);
     world_.quarantine.suspect(body);
     world_.aabbs.mark_dirty(body);
   }
@@ -138,8 +140,9 @@ void ForcedStep::make_up(double substep) {
 // Touched by nothing, nor is what it hangs together with: what rests on something is to rest.
 bool ForcedStep::moves_freely(std::uint32_t body) const {
   if (!world_.sleeping.awake[body]) return false;
-  const std::uint32_t island = world_.islands_.island_of(body);
-  return island == solver::Islands::none || world_.islands_.contact_count(island) == 0;
+  const solver::Islands& islands = impl_.pipeline.islands().islands();
+  const std::uint32_t island = islands.island_of(body);
+  return island == solver::Islands::none || islands.contact_count(island) == 0;
 }
 
 }  // namespace atl

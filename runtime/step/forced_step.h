@@ -34,7 +34,8 @@ class ForcedStep {
   void make_up(double substep);
   bool moves_freely(std::uint32_t body) const;
 
-  World::Impl& world_;
+  World::Impl& impl_;
+  Stores& world_;
   const ForceLaw& law_;
   double dt_;
   std::vector<Applied> steady_;  // that were on bodies as the step began

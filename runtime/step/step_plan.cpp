@@ -10,7 +10,7 @@
 #include <jobs/with_sleeping.h>
 #include <jobs/with_surfaces.h>
 
-#include "world/world_impl.h"
+#include "step/pipeline.h"
 
 namespace atl {
 namespace {
@@ -98,22 +98,22 @@ bool is_built(Stage stage) {
 
 const char* stage_name(Stage stage) { return words[static_cast<std::size_t>(stage)].name; }
 
-void World::Impl::note_stages() {
+void note_stages(const Stores& world, const StepPipeline& pipeline, bool records, StepReport& report) {
   solver::ContactWork work;
   std::int64_t surfaces = 0, gyroscopic = 0, locked = 0, early_ends = 0;
-  for (const solver::GroupReport& group : group_reports_) {
+  for (const solver::GroupReport& group : pipeline.solve().group_reports()) {
     work += group.work;
     if (group.surfaces) surfaces += group.work.contacts;
     gyroscopic += group.gyroscopic_bodies;
     locked += group.locked_bodies;
-    early_ends += settings.tolerance > 0;
+    early_ends += world.settings.tolerance > 0;
   }
-  const StepCounts& counts = report_.counts;
-  const auto phase_ms = [this](Phase phase) { return report_.phase_ms[static_cast<std::size_t>(phase)]; };
-  const auto note = [this](Stage stage, bool run, std::int64_t items, double ms = 0) {
+  const StepCounts& counts = report.counts;
+  const auto phase_ms = [&](Phase phase) { return report.phase_ms[static_cast<std::size_t>(phase)]; };
+  const auto note = [&](Stage stage, bool run, std::int64_t items, double ms = 0) {
     const StageWords& of = words[static_cast<std::size_t>(stage)];
-    report_.stages[static_cast<std::size_t>(stage)] = {of.name,         run,     run ? of.why_run : of.why_not,
-                                                       run ? items : 0, of.unit, run ? ms : 0};
+    report.stages[static_cast<std::size_t>(stage)] = {of.name,         run,     run ? of.why_run : of.why_not,
+                                                      run ? items : 0, of.unit, run ? ms : 0};
   };
   const auto note_items = [&note](Stage stage, std::int64_t items, double ms = 0) {
     note(stage, items > 0, items, ms);
@@ -128,36 +128,38 @@ void World::Impl::note_stages() {
   note_items(Stage::Friction, work.friction);
   note_items(Stage::RollingAndBelts, surfaces);
   note_items(Stage::Restitution, work.bounces);
-  note_items(Stage::WarmStarting, settings.warm_starting ? counts.contacts : 0);
-  const bool soft = settings.stabilisation == Stabilisation::Soft;
-  note_items(Stage::Relaxation, soft && settings.relax_iterations > 0 ? work.contacts : 0);
-  note_items(Stage::SplitImpulses, settings.stabilisation == Stabilisation::SplitImpulse ? work.contacts : 0);
+  note_items(Stage::WarmStarting, world.settings.warm_starting ? counts.contacts : 0);
+  const bool soft = world.settings.stabilisation == Stabilisation::Soft;
+  note_items(Stage::Relaxation, soft && world.settings.relax_iterations > 0 ? work.contacts : 0);
+  note_items(Stage::SplitImpulses, world.settings.stabilisation == Stabilisation::SplitImpulse ? work.contacts : 0);
   note_items(Stage::EarlyEnd, early_ends);
   double direct_ms = 0, finer_ms = 0;
-  for (const EscalatedIsland& island : escalated_) (island.direct ? direct_ms : finer_ms) += island.ms;
+  for (const EscalatedIsland& island : world.results.escalated_islands)
+    (island.direct ? direct_ms : finer_ms) += island.ms;
   note_items(Stage::DirectContacts, counts.direct_islands, direct_ms);
   note_items(Stage::FinerSubsteps, counts.finer_islands, finer_ms);
   note_items(Stage::JointSolver, counts.joints - counts.direct_joints);
   note_items(Stage::DirectJoints, counts.direct_joints);
   if (counts.joints == 0) {
-    const char* why = joints.count == 0 ? "there are no joints" : "no joint acts on a body that is awake";
+    const char* why = world.joints.count == 0 ? "there are no joints" : "no joint acts on a body that is awake";
     for (const Stage stage : {Stage::JointSolver, Stage::DirectJoints}) {
-      report_.stages[static_cast<std::size_t>(stage)].why = why;
+      report.stages[static_cast<std::size_t>(stage)].why = why;
     }
   }
   note_items(Stage::MotionLocks, locked);
   note_items(Stage::GyroscopicTorque, gyroscopic);
-  note_items(Stage::FreeFlight, static_cast<std::int64_t>(islands_.free_bodies().size()));
-  note_items(Stage::KinematicBodies, static_cast<std::int64_t>(contents.kinematic));
+  note_items(Stage::FreeFlight, static_cast<std::int64_t>(pipeline.islands().islands().free_bodies().size()));
+  note_items(Stage::KinematicBodies, static_cast<std::int64_t>(world.contents.kinematic));
   note_items(Stage::ContinuousCollision, counts.swept, phase_ms(Phase::SweepFastBodies));
-  note(Stage::Sleeping, settings.sleeping, counts.active_bodies, phase_ms(Phase::Finish));
-  const bool events = settings.contact_events || (with_events && settings.run_everything);
-  const ContactEvents& noted = settings.contact_events ? events_ : unasked_events_;
+  note(Stage::Sleeping, world.settings.sleeping, counts.active_bodies, phase_ms(Phase::Finish));
+  const bool events = world.settings.contact_events || (with_events && world.settings.run_everything);
+  const ContactEvents& noted =
+      world.settings.contact_events ? world.results.contact_events : world.results.unasked_events;
   note(Stage::ContactEvents, events, static_cast<std::int64_t>(noted.told.size()));
-  note(Stage::ContactProblem, settings.keep_contact_problem || settings.run_everything, counts.contacts);
-  note(Stage::Recording, recorder != nullptr, 1);
+  note(Stage::ContactProblem, world.settings.keep_contact_problem || world.settings.run_everything, counts.contacts);
+  note(Stage::Recording, records, 1);
   for (std::size_t i = 0; i < stage_count; ++i) {
-    if (!is_built(static_cast<Stage>(i))) report_.stages[i].why = "this build is without it";
+    if (!is_built(static_cast<Stage>(i))) report.stages[i].why = "this build is without it";
   }
 }
 

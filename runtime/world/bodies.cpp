@@ -1,20 +1,17 @@
-// Bodies coming, going and being changed from outside.
+#include "world/bodies.h"
 
-#include <atoll/error.h>
-#include <collision/narrowphase/surface_contacts.h>
 #include <jobs/with_direct_contacts.h>
 #include <jobs/with_joints.h>
-#include <jobs/with_recording.h>
 #include <solver/constraints/motion_locks.h>
 
 #include <algorithm>
 #include <string>
 
-#include "state/recorder.h"
-#include "state/roster.h"
 #include "world/body_definition.h"
+#include "world/colliders.h"
+#include "world/containment.h"
+#include "world/joints.h"
 #include "world/refuse.h"
-#include "world/world_impl.h"
 
 namespace atl {
 namespace {
@@ -41,42 +38,20 @@ bool is_round(const CheckedCollider& collider) {
 
 }  // namespace
 
-void Contents::count(const solver::BodyTable& bodies, const BodyRecords& records, std::uint32_t body, int sign) {
-  const auto add = [sign](std::size_t& counter, bool has) {
-    if (has) counter += static_cast<std::size_t>(sign);
-  };
-  add(kinematic, bodies.mobility[body] == solver::Mobility::Kinematic);
-  add(with_friction, records.material[body].friction > 0);
-  add(with_restitution, records.material[body].restitution > 0);
-  add(gyroscopic, bodies.gyroscopic[body] != 0);
-  const auto smooth = [](const CheckedCollider& collider) { return collision::is_smooth(collider.shape); };
-  const std::vector<CheckedCollider>& colliders = records.constants[body]->colliders;
-  add(smooth_surfaces, std::any_of(colliders.begin(), colliders.end(), smooth));
-}
-
-void BodyRecords::resize(std::size_t bodies) {
-  jobs::append(generation, bodies, std::uint32_t{0});
-  jobs::append(alive, bodies, std::uint8_t{0});
-  jobs::append(type, bodies, BodyType::Static);
-  jobs::append(dynamic, bodies, std::uint8_t{0});
-  material.resize(bodies);
-  centre.resize(bodies);
-  jobs::append(continuous, bodies, std::uint8_t{0});
-  jobs::append(constants, bodies);
-}
-
-void World::Impl::resize_bodies(std::size_t count) {
-  bodies.resize(count);
-  records.resize(count);
-  sleeping.resize(count);
-  quarantine.resize(count);
-  active_.resize(count);
-  aabbs.resize(count);
-  colliders.resize_bodies(count);
+void resize_bodies(Stores& world, std::size_t count) {
+  world.bodies.resize(count);
+  world.records.resize(count);
+  world.sleeping.resize(count);
+  world.quarantine.resize(count);
+  world.active.resize(count);
+  world.aabbs.resize(count);
+  world.colliders.resize_bodies(count);
 }
 
 // What the body is for as long as it lives.
-void World::Impl::give_constants(std::uint32_t body, const std::shared_ptr<const BodyConstants>& constants) {
+void give_constants(Stores& world, std::uint32_t body, const std::shared_ptr<const BodyConstants>& constants) {
+  BodyRecords& records = world.records;
+  solver::BodyTable& bodies = world.bodies;
   records.constants[body] = constants;
   const BodyConstants& c = *constants;
   records.alive[body] = 1;
@@ -104,18 +79,20 @@ void World::Impl::give_constants(std::uint32_t body, const std::shared_ptr<const
   bodies.angular_damping[body] = c.angular_damping;
 }
 
-BodyId World::Impl::add_body(const CheckedBody& start) {
+BodyId add_body(Stores& world, const CheckedBody& start) {
+  solver::BodyTable& bodies = world.bodies;
+  BodyRecords& records = world.records;
   std::uint32_t body;
   if (records.free.empty()) {
     body = static_cast<std::uint32_t>(bodies.size());
-    resize_bodies(body + std::size_t{1});
+    resize_bodies(world, body + std::size_t{1});
   } else {
     body = records.free.back();
     records.free.pop_back();
   }
   ++records.count;
-  forget_roster();
-  give_constants(body, constants_.share(start.constants));
+  ++records.version;
+  give_constants(world, body, records.pool.share(start.constants));
 
   bodies.position(body) = start.position + start.orientation * records.centre[body];
   bodies.set_orientation(body, start.orientation);
@@ -123,35 +100,33 @@ BodyId World::Impl::add_body(const CheckedBody& start) {
   bodies.angular_velocity(body) = start.angular_velocity;
   bodies.force(body).setZero();
   bodies.torque(body).setZero();
-  run_surface(body, start.surface_velocity);
+  run_surface(world, body, start.surface_velocity);
 
-  sleeping.awake[body] = records.dynamic[body];
-  sleeping.rest_time[body] = 0;
-  if (records.dynamic[body]) selection_.arrive(body);
-  contents.count(bodies, records, body, +1);
-  note_arrival_or_departure(body);
-  add_colliders(body);
-  note_size(body);
-  add_proxies(body, to_collision(start.filter, body));
-  suspect_new(body);
-  if constexpr (with_recording) {
-    if (recorder) recorder->note_body(start, fingerprint(start.constants));
-  }
+  world.sleeping.awake[body] = records.dynamic[body];
+  world.sleeping.rest_time[body] = 0;
+  if (records.dynamic[body]) world.selection.arrive(body);
+  world.contents.count(bodies, records, body, +1);
+  note_arrival_or_departure(world, body);
+  add_colliders(world, body);
+  note_size(world, body);
+  add_proxies(world, body, to_collision(start.filter, body));
+  suspect_new(world, body);
   return {body, records.generation[body]};
 }
 
-void World::Impl::remove_body(BodyId id) {
-  captured_ = false;
-  const std::uint32_t body = index_of(id, "remove_body");
-  if constexpr (with_joints) remove_joints_of(body);
-  if (quarantine.contains(body)) {
-    quarantine.remove(body);
+void remove_body(Stores& world, std::uint32_t body) {
+  solver::BodyTable& bodies = world.bodies;
+  BodyRecords& records = world.records;
+  world.results.captured = false;
+  if constexpr (with_joints) remove_joints_of(world, body);
+  if (world.quarantine.contains(body)) {
+    world.quarantine.remove(body);
   } else {
-    take_out(body);
+    take_out(world, body);
   }
-  remove_colliders(body);
+  remove_colliders(world, body);
   records.constants[body].reset();
-  forget_roster();
+  ++records.version;
   bodies.velocity(body).setZero();
   bodies.angular_velocity(body).setZero();
   records.alive[body] = 0;
@@ -161,145 +136,164 @@ void World::Impl::remove_body(BodyId id) {
 }
 
 // From all that a step goes through, but for joints, which go before. What touched the body wakes.
-void World::Impl::take_out(std::uint32_t body) {
-  wake_touching(body);
-  sleeping.wake(body);
-  cache.remove_contacts_of(body);
-  aabbs.remove(body, colliders, broadphase);
-  contents.count(bodies, records, body, -1);
-  sleeping.awake[body] = 0;
-  if constexpr (with_direct_contacts) selection_.forget(body);
+void take_out(Stores& world, std::uint32_t body) {
+  solver::BodyTable& bodies = world.bodies;
+  BodyRecords& records = world.records;
+  wake_touching(world, body);
+  world.sleeping.wake(body);
+  world.cache.remove_contacts_of(body);
+  world.aabbs.remove(body, world.colliders, world.broadphase);
+  world.contents.count(bodies, records, body, -1);
+  world.sleeping.awake[body] = 0;
+  if constexpr (with_direct_contacts) world.selection.forget(body);
   records.dynamic[body] = 0;
-  note_arrival_or_departure(body);
+  note_arrival_or_departure(world, body);
   bodies.mobility[body] = solver::Mobility::Fixed;
   bodies.gyroscopic[body] = 0;
   bodies.velocity(body).setZero();
   bodies.angular_velocity(body).setZero();
-  contact_forces_valid_ = false;
+  world.results.contact_forces_valid = false;
 }
 
-std::uint32_t World::Impl::index_of(BodyId id, const char* call) const {
-  if (id.index < bodies.size() && records.alive[id.index] && records.generation[id.index] == id.generation) {
-    return id.index;
-  }
+bool contains(const Stores& world, BodyId id) {
+  return id.index < world.bodies.size() && world.records.alive[id.index] &&
+         world.records.generation[id.index] == id.generation;
+}
+
+std::uint32_t index_of(const Stores& world, BodyId id, const char* call) {
+  if (contains(world, id)) return id.index;
   refuse_stale(std::string("World::") + call, id);
 }
 
-std::uint32_t World::Impl::awaken(BodyId id, const char* call) { return awaken(index_of(id, call)); }
-
-std::uint32_t World::Impl::awaken(std::uint32_t body) {
-  sleeping.wake(body);
-  aabbs.mark_dirty(body);
-  quarantine.suspect(body);
-  if (bodies.mobility[body] == solver::Mobility::Kinematic) may_start_or_stop_.push_back(body);
+std::uint32_t awaken(Stores& world, std::uint32_t body) {
+  world.sleeping.wake(body);
+  world.aabbs.mark_dirty(body);
+  world.quarantine.suspect(body);
+  if (world.bodies.mobility[body] == solver::Mobility::Kinematic) world.changes.may_start_or_stop.push_back(body);
   return body;
 }
 
-void World::Impl::apply_force(std::uint32_t body, const Vector3& force, const Vector3& torque) {
-  if (quarantine.contains(body)) return;
-  if (bodies.force(body).isZero(0) && bodies.torque(body).isZero(0)) pushed_.push_back(body);
-  bodies.force(body) += force;
-  bodies.torque(body) += torque;
+void apply_force(Stores& world, std::uint32_t body, const Vector3& force, const Vector3& torque) {
+  if (world.quarantine.contains(body)) return;
+  if (world.bodies.force(body).isZero(0) && world.bodies.torque(body).isZero(0)) world.changes.pushed.push_back(body);
+  world.bodies.force(body) += force;
+  world.bodies.torque(body) += torque;
 }
 
-void World::Impl::apply_impulse(std::uint32_t body, const Vector3& impulse, const Vector3& moment) {
-  if (quarantine.contains(body)) return;
-  bodies.velocity(body) +=
-      bodies.inverse_mass[body] * solver::without(solver::linear_locks(bodies.locks[body]), impulse);
-  bodies.angular_velocity(body) += solver::angular_response(bodies, body, moment);
+void apply_impulse(Stores& world, std::uint32_t body, const Vector3& impulse, const Vector3& moment) {
+  if (world.quarantine.contains(body)) return;
+  world.bodies.velocity(body) +=
+      world.bodies.inverse_mass[body] * solver::without(solver::linear_locks(world.bodies.locks[body]), impulse);
+  world.bodies.angular_velocity(body) += solver::angular_response(world.bodies, body, moment);
 }
 
-Pose World::Impl::pose(BodyId id) const {
-  const std::uint32_t body = index_of(id, "pose");
-  const Quaternion orientation = bodies.orientation(body);
-  const Vector3& centre = records.centre[body];
-  const Vector3 position = bodies.position(body);
+Pose pose_of(const Stores& world, std::uint32_t body) {
+  const Quaternion orientation = world.bodies.orientation(body);
+  const Vector3& centre = world.records.centre[body];
+  const Vector3 position = world.bodies.position(body);
   return {centre.isZero(0) ? position : Vector3(position - orientation * centre), orientation};
 }
 
-void World::Impl::set_pose(BodyId id, const Pose& pose) {
-  const std::uint32_t body = index_of(id, "set_pose");
-  check_finite("World::set_pose: pose.position", pose.position);
-  const Quaternion orientation = checked_orientation("World::set_pose: pose.orientation", pose.orientation);
-  wake_touching(body);
-  if constexpr (with_joints) wake_joined(body);
-  sleeping.wake(body);
-  const Vector3 position = pose.position + orientation * records.centre[body];
-  before_move(body, position);
-  bodies.position(body) = position;
-  const double turn = solver::turn_chord(bodies.orientation(body), orientation);
-  const bool fixed = bodies.mobility[body] == solver::Mobility::Fixed;
-  bodies.turned[body] += fixed && turn > 0 ? collision::put_elsewhere : turn;
-  bodies.set_orientation(body, orientation);
-  move_proxies(body);
+void set_pose(Stores& world, std::uint32_t body, const Vector3& origin, const Quaternion& orientation) {
+  wake_touching(world, body);
+  if constexpr (with_joints) wake_joined(world, body);
+  world.sleeping.wake(body);
+  const Vector3 position = origin + orientation * world.records.centre[body];
+  before_move(world, body, position);
+  world.bodies.position(body) = position;
+  const double turn = solver::turn_chord(world.bodies.orientation(body), orientation);
+  const bool fixed = world.bodies.mobility[body] == solver::Mobility::Fixed;
+  world.bodies.turned[body] += fixed && turn > 0 ? collision::put_elsewhere : turn;
+  world.bodies.set_orientation(body, orientation);
+  move_proxies(world, body);
 }
 
-void World::Impl::set_surface(std::uint32_t body, const solver::Surface& surface) {
-  if (!surface.is_plain() && bodies.surfaces.empty()) bodies.surfaces.resize(bodies.size());
-  if (!bodies.surfaces.empty()) bodies.surfaces[body] = surface;
+void set_surface(Stores& world, std::uint32_t body, const solver::Surface& surface) {
+  if (!surface.is_plain() && world.bodies.surfaces.empty()) world.bodies.surfaces.resize(world.bodies.size());
+  if (!world.bodies.surfaces.empty()) world.bodies.surfaces[body] = surface;
 }
 
-void World::Impl::run_surface(std::uint32_t body, const Vector3& velocity) {
-  const Material& material = records.material[body];
-  set_surface(body, {velocity, material.rolling_friction, material.torsional_friction});
+void run_surface(Stores& world, std::uint32_t body, const Vector3& velocity) {
+  const Material& material = world.records.material[body];
+  set_surface(world, body, {velocity, material.rolling_friction, material.torsional_friction});
 }
 
-void World::Impl::set_surface_velocity(BodyId id, const Vector3& velocity) {
-  const std::uint32_t body = index_of(id, "set_surface_velocity");
-  wake_touching(body);
-  sleeping.wake(body);
-  quarantine.suspect(body);
-  run_surface(body, velocity);
+void set_surface_velocity(Stores& world, std::uint32_t body, const Vector3& velocity) {
+  wake_touching(world, body);
+  world.sleeping.wake(body);
+  world.quarantine.suspect(body);
+  run_surface(world, body, velocity);
 }
 
-void World::Impl::set_filter(BodyId id, const CollisionFilter& filter) {
-  const std::uint32_t body = index_of(id, "set_filter");
-  wake_touching(body);
-  sleeping.wake(body);
+void set_filter(Stores& world, std::uint32_t body, const CollisionFilter& filter) {
+  wake_touching(world, body);
+  world.sleeping.wake(body);
   const collision::Filter in_broadphase = to_collision(filter, body);
-  if (quarantine.contains(body)) {
-    quarantine.kept(body).filter = in_broadphase;
+  if (world.quarantine.contains(body)) {
+    world.quarantine.kept(body).filter = in_broadphase;
     return;
   }
-  colliders.for_each_of(body, [&](std::uint32_t collider) { broadphase.set_filter(collider, in_broadphase); });
+  world.colliders.for_each_of(body,
+                              [&](std::uint32_t collider) { world.broadphase.set_filter(collider, in_broadphase); });
 }
 
-void World::Impl::set_collision_enabled(BodyId a, BodyId b, bool enabled) {
-  const std::uint32_t first = index_of(a, "set_collision_enabled");
-  const std::uint32_t second = index_of(b, "set_collision_enabled");
-  if (first == second) throw Error("World::set_collision_enabled: both bodies are the same; expected two bodies");
-  sleeping.wake(first);
-  sleeping.wake(second);
-  std::vector<std::uint32_t>& of_first = records.ignored[first];
-  std::vector<std::uint32_t>& of_second = records.ignored[second];
+void set_collision_enabled(Stores& world, std::uint32_t first, std::uint32_t second, bool enabled) {
+  world.sleeping.wake(first);
+  world.sleeping.wake(second);
+  std::vector<std::uint32_t>& of_first = world.records.disabled_pairs[first];
+  std::vector<std::uint32_t>& of_second = world.records.disabled_pairs[second];
   std::erase(of_first, second);
   std::erase(of_second, first);
   if (enabled) {
-    if (!with_joints || !joints.are_kept_apart(first, second)) broadphase.unignore(first, second);
+    if (!with_joints || !world.joints.are_kept_apart(first, second)) world.broadphase.unignore(first, second);
   } else {
     of_first.insert(std::lower_bound(of_first.begin(), of_first.end(), second), second);
     of_second.insert(std::lower_bound(of_second.begin(), of_second.end(), first), first);
-    broadphase.ignore(first, second);
+    world.broadphase.ignore(first, second);
   }
 }
 
-void World::Impl::wake_all() {
-  for (std::uint32_t body = 0; body < bodies.size(); ++body) sleeping.wake(body);
+void wake_all(Stores& world) {
+  for (std::uint32_t body = 0; body < world.bodies.size(); ++body) world.sleeping.wake(body);
 }
 
-void World::Impl::wake_touching(std::uint32_t body) {
-  cache.for_each_contact_of(body, [&](std::uint32_t slot) {
-    const collision::Contact& contact = cache.contacts[slot];
+void wake_touching(Stores& world, std::uint32_t body) {
+  world.cache.for_each_contact_of(body, [&](std::uint32_t slot) {
+    const collision::Contact& contact = world.cache.contacts[slot];
     if (contact.count == 0) return;
-    if (contact.body_first == body) sleeping.wake(contact.body_second);
-    if (contact.body_second == body) sleeping.wake(contact.body_first);
+    if (contact.body_first == body) world.sleeping.wake(contact.body_second);
+    if (contact.body_second == body) world.sleeping.wake(contact.body_first);
   });
 }
 
 // Islands are made anew even if the index was used again for a body that looks the same to them.
-void World::Impl::note_arrival_or_departure(std::uint32_t body) {
-  if (bodies.mobility[body] != solver::Mobility::Fixed || active_.contains(body)) may_start_or_stop_.push_back(body);
-  islands_stale_ = true;
+void note_arrival_or_departure(Stores& world, std::uint32_t body) {
+  if (world.bodies.mobility[body] != solver::Mobility::Fixed || world.active.contains(body))
+    world.changes.may_start_or_stop.push_back(body);
+  world.changes.islands = true;
+}
+
+namespace {
+
+bool may_move(const Stores& world, std::uint32_t body) {
+  const solver::BodyTable& bodies = world.bodies;
+  if (bodies.mobility[body] != solver::Mobility::Kinematic) return world.sleeping.awake[body] != 0;
+  return !(bodies.velocity(body).isZero(0) && bodies.angular_velocity(body).isZero(0));
+}
+
+}  // namespace
+
+ActiveChange update_active_bodies(Stores& world) {
+  std::vector<std::uint32_t>& may_have = world.changes.may_start_or_stop;
+  may_have.insert(may_have.end(), world.sleeping.changed.begin(), world.sleeping.changed.end());
+  world.sleeping.changed.clear();
+  const bool changed = world.active.update(may_have, [&](std::uint32_t body) { return may_move(world, body); });
+  may_have.clear();
+  if (!changed) return {};
+  world.reaches.resize(world.bodies.size());
+  for (const std::uint32_t body : world.active.stopped()) world.reaches[body] = {};
+  world.changes.islands = true;
+  return {true, world.cache.set_active(world.active.started(), world.active.stopped())};
 }
 
 }  // namespace atl

@@ -1,13 +1,13 @@
-// Joints coming, going and being changed from outside.
+#include "world/joints.h"
 
 #include <atoll/error.h>
 
 #include <algorithm>
 #include <sstream>
 
+#include "world/bodies.h"
 #include "world/joint_definition.h"
 #include "world/make_joint.h"
-#include "world/world_impl.h"
 
 namespace atl {
 namespace {
@@ -69,121 +69,136 @@ void forget_impulses(solver::Joint& joint) {
   joint.motor_bound = {};
 }
 
+// Of two bodies whose pair is disabled nothing changes.
+void keep_apart(Stores& world, std::uint32_t joint) {
+  const solver::Joint& j = world.joints.joints[joint];
+  if (world.joints.keep_apart(j.first, j.second)) world.broadphase.ignore(j.first, j.second);
+}
+
+void let_touch(Stores& world, std::uint32_t joint) {
+  const solver::Joint& j = world.joints.joints[joint];
+  if (!world.joints.let_touch(j.first, j.second)) return;
+  const auto disabled = world.records.disabled_pairs.find(j.first);
+  const bool stay_apart =
+      disabled != world.records.disabled_pairs.end() &&
+      std::find(disabled->second.begin(), disabled->second.end(), j.second) != disabled->second.end();
+  if (!stay_apart) world.broadphase.unignore(j.first, j.second);
+}
+
 }  // namespace
 
-void World::Impl::check_bodies(const JointDef& def) const {
-  const auto is_there = [this](BodyId id) {
-    return id.index < bodies.size() && records.alive[id.index] && records.generation[id.index] == id.generation;
-  };
+void check_bodies(const Stores& world, const JointDef& def) {
   const char* expected = ", which no body has; expected the id of a body that has not been removed";
-  if (!is_there(def.first)) throw Error("JointDef.first is " + text(def.first) + expected);
-  if (!is_there(def.second)) throw Error("JointDef.second is " + text(def.second) + expected);
+  if (!contains(world, def.first)) throw Error("JointDef.first is " + text(def.first) + expected);
+  if (!contains(world, def.second)) throw Error("JointDef.second is " + text(def.second) + expected);
   if (def.first == def.second) {
     throw Error("JointDef.second is " + text(def.second) + ", as is first; expected another body");
   }
-  if (records.type[def.first.index] != BodyType::Dynamic && records.type[def.second.index] != BodyType::Dynamic) {
+  if (world.records.type[def.first.index] != BodyType::Dynamic &&
+      world.records.type[def.second.index] != BodyType::Dynamic) {
     throw Error("JointDef: neither first " + text(def.first) + " nor second " + text(def.second) +
                 " is dynamic; expected at least one that is");
   }
   // Joints know of masses that are the same in all directions only.
   for (const auto& [name, id] : {std::pair{"first", def.first}, std::pair{"second", def.second}}) {
-    if (bodies.locks[id.index] == 0) continue;
+    if (world.bodies.locks[id.index] == 0) continue;
     throw Error(std::string("JointDef.") + name + " is " + text(id) +
                 ", which has motion locks; expected a body without, as joints don't know of them");
   }
 }
 
-JointId World::Impl::add_joint(const JointDef& definition) {
-  check_bodies(definition);
+JointId add_joint(Stores& world, const JointDef& definition) {
+  check_bodies(world, definition);
   const JointDef def = checked(definition);
-  solver::Joint joint = make_joint(def, records.centre[def.first.index], records.centre[def.second.index]);
-  const solver::JointFrames frames = frames_of(joint);
+  solver::Joint joint = make_joint(def, world.records.centre[def.first.index], world.records.centre[def.second.index]);
+  const solver::JointFrames frames = frames_of(world, joint);
   if (std::holds_alternative<DistanceJoint>(def.kind) && !(frames.offset.norm() > least_distance)) {
     throw Error("JointDef: the origins of the frames of a DistanceJoint coincide; expected two points");
   }
   find_positions(joint, frames);
-  const std::uint32_t index = joints.add(def, joint);
-  for (const BodyId body : {def.first, def.second}) joints.suspended[index] += quarantine.contains(body.index);
-  joints.update_flags(index);
-  joint_changed(index);
-  if (!def.collide) keep_apart(index);
-  return {index, joints.generation[index]};
+  const std::uint32_t index = world.joints.add(def, joint);
+  for (const BodyId body : {def.first, def.second})
+    world.joints.suspended[index] += world.quarantine.contains(body.index);
+  world.joints.update_flags(index);
+  joint_changed(world, index);
+  if (!def.collide) keep_apart(world, index);
+  return {index, world.joints.generation[index]};
 }
 
-void World::Impl::remove_joint(std::uint32_t joint) {
-  joint_changed(joint);
-  if (joints.enabled[joint] && !joints.def[joint].collide) let_touch(joint);
-  joints.remove(joint);
+void remove_joint(Stores& world, std::uint32_t joint) {
+  joint_changed(world, joint);
+  if (world.joints.enabled[joint] && !world.joints.def[joint].collide) let_touch(world, joint);
+  world.joints.remove(joint);
 }
 
 // In order, as their indices are used again.
-void World::Impl::remove_joints_of(std::uint32_t body) {
+void remove_joints_of(Stores& world, std::uint32_t body) {
   std::vector<std::uint32_t> of_body;
-  joints.for_each_of(body, [&](std::uint32_t joint) { of_body.push_back(joint); });
+  world.joints.for_each_of(body, [&](std::uint32_t joint) { of_body.push_back(joint); });
   std::sort(of_body.begin(), of_body.end());
-  for (const std::uint32_t joint : of_body) remove_joint(joint);
+  for (const std::uint32_t joint : of_body) remove_joint(world, joint);
 }
 
 // What removing them would do to all others: they wake and are solved anew.
-void World::Impl::suspend_joints_of(std::uint32_t body) {
-  joints.for_each_of(body, [this](std::uint32_t joint) {
-    joint_changed(joint);
-    ++joints.suspended[joint];
-    joints.update_flags(joint);
-    solver::Joint& j = joints.joints[joint];
+void suspend_joints_of(Stores& world, std::uint32_t body) {
+  world.joints.for_each_of(body, [&](std::uint32_t joint) {
+    joint_changed(world, joint);
+    ++world.joints.suspended[joint];
+    world.joints.update_flags(joint);
+    solver::Joint& j = world.joints.joints[joint];
     forget_impulses(j);
     j.force.setZero();
     j.torque.setZero();
     j.limit = {};
-    joints.limit_before[joint] = {};
-    find_positions(j, frames_of(j));
+    world.joints.limit_before[joint] = {};
+    find_positions(j, frames_of(world, j));
   });
 }
 
-void World::Impl::resume_joints_of(std::uint32_t body) {
-  joints.for_each_of(body, [this](std::uint32_t joint) {
-    joint_changed(joint);
-    --joints.suspended[joint];
-    joints.update_flags(joint);
-    find_positions(joints.joints[joint], frames_of(joints.joints[joint]));
+void resume_joints_of(Stores& world, std::uint32_t body) {
+  world.joints.for_each_of(body, [&](std::uint32_t joint) {
+    joint_changed(world, joint);
+    --world.joints.suspended[joint];
+    world.joints.update_flags(joint);
+    find_positions(world.joints.joints[joint], frames_of(world, world.joints.joints[joint]));
   });
 }
 
-solver::JointFrames World::Impl::frames_of(const solver::Joint& joint) const {
-  return solver::joint_frames(joint, bodies.position(joint.first), bodies.orientation(joint.first),
-                              bodies.position(joint.second), bodies.orientation(joint.second));
+solver::JointFrames frames_of(const Stores& world, const solver::Joint& joint) {
+  return solver::joint_frames(joint, world.bodies.position(joint.first), world.bodies.orientation(joint.first),
+                              world.bodies.position(joint.second), world.bodies.orientation(joint.second));
 }
 
-JointState World::Impl::joint_state(std::uint32_t index) const {
-  const solver::Joint& joint = joints.joints[index];
-  JointState state{.enabled = joints.enabled[index] != 0,
-                   .broken = joints.broken[index] != 0,
+JointState joint_state(const Stores& world, std::uint32_t index) {
+  const solver::Joint& joint = world.joints.joints[index];
+  JointState state{.enabled = world.joints.enabled[index] != 0,
+                   .broken = world.joints.broken[index] != 0,
                    .force = joint.force,
                    .torque = joint.torque};
-  const std::span<const solver::Coordinate> names = named_coordinates(joints.def[index].kind);
-  const solver::JointFrames frames = frames_of(joint);
+  const std::span<const solver::Coordinate> names = named_coordinates(world.joints.def[index].kind);
+  const solver::JointFrames frames = frames_of(world, joint);
   solver::Joint named = joint;
   std::copy(names.begin(), names.end(), named.coordinate.begin());
   for (std::size_t i = 0; i < names.size(); ++i) {
     const solver::JointRow row = joint_row(named, i, frames);
     const std::size_t kept = row_along(joint, names[i]);
     state.position[i] = kept == joint.rows ? row.value : continued(names[i], row.value, joint.position[kept]);
-    state.speed[i] = row.rate(bodies.velocity(joint.first), bodies.angular_velocity(joint.first),
-                              bodies.velocity(joint.second), bodies.angular_velocity(joint.second));
+    state.speed[i] = row.rate(world.bodies.velocity(joint.first), world.bodies.angular_velocity(joint.first),
+                              world.bodies.velocity(joint.second), world.bodies.angular_velocity(joint.second));
   }
   return state;
 }
 
-void World::Impl::set_joint(std::uint32_t index, const JointKind& kind) {
-  JointDef& def = joints.def[index];
+void set_joint(Stores& world, std::uint32_t index, const JointKind& kind) {
+  JointDef& def = world.joints.def[index];
   if (kind.index() != def.kind.index()) {
     throw Error(std::string("World::set_joint: kind is ") + name_of(kind) + "; expected " + name_of(def.kind) +
                 ", as the joint was made with");
   }
   check("World::set_joint: kind", kind);
-  wake_joined_by(index);
+  wake_joined_by(world, index);
   def.kind = kind;
-  solver::Joint& joint = joints.joints[index];
+  solver::Joint& joint = world.joints.joints[index];
   const solver::Joint before = joint;
   const solver::Joint laws = make_joint(kind);
   joint.point = laws.point;
@@ -194,65 +209,49 @@ void World::Impl::set_joint(std::uint32_t index, const JointKind& kind) {
   if (!hold_the_same(before, joint)) {
     forget_impulses(joint);
     joint.limit = {};
-    find_positions(joint, frames_of(joint));
+    find_positions(joint, frames_of(world, joint));
     keep_state(before, joint);
-    joints_stale_ = true;
+    world.changes.joints = true;
   }
-  joints.update_flags(index);
+  world.joints.update_flags(index);
 }
 
-void World::Impl::set_joint_enabled(std::uint32_t joint, bool enabled) {
-  if (enabled) joints.broken[joint] = 0;
-  if (enabled == (joints.enabled[joint] != 0)) return;
-  joint_changed(joint);
-  joints.enabled[joint] = enabled;
-  joints.update_flags(joint);
-  joints.joints[joint].force.setZero();
-  joints.joints[joint].torque.setZero();
+void set_joint_enabled(Stores& world, std::uint32_t joint, bool enabled) {
+  if (enabled) world.joints.broken[joint] = 0;
+  if (enabled == (world.joints.enabled[joint] != 0)) return;
+  joint_changed(world, joint);
+  world.joints.enabled[joint] = enabled;
+  world.joints.update_flags(joint);
+  world.joints.joints[joint].force.setZero();
+  world.joints.joints[joint].torque.setZero();
   if (!enabled) {
-    release(joint);
-  } else if (!joints.def[joint].collide) {
-    keep_apart(joint);
+    release_joint(world, joint);
+  } else if (!world.joints.def[joint].collide) {
+    keep_apart(world, joint);
   }
 }
 
-// After the joint was disabled: it forgets what it did.
-void World::Impl::release(std::uint32_t joint) {
-  forget_impulses(joints.joints[joint]);
-  joints.joints[joint].limit = {};
-  joints.limit_before[joint] = {};
-  if (!joints.def[joint].collide) let_touch(joint);
+void release_joint(Stores& world, std::uint32_t joint) {
+  forget_impulses(world.joints.joints[joint]);
+  world.joints.joints[joint].limit = {};
+  world.joints.limit_before[joint] = {};
+  if (!world.joints.def[joint].collide) let_touch(world, joint);
 }
 
-void World::Impl::joint_changed(std::uint32_t joint) {
-  wake_joined_by(joint);
-  joints_stale_ = true;
+void joint_changed(Stores& world, std::uint32_t joint) {
+  wake_joined_by(world, joint);
+  world.changes.joints = true;
 }
 
-void World::Impl::wake_joined_by(std::uint32_t joint) {
-  sleeping.wake(joints.joints[joint].first);
-  sleeping.wake(joints.joints[joint].second);
+void wake_joined_by(Stores& world, std::uint32_t joint) {
+  world.sleeping.wake(world.joints.joints[joint].first);
+  world.sleeping.wake(world.joints.joints[joint].second);
 }
 
-void World::Impl::wake_joined(std::uint32_t body) {
-  joints.for_each_of(body, [this](std::uint32_t joint) {
-    if (joints.enabled[joint]) wake_joined_by(joint);
+void wake_joined(Stores& world, std::uint32_t body) {
+  world.joints.for_each_of(body, [&](std::uint32_t joint) {
+    if (world.joints.enabled[joint]) wake_joined_by(world, joint);
   });
-}
-
-// Bodies that were told not to touch don't either way.
-void World::Impl::keep_apart(std::uint32_t joint) {
-  const solver::Joint& j = joints.joints[joint];
-  if (joints.keep_apart(j.first, j.second)) broadphase.ignore(j.first, j.second);
-}
-
-void World::Impl::let_touch(std::uint32_t joint) {
-  const solver::Joint& j = joints.joints[joint];
-  if (!joints.let_touch(j.first, j.second)) return;
-  const auto told = records.ignored.find(j.first);
-  const bool stay_apart = told != records.ignored.end() &&
-                          std::find(told->second.begin(), told->second.end(), j.second) != told->second.end();
-  if (!stay_apart) broadphase.unignore(j.first, j.second);
 }
 
 }  // namespace atl

@@ -26,8 +26,9 @@ struct QueryAccess {
 
   static QueryAccess of(const World& world) {
     World::Impl& impl = *world.impl_;
-    impl.take_in_boxes();
-    return {impl.colliders, impl.bodies, impl.records, impl.broadphase, impl.arena};
+    Stores& stores = impl.stores;
+    impl.query_gate.open(stores.broadphase, impl.arena);
+    return {stores.colliders, stores.bodies, stores.records, stores.broadphase, impl.arena};
   }
 
   collision::QueryScene scene() const {

@@ -2,6 +2,9 @@
 
 #include <jobs/append.h>
 
+#include <algorithm>
+#include <limits>
+
 namespace atl {
 
 void Sleeping::resize(std::size_t count) {
@@ -23,6 +26,37 @@ void Sleeping::wake(std::uint32_t body) {
     changed.push_back(member);
     member = next;
   } while (member != body);
+}
+
+double Sleeping::update_rest_time(const solver::BodyTable& bodies, std::uint32_t body, double speed_limit, double dt) {
+  const double speed =
+      std::max(bodies.velocity(body).norm(), bodies.angular_velocity(body).norm() * bodies.radius[body]);
+  rest_time[body] = speed < speed_limit ? rest_time[body] + dt : 0;
+  return rest_time[body];
+}
+
+void Sleeping::put_to_sleep(std::span<const std::uint32_t> island, solver::BodyTable& bodies) {
+  for (std::size_t i = 0; i < island.size(); ++i) {
+    const std::uint32_t body = island[i];
+    ring[body] = island[(i + 1) % island.size()];
+    awake[body] = 0;
+    changed.push_back(body);
+    bodies.velocity(body).setZero();
+    bodies.angular_velocity(body).setZero();
+  }
+  asleep += static_cast<std::int64_t>(island.size());
+}
+
+void Sleeping::update(const solver::Islands& islands, solver::BodyTable& bodies, const Settings& settings, double dt) {
+  const auto settle = [&](std::span<const std::uint32_t> island) {
+    double rested = std::numeric_limits<double>::infinity();
+    for (const std::uint32_t body : island) {
+      rested = std::min(rested, update_rest_time(bodies, body, settings.sleep_speed, dt));
+    }
+    if (rested >= settings.time_to_sleep) put_to_sleep(island, bodies);
+  };
+  for (std::size_t island = 0; island < islands.count(); ++island) settle(islands.bodies(island, island + 1));
+  for (const std::uint32_t& body : islands.free_bodies()) settle(std::span(&body, 1));
 }
 
 }  // namespace atl

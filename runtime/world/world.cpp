@@ -2,6 +2,7 @@
 
 #include <atoll/snapshot.h>
 #include <atoll/world.h>
+#include <jobs/stopwatch.h>
 #include <jobs/with_joints.h>
 #include <jobs/with_recording.h>
 #include <jobs/with_snapshots.h>
@@ -15,9 +16,14 @@
 #include <utility>
 #include <vector>
 
+#include "state/body_hashes.h"
 #include "state/recorder.h"
 #include "step/forced_step.h"
+#include "step/results.h"
+#include "world/bodies.h"
 #include "world/body_definition.h"
+#include "world/containment.h"
+#include "world/joints.h"
 #include "world/left_out.h"
 #include "world/refuse.h"
 #include "world/settings_check.h"
@@ -62,37 +68,75 @@ void note(const auto& impl, const auto&... arguments) {
 }  // namespace
 
 World::Impl::Impl(const WorldDef& def)
-    : gravity(def.gravity),
-      settings(checked(def.settings)),
-      kernels(&kernels_for(def.settings.simd)),
-      narrowphase_kernels(collision::find_narrowphase_kernels(kernels->name)),
-      arena(checked_threads(def.threads)),
-      group_solvers_(def.threads),
-      overloads_(def.threads),
-      fast_(def.threads),
-      continuous_(def.threads),
-      serial_(next_serial()) {
+    : pipeline(checked_threads(def.threads)), arena(def.threads), serial(next_serial()) {
+  stores.gravity = def.gravity;
+  stores.settings = checked(def.settings);
+  use_kernels(def.settings.simd);
   check_finite("WorldDef.gravity", def.gravity);
 }
 
-// Checks and records a step, which is done by `step()`.
-template <typename Step>
-StepReport World::Impl::take_step(double dt, bool forced, const Step& step) {
-  check_step("World::step", dt);
-  if (forced_) throw Error("World::step: found a step under way; expected no call of it from a force law");
-  if constexpr (with_recording) {
-    if (recorder) recorder->note_step(dt, forced);
-  }
-  const StepReport report = step();
-  if constexpr (with_recording) {
-    if (recorder) record_result();
-  }
+void World::Impl::use_kernels(Simd simd) {
+  kernels = &kernels_for(simd);
+  narrowphase_kernels = collision::find_narrowphase_kernels(kernels->name);
+}
+
+StepReport World::Impl::step(double dt) {
+  begin_step();
+  return advance(dt, stores.settings.substeps, true);
+}
+
+void World::Impl::begin_step() {
+  ++stores.clock.steps;
+  stores.results.joint_events.clear();
+}
+
+StepReport World::Impl::advance(double dt, int substeps, bool ends_step) {
+  const jobs::Clock::time_point start = jobs::Clock::now();
+  StepReport report;
+  StepClock& clock = stores.clock;
+  clock.dt = dt;
+  stores.results.contact_forces_valid = false;
+  stores.results.captured = stores.settings.keep_contact_problem;
+  pipeline.run(stores, {substeps, ends_step, arena, *kernels, *narrowphase_kernels, report});
+  clock.last_substep = dt / substeps;
+  clock.last_dt = dt;
+  note_stages(stores, pipeline, recorder != nullptr, report);
+  last_counts = report.counts;
+  report.ms = jobs::ms_since(start);
   return report;
+}
+
+BodyId World::Impl::add_body(const CheckedBody& start) {
+  const BodyId id = atl::add_body(stores, start);
+  query_gate.note(stores.broadphase);
+  if constexpr (with_recording) {
+    if (recorder) recorder->note_body(start, fingerprint(start.constants));
+  }
+  return id;
 }
 
 World::Impl::~Impl() {
   if constexpr (with_recording) end_recording();
 }
+
+namespace {
+
+// Checks and records a step, which is done by `step()`.
+template <typename Step>
+StepReport take_step(auto& impl, double dt, bool forced, const Step& step) {
+  check_step("World::step", dt);
+  if (impl.forced) throw Error("World::step: found a step under way; expected no call of it from a force law");
+  if constexpr (with_recording) {
+    if (impl.recorder) impl.recorder->note_step(dt, forced);
+  }
+  const StepReport report = step();
+  if constexpr (with_recording) {
+    if (impl.recorder) impl.record_result();
+  }
+  return report;
+}
+
+}  // namespace
 
 World::World(const WorldDef& def) : impl_(std::make_unique<Impl>(def)) {}
 World::~World() = default;
@@ -102,19 +146,16 @@ World& World::operator=(World&&) noexcept = default;
 BodyId World::add_body(const BodyDef& def) { return impl_->add_body(check(def)); }
 
 void World::remove_body(BodyId id) {
-  impl_->remove_body(id);
+  atl::remove_body(impl_->stores, index_of(impl_->stores, id, "remove_body"));
   note<calls::RemoveBody>(*impl_, id);
 }
 
-bool World::contains(BodyId id) const {
-  return id.index < impl_->bodies.size() && impl_->records.alive[id.index] &&
-         impl_->records.generation[id.index] == id.generation;
-}
+bool World::contains(BodyId id) const { return atl::contains(impl_->stores, id); }
 
-std::size_t World::body_count() const { return impl_->records.count; }
+std::size_t World::body_count() const { return impl_->stores.records.count; }
 
 std::vector<BodyId> World::bodies() const {
-  const BodyRecords& records = impl_->records;
+  const BodyRecords& records = impl_->stores.records;
   std::vector<BodyId> ids;
   ids.reserve(records.count);
   for (std::uint32_t body = 0; body < records.alive.size(); ++body) {
@@ -123,44 +164,54 @@ std::vector<BodyId> World::bodies() const {
   return ids;
 }
 
-Pose World::pose(BodyId id) const { return impl_->pose(id); }
+Pose World::pose(BodyId id) const { return pose_of(impl_->stores, index_of(impl_->stores, id, "pose")); }
 
 BodyState World::state(BodyId id) const {
-  const std::uint32_t body = impl_->index_of(id, "state");
-  return {impl_->pose(id), impl_->bodies.velocity(body), impl_->bodies.angular_velocity(body)};
+  const std::uint32_t body = index_of(impl_->stores, id, "state");
+  return {pose_of(impl_->stores, body), impl_->stores.bodies.velocity(body),
+          impl_->stores.bodies.angular_velocity(body)};
 }
 
-Vector3 World::centre_of_mass(BodyId id) const { return impl_->bodies.position(impl_->index_of(id, "centre_of_mass")); }
+Vector3 World::centre_of_mass(BodyId id) const {
+  return impl_->stores.bodies.position(index_of(impl_->stores, id, "centre_of_mass"));
+}
 
-Vector3 World::velocity(BodyId id) const { return impl_->bodies.velocity(impl_->index_of(id, "velocity")); }
+Vector3 World::velocity(BodyId id) const {
+  return impl_->stores.bodies.velocity(index_of(impl_->stores, id, "velocity"));
+}
 
 Vector3 World::angular_velocity(BodyId id) const {
-  return impl_->bodies.angular_velocity(impl_->index_of(id, "angular_velocity"));
+  return impl_->stores.bodies.angular_velocity(index_of(impl_->stores, id, "angular_velocity"));
 }
 
 double World::mass(BodyId id) const {
-  const double inverse = impl_->bodies.inverse_mass[impl_->index_of(id, "mass")];
+  const double inverse = impl_->stores.bodies.inverse_mass[index_of(impl_->stores, id, "mass")];
   return inverse > 0 ? 1 / inverse : std::numeric_limits<double>::infinity();
 }
 
-BodyType World::type(BodyId id) const { return impl_->records.type[impl_->index_of(id, "type")]; }
+BodyType World::type(BodyId id) const { return impl_->stores.records.type[index_of(impl_->stores, id, "type")]; }
 
-bool World::is_asleep(BodyId id) const { return impl_->sleeping.is_asleep(impl_->index_of(id, "is_asleep")); }
+bool World::is_asleep(BodyId id) const {
+  return impl_->stores.sleeping.is_asleep(index_of(impl_->stores, id, "is_asleep"));
+}
 
 void World::set_pose(BodyId id, const Pose& pose) {
-  impl_->set_pose(id, pose);
+  const std::uint32_t body = index_of(impl_->stores, id, "set_pose");
+  check_finite("World::set_pose: pose.position", pose.position);
+  atl::set_pose(impl_->stores, body, pose.position,
+                checked_orientation("World::set_pose: pose.orientation", pose.orientation));
   note<calls::SetPose>(*impl_, id, pose);
 }
 
 void World::set_velocity(BodyId id, const Vector3& linear, const Vector3& angular) {
   check_finite("World::set_velocity: linear", linear);
   check_finite("World::set_velocity: angular", angular);
-  const std::uint32_t index = impl_->index_of(id, "set_velocity");
-  if (impl_->records.type[index] == BodyType::Static && !(linear.isZero(0) && angular.isZero(0))) {
+  const std::uint32_t index = index_of(impl_->stores, id, "set_velocity");
+  if (impl_->stores.records.type[index] == BodyType::Static && !(linear.isZero(0) && angular.isZero(0))) {
     throw Error("World::set_velocity: the body is static; expected a dynamic or kinematic one");
   }
-  const std::uint32_t body = impl_->awaken(id, "set_velocity");
-  solver::BodyTable& bodies = impl_->bodies;
+  const std::uint32_t body = awaken(impl_->stores, index);
+  solver::BodyTable& bodies = impl_->stores.bodies;
   bodies.velocity(body) = solver::without(solver::linear_locks(bodies.locks[body]), linear);
   bodies.angular_velocity(body) = solver::without(solver::angular_locks(bodies.locks[body]), angular);
   note<calls::SetVelocity>(*impl_, id, linear, angular);
@@ -170,73 +221,77 @@ void World::move_to(BodyId id, const Pose& pose, double dt) {
   check_step("World::move_to", dt);
   check_finite("World::move_to: pose.position", pose.position);
   const Quaternion orientation = checked_orientation("World::move_to: pose.orientation", pose.orientation);
-  const std::uint32_t body = impl_->index_of(id, "move_to");
-  if (impl_->records.type[body] != BodyType::Kinematic) {
+  const std::uint32_t body = index_of(impl_->stores, id, "move_to");
+  if (impl_->stores.records.type[body] != BodyType::Kinematic) {
     throw Error("World::move_to: the body is not kinematic; expected one that is, as forces move others");
   }
-  const Vector3 position = pose.position + orientation * impl_->records.centre[body];
-  const Quaternion turn = orientation * impl_->bodies.orientation(body).conjugate();
+  const Vector3 position = pose.position + orientation * impl_->stores.records.centre[body];
+  const Quaternion turn = orientation * impl_->stores.bodies.orientation(body).conjugate();
   const double half_sine = turn.vec().norm();
   const double angle = 2 * solver::arctangent(half_sine, std::abs(turn.w()));
   Vector3 spin = Vector3::Zero();
   if (half_sine > 0) spin = (turn.w() < 0 ? -1 : 1) * angle / (dt * half_sine) * turn.vec();
-  set_velocity(id, (position - impl_->bodies.position(body)) / dt, spin);
+  set_velocity(id, (position - impl_->stores.bodies.position(body)) / dt, spin);
 }
 
 void World::set_surface_velocity(BodyId id, const Vector3& velocity) {
   check_finite("World::set_surface_velocity: velocity", velocity);
   check_built_for_surface("World::set_surface_velocity: velocity", velocity);
-  impl_->set_surface_velocity(id, velocity);
+  atl::set_surface_velocity(impl_->stores, index_of(impl_->stores, id, "set_surface_velocity"), velocity);
   note<calls::SetSurfaceVelocity>(*impl_, id, velocity);
 }
 
 void World::apply_force(BodyId id, const Vector3& force, const Vector3& torque) {
   check_finite("World::apply_force: force", force);
   check_finite("World::apply_force: torque", torque);
-  const std::uint32_t body = impl_->awaken(id, "apply_force");
-  impl_->apply_force(body, force, torque);
+  const std::uint32_t body = awaken(impl_->stores, index_of(impl_->stores, id, "apply_force"));
+  atl::apply_force(impl_->stores, body, force, torque);
   note<calls::ApplyForce>(*impl_, id, force, torque);
 }
 
 void World::apply_impulse(BodyId id, const Vector3& impulse, const Vector3& point) {
   check_finite("World::apply_impulse: impulse", impulse);
   check_finite("World::apply_impulse: point", point);
-  const std::uint32_t body = impl_->awaken(id, "apply_impulse");
+  const std::uint32_t body = awaken(impl_->stores, index_of(impl_->stores, id, "apply_impulse"));
   note<calls::ApplyImpulse>(*impl_, id, impulse, point);
-  const Vector3 arm = point - impl_->bodies.position(body);
-  impl_->apply_impulse(body, impulse, arm.cross(impulse));
+  const Vector3 arm = point - impl_->stores.bodies.position(body);
+  atl::apply_impulse(impl_->stores, body, impulse, arm.cross(impulse));
 }
 
 void World::wake(BodyId id) {
-  impl_->awaken(id, "wake");
+  awaken(impl_->stores, index_of(impl_->stores, id, "wake"));
   note<calls::Wake>(*impl_, id);
 }
 
-std::span<const Quarantined> World::quarantined() const { return impl_->quarantine.bodies(); }
+std::span<const Quarantined> World::quarantined() const { return impl_->stores.quarantine.bodies(); }
 
 bool World::is_quarantined(BodyId id) const {
-  return impl_->quarantine.contains(impl_->index_of(id, "is_quarantined"));
+  return impl_->stores.quarantine.contains(index_of(impl_->stores, id, "is_quarantined"));
 }
 
 void World::release(BodyId id) {
-  impl_->release_body(id);
+  release_body(impl_->stores, index_of(impl_->stores, id, "release"));
+  impl_->query_gate.note(impl_->stores.broadphase);
   note<calls::Release>(*impl_, id);
 }
 
 void World::set_filter(BodyId id, const CollisionFilter& filter) {
-  impl_->set_filter(id, filter);
+  atl::set_filter(impl_->stores, index_of(impl_->stores, id, "set_filter"), filter);
   note<calls::SetFilter>(*impl_, id, filter);
 }
 
 void World::set_collision_enabled(BodyId a, BodyId b, bool enabled) {
-  impl_->set_collision_enabled(a, b, enabled);
+  const std::uint32_t first = index_of(impl_->stores, a, "set_collision_enabled");
+  const std::uint32_t second = index_of(impl_->stores, b, "set_collision_enabled");
+  if (first == second) throw Error("World::set_collision_enabled: both bodies are the same; expected two bodies");
+  atl::set_collision_enabled(impl_->stores, first, second, enabled);
   note<calls::SetCollisionEnabled>(*impl_, a, b, enabled);
 }
 
 JointId World::add_joint(const JointDef& def) {
   if constexpr (with_joints) {
     const calls::AddJoint call{def};  // that may be another joint's, which moves
-    const JointId id = impl_->add_joint(call.def);
+    const JointId id = atl::add_joint(impl_->stores, call.def);
     note<calls::AddJoint>(*impl_, call.def);
     return id;
   }
@@ -244,16 +299,16 @@ JointId World::add_joint(const JointDef& def) {
 }
 
 void World::remove_joint(JointId id) {
-  const std::uint32_t joint = impl_->index_of(id, "remove_joint");
-  if constexpr (with_joints) impl_->remove_joint(joint);
+  const std::uint32_t joint = index_of(impl_->stores, id, "remove_joint");
+  if constexpr (with_joints) atl::remove_joint(impl_->stores, joint);
   note<calls::RemoveJoint>(*impl_, id);
 }
 
-bool World::contains(JointId id) const { return impl_->contains(id); }
-std::size_t World::joint_count() const { return impl_->joints.count; }
+bool World::contains(JointId id) const { return atl::contains(impl_->stores, id); }
+std::size_t World::joint_count() const { return impl_->stores.joints.count; }
 
 std::vector<JointId> World::joints() const {
-  const JointTable& joints = impl_->joints;
+  const JointTable& joints = impl_->stores.joints;
   std::vector<JointId> ids;
   ids.reserve(joints.count);
   for (std::uint32_t joint = 0; joint < joints.size(); ++joint) {
@@ -262,91 +317,95 @@ std::vector<JointId> World::joints() const {
   return ids;
 }
 
-const JointDef& World::joint(JointId id) const { return impl_->joints.def[impl_->index_of(id, "joint")]; }
+const JointDef& World::joint(JointId id) const {
+  return impl_->stores.joints.def[index_of(impl_->stores, id, "joint")];
+}
 JointState World::joint_state(JointId id) const {
-  const std::uint32_t joint = impl_->index_of(id, "joint_state");
-  if constexpr (with_joints) return impl_->joint_state(joint);
+  const std::uint32_t joint = index_of(impl_->stores, id, "joint_state");
+  if constexpr (with_joints) return atl::joint_state(impl_->stores, joint);
   return {};
 }
 
 void World::set_joint(JointId id, const JointKind& kind) {
-  const std::uint32_t joint = impl_->index_of(id, "set_joint");
-  if constexpr (with_joints) impl_->set_joint(joint, kind);
+  const std::uint32_t joint = index_of(impl_->stores, id, "set_joint");
+  if constexpr (with_joints) atl::set_joint(impl_->stores, joint, kind);
   note<calls::SetJoint>(*impl_, id, kind);
 }
 
 void World::set_joint_enabled(JointId id, bool enabled) {
-  const std::uint32_t joint = impl_->index_of(id, "set_joint_enabled");
-  if constexpr (with_joints) impl_->set_joint_enabled(joint, enabled);
+  const std::uint32_t joint = index_of(impl_->stores, id, "set_joint_enabled");
+  if constexpr (with_joints) atl::set_joint_enabled(impl_->stores, joint, enabled);
   note<calls::SetJointEnabled>(*impl_, id, enabled);
 }
 
-std::vector<MemoryUse> World::memory() const { return impl_->memory(); }
-std::span<const EscalatedIsland> World::escalated_islands() const { return impl_->escalated_islands(); }
+std::vector<MemoryUse> World::memory() const { return memory_of(impl_->stores, impl_->pipeline, impl_->last_counts); }
+std::span<const EscalatedIsland> World::escalated_islands() const { return impl_->stores.results.escalated_islands; }
 
-std::span<const JointEvent> World::joint_events() const { return impl_->joint_events(); }
+std::span<const JointEvent> World::joint_events() const { return impl_->stores.results.joint_events; }
 
 void World::set_gravity(const Vector3& gravity) {
   check_finite("World::set_gravity: gravity", gravity);
-  if (gravity != impl_->gravity) impl_->wake_all();
-  impl_->gravity = gravity;
+  if (gravity != impl_->stores.gravity) wake_all(impl_->stores);
+  impl_->stores.gravity = gravity;
   note<calls::SetGravity>(*impl_, gravity);
 }
 
 void World::set_settings(const Settings& settings) {
   check(settings);
-  if (!settings.sleeping) impl_->wake_all();
-  if (settings.joint_solver != impl_->settings.joint_solver) impl_->solve_joints_anew();
-  impl_->settings = settings;
-  impl_->kernels = &kernels_for(settings.simd);
-  impl_->narrowphase_kernels = collision::find_narrowphase_kernels(impl_->kernels->name);
+  if (!settings.sleeping) wake_all(impl_->stores);
+  if (settings.joint_solver != impl_->stores.settings.joint_solver)
+    impl_->stores.changes.joints = impl_->stores.joints.size() > 0;
+  impl_->stores.settings = settings;
+  impl_->use_kernels(settings.simd);
   note<calls::SetSettings>(*impl_, settings);
 }
 
-const Settings& World::settings() const { return impl_->settings; }
-const Vector3& World::gravity() const { return impl_->gravity; }
+const Settings& World::settings() const { return impl_->stores.settings; }
+const Vector3& World::gravity() const { return impl_->stores.gravity; }
 int World::threads() const { return impl_->arena.threads(); }
 Simd World::simd() const { return simd_of(*impl_->kernels); }
 
 StepReport World::step(double dt) {
-  return impl_->take_step(dt, false, [&] { return impl_->step(dt); });
+  return take_step(*impl_, dt, false, [&] { return impl_->step(dt); });
 }
 
 StepReport World::step(double dt, const ForceLaw& law) {
   if (!law) throw Error("World::step: the force law is empty; expected one that can be called");
-  return impl_->take_step(dt, true, [&] { return ForcedStep(*this, law, dt).run(); });
+  return take_step(*impl_, dt, true, [&] { return ForcedStep(*this, law, dt).run(); });
 }
 
-std::span<const ContactForce> World::contact_forces() const { return impl_->contact_forces(); }
+std::span<const ContactForce> World::contact_forces() const {
+  return atl::contact_forces(impl_->stores, *impl_->narrowphase_kernels, impl_->arena);
+}
 std::vector<ContactForce> World::contact_forces(BodyId id) const {
-  impl_->index_of(id, "contact_forces");
+  index_of(impl_->stores, id, "contact_forces");
   std::vector<ContactForce> found;
-  for (const ContactForce& force : impl_->contact_forces()) {
+  for (const ContactForce& force : atl::contact_forces(impl_->stores, *impl_->narrowphase_kernels, impl_->arena)) {
     if (force.a == id || force.b == id) found.push_back(force);
   }
   return found;
 }
-ContactProblem World::contact_problem() const { return impl_->contact_problem(); }
-std::span<const ContactEvent> World::contact_events() const { return impl_->contact_events(); }
+ContactProblem World::contact_problem() const { return atl::contact_problem(impl_->stores, impl_->pipeline); }
+std::span<const ContactEvent> World::contact_events() const { return impl_->stores.results.contact_events.told; }
 
 Eigen::Map<const Eigen::Matrix3Xd> World::positions() const {
-  return {impl_->bodies.positions.data(), 3, static_cast<Eigen::Index>(impl_->bodies.size())};
+  return {impl_->stores.bodies.positions.data(), 3, static_cast<Eigen::Index>(impl_->stores.bodies.size())};
 }
 Eigen::Map<const Eigen::Matrix4Xd> World::orientations() const {
-  return {impl_->bodies.orientations.data(), 4, static_cast<Eigen::Index>(impl_->bodies.size())};
+  return {impl_->stores.bodies.orientations.data(), 4, static_cast<Eigen::Index>(impl_->stores.bodies.size())};
 }
 Eigen::Map<const Eigen::Matrix3Xd> World::velocities() const {
-  return {impl_->bodies.velocities.data(), 3, static_cast<Eigen::Index>(impl_->bodies.size())};
+  return {impl_->stores.bodies.velocities.data(), 3, static_cast<Eigen::Index>(impl_->stores.bodies.size())};
 }
 Eigen::Map<const Eigen::Matrix3Xd> World::angular_velocities() const {
-  return {impl_->bodies.angular_velocities.data(), 3, static_cast<Eigen::Index>(impl_->bodies.size())};
+  return {impl_->stores.bodies.angular_velocities.data(), 3, static_cast<Eigen::Index>(impl_->stores.bodies.size())};
 }
 
 void World::save(Snapshot& snapshot) const {
   if constexpr (!with_snapshots) throw_left_out("World::save is called", "snapshots", "SNAPSHOTS");
   snapshot.size_ = impl_->save_state(snapshot.bytes_);
   snapshot.roster_ = impl_->roster();
-  snapshot.origin_ = impl_->serial();
+  snapshot.origin_ = impl_->serial;
 }
 
 void World::restore(const Snapshot& snapshot) {
@@ -371,8 +430,10 @@ void World::stop_recording() {
 }
 
 std::uint64_t World::state_hash() const { return impl_->state_hash(); }
-std::vector<BodyHash> World::body_hashes() const { return impl_->body_hashes(); }
-BodyHash World::body_hash(BodyId id) const { return impl_->body_hash(impl_->index_of(id, "body_hash")); }
+std::vector<BodyHash> World::body_hashes() const { return atl::body_hashes(impl_->stores); }
+BodyHash World::body_hash(BodyId id) const {
+  return atl::body_hash(impl_->stores, index_of(impl_->stores, id, "body_hash"));
+}
 
 JointDef joint_at(const World& world, JointKind kind, BodyId first, BodyId second, const Vector3& point,
                   const Vector3& axis) {

@@ -1,0 +1,130 @@
+// The state of each body by itself, as hashes: what WorldState tells of the world, sorted by whose it is.
+
+#include "state/body_hashes.h"
+
+#include <algorithm>
+
+#include "state/state_archive.h"
+#include "state/world_state.h"
+#include "world/stores.h"
+
+namespace atl {
+
+namespace {
+
+struct BodyParts {
+  StateHash pose, velocity, input, rest, bounds, contacts, joints;
+
+  BodyHash value() const {
+    return {.pose = pose.result(),
+            .velocity = velocity.result(),
+            .input = input.result(),
+            .rest = rest.result(),
+            .bounds = bounds.result(),
+            .contacts = contacts.result(),
+            .joints = joints.result()};
+  }
+};
+
+// All but its contacts and joints.
+void hash_body(const Stores& world, BodyParts& parts, std::uint32_t body) {
+  const bool alive = world.records.alive[body] != 0;
+  parts.pose.values(world.bodies.position(body).data(), 3);
+  parts.pose.values(world.bodies.orientation(body).coeffs().data(), 4);
+  parts.velocity.values(world.bodies.velocity(body).data(), 3);
+  parts.velocity.values(world.bodies.angular_velocity(body).data(), 3);
+
+  parts.input.value(world.records.generation[body]);
+  parts.input.value(alive);
+  parts.input.values(world.bodies.force(body).data(), 3);
+  parts.input.values(world.bodies.torque(body).data(), 3);
+  if (alive && !world.bodies.surfaces.empty()) {
+    const solver::Surface& surface = world.bodies.surfaces[body];
+    parts.input.values(surface.velocity.data(), 3);
+    parts.input.value(surface.rolling_friction);
+    parts.input.value(surface.torsional_friction);
+  }
+  if (const auto ignored = world.records.disabled_pairs.find(body); ignored != world.records.disabled_pairs.end()) {
+    std::vector<std::uint32_t> others = ignored->second;
+    std::sort(others.begin(), others.end());
+    parts.input.list(others);
+  }
+
+  parts.rest.value(world.sleeping.awake[body]);
+  parts.rest.value(world.sleeping.rest_time[body]);
+  parts.rest.value(world.sleeping.ring[body]);
+
+  parts.bounds.value(world.bodies.turned[body]);
+  parts.bounds.value(world.aabbs.bounds.aabb_margin[body]);
+  parts.bounds.value(world.aabbs.bounds.aabb_dirty[body]);
+  parts.bounds.value(world.aabbs.swept_margins()[body]);
+  if (alive) {
+    const bool quarantined = world.quarantine.contains(body);
+    world.colliders.for_each_of(body, [&](std::uint32_t collider) {
+      parts.bounds.value(collider);
+      if (!quarantined && !world.broadphase.is_half_space(collider)) {
+        const collision::Aabb box = world.broadphase.fat_box(collider);
+        parts.bounds.values(box.lower.data(), 3);
+        parts.bounds.values(box.upper.data(), 3);
+      }
+      visit_filter(parts.input, quarantined ? world.quarantine.kept(body).filter : world.broadphase.filter(collider));
+    });
+  }
+  const solver::SolverSelection::Strain strain = world.selection.strain(body);
+  visit_strain(parts.contacts, strain);
+}
+
+void hash_contact(const Stores& world, StateHash& hash, std::uint32_t slot) {
+  StateHash local = hash;  // stays in a register
+  const collision::Contact& contact = world.cache.contacts[slot];
+  local.value(contact.pair.key());
+  local.value(contact.part);
+  WorldState(local, world).visit_one_contact(slot);
+  hash = local;
+}
+
+}  // namespace
+
+std::vector<BodyHash> body_hashes(const Stores& world) {
+  std::vector<BodyParts> parts(world.bodies.size());
+  for (std::uint32_t body = 0; body < world.bodies.size(); ++body) hash_body(world, parts[body], body);
+  for (const std::uint32_t slot : world.cache.all_in_order()) {
+    const collision::Contact& contact = world.cache.contacts[slot];
+    for (const std::uint32_t body : {contact.body_first, contact.body_second}) {
+      if (world.records.dynamic[body]) hash_contact(world, parts[body].contacts, slot);
+    }
+  }
+  for (std::uint32_t joint = 0; joint < world.joints.size(); ++joint) {
+    if (!world.joints.alive[joint]) continue;
+    for (const std::uint32_t body : {world.joints.joints[joint].first, world.joints.joints[joint].second}) {
+      if (world.records.dynamic[body]) WorldState(parts[body].joints, world).visit_one_joint(joint);
+    }
+  }
+  std::vector<BodyHash> hashes(world.bodies.size());
+  for (std::uint32_t body = 0; body < world.bodies.size(); ++body) {
+    if (world.records.alive[body]) hashes[body] = parts[body].value();
+  }
+  return hashes;
+}
+
+BodyHash body_hash(const Stores& world, std::uint32_t body) {
+  BodyParts parts;
+  hash_body(world, parts, body);
+  if (!world.records.dynamic[body]) return parts.value();
+
+  std::vector<std::uint32_t> own;
+  world.cache.for_each_contact_of(body, [&](std::uint32_t slot) { own.push_back(slot); });
+  const auto place = [&](std::uint32_t slot) {
+    return std::pair(world.cache.contacts[slot].pair.key(), world.cache.contacts[slot].part);
+  };
+  std::sort(own.begin(), own.end(), [&](std::uint32_t a, std::uint32_t b) { return place(a) < place(b); });
+  for (const std::uint32_t slot : own) hash_contact(world, parts.contacts, slot);
+
+  own.clear();
+  world.joints.for_each_of(body, [&](std::uint32_t joint) { own.push_back(joint); });
+  std::sort(own.begin(), own.end());
+  for (const std::uint32_t joint : own) WorldState(parts.joints, world).visit_one_joint(joint);
+  return parts.value();
+}
+
+}  // namespace atl

@@ -1,0 +1,152 @@
+#include "step/continuous_phase.h"
+
+#include <jobs/bytes.h>
+#include <jobs/with_joints.h>
+#include <solver/constraints/joint.h>
+
+#include <algorithm>
+#include <limits>
+#include <numbers>
+
+#include "world/colliders.h"
+#include "world/joints.h"
+
+namespace atl {
+
+using collision::CcdStop;
+using collision::FastBody;
+using collision::Motion;
+
+namespace {
+
+bool comes_first(const FastBody& x, const FastBody& y) {
+  return x.assembly != y.assembly ? x.assembly < y.assembly : x.body < y.body;
+}
+
+// By number, what joints connect a body to; alone if none acts on it.
+std::uint32_t assembly_of(const Stores& world, const IslandPhase& islands, std::uint32_t body) {
+  return world.bodies.joined[body] ? islands.assembly_of(body) : FastBody::alone;
+}
+
+// Of a joint whose bodies were put elsewhere, by less than half a turn.
+void follow_position(const Stores& world, solver::Joint& joint) {
+  const solver::JointFrames frames = frames_of(world, joint);
+  for (std::size_t row = 0; row < joint.rows; ++row) {
+    const double value = joint_row(joint, row, frames).value;
+    joint.position[row] = solver::continued(joint.coordinate[row], value, joint.position[row]);
+  }
+}
+
+}  // namespace
+
+// How a body moved that may have been fast.
+FastBody ContinuousPhase::fast_body(const Stores& world, const IslandPhase& islands,
+                                    const solver::MovedBody& moved) const {
+  const std::uint32_t body = moved.body;
+  // An arc of up to half a turn is at most pi / 2 times its chord.
+  const Quaternion change = moved.start.orientation.conjugate() * world.bodies.orientation(body);
+  const double radius = world.bodies.radius[body];
+  const std::uint32_t assembly = assembly_of(world, islands, body);
+  // An assembly that would go far waits where it started until its contacts have slowed it: it may hang on the world,
+  // and those of its bodies that aren't fast look for nothing in their way.
+  const double alone_limit = world.bodies.locks[body] == 0 ? std::numeric_limits<double>::infinity() : -1;
+  return {.body = body,
+          .assembly = assembly,
+          .start = {moved.start.position, moved.start.orientation},
+          .shift = world.bodies.position(body) - moved.start.position,
+          .turn = std::numbers::pi * radius * change.vec().norm(),
+          .bulge = radius * (1 - std::min(1.0, std::abs(change.w()))),
+          .stops = world.records.dynamic[body] != 0,
+          .always_swept = world.records.continuous[body] != 0,
+          .aside_limit = assembly == FastBody::alone ? alone_limit : world.aabbs.bounds.margin_limit[body]};
+}
+
+void ContinuousPhase::list_fast_bodies(const Stores& world, const IslandPhase& islands, solver::FastBodies& moved) {
+  fast_in_order_.clear();
+  moved.for_each([&](const solver::MovedBodies& of_worker) {
+    for (const solver::MovedBody& body : of_worker.fast) {
+      const FastBody fast = fast_body(world, islands, body);
+      if (fast.assembly != FastBody::alone && !fast.always_swept) {
+        // Up to there nothing gets to its core that the speculative margin hasn't seen.
+        const double far =
+            world.aabbs.bounds.margin_limit[fast.body] * (1 + collision::core_share / collision::approach_share);
+        if (fast.shift.norm() + 2 * std::numbers::inv_pi * fast.turn <= far) continue;
+      }
+      fast_in_order_.push_back(fast);
+    }
+  });
+  std::sort(fast_in_order_.begin(), fast_in_order_.end(), comes_first);
+}
+
+// The bodies that aren't fast of assemblies that stop, where they started, in order.
+void ContinuousPhase::list_carried(const Stores& world, const IslandPhase& islands, solver::FastBodies& moved,
+                                   std::span<const CcdStop> stops) {
+  carried_.clear();
+  const auto stopped = [&](std::uint32_t assembly) {
+    const auto assembly_of_stop = [](const CcdStop& stop) { return stop.bodies.front().assembly; };
+    const auto found = std::ranges::lower_bound(stops, assembly, {}, assembly_of_stop);
+    return found != stops.end() && assembly_of_stop(*found) == assembly && found->stops();
+  };
+  moved.for_each([&](const solver::MovedBodies& of_worker) {
+    for (const solver::MovedBody& joined : of_worker.joined) {
+      const std::uint32_t assembly = assembly_of(world, islands, joined.body);
+      if (assembly == FastBody::alone || !stopped(assembly)) continue;
+      const FastBody carried = fast_body(world, islands, joined);
+      if (!std::ranges::binary_search(fast_in_order_, carried, comes_first)) carried_.push_back(carried);
+    }
+  });
+  std::sort(carried_.begin(), carried_.end(), comes_first);
+}
+
+// Ends the step of a fast body, or of an assembly, where it met something. Each body is put on the straight way of its
+// centre, turned evenly about it. Where bodies turned by an angle a in the step, joints open by that by up to a^2 / 8
+// of how far they are from these centres, until the next step closes them.
+void ContinuousPhase::stop(Stores& world, const IslandPhase& islands, const CcdStop& stop, StepCounts& counts) const {
+  const auto put_back = [&](const FastBody& fast) {
+    const std::uint32_t body = fast.body;
+    const collision::Pose end{world.bodies.position(body) + stop.aside, world.bodies.orientation(body)};
+    const collision::Pose pose = stop.t >= 1 ? end : Motion::between(fast.start, end, Vector3::Zero()).at(stop.t);
+    world.bodies.position(body) = pose.position;
+    world.bodies.set_orientation(body, pose.orientation);
+    world.aabbs.mark_dirty(body);
+    ++counts.stopped;
+  };
+  for (const FastBody& fast : stop.bodies) put_back(fast);
+  const std::uint32_t assembly = stop.bodies.front().assembly;
+  if (assembly == FastBody::alone) return;
+  for (const FastBody& carried : std::ranges::equal_range(carried_, assembly, {}, &FastBody::assembly)) {
+    put_back(carried);
+  }
+  for (const solver::JointLink& link : islands.joint_graph().links_of(assembly)) {
+    follow_position(world, world.joints.joints[link.joint]);
+  }
+}
+
+void ContinuousPhase::sweep(Stores& world, const StepContext& step, const IslandPhase& islands,
+                            solver::FastBodies& moved) {
+  list_fast_bodies(world, islands, moved);
+  // Kinematic bodies alone meet nobody who would be stopped.
+  if (std::ranges::none_of(fast_in_order_, &FastBody::stops)) return;
+  const collision::BodyMotions now = motions(world);
+  const std::span<const CcdStop> stops = continuous_.find_stops({.motions = now,
+                                                                 .turned = world.bodies.turned,
+                                                                 .joined = world.bodies.joined,
+                                                                 .assembly = islands.assemblies(),
+                                                                 .cache = world.cache,
+                                                                 .kernels = step.narrowphase_kernels,
+                                                                 .active_bodies = world.active.in_order().size(),
+                                                                 .fast = fast_in_order_},
+                                                                world.broadphase, step.arena);
+  if (with_joints && std::ranges::any_of(stops, &CcdStop::stops)) list_carried(world, islands, moved, stops);
+  for (const CcdStop& found : stops) {
+    if (found.stops()) stop(world, islands, found, step.report.counts);
+  }
+  for (const FastBody& fast : fast_in_order_) {
+    if (fast.left_aabb) move_proxies(world, fast.body);
+    step.report.counts.swept += fast.stops;
+  }
+}
+
+std::size_t ContinuousPhase::bytes() const { return jobs::bytes_of(fast_in_order_, carried_) + continuous_.bytes(); }
+
+}  // namespace atl

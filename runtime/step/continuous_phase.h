@@ -1,0 +1,42 @@
+#pragma once
+
+#include <collision/continuous/continuous_collision.h>
+#include <solver/integrate/motion.h>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "step/island_phase.h"
+#include "step/step_context.h"
+#include "world/containment.h"
+#include "world/stores.h"
+
+namespace atl {
+
+/// Continuous collision: bodies that moved far in a step are put back to where they first met something in their
+/// way. They keep their velocity. What joints connect is put back together: if one of an assembly's fast bodies meets
+/// something at a part of the step, all its bodies are put where they were then. Static and kinematic bodies connect
+/// nothing.
+class ContinuousPhase {
+ public:
+  explicit ContinuousPhase(int threads) : continuous_(threads) {}
+
+  /// `moved` are bodies that moved far by the solve, by worker; it is empty after this.
+  void sweep(Stores& world, const StepContext& step, const IslandPhase& islands, solver::FastBodies& moved);
+
+  std::size_t bytes() const;
+
+ private:
+  collision::FastBody fast_body(const Stores& world, const IslandPhase& islands, const solver::MovedBody& moved) const;
+  void list_fast_bodies(const Stores& world, const IslandPhase& islands, solver::FastBodies& moved);
+  void list_carried(const Stores& world, const IslandPhase& islands, solver::FastBodies& moved,
+                    std::span<const collision::CcdStop> stops);
+  void stop(Stores& world, const IslandPhase& islands, const collision::CcdStop& stop, StepCounts& counts) const;
+
+  std::vector<collision::FastBody> fast_in_order_;  // of assemblies, then of bodies
+  std::vector<collision::FastBody> carried_;        // likewise: not fast, but joined to what stops
+  collision::ContinuousCollision continuous_;
+};
+
+}  // namespace atl

@@ -1,0 +1,140 @@
+#include "step/events.h"
+
+#include <jobs/with_events.h>
+#include <jobs/with_joints.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "step/contact_phase.h"
+#include "world/bodies.h"
+#include "world/joints.h"
+
+namespace atl {
+namespace {
+
+// Speculative points count from when they carry something.
+bool touches(const collision::Contact& contact, const collision::ContactManifold& manifold) {
+  for (std::size_t i = 0; i < contact.count; ++i) {
+    if (manifold.separation[i] <= 0 || manifold.normal_impulse[i] > 0) return true;
+  }
+  return false;
+}
+
+// Bodies may have several contacts with each other, so what counts is the list of bodies that touch. Of two bodies all
+// contacts are idle or none is, and idle ones touch as they did.
+void note_events(Stores& world, ContactEvents& events, bool islands_rebuilt, const StepContext& step) {
+  events.told.clear();
+  if (events.noted && !islands_rebuilt && world.cache.order.empty()) return;
+  const auto id = [&](std::uint32_t body) { return id_of(world, body); };
+  const auto is_idle = [&](const std::pair<BodyId, BodyId>& pair) {
+    const auto [a, b] = pair;
+    return !world.active.contains(a.index) && !world.active.contains(b.index) && world.records.alive[a.index] &&
+           world.records.alive[b.index] && a == id(a.index) && b == id(b.index) &&
+           !world.quarantine.contains(a.index) && !world.quarantine.contains(b.index);
+  };
+  std::swap(events.touched, events.before);
+  events.now.clear();
+  if (!events.noted && world.settings.contact_events) place_idle_contacts(world, step.narrowphase_kernels, step.arena);
+  for (const std::uint32_t slot :
+       events.noted ? std::span<const std::uint32_t>(world.cache.order) : world.cache.all_in_order()) {
+    const collision::Contact& contact = world.cache.contacts[slot];
+    if (!touches(contact, world.cache.manifolds[slot])) continue;
+    const auto [a, b] = std::minmax(contact.body_first, contact.body_second);
+    events.now.emplace_back(id(a), id(b));
+  }
+  std::sort(events.now.begin(), events.now.end());
+  events.now.erase(std::unique(events.now.begin(), events.now.end()), events.now.end());
+
+  events.touched.clear();
+  auto active = events.now.begin();
+  if (events.noted) {
+    for (const std::pair<BodyId, BodyId>& pair : events.before) {
+      if (!is_idle(pair)) continue;
+      while (active != events.now.end() && *active < pair) events.touched.push_back(*active++);
+      events.touched.push_back(pair);
+    }
+  }
+  events.touched.insert(events.touched.end(), active, events.now.end());
+
+  auto before = events.before.begin();
+  auto now = events.touched.begin();
+  while (before != events.before.end() || now != events.touched.end()) {
+    if (now == events.touched.end() || (before != events.before.end() && *before < *now)) {
+      events.told.push_back({before->first, before->second, false});
+      ++before;
+    } else if (before == events.before.end() || *now < *before) {
+      events.told.push_back({now->first, now->second, true});
+      ++now;
+    } else {
+      ++before;
+      ++now;
+    }
+  }
+}
+
+void watch_joint(Stores& world, std::uint32_t joint) {
+  const solver::Joint& j = world.joints.joints[joint];
+  const JointId id{joint, world.joints.generation[joint]};
+  const JointTable::Limits before = world.joints.limit_before[joint];
+  world.joints.limit_before[joint] = j.limit;
+  if (j.force.norm() > world.joints.def[joint].break_force || j.torque.norm() > world.joints.def[joint].break_torque) {
+    world.joints.broken[joint] = 1;
+    world.joints.enabled[joint] = 0;
+    world.joints.update_flags(joint);
+    joint_changed(world, joint);
+    release_joint(world, joint);
+    world.results.joint_events.push_back({id, JointEventKind::Broke});
+    return;
+  }
+  bool reached = false;
+  bool left = false;
+  for (std::size_t row = 0; row < j.rows; ++row) {
+    if (j.limit[row] == before[row]) continue;
+    reached |= j.limit[row] != 0;
+    left |= before[row] != 0;
+  }
+  if (left) world.results.joint_events.push_back({id, JointEventKind::LeftLimit});
+  if (reached) world.results.joint_events.push_back({id, JointEventKind::ReachedLimit});
+}
+
+// However slow a motor runs, what it moves is not at rest; what it fails to move may be.
+void keep_driven_awake(Stores& world, std::uint32_t joint) {
+  const solver::Joint& j = world.joints.joints[joint];
+  const solver::JointFrames frames = frames_of(world, j);
+  for (std::size_t row = 0; row < j.rows; ++row) {
+    const solver::Law& law = j.law[row];
+    if (!(law.motor_force > 0 && law.motor_speed != 0)) continue;
+    const double rate = joint_row(j, row, frames)
+                            .rate(world.bodies.velocity(j.first), world.bodies.angular_velocity(j.first),
+                                  world.bodies.velocity(j.second), world.bodies.angular_velocity(j.second));
+    if (rate / law.motor_speed > 0.5) wake_joined_by(world, joint);
+  }
+}
+
+}  // namespace
+
+void note_contact_events(Stores& world, bool islands_rebuilt, const StepContext& step) {
+  const Settings& settings = world.settings;
+  StepResults& results = world.results;
+  if (with_events && settings.contact_events) {
+    note_events(world, results.contact_events, islands_rebuilt, step);
+  } else {
+    results.contact_events.told.clear();
+    if (with_events && settings.run_everything) note_events(world, results.unasked_events, islands_rebuilt, step);
+  }
+  results.contact_events.noted = settings.contact_events;
+  results.unasked_events.noted = settings.run_everything && !settings.contact_events;
+}
+
+void note_joint_events(Stores& world, std::span<const solver::JointLink> acting) {
+  for (const solver::JointLink& link : acting) {
+    if (world.joints.watched[link.joint]) watch_joint(world, link.joint);
+    if (world.settings.sleeping && world.joints.driven[link.joint]) keep_driven_awake(world, link.joint);
+  }
+  // Islands come in order of their bodies.
+  std::stable_sort(world.results.joint_events.begin(), world.results.joint_events.end(),
+                   [](const JointEvent& a, const JointEvent& b) { return a.joint < b.joint; });
+}
+
+}  // namespace atl

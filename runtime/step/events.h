@@ -1,0 +1,18 @@
+#pragma once
+/// What a step tells of contacts that began and ended, and of joints.
+
+#include <solver/islands/joint_graph.h>
+
+#include <span>
+
+#include "step/step_context.h"
+#include "world/stores.h"
+
+namespace atl {
+
+void note_contact_events(Stores& world, bool islands_rebuilt, const StepContext& step);
+/// Of joints that act on awake bodies: those that break, and that reach or leave ends of their ranges. What a motor
+/// moves stays awake.
+void note_joint_events(Stores& world, std::span<const solver::JointLink> acting);
+
+}  // namespace atl

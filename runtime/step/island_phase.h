@@ -1,0 +1,55 @@
+#pragma once
+
+#include <solver/direct/joint_systems.h>
+#include <solver/islands/islands.h>
+#include <solver/islands/joint_graph.h>
+
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "step/contact_phase.h"
+#include "step/step_context.h"
+#include "world/stores.h"
+
+namespace atl {
+
+/// Touching contacts and joints -> islands; what is touched or pulled wakes. Islands depend on who is awake, what
+/// touches and what is joined, so while these stay what they were, the islands do.
+class IslandPhase {
+ public:
+  void build(Stores& world, const StepContext& step, ContactPhase& contacts);
+  /// Islands are made anew: the world is another.
+  void forget();
+
+  const solver::Islands& islands() const { return islands_; }
+  bool rebuilt() const { return rebuilt_; }    ///< by the last step
+  bool one_each() const { return one_each_; }  ///< a group for each island, that stops sweeping when it is done
+  const solver::JointGraph& joint_graph() const { return joint_graph_; }
+  solver::JointSystems& joint_systems() { return joint_systems_; }
+  /// By number, what joints connect a body to that some act on.
+  std::uint32_t assembly_of(std::uint32_t joined_body) const { return assembly_[joined_body]; }
+  std::span<const std::uint32_t> assemblies() const { return assembly_; }
+  /// Joints of awake bodies.
+  std::span<const solver::JointLink> acting_joints() const { return islands_.joints(0, islands_.count()); }
+
+  std::size_t bytes() const { return islands_.bytes(); }
+  std::size_t joint_bytes() const;
+
+ private:
+  void update_joint_graph(Stores& world);
+  void wake_joined_to_moving(Stores& world) const;
+  void count_joints(StepCounts& counts);
+
+  solver::Islands islands_;
+  bool rebuilt_ = false;
+  bool one_each_ = false;
+  solver::JointGraph joint_graph_;
+  solver::JointSystems joint_systems_;                                 // by component of the graph
+  std::vector<std::uint32_t> assembly_;                                // by joined body: its component of the graph
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> to_kinematic_;  // kinematic bodies, and what is joined to them
+  std::int64_t direct_joints_ = 0;                                     // of awake bodies
+};
+
+}  // namespace atl

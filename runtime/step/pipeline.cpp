@@ -1,0 +1,104 @@
+#include "step/pipeline.h"
+
+#include <jobs/stopwatch.h>
+#include <jobs/with_continuous.h>
+#include <jobs/with_joints.h>
+#include <jobs/with_sleeping.h>
+#include <jobs/with_surfaces.h>
+
+#include <algorithm>
+
+#include "step/events.h"
+#include "world/bodies.h"
+#include "world/colliders.h"
+
+namespace atl {
+namespace {
+
+void note_quarantined(std::span<const QuarantineFault> faults, StepReport& report) {
+  report.quarantined += static_cast<std::int64_t>(faults.size());
+  for (const auto& [body, reason] : faults) {
+    const auto index = static_cast<std::int64_t>(body);
+    if (report.first_non_finite_body < 0 || index < report.first_non_finite_body) report.first_non_finite_body = index;
+  }
+}
+
+// However slow a belt runs, what it carries is not at rest; what it slips under may be.
+void keep_belts_awake(Stores& world, std::span<const solver::TouchingPair> touching) {
+  const solver::BodyTable& bodies = world.bodies;
+  for (const solver::TouchingPair& pair : touching) {
+    const double belt =
+        std::max(bodies.surfaces[pair.first].velocity.norm(), bodies.surfaces[pair.second].velocity.norm());
+    if (belt == 0) continue;
+    for (const std::uint32_t body : {pair.first, pair.second}) {
+      if (bodies.velocity(body).norm() > 0.5 * belt) world.sleeping.rest_time[body] = 0;
+    }
+  }
+}
+
+void clear_forces(Stores& world) {
+  for (const std::uint32_t body : world.changes.pushed) {
+    world.bodies.force(body).setZero();
+    world.bodies.torque(body).setZero();
+  }
+  world.changes.pushed.clear();
+}
+
+}  // namespace
+
+void StepPipeline::run(Stores& world, const StepContext& step) {
+  const auto run = [&](Phase phase, const auto& body) {
+    const jobs::Clock::time_point start = jobs::Clock::now();
+    body();
+    step.report.phase_ms[static_cast<std::size_t>(phase)] = jobs::ms_since(start);
+  };
+  run(Phase::Plan, [&] { plan(world, step); });                        // who may move, and who is unfit to
+  run(Phase::FindPairs, [&] { find_pairs(world, step); });             // moved AABBs -> new pairs, in id order
+  run(Phase::UpdateContacts, [&] { contacts_.update(world, step); });  // pairs -> manifolds: keep, refresh, ask FCL
+  run(Phase::BuildIslands, [&] { build_islands(world, step); });       // touching, joints -> islands -> groups; wake
+  run(Phase::SolveIslands, [&] { solve_.solve(world, step, islands_); });  // groups are tasks: prepare, substeps, store
+  run(Phase::SweepFastBodies, [&] { follow_fast_bodies(world, step); });   // nothing passes through anything
+  run(Phase::Finish, [&] { finish(world, step); });                        // events, sleep, checks, report
+}
+
+void StepPipeline::plan(Stores& world, const StepContext& step) {
+  note_quarantined(quarantine_suspects(world), step.report);
+  update_active_bodies(world);
+}
+
+void StepPipeline::build_islands(Stores& world, const StepContext& step) {
+  islands_.build(world, step, contacts_);
+  solve_.choose_modes(world, step, islands_);
+}
+
+void StepPipeline::follow_fast_bodies(Stores& world, const StepContext& step) {
+  restrain_broken(world, solve_.moved(), broken_);
+  if constexpr (with_continuous) continuous_.sweep(world, step, islands_, solve_.moved());
+  solve_.moved().for_each([](solver::MovedBodies& of_worker) { of_worker.clear(); });
+}
+
+void StepPipeline::finish(Stores& world, const StepContext& step) {
+  world.aabbs.catch_up(world.active.in_order(), motions(world), world.broadphase, step.arena);
+  clear_forces(world);
+  if (step.ends_step) note_contact_events(world, islands_.rebuilt(), step);
+  if (with_joints && world.joints.size() > 0) note_joint_events(world, islands_.acting_joints());
+  if (with_sleeping && world.settings.sleeping) {
+    if (with_surfaces && !world.bodies.surfaces.empty()) keep_belts_awake(world, contacts_.touching());
+    world.sleeping.update(islands_.islands(), world.bodies, world.settings, world.clock.dt);
+  }
+  StepCounts& counts = step.report.counts;
+  counts.islands = static_cast<std::int64_t>(islands_.islands().count());
+  counts.groups = static_cast<std::int64_t>(solve_.groups().size());
+  for (const solver::GroupReport& group : solve_.group_reports()) {
+    counts.colours = std::max(counts.colours, static_cast<std::int64_t>(group.colours));
+    counts.sweeps += group.sweeps;
+    for (std::size_t i = 0; i < solver_stage_count; ++i) step.report.solver_ms[i] += group.stage_ms[i];
+  }
+  // Now that nothing asks for the step's islands any more.
+  for (const auto& [body, reason] : broken_) put_in_quarantine(world, body, reason);
+  if (!broken_.empty()) world.results.captured = false;
+  note_quarantined(broken_, step.report);
+  counts.asleep = world.sleeping.asleep;
+}
+
+}  // namespace atl

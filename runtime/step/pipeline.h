@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "step/contact_phase.h"
+#include "step/continuous_phase.h"
+#include "step/island_phase.h"
+#include "step/solve_phase.h"
+#include "step/step_context.h"
+#include "world/containment.h"
+#include "world/stores.h"
+
+namespace atl {
+
+/// The phases of a step, with what they keep for the next one. Nothing of that is part of a world's state.
+class StepPipeline {
+ public:
+  explicit StepPipeline(int threads) : solve_(threads), continuous_(threads) {}
+
+  /// A step of world.clock.dt seconds, maybe one substep of a step under a force law.
+  void run(Stores& world, const StepContext& step);
+  /// What was kept is of another state.
+  void forget() { contacts_.forget(); }
+  /// What was kept is of other bodies.
+  void forget_bodies() { islands_.forget(); }
+
+  const ContactPhase& contacts() const { return contacts_; }
+  const IslandPhase& islands() const { return islands_; }
+  const SolvePhase& solve() const { return solve_; }
+  const ContinuousPhase& continuous() const { return continuous_; }
+
+ private:
+  void plan(Stores& world, const StepContext& step);
+  void build_islands(Stores& world, const StepContext& step);
+  void follow_fast_bodies(Stores& world, const StepContext& step);
+  void finish(Stores& world, const StepContext& step);
+
+  ContactPhase contacts_;
+  IslandPhase islands_;
+  SolvePhase solve_;
+  ContinuousPhase continuous_;
+  std::vector<QuarantineFault> broken_;  // bodies that the solve left unsound, in order
+};
+
+/// What the step did of all that it may do, and why: the plan as data, in step.report.
+void note_stages(const Stores& world, const StepPipeline& pipeline, bool records, StepReport& report);
+
+}  // namespace atl

@@ -1,0 +1,22 @@
+#pragma once
+/// What callers ask for after a step, made when asked for: a step that nobody asks pays nothing.
+
+#include <atoll/contact_problem.h>
+#include <atoll/memory.h>
+#include <atoll/world.h>
+
+#include <span>
+#include <vector>
+
+#include "step/pipeline.h"
+#include "world/stores.h"
+
+namespace atl {
+
+std::span<const ContactForce> contact_forces(Stores& world, const collision::NarrowphaseKernels& kernels,
+                                             jobs::Arena& arena);
+ContactProblem contact_problem(const Stores& world, const StepPipeline& pipeline);
+/// What of a world's memory is for what.
+std::vector<MemoryUse> memory_of(const Stores& world, const StepPipeline& pipeline, const StepCounts& last_step);
+
+}  // namespace atl

@@ -1,0 +1,240 @@
+#include "step/solve_phase.h"
+
+#include <jobs/bytes.h>
+#include <jobs/stopwatch.h>
+#include <jobs/with_direct_contacts.h>
+#include <jobs/with_surfaces.h>
+#include <jobs/worker_team.h>
+#include <solver/integrate/free_flight.h>
+#include <solver/tuning.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "world/bodies.h"
+#include "world/settings_check.h"
+
+namespace atl {
+
+using solver::SolveMode;
+
+namespace {
+
+solver::SolverSettings settings_now(const Stores& world, int substeps) {
+  solver::SolverSettings how = solver_settings(world.settings);
+  how.substeps = substeps;
+  if (!world.settings.restitution_threshold) {
+    how.restitution_threshold = solver::tuning::least_bounce * world.gravity.norm() * world.clock.dt / substeps;
+  }
+  return how;
+}
+
+bool escalates(const Settings& settings) {
+  return with_direct_contacts && settings.stabilisation == Stabilisation::Soft &&
+         settings.contact_solver != ContactSolver::Iterative;
+}
+
+void move_unconstrained_bodies(Stores& world, const StepContext& step, std::span<const std::uint32_t> free,
+                               solver::FastBodies& moved) {
+  constexpr std::size_t grain = 256;
+  step.arena.parallel_for(free.size(), grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      solver::move_free_body(world.bodies, free[i], world.gravity, world.clock.dt, step.substeps, world.aabbs.bounds,
+                             moved);
+    }
+  });
+  if (world.contents.kinematic == 0 && !world.settings.run_everything) return;
+  for (const std::uint32_t body : world.active.in_order()) {
+    if (world.bodies.mobility[body] == solver::Mobility::Kinematic)
+      solver::move_kinematic_body(world.bodies, body, world.clock.dt, world.aabbs.bounds, moved);
+  }
+}
+
+}  // namespace
+
+void SolvePhase::solve(Stores& world, const StepContext& step, IslandPhase& islands) {
+  solve_groups(world, step, islands);
+  move_unconstrained_bodies(world, step, islands.islands().free_bodies(), moved_);
+}
+
+void SolvePhase::choose_modes(Stores& world, const StepContext& step, IslandPhase& islands) {
+  std::span<const SolveMode> modes;
+  if (with_direct_contacts && !world.active.in_order().empty()) world.selection.resize(world.bodies.size());
+  if (with_direct_contacts && escalates(world.settings)) {
+    const solver::SolverSettings how = settings_now(world, step.substeps);
+    const solver::LoadInput input = {.islands = islands.islands(),
+                                     .bodies = world.bodies,
+                                     .manifolds = world.cache.manifolds.data(),
+                                     .gravity = world.gravity,
+                                     .dt = world.clock.dt,
+                                     .settings = how,
+                                     .joint_graph = world.joints.count == 0 ? nullptr : &islands.joint_graph(),
+                                     .joint_systems = &islands.joint_systems(),
+                                     .rebuilt = islands.rebuilt()};
+    const bool all = world.settings.contact_solver == ContactSolver::Direct;
+    modes = all ? world.selection.choose_direct(input) : world.selection.choose(input);
+  } else if (with_direct_contacts) {
+    world.selection.forget_all();
+  } else {
+    world.selection.forget_arrived();
+  }
+  const bool changed = !std::equal(modes.begin(), modes.end(), modes_.begin(), modes_.end());
+  if (!changed && !islands.rebuilt()) return;
+  modes_.assign(modes.begin(), modes.end());
+  alone_.resize(modes_.size());
+  std::transform(modes_.begin(), modes_.end(), alone_.begin(),
+                 [](SolveMode mode) -> std::uint8_t { return mode != SolveMode::Sweep; });
+  solver::pack_groups(islands.islands(), islands.one_each(), alone_, groups_);
+  // Which islands are large follows from the islands alone.
+  regrouped_ |= islands.rebuilt();
+}
+
+SolveMode SolvePhase::mode_of(const solver::IslandGroup& group) const {
+  return modes_.empty() ? SolveMode::Sweep : modes_[group.begin];
+}
+
+void SolvePhase::solve_groups(Stores& world, const StepContext& step, IslandPhase& islands) {
+  const solver::SolverSettings how = settings_now(world, step.substeps);
+  solver::SolverSettings how_finer = how;
+  how_finer.finer = solver::finer_by(how, world.clock.dt);
+  how_finer.substeps *= how_finer.finer;
+  solver::SolverSettings how_landing = how;
+  how_landing.finer = solver::tuning::landing_finer;
+  how_landing.contact_hertz = solver::SubstepConstants::contact_hertz(how, world.clock.dt / how.substeps);
+  how_landing.substeps *= how_landing.finer;
+  const bool captures = world.settings.keep_contact_problem || world.settings.run_everything;
+  if (captures) capture_.resize(world.cache.manifolds.size(), world.bodies.size());
+  const bool surfaces =
+      with_surfaces && (world.settings.run_everything || !world.bodies.surfaces.empty() || !world.cache.rises.empty());
+  if (surfaces) world.surface_contacts.resize(world.cache.manifolds.size());
+  const auto input_with = [&](const solver::SolverSettings& with) {
+    return solver::SolveInput{.islands = islands.islands(),
+                              .bodies = world.bodies,
+                              .manifolds = world.cache.manifolds.data(),
+                              .gravity = world.gravity,
+                              .dt = world.clock.dt,
+                              .settings = with,
+                              .kernels = step.kernels,
+                              .bounds = world.aabbs.bounds,
+                              .fast = moved_,
+                              .overloads = overloads_,
+                              .capture = captures ? &capture_ : nullptr,
+                              .surface_contacts = surfaces ? world.surface_contacts.data() : nullptr,
+                              .rises = world.cache.rises.empty() ? nullptr : world.cache.rises.data(),
+                              .joints = world.joints.joints.data(),
+                              .joint_graph = world.joints.count == 0 ? nullptr : &islands.joint_graph(),
+                              .joint_systems = &islands.joint_systems()};
+  };
+  const solver::SolveInput plain = input_with(how);
+  const solver::SolveInput fine = input_with(how_finer);
+  const solver::SolveInput landing = input_with(how_landing);
+  const auto input_of = [&](const solver::IslandGroup& group) -> const solver::SolveInput& {
+    const SolveMode mode = mode_of(group);
+    return mode == SolveMode::Finer ? fine : mode == SolveMode::Landing ? landing : plain;
+  };
+
+  group_reports_.assign(groups_.size(), {});
+  prepare_direct_solvers();
+  step.arena.parallel_for(groups_.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t g = begin; g < end; ++g) {
+      if (groups_[g].large || solve_directly(plain, g, world.settings.profile)) continue;
+      group_reports_[g] = group_solvers_.local().solve(input_of(groups_[g]), groups_[g]);
+    }
+  });
+  // Large ones are solved one after another, by all workers, and keep their colours while groups stay what they are.
+  const auto contacts = regrouped_ ? solver::GroupContacts::New : solver::GroupContacts::Kept;
+  regrouped_ = false;
+  std::size_t large = 0;
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    if (!groups_[g].large) continue;
+    if (large == large_solvers_.size()) large_solvers_.push_back(std::make_unique<solver::GroupSolver>());
+    jobs::WorkerTeam team(step.arena);
+    group_reports_[g] = large_solvers_[large++]->solve(input_of(groups_[g]), groups_[g], team, contacts);
+  }
+  note_modes(world, islands.islands(), step.report.counts);
+}
+
+// One for each group that is to be solved at once, which keeps its order of elimination.
+void SolvePhase::prepare_direct_solvers() {
+  if constexpr (!with_direct_contacts) return;
+  direct_.of_group.clear();
+  direct_.reports.clear();
+  if (modes_.empty()) return;
+  std::size_t count = 0;
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    if (mode_of(groups_[g]) != SolveMode::Direct) continue;
+    direct_.of_group.resize(groups_.size(), nullptr);
+    if (count == direct_.solvers.size()) direct_.solvers.push_back(std::make_unique<solver::DirectIsland>());
+    direct_.of_group[g] = direct_.solvers[count++].get();
+  }
+  direct_.reports.resize(direct_.of_group.size());
+}
+
+bool SolvePhase::solve_directly(const solver::SolveInput& input, std::size_t group, bool profile) {
+  if constexpr (!with_direct_contacts) return false;
+  if (direct_.of_group.empty() || direct_.of_group[group] == nullptr) return false;
+  solver::DirectIsland& direct = *direct_.of_group[group];
+  solver::DirectIslandReport& report = direct_.reports[group];
+  const auto begin = jobs::Clock::now();
+  if (direct.analyse(input, groups_[group])) report = direct.solve(input);
+  if (profile) report.ms = jobs::ms_since(begin);
+  if (!report.solved) return false;
+  group_reports_[group].work = report.work;
+  group_reports_[group].gyroscopic_bodies = report.gyroscopic_bodies;
+  return true;
+}
+
+// What is overloaded now, and what could not be solved at once, which decide on the next step's modes.
+void SolvePhase::note_modes(Stores& world, const solver::Islands& islands, StepCounts& counts) {
+  if constexpr (!with_direct_contacts) return;
+  all_overloads_.clear();
+  overloads_.for_each([&](std::vector<solver::Overload>& of_worker) {
+    all_overloads_.insert(all_overloads_.end(), of_worker.begin(), of_worker.end());
+    of_worker.clear();
+  });
+  failed_.clear();
+  world.results.escalated_islands.clear();
+  for (std::size_t g = 0; g < groups_.size() && !modes_.empty(); ++g) {
+    const solver::IslandGroup& group = groups_[g];
+    const SolveMode mode = mode_of(group);
+    if (mode == SolveMode::Sweep) continue;
+    const std::span<const std::uint32_t> members = islands.bodies(group.begin, group.end);
+    EscalatedIsland island{.lowest = {members.front(), world.records.generation[members.front()]},
+                           .bodies = members.size(),
+                           .contacts = islands.contact_count(group.begin),
+                           .why = world.selection.why(group.begin)};
+    const auto& stage_ms = group_reports_[g].stage_ms;
+    island.ms = std::accumulate(stage_ms.begin(), stage_ms.end(), 0.0);
+    if (mode == SolveMode::Direct) {
+      const solver::DirectIslandReport& report = direct_.reports[g];
+      island.direct = report.solved;
+      island.gave_up = !report.solved;
+      island.iterations = report.iterations;
+      island.ms += report.ms;
+      if (!report.solved) failed_.insert(failed_.end(), members.begin(), members.end());
+    }
+    ++(island.direct ? counts.direct_islands : counts.finer_islands);
+    counts.newton_iterations += island.iterations;
+    world.results.escalated_islands.push_back(island);
+  }
+  if (escalates(world.settings)) world.selection.note(all_overloads_, failed_, world.sleeping.awake, world.clock.dt);
+}
+
+std::size_t SolvePhase::group_bytes() const {
+  std::size_t bytes = jobs::bytes_of(groups_, group_reports_);
+  group_solvers_.for_each([&](const solver::GroupSolver& each) { bytes += each.bytes(); });
+  for (const auto& large : large_solvers_) bytes += large->bytes();
+  return bytes;
+}
+
+std::size_t SolvePhase::direct_bytes() const {
+  std::size_t bytes = jobs::bytes_of(direct_.solvers, direct_.of_group, direct_.reports);
+  for (const auto& each : direct_.solvers) bytes += each->bytes();
+  return bytes;
+}
+
+std::size_t SolvePhase::selection_bytes() const { return jobs::bytes_of(modes_, alone_, all_overloads_, failed_); }
+
+std::size_t SolvePhase::capture_bytes() const { return jobs::bytes_of(capture_.answers, capture_.motions); }
+
+}  // namespace atl

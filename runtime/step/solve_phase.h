@@ -1,0 +1,72 @@
+#pragma once
+
+#include <jobs/scratch.h>
+#include <solver/direct/direct_island.h>
+#include <solver/islands/islands.h>
+#include <solver/select/solver_selection.h>
+#include <solver/sweep/group_solver.h>
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "step/island_phase.h"
+#include "step/step_context.h"
+#include "world/stores.h"
+
+namespace atl {
+
+/// Islands -> velocities and poses: chooses how each island is solved, packs islands into groups, and solves the groups
+/// as tasks.
+class SolvePhase {
+ public:
+  explicit SolvePhase(int threads) : group_solvers_(threads), overloads_(threads), moved_(threads) {}
+
+  /// Islands whose contacts carry too much are solved on their own, and otherwise.
+  void choose_modes(Stores& world, const StepContext& step, IslandPhase& islands);
+  void solve(Stores& world, const StepContext& step, IslandPhase& islands);
+
+  std::span<const solver::IslandGroup> groups() const { return groups_; }
+  std::span<const solver::GroupReport> group_reports() const { return group_reports_; }
+  /// Bodies that moved far, or whose joints did, by worker. The next solve adds to them.
+  solver::FastBodies& moved() { return moved_; }
+  /// Of the last step, if it was to be kept.
+  const solver::ContactCapture& capture() const { return capture_; }
+
+  std::size_t group_bytes() const;
+  std::size_t direct_bytes() const;
+  std::size_t direct_count() const { return direct_.solvers.size(); }
+  std::size_t selection_bytes() const;
+  std::size_t capture_bytes() const;
+
+ private:
+  // Groups that are solved at once, each by a solver of its own that keeps its order of elimination.
+  struct DirectGroups {
+    std::vector<std::unique_ptr<solver::DirectIsland>> solvers;
+    std::vector<solver::DirectIsland*> of_group;  // or empty
+    std::vector<solver::DirectIslandReport> reports;
+  };
+
+  void solve_groups(Stores& world, const StepContext& step, IslandPhase& islands);
+  solver::SolveMode mode_of(const solver::IslandGroup& group) const;
+  void prepare_direct_solvers();
+  bool solve_directly(const solver::SolveInput& input, std::size_t group, bool profile);
+  void note_modes(Stores& world, const solver::Islands& islands, StepCounts& counts);
+
+  std::vector<solver::IslandGroup> groups_;
+  std::vector<solver::GroupReport> group_reports_;
+  jobs::Scratch<solver::GroupSolver> group_solvers_;
+  std::vector<std::unique_ptr<solver::GroupSolver>> large_solvers_;  // of large groups, in order
+  std::vector<solver::SolveMode> modes_;                             // by island, or empty
+  std::vector<std::uint8_t> alone_;                                  // likewise: solved in a way of its own
+  bool regrouped_ = false;                                           // since the last solve
+  DirectGroups direct_;
+  solver::Overloads overloads_;
+  std::vector<solver::Overload> all_overloads_;
+  std::vector<std::uint32_t> failed_;  // bodies of islands that could not be solved at once
+  solver::FastBodies moved_;
+  solver::ContactCapture capture_;
+};
+
+}  // namespace atl

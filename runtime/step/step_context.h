@@ -1,0 +1,20 @@
+#pragma once
+
+#include <atoll/report.h>
+#include <collision/contacts/narrowphase_kernels.h>
+#include <jobs/arena.h>
+#include <solver/sweep/kernels.h>
+
+namespace atl {
+
+/// A step as its phases see it; under a force law, one substep of it.
+struct StepContext {
+  int substeps;
+  bool ends_step;  ///< else more substeps follow
+  jobs::Arena& arena;
+  const solver::Kernels& kernels;
+  const collision::NarrowphaseKernels& narrowphase_kernels;
+  StepReport& report;  ///< what the phases did
+};
+
+}  // namespace atl

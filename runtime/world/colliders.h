@@ -1,0 +1,30 @@
+#pragma once
+/// Bodies' shapes, and their AABBs in the broadphase.
+
+#include <cstdint>
+
+#include "world/stores.h"
+
+namespace atl {
+
+/// What the AABBs of bodies follow.
+collision::BodyMotions motions(const Stores& world);
+
+void add_colliders(Stores& world, std::uint32_t body);
+/// Those of a body that has none in the broadphase any more, and with them who doesn't touch it.
+void remove_colliders(Stores& world, std::uint32_t body);
+/// How far the shapes of a new body reach, and what that makes of its motion. Only dynamic bodies are stopped by what
+/// they hit; how kinematic ones move is part of what these meet.
+void note_size(Stores& world, std::uint32_t body);
+
+/// Puts all colliders of a body into the broadphase.
+void add_proxies(Stores& world, std::uint32_t body, const collision::Filter& filter);
+/// Puts one there whose fat AABB is known.
+void add_box(Stores& world, std::uint32_t collider, const collision::Aabb& box, const collision::Filter& filter);
+/// A body was put elsewhere, or left its AABBs.
+void move_proxies(Stores& world, std::uint32_t body);
+
+/// What a contact of two colliders starts with.
+collision::ContactCache::Start contact_start(const Stores& world, collision::Pair pair);
+
+}  // namespace atl

@@ -1,0 +1,40 @@
+#pragma once
+/// Joints as they come, go and are changed from outside.
+
+#include <atoll/joint.h>
+#include <solver/constraints/joint.h>
+
+#include <cstdint>
+
+#include "world/stores.h"
+
+namespace atl {
+
+/// Throws Error if these bodies can't be joined.
+void check_bodies(const Stores& world, const JointDef& def);
+
+JointId add_joint(Stores& world, const JointDef& def);
+void remove_joint(Stores& world, std::uint32_t joint);
+void remove_joints_of(Stores& world, std::uint32_t body);
+/// As a body goes into quarantine: what removing its joints would do to all others.
+void suspend_joints_of(Stores& world, std::uint32_t body);
+void resume_joints_of(Stores& world, std::uint32_t body);
+
+bool contains(const Stores& world, JointId id);
+/// Throws Error that names `call` if no joint has the id.
+std::uint32_t index_of(const Stores& world, JointId id, const char* call);
+
+JointState joint_state(const Stores& world, std::uint32_t joint);
+void set_joint(Stores& world, std::uint32_t joint, const JointKind& kind);
+void set_joint_enabled(Stores& world, std::uint32_t joint, bool enabled);
+
+solver::JointFrames frames_of(const Stores& world, const solver::Joint& joint);
+void wake_joined_by(Stores& world, std::uint32_t joint);
+/// Wakes what joints connect a body to.
+void wake_joined(Stores& world, std::uint32_t body);
+/// The joint came, went, or acts otherwise from now on.
+void joint_changed(Stores& world, std::uint32_t joint);
+/// After the joint was disabled: it forgets what it did.
+void release_joint(Stores& world, std::uint32_t joint);
+
+}  // namespace atl
