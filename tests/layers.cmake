@@ -30,3 +30,13 @@ foreach(path IN LISTS public_headers)
   cmake_path(GET path STEM name)
   atoll_include_test(layers.public_${name}_stands_alone atoll atoll/${name}.h)
 endforeach()
+
+# What lasts of a world is told in one place, which does not compile while a member of a store is missing there.
+add_test(NAME layers.no_member_of_a_store_is_forgotten COMMAND_EXPAND_LISTS
+         COMMAND ${PROJECT_SOURCE_DIR}/tests/forgotten_member.sh ${CMAKE_CURRENT_BINARY_DIR}/forgotten
+                 ${CMAKE_CXX_COMPILER} "-I$<JOIN:$<TARGET_PROPERTY:atoll_runtime,INCLUDE_DIRECTORIES>,;-I>")
+# A class has a subject: no more than 25 functions, or 15 members beside functions.
+add_test(NAME layers.no_class_does_everything
+         COMMAND python3 ${PROJECT_SOURCE_DIR}/tests/class_sizes.py ${PROJECT_SOURCE_DIR})
+set_tests_properties(layers.no_member_of_a_store_is_forgotten layers.no_class_does_everything
+                     PROPERTIES LABELS layers)

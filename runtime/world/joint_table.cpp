@@ -12,7 +12,7 @@ void JointTable::resize(std::size_t count_of_all) {
     flags->resize(count_of_all, 0);
   }
   limit_before.resize(count_of_all);
-  links_.resize(2 * count_of_all);
+  of_body_.resize(count_of_all);
 }
 
 void JointTable::reset(std::size_t count_of_all) {
@@ -22,14 +22,13 @@ void JointTable::reset(std::size_t count_of_all) {
 
 void JointTable::rebuild() {
   count = 0;
-  std::fill(first_end_.begin(), first_end_.end(), none);
+  of_body_.clear();
   apart_.clear();
   for (std::uint32_t joint = 0; joint < size(); ++joint) {
     update_flags(joint);
     if (!alive[joint]) continue;
     ++count;
-    link(2 * joint);
-    link(2 * joint + 1);
+    link(joint);
     if (enabled[joint] && !def[joint].collide) keep_apart(joints[joint].first, joints[joint].second);
   }
 }
@@ -49,15 +48,13 @@ std::uint32_t JointTable::add(const JointDef& definition, const solver::Joint& j
   broken[index] = suspended[index] = 0;
   limit_before[index] = {};
   ++count;
-  link(2 * index);
-  link(2 * index + 1);
+  link(index);
   update_flags(index);
   return index;
 }
 
 void JointTable::remove(std::uint32_t joint) {
-  unlink(2 * joint);
-  unlink(2 * joint + 1);
+  of_body_.remove(joint, joints[joint].first, joints[joint].second);
   alive[joint] = enabled[joint] = broken[joint] = suspended[joint] = 0;
   joints[joint] = {};
   def[joint] = {};
@@ -87,21 +84,6 @@ bool JointTable::let_touch(std::uint32_t a, std::uint32_t b) {
   if (--found->second > 0) return false;
   apart_.erase(found);
   return true;
-}
-
-void JointTable::link(std::uint32_t end) {
-  const std::uint32_t body = body_of(end);
-  if (body >= first_end_.size()) first_end_.resize(body + std::size_t{1}, none);
-  const std::uint32_t next = first_end_[body];
-  links_[end] = {next, none};
-  if (next != none) links_[next].previous = end;
-  first_end_[body] = end;
-}
-
-void JointTable::unlink(std::uint32_t end) {
-  const auto [next, previous] = links_[end];
-  if (next != none) links_[next].previous = previous;
-  (previous != none ? links_[previous].next : first_end_[body_of(end)]) = next;
 }
 
 }  // namespace atl

@@ -2,6 +2,7 @@
 
 #include <atoll/joint.h>
 #include <jobs/bytes.h>
+#include <jobs/pair_lists.h>
 #include <solver/constraints/joint.h>
 
 #include <array>
@@ -44,7 +45,9 @@ struct JointTable {
 
   /// Calls visit(joint) for the joints of a body, in no order to rely on.
   template <typename Visit>
-  void for_each_of(std::uint32_t body, const Visit& visit) const;
+  void for_each_of(std::uint32_t body, const Visit& visit) const {
+    of_body_.for_each_of(body, visit);
+  }
 
   /// Counts the joints that keep two bodies from touching. Whether the first came, or the last went.
   bool keep_apart(std::uint32_t a, std::uint32_t b);
@@ -57,35 +60,17 @@ struct JointTable {
   bool are_kept_apart(std::uint32_t a, std::uint32_t b) const { return apart_.contains(std::minmax(a, b)); }
   std::size_t bytes() const {
     return jobs::bytes_of(joints, def, generation, alive, enabled, broken, suspended, acts, watched, driven,
-                          limit_before, free, links_, first_end_);
+                          limit_before, free) +
+           of_body_.bytes();
   }
 
  private:
   void resize(std::size_t joints);
 
-  static constexpr std::uint32_t none = ~std::uint32_t{0};
+  void link(std::uint32_t joint) { of_body_.add(joint, joints[joint].first, joints[joint].second); }
 
-  // A joint is in the lists of both its bodies, by its ends: 2 * joint for the first body, + 1 for the second.
-  struct Link {
-    std::uint32_t next = none;
-    std::uint32_t previous = none;
-  };
-
-  std::uint32_t body_of(std::uint32_t end) const {
-    return end % 2 == 0 ? joints[end / 2].first : joints[end / 2].second;
-  }
-  void link(std::uint32_t end);
-  void unlink(std::uint32_t end);
-
-  std::vector<Link> links_;               // by end
-  std::vector<std::uint32_t> first_end_;  // by body, up to the last that has had a joint
+  jobs::PairLists of_body_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> apart_;
 };
-
-template <typename Visit>
-void JointTable::for_each_of(std::uint32_t body, const Visit& visit) const {
-  if (body >= first_end_.size()) return;
-  for (std::uint32_t end = first_end_[body]; end != none; end = links_[end].next) visit(end / 2);
-}
 
 }  // namespace atl

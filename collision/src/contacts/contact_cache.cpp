@@ -13,7 +13,6 @@ bool ContactCache::precedes(std::uint32_t a, std::uint32_t b) const {
 void ContactCache::claim_body(std::uint32_t body) {
   if (body < active_.size()) return;
   active_.resize(body + std::size_t{1}, 0);
-  first_end_.resize(body + std::size_t{1}, none);
 }
 
 // At once, as a scene starts with most of its contacts.
@@ -25,7 +24,7 @@ void ContactCache::make_room_for(std::size_t count) {
   manifolds.reserve(room);
   state_.reserve(room);
   is_newly_idle_.reserve(room);
-  links_.reserve(2 * room);
+  of_body_.reserve(room);
 }
 
 std::uint32_t ContactCache::claim_slot() {
@@ -36,7 +35,7 @@ std::uint32_t ContactCache::claim_slot() {
     manifolds.emplace_back();
     state_.emplace_back();
     is_newly_idle_.emplace_back();
-    links_.resize(2 * contacts.size());
+    of_body_.resize(contacts.size());
   } else {
     slot = free_slots.back();
     free_slots.pop_back();
@@ -49,15 +48,11 @@ std::uint32_t ContactCache::claim_slot() {
 
 // Enters a contact in the lists of its bodies.
 void ContactCache::link(std::uint32_t slot) {
-  for (const std::uint32_t end : {2 * slot, 2 * slot + 1}) {
-    const std::uint32_t body = body_of(end);
-    claim_body(body);
-    const std::uint32_t next = first_end_[body];
-    links_[end] = {next, none};
-    if (next != none) links_[next].previous = end;
-    first_end_[body] = end;
-  }
-  if (is_active(contacts[slot])) {
+  const Contact& contact = contacts[slot];
+  claim_body(contact.body_first);
+  claim_body(contact.body_second);
+  of_body_.add(slot, contact.body_first, contact.body_second);
+  if (is_active(contact)) {
     state_[slot] = State::Active;
   } else {
     note_idle(slot);
@@ -78,7 +73,7 @@ void ContactCache::release_all(std::span<const std::uint32_t> slots) {
     if (i + ahead < slots.size()) {
       const std::uint32_t soon = slots[i + ahead];
       __builtin_prefetch(&contacts[soon]);
-      __builtin_prefetch(&links_[2 * std::size_t{soon}]);
+      of_body_.prefetch(soon);
     }
     release(slots[i]);
   }
@@ -86,11 +81,7 @@ void ContactCache::release_all(std::span<const std::uint32_t> slots) {
 
 // Gives up a slot, but for its place in the order.
 void ContactCache::release(std::uint32_t slot) {
-  for (const std::uint32_t end : {2 * slot, 2 * slot + 1}) {
-    const Link link = links_[end];
-    if (link.next != none) links_[link.next].previous = link.previous;
-    (link.previous != none ? links_[link.previous].next : first_end_[body_of(end)]) = link.next;
-  }
+  of_body_.remove(slot, contacts[slot].body_first, contacts[slot].body_second);
   if (contacts[slot].part == 0) pairs.erase(contacts[slot].pair);
   state_[slot] = State::Free;
   free_slots.push_back(slot);

@@ -3,6 +3,7 @@
 #include <collision/broadphase/pair_set.h>
 #include <collision/contacts/contact.h>
 #include <jobs/bytes.h>
+#include <jobs/pair_lists.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -66,7 +67,9 @@ class ContactCache {
 
   /// Calls visit(slot) for the contacts of a body, idle or not, in no order to rely on.
   template <typename Visit>
-  void for_each_contact_of(std::uint32_t body, const Visit& visit) const;
+  void for_each_contact_of(std::uint32_t body, const Visit& visit) const {
+    of_body_.for_each_of(body, visit);
+  }
 
   std::size_t size() const { return contacts.size() - free_slots.size(); }
 
@@ -76,14 +79,12 @@ class ContactCache {
 
   /// Memory held.
   std::size_t bytes() const {
-    return jobs::bytes_of(contacts, manifolds, rises, order, free_slots, keys_, state_, links_, first_end_, active_,
-                          added_, gone_, idle_, newly_idle_, is_newly_idle_, all_) +
-           pairs.bytes();
+    return jobs::bytes_of(contacts, manifolds, rises, order, free_slots, keys_, state_, active_, added_, gone_, idle_,
+                          newly_idle_, is_newly_idle_, all_) +
+           pairs.bytes() + of_body_.bytes();
   }
 
  private:
-  static constexpr std::uint32_t none = ~std::uint32_t{0};
-
   enum class State : std::uint8_t { Free, Active, Idle };
 
   struct Entry {
@@ -92,16 +93,6 @@ class ContactCache {
     std::uint32_t slot;
   };
 
-  // A contact is in the lists of both its bodies, by its ends: 2 * slot for the first body, + 1 for the second.
-  struct Link {
-    std::uint32_t next = none;
-    std::uint32_t previous = none;
-  };
-
-  std::uint32_t body_of(std::uint32_t end) const {
-    const Contact& contact = contacts[end / 2];
-    return end % 2 == 0 ? contact.body_first : contact.body_second;
-  }
   bool is_active(const Contact& contact) const {
     return active_[contact.body_first] != 0 || active_[contact.body_second] != 0;
   }
@@ -120,13 +111,12 @@ class ContactCache {
   void update_idle() const;
   std::size_t first_entry_of(Pair pair) const;
 
-  std::vector<std::uint64_t> keys_;       // of the pairs in `order`: to search them needn't touch contacts
-  std::vector<State> state_;              // by slot
-  std::vector<Link> links_;               // by end
-  std::vector<std::uint32_t> first_end_;  // by body
-  std::vector<std::uint8_t> active_;      // by body
-  std::vector<std::uint32_t> added_;      // scratch: slots, in order
-  std::vector<std::uint32_t> gone_;       // scratch: slots, in order
+  std::vector<std::uint64_t> keys_;  // of the pairs in `order`: to search them needn't touch contacts
+  std::vector<State> state_;         // by slot
+  jobs::PairLists of_body_;
+  std::vector<std::uint8_t> active_;  // by body
+  std::vector<std::uint32_t> added_;  // scratch: slots, in order
+  std::vector<std::uint32_t> gone_;   // scratch: slots, in order
   // Idle contacts as of the last call of all_in_order(), in order, and the slots that became idle since.
   mutable std::vector<Entry> idle_;
   mutable std::vector<std::uint32_t> newly_idle_;
@@ -175,12 +165,6 @@ void ContactCache::release_of(std::span<const std::uint32_t> slots, const Gone& 
   std::copy_if(slots.begin(), slots.end(), std::back_inserter(gone_), gone);
   release_all(gone_);
   drop_inactive();
-}
-
-template <typename Visit>
-void ContactCache::for_each_contact_of(std::uint32_t body, const Visit& visit) const {
-  if (body >= first_end_.size()) return;
-  for (std::uint32_t end = first_end_[body]; end != none; end = links_[end].next) visit(end / 2);
 }
 
 }  // namespace atl::collision
