@@ -40,7 +40,7 @@ while (($#)); do
   shift
 done
 
-packages+=(libgtest-dev chromium pkgconf) # the browser looks at the page that atoll sweep writes
+packages+=(libgtest-dev chromium pkgconf python3) # the browser looks at the page that atoll sweep writes
 [[ $preset != clang ]] || packages+=(clang)
 options=(-DATOLL_BUILD_TESTS=ON -DATOLL_LONG_TESTS="${ATOLL_LONG_TESTS:-0}")
 if [[ ${CI:-} == true ]]; then

@@ -134,14 +134,52 @@ struct SetSettings {
   }
 };
 
+struct SetMaterial {
+  BodyId body;
+  Material material;
+  static auto fields(auto& self) { return std::tie(self.body, self.material); }
+  void make(World& world) const { world.set_material(body, material); }
+};
+
+struct SetMass {
+  BodyId body;
+  double mass;
+  static auto fields(auto& self) { return std::tie(self.body, self.mass); }
+  void make(World& world) const { world.set_mass(body, mass); }
+};
+
+struct SetGravityScale {
+  BodyId body;
+  double scale;
+  static auto fields(auto& self) { return std::tie(self.body, self.scale); }
+  void make(World& world) const { world.set_gravity_scale(body, scale); }
+};
+
+struct SetDamping {
+  BodyId body;
+  double linear;
+  double angular;
+  static auto fields(auto& self) { return std::tie(self.body, self.linear, self.angular); }
+  void make(World& world) const { world.set_damping(body, linear, angular); }
+};
+
+struct SetUserData {
+  BodyId body;
+  std::uint64_t data;
+  static auto fields(auto& self) { return std::tie(self.body, self.data); }
+  void make(World& world) const { world.set_user_data(body, data); }
+};
+
 }  // namespace atl::calls
 
 namespace atl {
 
-using RecordedCall = std::variant<calls::RemoveBody, calls::SetPose, calls::SetVelocity, calls::SetSurfaceVelocity,
-                                  calls::ApplyForce, calls::ApplyImpulse, calls::Wake, calls::SetFilter,
-                                  calls::SetCollisionEnabled, calls::Release, calls::AddJoint, calls::RemoveJoint,
-                                  calls::SetJoint, calls::SetJointEnabled, calls::SetGravity, calls::SetSettings>;
+using RecordedCall =
+    std::variant<calls::RemoveBody, calls::SetPose, calls::SetVelocity, calls::SetSurfaceVelocity, calls::ApplyForce,
+                 calls::ApplyImpulse, calls::Wake, calls::SetFilter, calls::SetCollisionEnabled, calls::Release,
+                 calls::AddJoint, calls::RemoveJoint, calls::SetJoint, calls::SetJointEnabled, calls::SetGravity,
+                 calls::SetSettings, calls::SetMaterial, calls::SetMass, calls::SetGravityScale, calls::SetDamping,
+                 calls::SetUserData>;
 
 template <typename Archive, typename Field>
 void visit_field(Archive& archive, Field& field) {
@@ -156,6 +194,11 @@ void visit_field(Archive& archive, Field& field) {
   } else if constexpr (std::is_same_v<T, Pose>) {
     visit_field(archive, field.position);
     visit_field(archive, field.orientation);
+  } else if constexpr (std::is_same_v<T, Material>) {
+    archive.value(field.friction);
+    archive.value(field.restitution);
+    archive.value(field.rolling_friction);
+    archive.value(field.torsional_friction);
   } else if constexpr (std::is_same_v<T, CollisionFilter>) {
     visit_filter(archive, field);
   } else if constexpr (std::is_same_v<T, JointKind>) {

@@ -165,6 +165,8 @@ class WorldState {
     archive_.template rows<1>(world_.aabbs.bounds.aabb_margin, {0});
     archive_.template rows<1>(world_.aabbs.swept_margins(), {0});
     archive_.bits(world_.aabbs.bounds.aabb_dirty);
+    // Nothing follows from it.
+    if constexpr (!Archive::hashes) archive_.template rows<1>(world_.records.user_data, {0});
   }
 
   // How fast they run: what holds back rolling is the material's.
@@ -493,8 +495,8 @@ class WorldState {
       static_cast<void>(positions);
     }
     {
-      auto& [disabled_pairs, /**/ generation, alive, type, dynamic, material, centre, continuous, constants, free,
-             count, version, pool] = world_.records;
+      auto& [disabled_pairs, user_data, /**/ generation, alive, type, dynamic, material, centre, continuous, constants,
+             free, count, version, pool] = world_.records;
       static_cast<void>(disabled_pairs);
     }
     {

@@ -100,6 +100,7 @@ BodyId add_body(Stores& world, const CheckedBody& start) {
   bodies.angular_velocity(body) = start.angular_velocity;
   bodies.force(body).setZero();
   bodies.torque(body).setZero();
+  records.user_data[body] = start.user_data;
   run_surface(world, body, start.surface_velocity);
 
   world.sleeping.awake[body] = records.dynamic[body];
@@ -223,6 +224,31 @@ void set_surface_velocity(Stores& world, std::uint32_t body, const Vector3& velo
   world.sleeping.wake(body);
   world.quarantine.suspect(body);
   run_surface(world, body, velocity);
+}
+
+void change_constants(Stores& world, std::uint32_t body, const BodyConstants& constants) {
+  BodyRecords& records = world.records;
+  const bool takes_part = !world.quarantine.contains(body);
+  if (takes_part) world.contents.count(world.bodies, records, body, -1);
+  give_constants(world, body, records.pool.share(constants));
+  if (takes_part) {
+    world.contents.count(world.bodies, records, body, +1);
+  } else {
+    records.dynamic[body] = 0;
+    world.bodies.mobility[body] = solver::Mobility::Fixed;
+    world.bodies.gyroscopic[body] = 0;
+  }
+  ++records.version;
+  run_surface(world, body, world.bodies.surfaces.empty() ? Vector3::Zero() : world.bodies.surfaces[body].velocity);
+  world.cache.for_each_contact_of(body, [&](std::uint32_t slot) {
+    const collision::ContactCache::Start start = contact_start(world, world.cache.contacts[slot].pair);
+    world.cache.manifolds[slot].friction = start.friction;
+    world.cache.manifolds[slot].restitution = start.restitution;
+  });
+  wake_touching(world, body);
+  world.sleeping.wake(body);
+  world.changes.islands = true;
+  if (with_joints && world.joints.size() > 0) world.changes.joints = true;
 }
 
 void set_filter(Stores& world, std::uint32_t body, const CollisionFilter& filter) {

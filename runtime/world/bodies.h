@@ -37,6 +37,8 @@ void set_surface(Stores& world, std::uint32_t body, const solver::Surface& surfa
 void run_surface(Stores& world, std::uint32_t body, const Vector3& velocity);
 /// The same of a body that others may lie on: they wake.
 void set_surface_velocity(Stores& world, std::uint32_t body, const Vector3& velocity);
+/// Gives a body other constants, with the same shapes and centre of mass. What is joined to it is solved anew.
+void change_constants(Stores& world, std::uint32_t body, const BodyConstants& constants);
 void set_filter(Stores& world, std::uint32_t body, const CollisionFilter& filter);
 void set_collision_enabled(Stores& world, std::uint32_t first, std::uint32_t second, bool enabled);
 

@@ -195,6 +195,16 @@ std::vector<CheckedCollider> checked_colliders(const char* what, const Shape& sh
   return colliders;
 }
 
+void check(const char* field, const Material& material) {
+  const std::string name = field;
+  check_not_negative(name + ".friction", material.friction);
+  if (!(material.restitution >= 0 && material.restitution <= 1)) {
+    refuse(name + ".restitution", material.restitution, "a number in [0, 1]");
+  }
+  check_not_negative(name + ".rolling_friction", material.rolling_friction);
+  check_not_negative(name + ".torsional_friction", material.torsional_friction);
+}
+
 CheckedBody check(const BodyDef& def) {
   CheckedBody body;
   BodyConstants& constants = body.constants;
@@ -214,6 +224,7 @@ CheckedBody check(const BodyDef& def) {
   body.angular_velocity = solver::without(solver::angular_locks(constants.locks), def.angular_velocity);
   body.surface_velocity = def.surface_velocity;
   body.filter = def.filter;
+  body.user_data = def.user_data;
   body.orientation = checked_orientation("BodyDef.orientation", def.orientation);
   if (def.type == BodyType::Static) {
     if (!def.velocity.isZero(0)) refuse("BodyDef.velocity", def.velocity, "zero for a static body");
@@ -221,12 +232,7 @@ CheckedBody check(const BodyDef& def) {
       refuse("BodyDef.angular_velocity", def.angular_velocity, "zero for a static body");
     }
   }
-  check_not_negative("BodyDef.material.friction", def.material.friction);
-  if (!(def.material.restitution >= 0 && def.material.restitution <= 1)) {
-    refuse("BodyDef.material.restitution", def.material.restitution, "a number in [0, 1]");
-  }
-  check_not_negative("BodyDef.material.rolling_friction", def.material.rolling_friction);
-  check_not_negative("BodyDef.material.torsional_friction", def.material.torsional_friction);
+  check("BodyDef.material", def.material);
   check_finite("BodyDef.surface_velocity", def.surface_velocity);
   if (!std::isfinite(def.gravity_scale)) refuse("BodyDef.gravity_scale", def.gravity_scale, "a finite number");
   check_not_negative("BodyDef.linear_damping", def.linear_damping);

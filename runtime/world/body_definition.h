@@ -49,6 +49,7 @@ struct CheckedBody {
   Vector3 angular_velocity = Vector3::Zero();
   Vector3 surface_velocity = Vector3::Zero();
   CollisionFilter filter = {};
+  std::uint64_t user_data = 0;
 };
 
 /// kg m^2: what contacts see of lesser moments, see solver/contact_inertia.h. 0 if the body has none, as any solid of
@@ -57,6 +58,9 @@ double least_moment_of(const BodyConstants& body);
 
 /// Throws Error naming the field, the value and what was expected.
 CheckedBody check(const BodyDef& def);
+
+/// `field` names the material.
+void check(const char* field, const Material& material);
 
 // For the calls that change a body later, and for queries. Each throws as check() does; `what` names the argument.
 Quaternion checked_orientation(const char* what, const Quaternion& value);

@@ -28,11 +28,12 @@ void BodyRecords::resize(std::size_t bodies) {
   material.resize(bodies);
   centre.resize(bodies);
   jobs::append(continuous, bodies, std::uint8_t{0});
+  jobs::append(user_data, bodies, std::uint64_t{0});
   jobs::append(constants, bodies);
 }
 
 std::size_t BodyRecords::bytes() const {
-  return jobs::bytes_of(generation, alive, type, continuous, constants, dynamic, free) + material.bytes() +
+  return jobs::bytes_of(generation, alive, type, continuous, user_data, constants, dynamic, free) + material.bytes() +
          centre.bytes();
 }
 

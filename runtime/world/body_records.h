@@ -25,6 +25,7 @@ struct BodyRecords {
   /// m, of mass, body frame
   jobs::SharedValues<Vector3> centre = jobs::SharedValues<Vector3>(Vector3::Zero());
   std::vector<std::uint8_t> continuous;
+  std::vector<std::uint64_t> user_data;
   std::vector<std::shared_ptr<const BodyConstants>> constants;  ///< of those alive
   /// Pairs that users disabled: by body, the others that it doesn't touch.
   std::map<std::uint32_t, std::vector<std::uint32_t>> disabled_pairs;

@@ -280,6 +280,132 @@ void World::set_filter(BodyId id, const CollisionFilter& filter) {
   note<calls::SetFilter>(*impl_, id, filter);
 }
 
+namespace {
+
+// Has a copy of a body's constants changed by change(constants).
+template <typename Change>
+void change_body(Stores& world, std::uint32_t body, const Change& change) {
+  BodyConstants constants = *world.records.constants[body];
+  change(constants);
+  check_built_for(constants);
+  change_constants(world, body, constants);
+}
+
+void check_columns(const char* call, std::size_t ids, Eigen::Index first, Eigen::Index second) {
+  if (static_cast<Eigen::Index>(ids) == first && first == second) return;
+  std::ostringstream message;
+  message << call << ": found " << ids << " ids and arrays of " << first << " and " << second
+          << " columns; expected as many columns as ids";
+  throw Error(message.str());
+}
+
+void check_all_finite(const char* what, const Eigen::Ref<const Eigen::MatrixXd>& columns) {
+  for (Eigen::Index i = 0; i < columns.cols(); ++i) {
+    if (columns.col(i).allFinite()) continue;
+    std::ostringstream message;
+    message << what << ": column " << i << " is (" << columns.col(i).transpose() << "); expected finite numbers";
+    throw Error(message.str());
+  }
+}
+
+}  // namespace
+
+void World::set_material(BodyId id, const Material& material) {
+  const std::uint32_t body = index_of(impl_->stores, id, "set_material");
+  check("World::set_material: material", material);
+  change_body(impl_->stores, body, [&](BodyConstants& constants) { constants.material = material; });
+  note<calls::SetMaterial>(*impl_, id, material);
+}
+
+void World::set_mass(BodyId id, double mass) {
+  const std::uint32_t body = index_of(impl_->stores, id, "set_mass");
+  check_positive("World::set_mass: mass", mass);
+  if (impl_->stores.records.type[body] != BodyType::Dynamic) {
+    throw Error("World::set_mass: the body is static or kinematic; expected a dynamic one");
+  }
+  change_body(impl_->stores, body, [mass](BodyConstants& constants) {
+    const double factor = mass * constants.inverse_mass;
+    constants.inverse_mass = 1 / mass;
+    constants.inertia *= factor;
+    constants.inverse_inertia /= factor;
+    constants.moments *= factor;
+  });
+  note<calls::SetMass>(*impl_, id, mass);
+}
+
+void World::set_gravity_scale(BodyId id, double scale) {
+  const std::uint32_t body = index_of(impl_->stores, id, "set_gravity_scale");
+  check_finite("World::set_gravity_scale: scale", scale);
+  change_body(impl_->stores, body, [scale](BodyConstants& constants) { constants.gravity_scale = scale; });
+  note<calls::SetGravityScale>(*impl_, id, scale);
+}
+
+void World::set_damping(BodyId id, double linear, double angular) {
+  const std::uint32_t body = index_of(impl_->stores, id, "set_damping");
+  check_not_negative("World::set_damping: linear", linear);
+  check_not_negative("World::set_damping: angular", angular);
+  change_body(impl_->stores, body, [&](BodyConstants& constants) {
+    constants.linear_damping = linear;
+    constants.angular_damping = angular;
+  });
+  note<calls::SetDamping>(*impl_, id, linear, angular);
+}
+
+Material World::material(BodyId id) const {
+  return impl_->stores.records.material[index_of(impl_->stores, id, "material")];
+}
+
+std::uint64_t World::user_data(BodyId id) const {
+  return impl_->stores.records.user_data[index_of(impl_->stores, id, "user_data")];
+}
+
+void World::set_user_data(BodyId id, std::uint64_t data) {
+  impl_->stores.records.user_data[index_of(impl_->stores, id, "set_user_data")] = data;
+  note<calls::SetUserData>(*impl_, id, data);
+}
+
+void World::set_poses(std::span<const BodyId> ids, const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
+                      const Eigen::Ref<const Eigen::Matrix4Xd>& orientations) {
+  check_columns("World::set_poses", ids.size(), positions.cols(), orientations.cols());
+  check_all_finite("World::set_poses: positions", positions);
+  const auto orientation = [&](std::size_t i) {
+    return Quaternion(Eigen::Vector4d(orientations.col(static_cast<Eigen::Index>(i))));
+  };
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    index_of(impl_->stores, ids[i], "set_poses");
+    checked_orientation("World::set_poses: orientations", orientation(i));
+  }
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    set_pose(ids[i], {positions.col(static_cast<Eigen::Index>(i)), orientation(i)});
+  }
+}
+
+void World::set_velocities(std::span<const BodyId> ids, const Eigen::Ref<const Eigen::Matrix3Xd>& linear,
+                           const Eigen::Ref<const Eigen::Matrix3Xd>& angular) {
+  check_columns("World::set_velocities", ids.size(), linear.cols(), angular.cols());
+  check_all_finite("World::set_velocities: linear", linear);
+  check_all_finite("World::set_velocities: angular", angular);
+  for (const BodyId id : ids) {
+    if (impl_->stores.records.type[index_of(impl_->stores, id, "set_velocities")] == BodyType::Static) {
+      throw Error("World::set_velocities: a body is static; expected dynamic or kinematic ones");
+    }
+  }
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    set_velocity(ids[i], linear.col(static_cast<Eigen::Index>(i)), angular.col(static_cast<Eigen::Index>(i)));
+  }
+}
+
+void World::apply_forces(std::span<const BodyId> ids, const Eigen::Ref<const Eigen::Matrix3Xd>& forces,
+                         const Eigen::Ref<const Eigen::Matrix3Xd>& torques) {
+  check_columns("World::apply_forces", ids.size(), forces.cols(), torques.cols());
+  check_all_finite("World::apply_forces: forces", forces);
+  check_all_finite("World::apply_forces: torques", torques);
+  for (const BodyId id : ids) index_of(impl_->stores, id, "apply_forces");
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    apply_force(ids[i], forces.col(static_cast<Eigen::Index>(i)), torques.col(static_cast<Eigen::Index>(i)));
+  }
+}
+
 void World::set_collision_enabled(BodyId a, BodyId b, bool enabled) {
   const std::uint32_t first = index_of(impl_->stores, a, "set_collision_enabled");
   const std::uint32_t second = index_of(impl_->stores, b, "set_collision_enabled");

@@ -92,6 +92,7 @@ struct BodyDef {
   /// for it by this is stopped only by what would get deeper into it than half its inner radius. In a build without
   /// ATOLL_WITH_CONTINUOUS nothing is swept, and true throws.
   bool continuous = false;
+  std::uint64_t user_data = 0;  ///< yours: World keeps it, and saves it with the body, and never looks at it
 };
 
 /// What a body weighs, as a world takes it from the definition. Throws Error unless the body is dynamic and its

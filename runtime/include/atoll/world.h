@@ -111,6 +111,28 @@ class World {
   void apply_impulse(BodyId id, const Vector3& impulse, const Vector3& point);
   void wake(BodyId id);
   void set_filter(BodyId id, const CollisionFilter& filter);
+
+  // What a definition said of a body, changed: each throws Error as add_body() does, and wakes the body and what
+  // touches it. Contacts that are there follow in the next step.
+  void set_material(BodyId id, const Material& material);
+  /// kg, > 0, of a dynamic body. Its inertia changes by the same factor, its centre of mass stays.
+  void set_mass(BodyId id, double mass);
+  void set_gravity_scale(BodyId id, double scale);
+  void set_damping(BodyId id, double linear, double angular);  ///< 1/s, >= 0
+  Material material(BodyId id) const;
+  /// BodyDef::user_data. Changing it wakes nobody.
+  std::uint64_t user_data(BodyId id) const;
+  void set_user_data(BodyId id, std::uint64_t data);
+
+  // Many bodies at once, a column each, as the calls for one do: all of it, or Error and nothing.
+  /// Origins of the bodies' frames (m), and orientations as x, y, z, w.
+  void set_poses(std::span<const BodyId> ids, const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
+                 const Eigen::Ref<const Eigen::Matrix4Xd>& orientations);
+  void set_velocities(std::span<const BodyId> ids, const Eigen::Ref<const Eigen::Matrix3Xd>& linear,
+                      const Eigen::Ref<const Eigen::Matrix3Xd>& angular);
+  void apply_forces(std::span<const BodyId> ids, const Eigen::Ref<const Eigen::Matrix3Xd>& forces,
+                    const Eigen::Ref<const Eigen::Matrix3Xd>& torques);
+
   /// Whether two bodies may touch at all, whatever their filters say. Holds until either is removed. Joints that keep
   /// them apart do so either way.
   void set_collision_enabled(BodyId a, BodyId b, bool enabled);
