@@ -12,7 +12,8 @@ usage() {
 usage: bash tests/run.sh [--label LABEL] [--preset PRESET] [--long]
        bash tests/run.sh --aarch64
 
-  --label LABEL    only these: unit, accuracy, law, stability, determinism, cli, faults, layers, package or examples
+  --label LABEL    only these: unit, accuracy, law, stability, determinism, cli, faults, layers, package,
+                   examples or docs
   --preset PRESET  release (the default), apart, clang, debug, asan or tsan
   --long           the heavier matrix of scenes, threads and settings, and Atoll built as a part of another project
   --aarch64        golden hashes and the layers' unit tests on 64-bit ARM, emulated; takes an hour
