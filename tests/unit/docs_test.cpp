@@ -1,10 +1,11 @@
-// What the READMEs say of places in the repository: links lead somewhere, and functions are in the files that are
-// named.
+// What the READMEs say of the repository: links lead somewhere, functions are in the files that are named, and numbers
+// and packages are those of the code.
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -111,6 +112,60 @@ TEST(Docs, TheCallsOfAStepAreWhereTheReadmeSays) {
     ++calls;
   }
   EXPECT_GT(calls, 10);
+}
+
+// The files below the root's folders that are called so.
+std::vector<fs::path> files_named(const std::string& name) {
+  std::vector<fs::path> found;
+  for (const char* folder : {"jobs", "collision", "solver", "runtime"}) {
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / folder)) {
+      if (entry.path().filename() == name) found.push_back(entry.path());
+    }
+  }
+  return found;
+}
+
+// A number that the code defines is followed by a comment which names it: 0.5%<!-- tuning.h column_give -->. Between the
+// two there may be a percent sign or other units, and a word.
+TEST(Docs, NumbersAreThoseOfTheCode) {
+  const std::regex quoted(R"(([0-9][0-9.e+-]*)(?:/([0-9]+))?(%| mm)?[^<>\n0-9]{0,12}<!-- ([\w-]+\.h) (\w+) -->)");
+  std::size_t marks = 0, numbers = 0;
+  for (const fs::path& readme : readmes()) {
+    const std::string text = prose_of(readme);
+    const std::regex mark(R"([^`]<!-- [\w-]+\.h \w+ -->)");
+    marks += static_cast<std::size_t>(std::distance(std::sregex_iterator(text.begin(), text.end(), mark), {}));
+    for (std::sregex_iterator i(text.begin(), text.end(), quoted), end; i != end; ++i) {
+      const std::smatch& match = *i;
+      ++numbers;
+      double value = std::stod(match[1]);
+      if (match[2].matched) value /= std::stod(match[2]);
+      if (match[3] == "%") value *= 0.01;
+      if (match[3] == " mm") value *= 1e-3;
+      const std::vector<fs::path> headers = files_named(match[4]);
+      ASSERT_EQ(headers.size(), 1u) << readme << ": " << match[0];
+      const std::string header = read(headers[0]);
+      const std::regex definition("\\b" + match[5].str() + R"( = ([0-9][0-9.e+-]*)f?(?: / ([0-9.]+))?f?;)");
+      std::smatch defined;
+      ASSERT_TRUE(std::regex_search(header, defined, definition)) << readme << ": " << match[0];
+      double right = std::stod(defined[1]);
+      if (defined[2].matched) right /= std::stod(defined[2]);
+      EXPECT_NEAR(value, right, 1e-9 * std::abs(right)) << readme << ": " << match[0];
+    }
+  }
+  EXPECT_EQ(numbers, marks) << "a comment follows no number";
+  EXPECT_GT(numbers, 20u);
+}
+
+TEST(Docs, TheReadmeNamesThePackagesThatTheBuildNeeds) {
+  const std::string setup = read(root / "runtime/setup.sh");
+  const std::size_t begin = setup.find("\npackages=(") + 11, end = setup.find(')', begin);
+  ASSERT_NE(end, std::string::npos);
+  const std::string readme = read(root / "README.md");
+  const std::size_t from = readme.find("apt-get install"), to = readme.find("\ncmake", from);
+  ASSERT_NE(to, std::string::npos);
+  const std::string named = readme.substr(from, to - from);
+  std::istringstream packages(setup.substr(begin, end - begin));
+  for (std::string package; packages >> package;) EXPECT_NE(named.find(package), std::string::npos) << package;
 }
 
 }  // namespace
