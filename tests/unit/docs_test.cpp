@@ -114,25 +114,25 @@ TEST(Docs, TheCallsOfAStepAreWhereTheReadmeSays) {
   EXPECT_GT(calls, 10);
 }
 
-// The files below the root's folders that are called so.
+// The files whose paths end like that.
 std::vector<fs::path> files_named(const std::string& name) {
   std::vector<fs::path> found;
   for (const char* folder : {"jobs", "collision", "solver", "runtime"}) {
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / folder)) {
-      if (entry.path().filename() == name) found.push_back(entry.path());
+      if (entry.path().generic_string().ends_with("/" + name)) found.push_back(entry.path());
     }
   }
   return found;
 }
 
-// A number that the code defines is followed by a comment which names it: 0.5%<!-- tuning.h column_give -->. Between the
-// two there may be a percent sign or other units, and a word.
+// A number that the code defines is followed by a comment which names it: 0.5%<!-- tuning.h column_give -->. Between
+// the two there may be a percent sign or other units, and a word.
 TEST(Docs, NumbersAreThoseOfTheCode) {
-  const std::regex quoted(R"(([0-9][0-9.e+-]*)(?:/([0-9]+))?(%| mm)?[^<>\n0-9]{0,12}<!-- ([\w-]+\.h) (\w+) -->)");
+  const std::regex quoted(R"(([0-9][0-9.e+-]*)(?:/([0-9]+))?(%| mm)?[^<>\n0-9]{0,12}<!-- ([\w/-]+\.h) (\w+) -->)");
   std::size_t marks = 0, numbers = 0;
   for (const fs::path& readme : readmes()) {
     const std::string text = prose_of(readme);
-    const std::regex mark(R"([^`]<!-- [\w-]+\.h \w+ -->)");
+    const std::regex mark(R"([^`]<!-- [\w/-]+\.h \w+ -->)");
     marks += static_cast<std::size_t>(std::distance(std::sregex_iterator(text.begin(), text.end(), mark), {}));
     for (std::sregex_iterator i(text.begin(), text.end(), quoted), end; i != end; ++i) {
       const std::smatch& match = *i;
