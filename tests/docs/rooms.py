@@ -13,7 +13,8 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 DRAWING = ROOT / "runtime/rooms.svg"
-DIRECTORIES = [ROOT / path for path in ("jobs/include", "collision/include", "solver/include", "runtime/include", "runtime")]
+DIRECTORIES = [ROOT / path for path in
+               ("jobs/include", "collision/include", "solver/include", "runtime/include", "runtime")]
 
 # Rooms in the order that they may be included in, from the top down: each sees those in rows below its own.
 CORE = ("world", "step", "state")  # one library, whose parts see each other
@@ -131,7 +132,8 @@ def drawing_of(arrows):
         bands.append((layer, top, y))
         y += GAP
     height = y - GAP + MARGIN
-    lines = [f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}" height="{height}" viewBox="0 0 {WIDTH} {height}" role="img">',
+    lines = [f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}" height="{height}" '
+             f'viewBox="0 0 {WIDTH} {height}" role="img">',
              "<title>Folders of Atoll, and what each includes</title>", f"<style>{STYLE}</style>",
              '<defs><marker id="head" viewBox="0 0 8 8" refX="7" refY="4" markerWidth="6" markerHeight="6" orient="auto">'
              '<path class="head" d="M0 0 8 4 0 8z"/></marker></defs>',
