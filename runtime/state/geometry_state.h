@@ -133,9 +133,9 @@ ReadGeometry read_geometry(Archive& archive) {
     result.geometry = geometry;
   };
   const auto take_built = [&](auto&& built) {
-    using Geometry = std::variant_alternative_t<0, std::remove_cvref_t<decltype(built)>>;
-    archive.check(std::holds_alternative<Geometry>(built), "what makes no mesh or height field");
-    take(std::make_shared<const Geometry>(std::get<Geometry>(std::move(built))));
+    using Built = std::variant_alternative_t<0, std::remove_cvref_t<decltype(built)>>;
+    archive.check(std::holds_alternative<Built>(built), "what makes no mesh or height field");
+    take(std::make_shared<const Built>(std::get<Built>(std::move(built))));
   };
   switch (result.kind) {
     case collision::ShapeKind::Hull: {

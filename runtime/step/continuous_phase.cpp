@@ -114,9 +114,8 @@ void ContinuousPhase::stop(Stores& world, const IslandPhase& islands, const CcdS
   for (const FastBody& fast : stop.bodies) put_back(fast);
   const std::uint32_t assembly = stop.bodies.front().assembly;
   if (assembly == FastBody::alone) return;
-  for (const FastBody& carried : std::ranges::equal_range(carried_, assembly, {}, &FastBody::assembly)) {
-    put_back(carried);
-  }
+  auto carried = std::ranges::lower_bound(carried_, assembly, {}, &FastBody::assembly);
+  for (; carried != carried_.end() && carried->assembly == assembly; ++carried) put_back(*carried);
   for (const solver::JointLink& link : islands.joint_graph().links_of(assembly)) {
     follow_position(world, world.joints.joints[link.joint]);
   }

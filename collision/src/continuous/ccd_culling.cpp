@@ -77,14 +77,15 @@ class NearBoxes {
 void find_approaching(const CcdStep& step, const FastBody& fast, const Vector3& aside, std::uint32_t collider,
                       std::span<const CcdPair> candidates, std::vector<Approach>& approaching) {
   approaching.clear();
-  const auto of_collider = std::ranges::equal_range(candidates, collider, {}, &CcdPair::own);
-  if (of_collider.empty()) return;
+  const auto first = std::ranges::lower_bound(candidates, collider, {}, &CcdPair::own);
+  const auto last = std::ranges::upper_bound(candidates, collider, {}, &CcdPair::own);
+  if (first == last) return;
   const ColliderTable& colliders = step.motions.colliders;
   const Shape& shape = colliders.shape[collider];
   const Pose start = placed(fast.start, colliders.local[collider]);
   const Vector3 own_shift = fast.shift + aside;
   NearBoxes boxes(step.kernels, shape, start, approaching);
-  for (const CcdPair& near : of_collider) {
+  for (const CcdPair& near : std::span(first, last)) {
     const std::uint32_t other = near.other;
     const Shape& other_shape = colliders.shape[other];
     const FastBody* moved = step.find_fast(colliders.body[other]);

@@ -65,9 +65,9 @@ double IslandProblem::friction_off() const {
 bool IslandProblem::is_bounded(double from_outside) const {
   double all = from_outside;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    const Eigen::Map<const Vector3> velocity(&free[6 * i]);
-    const Eigen::Map<const Vector3> spin(&free[6 * i + 3]);
-    all += bodies[i].mass * (velocity.norm() + bodies[i].radius * spin.norm());
+    const Eigen::Map<const Vector3> linear(&free[6 * i]);
+    const Eigen::Map<const Vector3> angular(&free[6 * i + 3]);
+    all += bodies[i].mass * (linear.norm() + bodies[i].radius * angular.norm());
   }
   for (const DirectContact& contact : contacts) {
     const double moved = std::hypot(contact.given[0], contact.given[3], contact.given[4]);
