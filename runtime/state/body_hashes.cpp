@@ -6,6 +6,7 @@
 
 #include "state/state_archive.h"
 #include "state/world_state.h"
+#include "world/colliders.h"
 #include "world/stores.h"
 
 namespace atl {
@@ -67,7 +68,8 @@ void hash_body(const Stores& world, BodyParts& parts, std::uint32_t body) {
         parts.bounds.values(box.lower.data(), 3);
         parts.bounds.values(box.upper.data(), 3);
       }
-      visit_filter(parts.input, quarantined ? world.quarantine.kept(body).filter : world.broadphase.filter(collider));
+      const collision::Filter filter = filter_of(world, collider);
+      visit_filter(parts.input, filter);
     });
   }
   const solver::SolverSelection::Strain strain = world.selection.strain(body);

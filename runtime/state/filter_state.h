@@ -1,7 +1,20 @@
 #pragma once
 /// Filters, of users and of the broadphase, for archives (state_archive.h).
 
+#include <cstddef>
+#include <cstdint>
+
 namespace atl {
+
+template <typename Archive, typename Text>
+void visit_text(Archive& archive, Text& text) {
+  if constexpr (Archive::reads) {
+    text.resize(archive.count_of(1));
+  } else {
+    archive.value(static_cast<std::uint32_t>(text.size()));
+  }
+  archive.values(text.data(), text.size());
+}
 
 template <typename Archive, typename Filter>
 void visit_filter(Archive& archive, Filter& filter) {

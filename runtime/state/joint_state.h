@@ -10,6 +10,7 @@
 #include <utility>
 #include <variant>
 
+#include "state/filter_state.h"
 #include "world/joint_table.h"
 
 namespace atl {
@@ -45,7 +46,8 @@ struct JointKindState {
     });
     visit_optional(archive, axis.motor, [this](auto& motor) {
       archive.value(motor.speed);
-      archive.value(motor.max_force);
+      if constexpr (Archive::reads) motor.max_force.emplace();
+      archive.value(*motor.max_force);  // as checked
       visit_optional(archive, motor.servo, [this](auto& servo) {
         archive.value(servo.target);
         archive.value(servo.stiffness);
@@ -118,6 +120,11 @@ void visit_definition(Archive& archive, Def& def) {
   archive.value(def.collide);
   archive.value(def.break_force);
   archive.value(def.break_torque);
+  // Nothing follows from these.
+  if constexpr (!Archive::hashes) {
+    visit_text(archive, def.name);
+    archive.value(def.user_data);
+  }
 }
 
 /// What lasts of a joint beside its definition.

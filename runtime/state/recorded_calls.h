@@ -6,6 +6,7 @@
 #include <atoll/world.h>
 
 #include <cstddef>
+#include <string>
 #include <tuple>
 #include <type_traits>
 #include <utility>
@@ -14,6 +15,7 @@
 #include "state/filter_state.h"
 #include "state/joint_state.h"
 #include "state/recording_file.h"
+#include "state/roster_state.h"
 #include "state/settings_state.h"
 
 namespace atl::calls {
@@ -170,6 +172,13 @@ struct SetUserData {
   void make(World& world) const { world.set_user_data(body, data); }
 };
 
+struct SetName {
+  BodyId body;
+  std::string name;
+  static auto fields(auto& self) { return std::tie(self.body, self.name); }
+  void make(World& world) const { world.set_name(body, name); }
+};
+
 }  // namespace atl::calls
 
 namespace atl {
@@ -179,7 +188,7 @@ using RecordedCall =
                  calls::ApplyImpulse, calls::Wake, calls::SetFilter, calls::SetCollisionEnabled, calls::Release,
                  calls::AddJoint, calls::RemoveJoint, calls::SetJoint, calls::SetJointEnabled, calls::SetGravity,
                  calls::SetSettings, calls::SetMaterial, calls::SetMass, calls::SetGravityScale, calls::SetDamping,
-                 calls::SetUserData>;
+                 calls::SetUserData, calls::SetName>;
 
 template <typename Archive, typename Field>
 void visit_field(Archive& archive, Field& field) {
@@ -194,11 +203,10 @@ void visit_field(Archive& archive, Field& field) {
   } else if constexpr (std::is_same_v<T, Pose>) {
     visit_field(archive, field.position);
     visit_field(archive, field.orientation);
+  } else if constexpr (std::is_same_v<T, std::string>) {
+    visit_text(archive, field);
   } else if constexpr (std::is_same_v<T, Material>) {
-    archive.value(field.friction);
-    archive.value(field.restitution);
-    archive.value(field.rolling_friction);
-    archive.value(field.torsional_friction);
+    visit_material(archive, field);
   } else if constexpr (std::is_same_v<T, CollisionFilter>) {
     visit_filter(archive, field);
   } else if constexpr (std::is_same_v<T, JointKind>) {

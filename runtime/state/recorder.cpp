@@ -21,18 +21,32 @@ void Recorder::note_geometry(const BodyConstants& constants) {
   }
 }
 
-void Recorder::note_body(const CheckedBody& body, std::uint64_t kind) {
+// Of a kind of body, which is noted down ahead of the first that is of it.
+std::uint32_t Recorder::number_of_kind(const BodyConstants& constants, std::uint64_t kind) {
   const auto [entry, is_new] = kinds_.try_emplace(kind, static_cast<std::uint32_t>(kinds_.size()));
   if (is_new) {
-    note_geometry(body.constants);
+    note_geometry(constants);
     StateWriter writer(bytes_);
-    visit_constants(writer, body.constants);
+    visit_constants(writer, constants);
     write(RecordKind::BodyKind, writer);
   }
+  return entry->second;
+}
+
+void Recorder::note_body(const CheckedBody& body, std::uint64_t kind) {
+  const std::uint32_t number = number_of_kind(body.constants, kind);
   StateWriter writer(bytes_);
-  writer.value(entry->second);
+  writer.value(number);
   visit_start(writer, body);
   write(RecordKind::AddBody, writer);
+}
+
+void Recorder::note_shape(BodyId body, const BodyConstants& constants, std::uint64_t kind) {
+  const std::uint32_t number = number_of_kind(constants, kind);
+  StateWriter writer(bytes_);
+  visit_field(writer, body);
+  writer.value(number);
+  write(RecordKind::SetShape, writer);
 }
 
 void Recorder::note_state(const Roster& roster, std::span<const std::byte> state) {

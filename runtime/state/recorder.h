@@ -51,6 +51,8 @@ class Recorder {
   }
   /// `kind` is the fingerprint() of what never changes of it.
   void note_body(const CheckedBody& body, std::uint64_t kind);
+  /// The body has become one of another kind.
+  void note_shape(BodyId body, const BodyConstants& constants, std::uint64_t kind);
   /// All of the world, as the recording begins or after it was restored.
   void note_state(const Roster& roster, std::span<const std::byte> state);
   /// Ahead of a step, and in the file by then: should the step crash, the recording has all that leads there.
@@ -69,6 +71,7 @@ class Recorder {
  private:
   void write(RecordKind kind, const StateWriter& writer) { file_.write(kind, {bytes_.data(), writer.size()}); }
   void note_geometry(const BodyConstants& constants);
+  std::uint32_t number_of_kind(const BodyConstants& constants, std::uint64_t kind);
   void note_forces(bool given);
 
   RecordingOptions options_;
@@ -89,6 +92,7 @@ void visit_start(Archive& archive, Body& body) {
   visit_field(archive, body.angular_velocity);
   visit_field(archive, body.surface_velocity);
   visit_field(archive, body.filter);
+  visit_text(archive, body.name);
   visit_field(archive, body.user_data);
 }
 

@@ -17,7 +17,7 @@
 namespace atl {
 
 /// The version is of all that follows, the state as in snapshot.cpp included.
-inline constexpr FileHeader recording_header = {.magic = {'A', 'T', 'O', 'L', 'L', 'R', 'E', 'C'}, .version = 9};
+inline constexpr FileHeader recording_header = {.magic = {'A', 'T', 'O', 'L', 'L', 'R', 'E', 'C'}, .version = 10};
 
 enum class RecordKind : std::uint32_t {
   Begin = 1,  ///< whose recording it is
@@ -30,6 +30,7 @@ enum class RecordKind : std::uint32_t {
   Bodies,  ///< hashes of them, one by one
   End,
   Forces,      ///< what a force law asked for
+  SetShape,    ///< of a body, as one of the kinds
   Call = 256,  ///< the first of those in RecordedCall (recorded_calls.h)
 };
 

@@ -20,6 +20,7 @@
 #include "state/recorder.h"
 #include "state/recording_file.h"
 #include "state/roster_state.h"
+#include "world/bodies.h"
 #include "world/left_out.h"
 #include "world/world_impl.h"
 
@@ -115,6 +116,9 @@ class Replay {
       case RecordKind::AddBody:
         add_body(record);
         break;
+      case RecordKind::SetShape:
+        set_shape(record);
+        break;
       case RecordKind::State:
         return take_state(record);
       case RecordKind::Step:
@@ -140,15 +144,25 @@ class Replay {
     kinds_.push_back(std::move(constants));
   }
 
-  void add_body(StateReader& record) {
+  const BodyConstants& kind_in(StateReader& record) {
     std::uint32_t kind = 0;
     record.value(kind);
     record.check(kind < kinds_.size(), "a body of no kind");
+    return kinds_[kind];
+  }
+
+  void add_body(StateReader& record) {
     CheckedBody body;
-    body.constants = kinds_[kind];
+    body.constants = kind_in(record);
     visit_start(record, body);
     check_built_for_surface("BodyDef.surface_velocity", body.surface_velocity);
     world_.impl_->add_body(body);
+  }
+
+  void set_shape(StateReader& record) {
+    BodyId id;
+    visit_field(record, id);
+    world_.impl_->set_shape(index_of(world_.impl_->stores, id, "set_shape"), kind_in(record));
   }
 
   void take_state(StateReader& record) {

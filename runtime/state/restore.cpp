@@ -17,21 +17,22 @@ namespace {
 
 bool same_bits(const collision::Aabb& a, const collision::Aabb& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
+void restore_filter(Stores& world, std::uint32_t collider) {
+  const collision::Filter filter = filter_of(world, collider);
+  if (world.broadphase.filter(collider) != filter) world.broadphase.set_filter(collider, filter);
+}
+
 }  // namespace
 
 void restore_materials(Stores& world) {
   for (std::uint32_t body = 0; body < world.bodies.size(); ++body) {
-    const Material& material = world.records.material[body];
-    if (world.records.alive[body]) {
-      set_surface(world, body, {Vector3::Zero(), material.rolling_friction, material.torsional_friction});
-    }
+    if (world.records.alive[body]) run_surface(world, body, Vector3::Zero());
   }
 }
 
-void restore_quarantined(Stores& world, std::uint32_t body, Quarantine reason, std::int64_t step,
-                         const collision::Filter& filter) {
+void restore_quarantined(Stores& world, std::uint32_t body, Quarantine reason, std::int64_t step) {
   world.quarantine.add({{body, world.records.generation[body]}, reason, quarantine_reason(reason), step},
-                       {mobility_of(world.records.type[body]), world.records.constants[body]->gyroscopic, filter});
+                       {mobility_of(world.records.type[body]), world.records.constants[body]->gyroscopic});
   world.colliders.for_each_of(body, [&](std::uint32_t collider) {
     if (world.broadphase.contains(collider)) world.broadphase.remove(collider);
   });
@@ -129,22 +130,21 @@ bool is_in_broadphase(const Stores& world, std::uint32_t collider) {
   return body != collision::ColliderTable::none && !world.quarantine.contains(body);
 }
 
-void restore_box(Stores& world, std::uint32_t collider, const collision::Aabb& box, const collision::Filter& filter) {
+void restore_box(Stores& world, std::uint32_t collider, const collision::Aabb& box) {
   if (!world.broadphase.contains(collider)) {
-    add_box(world, collider, box, filter);
+    add_box(world, collider, box);
     return;
   }
-  if (world.broadphase.filter(collider) != filter) world.broadphase.set_filter(collider, filter);
+  restore_filter(world, collider);
   if (!same_bits(world.broadphase.fat_box(collider), box)) world.broadphase.restore_box(collider, box);
 }
 
-void restore_plane(Stores& world, std::uint32_t collider, const collision::Plane& plane,
-                   const collision::Filter& filter) {
+void restore_plane(Stores& world, std::uint32_t collider, const collision::Plane& plane) {
   if (!world.broadphase.contains(collider)) {
-    world.broadphase.add_half_space(collider, plane, filter);
+    world.broadphase.add_half_space(collider, plane, filter_of(world, collider));
     return;
   }
-  if (world.broadphase.filter(collider) != filter) world.broadphase.set_filter(collider, filter);
+  restore_filter(world, collider);
   world.broadphase.restore_half_space(collider, plane);
 }
 

@@ -14,8 +14,7 @@ namespace atl {
 
 /// Surfaces as the materials have them.
 void restore_materials(Stores& world);
-void restore_quarantined(Stores& world, std::uint32_t body, Quarantine reason, std::int64_t step,
-                         const collision::Filter& filter);
+void restore_quarantined(Stores& world, std::uint32_t body, Quarantine reason, std::int64_t step);
 /// Poses, velocities, and who sleeps or is in quarantine are known: who may move, and all that goes by body.
 void note_restored_bodies(Stores& world);
 
@@ -31,9 +30,8 @@ void restore_disabled_pairs(Stores& world, std::span<const collision::Pair> pair
                             std::span<const collision::Pair> apart_before);
 
 bool is_in_broadphase(const Stores& world, std::uint32_t collider);
-void restore_box(Stores& world, std::uint32_t collider, const collision::Aabb& box, const collision::Filter& filter);
-void restore_plane(Stores& world, std::uint32_t collider, const collision::Plane& plane,
-                   const collision::Filter& filter);
+void restore_box(Stores& world, std::uint32_t collider, const collision::Aabb& box);
+void restore_plane(Stores& world, std::uint32_t collider, const collision::Plane& plane);
 bool may_touch(const Stores& world, collision::Pair pair);
 /// Contacts that are there already keep their slots.
 void restore_pairs(Stores& world, std::span<const collision::Pair> pairs);

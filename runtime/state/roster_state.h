@@ -8,6 +8,8 @@
 #include <memory>
 #include <vector>
 
+#include "state/filter_state.h"
+#include "state/joint_state.h"
 #include "state/roster.h"
 
 namespace atl {
@@ -25,15 +27,21 @@ void visit_shape(Archive& archive, Shape& shape) {
   archive.value(shape.inner_radius);
 }
 
+template <typename Archive, typename AnyMaterial>
+void visit_material(Archive& archive, AnyMaterial& material) {
+  archive.value(material.friction);
+  archive.value(material.restitution);
+  archive.value(material.rolling_friction);
+  archive.value(material.torsional_friction);
+}
+
 template <typename Archive, typename Constants>
 void visit_constants(Archive& archive, Constants& body) {
   archive.value(body.type);
   archive.check(body.type >= BodyType::Static && body.type <= BodyType::Dynamic, "a body of no known type");
   archive.value(body.continuous);
-  archive.value(body.material.friction);
-  archive.value(body.material.restitution);
-  archive.value(body.material.rolling_friction);
-  archive.value(body.material.torsional_friction);
+  archive.value(body.sensor);
+  visit_material(archive, body.material);
   archive.value(body.locks);
   archive.check(body.locks <= (body.type == BodyType::Dynamic ? solver::all_locks : 0),
                 "a body with locks that there are none of");
@@ -59,6 +67,8 @@ void visit_constants(Archive& archive, Constants& body) {
     archive.values(collider.local.position.data(), 3);
     archive.values(collider.local.orientation.coeffs().data(), 4);
     archive.value(collider.content);
+    visit_optional(archive, collider.material, [&](auto& material) { visit_material(archive, material); });
+    visit_optional(archive, collider.filter, [&](auto& filter) { visit_filter(archive, filter); });
   }
 }
 

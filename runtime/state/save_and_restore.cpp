@@ -86,6 +86,7 @@ void World::Impl::read_state(std::span<const std::byte> state) {
   StepResults& results = stores.results;
   results.contact_events.told.clear();
   results.unasked_events = {};
+  results.sensor_events.told.clear();
   results.joint_events.clear();
   results.escalated_islands.clear();
   results.captured = false;

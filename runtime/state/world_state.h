@@ -36,6 +36,55 @@ void visit_strain(Archive& archive, Strain& strain) {
   archive.value(strain.sags);
 }
 
+/// Of the numbers below `count` those that stand out: visit(number) tells of one.
+template <typename Archive, typename StandsOut, typename Visit>
+void visit_some(Archive& archive, std::size_t count, const StandsOut& stands_out, const Visit& visit) {
+  std::uint32_t some = 0;
+  if constexpr (Archive::reads) {
+    some = archive.count_of(sizeof(std::uint32_t));
+    std::uint32_t next = 0;
+    for (std::uint32_t i = 0; i < some; ++i) {
+      std::uint32_t number = 0;
+      archive.value(number);
+      archive.check(number >= next && number < count, "numbers out of order, or of things that there are not");
+      next = number + 1;
+      visit(number);
+    }
+  } else {
+    for (std::uint32_t number = 0; number < count; ++number) some += stands_out(number) ? 1 : 0;
+    archive.value(some);
+    for (std::uint32_t number = 0; number < count && some > 0; ++number) {
+      if (!stands_out(number)) continue;
+      --some;
+      archive.value(number);
+      visit(number);
+    }
+  }
+}
+
+/// Ids of bodies, two by two; all indices are below `bodies`.
+template <typename Archive, typename Pairs>
+void visit_id_pairs(Archive& archive, Pairs& pairs, std::size_t bodies) {
+  if constexpr (Archive::reads) {
+    pairs.resize(archive.count_of(sizeof(std::pair<BodyId, BodyId>)));
+  } else {
+    archive.value(static_cast<std::uint32_t>(pairs.size()));
+  }
+  for (auto& [first, second] : pairs) {
+    for (auto* id : {&first, &second}) {
+      archive.value(id->index);
+      archive.value(id->generation);
+      archive.check(id->index < bodies, "the number of a body that there can't be");
+    }
+  }
+}
+
+template <typename Archive, typename Pair>
+void visit_pair(Archive& archive, Pair& pair) {
+  archive.value(pair.first);
+  archive.value(pair.second);
+}
+
 /// `AnyWorld` is Stores, const where the archive doesn't read. Before a state is read the world has its roster.
 template <typename Archive, typename AnyWorld>
 class WorldState {
@@ -103,31 +152,6 @@ class WorldState {
   std::size_t body_count() const { return world_.bodies.size(); }
   bool is_body(std::uint32_t body) const { return body < body_count() && world_.records.alive[body] != 0; }
 
-  // Of the numbers below `count` those that stand out: visit(number) tells of one.
-  template <typename StandsOut, typename Visit>
-  void visit_some(std::size_t count, const StandsOut& stands_out, const Visit& visit) {
-    std::uint32_t some = 0;
-    if constexpr (reads) {
-      some = archive_.count_of(sizeof(std::uint32_t));
-      std::uint32_t next = 0;
-      for (std::uint32_t i = 0; i < some; ++i) {
-        std::uint32_t number = 0;
-        archive_.value(number);
-        archive_.check(number >= next && number < count, "numbers out of order, or of things that there are not");
-        next = number + 1;
-        visit(number);
-      }
-    } else {
-      for (std::uint32_t number = 0; number < count; ++number) some += stands_out(number) ? 1 : 0;
-      archive_.value(some);
-      for (std::uint32_t number = 0; number < count && some > 0; ++number) {
-        if (!stands_out(number)) continue;
-        --some;
-        archive_.value(number);
-        visit(number);
-      }
-    }
-  }
   void check_body(std::uint32_t body) { archive_.check(is_body(body), "the number of a body that there is not"); }
 
   void visit_globals() {
@@ -166,7 +190,25 @@ class WorldState {
     archive_.template rows<1>(world_.aabbs.swept_margins(), {0});
     archive_.bits(world_.aabbs.bounds.aabb_dirty);
     // Nothing follows from it.
-    if constexpr (!Archive::hashes) archive_.template rows<1>(world_.records.user_data, {0});
+    if constexpr (!Archive::hashes) {
+      archive_.template rows<1>(world_.records.user_data, {0});
+      visit_names();
+    }
+  }
+
+  void visit_names() {
+    auto& names = world_.records.names;
+    if constexpr (reads) names.clear();
+    visit_some(
+        archive_, body_count(), [&](std::uint32_t body) { return names.contains(body); },
+        [&](std::uint32_t body) {
+          check_body(body);
+          if constexpr (reads) {
+            visit_text(archive_, names[body]);
+          } else {
+            visit_text(archive_, names.at(body));
+          }
+        });
   }
 
   // How fast they run: what holds back rolling is the material's.
@@ -176,7 +218,7 @@ class WorldState {
       const auto& surfaces = world_.bodies.surfaces;
       return body < surfaces.size() && is_body(body) && !surfaces[body].velocity.isZero(0);
     };
-    visit_some(body_count(), runs, [this](std::uint32_t body) {
+    visit_some(archive_, body_count(), runs, [this](std::uint32_t body) {
       check_body(body);
       archive_.check(with_surfaces, "a surface that runs, which this build is without");
       Vector3 velocity;
@@ -219,30 +261,27 @@ class WorldState {
     auto& list = world_.quarantine;
     if constexpr (reads) list.clear();
     const auto is_out = [&list](std::uint32_t body) { return list.contains(body); };
-    visit_some(list.bodies().empty() && !reads ? 0 : body_count(), is_out, [&](std::uint32_t body) {
+    visit_some(archive_, list.bodies().empty() && !reads ? 0 : body_count(), is_out, [&](std::uint32_t body) {
       check_body(body);
       archive_.check(world_.sleeping.ring[body] == Sleeping::none, "a body in quarantine that sleeps");
       Quarantine reason = {};
       std::int64_t step = 0;
-      collision::Filter filter = {.owner = body};
       if constexpr (!reads) {
         reason = list.entry(body).reason;
         step = list.entry(body).step;
-        filter = list.kept(body).filter;
       }
       archive_.value(reason);
       archive_.check(reason >= Quarantine::NotFinite && reason <= Quarantine::TooMuchTorque,
                      "no reason for quarantine");
       archive_.value(step);
-      visit_filter(archive_, filter);
-      if constexpr (reads) restore_quarantined(world_, body, reason, step, filter);
+      if constexpr (reads) restore_quarantined(world_, body, reason, step);
     });
     const auto is_suspect = [&list](std::uint32_t body) { return list.is_suspect(body); };
-    visit_some(body_count(), is_suspect, [&](std::uint32_t body) {
+    visit_some(archive_, body_count(), is_suspect, [&](std::uint32_t body) {
       if constexpr (reads) list.suspect(body);
     });
     const auto strays = [&list](std::uint32_t body) { return list.pose_before(body) != nullptr; };
-    visit_some(list.remembers_poses() || reads ? body_count() : 0, strays, [&](std::uint32_t body) {
+    visit_some(archive_, list.remembers_poses() || reads ? body_count() : 0, strays, [&](std::uint32_t body) {
       solver::BodyPose pose;
       if constexpr (!reads) pose = *list.pose_before(body);
       archive_.values(pose.position.data(), 3);
@@ -258,13 +297,14 @@ class WorldState {
     if constexpr (reads && with_direct_contacts) selection.forget_all();
     if constexpr (reads && !with_direct_contacts) selection.forget_arrived();
     const auto is_strained = [&selection](std::uint32_t body) { return selection.strain(body) != Strain{}; };
-    visit_some(selection.strained().empty() && !reads ? 0 : body_count(), is_strained, [&](std::uint32_t body) {
-      check_body(body);
-      archive_.check(with_direct_contacts, "overloaded contacts, which this build does nothing about");
-      Strain strain = selection.strain(body);
-      visit_strain(archive_, strain);
-      if constexpr (reads) selection.restore_strain(body, strain);
-    });
+    visit_some(archive_, selection.strained().empty() && !reads ? 0 : body_count(), is_strained,
+               [&](std::uint32_t body) {
+                 check_body(body);
+                 archive_.check(with_direct_contacts, "overloaded contacts, which this build does nothing about");
+                 Strain strain = selection.strain(body);
+                 visit_strain(archive_, strain);
+                 if constexpr (reads) selection.restore_strain(body, strain);
+               });
     auto count = static_cast<std::uint32_t>(selection.arrived().size());
     if constexpr (reads) {
       count = archive_.count_of(sizeof(std::uint32_t));
@@ -281,19 +321,9 @@ class WorldState {
   }
 
   void visit_events() {
-    auto& touched = world_.results.contact_events.touched;
-    if constexpr (reads) {
-      touched.resize(archive_.count_of(sizeof(std::pair<BodyId, BodyId>)));
-    } else {
-      archive_.value(static_cast<std::uint32_t>(touched.size()));
-    }
-    for (auto& [first, second] : touched) {
-      for (auto* id : {&first, &second}) {
-        archive_.value(id->index);
-        archive_.value(id->generation);
-        archive_.check(id->index < body_count(), "the number of a body that there can't be");
-      }
-    }
+    visit_id_pairs(archive_, world_.results.contact_events.touched, body_count());
+    if (Archive::hashes && world_.contents.sensors == 0) return;
+    visit_id_pairs(archive_, world_.results.sensor_events.within, body_count());
   }
 
   void visit_joints() {
@@ -352,7 +382,7 @@ class WorldState {
     if constexpr (reads) {
       told.resize(archive_.count_of(sizeof(collision::Pair)));
       for (collision::Pair& pair : told) {
-        visit_pair(pair);
+        visit_pair(archive_, pair);
         check_body(pair.first);
         check_body(pair.second);
         archive_.check(pair.first < pair.second, "a body kept apart from itself");
@@ -368,49 +398,52 @@ class WorldState {
       };
       visit_all([&](const collision::Pair&) { ++count; });
       archive_.value(count);
-      visit_all([this](const collision::Pair& pair) { visit_pair(pair); });
+      visit_all([this](const collision::Pair& pair) { visit_pair(archive_, pair); });
     }
+  }
+
+  // Of bodies; those of compounds' children are constant.
+  void visit_filters() {
+    auto& records = world_.records;
+    if constexpr (reads) {
+      for (std::uint32_t body = 0; body < body_count(); ++body) records.filter.set(body, CollisionFilter{});
+    }
+    const auto is_filtered = [&](std::uint32_t body) {
+      return is_body(body) && records.filter[body] != CollisionFilter{};
+    };
+    visit_some(archive_, body_count(), is_filtered, [&](std::uint32_t body) {
+      check_body(body);
+      CollisionFilter filter;
+      if constexpr (!reads) filter = records.filter[body];
+      visit_filter(archive_, filter);
+      if constexpr (reads) records.filter.set(body, filter);
+    });
   }
 
   void visit_boxes() {
     auto& broadphase = world_.broadphase;
     const std::size_t count = world_.colliders.size();
     const auto is_there = [this](std::uint32_t collider) { return is_in_broadphase(world_, collider); };
-    std::vector<std::pair<std::uint32_t, collision::Filter>> filters;  // of those that are read
-    const auto is_filtered = [&](std::uint32_t collider) {
-      return is_there(collider) &&
-             broadphase.filter(collider) != collision::Filter{.owner = world_.colliders.body[collider]};
-    };
-    visit_some(count, is_filtered, [&](std::uint32_t collider) {
-      archive_.check(is_there(collider), "the number of a shape that there is not");
-      collision::Filter filter;
-      if constexpr (!reads) filter = broadphase.filter(collider);
-      visit_filter(archive_, filter);
-      if constexpr (reads) filters.emplace_back(collider, filter);
-    });
-    auto next_filter = filters.begin();
+    visit_filters();
     for (std::uint32_t collider = 0; collider < count; ++collider) {
       if (!is_there(collider)) continue;
-      collision::Filter filter;
-      if (next_filter != filters.end() && next_filter->first == collider) filter = next_filter++->second;
-      filter.owner = world_.colliders.body[collider];
       if (world_.colliders.shape[collider].kind == collision::ShapeKind::HalfSpace) {
         collision::Plane plane;
         if constexpr (!reads) plane = broadphase.plane(collider);
         archive_.values(plane.normal.data(), 3);
         archive_.value(plane.offset);
-        if constexpr (reads) restore_plane(world_, collider, plane, filter);
+        if constexpr (reads) restore_plane(world_, collider, plane);
       } else {
         collision::Aabb box;
         if constexpr (!reads) box = broadphase.fat_box(collider);
         archive_.values(box.lower.data(), 3);
         archive_.values(box.upper.data(), 3);
-        if constexpr (reads) restore_box(world_, collider, box, filter);
+        if constexpr (reads) restore_box(world_, collider, box);
       }
     }
     if constexpr (reads) broadphase.forget_moves();
     const auto has_moved = [&](std::uint32_t collider) { return is_there(collider) && broadphase.has_moved(collider); };
-    visit_some(count, has_moved, [&](std::uint32_t collider) {
+    visit_some(archive_, count, has_moved, [&](std::uint32_t collider) {
       archive_.check(is_there(collider), "the number of a shape that there is not");
       if constexpr (reads) broadphase.mark_moved(collider);
     });
@@ -449,17 +482,11 @@ class WorldState {
     }
   }
 
-  template <typename Pair>
-  void visit_pair(Pair& pair) {
-    archive_.value(pair.first);
-    archive_.value(pair.second);
-  }
-
   // Pairs come in order, so by what they differ from the one before.
   template <typename Pair>
   void visit_pair_after(const collision::Pair& before, Pair& pair) {
     if constexpr (Archive::hashes) {
-      visit_pair(pair);
+      visit_pair(archive_, pair);
     } else {
       std::uint32_t first = 0;
       std::uint32_t second = 0;
@@ -495,8 +522,8 @@ class WorldState {
       static_cast<void>(positions);
     }
     {
-      auto& [disabled_pairs, user_data, /**/ generation, alive, type, dynamic, material, centre, continuous, constants,
-             free, count, version, pool] = world_.records;
+      auto& [disabled_pairs, user_data, names, filter, /**/ generation, alive, type, dynamic, material, centre,
+             continuous, sensor, constants, free, count, version, pool] = world_.records;
       static_cast<void>(disabled_pairs);
     }
     {
@@ -506,6 +533,10 @@ class WorldState {
     {
       auto& [touched, noted, /**/ told, before, now] = world_.results.contact_events;
       static_cast<void>(touched);
+    }
+    {
+      auto& [within, /**/ told, before] = world_.results.sensor_events;
+      static_cast<void>(within);
     }
   }
 

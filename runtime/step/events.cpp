@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "step/contact_phase.h"
+#include "step/results.h"
 #include "world/bodies.h"
 #include "world/joints.h"
 
@@ -19,6 +20,38 @@ bool touches(const collision::Contact& contact, const collision::ContactManifold
     if (manifold.separation[i] <= 0 || manifold.normal_impulse[i] > 0) return true;
   }
   return false;
+}
+
+// Where two bodies touch, and how hard.
+ContactEvent began(const Stores& world, const std::pair<BodyId, BodyId>& pair, double substep) {
+  ContactEvent event{.a = pair.first, .b = pair.second, .began = true};
+  Vector3 by_force[2] = {Vector3::Zero(), Vector3::Zero()};
+  Vector3 by_number[2] = {Vector3::Zero(), Vector3::Zero()};
+  double points = 0;
+  const auto [a, b] = pair;
+  world.cache.for_each_contact_of(world.records.dynamic[a.index] ? a.index : b.index, [&](std::uint32_t slot) {
+    const collision::Contact& contact = world.cache.contacts[slot];
+    const auto [first, second] = std::minmax(contact.body_first, contact.body_second);
+    if (first != a.index || second != b.index || contact.count == 0) return;
+    const collision::ContactManifold& manifold = world.cache.manifolds[slot];
+    const ManifoldPlace place = place_of(world, contact, manifold);
+    const Vector3 normal = contact.body_first == a.index ? place.normal : Vector3(-place.normal);
+    for (std::size_t i = 0; i < contact.count; ++i) {
+      const double force = std::max(0.0, static_cast<double>(manifold.normal_impulse[i])) / substep;
+      const Vector3 point = place.point(manifold, i);
+      event.normal_force += force;
+      by_force[0] += force * point;
+      by_force[1] += force * normal;
+      by_number[0] += point;
+      by_number[1] += normal;
+      ++points;
+    }
+  });
+  if (points == 0) return event;
+  const bool pushes = event.normal_force > 0;
+  event.point = pushes ? Vector3(by_force[0] / event.normal_force) : Vector3(by_number[0] / points);
+  event.normal = (pushes ? by_force[1] : by_number[1]).stableNormalized();
+  return event;
 }
 
 // Bodies may have several contacts with each other, so what counts is the list of bodies that touch. Of two bodies all
@@ -61,10 +94,10 @@ void note_events(Stores& world, ContactEvents& events, bool islands_rebuilt, con
   auto now = events.touched.begin();
   while (before != events.before.end() || now != events.touched.end()) {
     if (now == events.touched.end() || (before != events.before.end() && *before < *now)) {
-      events.told.push_back({before->first, before->second, false});
+      events.told.push_back({.a = before->first, .b = before->second, .began = false});
       ++before;
     } else if (before == events.before.end() || *now < *before) {
-      events.told.push_back({now->first, now->second, true});
+      events.told.push_back(began(world, *now, world.clock.dt / step.substeps));
       ++now;
     } else {
       ++before;
@@ -78,13 +111,14 @@ void watch_joint(Stores& world, std::uint32_t joint) {
   const JointId id{joint, world.joints.generation[joint]};
   const JointTable::Limits before = world.joints.limit_before[joint];
   world.joints.limit_before[joint] = j.limit;
+  const auto tell = [&](JointEventKind kind) { world.results.joint_events.push_back({id, kind, j.force, j.torque}); };
   if (j.force.norm() > world.joints.def[joint].break_force || j.torque.norm() > world.joints.def[joint].break_torque) {
     world.joints.broken[joint] = 1;
     world.joints.enabled[joint] = 0;
     world.joints.update_flags(joint);
     joint_changed(world, joint);
     release_joint(world, joint);
-    world.results.joint_events.push_back({id, JointEventKind::Broke});
+    tell(JointEventKind::Broke);
     return;
   }
   bool reached = false;
@@ -94,8 +128,8 @@ void watch_joint(Stores& world, std::uint32_t joint) {
     reached |= j.limit[row] != 0;
     left |= before[row] != 0;
   }
-  if (left) world.results.joint_events.push_back({id, JointEventKind::LeftLimit});
-  if (reached) world.results.joint_events.push_back({id, JointEventKind::ReachedLimit});
+  if (left) tell(JointEventKind::LeftLimit);
+  if (reached) tell(JointEventKind::ReachedLimit);
 }
 
 // However slow a motor runs, what it moves is not at rest; what it fails to move may be.

@@ -9,6 +9,7 @@
 #include <algorithm>
 
 #include "step/events.h"
+#include "step/sensors.h"
 #include "world/bodies.h"
 #include "world/colliders.h"
 
@@ -80,7 +81,10 @@ void StepPipeline::follow_fast_bodies(Stores& world, const StepContext& step) {
 void StepPipeline::finish(Stores& world, const StepContext& step) {
   world.aabbs.catch_up(world.active.in_order(), motions(world), world.broadphase, step.arena);
   clear_forces(world);
-  if (step.ends_step) note_contact_events(world, islands_.rebuilt(), step);
+  if (step.ends_step) {
+    note_contact_events(world, islands_.rebuilt(), step);
+    note_sensor_events(world, step.arena);
+  }
   if (with_joints && world.joints.size() > 0) note_joint_events(world, islands_.acting_joints());
   if (with_sleeping && world.settings.sleeping) {
     if (with_surfaces && !world.bodies.surfaces.empty()) keep_belts_awake(world, contacts_.touching());

@@ -13,6 +13,17 @@
 
 namespace atl {
 
+/// Where the points of a manifold are in the world.
+struct ManifoldPlace {
+  Vector3 centre;       ///< m
+  Vector3 tangents[2];  ///< unit
+  Vector3 normal;       ///< unit, from the first body to the second
+
+  Vector3 point(const collision::ContactManifold& manifold, std::size_t i) const;  ///< m
+};
+ManifoldPlace place_of(const Stores& world, const collision::Contact& contact,
+                       const collision::ContactManifold& manifold);
+
 std::span<const ContactForce> contact_forces(Stores& world, const collision::NarrowphaseKernels& kernels,
                                              jobs::Arena& arena);
 ContactProblem contact_problem(const Stores& world, const StepPipeline& pipeline);

@@ -12,6 +12,7 @@
 #include <numeric>
 
 #include "world/bodies.h"
+#include "world/colliders.h"
 #include "world/settings_check.h"
 
 namespace atl {
@@ -93,6 +94,23 @@ SolveMode SolvePhase::mode_of(const solver::IslandGroup& group) const {
   return modes_.empty() ? SolveMode::Sweep : modes_[group.begin];
 }
 
+namespace {
+
+// What holds back rolling and spinning on each other, by what touches.
+void note_resistance(Stores& world, const solver::Islands& islands) {
+  world.surface_contacts.resize(world.cache.manifolds.size());
+  for (const solver::TouchingPair& pair : islands.contacts(0, islands.count())) {
+    const collision::Pair colliders = world.cache.contacts[pair.slot].pair;
+    const Material& a = material_of(world, colliders.first);
+    const Material& b = material_of(world, colliders.second);
+    solver::SurfaceContact& contact = world.surface_contacts[pair.slot];
+    contact.rolling_friction = static_cast<float>(std::max(a.rolling_friction, b.rolling_friction));
+    contact.torsional_friction = static_cast<float>(std::max(a.torsional_friction, b.torsional_friction));
+  }
+}
+
+}  // namespace
+
 void SolvePhase::solve_groups(Stores& world, const StepContext& step, IslandPhase& islands) {
   const solver::SolverSettings how = settings_now(world, step.substeps);
   solver::SolverSettings how_finer = how;
@@ -106,7 +124,7 @@ void SolvePhase::solve_groups(Stores& world, const StepContext& step, IslandPhas
   if (captures) capture_.resize(world.cache.manifolds.size(), world.bodies.size());
   const bool surfaces =
       with_surfaces && (world.settings.run_everything || !world.bodies.surfaces.empty() || !world.cache.rises.empty());
-  if (surfaces) world.surface_contacts.resize(world.cache.manifolds.size());
+  if (surfaces) note_resistance(world, islands.islands());
   const auto input_with = [&](const solver::SolverSettings& with) {
     return solver::SolveInput{.islands = islands.islands(),
                               .bodies = world.bodies,

@@ -62,6 +62,7 @@ constexpr std::array<StageWords, stage_count> words = {{
      "no body moved farther than margins see"},
     {"sleeping", "bodies", "it is on", "it is off"},
     {"contact_events", "events", "they are asked for", "they are not asked for"},
+    {"sensors", "sensors", "there are some", "there are none"},
     {"contact_problem", "contacts", "it is asked for", "it is not asked for"},
     {"recording", "steps", "calls are recorded", "nothing is recorded"},
 }};
@@ -156,6 +157,7 @@ void note_stages(const Stores& world, const StepPipeline& pipeline, bool records
   const ContactEvents& noted =
       world.settings.contact_events ? world.results.contact_events : world.results.unasked_events;
   note(Stage::ContactEvents, events, static_cast<std::int64_t>(noted.told.size()));
+  note_items(Stage::Sensors, static_cast<std::int64_t>(world.contents.sensors));
   note(Stage::ContactProblem, world.settings.keep_contact_problem || world.settings.run_everything, counts.contacts);
   note(Stage::Recording, records, 1);
   for (std::size_t i = 0; i < stage_count; ++i) {

@@ -16,10 +16,6 @@
 namespace atl {
 namespace {
 
-collision::Filter to_collision(const CollisionFilter& filter, std::uint32_t body) {
-  return {filter.category, filter.mask, filter.group, body};
-}
-
 // Whether a shape looks the same turned about the z axis of its body's frame.
 bool is_round(const CheckedCollider& collider) {
   const auto& [position, orientation] = collider.local;
@@ -60,6 +56,7 @@ void give_constants(Stores& world, std::uint32_t body, const std::shared_ptr<con
   records.material.set(body, c.material);
   records.centre.set(body, c.centre);
   records.continuous[body] = c.continuous;
+  records.sensor[body] = c.sensor;
   bodies.mobility[body] = mobility_of(c.type);
   bodies.inverse_mass[body] = c.inverse_mass;
   bodies.inertia.set(body, c.inertia);
@@ -101,6 +98,8 @@ BodyId add_body(Stores& world, const CheckedBody& start) {
   bodies.force(body).setZero();
   bodies.torque(body).setZero();
   records.user_data[body] = start.user_data;
+  give_name(world, body, start.name);
+  records.filter.set(body, start.filter);
   run_surface(world, body, start.surface_velocity);
 
   world.sleeping.awake[body] = records.dynamic[body];
@@ -110,7 +109,7 @@ BodyId add_body(Stores& world, const CheckedBody& start) {
   note_arrival_or_departure(world, body);
   add_colliders(world, body);
   note_size(world, body);
-  add_proxies(world, body, to_collision(start.filter, body));
+  add_proxies(world, body);
   suspect_new(world, body);
   return {body, records.generation[body]};
 }
@@ -127,6 +126,7 @@ void remove_body(Stores& world, std::uint32_t body) {
   }
   remove_colliders(world, body);
   records.constants[body].reset();
+  records.names.erase(body);
   ++records.version;
   bodies.velocity(body).setZero();
   bodies.angular_velocity(body).setZero();
@@ -209,14 +209,22 @@ void set_pose(Stores& world, std::uint32_t body, const Vector3& origin, const Qu
   move_proxies(world, body);
 }
 
+namespace {
+
 void set_surface(Stores& world, std::uint32_t body, const solver::Surface& surface) {
   if (!surface.is_plain() && world.bodies.surfaces.empty()) world.bodies.surfaces.resize(world.bodies.size());
   if (!world.bodies.surfaces.empty()) world.bodies.surfaces[body] = surface;
 }
 
+}  // namespace
+
 void run_surface(Stores& world, std::uint32_t body, const Vector3& velocity) {
-  const Material& material = world.records.material[body];
-  set_surface(world, body, {velocity, material.rolling_friction, material.torsional_friction});
+  solver::Surface surface{.velocity = velocity};
+  for_each_material(*world.records.constants[body], [&](const Material& material) {
+    surface.rolling_friction = std::max(surface.rolling_friction, material.rolling_friction);
+    surface.torsional_friction = std::max(surface.torsional_friction, material.torsional_friction);
+  });
+  set_surface(world, body, surface);
 }
 
 void set_surface_velocity(Stores& world, std::uint32_t body, const Vector3& velocity) {
@@ -251,16 +259,48 @@ void change_constants(Stores& world, std::uint32_t body, const BodyConstants& co
   if (with_joints && world.joints.size() > 0) world.changes.joints = true;
 }
 
+void set_shape(Stores& world, std::uint32_t body, const BodyConstants& constants) {
+  BodyRecords& records = world.records;
+  solver::BodyTable& bodies = world.bodies;
+  const bool takes_part = !world.quarantine.contains(body);
+  wake_touching(world, body);
+  if constexpr (with_joints) wake_joined(world, body);
+  world.sleeping.wake(body);
+  if (takes_part) {
+    world.cache.remove_contacts_of(body);
+    world.aabbs.remove(body, world.colliders, world.broadphase);
+  }
+  clear_colliders(world, body);
+  const Vector3 shift = bodies.orientation(body) * (constants.centre - records.centre[body]);
+  change_constants(world, body, constants);
+  bodies.position(body) += shift;
+  bodies.velocity(body) +=
+      solver::without(solver::linear_locks(bodies.locks[body]), bodies.angular_velocity(body).cross(shift));
+  add_colliders(world, body);
+  note_size(world, body);
+  if (takes_part) add_proxies(world, body);
+  if constexpr (with_joints) move_anchors(world, body);
+  world.quarantine.suspect(body);
+  note_arrival_or_departure(world, body);
+  world.results.contact_forces_valid = false;
+  world.results.captured = false;
+}
+
+void give_name(Stores& world, std::uint32_t body, std::string_view name) {
+  if (name.empty()) {
+    world.records.names.erase(body);
+  } else {
+    world.records.names.insert_or_assign(body, std::string(name));
+  }
+}
+
 void set_filter(Stores& world, std::uint32_t body, const CollisionFilter& filter) {
   wake_touching(world, body);
   world.sleeping.wake(body);
-  const collision::Filter in_broadphase = to_collision(filter, body);
-  if (world.quarantine.contains(body)) {
-    world.quarantine.kept(body).filter = in_broadphase;
-    return;
-  }
-  world.colliders.for_each_of(body,
-                              [&](std::uint32_t collider) { world.broadphase.set_filter(collider, in_broadphase); });
+  world.records.filter.set(body, filter);
+  if (world.quarantine.contains(body)) return;
+  world.colliders.for_each_of(
+      body, [&](std::uint32_t collider) { world.broadphase.set_filter(collider, filter_of(world, collider)); });
 }
 
 void set_collision_enabled(Stores& world, std::uint32_t first, std::uint32_t second, bool enabled) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string_view>
 
 #include "world/stores.h"
 
@@ -32,13 +33,15 @@ void wake_touching(Stores& world, std::uint32_t body);
 void apply_force(Stores& world, std::uint32_t body, const Vector3& force, const Vector3& torque);      // N, N m
 void apply_impulse(Stores& world, std::uint32_t body, const Vector3& impulse, const Vector3& moment);  // N s, N m s
 void set_pose(Stores& world, std::uint32_t body, const Vector3& origin, const Quaternion& orientation);
-void set_surface(Stores& world, std::uint32_t body, const solver::Surface& surface);
 /// Lets the surface run at a velocity (m/s, body frame); what holds back rolling is the material's.
 void run_surface(Stores& world, std::uint32_t body, const Vector3& velocity);
 /// The same of a body that others may lie on: they wake.
 void set_surface_velocity(Stores& world, std::uint32_t body, const Vector3& velocity);
 /// Gives a body other constants, with the same shapes and centre of mass. What is joined to it is solved anew.
 void change_constants(Stores& world, std::uint32_t body, const BodyConstants& constants);
+/// The same with other shapes, and what follows from these: see give_shape() in body_definition.h.
+void set_shape(Stores& world, std::uint32_t body, const BodyConstants& constants);
+void give_name(Stores& world, std::uint32_t body, std::string_view name);
 void set_filter(Stores& world, std::uint32_t body, const CollisionFilter& filter);
 void set_collision_enabled(Stores& world, std::uint32_t first, std::uint32_t second, bool enabled);
 

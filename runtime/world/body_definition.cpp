@@ -88,7 +88,10 @@ struct ShapeCheck {
       check_positive(name + ".density_factor", child.density_factor);
       const Quaternion orientation = checked_orientation((name + ".orientation").c_str(), child.orientation);
       std::visit(ShapeCheck{name, colliders}, child.shape);
+      if (child.material) check((name + ".material").c_str(), *child.material);
       colliders.back().local = {child.position, orientation};
+      colliders.back().material = child.material;
+      colliders.back().filter = child.filter;
     }
   }
 };
@@ -115,13 +118,14 @@ std::uint8_t bits_of(const MotionLocks& locks) {
   return static_cast<std::uint8_t>(bits);
 }
 
-// What the definition of a dynamic body says of its mass; the shape has one.
-MassProperties mass_of(const BodyDef& def) {
-  MassProperties properties = mass_properties(def.shape);
-  const double mass = def.mass ? *def.mass : def.density * properties.mass;
-  properties.inertia = def.inertia ? *def.inertia : Matrix3(mass / properties.mass * properties.inertia);
-  properties.mass = mass;
-  return properties;
+// That a body of this type may have these shapes.
+void check_type(const char* field, const BodyConstants& body) {
+  const char* name = massless_name(body.colliders.front().shape.kind);
+  if (name == nullptr) return;
+  if (body.sensor) throw Error(std::string(field) + " is a " + name + " on a sensor; expected a solid");
+  if (body.type == BodyType::Dynamic) {
+    throw Error(std::string(field) + " is a " + name + " on a dynamic body; expected type Static or Kinematic");
+  }
 }
 
 void find_principal_axes(BodyConstants& body) {
@@ -134,16 +138,8 @@ void find_principal_axes(BodyConstants& body) {
   body.moments = principal.eigenvalues();
 }
 
-void check_mass(const BodyDef& def, BodyConstants& body) {
-  check_positive("BodyDef.density", def.density);
-  if (def.mass) check_positive("BodyDef.mass", *def.mass);
-  if (def.inertia && !def.mass) throw Error("BodyDef.inertia is given without a mass; expected both or neither");
-  if (def.inertia) check_inertia(*def.inertia);
-  if (def.type != BodyType::Dynamic) return;
-  if (const char* name = massless_name(body.colliders.front().shape.kind)) {
-    throw Error(std::string("BodyDef.shape is a ") + name + " on a dynamic body; expected type Static or Kinematic");
-  }
-  const MassProperties properties = mass_of(def);
+// What follows from the mass properties of a dynamic body.
+void take_mass(const MassProperties& properties, BodyConstants& body) {
   body.centre = properties.centre;
   body.inertia = properties.inertia;
   body.inverse_mass = 1 / properties.mass;
@@ -156,6 +152,24 @@ void check_mass(const BodyDef& def, BodyConstants& body) {
   body.gyroscopic = solver::angular_locks(body.locks) == 0 &&
                     (body.inertia - moment * Matrix3::Identity()).cwiseAbs().maxCoeff() > 1e-12 * moment;
   if (body.gyroscopic) find_principal_axes(body);
+}
+
+// What the definition of a dynamic body says of its mass; the shape has one.
+MassProperties mass_of(const BodyDef& def) {
+  MassProperties properties = mass_properties(def.shape);
+  const double mass = def.mass ? *def.mass : def.density * properties.mass;
+  properties.inertia = def.inertia ? *def.inertia : Matrix3(mass / properties.mass * properties.inertia);
+  properties.mass = mass;
+  return properties;
+}
+
+void check_mass(const BodyDef& def, BodyConstants& body) {
+  check_positive("BodyDef.density", def.density);
+  if (def.mass) check_positive("BodyDef.mass", *def.mass);
+  if (def.inertia && !def.mass) throw Error("BodyDef.inertia is given without a mass; expected both or neither");
+  if (def.inertia) check_inertia(*def.inertia);
+  if (def.type != BodyType::Dynamic) return;
+  take_mass(mass_of(def), body);
 }
 
 }  // namespace
@@ -210,12 +224,14 @@ CheckedBody check(const BodyDef& def) {
   BodyConstants& constants = body.constants;
   constants.type = def.type;
   constants.continuous = def.continuous;
+  constants.sensor = def.sensor;
   constants.material = def.material;
   if (def.type == BodyType::Dynamic) constants.locks = bits_of(def.locks);
   constants.gravity_scale = def.gravity_scale;
   constants.linear_damping = def.linear_damping;
   constants.angular_damping = def.angular_damping;
   constants.colliders = checked_colliders("BodyDef.shape", def.shape);
+  check_type("BodyDef.shape", constants);
   check_finite("BodyDef.position", def.position);
   check_finite("BodyDef.velocity", def.velocity);
   check_finite("BodyDef.angular_velocity", def.angular_velocity);
@@ -224,6 +240,7 @@ CheckedBody check(const BodyDef& def) {
   body.angular_velocity = solver::without(solver::angular_locks(constants.locks), def.angular_velocity);
   body.surface_velocity = def.surface_velocity;
   body.filter = def.filter;
+  body.name = def.name;
   body.user_data = def.user_data;
   body.orientation = checked_orientation("BodyDef.orientation", def.orientation);
   if (def.type == BodyType::Static) {
@@ -241,6 +258,25 @@ CheckedBody check(const BodyDef& def) {
   check_built_for(constants);
   check_built_for_surface("BodyDef.surface_velocity", def.surface_velocity);
   return body;
+}
+
+void give_shape(const char* field, const Shape& shape, BodyConstants& body) {
+  body.colliders = checked_colliders(field, shape);
+  check_type(field, body);
+  if (body.type != BodyType::Dynamic) return;
+  MassProperties properties = mass_properties(shape);
+  const double factor = 1 / (body.inverse_mass * properties.mass);
+  properties.inertia *= factor;
+  properties.mass = 1 / body.inverse_mass;
+  take_mass(properties, body);
+}
+
+bool has_own_materials(const BodyConstants& body) {
+  return std::ranges::any_of(body.colliders, [](const CheckedCollider& c) { return c.material.has_value(); });
+}
+
+bool has_own_filters(const BodyConstants& body) {
+  return std::ranges::any_of(body.colliders, [](const CheckedCollider& c) { return c.filter.has_value(); });
 }
 
 MassProperties body_mass(const BodyDef& def) {

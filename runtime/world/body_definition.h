@@ -6,6 +6,8 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 namespace atl {
@@ -16,6 +18,9 @@ struct CheckedCollider {
   collision::Pose local;                 // in the body's frame
   std::shared_ptr<const void> geometry;  // what the shape points to, if anything
   std::uint64_t content = 0;             // hash of that
+  // Of a compound's child that has its own.
+  std::optional<Material> material = {};
+  std::optional<CollisionFilter> filter = {};
 
   collision::Pose in_frame_of(const Vector3& centre) const { return {local.position - centre, local.orientation}; }
 };
@@ -24,6 +29,7 @@ struct CheckedCollider {
 struct BodyConstants {
   BodyType type = BodyType::Static;
   bool continuous = false;
+  bool sensor = false;
   Material material = {};
   std::uint8_t locks = 0;  // see solver/motion_locks.h; 0 unless dynamic
   double gravity_scale = 1;
@@ -49,8 +55,17 @@ struct CheckedBody {
   Vector3 angular_velocity = Vector3::Zero();
   Vector3 surface_velocity = Vector3::Zero();
   CollisionFilter filter = {};
+  std::string name;
   std::uint64_t user_data = 0;
 };
+
+/// Calls visit(material) for those of all colliders.
+template <typename Visit>
+void for_each_material(const BodyConstants& body, const Visit& visit) {
+  for (const CheckedCollider& collider : body.colliders) visit(collider.material ? *collider.material : body.material);
+}
+bool has_own_materials(const BodyConstants& body);
+bool has_own_filters(const BodyConstants& body);
 
 /// kg m^2: what contacts see of lesser moments, see solver/contact_inertia.h. 0 if the body has none, as any solid of
 /// uniform density.
@@ -61,6 +76,10 @@ CheckedBody check(const BodyDef& def);
 
 /// `field` names the material.
 void check(const char* field, const Material& material);
+
+/// Gives a body other shapes at the mass that it has, and what follows from both. Throws Error that names `field` if
+/// they can't be a body's of its type.
+void give_shape(const char* field, const Shape& shape, BodyConstants& body);
 
 // For the calls that change a body later, and for queries. Each throws as check() does; `what` names the argument.
 Quaternion checked_orientation(const char* what, const Quaternion& value);

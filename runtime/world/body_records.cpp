@@ -28,13 +28,15 @@ void BodyRecords::resize(std::size_t bodies) {
   material.resize(bodies);
   centre.resize(bodies);
   jobs::append(continuous, bodies, std::uint8_t{0});
+  jobs::append(sensor, bodies, std::uint8_t{0});
+  filter.resize(bodies);
   jobs::append(user_data, bodies, std::uint64_t{0});
   jobs::append(constants, bodies);
 }
 
 std::size_t BodyRecords::bytes() const {
-  return jobs::bytes_of(generation, alive, type, continuous, user_data, constants, dynamic, free) + material.bytes() +
-         centre.bytes();
+  return jobs::bytes_of(generation, alive, type, continuous, sensor, user_data, constants, dynamic, free) +
+         material.bytes() + centre.bytes() + filter.bytes();
 }
 
 void Contents::count(const solver::BodyTable& bodies, const BodyRecords& records, std::uint32_t body, int sign) {
@@ -42,12 +44,19 @@ void Contents::count(const solver::BodyTable& bodies, const BodyRecords& records
     if (has) counter += static_cast<std::size_t>(sign);
   };
   add(kinematic, bodies.mobility[body] == solver::Mobility::Kinematic);
-  add(with_friction, records.material[body].friction > 0);
-  add(with_restitution, records.material[body].restitution > 0);
+  const BodyConstants& constants = *records.constants[body];
+  bool rubs = false, bounces = false;
+  for_each_material(constants, [&](const Material& material) {
+    rubs |= material.friction > 0;
+    bounces |= material.restitution > 0;
+  });
+  add(with_friction, rubs);
+  add(with_restitution, bounces);
+  add(own_materials, has_own_materials(constants));
+  add(sensors, constants.sensor);
   add(gyroscopic, bodies.gyroscopic[body] != 0);
   const auto smooth = [](const CheckedCollider& collider) { return collision::is_smooth(collider.shape); };
-  const std::vector<CheckedCollider>& colliders = records.constants[body]->colliders;
-  add(smooth_surfaces, std::any_of(colliders.begin(), colliders.end(), smooth));
+  add(smooth_surfaces, std::ranges::any_of(constants.colliders, smooth));
 }
 
 }  // namespace atl

@@ -4,16 +4,23 @@
 #include <jobs/shared_values.h>
 #include <solver/integrate/body_table.h>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "world/body_definition.h"
 #include "world/constants_pool.h"
 
 namespace atl {
+
+/// For jobs::SharedValues: the last word has padding after it.
+inline std::array<std::uint64_t, 2> words_of(const CollisionFilter& filter) {
+  return {std::uint64_t{filter.category} << 32 | filter.mask, static_cast<std::uint32_t>(filter.group)};
+}
 
 /// What users add to a body that the solver's table doesn't hold, one entry a body index.
 struct BodyRecords {
@@ -25,7 +32,10 @@ struct BodyRecords {
   /// m, of mass, body frame
   jobs::SharedValues<Vector3> centre = jobs::SharedValues<Vector3>(Vector3::Zero());
   std::vector<std::uint8_t> continuous;
+  std::vector<std::uint8_t> sensor;
+  jobs::SharedValues<CollisionFilter> filter;  ///< of those of its colliders that have none of their own
   std::vector<std::uint64_t> user_data;
+  std::map<std::uint32_t, std::string> names;                   ///< of bodies that have one
   std::vector<std::shared_ptr<const BodyConstants>> constants;  ///< of those alive
   /// Pairs that users disabled: by body, the others that it doesn't touch.
   std::map<std::uint32_t, std::vector<std::uint32_t>> disabled_pairs;
@@ -48,6 +58,8 @@ struct Contents {
   std::size_t with_restitution = 0;
   std::size_t gyroscopic = 0;
   std::size_t smooth_surfaces = 0;
+  std::size_t own_materials = 0;  ///< bodies with a child that has its own
+  std::size_t sensors = 0;
 
   void count(const solver::BodyTable& bodies, const BodyRecords& records, std::uint32_t body, int sign);
 };

@@ -36,23 +36,47 @@ void note_size(Stores& world, std::uint32_t body) {
   world.bodies.radius[body] = world.aabbs.set_limits(body, sweep, motions(world));
 }
 
-void add_proxies(Stores& world, std::uint32_t body, const collision::Filter& filter) {
+const Material& material_of(const Stores& world, std::uint32_t collider) {
+  const std::uint32_t body = world.colliders.body[collider];
+  if (world.contents.own_materials > 0) {
+    const CheckedCollider& part = world.records.constants[body]->colliders[world.colliders.child[collider]];
+    if (part.material) return *part.material;
+  }
+  return world.records.material[body];
+}
+
+collision::Filter filter_of(const Stores& world, std::uint32_t collider) {
+  const std::uint32_t body = world.colliders.body[collider];
+  if (world.records.sensor[body]) return {.category = 0, .mask = 0, .owner = body};
+  const CheckedCollider& part = world.records.constants[body]->colliders[world.colliders.child[collider]];
+  const CollisionFilter& filter = part.filter ? *part.filter : world.records.filter[body];
+  return {filter.category, filter.mask, filter.group, body};
+}
+
+void add_proxies(Stores& world, std::uint32_t body) {
   const bool fixed = world.records.type[body] == BodyType::Static;
-  world.aabbs.add(body, fixed, filter, motions(world), world.broadphase);
+  world.aabbs.add(body, fixed, filter_of(world, world.colliders.first[body]), motions(world), world.broadphase);
+  if (!has_own_filters(*world.records.constants[body])) return;
+  world.colliders.for_each_of(
+      body, [&](std::uint32_t collider) { world.broadphase.set_filter(collider, filter_of(world, collider)); });
 }
 
-void add_box(Stores& world, std::uint32_t collider, const collision::Aabb& box, const collision::Filter& filter) {
+void add_box(Stores& world, std::uint32_t collider, const collision::Aabb& box) {
   const bool fixed = world.records.type[world.colliders.body[collider]] == BodyType::Static;
-  world.broadphase.add_box(collider, box, fixed, filter);
+  world.broadphase.add_box(collider, box, fixed, filter_of(world, collider));
 }
 
-void remove_colliders(Stores& world, std::uint32_t body) {
+void clear_colliders(Stores& world, std::uint32_t body) {
   for (std::uint32_t c = world.colliders.first[body]; c != collision::ColliderTable::none;) {
     const std::uint32_t next = world.colliders.next[c];
     world.colliders.remove(c);
     c = next;
   }
   world.colliders.first[body] = collision::ColliderTable::none;
+}
+
+void remove_colliders(Stores& world, std::uint32_t body) {
+  clear_colliders(world, body);
   if (const auto found = world.records.disabled_pairs.find(body); found != world.records.disabled_pairs.end()) {
     for (const std::uint32_t other : found->second) {
       world.broadphase.unignore(body, other);
@@ -69,8 +93,8 @@ void move_proxies(Stores& world, std::uint32_t body) {
 collision::ContactCache::Start contact_start(const Stores& world, collision::Pair pair) {
   const std::uint32_t first = world.colliders.body[pair.first];
   const std::uint32_t second = world.colliders.body[pair.second];
-  const Material& a = world.records.material[first];
-  const Material& b = world.records.material[second];
+  const Material& a = material_of(world, pair.first);
+  const Material& b = material_of(world, pair.second);
   const collision::Shape& shape_first = world.colliders.shape[pair.first];
   const collision::Shape& shape_second = world.colliders.shape[pair.second];
   const bool surface = collision::is_surface(shape_first.kind) || collision::is_surface(shape_second.kind);

@@ -11,16 +11,23 @@ namespace atl {
 collision::BodyMotions motions(const Stores& world);
 
 void add_colliders(Stores& world, std::uint32_t body);
-/// Those of a body that has none in the broadphase any more, and with them who doesn't touch it.
+/// Those of a body that has none in the broadphase any more.
+void clear_colliders(Stores& world, std::uint32_t body);
+/// The same of a body that goes, and with them who doesn't touch it.
 void remove_colliders(Stores& world, std::uint32_t body);
 /// How far the shapes of a new body reach, and what that makes of its motion. Only dynamic bodies are stopped by what
 /// they hit; how kinematic ones move is part of what these meet.
 void note_size(Stores& world, std::uint32_t body);
 
+/// A collider's, or its body's where it has none of its own.
+const Material& material_of(const Stores& world, std::uint32_t collider);
+/// The same, as the broadphase wants it: nothing meets a sensor there.
+collision::Filter filter_of(const Stores& world, std::uint32_t collider);
+
 /// Puts all colliders of a body into the broadphase.
-void add_proxies(Stores& world, std::uint32_t body, const collision::Filter& filter);
+void add_proxies(Stores& world, std::uint32_t body);
 /// Puts one there whose fat AABB is known.
-void add_box(Stores& world, std::uint32_t collider, const collision::Aabb& box, const collision::Filter& filter);
+void add_box(Stores& world, std::uint32_t collider, const collision::Aabb& box);
 /// A body was put elsewhere, or left its AABBs.
 void move_proxies(Stores& world, std::uint32_t body);
 

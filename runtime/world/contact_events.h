@@ -23,4 +23,13 @@ struct ContactEvents {
   std::size_t bytes() const { return jobs::bytes_of(told, touched, before, now); }
 };
 
+/// Which bodies are in sensors, and what that changed.
+struct SensorEvents {
+  std::vector<SensorEvent> told;
+  std::vector<std::pair<BodyId, BodyId>> within;  ///< sensors and bodies, in order, as of the last step
+  std::vector<std::pair<BodyId, BodyId>> before;  ///< scratch
+
+  std::size_t bytes() const { return jobs::bytes_of(told, within, before); }
+};
+
 }  // namespace atl

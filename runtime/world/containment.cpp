@@ -113,8 +113,7 @@ void restrain_broken(Stores& world, solver::FastBodies& moved, std::vector<Quara
 }
 
 void put_in_quarantine(Stores& world, std::uint32_t body, Quarantine reason) {
-  QuarantineList::Kept kept{world.bodies.mobility[body], world.bodies.gyroscopic[body],
-                            world.broadphase.filter(world.colliders.first[body])};
+  const QuarantineList::Kept kept{world.bodies.mobility[body], world.bodies.gyroscopic[body]};
   if constexpr (with_joints) suspend_joints_of(world, body);
   take_out(world, body);
   // Odometers that have lost count would spread to whatever meets the body next.
@@ -156,7 +155,7 @@ void release_body(Stores& world, std::uint32_t body) {
   if (world.records.dynamic[body]) world.selection.arrive(body);
   world.contents.count(world.bodies, world.records, body, +1);
   note_arrival_or_departure(world, body);
-  add_proxies(world, body, kept.filter);
+  add_proxies(world, body);
   if constexpr (with_joints) resume_joints_of(world, body);
   world.quarantine.suspect(body);
 }

@@ -72,8 +72,11 @@ void check_axis(const std::string& field, const JointAxis& axis, const Domain& d
   }
   if (axis.motor) {
     check_finite(field + ".motor.speed", axis.motor->speed);
-    if (!(axis.motor->max_force >= 0)) {
-      refuse(field + ".motor.max_force", axis.motor->max_force, "a number not below 0, or unlimited");
+    if (!axis.motor->max_force) {
+      throw Error(field + ".motor.max_force is not given; expected the most (N or N m) that it may push, or unlimited");
+    }
+    if (!(*axis.motor->max_force >= 0)) {
+      refuse(field + ".motor.max_force", *axis.motor->max_force, "a number not below 0, or unlimited");
     }
     if (axis.motor->servo) check_servo(field + ".motor.servo", *axis.motor->servo);
   }

@@ -216,6 +216,16 @@ void set_joint(Stores& world, std::uint32_t index, const JointKind& kind) {
   world.joints.update_flags(index);
 }
 
+void move_anchors(Stores& world, std::uint32_t body) {
+  world.joints.for_each_of(body, [&](std::uint32_t index) {
+    const JointDef& def = world.joints.def[index];
+    solver::Joint& joint = world.joints.joints[index];
+    joint.anchor_first = def.frame_first.position - world.records.centre[def.first.index];
+    joint.anchor_second = def.frame_second.position - world.records.centre[def.second.index];
+    joint_changed(world, index);
+  });
+}
+
 void set_joint_enabled(Stores& world, std::uint32_t joint, bool enabled) {
   if (enabled) world.joints.broken[joint] = 0;
   if (enabled == (world.joints.enabled[joint] != 0)) return;

@@ -26,6 +26,8 @@ std::uint32_t index_of(const Stores& world, JointId id, const char* call);
 
 JointState joint_state(const Stores& world, std::uint32_t joint);
 void set_joint(Stores& world, std::uint32_t joint, const JointKind& kind);
+/// After a body got another centre of mass: its joints stay where they are in its frame.
+void move_anchors(Stores& world, std::uint32_t body);
 void set_joint_enabled(Stores& world, std::uint32_t joint, bool enabled);
 
 solver::JointFrames frames_of(const Stores& world, const solver::Joint& joint);

@@ -20,13 +20,14 @@ void throw_left_out(const char* asked, const char* what, const char* option) {
 }
 
 void check_built_for(const BodyConstants& body) {
-  const Material& material = body.material;
-  if (!with_restitution && material.restitution > 0) {
-    throw_left_out("BodyDef.material.restitution is above 0", "bounces", "RESTITUTION");
-  }
-  if (!with_surfaces && (material.rolling_friction > 0 || material.torsional_friction > 0)) {
-    throw_left_out("BodyDef.material.rolling_friction or torsional_friction is above 0", "these", "SURFACES");
-  }
+  for_each_material(body, [](const Material& material) {
+    if (!with_restitution && material.restitution > 0) {
+      throw_left_out("BodyDef.material.restitution is above 0", "bounces", "RESTITUTION");
+    }
+    if (!with_surfaces && (material.rolling_friction > 0 || material.torsional_friction > 0)) {
+      throw_left_out("BodyDef.material.rolling_friction or torsional_friction is above 0", "these", "SURFACES");
+    }
+  });
   if (!with_gyroscopic && body.gyroscopic) {
     throw_left_out("BodyDef: the body's principal moments of inertia are not all the same", "gyroscopic torque",
                    "GYROSCOPIC");

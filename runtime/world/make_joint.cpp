@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <initializer_list>
+#include <type_traits>
 
 namespace atl {
 namespace {
@@ -26,9 +28,9 @@ Law law_of(const JointAxis& axis) {
     }
     law.rest = axis.spring->rest;
   }
-  if (axis.motor && axis.motor->max_force > 0) {
+  if (axis.motor && axis.motor->max_force.value_or(0) > 0) {
     law.motor_speed = axis.motor->speed;
-    law.motor_force = axis.motor->max_force;
+    law.motor_force = *axis.motor->max_force;
     if (const auto& servo = axis.motor->servo) {
       law.servo_target = servo->target;
       law.servo_stiffness = servo->stiffness;
@@ -166,5 +168,32 @@ solver::Joint make_joint(const JointDef& def, const Vector3& centre_first, const
 }
 
 std::span<const solver::Coordinate> named_coordinates(const JointKind& kind) { return std::visit(Names{}, kind); }
+
+namespace {
+
+// `Kind` is JointKind, const or not.
+template <typename Kind>
+auto find_axis(Kind& kind, std::size_t coordinate) {
+  using Axis = std::conditional_t<std::is_const_v<Kind>, const JointAxis, JointAxis>;
+  const auto pick = [coordinate](std::initializer_list<Axis*> axes) {
+    return coordinate < axes.size() ? *(axes.begin() + coordinate) : nullptr;
+  };
+  if (auto* hinge = std::get_if<HingeJoint>(&kind)) return pick({&hinge->angle});
+  if (auto* slider = std::get_if<SliderJoint>(&kind)) return pick({&slider->offset});
+  if (auto* rod = std::get_if<DistanceJoint>(&kind)) return pick({&rod->distance});
+  if (auto* cross = std::get_if<UniversalJoint>(&kind)) return pick({&cross->first, &cross->second});
+  if (auto* cone = std::get_if<ConeTwistJoint>(&kind)) return pick({nullptr, &cone->twist});
+  if (auto* wheel = std::get_if<WheelJoint>(&kind)) return pick({&wheel->suspension, &wheel->steering, &wheel->spin});
+  if (auto* six = std::get_if<SixDofJoint>(&kind)) {
+    auto& [offset, turn] = *six;
+    return pick({&offset[0], &offset[1], &offset[2], &turn[0], &turn[1], &turn[2]});
+  }
+  return static_cast<Axis*>(nullptr);
+}
+
+}  // namespace
+
+JointAxis* named_axis(JointKind& kind, std::size_t coordinate) { return find_axis(kind, coordinate); }
+const JointAxis* named_axis(const JointKind& kind, std::size_t coordinate) { return find_axis(kind, coordinate); }
 
 }  // namespace atl

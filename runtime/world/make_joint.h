@@ -3,6 +3,7 @@
 #include <atoll/joint.h>
 #include <solver/constraints/joint.h>
 
+#include <cstddef>
 #include <span>
 
 namespace atl {
@@ -15,5 +16,8 @@ solver::Joint make_joint(const JointDef& def, const Vector3& centre_first, const
 
 /// The coordinates that JointState tells of, in order.
 std::span<const solver::Coordinate> named_coordinates(const JointKind& kind);
+/// What acts along the one of a number, nullptr where there is none.
+JointAxis* named_axis(JointKind& kind, std::size_t coordinate);
+const JointAxis* named_axis(const JointKind& kind, std::size_t coordinate);
 
 }  // namespace atl

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <atoll/quarantine.h>
-#include <collision/broadphase/filter.h>
 #include <jobs/append.h>
 #include <solver/integrate/body_table.h>
 #include <solver/integrate/motion.h>
@@ -21,7 +20,6 @@ class QuarantineList {
   struct Kept {
     solver::Mobility mobility;
     std::uint8_t gyroscopic;
-    collision::Filter filter;
   };
 
   /// For a world of so many bodies.

@@ -34,6 +34,11 @@ struct QueryAccess {
   collision::QueryScene scene() const {
     return {colliders, {bodies.positions.data(), bodies.orientations.data()}, broadphase};
   }
+  const CollisionFilter& filter(std::uint32_t collider) const {
+    const std::uint32_t body = colliders.body[collider];
+    const CheckedCollider& part = records.constants[body]->colliders[colliders.child[collider]];
+    return part.filter ? *part.filter : records.filter[body];
+  }
   BodyId id(std::uint32_t collider) const {
     const std::uint32_t body = colliders.body[collider];
     return {body, records.generation[body]};
@@ -59,8 +64,9 @@ class Filter {
 
   bool operator()(std::uint32_t collider) const {
     const std::uint32_t body = access_.colliders.body[collider];
-    const collision::Filter& other = access_.broadphase.filter(collider);
+    const CollisionFilter& other = access_.filter(collider);
     if ((filter_.mask & other.category) == 0 || (other.mask & filter_.category) == 0) return false;
+    if (access_.records.sensor[body] && !filter_.sensors) return false;
     if (!wanted(access_.records.type[body])) return false;
     if (std::binary_search(ignored_.begin(), ignored_.end(), body)) return false;
     // A body that a step left without a place is nowhere.

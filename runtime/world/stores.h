@@ -1,7 +1,7 @@
 #pragma once
 
-#include <atoll/world.h>
 #include <atoll/settings.h>
+#include <atoll/world.h>
 #include <collision/broadphase/broadphase.h>
 #include <collision/contacts/body_aabbs.h>
 #include <collision/contacts/contact_cache.h>
@@ -43,6 +43,7 @@ struct Changes {
 struct StepResults {
   ContactEvents contact_events;
   ContactEvents unasked_events;  ///< that nobody asked for, where everything is run
+  SensorEvents sensor_events;
   std::vector<JointEvent> joint_events;
   std::vector<EscalatedIsland> escalated_islands;
   std::vector<ContactForce> contact_forces;  ///< made when asked for

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <limits>
 #include <sstream>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -23,8 +24,10 @@
 #include "world/bodies.h"
 #include "world/body_definition.h"
 #include "world/containment.h"
+#include "world/joint_definition.h"
 #include "world/joints.h"
 #include "world/left_out.h"
+#include "world/make_joint.h"
 #include "world/refuse.h"
 #include "world/settings_check.h"
 #include "world/world_impl.h"
@@ -115,6 +118,14 @@ BodyId World::Impl::add_body(const CheckedBody& start) {
   return id;
 }
 
+void World::Impl::set_shape(std::uint32_t body, const BodyConstants& constants) {
+  atl::set_shape(stores, body, constants);
+  query_gate.note(stores.broadphase);
+  if constexpr (with_recording) {
+    if (recorder) recorder->note_shape(id_of(stores, body), constants, fingerprint(constants));
+  }
+}
+
 World::Impl::~Impl() {
   if constexpr (with_recording) end_recording();
 }
@@ -162,6 +173,13 @@ std::vector<BodyId> World::bodies() const {
     if (records.alive[body]) ids.push_back({body, records.generation[body]});
   }
   return ids;
+}
+
+std::optional<BodyId> World::find_body(std::string_view name) const {
+  for (const auto& [body, its] : impl_->stores.records.names) {
+    if (its == name) return id_of(impl_->stores, body);
+  }
+  return std::nullopt;
 }
 
 Pose World::pose(BodyId id) const { return pose_of(impl_->stores, index_of(impl_->stores, id, "pose")); }
@@ -351,6 +369,14 @@ void World::set_damping(BodyId id, double linear, double angular) {
   note<calls::SetDamping>(*impl_, id, linear, angular);
 }
 
+void World::set_shape(BodyId id, const Shape& shape) {
+  const std::uint32_t body = index_of(impl_->stores, id, "set_shape");
+  BodyConstants constants = *impl_->stores.records.constants[body];
+  give_shape("World::set_shape: shape", shape, constants);
+  check_built_for(constants);
+  impl_->set_shape(body, constants);
+}
+
 Material World::material(BodyId id) const {
   return impl_->stores.records.material[index_of(impl_->stores, id, "material")];
 }
@@ -362,6 +388,17 @@ std::uint64_t World::user_data(BodyId id) const {
 void World::set_user_data(BodyId id, std::uint64_t data) {
   impl_->stores.records.user_data[index_of(impl_->stores, id, "set_user_data")] = data;
   note<calls::SetUserData>(*impl_, id, data);
+}
+
+std::string_view World::name(BodyId id) const {
+  const auto& names = impl_->stores.records.names;
+  const auto found = names.find(index_of(impl_->stores, id, "name"));
+  return found == names.end() ? std::string_view() : found->second;
+}
+
+void World::set_name(BodyId id, std::string_view name) {
+  give_name(impl_->stores, index_of(impl_->stores, id, "set_name"), name);
+  note<calls::SetName>(*impl_, id, std::string(name));
 }
 
 void World::set_poses(std::span<const BodyId> ids, const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
@@ -443,6 +480,14 @@ std::vector<JointId> World::joints() const {
   return ids;
 }
 
+std::optional<JointId> World::find_joint(std::string_view name) const {
+  const JointTable& joints = impl_->stores.joints;
+  for (std::uint32_t joint = 0; joint < joints.size() && !name.empty(); ++joint) {
+    if (joints.alive[joint] && joints.def[joint].name == name) return JointId{joint, joints.generation[joint]};
+  }
+  return std::nullopt;
+}
+
 const JointDef& World::joint(JointId id) const {
   return impl_->stores.joints.def[index_of(impl_->stores, id, "joint")];
 }
@@ -456,6 +501,53 @@ void World::set_joint(JointId id, const JointKind& kind) {
   const std::uint32_t joint = index_of(impl_->stores, id, "set_joint");
   if constexpr (with_joints) atl::set_joint(impl_->stores, joint, kind);
   note<calls::SetJoint>(*impl_, id, kind);
+}
+
+namespace {
+
+const JointAxis& checked_axis(const char* call, const JointDef& joint, std::size_t coordinate) {
+  if (const JointAxis* axis = named_axis(joint.kind, coordinate)) return *axis;
+  throw Error(std::string(call) + ": a " + name_of(joint.kind) + " has no axis along coordinate " +
+              std::to_string(coordinate) + "; expected one that its definition names");
+}
+
+// A kind of which change(axis) changed the axis along one coordinate.
+template <typename Change>
+JointKind changed_along(const char* call, const JointDef& joint, std::size_t coordinate, const Change& change) {
+  JointKind kind = joint.kind;
+  checked_axis(call, joint, coordinate);
+  change(*named_axis(kind, coordinate));
+  return kind;
+}
+
+JointMotor& motor_of(const char* call, JointAxis& axis, bool as_servo) {
+  if (axis.motor && (axis.motor->servo || !as_servo)) return *axis.motor;
+  throw Error(std::string(call) + ": the joint has no " + (as_servo ? "servo" : "motor") +
+              " along that coordinate; expected one, see World::set_joint_axis");
+}
+
+}  // namespace
+
+const JointAxis& World::joint_axis(JointId id, std::size_t coordinate) const {
+  return checked_axis("World::joint_axis", joint(id), coordinate);
+}
+
+void World::set_joint_axis(JointId id, const JointAxis& axis, std::size_t coordinate) {
+  set_joint(id, changed_along("World::set_joint_axis", joint(id), coordinate, [&](JointAxis& of) { of = axis; }));
+}
+
+void World::set_motor_speed(JointId id, double speed, std::size_t coordinate) {
+  constexpr const char* call = "World::set_motor_speed";
+  check_finite("World::set_motor_speed: speed", speed);
+  set_joint(id, changed_along(call, joint(id), coordinate,
+                              [&](JointAxis& axis) { motor_of(call, axis, false).speed = speed; }));
+}
+
+void World::set_servo_target(JointId id, double target, std::size_t coordinate) {
+  constexpr const char* call = "World::set_servo_target";
+  check_finite("World::set_servo_target: target", target);
+  set_joint(id, changed_along(call, joint(id), coordinate,
+                              [&](JointAxis& axis) { motor_of(call, axis, true).servo->target = target; }));
 }
 
 void World::set_joint_enabled(JointId id, bool enabled) {
@@ -512,7 +604,34 @@ std::vector<ContactForce> World::contact_forces(BodyId id) const {
   return found;
 }
 ContactProblem World::contact_problem() const { return atl::contact_problem(impl_->stores, impl_->pipeline); }
-std::span<const ContactEvent> World::contact_events() const { return impl_->stores.results.contact_events.told; }
+std::span<const ContactEvent> World::contact_events() const {
+  if (!impl_->stores.settings.contact_events) {
+    throw Error("World::contact_events: Settings::contact_events is false; expected it to be set before the step");
+  }
+  return impl_->stores.results.contact_events.told;
+}
+
+std::span<const SensorEvent> World::sensor_events() const { return impl_->stores.results.sensor_events.told; }
+
+std::vector<BodyId> World::bodies_in(BodyId sensor) const {
+  if (!impl_->stores.records.sensor[index_of(impl_->stores, sensor, "bodies_in")]) {
+    throw Error("World::bodies_in: the body is not a sensor; expected one, see BodyDef::sensor");
+  }
+  std::vector<BodyId> bodies;
+  for (const auto& [of, body] : impl_->stores.results.sensor_events.within) {
+    if (of == sensor) bodies.push_back(body);
+  }
+  return bodies;
+}
+
+Eigen::Matrix3Xd World::origins() const {
+  const Stores& stores = impl_->stores;
+  Eigen::Matrix3Xd result = positions();
+  for (std::uint32_t body = 0; body < stores.bodies.size(); ++body) {
+    if (stores.records.alive[body]) result.col(body) = pose_of(stores, body).position;
+  }
+  return result;
+}
 
 Eigen::Map<const Eigen::Matrix3Xd> World::positions() const {
   return {impl_->stores.bodies.positions.data(), 3, static_cast<Eigen::Index>(impl_->stores.bodies.size())};

@@ -67,7 +67,7 @@ std::vector<std::uint64_t> trail(Run& run) {
   for (int i = 0; i < steps_after; ++i) {
     run.step();
     hashes.push_back(run.world().state_hash());
-    hashes.push_back(run.world().contact_events().size());
+    if (run.world().settings().contact_events) hashes.push_back(run.world().contact_events().size());
     double force = 0;
     for (const ContactForce& point : run.world().contact_forces()) {
       force += point.normal_force * point.position.x() + point.separation;

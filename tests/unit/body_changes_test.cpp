@@ -18,7 +18,13 @@ struct Change {
   const char* name;
   std::function<void(BodyDef&)> in_definition;
   std::function<void(World&, BodyId)> later;
+  bool keeps_numbers = true;  // of colliders, which order contacts
 };
+
+Compound two_halves() {
+  return {{{.shape = Box{{0.2, 0.4, 0.3}}, .position = {-0.2, 0, 0}, .material = Material{.friction = 0.1}},
+           {.shape = Sphere{0.3}, .position = {0.3, 0, 0}, .density_factor = 2}}};
+}
 
 // Powers of two, so that a mass that is changed has the bits of one that was given.
 const std::vector<Change>& changes() {
@@ -35,6 +41,26 @@ const std::vector<Change>& changes() {
        [](World& world, BodyId id) { world.set_gravity_scale(id, 0.25); }},
       {"damping", [](BodyDef& def) { def.linear_damping = 0.5, def.angular_damping = 2; },
        [](World& world, BodyId id) { world.set_damping(id, 0.5, 2); }},
+      {"shape",
+       [](BodyDef& def) {
+         def.mass = 1024;
+         def.shape = Cone{0.4, 0.5};
+       },
+       [](World& world, BodyId id) {
+         world.set_mass(id, 1024);
+         world.set_shape(id, Cone{0.4, 0.5});
+       }},
+      {"compound",
+       [](BodyDef& def) {
+         def.mass = 512;
+         def.shape = two_halves();
+       },
+       [](World& world, BodyId id) {
+         world.set_mass(id, 512);
+         world.set_shape(id, Sphere{0.3});
+         world.set_shape(id, two_halves());
+       },
+       false},
   };
   return all;
 }
@@ -72,6 +98,7 @@ TEST(BodyChanges, AChangeIsAsGoodAsADefinition) {
   for (const ContactSolver solver : {ContactSolver::Auto, ContactSolver::Direct}) {
     for (const int threads : {1, 2}) {
       for (const Change& change : changes()) {
+        if (!change.keeps_numbers) continue;
         const Settings settings{.contact_solver = solver};
         Scene defined = scene(settings, threads, change.in_definition);
         Scene changed = scene(settings, threads, [](BodyDef&) {});
@@ -145,6 +172,76 @@ TEST(BodyChanges, AMassTakesItsInertiaWithIt) {
   EXPECT_NEAR(world.velocity(body).z(), 1, 1e-12);
   const double moment = mass / 12 * (1 * 1 + 0.4 * 0.4);
   EXPECT_NEAR(world.angular_velocity(body).y(), -0.1 * mass / moment, 1e-12);
+}
+
+TEST(BodyChanges, AShapeLeavesTheFrameAndTheMotionOfTheBody) {
+  World world({.gravity = Vector3::Zero()});
+  const BodyId body = world.add_body(
+      {.shape = Box{}, .position = {1, 2, 3}, .velocity = {1, 0, 0}, .angular_velocity = {0, 2, 0}, .mass = 64});
+  world.set_shape(body, Cone{0.5, 1});
+  EXPECT_EQ(world.pose(body).position, Vector3(1, 2, 3));
+  EXPECT_TRUE(world.centre_of_mass(body).isApprox(Vector3(1, 2, 2.5), 1e-15));
+  EXPECT_EQ(world.mass(body), 64);
+  EXPECT_TRUE(world.velocity(body).isApprox(Vector3(1, 0, 0) + Vector3(0, 2, 0).cross(Vector3(0, 0, -0.5)), 1e-15))
+      << "as the material point that is there moved";
+  const double moment = 3.0 / 10 * 64 * 0.5 * 0.5;
+  world.set_velocity(body, Vector3::Zero(), Vector3::Zero());
+  world.apply_impulse(body, {0, moment, 0}, world.centre_of_mass(body) + Vector3(1, 0, 0));
+  EXPECT_NEAR(world.angular_velocity(body).z(), 1, 1e-12);
+}
+
+TEST(BodyChanges, WhatStoodOnALargerShapeFallsAndWhatIsWithinOneThatGrowsIsPushedOut) {
+  World world({.settings = {.sleeping = true}});
+  const BodyId table = world.add_body({.type = BodyType::Static, .shape = Box{{1, 1, 1}}});
+  const BodyId crate = world.add_body({.shape = Box{{0.2, 0.2, 0.2}}, .position = {0, 0, 1.2}});
+  run(world, 120);
+  ASSERT_TRUE(world.is_asleep(crate));
+  world.set_shape(table, Box{{1, 1, 0.5}});
+  EXPECT_FALSE(world.is_asleep(crate));
+  EXPECT_TRUE(world.contact_forces(crate).empty());
+  run(world, 180);
+  EXPECT_NEAR(world.pose(crate).position.z(), 0.7, 2e-3);
+  world.set_shape(table, HalfSpace{{0, 0, 1}, 0.6});
+  run(world, 180);
+  EXPECT_NEAR(world.pose(crate).position.z(), 0.8, 2e-3);
+  EXPECT_THROW(world.set_shape(crate, HalfSpace{}), Error);
+  EXPECT_THROW(world.set_shape(crate, Sphere{-1}), Error);
+  EXPECT_NEAR(world.pose(crate).position.z(), 0.8, 2e-3);
+}
+
+TEST(BodyChanges, NamesStayWithTheirBodies) {
+  World world;
+  const BodyId a = world.add_body({.name = "crate"});
+  const BodyId b = world.add_body({.position = {3, 0, 0}, .name = "crate"});
+  const BodyId c = world.add_body({.position = {6, 0, 0}});
+  EXPECT_EQ(world.name(a), "crate");
+  EXPECT_EQ(world.name(c), "");
+  EXPECT_EQ(world.find_body("crate"), a);
+  EXPECT_EQ(world.find_body(""), std::nullopt);
+  Snapshot snapshot;
+  world.save(snapshot);
+  const std::uint64_t hash = world.state_hash();
+  world.set_name(a, "");
+  world.set_name(c, "lid");
+  EXPECT_EQ(world.state_hash(), hash) << "nothing follows from it";
+  EXPECT_EQ(world.find_body("crate"), b);
+  EXPECT_EQ(world.find_body("lid"), c);
+  world.restore(snapshot);
+  EXPECT_EQ(world.find_body("crate"), a);
+  EXPECT_EQ(world.find_body("lid"), std::nullopt);
+  world.remove_body(a);
+  EXPECT_EQ(world.find_body("crate"), b);
+  EXPECT_EQ(world.name(world.add_body({})), "") << "an index that is used again starts anew";
+
+  const JointId joint = world.add_joint({.kind = BallJoint{}, .first = b, .second = c, .name = "hook", .user_data = 5});
+  EXPECT_EQ(world.find_joint("hook"), joint);
+  EXPECT_EQ(world.joint(joint).user_data, 5u);
+  Snapshot again;
+  world.save(again);
+  world.remove_joint(joint);
+  EXPECT_EQ(world.find_joint("hook"), std::nullopt);
+  world.restore(again);
+  EXPECT_EQ(world.find_joint("hook"), joint);
 }
 
 TEST(BodyChanges, UserDataStaysWithItsBody) {

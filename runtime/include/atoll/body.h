@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atoll/material.h>
 #include <atoll/shapes.h>
 #include <atoll/types.h>
 
@@ -7,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 
 namespace atl {
 
@@ -14,27 +16,6 @@ enum class BodyType {
   Static,     ///< never moves, infinite mass
   Kinematic,  ///< moves at the velocity it is given, infinite mass
   Dynamic,    ///< moves under forces and contacts
-};
-
-/// Surface properties. Of two touching bodies the friction is the geometric mean, and everything else the larger of
-/// the two.
-struct Material {
-  double friction = 0.6;     ///< Coulomb coefficient, >= 0
-  double restitution = 0.0;  ///< Newton coefficient, in [0, 1]
-  /// m, >= 0: the torque that holds back rolling is at most this times the normal force, as if that acted so far ahead
-  /// of the contact (Johnson, "Contact Mechanics", 9.2).
-  double rolling_friction = 0;
-  /// m, >= 0: the torque that holds back spinning about the normal is at most this times the normal force, on top of
-  /// what the friction of a contact's points comes to.
-  double torsional_friction = 0;
-};
-
-/// Which bodies may touch. Two do if the mask of each has a bit of the other's category, unless they share a
-/// group other than 0: then they do if it is positive, and don't if it is negative.
-struct CollisionFilter {
-  std::uint32_t category = 1;
-  std::uint32_t mask = ~0u;
-  std::int32_t group = 0;
 };
 
 /// An axis of the world.
@@ -92,6 +73,10 @@ struct BodyDef {
   /// for it by this is stopped only by what would get deeper into it than half its inner radius. In a build without
   /// ATOLL_WITH_CONTINUOUS nothing is swept, and true throws.
   bool continuous = false;
+  /// Touches nothing, and tells which bodies are in it instead: World::sensor_events() and World::bodies_in(). Its
+  /// shape is a solid. Queries pass it by unless they ask for sensors.
+  bool sensor = false;
+  std::string name = {};        ///< for people, and World::find_body(). Bodies may share one.
   std::uint64_t user_data = 0;  ///< yours: World keeps it, and saves it with the body, and never looks at it
 };
 

@@ -8,6 +8,7 @@
 #include <functional>
 #include <limits>
 #include <optional>
+#include <string>
 #include <variant>
 
 namespace atl {
@@ -58,8 +59,8 @@ struct JointServo {
 /// With a servo it drives it to a position instead, by stiffness * (target - position) + damping * (speed - rate), cut
 /// off where that is more force than it has.
 struct JointMotor {
-  double speed = 0;      ///< m/s or rad/s, finite
-  double max_force = 0;  ///< N or N m, >= 0; unlimited is allowed
+  double speed = 0;                      ///< m/s or rad/s, finite
+  std::optional<double> max_force = {};  ///< N or N m, >= 0, or unlimited. To be given: there is none that suits all.
   std::optional<JointServo> servo = {};
 };
 
@@ -160,6 +161,8 @@ struct JointDef {
   bool collide = false;
   double break_force = unlimited;   ///< N, > 0: it breaks after a step at whose end it had to hold more
   double break_torque = unlimited;  ///< N m, > 0
+  std::string name = {};            ///< for people, and World::find_joint(). Joints may share one.
+  std::uint64_t user_data = 0;      ///< yours: World keeps it, and saves it with the joint, and never looks at it
 };
 
 /// What a joint does, as of the end of the last step.
@@ -181,6 +184,8 @@ enum class JointEventKind {
 struct JointEvent {
   JointId joint;
   JointEventKind kind;
+  Vector3 force = Vector3::Zero();   ///< N, as JointState has it: of one that broke, what broke it
+  Vector3 torque = Vector3::Zero();  ///< N m
 };
 
 }  // namespace atl

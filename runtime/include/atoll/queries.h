@@ -44,6 +44,7 @@ struct QueryFilter {
   bool static_bodies = true;
   bool kinematic_bodies = true;
   bool dynamic_bodies = true;
+  bool sensors = false;                 ///< of these types
   std::span<const BodyId> ignore = {};  ///< ids of removed bodies do no harm
   /// Asked last, with the number of the child in a compound (else 0); none: all count. In batches it is called from
   /// several threads at once. It may not throw.

@@ -47,10 +47,11 @@ enum class Stage {
   ContinuousCollision,
   Sleeping,
   ContactEvents,
+  Sensors,
   ContactProblem,
   Recording,
 };
-inline constexpr std::size_t stage_count = 26;
+inline constexpr std::size_t stage_count = 27;
 
 /// "broadphase", "narrowphase", ...
 const char* stage_name(Stage stage);
@@ -108,7 +109,7 @@ struct StepCounts {
   std::int64_t sweeps = 0;             ///< over an island group's contacts and joints, all groups and substeps together
   std::int64_t asleep = 0;             ///< bodies
   std::int64_t swept = 0;              ///< bodies that continuous collision looked at
-  std::int64_t stopped = 0;            ///< bodies that met something and were put back, and with them what they are joined to
+  std::int64_t stopped = 0;  ///< bodies that met something and were put back, and with them what they are joined to
 };
 
 /// What one step did, and how long it took.

@@ -64,9 +64,9 @@ struct Settings {
 
   /// With Soft: stiffness of a contact as a damped spring, Hz, > 0. Limited to a quarter of the substep rate, and
   /// doubled against static and kinematic bodies. Left out, it is an eighth of the substep rate: as stiff as the
-  /// substeps can well follow (30 Hz at the defaults), so that more substeps mean less overlap. A contact between bodies
-  /// that move and have no joints is stiffer, up to 8 times, by as much as it would else give by more than a hundredth
-  /// of half the smaller one's thickness.
+  /// substeps can well follow (30 Hz at the defaults), so that more substeps mean less overlap. A contact between
+  /// bodies that move and have no joints is stiffer, up to 8 times, by as much as it would else give by more than a
+  /// hundredth of half the smaller one's thickness.
   std::optional<double> contact_hertz = {};
   double contact_damping_ratio = 10;  ///< >= 0; 1 is critical
   /// m/s, > 0: the fastest that overlap is pushed apart. Of contacts farther than 1 m from the centres of mass of the

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atoll/material.h>
 #include <atoll/types.h>
 
 #include <array>
@@ -146,6 +147,8 @@ struct CompoundChild {
   Vector3 position = Vector3::Zero();               ///< m, body frame
   Quaternion orientation = Quaternion::Identity();  ///< normalised on use, must not be zero
   double density_factor = 1;                        ///< times the body's density, > 0
+  std::optional<Material> material = {};            ///< the body's, if left out
+  std::optional<CollisionFilter> filter = {};       ///< the body's, if left out; World::set_filter leaves this be
 };
 
 /// Mass properties of a shape at a uniform density of 1 kg/m^3 (times the factors, in a compound). Throws

@@ -14,6 +14,8 @@ namespace atl {
 using Vector3 = Eigen::Vector3d;
 using Matrix3 = Eigen::Matrix3d;
 
+/// Its constructor takes w first, as Eigen's does; coeffs(), and arrays of orientations, have it last: x, y, z, w.
+///
 /// Unaligned, so that a program compiled with other vector flags than the library agrees on the
 /// layout of every public struct. Converts to and from Eigen::Quaterniond.
 using Quaternion = Eigen::Quaternion<double, Eigen::DontAlign>;
@@ -32,7 +34,8 @@ struct BodyState {
 };
 
 /// Names a body for its lifetime. The index is the body's column in the bulk views; it is used again
-/// after the body is removed, with another generation, so a stale id is always recognised.
+/// after the body is removed, with another generation, so a stale id is always recognised. Ids are the same in every
+/// world that is made by the same calls, so one that belongs to another world can't be recognised.
 struct BodyId {
   std::uint32_t index = std::numeric_limits<std::uint32_t>::max();
   std::uint32_t generation = 0;

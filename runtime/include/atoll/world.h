@@ -16,8 +16,10 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace atl {
@@ -45,6 +47,18 @@ struct ContactEvent {
   BodyId a;
   BodyId b;
   bool began;
+  // As they touch at the end of the step; zero where they ceased to.
+  Vector3 point = Vector3::Zero();   ///< m, world frame: the mean of their manifold points, by force if there is any
+  Vector3 normal = Vector3::Zero();  ///< unit, from a to b, the same mean
+  double normal_force = 0;           ///< N, of all of them, in the last substep: 0 where they bounced off before
+};
+
+/// A body that got into a sensor, or out of it, in the last step. The poses at its end count: what passes through
+/// between two steps is not noticed.
+struct SensorEvent {
+  BodyId sensor;
+  BodyId body;
+  bool entered;  ///< else it left, or one of the two was removed
 };
 
 /// An island whose contacts carry more than the settings' sweeps can hold up, and what a step did about it. See
@@ -86,6 +100,8 @@ class World {
   std::size_t body_count() const;
   /// All bodies, in order of their indices.
   std::vector<BodyId> bodies() const;
+  /// That of the lowest index which has the name; none for an empty one. Looks through all names.
+  std::optional<BodyId> find_body(std::string_view name) const;
 
   Pose pose(BodyId id) const;
   Vector3 velocity(BodyId id) const;  ///< m/s, of the centre of mass
@@ -119,10 +135,16 @@ class World {
   void set_mass(BodyId id, double mass);
   void set_gravity_scale(BodyId id, double scale);
   void set_damping(BodyId id, double linear, double angular);  ///< 1/s, >= 0
+  /// Its frame, mass and rigid motion stay; inertia and centre of mass become those of the new shape at this mass,
+  /// whatever the definition gave. What touched it is found anew, without warm start.
+  void set_shape(BodyId id, const Shape& shape);
   Material material(BodyId id) const;
   /// BodyDef::user_data. Changing it wakes nobody.
   std::uint64_t user_data(BodyId id) const;
   void set_user_data(BodyId id, std::uint64_t data);
+  /// BodyDef::name. Valid until the next call that isn't const. Changing it wakes nobody.
+  std::string_view name(BodyId id) const;
+  void set_name(BodyId id, std::string_view name);
 
   // Many bodies at once, a column each, as the calls for one do: all of it, or Error and nothing.
   /// Origins of the bodies' frames (m), and orientations as x, y, z, w.
@@ -159,11 +181,19 @@ class World {
   std::size_t joint_count() const;
   /// All joints, in order of their indices.
   std::vector<JointId> joints() const;
+  /// As find_body().
+  std::optional<JointId> find_joint(std::string_view name) const;
   const JointDef& joint(JointId id) const;
   JointState joint_state(JointId id) const;
   /// Changes ranges, springs and motors. Throws Error if it is of another kind than the joint was made with. Wakes.
   /// Other numbers cost nothing; what was free and is no longer, or the reverse, has islands made anew.
   void set_joint(JointId id, const JointKind& kind);
+  // The same for one of a joint's coordinates, numbered as in JointState; of a ConeTwistJoint the twist, 1, alone. Each
+  // throws Error if the joint has no such coordinate, or no motor, servo, along it.
+  const JointAxis& joint_axis(JointId id, std::size_t coordinate = 0) const;
+  void set_joint_axis(JointId id, const JointAxis& axis, std::size_t coordinate = 0);
+  void set_motor_speed(JointId id, double speed, std::size_t coordinate = 0);    ///< m/s or rad/s
+  void set_servo_target(JointId id, double target, std::size_t coordinate = 0);  ///< m or rad
   /// A joint that is not enabled does nothing, nor keeps its bodies from touching. One that broke is whole again when
   /// it is. Wakes.
   void set_joint_enabled(JointId id, bool enabled);
@@ -193,8 +223,15 @@ class World {
   /// Those of one body, in the same order.
   std::vector<ContactForce> contact_forces(BodyId id) const;
 
-  /// After a step with Settings::contact_events: what began and what ended, in order of body ids.
+  /// After a step with Settings::contact_events: what began and what ended, in order of body ids. Throws Error where
+  /// the setting is off.
   std::span<const ContactEvent> contact_events() const;
+
+  /// After a step: what got into sensors and out of them, in order of the sensors' ids, then the bodies'. Sensors
+  /// notice dynamic and kinematic bodies that their filters let them, but no static ones and no sensors.
+  std::span<const SensorEvent> sensor_events() const;
+  /// Which bodies were in a sensor at the end of the last step, in order. Throws Error on a body that isn't one.
+  std::vector<BodyId> bodies_in(BodyId sensor) const;
 
   /// After a step: joints that broke, and that left or reached the ends of their ranges, in order of ids. Those of a
   /// joint that sleeps, is not enabled or breaks have nothing to tell.
@@ -213,6 +250,10 @@ class World {
 
   /// Pose and velocities of one body.
   BodyState state(BodyId id) const;
+
+  /// m, of the bodies' frames, a column a body index: positions() are of centres of mass, which in most bodies is the
+  /// same place.
+  Eigen::Matrix3Xd origins() const;
 
   /// Bulk views over all bodies, one column a body index (BodyId::index). Columns of removed bodies
   /// keep their last values until the index is used again. Valid until a body is added.

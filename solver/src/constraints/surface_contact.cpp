@@ -17,8 +17,6 @@ bool note_surfaces_of(const collision::TouchingPair& pair, const BodyTable& bodi
   if (!is_pressed(manifold)) std::fill_n(contact.rolling_impulse, 3, 0.0f);
   set3(contact.slip,
        bodies.orientation(pair.second) * second.velocity - bodies.orientation(pair.first) * first.velocity);
-  contact.rolling_friction = static_cast<float>(std::max(first.rolling_friction, second.rolling_friction));
-  contact.torsional_friction = static_cast<float>(std::max(first.torsional_friction, second.torsional_friction));
   return !first.is_plain() || !second.is_plain();
 }
 

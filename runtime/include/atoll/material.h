@@ -1,0 +1,33 @@
+#pragma once
+/// What a surface is like, and whom it may touch.
+
+#include <cstdint>
+
+namespace atl {
+
+/// Surface properties. Of two touching bodies the friction is the geometric mean, and everything else the larger of
+/// the two.
+struct Material {
+  double friction = 0.6;     ///< Coulomb coefficient, >= 0
+  double restitution = 0.0;  ///< Newton coefficient, in [0, 1]
+  /// m, >= 0: the torque that holds back rolling is at most this times the normal force, as if that acted so far ahead
+  /// of the contact (Johnson, "Contact Mechanics", 9.2).
+  double rolling_friction = 0;
+  /// m, >= 0: the torque that holds back spinning about the normal is at most this times the normal force, on top of
+  /// what the friction of a contact's points comes to.
+  double torsional_friction = 0;
+
+  bool operator==(const Material&) const = default;
+};
+
+/// Which bodies may touch. Two do if the mask of each has a bit of the other's category, unless they share a
+/// group other than 0: then they do if it is positive, and don't if it is negative.
+struct CollisionFilter {
+  std::uint32_t category = 1;
+  std::uint32_t mask = ~0u;
+  std::int32_t group = 0;
+
+  bool operator==(const CollisionFilter&) const = default;
+};
+
+}  // namespace atl

@@ -1,0 +1,15 @@
+#pragma once
+/// Which bodies are in sensors as a step ends, and what that changed.
+
+#include <jobs/arena.h>
+
+#include <cstdint>
+
+#include "world/stores.h"
+
+namespace atl {
+
+/// Asks the broadphase, once a sensor: bodies don't notice.
+void note_sensor_events(Stores& world, jobs::Arena& arena);
+
+}  // namespace atl

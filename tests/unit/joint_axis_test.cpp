@@ -1,0 +1,112 @@
+// One number of a joint changed, without the rest of its kind being said again.
+
+#include <atoll/atoll.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace atl {
+namespace {
+
+constexpr double dt = 1.0 / 60;
+
+struct Rig {
+  World world = World({.gravity = Vector3::Zero()});
+  BodyId base = world.add_body({.type = BodyType::Static, .filter = {.mask = 0}});
+  BodyId arm = world.add_body({.filter = {.mask = 0}});
+};
+
+std::string error_of(const auto& call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(JointAxes, AMotorsSpeedIsOneNumber) {
+  Rig rig;
+  const JointId wheel = rig.world.add_joint(
+      {.kind = HingeJoint{{.motor = JointMotor{.speed = 1, .max_force = 1e6}}}, .first = rig.base, .second = rig.arm});
+  for (const double speed : {1.0, -3.0, 0.5}) {
+    rig.world.set_motor_speed(wheel, speed);
+    for (int i = 0; i < 30; ++i) rig.world.step(dt);
+    EXPECT_NEAR(rig.world.joint_state(wheel).speed[0], speed, 1e-6);
+    EXPECT_EQ(*rig.world.joint_axis(wheel).motor->max_force, 1e6);
+  }
+  EXPECT_NE(error_of([&] { rig.world.set_servo_target(wheel, 1); }).find("has no servo"), std::string::npos);
+  EXPECT_NE(error_of([&] { rig.world.set_motor_speed(wheel, 1, 1); }).find("HingeJoint has no axis along coordinate 1"),
+            std::string::npos);
+}
+
+TEST(JointAxes, AServosTargetIsOneNumber) {
+  Rig rig;
+  SixDofJoint six;
+  for (JointAxis& axis : six.offset) axis.range = {0, 0};
+  for (JointAxis& axis : six.turn) axis.range = {0, 0};
+  const JointServo servo{.stiffness = 1e5, .damping = 2e4};
+  six.offset[2] = {.motor = JointMotor{.max_force = unlimited, .servo = servo}};
+  const JointId lift = rig.world.add_joint({.kind = six, .first = rig.base, .second = rig.arm});
+  rig.world.set_servo_target(lift, 0.25, 2);
+  for (int i = 0; i < 300; ++i) rig.world.step(dt);
+  EXPECT_NEAR(rig.world.pose(rig.arm).position.z(), 0.25, 1e-3);
+
+  rig.world.set_joint_axis(lift, {.range = {0, 0.1}}, 2);
+  for (int i = 0; i < 300; ++i) rig.world.step(dt);
+  EXPECT_NEAR(rig.world.pose(rig.arm).position.z(), 0.1, 1e-3);
+  EXPECT_FALSE(rig.world.joint_axis(lift, 2).motor);
+}
+
+TEST(JointAxes, OfEachKindAreThoseThatItsStateTellsOf) {
+  Rig rig;
+  const std::vector<std::pair<JointKind, std::vector<std::size_t>>> kinds = {
+      {BallJoint{}, {}},  {HingeJoint{}, {0}},        {SliderJoint{}, {0}},
+      {FixedJoint{}, {}}, {UniversalJoint{}, {0, 1}}, {ConeTwistJoint{}, {1}},
+      {GearJoint{}, {}},  {WheelJoint{}, {0, 1, 2}},  {SixDofJoint{}, {0, 1, 2, 3, 4, 5}}};
+  for (const auto& [kind, axes] : kinds) {
+    const JointId joint = rig.world.add_joint({.kind = kind, .first = rig.base, .second = rig.arm});
+    for (std::size_t i = 0; i < 7; ++i) {
+      const bool there = std::find(axes.begin(), axes.end(), i) != axes.end();
+      EXPECT_EQ(error_of([&] { rig.world.joint_axis(joint, i); }).empty(), there) << kind.index() << ", " << i;
+      if (!there) continue;
+      const JointAxis axis{.range = {-0.25, 0.125}};
+      rig.world.set_joint_axis(joint, axis, i);
+      EXPECT_EQ(rig.world.joint_axis(joint, i).range.upper, 0.125);
+    }
+    rig.world.remove_joint(joint);
+  }
+}
+
+TEST(JointAxes, AMotorSaysHowHardItMayPush) {
+  Rig rig;
+  const auto add = [&] {
+    rig.world.add_joint({.kind = HingeJoint{{.motor = JointMotor{.speed = 1}}}, .first = rig.base, .second = rig.arm});
+  };
+  EXPECT_EQ(error_of(add),
+            "JointDef.kind.angle.motor.max_force is not given; expected the most (N or N m) that it may push, or "
+            "unlimited");
+}
+
+TEST(JointEvents, TellWhatBrokeTheJoint) {
+  World world;
+  const BodyId hook = world.add_body({.type = BodyType::Static, .shape = Sphere{0.1}});
+  const BodyId load = world.add_body({.shape = Sphere{0.1}, .position = {0, 0, -1}, .mass = 10});
+  const JointId rope = world.add_joint(
+      {.kind = BallJoint{}, .first = hook, .second = load, .frame_second = {{0, 0, 1}}, .break_force = 200});
+  for (int i = 0; i < 30; ++i) world.step(dt);
+  EXPECT_TRUE(world.joint_events().empty());
+  world.apply_force(load, {0, 0, -300});
+  world.step(dt);
+  ASSERT_EQ(world.joint_events().size(), 1u);
+  const JointEvent& event = world.joint_events()[0];
+  EXPECT_EQ(event.joint, rope);
+  EXPECT_EQ(event.kind, JointEventKind::Broke);
+  EXPECT_NEAR(event.force.z(), 300 + 10 * 9.81, 5);
+}
+
+}  // namespace
+}  // namespace atl
