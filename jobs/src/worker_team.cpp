@@ -24,12 +24,16 @@ void pause() {
 // Spins for some microseconds, then lets other threads run: there may be more workers than cores.
 class Backoff {
  public:
-  void wait() {
-    if (++spins_ < 1000) {
+  // How long others ran.
+  Congestion::Clock::duration wait() {
+    if (spins_ < 1000) {
+      ++spins_;
       pause();
-    } else {
-      std::this_thread::yield();
+      return {};
     }
+    const Congestion::Clock::time_point begun = Congestion::Clock::now();
+    std::this_thread::yield();
+    return Congestion::Clock::now() - begun;
   }
 
  private:
@@ -46,7 +50,7 @@ constexpr std::size_t most_chunks = 0xfffe;
 
 }  // namespace
 
-WorkerTeam::WorkerTeam(Arena& arena) : arena_(arena), helpers_(arena.threads() - 1) {
+WorkerTeam::WorkerTeam(Arena& arena) : arena_(arena), helpers_(arena.congestion_.is_on() ? 0 : arena.threads() - 1) {
   if (helpers_ == 0) return;
   arena_.tbb_->arena.execute([this] {
     for (int i = 0; i < helpers_; ++i) {
@@ -84,8 +88,11 @@ void WorkerTeam::run(Function function, const void* context, std::size_t count, 
 
   while (take_chunk(loop, End::Front)) {
   }
+  // A helper that holds a chunk and doesn't run is waited for until it has a core again.
   Backoff backoff;
-  while (chunks_done_.load(std::memory_order_acquire) != chunks) backoff.wait();
+  while (chunks_done_.load(std::memory_order_acquire) != chunks) {
+    if (backoff.wait() > Congestion::stall) arena_.congestion_.note_stall();
+  }
   // A helper may hold the last ticket still. Closing it makes its claim fail before the next loop is written.
   ticket_.store(fresh_ticket | closed, std::memory_order_relaxed);
 }
@@ -119,7 +126,8 @@ void WorkerTeam::help() {
   while (!stop_.load(std::memory_order_acquire)) {
     const std::uint32_t loop = loop_of(ticket_.load(std::memory_order_acquire));
     if (loop == finished) {
-      backoff.wait();
+      // Whoever gets the core for that long wants it for more than a breath.
+      if (backoff.wait() > Congestion::stall) arena_.congestion_.note_stall();
       continue;
     }
     while (take_chunk(loop, End::Back)) {

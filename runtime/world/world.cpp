@@ -71,7 +71,7 @@ void note(const auto& impl, const auto&... arguments) {
 }  // namespace
 
 World::Impl::Impl(const WorldDef& def)
-    : pipeline(checked_threads(def.threads)), arena(def.threads), serial(next_serial()) {
+    : pipeline(checked_threads(def.threads)), arena(def.threads, def.dynamic_threads), serial(next_serial()) {
   stores.gravity = def.gravity;
   stores.settings = checked(def.settings);
   use_kernels(def.settings.simd);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -109,6 +110,40 @@ TEST_P(Team, SharesItsArenaWithLoopsAndTeams) {
     other.parallel_for(counts.size(), 8, count_up);
   }
   EXPECT_EQ(counts, std::vector<int>(256, 300));
+}
+
+TEST(Congestion, LastsAWhileAfterAStall) {
+  using std::chrono::milliseconds;
+  const Congestion::Clock::time_point start(std::chrono::hours(1));
+  Congestion congestion(true);
+  EXPECT_FALSE(congestion.is_on());
+  congestion.note_stall();
+  EXPECT_TRUE(congestion.is_on_at(start));
+  EXPECT_TRUE(congestion.is_on_at(start + milliseconds(39)));
+  EXPECT_FALSE(congestion.is_on_at(start + milliseconds(41)));
+}
+
+TEST(Congestion, ThatComesBackLastsLonger) {
+  using std::chrono::milliseconds;
+  Congestion::Clock::time_point now(std::chrono::hours(1));
+  Congestion congestion(true);
+  for (const int pause : {40, 160, 640, 2000, 2000}) {
+    congestion.note_stall();
+    EXPECT_TRUE(congestion.is_on_at(now));
+    EXPECT_TRUE(congestion.is_on_at(now + milliseconds(pause - 1)));
+    now += milliseconds(pause + 1);
+    EXPECT_FALSE(congestion.is_on_at(now));
+  }
+  now += std::chrono::seconds(20);
+  congestion.note_stall();
+  EXPECT_TRUE(congestion.is_on_at(now));
+  EXPECT_FALSE(congestion.is_on_at(now + milliseconds(41))) << "what was long ago is forgotten";
+}
+
+TEST(Congestion, IsNotWatchedForWhereThreadsAreFixed) {
+  Congestion congestion(false);
+  congestion.note_stall();
+  EXPECT_FALSE(congestion.is_on());
 }
 
 INSTANTIATE_TEST_SUITE_P(Threads, Team, testing::Values(1, 2, 4, 8),

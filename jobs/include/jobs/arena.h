@@ -1,5 +1,7 @@
 #pragma once
 
+#include <jobs/congestion.h>
+
 #include <algorithm>
 #include <cstddef>
 #include <memory>
@@ -10,8 +12,10 @@ namespace atl::jobs {
 /// a body that writes only to its own indices (or to its chunk's slot) gives the same bits on any of them.
 class Arena {
  public:
-  /// threads >= 1, the calling thread among them. More threads than cores is allowed.
-  explicit Arena(int threads);
+  /// threads >= 1, the calling thread among them. More threads than cores is allowed. Where they are `dynamic`, loops
+  /// are run by the caller alone while others take the cores: see Congestion. The environment's
+  /// ATOLL_DYNAMIC_THREADS=0, as of tests, has none be.
+  explicit Arena(int threads, bool dynamic = true);
   ~Arena();
   Arena(const Arena&) = delete;
   Arena& operator=(const Arena&) = delete;
@@ -21,7 +25,7 @@ class Arena {
   /// Runs body(begin, end) over the chunks of [0, count). Returns when all have run.
   template <typename Body>
   void parallel_for(std::size_t count, std::size_t grain, const Body& body) {
-    if (threads_ == 1 || count <= grain) {
+    if (threads_ == 1 || count <= grain || congestion_.is_on()) {
       for (std::size_t begin = 0; begin < count; begin += grain) body(begin, std::min(count, begin + grain));
       return;
     }
@@ -40,6 +44,7 @@ class Arena {
   void run(Function function, const void* context, std::size_t count, std::size_t grain);
 
   int threads_;
+  Congestion congestion_;
   std::unique_ptr<Tbb> tbb_;
 };
 

@@ -27,7 +27,7 @@ class WorkerTeam {
   /// are visible. Loops too short to share run on the caller.
   template <typename Body>
   void parallel_for(std::size_t count, std::size_t grain, const Body& body) {
-    if (helpers_ == 0 || count <= grain) {
+    if (helpers_ == 0 || count <= grain || is_congested()) {
       if (count > 0) body(std::size_t{0}, count);
       return;
     }
@@ -42,6 +42,7 @@ class WorkerTeam {
   enum class End { Front, Back };
 
   void run(Function function, const void* context, std::size_t count, std::size_t grain);
+  bool is_congested() { return arena_.congestion_.is_on(); }
   void help();
   bool take_chunk(std::uint32_t loop, End end);
 

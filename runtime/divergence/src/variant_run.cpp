@@ -8,7 +8,8 @@ namespace atl::divergence {
 namespace {
 
 WorldDef world_def(const Scene& scene, const Variant& variant) {
-  WorldDef def{.gravity = scene.gravity, .threads = variant.threads, .settings = scene.settings};
+  WorldDef def{
+      .gravity = scene.gravity, .threads = variant.threads, .dynamic_threads = false, .settings = scene.settings};
   def.settings.simd = variant.simd;
   def.settings.contact_events = true;
   return def;

@@ -27,6 +27,9 @@ namespace atl {
 struct WorldDef {
   Vector3 gravity = {0, 0, -9.81};  ///< m/s^2
   int threads = 1;                  ///< workers, the caller among them; in [1, 1024]
+  /// While other programs take the cores, works on the caller's thread alone, which is faster then: workers that don't
+  /// run are waited for. No bit of the result depends on it.
+  bool dynamic_threads = true;
   Settings settings = {};
 };
 
