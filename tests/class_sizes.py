@@ -25,7 +25,6 @@ TO_SPLIT = {
     "GroupSolver": (27, 18),
     "GroupSolver::Pass": (24, 22),
     "IslandProblem": (44, 9),
-    "Reader": (31, 2),
 }
 FOLDERS = ["jobs", "collision", "solver", "runtime"]
 

@@ -92,7 +92,7 @@ void read_mass(const Reader& in, BodyDef& def) {
   }
   if (in.has("density") && in.has("mass")) in.fail_at("mass", "both a mass and a density", "one of them");
   if (in.has("inertia") && !in.has("mass")) in.fail_at("mass", "an inertia without a mass", "both");
-  in.get("density", def.density, above(0));
+  get(in, "density", def.density, above(0));
   if (const auto mass = in.find("mass")) def.mass = mass->number(above(0));
   if (const auto inertia = in.find("inertia")) def.inertia = read_inertia(*inertia);
 }
@@ -112,10 +112,10 @@ Quaternion read_orientation(const Reader& in) {
 Material read_material(const Reader& in) {
   in.only_keys({"friction", "restitution", "rolling_friction", "torsional_friction"});
   Material material;
-  in.get("friction", material.friction, at_least(0));
-  in.get("restitution", material.restitution, between(0, 1));
-  in.get("rolling_friction", material.rolling_friction, at_least(0));
-  in.get("torsional_friction", material.torsional_friction, at_least(0));
+  get(in, "friction", material.friction, at_least(0));
+  get(in, "restitution", material.restitution, between(0, 1));
+  get(in, "rolling_friction", material.rolling_friction, at_least(0));
+  get(in, "torsional_friction", material.torsional_friction, at_least(0));
   return material;
 }
 
@@ -125,7 +125,7 @@ SceneBody read_body(const Reader& in, const Library& library) {
                 "locks", "force"});
   SceneBody body;
   BodyDef& def = body.def;
-  in.get("name", body.name);
+  get(in, "name", body.name);
   if (const auto type = in.find("type")) def.type = read_type(*type);
 
   const Reader shape = in.at("shape", "a shape or the name of one");
@@ -137,23 +137,23 @@ SceneBody read_body(const Reader& in, const Library& library) {
     def.material = named_or_inline(*material, library.materials, "material", &read_material);
   }
 
-  in.get("position", def.position);
+  get(in, "position", def.position);
   if (const auto orientation = in.find("orientation")) def.orientation = read_orientation(*orientation);
   for (const char* key : {"velocity", "angular_velocity"}) {
     if (def.type == BodyType::Static && in.has(key)) {
       in.fail_at(key, "it on a static body", "it on dynamic and kinematic bodies only");
     }
   }
-  in.get("velocity", def.velocity);
-  in.get("angular_velocity", def.angular_velocity);
-  in.get("surface_velocity", def.surface_velocity);
+  get(in, "velocity", def.velocity);
+  get(in, "angular_velocity", def.angular_velocity);
+  get(in, "surface_velocity", def.surface_velocity);
 
   read_mass(in, def);
-  in.get("gravity_scale", def.gravity_scale);
-  in.get("linear_damping", def.linear_damping, at_least(0));
-  in.get("angular_damping", def.angular_damping, at_least(0));
+  get(in, "gravity_scale", def.gravity_scale);
+  get(in, "linear_damping", def.linear_damping, at_least(0));
+  get(in, "angular_damping", def.angular_damping, at_least(0));
   if (const auto locks = in.find("locks")) def.locks = read_locks(*locks);
-  in.get("force", body.force);
+  get(in, "force", body.force);
   return body;
 }
 

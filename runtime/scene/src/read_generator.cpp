@@ -32,7 +32,7 @@ std::array<int, 2> read_taper(const Reader& in, const std::array<int, 3>& count)
 Lattice read_lattice(const Reader& in) {
   Lattice lattice;
   lattice.count = read_count(in.at("count", "[x, y, layers], how many bodies along each axis"));
-  in.get("spacing", lattice.spacing);
+  get(in, "spacing", lattice.spacing);
   return lattice;
 }
 
@@ -53,9 +53,9 @@ std::vector<SceneBody> read_generator(const Reader& in, const Library& library, 
     lattice.stagger = stagger->numbers<2>("an array of two numbers, [x, y]", between(-1, 1));
   }
   Vector3 jitter = Vector3::Zero();
-  in.get("jitter", jitter, at_least(0));
+  get(in, "jitter", jitter, at_least(0));
   bool random_orientation = false;
-  in.get("random_orientation", random_orientation);
+  get(in, "random_orientation", random_orientation);
   if (random_orientation && in.at("body", "").has("orientation")) {
     in.fail_at("random_orientation", "it for a body with an orientation", "one of them");
   }

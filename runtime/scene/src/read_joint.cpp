@@ -22,9 +22,9 @@ JointRange read_range(const Reader& in, const Range& ends) {
 JointSpring read_spring(const Reader& in) {
   in.only_keys({"hertz", "damping_ratio", "rest", "stiffness", "damping"});
   JointSpring spring;
-  in.get("rest", spring.rest);
-  if (in.has("stiffness")) in.get("stiffness", spring.stiffness.emplace(), at_least(0));
-  if (in.has("damping")) in.get("damping", spring.damping.emplace(), at_least(0));
+  get(in, "rest", spring.rest);
+  if (in.has("stiffness")) get(in, "stiffness", spring.stiffness.emplace(), at_least(0));
+  if (in.has("damping")) get(in, "damping", spring.damping.emplace(), at_least(0));
   if (spring.is_linear()) {
     for (const char* key : {"hertz", "damping_ratio"}) {
       if (in.has(key)) in.fail(std::string("\"") + key + "\" with a stiffness or damping", "either of the two pairs");
@@ -32,16 +32,16 @@ JointSpring read_spring(const Reader& in) {
     return spring;
   }
   spring.hertz = in.at("hertz", "a number > 0, in Hz").number(above(0));
-  in.get("damping_ratio", spring.damping_ratio, at_least(0));
+  get(in, "damping_ratio", spring.damping_ratio, at_least(0));
   return spring;
 }
 
 JointServo read_servo(const Reader& in) {
   in.only_keys({"target", "stiffness", "damping"});
   JointServo servo;
-  in.get("target", servo.target);
-  in.get("stiffness", servo.stiffness, at_least(0));
-  in.get("damping", servo.damping, at_least(0));
+  get(in, "target", servo.target);
+  get(in, "stiffness", servo.stiffness, at_least(0));
+  get(in, "damping", servo.damping, at_least(0));
   if (servo.stiffness == 0 && servo.damping == 0) {
     in.fail("a servo without stiffness and damping", "one of them above 0");
   }
@@ -51,7 +51,7 @@ JointServo read_servo(const Reader& in) {
 JointMotor read_motor(const Reader& in) {
   in.only_keys({"speed", "max_force", "servo"});
   JointMotor motor;
-  in.get("speed", motor.speed);
+  get(in, "speed", motor.speed);
   motor.max_force = in.at("max_force", "a number >= 0, in N, or N m where it turns").number(at_least(0));
   if (const auto servo = in.find("servo")) motor.servo = read_servo(*servo);
   return motor;
@@ -66,13 +66,13 @@ JointAxis read_axis(const Reader& in, const Range& ends) {
     }
     axis.range = read_range(*range, ends);
   }
-  in.get("lower", axis.range.lower, ends);
-  in.get("upper", axis.range.upper, ends);
+  get(in, "lower", axis.range.lower, ends);
+  get(in, "upper", axis.range.upper, ends);
   if (axis.range.lower > axis.range.upper) {
     in.fail_at("upper", number_text(axis.range.upper), "an upper end that is not below the lower one");
   }
-  in.get("restitution", axis.range.restitution, between(0, 1));
-  in.get("armature", axis.armature, at_least(0));
+  get(in, "restitution", axis.range.restitution, between(0, 1));
+  get(in, "armature", axis.armature, at_least(0));
   if (const auto spring = in.find("spring")) axis.spring = read_spring(*spring);
   if (const auto motor = in.find("motor")) axis.motor = read_motor(*motor);
   return axis;
@@ -92,7 +92,7 @@ void get(const Reader& in, std::string_view key, std::array<JointAxis, 3>& targe
 
 JointKind read_ball(const Reader& in) {
   BallJoint joint;
-  in.get("friction", joint.friction, at_least(0));
+  get(in, "friction", joint.friction, at_least(0));
   return joint;
 }
 
@@ -126,9 +126,9 @@ JointKind read_universal(const Reader& in) {
 
 JointKind read_cone_twist(const Reader& in) {
   ConeTwistJoint joint;
-  in.get("swing_limit", joint.swing_limit, above_up_to(0, std::nextafter(std::numbers::pi, 0)));
+  get(in, "swing_limit", joint.swing_limit, above_up_to(0, std::nextafter(std::numbers::pi, 0)));
   get(in, "twist", joint.twist, half_turn);
-  in.get("swing_friction", joint.swing_friction, at_least(0));
+  get(in, "swing_friction", joint.swing_friction, at_least(0));
   return joint;
 }
 
@@ -145,7 +145,7 @@ JointKind read_gear(const Reader& in) {
     joint.ratio = ratio->number();
     if (joint.ratio == 0) ratio->expected("a number that is not 0");
   }
-  in.get("rack", joint.rack);
+  get(in, "rack", joint.rack);
   return joint;
 }
 
@@ -189,7 +189,7 @@ Kind read_kind(const Reader& in) {
 }
 
 Vector3 read_direction(const Reader& in) {
-  const Vector3 direction = in.vector();
+  const Vector3 direction = read_vector(in);
   constexpr double least_length = 1e-6;
   if (!(direction.norm() > least_length) || !std::isfinite(direction.norm())) {
     in.fail("a vector of length " + number_text(direction.norm()), "a length above 0");
@@ -200,7 +200,7 @@ Vector3 read_direction(const Reader& in) {
 Pose read_frame(const Reader& in) {
   in.only_keys({"position", "orientation"});
   Pose frame;
-  in.get("position", frame.position);
+  get(in, "position", frame.position);
   if (const auto orientation = in.find("orientation")) frame.orientation = read_orientation(*orientation);
   return frame;
 }
@@ -233,9 +233,9 @@ void read_frames(const Reader& in, const Scene& scene, SceneJoint& joint) {
     return;
   }
   Pose first, second;
-  if (!gear || in.has("at")) first.position = in.at("at", "[x, y, z] in m, world axes, or frame_first").vector();
+  if (!gear || in.has("at")) first.position = read_vector(in.at("at", "[x, y, z] in m, world axes, or frame_first"));
   second.position = first.position;
-  in.get("at_second", second.position);
+  get(in, "at_second", second.position);
   first.orientation = second.orientation = read_axes(in, wheel);
   if (const auto axis = in.find("axis_second")) second.orientation = frame_along(read_direction(*axis));
   joint.def.frame_first = seen_from(scene.bodies[joint.first].def, first);
@@ -272,7 +272,7 @@ SceneJoint read_joint(const Reader& in, const Scene& scene, const BodyPlaces& pl
   in.only_keys(keys);
 
   SceneJoint joint;
-  in.get("name", joint.name);
+  get(in, "name", joint.name);
   constexpr const char* body = "the name of a body or its place among the bodies";
   joint.first = places.read(in.at("first", body));
   joint.second = places.read(in.at("second", body));
@@ -284,9 +284,9 @@ SceneJoint read_joint(const Reader& in, const Scene& scene, const BodyPlaces& pl
   joint.def.kind = kind.read(in);
   read_frames(in, scene, joint);
   read_length(in, scene, joint);
-  in.get("collide", joint.def.collide);
-  in.get("break_force", joint.def.break_force, above(0));
-  in.get("break_torque", joint.def.break_torque, above(0));
+  get(in, "collide", joint.def.collide);
+  get(in, "break_force", joint.def.break_force, above(0));
+  get(in, "break_torque", joint.def.break_torque, above(0));
   return joint;
 }
 

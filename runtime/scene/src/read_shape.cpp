@@ -53,7 +53,7 @@ std::vector<Vector3> read_points(const Reader& in) {
   const std::size_t count = in.size("an array of points, [x, y, z] each");
   std::vector<Vector3> points;
   points.reserve(count);
-  for (std::size_t i = 0; i < count; ++i) points.push_back(in.element(i).vector());
+  for (std::size_t i = 0; i < count; ++i) points.push_back(read_vector(in.element(i)));
   return points;
 }
 
@@ -85,7 +85,7 @@ Wavefront read_wavefront(const Reader& in) {
 
 Vector3 read_scale(const Reader& in) {
   Vector3 scale = Vector3::Ones();
-  in.get("scale", scale);
+  get(in, "scale", scale);
   if (!(scale.cwiseAbs().minCoeff() > 0)) in.at("scale", "").fail("a factor of 0", "three that are not");
   return scale;
 }
@@ -116,7 +116,7 @@ TriangleMesh read_mesh(const Reader& in) {
     surface.triangles = read_triangles(in.at("triangles", "an array of triangles, three numbers of vertices each"));
   }
   double smooth_angle = 0;
-  in.get("smooth_angle", smooth_angle, between(0, std::nextafter(std::numbers::pi, 0)));
+  get(in, "smooth_angle", smooth_angle, between(0, std::nextafter(std::numbers::pi, 0)));
   const Reader source = file ? *file : in.at("triangles", "");
   return made(source, [&] {
     const TriangleMesh mesh(surface.vertices, surface.triangles, smooth_angle);
@@ -127,7 +127,7 @@ TriangleMesh read_mesh(const Reader& in) {
 HeightField read_height_field(const Reader& in) {
   in.only_keys({"type", "heights", "spacing", "smooth"});
   bool smooth = false;
-  in.get("smooth", smooth);
+  get(in, "smooth", smooth);
   constexpr const char* what = "an array of rows, each an array of at least two numbers, in m";
   const Reader rows = in.at("heights", what);
   const std::size_t row_count = rows.size(what);
@@ -153,8 +153,8 @@ HeightField read_height_field(const Reader& in) {
 HalfSpace read_half_space(const Reader& in) {
   in.only_keys({"type", "normal", "offset"});
   HalfSpace half_space;
-  in.get("normal", half_space.normal);
-  in.get("offset", half_space.offset);
+  get(in, "normal", half_space.normal);
+  get(in, "offset", half_space.offset);
   const double norm = half_space.normal.norm();
   if (!(norm > 0) || !std::isfinite(norm)) {
     in.fail_at("normal", "a vector of length " + number_text(norm), "a length above 0");
@@ -166,7 +166,7 @@ ConvexShape read_solid(const Reader& in, ShapeName kind) {
   switch (kind) {
     case ShapeName::Box:
       in.only_keys({"type", "half_extents"});
-      return Box{in.at("half_extents", "[x, y, z] in m").vector(above(0))};
+      return Box{read_vector(in.at("half_extents", "[x, y, z] in m"), above(0))};
     case ShapeName::Sphere:
       in.only_keys({"type", "radius"});
       return Sphere{read_length(in, "radius")};
@@ -189,9 +189,9 @@ CompoundChild read_child(const Reader& in) {
       shape.at("type", solid_names).choice({"box", "sphere", "capsule", "cylinder", "cone", "hull"});
   CompoundChild child;
   child.shape = read_solid(shape, static_cast<ShapeName>(kind));
-  in.get("position", child.position);
+  get(in, "position", child.position);
   if (const auto orientation = in.find("orientation")) child.orientation = read_orientation(*orientation);
-  in.get("density_factor", child.density_factor, above(0));
+  get(in, "density_factor", child.density_factor, above(0));
   return child;
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <span>
 
@@ -92,11 +93,6 @@ template std::array<double, 3> Reader::numbers(const char*, const Range&) const;
 template std::array<double, 4> Reader::numbers(const char*, const Range&) const;
 template std::array<double, 6> Reader::numbers(const char*, const Range&) const;
 
-Vector3 Reader::vector(const Range& range) const {
-  const auto [x, y, z] = numbers<3>("an array of three numbers, [x, y, z]", range);
-  return {x, y, z};
-}
-
 const JsonValue::Array& Reader::array(const std::string& what) const {
   const auto* elements = std::get_if<JsonValue::Array>(&value_->data);
   if (elements == nullptr) expected(what);
@@ -132,26 +128,6 @@ Reader Reader::at(std::string_view key, const std::string& expected) const {
   fail_at(key, "nothing", expected);
 }
 
-void Reader::get(std::string_view key, double& target, const Range& range) const {
-  if (const auto found = find(key)) target = found->number(range);
-}
-
-void Reader::get(std::string_view key, int& target, int min, int max) const {
-  if (const auto found = find(key)) target = found->integer(min, max);
-}
-
-void Reader::get(std::string_view key, bool& target) const {
-  if (const auto found = find(key)) target = found->boolean();
-}
-
-void Reader::get(std::string_view key, std::string& target) const {
-  if (const auto found = find(key)) target = found->string();
-}
-
-void Reader::get(std::string_view key, Vector3& target, const Range& range) const {
-  if (const auto found = find(key)) target = found->vector(range);
-}
-
 void Reader::fail(const std::string& found, const std::string& expected) const {
   refuse(*document_, *value_, document_->pointer_to(*value_), found, expected);
 }
@@ -168,5 +144,48 @@ void Reader::complain(const std::string& words) const {
 }
 
 void Reader::expected(const std::string& what) const { fail(described(*value_), what); }
+
+Vector3 read_vector(const Reader& in, const Range& range) {
+  const auto [x, y, z] = in.numbers<3>("an array of three numbers, [x, y, z]", range);
+  return {x, y, z};
+}
+
+std::uint64_t read_unsigned(const Reader& in) {
+  constexpr double largest = 1ull << 53;  // up to which a double holds each
+  if (in.is_string()) {
+    const std::string& digits = in.string();
+    std::uint64_t value = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    if (error != std::errc() || end != digits.data() + digits.size()) in.expected("an integer >= 0 below 2^64");
+    return value;
+  }
+  const double value = in.number(between(0, largest));
+  if (std::trunc(value) != value) in.expected("an integer >= 0");
+  return static_cast<std::uint64_t>(value);
+}
+
+void get(const Reader& in, std::string_view key, double& target, const Range& range) {
+  if (const auto found = in.find(key)) target = found->number(range);
+}
+
+void get(const Reader& in, std::string_view key, int& target, int min, int max) {
+  if (const auto found = in.find(key)) target = found->integer(min, max);
+}
+
+void get(const Reader& in, std::string_view key, bool& target) {
+  if (const auto found = in.find(key)) target = found->boolean();
+}
+
+void get(const Reader& in, std::string_view key, std::string& target) {
+  if (const auto found = in.find(key)) target = found->string();
+}
+
+void get(const Reader& in, std::string_view key, std::uint64_t& target) {
+  if (const auto found = in.find(key)) target = read_unsigned(*found);
+}
+
+void get(const Reader& in, std::string_view key, Vector3& target, const Range& range) {
+  if (const auto found = in.find(key)) target = read_vector(*found, range);
+}
 
 }  // namespace atl::scene

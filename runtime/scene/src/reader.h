@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <initializer_list>
 #include <limits>
 #include <optional>
@@ -40,6 +41,7 @@ class Reader {
   explicit Reader(const JsonDocument& document) : Reader(document, document.root) {}
 
   bool is_string() const { return std::holds_alternative<std::string>(value_->data); }
+
   bool is_number(double value) const {
     const double* number = std::get_if<double>(&value_->data);
     return number != nullptr && *number == value;
@@ -54,7 +56,6 @@ class Reader {
   /// An array of `size` numbers, each in the range. `what` names it, as "[x, y, z]".
   template <std::size_t size>
   std::array<double, size> numbers(const char* what, const Range& range = any_number) const;
-  Vector3 vector(const Range& range = any_number) const;
 
   /// The name of the file that the value is in.
   const std::string& origin() const { return document_->origin; }
@@ -76,13 +77,6 @@ class Reader {
   /// A member that has to be there; `expected` says what it should be.
   Reader at(std::string_view key, const std::string& expected) const;
 
-  /// Overwrite the target where the key is there, and leave its default where it isn't.
-  void get(std::string_view key, double& target, const Range& range = any_number) const;
-  void get(std::string_view key, int& target, int min, int max) const;
-  void get(std::string_view key, bool& target) const;
-  void get(std::string_view key, std::string& target) const;
-  void get(std::string_view key, Vector3& target, const Range& range = any_number) const;
-
   [[noreturn]] void fail(const std::string& found, const std::string& expected) const;
   /// The same, about the member `key`, which may be missing.
   [[noreturn]] void fail_at(std::string_view key, const std::string& found, const std::string& expected) const;
@@ -99,5 +93,17 @@ class Reader {
   const JsonDocument* document_;
   const JsonValue* value_;
 };
+
+Vector3 read_vector(const Reader& in, const Range& range = any_number);
+/// An integer that is not negative: a number, or where it has more than 53 bits a string of its digits.
+std::uint64_t read_unsigned(const Reader& in);
+
+// Overwrite the target with a member where the key is there, and leave its default where it isn't.
+void get(const Reader& in, std::string_view key, double& target, const Range& range = any_number);
+void get(const Reader& in, std::string_view key, int& target, int min, int max);
+void get(const Reader& in, std::string_view key, bool& target);
+void get(const Reader& in, std::string_view key, std::string& target);
+void get(const Reader& in, std::string_view key, std::uint64_t& target);
+void get(const Reader& in, std::string_view key, Vector3& target, const Range& range = any_number);
 
 }  // namespace atl::scene

@@ -101,12 +101,12 @@ Scene parse_scene(std::string_view json, const std::string& origin, std::uint64_
 
   Scene scene;
   scene.name = std::filesystem::path(origin).stem().string();
-  in.get("name", scene.name);
+  get(in, "name", scene.name);
   if (const auto description = in.find("description")) description->string();
-  in.get("gravity", scene.gravity);
-  in.get("dt", scene.dt, above_up_to(0, 1));
-  in.get("steps", scene.steps, 1, most_steps);
-  in.get("starts_at_rest", scene.starts_at_rest);
+  get(in, "gravity", scene.gravity);
+  get(in, "dt", scene.dt, above_up_to(0, 1));
+  get(in, "steps", scene.steps, 1, most_steps);
+  get(in, "starts_at_rest", scene.starts_at_rest);
   if (const auto settings = in.find("settings")) scene.settings = read_settings(*settings);
 
   const Library library = read_library(in);
