@@ -87,7 +87,14 @@ int run_parsed(int argc, char** argv) {
   CLI::App* verification = app.add_subcommand("verify", "run checks of the simulation and tell what fails");
   VerifyOptions verify_options;
   add_verify_options(*verification, verify_options);
-  const CLI::App* scenes = app.add_subcommand("scenes", "list the built-in scenes and their parameters");
+  CLI::App* scenes = app.add_subcommand("scenes", "list the built-in scenes and their parameters, or write one out");
+  std::string scene_to_write;
+  scenes->add_option("SCENE", scene_to_write, "write it as a scene file, to edit and run");
+  scenes->footer(
+      "Examples:\n"
+      "  atoll scenes                                   all built-in scenes\n"
+      "  atoll scenes wall:base=10 > wall.json          one as a file\n"
+      "  atoll run wall.json");
 
   try {
     app.parse(argc, argv);
@@ -98,7 +105,8 @@ int run_parsed(int argc, char** argv) {
     if (replay->parsed()) replay_file(replay_options);
     if (sweep->parsed()) command::sweep(sweep_options);
     if (verification->parsed()) verify(verify_options);
-    if (scenes->parsed()) list_scenes(std::cout);
+    if (scenes->parsed() && scene_to_write.empty()) list_scenes(std::cout);
+    if (!scene_to_write.empty()) std::cout << scene_text(load_scene(scene_to_write));
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() != 0) return usage_error(error, app, std::span(argv + 1, argv + argc));
     app.exit(error);

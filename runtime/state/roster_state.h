@@ -67,6 +67,7 @@ void visit_constants(Archive& archive, Constants& body) {
     archive.values(collider.local.position.data(), 3);
     archive.values(collider.local.orientation.coeffs().data(), 4);
     archive.value(collider.content);
+    archive.value(collider.density_factor);
     visit_optional(archive, collider.material, [&](auto& material) { visit_material(archive, material); });
     visit_optional(archive, collider.filter, [&](auto& filter) { visit_filter(archive, filter); });
   }

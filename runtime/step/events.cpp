@@ -28,7 +28,7 @@ ContactEvent began(const Stores& world, const std::pair<BodyId, BodyId>& pair, d
   Vector3 by_force[2] = {Vector3::Zero(), Vector3::Zero()};
   Vector3 by_number[2] = {Vector3::Zero(), Vector3::Zero()};
   double points = 0;
-  const auto [a, b] = pair;
+  const BodyId a = pair.first, b = pair.second;
   world.cache.for_each_contact_of(world.records.dynamic[a.index] ? a.index : b.index, [&](std::uint32_t slot) {
     const collision::Contact& contact = world.cache.contacts[slot];
     const auto [first, second] = std::minmax(contact.body_first, contact.body_second);

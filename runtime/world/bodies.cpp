@@ -188,6 +188,33 @@ void apply_impulse(Stores& world, std::uint32_t body, const Vector3& impulse, co
   world.bodies.angular_velocity(body) += solver::angular_response(world.bodies, body, moment);
 }
 
+BodyDef definition_of(const Stores& world, std::uint32_t body) {
+  const BodyConstants& constants = *world.records.constants[body];
+  const Pose pose = pose_of(world, body);
+  BodyDef def{.type = constants.type,
+              .shape = shape_of(constants),
+              .position = pose.position,
+              .orientation = pose.orientation,
+              .velocity = world.bodies.velocity(body),
+              .angular_velocity = world.bodies.angular_velocity(body),
+              .material = constants.material,
+              .gravity_scale = constants.gravity_scale,
+              .linear_damping = constants.linear_damping,
+              .angular_damping = constants.angular_damping,
+              .locks = locks_of(constants.locks),
+              .filter = world.records.filter[body],
+              .continuous = constants.continuous,
+              .sensor = constants.sensor,
+              .user_data = world.records.user_data[body]};
+  if (constants.type == BodyType::Dynamic) {
+    def.mass = 1 / constants.inverse_mass;
+    def.inertia = constants.inertia;
+  }
+  if (!world.bodies.surfaces.empty()) def.surface_velocity = world.bodies.surfaces[body].velocity;
+  if (const auto named = world.records.names.find(body); named != world.records.names.end()) def.name = named->second;
+  return def;
+}
+
 Pose pose_of(const Stores& world, std::uint32_t body) {
   const Quaternion orientation = world.bodies.orientation(body);
   const Vector3& centre = world.records.centre[body];

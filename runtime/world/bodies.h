@@ -22,6 +22,8 @@ inline BodyId id_of(const Stores& world, std::uint32_t body) { return {body, wor
 bool contains(const Stores& world, BodyId id);
 /// Throws Error that names `call` if no body has the id.
 std::uint32_t index_of(const Stores& world, BodyId id, const char* call);
+/// See World::definition().
+BodyDef definition_of(const Stores& world, std::uint32_t body);
 /// Of the body's frame.
 Pose pose_of(const Stores& world, std::uint32_t body);
 

@@ -90,6 +90,7 @@ struct ShapeCheck {
       std::visit(ShapeCheck{name, colliders}, child.shape);
       if (child.material) check((name + ".material").c_str(), *child.material);
       colliders.back().local = {child.position, orientation};
+      colliders.back().density_factor = child.density_factor;
       colliders.back().material = child.material;
       colliders.back().filter = child.filter;
     }
@@ -258,6 +259,65 @@ CheckedBody check(const BodyDef& def) {
   check_built_for(constants);
   check_built_for_surface("BodyDef.surface_velocity", def.surface_velocity);
   return body;
+}
+
+MotionLocks locks_of(std::uint8_t bits) {
+  MotionLocks locks;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    locks.linear[axis] = (bits >> axis & 1) != 0;
+    locks.angular[axis] = (bits >> axis & 8) != 0;
+  }
+  return locks;
+}
+
+namespace {
+
+ConvexShape solid_of(const CheckedCollider& collider) {
+  const collision::Shape& shape = collider.shape;
+  switch (shape.kind) {
+    case collision::ShapeKind::Sphere:
+      return Sphere{shape.radius};
+    case collision::ShapeKind::Capsule:
+      return Capsule{shape.radius, shape.half_height};
+    case collision::ShapeKind::Cylinder:
+      return Cylinder{shape.radius, shape.half_height};
+    case collision::ShapeKind::Cone:
+      return Cone{shape.radius, shape.half_height};
+    case collision::ShapeKind::Hull:
+      return ConvexHull(std::static_pointer_cast<const collision::Hull>(collider.geometry));
+    default:
+      return Box{shape.half_extents};
+  }
+}
+
+bool is_plain(const CheckedCollider& collider) {
+  return collider.local.position.isZero(0) && collider.local.orientation.vec().isZero(0) &&
+         collider.density_factor == 1 && !collider.material && !collider.filter;
+}
+
+}  // namespace
+
+Shape shape_of(const BodyConstants& body) {
+  const CheckedCollider& first = body.colliders.front();
+  switch (first.shape.kind) {
+    case collision::ShapeKind::HalfSpace:
+      return HalfSpace{first.shape.normal, first.shape.offset};
+    case collision::ShapeKind::Mesh:
+      return TriangleMesh(std::static_pointer_cast<const collision::TriangleMesh>(first.geometry));
+    case collision::ShapeKind::HeightField:
+      return HeightField(std::static_pointer_cast<const collision::HeightField>(first.geometry));
+    default:
+      break;
+  }
+  if (body.colliders.size() == 1 && is_plain(first)) {
+    return std::visit([](auto&& solid) -> Shape { return std::move(solid); }, solid_of(first));
+  }
+  Compound compound;
+  for (const CheckedCollider& collider : body.colliders) {
+    compound.children.push_back({solid_of(collider), collider.local.position, collider.local.orientation,
+                                 collider.density_factor, collider.material, collider.filter});
+  }
+  return compound;
 }
 
 void give_shape(const char* field, const Shape& shape, BodyConstants& body) {

@@ -18,6 +18,7 @@ struct CheckedCollider {
   collision::Pose local;                 // in the body's frame
   std::shared_ptr<const void> geometry;  // what the shape points to, if anything
   std::uint64_t content = 0;             // hash of that
+  double density_factor = 1;             // as CompoundChild's
   // Of a compound's child that has its own.
   std::optional<Material> material = {};
   std::optional<CollisionFilter> filter = {};
@@ -73,6 +74,10 @@ double least_moment_of(const BodyConstants& body);
 
 /// Throws Error naming the field, the value and what was expected.
 CheckedBody check(const BodyDef& def);
+
+/// The shape that these colliders come from; of a compound of one that is as good as its child, the child.
+Shape shape_of(const BodyConstants& body);
+MotionLocks locks_of(std::uint8_t bits);
 
 /// `field` names the material.
 void check(const char* field, const Material& material);

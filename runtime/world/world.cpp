@@ -213,6 +213,10 @@ bool World::is_asleep(BodyId id) const {
   return impl_->stores.sleeping.is_asleep(index_of(impl_->stores, id, "is_asleep"));
 }
 
+BodyDef World::definition(BodyId id) const {
+  return definition_of(impl_->stores, index_of(impl_->stores, id, "definition"));
+}
+
 void World::set_pose(BodyId id, const Pose& pose) {
   const std::uint32_t body = index_of(impl_->stores, id, "set_pose");
   check_finite("World::set_pose: pose.position", pose.position);

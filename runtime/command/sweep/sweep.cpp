@@ -1,5 +1,7 @@
 #include "sweep.h"
 
+#include <atoll/world.h>
+
 #include <unistd.h>
 
 #include <algorithm>

@@ -80,6 +80,18 @@ Scene load_scene(std::string_view text, std::uint64_t seed = 1);
 /// A scene file's text, `origin` naming it in messages. Throws SceneError.
 Scene parse_scene(std::string_view json, const std::string& origin, std::uint64_t seed = 1);
 
+/// A world as a scene, as it is now: its bodies in order of their indices and the joints that are enabled. What scenes
+/// have no words for stays behind: impulses to start from, who sleeps or is in quarantine, forces of the next step, and
+/// pairs that World::set_collision_enabled keeps apart. Snapshots have all of it. Of `dt` and `steps` a world knows
+/// nothing: they are a Scene's.
+Scene scene_of(const World& world);
+
+/// A scene as the text of a scene file, all of it written out: bodies, shapes with their geometry, joints by the frames
+/// of their bodies, settings but for those that say what is told. Numbers are read back as the same bits.
+std::string scene_text(const Scene& scene);
+/// The same as a file, which is whole or not there. Throws SceneError if it can't be written.
+void write_scene(const Scene& scene, const std::string& path);
+
 /// Adds all bodies and then all joints in order; returns the ids of the bodies. Throws SceneError naming the body or
 /// the joint.
 std::vector<BodyId> build_scene(const Scene& scene, World& world);

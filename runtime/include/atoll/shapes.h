@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -73,7 +74,9 @@ class ConvexHull {
   double volume() const;  ///< m^3
   Vector3 centre_of_mass() const;
 
-  const std::shared_ptr<const collision::Hull>& data() const { return hull_; }  ///< for Atoll's own use
+  // For Atoll's own use.
+  explicit ConvexHull(std::shared_ptr<const collision::Hull> data) : hull_(std::move(data)) {}
+  const std::shared_ptr<const collision::Hull>& data() const { return hull_; }
 
  private:
   std::shared_ptr<const collision::Hull> hull_;
@@ -98,7 +101,9 @@ class TriangleMesh {
   bool closed() const;          ///< every edge has two triangles
   double smooth_angle() const;  ///< rad
 
-  const std::shared_ptr<const collision::TriangleMesh>& data() const { return mesh_; }  ///< for Atoll's own use
+  // For Atoll's own use.
+  explicit TriangleMesh(std::shared_ptr<const collision::TriangleMesh> data) : mesh_(std::move(data)) {}
+  const std::shared_ptr<const collision::TriangleMesh>& data() const { return mesh_; }
 
  private:
   std::shared_ptr<const collision::TriangleMesh> mesh_;
@@ -122,7 +127,9 @@ class HeightField {
   std::span<const double> heights() const;
   bool smooth() const;
 
-  const std::shared_ptr<const collision::HeightField>& data() const { return field_; }  ///< for Atoll's own use
+  // For Atoll's own use.
+  explicit HeightField(std::shared_ptr<const collision::HeightField> data) : field_(std::move(data)) {}
+  const std::shared_ptr<const collision::HeightField>& data() const { return field_; }
 
  private:
   std::shared_ptr<const collision::HeightField> field_;

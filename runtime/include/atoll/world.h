@@ -115,6 +115,10 @@ class World {
 
   Vector3 centre_of_mass(BodyId id) const;  ///< m, world frame; the frame's origin where there is no mass
 
+  /// A definition of the body as it is now, that makes another like it: with its present pose, velocities, filter and
+  /// whatever was changed of it, and for dynamic bodies mass and inertia, whatever these once followed from.
+  BodyDef definition(BodyId id) const;
+
   void set_pose(BodyId id, const Pose& pose);
   /// Along what BodyDef::locks locks there is none, whatever is asked for.
   void set_velocity(BodyId id, const Vector3& linear, const Vector3& angular);

@@ -22,6 +22,14 @@ auto add_part(const Scene& scene, const char* kind, std::size_t place, const std
   }
 }
 
+// Under the name that the scene knows it by.
+BodyId add(const SceneBody& body, World& world) {
+  if (body.name.empty()) return world.add_body(body.def);
+  BodyDef named = body.def;
+  named.name = body.name;
+  return world.add_body(named);
+}
+
 bool filters_agree(const CollisionFilter& a, const CollisionFilter& b) {
   if (a.group != 0 && a.group == b.group) return a.group > 0;
   return (a.mask & b.category) != 0 && (b.mask & a.category) != 0;
@@ -38,19 +46,39 @@ std::vector<BodyId> build_scene(const Scene& scene, World& world, std::vector<Jo
   std::vector<BodyId> ids;
   ids.reserve(scene.bodies.size());
   for (const SceneBody& body : scene.bodies) {
-    ids.push_back(add_part(scene, "body", ids.size(), body.name, [&] { return world.add_body(body.def); }));
+    ids.push_back(add_part(scene, "body", ids.size(), body.name, [&] { return add(body, world); }));
   }
   joints.clear();
   joints.reserve(scene.joints.size());
   for (const SceneJoint& joint : scene.joints) {
     joints.push_back(add_part(scene, "joint", joints.size(), joint.name, [&] {
       JointDef def = joint.def;
+      if (def.name.empty()) def.name = joint.name;
       def.first = ids.at(joint.first);
       def.second = ids.at(joint.second);
       return world.add_joint(def);
     }));
   }
   return ids;
+}
+
+Scene scene_of(const World& world) {
+  Scene scene{.gravity = world.gravity(), .settings = world.settings()};
+  std::map<BodyId, std::size_t> places;
+  for (const BodyId id : world.bodies()) {
+    places[id] = scene.bodies.size();
+    BodyDef def = world.definition(id);
+    std::string name = std::exchange(def.name, {});
+    scene.bodies.push_back({.name = std::move(name), .def = std::move(def)});
+  }
+  for (const JointId id : world.joints()) {
+    if (!world.joint_state(id).enabled) continue;
+    JointDef def = world.joint(id);
+    const std::size_t first = places.at(def.first), second = places.at(def.second);
+    std::string name = std::exchange(def.name, {});
+    scene.joints.push_back({.name = std::move(name), .def = std::move(def), .first = first, .second = second});
+  }
+  return scene;
 }
 
 void apply_forces(const Scene& scene, World& world, const std::vector<BodyId>& ids) {

@@ -1,4 +1,6 @@
 #include <Eigen/Eigenvalues>
+#include <cmath>
+#include <limits>
 
 #include "schema.h"
 #include "words.h"
@@ -119,10 +121,44 @@ Material read_material(const Reader& in) {
   return material;
 }
 
+CollisionFilter read_filter(const Reader& in) {
+  in.only_keys({"category", "mask", "group"});
+  CollisionFilter filter;
+  constexpr double all = std::numeric_limits<std::uint32_t>::max();
+  const auto read_bits = [&](const char* key, std::uint32_t& bits) {
+    double number = bits;
+    get(in, key, number, between(0, all));
+    if (std::trunc(number) != number) in.at(key, "").expected("an integer in [0, 2^32)");
+    bits = static_cast<std::uint32_t>(number);
+  };
+  read_bits("category", filter.category);
+  read_bits("mask", filter.mask);
+  get(in, "group", filter.group, std::numeric_limits<int>::min(), std::numeric_limits<int>::max());
+  return filter;
+}
+
 SceneBody read_body(const Reader& in, const Library& library) {
-  in.only_keys({"name", "type", "shape", "material", "position", "orientation", "velocity", "angular_velocity",
-                "surface_velocity", "density", "mass", "inertia", "gravity_scale", "linear_damping", "angular_damping",
-                "locks", "force"});
+  in.only_keys({"name",
+                "type",
+                "shape",
+                "material",
+                "position",
+                "orientation",
+                "velocity",
+                "angular_velocity",
+                "surface_velocity",
+                "density",
+                "mass",
+                "inertia",
+                "gravity_scale",
+                "linear_damping",
+                "angular_damping",
+                "locks",
+                "force",
+                "filter",
+                "continuous",
+                "sensor",
+                "user_data"});
   SceneBody body;
   BodyDef& def = body.def;
   get(in, "name", body.name);
@@ -154,6 +190,13 @@ SceneBody read_body(const Reader& in, const Library& library) {
   get(in, "angular_damping", def.angular_damping, at_least(0));
   if (const auto locks = in.find("locks")) def.locks = read_locks(*locks);
   get(in, "force", body.force);
+  if (const auto filter = in.find("filter")) def.filter = read_filter(*filter);
+  get(in, "continuous", def.continuous);
+  get(in, "sensor", def.sensor);
+  if (const char* unbounded = name_of_unbounded(def.shape); def.sensor && unbounded != nullptr) {
+    shape.fail(std::string(unbounded) + " on a sensor", "a solid there: bodies are in it or not");
+  }
+  get(in, "user_data", def.user_data);
   return body;
 }
 

@@ -52,7 +52,9 @@ JointMotor read_motor(const Reader& in) {
   in.only_keys({"speed", "max_force", "servo"});
   JointMotor motor;
   get(in, "speed", motor.speed);
-  motor.max_force = in.at("max_force", "a number >= 0, in N, or N m where it turns").number(at_least(0));
+  const Reader force = in.at("max_force", "a number >= 0, in N, or N m where it turns");
+  const bool without_limit = force.is_string() && force.string() == "unlimited";
+  motor.max_force = without_limit ? unlimited : force.number(at_least(0));
   if (const auto servo = in.find("servo")) motor.servo = read_servo(*servo);
   return motor;
 }
@@ -266,7 +268,8 @@ SceneJoint read_joint(const Reader& in, const Scene& scene, const BodyPlaces& pl
   // The kind first: it says which keys there may be.
   in.members();
   const Kind kind = read_kind(in.at("kind", "ball, hinge, slider or another kind of joint"));
-  std::vector<std::string_view> keys = {"name", "kind", "first", "second", "collide", "break_force", "break_torque"};
+  std::vector<std::string_view> keys = {"name",    "kind",        "first",        "second",
+                                        "collide", "break_force", "break_torque", "user_data"};
   keys.insert(keys.end(), {"at", "axis", "frame_first", "frame_second"});
   keys.insert(keys.end(), kind.keys.begin(), kind.keys.end());
   in.only_keys(keys);
@@ -287,6 +290,7 @@ SceneJoint read_joint(const Reader& in, const Scene& scene, const BodyPlaces& pl
   get(in, "collide", joint.def.collide);
   get(in, "break_force", joint.def.break_force, above(0));
   get(in, "break_torque", joint.def.break_torque, above(0));
+  get(in, "user_data", joint.def.user_data);
   return joint;
 }
 

@@ -182,7 +182,7 @@ ConvexShape read_solid(const Reader& in, ShapeName kind) {
 }
 
 CompoundChild read_child(const Reader& in) {
-  in.only_keys({"shape", "position", "orientation", "density_factor"});
+  in.only_keys({"shape", "position", "orientation", "density_factor", "material", "filter"});
   const Reader shape = in.at("shape", "a solid");
   only_keys_of_a_shape(shape);
   const std::size_t kind =
@@ -192,6 +192,8 @@ CompoundChild read_child(const Reader& in) {
   get(in, "position", child.position);
   if (const auto orientation = in.find("orientation")) child.orientation = read_orientation(*orientation);
   get(in, "density_factor", child.density_factor, above(0));
+  if (const auto material = in.find("material")) child.material = read_material(*material);
+  if (const auto filter = in.find("filter")) child.filter = read_filter(*filter);
   return child;
 }
 

@@ -1,0 +1,309 @@
+// Scenes as text: what schema.h reads.
+
+#include <atoll/scene.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+
+namespace atl {
+namespace scene {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json(const Vector3& v) { return {v.x(), v.y(), v.z()}; }
+Json json(const Quaternion& q) { return {q.x(), q.y(), q.z(), q.w()}; }
+
+// More than a double holds go as text.
+Json json(std::uint64_t value) {
+  if (value <= std::uint64_t{1} << 53) return value;
+  return std::to_string(value);
+}
+
+void put(Json& out, const char* key, const std::optional<double>& value) {
+  if (value) out[key] = *value;
+}
+void put_unless_zero(Json& out, const char* key, const Vector3& value) {
+  if (!value.isZero(0)) out[key] = json(value);
+}
+
+template <typename Enum, std::size_t count>
+const char* name(Enum value, const std::array<const char*, count>& names) {
+  return names[static_cast<std::size_t>(value)];
+}
+
+Json json(const Settings& settings) {
+  constexpr std::array solvers = {"auto", "iterative", "direct"};
+  Json out = {{"substeps", settings.substeps},
+              {"iterations", settings.iterations},
+              {"relax_iterations", settings.relax_iterations},
+              {"tolerance", settings.tolerance},
+              {"friction", name(settings.friction, std::array{"cone", "pyramid"})},
+              {"warm_starting", settings.warm_starting},
+              {"stabilisation", name(settings.stabilisation, std::array{"soft", "baumgarte", "split_impulse"})},
+              {"correction", settings.correction},
+              {"slop", settings.slop}};
+  put(out, "contact_hertz", settings.contact_hertz);
+  out["contact_damping_ratio"] = settings.contact_damping_ratio;
+  out["contact_push_speed"] = settings.contact_push_speed;
+  put(out, "restitution_threshold", settings.restitution_threshold);
+  out["contact_solver"] = name(settings.contact_solver, solvers);
+  out["joint_solver"] = name(settings.joint_solver, solvers);
+  put(out, "joint_hertz", settings.joint_hertz);
+  out["joint_damping_ratio"] = settings.joint_damping_ratio;
+  out["sleeping"] = settings.sleeping;
+  out["sleep_speed"] = settings.sleep_speed;
+  out["time_to_sleep"] = settings.time_to_sleep;
+  return out;
+}
+
+Json json(const Material& material) {
+  return {{"friction", material.friction},
+          {"restitution", material.restitution},
+          {"rolling_friction", material.rolling_friction},
+          {"torsional_friction", material.torsional_friction}};
+}
+
+Json json(const CollisionFilter& filter) {
+  return {{"category", filter.category}, {"mask", filter.mask}, {"group", filter.group}};
+}
+
+template <typename Round>
+Json round(const char* type, const Round& shape) {
+  return {{"type", type}, {"radius", shape.radius}, {"half_height", shape.half_height}};
+}
+
+Json points(std::span<const Vector3> all) {
+  Json out = Json::array();
+  for (const Vector3& point : all) out.push_back(json(point));
+  return out;
+}
+
+struct ShapeWriter {
+  Json operator()(const Box& box) const { return {{"type", "box"}, {"half_extents", json(box.half_extents)}}; }
+  Json operator()(const Sphere& sphere) const { return {{"type", "sphere"}, {"radius", sphere.radius}}; }
+  Json operator()(const Capsule& shape) const { return round("capsule", shape); }
+  Json operator()(const Cylinder& shape) const { return round("cylinder", shape); }
+  Json operator()(const Cone& shape) const { return round("cone", shape); }
+  Json operator()(const HalfSpace& half_space) const {
+    return {{"type", "half_space"}, {"normal", json(half_space.normal)}, {"offset", half_space.offset}};
+  }
+  Json operator()(const ConvexHull& hull) const { return {{"type", "hull"}, {"points", points(hull.vertices())}}; }
+  Json operator()(const TriangleMesh& mesh) const {
+    Json out = {{"type", "mesh"}, {"vertices", points(mesh.vertices())}, {"triangles", Json::array()}};
+    for (const TriangleMesh::Indices& corners : mesh.triangles()) out["triangles"].push_back(corners);
+    out["smooth_angle"] = mesh.smooth_angle();
+    return out;
+  }
+  Json operator()(const HeightField& field) const {
+    Json rows = Json::array();
+    for (std::size_t row = 0; row < field.rows(); ++row) {
+      rows.push_back(field.heights().subspan(row * field.columns(), field.columns()));
+    }
+    return {{"type", "height_field"},
+            {"heights", std::move(rows)},
+            {"spacing", {field.spacing_x(), field.spacing_y()}},
+            {"smooth", field.smooth()}};
+  }
+  Json operator()(const Compound& compound) const {
+    Json children = Json::array();
+    for (const CompoundChild& child : compound.children) {
+      Json out = {{"shape", std::visit(*this, child.shape)},
+                  {"position", json(child.position)},
+                  {"orientation", json(child.orientation)},
+                  {"density_factor", child.density_factor}};
+      if (child.material) out["material"] = json(*child.material);
+      if (child.filter) out["filter"] = json(*child.filter);
+      children.push_back(std::move(out));
+    }
+    return {{"type", "compound"}, {"children", std::move(children)}};
+  }
+};
+
+Json json(const MotionLocks& locks) {
+  constexpr std::array names = {"x", "y", "z"};
+  Json linear = Json::array(), angular = Json::array();
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (locks.linear[axis]) linear.push_back(names[axis]);
+    if (locks.angular[axis]) angular.push_back(names[axis]);
+  }
+  return {{"linear", std::move(linear)}, {"angular", std::move(angular)}};
+}
+
+// What only dynamic bodies may have.
+void put_dynamics(Json& out, const SceneBody& body) {
+  const BodyDef& def = body.def;
+  if (def.mass) {
+    out["mass"] = *def.mass;
+  } else {
+    out["density"] = def.density;
+  }
+  if (def.inertia) {
+    const Matrix3& m = *def.inertia;
+    out["inertia"] = {m(0, 0), m(1, 1), m(2, 2), m(0, 1), m(0, 2), m(1, 2)};
+  }
+  if (def.gravity_scale != 1) out["gravity_scale"] = def.gravity_scale;
+  if (def.linear_damping != 0) out["linear_damping"] = def.linear_damping;
+  if (def.angular_damping != 0) out["angular_damping"] = def.angular_damping;
+  if (def.locks != MotionLocks{}) out["locks"] = json(def.locks);
+  put_unless_zero(out, "force", body.force);
+}
+
+Json json(const SceneBody& body) {
+  const BodyDef& def = body.def;
+  Json out = Json::object();
+  if (!body.name.empty()) out["name"] = body.name;
+  if (def.type != BodyType::Dynamic) out["type"] = def.type == BodyType::Static ? "static" : "kinematic";
+  out["shape"] = std::visit(ShapeWriter{}, def.shape);
+  if (def.material != Material{}) out["material"] = json(def.material);
+  out["position"] = json(def.position);
+  if (!def.orientation.vec().isZero(0)) out["orientation"] = json(def.orientation);
+  put_unless_zero(out, "velocity", def.velocity);
+  put_unless_zero(out, "angular_velocity", def.angular_velocity);
+  put_unless_zero(out, "surface_velocity", def.surface_velocity);
+  if (def.type == BodyType::Dynamic) put_dynamics(out, body);
+  if (def.filter != CollisionFilter{}) out["filter"] = json(def.filter);
+  if (def.continuous) out["continuous"] = true;
+  if (def.sensor) out["sensor"] = true;
+  if (def.user_data != 0) out["user_data"] = json(def.user_data);
+  return out;
+}
+
+Json json(const JointAxis& axis) {
+  Json out = Json::object();
+  const bool from = axis.range.lower != -unlimited, to = axis.range.upper != unlimited;
+  if (from && to) {
+    out["range"] = {axis.range.lower, axis.range.upper};
+  } else if (from) {
+    out["lower"] = axis.range.lower;
+  } else if (to) {
+    out["upper"] = axis.range.upper;
+  }
+  if (axis.range.restitution != 0) out["restitution"] = axis.range.restitution;
+  if (axis.spring) {
+    Json& spring = out["spring"] = {{"rest", axis.spring->rest}};
+    put(spring, "stiffness", axis.spring->stiffness);
+    put(spring, "damping", axis.spring->damping);
+    if (!axis.spring->is_linear()) {
+      spring["hertz"] = axis.spring->hertz;
+      spring["damping_ratio"] = axis.spring->damping_ratio;
+    }
+  }
+  if (axis.motor) {
+    Json& motor = out["motor"] = {{"speed", axis.motor->speed}};
+    const double force = axis.motor->max_force.value_or(0);
+    motor["max_force"] = force == unlimited ? Json("unlimited") : Json(force);
+    if (const auto& servo = axis.motor->servo) {
+      motor["servo"] = {{"target", servo->target}, {"stiffness", servo->stiffness}, {"damping", servo->damping}};
+    }
+  }
+  if (axis.armature != 0) out["armature"] = axis.armature;
+  return out;
+}
+
+Json json(const std::array<JointAxis, 3>& axes) { return {json(axes[0]), json(axes[1]), json(axes[2])}; }
+
+// The keys that a kind of joint has of its own.
+struct KindWriter {
+  Json operator()(const BallJoint& ball) const { return {{"kind", "ball"}, {"friction", ball.friction}}; }
+  Json operator()(const HingeJoint& hinge) const { return {{"kind", "hinge"}, {"angle", json(hinge.angle)}}; }
+  Json operator()(const SliderJoint& slider) const { return {{"kind", "slider"}, {"offset", json(slider.offset)}}; }
+  Json operator()(const FixedJoint&) const { return {{"kind", "fixed"}}; }
+  Json operator()(const DistanceJoint& rod) const { return {{"kind", "distance"}, {"distance", json(rod.distance)}}; }
+  Json operator()(const UniversalJoint& cross) const {
+    return {{"kind", "universal"}, {"angle_first", json(cross.first)}, {"angle_second", json(cross.second)}};
+  }
+  Json operator()(const ConeTwistJoint& cone) const {
+    Json out = {{"kind", "cone_twist"}, {"twist", json(cone.twist)}, {"swing_friction", cone.swing_friction}};
+    if (cone.swing_limit != unlimited) out["swing_limit"] = cone.swing_limit;
+    return out;
+  }
+  Json operator()(const SixDofJoint& six) const {
+    return {{"kind", "six_dof"}, {"offset", json(six.offset)}, {"turn", json(six.turn)}};
+  }
+  Json operator()(const GearJoint& gear) const {
+    return {{"kind", "gear"}, {"ratio", gear.ratio}, {"rack", gear.rack}};
+  }
+  Json operator()(const WheelJoint& wheel) const {
+    return {{"kind", "wheel"},
+            {"suspension", json(wheel.suspension)},
+            {"steering", json(wheel.steering)},
+            {"spin", json(wheel.spin)}};
+  }
+};
+
+Json json(const Pose& frame) { return {{"position", json(frame.position)}, {"orientation", json(frame.orientation)}}; }
+
+Json json(const SceneJoint& joint) {
+  const JointDef& def = joint.def;
+  Json out = std::visit(KindWriter{}, def.kind);
+  if (!joint.name.empty()) out["name"] = joint.name;
+  out["first"] = joint.first;
+  out["second"] = joint.second;
+  out["frame_first"] = json(def.frame_first);
+  out["frame_second"] = json(def.frame_second);
+  if (def.collide) out["collide"] = true;
+  if (def.break_force != unlimited) out["break_force"] = def.break_force;
+  if (def.break_torque != unlimited) out["break_torque"] = def.break_torque;
+  if (def.user_data != 0) out["user_data"] = json(def.user_data);
+  return out;
+}
+
+// Names of bodies, or joints, in files are each one's own: those that come again are left out.
+template <typename Part>
+Json parts(const std::vector<Part>& all) {
+  Json out = Json::array();
+  std::set<std::string> names;
+  for (const Part& part : all) {
+    out.push_back(json(part));
+    if (!part.name.empty() && !names.insert(part.name).second) out.back().erase("name");
+  }
+  return out;
+}
+
+}  // namespace
+}  // namespace scene
+
+std::string scene_text(const Scene& scene) {
+  using namespace scene;
+  Json out = {{"format", "atoll-scene"}, {"version", 1}};
+  if (!scene.name.empty()) out["name"] = scene.name;
+  out["gravity"] = json(scene.gravity);
+  out["dt"] = scene.dt;
+  out["steps"] = scene.steps;
+  if (scene.starts_at_rest) out["starts_at_rest"] = true;
+  out["settings"] = json(scene.settings);
+  // A line each for bodies and joints: files of thousands of them are still read by people, and compared line by line.
+  std::string text = out.dump(2);
+  text.resize(text.size() - 2);
+  const auto add = [&text](const char* key, const Json& all) {
+    if (all.empty()) return;
+    text += std::string(",\n  \"") + key + "\": [";
+    const char* separator = "\n    ";
+    for (const Json& part : all) {
+      text += separator + part.dump();
+      separator = ",\n    ";
+    }
+    text += "\n  ]";
+  };
+  add("bodies", parts(scene.bodies));
+  add("joints", parts(scene.joints));
+  return text + "\n}\n";
+}
+
+void write_scene(const Scene& scene, const std::string& path) {
+  const std::string beside = path + ".partial";
+  std::ofstream out(beside, std::ios::binary);
+  out << scene_text(scene);
+  out.close();
+  std::error_code error;
+  if (out) std::filesystem::rename(beside, path, error);
+  if (out && !error) return;
+  std::filesystem::remove(beside, error);
+  throw SceneError(path + ": the scene can't be written there, expected a place for a file");
+}
+
+}  // namespace atl
