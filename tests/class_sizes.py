@@ -16,7 +16,6 @@ MOST_MEMBERS = 15
 EXEMPT = {"World"}
 # Those that are yet to be split, with what they have now: functions, members. They may shrink, and leave the list.
 TO_SPLIT = {
-    "AabbTree": (30, 8),
     "Broadphase": (38, 13),
     "ContactCache": (26, 18),
     "ContactStretch": (33, 18),

@@ -1,95 +1,20 @@
 #include <collision/broadphase/aabb_tree.h>
-#include <jobs/append.h>
 
 #include <algorithm>
 #include <utility>
 
 namespace atl::collision {
 
-std::int32_t AabbTree::allocate() {
-  if (free_ == Node::none) {
-    nodes_.emplace_back();
-    return static_cast<std::int32_t>(nodes_.size()) - 1;
-  }
-  const std::int32_t node = free_;
-  free_ = at(node).parent;
-  at(node) = Node();
-  return node;
-}
-
-void AabbTree::release(std::int32_t node) {
-  at(node) = Node();
-  at(node).parent = free_;
-  free_ = node;
-}
-
-// Puts a child into a slot; none is the place of the root.
-void AabbTree::put(std::int32_t slot, std::int32_t child, const Aabb& box) {
-  if (slot == Node::none) {
-    root_ = child;
-  } else {
-    at(slot / 2).child[slot % 2] = child;
-    at(slot / 2).set_box(slot % 2, box);
-  }
-  if (Node::is_node(child)) {
-    at(child).parent = slot;
-  } else {
-    slots_[item_of(child)] = slot;
-  }
-}
-
-// Walks down to the slot whose content grows least, in area, by getting the new leaf as its sibling.
-std::int32_t AabbTree::best_slot(const Aabb& box) const {
-  std::int32_t slot = Node::none;
-  std::int32_t content = root_;
-  Aabb around = at(root_).joined();
-  while (Node::is_node(content)) {
-    const Node& node = at(content);
-    const float joined = around.joined(box).half_area();
-    const float cost_here = 2 * joined;                         // a new parent of this node and the leaf
-    const float inherited = 2 * (joined - around.half_area());  // this node's growth, if it goes deeper
-    float cost[2];
-    for (int side = 0; side < 2; ++side) {
-      const Aabb child = node.box(side);
-      const float grown = child.joined(box).half_area();
-      cost[side] = inherited + (Node::is_leaf(node.child[side]) ? grown : grown - child.half_area());
-    }
-    if (cost_here < cost[0] && cost_here < cost[1]) break;
-    const int side = cost[1] < cost[0] ? 1 : 0;
-    slot = 2 * content + side;
-    around = node.box(side);
-    content = node.child[side];
-  }
-  return slot;
-}
-
 void AabbTree::insert(std::uint32_t item, const Aabb& box) {
-  if (item >= slots_.size()) jobs::append(slots_, item + std::size_t{1}, Node::none);
-  ++size_;
   ++changes_;
-  if (size_ <= 2) {
-    // The root alone may have fewer than two children.
-    if (size_ == 1) root_ = allocate();
-    put(2 * root_ + (at(root_).child[0] == Node::none ? 0 : 1), leaf_of(item), box);
-    return;
-  }
-  const std::int32_t slot = best_slot(box);
-  const std::int32_t sibling = slot == Node::none ? root_ : at(slot / 2).child[slot % 2];
-  const Aabb sibling_box = slot == Node::none ? at(root_).joined() : at(slot / 2).box(slot % 2);
-  const std::int32_t parent = allocate();
-  put(2 * parent, sibling, sibling_box);
-  put(2 * parent + 1, leaf_of(item), box);
-  update_height(parent);
-  put(slot, parent, at(parent).joined());
-  if (slot != Node::none) refit(slot / 2);
-  if (at(root_).height < max_height) return;
+  nodes_.insert(item, box);
+  if (!nodes_.is_too_high()) return;
   builder_.leaves.clear();
   rebuild(nullptr);
 }
 
 void AabbTree::insert_later(std::uint32_t item, const Aabb& box) {
-  if (item >= slots_.size()) jobs::append(slots_, item + std::size_t{1}, Node::none);
-  slots_[item] = ~static_cast<std::int32_t>(later_.size());
+  nodes_.set_aside(item, ~static_cast<std::int32_t>(later_.size()));
   later_.push_back({box, item});
 }
 
@@ -98,7 +23,7 @@ void AabbTree::take_in(jobs::Arena* arena) {
   // to 2.3 us against 0.1 to 0.2 us. Fewer than a tenth are inserted.
   constexpr std::size_t insertion = 10;
   if (later_.empty()) return;
-  const std::size_t all = size_ + later_.size();
+  const std::size_t all = size();
   if (later_.size() * insertion < all) {
     for (const AabbTreeLeaf& leaf : later_) insert(leaf.item, leaf.box);
     later_.clear();
@@ -107,112 +32,45 @@ void AabbTree::take_in(jobs::Arena* arena) {
   // What so many take is given back: they seldom come again.
   builder_.leaves = std::move(later_);
   later_ = {};
-  size_ = all;
   rebuild(arena);
   builder_ = {};
 }
 
 void AabbTree::remove(std::uint32_t item) {
-  const std::int32_t slot = slots_[item];
-  slots_[item] = Node::none;
-  if (slot < 0) {
-    // The last one takes its place.
-    AabbTreeLeaf& leaf = later_[static_cast<std::size_t>(~slot)];
-    if (later_.back().item != item) {
-      leaf = later_.back();
-      slots_[leaf.item] = slot;
-    }
-    later_.pop_back();
+  const std::int32_t slot = nodes_.slot(item);
+  if (slot >= 0) {
+    ++changes_;
+    nodes_.remove(item);
     return;
   }
-  --size_;
-  ++changes_;
-  const std::int32_t node = slot / 2;
-  at(node).clear(slot % 2);
-  if (size_ == 0) {
-    root_ = Node::none;
-    release(node);
-  } else if (const std::int32_t other = at(node).child[1 - slot % 2]; node != root_ || Node::is_node(other)) {
-    // Where the node was, its other child comes.
-    const Aabb box = at(node).box(1 - slot % 2);
-    const std::int32_t above = at(node).parent;
-    release(node);
-    put(above, other, box);
-    if (above != Node::none) refit(above / 2);
+  // The last one takes its place.
+  nodes_.set_aside(item, AabbTreeNode::none);
+  AabbTreeLeaf& leaf = later_[static_cast<std::size_t>(~slot)];
+  if (later_.back().item != item) {
+    leaf = later_.back();
+    nodes_.set_aside(leaf.item, slot);
   }
+  later_.pop_back();
 }
 
 void AabbTree::move(std::uint32_t item, const Aabb& box) {
-  const std::int32_t slot = slots_[item];
+  const std::int32_t slot = nodes_.slot(item);
   if (slot < 0) {
     later_[static_cast<std::size_t>(~slot)].box = box;
     return;
   }
   // Far from its neighbours a leaf would make the boxes around all of them large.
-  if (size_ > 2 && !at(slot / 2).box(slot % 2).overlaps(box)) {
+  if (nodes_.size() > 2 && !nodes_.box(item).overlaps(box)) {
     remove(item);
     insert(item, box);
     return;
   }
   ++changes_;
-  at(slot / 2).set_box(slot % 2, box);
-  refit_boxes(slot / 2);
-}
-
-// Recomputes boxes from a node's parent upwards, as far as they change.
-void AabbTree::refit_boxes(std::int32_t node) {
-  for (std::int32_t slot = at(node).parent; slot != Node::none; slot = at(slot / 2).parent) {
-    const Aabb box = at(node).joined();
-    node = slot / 2;
-    if (box == at(node).box(slot % 2)) return;
-    at(node).set_box(slot % 2, box);
-  }
-}
-
-std::int32_t AabbTree::height_of(std::int32_t child) const { return Node::is_node(child) ? at(child).height : 0; }
-
-void AabbTree::update_height(std::int32_t node) {
-  at(node).height = 1 + std::max(height_of(at(node).child[0]), height_of(at(node).child[1]));
-}
-
-// Where one child is much higher than the other, swaps the other for the higher one's higher child: as an AVL
-// tree's rotation, but seldom, as it pays no regard to boxes. Without it, insertion along a line makes a list.
-void AabbTree::balance(std::int32_t node) {
-  // Low enough to bound the height by about twice the ideal, high enough to leave a rebuilt tree alone.
-  constexpr std::int32_t most_difference = 4;
-  const std::int32_t difference = height_of(at(node).child[0]) - height_of(at(node).child[1]);
-  if (difference >= -most_difference && difference <= most_difference) return;
-  const int high = difference > 0 ? 0 : 1;
-  const std::int32_t tall = at(node).child[high];
-  const std::int32_t low = at(node).child[1 - high];
-  const Aabb low_box = at(node).box(1 - high);
-  const int higher = height_of(at(tall).child[0]) >= height_of(at(tall).child[1]) ? 0 : 1;
-  const std::int32_t risen = at(tall).child[higher];
-  const Aabb risen_box = at(tall).box(higher);
-  put(2 * tall + higher, low, low_box);
-  put(2 * node + (1 - high), risen, risen_box);
-  put(2 * node + high, tall, at(tall).joined());
-  update_height(tall);
-}
-
-// Recomputes boxes and heights from a node upwards, as far as they change.
-void AabbTree::refit(std::int32_t node) {
-  while (true) {
-    const std::int32_t old_height = at(node).height;
-    balance(node);
-    update_height(node);
-    const std::int32_t slot = at(node).parent;
-    if (slot == Node::none) return;
-    const Aabb box = at(node).joined();
-    const bool same_height = at(node).height == old_height;
-    node = slot / 2;
-    if (same_height && box == at(node).box(slot % 2)) return;
-    at(node).set_box(slot % 2, box);
-  }
+  nodes_.set_box(item, box);
 }
 
 void AabbTree::rebuild_if_worn(jobs::Arena* arena) {
-  if (changes_ < size_ || size_ <= 2) return;
+  if (changes_ < nodes_.size() || nodes_.size() <= 2) return;
   builder_.leaves.clear();
   rebuild(arena);
 }
@@ -220,15 +78,8 @@ void AabbTree::rebuild_if_worn(jobs::Arena* arena) {
 // Of the builder's leaves and those of the nodes.
 void AabbTree::rebuild(jobs::Arena* arena) {
   changes_ = 0;
-  builder_.leaves.reserve(size_);
-  for (const Node& node : nodes_) {
-    for (const int side : {0, 1}) {
-      if (Node::is_leaf(node.child[side])) builder_.leaves.push_back({node.box(side), item_of(node.child[side])});
-    }
-  }
-  builder_.build(nodes_, slots_, arena);
-  root_ = nodes_.empty() ? Node::none : 0;
-  free_ = Node::none;
+  builder_.leaves.reserve(builder_.leaves.size() + nodes_.size());
+  nodes_.rebuild(builder_, arena);
 }
 
 }  // namespace atl::collision
