@@ -6,10 +6,10 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 scratch=$1
 shift
 rm -rf "$scratch"
-stores=(Stores StepClock BodyTable BodyRecords Sleeping ContactEvents SensorEvents)
+stores=(Stores StepClock BodyTable BodyRecords Sleeping ContactEvents SensorEvents ContactChoices)
 headers=(runtime/world/stores.h runtime/world/stores.h solver/include/solver/integrate/body_table.h
          runtime/world/body_records.h runtime/world/sleeping.h runtime/world/contact_events.h
-         runtime/world/contact_events.h)
+         runtime/world/contact_events.h runtime/world/contact_choices.h)
 for i in "${!stores[@]}"; do
   header=${headers[i]}
   copy=$scratch/include/$(sed -E 's#^(runtime|solver/include)/##' <<< "$header")

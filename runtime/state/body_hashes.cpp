@@ -51,6 +51,15 @@ void hash_body(const Stores& world, BodyParts& parts, std::uint32_t body) {
     parts.input.list(others);
   }
 
+  if (!world.choices.is_empty()) {
+    for (const collision::Pair pair : world.choices.refused) {
+      const bool is_own = world.colliders.body[pair.first] == body || world.colliders.body[pair.second] == body;
+      if (is_own) parts.input.value(pair.key());
+    }
+    const std::vector<std::uint32_t>& again = world.choices.refiltered;
+    if (std::binary_search(again.begin(), again.end(), body)) parts.input.value(true);
+  }
+
   parts.rest.value(world.sleeping.awake[body]);
   parts.rest.value(world.sleeping.rest_time[body]);
   parts.rest.value(world.sleeping.ring[body]);

@@ -179,6 +179,12 @@ struct SetName {
   void make(World& world) const { world.set_name(body, name); }
 };
 
+struct Refilter {
+  BodyId body;
+  static auto fields(auto& self) { return std::tie(self.body); }
+  void make(World& world) const { world.refilter(body); }
+};
+
 }  // namespace atl::calls
 
 namespace atl {
@@ -188,7 +194,7 @@ using RecordedCall =
                  calls::ApplyImpulse, calls::Wake, calls::SetFilter, calls::SetCollisionEnabled, calls::Release,
                  calls::AddJoint, calls::RemoveJoint, calls::SetJoint, calls::SetJointEnabled, calls::SetGravity,
                  calls::SetSettings, calls::SetMaterial, calls::SetMass, calls::SetGravityScale, calls::SetDamping,
-                 calls::SetUserData, calls::SetName>;
+                 calls::SetUserData, calls::SetName, calls::Refilter>;
 
 template <typename Archive, typename Field>
 void visit_field(Archive& archive, Field& field) {

@@ -59,11 +59,13 @@ void Recorder::note_state(const Roster& roster, std::span<const std::byte> state
   write(RecordKind::State, writer);
 }
 
-void Recorder::note_step(double dt, bool forced) {
+void Recorder::note_step(double dt, bool forced, const ContactRules& rules) {
   ++steps_;
   StateWriter writer(bytes_);
   writer.value(dt);
   writer.value(forced);
+  writer.value(rules.filters());
+  writer.value(rules.modifies());
   write(RecordKind::Step, writer);
   file_.flush();
 }
@@ -87,6 +89,13 @@ void Recorder::note_forces(bool given) {
   StateWriter writer(bytes_);
   visit_forces(writer, given, forces_);
   write(RecordKind::Forces, writer);
+  file_.flush();
+}
+
+void Recorder::note_answers(std::uint32_t question, const ContactAnswers& answers) {
+  StateWriter writer(bytes_);
+  visit_answers(writer, question, answers);
+  write(RecordKind::ContactAnswers, writer);
   file_.flush();
 }
 

@@ -16,6 +16,7 @@
 #include "state/recording_file.h"
 #include "state/roster.h"
 #include "state/state_archive.h"
+#include "step/contact_rules.h"
 #include "world/body_definition.h"
 #include "world/stores.h"
 
@@ -57,10 +58,12 @@ class Recorder {
   void note_state(const Roster& roster, std::span<const std::byte> state);
   /// Ahead of a step, and in the file by then: should the step crash, the recording has all that leads there.
   /// A forced one is followed by what its law asked for, a record for each time, in the file as soon as it is known.
-  void note_step(double dt, bool forced);
+  void note_step(double dt, bool forced, const ContactRules& rules);
   /// 3 x bodies: N, N m.
   void note_forces(const Eigen::Ref<const Eigen::Matrix3Xd>& forces, const Eigen::Ref<const Eigen::Matrix3Xd>& torques);
   void note_no_forces();  ///< the law threw, and ended the step
+  /// What a contact filter or modifier said, as the question of that number in the step. In the file at once.
+  void note_answers(std::uint32_t question, const ContactAnswers& answers);
   void note_hash(std::uint64_t hash);
   /// Whether bodies are to be hashed one by one after the step that was noted last.
   bool wants_bodies(std::size_t count) const;
@@ -103,6 +106,24 @@ void visit_forces(Archive& archive, bool& given, Forces& forces) {
     archive.value(of.body);
     visit_field(archive, of.force);
     visit_field(archive, of.torque);
+  });
+}
+
+template <typename Archive, typename Answers>
+void visit_answers(Archive& archive, std::uint32_t& question, Answers& answers) {
+  archive.value(question);
+  visit_each(archive, answers.refused, sizeof(collision::Pair), [&](auto& pair) {
+    archive.value(pair.first);
+    archive.value(pair.second);
+  });
+  visit_each(archive, answers.modified, sizeof(collision::Pair), [&](auto& of) {
+    archive.value(of.pair.first);
+    archive.value(of.pair.second);
+    archive.value(of.part);
+    archive.value(of.points);
+    archive.value(of.friction);
+    archive.value(of.restitution);
+    archive.values(of.slip.data(), of.slip.size());
   });
 }
 

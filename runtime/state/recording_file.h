@@ -17,7 +17,7 @@
 namespace atl {
 
 /// The version is of all that follows, the state as in snapshot.cpp included.
-inline constexpr FileHeader recording_header = {.magic = {'A', 'T', 'O', 'L', 'L', 'R', 'E', 'C'}, .version = 10};
+inline constexpr FileHeader recording_header = {.magic = {'A', 'T', 'O', 'L', 'L', 'R', 'E', 'C'}, .version = 11};
 
 enum class RecordKind : std::uint32_t {
   Begin = 1,  ///< whose recording it is
@@ -25,12 +25,13 @@ enum class RecordKind : std::uint32_t {
   BodyKind,   ///< what never changes of bodies, numbered from 0 in the order in which they come
   AddBody,
   State,   ///< to take on: all of a world as the recording began, or as it was restored
-  Step,    ///< to do: dt, and whether a force law has a say in it
+  Step,    ///< to do: dt, and whether a force law, a contact filter and a contact modifier have a say in it
   Hash,    ///< of the state after a step, or as the recording began
   Bodies,  ///< hashes of them, one by one
   End,
   Forces,      ///< what a force law asked for
   SetShape,    ///< of a body, as one of the kinds
+  ContactAnswers,  ///< what a contact filter or modifier said in a step, at one of the times when they were asked
   Call = 256,  ///< the first of those in RecordedCall (recorded_calls.h)
 };
 

@@ -80,7 +80,7 @@ class Replay {
   }
 
   ReplayResult run() {
-    while (!done_ && reader_.next()) {
+    while (!done_ && next()) {
       try {
         StateReader record(reader_.content(), record_source);
         take(record);
@@ -96,6 +96,9 @@ class Replay {
   }
 
  private:
+  // The next record, or again one that was put back.
+  bool next() { return std::exchange(put_back_, false) || reader_.next(); }
+
   void take(StateReader& record) {
     const RecordKind kind = reader_.kind();
     record.check(begun_ || kind == RecordKind::Begin || kind == RecordKind::Geometry || kind == RecordKind::State,
@@ -124,6 +127,8 @@ class Replay {
       case RecordKind::Step:
         step(record);
         break;
+      case RecordKind::ContactAnswers:  // to what this run didn't ask: it has come to something else
+        return;
       case RecordKind::Hash:
         compare_hash(record);
         break;
@@ -177,6 +182,10 @@ class Replay {
     bool forced = false;
     record.value(dt);
     record.value(forced);
+    ContactRules::Recorded& rules = world_.impl_->rules.recorded;
+    record.value(rules.filters);
+    record.value(rules.modifies);
+    rules.answer = [this](std::uint32_t question) { return take_answers(question); };
     if (forced) {
       try {
         world_.step(dt, [this](Forces& forces) { take_forces(forces); });
@@ -191,7 +200,7 @@ class Replay {
 
   // The law's next answer.
   void take_forces(Forces& forces) {
-    if (!reader_.next()) throw LawEnded{};
+    if (!next()) throw LawEnded{};
     StateReader record(reader_.content(), record_source);
     record.check(reader_.kind() == RecordKind::Forces, "a step without the forces of its law");
     bool given = false;
@@ -203,6 +212,21 @@ class Replay {
       forces.forces().col(of.body) = of.force;
       forces.torques().col(of.body) = of.torque;
     }
+  }
+
+  // What a contact filter or modifier said; nothing is recorded where it left all as it is.
+  ContactAnswers take_answers(std::uint32_t question) {
+    ContactAnswers answers;
+    if (!next()) return answers;
+    if (reader_.kind() == RecordKind::ContactAnswers) {
+      StateReader record(reader_.content(), record_source);
+      std::uint32_t number = 0;
+      visit_answers(record, number, answers);
+      record.check(record.left() == 0, "more than there should be");
+      if (number == question) return answers;
+    }
+    put_back_ = true;
+    return {};
   }
 
   void compare_hash(StateReader& record) {
@@ -227,6 +251,7 @@ class Replay {
   Geometry geometry_;
   std::vector<BodyConstants> kinds_;
   bool begun_ = false;
+  bool put_back_ = false;  // the record that was read last
   bool done_ = false;
   ReplayResult result_;
 };

@@ -85,6 +85,32 @@ void visit_pair(Archive& archive, Pair& pair) {
   archive.value(pair.second);
 }
 
+/// What a contact filter refused, and of which bodies it is to be asked again. Contacts go before.
+template <typename Archive, typename AnyWorld>
+void visit_choices(Archive& archive, AnyWorld& world) {
+  auto& choices = world.choices;
+  if (Archive::hashes && choices.is_empty()) return;
+  if constexpr (Archive::reads) {
+    choices.refused.resize(archive.count_of(sizeof(collision::Pair)));
+  } else {
+    archive.value(static_cast<std::uint32_t>(choices.refused.size()));
+  }
+  collision::Pair before = {};
+  for (auto& pair : choices.refused) {
+    visit_pair(archive, pair);
+    archive.check(may_touch(world, pair) && before < pair && !world.cache.pairs.contains(pair),
+                  "a refused pair that can't be");
+    before = pair;
+  }
+  archive.list(choices.refiltered);
+  std::uint32_t next = 0;
+  for (const std::uint32_t body : choices.refiltered) {
+    archive.check(body >= next && body < world.bodies.size() && world.records.alive[body],
+                  "the number of a body that there is not");
+    next = body + 1;
+  }
+}
+
 /// `AnyWorld` is Stores, const where the archive doesn't read. Before a state is read the world has its roster.
 template <typename Archive, typename AnyWorld>
 class WorldState {
@@ -105,6 +131,7 @@ class WorldState {
     visit_kept_apart();
     visit_boxes();
     visit_contacts();
+    visit_choices(archive_, world_);
   }
 
   // The parts that body_hash.cpp tells by body.
@@ -507,9 +534,13 @@ class WorldState {
   // told, known by the roster, or of no consequence for the next step. A member that is new has to be put into one.
   void check_members() {
     {
-      auto& [gravity, settings, clock, bodies, records, joints, broadphase, aabbs, cache, surface_contacts, sleeping,
-             quarantine, selection, results, /**/ contents, colliders, active, reaches, changes] = world_;
+      auto& [gravity, settings, clock, bodies, records, joints, broadphase, aabbs, cache, choices, surface_contacts,
+             sleeping, quarantine, selection, results, /**/ contents, colliders, active, reaches, changes] = world_;
       static_cast<void>(gravity);
+    }
+    {
+      auto& [refused, refiltered, /**/ modified] = world_.choices;
+      static_cast<void>(refused);
     }
     {
       auto& [steps, last_dt, last_substep, /**/ dt] = world_.clock;

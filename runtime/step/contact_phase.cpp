@@ -1,5 +1,11 @@
 #include "step/contact_phase.h"
 
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <iterator>
+#include <utility>
+
 #include "world/colliders.h"
 
 namespace atl {
@@ -35,6 +41,62 @@ void note_reaches(Stores& world, jobs::Arena& arena) {
   });
 }
 
+// Pairs of which a filter is asked again: those with a contact, and those that were refused, which are forgotten.
+struct AskedAgain {
+  std::vector<collision::Pair> in_contact, refused;
+};
+AskedAgain take_asked_again(Stores& world) {
+  AskedAgain again;
+  ContactChoices& choices = world.choices;
+  if (choices.refiltered.empty()) return again;
+  for (const std::uint32_t body : choices.refiltered) {
+    world.cache.for_each_contact_of(body, [&](std::uint32_t slot) {
+      if (world.cache.contacts[slot].part == 0) again.in_contact.push_back(world.cache.contacts[slot].pair);
+    });
+  }
+  std::sort(again.in_contact.begin(), again.in_contact.end());
+  again.in_contact.erase(std::unique(again.in_contact.begin(), again.in_contact.end()), again.in_contact.end());
+  const auto is_asked = [&](std::uint32_t collider) {
+    return std::binary_search(choices.refiltered.begin(), choices.refiltered.end(), world.colliders.body[collider]);
+  };
+  const auto stays = [&](collision::Pair pair) { return !is_asked(pair.first) && !is_asked(pair.second); };
+  const auto asked = std::stable_partition(choices.refused.begin(), choices.refused.end(), stays);
+  again.refused.assign(asked, choices.refused.end());
+  choices.refused.erase(asked, choices.refused.end());
+  choices.refiltered.clear();
+  return again;
+}
+
+// New pairs, less those that a filter refuses or has refused. What it is asked of again may lose its contacts.
+void find_pairs_by_filter(Stores& world, const StepContext& step) {
+  ContactChoices& choices = world.choices;
+  std::erase_if(choices.refused, [&](collision::Pair pair) {
+    return (world.broadphase.has_moved(pair.first) || world.broadphase.has_moved(pair.second)) &&
+           !world.broadphase.overlap(pair.first, pair.second);
+  });
+  std::vector<collision::Pair> fresh;
+  const std::span<const collision::Pair> found = world.broadphase.find_new_pairs(world.cache.pairs, step.arena);
+  std::copy_if(found.begin(), found.end(), std::back_inserter(fresh),
+               [&](collision::Pair pair) { return !choices.is_refused(pair); });
+  const AskedAgain again = take_asked_again(world);
+  add_in_order(fresh, again.refused);
+  if (step.rules != nullptr && step.rules->filters()) {
+    std::vector<collision::Pair> asked = fresh;
+    add_in_order(asked, again.in_contact);
+    const std::vector<collision::Pair> refused = step.rules->refuse(world, asked);
+    const auto is_refused = [&](collision::Pair pair) {
+      return std::binary_search(refused.begin(), refused.end(), pair);
+    };
+    std::erase_if(fresh, is_refused);
+    if (std::any_of(again.in_contact.begin(), again.in_contact.end(), is_refused)) {
+      world.cache.remove_any_if([&](std::uint32_t slot) { return is_refused(world.cache.contacts[slot].pair); });
+      world.changes.islands = true;
+    }
+    add_in_order(choices.refused, refused);
+  }
+  world.cache.add(fresh, [&](collision::Pair pair) { return contact_start(world, pair); });
+}
+
 }  // namespace
 
 void find_pairs(Stores& world, const StepContext& step) {
@@ -42,6 +104,8 @@ void find_pairs(Stores& world, const StepContext& step) {
   if (world.clock.dt > world.clock.last_dt) world.aabbs.mark_all_dirty();
   world.aabbs.update(world.active.in_order(), motions(world), world.broadphase, step.arena);
   step.report.counts.new_boxes = static_cast<std::int64_t>(world.broadphase.moved_count());
+  const bool filtered = step.rules != nullptr && step.rules->filters();
+  if (filtered || !world.choices.is_empty()) return find_pairs_by_filter(world, step);
   world.cache.add(world.broadphase.find_new_pairs(world.cache.pairs, step.arena),
                   [&](collision::Pair pair) { return contact_start(world, pair); });
 }
@@ -58,12 +122,120 @@ void place_idle_contacts(Stores& world, const collision::NarrowphaseKernels& ker
   collision::place_contacts(world.cache, world.broadphase, contact_input(world, kernels), idle, arena);
 }
 
+namespace {
+
+// Contacts that a modifier changed in the last step are again as materials say.
+void undo_modified(Stores& world) {
+  for (const auto& [slot, pair] : world.choices.modified) {
+    if (world.cache.contacts[slot].pair != pair || !world.cache.pairs.contains(pair)) continue;
+    const collision::ContactCache::Start start = contact_start(world, pair);
+    world.cache.manifolds[slot].friction = start.friction;
+    world.cache.manifolds[slot].restitution = start.restitution;
+  }
+  world.choices.modified.clear();
+}
+
+// Takes points of a manifold away for a step. The others lie about another centre, at which friction acts.
+void switch_off_points(collision::ContactManifold& manifold, std::size_t count, unsigned on) {
+  float x = 0, y = 0, points = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    if ((on >> i & 1) != 0) {
+      x += manifold.x[i];
+      y += manifold.y[i];
+      ++points;
+      continue;
+    }
+    manifold.x[i] = manifold.y[i] = 0;
+    manifold.separation[i] = collision::no_point;
+    manifold.normal_impulse[i] = 0;
+  }
+  if (points == 0) {
+    std::fill_n(manifold.friction_impulse, 3, 0.0f);
+    manifold.twist_impulse = 0;
+    return;
+  }
+  x /= points;
+  y /= points;
+  manifold.lever = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    if ((on >> i & 1) == 0) continue;
+    manifold.x[i] -= x;
+    manifold.y[i] -= y;
+    manifold.lever += std::sqrt(manifold.x[i] * manifold.x[i] + manifold.y[i] * manifold.y[i]) / points;
+  }
+  const collision::Tangents frame = collision::tangents(manifold.normal);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const float shift = x * frame.first[i] + y * frame.second[i];
+    manifold.anchor_first[i] += shift;
+    manifold.anchor_second[i] += shift;
+  }
+}
+
+}  // namespace
+
+void ContactPhase::change(Stores& world, std::uint32_t slot, const ModifiedContact& modified) {
+  const std::size_t count = world.cache.contacts[slot].count;
+  collision::ContactManifold& manifold = world.cache.manifolds[slot];
+  world.choices.modified.push_back({slot, modified.pair});
+  manifold.friction = modified.friction;
+  manifold.restitution = modified.restitution;
+  if (modified.points != (1u << count) - 1) {
+    switch_off_points(manifold, count, modified.points);
+    for (std::size_t i = 0; i < count; ++i) modified_.points_off += (modified.points >> i & 1) == 0;
+    if (modified.points == 0) modified_.off.push_back(slot);
+  }
+  if (modified.slip == std::array<float, 3>{}) return;
+  if (!modified_.slips) slips_.assign(world.cache.manifolds.size(), {});
+  modified_.slips = true;
+  std::copy_n(modified.slip.data(), 3, slips_[slot].velocity);
+}
+
+void ContactPhase::modify(Stores& world, const StepContext& step, std::span<const solver::TouchingPair> contacts) {
+  const std::vector<ModifiedContact> all = step.rules->modify(world, contacts);
+  auto next = all.begin();
+  for (const solver::TouchingPair& touching : contacts) {
+    if (next == all.end()) break;
+    const collision::Contact& contact = world.cache.contacts[touching.slot];
+    if (next->pair == contact.pair && next->part == contact.part) change(world, touching.slot, *next++);
+  }
+  list_on(world);
+}
+
+// What touches, less what is off.
+void ContactPhase::list_on(const Stores& world) {
+  std::vector<std::uint32_t>& off = modified_.off;
+  std::sort(off.begin(), off.end());
+  off_changed_ = off != off_before_;
+  on_.clear();
+  modified_.pairs_off.clear();
+  if (off.empty()) return;
+  const auto is_off = [&](const solver::TouchingPair& pair) {
+    return std::binary_search(off.begin(), off.end(), pair.slot);
+  };
+  const auto pair_of = [&](const solver::TouchingPair& pair) { return world.cache.contacts[pair.slot].pair; };
+  std::copy_if(update_.touching.begin(), update_.touching.end(), std::back_inserter(on_), std::not_fn(is_off));
+  for (auto first = update_.touching.begin(); first != update_.touching.end();) {
+    const auto end = std::find_if(first, update_.touching.end(),
+                                  [&](const solver::TouchingPair& pair) { return pair_of(pair) != pair_of(*first); });
+    if (std::all_of(first, end, is_off)) modified_.pairs_off.push_back(pair_of(*first));
+    first = end;
+  }
+}
+
 void ContactPhase::update(Stores& world, const StepContext& step) {
+  undo_modified(world);
   note_reaches(world, step.arena);
   world.cache.rises.resize(world.contents.smooth_surfaces > 0 ? world.cache.contacts.size() : 0);
   collision::update_contacts(world.cache, world.broadphase, contact_input(world, step.narrowphase_kernels), step.arena,
                              update_);
   world.broadphase.forget_moves();
+  off_before_ = std::move(modified_.off);
+  modified_ = {};
+  if (step.rules != nullptr && step.rules->modifies()) {
+    modify(world, step, update_.touching);
+  } else {
+    list_on(world);
+  }
   const collision::ContactUpdateCounts& found = update_.counts;
   StepCounts& counts = step.report.counts;
   counts.fcl_calls = found.fcl_calls;
@@ -79,7 +251,17 @@ void ContactPhase::update(Stores& world, const StepContext& step) {
 void ContactPhase::add_woken(Stores& world, const StepContext& step, std::span<const std::uint32_t> slots) {
   collision::place_contacts(world.cache, world.broadphase, contact_input(world, step.narrowphase_kernels), slots,
                             step.arena);
-  update_.add_touching(world.cache, slots);
+  if (step.rules != nullptr && step.rules->modifies()) {
+    std::vector<solver::TouchingPair> woken;
+    for (const std::uint32_t slot : slots) {
+      const collision::Contact& contact = world.cache.contacts[slot];
+      if (contact.count > 0) woken.push_back({contact.body_first, contact.body_second, slot});
+    }
+    update_.add_touching(world.cache, slots);
+    modify(world, step, woken);
+  } else {
+    update_.add_touching(world.cache, slots);
+  }
 }
 
 void ContactPhase::remove_lost(Stores& world) const {

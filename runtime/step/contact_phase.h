@@ -1,10 +1,14 @@
 #pragma once
 
 #include <collision/contacts/update_contacts.h>
+#include <jobs/bytes.h>
+#include <solver/constraints/surface_contact.h>
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
+#include "step/contact_rules.h"
 #include "step/step_context.h"
 #include "world/stores.h"
 
@@ -16,7 +20,7 @@ void find_pairs(Stores& world, const StepContext& step);
 /// Finds out where the points of contacts are that steps leave alone, as both their bodies rest: for callers that ask.
 void place_idle_contacts(Stores& world, const collision::NarrowphaseKernels& kernels, jobs::Arena& arena);
 
-/// Pairs -> manifolds: they are kept, refreshed, or FCL is asked.
+/// Pairs -> manifolds: they are kept, refreshed, or FCL is asked. A modifier has its say of those that touch.
 class ContactPhase {
  public:
   void update(Stores& world, const StepContext& step);
@@ -26,14 +30,35 @@ class ContactPhase {
   /// The next update starts afresh: the world is another.
   void forget() { update_.forget(); }
 
-  /// In order. Valid until the next update.
-  std::span<const solver::TouchingPair> touching() const { return update_.touching; }
-  bool touching_changed() const { return update_.touching_changed; }
-  std::int64_t points() const { return update_.counts.points; }
-  std::size_t bytes() const { return update_.bytes(); }
+  /// In order, but for those that a modifier switched off. Valid until the next update.
+  std::span<const solver::TouchingPair> touching() const { return modified_.off.empty() ? update_.touching : on_; }
+  bool touching_changed() const { return update_.touching_changed || off_changed_; }
+  std::int64_t points() const { return update_.counts.points - modified_.points_off; }
+  /// Pairs of colliders of which all contacts are switched off, in order.
+  std::span<const collision::Pair> pairs_off() const { return modified_.pairs_off; }
+  /// What a modifier adds to the slip of contacts, by slot; null where it adds nothing.
+  const solver::AddedSlip* added_slips() const { return modified_.slips ? slips_.data() : nullptr; }
+  std::size_t bytes() const { return update_.bytes() + jobs::bytes_of(on_, slips_); }
 
  private:
+  // What a modifier made of the step's contacts.
+  struct Modified {
+    std::vector<std::uint32_t> off;          // slots, in order
+    std::vector<collision::Pair> pairs_off;  // in order
+    std::int64_t points_off = 0;
+    bool slips = false;
+  };
+
+  void modify(Stores& world, const StepContext& step, std::span<const solver::TouchingPair> contacts);
+  void change(Stores& world, std::uint32_t slot, const ModifiedContact& modified);
+  void list_on(const Stores& world);
+
   collision::ContactUpdate update_;
+  Modified modified_;
+  std::vector<solver::TouchingPair> on_;  // where some are switched off
+  std::vector<std::uint32_t> off_before_;
+  bool off_changed_ = false;
+  std::vector<solver::AddedSlip> slips_;  // by slot, where there are any
 };
 
 }  // namespace atl

@@ -74,6 +74,7 @@ ContactProblem contact_problem(const Stores& world, const StepPipeline& pipeline
       continue;
     }
     for (std::size_t i = 0; i < world.cache.contacts[pair.slot].count; ++i) {
+      if (manifold.separation[i] >= collision::no_point) continue;  // switched off
       patch.points.push_back({manifold.x[i], manifold.y[i], answer.separation[i], answer.normal_impulse[i]});
     }
     problem.patches.push_back(std::move(patch));

@@ -5,6 +5,7 @@
 #include <solver/constraints/joint.h>
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <numbers>
 
@@ -121,12 +122,26 @@ void ContinuousPhase::stop(Stores& world, const IslandPhase& islands, const CcdS
   }
 }
 
-void ContinuousPhase::sweep(Stores& world, const StepContext& step, const IslandPhase& islands,
-                            solver::FastBodies& moved) {
+void ContinuousPhase::sweep(Stores& world, const StepContext& step, const ContactPhase& contacts,
+                            const IslandPhase& islands, solver::FastBodies& moved) {
   list_fast_bodies(world, islands, moved);
   // Kinematic bodies alone meet nobody who would be stopped.
   if (std::ranges::none_of(fast_in_order_, &FastBody::stops)) return;
   const collision::BodyMotions now = motions(world);
+  const bool filters = step.rules != nullptr && step.rules->filters();
+  const std::span<const collision::Pair> off = contacts.pairs_off();
+  std::vector<collision::Pair> passing(off.begin(), off.end()), decided;
+  add_in_order(passing, world.choices.refused);
+  const auto decide = [&](std::span<const collision::Pair> pairs) -> std::span<const collision::Pair> {
+    std::vector<collision::Pair> fresh;
+    std::set_difference(pairs.begin(), pairs.end(), decided.begin(), decided.end(), std::back_inserter(fresh));
+    add_in_order(decided, fresh);
+    const std::vector<collision::Pair> refused = step.rules->refuse(world, fresh);
+    add_in_order(world.choices.refused, refused);
+    add_in_order(passing, refused);
+    return passing;
+  };
+  const collision::FunctionRef<std::span<const collision::Pair>(std::span<const collision::Pair>)> ask(decide);
   const std::span<const CcdStop> stops = continuous_.find_stops({.motions = now,
                                                                  .turned = world.bodies.turned,
                                                                  .joined = world.bodies.joined,
@@ -134,6 +149,8 @@ void ContinuousPhase::sweep(Stores& world, const StepContext& step, const Island
                                                                  .cache = world.cache,
                                                                  .kernels = step.narrowphase_kernels,
                                                                  .active_bodies = world.active.in_order().size(),
+                                                                 .passing = passing,
+                                                                 .decide = filters ? &ask : nullptr,
                                                                  .fast = fast_in_order_},
                                                                 world.broadphase, step.arena);
   if (with_joints && std::ranges::any_of(stops, &CcdStop::stops)) list_carried(world, islands, moved, stops);

@@ -23,7 +23,8 @@ class ContinuousPhase {
   explicit ContinuousPhase(int threads) : continuous_(threads) {}
 
   /// `moved` are bodies that moved far by the solve, by worker; it is empty after this.
-  void sweep(Stores& world, const StepContext& step, const IslandPhase& islands, solver::FastBodies& moved);
+  void sweep(Stores& world, const StepContext& step, const ContactPhase& contacts, const IslandPhase& islands,
+             solver::FastBodies& moved);
 
   std::size_t bytes() const;
 

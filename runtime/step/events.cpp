@@ -37,6 +37,7 @@ ContactEvent began(const Stores& world, const std::pair<BodyId, BodyId>& pair, d
     const ManifoldPlace place = place_of(world, contact, manifold);
     const Vector3 normal = contact.body_first == a.index ? place.normal : Vector3(-place.normal);
     for (std::size_t i = 0; i < contact.count; ++i) {
+      if (manifold.separation[i] >= collision::no_point) continue;  // switched off
       const double force = std::max(0.0, static_cast<double>(manifold.normal_impulse[i])) / substep;
       const Vector3 point = place.point(manifold, i);
       event.normal_force += force;

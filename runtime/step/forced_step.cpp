@@ -18,8 +18,8 @@ void add(StepReport& sum, const StepReport& last) {
   for (std::size_t i = 0; i < phase_count; ++i) sum.phase_ms[i] += before.phase_ms[i];
   for (std::size_t i = 0; i < solver_stage_count; ++i) sum.solver_ms[i] += before.solver_ms[i];
   for (std::int64_t StepCounts::*count :
-       {&StepCounts::new_boxes, &StepCounts::newton_iterations, &StepCounts::kept_manifolds,
-        &StepCounts::fresh_manifolds, &StepCounts::fcl_calls, &StepCounts::fcl_repairs, &StepCounts::id_matches,
+       {&StepCounts::new_boxes, &StepCounts::filtered_pairs, &StepCounts::newton_iterations,
+        &StepCounts::kept_manifolds, &StepCounts::fresh_manifolds, &StepCounts::fcl_calls, &StepCounts::fcl_repairs, &StepCounts::id_matches,
         &StepCounts::id_misses, &StepCounts::sweeps, &StepCounts::swept, &StepCounts::stopped}) {
     sum.counts.*count += before.counts.*count;
   }

@@ -21,7 +21,8 @@ std::vector<MemoryUse> memory_of(const Stores& world, const StepPipeline& pipeli
   const std::size_t new_boxes = world.aabbs.update_bytes();
   uses.push_back({"shapes", world.colliders.bytes(), world.colliders.body.size(), "shapes"});
   uses.push_back({"broadphase", world.broadphase.bytes() + new_boxes, world.colliders.body.size(), "shapes"});
-  uses.push_back({"contacts", world.cache.bytes() + pipeline.contacts().bytes(), contacts, "pairs"});
+  const std::size_t of_contacts = world.cache.bytes() + world.choices.bytes() + pipeline.contacts().bytes();
+  uses.push_back({"contacts", of_contacts, contacts, "pairs"});
   uses.push_back({"islands", pipeline.islands().bytes(), touching, "contacts"});
   uses.push_back({"contact_solver", solve.group_bytes(), touching, "contacts"});
   uses.push_back({"direct_contacts", solve.direct_bytes(), solve.direct_count(), "islands"});

@@ -37,6 +37,19 @@ void keep_belts_awake(Stores& world, std::span<const solver::TouchingPair> touch
   }
 }
 
+// The same of what a modifier makes run.
+void keep_carried_awake(Stores& world, const ContactPhase& contacts) {
+  const solver::AddedSlip* slips = contacts.added_slips();
+  if (slips == nullptr) return;
+  for (const solver::TouchingPair& pair : contacts.touching()) {
+    const Vector3 slip = Eigen::Map<const Eigen::Vector3f>(slips[pair.slot].velocity).cast<double>();
+    if (slip.isZero(0)) continue;
+    for (const std::uint32_t body : {pair.first, pair.second}) {
+      if (world.bodies.velocity(body).norm() > 0.5 * slip.norm()) world.sleeping.rest_time[body] = 0;
+    }
+  }
+}
+
 void clear_forces(Stores& world) {
   for (const std::uint32_t body : world.changes.pushed) {
     world.bodies.force(body).setZero();
@@ -48,6 +61,7 @@ void clear_forces(Stores& world) {
 }  // namespace
 
 void StepPipeline::run(Stores& world, const StepContext& step) {
+  if (step.rules != nullptr) step.rules->begin_substep();
   const auto run = [&](Phase phase, const auto& body) {
     const jobs::Clock::time_point start = jobs::Clock::now();
     body();
@@ -57,7 +71,7 @@ void StepPipeline::run(Stores& world, const StepContext& step) {
   run(Phase::FindPairs, [&] { find_pairs(world, step); });             // moved AABBs -> new pairs, in id order
   run(Phase::UpdateContacts, [&] { contacts_.update(world, step); });  // pairs -> manifolds: keep, refresh, ask FCL
   run(Phase::BuildIslands, [&] { build_islands(world, step); });       // touching, joints -> islands -> groups; wake
-  run(Phase::SolveIslands, [&] { solve_.solve(world, step, islands_); });  // groups are tasks: prepare, substeps, store
+  run(Phase::SolveIslands, [&] { solve_islands(world, step); });       // groups are tasks: prepare, substeps, store
   run(Phase::SweepFastBodies, [&] { follow_fast_bodies(world, step); });   // nothing passes through anything
   run(Phase::Finish, [&] { finish(world, step); });                        // events, sleep, checks, report
 }
@@ -72,9 +86,13 @@ void StepPipeline::build_islands(Stores& world, const StepContext& step) {
   solve_.choose_modes(world, step, islands_);
 }
 
+void StepPipeline::solve_islands(Stores& world, const StepContext& step) {
+  solve_.solve(world, step, contacts_.added_slips(), islands_);
+}
+
 void StepPipeline::follow_fast_bodies(Stores& world, const StepContext& step) {
   restrain_broken(world, solve_.moved(), broken_);
-  if constexpr (with_continuous) continuous_.sweep(world, step, islands_, solve_.moved());
+  if constexpr (with_continuous) continuous_.sweep(world, step, contacts_, islands_, solve_.moved());
   solve_.moved().for_each([](solver::MovedBodies& of_worker) { of_worker.clear(); });
 }
 
@@ -88,9 +106,14 @@ void StepPipeline::finish(Stores& world, const StepContext& step) {
   if (with_joints && world.joints.size() > 0) note_joint_events(world, islands_.acting_joints());
   if (with_sleeping && world.settings.sleeping) {
     if (with_surfaces && !world.bodies.surfaces.empty()) keep_belts_awake(world, contacts_.touching());
+    keep_carried_awake(world, contacts_);
     world.sleeping.update(islands_.islands(), world.bodies, world.settings, world.clock.dt);
   }
   StepCounts& counts = step.report.counts;
+  if (step.rules != nullptr) {
+    counts.filtered_pairs = step.rules->asked_pairs();
+    counts.asked_contacts = step.rules->asked_contacts();
+  }
   counts.islands = static_cast<std::int64_t>(islands_.islands().count());
   counts.groups = static_cast<std::int64_t>(solve_.groups().size());
   for (const solver::GroupReport& group : solve_.group_reports()) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "step/contact_phase.h"
+#include "step/contact_rules.h"
 #include "step/continuous_phase.h"
 #include "step/island_phase.h"
 #include "step/solve_phase.h"
@@ -33,6 +34,7 @@ class StepPipeline {
  private:
   void plan(Stores& world, const StepContext& step);
   void build_islands(Stores& world, const StepContext& step);
+  void solve_islands(Stores& world, const StepContext& step);
   void follow_fast_bodies(Stores& world, const StepContext& step);
   void finish(Stores& world, const StepContext& step);
 
@@ -44,6 +46,7 @@ class StepPipeline {
 };
 
 /// What the step did of all that it may do, and why: the plan as data, in step.report.
-void note_stages(const Stores& world, const StepPipeline& pipeline, bool records, StepReport& report);
+void note_stages(const Stores& world, const StepPipeline& pipeline, const ContactRules& rules, bool records,
+                 StepReport& report);
 
 }  // namespace atl

@@ -53,8 +53,9 @@ void move_unconstrained_bodies(Stores& world, const StepContext& step, std::span
 
 }  // namespace
 
-void SolvePhase::solve(Stores& world, const StepContext& step, IslandPhase& islands) {
-  solve_groups(world, step, islands);
+void SolvePhase::solve(Stores& world, const StepContext& step, const solver::AddedSlip* added_slips,
+                       IslandPhase& islands) {
+  solve_groups(world, step, added_slips, islands);
   move_unconstrained_bodies(world, step, islands.islands().free_bodies(), moved_);
 }
 
@@ -111,7 +112,8 @@ void note_resistance(Stores& world, const solver::Islands& islands) {
 
 }  // namespace
 
-void SolvePhase::solve_groups(Stores& world, const StepContext& step, IslandPhase& islands) {
+void SolvePhase::solve_groups(Stores& world, const StepContext& step, const solver::AddedSlip* added_slips,
+                              IslandPhase& islands) {
   const solver::SolverSettings how = settings_now(world, step.substeps);
   solver::SolverSettings how_finer = how;
   how_finer.finer = solver::finer_by(how, world.clock.dt);
@@ -123,7 +125,8 @@ void SolvePhase::solve_groups(Stores& world, const StepContext& step, IslandPhas
   const bool captures = world.settings.keep_contact_problem || world.settings.run_everything;
   if (captures) capture_.resize(world.cache.manifolds.size(), world.bodies.size());
   const bool surfaces =
-      with_surfaces && (world.settings.run_everything || !world.bodies.surfaces.empty() || !world.cache.rises.empty());
+      with_surfaces && (world.settings.run_everything || !world.bodies.surfaces.empty() || !world.cache.rises.empty() ||
+                        added_slips != nullptr || !world.surface_contacts.empty());
   if (surfaces) note_resistance(world, islands.islands());
   const auto input_with = [&](const solver::SolverSettings& with) {
     return solver::SolveInput{.islands = islands.islands(),
@@ -138,6 +141,7 @@ void SolvePhase::solve_groups(Stores& world, const StepContext& step, IslandPhas
                               .overloads = overloads_,
                               .capture = captures ? &capture_ : nullptr,
                               .surface_contacts = surfaces ? world.surface_contacts.data() : nullptr,
+                              .added_slips = added_slips,
                               .rises = world.cache.rises.empty() ? nullptr : world.cache.rises.data(),
                               .joints = world.joints.joints.data(),
                               .joint_graph = world.joints.count == 0 ? nullptr : &islands.joint_graph(),

@@ -25,7 +25,8 @@ class SolvePhase {
 
   /// Islands whose contacts carry too much are solved on their own, and otherwise.
   void choose_modes(Stores& world, const StepContext& step, IslandPhase& islands);
-  void solve(Stores& world, const StepContext& step, IslandPhase& islands);
+  /// `added_slips` as in SolveInput.
+  void solve(Stores& world, const StepContext& step, const solver::AddedSlip* added_slips, IslandPhase& islands);
 
   std::span<const solver::IslandGroup> groups() const { return groups_; }
   std::span<const solver::GroupReport> group_reports() const { return group_reports_; }
@@ -48,7 +49,7 @@ class SolvePhase {
     std::vector<solver::DirectIslandReport> reports;
   };
 
-  void solve_groups(Stores& world, const StepContext& step, IslandPhase& islands);
+  void solve_groups(Stores& world, const StepContext& step, const solver::AddedSlip* added_slips, IslandPhase& islands);
   solver::SolveMode mode_of(const solver::IslandGroup& group) const;
   void prepare_direct_solvers();
   bool solve_directly(const solver::SolveInput& input, std::size_t group, bool profile);

@@ -7,6 +7,8 @@
 
 namespace atl {
 
+class ContactRules;
+
 /// A step as its phases see it; under a force law, one substep of it.
 struct StepContext {
   int substeps;
@@ -14,7 +16,8 @@ struct StepContext {
   jobs::Arena& arena;
   const solver::Kernels& kernels;
   const collision::NarrowphaseKernels& narrowphase_kernels;
-  StepReport& report;  ///< what the phases did
+  ContactRules* rules;  ///< null while nobody has a say in contacts
+  StepReport& report;   ///< what the phases did
 };
 
 }  // namespace atl

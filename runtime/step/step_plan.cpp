@@ -29,6 +29,8 @@ constexpr std::array<StageWords, stage_count> words = {{
      "no pair is new or has moved"},
     {"kept_manifolds", "pairs", "pairs have hardly moved since they were last looked at",
      "no pair was looked at before and has hardly moved since"},
+    {"contact_filter", "pairs", "a filter is set, and pairs are new or asked of again", "no contact filter is set"},
+    {"contact_modifier", "contacts", "a modifier is set, and bodies touch", "no contact modifier is set"},
     {"contact_solver", "contacts", "bodies touch", "nothing touches"},
     {"several_points", "contacts", "bodies touch with edges or faces", "whatever touches does so in one point"},
     {"two_movable_bodies", "contacts", "bodies that can move touch each other",
@@ -99,7 +101,8 @@ bool is_built(Stage stage) {
 
 const char* stage_name(Stage stage) { return words[static_cast<std::size_t>(stage)].name; }
 
-void note_stages(const Stores& world, const StepPipeline& pipeline, bool records, StepReport& report) {
+void note_stages(const Stores& world, const StepPipeline& pipeline, const ContactRules& rules, bool records,
+                 StepReport& report) {
   solver::ContactWork work;
   std::int64_t surfaces = 0, gyroscopic = 0, locked = 0, early_ends = 0;
   for (const solver::GroupReport& group : pipeline.solve().group_reports()) {
@@ -120,9 +123,17 @@ void note_stages(const Stores& world, const StepPipeline& pipeline, bool records
     note(stage, items > 0, items, ms);
   };
 
+  const auto explain = [&report](Stage stage, const char* why) {
+    report.stages[static_cast<std::size_t>(stage)].why = why;
+  };
+
   note_items(Stage::Broadphase, counts.pairs, phase_ms(Phase::FindPairs));
   note_items(Stage::Narrowphase, counts.fresh_manifolds, phase_ms(Phase::UpdateContacts));
   note_items(Stage::KeptManifolds, counts.kept_manifolds);
+  note_items(Stage::ContactFilter, counts.filtered_pairs);
+  if (rules.filters() && counts.filtered_pairs == 0) explain(Stage::ContactFilter, "no pair is new to the filter");
+  note_items(Stage::ContactModifier, counts.asked_contacts);
+  if (rules.modifies() && counts.asked_contacts == 0) explain(Stage::ContactModifier, "nothing touches");
   note_items(Stage::ContactSolver, counts.contacts, phase_ms(Phase::SolveIslands));
   note_items(Stage::SeveralPoints, work.several_points);
   note_items(Stage::TwoMovableBodies, work.two_movable);
@@ -143,9 +154,7 @@ void note_stages(const Stores& world, const StepPipeline& pipeline, bool records
   note_items(Stage::DirectJoints, counts.direct_joints);
   if (counts.joints == 0) {
     const char* why = world.joints.count == 0 ? "there are no joints" : "no joint acts on a body that is awake";
-    for (const Stage stage : {Stage::JointSolver, Stage::DirectJoints}) {
-      report.stages[static_cast<std::size_t>(stage)].why = why;
-    }
+    for (const Stage stage : {Stage::JointSolver, Stage::DirectJoints}) explain(stage, why);
   }
   note_items(Stage::MotionLocks, locked);
   note_items(Stage::GyroscopicTorque, gyroscopic);

@@ -16,6 +16,15 @@
 namespace atl {
 namespace {
 
+// What a contact filter said of a body's shapes, and was to be asked.
+void forget_choices(Stores& world, std::uint32_t body) {
+  ContactChoices& choices = world.choices;
+  if (choices.is_empty()) return;
+  const auto is_own = [&](std::uint32_t collider) { return world.colliders.body[collider] == body; };
+  std::erase_if(choices.refused, [&](collision::Pair pair) { return is_own(pair.first) || is_own(pair.second); });
+  std::erase(choices.refiltered, body);
+}
+
 // Whether a shape looks the same turned about the z axis of its body's frame.
 bool is_round(const CheckedCollider& collider) {
   const auto& [position, orientation] = collider.local;
@@ -143,6 +152,7 @@ void take_out(Stores& world, std::uint32_t body) {
   wake_touching(world, body);
   world.sleeping.wake(body);
   world.cache.remove_contacts_of(body);
+  forget_choices(world, body);
   world.aabbs.remove(body, world.colliders, world.broadphase);
   world.contents.count(bodies, records, body, -1);
   world.sleeping.awake[body] = 0;
@@ -295,6 +305,7 @@ void set_shape(Stores& world, std::uint32_t body, const BodyConstants& constants
   world.sleeping.wake(body);
   if (takes_part) {
     world.cache.remove_contacts_of(body);
+    forget_choices(world, body);
     world.aabbs.remove(body, world.colliders, world.broadphase);
   }
   clear_colliders(world, body);
@@ -328,6 +339,15 @@ void set_filter(Stores& world, std::uint32_t body, const CollisionFilter& filter
   if (world.quarantine.contains(body)) return;
   world.colliders.for_each_of(
       body, [&](std::uint32_t collider) { world.broadphase.set_filter(collider, filter_of(world, collider)); });
+}
+
+void refilter(Stores& world, std::uint32_t body) {
+  wake_touching(world, body);
+  world.sleeping.wake(body);
+  if (world.quarantine.contains(body)) return;
+  std::vector<std::uint32_t>& bodies = world.choices.refiltered;
+  const auto place = std::lower_bound(bodies.begin(), bodies.end(), body);
+  if (place == bodies.end() || *place != body) bodies.insert(place, body);
 }
 
 void set_collision_enabled(Stores& world, std::uint32_t first, std::uint32_t second, bool enabled) {

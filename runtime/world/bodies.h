@@ -45,6 +45,8 @@ void change_constants(Stores& world, std::uint32_t body, const BodyConstants& co
 void set_shape(Stores& world, std::uint32_t body, const BodyConstants& constants);
 void give_name(Stores& world, std::uint32_t body, std::string_view name);
 void set_filter(Stores& world, std::uint32_t body, const CollisionFilter& filter);
+/// Has the next step ask a contact filter again of what is near a body.
+void refilter(Stores& world, std::uint32_t body);
 void set_collision_enabled(Stores& world, std::uint32_t first, std::uint32_t second, bool enabled);
 
 /// Who may move may have changed by that.

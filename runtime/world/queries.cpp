@@ -22,13 +22,14 @@ struct QueryAccess {
   const solver::BodyTable& bodies;
   const BodyRecords& records;
   const collision::Broadphase& broadphase;
+  const ContactChoices& choices;
   jobs::Arena& arena;
 
   static QueryAccess of(const World& world) {
     World::Impl& impl = *world.impl_;
     Stores& stores = impl.stores;
     impl.query_gate.open(stores.broadphase, impl.arena);
-    return {stores.colliders, stores.bodies, stores.records, stores.broadphase, impl.arena};
+    return {stores.colliders, stores.bodies, stores.records, stores.broadphase, stores.choices, impl.arena};
   }
 
   collision::QueryScene scene() const {
@@ -60,12 +61,22 @@ class Filter {
       }
     }
     std::sort(ignored_.begin(), ignored_.end());
+    if (!filter.as) return;
+    const auto [index, generation] = *filter.as;
+    const BodyRecords& records = access.records;
+    if (index >= records.alive.size() || !records.alive[index] || records.generation[index] != generation) {
+      refuse_stale("Queries: QueryFilter.as", *filter.as);
+    }
   }
 
   bool operator()(std::uint32_t collider) const {
     const std::uint32_t body = access_.colliders.body[collider];
     const CollisionFilter& other = access_.filter(collider);
-    if ((filter_.mask & other.category) == 0 || (other.mask & filter_.category) == 0) return false;
+    if (filter_.as) {
+      if (!may_touch(filter_.as->index, collider)) return false;
+    } else if ((filter_.mask & other.category) == 0 || (other.mask & filter_.category) == 0) {
+      return false;
+    }
     if (access_.records.sensor[body] && !filter_.sensors) return false;
     if (!wanted(access_.records.type[body])) return false;
     if (std::binary_search(ignored_.begin(), ignored_.end(), body)) return false;
@@ -75,6 +86,17 @@ class Filter {
   }
 
  private:
+  // Whether any shape of the body may touch the collider.
+  bool may_touch(std::uint32_t body, std::uint32_t collider) const {
+    bool any = false;
+    if (access_.colliders.body[collider] == body) return any;
+    access_.colliders.for_each_of(body, [&](std::uint32_t own) {
+      any |= access_.broadphase.contains(own) && access_.broadphase.allowed(own, collider) &&
+             !access_.choices.is_refused(collision::Pair::of(own, collider));
+    });
+    return any;
+  }
+
   bool wanted(BodyType type) const {
     switch (type) {
       case BodyType::Static:

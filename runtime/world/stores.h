@@ -16,6 +16,7 @@
 
 #include "world/active_bodies.h"
 #include "world/body_records.h"
+#include "world/contact_choices.h"
 #include "world/contact_events.h"
 #include "world/joint_table.h"
 #include "world/quarantine.h"
@@ -68,6 +69,7 @@ struct Stores {
   collision::Broadphase broadphase = {};
   collision::BodyAabbs aabbs = {};
   collision::ContactCache cache = {};
+  ContactChoices choices = {};
   std::vector<solver::SurfaceContact> surface_contacts = {};  ///< by contact slot; empty while all surfaces are plain
 
   ActiveBodies active = {};

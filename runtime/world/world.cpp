@@ -100,13 +100,37 @@ StepReport World::Impl::advance(double dt, int substeps, bool ends_step) {
   clock.dt = dt;
   stores.results.contact_forces_valid = false;
   stores.results.captured = stores.settings.keep_contact_problem;
-  pipeline.run(stores, {substeps, ends_step, arena, *kernels, *narrowphase_kernels, report});
+  rules.note = nullptr;
+  if constexpr (with_recording) {
+    if (recorder) rules.note = [this](std::uint32_t question, const ContactAnswers& answers) {
+        recorder->note_answers(question, answers);
+      };
+  }
+  ContactRules* const asked = rules.filters() || rules.modifies() ? &rules : nullptr;
+  pipeline.run(stores, {substeps, ends_step, arena, *kernels, *narrowphase_kernels, asked, report});
   clock.last_substep = dt / substeps;
   clock.last_dt = dt;
-  note_stages(stores, pipeline, recorder != nullptr, report);
+  note_stages(stores, pipeline, rules, recorder != nullptr, report);
   last_counts = report.counts;
   report.ms = jobs::ms_since(start);
   return report;
+}
+
+void World::Impl::check_idle(const char* call) const {
+  const char* asking = forced ? "a force law" : rules.asking();
+  if (asking == nullptr) return;
+  throw Error(std::string("World::") + call + ": found a step under way; expected no call of it from " + asking +
+              ", which may only look");
+}
+
+std::uint32_t World::Impl::index_to_change(BodyId id, const char* call) const {
+  check_idle(call);
+  return index_of(stores, id, call);
+}
+
+std::uint32_t World::Impl::index_to_change(JointId id, const char* call) const {
+  check_idle(call);
+  return index_of(stores, id, call);
 }
 
 BodyId World::Impl::add_body(const CheckedBody& start) {
@@ -134,16 +158,18 @@ namespace {
 
 // Checks and records a step, which is done by `step()`.
 template <typename Step>
-StepReport take_step(auto& impl, double dt, bool forced, const Step& step) {
+StepReport take_step(const World& world, auto& impl, double dt, bool forced, const Step& step) {
   check_step("World::step", dt);
-  if (impl.forced) throw Error("World::step: found a step under way; expected no call of it from a force law");
+  impl.check_idle("step");
   if constexpr (with_recording) {
-    if (impl.recorder) impl.recorder->note_step(dt, forced);
+    if (impl.recorder) impl.recorder->note_step(dt, forced, impl.rules);
   }
+  impl.rules.begin_step(world);
   const StepReport report = step();
   if constexpr (with_recording) {
     if (impl.recorder) impl.record_result();
   }
+  impl.rules.rethrow();
   return report;
 }
 
@@ -154,10 +180,13 @@ World::~World() = default;
 World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;
 
-BodyId World::add_body(const BodyDef& def) { return impl_->add_body(check(def)); }
+BodyId World::add_body(const BodyDef& def) {
+  impl_->check_idle("add_body");
+  return impl_->add_body(check(def));
+}
 
 void World::remove_body(BodyId id) {
-  atl::remove_body(impl_->stores, index_of(impl_->stores, id, "remove_body"));
+  atl::remove_body(impl_->stores, impl_->index_to_change(id, "remove_body"));
   note<calls::RemoveBody>(*impl_, id);
 }
 
@@ -218,7 +247,7 @@ BodyDef World::definition(BodyId id) const {
 }
 
 void World::set_pose(BodyId id, const Pose& pose) {
-  const std::uint32_t body = index_of(impl_->stores, id, "set_pose");
+  const std::uint32_t body = impl_->index_to_change(id, "set_pose");
   check_finite("World::set_pose: pose.position", pose.position);
   atl::set_pose(impl_->stores, body, pose.position,
                 checked_orientation("World::set_pose: pose.orientation", pose.orientation));
@@ -228,7 +257,7 @@ void World::set_pose(BodyId id, const Pose& pose) {
 void World::set_velocity(BodyId id, const Vector3& linear, const Vector3& angular) {
   check_finite("World::set_velocity: linear", linear);
   check_finite("World::set_velocity: angular", angular);
-  const std::uint32_t index = index_of(impl_->stores, id, "set_velocity");
+  const std::uint32_t index = impl_->index_to_change(id, "set_velocity");
   if (impl_->stores.records.type[index] == BodyType::Static && !(linear.isZero(0) && angular.isZero(0))) {
     throw Error("World::set_velocity: the body is static; expected a dynamic or kinematic one");
   }
@@ -259,14 +288,14 @@ void World::move_to(BodyId id, const Pose& pose, double dt) {
 void World::set_surface_velocity(BodyId id, const Vector3& velocity) {
   check_finite("World::set_surface_velocity: velocity", velocity);
   check_built_for_surface("World::set_surface_velocity: velocity", velocity);
-  atl::set_surface_velocity(impl_->stores, index_of(impl_->stores, id, "set_surface_velocity"), velocity);
+  atl::set_surface_velocity(impl_->stores, impl_->index_to_change(id, "set_surface_velocity"), velocity);
   note<calls::SetSurfaceVelocity>(*impl_, id, velocity);
 }
 
 void World::apply_force(BodyId id, const Vector3& force, const Vector3& torque) {
   check_finite("World::apply_force: force", force);
   check_finite("World::apply_force: torque", torque);
-  const std::uint32_t body = awaken(impl_->stores, index_of(impl_->stores, id, "apply_force"));
+  const std::uint32_t body = awaken(impl_->stores, impl_->index_to_change(id, "apply_force"));
   atl::apply_force(impl_->stores, body, force, torque);
   note<calls::ApplyForce>(*impl_, id, force, torque);
 }
@@ -274,14 +303,14 @@ void World::apply_force(BodyId id, const Vector3& force, const Vector3& torque) 
 void World::apply_impulse(BodyId id, const Vector3& impulse, const Vector3& point) {
   check_finite("World::apply_impulse: impulse", impulse);
   check_finite("World::apply_impulse: point", point);
-  const std::uint32_t body = awaken(impl_->stores, index_of(impl_->stores, id, "apply_impulse"));
+  const std::uint32_t body = awaken(impl_->stores, impl_->index_to_change(id, "apply_impulse"));
   note<calls::ApplyImpulse>(*impl_, id, impulse, point);
   const Vector3 arm = point - impl_->stores.bodies.position(body);
   atl::apply_impulse(impl_->stores, body, impulse, arm.cross(impulse));
 }
 
 void World::wake(BodyId id) {
-  awaken(impl_->stores, index_of(impl_->stores, id, "wake"));
+  awaken(impl_->stores, impl_->index_to_change(id, "wake"));
   note<calls::Wake>(*impl_, id);
 }
 
@@ -292,13 +321,13 @@ bool World::is_quarantined(BodyId id) const {
 }
 
 void World::release(BodyId id) {
-  release_body(impl_->stores, index_of(impl_->stores, id, "release"));
+  release_body(impl_->stores, impl_->index_to_change(id, "release"));
   impl_->query_gate.note(impl_->stores.broadphase);
   note<calls::Release>(*impl_, id);
 }
 
 void World::set_filter(BodyId id, const CollisionFilter& filter) {
-  atl::set_filter(impl_->stores, index_of(impl_->stores, id, "set_filter"), filter);
+  atl::set_filter(impl_->stores, impl_->index_to_change(id, "set_filter"), filter);
   note<calls::SetFilter>(*impl_, id, filter);
 }
 
@@ -333,14 +362,14 @@ void check_all_finite(const char* what, const Eigen::Ref<const Eigen::MatrixXd>&
 }  // namespace
 
 void World::set_material(BodyId id, const Material& material) {
-  const std::uint32_t body = index_of(impl_->stores, id, "set_material");
+  const std::uint32_t body = impl_->index_to_change(id, "set_material");
   check("World::set_material: material", material);
   change_body(impl_->stores, body, [&](BodyConstants& constants) { constants.material = material; });
   note<calls::SetMaterial>(*impl_, id, material);
 }
 
 void World::set_mass(BodyId id, double mass) {
-  const std::uint32_t body = index_of(impl_->stores, id, "set_mass");
+  const std::uint32_t body = impl_->index_to_change(id, "set_mass");
   check_positive("World::set_mass: mass", mass);
   if (impl_->stores.records.type[body] != BodyType::Dynamic) {
     throw Error("World::set_mass: the body is static or kinematic; expected a dynamic one");
@@ -356,14 +385,14 @@ void World::set_mass(BodyId id, double mass) {
 }
 
 void World::set_gravity_scale(BodyId id, double scale) {
-  const std::uint32_t body = index_of(impl_->stores, id, "set_gravity_scale");
+  const std::uint32_t body = impl_->index_to_change(id, "set_gravity_scale");
   check_finite("World::set_gravity_scale: scale", scale);
   change_body(impl_->stores, body, [scale](BodyConstants& constants) { constants.gravity_scale = scale; });
   note<calls::SetGravityScale>(*impl_, id, scale);
 }
 
 void World::set_damping(BodyId id, double linear, double angular) {
-  const std::uint32_t body = index_of(impl_->stores, id, "set_damping");
+  const std::uint32_t body = impl_->index_to_change(id, "set_damping");
   check_not_negative("World::set_damping: linear", linear);
   check_not_negative("World::set_damping: angular", angular);
   change_body(impl_->stores, body, [&](BodyConstants& constants) {
@@ -374,7 +403,7 @@ void World::set_damping(BodyId id, double linear, double angular) {
 }
 
 void World::set_shape(BodyId id, const Shape& shape) {
-  const std::uint32_t body = index_of(impl_->stores, id, "set_shape");
+  const std::uint32_t body = impl_->index_to_change(id, "set_shape");
   BodyConstants constants = *impl_->stores.records.constants[body];
   give_shape("World::set_shape: shape", shape, constants);
   check_built_for(constants);
@@ -390,7 +419,7 @@ std::uint64_t World::user_data(BodyId id) const {
 }
 
 void World::set_user_data(BodyId id, std::uint64_t data) {
-  impl_->stores.records.user_data[index_of(impl_->stores, id, "set_user_data")] = data;
+  impl_->stores.records.user_data[impl_->index_to_change(id, "set_user_data")] = data;
   note<calls::SetUserData>(*impl_, id, data);
 }
 
@@ -401,7 +430,7 @@ std::string_view World::name(BodyId id) const {
 }
 
 void World::set_name(BodyId id, std::string_view name) {
-  give_name(impl_->stores, index_of(impl_->stores, id, "set_name"), name);
+  give_name(impl_->stores, impl_->index_to_change(id, "set_name"), name);
   note<calls::SetName>(*impl_, id, std::string(name));
 }
 
@@ -448,14 +477,30 @@ void World::apply_forces(std::span<const BodyId> ids, const Eigen::Ref<const Eig
 }
 
 void World::set_collision_enabled(BodyId a, BodyId b, bool enabled) {
-  const std::uint32_t first = index_of(impl_->stores, a, "set_collision_enabled");
-  const std::uint32_t second = index_of(impl_->stores, b, "set_collision_enabled");
+  const std::uint32_t first = impl_->index_to_change(a, "set_collision_enabled");
+  const std::uint32_t second = impl_->index_to_change(b, "set_collision_enabled");
   if (first == second) throw Error("World::set_collision_enabled: both bodies are the same; expected two bodies");
   atl::set_collision_enabled(impl_->stores, first, second, enabled);
   note<calls::SetCollisionEnabled>(*impl_, a, b, enabled);
 }
 
+void World::set_contact_filter(ContactFilter filter) {
+  impl_->check_idle("set_contact_filter");
+  impl_->rules.filter = std::move(filter);
+}
+
+void World::set_contact_modifier(ContactModifier modifier) {
+  impl_->check_idle("set_contact_modifier");
+  impl_->rules.modifier = std::move(modifier);
+}
+
+void World::refilter(BodyId id) {
+  atl::refilter(impl_->stores, impl_->index_to_change(id, "refilter"));
+  note<calls::Refilter>(*impl_, id);
+}
+
 JointId World::add_joint(const JointDef& def) {
+  impl_->check_idle("add_joint");
   if constexpr (with_joints) {
     const calls::AddJoint call{def};  // that may be another joint's, which moves
     const JointId id = atl::add_joint(impl_->stores, call.def);
@@ -466,7 +511,7 @@ JointId World::add_joint(const JointDef& def) {
 }
 
 void World::remove_joint(JointId id) {
-  const std::uint32_t joint = index_of(impl_->stores, id, "remove_joint");
+  const std::uint32_t joint = impl_->index_to_change(id, "remove_joint");
   if constexpr (with_joints) atl::remove_joint(impl_->stores, joint);
   note<calls::RemoveJoint>(*impl_, id);
 }
@@ -502,7 +547,7 @@ JointState World::joint_state(JointId id) const {
 }
 
 void World::set_joint(JointId id, const JointKind& kind) {
-  const std::uint32_t joint = index_of(impl_->stores, id, "set_joint");
+  const std::uint32_t joint = impl_->index_to_change(id, "set_joint");
   if constexpr (with_joints) atl::set_joint(impl_->stores, joint, kind);
   note<calls::SetJoint>(*impl_, id, kind);
 }
@@ -555,7 +600,7 @@ void World::set_servo_target(JointId id, double target, std::size_t coordinate) 
 }
 
 void World::set_joint_enabled(JointId id, bool enabled) {
-  const std::uint32_t joint = index_of(impl_->stores, id, "set_joint_enabled");
+  const std::uint32_t joint = impl_->index_to_change(id, "set_joint_enabled");
   if constexpr (with_joints) atl::set_joint_enabled(impl_->stores, joint, enabled);
   note<calls::SetJointEnabled>(*impl_, id, enabled);
 }
@@ -566,6 +611,7 @@ std::span<const EscalatedIsland> World::escalated_islands() const { return impl_
 std::span<const JointEvent> World::joint_events() const { return impl_->stores.results.joint_events; }
 
 void World::set_gravity(const Vector3& gravity) {
+  impl_->check_idle("set_gravity");
   check_finite("World::set_gravity: gravity", gravity);
   if (gravity != impl_->stores.gravity) wake_all(impl_->stores);
   impl_->stores.gravity = gravity;
@@ -573,6 +619,7 @@ void World::set_gravity(const Vector3& gravity) {
 }
 
 void World::set_settings(const Settings& settings) {
+  impl_->check_idle("set_settings");
   check(settings);
   if (!settings.sleeping) wake_all(impl_->stores);
   if (settings.joint_solver != impl_->stores.settings.joint_solver)
@@ -588,12 +635,12 @@ int World::threads() const { return impl_->arena.threads(); }
 Simd World::simd() const { return simd_of(*impl_->kernels); }
 
 StepReport World::step(double dt) {
-  return take_step(*impl_, dt, false, [&] { return impl_->step(dt); });
+  return take_step(*this, *impl_, dt, false, [&] { return impl_->step(dt); });
 }
 
 StepReport World::step(double dt, const ForceLaw& law) {
   if (!law) throw Error("World::step: the force law is empty; expected one that can be called");
-  return take_step(*impl_, dt, true, [&] { return ForcedStep(*this, law, dt).run(); });
+  return take_step(*this, *impl_, dt, true, [&] { return ForcedStep(*this, law, dt).run(); });
 }
 
 std::span<const ContactForce> World::contact_forces() const {
@@ -651,6 +698,7 @@ Eigen::Map<const Eigen::Matrix3Xd> World::angular_velocities() const {
 }
 
 void World::save(Snapshot& snapshot) const {
+  impl_->check_idle("save");
   if constexpr (!with_snapshots) throw_left_out("World::save is called", "snapshots", "SNAPSHOTS");
   snapshot.size_ = impl_->save_state(snapshot.bytes_);
   snapshot.roster_ = impl_->roster();
@@ -658,6 +706,7 @@ void World::save(Snapshot& snapshot) const {
 }
 
 void World::restore(const Snapshot& snapshot) {
+  impl_->check_idle("restore");
   if constexpr (!with_snapshots) throw_left_out("World::restore is called", "snapshots", "SNAPSHOTS");
   if (snapshot.empty()) throw Error("World::restore: the snapshot is empty; expected one that holds a state");
   impl_->restore(snapshot.roster_, snapshot.origin_, snapshot.state());
@@ -667,6 +716,7 @@ void World::restore(const Snapshot& snapshot) {
 }
 
 void World::record(const std::string& path, const RecordingOptions& options) {
+  impl_->check_idle("record");
   if constexpr (!with_recording) throw_left_out("World::record is called", "recordings", "RECORDING");
   impl_->record(path, options);
 }
@@ -674,6 +724,7 @@ void World::record(const std::string& path, const RecordingOptions& options) {
 bool World::is_recording() const { return impl_->recorder != nullptr; }
 
 void World::stop_recording() {
+  impl_->check_idle("stop_recording");
   if (!impl_->recorder) throw Error("World::stop_recording: no recording is under way; expected one");
   if constexpr (with_recording) impl_->stop_recording("World::stop_recording");
 }

@@ -25,6 +25,11 @@ class World::Impl {
   ~Impl();
 
   StepReport step(double dt);
+  /// Throws Error, naming the call, if it is made by a function that a step asks.
+  void check_idle(const char* call) const;
+  /// The index of a body that the call is about to change. Throws Error as check_idle() does, and on a stale id.
+  std::uint32_t index_to_change(BodyId id, const char* call) const;
+  std::uint32_t index_to_change(JointId id, const char* call) const;
   void begin_step();
   /// By dt seconds of the step that has begun, maybe all of it. Its events wait for its end.
   StepReport advance(double dt, int substeps, bool ends_step);
@@ -52,6 +57,7 @@ class World::Impl {
 
   Stores stores;
   StepPipeline pipeline;
+  ContactRules rules;
   const solver::Kernels* kernels;
   const collision::NarrowphaseKernels* narrowphase_kernels;
   jobs::Arena arena;

@@ -148,6 +148,13 @@ const std::vector<Change>& changes() {
        [](Yard& yard) {
          yard.world.set_settings({.substeps = 3, .contact_hertz = 25, .sleeping = true, .simd = Simd::Portable});
        }},
+      {"a question again", kind_of<calls::Refilter>(), [](Yard& yard) { yard.world.refilter(yard.ids[0]); }},
+      {"what functions say of contacts", RecordKind::ContactAnswers,
+       [](Yard& yard) {
+         yard.world.set_contact_filter([](const ContactCandidate& of) { return of.b.index % 2 == 0; });
+         yard.world.set_contact_modifier([](ModifiableContact& contact) { contact.friction = 0.01; });
+         yard.world.refilter(yard.ids[0]);
+       }},
       {"a restored state", RecordKind::State,
        [](Yard& yard) {
          Snapshot snapshot;
@@ -484,7 +491,7 @@ TEST(Replay, RefusesWhatIsNoRecordingOrDamaged) {
     expect_error([&] { replay(file.path()); }, words);
   };
   expect_refusal(8, 1, {"byte order", "expected"});
-  expect_refusal(12, 99, {"found version 99", "expected 10"});
+  expect_refusal(12, 99, {"found version 99", "expected 11"});
   file.set_content(whole + "x");
   expect_error([&] { replay(file.path()); }, {"1 bytes after the end"});
   file.set_content(whole);
@@ -532,7 +539,7 @@ TEST(Replay, RefusesRecordsThatDoNotFit) {
   expect_refusal([&](auto& all) { find(all, RecordKind::Step)->kind = static_cast<RecordKind>(999); }, "no known kind");
   expect_refusal([&](auto& all) { find(all, RecordKind::Step)->content.push_back({}); }, "more than there should be");
   expect_refusal([&](auto& all) { find(all, RecordKind::Step)->content.pop_back(); }, "the end of the data");
-  expect_refusal([&](auto& all) { find(all, RecordKind::Step)->content.assign(9, {}); }, "dt is 0");
+  expect_refusal([&](auto& all) { find(all, RecordKind::Step)->content.assign(11, {}); }, "dt is 0");
   expect_refusal([&](auto& all) { find(all, kind_of<calls::ApplyForce>())->content[0] = std::byte{99}; },
                  "no body has the id");
   expect_refusal([&](auto& all) { find(all, RecordKind::Geometry)->content[4] ^= std::byte{1}; }, "another content");

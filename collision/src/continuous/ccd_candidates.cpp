@@ -111,6 +111,7 @@ void CcdCandidates::find_by_contacts(const CcdStep& step, std::size_t begin, std
   const auto fast = [&](std::uint32_t place) { return place == 0 ? nullptr : &step.fast[place - 1]; };
   for (const FastContact& found : scratch.contacts) {
     const Contact& contact = cache.contacts[cache.order[found.entry]];
+    if (step.passes(contact.pair)) continue;
     const FastBody* first = fast(found.fast_first);
     const FastBody* second = fast(found.fast_second);
     if (stay_apart(step, contact, first, second)) continue;
@@ -136,7 +137,7 @@ void CcdCandidates::find_by_tree(const CcdStep& step, std::uint32_t number, cons
   }
 }
 
-void CcdCandidates::find(const CcdStep& step, Broadphase& broadphase, jobs::Arena& arena) {
+void CcdCandidates::find(CcdStep& step, Broadphase& broadphase, jobs::Arena& arena) {
   broadphase.take_in(arena);
   note_left_aabbs(step, broadphase, arena);
   scratch_.for_each([](Scratch& of_worker) { of_worker.candidates.clear(); });
@@ -150,7 +151,25 @@ void CcdCandidates::find(const CcdStep& step, Broadphase& broadphase, jobs::Aren
       if (fast[i].queried) find_by_tree(step, static_cast<std::uint32_t>(i), broadphase, scratch_.local());
     }
   });
+  if (step.decide != nullptr) decide(step);
   sort_by_body(fast.size());
+}
+
+// Leaves out what passes by the decisions that are made here.
+void CcdCandidates::decide(CcdStep& step) {
+  std::vector<Pair> undecided;
+  std::vector<CcdPair> found;
+  scratch_.for_each([&](const Scratch& of_worker) {
+    for (const Candidate& near : of_worker.candidates) found.push_back(near.pair);
+  });
+  list_undecided(step, found, undecided);
+  if (undecided.empty()) return;
+  step.passing = (*step.decide)(undecided);
+  scratch_.for_each([&](Scratch& of_worker) {
+    std::erase_if(of_worker.candidates, [&](const Candidate& near) {
+      return step.passes(Pair::of(near.pair.own, near.pair.other));
+    });
+  });
 }
 
 // Found in any order: each body will have its own in order.
@@ -173,12 +192,21 @@ void CcdCandidates::list(std::size_t fast, std::vector<CcdPair>& pairs) const {
   pairs.erase(std::unique(pairs.begin(), pairs.end(), same), pairs.end());
 }
 
+void list_undecided(const CcdStep& step, std::span<const CcdPair> pairs, std::vector<Pair>& undecided) {
+  for (const CcdPair& near : pairs) {
+    const Pair pair = Pair::of(near.own, near.other);
+    if (!step.cache.pairs.contains(pair)) undecided.push_back(pair);
+  }
+  std::sort(undecided.begin(), undecided.end());
+  undecided.erase(std::unique(undecided.begin(), undecided.end()), undecided.end());
+}
+
 void query_candidates(const CcdStep& step, const FastBody& fast, const Vector3& aside, const Broadphase& broadphase,
                       std::vector<CcdPair>& pairs) {
   pairs.clear();
   step.motions.colliders.for_each_of(fast.body, [&](std::uint32_t own) {
     broadphase.query_box(step.swept_aabb(fast, own, aside), [&](std::uint32_t other) {
-      if (!broadphase.allowed(own, other)) return;
+      if (!broadphase.allowed(own, other) || step.passes(Pair::of(own, other))) return;
       pairs.push_back({own, other, !step.cache.touches(Pair::of(own, other))});
     });
   });

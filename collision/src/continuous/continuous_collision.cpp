@@ -141,8 +141,9 @@ double ContinuousCollision::first_hit(const CcdStep& step, const FastBody& fast,
 // Where a fast body, or the fast ones of an assembly, may go in this step. What a core touches from the start would
 // hold it where it is, for good, if other bodies press on it: it goes all its way but for what would take the core
 // through the surfaces that it touches. An assembly is shifted as one.
-void ContinuousCollision::find_stop(const CcdStep& step, const Broadphase& broadphase, CcdStop& stop,
-                                    Scratch& scratch) const {
+void ContinuousCollision::find_stop(CcdStep& step, const Broadphase& broadphase, CcdStop& stop, Scratch& scratch,
+                                    bool decides) const {
+  stop.undecided = false;
   const auto meet = [&](const Vector3& aside, const auto& list_pairs) {
     scratch.supports.clear();
     double first = 1;
@@ -159,6 +160,16 @@ void ContinuousCollision::find_stop(const CcdStep& step, const Broadphase& broad
   stop.t = 0;
   const std::optional<Vector3> aside = way_aside(scratch.supports);
   if (!aside || !(aside->norm() <= stop.bodies.front().aside_limit)) return;
+  if (step.decide != nullptr) {
+    std::vector<Pair> undecided;
+    for (const FastBody& fast : stop.bodies) {
+      query_candidates(step, fast, *aside, broadphase, scratch.pairs);
+      list_undecided(step, scratch.pairs, undecided);
+    }
+    stop.undecided = !undecided.empty() && !decides;
+    if (stop.undecided) return;
+    if (!undecided.empty()) step.passing = (*step.decide)(undecided);
+  }
   const double t =
       meet(*aside, [&](const FastBody& fast) { query_candidates(step, fast, *aside, broadphase, scratch.pairs); });
   const bool kept_off = std::all_of(scratch.supports.begin(), scratch.supports.end(),
@@ -188,9 +199,12 @@ std::span<const CcdStop> ContinuousCollision::find_stops(CcdStep step, Broadphas
     for (CcdStop& stop : std::span(stops_).subspan(begin, end - begin)) {
       const auto sound = [&](const FastBody& fast) { return step.motions.is_finite(fast.body); };
       const bool all_sound = std::all_of(stop.bodies.begin(), stop.bodies.end(), sound);
-      if (all_sound && stop.bodies.front().stops) find_stop(step, broadphase, stop, scratch_.local());
+      if (all_sound && stop.bodies.front().stops) find_stop(step, broadphase, stop, scratch_.local(), false);
     }
   });
+  for (CcdStop& stop : stops_) {
+    if (stop.undecided) find_stop(step, broadphase, stop, scratch_.local(), true);
+  }
   for (const FastBody& fast : step.fast) places_[fast.body] = 0;
   return stops_;
 }

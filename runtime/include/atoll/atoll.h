@@ -4,6 +4,7 @@
 #include <atoll/body.h>
 #include <atoll/body_hash.h>
 #include <atoll/closed_form.h>
+#include <atoll/contact_callbacks.h>
 #include <atoll/contact_problem.h>
 #include <atoll/error.h>
 #include <atoll/error_meter.h>

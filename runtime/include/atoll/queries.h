@@ -46,6 +46,10 @@ struct QueryFilter {
   bool dynamic_bodies = true;
   bool sensors = false;                 ///< of these types
   std::span<const BodyId> ignore = {};  ///< ids of removed bodies do no harm
+  /// Finds only what this body may touch, in place of category and mask: by the filters of both and of their children,
+  /// disabled pairs, joints, and what a contact filter has refused. That is asked of what is near the body, not by
+  /// queries. Neither the body itself is found, nor sensors. Error on a stale id.
+  std::optional<BodyId> as = {};
   /// Asked last, with the number of the child in a compound (else 0); none: all count. In batches it is called from
   /// several threads at once. It may not throw.
   std::function<bool(BodyId body, std::uint32_t child)> predicate = {};

@@ -26,6 +26,8 @@ enum class Stage {
   Broadphase,
   Narrowphase,
   KeptManifolds,
+  ContactFilter,    ///< World::set_contact_filter()
+  ContactModifier,  ///< World::set_contact_modifier()
   ContactSolver,
   SeveralPoints,     ///< what contacts of one point don't need
   TwoMovableBodies,  ///< what contacts with a fixed body don't need
@@ -51,7 +53,7 @@ enum class Stage {
   ContactProblem,
   Recording,
 };
-inline constexpr std::size_t stage_count = 27;
+inline constexpr std::size_t stage_count = 29;
 
 /// "broadphase", "narrowphase", ...
 const char* stage_name(Stage stage);
@@ -90,6 +92,8 @@ struct StepCounts {
   std::int64_t active_contacts = 0;    ///< of pairs with one of these: no other is looked at
   std::int64_t new_boxes = 0;          ///< of shapes that left, or will leave, the fat bounds they had, or are new
   std::int64_t pairs = 0;              ///< of bodies whose fat bounds overlap
+  std::int64_t filtered_pairs = 0;     ///< of shapes, of which a contact filter was asked
+  std::int64_t asked_contacts = 0;     ///< manifolds of which a contact modifier was asked
   std::int64_t contacts = 0;           ///< pairs with at least one manifold point, among awake bodies
   std::int64_t points = 0;             ///< manifold points of these
   std::int64_t joints = 0;             ///< that act on awake bodies

@@ -80,6 +80,15 @@ struct EscalatedIsland {
 
 class Snapshot;
 
+struct ContactCandidate;  // see contact_callbacks.h
+struct ModifiableContact;
+
+/// Whether two shapes may touch: see World::set_contact_filter().
+using ContactFilter = std::function<bool(const ContactCandidate&)>;
+
+/// Changes how two shapes touch in a step: see World::set_contact_modifier().
+using ContactModifier = std::function<void(ModifiableContact&)>;
+
 class Forces;  // see forces.h
 
 /// Adds the forces of a moment to those that bodies feel: see World::step().
@@ -106,6 +115,7 @@ class World {
   /// That of the lowest index which has the name; none for an empty one. Looks through all names.
   std::optional<BodyId> find_body(std::string_view name) const;
 
+  /// Of the body's frame, in which its shape was given: not of its centre of mass, which most shapes have there.
   Pose pose(BodyId id) const;
   Vector3 velocity(BodyId id) const;  ///< m/s, of the centre of mass
   Vector3 angular_velocity(BodyId id) const;
@@ -113,13 +123,15 @@ class World {
   BodyType type(BodyId id) const;
   bool is_asleep(BodyId id) const;
 
-  Vector3 centre_of_mass(BodyId id) const;  ///< m, world frame; the frame's origin where there is no mass
+  /// m, world frame, as positions() has them; the frame's origin where there is no mass. pose() and origins() are of
+  /// the frame.
+  Vector3 centre_of_mass(BodyId id) const;
 
   /// A definition of the body as it is now, that makes another like it: with its present pose, velocities, filter and
   /// whatever was changed of it, and for dynamic bodies mass and inertia, whatever these once followed from.
   BodyDef definition(BodyId id) const;
 
-  void set_pose(BodyId id, const Pose& pose);
+  void set_pose(BodyId id, const Pose& pose);  ///< of the body's frame, as pose() tells it
   /// Along what BodyDef::locks locks there is none, whatever is asked for.
   void set_velocity(BodyId id, const Vector3& linear, const Vector3& angular);
   /// Gives a kinematic body the velocities that take it to a pose in a step of dt seconds, turning the shorter way:
@@ -165,6 +177,36 @@ class World {
   /// Whether two bodies may touch at all, whatever their filters say. Holds until either is removed. Joints that keep
   /// them apart do so either way.
   void set_collision_enabled(BodyId a, BodyId b, bool enabled);
+
+  /// Sets a function that says whether two shapes may touch, for what masks and groups can't say; an empty one unsets
+  /// it. Steps ask it, once, as the bounds of two shapes, with the margins that they have in the broadphase, come to
+  /// overlap: pairs with a dynamic body that filters, disabled pairs and joints let touch. What it says holds until
+  /// these bounds come apart, or one of the bodies is removed or gets another shape, and in continuous collision too.
+  /// What it said before, and those that were near before it was set, are left as they are: to have them asked again
+  /// there is refilter(). Sensors go by filters alone, and queries by theirs: see QueryFilter::as.
+  ///
+  /// This function and the modifier are called on the thread that steps, one call after another: in each step, or each
+  /// substep under a force law, first the filter of new pairs, in order of the lower body index, the higher one and the
+  /// children's numbers; then the modifier of what touches, in that order and of the part, and after these, likewise,
+  /// of what woke by that; then the filter of what continuous collision meets beyond bounds. They may look at the world
+  /// as it is then, but not change, step, save or restore it, which throws Error. What the first of them throws goes
+  /// through at the end of the step, which is taken as if that call had changed nothing and no other were made in it.
+  ///
+  /// Functions are no part of a world's state: snapshots, scene files and restore() leave them out, and alone. What the
+  /// filter said that still holds is, so a world that is restored comes to the same bits if it has functions that do
+  /// the same. A recording has what they said, and is replayed without them.
+  void set_contact_filter(ContactFilter filter);
+  /// Sets a function that may change what two touching shapes do to each other in a step: friction, restitution, how
+  /// fast their surfaces run, and whether they, or points of theirs, push each other at all. An empty one unsets it.
+  /// Steps ask it of each manifold with points, also of such that are a little apart yet, while one of the bodies is
+  /// awake and dynamic; bodies that sleep stay as they are until they wake. When and in which order: see
+  /// set_contact_filter(). Bodies that are switched off against each other neither wake nor stop each other; continuous
+  /// collision stops what is fast at a shape that it doesn't touch yet, for the rest of that step.
+  void set_contact_modifier(ContactModifier modifier);
+  /// Has the contact filter asked again, in the next step, of all that is near the body, as set_contact_filter() says:
+  /// for when it would say something else. What it says now is as before keeps its contacts and impulses. Without a
+  /// filter all may touch again. Wakes the body and what touches it.
+  void refilter(BodyId id);
 
   /// Bodies that are out of the world because their state was, or was about to become, not finite or absurd: see
   /// Quarantine for the bounds. In order of id. Valid until the next call that isn't const.
@@ -212,7 +254,8 @@ class World {
   int threads() const;
   Simd simd() const;  ///< the instruction set in use, never Auto
 
-  /// Advances by dt seconds. dt in (0, 1], else Error; nothing else is ever thrown from a step.
+  /// Advances by dt seconds. dt in (0, 1], else Error; nothing else is ever thrown from a step but what functions of
+  /// yours throw: see set_contact_filter().
   StepReport step(double dt);
   /// The same under forces that depend on where bodies are, how fast they are, and the time: controllers, stiff
   /// springs, fields. The law is called on this thread as each of Settings::substeps begins, and as the last one ends,

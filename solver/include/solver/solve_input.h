@@ -31,11 +31,13 @@ struct SolveInput {
   Overloads& overloads;
   ContactCapture* capture = nullptr;           ///< null where nobody asks
   SurfaceContact* surface_contacts = nullptr;  ///< by contact slot; null while all surfaces are plain
+  const AddedSlip* added_slips = nullptr;      ///< by contact slot; null where nobody adds any
   const float* rises = nullptr;                ///< m, by contact slot (ContactCache::rises); null where there are none
   Joint* joints = nullptr;                     ///< by index of joint
   const JointGraph* joint_graph = nullptr;     ///< null where there are none
   JointSystems* joint_systems = nullptr;       ///< likewise
 
+  const AddedSlip* added_slip(std::uint32_t slot) const { return added_slips ? added_slips + slot : nullptr; }
   /// Whether a component of joints is solved at once.
   bool solves_directly(std::uint32_t component) const {
     return settings.joint_method != JointMethod::Iterative && joint_systems->is_direct(component);

@@ -238,7 +238,7 @@ void DirectIsland::load_contact(const SolveInput& input, const TouchingPair& pai
   law.rolling_stiffness = 0;
   if (input.surface_contacts != nullptr) {
     SurfaceContact& surface = input.surface_contacts[pair.slot];
-    note_surfaces_of(pair, table, manifold, surface);
+    note_surfaces_of(pair, table, manifold, input.added_slip(pair.slot), surface);
     const Vector3 slip = get3(surface.slip);
     law.slip = {slip.dot(contact.axes[1]), slip.dot(contact.axes[2])};
     contact.rolling = surface.rolling_friction;

@@ -97,7 +97,8 @@ bool GroupSolver::note_surfaces(const SolveInput& input, const IslandGroup& grou
   if (!with_surfaces || input.surface_contacts == nullptr) return false;
   bool any = input.settings.everything;
   for (const TouchingPair& pair : input.islands.contacts(group.begin, group.end)) {
-    any |= note_surfaces_of(pair, input.bodies, input.manifolds[pair.slot], input.surface_contacts[pair.slot]);
+    any |= note_surfaces_of(pair, input.bodies, input.manifolds[pair.slot], input.added_slip(pair.slot),
+                            input.surface_contacts[pair.slot]);
     any |= input.rises != nullptr && input.rises[pair.slot] != 0;
   }
   return any;

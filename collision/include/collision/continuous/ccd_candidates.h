@@ -5,6 +5,7 @@
 
 #include <compare>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace atl::collision {
@@ -25,8 +26,9 @@ class CcdCandidates {
  public:
   explicit CcdCandidates(int threads) : scratch_(threads) {}
 
-  /// Of all fast bodies. Fat AABBs of those that left theirs are moved to show where they went.
-  void find(const CcdStep& step, Broadphase& broadphase, jobs::Arena& arena);
+  /// Of all fast bodies. Fat AABBs of those that left theirs are moved to show where they went. What may not touch is
+  /// decided, where nobody has yet.
+  void find(CcdStep& step, Broadphase& broadphase, jobs::Arena& arena);
 
   /// What a fast body may meet in the step, in order.
   void list(std::size_t fast, std::vector<CcdPair>& pairs) const;
@@ -54,12 +56,16 @@ class CcdCandidates {
 
   static void find_by_contacts(const CcdStep& step, std::size_t begin, std::size_t end, Scratch& scratch);
   static void find_by_tree(const CcdStep& step, std::uint32_t fast, const Broadphase& broadphase, Scratch& scratch);
+  void decide(CcdStep& step);
   void sort_by_body(std::size_t fast_bodies);
 
   std::vector<CcdPair> pairs_;        // by fast body
   std::vector<std::uint32_t> begin_;  // by fast body, and the end
   jobs::Scratch<Scratch> scratch_;
 };
+
+/// Adds those of the pairs, as pairs of colliders, that have no contact: whether they may touch is to be decided.
+void list_undecided(const CcdStep& step, std::span<const CcdPair> pairs, std::vector<Pair>& undecided);
 
 /// What a fast body may meet in the step if it ends `aside` of where it did, as the broadphase has it; in order.
 void query_candidates(const CcdStep& step, const FastBody& fast, const Vector3& aside, const Broadphase& broadphase,

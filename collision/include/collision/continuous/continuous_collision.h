@@ -14,6 +14,7 @@ struct CcdStop {
   std::span<const FastBody> bodies;  ///< the body, or the fast ones of its assembly
   double t = 1;                      ///< part of their motion
   Vector3 aside = Vector3::Zero();   ///< m, added to their ends
+  bool undecided = false;            ///< on its way aside it may meet what nobody has decided about: see CcdStep
 
   bool stops() const { return t < 1 || !aside.isZero(0); }
 };
@@ -54,7 +55,8 @@ class ContinuousCollision {
   static double first_hit(const CcdStep& step, const FastBody& fast, const Vector3& aside, double first,
                           Scratch& scratch);
   void list_groups(std::span<const FastBody> fast);
-  void find_stop(const CcdStep& step, const Broadphase& broadphase, CcdStop& stop, Scratch& scratch) const;
+  // `decides` lets it ask about what it meets aside; else it may be left undecided.
+  void find_stop(CcdStep& step, const Broadphase& broadphase, CcdStop& stop, Scratch& scratch, bool decides) const;
 
   std::vector<std::uint32_t> places_;  // by body, see CcdStep; all 0 between calls
   std::vector<CcdStop> stops_;         // in order of fast bodies

@@ -5,7 +5,9 @@
 #include <collision/contacts/narrowphase_kernels.h>
 #include <collision/contacts/refresh.h>
 #include <collision/continuous/sweep.h>
+#include <collision/shapes/function_ref.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 
@@ -37,11 +39,19 @@ struct CcdStep {
   const ContactCache& cache;
   const NarrowphaseKernels& kernels;
   std::size_t active_bodies;
+  /// Pairs of colliders that pass through each other in this step, in order.
+  std::span<const Pair> passing = {};
+  /// Decides about pairs, in order, that have no contact and don't pass: it returns `passing` with those that do. Asked
+  /// on the calling thread. Null where all that filters let meet may touch.
+  const FunctionRef<std::span<const Pair>(std::span<const Pair>)>* decide = nullptr;
 
   /// In order of assemblies, those alone last, then of bodies.
   std::span<FastBody> fast = {};
   std::span<const std::uint32_t> places = {};  ///< by body: its number in `fast` + 1, or 0
 
+  bool passes(Pair pair) const {
+    return !passing.empty() && std::binary_search(passing.begin(), passing.end(), pair);
+  }
   /// Null for a body that was not fast: it counts as being where it is now.
   const FastBody* find_fast(std::uint32_t body) const { return places[body] == 0 ? nullptr : &fast[places[body] - 1]; }
   std::uint32_t assembly_of(std::uint32_t body) const { return joined[body] ? assembly[body] : FastBody::alone; }

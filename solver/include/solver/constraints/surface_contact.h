@@ -25,8 +25,14 @@ inline bool is_pressed(const collision::ContactManifold& manifold) {
   return false;
 }
 
-/// Fills in what the surfaces of a touching pair do in this step. Whether that is more than plain friction.
+/// A slip that is added to what bodies' surfaces make of it: m/s, world frame.
+struct AddedSlip {
+  float velocity[3] = {0, 0, 0};
+};
+
+/// Fills in what the surfaces of a touching pair do in this step. Whether that is more than plain friction. `added` may
+/// be null.
 bool note_surfaces_of(const collision::TouchingPair& pair, const BodyTable& bodies,
-                      const collision::ContactManifold& manifold, SurfaceContact& contact);
+                      const collision::ContactManifold& manifold, const AddedSlip* added, SurfaceContact& contact);
 
 }  // namespace atl::solver

@@ -1,0 +1,219 @@
+// What worlds can do beside bodies and joints, in all modes of the solvers: the same bits on any number of threads,
+// gone on with after a save, restored into another world, and replayed.
+
+#include <atoll/atoll.h>
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "support/bodies.h"
+#include "support/temporary_file.h"
+
+namespace atl::test {
+namespace {
+
+constexpr int steps = 36;
+
+/// A feature: how bodies are made, what functions a world is given, and what is done to it ahead of a step.
+struct Feature {
+  const char* name;
+  std::function<void(BodyDef&, int)> define = [](BodyDef&, int) {};
+  std::function<void(World&)> equip = [](World&) {};
+  std::function<void(World&, const std::vector<BodyId>&, int)> act = [](World&, const std::vector<BodyId>&, int) {};
+  bool counts = true;  // whether what it does shows in the state's hash
+};
+
+Compound pieces(int i) {
+  return {{{.shape = Box{{0.2, 0.3, 0.2}}, .position = {-0.2, 0, 0}, .material = Material{.friction = 0.1 * (i % 5)}},
+           {.shape = Sphere{0.25},
+            .position = {0.25, 0, 0},
+            .material = Material{.restitution = 0.3, .rolling_friction = 0.01},
+            .filter = CollisionFilter{.mask = i % 3 == 0 ? 3u : 1u}}}};
+}
+
+const std::vector<Feature>& features() {
+  static const std::vector<Feature> all = {
+      {.name = "filter",
+       .equip =
+           [](World& world) {
+             world.set_contact_filter(
+                 [](const ContactCandidate& of) { return (of.a.index + 2 * of.b.index) % 5 != 0; });
+           },
+       .act =
+           [](World& world, const std::vector<BodyId>& bodies, int step) {
+             if (step % 7 == 3) world.refilter(bodies[static_cast<std::size_t>(step) % bodies.size()]);
+           }},
+      // One that says something else as time goes by, without a memory of its own.
+      {.name = "moody_filter",
+       .equip =
+           [](World& world) {
+             world.set_contact_filter([](const ContactCandidate& of) {
+               return of.a.index == 0 || of.world.pose(of.b).position.z() > of.world.pose(of.a).position.z();
+             });
+           },
+       .act =
+           [](World& world, const std::vector<BodyId>& bodies, int step) {
+             if (step % 4 == 1) world.refilter(bodies[static_cast<std::size_t>(step) % bodies.size()]);
+           }},
+      {.name = "modifier",
+       .equip =
+           [](World& world) {
+             world.set_contact_modifier([](ModifiableContact& contact) {
+               const std::uint32_t kind = (contact.a.index + contact.b.index) % 6;
+               if (kind == 0) contact.friction *= 0.25;
+               if (kind == 1) contact.restitution = 0.5;
+               if (kind == 2) contact.run_surface(contact.a, {0.5, 0.2, 0});
+               if (kind == 3) contact.points.back().enabled = false;
+               if (kind == 4) contact.enabled = contact.world.velocity(contact.b).z() < 0.1;
+             });
+           }},
+      {.name = "both_functions",
+       .equip =
+           [](World& world) {
+             world.set_contact_filter([](const ContactCandidate& of) { return (of.a.index + of.b.index) % 4 != 1; });
+             world.set_contact_modifier([](ModifiableContact& contact) {
+               contact.friction = 0.1 + 0.1 * (contact.b.index % 7);
+               if (contact.normal.z() < 0.2 && contact.a.index != 0) contact.points.front().enabled = false;
+             });
+           },
+       .act =
+           [](World& world, const std::vector<BodyId>& bodies, int step) {
+             if (step == 10) world.remove_body(bodies[3]);
+             if (step == 12) world.add_body({.shape = Sphere{0.3}, .position = {0, 0.1, 6}});
+             if (step == 20) world.set_contact_filter({});
+           }},
+      {.name = "sensors",
+       .define = [](BodyDef& def, int i) { def.sensor = i % 6 == 5; },
+       .act =
+           [](World& world, const std::vector<BodyId>& bodies, int step) {
+             for (const SensorEvent& event : world.sensor_events()) {
+               const Vector3 centre = world.centre_of_mass(event.body);
+               if (step % 5 == 0 && event.entered) world.apply_impulse(event.body, {0, 0, 20}, centre);
+             }
+             if (step == 15) world.set_filter(bodies[5], {.mask = 2});
+           }},
+      {.name = "children", .define = [](BodyDef& def, int i) { def.shape = pieces(i); }},
+      {.name = "set_shape",
+       .act =
+           [](World& world, const std::vector<BodyId>& bodies, int step) {
+             const BodyId id = bodies[static_cast<std::size_t>(step) % bodies.size()];
+             if (step % 5 == 2) world.set_shape(id, Capsule{.radius = 0.2, .half_height = 0.2});
+             if (step % 5 == 4) world.set_shape(id, pieces(step));
+           }},
+      {.name = "set_material",
+       .act =
+           [](World& world, const std::vector<BodyId>& bodies, int step) {
+             const BodyId id = bodies[static_cast<std::size_t>(step) % bodies.size()];
+             if (step % 4 == 1) world.set_material(id, {.friction = 0.05 * (step % 9), .restitution = 0.02 * step});
+             if (step % 4 == 3) world.set_material(id, {.friction = 0.4, .torsional_friction = 0.02});
+           }},
+      {.name = "user_data_and_names",
+       .act =
+           [](World& world, const std::vector<BodyId>& bodies, int step) {
+             const BodyId id = bodies[static_cast<std::size_t>(step) % bodies.size()];
+             world.set_user_data(id, world.user_data(id) + 1);
+             world.set_name(id, "body " + std::to_string(step));
+           },
+       .counts = false},
+  };
+  return all;
+}
+
+struct FeatureRun {
+  World world;
+  std::vector<BodyId> bodies;
+  Feature feature;
+
+  FeatureRun(const Feature& of, const Settings& settings, int threads, bool empty = false)
+      : world({.threads = threads, .settings = settings}), feature(of) {
+    of.equip(world);
+    if (empty) return;
+    world.add_body(ground());
+    for (int i = 0; i < 18; ++i) {
+      const Vector3 position(0.45 * (i % 3) - 0.4, 0.4 * (i / 3 % 2), 0.5 + 0.55 * (i / 3));
+      BodyDef def = i % 4 == 0 ? sphere(position, 0.3) : box(position, {0.3, 0.25, 0.25});
+      of.define(def, i);
+      bodies.push_back(world.add_body(def));
+    }
+    // A rope that lies in the pile.
+    for (std::size_t i = 6; i < 9; ++i) {
+      world.add_joint(joint_at(world, BallJoint{}, bodies[i], bodies[i + 1],
+                               0.5 * (world.pose(bodies[i]).position + world.pose(bodies[i + 1]).position)));
+    }
+  }
+  std::uint64_t step(int number) {
+    feature.act(world, bodies, number);
+    world.step(dt);
+    return world.state_hash();
+  }
+};
+
+std::string name_of(const World& world, BodyId id) {
+  return std::string(world.name(id)) + "/" + std::to_string(world.user_data(id));
+}
+
+using Case = std::tuple<std::size_t, JointSolver, ContactSolver>;
+
+class FeatureIn : public testing::TestWithParam<Case> {
+ protected:
+  const Feature& feature = features()[std::get<0>(GetParam())];
+  Settings settings = {.contact_solver = std::get<2>(GetParam()),
+                       .joint_solver = std::get<1>(GetParam()),
+                       .sleeping = true,
+                       .contact_events = true};
+};
+
+TEST_P(FeatureIn, HasTheSameBitsHoweverItIsContinued) {
+  const TemporaryFile file(".features");
+  FeatureRun first(feature, settings, 1), other(feature, settings, 2);
+  FeatureRun plain({.name = "none", .define = feature.define}, settings, 1);
+  first.world.record(file.path());
+  Snapshot half;
+  std::vector<std::uint64_t> trail;
+  bool differs = false;
+  for (int i = 0; i < steps; ++i) {
+    if (i == steps / 2) first.world.save(half);
+    trail.push_back(first.step(i));
+    ASSERT_EQ(other.step(i), trail.back()) << feature.name << ": on two threads, step " << i;
+    plain.world.step(dt);
+    differs |= plain.world.state_hash() != trail.back();
+  }
+  first.world.stop_recording();
+  const bool is_all_definition = std::string(feature.name) == "children";
+  EXPECT_EQ(differs, feature.counts && !is_all_definition) << feature.name << ": whether it does anything";
+  for (const int threads : {1, 2}) {
+    const ReplayResult replayed = replay(file.path(), {.threads = threads});
+    EXPECT_FALSE(replayed.divergence) << feature.name;
+    EXPECT_EQ(replayed.hash, trail.back()) << feature.name << ": replayed";
+  }
+  std::vector<std::string> names;
+  for (const BodyId id : first.world.bodies()) names.push_back(name_of(first.world, id));
+  FeatureRun fresh(feature, settings, 2, true);
+  fresh.bodies = first.bodies;
+  for (FeatureRun* run : {&first, &fresh}) {
+    feature.equip(run->world);  // functions are no state
+    run->world.restore(half);
+    for (int i = steps / 2; i < steps; ++i) {
+      ASSERT_EQ(run->step(i), trail[static_cast<std::size_t>(i)])
+          << feature.name << (run == &fresh ? ": in a fresh world" : ": continued") << ", step " << i;
+    }
+    std::size_t number = 0;
+    for (const BodyId id : run->world.bodies()) EXPECT_EQ(name_of(run->world, id), names[number++]);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Modes, FeatureIn,
+    testing::Combine(testing::Range<std::size_t>(0, 9),
+                     testing::Values(JointSolver::Auto, JointSolver::Direct, JointSolver::Iterative),
+                     testing::Values(ContactSolver::Auto, ContactSolver::Direct, ContactSolver::Iterative)),
+    [](const auto& test) {
+      return std::string(features()[std::get<0>(test.param)].name) + "_" + std::to_string(test.index);
+    });
+
+}  // namespace
+}  // namespace atl::test
