@@ -6,16 +6,19 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 scratch=$1
 shift
 rm -rf "$scratch"
-stores=(Stores StepClock BodyTable BodyRecords Sleeping ContactEvents SensorEvents ContactChoices)
+stores=(Stores StepClock BodyTable BodyRecords Sleeping ContactEvents SensorEvents ContactChoices
+        QuarantineList JointTable SolverSelection BodyAabbs MotionBounds)
 headers=(runtime/world/stores.h runtime/world/stores.h solver/include/solver/integrate/body_table.h
          runtime/world/body_records.h runtime/world/sleeping.h runtime/world/contact_events.h
-         runtime/world/contact_events.h runtime/world/contact_choices.h)
+         runtime/world/contact_events.h runtime/world/contact_choices.h
+         runtime/world/quarantine.h runtime/world/joint_table.h solver/include/solver/select/solver_selection.h
+         collision/include/collision/contacts/body_aabbs.h collision/include/collision/shapes/motion_bounds.h)
 for i in "${!stores[@]}"; do
   header=${headers[i]}
-  copy=$scratch/include/$(sed -E 's#^(runtime|solver/include)/##' <<< "$header")
+  copy=$scratch/include/$(sed -E 's#^(runtime|solver/include|collision/include)/##' <<< "$header")
   mkdir -p "$(dirname "$copy")"
   [[ -e $copy ]] || cp "$root/$header" "$copy"
-  sed -i -E "/^struct ${stores[i]} \{/a int forgotten = 0;" "$copy"
+  sed -i -E "/^(struct|class) ${stores[i]} \{/a int forgotten = 0;" "$copy"
 done
 cat > "$scratch/probe.cpp" <<'CPP'
 #include "state/world_state.h"

@@ -532,11 +532,16 @@ class WorldState {
 
   // Every member of the stores is either told above, or found in the second line of its list: made anew from what was
   // told, known by the roster, or of no consequence for the next step. A member that is new has to be put into one.
+  // Stores with private members have a list of their own, which is where nobody else can name them.
   void check_members() {
     {
       auto& [gravity, settings, clock, bodies, records, joints, broadphase, aabbs, cache, choices, surface_contacts,
              sleeping, quarantine, selection, results, /**/ contents, colliders, active, reaches, changes] = world_;
       static_cast<void>(gravity);
+    }
+    {
+      auto& [aabb_margin, aabb_dirty, /**/ margin_limit, sweep_distance] = world_.aabbs.bounds;
+      static_cast<void>(aabb_margin);
     }
     {
       auto& [refused, refiltered, /**/ modified] = world_.choices;

@@ -69,6 +69,13 @@ struct JointTable {
 
   void link(std::uint32_t joint) { of_body_.add(joint, joints[joint].first, joints[joint].second); }
 
+  // See WorldState::check_members().
+  static void check_members(JointTable& table) {
+    auto& [joints, def, generation, alive, enabled, broken, limit_before, free, /**/ suspended, acts, watched, driven,
+           count, of_body, apart] = table;
+    static_cast<void>(joints);
+  }
+
   jobs::PairLists of_body_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> apart_;
 };

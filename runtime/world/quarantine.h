@@ -54,6 +54,12 @@ class QuarantineList {
   static constexpr std::uint8_t to_check = 1;
   static constexpr std::uint8_t checked = 2;
 
+  // See WorldState::check_members().
+  static void check_members(QuarantineList& list) {
+    auto& [bodies, suspected, poses_before, /**/ kept, suspects, any_checked] = list;
+    static_cast<void>(bodies);
+  }
+
   std::vector<Quarantined> bodies_;      // in order of id
   std::vector<Kept> kept_;               // the same
   std::vector<std::uint8_t> suspected_;  // by body: 0 or one of these two

@@ -82,6 +82,12 @@ class BodyAabbs {
   void note_swept(std::uint32_t body, const BodyMotions& motions);
   void shrink_swept(const BodyMotions& motions, Broadphase& broadphase);
 
+  // What lasts from step to step, and what is made anew. Whoever adds a member says which it is, or this won't compile.
+  static void check_members(BodyAabbs& aabbs) {
+    auto& [bounds, swept_margins, /**/ swept, looked_at, inside, updates] = aabbs;
+    static_cast<void>(bounds);
+  }
+
   std::vector<double> swept_margins_;         // by body
   std::vector<std::uint32_t> swept_;          // bodies with such margins
   std::vector<std::uint32_t> looked_at_;      // scratch, bodies

@@ -88,6 +88,13 @@ class SolverSelection {
     bool sags = false;
   };
 
+  // What lasts from step to step, and what is made anew. Whoever adds a member says which it is, or this won't compile.
+  static void check_members(SolverSelection& selection) {
+    auto& [strain, strained, arrived, /**/ of_overloads, merged, symptoms, landings, pressed, knows_pressed, on_system,
+           modes, estimated, estimate] = selection;
+    static_cast<void>(strain);
+  }
+
   std::vector<Strain> strain_;           // by body
   std::vector<std::uint32_t> strained_;  // in order
   std::vector<std::uint32_t> arrived_;
