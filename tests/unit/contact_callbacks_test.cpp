@@ -236,6 +236,8 @@ TEST(ContactFilter, IsAskedByContinuousCollisionInOneOrder) {
       questions.push_back(asked(of));
       return of.a.index < 6 || (of.a.index + of.b.index) % 3 != 0;
     });
+    const TemporaryFile file(".room");
+    world.record(file.path());
     std::int64_t swept = 0;
     for (int i = 0; i < 100; ++i) {
       swept += world.step(dt).counts.swept;
@@ -245,6 +247,10 @@ TEST(ContactFilter, IsAskedByContinuousCollisionInOneOrder) {
     }
     EXPECT_GT(swept, 1000);
     for (const BodyId id : balls) EXPECT_LT(world.pose(id).position.cwiseAbs().maxCoeff(), 2);
+    world.stop_recording();
+    const ReplayResult replayed = replay(file.path(), {.threads = 3 - threads});
+    EXPECT_FALSE(replayed.divergence);
+    EXPECT_EQ(replayed.hash, world.state_hash());
     return std::pair(questions, world.state_hash());
   };
   EXPECT_EQ(run_on(1), run_on(2));
@@ -388,6 +394,31 @@ TEST(ContactModifier, SwitchesPointsOff) {
     world.set_contact_modifier({});
     run(world, 120);
     EXPECT_NEAR(world.pose(block).position.z(), 0.1, 2e-3);
+  }
+}
+
+// A ball in a groove touches both of its sides, a mesh's, in manifolds of their own. Without the left one it rolls down
+// along the right one.
+TEST(ContactModifier, TellsTheSidesOfAMeshApart) {
+  const std::vector<Vector3> vertices = {{0, -3, 0}, {0, 3, 0}, {3, -3, 3}, {3, 3, 3}, {-3, -3, 3}, {-3, 3, 3}};
+  const std::vector<TriangleMesh::Indices> triangles = {{0, 2, 1}, {1, 2, 3}, {0, 1, 4}, {1, 5, 4}};
+  for (const bool holds : {true, false}) {
+    World world;
+    const BodyId groove = world.add_body({.type = BodyType::Static, .shape = TriangleMesh(vertices, triangles)});
+    const BodyId ball = world.add_body(sphere({0, 0, std::sqrt(0.5)}));
+    std::uint32_t last = 0;
+    world.set_contact_modifier([&](ModifiableContact& contact) {
+      EXPECT_EQ(contact.a, groove);
+      EXPECT_NEAR(std::abs(contact.normal.x()), std::sqrt(0.5), 0.01);
+      last = std::max(last, contact.part);
+      if (contact.normal.x() > 0) contact.enabled = holds;
+    });
+    run(world, 20);
+    EXPECT_EQ(last, 1u);
+    const Vector3 position = world.pose(ball).position;
+    const double time = 20 * dt, rolled = 0.5 * (5.0 / 7 * g * std::sqrt(0.5)) * time * time;
+    EXPECT_NEAR(position.x(), holds ? 0 : -rolled * std::sqrt(0.5), 0.005);
+    EXPECT_NEAR(position.z() - position.x(), std::sqrt(0.5), 0.005);
   }
 }
 
