@@ -8,9 +8,11 @@
 #include <functional>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "support/bodies.h"
+#include "support/scene_run.h"
 #include "support/temporary_file.h"
 
 namespace atl::test {
@@ -203,6 +205,41 @@ TEST_P(FeatureIn, HasTheSameBitsHoweverItIsContinued) {
     }
     std::size_t number = 0;
     for (const BodyId id : run->world.bodies()) EXPECT_EQ(name_of(run->world, id), names[number++]);
+  }
+}
+
+// Bodies that are thrown into heaps, where continuous collision asks of what it meets, also on ways aside of what it
+// touches.
+TEST(ContactFilterInHeaps, IsAskedInOneOrderAndReplayed) {
+  for (const char* name : {"pile:bodies=150", "ragdolls:count=4", "drum:boxes=60"}) {
+    std::vector<std::pair<BodyId, BodyId>> asked[2];
+    std::uint64_t hashes[2];
+    for (const int threads : {1, 2}) {
+      SceneRun run(load_scene(name), {.threads = threads});
+      const auto number = static_cast<std::size_t>(threads - 1);
+      run.world.set_contact_filter([&](const ContactCandidate& of) {
+        asked[number].emplace_back(of.a, of.b);
+        return of.a.index < 8 || (of.a.index + of.b.index) % 5 != 0;
+      });
+      const TemporaryFile file(".heap");
+      run.world.record(file.path());
+      std::int64_t swept = 0;
+      for (int i = 0; i < 70; ++i) {
+        for (const BodyId id : run.ids) {
+          if (i % 20 != 10 || id.index % 3 != 0 || run.world.type(id) != BodyType::Dynamic) continue;
+          run.world.set_velocity(id, {60.0 - id.index % 7 * 20, 40.0 - id.index % 5 * 20, -80}, Vector3::Zero());
+        }
+        swept += run.world.step(run.scene.dt).counts.swept;
+      }
+      EXPECT_GT(swept, 100) << name;
+      run.world.stop_recording();
+      hashes[number] = run.world.state_hash();
+      const ReplayResult replayed = replay(file.path(), {.threads = 3 - threads});
+      EXPECT_FALSE(replayed.divergence) << name;
+      EXPECT_EQ(replayed.hash, hashes[number]) << name;
+    }
+    EXPECT_EQ(asked[0], asked[1]) << name;
+    EXPECT_EQ(hashes[0], hashes[1]) << name;
   }
 }
 
