@@ -72,8 +72,8 @@ void hash_body(const Stores& world, BodyParts& parts, std::uint32_t body) {
     const bool quarantined = world.quarantine.contains(body);
     world.colliders.for_each_of(body, [&](std::uint32_t collider) {
       parts.bounds.value(collider);
-      if (!quarantined && !world.broadphase.is_half_space(collider)) {
-        const collision::Aabb box = world.broadphase.fat_box(collider);
+      if (!quarantined && !world.broadphase.proxies().is_half_space(collider)) {
+        const collision::Aabb box = world.broadphase.proxies().fat_box(collider);
         parts.bounds.values(box.lower.data(), 3);
         parts.bounds.values(box.upper.data(), 3);
       }

@@ -19,7 +19,7 @@ bool same_bits(const collision::Aabb& a, const collision::Aabb& b) { return std:
 
 void restore_filter(Stores& world, std::uint32_t collider) {
   const collision::Filter filter = filter_of(world, collider);
-  if (world.broadphase.filter(collider) != filter) world.broadphase.set_filter(collider, filter);
+  if (world.broadphase.filters().filter(collider) != filter) world.broadphase.set_filter(collider, filter);
 }
 
 }  // namespace
@@ -34,7 +34,7 @@ void restore_quarantined(Stores& world, std::uint32_t body, Quarantine reason, s
   world.quarantine.add({{body, world.records.generation[body]}, reason, quarantine_reason(reason), step},
                        {mobility_of(world.records.type[body]), world.records.constants[body]->gyroscopic});
   world.colliders.for_each_of(body, [&](std::uint32_t collider) {
-    if (world.broadphase.contains(collider)) world.broadphase.remove(collider);
+    if (world.broadphase.proxies().contains(collider)) world.broadphase.remove(collider);
   });
 }
 
@@ -118,11 +118,11 @@ void restore_disabled_pairs(Stores& world, std::span<const collision::Pair> pair
   std::vector<collision::Pair> changed;
   std::set_difference(apart_before.begin(), apart_before.end(), apart.begin(), apart.end(),
                       std::back_inserter(changed));
-  for (const collision::Pair& pair : changed) world.broadphase.unignore(pair.first, pair.second);
+  for (const collision::Pair& pair : changed) world.broadphase.enable_pair(pair.first, pair.second);
   changed.clear();
   std::set_difference(apart.begin(), apart.end(), apart_before.begin(), apart_before.end(),
                       std::back_inserter(changed));
-  for (const collision::Pair& pair : changed) world.broadphase.ignore(pair.first, pair.second);
+  for (const collision::Pair& pair : changed) world.broadphase.disable_pair(pair.first, pair.second);
 }
 
 bool is_in_broadphase(const Stores& world, std::uint32_t collider) {
@@ -131,16 +131,16 @@ bool is_in_broadphase(const Stores& world, std::uint32_t collider) {
 }
 
 void restore_box(Stores& world, std::uint32_t collider, const collision::Aabb& box) {
-  if (!world.broadphase.contains(collider)) {
+  if (!world.broadphase.proxies().contains(collider)) {
     add_box(world, collider, box);
     return;
   }
   restore_filter(world, collider);
-  if (!same_bits(world.broadphase.fat_box(collider), box)) world.broadphase.restore_box(collider, box);
+  if (!same_bits(world.broadphase.proxies().fat_box(collider), box)) world.broadphase.restore_box(collider, box);
 }
 
 void restore_plane(Stores& world, std::uint32_t collider, const collision::Plane& plane) {
-  if (!world.broadphase.contains(collider)) {
+  if (!world.broadphase.proxies().contains(collider)) {
     world.broadphase.add_half_space(collider, plane, filter_of(world, collider));
     return;
   }

@@ -456,13 +456,13 @@ class WorldState {
       if (!is_there(collider)) continue;
       if (world_.colliders.shape[collider].kind == collision::ShapeKind::HalfSpace) {
         collision::Plane plane;
-        if constexpr (!reads) plane = broadphase.plane(collider);
+        if constexpr (!reads) plane = broadphase.proxies().plane(collider);
         archive_.values(plane.normal.data(), 3);
         archive_.value(plane.offset);
         if constexpr (reads) restore_plane(world_, collider, plane);
       } else {
         collision::Aabb box;
-        if constexpr (!reads) box = broadphase.fat_box(collider);
+        if constexpr (!reads) box = broadphase.proxies().fat_box(collider);
         archive_.values(box.lower.data(), 3);
         archive_.values(box.upper.data(), 3);
         if constexpr (reads) restore_box(world_, collider, box);

@@ -23,7 +23,8 @@ void find_within(const Stores& world, std::uint32_t sensor, std::vector<std::uin
     const auto notices = [&](std::uint32_t collider) {
       const std::uint32_t body = world.colliders.body[collider];
       return world.records.type[body] != BodyType::Static && !world.records.sensor[body] &&
-             collision::may_meet(filter, world.broadphase.filter(collider)) && world.bodies.position(body).allFinite();
+             collision::may_meet(filter, world.broadphase.filters().filter(collider)) &&
+             world.bodies.position(body).allFinite();
     };
     collision::find_overlaps(scene, world.colliders.shape[part], world.colliders.pose(part, scene.poses), notices,
                              touched);

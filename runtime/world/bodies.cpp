@@ -358,11 +358,11 @@ void set_collision_enabled(Stores& world, std::uint32_t first, std::uint32_t sec
   std::erase(of_first, second);
   std::erase(of_second, first);
   if (enabled) {
-    if (!with_joints || !world.joints.are_kept_apart(first, second)) world.broadphase.unignore(first, second);
+    if (!with_joints || !world.joints.are_kept_apart(first, second)) world.broadphase.enable_pair(first, second);
   } else {
     of_first.insert(std::lower_bound(of_first.begin(), of_first.end(), second), second);
     of_second.insert(std::lower_bound(of_second.begin(), of_second.end(), first), first);
-    world.broadphase.ignore(first, second);
+    world.broadphase.disable_pair(first, second);
   }
 }
 

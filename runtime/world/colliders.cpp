@@ -79,7 +79,7 @@ void remove_colliders(Stores& world, std::uint32_t body) {
   clear_colliders(world, body);
   if (const auto found = world.records.disabled_pairs.find(body); found != world.records.disabled_pairs.end()) {
     for (const std::uint32_t other : found->second) {
-      world.broadphase.unignore(body, other);
+      world.broadphase.enable_pair(body, other);
       std::erase(world.records.disabled_pairs[other], body);
     }
     world.records.disabled_pairs.erase(body);

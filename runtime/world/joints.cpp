@@ -72,7 +72,7 @@ void forget_impulses(solver::Joint& joint) {
 // Of two bodies whose pair is disabled nothing changes.
 void keep_apart(Stores& world, std::uint32_t joint) {
   const solver::Joint& j = world.joints.joints[joint];
-  if (world.joints.keep_apart(j.first, j.second)) world.broadphase.ignore(j.first, j.second);
+  if (world.joints.keep_apart(j.first, j.second)) world.broadphase.disable_pair(j.first, j.second);
 }
 
 void let_touch(Stores& world, std::uint32_t joint) {
@@ -82,7 +82,7 @@ void let_touch(Stores& world, std::uint32_t joint) {
   const bool stay_apart =
       disabled != world.records.disabled_pairs.end() &&
       std::find(disabled->second.begin(), disabled->second.end(), j.second) != disabled->second.end();
-  if (!stay_apart) world.broadphase.unignore(j.first, j.second);
+  if (!stay_apart) world.broadphase.enable_pair(j.first, j.second);
 }
 
 }  // namespace

@@ -91,7 +91,7 @@ class Filter {
     bool any = false;
     if (access_.colliders.body[collider] == body) return any;
     access_.colliders.for_each_of(body, [&](std::uint32_t own) {
-      any |= access_.broadphase.contains(own) && access_.broadphase.allowed(own, collider) &&
+      any |= access_.broadphase.proxies().contains(own) && access_.broadphase.filters().allowed(own, collider) &&
              !access_.choices.is_refused(collision::Pair::of(own, collider));
     });
     return any;

@@ -137,10 +137,10 @@ class Motion {
     if (owners.first == owners.second) return;
     if (lift) {
       model_.ignored.erase(owners);
-      broadphase_.unignore(owners.second, owners.first);
+      broadphase_.enable_pair(owners.second, owners.first);
     } else {
       model_.ignored.insert(owners);
-      broadphase_.ignore(owners.second, owners.first);
+      broadphase_.disable_pair(owners.second, owners.first);
     }
     for (Model::Proxy& proxy : model_.proxies) {
       if (proxy.filter.owner == owners.first || proxy.filter.owner == owners.second) proxy.moved = true;
@@ -308,7 +308,7 @@ TEST(Broadphase, FiltersDecideWhoMayMeet) {
 TEST(Broadphase, ChangesOfFiltersTakeEffectWithoutMotion) {
   jobs::Arena arena(1);
   Broadphase broadphase;
-  broadphase.ignore(5, 6);  // before anybody has such an owner
+  broadphase.disable_pair(5, 6);  // before anybody has such an owner
   broadphase.add_box(0, unit_box, false, {.owner = 5});
   broadphase.add_box(1, unit_box, false, {.owner = 6});
   const auto found = [&] {
@@ -318,7 +318,7 @@ TEST(Broadphase, ChangesOfFiltersTakeEffectWithoutMotion) {
     return count == 1;
   };
   EXPECT_FALSE(found());
-  broadphase.unignore(6, 5);
+  broadphase.enable_pair(6, 5);
   EXPECT_TRUE(broadphase.has_moved(0) && broadphase.has_moved(1));
   EXPECT_TRUE(found());
   broadphase.set_filter(1, {.mask = 0, .owner = 6});
@@ -363,7 +363,7 @@ TEST(Broadphase, BoxesWithNanMeetNobodyAndInfiniteOnesEverybody) {
   for (int round = 0; round < 3; ++round) {  // as inserted, refitted and rebuilt
     const std::span<const Pair> pairs = broadphase.find_new_pairs({}, arena);
     EXPECT_EQ(std::vector<Pair>(pairs.begin(), pairs.end()), expected);
-    for (std::uint32_t shape = 1; shape <= 5; ++shape) broadphase.move_box(shape, broadphase.fat_box(shape));
+    for (std::uint32_t shape = 1; shape <= 5; ++shape) broadphase.move_box(shape, broadphase.proxies().fat_box(shape));
   }
   broadphase.move_box(1, unit_box);
   EXPECT_TRUE(broadphase.overlap(1, 4));
@@ -391,10 +391,10 @@ TEST(Broadphase, QueriesSeeAllKindsOfShapes) {
     }
     if (Model::below(plane, probe)) expected.insert(300);
     plane_hits += expected.count(300);
-    broadphase.query_box(probe, [&](std::uint32_t shape) { EXPECT_TRUE(found.insert(shape).second); });
+    broadphase.proxies().query_box(probe, [&](std::uint32_t shape) { EXPECT_TRUE(found.insert(shape).second); });
     EXPECT_EQ(found, expected);
     // A sweep that goes nowhere is a query of a box; the float boxes are rounded outwards, so may hold more.
-    broadphase.query_ray(
+    broadphase.proxies().query_ray(
         centre, Vector3::Zero(), 1,
         [&](std::uint32_t shape, double t_enter) {
           EXPECT_EQ(t_enter, 0);
@@ -414,7 +414,7 @@ TEST(Broadphase, RaysEnterHalfSpacesWhereTheyShould) {
   broadphase.add_half_space(4, {Vector3::UnitZ(), 1});
   const auto enter = [&](const Vector3& origin, const Vector3& direction, double max_t, const Vector3& half) {
     double entered = -1;
-    broadphase.query_ray(
+    broadphase.proxies().query_ray(
         origin, direction, max_t,
         [&](std::uint32_t, double t_enter) {
           entered = t_enter;
@@ -431,24 +431,24 @@ TEST(Broadphase, RaysEnterHalfSpacesWhereTheyShould) {
   EXPECT_EQ(enter({3, 4, 0}, {0, 0, 1}, 1e6, Vector3::Zero()), 0);
 }
 
-// A fat box holds the shape for as many steps as predicted, on its way and with the slack on all sides.
+// A fat box holds the shape for as many steps as predicted, on its way and with its margin on all sides.
 TEST(FatBox, ContainsTheShapeAsLongAsPredicted) {
   Random random(12);
   for (int i = 0; i < 500; ++i) {
     const Vector3 lower = random.vector(100);
     const Vector3 upper = lower + Vector3(random.real(0.5, 2), random.real(0.5, 2), 1);
     const Vector3 displacement = random.real(0, 0.1) * random.direction();
-    const double slack = random.real(0, 0.2);
-    const Aabb fat = fattened({lower, upper}, slack, displacement);
+    const double aabb_margin = random.real(0, 0.2);
+    const Aabb fat = fattened({lower, upper}, aabb_margin, displacement);
     for (int step = 0; step <= static_cast<int>(predicted_steps); ++step) {
       const Vector3 at = step * displacement * (1 - 1e-12);
-      const Vector3 margin = Vector3::Constant(slack * (1 - 1e-12));
+      const Vector3 margin = Vector3::Constant(aabb_margin * (1 - 1e-12));
       EXPECT_TRUE(fat.contains(Aabb::around(lower + at - 0.999 * margin, upper + at + 0.999 * margin)));
     }
     const Vector3 volume_of_sweep = upper - lower + predicted_steps * displacement.cwiseAbs();
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      EXPECT_NEAR(fat.upper[axis] - fat.lower[axis], volume_of_sweep[static_cast<Eigen::Index>(axis)] + 2 * slack,
-                  1e-4);
+      const double swept = volume_of_sweep[static_cast<Eigen::Index>(axis)];
+      EXPECT_NEAR(fat.upper[axis] - fat.lower[axis], swept + 2 * aabb_margin, 1e-4);
     }
   }
   // One that crosses a thousand times its size in a step gets a box of twice its size.

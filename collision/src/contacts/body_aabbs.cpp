@@ -53,7 +53,7 @@ bool is_inside(std::uint32_t body, const BodyMotions& motions, const Broadphase&
     inside = is_bounded(colliders.shape[collider]);
     if (!inside) return;
     // The ball around it is there for less than its box.
-    const Aabb& fat = broadphase.fat_box(collider);
+    const Aabb& fat = broadphase.proxies().fat_box(collider);
     const Vector3 centre =
         motions.poses[body].position + motions.poses[body].orientation * colliders.local[collider].position;
     const Vector3 around = Vector3::Constant(colliders.shape[collider].bounding_radius);
@@ -237,7 +237,7 @@ void BodyAabbs::update(std::span<const std::uint32_t> active, const BodyMotions&
       colliders.for_each_of(body, [&](std::uint32_t collider) {
         double margin = 0;
         if (is_bounded(colliders.shape[collider])) {
-          updates.push_back(look_at(collider, &broadphase.fat_box(collider), motions));
+          updates.push_back(look_at(collider, &broadphase.proxies().fat_box(collider), motions));
           margin = updates.back().margin;
         }
         bounds.aabb_margin[body] = std::min(bounds.aabb_margin[body], margin);

@@ -46,7 +46,7 @@ void note_left_aabbs(const CcdStep& step, Broadphase& broadphase, jobs::Arena& a
       if (!step.motions.is_finite(fast.body)) continue;
       fast.queried = queried;
       colliders.for_each_of(fast.body, [&](std::uint32_t collider) {
-        if (fast.left_aabb || stayed_inside(step, fast, collider, broadphase.fat_box(collider))) return;
+        if (fast.left_aabb || stayed_inside(step, fast, collider, broadphase.proxies().fat_box(collider))) return;
         fast.left_aabb = fast.queried = true;
       });
     }
@@ -205,8 +205,8 @@ void query_candidates(const CcdStep& step, const FastBody& fast, const Vector3& 
                       std::vector<CcdPair>& pairs) {
   pairs.clear();
   step.motions.colliders.for_each_of(fast.body, [&](std::uint32_t own) {
-    broadphase.query_box(step.swept_aabb(fast, own, aside), [&](std::uint32_t other) {
-      if (!broadphase.allowed(own, other) || step.passes(Pair::of(own, other))) return;
+    broadphase.proxies().query_box(step.swept_aabb(fast, own, aside), [&](std::uint32_t other) {
+      if (!broadphase.filters().allowed(own, other) || step.passes(Pair::of(own, other))) return;
       pairs.push_back({own, other, !step.cache.touches(Pair::of(own, other))});
     });
   });

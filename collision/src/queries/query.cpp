@@ -53,7 +53,7 @@ struct Cast {
 
 bool cast_ray(const QueryScene& scene, const Ray& ray, Sides sides, Accept accept, ColliderRayHit& first) {
   bool found = false;
-  scene.broadphase.query_ray(ray.origin, ray.direction, ray.max_t, [&](std::uint32_t collider, double) {
+  scene.broadphase.proxies().query_ray(ray.origin, ray.direction, ray.max_t, [&](std::uint32_t collider, double) {
     const double max_t = found ? first.hit.t : ray.max_t;
     ColliderRayHit fresh;
     if (!accept(collider) || !cast_at(scene, ray, sides, collider, max_t, fresh)) return max_t;
@@ -67,7 +67,7 @@ bool cast_ray(const QueryScene& scene, const Ray& ray, Sides sides, Accept accep
 
 bool cast_ray_any(const QueryScene& scene, const Ray& ray, Sides sides, Accept accept, ColliderRayHit& any) {
   bool found = false;
-  scene.broadphase.query_ray(ray.origin, ray.direction, ray.max_t, [&](std::uint32_t collider, double) {
+  scene.broadphase.proxies().query_ray(ray.origin, ray.direction, ray.max_t, [&](std::uint32_t collider, double) {
     // Below 0 nothing more is visited within a tree, but the next one begins.
     if (found) return -1.0;
     found = accept(collider) && cast_at(scene, ray, sides, collider, ray.max_t, any);
@@ -79,7 +79,7 @@ bool cast_ray_any(const QueryScene& scene, const Ray& ray, Sides sides, Accept a
 void cast_ray_all(const QueryScene& scene, const Ray& ray, Sides sides, Accept accept,
                   std::vector<ColliderRayHit>& hits) {
   hits.clear();
-  scene.broadphase.query_ray(ray.origin, ray.direction, ray.max_t, [&](std::uint32_t collider, double) {
+  scene.broadphase.proxies().query_ray(ray.origin, ray.direction, ray.max_t, [&](std::uint32_t collider, double) {
     ColliderRayHit fresh;
     if (accept(collider) && cast_at(scene, ray, sides, collider, ray.max_t, fresh)) hits.push_back(fresh);
     return ray.max_t;
@@ -91,7 +91,7 @@ bool cast_shape(const QueryScene& scene, const Shape& solid, const Pose& pose, c
                 Accept accept, ColliderSweepHit& first) {
   const Cast cast(solid, pose, translation);
   bool found = false;
-  scene.broadphase.query_ray(
+  scene.broadphase.proxies().query_ray(
       cast.middle, translation, 1,
       [&](std::uint32_t collider, double) {
         const double limit = found ? first.hit.t : 1;
@@ -113,7 +113,7 @@ void cast_shape_all(const QueryScene& scene, const Shape& solid, const Pose& pos
                     Accept accept, std::vector<ColliderSweepHit>& hits) {
   hits.clear();
   const Cast cast(solid, pose, translation);
-  scene.broadphase.query_ray(
+  scene.broadphase.proxies().query_ray(
       cast.middle, translation, 1,
       [&](std::uint32_t collider, double) {
         ColliderSweepHit fresh{collider, {}};
@@ -132,7 +132,7 @@ void find_overlaps(const QueryScene& scene, const Shape& solid, const Pose& pose
                    std::vector<std::uint32_t>& found) {
   found.clear();
   const Bounds bounds = bounds_of(solid, pose.position, pose.orientation.toRotationMatrix());
-  scene.broadphase.query_box(Aabb::around(bounds.lower, bounds.upper), [&](std::uint32_t collider) {
+  scene.broadphase.proxies().query_box(Aabb::around(bounds.lower, bounds.upper), [&](std::uint32_t collider) {
     if (!accept(collider)) return;
     const Pose at = scene.colliders.pose(collider, scene.poses);
     if (overlaps(solid, pose, scene.colliders.shape[collider], at)) found.push_back(collider);
@@ -145,16 +145,17 @@ void find_overlaps(const QueryScene& scene, const Shape& solid, const Pose& pose
 // as large: the last one, which finds it all, then costs most.
 bool find_closest(const QueryScene& scene, const Shape& solid, const Pose& pose, double limit, Accept accept,
                   ColliderDistance& closest) {
+  const Proxies& proxies = scene.broadphase.proxies();
   const Bounds bounds = bounds_of(solid, pose.position, pose.orientation.toRotationMatrix());
   const double least = 1e-3 * limit;
   for (double reach = std::max(least, std::min(limit, solid.bounding_radius));; reach = std::min(4 * reach, limit)) {
     bool found = false;
     const Vector3 margin = Vector3::Constant(reach);
-    scene.broadphase.query_box(Aabb::around(bounds.lower - margin, bounds.upper + margin), [&](std::uint32_t collider) {
+    proxies.query_box(Aabb::around(bounds.lower - margin, bounds.upper + margin), [&](std::uint32_t collider) {
       if (!accept(collider)) return;
       const double within = found ? closest.distance.distance : reach;
-      if (!scene.broadphase.is_half_space(collider) &&
-          square_apart(scene.broadphase.fat_box(collider), bounds) > within * within * (1 + 1e-12)) {
+      if (!proxies.is_half_space(collider) &&
+          square_apart(proxies.fat_box(collider), bounds) > within * within * (1 + 1e-12)) {
         return;
       }
       const Pose at = scene.colliders.pose(collider, scene.poses);

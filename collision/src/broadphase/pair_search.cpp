@@ -1,0 +1,112 @@
+#include <collision/broadphase/pair_search.h>
+
+#include <algorithm>
+
+namespace atl::collision {
+namespace {
+
+using Kind = Proxies::Kind;
+
+// The pairs that a shape has to report, known or not.
+struct PartnerQuery {
+  const Proxies& proxies;
+  const CollisionFilters& filters;
+  const MoveBuffer& moves;
+  bool moving_ask;  // in pairs with a fixed shape the moving one is asked, whichever moved
+
+  void find(std::uint32_t shape, std::vector<Pair>& found) const {
+    const auto report = [&](std::uint32_t other) {
+      if (filters.allowed(shape, other)) found.push_back(Pair::of(shape, other));
+    };
+    const auto consider = [&](std::uint32_t other) {
+      // Of two shapes that both moved, the lower one reports the pair. And this one moved.
+      if (other > shape || !moves.contains(other)) report(other);
+    };
+    const Kind kind = proxies.kind(shape);
+    if (kind == Kind::Free || meets_nothing(filters.filter(shape))) return;
+    if (kind == Kind::HalfSpace) {
+      const Plane& plane = proxies.plane(shape);
+      proxies.moving().query_if([&plane](const Aabb& box) { return touches(plane, box); }, consider);
+      return;
+    }
+    const Aabb& fat = proxies.fat_box(shape);
+    const bool moved = moves.contains(shape);
+    if (moved) proxies.moving().query(fat, consider);
+    if (kind == Kind::Fixed) return;
+    if (moving_ask) {
+      proxies.fixed().query(fat, [&](std::uint32_t other) {
+        if (moved || moves.contains(other)) report(other);
+      });
+    } else {
+      proxies.fixed().query(fat, consider);
+    }
+    if (!moved) return;
+    for (const Proxies::HalfSpace& half_space : proxies.half_spaces()) {
+      if (touches(half_space.plane, fat)) consider(half_space.shape);
+    }
+  }
+};
+
+// Where more fixed shapes were added or moved than there are moving ones, the moving ones ask for them.
+bool moving_shapes_ask(const Proxies& proxies, std::span<const std::uint32_t> moved) {
+  if (moved.size() <= proxies.moving().size()) return false;
+  const auto is_fixed = [&](std::uint32_t shape) { return proxies.kind(shape) == Kind::Fixed; };
+  const auto fixed = static_cast<std::size_t>(std::count_if(moved.begin(), moved.end(), is_fixed));
+  return fixed > proxies.moving().size();
+}
+
+// Whether one of those that ask may meet fixed shapes.
+bool any_asks_fixed(const Proxies& proxies, const CollisionFilters& filters, std::span<const std::uint32_t> askers) {
+  return std::any_of(askers.begin(), askers.end(), [&](std::uint32_t shape) {
+    return proxies.kind(shape) == Kind::Moving && !meets_nothing(filters.filter(shape));
+  });
+}
+
+}  // namespace
+
+// Half-spaces that moved, and all moving shapes.
+void PairSearch::list_askers(const Proxies& proxies, std::span<const std::uint32_t> moved) {
+  askers_.clear();
+  for (const std::uint32_t shape : moved) {
+    if (proxies.is_half_space(shape)) askers_.push_back(shape);
+  }
+  proxies.moving().for_each([this](std::uint32_t shape) { askers_.push_back(shape); });
+}
+
+std::span<const Pair> PairSearch::find(Proxies& proxies, const CollisionFilters& filters, const MoveBuffer& moves,
+                                       const PairSet& known, jobs::Arena& arena) {
+  new_pairs_.clear();
+  // All pairs have a moving shape.
+  if (proxies.moving().size() == 0) return new_pairs_;
+  proxies.rebuild_moving_if_worn(arena);
+  const PartnerQuery query{proxies, filters, moves, moving_shapes_ask(proxies, moves.shapes())};
+  if (query.moving_ask) list_askers(proxies, moves.shapes());
+  const std::span<const std::uint32_t> askers = query.moving_ask ? askers_ : moves.shapes();
+  if (proxies.is_behind() && any_asks_fixed(proxies, filters, askers)) proxies.take_in(arena);
+  proxies.rebuild_fixed_if_worn(arena);
+
+  constexpr std::size_t grain = 64;
+  const std::size_t chunks = jobs::Arena::chunk_count(askers.size(), grain);
+  if (found_.size() < chunks) found_.resize(chunks);
+  arena.parallel_for(askers.size(), grain, [&](std::size_t begin, std::size_t end) {
+    std::vector<Pair>& found = found_[begin / grain];
+    found.clear();
+    for (std::size_t i = begin; i < end; ++i) query.find(askers[i], found);
+    known.drop_contained(found, 0);
+  });
+
+  for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
+    new_pairs_.insert(new_pairs_.end(), found_[chunk].begin(), found_[chunk].end());
+  }
+  // No pair is found twice, so sorted they show neither the order of moves nor the trees' shape.
+  sort_pairs(new_pairs_, sort_scratch_);
+  return new_pairs_;
+}
+
+std::size_t PairSearch::bytes() const {
+  std::size_t found = jobs::bytes_of(found_);
+  for (const std::vector<Pair>& of_chunk : found_) found += jobs::bytes_of(of_chunk);
+  return found + jobs::bytes_of(askers_, new_pairs_, sort_scratch_);
+}
+
+}  // namespace atl::collision
