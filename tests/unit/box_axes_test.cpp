@@ -67,7 +67,7 @@ TEST(BoxAxes, PartTheBoxesAsFarAsTheySay) {
   for (int i = 0; i < 1000; ++i) {
     const Pairs pairs(random);
     BoxAxes axes;
-    widest_narrowphase_kernels().find_box_axes(pairs.block(), axes);
+    widest_box_axes_kernel()(pairs.block(), axes);
     for (std::size_t lane = 0; lane < jobs::block_lanes; ++lane) {
       const Pose seen = relative(pairs.first[lane].pose, pairs.second[lane].pose);
       const Matrix3 rotation = seen.orientation.toRotationMatrix();
@@ -123,7 +123,7 @@ TEST(BoxAxes, AreNoneWherePosesAreNotFinite) {
   Pairs pairs(random);
   pairs.second[2].pose.position.x() = std::numeric_limits<double>::quiet_NaN();
   BoxAxes axes;
-  widest_narrowphase_kernels().find_box_axes(pairs.block(), axes);
+  widest_box_axes_kernel()(pairs.block(), axes);
   EXPECT_EQ(best_box_axis(axes, 2), Vector3::Zero());
   for (const std::size_t lane : {0u, 1u, 3u}) EXPECT_NE(best_box_axis(axes, lane), Vector3::Zero()) << "lane " << lane;
 }

@@ -11,14 +11,14 @@
 #include <hwy/highway.h>
 
 #include "contacts/refresh_kernels-inl.h"
-#include "narrowphase/box_axes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace atl::collision {
 namespace HWY_NAMESPACE {
 
 const NarrowphaseKernels* narrowphase_kernels() {
-  static const NarrowphaseKernels table = {jobs::HWY_NAMESPACE::set_name(), &refresh, &find_box_axes};
+  static const NarrowphaseKernels table = {jobs::HWY_NAMESPACE::set_name(), &refresh,
+                                           find_box_axes_kernel(jobs::HWY_NAMESPACE::set_name())};
   return &table;
 }
 
@@ -47,11 +47,6 @@ const NarrowphaseKernels* find_narrowphase_kernels(std::string_view name) {
     if (kernels.name == name) return &kernels;
   }
   return nullptr;
-}
-
-const NarrowphaseKernels& widest_narrowphase_kernels() {
-  static const NarrowphaseKernels& widest = kernels_of(hwy::SupportedAndGeneratedTargets().front());
-  return widest;
 }
 
 }  // namespace atl::collision

@@ -1,4 +1,3 @@
-#include <collision/contacts/narrowphase_kernels.h>
 #include <collision/narrowphase/box_axes.h>
 
 namespace atl::collision {
@@ -24,7 +23,7 @@ void find_box_axes(const Vector3& half_first, const Vector3& half_second, const 
   block.position_second.fill(second.position.data());
   block.orientation_second.fill(second.orientation.coeffs().data());
   block.half_second.fill(half_second.data());
-  widest_narrowphase_kernels().find_box_axes(block, axes);
+  widest_box_axes_kernel()(block, axes);
 }
 
 Vector3 box_axis(const BoxAxes& axes, std::size_t lane, int code) {

@@ -4,6 +4,7 @@
 #include <jobs/block_lanes.h>
 
 #include <array>
+#include <string_view>
 
 namespace atl::collision {
 
@@ -35,6 +36,13 @@ struct alignas(64) BoxAxes {
   Row edge_code;
   Row centres;  ///< along the line of the centres
 };
+
+/// The kernel for one instruction set; the same bits on each.
+using BoxAxesKernel = void (*)(const BoxBlock& block, BoxAxes& axes);
+/// By the solver's name of the set; null if this machine doesn't run it.
+BoxAxesKernel find_box_axes_kernel(std::string_view name);
+/// That of the widest set that this machine runs.
+BoxAxesKernel widest_box_axes_kernel();
 
 /// Those of a single pair, in lane 0. `second` is its pose in the frame of the first.
 void find_box_axes(const Vector3& half_first, const Vector3& half_second, const Pose& second, BoxAxes& axes);
