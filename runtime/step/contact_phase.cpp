@@ -111,7 +111,7 @@ void find_pairs(Stores& world, const StepContext& step) {
 }
 
 void place_idle_contacts(Stores& world, const collision::NarrowphaseKernels& kernels, jobs::Arena& arena) {
-  if (world.cache.order.size() == world.cache.size()) return;
+  if (world.cache.order().size() == world.cache.size()) return;
   world.reaches.resize(world.bodies.size());
   std::vector<std::uint32_t> idle;
   for (const std::uint32_t slot : world.cache.all_in_order()) {
@@ -119,7 +119,7 @@ void place_idle_contacts(Stores& world, const collision::NarrowphaseKernels& ker
     const bool rests = !world.active.contains(contact.body_first) && !world.active.contains(contact.body_second);
     if (rests && contact.count > 0) idle.push_back(slot);
   }
-  collision::place_contacts(world.cache, world.broadphase, contact_input(world, kernels), idle, arena);
+  collision::refresh_contacts(world.cache, contact_input(world, kernels), idle, arena);
 }
 
 namespace {
@@ -240,17 +240,16 @@ void ContactPhase::update(Stores& world, const StepContext& step) {
   StepCounts& counts = step.report.counts;
   counts.fcl_calls = found.fcl_calls;
   counts.fcl_repairs = found.fcl_repairs;
-  counts.kept_manifolds = found.kept;
-  counts.fresh_manifolds = found.fresh;
+  counts.kept_manifolds = found.recycled;
+  counts.fresh_manifolds = found.recomputed;
   counts.id_matches = found.id_matches;
   counts.id_misses = found.id_misses;
   counts.active_bodies = static_cast<std::int64_t>(world.active.in_order().size());
-  counts.active_contacts = static_cast<std::int64_t>(world.cache.order.size());
+  counts.active_contacts = static_cast<std::int64_t>(world.cache.order().size());
 }
 
 void ContactPhase::add_woken(Stores& world, const StepContext& step, std::span<const std::uint32_t> slots) {
-  collision::place_contacts(world.cache, world.broadphase, contact_input(world, step.narrowphase_kernels), slots,
-                            step.arena);
+  collision::refresh_contacts(world.cache, contact_input(world, step.narrowphase_kernels), slots, step.arena);
   if (step.rules != nullptr && step.rules->modifies()) {
     std::vector<solver::TouchingPair> woken;
     for (const std::uint32_t slot : slots) {

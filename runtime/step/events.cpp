@@ -59,7 +59,7 @@ ContactEvent began(const Stores& world, const std::pair<BodyId, BodyId>& pair, d
 // contacts are idle or none is, and idle ones touch as they did.
 void note_events(Stores& world, ContactEvents& events, bool islands_rebuilt, const StepContext& step) {
   events.told.clear();
-  if (events.noted && !islands_rebuilt && world.cache.order.empty()) return;
+  if (events.noted && !islands_rebuilt && world.cache.order().empty()) return;
   const auto id = [&](std::uint32_t body) { return id_of(world, body); };
   const auto is_idle = [&](const std::pair<BodyId, BodyId>& pair) {
     const auto [a, b] = pair;
@@ -70,8 +70,7 @@ void note_events(Stores& world, ContactEvents& events, bool islands_rebuilt, con
   std::swap(events.touched, events.before);
   events.now.clear();
   if (!events.noted && world.settings.contact_events) place_idle_contacts(world, step.narrowphase_kernels, step.arena);
-  for (const std::uint32_t slot :
-       events.noted ? std::span<const std::uint32_t>(world.cache.order) : world.cache.all_in_order()) {
+  for (const std::uint32_t slot : events.noted ? world.cache.order().slots() : world.cache.all_in_order()) {
     const collision::Contact& contact = world.cache.contacts[slot];
     if (!touches(contact, world.cache.manifolds[slot])) continue;
     const auto [a, b] = std::minmax(contact.body_first, contact.body_second);

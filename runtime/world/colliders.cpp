@@ -103,7 +103,8 @@ collision::ContactCache::Start contact_start(const Stores& world, collision::Pai
           .friction = static_cast<float>(std::sqrt(a.friction * b.friction)),
           .restitution = static_cast<float>(std::max(a.restitution, b.restitution)),
           .size = static_cast<float>(std::min(shape_first.inner_radius, shape_second.inner_radius)),
-          .placed = world.colliders.placed[pair.first] != 0 || world.colliders.placed[pair.second] != 0,
+          .has_local_offset =
+              world.colliders.has_local_offset[pair.first] != 0 || world.colliders.has_local_offset[pair.second] != 0,
           .parts = surface ? collision::max_surface_manifolds : 1};
 }
 

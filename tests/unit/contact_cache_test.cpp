@@ -54,12 +54,13 @@ struct Model {
       if (!random.chance(0.3)) continue;
       (active.contains(body) ? stopped : started).push_back(body);
     }
-    const std::vector<std::uint32_t> before = cache.order;
+    const std::span<const std::uint32_t> order = cache.order().slots();
+    const std::vector<std::uint32_t> before(order.begin(), order.end());
     for (const std::uint32_t body : started) active.insert(body);
     for (const std::uint32_t body : stopped) active.erase(body);
     const auto woken = cache.set_active(started, stopped);
     std::vector<std::uint32_t> expected;
-    for (const std::uint32_t slot : cache.order) {
+    for (const std::uint32_t slot : cache.order().slots()) {
       if (std::find(before.begin(), before.end(), slot) == before.end()) expected.push_back(slot);
     }
     EXPECT_EQ(std::vector<std::uint32_t>(woken.begin(), woken.end()), expected);
@@ -109,7 +110,7 @@ struct Model {
         EXPECT_EQ(cache.touches(key), points);
       }
     }
-    EXPECT_EQ(entries(cache.order), in_order);
+    EXPECT_EQ(entries(cache.order().slots()), in_order);
     EXPECT_EQ(entries(cache.all_in_order()), all);
     EXPECT_EQ(cache.size(), all.size());
     EXPECT_EQ(cache.pairs.size(), pairs.size());

@@ -171,7 +171,7 @@ BodyAabbs::Update BodyAabbs::look_at(std::uint32_t collider, const Aabb* current
   const double reach = (velocity.norm() + spin.norm() * motions.radius[body]) * motions.dt;
   // Of the shape's own origin: that of a compound's child moves as its body turns, too.
   Vector3 shift = motions.dt * velocity;
-  if (colliders.placed[collider]) {
+  if (colliders.has_local_offset[collider]) {
     const Vector3 arm = motions.poses[body].orientation * colliders.local[collider].position;
     shift += motions.dt * spin.cross(arm);
   }
@@ -218,19 +218,19 @@ void BodyAabbs::shrink_swept(const BodyMotions& motions, Broadphase& broadphase)
 void BodyAabbs::update(std::span<const std::uint32_t> active, const BodyMotions& motions, Broadphase& broadphase,
                        jobs::Arena& arena) {
   shrink_swept(motions, broadphase);
-  looked_at_.clear();
+  dirty_.clear();
   for (const std::uint32_t body : active) {
-    if (bounds.aabb_dirty[body]) looked_at_.push_back(body);
+    if (bounds.aabb_dirty[body]) dirty_.push_back(body);
   }
   const ColliderTable& colliders = motions.colliders;
   const std::size_t grain = bodies_a_task(swept_margins_.size(), colliders.size());
-  const std::size_t chunks = jobs::Arena::chunk_count(looked_at_.size(), grain);
+  const std::size_t chunks = jobs::Arena::chunk_count(dirty_.size(), grain);
   if (updates_.size() < chunks) updates_.resize(chunks);
-  arena.parallel_for(looked_at_.size(), grain, [&](std::size_t begin, std::size_t end) {
+  arena.parallel_for(dirty_.size(), grain, [&](std::size_t begin, std::size_t end) {
     std::vector<Update>& updates = updates_[begin / grain];
     updates.clear();
     for (std::size_t i = begin; i < end; ++i) {
-      const std::uint32_t body = looked_at_[i];
+      const std::uint32_t body = dirty_[i];
       if (!motions.is_finite(body)) continue;
       bounds.aabb_dirty[body] = 0;
       bounds.aabb_margin[body] = infinity;
@@ -245,9 +245,9 @@ void BodyAabbs::update(std::span<const std::uint32_t> active, const BodyMotions&
     }
   });
   const Update* next = nullptr;
-  for (std::size_t i = 0; i < looked_at_.size(); ++i) {
+  for (std::size_t i = 0; i < dirty_.size(); ++i) {
     if (i % grain == 0) next = updates_[i / grain].data();
-    const std::uint32_t body = looked_at_[i];
+    const std::uint32_t body = dirty_[i];
     if (!motions.is_finite(body)) continue;
     bool any_new = false;
     colliders.for_each_of(body, [&](std::uint32_t collider) {
@@ -267,22 +267,22 @@ void BodyAabbs::update(std::span<const std::uint32_t> active, const BodyMotions&
 // Margins don't know along which way an AABB is stretched, so they tell only who may be out.
 void BodyAabbs::catch_up(std::span<const std::uint32_t> active, const BodyMotions& motions, Broadphase& broadphase,
                          jobs::Arena& arena) {
-  looked_at_.clear();
+  dirty_.clear();
   for (const std::uint32_t body : active) {
-    if (bounds.aabb_dirty[body] && !(bounds.aabb_margin[body] >= 0)) looked_at_.push_back(body);
+    if (bounds.aabb_dirty[body] && !(bounds.aabb_margin[body] >= 0)) dirty_.push_back(body);
   }
-  inside_.resize(looked_at_.size());
+  inside_.resize(dirty_.size());
   const std::size_t grain = bodies_a_task(swept_margins_.size(), motions.colliders.size());
-  arena.parallel_for(looked_at_.size(), grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) inside_[i] = is_inside(looked_at_[i], motions, broadphase);
+  arena.parallel_for(dirty_.size(), grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) inside_[i] = is_inside(dirty_[i], motions, broadphase);
   });
-  for (std::size_t i = 0; i < looked_at_.size(); ++i) {
-    if (!inside_[i]) move(looked_at_[i], motions, broadphase);
+  for (std::size_t i = 0; i < dirty_.size(); ++i) {
+    if (!inside_[i]) move(dirty_[i], motions, broadphase);
   }
 }
 
 std::size_t BodyAabbs::bytes() const {
-  return bounds.bytes() + jobs::bytes_of(swept_margins_, swept_, looked_at_, inside_);
+  return bounds.bytes() + jobs::bytes_of(swept_margins_, swept_, dirty_, inside_);
 }
 
 std::size_t BodyAabbs::update_bytes() const {

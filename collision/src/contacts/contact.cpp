@@ -12,7 +12,7 @@ Tangents tangents(const float normal[3]) {
           {b, sign + normal[1] * normal[1] * a, -normal[1]}};
 }
 
-void capture(Contact& contact, const Manifold& manifold, const Pose& incident, double margin, float tolerance) {
+void store_features(Contact& contact, const Manifold& manifold, const Pose& incident, double margin, float tolerance) {
   contact.reference_is_second = manifold.reference_is_second;
   contact.axis = manifold.axis;
   contact.count = static_cast<std::uint8_t>(manifold.count);

@@ -23,26 +23,26 @@ void ContactCache::make_room_for(std::size_t count) {
   contacts.reserve(room);
   manifolds.reserve(room);
   state_.reserve(room);
-  is_newly_idle_.reserve(room);
+  idle_.reserve(room);
   of_body_.reserve(room);
 }
 
 std::uint32_t ContactCache::claim_slot() {
   std::uint32_t slot;
-  if (free_slots.empty()) {
+  if (free_slots_.empty()) {
     slot = static_cast<std::uint32_t>(contacts.size());
     contacts.emplace_back();
     manifolds.emplace_back();
     state_.emplace_back();
-    is_newly_idle_.emplace_back();
+    idle_.add_slot();
     of_body_.resize(contacts.size());
   } else {
-    slot = free_slots.back();
-    free_slots.pop_back();
+    slot = free_slots_.back();
+    free_slots_.pop_back();
   }
   contacts[slot] = Contact{};
   manifolds[slot] = ContactManifold{};
-  all_stale_ = true;
+  idle_.note_change();
   return slot;
 }
 
@@ -53,17 +53,15 @@ void ContactCache::link(std::uint32_t slot) {
   claim_body(contact.body_second);
   of_body_.add(slot, contact.body_first, contact.body_second);
   if (is_active(contact)) {
-    state_[slot] = State::Active;
+    state_[slot] = ContactState::Active;
   } else {
-    note_idle(slot);
+    set_idle(slot);
   }
 }
 
-void ContactCache::note_idle(std::uint32_t slot) {
-  state_[slot] = State::Idle;
-  if (is_newly_idle_[slot]) return;
-  is_newly_idle_[slot] = 1;
-  newly_idle_.push_back(slot);
+void ContactCache::set_idle(std::uint32_t slot) {
+  state_[slot] = ContactState::Idle;
+  idle_.note(slot);
 }
 
 // Slots are in no order: what is needed soon is asked of memory now.
@@ -83,9 +81,9 @@ void ContactCache::release_all(std::span<const std::uint32_t> slots) {
 void ContactCache::release(std::uint32_t slot) {
   of_body_.remove(slot, contacts[slot].body_first, contacts[slot].body_second);
   if (contacts[slot].part == 0) pairs.erase(contacts[slot].pair);
-  state_[slot] = State::Free;
-  free_slots.push_back(slot);
-  all_stale_ = true;
+  state_[slot] = ContactState::Free;
+  free_slots_.push_back(slot);
+  idle_.note_change();
 }
 
 std::span<const std::uint32_t> ContactCache::set_active(std::span<const std::uint32_t> started,
@@ -99,16 +97,16 @@ std::span<const std::uint32_t> ContactCache::set_active(std::span<const std::uin
     active_[body] = 1;
   }
   if (!stopped.empty()) {
-    for (const std::uint32_t slot : order) {
-      if (!is_active(contacts[slot])) note_idle(slot);
+    for (const std::uint32_t slot : order_.slots()) {
+      if (!is_active(contacts[slot])) set_idle(slot);
     }
     drop_inactive();
   }
   added_.clear();
   for (const std::uint32_t body : started) {
     for_each_contact_of(body, [this](std::uint32_t slot) {
-      if (state_[slot] != State::Idle) return;
-      state_[slot] = State::Active;
+      if (state_[slot] != ContactState::Idle) return;
+      state_[slot] = ContactState::Active;
       added_.push_back(slot);
     });
   }
@@ -118,86 +116,34 @@ std::span<const std::uint32_t> ContactCache::set_active(std::span<const std::uin
 }
 
 bool ContactCache::touches(Pair pair) const {
-  for (std::size_t entry = first_entry_of(pair); entry < order.size() && keys_[entry] == pair.key(); ++entry) {
-    if (contacts[order[entry]].count > 0) return true;
+  for (std::size_t entry = order_.first_entry_of(pair); entry < order_.size() && order_.pair_at(entry) == pair;
+       ++entry) {
+    if (contacts[order_[entry]].count > 0) return true;
   }
   return false;
 }
 
-std::size_t ContactCache::first_entry_of(Pair pair) const {
-  return static_cast<std::size_t>(std::lower_bound(keys_.begin(), keys_.end(), pair.key()) - keys_.begin());
+void ContactCache::merge_into_order() {
+  order_.merge(added_, [this](std::uint32_t slot) { return contacts[slot].pair; });
 }
 
 // Takes from the order what is idle or gone by its state.
 void ContactCache::drop_inactive() {
-  std::size_t kept = 0;
-  for (std::size_t entry = 0; entry < order.size(); ++entry) {
-    if (state_[order[entry]] != State::Active) continue;
-    order[kept] = order[entry];
-    keys_[kept++] = keys_[entry];
-  }
-  order.resize(kept);
-  keys_.resize(kept);
+  order_.keep_if([this](std::uint32_t slot) { return state_[slot] == ContactState::Active; });
 }
 
 void ContactCache::remove_contacts_of(std::uint32_t body) {
   added_.clear();
   for_each_contact_of(body, [this](std::uint32_t slot) { added_.push_back(slot); });
   for (const std::uint32_t slot : added_) {
-    if (state_[slot] == State::Active) {
-      std::size_t entry = first_entry_of(contacts[slot].pair);
-      while (order[entry] != slot) ++entry;
-      order.erase(order.begin() + static_cast<std::ptrdiff_t>(entry));
-      keys_.erase(keys_.begin() + static_cast<std::ptrdiff_t>(entry));
-    }
+    if (state_[slot] == ContactState::Active) order_.erase(contacts[slot].pair, slot);
     release(slot);
   }
 }
 
-// Both parts are in order. From the back, so that nothing is overwritten before it has moved.
-void ContactCache::merge_into_order() {
-  std::size_t old_left = order.size();
-  order.resize(old_left + added_.size());
-  keys_.resize(order.size());
-  for (std::size_t added_left = added_.size(); added_left > 0; --added_left) {
-    const std::uint64_t key = contacts[added_[added_left - 1]].pair.key();
-    for (; old_left > 0 && keys_[old_left - 1] > key; --old_left) {
-      order[old_left + added_left - 1] = order[old_left - 1];
-      keys_[old_left + added_left - 1] = keys_[old_left - 1];
-    }
-    order[old_left + added_left - 1] = added_[added_left - 1];
-    keys_[old_left + added_left - 1] = key;
-  }
-}
-
-// A slot may have been given up and used again for another pair.
-void ContactCache::update_idle() const {
-  const auto is_idle = [this](std::uint32_t slot) { return state_[slot] == State::Idle; };
-  std::erase_if(idle_, [&](const Entry& entry) { return !is_idle(entry.slot) || is_newly_idle_[entry.slot] != 0; });
-  const auto kept = static_cast<std::ptrdiff_t>(idle_.size());
-  for (const std::uint32_t slot : newly_idle_) {
-    is_newly_idle_[slot] = 0;
-    if (is_idle(slot)) idle_.push_back({contacts[slot].pair.key(), contacts[slot].part, slot});
-  }
-  newly_idle_.clear();
-  const auto precedes = [](const Entry& a, const Entry& b) { return a.key == b.key ? a.part < b.part : a.key < b.key; };
-  std::sort(idle_.begin() + kept, idle_.end(), precedes);
-  std::inplace_merge(idle_.begin(), idle_.begin() + kept, idle_.end(), precedes);
-}
-
 std::span<const std::uint32_t> ContactCache::all_in_order() const {
-  if (order.size() == size()) return order;
-  if (!all_stale_) return all_;
-  update_idle();
-  all_.clear();
-  std::size_t entry = 0;
-  for (const Entry& idle : idle_) {
-    while (entry < order.size() && keys_[entry] < idle.key) all_.push_back(order[entry++]);
-    all_.push_back(idle.slot);
-  }
-  all_.insert(all_.end(), order.begin() + static_cast<std::ptrdiff_t>(entry), order.end());
-  all_stale_ = false;
-  return all_;
+  if (order_.size() == size()) return order_.slots();
+  return idle_.with_active(order_, contacts, state_);
 }
 
 }  // namespace atl::collision

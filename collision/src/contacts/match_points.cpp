@@ -16,16 +16,16 @@ OldPoints OldPoints::of(const Contact& contact, const ContactManifold& manifold)
   return old;
 }
 
-PointMatches match_points(const OldPoints& old, const Manifold& fresh, double reach, ContactManifold& manifold) {
+PointMatches match_points(const OldPoints& old, const Manifold& recomputed, double reach, ContactManifold& manifold) {
   PointMatches matches;
   std::array<bool, max_points> taken = {};
   std::array<bool, max_points> matched = {};
-  const auto fresh_count = static_cast<std::size_t>(fresh.count);
+  const auto count = static_cast<std::size_t>(recomputed.count);
   const auto old_count = static_cast<std::size_t>(old.count);
   for (std::size_t i = 0; i < max_points; ++i) manifold.normal_impulse[i] = 0;
-  for (std::size_t i = 0; i < fresh_count; ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t j = 0; j < old_count; ++j) {
-      if (taken[j] || old.ids[j] != fresh.points[i].id) continue;
+      if (taken[j] || old.ids[j] != recomputed.points[i].id) continue;
       manifold.normal_impulse[i] = old.impulses[j];
       taken[j] = matched[i] = true;
       ++matches.by_id;
@@ -33,14 +33,14 @@ PointMatches match_points(const OldPoints& old, const Manifold& fresh, double re
     }
   }
   if (old_count == 0) return matches;
-  for (std::size_t i = 0; i < fresh_count; ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     if (matched[i]) continue;
     ++matches.missed;
-    if (old.reference_is_second != fresh.reference_is_second) continue;
+    if (old.reference_is_second != recomputed.reference_is_second) continue;
     double nearest = reach * reach;
     std::size_t best = max_points;
     for (std::size_t j = 0; j < old_count; ++j) {
-      const double distance = (old.positions[j] - fresh.points[i].position).squaredNorm();
+      const double distance = (old.positions[j] - recomputed.points[i].position).squaredNorm();
       if (taken[j] || !(distance < nearest)) continue;
       nearest = distance;
       best = j;

@@ -18,13 +18,13 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 using namespace jobs::HWY_NAMESPACE;
 
-// What the double stage hands to the single one.
+// What the double stage hands to the single one. Turns are those since the manifold was computed.
 struct alignas(64) Narrowed {
   float shift[3][block_lanes];          // m, world: of the incident's centre against the reference's
   float arm_reference[3][block_lanes];  // m, world: from the shape's origin to its centre of the contact
   float arm_incident[3][block_lanes];
   float orientation_reference[4][block_lanes];
-  float half_turn[4][block_lanes];  // quaternion of the incident's turn since capture, in the reference frame
+  float half_turn[4][block_lanes];  // quaternion of the incident's turn in the reference frame
 };
 
 HWY_INLINE void narrow(WideV value, float* to) {
@@ -37,14 +37,14 @@ HWY_INLINE void narrow3(const WideV3& v, float (*rows)[block_lanes], std::size_t
   narrow(v.z, rows[2] + lane);
 }
 
-// Orientations at capture, as columns.
-struct alignas(64) Captured {
+// Orientations when manifolds were computed, as columns.
+struct alignas(64) OldOrientations {
   float orientation[4][block_lanes];
 };
 
 HWY_INLINE WideV promote(const float* from) { return hn::PromoteTo(Wide(), hn::Load(hn::Rebind<float, Wide>(), from)); }
 
-HWY_INLINE void relate_poses(const RefreshBlock& block, const Captured& captured, std::size_t lane, Narrowed& to) {
+HWY_INLINE void relate_poses(const RefreshBlock& block, const OldOrientations& old, std::size_t lane, Narrowed& to) {
   const auto of = [lane](const auto& pointers) {
     return [&pointers, lane](std::size_t k) { return pointers[lane + k]; };
   };
@@ -54,13 +54,13 @@ HWY_INLINE void relate_poses(const RefreshBlock& block, const Captured& captured
       load_wide3([&](std::size_t k) { return block.contact[lane + k]->centre_reference.data(); });
   const WideV3 centre_incident =
       load_wide3([&](std::size_t k) { return block.contact[lane + k]->centre_incident.data(); });
-  const WideQ at_capture = {{promote(captured.orientation[0] + lane), promote(captured.orientation[1] + lane),
-                             promote(captured.orientation[2] + lane)},
-                            promote(captured.orientation[3] + lane)};
+  const WideQ turned_before = {
+      {promote(old.orientation[0] + lane), promote(old.orientation[1] + lane), promote(old.orientation[2] + lane)},
+      promote(old.orientation[3] + lane)};
   const WideV3 arm_reference = rotate(reference, centre_reference);
   const WideV3 arm_incident = rotate(incident, centre_incident);
   const WideV3 between = subtract(load_wide3(of(block.position_incident)), load_wide3(of(block.position_reference)));
-  const WideQ turn = times_conjugate(conjugate_times(reference, incident), at_capture);
+  const WideQ turn = times_conjugate(conjugate_times(reference, incident), turned_before);
   narrow3(subtract(add(between, arm_incident), arm_reference), to.shift, lane);
   narrow3(arm_reference, to.arm_reference, lane);
   narrow3(arm_incident, to.arm_incident, lane);
@@ -93,7 +93,7 @@ HWY_INLINE V margins(const RefreshBlock& block, std::size_t lane, V size) {
 }
 
 HWY_INLINE unsigned refresh_lanes(const RefreshBlock& block, const Narrowed& pose, std::size_t lane, std::size_t count,
-                                  bool fresh) {
+                                  bool all) {
   alignas(64) float sizes[lanes];
   alignas(64) float sides[lanes];
   alignas(64) float tolerances[lanes];
@@ -106,7 +106,7 @@ HWY_INLINE unsigned refresh_lanes(const RefreshBlock& block, const Narrowed& pos
   const V margin = margins(block, lane, size);
   const V4 normal_row = load_rows([&](std::size_t k) { return block.contact[lane + k]->normal.data(); });
 
-  // The motion since capture, in the reference frame.
+  // The motion since its manifold was computed, in the reference frame.
   const V3 to_world = load3(pose.orientation_reference, lane);
   const V to_world_w = load(pose.orientation_reference[3] + lane);
   const V3 to_local = negated(to_world);
@@ -115,19 +115,19 @@ HWY_INLINE unsigned refresh_lanes(const RefreshBlock& block, const Narrowed& pos
   const V turn_w = load(pose.half_turn[3] + lane);
 
   const unsigned used = count >= lane + lanes ? (1u << lanes) - 1 : count > lane ? (1u << (count - lane)) - 1 : 0;
-  unsigned kept = used;
-  if (!fresh) {
+  unsigned valid = used;
+  if (!all) {
     const V tolerance = load(tolerances);
     const V limit = hn::Mul(tolerance, size);
     // Either sign of a quaternion is the same turn, and its vector part is as long.
     const M still = hn::And(hn::Lt(dot(shift, shift), hn::Mul(limit, limit)),
                             hn::Lt(dot(turn, turn), hn::Mul(splat(0.25f), hn::Mul(tolerance, tolerance))));
-    kept &= bits_of(hn::And(still, hn::Le(margin, hn::Add(normal_row.w, limit))));
+    valid &= bits_of(hn::And(still, hn::Le(margin, hn::Add(normal_row.w, limit))));
   }
   unsigned written = 0;
   for (std::size_t k = 0; k < lanes; ++k) written |= static_cast<unsigned>(block.contact[lane + k]->count > 0) << k;
-  written &= kept;
-  if (written == 0) return kept;
+  written &= valid;
+  if (written == 0) return valid;
 
   const V3 normal_local{normal_row.x, normal_row.y, normal_row.z};
   const V along = dot(normal_local, shift);
@@ -139,11 +139,11 @@ HWY_INLINE unsigned refresh_lanes(const RefreshBlock& block, const Narrowed& pos
   V present[max_points];  // 1 or 0
   for (std::size_t i = 0; i < max_points; ++i) {
     const V4 row = load_rows([&](std::size_t k) { return block.contact[lane + k]->points[i].data(); });
-    const V3 captured{row.x, row.y, row.z};
-    const V3 t = cross(turn, captured);
+    const V3 at{row.x, row.y, row.z};
+    const V3 t = cross(turn, at);
     const V3 twice = t + t;
     const V3 moved = turn_w * twice + cross(turn, twice);
-    offset[i] = captured + moved;
+    offset[i] = at + moved;
     separation[i] = hn::Add(row.w, hn::Add(along, dot(normal_local, moved)));
     const M is_point = hn::Lt(row.w, splat(0.5f * no_point));
     present[i] = hn::IfThenElseZero(is_point, splat(1));
@@ -209,23 +209,23 @@ HWY_INLINE unsigned refresh_lanes(const RefreshBlock& block, const Narrowed& pos
   store_rows(
       V4{separation[0], separation[1], separation[2], separation[3]},
       [&](std::size_t k) { return manifold(k)->separation; }, written);
-  return kept;
+  return valid;
 }
 
-unsigned refresh(const RefreshBlock& block, std::size_t count, bool fresh) {
-  Captured captured;
+unsigned refresh(const RefreshBlock& block, std::size_t count, bool all) {
+  OldOrientations old;
   for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
     const V4 q = load_rows([&](std::size_t k) { return block.contact[lane + k]->orientation.data(); });
-    store3(V3{q.x, q.y, q.z}, captured.orientation, lane);
-    store(q.w, captured.orientation[3] + lane);
+    store3(V3{q.x, q.y, q.z}, old.orientation, lane);
+    store(q.w, old.orientation[3] + lane);
   }
   Narrowed pose;
-  for (std::size_t lane = 0; lane < block_lanes; lane += wide_lanes) relate_poses(block, captured, lane, pose);
-  unsigned kept = 0;
+  for (std::size_t lane = 0; lane < block_lanes; lane += wide_lanes) relate_poses(block, old, lane, pose);
+  unsigned valid = 0;
   for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
-    kept |= refresh_lanes(block, pose, lane, count, fresh) << lane;
+    valid |= refresh_lanes(block, pose, lane, count, all) << lane;
   }
-  return kept;
+  return valid;
 }
 
 }  // namespace HWY_NAMESPACE

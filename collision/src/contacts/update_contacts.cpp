@@ -2,13 +2,13 @@
 
 #include <algorithm>
 
-#include "contacts/contact_stretch.h"
+#include "contacts/contact_updater.h"
 
 namespace atl::collision {
 
 ContactUpdateCounts& ContactUpdateCounts::operator+=(const ContactUpdateCounts& other) {
-  kept += other.kept;
-  fresh += other.fresh;
+  recycled += other.recycled;
+  recomputed += other.recomputed;
   fcl_calls += other.fcl_calls;
   fcl_repairs += other.fcl_repairs;
   id_matches += other.id_matches;
@@ -29,7 +29,7 @@ void ContactUpdate::collect_touching(jobs::Arena& arena) {
   constexpr std::size_t chunks_at_once = 16;
   arena.parallel_for(chunks_.size(), chunks_at_once, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      std::copy_n(by_chunk_.data() + i * longest_stretch, chunks_[i].touching, touching.data() + chunks_[i].offset);
+      std::copy_n(by_chunk_.data() + i * longest_range, chunks_[i].touching, touching.data() + chunks_[i].offset);
     }
   });
 }
@@ -58,19 +58,19 @@ void ContactUpdate::add_touching(const ContactCache& cache, std::span<const std:
 
 void update_contacts(ContactCache& cache, const Broadphase& broadphase, const ContactUpdateInput& input,
                      jobs::Arena& arena, ContactUpdate& update) {
-  const std::size_t count = cache.order.size();
+  const std::size_t count = cache.order().size();
   const std::size_t chunk_count = jobs::Arena::chunk_count(count, contact_grain);
   update.touching_changed = update.added_to_ || update.chunks_.size() != chunk_count;
   update.added_to_ = false;
   update.status.resize(count);
   update.chunks_.resize(chunk_count);
-  update.by_chunk_.resize(std::max(update.by_chunk_.size(), chunk_count * longest_stretch));
+  update.by_chunk_.resize(std::max(update.by_chunk_.size(), chunk_count * longest_range));
   arena.parallel_for(count, contact_grain, [&](std::size_t begin, std::size_t end) {
     ContactUpdate::Chunk& chunk = update.chunks_[begin / contact_grain];
     const std::span<TouchingPair> place =
-        std::span(update.by_chunk_).subspan(begin / contact_grain * longest_stretch, longest_stretch);
-    ContactStretch stretch(cache, broadphase, input);
-    const ContactStretch::Result result = stretch.run(begin, end, update.status.data(), place);
+        std::span(update.by_chunk_).subspan(begin / contact_grain * longest_range, longest_range);
+    ContactUpdater updater(cache, broadphase, input, update.status.data());
+    const ContactUpdater::Result result = updater.run(begin, end, place);
     chunk.changed = result.changed || result.touching != chunk.touching;
     chunk.touching = result.touching;
     chunk.counts = result.counts;
@@ -83,10 +83,10 @@ void update_contacts(ContactCache& cache, const Broadphase& broadphase, const Co
   if (update.touching_changed) update.collect_touching(arena);
 }
 
-void place_contacts(ContactCache& cache, const Broadphase& broadphase, const ContactUpdateInput& input,
-                    std::span<const std::uint32_t> slots, jobs::Arena& arena) {
+void refresh_contacts(ContactCache& cache, const ContactUpdateInput& input, std::span<const std::uint32_t> slots,
+                      jobs::Arena& arena) {
   arena.parallel_for(slots.size(), contact_grain, [&](std::size_t begin, std::size_t end) {
-    ContactStretch(cache, broadphase, input).place(slots.subspan(begin, end - begin));
+    ManifoldRefresher(cache, input).refresh_all(slots.subspan(begin, end - begin));
   });
 }
 

@@ -78,7 +78,7 @@ bool stay_apart(const CcdStep& step, const Contact& contact, const FastBody* fir
   double bulge = 0;
   const auto at_start = [&](std::uint32_t collider, const FastBody* fast) -> Vector3 {
     if (!fast) return colliders.position(collider, poses);
-    if (colliders.placed[collider]) bulge += fast->bulge;
+    if (colliders.has_local_offset[collider]) bulge += fast->bulge;
     return fast->start.position + fast->start.orientation * colliders.local[collider].position;
   };
   const Vector3 start = at_start(other, second) - at_start(own, first) - from;
@@ -93,32 +93,33 @@ bool stay_apart(const CcdStep& step, const Contact& contact, const FastBody* fir
 
 // What fast bodies may meet of that which they have contacts with, touching or not, of some entries of their order.
 void CcdCandidates::find_by_contacts(const CcdStep& step, std::size_t begin, std::size_t end, Scratch& scratch) {
-  const ContactCache& cache = step.cache;
+  const std::vector<Contact>& contacts = step.cache.contacts;
+  const ContactOrder& order = step.cache.order();
   const ColliderTable& colliders = step.motions.colliders;
   scratch.contacts.clear();
   const auto is_first = [&](std::size_t entry) {  // of a pair's parts
-    return entry == 0 || cache.pair_at(entry - 1) != cache.pair_at(entry);
+    return entry == 0 || order.pair_at(entry - 1) != order.pair_at(entry);
   };
   for (std::size_t entry = begin; entry < end; ++entry) {
-    const Pair pair = cache.pair_at(entry);
+    const Pair pair = order.pair_at(entry);
     const std::uint32_t first = step.places[colliders.body[pair.first]];
     const std::uint32_t second = step.places[colliders.body[pair.second]];
     if ((first | second) == 0 || !is_first(entry)) continue;
     // The first line of it is all that is read.
-    __builtin_prefetch(&cache.contacts[cache.order[entry]]);
+    __builtin_prefetch(&contacts[order[entry]]);
     scratch.contacts.push_back({static_cast<std::uint32_t>(entry), first, second});
   }
   const auto fast = [&](std::uint32_t place) { return place == 0 ? nullptr : &step.fast[place - 1]; };
   for (const FastContact& found : scratch.contacts) {
-    const Contact& contact = cache.contacts[cache.order[found.entry]];
+    const Contact& contact = contacts[order[found.entry]];
     if (step.passes(contact.pair)) continue;
     const FastBody* first = fast(found.fast_first);
     const FastBody* second = fast(found.fast_second);
     if (stay_apart(step, contact, first, second)) continue;
     const auto [of_first, of_second] = contact.pair;
     bool apart = contact.count == 0;
-    for (std::size_t part = found.entry + 1; part < cache.order.size() && !is_first(part); ++part) {
-      apart = apart && cache.contacts[cache.order[part]].count == 0;
+    for (std::size_t part = found.entry + 1; part < order.size() && !is_first(part); ++part) {
+      apart = apart && contacts[order[part]].count == 0;
     }
     if (first) scratch.candidates.push_back({found.fast_first - 1, {of_first, of_second, apart}});
     if (second) scratch.candidates.push_back({found.fast_second - 1, {of_second, of_first, apart}});
@@ -144,7 +145,7 @@ void CcdCandidates::find(CcdStep& step, Broadphase& broadphase, jobs::Arena& are
   const std::span<const FastBody> fast = step.fast;
   const bool by_contacts = std::any_of(fast.begin(), fast.end(), [](const FastBody& body) { return !body.queried; });
   constexpr std::size_t contact_grain = 512;
-  arena.parallel_for(by_contacts ? step.cache.order.size() : 0, contact_grain,
+  arena.parallel_for(by_contacts ? step.cache.order().size() : 0, contact_grain,
                      [&](std::size_t begin, std::size_t end) { find_by_contacts(step, begin, end, scratch_.local()); });
   arena.parallel_for(fast.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {

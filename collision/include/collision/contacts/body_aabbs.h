@@ -84,14 +84,14 @@ class BodyAabbs {
 
   // What lasts from step to step, and what is made anew. Whoever adds a member says which it is, or this won't compile.
   static void check_members(BodyAabbs& aabbs) {
-    auto& [bounds, swept_margins, /**/ swept, looked_at, inside, updates] = aabbs;
+    auto& [bounds, swept_margins, /**/ swept, dirty, inside, updates] = aabbs;
     static_cast<void>(bounds);
   }
 
   std::vector<double> swept_margins_;         // by body
   std::vector<std::uint32_t> swept_;          // bodies with such margins
-  std::vector<std::uint32_t> looked_at_;      // scratch, bodies
-  std::vector<std::uint8_t> inside_;          // scratch, by body looked at
+  std::vector<std::uint32_t> dirty_;          // scratch, bodies
+  std::vector<std::uint8_t> inside_;          // scratch, by body of these
   std::vector<std::vector<Update>> updates_;  // scratch, by chunk of these, in order
 };
 

@@ -41,9 +41,9 @@ struct Tangents {
 };
 Tangents tangents(const float normal[3]);
 
-/// A pair and what its last manifold looked like, in the frames of its shapes, so that separations can follow
-/// small motion in closed form. "Incident" and "reference" as in Manifold. Rows of four floats are for kernels. The
-/// first cache line is all that is read of a pair that stays apart.
+/// A pair and what its manifold was when the narrowphase last computed it, in the frames of its shapes, so that
+/// separations can follow small motion in closed form. "Incident" and "reference" as in Manifold. Rows of four floats
+/// are for kernels. The first cache line is all that is read of a pair that stays apart.
 struct alignas(64) Contact {
   Pair pair;  ///< colliders
   std::uint32_t body_first = 0;
@@ -54,30 +54,30 @@ struct alignas(64) Contact {
   /// Of a solid and a surface: which of the pair's contacts this is. They stand in a row, each with a normal of
   /// its own, and those not needed have no points.
   std::uint8_t part = 0;
-  bool placed = false;  ///< a shape of it isn't at its body's centre of mass, or turned
+  bool has_local_offset = false;  ///< a shape of it isn't at its body's centre of mass, or turned
   /// Of two solids found apart: m, how far, at least. Else 0. The next three say where they were then.
   float gap = 0;
   float lever = 0;                        ///< m: how far turning by 1 rad may bring the shapes nearer
   std::array<double, 3> apart_from = {};  ///< m, world: origin of the second shape from the first's
   double turned = 0;                      ///< sum of how much the bodies had turned in all
 
-  std::array<float, 4> orientation = {};  ///< x, y, z, w of incident in reference, at capture
+  std::array<float, 4> orientation = {};  ///< x, y, z, w of incident in reference, as computed
   std::array<float, 3> normal = {};       ///< reference frame
-  float margin = -1;                      ///< m, speculative at capture; -1 before the first
-  /// By point: m, from the centre, in the reference frame, and the separation, at capture.
+  float margin = -1;                      ///< m, speculative, as computed; -1 before the first
+  /// By point: m, from the centre, in the reference frame, and the separation, as computed.
   std::array<std::array<float, 4>, max_points> points = {};
   /// m, mean of the points, incident frame; the incident's origin where there are none.
   std::array<double, 3> centre_incident = {};
-  std::array<double, 3> centre_reference = {};  ///< m, the same point in the reference frame, at capture
+  std::array<double, 3> centre_reference = {};  ///< m, the same point in the reference frame, as computed
   std::array<FeatureId, max_points> ids = {};
-  float tolerance = 0;  ///< how far the pair may drift, as part of the size, and turn, rad, before it is found anew
+  float tolerance = 0;  ///< how far the pair may drift, as part of the size, and turn, rad, before it is recomputed
   std::uint32_t axis = 0;
 };
 static_assert(sizeof(Contact) == 256);
 
-/// Stores a fresh manifold, which may have no points, found with the given margin. What it replaces is lost:
-/// match impulses before. `incident` is the pose of the incident shape in the frame of the reference. `tolerance` is
-/// how long it may be kept, see Contact.
-void capture(Contact& contact, const Manifold& manifold, const Pose& incident, double margin, float tolerance);
+/// Stores the features of a manifold, which may have no points, computed with the given margin. What it replaces is
+/// lost: match impulses before. `incident` is the pose of the incident shape in the frame of the reference. `tolerance`
+/// is for how long it may be recycled, see Contact.
+void store_features(Contact& contact, const Manifold& manifold, const Pose& incident, double margin, float tolerance);
 
 }  // namespace atl::collision

@@ -2,6 +2,8 @@
 
 #include <collision/broadphase/pair_set.h>
 #include <collision/contacts/contact.h>
+#include <collision/contacts/contact_order.h>
+#include <collision/contacts/idle_contacts.h>
 #include <jobs/bytes.h>
 #include <jobs/pair_lists.h>
 
@@ -14,7 +16,7 @@
 namespace atl::collision {
 
 /// All contacts of a world, kept from step to step with their manifolds and impulses. A contact has a slot
-/// for its lifetime. Those with an active body are in `order`, by pair, which is the order of everything that is
+/// for its lifetime. Those with an active body are in order(), by pair, which is the order of everything that is
 /// done to contacts. The others are idle: nothing visits them until one of their bodies becomes active or goes.
 class ContactCache {
  public:
@@ -23,9 +25,7 @@ class ContactCache {
   /// By slot, m: what a smooth surface gains along the normal in half a step, see collide_surface(). Empty while there
   /// is none.
   std::vector<float> rises;
-  std::vector<std::uint32_t> order;       ///< slots of active contacts
-  std::vector<std::uint32_t> free_slots;  ///< the last is used first
-  PairSet pairs;                          ///< of all contacts, idle ones too
+  PairSet pairs;  ///< of all contacts, idle ones too
 
   /// What a contact starts with.
   struct Start {
@@ -33,14 +33,14 @@ class ContactCache {
     std::uint32_t body_second;
     float friction;
     float restitution;
-    float size;   ///< m, of the smaller shape, see Contact
-    bool placed;  ///< see Contact
-    int parts;    ///< contacts that the pair needs: more than one only of a solid and a surface
+    float size;             ///< m, of the smaller shape, see Contact
+    bool has_local_offset;  ///< see Contact
+    int parts;              ///< contacts that the pair needs: more than one only of a solid and a surface
   };
 
-  /// Adds contacts without points for pairs, which are in order and not in the cache. `start(pair)` gives Start.
+  /// Adds contacts without points for pairs, which are in order and not in the cache. `start_of(pair)` gives Start.
   template <typename StartOf>
-  void add(std::span<const Pair> fresh, const StartOf& start_of);
+  void add(std::span<const Pair> new_pairs, const StartOf& start_of);
 
   /// Bodies that have become active, or ceased to be; before the first call none are. Returns the slots of contacts
   /// that were idle and are active now, in order, valid until the next change. The cost follows the contacts of
@@ -48,11 +48,10 @@ class ContactCache {
   std::span<const std::uint32_t> set_active(std::span<const std::uint32_t> started,
                                             std::span<const std::uint32_t> stopped);
 
+  /// The active contacts.
+  const ContactOrder& order() const { return order_; }
   /// Whether a pair with an active body has contact points. In time logarithmic in the number of active contacts.
   bool touches(Pair pair) const;
-
-  /// The pair of an entry of `order`: to go through them needn't touch contacts.
-  Pair pair_at(std::size_t entry) const { return Pair::of_key(keys_[entry]); }
 
   /// Removes the active contacts for which gone(slot) holds, asked in order: of a pair, all parts or none.
   template <typename Gone>
@@ -71,7 +70,7 @@ class ContactCache {
     of_body_.for_each_of(body, visit);
   }
 
-  std::size_t size() const { return contacts.size() - free_slots.size(); }
+  std::size_t size() const { return contacts.size() - free_slots_.size(); }
 
   /// All slots in use, of idle contacts too, in order. If some are idle and any came or went since the last call the
   /// cost is linear in their number, and that of sorting in the number that became idle. Valid until the next change.
@@ -79,20 +78,11 @@ class ContactCache {
 
   /// Memory held.
   std::size_t bytes() const {
-    return jobs::bytes_of(contacts, manifolds, rises, order, free_slots, keys_, state_, active_, added_, gone_, idle_,
-                          newly_idle_, is_newly_idle_, all_) +
-           pairs.bytes() + of_body_.bytes();
+    return jobs::bytes_of(contacts, manifolds, rises, free_slots_, state_, active_, added_, gone_) + pairs.bytes() +
+           order_.bytes() + of_body_.bytes() + idle_.bytes();
   }
 
  private:
-  enum class State : std::uint8_t { Free, Active, Idle };
-
-  struct Entry {
-    std::uint64_t key;  // of the pair
-    std::uint32_t part;
-    std::uint32_t slot;
-  };
-
   bool is_active(const Contact& contact) const {
     return active_[contact.body_first] != 0 || active_[contact.body_second] != 0;
   }
@@ -101,35 +91,29 @@ class ContactCache {
   void claim_body(std::uint32_t body);
   std::uint32_t claim_slot();
   void link(std::uint32_t slot);
+  void set_idle(std::uint32_t slot);
   template <typename Gone>
   void release_of(std::span<const std::uint32_t> slots, const Gone& gone);
   void release_all(std::span<const std::uint32_t> slots);
   void release(std::uint32_t slot);
   void merge_into_order();
   void drop_inactive();
-  void note_idle(std::uint32_t slot);
-  void update_idle() const;
-  std::size_t first_entry_of(Pair pair) const;
 
-  std::vector<std::uint64_t> keys_;  // of the pairs in `order`: to search them needn't touch contacts
-  std::vector<State> state_;         // by slot
+  std::vector<std::uint32_t> free_slots_;  // the last is used first
+  ContactOrder order_;
+  std::vector<ContactState> state_;  // by slot
   jobs::PairLists of_body_;
   std::vector<std::uint8_t> active_;  // by body
   std::vector<std::uint32_t> added_;  // scratch: slots, in order
   std::vector<std::uint32_t> gone_;   // scratch: slots, in order
-  // Idle contacts as of the last call of all_in_order(), in order, and the slots that became idle since.
-  mutable std::vector<Entry> idle_;
-  mutable std::vector<std::uint32_t> newly_idle_;
-  mutable std::vector<std::uint8_t> is_newly_idle_;  // by slot
-  mutable std::vector<std::uint32_t> all_;
-  mutable bool all_stale_ = false;
+  mutable IdleContacts idle_;         // sorted when somebody asks
 };
 
 template <typename StartOf>
-void ContactCache::add(std::span<const Pair> fresh, const StartOf& start_of) {
+void ContactCache::add(std::span<const Pair> new_pairs, const StartOf& start_of) {
   added_.clear();
-  make_room_for(fresh.size());
-  for (const Pair pair : fresh) {
+  make_room_for(new_pairs.size());
+  for (const Pair pair : new_pairs) {
     const Start start = start_of(pair);
     for (int part = 0; part < start.parts; ++part) {
       const std::uint32_t slot = claim_slot();
@@ -137,12 +121,12 @@ void ContactCache::add(std::span<const Pair> fresh, const StartOf& start_of) {
       contacts[slot].body_first = start.body_first;
       contacts[slot].body_second = start.body_second;
       contacts[slot].size = start.size;
-      contacts[slot].placed = start.placed;
+      contacts[slot].has_local_offset = start.has_local_offset;
       contacts[slot].part = static_cast<std::uint8_t>(part);
       manifolds[slot].friction = start.friction;
       manifolds[slot].restitution = start.restitution;
       link(slot);
-      if (state_[slot] == State::Active) added_.push_back(slot);
+      if (state_[slot] == ContactState::Active) added_.push_back(slot);
     }
     pairs.insert(pair);
   }
@@ -151,7 +135,7 @@ void ContactCache::add(std::span<const Pair> fresh, const StartOf& start_of) {
 
 template <typename Gone>
 void ContactCache::remove_if(const Gone& gone) {
-  release_of(order, gone);
+  release_of(order_.slots(), gone);
 }
 
 template <typename Gone>

@@ -22,8 +22,8 @@ struct PointMatches {
   int missed = 0;  ///< points of a pair that had some before, without an old point of the same id
 };
 
-/// Hands impulses on to the points of a fresh manifold: by feature id first, then, among what is left, from the
+/// Hands impulses on to the points of a recomputed manifold: by feature id first, then, among what is left, from the
 /// nearest old point within `reach` (m). New points start at zero.
-PointMatches match_points(const OldPoints& old, const Manifold& fresh, double reach, ContactManifold& manifold);
+PointMatches match_points(const OldPoints& old, const Manifold& recomputed, double reach, ContactManifold& manifold);
 
 }  // namespace atl::collision

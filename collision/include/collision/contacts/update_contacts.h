@@ -30,17 +30,17 @@ struct ContactUpdateInput {
 /// More than any gap allows for.
 inline constexpr double put_elsewhere = 1e6;
 
-/// One entry of ContactCache::order each.
+/// One entry of ContactCache::order() each.
 enum class ContactStatus : std::uint8_t {
   Apart,     ///< no points
   Touching,  ///< points, at least within the speculative margin
-  Stale,     ///< while it is being updated: it is to be found anew
+  Stale,     ///< while it is being updated: it is to be recomputed
   Lost,      ///< the fat boxes parted; to be removed
 };
 
 struct ContactUpdateCounts {
-  std::int64_t kept = 0;         ///< pairs that kept their features, or their having none
-  std::int64_t fresh = 0;        ///< pairs that the narrowphase looked at
+  std::int64_t recycled = 0;     ///< pairs that kept their features, or their having none
+  std::int64_t recomputed = 0;   ///< pairs that the narrowphase computed
   std::int64_t fcl_calls = 0;    ///< pairs of these for which FCL ran
   std::int64_t fcl_repairs = 0;  ///< and its answer was not taken: see Narrowphase
   std::int64_t id_matches = 0;
@@ -54,7 +54,7 @@ struct ContactUpdateCounts {
 /// What an update found, and memory that the next one uses again.
 class ContactUpdate {
  public:
-  std::vector<ContactStatus> status;  ///< that of cache.order[i] at i
+  std::vector<ContactStatus> status;  ///< that of cache.order()[i] at i
   ContactUpdateCounts counts;
   std::vector<TouchingPair> touching;  ///< in order
   bool touching_changed = false;       ///< it is not what it was after the update before
@@ -95,7 +95,7 @@ void update_contacts(ContactCache& cache, const Broadphase& broadphase, const Co
 
 /// Brings what the manifolds of these slots say of where points are up to date with the poses, for the features that
 /// they have. For contacts of bodies that are at rest, as others are updated by each step.
-void place_contacts(ContactCache& cache, const Broadphase& broadphase, const ContactUpdateInput& input,
-                    std::span<const std::uint32_t> slots, jobs::Arena& arena);
+void refresh_contacts(ContactCache& cache, const ContactUpdateInput& input, std::span<const std::uint32_t> slots,
+                      jobs::Arena& arena);
 
 }  // namespace atl::collision

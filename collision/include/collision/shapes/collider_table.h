@@ -35,12 +35,12 @@ struct ColliderTable {
   jobs::SharedValues<Shape> shape;
   /// Of the shape, in the body frame.
   jobs::SharedValues<Pose> local = jobs::SharedValues<Pose>(Pose{Vector3::Zero(), Quaternion::Identity()});
-  std::vector<std::uint8_t> placed;  ///< 0 if `local` is the identity
-  std::vector<std::uint32_t> free;   ///< the last is used first
+  std::vector<std::uint8_t> has_local_offset;  ///< 0 if `local` is the identity
+  std::vector<std::uint32_t> free;             ///< the last is used first
 
   /// Memory held.
   std::size_t bytes() const {
-    return jobs::bytes_of(body, child, next, first, placed, free) + shape.bytes() + local.bytes();
+    return jobs::bytes_of(body, child, next, first, has_local_offset, free) + shape.bytes() + local.bytes();
   }
 
   std::size_t size() const { return body.size(); }
@@ -51,7 +51,7 @@ struct ColliderTable {
     jobs::append(next, count, none);
     shape.resize(count);
     local.resize(count);
-    jobs::append(placed, count, std::uint8_t{0});
+    jobs::append(has_local_offset, count, std::uint8_t{0});
   }
 
   void resize_bodies(std::size_t count) { jobs::append(first, count, none); }
@@ -70,7 +70,7 @@ struct ColliderTable {
     next[collider] = none;
     shape.set(collider, what);
     local.set(collider, where);
-    placed[collider] = !where.position.isZero(0) || !where.orientation.vec().isZero(0);
+    has_local_offset[collider] = !where.position.isZero(0) || !where.orientation.vec().isZero(0);
   }
 
   std::uint32_t add(std::uint32_t on_body, std::uint32_t number, const Shape& what, const Pose& where) {
@@ -92,7 +92,7 @@ struct ColliderTable {
 
   /// World position of a collider's origin.
   Vector3 position(std::uint32_t collider, const PoseView& bodies) const {
-    if (!placed[collider]) return bodies.position(body[collider]);
+    if (!has_local_offset[collider]) return bodies.position(body[collider]);
     const Pose frame = bodies[body[collider]];
     return frame.position + frame.orientation * local[collider].position;
   }
@@ -100,7 +100,7 @@ struct ColliderTable {
   /// World pose of a collider.
   Pose pose(std::uint32_t collider, const PoseView& bodies) const {
     const Pose frame = bodies[body[collider]];
-    return placed[collider] ? collision::placed(frame, local[collider]) : frame;
+    return has_local_offset[collider] ? collision::placed(frame, local[collider]) : frame;
   }
 };
 

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <collision/contacts/contact.h>
+#include <collision/contacts/contact_order.h>
+#include <jobs/bytes.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace atl::collision {
+
+/// Whether a slot of a ContactCache holds a contact, and whether one of its bodies is active.
+enum class ContactState : std::uint8_t { Free, Active, Idle };
+
+/// The idle contacts in order, and with the active ones all contacts in order. Both are brought up to date only when
+/// somebody asks: until then it takes notes of what became idle, and whether any contact came or went.
+class IdleContacts {
+ public:
+  void reserve(std::size_t slots) { is_noted_.reserve(slots); }
+  /// One slot more than before.
+  void add_slot() { is_noted_.push_back(0); }
+  /// A contact became idle.
+  void note(std::uint32_t slot) {
+    if (is_noted_[slot]) return;
+    is_noted_[slot] = 1;
+    noted_.push_back(slot);
+  }
+  /// A contact came or went, idle or not.
+  void note_change() { all_stale_ = true; }
+
+  /// All slots in use, in order. The cost is linear in their number if any came or went since the last call, and that
+  /// of sorting in the number that became idle. Valid until the next change.
+  std::span<const std::uint32_t> with_active(const ContactOrder& active, std::span<const Contact> contacts,
+                                             std::span<const ContactState> states);
+
+  /// Memory held.
+  std::size_t bytes() const { return jobs::bytes_of(entries_, noted_, is_noted_, all_); }
+
+ private:
+  struct Entry {
+    std::uint64_t key;  // of the pair
+    std::uint32_t part;
+    std::uint32_t slot;
+  };
+
+  void update(std::span<const Contact> contacts, std::span<const ContactState> states);
+
+  std::vector<Entry> entries_;          // in order, as of the last call of with_active()
+  std::vector<std::uint32_t> noted_;    // slots that became idle since
+  std::vector<std::uint8_t> is_noted_;  // by slot
+  std::vector<std::uint32_t> all_;      // in order, as of that call
+  bool all_stale_ = false;
+};
+
+}  // namespace atl::collision

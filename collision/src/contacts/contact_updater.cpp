@@ -1,0 +1,136 @@
+#include "contacts/contact_updater.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "contacts/pair_motion.h"
+
+namespace atl::collision {
+namespace {
+
+// Faster than any body: for the largest margin.
+constexpr double any_approach = std::numeric_limits<double>::infinity();
+
+// Whether two solids that were found apart are so still, whatever their features: by how far their origins have moved
+// against each other since, and how much the bodies have turned.
+bool still_apart(const Contact& contact, const ContactUpdateInput& input) {
+  const Eigen::Map<const Vector3> from(contact.apart_from.data());
+  const double moved = (origins_apart(contact, input) - from).norm();
+  const double turned = turned_by_both(contact, input) - contact.turned;
+  const double left = static_cast<double>(contact.gap) - moved - static_cast<double>(contact.lever) * turned;
+  return left > speculative_margin(static_cast<double>(contact.size), any_approach) || left > margin_of(contact, input);
+}
+
+// A pair's parts stay together: they belong to the chunk in which they begin.
+std::size_t first_whole_pair(const ContactRange& range, std::size_t begin, std::size_t end) {
+  while (begin < end && range.contact(begin).part > 0) ++begin;
+  return begin;
+}
+std::size_t end_of_last_pair(const ContactRange& range, std::size_t end) {
+  while (end < range.cache.order().size() && range.contact(end).part > 0) ++end;
+  return end;
+}
+
+void list_touching(const ContactRange& range, std::size_t end, std::span<TouchingPair> touching,
+                   ContactUpdater::Result& result) {
+  const std::span<const std::uint8_t> dynamic = range.input.dynamic;
+  std::size_t listed = 0;
+  std::uint32_t difference = 0;
+  std::int64_t points = 0;
+  for (std::size_t i = 0; i < end - range.begin; ++i) {
+    if (range.status[range.begin + i] != ContactStatus::Touching) continue;
+    const TouchingPair pair = range.pairs[i];
+    if (!dynamic[pair.first] && !dynamic[pair.second]) continue;
+    TouchingPair& place = touching[listed++];
+    difference |= (pair.first ^ place.first) | (pair.second ^ place.second) | (pair.slot ^ place.slot);
+    place = pair;
+    points += range.points[i];
+  }
+  result.touching = listed;
+  result.changed = difference != 0;
+  result.counts.points += points;
+}
+
+}  // namespace
+
+bool ContactUpdater::is_lost(Pair pair) const {
+  return (broadphase_.has_moved(pair.first) || broadphase_.has_moved(pair.second)) &&
+         !broadphase_.overlap(pair.first, pair.second);
+}
+
+ContactUpdater::Result ContactUpdater::run(std::size_t begin, std::size_t end, std::span<TouchingPair> touching) {
+  const ContactOrder& order = range_.cache.order();
+  begin = first_whole_pair(range_, begin, end);
+  if (begin < end) end = end_of_last_pair(range_, end);
+
+  range_.begin = begin;
+  for (std::size_t i = begin; i < end;) {
+    const std::size_t next = order.pair_end(i);
+    if (is_lost(order.pair_at(i))) {
+      std::fill(range_.status + i, range_.status + next, ContactStatus::Lost);
+      range_.counts.lost += static_cast<std::int64_t>(next - i);
+    } else {
+      recycle(i, next);
+    }
+    i = next;
+  }
+  refresh_recycled();
+  ManifoldRecomputer(range_, refresher_).run();
+
+  Result result;
+  result.counts = range_.counts;
+  list_touching(range_, end, touching, result);
+  return result;
+}
+
+// A pair that isn't lost, of which the parts are apart together.
+void ContactUpdater::recycle(std::size_t first, std::size_t end) {
+  fetch_ahead(first);
+  const Contact& contact = range_.contact(first);
+  const bool was_apart = contact.gap > 0;
+  if (was_apart && still_apart(contact, range_.input)) {
+    std::fill(range_.status + first, range_.status + end, ContactStatus::Apart);
+    ++range_.counts.recycled;
+    return;
+  }
+  for (std::size_t i = first; i < end; ++i) {
+    const std::uint32_t slot = range_.cache.order()[i];
+    range_.pairs[i - range_.begin] = {contact.body_first, contact.body_second, slot};
+    if (was_apart) {
+      range_.status[i] = ContactStatus::Stale;
+    } else {
+      refresher_.fetch(slot);
+      if (recycled_.add(i)) refresh_recycled();
+    }
+  }
+  if (was_apart) range_.add_stale(first);
+}
+
+// Slots are in no order: what is needed soon is asked of memory now.
+void ContactUpdater::fetch_ahead(std::size_t entry) const {
+  constexpr std::size_t ahead = 16;
+  if (entry + ahead < range_.cache.order().size()) __builtin_prefetch(&range_.contact(entry + ahead));
+}
+
+void ContactUpdater::refresh_recycled() {
+  const std::size_t count = std::exchange(recycled_.count, 0);
+  if (count == 0) return;
+  const ContactOrder& order = range_.cache.order();
+  const unsigned recycled = refresher_.refresh(
+      count, [&](std::size_t lane) { return order[recycled_.entries[lane]]; }, false);
+  for (std::size_t lane = 0; lane < count; ++lane) {
+    const std::uint32_t entry = recycled_.entries[lane];
+    if ((recycled >> lane & 1) != 0) {
+      // A pair found apart is recycled as well: it stays apart, but for the tolerance, while it doesn't move.
+      range_.note_points(entry);
+      range_.status[entry] = range_.contact(entry).count > 0 ? ContactStatus::Touching : ContactStatus::Apart;
+      range_.counts.recycled += range_.contact(entry).part == 0;
+    } else {
+      range_.status[entry] = ContactStatus::Stale;
+      range_.add_stale(entry);
+    }
+  }
+}
+
+}  // namespace atl::collision
