@@ -18,8 +18,6 @@ EXEMPT = {"World"}
 TO_SPLIT = {
     "DirectIsland": (53, 14),
     "DirectJoints": (43, 15),
-    "GroupSolver": (27, 18),
-    "GroupSolver::Pass": (24, 22),
     "IslandProblem": (44, 9),
 }
 FOLDERS = ["jobs", "collision", "solver", "runtime"]

@@ -164,14 +164,14 @@ void SolvePhase::solve_groups(Stores& world, const StepContext& step, const solv
     }
   });
   // Large ones are solved one after another, by all workers, and keep their colours while groups stay what they are.
-  const auto contacts = regrouped_ ? solver::GroupContacts::New : solver::GroupContacts::Kept;
+  const auto colours = regrouped_ ? solver::GroupColours::New : solver::GroupColours::Kept;
   regrouped_ = false;
   std::size_t large = 0;
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     if (!groups_[g].large) continue;
     if (large == large_solvers_.size()) large_solvers_.push_back(std::make_unique<solver::GroupSolver>());
     jobs::WorkerTeam team(step.arena);
-    group_reports_[g] = large_solvers_[large++]->solve(input_of(groups_[g]), groups_[g], team, contacts);
+    group_reports_[g] = large_solvers_[large++]->solve(input_of(groups_[g]), groups_[g], team, colours);
   }
   note_modes(world, islands.islands(), step.report.counts);
 }

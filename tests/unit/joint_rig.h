@@ -163,7 +163,7 @@ inline GroupReport JointRig::step(double dt, int count) {
       }
       const bool kept = i > 0 && groups.size() == 1;
       jobs::WorkerTeam workers(*arena);
-      report = solver_.solve(input, group, workers, kept ? GroupContacts::Kept : GroupContacts::New);
+      report = solver_.solve(input, group, workers, kept ? GroupColours::Kept : GroupColours::New);
     }
     for (std::uint32_t body = 0; body < bodies.size(); ++body) {
       if (bodies.mobility[body] != Mobility::Kinematic) continue;

@@ -40,7 +40,7 @@ struct Lacking {
   std::uint32_t most_points = 4;
   bool friction = false;
   bool restitution = false;
-  Movers movers = Movers::Both;  // else of these, the other body is the fixed one
+  MovableSides movable = MovableSides::Both;  // else of these, the other body is the fixed one
 };
 
 void set3(float* to, const Eigen::Vector3d& from) {
@@ -78,8 +78,8 @@ Group random_group(std::uint32_t seed, std::uint32_t count, int pairs, const Lac
   for (int i = 0; i < pairs; ++i) {
     std::uint32_t a = random.below(count);
     std::uint32_t b = random.below(count);
-    if (lacking.movers == Movers::First) b = 0;
-    if (lacking.movers == Movers::Second) a = 0;
+    if (lacking.movable == MovableSides::First) b = 0;
+    if (lacking.movable == MovableSides::Second) a = 0;
     if (a == b || std::max(a, b) < first_dynamic) continue;
     contacts.push_back({a, b, static_cast<std::uint32_t>(group.manifolds.size())});
     ContactManifold manifold = {};
@@ -165,9 +165,9 @@ TEST(Kernels, GiveTheSameBitsOnEveryInstructionSet) {
 TEST(Kernels, LeaveOutWhatWouldNotChangeABit) {
   std::uint32_t seed = 0;
   for (const std::uint32_t points : {1u, 2u, 3u, 4u}) {
-    for (const Movers movers : {Movers::Both, Movers::First, Movers::Second}) {
+    for (const MovableSides movable : {MovableSides::Both, MovableSides::First, MovableSides::Second}) {
       for (const int lacks : {0, 1, 2, 3}) {
-        const Lacking lacking{points, (lacks & 1) != 0, (lacks & 2) != 0, movers};
+        const Lacking lacking{points, (lacks & 1) != 0, (lacks & 2) != 0, movable};
         Group everything = random_group(++seed, 40, 150, lacking);
         Group lean = everything;
         everything.leaves_out = false;
@@ -182,7 +182,7 @@ TEST(Kernels, LeaveOutWhatWouldNotChangeABit) {
           const ContactTraits& traits = without.blocks.front().traits;
           EXPECT_LE(traits.points, points);
           EXPECT_EQ(traits.friction, !lacking.friction);
-          EXPECT_EQ(without.blocks.front().movers, movers);
+          EXPECT_EQ(without.blocks.front().movable, movable);
           EXPECT_LE(traits.bounces, !lacking.restitution);
         }
       }

@@ -8,20 +8,20 @@ namespace {
 
 constexpr std::size_t overflow = 64;
 
-// Within a colour constraints are in order of their rank, and blocks begin anew where another kind does.
-constexpr std::size_t rank_of(const LocalContact& contact) { return contact.kind; }
-constexpr std::size_t rank_count(const LocalContact*) { return contact_kinds; }
+// Within a colour constraints are in order of their sort key, and blocks begin anew where another kind does.
+constexpr std::size_t sort_key(const LocalContact& contact) { return contact.kind; }
+constexpr std::size_t sort_key_count(const LocalContact*) { return contact_kinds; }
 constexpr bool starts_kind(const LocalContact*, std::size_t) { return false; }
 
 constexpr std::size_t most_rows = 6;
 // A point alone; a point with rows, from many to few; rows alone.
-constexpr std::size_t rank_of(const LocalJoint& joint) {
+constexpr std::size_t sort_key(const LocalJoint& joint) {
   const std::size_t rows = joint.rows;
   if (joint.point) return rows == 0 ? 0 : 1 + most_rows - rows;
   return 1 + most_rows + most_rows - rows;
 }
-constexpr std::size_t rank_count(const LocalJoint*) { return 2 + 2 * most_rows; }
-constexpr bool starts_kind(const LocalJoint*, std::size_t rank) { return rank == 1 || rank == 1 + most_rows; }
+constexpr std::size_t sort_key_count(const LocalJoint*) { return 2 + 2 * most_rows; }
+constexpr bool starts_kind(const LocalJoint*, std::size_t key) { return key == 1 || key == 1 + most_rows; }
 
 constexpr std::size_t round_up(std::size_t lane) { return (lane + block_lanes - 1) / block_lanes * block_lanes; }
 
@@ -49,7 +49,7 @@ void set_lane(Block& block, std::size_t lane, const Constraint& constraint, std:
   if (constraint.second >= first_dynamic) block.write_second |= bit;
 }
 
-void note_movers(ContactBlock& block) {
+void set_movable(ContactBlock& block) {
   std::int32_t first = 0, second = 0;
   block.contacts = 0;
   for (std::size_t lane = 0; lane < block_lanes; ++lane) {
@@ -57,7 +57,7 @@ void note_movers(ContactBlock& block) {
     second |= block.second[lane];
     block.contacts += block.slot[lane] >= 0;
   }
-  block.movers = first == 0 ? Movers::Second : second == 0 ? Movers::First : Movers::Both;
+  block.movable = first == 0 ? MovableSides::Second : second == 0 ? MovableSides::First : MovableSides::Both;
 }
 
 }  // namespace
@@ -80,14 +80,14 @@ void Colouring::assign_colours(std::span<const Constraint> constraints, std::uin
   }
 }
 
-// By colour, then rank, then in order; those that are left over get a block each.
+// By colour, then sort key, then in order; those that are left over get a block each.
 template <typename Constraint>
 void Colouring::assign_lanes(std::span<const Constraint> constraints) {
   constexpr const Constraint* kind = nullptr;
-  constexpr std::size_t ranks = rank_count(kind);
-  next_lane_.assign((overflow + 1) * ranks, 0);
+  constexpr std::size_t keys = sort_key_count(kind);
+  next_lane_.assign((overflow + 1) * keys, 0);
   const auto place = [&](std::size_t i) -> std::uint32_t& {
-    return next_lane_[colour_of_[i] * ranks + rank_of(constraints[i])];
+    return next_lane_[colour_of_[i] * keys + sort_key(constraints[i])];
   };
   for (std::size_t i = 0; i < constraints.size(); ++i) ++place(i);
 
@@ -96,9 +96,9 @@ void Colouring::assign_lanes(std::span<const Constraint> constraints) {
   for (std::size_t colour = 0; colour <= overflow; ++colour) {
     const bool serial = colour == overflow;
     const std::size_t begin = lane;
-    for (std::size_t rank = 0; rank < ranks; ++rank) {
-      if (starts_kind(kind, rank)) lane = round_up(lane);
-      std::uint32_t& next = next_lane_[colour * ranks + rank];
+    for (std::size_t key = 0; key < keys; ++key) {
+      if (starts_kind(kind, key)) lane = round_up(lane);
+      std::uint32_t& next = next_lane_[colour * keys + key];
       const std::size_t count = next;
       next = static_cast<std::uint32_t>(lane);
       lane += serial ? count * block_lanes : count;
@@ -130,7 +130,7 @@ void Colouring::build(std::span<const LocalContact> contacts, std::uint32_t firs
   assign_colours(contacts, first_dynamic, body_count);
   assign_lanes(contacts);
   fill(contacts, first_dynamic, blocks);
-  for (std::size_t b = 0; b < block_count(); ++b) note_movers(blocks[b]);
+  for (std::size_t b = 0; b < block_count(); ++b) set_movable(blocks[b]);
 }
 
 void Colouring::build(std::span<const LocalJoint> joints, std::uint32_t first_dynamic, std::uint32_t body_count,

@@ -55,12 +55,12 @@ HWY_INLINE V impact_speed(V speed, V separation, V acceleration, V lost, float b
   return hn::IfThenElse(hn::And(hn::Lt(speed, zero()), hn::Gt(separation, zero())), hn::Neg(hn::Sqrt(square)), speed);
 }
 
-template <Movers movers>
+template <MovableSides movable>
 HWY_INLINE void note_approach(const ContactKernelData& data, int number, ContactBlock& block, BounceBlock& bounce,
                               std::size_t lane) {
   const auto before = static_cast<float>(number);
   const auto after = static_cast<float>(data.constants.substeps - 1 - number);
-  const ContactLanes<movers> c = load_contacts<movers>(data, block, lane);
+  const ContactLanes<movable> c = load_contacts<movable>(data, block, lane);
   const NormalSolve solve(c);
   const Pull pull = pull_together(data.bodies, block, lane, c.normal);
   const V fallen = hn::Mul(pull.relative, splat(data.constants.h));
@@ -101,13 +101,13 @@ HWY_INLINE void prepare_bounces(const ContactKernelData& data, ContactBlock& blo
     store(hn::IfThenElse(apart, zero(), load(rubs + lane)), rubs + lane);
   }
   if (data.bodies.locks.empty()) {
-    note_approach<Movers::Both>(data, 0, block, bounce, lane);
+    note_approach<MovableSides::Both>(data, 0, block, bounce, lane);
   } else {
-    note_approach<Movers::Locked>(data, 0, block, bounce, lane);
+    note_approach<MovableSides::Locked>(data, 0, block, bounce, lane);
   }
 }
 
-template <Movers movers>
+template <MovableSides movable>
 void note_approaches_by(const ContactKernelData& data, int number, std::size_t begin, std::size_t end) {
   for (std::size_t b = begin; b < end; ++b) {
     ContactBlock& block = data.blocks[b];
@@ -116,26 +116,27 @@ void note_approaches_by(const ContactKernelData& data, int number, std::size_t b
       // Others keep what their last sweep saw.
       V seen[max_points];
       for (std::size_t i = 0; i < max_points; ++i) seen[i] = load(block.separation[i] + lane);
-      refresh_separations<max_points>(data, block, turning_of(data, b), lane, load_contacts<movers>(data, block, lane));
+      const ContactLanes<movable> c = load_contacts<movable>(data, block, lane);
+      refresh_separations<max_points>(data, block, turning_of(data, b), lane, c);
       const M bouncy = hn::Gt(load(data.bounces[b].restitution + lane), zero());
       for (std::size_t i = 0; i < max_points; ++i) {
         const V separation = load(block.separation[i] + lane);
         store(hn::IfThenElse(bouncy, separation, seen[i]), block.separation[i] + lane);
       }
-      note_approach<movers>(data, number, block, data.bounces[b], lane);
+      note_approach<movable>(data, number, block, data.bounces[b], lane);
     }
   }
 }
 
 inline void note_approaches(const ContactKernelData& data, int number, std::size_t begin, std::size_t end) {
-  if (data.bodies.locks.empty()) return note_approaches_by<Movers::Both>(data, number, begin, end);
-  note_approaches_by<Movers::Locked>(data, number, begin, end);
+  if (data.bodies.locks.empty()) return note_approaches_by<MovableSides::Both>(data, number, begin, end);
+  note_approaches_by<MovableSides::Locked>(data, number, begin, end);
 }
 
 // Speeds back to the points that hit, and how they did.
-template <Movers movers>
+template <MovableSides movable>
 HWY_INLINE void give_back(const ContactBlock& block, const BounceBlock& bounce, std::size_t lane, const M (&hits)[4],
-                          V (&impulses)[4], ContactLanes<movers>& c) {
+                          V (&impulses)[4], ContactLanes<movable>& c) {
   const std::size_t points = block.traits.points;
   NormalSolve solve(c);
   for (std::size_t n = 0; n < tuning::restitution_rounds * points; ++n) {
@@ -154,9 +155,9 @@ HWY_INLINE void give_back(const ContactBlock& block, const BounceBlock& bounce, 
 
 // Friction bound by all that the contact pushed with, its bounce included (Walton, "Numerical simulation of inclined
 // chute flows of monodisperse, inelastic, frictional spheres", Mech. Mater. 1993).
-template <Movers movers>
+template <MovableSides movable>
 HWY_INLINE void rub_in_bounce(const ContactBlock& block, const SurfaceBlock* surface, Friction friction,
-                              std::size_t lane, V pushed, V (&rubs)[3], ContactLanes<movers>& c) {
+                              std::size_t lane, V pushed, V (&rubs)[3], ContactLanes<movable>& c) {
   const V3 velocity = relative_velocity(c);
   V v1 = dot(c.tangent1, velocity);
   V v2 = dot(c.tangent2, velocity);
@@ -186,10 +187,10 @@ HWY_INLINE void rub_in_bounce(const ContactBlock& block, const SurfaceBlock* sur
 }
 
 // Takes what impulses made of velocities out of what is carried over to the next substep.
-template <Movers movers>
+template <MovableSides movable>
 HWY_INLINE void keep_from_carrying(const ContactKernelData& data, const ContactBlock& block, std::size_t lane,
                                    const M& bounces, const V (&impulses)[4], const V (&rubs)[3],
-                                   ContactLanes<movers> c) {
+                                   ContactLanes<movable> c) {
   const V3 rest{zero(), zero(), zero()};
   c.first.v = c.first.w = c.second.v = c.second.w = rest;
   V sum = zero(), sum_y = zero(), sum_minus_x = zero();
@@ -217,15 +218,15 @@ HWY_INLINE void keep_from_carrying(const ContactKernelData& data, const ContactB
 }
 
 // The velocities of `from` where the mask is.
-template <Movers movers>
-HWY_INLINE void take(const M& mask, const ContactLanes<movers>& from, ContactLanes<movers>& to) {
+template <MovableSides movable>
+HWY_INLINE void take(const M& mask, const ContactLanes<movable>& from, ContactLanes<movable>& to) {
   to.first.v = select(mask, from.first.v, to.first.v);
   to.first.w = select(mask, from.first.w, to.first.w);
   to.second.v = select(mask, from.second.v, to.second.v);
   to.second.w = select(mask, from.second.w, to.second.w);
 }
 
-template <Movers movers>
+template <MovableSides movable>
 void restitute_lanes(const ContactKernelData& data, Friction friction, bool last, std::size_t b, std::size_t lane) {
   ContactBlock& block = data.blocks[b];
   BounceBlock& bounce = data.bounces[b];
@@ -242,14 +243,14 @@ void restitute_lanes(const ContactKernelData& data, Friction friction, bool last
   }
   if (hn::AllFalse(D(), bounces)) return;
 
-  ContactLanes<movers> c = load_contacts<movers>(data, block, lane);
-  ContactLanes<movers> away = c;
+  ContactLanes<movable> c = load_contacts<movable>(data, block, lane);
+  ContactLanes<movable> away = c;
   V rubs[3] = {load(block.friction_impulse[0] + lane), load(block.friction_impulse[1] + lane),
                load(block.twist_impulse + lane)};
   give_back(block, bounce, lane, hits, impulses, away);
   if (friction != Friction::None && block.traits.friction) {
     const SurfaceBlock* surface = with_surfaces && data.surface_blocks != nullptr ? &data.surface_blocks[b] : nullptr;
-    ContactLanes<movers> rubbed = away;
+    ContactLanes<movable> rubbed = away;
     V rubbed_impulses[max_points] = {impulses[0], impulses[1], impulses[2], impulses[3]};
     // Each changes what the other has to do.
     for (int round = 0; round < tuning::bounce_rounds; ++round) {
@@ -278,19 +279,19 @@ void restitute_lanes(const ContactKernelData& data, Friction friction, bool last
   put(rubs[2], block.twist_impulse, nullptr);
 }
 
-template <Movers movers>
+template <MovableSides movable>
 void restitute_by(const ContactKernelData& data, Friction friction, bool last, std::size_t begin, std::size_t end) {
   for (std::size_t b = begin; b < end; ++b) {
     if (!data.blocks[b].traits.bounces) continue;
     for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
-      restitute_lanes<movers>(data, friction, last, b, lane);
+      restitute_lanes<movable>(data, friction, last, b, lane);
     }
   }
 }
 
 inline void restitute(const ContactKernelData& data, Friction friction, bool last, std::size_t begin, std::size_t end) {
-  if (data.bodies.locks.empty()) return restitute_by<Movers::Both>(data, friction, last, begin, end);
-  restitute_by<Movers::Locked>(data, friction, last, begin, end);
+  if (data.bodies.locks.empty()) return restitute_by<MovableSides::Both>(data, friction, last, begin, end);
+  restitute_by<MovableSides::Locked>(data, friction, last, begin, end);
 }
 
 }  // namespace HWY_NAMESPACE

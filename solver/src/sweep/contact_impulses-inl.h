@@ -21,12 +21,12 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 using namespace jobs::HWY_NAMESPACE;
 
-template <Movers movers>
+template <MovableSides movable>
 void warm_start_by(const ContactKernelData& data, std::size_t begin, std::size_t end) {
   for (std::size_t b = begin; b < end; ++b) {
     const ContactBlock& block = data.blocks[b];
     for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
-      ContactLanes<movers> c = load_contacts<movers>(data, block, lane);
+      ContactLanes<movable> c = load_contacts<movable>(data, block, lane);
       V sum = zero();
       V sum_y = zero();
       V sum_minus_x = zero();
@@ -52,8 +52,8 @@ void warm_start_by(const ContactKernelData& data, std::size_t begin, std::size_t
 }
 
 inline void warm_start(const ContactKernelData& data, std::size_t begin, std::size_t end) {
-  if (data.bodies.locks.empty()) return warm_start_by<Movers::Both>(data, begin, end);
-  warm_start_by<Movers::Locked>(data, begin, end);
+  if (data.bodies.locks.empty()) return warm_start_by<MovableSides::Both>(data, begin, end);
+  warm_start_by<MovableSides::Locked>(data, begin, end);
 }
 
 // Lanes where soft contacts would give farther under what they carry now than in columns they should.

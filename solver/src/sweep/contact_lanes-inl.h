@@ -90,21 +90,21 @@ struct ManifoldLanes {
   V4 normal, anchor_first, anchor_second, x, y, separation, impulse, friction;
 };
 
-template <Movers movers>
-constexpr bool both_move = movers == Movers::Both || movers == Movers::Locked;
-template <Movers movers>
-constexpr bool first_moves = movers != Movers::Second;
-template <Movers movers>
-constexpr bool second_moves = movers != Movers::First;
+template <MovableSides movable>
+constexpr bool both_move = movable == MovableSides::Both || movable == MovableSides::Locked;
+template <MovableSides movable>
+constexpr bool first_moves = movable != MovableSides::Second;
+template <MovableSides movable>
+constexpr bool second_moves = movable != MovableSides::First;
 
 // A block's contacts from `lane` on, with their bodies. Of fixed ones nothing is loaded.
-template <Movers movers = Movers::Both>
+template <MovableSides movable = MovableSides::Both>
 struct ContactLanes {
   BodyLanes first, second;
   V3 normal, tangent1, tangent2;
   V3 anchor_first, anchor_second;
   // Along the world's axes where these are not alike.
-  std::conditional_t<movers == Movers::Locked, V3, V> inverse_mass_first, inverse_mass_second;
+  std::conditional_t<movable == MovableSides::Locked, V3, V> inverse_mass_first, inverse_mass_second;
 };
 
 // 1 along axes that bodies may move along, and 0 along those that they are locked along; in w the kind of LockRow.
@@ -113,58 +113,58 @@ HWY_INLINE V4 load_free_axes(const SolverBodies& bodies, const std::int32_t* ind
   return load_rows([=](std::size_t k) { return locks[index[k]].free; });
 }
 
-template <Movers movers = Movers::Both>
-HWY_INLINE ContactLanes<movers> load_contacts(const ContactKernelData& data, const ContactBlock& block,
-                                              std::size_t lane) {
+template <MovableSides movable = MovableSides::Both>
+HWY_INLINE ContactLanes<movable> load_contacts(const ContactKernelData& data, const ContactBlock& block,
+                                               std::size_t lane) {
   const auto inverse_mass = [&](std::size_t side, [[maybe_unused]] const std::int32_t* index) {
     const V of_all = load(block.inverse_mass[side] + lane);
-    if constexpr (movers == Movers::Locked) {
+    if constexpr (movable == MovableSides::Locked) {
       const V4 free = load_free_axes(data.bodies, index + lane);
       return of_all * V3{free.x, free.y, free.z};
     } else {
       return of_all;
     }
   };
-  ContactLanes<movers> c;
-  if constexpr (first_moves<movers>) load_bodies(data.bodies, block.first + lane, c.first);
-  if constexpr (second_moves<movers>) load_bodies(data.bodies, block.second + lane, c.second);
+  ContactLanes<movable> c;
+  if constexpr (first_moves<movable>) load_bodies(data.bodies, block.first + lane, c.first);
+  if constexpr (second_moves<movable>) load_bodies(data.bodies, block.second + lane, c.second);
   c.normal = load3(block.normal, lane);
   c.tangent1 = load3(block.tangent, lane);
   c.tangent2 = cross(c.normal, c.tangent1);
-  if constexpr (first_moves<movers>) {
+  if constexpr (first_moves<movable>) {
     c.anchor_first = load3(block.anchor_first, lane);
     c.inverse_mass_first = inverse_mass(0, block.first);
   }
-  if constexpr (second_moves<movers>) {
+  if constexpr (second_moves<movable>) {
     c.anchor_second = load3(block.anchor_second, lane);
     c.inverse_mass_second = inverse_mass(1, block.second);
   }
   return c;
 }
 
-template <Movers movers>
-HWY_INLINE void store_contact_bodies(const ContactLanes<movers>& c, const ContactKernelData& data,
+template <MovableSides movable>
+HWY_INLINE void store_contact_bodies(const ContactLanes<movable>& c, const ContactKernelData& data,
                                      const ContactBlock& block, std::size_t lane) {
-  if constexpr (first_moves<movers>)
+  if constexpr (first_moves<movable>)
     store_bodies(c.first, data.bodies, static_cast<unsigned>(block.write_first) >> lane);
-  if constexpr (second_moves<movers>)
+  if constexpr (second_moves<movable>)
     store_bodies(c.second, data.bodies, static_cast<unsigned>(block.write_second) >> lane);
 }
 
 // Velocity of the second body against the first at the centre, and relative spin. Fixed bodies are at rest; zero minus
 // something is not the same as its negative, where that is zero.
-template <Movers movers>
-HWY_INLINE V3 relative_velocity(const ContactLanes<movers>& c) {
+template <MovableSides movable>
+HWY_INLINE V3 relative_velocity(const ContactLanes<movable>& c) {
   const V3 rest{zero(), zero(), zero()};
-  if constexpr (movers == Movers::First) return rest - (c.first.v + cross(c.first.w, c.anchor_first));
-  if constexpr (movers == Movers::Second) return c.second.v + cross(c.second.w, c.anchor_second);
+  if constexpr (movable == MovableSides::First) return rest - (c.first.v + cross(c.first.w, c.anchor_first));
+  if constexpr (movable == MovableSides::Second) return c.second.v + cross(c.second.w, c.anchor_second);
   return (c.second.v + cross(c.second.w, c.anchor_second)) - (c.first.v + cross(c.first.w, c.anchor_first));
 }
-template <Movers movers>
-HWY_INLINE V3 relative_spin(const ContactLanes<movers>& c) {
+template <MovableSides movable>
+HWY_INLINE V3 relative_spin(const ContactLanes<movable>& c) {
   const V3 rest{zero(), zero(), zero()};
-  if constexpr (movers == Movers::First) return rest - c.first.w;
-  if constexpr (movers == Movers::Second) return c.second.w;
+  if constexpr (movable == MovableSides::First) return rest - c.first.w;
+  if constexpr (movable == MovableSides::Second) return c.second.w;
   return c.second.w - c.first.w;
 }
 
@@ -175,13 +175,13 @@ HWY_INLINE V3 change_by(const V3& inverse_mass, const V3& impulse) {
 }
 
 // An impulse at the centre and an angular impulse, on the second body; the opposite on the first.
-template <Movers movers>
-HWY_INLINE void apply(ContactLanes<movers>& c, const V3& impulse, const V3& angular) {
-  if constexpr (first_moves<movers>) {
+template <MovableSides movable>
+HWY_INLINE void apply(ContactLanes<movable>& c, const V3& impulse, const V3& angular) {
+  if constexpr (first_moves<movable>) {
     c.first.v = c.first.v - change_by(c.inverse_mass_first, impulse);
     c.first.w = c.first.w - c.first.inverse_inertia * (cross(c.anchor_first, impulse) + angular);
   }
-  if constexpr (second_moves<movers>) {
+  if constexpr (second_moves<movable>) {
     c.second.v = c.second.v + change_by(c.inverse_mass_second, impulse);
     c.second.w = c.second.w + c.second.inverse_inertia * (cross(c.anchor_second, impulse) + angular);
   }
@@ -338,8 +338,8 @@ struct NormalSolve {
   V u, w1, w2;
   V sum = zero(), sum_y = zero(), sum_minus_x = zero();  // of the impulses applied
 
-  template <Movers movers>
-  HWY_INLINE explicit NormalSolve(const ContactLanes<movers>& c) {
+  template <MovableSides movable>
+  HWY_INLINE explicit NormalSolve(const ContactLanes<movable>& c) {
     u = dot(c.normal, relative_velocity(c));
     const V3 spin = relative_spin(c);
     w1 = dot(c.tangent1, spin);
@@ -348,8 +348,8 @@ struct NormalSolve {
 
   HWY_INLINE V speed(V x, V y) const { return hn::Sub(hn::Add(u, hn::Mul(y, w1)), hn::Mul(x, w2)); }
 
-  template <Movers movers>
-  HWY_INLINE void finish(ContactLanes<movers>& c) const {
+  template <MovableSides movable>
+  HWY_INLINE void finish(ContactLanes<movable>& c) const {
     apply(c, sum * c.normal, sum_y * c.tangent1 + sum_minus_x * c.tangent2);
   }
 };

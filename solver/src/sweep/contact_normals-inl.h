@@ -40,10 +40,10 @@ struct Special {
 };
 
 // What is left out of blocks that have no need of it.
-template <std::size_t points_, Movers movers_>
+template <std::size_t points_, MovableSides movable_>
 struct What {
   static constexpr std::size_t points = points_;
-  static constexpr Movers movers = movers_;
+  static constexpr MovableSides movable = movable_;
 };
 
 // The largest change of relative speed so far. Each lane on its own: the most of all is no sum and knows no order.
@@ -164,11 +164,11 @@ HWY_NOINLINE void spread_impact(const ContactKernelData& data, const ContactBloc
 // For the lanes that land, and for them alone: whether others of their block do must not show.
 template <typename how, typename what>
 HWY_NOINLINE void share_impact(const ContactKernelData& data, ContactBlock& block, float (*impulses)[block_lanes],
-                               std::size_t lane, const M& lands, ContactLanes<what::movers>& c, Residual& residual,
+                               std::size_t lane, const M& lands, ContactLanes<what::movable>& c, Residual& residual,
                                bool backwards, const V& rise) {
   V before[what::points];
   for (std::size_t i = 0; i < what::points; ++i) before[i] = load(impulses[i] + lane);
-  ContactLanes<what::movers> landed = c;
+  ContactLanes<what::movable> landed = c;
   Residual of_landed = residual;
   NormalSolve solve(landed);
   if constexpr (how::special) solve.u = hn::Sub(solve.u, rise);
@@ -179,11 +179,11 @@ HWY_NOINLINE void share_impact(const ContactKernelData& data, ContactBlock& bloc
   for (std::size_t i = 0; i < what::points; ++i) {
     store(hn::IfThenElse(lands, load(impulses[i] + lane), before[i]), impulses[i] + lane);
   }
-  if constexpr (first_moves<what::movers>) {
+  if constexpr (first_moves<what::movable>) {
     c.first.v = select(lands, landed.first.v, c.first.v);
     c.first.w = select(lands, landed.first.w, c.first.w);
   }
-  if constexpr (second_moves<what::movers>) {
+  if constexpr (second_moves<what::movable>) {
     c.second.v = select(lands, landed.second.v, c.second.v);
     c.second.w = select(lands, landed.second.w, c.second.w);
   }
@@ -192,7 +192,7 @@ HWY_NOINLINE void share_impact(const ContactKernelData& data, ContactBlock& bloc
 
 template <typename how, typename what>
 HWY_INLINE void solve_normals(const ContactKernelData& data, ContactBlock& block, float (*impulses)[block_lanes],
-                              std::size_t lane, ContactLanes<what::movers>& c, Residual& residual, bool backwards,
+                              std::size_t lane, ContactLanes<what::movable>& c, Residual& residual, bool backwards,
                               [[maybe_unused]] const V& rise) {
   NormalSolve solve(c);
   if constexpr (how::special) solve.u = hn::Sub(solve.u, rise);
@@ -215,7 +215,7 @@ HWY_INLINE void solve_normals(const ContactKernelData& data, ContactBlock& block
   solve_points<how, what>(data, block, impulses, lane, solve, residual, backwards);
   solve.finish(c);
   if (!any_lands) return;
-  ContactLanes<what::movers> landing = c;
+  ContactLanes<what::movable> landing = c;
   Residual landing_residual = residual;
   share_impact<how, what>(data, block, impulses, lane, lands, landing, landing_residual, backwards, rise);
   c = landing;

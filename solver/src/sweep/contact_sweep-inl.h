@@ -48,22 +48,22 @@ HWY_INLINE const TurningBlock* turning_of(const ContactKernelData& data, std::si
 }
 
 // separation = start + n . (moved centres) + turned anchors.
-template <std::size_t points, Movers movers>
+template <std::size_t points, MovableSides movable>
 HWY_INLINE void refresh_separations(const ContactKernelData& data, ContactBlock& block, const TurningBlock* turning,
-                                    std::size_t lane, ContactLanes<movers> c) {
+                                    std::size_t lane, ContactLanes<movable> c) {
   if (turning != nullptr) {
     c.anchor_first = load3(turning->anchor_first, lane);
     c.anchor_second = load3(turning->anchor_second, lane);
   }
   const V3 rest{zero(), zero(), zero()};
-  if constexpr (movers == Movers::First) {
+  if constexpr (movable == MovableSides::First) {
     const V4 moved = load_displacement(data.bodies, c.first.index);
     const V3 change = normal_change(data, c.first, moved, c.normal);
     const V at_centre =
         hn::Add(dot(c.normal, rest - V3{moved.x, moved.y, moved.z}), hn::Sub(zero(), dot(change, c.anchor_first)));
     const V3 turned = rest - change;
     shift_points<points>(block, lane, at_centre, dot(turned, c.tangent1), dot(turned, c.tangent2));
-  } else if constexpr (movers == Movers::Second) {
+  } else if constexpr (movable == MovableSides::Second) {
     const V4 moved = load_displacement(data.bodies, c.second.index);
     const V3 change = normal_change(data, c.second, moved, c.normal);
     const V at_centre = hn::Add(dot(c.normal, V3{moved.x, moved.y, moved.z}), dot(change, c.anchor_second));
@@ -82,14 +82,14 @@ HWY_INLINE void refresh_separations(const ContactKernelData& data, ContactBlock&
 }
 
 // m, of a contact: what turns a spin into a speed. Of the bodies the smaller one's.
-template <Movers movers>
-HWY_INLINE V reach_of(const ContactLanes<movers>& c) {
+template <MovableSides movable>
+HWY_INLINE V reach_of(const ContactLanes<movable>& c) {
   return hn::Sqrt(hn::Min(dot(c.anchor_first, c.anchor_first), dot(c.anchor_second, c.anchor_second)));
 }
 
 // Holds back rolling: an angular impulse about an axis in the tangent plane, bound as friction is.
-template <Movers movers>
-HWY_INLINE void solve_rolling(SurfaceBlock& surface, std::size_t lane, V normal_impulse, ContactLanes<movers>& c,
+template <MovableSides movable>
+HWY_INLINE void solve_rolling(SurfaceBlock& surface, std::size_t lane, V normal_impulse, ContactLanes<movable>& c,
                               Residual& residual) {
   const V3 spin = relative_spin(c);
   const Plane mass = Plane::load_from(surface.rolling_mass, lane);
@@ -110,7 +110,7 @@ HWY_INLINE void solve_rolling(SurfaceBlock& surface, std::size_t lane, V normal_
 }
 
 // Contacts with a body that is locked along some axis.
-HWY_INLINE M locked_lanes(const ContactBlock& block, std::size_t lane, const ContactLanes<Movers::Locked>& c) {
+HWY_INLINE M locked_lanes(const ContactBlock& block, std::size_t lane, const ContactLanes<MovableSides::Locked>& c) {
   const auto differs = [&](const V3& along_axes, const float* inverse_mass) {
     const V of_all = load(inverse_mass + lane);
     return hn::Or(hn::Ne(along_axes.x, of_all), hn::Or(hn::Ne(along_axes.y, of_all), hn::Ne(along_axes.z, of_all)));
@@ -129,7 +129,7 @@ HWY_INLINE V normal_impulse_of(const ContactBlock& block, std::size_t lane) {
 
 template <typename how, typename what>
 HWY_INLINE void solve_friction(ContactBlock& block, SurfaceBlock* surface, [[maybe_unused]] Friction friction,
-                               std::size_t lane, ContactLanes<what::movers>& c, Residual& residual) {
+                               std::size_t lane, ContactLanes<what::movable>& c, Residual& residual) {
   const V3 velocity = relative_velocity(c);
   V v1 = dot(c.tangent1, velocity);
   V v2 = dot(c.tangent2, velocity);
@@ -171,7 +171,7 @@ HWY_INLINE void solve_friction(ContactBlock& block, SurfaceBlock* surface, [[may
     const V change2 = hn::Sub(new2, old2);
     V slowed1 = response.first(change1, change2);
     V slowed2 = response.second(change1, change2);
-    if constexpr (what::movers == Movers::Locked) {
+    if constexpr (what::movable == MovableSides::Locked) {
       // What can't move has no mass to ask.
       const V3 slowed = relative_velocity(c) - velocity;
       const M locked = locked_lanes(block, lane, c);
@@ -228,7 +228,7 @@ HWY_NOINLINE void sweep_alike(const ContactKernelData& data, const Sweep& sweep,
     const bool rises = how::special && surface != nullptr && data.rises != nullptr;
     auto* impulses = how::push == Push::Split ? data.split_blocks[b].impulse : block.normal_impulse;
     for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
-      ContactLanes<what::movers> c = load_contacts<what::movers>(data, block, lane);
+      ContactLanes<what::movable> c = load_contacts<what::movable>(data, block, lane);
       if (how::refresh(sweep)) {
         refresh_separations<what::points>(data, block, turning_of(data, b), lane, c);
         if (rises) raise_surfaces<what::points>(sweep, block, *surface, lane);
@@ -251,37 +251,37 @@ HWY_NOINLINE void sweep_alike(const ContactKernelData& data, const Sweep& sweep,
 }
 
 template <typename how, std::size_t points>
-HWY_INLINE void sweep_points(const ContactKernelData& data, const Sweep& sweep, Movers movers, std::size_t begin,
+HWY_INLINE void sweep_points(const ContactKernelData& data, const Sweep& sweep, MovableSides movable, std::size_t begin,
                              std::size_t end, Residual& residual) {
-  if (movers == Movers::First) {
-    sweep_alike<how, What<points, Movers::First>>(data, sweep, begin, end, residual);
-  } else if (movers == Movers::Second) {
-    sweep_alike<how, What<points, Movers::Second>>(data, sweep, begin, end, residual);
+  if (movable == MovableSides::First) {
+    sweep_alike<how, What<points, MovableSides::First>>(data, sweep, begin, end, residual);
+  } else if (movable == MovableSides::Second) {
+    sweep_alike<how, What<points, MovableSides::Second>>(data, sweep, begin, end, residual);
   } else {
-    sweep_alike<how, What<points, Movers::Both>>(data, sweep, begin, end, residual);
+    sweep_alike<how, What<points, MovableSides::Both>>(data, sweep, begin, end, residual);
   }
 }
 
 // With a kernel for each kind of block.
 template <typename how>
 void sweep_by_kind(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end) {
-  const auto movers_of = [&](std::size_t b) { return data.leaves_out ? data.blocks[b].movers : Movers::Both; };
+  const auto movable_of = [&](std::size_t b) { return data.leaves_out ? data.blocks[b].movable : MovableSides::Both; };
   const auto points_of = [&](std::size_t b) {
     const std::uint8_t points = data.blocks[b].traits.points;
     return points == 3 ? std::uint8_t{4} : points;
   };
   Residual residual;
   for (std::size_t next; begin < end; begin = next) {
-    const Movers movers = movers_of(begin);
+    const MovableSides movable = movable_of(begin);
     const std::uint8_t points = points_of(begin);
-    const auto is_alike = [&](std::size_t b) { return movers_of(b) == movers && points_of(b) == points; };
+    const auto is_alike = [&](std::size_t b) { return movable_of(b) == movable && points_of(b) == points; };
     for (next = begin + 1; next < end && is_alike(next);) ++next;
     if (points == 1) {
-      sweep_points<how, 1>(data, sweep, movers, begin, next, residual);
+      sweep_points<how, 1>(data, sweep, movable, begin, next, residual);
     } else if (points == 2) {
-      sweep_points<how, 2>(data, sweep, movers, begin, next, residual);
+      sweep_points<how, 2>(data, sweep, movable, begin, next, residual);
     } else {
-      sweep_points<how, max_points>(data, sweep, movers, begin, next, residual);
+      sweep_points<how, max_points>(data, sweep, movable, begin, next, residual);
     }
   }
 }
@@ -292,9 +292,9 @@ float special_sweep(const ContactKernelData& data, const Sweep& sweep, std::size
   using how = Special<push>;
   Residual residual;
   if (data.bodies.locks.empty()) {
-    sweep_alike<how, What<max_points, Movers::Both>>(data, sweep, begin, end, residual);
+    sweep_alike<how, What<max_points, MovableSides::Both>>(data, sweep, begin, end, residual);
   } else {
-    sweep_alike<how, What<max_points, Movers::Locked>>(data, sweep, begin, end, residual);
+    sweep_alike<how, What<max_points, MovableSides::Locked>>(data, sweep, begin, end, residual);
   }
   return hn::GetLane(hn::MaxOfLanes(D(), residual.most));
 }

@@ -48,6 +48,18 @@ void JoinedMotion::build(const SolveInput& input, const IslandGroup& group) {
   for (const JointLink& link : joints) number_[graph.component_of(link.joint)] = none;
 }
 
+void JoinedMotion::kick_leapfrogs(SolverBodies& bodies, std::uint32_t first_dynamic, float time) const {
+  for (std::size_t i = 0; i < component_.size(); ++i) {
+    if (!is_leapfrog(i)) continue;
+    VelocityRows& velocity = bodies.velocity[first_dynamic + i];
+    const AccelerationRows& acceleration = bodies.acceleration[first_dynamic + i];
+    for (int k = 0; k < 3; ++k) {
+      velocity.linear[k] += time * acceleration.linear[k];
+      velocity.angular[k] += time * acceleration.angular[k];
+    }
+  }
+}
+
 void JoinedMotion::note_forces(std::span<const std::uint32_t> body_ids, const BodyTable& bodies,
                                const Vector3& gravity) {
   for (Component& component : components_) {

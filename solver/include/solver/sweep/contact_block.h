@@ -11,7 +11,7 @@ using collision::max_points;
 
 /// Which bodies of a block's contacts may move; the others are fixed. Locked is Both where some may move along some
 /// axes only: kernels know of it, blocks tell it by their traits.
-enum class Movers : std::uint8_t { Both, First, Second, Locked };
+enum class MovableSides : std::uint8_t { Both, First, Second, Locked };
 
 /// What a block's contacts call for in this step: kernels leave out the rest of the work, which would change no bit.
 struct ContactTraits {
@@ -59,7 +59,7 @@ struct alignas(64) ContactBlock {
   std::uint8_t write_second;
   std::uint8_t loaded;    ///< bit a lane: it may carry more than soft contacts are made for, see load_check.h
   std::uint8_t contacts;  ///< lanes with one
-  Movers movers;
+  MovableSides movable;
   ContactTraits traits;
 };
 
@@ -74,7 +74,7 @@ struct ContactWork {
   void add(const ContactBlock& block) {
     contacts += block.contacts;
     if (block.traits.points > 1) several_points += block.contacts;
-    if (block.movers == Movers::Both) two_movable += block.contacts;
+    if (block.movable == MovableSides::Both) two_movable += block.contacts;
     if (block.traits.friction) friction += block.contacts;
     if (block.traits.bounces) bounces += block.contacts;
   }

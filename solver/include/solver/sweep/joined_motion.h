@@ -2,6 +2,7 @@
 
 #include <jobs/bytes.h>
 #include <solver/integrate/body_table.h>
+#include <solver/integrate/solver_bodies.h>
 #include <solver/islands/islands.h>
 #include <solver/solve_input.h>
 
@@ -30,10 +31,10 @@ class JoinedMotion {
   bool is_direct(std::size_t body) const { return is_joined(body) && components_[component_[body]].direct; }
   /// Solved at once, and touched by nothing: it gets its forces half a substep before, and half a substep after the
   /// positions, as a leapfrog has it.
-  bool leaps(std::size_t body) const {
+  bool is_leapfrog(std::size_t body) const {
     return is_joined(body) && components_[component_[body]].direct && !components_[component_[body]].touched;
   }
-  bool any_leaps() const { return touched_direct_.size() < direct_.size(); }
+  bool any_leapfrogs() const { return touched_direct_.size() < direct_.size(); }
   /// Joined one by one, to nothing that is fixed, and touched by nothing: it falls as a whole.
   bool falls(std::size_t body) const {
     if (!is_joined(body)) return false;
@@ -46,6 +47,10 @@ class JoinedMotion {
   }
   /// m/s^2, of the centre of mass of all that hang together with it.
   Vector3 acceleration(std::size_t body) const { return components_[component_[body]].acceleration; }
+
+  /// Gives those bodies what forces do to them in `time` (s), a part of a substep. `first_dynamic` is the index of the
+  /// group's first body.
+  void kick_leapfrogs(SolverBodies& bodies, std::uint32_t first_dynamic, float time) const;
 
   /// Takes in what accelerates the bodies in this step.
   void note_forces(std::span<const std::uint32_t> body_ids, const BodyTable& bodies, const Vector3& gravity);

@@ -1,8 +1,7 @@
-// What a group has come to, written back: to the bodies, to who decides on modes, and to who asked.
+#include "sweep/group_results.h"
 
 #include <jobs/with_direct_contacts.h>
 #include <jobs/with_joints.h>
-#include <solver/sweep/group_solver.h>
 
 #include <algorithm>
 #include <bit>
@@ -11,51 +10,55 @@
 
 namespace atl::solver {
 
-void GroupSolver::write_back(const SolveInput& input, std::span<const std::uint32_t> bodies, bool joined,
-                             std::size_t begin, std::size_t end) {
+void write_back(const SolveInput& input, const GroupParts& parts, std::span<const std::uint32_t> bodies, bool joined,
+                std::size_t begin, std::size_t end) {
   BodyTable& table = input.bodies;
+  const SolverBodies& rows = parts.bodies;
+  const JoinedMotion& joined_motion = parts.joined_motion;
+  const std::uint32_t first_dynamic = parts.numbers.first_dynamic();
   const double substep = input.dt / input.settings.substeps;
   MovedBodies& notes = input.fast.local();
   for (std::size_t i = begin; i < end; ++i) {
     const std::uint32_t body = bodies[i];
-    const std::size_t local = first_dynamic_ + i;
+    const std::size_t local = first_dynamic + i;
     const BodyPose start{table.position(body), table.orientation(body)};
-    const bool is_joined = with_joints && joined && joined_motion_.is_joined(i);
-    const Vector3 velocity = get3(bodies_.velocity[local].linear);
-    const Vector3 spin = get3(bodies_.velocity[local].angular);
+    const bool is_joined = with_joints && joined && joined_motion.is_joined(i);
+    const Vector3 velocity = get3(rows.velocity[local].linear);
+    const Vector3 spin = get3(rows.velocity[local].angular);
     const Vector3 gained = velocity - table.velocity(body);
     const Vector3 gained_spin = spin - table.angular_velocity(body);
     // Over the substeps of a step the halves of their gains add up to that of the step's.
-    const bool shifts = !is_joined && changes_steadily(gained, gained_spin, get3(bodies_.acceleration[local].linear),
+    const bool shifts = !is_joined && changes_steadily(gained, gained_spin, get3(rows.acceleration[local].linear),
                                                        input.dt, table.radius[body]);
     table.velocity(body) = velocity;
     table.angular_velocity(body) = spin;
-    table.position(body) += get3(bodies_.displacement[local].linear);
-    Quaternion orientation = rotation_of(bodies_.displacement[local]) * table.orientation(body);
+    table.position(body) += get3(rows.displacement[local].linear);
+    Quaternion orientation = rotation_of(rows.displacement[local]) * table.orientation(body);
     if (is_joined) {
       // Joints would part if bodies were shifted each by its own.
-      if (joined_motion_.falls(i)) table.position(body) -= 0.5 * substep * input.dt * joined_motion_.acceleration(i);
+      if (joined_motion.falls(i)) table.position(body) -= 0.5 * substep * input.dt * joined_motion.acceleration(i);
     } else if (shifts) {
       table.position(body) -= 0.5 * substep * gained;
       const Vector3 back = -0.25 * substep * gained_spin;  // half a small rotation
       orientation = Quaternion(1, back.x(), back.y(), back.z()) * orientation;
     }
     table.set_orientation(body, orientation.normalized());
-    if (is_joined && joined_motion_.is_direct(i)) continue;  // joints have a last word
+    if (is_joined && joined_motion.is_direct(i)) continue;  // joints have a last word
     note_motion(table, input.bounds, body, start, input.dt, notes);
   }
 }
 
-void GroupSolver::note_overloads(const SolveInput& input, std::span<const std::uint32_t> bodies, std::size_t begin,
-                                 std::size_t end) const {
+void note_overloads(const SolveInput& input, const GroupParts& parts, std::span<const std::uint32_t> bodies,
+                    std::size_t begin, std::size_t end) {
   if constexpr (!with_direct_contacts) return;
+  const std::uint32_t first_dynamic = parts.numbers.first_dynamic();
   const auto body_of = [&](std::int32_t local) {
     const auto i = static_cast<std::uint32_t>(local);
-    return i < first_dynamic_ ? Islands::none : bodies[i - first_dynamic_];
+    return i < first_dynamic ? Islands::none : bodies[i - first_dynamic];
   };
   const double give = SubstepConstants::give_by_impulse(input.settings, input.dt);
   for (std::size_t b = begin; b < end; ++b) {
-    const ContactBlock& block = blocks_[b];
+    const ContactBlock& block = parts.contacts.blocks()[b];
     for (unsigned lanes = block.loaded; lanes != 0; lanes &= lanes - 1) {
       const int lane = std::countr_zero(lanes);
       const LoadedContact contact = {.manifold = input.manifolds[block.slot[lane]],
@@ -70,10 +73,13 @@ void GroupSolver::note_overloads(const SolveInput& input, std::span<const std::u
   }
 }
 
-void GroupSolver::capture(const SolveInput& input, const GroupReport& report,
-                          std::span<const std::uint32_t> bodies) const {
-  for (std::size_t b = 0; b < colouring_.block_count(); ++b) {
-    const ContactBlock& block = blocks_[b];
+void capture_answers(const SolveInput& input, const GroupParts& parts, const GroupReport& report,
+                     std::span<const std::uint32_t> bodies) {
+  const SolverBodies& rows = parts.bodies;
+  const std::uint32_t first_dynamic = parts.numbers.first_dynamic();
+  const std::span<const ContactBlock> blocks = parts.contacts.blocks();
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    const ContactBlock& block = blocks[b];
     for (std::size_t lane = 0; lane < block_lanes; ++lane) {
       if (block.slot[lane] < 0) continue;
       ContactCapture::Answer& answer = input.capture->answers[static_cast<std::size_t>(block.slot[lane])];
@@ -88,7 +94,7 @@ void GroupSolver::capture(const SolveInput& input, const GroupReport& report,
       }
       const float normal[3] = {block.normal[0][lane], block.normal[1][lane], block.normal[2][lane]};
       collision::Tangents t = collision::tangents(normal);
-      answer.planar = !bodies_.locks.empty() && planar_blocks_[b].planar[lane] > 0;
+      answer.planar = !rows.locks.empty() && parts.contacts.planar_blocks()[b].planar[lane] > 0;
       if (answer.planar) {
         for (std::size_t i = 0; i < 3; ++i) {
           const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
@@ -105,18 +111,18 @@ void GroupSolver::capture(const SolveInput& input, const GroupReport& report,
       answer.twist_impulse = block.twist_impulse[lane];
       answer.rolling_impulse = {0, 0, 0};
       if (!report.surfaces) continue;
-      const auto& rolling = surface_blocks_[b].rolling_impulse;
+      const auto& rolling = parts.contacts.surface_blocks()[b].rolling_impulse;
       for (std::size_t i = 0; i < 3; ++i) {
         answer.rolling_impulse[i] = rolling[0][lane] * t.first[i] + rolling[1][lane] * t.second[i];
       }
     }
   }
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    const std::size_t local = first_dynamic_ + i;
+    const std::size_t local = first_dynamic + i;
     ContactCapture::Motion& motion = input.capture->motions[bodies[i]];
-    motion.free_velocity = get3(bodies_.free_velocity[local].linear);
-    motion.free_angular_velocity = get3(bodies_.free_velocity[local].angular);
-    motion.inverse_inertia = inverse_inertia_of(bodies_, local);
+    motion.free_velocity = get3(rows.free_velocity[local].linear);
+    motion.free_angular_velocity = get3(rows.free_velocity[local].angular);
+    motion.inverse_inertia = inverse_inertia_of(rows, local);
   }
 }
 

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <jobs/bytes.h>
+#include <solver/solve_input.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace atl::solver {
+
+/// The bodies of an island group under numbers of its own: 0 stands for every fixed body, then come the kinematic
+/// bodies that its contacts touch or joints join, in order, then the islands' dynamic ones.
+class GroupBodies {
+ public:
+  void collect(const SolveInput& input, const IslandGroup& group);
+
+  /// The group's own number of a body, an index into SolverBodies.
+  std::uint32_t local(const SolveInput& input, const IslandGroup& group, std::uint32_t body) const;
+  std::span<const std::uint32_t> kinematic() const { return kinematic_; }
+  /// The number of the first dynamic body, and the end of the numbers.
+  std::uint32_t first_dynamic() const { return first_dynamic_; }
+  std::uint32_t count() const { return count_; }
+
+  /// Memory held.
+  std::size_t bytes() const { return jobs::bytes_of(kinematic_); }
+
+ private:
+  std::vector<std::uint32_t> kinematic_;
+  std::uint32_t first_dynamic_ = 1;
+  std::uint32_t count_ = 1;
+};
+
+inline std::uint32_t GroupBodies::local(const SolveInput& input, const IslandGroup& group, std::uint32_t body) const {
+  switch (input.bodies.mobility[body]) {
+    case Mobility::Fixed:
+      return 0;
+    case Mobility::Kinematic:
+      return 1 + static_cast<std::uint32_t>(std::lower_bound(kinematic_.begin(), kinematic_.end(), body) -
+                                            kinematic_.begin());
+    case Mobility::Dynamic:
+      break;
+  }
+  return first_dynamic_ + input.islands.rank(body) - input.islands.first_rank(group.begin);
+}
+
+/// Whether contacts move with a body that turns in the step, by what counts.
+bool turns_in_step(const SolveInput& input, std::uint32_t body);
+
+// Rows of SolverBodies, which were reset, as the step begins.
+
+/// Of the group's dynamic bodies [begin, end), of which the first has the number `first_dynamic`.
+void load_bodies(const SolveInput& input, std::span<const std::uint32_t> bodies, std::size_t begin, std::size_t end,
+                 std::uint32_t first_dynamic, SolverBodies& rows);
+void load_kinematic_bodies(const SolveInput& input, std::span<const std::uint32_t> kinematic, SolverBodies& rows);
+/// 1/(kg m^2), world frame.
+void set_inverse_inertia(SolverBodies& rows, std::size_t local, const Matrix3& inverse);
+
+}  // namespace atl::solver

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <solver/solve_input.h>
+#include <solver/sweep/colouring.h>
+#include <solver/sweep/contact_block.h>
+#include <solver/sweep/group_bodies.h>
+#include <solver/sweep/group_report.h>
+#include <solver/sweep/kernels.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace atl::solver {
+
+/// The contacts of an island group in coloured blocks for the wide kernels. Memory is reused.
+class GroupContacts {
+ public:
+  /// Those of a new group, coloured; their blocks have bodies, slots and masks, and are yet to be prepared.
+  void collect(const SolveInput& input, const IslandGroup& group, const GroupBodies& bodies);
+
+  bool empty() const { return contacts_.empty(); }
+  bool friction() const { return friction_; }  ///< some contact has it
+  bool restitution() const { return restitution_; }
+  std::span<const Colour> colours() const { return colouring_.colours(); }
+  std::size_t block_count() const { return colouring_.block_count(); }
+  std::span<const ContactBlock> blocks() const { return std::span(blocks_).first(block_count()); }
+  std::span<const PlanarBlock> planar_blocks() const { return planar_blocks_; }
+  std::span<const SurfaceBlock> surface_blocks() const { return surface_blocks_; }
+
+  /// What kernels work on: `report` says what the group needs; with `splits` impulses that push apart are kept from
+  /// those that last. `joined` may be empty: see ContactKernelData.
+  ContactKernelData kernel_data(const SolveInput& input, const GroupReport& report, const SubstepConstants& constants,
+                                bool splits, SolverBodies& bodies, std::span<const std::uint8_t> joined);
+  void clear_impulses(const GroupReport& report);
+  void clear_split_impulses();
+
+  /// Memory held.
+  std::size_t bytes() const;
+
+ private:
+  std::vector<LocalContact> contacts_;
+  bool friction_ = false;
+  bool restitution_ = false;
+  Colouring colouring_;
+  std::vector<ContactBlock> blocks_;
+  // One a block, where the group needs them.
+  std::vector<BounceBlock> bounces_;
+  std::vector<SurfaceBlock> surface_blocks_;
+  std::vector<SplitBlock> split_blocks_;
+  std::vector<PlanarBlock> planar_blocks_;
+  std::vector<TurningBlock> turning_blocks_;
+};
+
+/// Notes what the surfaces of touching pairs do in this step. Whether that is more than plain friction anywhere.
+bool note_surfaces(const SolveInput& input, const IslandGroup& group);
+
+}  // namespace atl::solver

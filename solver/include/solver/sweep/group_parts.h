@@ -1,0 +1,34 @@
+#pragma once
+
+#include <jobs/bytes.h>
+#include <solver/integrate/solver_bodies.h>
+#include <solver/sweep/group_bodies.h>
+#include <solver/sweep/group_contacts.h>
+#include <solver/sweep/group_joints.h>
+#include <solver/sweep/joined_motion.h>
+#include <solver/sweep/joint_inertia.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace atl::solver {
+
+/// What a group is made of while it is solved.
+struct GroupParts {
+  GroupBodies numbers;
+  SolverBodies bodies;  ///< by these numbers
+  GroupContacts contacts;
+  GroupJoints joints;  ///< that are solved one after another
+  JointInertia joint_inertia;
+  JoinedMotion joined_motion;
+  std::vector<std::uint8_t> joined;  ///< by number of a body; empty without joints
+
+  /// Memory held.
+  std::size_t bytes() const {
+    return numbers.bytes() + bodies.bytes() + contacts.bytes() + joints.bytes() + joint_inertia.bytes() +
+           joined_motion.bytes() + jobs::bytes_of(joined);
+  }
+};
+
+}  // namespace atl::solver

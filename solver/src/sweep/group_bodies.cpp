@@ -1,0 +1,119 @@
+#include <solver/constraints/contact_inertia.h>
+#include <solver/constraints/motion_locks.h>
+#include <solver/integrate/free_flight.h>
+#include <solver/sweep/group_bodies.h>
+#include <solver/tuning.h>
+
+#include <algorithm>
+
+#include "integrate/matrix3.h"
+#include "integrate/rows3.h"
+
+namespace atl::solver {
+namespace {
+
+void load_shape(const SolveInput& input, std::uint32_t body, std::size_t local, SolverBodies& rows) {
+  ShapeRows& shape = rows.shape[local];
+  shape.kind = turns_in_step(input, body) ? 1 : 0;
+  if (shape.kind == 0) return;
+  const Vector3 turn = input.dt * input.bodies.angular_velocity(body);
+  Vector3 moves = turn;
+  if (input.bodies.round[body]) {
+    const Vector3 axis = input.bodies.orientation(body) * Vector3::UnitZ();
+    shape.kind = 2;
+    set3(shape.axis, axis);
+    moves -= turn.dot(axis) * axis;
+  }
+  // What turns far in a step may come to turn any way in it.
+  const double square = turn.squaredNorm() / (tuning::known_turn * tuning::known_turn);
+  set3(shape.half_turn, 0.5 / (1 + square * square) * moves);
+}
+
+}  // namespace
+
+void GroupBodies::collect(const SolveInput& input, const IslandGroup& group) {
+  const std::vector<Mobility>& mobility = input.bodies.mobility;
+  kinematic_.clear();
+  const auto collect = [&](const auto& pairs) {
+    for (const auto& pair : pairs) {
+      if (mobility[pair.first] == Mobility::Kinematic) kinematic_.push_back(pair.first);
+      if (mobility[pair.second] == Mobility::Kinematic) kinematic_.push_back(pair.second);
+    }
+  };
+  collect(input.islands.contacts(group.begin, group.end));
+  collect(input.islands.joints(group.begin, group.end));
+  std::sort(kinematic_.begin(), kinematic_.end());
+  kinematic_.erase(std::unique(kinematic_.begin(), kinematic_.end()), kinematic_.end());
+  first_dynamic_ = 1 + static_cast<std::uint32_t>(kinematic_.size());
+  count_ = first_dynamic_ + static_cast<std::uint32_t>(input.islands.bodies(group.begin, group.end).size());
+}
+
+bool turns_in_step(const SolveInput& input, std::uint32_t body) {
+  return input.dt * input.bodies.angular_velocity(body).norm() > tuning::least_turn && !input.bodies.ball[body];
+}
+
+void set_inverse_inertia(SolverBodies& rows, std::size_t local, const Matrix3& inverse) {
+  rows.velocity[local].inertia_xx = static_cast<float>(inverse(0, 0));
+  rows.velocity[local].inertia_yy = static_cast<float>(inverse(1, 1));
+  rows.inertia[local] = {static_cast<float>(inverse(2, 2)), static_cast<float>(inverse(0, 1)),
+                         static_cast<float>(inverse(0, 2)), static_cast<float>(inverse(1, 2))};
+}
+
+void load_bodies(const SolveInput& input, std::span<const std::uint32_t> bodies, std::size_t begin, std::size_t end,
+                 std::uint32_t first_dynamic, SolverBodies& rows) {
+  const double substep = input.dt / input.settings.substeps;
+  const BodyTable& table = input.bodies;
+  for (std::size_t i = begin; i < end; ++i) {
+    const std::uint32_t body = bodies[i];
+    const std::size_t local = first_dynamic + i;
+    const bool heavier = is_seen_heavier(input, body);
+    if (!rows.shape.empty()) load_shape(input, body, local, rows);
+    Matrix3 inverse_inertia = heavier ? inverse_inertia_in_contact(table, body) : world_inverse_inertia(table, body);
+    if (!rows.shape.empty() && rows.shape[local].kind > 0 && table.gyroscopic[body]) {
+      // As it is half way through the step.
+      const Matrix3 half = rotation_by(get3(rows.shape[local].half_turn)).toRotationMatrix();
+      inverse_inertia = symmetric_product(product(half, inverse_inertia), half);
+    }
+
+    VelocityRows& velocity = rows.velocity[local];
+    set3(velocity.linear, table.velocity(body));
+    set3(velocity.angular, table.angular_velocity(body));
+    set_inverse_inertia(rows, local, inverse_inertia);
+
+    FreeVelocityRows& free_velocity = rows.free_velocity[local];
+    set3(free_velocity.linear, table.velocity(body));
+    set3(free_velocity.angular, table.angular_velocity(body));
+    free_velocity.inverse_mass = static_cast<float>(table.inverse_mass[body]);
+
+    rows.displacement[local].carries = table.ball[body] ? 0.0f : 1.0f;
+
+    AccelerationRows& acceleration = rows.acceleration[local];
+    set3(acceleration.linear, linear_acceleration(table, body, input.gravity));
+    const Vector3 turn = inverse_inertia * table.torque(body);
+    const unsigned locked_turns = angular_locks(table.locks[body]);
+    set3(acceleration.angular, locked_turns == 0 ? turn : without(locked_turns, turn));
+    acceleration.linear_damping = static_cast<float>(1 / (1 + substep * table.linear_damping[body]));
+    acceleration.angular_damping = static_cast<float>(1 / (1 + substep * table.angular_damping[body]));
+
+    if (!rows.locks.empty()) rows.locks[local] = LockRow::of(table.locks[body]);
+
+    if (table.gyroscopic[body]) {
+      rows.gyroscopic[local] = GyroscopicRows::of(table.orientation(body) * table.principal_axes[body],
+                                                  heavier ? moments_in_contact(table, body) : table.moments[body]);
+    }
+  }
+}
+
+void load_kinematic_bodies(const SolveInput& input, std::span<const std::uint32_t> kinematic, SolverBodies& rows) {
+  for (std::size_t i = 0; i < kinematic.size(); ++i) {
+    VelocityRows& velocity = rows.velocity[1 + i];
+    set3(velocity.linear, input.bodies.velocity(kinematic[i]));
+    set3(velocity.angular, input.bodies.angular_velocity(kinematic[i]));
+    FreeVelocityRows& free_velocity = rows.free_velocity[1 + i];
+    std::copy_n(velocity.linear, 3, free_velocity.linear);
+    std::copy_n(velocity.angular, 3, free_velocity.angular);
+    if (!rows.shape.empty()) load_shape(input, kinematic[i], 1 + i, rows);
+  }
+}
+
+}  // namespace atl::solver

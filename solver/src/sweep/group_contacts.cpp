@@ -1,0 +1,84 @@
+#include <jobs/bytes.h>
+#include <jobs/with_surfaces.h>
+#include <solver/sweep/group_contacts.h>
+
+#include <algorithm>
+
+namespace atl::solver {
+
+void GroupContacts::collect(const SolveInput& input, const IslandGroup& group, const GroupBodies& bodies) {
+  contacts_.clear();
+  friction_ = restitution_ = false;
+  const std::span<const TouchingPair> touching = input.islands.contacts(group.begin, group.end);
+  for (std::size_t i = 0; i < touching.size(); ++i) {
+    // Slots are in no order: what is needed soon is asked of memory now.
+    constexpr std::size_t ahead = 16;
+    if (i + ahead < touching.size()) __builtin_prefetch(&input.manifolds[touching[i + ahead].slot]);
+    const TouchingPair& pair = touching[i];
+    const collision::ContactManifold& manifold = input.manifolds[pair.slot];
+    const std::uint32_t first = bodies.local(input, group, pair.first);
+    const std::uint32_t second = bodies.local(input, group, pair.second);
+    const bool rubs = manifold.friction > 0;
+    const bool bounces = manifold.restitution > 0;
+    const bool rolls = input.bodies.ball[pair.first] || input.bodies.ball[pair.second];  // it has one point
+    const int movable = first == 0 ? 1 : second == 0 ? 2 : 0;
+    const int kind = 8 * movable + 4 * rolls + 2 * rubs + bounces;
+    contacts_.push_back({first, second, pair.slot, static_cast<std::uint8_t>(kind)});
+    friction_ |= rubs;
+    restitution_ |= bounces;
+  }
+  colouring_.build(contacts_, bodies.first_dynamic(), bodies.count(), blocks_);
+}
+
+ContactKernelData GroupContacts::kernel_data(const SolveInput& input, const GroupReport& report,
+                                             const SubstepConstants& constants, bool splits, SolverBodies& bodies,
+                                             std::span<const std::uint8_t> joined) {
+  const auto one_a_block = [&](auto& blocks, bool needed) {
+    if (needed && blocks.size() < block_count()) blocks.resize(block_count());
+    return needed ? blocks.data() : nullptr;
+  };
+  return {.bodies = bodies,
+          .blocks = blocks_.data(),
+          .bounces = one_a_block(bounces_, report.restitution),
+          .manifolds = input.manifolds,
+          .constants = constants,
+          .surface_blocks = one_a_block(surface_blocks_, report.surfaces),
+          .surface_contacts = input.surface_contacts,
+          .rises = input.rises,
+          .split_blocks = one_a_block(split_blocks_, splits),
+          .planar_blocks = one_a_block(planar_blocks_, !bodies.locks.empty()),
+          .turning_blocks = one_a_block(turning_blocks_, !bodies.shape.empty()),
+          .joined = joined.empty() ? nullptr : joined.data(),
+          .leaves_out = !input.settings.everything};
+}
+
+void GroupContacts::clear_impulses(const GroupReport& report) {
+  for (std::size_t b = 0; b < block_count(); ++b) {
+    ContactBlock& block = blocks_[b];
+    for (auto& point : block.normal_impulse) std::fill_n(point, block_lanes, 0.0f);
+    for (auto& axis : block.friction_impulse) std::fill_n(axis, block_lanes, 0.0f);
+    std::fill_n(block.twist_impulse, block_lanes, 0.0f);
+    if (!report.surfaces) continue;
+    for (auto& axis : surface_blocks_[b].rolling_impulse) std::fill_n(axis, block_lanes, 0.0f);
+  }
+}
+
+void GroupContacts::clear_split_impulses() { std::fill_n(split_blocks_.begin(), block_count(), SplitBlock{}); }
+
+std::size_t GroupContacts::bytes() const {
+  return jobs::bytes_of(contacts_, blocks_, bounces_, surface_blocks_, split_blocks_, planar_blocks_, turning_blocks_) +
+         colouring_.bytes();
+}
+
+bool note_surfaces(const SolveInput& input, const IslandGroup& group) {
+  if (!with_surfaces || input.surface_contacts == nullptr) return false;
+  bool any = input.settings.everything;
+  for (const TouchingPair& pair : input.islands.contacts(group.begin, group.end)) {
+    any |= note_surfaces_of(pair, input.bodies, input.manifolds[pair.slot], input.added_slip(pair.slot),
+                            input.surface_contacts[pair.slot]);
+    any |= input.rises != nullptr && input.rises[pair.slot] != 0;
+  }
+  return any;
+}
+
+}  // namespace atl::solver

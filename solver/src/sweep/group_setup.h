@@ -1,0 +1,58 @@
+#pragma once
+
+#include <jobs/with_joints.h>
+#include <solver/direct/direct_joints.h>
+#include <solver/sweep/group_parts.h>
+#include <solver/sweep/group_report.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace atl::solver {
+
+// What is the same in all substeps of a group's step.
+struct GroupSetup {
+  // Of a group whose bodies, contacts and joints are gathered in `parts`; `report` says what it needs.
+  GroupSetup(const SolveInput& of, const IslandGroup& islands, const SubstepConstants& of_substeps,
+             const GroupReport& report, GroupParts& parts)
+      : input(of),
+        group(islands),
+        settings(of.settings),
+        kernels(of.kernels),
+        constants(of_substeps),
+        body_ids(of.islands.bodies(islands.begin, islands.end)),
+        block_count(parts.contacts.block_count()),
+        splits(settings.stabilisation == Stabilisation::SplitImpulse),
+        relaxes(settings.stabilisation == Stabilisation::Soft && settings.relax_iterations > 0),
+        joined(with_joints && report.joints > 0),
+        sweeps_joints(with_joints && !parts.joints.empty()),
+        leapfrogs(joined && parts.joined_motion.any_leapfrogs()),
+        friction(!report.friction   ? Friction::None
+                 : settings.pyramid ? Friction::Pyramid
+                                    : Friction::Cone),
+        joint_step{of.joints, of.bodies, parts.bodies, constants, of.dt / settings.substeps},
+        direct_input{of.joints, of.bodies, parts.bodies, of.dt / settings.substeps},
+        contact_data(parts.contacts.kernel_data(of, report, constants, splits, parts.bodies, parts.joined)),
+        joint_data(parts.joints.kernel_data(parts.bodies, constants)) {}
+
+  const SolveInput& input;
+  const IslandGroup& group;
+  const SolverSettings& settings;
+  const Kernels& kernels;
+  const SubstepConstants& constants;
+  const std::span<const std::uint32_t> body_ids;  // of its dynamic bodies
+  const std::size_t block_count;                  // of contacts
+  const bool splits;                              // impulses that push apart are kept from those that last
+  const bool relaxes;                             // what soft contacts pushed is taken back
+  const bool joined;                              // there are joints
+  const bool sweeps_joints;                       // some are solved one by one
+  const bool leapfrogs;                           // some bodies are leapfrogs, see JoinedMotion
+  const Friction friction;
+  const JointStep joint_step;
+  const DirectInput direct_input;
+  const ContactKernelData contact_data;
+  const JointKernelData joint_data;
+};
+
+}  // namespace atl::solver

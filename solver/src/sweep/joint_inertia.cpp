@@ -1,0 +1,63 @@
+#include <solver/sweep/group_bodies.h>
+#include <solver/sweep/joint_inertia.h>
+#include <solver/tuning.h>
+
+#include <Eigen/LU>
+
+#include "integrate/matrix3.h"
+#include "integrate/rows3.h"
+
+namespace atl::solver {
+
+void JointInertia::stiffen(const SolveInput& input, std::span<const std::uint32_t> bodies, std::size_t begin,
+                           std::size_t end, SolverBodies& rows) {
+  constexpr double negligible = 1e-3;  // of the inertia
+  const double h = input.dt / input.settings.substeps;
+  for (std::size_t i = begin; i < end; ++i) {
+    Matrix3& added = stiffness_[first_dynamic_ + i];
+    added *= h * h;
+    const Matrix3& own = input.bodies.inertia[bodies[i]];
+    if (!(added.trace() > negligible * own.trace())) {
+      added.setZero();
+      continue;
+    }
+    const Matrix3 rotation = input.bodies.orientation(bodies[i]).toRotationMatrix();
+    set_inverse_inertia(rows, first_dynamic_ + i, (rotation * own * rotation.transpose() + added).inverse());
+  }
+}
+
+// Bodies of unequal moments of inertia in swept joints, whose inertia is to turn with them in the step. Contacts have
+// made their matrices of it: what they touch is left as it is.
+void JointInertia::find_followers(const SolveInput& input, std::span<const std::uint32_t> bodies,
+                                  const JoinedMotion& joined) {
+  followers_.clear();
+  for (std::uint32_t i = 0; i < bodies.size(); ++i) {
+    if (!input.bodies.gyroscopic[bodies[i]] || !joined.follows(i)) continue;
+    const Matrix3& added = stiffness_[first_dynamic_ + i];
+    const Matrix3 rotation = input.bodies.orientation(bodies[i]).toRotationMatrix();
+    const Matrix3 own = symmetric_product(product(rotation, input.bodies.inertia[bodies[i]]), rotation);
+    followers_.push_back({i, !added.isZero(0), own + added});
+  }
+}
+
+void JointInertia::follow(const SolveInput& input, std::span<const std::uint32_t> bodies, SolverBodies& rows) {
+  for (Follower& follower : followers_) {
+    const std::size_t local = first_dynamic_ + follower.place;
+    const std::uint32_t body = bodies[follower.place];
+    const Vector3 spin = get3(rows.velocity[local].angular);
+    if (!(spin.squaredNorm() > tuning::least_spin * tuning::least_spin)) continue;
+    const Quaternion turn = rotation_of(rows.displacement[local]) * input.bodies.orientation(body);
+    const Matrix3 rotation = turn.normalized().toRotationMatrix();
+    Matrix3 inertia = symmetric_product(product(rotation, input.bodies.inertia[body]), rotation);
+    if (follower.stiff) inertia += stiffness_[local];
+    const Matrix3 inverse = symmetric_inverse(inertia);
+    // What joints did is carried over as a change of spin: as the same angular impulse it is another one now.
+    FreeVelocityRows& free = rows.free_velocity[local];
+    const Vector3 done = spin - get3(free.angular);
+    set3(free.angular, spin - product(inverse, product(follower.inertia, done)));
+    set_inverse_inertia(rows, local, inverse);
+    follower.inertia = inertia;
+  }
+}
+
+}  // namespace atl::solver
