@@ -10,8 +10,8 @@
 #include <benchmark/benchmark.h>
 #include <collision/narrowphase/collide.h>
 #include <collision/narrowphase/surface_contacts.h>
-#include <collision/shapes/convex.h>
 #include <collision/shapes/hull.h>
+#include <collision/shapes/shape.h>
 #include <collision/shapes/triangle_mesh.h>
 
 #include <algorithm>

@@ -4,7 +4,6 @@
 
 #include <collision/shapes/height_field.h>
 #include <collision/shapes/hull.h>
-#include <collision/shapes/hull_check.h>
 #include <collision/shapes/triangle_mesh.h>
 
 #include <algorithm>

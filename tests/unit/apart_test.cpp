@@ -1,8 +1,8 @@
 // Pairs found apart are left alone for as long as motion can't have brought them together, and no longer.
 
 #include <collision/contacts/update_contacts.h>
-#include <collision/narrowphase/closest_points.h>
 #include <collision/narrowphase/collide.h>
+#include <collision/narrowphase/distance.h>
 #include <collision/narrowphase/surface_contacts.h>
 #include <collision/shapes/triangle_mesh.h>
 #include <gtest/gtest.h>

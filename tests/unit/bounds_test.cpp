@@ -1,9 +1,9 @@
 // Bounds hold the shape and touch it on every side.
 
 #include <collision/shapes/aabb.h>
-#include <collision/shapes/convex.h>
 #include <collision/shapes/height_field.h>
 #include <collision/shapes/hull.h>
+#include <collision/shapes/shape.h>
 #include <collision/shapes/triangle_mesh.h>
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // Closest points of convex solids, against pairs of surface points that face each other across a known gap.
 
-#include <collision/narrowphase/closest_points.h>
-#include <collision/shapes/convex.h>
+#include <collision/narrowphase/distance.h>
 #include <collision/shapes/hull.h>
+#include <collision/shapes/shape.h>
 #include <gtest/gtest.h>
 
 #include <cmath>

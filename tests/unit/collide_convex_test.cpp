@@ -2,8 +2,8 @@
 // shapes rest on each other.
 
 #include <collision/narrowphase/collide.h>
-#include <collision/shapes/convex.h>
 #include <collision/shapes/hull.h>
+#include <collision/shapes/shape.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

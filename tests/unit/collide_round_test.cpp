@@ -2,7 +2,7 @@
 
 #include <collision/narrowphase/collide.h>
 #include <collision/narrowphase/feature_id.h>
-#include <collision/shapes/convex.h>
+#include <collision/shapes/shape.h>
 #include <gtest/gtest.h>
 
 #include <cmath>

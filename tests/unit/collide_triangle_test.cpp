@@ -1,9 +1,9 @@
 // Solids on one triangle: its front, its edges as far as neighbours leave room, and never its back.
 
-#include <collision/narrowphase/closest_points.h>
+#include <collision/narrowphase/distance.h>
 #include <collision/narrowphase/surface_contacts.h>
-#include <collision/shapes/convex.h>
 #include <collision/shapes/hull.h>
+#include <collision/shapes/shape.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

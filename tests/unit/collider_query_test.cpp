@@ -1,6 +1,6 @@
 // Queries of many colliders, against asking each one.
 
-#include <collision/narrowphase/closest_points.h>
+#include <collision/narrowphase/distance.h>
 #include <collision/queries/query.h>
 #include <collision/shapes/height_field.h>
 #include <collision/shapes/hull.h>

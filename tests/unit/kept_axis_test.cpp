@@ -2,7 +2,7 @@
 // FCL is hardly asked.
 
 #include <collision/narrowphase/collide.h>
-#include <collision/shapes/convex.h>
+#include <collision/shapes/shape.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -2,8 +2,8 @@
 // world lives on. ATOLL_LONG_TESTS=1 makes ten million calls.
 
 #include <collision/continuous/sweep.h>
-#include <collision/narrowphase/closest_points.h>
 #include <collision/narrowphase/collide.h>
+#include <collision/narrowphase/distance.h>
 #include <collision/narrowphase/surface_contacts.h>
 #include <collision/shapes/height_field.h>
 #include <collision/shapes/hull.h>

@@ -1,10 +1,10 @@
 // Rays against solids, checked by supporting planes and by GJK; against surfaces, checked triangle by triangle.
 
-#include <collision/narrowphase/closest_points.h>
+#include <collision/narrowphase/distance.h>
 #include <collision/queries/ray.h>
-#include <collision/shapes/convex.h>
 #include <collision/shapes/height_field.h>
 #include <collision/shapes/hull.h>
+#include <collision/shapes/shape.h>
 #include <collision/shapes/triangle_mesh.h>
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
 // Solids on meshes and height fields: a flat one is a half-space, a bent one has the normals of its parts.
 
-#include <collision/narrowphase/closest_points.h>
 #include <collision/narrowphase/collide.h>
+#include <collision/narrowphase/distance.h>
 #include <collision/narrowphase/surface_contacts.h>
-#include <collision/shapes/convex.h>
 #include <collision/shapes/height_field.h>
 #include <collision/shapes/hull.h>
+#include <collision/shapes/shape.h>
 #include <collision/shapes/triangle_mesh.h>
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
 // Times of impact against closed forms, and fast thin things against thin walls.
 
 #include <collision/continuous/sweep.h>
-#include <collision/narrowphase/closest_points.h>
-#include <collision/shapes/convex.h>
+#include <collision/narrowphase/distance.h>
 #include <collision/shapes/height_field.h>
 #include <collision/shapes/hull.h>
+#include <collision/shapes/shape.h>
 #include <collision/shapes/triangle_mesh.h>
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 #include "contacts/manifold_recomputer.h"
 
 #include <collision/contacts/match_points.h>
-#include <collision/shapes/convex.h>
+#include <collision/shapes/shape.h>
 #include <jobs/with_meshes.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #include <collision/continuous/ccd_culling.h>
 #include <collision/narrowphase/box_axes.h>
-#include <collision/shapes/convex.h>
+#include <collision/shapes/shape.h>
 
 #include <algorithm>
 #include <array>

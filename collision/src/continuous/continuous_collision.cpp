@@ -1,6 +1,6 @@
 #include <collision/continuous/continuous_collision.h>
 #include <collision/narrowphase/distance.h>
-#include <collision/shapes/convex.h>
+#include <collision/shapes/shape.h>
 
 #include <algorithm>
 #include <limits>

@@ -1,4 +1,4 @@
-#include <collision/narrowphase/closest_points.h>
+#include <collision/narrowphase/distance.h>
 
 #include <algorithm>
 #include <cmath>

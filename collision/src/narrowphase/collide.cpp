@@ -1,7 +1,7 @@
 #include <collision/narrowphase/collide.h>
 #include <collision/narrowphase/fcl_narrowphase.h>
 #include <collision/narrowphase/feature_id.h>
-#include <collision/shapes/convex.h>
+#include <collision/shapes/shape.h>
 
 #include <algorithm>
 #include <cmath>

@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "narrowphase/convex_axis.h"
-#include "narrowphase/feature_axis.h"
 #include "narrowphase/line_contact.h"
 #include "narrowphase/sphere_solid.h"
 

@@ -3,7 +3,7 @@
 #include <collision/narrowphase/collide.h>
 #include <collision/narrowphase/feature_id.h>
 #include <collision/narrowphase/support_feature.h>
-#include <collision/shapes/convex.h>
+#include <collision/shapes/shape.h>
 
 namespace atl::collision {
 namespace {

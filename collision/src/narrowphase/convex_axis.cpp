@@ -1,13 +1,11 @@
 #include "narrowphase/convex_axis.h"
 
 #include <collision/narrowphase/fcl_narrowphase.h>
-#include <collision/shapes/convex.h>
+#include <collision/shapes/shape.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-
-#include "narrowphase/feature_axis.h"
 
 namespace atl::collision {
 namespace {

@@ -1,16 +1,13 @@
-#include <collision/narrowphase/closest_points.h>
 #include <collision/narrowphase/distance.h>
 #include <collision/shapes/aabb.h>
-#include <collision/shapes/convex.h>
 #include <collision/shapes/height_field.h>
+#include <collision/shapes/shape.h>
 #include <collision/shapes/triangle_mesh.h>
 #include <jobs/with_meshes.h>
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
-
-#include "narrowphase/box_distance.h"
 
 namespace atl::collision {
 namespace {

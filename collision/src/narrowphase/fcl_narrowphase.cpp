@@ -3,9 +3,9 @@
 // instantiated here, through its overload on plain matrices, as it is in the packaged library.
 
 #include <collision/narrowphase/fcl_narrowphase.h>
-#include <collision/shapes/convex.h>
 #include <collision/shapes/hull.h>
 #include <collision/shapes/polytope.h>
+#include <collision/shapes/shape.h>
 #include <fcl/narrowphase/detail/convexity_based_algorithm/gjk_libccd.h>
 #include <fcl/narrowphase/detail/primitive_shape_algorithm/box_box.h>
 #include <fcl/narrowphase/detail/primitive_shape_algorithm/sphere_box.h>

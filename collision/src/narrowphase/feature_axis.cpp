@@ -2,12 +2,12 @@
 // the ends of a capsule, an apex), rims and lines. Of a line the outward normals make a constant angle with it: a
 // right one for edges and the sides of capsules and cylinders, another for a cone's.
 
-#include "narrowphase/feature_axis.h"
-
-#include <collision/shapes/convex.h>
+#include <collision/shapes/shape.h>
 
 #include <algorithm>
 #include <cmath>
+
+#include "narrowphase/convex_axis.h"
 
 namespace atl::collision {
 namespace {

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "narrowphase/box_distance.h"
 #include "narrowphase/point_distance.h"
 #include "narrowphase/surface_clusters.h"
 

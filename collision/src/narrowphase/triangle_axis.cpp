@@ -1,6 +1,6 @@
 #include "narrowphase/triangle_axis.h"
 
-#include <collision/narrowphase/closest_points.h>
+#include <collision/narrowphase/distance.h>
 #include <collision/narrowphase/support_feature.h>
 
 #include <algorithm>

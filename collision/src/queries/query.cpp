@@ -1,9 +1,8 @@
 #include <collision/queries/query.h>
+#include <collision/shapes/aabb.h>
 
 #include <algorithm>
 #include <cmath>
-
-#include "narrowphase/box_distance.h"
 
 namespace atl::collision {
 namespace {

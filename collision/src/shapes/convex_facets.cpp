@@ -1,11 +1,11 @@
-#include "shapes/convex_facets.h"
-
 #include <libqhull_r/qhull_ra.h>
 
 #include <algorithm>
 #include <array>
 #include <cstdio>
 #include <cstdlib>
+
+#include "shapes/hull_build.h"
 
 namespace atl::collision {
 namespace {

@@ -1,4 +1,4 @@
-#include <collision/shapes/hull_check.h>
+#include <collision/shapes/hull.h>
 #include <jobs/hash.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-#include <collision/shapes/convex.h>
 #include <collision/shapes/hull.h>
+#include <collision/shapes/pose.h>
 
 #include <cmath>
 #include <limits>

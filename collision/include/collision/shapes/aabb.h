@@ -67,4 +67,16 @@ struct Bounds {
 };
 Bounds bounds_of(const Shape& shape, const Vector3& position, const Matrix3& rotation);
 
+/// Square of the distance (m^2) of a box from bounds; 0 where they overlap.
+inline double square_apart(const Aabb& box, const Bounds& bounds) {
+  double sum = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto axis = static_cast<Eigen::Index>(i);
+    const double apart = std::max({0.0, static_cast<double>(box.lower[i]) - bounds.upper[axis],
+                                   bounds.lower[axis] - static_cast<double>(box.upper[i])});
+    sum += apart * apart;
+  }
+  return sum;
+}
+
 }  // namespace atl::collision

@@ -73,4 +73,11 @@ std::variant<Hull, std::string> build_hull(std::span<const Vector3> points);
 /// A box as the hull of its corners, bit i of a corner's number set on the negative side of axis i.
 Hull box_hull(const Vector3& half_extents);
 
+/// Hash of a hull's vertices and faces: what Hull::content is.
+std::uint64_t content_of(const Hull& hull);
+
+/// Whether all else that a hull tells of its shape is what its vertices and faces make, in the same order. No number in
+/// it may lead out of it.
+bool is_made_of_its_faces(const Hull& hull);
+
 }  // namespace atl::collision
