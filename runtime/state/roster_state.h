@@ -1,7 +1,7 @@
 #pragma once
 /// A roster for archives (state_archive.h). Geometry is told by its content.
 
-#include <solver/constraints/motion_locks.h>
+#include <solver/integrate/motion_locks.h>
 
 #include <algorithm>
 #include <map>

@@ -1,4 +1,4 @@
-#include <solver/constraints/motion_locks.h>
+#include <solver/integrate/motion_locks.h>
 
 #include "step/results.h"
 #include "world/bodies.h"

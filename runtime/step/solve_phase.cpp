@@ -198,10 +198,14 @@ bool SolvePhase::solve_directly(const solver::SolveInput& input, std::size_t gro
   solver::DirectIsland& direct = *direct_.of_group[group];
   solver::DirectIslandReport& report = direct_.reports[group];
   const auto begin = jobs::Clock::now();
-  if (direct.analyse(input, groups_[group])) report = direct.solve(input);
+  const solver::DirectIslandInput of_island = input.of_direct_islands();
+  if (direct.analyse(of_island, groups_[group])) report = direct.solve(of_island);
   if (profile) report.ms = jobs::ms_since(begin);
   if (!report.solved) return false;
-  group_reports_[group].work = report.work;
+  group_reports_[group].work = {.contacts = report.contacts,
+                                .several_points = report.several_points,
+                                .two_movable = report.two_movable,
+                                .friction = report.friction};
   group_reports_[group].gyroscopic_bodies = report.gyroscopic_bodies;
   return true;
 }

@@ -2,7 +2,7 @@
 
 #include <jobs/with_direct_contacts.h>
 #include <jobs/with_joints.h>
-#include <solver/constraints/motion_locks.h>
+#include <solver/integrate/motion_locks.h>
 
 #include <algorithm>
 #include <string>

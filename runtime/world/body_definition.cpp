@@ -4,7 +4,7 @@
 #include <collision/shapes/hull.h>
 #include <collision/shapes/triangle_mesh.h>
 #include <solver/constraints/contact_inertia.h>
-#include <solver/constraints/motion_locks.h>
+#include <solver/integrate/motion_locks.h>
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>

@@ -32,7 +32,7 @@ struct BodyConstants {
   bool continuous = false;
   bool sensor = false;
   Material material = {};
-  std::uint8_t locks = 0;  // see solver/motion_locks.h; 0 unless dynamic
+  std::uint8_t locks = 0;  // see solver/integrate/motion_locks.h; 0 unless dynamic
   double gravity_scale = 1;
   double linear_damping = 0;               // 1/s
   double angular_damping = 0;              // 1/s

@@ -5,7 +5,7 @@
 
 #include <atoll/error.h>
 #include <jobs/with_joints.h>
-#include <solver/constraints/motion_locks.h>
+#include <solver/integrate/motion_locks.h>
 #include <solver/integrate/state_bounds.h>
 
 #include <algorithm>

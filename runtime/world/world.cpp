@@ -6,7 +6,7 @@
 #include <jobs/with_joints.h>
 #include <jobs/with_recording.h>
 #include <jobs/with_snapshots.h>
-#include <solver/constraints/motion_locks.h>
+#include <solver/integrate/motion_locks.h>
 #include <solver/integrate/trigonometry.h>
 
 #include <atomic>

@@ -1,21 +1,19 @@
 #pragma once
 
 #include <collision/contacts/contact.h>
+#include <solver/constraints/contact_capture.h>
 #include <solver/constraints/joint.h>
 #include <solver/constraints/load_check.h>
 #include <solver/constraints/surface_contact.h>
+#include <solver/direct/direct_island_input.h>
 #include <solver/direct/joint_systems.h>
 #include <solver/integrate/motion.h>
 #include <solver/islands/islands.h>
 #include <solver/islands/joint_graph.h>
 #include <solver/solver_settings.h>
-#include <solver/sweep/contact_capture.h>
 #include <solver/sweep/kernels.h>
 
 namespace atl::solver {
-
-/// By worker, in any order.
-using Overloads = jobs::Scratch<std::vector<Overload>>;
 
 /// What all islands of a step share.
 struct SolveInput {
@@ -41,6 +39,23 @@ struct SolveInput {
   /// Whether a component of joints is solved at once.
   bool solves_directly(std::uint32_t component) const {
     return settings.joint_method != JointMethod::Iterative && joint_systems->is_direct(component);
+  }
+
+  /// What an island needs whose contacts and joints are solved at once.
+  DirectIslandInput of_direct_islands() const {
+    return {.islands = islands,
+            .bodies = bodies,
+            .manifolds = manifolds,
+            .gravity = gravity,
+            .dt = dt,
+            .settings = settings,
+            .bounds = bounds,
+            .fast = fast,
+            .overloads = overloads,
+            .capture = capture,
+            .surface_contacts = surface_contacts,
+            .added_slips = added_slips,
+            .joints = joints};
   }
 };
 

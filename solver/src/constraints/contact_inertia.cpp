@@ -1,5 +1,4 @@
 #include <solver/constraints/contact_inertia.h>
-#include <solver/solve_input.h>
 
 namespace atl::solver {
 namespace {
@@ -10,9 +9,9 @@ Matrix3 principal_axes(const BodyTable& bodies, std::uint32_t body) {
 
 }  // namespace
 
-bool is_seen_heavier(const SolveInput& input, std::uint32_t body) {
-  const std::vector<double>& least = input.bodies.least_moment;
-  return !least.empty() && least[body] > 0 && input.islands.joint_count(input.islands.island_of(body)) == 0;
+bool is_seen_heavier(const BodyTable& bodies, std::uint32_t body) {
+  const std::vector<double>& least = bodies.least_moment;
+  return !least.empty() && least[body] > 0;
 }
 
 Vector3 moments_in_contact(const BodyTable& bodies, std::uint32_t body) {

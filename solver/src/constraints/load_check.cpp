@@ -1,5 +1,4 @@
 #include <solver/constraints/load_check.h>
-#include <solver/islands/islands.h>
 #include <solver/tuning.h>
 
 #include <algorithm>
@@ -44,14 +43,6 @@ void note_overload(const LoadedContact& contact, double give, Build build, std::
   const bool crushed = build == Build::Joined ? heavy > 0 && light >= tuning::crushing_ratio * heavy
                                               : gives > tuning::crushing_give * std::min(first.arm, second.arm);
   overloads.push_back({first_lighter ? contact.first : contact.second, crushed});
-}
-
-Build build_of(const Islands& islands, std::size_t island) {
-  if (islands.joint_count(island) > 0) return Build::Joined;
-  const auto bodies = static_cast<double>(islands.body_count(island));
-  const auto contacts = static_cast<double>(islands.contact_count(island));
-  const bool columns = bodies <= tuning::most_bodies && contacts <= tuning::contacts_of_columns * bodies;
-  return columns ? Build::Columns : Build::Any;
 }
 
 }  // namespace atl::solver

@@ -18,7 +18,7 @@ constexpr double at_bound = 1 - 1e-6;
 
 }  // namespace
 
-bool DirectIsland::analyse(const SolveInput& input, const IslandGroup& group) {
+bool DirectIsland::analyse(const DirectIslandInput& input, const IslandGroup& group) {
   const std::span<const std::uint32_t> bodies = input.islands.bodies(group.begin, group.end);
   const std::span<const TouchingPair> pairs = input.islands.contacts(group.begin, group.end);
   const std::span<const JointLink> links = input.islands.joints(group.begin, group.end);
@@ -46,11 +46,11 @@ bool DirectIsland::analyse(const SolveInput& input, const IslandGroup& group) {
   return fits_ = problem_.analyse(bodies.size(), couplings_);
 }
 
-std::uint32_t DirectIsland::local(const SolveInput& input, std::uint32_t body) const {
+std::uint32_t DirectIsland::local(const DirectIslandInput& input, std::uint32_t body) const {
   return input.bodies.mobility[body] == Mobility::Dynamic ? input.islands.rank(body) - first_rank_ : no_body;
 }
 
-DirectIslandReport DirectIsland::solve(const SolveInput& input) {
+DirectIslandReport DirectIsland::solve(const DirectIslandInput& input) {
   DirectIslandReport report;
   problem_.count_anew();
   report.solved =
@@ -63,7 +63,7 @@ DirectIslandReport DirectIsland::solve(const SolveInput& input) {
 }
 
 // Contacts alone: the step as a whole.
-bool DirectIsland::solve_step(const SolveInput& input) {
+bool DirectIsland::solve_step(const DirectIslandInput& input) {
   const SolverSettings& settings = input.settings;
   free_velocities(input, input.dt);
   lasting_ = problem_.velocity;
@@ -112,7 +112,7 @@ void DirectIsland::keep_velocities() {
   for (DirectJoint& joint : problem_.joints) joint.lasting = joint.impulse;
 }
 
-bool DirectIsland::load_bodies(const SolveInput& input) {
+bool DirectIsland::load_bodies(const DirectIslandInput& input) {
   const BodyTable& table = input.bodies;
   const double solved_time = links_.empty() ? input.dt : input.dt / input.settings.substeps;
   problem_.resize(members_.size());
@@ -127,7 +127,7 @@ bool DirectIsland::load_bodies(const SolveInput& input) {
     DirectBody& of = problem_.bodies[i];
     of.body = body;
     of.mass = 1 / table.inverse_mass[body];
-    if (is_seen_heavier(input, body)) {
+    if (links_.empty() && is_seen_heavier(table, body)) {
       of.inertia = inertia_in_contact(table, body);
       of.inverse_inertia = inverse_inertia_in_contact(table, body);
     } else {
@@ -146,7 +146,7 @@ bool DirectIsland::load_bodies(const SolveInput& input) {
 }
 
 // As sweeps would in their substeps.
-void DirectIsland::free_velocities(const SolveInput& input, double dt) {
+void DirectIsland::free_velocities(const DirectIslandInput& input, double dt) {
   const BodyTable& table = input.bodies;
   for (std::size_t i = 0; i < members_.size(); ++i) {
     const std::uint32_t body = members_[i];
@@ -166,7 +166,7 @@ void DirectIsland::free_velocities(const SolveInput& input, double dt) {
 }
 
 // Those of the start of the step.
-void DirectIsland::load_velocities(const SolveInput& input) {
+void DirectIsland::load_velocities(const DirectIslandInput& input) {
   for (std::size_t i = 0; i < problem_.bodies.size(); ++i) {
     Eigen::Map<Vector3> velocity(&problem_.velocity[6 * i]);
     Eigen::Map<Vector3> angular(&problem_.velocity[6 * i + 3]);
@@ -176,7 +176,7 @@ void DirectIsland::load_velocities(const SolveInput& input) {
 }
 
 // Returns false if one bounces: that wants the impact's speed.
-bool DirectIsland::load_contacts(const SolveInput& input) {
+bool DirectIsland::load_contacts(const DirectIslandInput& input) {
   // Impulses are kept as those of a substep.
   const double share = links_.empty() ? input.settings.substeps : 1;
   problem_.contacts.resize(pairs_.size());
@@ -193,7 +193,7 @@ bool DirectIsland::load_contacts(const SolveInput& input) {
   return true;
 }
 
-void DirectIsland::load_contact(const SolveInput& input, const TouchingPair& pair, double share,
+void DirectIsland::load_contact(const DirectIslandInput& input, const TouchingPair& pair, double share,
                                 DirectContact& contact) const {
   const BodyTable& table = input.bodies;
   const collision::ContactManifold& manifold = input.manifolds[pair.slot];
@@ -250,7 +250,7 @@ void DirectIsland::load_contact(const SolveInput& input, const TouchingPair& pai
   warm_start(input, share, contact);
 }
 
-void DirectIsland::place(const SolveInput& input, const TouchingPair& pair, DirectContact& contact) const {
+void DirectIsland::place(const DirectIslandInput& input, const TouchingPair& pair, DirectContact& contact) const {
   const BodyTable& table = input.bodies;
   const collision::ContactManifold& manifold = input.manifolds[pair.slot];
   const collision::Tangents tangents = collision::tangents(manifold.normal);
@@ -270,7 +270,7 @@ void DirectIsland::place(const SolveInput& input, const TouchingPair& pair, Dire
 }
 
 // The pieces that the last step's impulses were on.
-void DirectIsland::warm_start(const SolveInput& input, double share, DirectContact& contact) {
+void DirectIsland::warm_start(const DirectIslandInput& input, double share, DirectContact& contact) {
   const collision::ContactManifold& manifold = input.manifolds[contact.slot];
   ContactAnswer& answer = contact.answer;
   answer = {};
@@ -363,7 +363,7 @@ bool DirectIsland::overlaps_notably(const SolverSettings& settings, double dt) c
   return false;
 }
 
-void DirectIsland::write_back_step(const SolveInput& input) {
+void DirectIsland::write_back_step(const DirectIslandInput& input) {
   BodyTable& table = input.bodies;
   for (std::size_t i = 0; i < problem_.bodies.size(); ++i) {
     const std::uint32_t body = problem_.bodies[i].body;
@@ -388,7 +388,7 @@ void DirectIsland::write_back_step(const SolveInput& input) {
 }
 
 // `share`: of the impulses that were solved for, those of a substep.
-void DirectIsland::write_impulses(const SolveInput& input, double share) const {
+void DirectIsland::write_impulses(const DirectIslandInput& input, double share) const {
   for (const DirectContact& contact : problem_.contacts) {
     collision::ContactManifold& manifold = input.manifolds[contact.slot];
     int point = 0;
@@ -404,7 +404,7 @@ void DirectIsland::write_impulses(const SolveInput& input, double share) const {
 }
 
 // What was solved, of so many seconds.
-void DirectIsland::capture(const SolveInput& input, double step) const {
+void DirectIsland::capture(const DirectIslandInput& input, double step) const {
   for (const DirectContact& contact : problem_.contacts) {
     const collision::ContactManifold& manifold = input.manifolds[contact.slot];
     ContactCapture::Answer& answer = input.capture->answers[contact.slot];
@@ -435,7 +435,7 @@ void DirectIsland::capture(const SolveInput& input, double step) const {
 }
 
 // By the measure of soft contacts, so that the island is solved at once for as long as these would give way.
-void DirectIsland::note_overloads(const SolveInput& input) const {
+void DirectIsland::note_overloads(const DirectIslandInput& input) const {
   const Build build = build_of(input.islands, island_);
   const double give = SubstepConstants::give_by_impulse(input.settings, input.dt);
   for (const TouchingPair& pair : pairs_) {
@@ -444,12 +444,12 @@ void DirectIsland::note_overloads(const SolveInput& input) const {
   }
 }
 
-void DirectIsland::note_work(const SolveInput& input, DirectIslandReport& report) const {
+void DirectIsland::note_work(const DirectIslandInput& input, DirectIslandReport& report) const {
   for (const DirectContact& contact : problem_.contacts) {
-    ++report.work.contacts;
-    report.work.several_points += input.manifolds[contact.slot].separation[1] < collision::no_point;
-    report.work.two_movable += contact.first != no_body && contact.second != no_body;
-    report.work.friction += contact.friction > 0;
+    ++report.contacts;
+    report.several_points += input.manifolds[contact.slot].separation[1] < collision::no_point;
+    report.two_movable += contact.first != no_body && contact.second != no_body;
+    report.friction += contact.friction > 0;
   }
   for (const std::uint32_t body : members_) report.gyroscopic_bodies += input.bodies.gyroscopic[body];
 }

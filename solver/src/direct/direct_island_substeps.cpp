@@ -29,7 +29,7 @@ Vector3 gained_by_turning(const Quaternion& start, const Quaternion& now, const 
 
 }  // namespace
 
-bool DirectIsland::solve_substeps(const SolveInput& input) {
+bool DirectIsland::solve_substeps(const DirectIslandInput& input) {
   const SolverSettings& settings = input.settings;
   const double h = input.dt / settings.substeps;
   load_joints(input);
@@ -59,7 +59,7 @@ bool DirectIsland::solve_substeps(const SolveInput& input) {
   return true;
 }
 
-void DirectIsland::load_joints(const SolveInput& input) {
+void DirectIsland::load_joints(const DirectIslandInput& input) {
   all_locked_ = true;
   for (std::size_t j = 0; j < links_.size(); ++j) {
     const Joint& from = input.joints[links_[j].joint];
@@ -86,7 +86,7 @@ void DirectIsland::load_joints(const SolveInput& input) {
 }
 
 // World frame, with what tension adds.
-void DirectIsland::place_inertia(const SolveInput& input, double time, double h) {
+void DirectIsland::place_inertia(const DirectIslandInput& input, double time, double h) {
   for (State& state : states_) state.stiffness.setZero();
   for (DirectJoint& joint : problem_.joints) {
     const Joint& of = input.joints[joint.joint];
@@ -109,7 +109,7 @@ void DirectIsland::place_inertia(const SolveInput& input, double time, double h)
 }
 
 // Rows at the poses that bodies have `time` seconds into the step.
-void DirectIsland::place_joints(const SolveInput& input, double time) {
+void DirectIsland::place_joints(const DirectIslandInput& input, double time) {
   const BodyTable& table = input.bodies;
   for (DirectJoint& joint : problem_.joints) {
     const Joint& of = input.joints[joint.joint];
@@ -155,7 +155,7 @@ void DirectIsland::place_joints(const SolveInput& input, double time) {
   problem_.forget_factor();
 }
 
-BodyPose DirectIsland::pose_of(const SolveInput& input, std::uint32_t local, std::uint32_t body, double time) const {
+BodyPose DirectIsland::pose_of(const DirectIslandInput& input, std::uint32_t local, std::uint32_t body, double time) const {
   if (local != no_body) return {states_[local].position, states_[local].turn};
   const BodyTable& table = input.bodies;
   if (table.mobility[body] == Mobility::Fixed) return {table.position(body), table.orientation(body)};
@@ -164,7 +164,7 @@ BodyPose DirectIsland::pose_of(const SolveInput& input, std::uint32_t local, std
 }
 
 // As sweeps see them: a contact stays where it was on its bodies as the step began, and its normal stays too.
-void DirectIsland::place_contacts(const SolveInput& input, double time) {
+void DirectIsland::place_contacts(const DirectIslandInput& input, double time) {
   const BodyTable& table = input.bodies;
   for (std::size_t c = 0; c < problem_.contacts.size(); ++c) {
     DirectContact& contact = problem_.contacts[c];
@@ -195,7 +195,7 @@ const Law& DirectIsland::law_of(const Joint& joint, std::size_t row) {
   return row < points ? locked : joint.law[row - points];
 }
 
-void DirectIsland::note_tears(const SolveInput& input) {
+void DirectIsland::note_tears(const DirectIslandInput& input) {
   tears_ = false;
   for (DirectJoint& joint : problem_.joints) {
     for (std::size_t r = 0; r < joint.rows; ++r) {
@@ -207,7 +207,7 @@ void DirectIsland::note_tears(const SolveInput& input) {
 }
 
 // Whether a coordinate that bounces at the ends of its range may get there within the step, and not rest there.
-bool DirectIsland::may_bounce(const SolveInput& input) const {
+bool DirectIsland::may_bounce(const DirectIslandInput& input) const {
   for (const DirectJoint& joint : problem_.joints) {
     const Joint& of = input.joints[joint.joint];
     if (!of.bounces) continue;
@@ -235,7 +235,7 @@ double DirectIsland::rate_of(std::span<const double> velocities, const DirectJoi
   return rate;
 }
 
-void DirectIsland::begin_laws(const SolveInput& input, double h) {
+void DirectIsland::begin_laws(const DirectIslandInput& input, double h) {
   for (DirectJoint& joint : problem_.joints) {
     for (std::size_t r = 0; r < joint.rows; ++r) {
       const Law& law = law_of(input.joints[joint.joint], r);
@@ -246,7 +246,7 @@ void DirectIsland::begin_laws(const SolveInput& input, double h) {
 }
 
 // N s: what drives the island beside its momentum, in a substep.
-double DirectIsland::drive(double h, const SolveInput& input) const {
+double DirectIsland::drive(double h, const DirectIslandInput& input) const {
   double sum = 0;
   for (std::size_t i = 0; i < states_.size(); ++i) {
     const Eigen::Map<const Vector3> velocity(&lasting_[6 * i]);
@@ -269,7 +269,7 @@ double DirectIsland::drive(double h, const SolveInput& input) const {
   return sum;
 }
 
-void DirectIsland::free_substep_velocities(const SolveInput& input, double h) {
+void DirectIsland::free_substep_velocities(const DirectIslandInput& input, double h) {
   const BodyTable& table = input.bodies;
   for (std::size_t i = 0; i < states_.size(); ++i) {
     const std::uint32_t body = members_[i];
@@ -327,7 +327,7 @@ void DirectIsland::push_gently(double push_speed) {
 // What bodies' turns have left open is closed by Newton's method, in poses and velocities: by one step along the rows
 // of the substep's start, or where that is not near, along rows that follow. There a taut chain of light links would
 // rather turn them far than move what it pulls on; what holds it straight is the stiffness of its tension.
-void DirectIsland::close_joints(const SolveInput& input, double h, double time) {
+void DirectIsland::close_joints(const DirectIslandInput& input, double h, double time) {
   const auto sound = [](const DirectJoint& joint, std::size_t r) { return joint.torn[r] ? 0 : joint.gap[r]; };
   note_gaps(input, time);
   double most = widest_noted();
@@ -354,7 +354,7 @@ void DirectIsland::close_joints(const SolveInput& input, double h, double time) 
 }
 
 // By as much of the closing motion as closes anything. Returns how much that was, or 0 if nothing does.
-double DirectIsland::move_closer(const SolveInput& input, double time, double gap_before) {
+double DirectIsland::move_closer(const DirectIslandInput& input, double time, double gap_before) {
   before_ = states_;
   double share = std::min(1.0, tuning::far_at_rest / farthest());
   for (int round = 0; round < tuning::most_shortenings; ++round, share *= 0.25) {
@@ -375,7 +375,7 @@ double DirectIsland::widest_noted() const {
   return most;
 }
 
-double DirectIsland::widest_gap(const SolveInput& input, double time) const {
+double DirectIsland::widest_gap(const DirectIslandInput& input, double time) const {
   double most = 0;
   for (const DirectJoint& joint : problem_.joints) {
     const DirectJoint::Rows<double> gap = gaps_of(input, joint, time);
@@ -396,11 +396,11 @@ void DirectIsland::close_tears(double h) {
 }
 
 // Of all rows, at the poses of now.
-void DirectIsland::note_gaps(const SolveInput& input, double time) {
+void DirectIsland::note_gaps(const DirectIslandInput& input, double time) {
   for (DirectJoint& joint : problem_.joints) joint.gap = gaps_of(input, joint, time);
 }
 
-DirectJoint::Rows<double> DirectIsland::gaps_of(const SolveInput& input, const DirectJoint& joint, double time) const {
+DirectJoint::Rows<double> DirectIsland::gaps_of(const DirectIslandInput& input, const DirectJoint& joint, double time) const {
   DirectJoint::Rows<double> gap = {};
   const Joint& of = input.joints[joint.joint];
   const BodyPose first = pose_of(input, joint.first, joint.first_body, time);
@@ -479,7 +479,7 @@ bool DirectIsland::follow_tension(double h) {
 }
 
 // What a step of Newton's method has left.
-void DirectIsland::settle_joints(const SolveInput& input) {
+void DirectIsland::settle_joints(const DirectIslandInput& input) {
   for (int round = 0; round < tuning::most_closings; ++round) {
     note_gaps(input, input.dt);
     if (widest_noted() <= tuning::closed) return;
@@ -491,7 +491,7 @@ void DirectIsland::settle_joints(const SolveInput& input) {
   }
 }
 
-void DirectIsland::write_back_substeps(const SolveInput& input) {
+void DirectIsland::write_back_substeps(const DirectIslandInput& input) {
   BodyTable& table = input.bodies;
   for (std::size_t i = 0; i < states_.size(); ++i) {
     const std::uint32_t body = members_[i];

@@ -1,5 +1,5 @@
-#include <solver/constraints/motion_locks.h>
 #include <solver/integrate/free_flight.h>
+#include <solver/integrate/motion_locks.h>
 #include <solver/integrate/trigonometry.h>
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 #include <solver/islands/islands.h>
+#include <solver/tuning.h>
 
 #include <algorithm>
 #include <numeric>
@@ -119,6 +120,14 @@ std::span<const TouchingPair> Islands::contacts(std::size_t begin, std::size_t e
 
 std::span<const JointLink> Islands::joints(std::size_t begin, std::size_t end) const {
   return std::span(joints_).subspan(joint_start_[begin], joint_start_[end] - joint_start_[begin]);
+}
+
+Build build_of(const Islands& islands, std::size_t island) {
+  if (islands.joint_count(island) > 0) return Build::Joined;
+  const auto bodies = static_cast<double>(islands.body_count(island));
+  const auto contacts = static_cast<double>(islands.contact_count(island));
+  const bool columns = bodies <= tuning::most_bodies && contacts <= tuning::contacts_of_columns * bodies;
+  return columns ? Build::Columns : Build::Any;
 }
 
 void pack_groups(const Islands& islands, bool one_each, std::span<const std::uint8_t> alone,

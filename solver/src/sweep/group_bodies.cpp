@@ -1,6 +1,6 @@
 #include <solver/constraints/contact_inertia.h>
-#include <solver/constraints/motion_locks.h>
 #include <solver/integrate/free_flight.h>
+#include <solver/integrate/motion_locks.h>
 #include <solver/sweep/group_bodies.h>
 #include <solver/tuning.h>
 
@@ -66,7 +66,7 @@ void load_bodies(const SolveInput& input, std::span<const std::uint32_t> bodies,
   for (std::size_t i = begin; i < end; ++i) {
     const std::uint32_t body = bodies[i];
     const std::size_t local = first_dynamic + i;
-    const bool heavier = is_seen_heavier(input, body);
+    const bool heavier = is_seen_heavier(table, body) && input.islands.joint_count(input.islands.island_of(body)) == 0;
     if (!rows.shape.empty()) load_shape(input, body, local, rows);
     Matrix3 inverse_inertia = heavier ? inverse_inertia_in_contact(table, body) : world_inverse_inertia(table, body);
     if (!rows.shape.empty() && rows.shape[local].kind > 0 && table.gyroscopic[body]) {

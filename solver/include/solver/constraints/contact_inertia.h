@@ -6,16 +6,14 @@
 
 namespace atl::solver {
 
-struct SolveInput;
-
 /// As part of mass times inner radius squared: no moment of a solid of uniform density is less than three times this.
 inline constexpr double least_moment_share = 0.1;
 
-/// Whether contacts see a body with more inertia than it has: one with moments that no solid of its shape could have,
-/// in an island without joints. A point of contact turns such a body thousands of times as easily as it moves it, and
-/// that is what sweeps would do instead of lifting it, ever faster: a needle of 1 to 1e6 ended in infinities. The spin
-/// about the light axis is then wrong in contact; it has next to no energy.
-bool is_seen_heavier(const SolveInput& input, std::uint32_t body);
+/// Whether contacts see a body with more inertia than it has, in islands without joints: one with moments that no solid
+/// of its shape could have. A point of contact turns such a body thousands of times as easily as it moves it, and that
+/// is what sweeps would do instead of lifting it, ever faster: a needle of 1 to 1e6 ended in infinities. The spin about
+/// the light axis is then wrong in contact; it has next to no energy.
+bool is_seen_heavier(const BodyTable& bodies, std::uint32_t body);
 
 /// kg m^2, about the principal axes: what contacts see of such a body.
 Vector3 moments_in_contact(const BodyTable& bodies, std::uint32_t body);

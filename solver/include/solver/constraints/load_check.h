@@ -1,14 +1,12 @@
 #pragma once
 
 #include <collision/contacts/contact.h>
+#include <jobs/scratch.h>
 
-#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 namespace atl::solver {
-
-class Islands;
 
 /// What an island is like, where it matters for how much its contacts may carry.
 enum class Build : std::uint8_t {
@@ -18,13 +16,15 @@ enum class Build : std::uint8_t {
   Columns,
   Joined,  ///< there are joints in it
 };
-Build build_of(const Islands& islands, std::size_t island);
 
 /// The lighter body of a contact that carries more than soft ones are made for.
 struct Overload {
   std::uint32_t body;
   bool crushed;
 };
+
+/// By worker, in any order.
+using Overloads = jobs::Scratch<std::vector<Overload>>;
 
 /// A contact and its bodies, with inverse masses in 1/kg: 0 of what doesn't respond.
 struct LoadedContact {

@@ -1,8 +1,8 @@
 #pragma once
 
 #include <jobs/bytes.h>
+#include <solver/direct/direct_island_input.h>
 #include <solver/direct/island_problem.h>
-#include <solver/solve_input.h>
 
 #include <cstdint>
 #include <span>
@@ -14,7 +14,8 @@ namespace atl::solver {
 struct DirectIslandReport {
   bool solved = false;  ///< if not, no state was changed
   int iterations = 0;   ///< of Newton's method, beyond the first solves
-  ContactWork work;
+  // Contacts, and those of them that have more than one point, two bodies that can move, or friction.
+  std::int64_t contacts = 0, several_points = 0, two_movable = 0, friction = 0;
   std::int64_t gyroscopic_bodies = 0;  ///< whose moments of inertia differ
   double ms = 0;                       ///< with SolverSettings::profile
 };
@@ -31,9 +32,9 @@ struct DirectIslandReport {
 class DirectIsland {
  public:
   /// Takes in an island. Returns false if its factor would be too large.
-  bool analyse(const SolveInput& input, const IslandGroup& group);
+  bool analyse(const DirectIslandInput& input, const IslandGroup& group);
   /// Solves the island that was taken in last. Not solved is what bounces, tumbles fast or didn't converge.
-  DirectIslandReport solve(const SolveInput& input);
+  DirectIslandReport solve(const DirectIslandInput& input);
 
   /// Memory held.
   std::size_t bytes() const {
@@ -58,14 +59,14 @@ class DirectIsland {
     DirectContact::Points start_separation;
   };
 
-  std::uint32_t local(const SolveInput& input, std::uint32_t body) const;
-  bool load_bodies(const SolveInput& input);
-  void free_velocities(const SolveInput& input, double dt);
-  void load_velocities(const SolveInput& input);
-  bool load_contacts(const SolveInput& input);
-  void load_contact(const SolveInput& input, const TouchingPair& pair, double share, DirectContact& contact) const;
-  void place(const SolveInput& input, const TouchingPair& pair, DirectContact& contact) const;
-  static void warm_start(const SolveInput& input, double share, DirectContact& contact);
+  std::uint32_t local(const DirectIslandInput& input, std::uint32_t body) const;
+  bool load_bodies(const DirectIslandInput& input);
+  void free_velocities(const DirectIslandInput& input, double dt);
+  void load_velocities(const DirectIslandInput& input);
+  bool load_contacts(const DirectIslandInput& input);
+  void load_contact(const DirectIslandInput& input, const TouchingPair& pair, double share, DirectContact& contact) const;
+  void place(const DirectIslandInput& input, const TouchingPair& pair, DirectContact& contact) const;
+  static void warm_start(const DirectIslandInput& input, double share, DirectContact& contact);
   void stop_contacts(double dt);
   void push_contacts_apart(const SolverSettings& settings, double dt);
   bool overlaps_notably(const SolverSettings& settings, double dt) const;
@@ -74,43 +75,43 @@ class DirectIsland {
   void take_back_give(double dt);
   void keep_velocities();
 
-  bool solve_step(const SolveInput& input);
-  void write_back_step(const SolveInput& input);
+  bool solve_step(const DirectIslandInput& input);
+  void write_back_step(const DirectIslandInput& input);
 
-  bool solve_substeps(const SolveInput& input);
-  void load_joints(const SolveInput& input);
-  void place_inertia(const SolveInput& input, double time, double h);
-  void place_joints(const SolveInput& input, double time);
-  void place_contacts(const SolveInput& input, double time);
-  void begin_laws(const SolveInput& input, double h);
-  double drive(double h, const SolveInput& input) const;
-  void free_substep_velocities(const SolveInput& input, double h);
+  bool solve_substeps(const DirectIslandInput& input);
+  void load_joints(const DirectIslandInput& input);
+  void place_inertia(const DirectIslandInput& input, double time, double h);
+  void place_joints(const DirectIslandInput& input, double time);
+  void place_contacts(const DirectIslandInput& input, double time);
+  void begin_laws(const DirectIslandInput& input, double h);
+  double drive(double h, const DirectIslandInput& input) const;
+  void free_substep_velocities(const DirectIslandInput& input, double h);
   Vector3 free_spin(const State& state, const Vector3& spin, const Vector3& torque, double h) const;
-  BodyPose pose_of(const SolveInput& input, std::uint32_t local, std::uint32_t body, double time) const;
+  BodyPose pose_of(const DirectIslandInput& input, std::uint32_t local, std::uint32_t body, double time) const;
   void move(double h, std::span<const double> by);
   static double gap_of(const Joint& of, const DirectJoint& joint, std::size_t row, double position);
-  void note_gaps(const SolveInput& input, double time);
+  void note_gaps(const DirectIslandInput& input, double time);
   double farthest() const;
   void push_gently(double push_speed);
   static const Law& law_of(const Joint& joint, std::size_t row);
   static double rate_of(std::span<const double> velocities, const DirectJoint& joint, std::size_t row);
-  bool may_bounce(const SolveInput& input) const;
-  void note_tears(const SolveInput& input);
-  void close_joints(const SolveInput& input, double h, double time);
+  bool may_bounce(const DirectIslandInput& input) const;
+  void note_tears(const DirectIslandInput& input);
+  void close_joints(const DirectIslandInput& input, double h, double time);
   void close_tears(double h);
-  double move_closer(const SolveInput& input, double time, double gap_before);
+  double move_closer(const DirectIslandInput& input, double time, double gap_before);
   double widest_noted() const;
-  double widest_gap(const SolveInput& input, double time) const;
-  DirectJoint::Rows<double> gaps_of(const SolveInput& input, const DirectJoint& joint, double time) const;
-  void settle_joints(const SolveInput& input);
+  double widest_gap(const DirectIslandInput& input, double time) const;
+  DirectJoint::Rows<double> gaps_of(const DirectIslandInput& input, const DirectJoint& joint, double time) const;
+  void settle_joints(const DirectIslandInput& input);
   bool project(double h);
   bool follow_tension(double h);
-  void write_back_substeps(const SolveInput& input);
+  void write_back_substeps(const DirectIslandInput& input);
 
-  void write_impulses(const SolveInput& input, double share) const;
-  void capture(const SolveInput& input, double step) const;
-  void note_work(const SolveInput& input, DirectIslandReport& report) const;
-  void note_overloads(const SolveInput& input) const;
+  void write_impulses(const DirectIslandInput& input, double share) const;
+  void capture(const DirectIslandInput& input, double step) const;
+  void note_work(const DirectIslandInput& input, DirectIslandReport& report) const;
+  void note_overloads(const DirectIslandInput& input) const;
 
   std::vector<std::uint32_t> members_;
   std::size_t island_ = 0;

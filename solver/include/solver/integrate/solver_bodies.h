@@ -2,8 +2,8 @@
 
 #include <jobs/block_lanes.h>
 #include <jobs/bytes.h>
-#include <solver/constraints/motion_locks.h>
 #include <solver/integrate/body_table.h>
+#include <solver/integrate/motion_locks.h>
 
 #include <cstddef>
 #include <cstdint>

@@ -2,6 +2,7 @@
 
 #include <collision/contacts/touching_pair.h>
 #include <jobs/bytes.h>
+#include <solver/constraints/load_check.h>
 
 #include <cstdint>
 #include <span>
@@ -74,6 +75,9 @@ class Islands {
   std::vector<std::uint32_t> cursor_;
   std::vector<std::uint32_t> free_bodies_;
 };
+
+/// How an island is built, as the load check of its contacts asks.
+Build build_of(const Islands& islands, std::size_t island);
 
 /// Consecutive islands that are solved together: one task, sharing lanes.
 struct IslandGroup {

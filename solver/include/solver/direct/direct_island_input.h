@@ -1,0 +1,35 @@
+#pragma once
+
+#include <collision/contacts/contact.h>
+#include <solver/constraints/contact_capture.h>
+#include <solver/constraints/joint.h>
+#include <solver/constraints/load_check.h>
+#include <solver/constraints/surface_contact.h>
+#include <solver/integrate/motion.h>
+#include <solver/islands/islands.h>
+#include <solver/solver_settings.h>
+
+namespace atl::solver {
+
+/// What a direct solve of an island reads, and where it writes what it finds.
+struct DirectIslandInput {
+  const Islands& islands;
+  BodyTable& bodies;
+  collision::ContactManifold* manifolds;  ///< by slot
+  Vector3 gravity;                        ///< m/s^2
+  double dt;                              ///< s
+  const SolverSettings& settings;
+  collision::MotionBounds& bounds;  ///< of what the bodies move by
+  FastBodies& fast;
+  Overloads& overloads;
+  ContactCapture* capture = nullptr;           ///< null where nobody asks
+  SurfaceContact* surface_contacts = nullptr;  ///< by contact slot; null while all surfaces are plain
+  const AddedSlip* added_slips = nullptr;      ///< by contact slot; null where nobody adds any
+  Joint* joints = nullptr;                     ///< by index of joint
+
+  const AddedSlip* added_slip(std::uint32_t slot) const { return added_slips ? added_slips + slot : nullptr; }
+  /// s, of a substep.
+  double substep() const { return dt / settings.substeps; }
+};
+
+}  // namespace atl::solver
