@@ -16,9 +16,8 @@ MOST_MEMBERS = 15
 EXEMPT = {"World"}
 # Those that are yet to be split, with what they have now: functions, members. They may shrink, and leave the list.
 TO_SPLIT = {
-    "DirectIsland": (53, 14),
+    "DirectIsland": (52, 15),
     "DirectJoints": (43, 15),
-    "IslandProblem": (44, 9),
 }
 FOLDERS = ["jobs", "collision", "solver", "runtime"]
 

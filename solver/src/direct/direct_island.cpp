@@ -43,7 +43,7 @@ bool DirectIsland::analyse(const DirectIslandInput& input, const IslandGroup& gr
   };
   for (const TouchingPair& pair : pairs_) couple(pair);
   for (const JointLink& link : links_) couple(link);
-  return fits_ = problem_.analyse(bodies.size(), couplings_);
+  return fits_ = search_.matrix.analyse(bodies.size(), couplings_);
 }
 
 std::uint32_t DirectIsland::local(const DirectIslandInput& input, std::uint32_t body) const {
@@ -52,10 +52,10 @@ std::uint32_t DirectIsland::local(const DirectIslandInput& input, std::uint32_t 
 
 DirectIslandReport DirectIsland::solve(const DirectIslandInput& input) {
   DirectIslandReport report;
-  problem_.count_anew();
+  search_.iterations = 0;
   report.solved =
       load_bodies(input) && load_contacts(input) && (links_.empty() ? solve_step(input) : solve_substeps(input));
-  report.iterations = problem_.iterations();
+  report.iterations = search_.iterations;
   if (!report.solved) return report;
   note_work(input, report);
   note_overloads(input);
@@ -83,31 +83,26 @@ bool DirectIsland::find_motions(const SolverSettings& settings, double dt, doubl
     push_contacts_apart(settings, dt);
   }
   if (!find_velocities(from_outside)) return false;
-  if (relaxes) take_back_give(dt);
+  if (relaxes) take_back_compliance(problem_, search_, dt);
   keep_velocities();
   pushes_ = relaxes && overlaps_notably(settings, dt);
   if (!pushes_) return true;
   push_contacts_apart(settings, dt);
-  return problem_.solve_nearby();
+  return solve_nearby(problem_, search_);
 }
 
 // Where Newton's method ends nowhere, an interior point method starts over, from the velocities that bodies came with.
 bool DirectIsland::find_velocities(double from_outside) {
-  if (!problem_.solve()) {
+  if (!solve_by_newton(problem_, search_)) {
     problem_.velocity = lasting_;
-    if (!problem_.solve_by_interior()) return false;
+    if (!solve_by_interior_point(problem_, search_)) return false;
   }
-  return problem_.is_bounded(from_outside);
-}
-
-void DirectIsland::take_back_give(double dt) {
-  problem_.take_back_give(
-      [dt](const DirectContact& contact, int i) { return std::max(contact.separation[i], 0.0) / dt; });
+  return is_bounded(problem_, from_outside);
 }
 
 // Bodies keep the velocities that the impulses make.
 void DirectIsland::keep_velocities() {
-  problem_.velocities_of_impulses(lasting_);
+  velocities_of_impulses(problem_, search_.gradient, lasting_);
   for (DirectContact& contact : problem_.contacts) contact.lasting = contact.answer;
   for (DirectJoint& joint : problem_.joints) joint.lasting = joint.impulse;
 }
@@ -116,6 +111,7 @@ bool DirectIsland::load_bodies(const DirectIslandInput& input) {
   const BodyTable& table = input.bodies;
   const double solved_time = links_.empty() ? input.dt : input.dt / input.settings.substeps;
   problem_.resize(members_.size());
+  search_.resize(members_.size());
   problem_.joints.resize(links_.size());
   states_.resize(members_.size());
   for (std::size_t i = 0; i < members_.size(); ++i) {
@@ -184,12 +180,12 @@ bool DirectIsland::load_contacts(const DirectIslandInput& input) {
     DirectContact& contact = problem_.contacts[c];
     load_contact(input, pairs_[c], share, contact);
     if (input.manifolds[contact.slot].restitution == 0) continue;
-    const Six motion = problem_.motion_of(contact);
+    const Six motion = contact.motion_at(problem_.velocity);
     for (int i = 0; i < contact.law.points; ++i) {
       if (contact.law.speed(i, motion) < -input.settings.restitution_threshold) return false;
     }
   }
-  problem_.forget_factor();
+  forget_factor(problem_);
   return true;
 }
 

@@ -41,7 +41,7 @@ bool DirectIsland::solve_substeps(const DirectIslandInput& input) {
     lasting_ = problem_.velocity;
     free_substep_velocities(input, h);
     begin_laws(input, h);
-    if (!all_locked_) problem_.forget_factor();
+    if (!all_locked_) forget_factor(problem_);
     if (!find_motions(settings, h, drive(h, input))) return false;
     if (pushes_) push_gently(settings.contact_push_speed);
     if (input.capture != nullptr && substep + 1 == settings.substeps) capture(input, h);
@@ -152,7 +152,7 @@ void DirectIsland::place_joints(const DirectIslandInput& input, double time) {
       }
     }
   }
-  problem_.forget_factor();
+  forget_factor(problem_);
 }
 
 BodyPose DirectIsland::pose_of(const DirectIslandInput& input, std::uint32_t local, std::uint32_t body, double time) const {
@@ -337,15 +337,15 @@ void DirectIsland::close_joints(const DirectIslandInput& input, double h, double
       tightens = false;
       place_inertia(input, time, h);
       place_joints(input, time);
-      if (!problem_.factor()) return;
+      if (!search_.matrix.factor(problem_)) return;
     }
-    problem_.find_closing_motion(sound);
+    find_closing_motion(problem_, search_, sound);
     const double share = move_closer(input, time, most);
     if (share == 0) break;
     if (!pushes_) {
-      for (std::size_t i = 0; i < lasting_.size(); ++i) lasting_[i] += share * problem_.direction()[i] / h;
+      for (std::size_t i = 0; i < lasting_.size(); ++i) lasting_[i] += share * search_.direction[i] / h;
     }
-    problem_.add_closing_impulses(sound, share / h);
+    add_closing_impulses(problem_, search_, sound, share / h);
     follow_tension(h);
     note_gaps(input, time);
     most = widest_noted();
@@ -358,7 +358,7 @@ double DirectIsland::move_closer(const DirectIslandInput& input, double time, do
   before_ = states_;
   double share = std::min(1.0, tuning::far_at_rest / farthest());
   for (int round = 0; round < tuning::most_shortenings; ++round, share *= 0.25) {
-    move(share, problem_.direction());
+    move(share, search_.direction);
     if (widest_gap(input, time) <= std::max(gap_before, tuning::open_gap)) return share;
     states_ = before_;
   }
@@ -389,10 +389,10 @@ double DirectIsland::widest_gap(const DirectIslandInput& input, double time) con
 // What was apart as the step began was put apart from outside. It is closed too, but by no velocity: bodies would fly.
 void DirectIsland::close_tears(double h) {
   if (!tears_) return;
-  problem_.find_closing_motion([&](const DirectJoint& joint, std::size_t r) {
+  find_closing_motion(problem_, search_, [&](const DirectJoint& joint, std::size_t r) {
     return joint.torn[r] ? std::clamp(joint.gap[r], -h * tuning::closing_speed, h * tuning::closing_speed) : 0;
   });
-  if (farthest() <= tuning::far_at_rest) move(1, problem_.direction());
+  if (farthest() <= tuning::far_at_rest) move(1, search_.direction);
 }
 
 // Of all rows, at the poses of now.
@@ -421,7 +421,7 @@ DirectJoint::Rows<double> DirectIsland::gaps_of(const DirectIslandInput& input, 
 
 // m or rad, of what would close joints.
 double DirectIsland::farthest() const {
-  const std::span<const double> by = problem_.direction();
+  const std::span<const double> by = search_.direction;
   double most = 0;
   for (std::size_t i = 0; i < by.size(); i += 3) most = std::max(most, Eigen::Map<const Vector3>(&by[i]).norm());
   return most;
@@ -448,14 +448,14 @@ bool DirectIsland::project(double h) {
     const ContactPieces pieces = contact.lasting.pieces;
     contact.answer = {};
     contact.answer.pieces = pieces;
-    const Six motion = problem_.motion_of(contact);
+    const Six motion = contact.motion_at(problem_.velocity);
     for (int i = 0; i < contact.law.points; ++i) {
       contact.law.bias[i] = 0;
       const bool rests = std::abs(contact.law.speed(i, motion)) <= tuning::resting_speed;
       if (!rests) contact.answer.pieces.points &= static_cast<std::uint8_t>(~(1 << i));
     }
   }
-  if (!problem_.solve_on_last_pieces()) return false;
+  if (!solve_on_last_pieces(problem_, search_)) return false;
   for (DirectContact& contact : problem_.contacts) contact.answer = contact.lasting;
   return true;
 }
@@ -483,11 +483,11 @@ void DirectIsland::settle_joints(const DirectIslandInput& input) {
   for (int round = 0; round < tuning::most_closings; ++round) {
     note_gaps(input, input.dt);
     if (widest_noted() <= tuning::closed) return;
-    problem_.find_closing_motion([](const DirectJoint& joint, std::size_t r) {
+    find_closing_motion(problem_, search_, [](const DirectJoint& joint, std::size_t r) {
       return joint.law[r].locked && !joint.torn[r] ? joint.gap[r] : 0;
     });
     if (farthest() > tuning::far_at_rest) return;
-    move(1, problem_.direction());
+    move(1, search_.direction);
   }
 }
 

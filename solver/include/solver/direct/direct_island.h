@@ -1,6 +1,7 @@
 #pragma once
 
 #include <jobs/bytes.h>
+#include <solver/direct/balance_search.h>
 #include <solver/direct/direct_island_input.h>
 #include <solver/direct/island_problem.h>
 
@@ -38,7 +39,7 @@ class DirectIsland {
 
   /// Memory held.
   std::size_t bytes() const {
-    return sizeof(*this) + problem_.bytes() +
+    return sizeof(*this) + problem_.bytes() + search_.bytes() +
            jobs::bytes_of(members_, pairs_, links_, states_, before_, lasting_, placed_, couplings_);
   }
 
@@ -72,7 +73,6 @@ class DirectIsland {
   bool overlaps_notably(const SolverSettings& settings, double dt) const;
   bool find_motions(const SolverSettings& settings, double dt, double from_outside);
   bool find_velocities(double from_outside);
-  void take_back_give(double dt);
   void keep_velocities();
 
   bool solve_step(const DirectIslandInput& input);
@@ -124,6 +124,7 @@ class DirectIsland {
   bool tears_ = false;       // some row was apart as the step began
   std::uint32_t first_rank_ = 0;
   IslandProblem problem_;
+  BalanceSearch search_;
   std::vector<State> states_, before_;
   std::vector<Placed> placed_;
   // m/s, rad/s: what bodies come with, and then what they keep; the problem's velocity is what they move by.

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 namespace atl::solver {
 
@@ -16,15 +17,23 @@ struct DirectBody {
   double radius = 0;        ///< m, of gyration
   Matrix3 inertia;          ///< kg m^2, world frame
   Matrix3 inverse_inertia;  ///< likewise
+
+  /// N s and N m s: M times six numbers of velocity, linear and angular.
+  std::array<double, 6> momentum(const double* velocity) const {
+    const Vector3 linear = mass * Eigen::Map<const Vector3>(velocity);
+    const Vector3 angular = inertia * Eigen::Map<const Vector3>(velocity + 3);
+    return {linear[0], linear[1], linear[2], angular[0], angular[1], angular[2]};
+  }
 };
 
 inline constexpr std::uint32_t no_body = ~std::uint32_t{0};  ///< what doesn't respond
 
-/// A contact between two bodies of a direct solve: its frame, and its law at the state of the solve.
+/// A contact between two bodies of a direct solve: its frame, and its law at the state of the solve. Velocities are six
+/// numbers a body of the problem, linear and angular.
 struct DirectContact {
   using Points = std::array<double, collision::max_points>;
 
-  /// Points on the interior path: see island_problem_interior.cpp.
+  /// Points on the interior path: see interior_point.cpp.
   struct Interior {
     Points impulse;                 ///< N s, > 0
     Points gap;                     ///< m/s, > 0: how much faster it parts than where it pushes with this impulse
@@ -51,6 +60,12 @@ struct DirectContact {
   Interior interior;
 
   void add_motion(double sign, const Vector3& arm, const Vector3& v, const Vector3& w, Six& to) const;
+  /// What velocities make of the motion.
+  Six motion_by(const std::vector<double>& velocities) const;
+  /// The motion at velocities, with what doesn't respond.
+  Six motion_at(const std::vector<double>& velocities) const;
+  /// Adds `sign` times an impulse on the second body, in the contact's frame, to the momenta of both.
+  void add_impulse(const Six& impulse, double sign, std::vector<double>& to) const;
   bool fixed() const { return first == no_body || second == no_body; }  ///< against something of infinite mass
   void bound_friction(double load);
   Six motion_after(double t) const;  ///< of the way along the search direction
@@ -59,7 +74,8 @@ struct DirectContact {
   }
 };
 
-/// A joint between two bodies of a direct solve: its rows, those of the point first.
+/// A joint between two bodies of a direct solve: its rows, those of the point first. Velocities as DirectContact has
+/// them.
 struct DirectJoint {
   template <typename Number>
   using Rows = std::array<Number, max_joint_rows>;
@@ -83,6 +99,11 @@ struct DirectJoint {
   Rows<std::uint8_t> factored;
   Rows<std::int8_t> limit, motor_bound;  ///< as Joint has them
   Vector3 tension;                       ///< N, followed over some substeps
+
+  /// m/s or rad/s: what velocities add to a row's rate `start`.
+  double rate_by(const std::vector<double>& velocities, std::size_t row, double start = 0) const;
+  /// Adds an impulse along a row, on the second body, to the momenta of both.
+  void add_impulse(std::size_t row, double row_impulse, std::vector<double>& to) const;
 };
 
 }  // namespace atl::solver

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <jobs/bytes.h>
+#include <solver/direct/island_matrix.h>
+#include <solver/direct/island_problem.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+namespace atl::solver {
+
+/// What a search for the velocities of an IslandProblem works with.
+struct BalanceSearch {
+  IslandMatrix matrix;
+  std::vector<double> gradient;   ///< N s, N m s: of the function, see balance()
+  std::vector<double> direction;  ///< m/s, rad/s: along which the velocities are to go
+  int iterations = 0;             ///< of Newton's or the interior point method, beyond the first solves
+
+  /// Makes room for as many bodies.
+  void resize(std::size_t body_count) {
+    gradient.resize(6 * body_count);
+    direction.resize(6 * body_count);
+  }
+
+  /// Memory held.
+  std::size_t bytes() const { return matrix.bytes() + jobs::bytes_of(gradient, direction); }
+};
+
+/// By Newton's method, from the problem's velocities and the pieces that the answers are on. Friction's bound follows
+/// the load. Returns false where that ends nowhere.
+bool solve_by_newton(IslandProblem& problem, BalanceSearch& search);
+
+/// By an interior point method, from the problem's velocities, where all may be other than it was.
+bool solve_by_interior_point(IslandProblem& problem, BalanceSearch& search);
+
+/// By Newton's method from velocities near the solution; friction's bounds stay.
+bool solve_nearby(IslandProblem& problem, BalanceSearch& search);
+
+/// If everything stays on the pieces that it is on: one linear solve.
+bool solve_on_last_pieces(IslandProblem& problem, BalanceSearch& search);
+
+/// Contacts and locks give by little under what they carry, but a column of many, or under many times its weight, would
+/// sink on them. Solves once more, from the impulses that carry it already, as the method of multipliers does (Powell,
+/// "A method for nonlinear constraints in minimization problems", 1969), for as long as something sinks. Points that
+/// are apart may close what is open in dt seconds.
+void take_back_compliance(IslandProblem& problem, BalanceSearch& search, double dt);
+
+/// What joints have to move by, as rates, is what the factor makes of it: makes the search's direction the motion that
+/// closes `gap(joint, row)` with the least work, and moves no contact that holds.
+template <typename Gap>
+void find_closing_motion(const IslandProblem& problem, BalanceSearch& search, const Gap& gap) {
+  std::fill(search.direction.begin(), search.direction.end(), 0.0);
+  for (const DirectJoint& joint : problem.joints) {
+    for (std::size_t r = 0; r < joint.rows; ++r) {
+      const double apart = gap(joint, r);
+      if (apart != 0) joint.add_impulse(r, -apart * joint.law[r].stiffness, search.direction);
+    }
+  }
+  search.matrix.solve(search.direction);
+}
+
+/// Adds the impulses of that motion to those that bodies keep, times `scale`.
+template <typename Gap>
+void add_closing_impulses(IslandProblem& problem, const BalanceSearch& search, const Gap& gap, double scale) {
+  for (DirectJoint& joint : problem.joints) {
+    for (std::size_t r = 0; r < joint.rows; ++r) {
+      const double apart = gap(joint, r);
+      if (apart != 0) joint.lasting[r] -= scale * joint.law[r].stiffness * (apart + joint.rate_by(search.direction, r));
+    }
+  }
+}
+
+}  // namespace atl::solver

@@ -1,0 +1,152 @@
+#include <solver/direct/island_matrix.h>
+#include <solver/tuning.h>
+
+#include <algorithm>
+
+#include "integrate/matrix3.h"
+
+namespace atl::solver {
+
+bool IslandMatrix::analyse(std::size_t body_count, std::span<const std::pair<std::uint32_t, std::uint32_t>> pairs) {
+  const std::vector<std::uint8_t> sizes(body_count, 6);
+  return system_.analyse(sizes, pairs, tuning::factor_blocks_per_body * body_count);
+}
+
+bool IslandMatrix::factor(IslandProblem& problem) {
+  add_masses(problem.bodies);
+  for (DirectContact& contact : problem.contacts) {
+    add_stiffness(contact, contact.law.derivative(contact.motion, contact.answer.pieces));
+    contact.factored = contact.answer.pieces;
+  }
+  for (DirectJoint& joint : problem.joints) add_stiffness(joint);
+  return system_.factor();
+}
+
+bool IslandMatrix::factor_on_interior_path(IslandProblem& problem) {
+  add_masses(problem.bodies);
+  for (DirectContact& contact : problem.contacts) {
+    add_stiffness(contact, contact.law.secant(contact.motion, contact.interior.held));
+    contact.factored.points = 0xff;  // not that of any pieces
+  }
+  for (DirectJoint& joint : problem.joints) add_stiffness(joint);
+  return system_.factor();
+}
+
+void IslandMatrix::add_masses(std::span<const DirectBody> bodies) {
+  system_.clear();
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const auto node = static_cast<std::uint32_t>(i);
+    double* block = system_.values(system_.block_index(node, node));
+    for (int k = 0; k < 3; ++k) {
+      block[7 * k] = bodies[i].mass;
+      for (int r = 0; r < 3; ++r) block[(3 + r) + 6 * (3 + k)] = bodies[i].inertia(r, k);
+    }
+  }
+}
+
+// J^T K J, with K the derivative of the contact's impulses by its motion and J that of its motion by the velocities. K
+// is put into the world's frame at the contact's centre, [P Q; Q^T S] of forces and couples by speeds and spins, and
+// moved to the bodies' centres by their arms.
+void IslandMatrix::add_stiffness(const DirectContact& contact, const std::array<Six, 6>& k) {
+  const auto& [n, t1, t2] = contact.axes;
+  const Vector3 leans = k[0][1] * t1 + k[0][2] * t2;
+  Matrix3 p, q, s;
+  for (int c = 0; c < 3; ++c) {
+    const double p_n = k[0][0] * n[c], p_1 = k[3][3] * t1[c] + k[3][4] * t2[c], p_2 = k[3][4] * t1[c] + k[4][4] * t2[c];
+    const double s_n = k[5][5] * n[c], s_1 = k[1][1] * t1[c] + k[1][2] * t2[c], s_2 = k[1][2] * t1[c] + k[2][2] * t2[c];
+    for (int r = 0; r < 3; ++r) {
+      p(r, c) = p_n * n[r] + p_1 * t1[r] + p_2 * t2[r];
+      q(r, c) = leans[c] * n[r];
+      s(r, c) = s_n * n[r] + s_1 * t1[r] + s_2 * t2[r];
+    }
+  }
+  struct Side {
+    Vector3 arm;
+    Matrix3 forces;   // by spins
+    Matrix3 crossed;  // [arm] q
+  };
+  const auto side_of = [&](const Vector3& arm) { return Side{arm, q + crossed(arm, p).transpose(), crossed(arm, q)}; };
+  const auto add = [&](std::uint32_t row, const Side& of_row, std::uint32_t column, const Side& of_column,
+                       double sign) {
+    double* block = system_.values(system_.block_index(row, column));
+    const Matrix3 turns = crossed(of_row.arm, of_column.forces);
+    for (int c = 0; c < 3; ++c) {
+      for (int r = 0; r < 3; ++r) {
+        block[r + 6 * c] += sign * p(r, c);
+        block[3 + r + 6 * c] += sign * of_row.forces(c, r);
+        block[r + 6 * (3 + c)] += sign * of_column.forces(r, c);
+        block[3 + r + 6 * (3 + c)] += sign * (turns(r, c) + of_column.crossed(c, r) + s(r, c));
+      }
+    }
+  };
+  const Side first = side_of(contact.arm_first);
+  const Side second = side_of(contact.arm_second);
+  if (contact.first != no_body) add(contact.first, first, contact.first, first, 1);
+  if (contact.second != no_body) add(contact.second, second, contact.second, second, 1);
+  if (contact.first == no_body || contact.second == no_body) return;
+  // A block has the rows of what is eliminated later.
+  if (system_.is_earlier(contact.first, contact.second)) {
+    add(contact.second, second, contact.first, first, -1);
+  } else {
+    add(contact.first, first, contact.second, second, -1);
+  }
+}
+
+// J^T K J of a joint: a row's motion is one of each body.
+void IslandMatrix::add_stiffness(DirectJoint& joint) {
+  const auto add = [&](std::uint32_t row_body, const Vector3& row_angular, std::uint32_t column_body,
+                       const Vector3& column_angular, const Vector3& linear, double k) {
+    double* block = system_.values(system_.block_index(row_body, column_body));
+    for (int c = 0; c < 3; ++c) {
+      for (int r = 0; r < 3; ++r) {
+        block[r + 6 * c] += k * linear[r] * linear[c];
+        block[3 + r + 6 * c] += k * row_angular[r] * linear[c];
+        block[r + 6 * (3 + c)] += k * linear[r] * column_angular[c];
+        block[3 + r + 6 * (3 + c)] += k * row_angular[r] * column_angular[c];
+      }
+    }
+  };
+  const bool both = joint.first != no_body && joint.second != no_body;
+  const bool first_later = both && !system_.is_earlier(joint.first, joint.second);
+  for (std::size_t i = 0; i < joint.rows; ++i) {
+    joint.factored[i] = joint.law[i].pieces(joint.rate[i]);
+    const double k = joint.law[i].slope(joint.rate[i]);
+    if (k == 0) continue;
+    const JointRow& at = joint.at[i];
+    if (joint.first != no_body) {
+      add(joint.first, at.angular_first, joint.first, at.angular_first, at.linear, k);
+    }
+    if (joint.second != no_body) {
+      add(joint.second, at.angular_second, joint.second, at.angular_second, at.linear, k);
+    }
+    if (!both) continue;
+    // A block has the rows of what is eliminated later.
+    if (first_later) {
+      add(joint.first, at.angular_first, joint.second, at.angular_second, at.linear, -k);
+    } else {
+      add(joint.second, at.angular_second, joint.first, at.angular_first, at.linear, -k);
+    }
+  }
+}
+
+bool is_factored(const IslandProblem& problem) {
+  // Where something slides its stiffness is another at each motion.
+  return std::all_of(problem.contacts.begin(), problem.contacts.end(),
+                     [](const DirectContact& contact) {
+                       const ContactPieces& pieces = contact.answer.pieces;
+                       const bool turns = (pieces.slides != 0 && !contact.law.pyramid) || pieces.rolls;
+                       return contact.factored == pieces && !turns;
+                     }) &&
+         std::all_of(problem.joints.begin(), problem.joints.end(), [](const DirectJoint& joint) {
+           for (std::size_t r = 0; r < joint.rows; ++r) {
+             if (joint.factored[r] != joint.law[r].pieces(joint.rate[r])) return false;
+           }
+           return true;
+         });
+}
+
+void forget_factor(IslandProblem& problem) {
+  for (DirectContact& contact : problem.contacts) contact.factored.points = 0xff;
+}
+
+}  // namespace atl::solver

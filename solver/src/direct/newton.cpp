@@ -1,0 +1,132 @@
+#include "direct/newton.h"
+
+#include <solver/tuning.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace atl::solver {
+namespace {
+
+// The function of a problem along a search direction.
+class AlongDirection {
+ public:
+  AlongDirection(const IslandProblem& problem, const std::vector<double>& direction) : problem_(problem) {
+    for (std::size_t i = 0; i < problem.bodies.size(); ++i) {
+      const std::array<double, 6> momentum = problem.bodies[i].momentum(&direction[6 * i]);
+      for (std::size_t k = 0; k < 6; ++k) {
+        mass_slope_ += (problem.velocity[6 * i + k] - problem.free[6 * i + k]) * momentum[k];
+        mass_curvature_ += direction[6 * i + k] * momentum[k];
+      }
+    }
+  }
+
+  double slope(double t) const {
+    double sum = mass_slope_ + t * mass_curvature_;
+    for (const DirectContact& contact : problem_.contacts) {
+      const Six impulse = contact.law.total(contact.law.answer(contact.motion_after(t)));
+      for (int k = 0; k < 6; ++k) sum -= impulse[k] * contact.change[k];
+    }
+    for (const DirectJoint& joint : problem_.joints) {
+      for (std::size_t r = 0; r < joint.rows; ++r) {
+        sum -= joint.law[r].impulse(joint.rate[r] + t * joint.change[r]) * joint.change[r];
+      }
+    }
+    return sum;
+  }
+
+ private:
+  const IslandProblem& problem_;
+  double mass_slope_ = 0, mass_curvature_ = 0;  // of the first term
+};
+
+// Where the slope vanishes, or all the way if it doesn't before. Regula falsi that halves what it keeps (Dowell and
+// Jarratt, "A modified regula falsi method for computing the root of an equation", BIT 1971).
+double step_length(const AlongDirection& function) {
+  constexpr double flat = 1e-3;  // of the slope at the start
+  constexpr int rounds = 30;
+  double low = 0;
+  double high = 1;
+  double slope_low = function.slope(0);
+  double slope_high = function.slope(1);
+  const double enough = flat * std::abs(slope_low);
+  if (!(slope_low < 0) || !(slope_high > enough)) return 1;
+  double t = 1;
+  int kept = 0;  // how often the lower end was, if negative the upper
+  for (int round = 0; round < rounds; ++round) {
+    t = low + (high - low) * slope_low / (slope_low - slope_high);
+    const double here = function.slope(t);
+    if (std::abs(here) <= enough) break;
+    if (here < 0) {
+      low = t;
+      slope_low = here;
+      kept = std::min(kept, 0) - 1;
+      if (kept < -1) slope_high *= 0.5;
+    } else {
+      high = t;
+      slope_high = here;
+      kept = std::max(kept, 0) + 1;
+      if (kept > 1) slope_low *= 0.5;
+    }
+  }
+  return t;
+}
+
+void go_along(const std::vector<double>& direction, double t, std::vector<double>& velocity) {
+  for (std::size_t i = 0; i < velocity.size(); ++i) velocity[i] += t * direction[i];
+}
+
+// The bound of friction becomes that of the load a way along the search direction.
+void follow_load(std::vector<DirectContact>& contacts, double t) {
+  for (DirectContact& contact : contacts) {
+    contact.bound_friction(contact.law.answer(contact.motion_after(t)).load());
+  }
+}
+
+}  // namespace
+
+bool solve_by_newton(IslandProblem& problem, BalanceSearch& search) {
+  return solve_on_last_pieces(problem, search) && minimise(problem, search, tuning::following) &&
+         settle_friction_bounds(problem, search);
+}
+
+bool minimise(IslandProblem& problem, BalanceSearch& search, int follows) {
+  const int most_iterations = problem.joints.empty() ? tuning::most_iterations : tuning::most_iterations_of_joints;
+  for (int iteration = 0;; ++iteration) {
+    balance(problem, search.gradient, [](const DirectContact& contact) { return contact.law.answer(contact.motion); });
+    const double residual = unbalanced(problem, search.gradient);
+    if (residual <= tuning::balance_tolerance) return true;
+    if (iteration == most_iterations || !std::isfinite(residual)) return false;
+    ++search.iterations;
+    if (!is_factored(problem) && !search.matrix.factor(problem)) return false;
+    find_direction(problem, search);
+    const double t = step_length(AlongDirection(problem, search.direction));
+    go_along(search.direction, t, problem.velocity);
+    if (iteration < follows) follow_load(problem.contacts, t);
+  }
+}
+
+bool solve_on_last_pieces(IslandProblem& problem, BalanceSearch& search) {
+  balance(problem, search.gradient, [](const DirectContact& contact) {
+    return contact.law.linear_answer(contact.motion, contact.answer.pieces, contact.answer);
+  });
+  if (!is_factored(problem) && !search.matrix.factor(problem)) return false;
+  find_direction(problem, search);
+  go_along(search.direction, 1, problem.velocity);
+  follow_load(problem.contacts, 1);
+  return true;
+}
+
+bool solve_nearby(IslandProblem& problem, BalanceSearch& search) { return minimise(problem, search, 0); }
+
+void find_direction(IslandProblem& problem, BalanceSearch& search) {
+  std::vector<double>& direction = search.direction;
+  for (std::size_t i = 0; i < direction.size(); ++i) direction[i] = -search.gradient[i];
+  search.matrix.solve(direction);
+  for (DirectContact& contact : problem.contacts) contact.change = contact.motion_by(direction);
+  for (DirectJoint& joint : problem.joints) {
+    for (std::size_t r = 0; r < joint.rows; ++r) joint.change[r] = joint.rate_by(direction, r);
+  }
+}
+
+}  // namespace atl::solver

@@ -1,0 +1,92 @@
+#include <solver/direct/balance_search.h>
+#include <solver/tuning.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "direct/newton.h"
+
+namespace atl::solver {
+namespace {
+
+void answer_on_its_pieces(DirectContact& contact) {
+  contact.answer = contact.law.linear_answer(contact.motion, contact.answer.pieces, contact.answer);
+}
+
+// m/s: the most that one of its points closes too fast. Shifts the points' laws such that they push as they do now
+// where they stop.
+double shift_contact(DirectContact& contact, double dt) {
+  double most = 0;
+  for (int i = 0; i < contact.law.points; ++i) {
+    if (!(contact.answer.pieces.points & (1 << i))) continue;
+    const double may_close = std::max(contact.separation[i], 0.0) / dt;
+    most = std::max(most, -contact.law.speed(i, contact.motion) - may_close);
+    contact.law.bias[i] = may_close - contact.answer.normal[i] / contact.law.stiffness[i];
+  }
+  return most;
+}
+
+// The same of the locks of a joint.
+double shift_joint(DirectJoint& joint) {
+  double most = 0;
+  for (std::size_t r = 0; r < joint.rows; ++r) {
+    RowLaw& law = joint.law[r];
+    if (!law.locked) continue;
+    most = std::max(most, std::abs(joint.rate[r]));
+    law.lock_rate = joint.impulse[r] / law.stiffness;
+  }
+  return most;
+}
+
+// Impulses become those of the shifted laws, and the gradient what they change.
+void answer_shifted(IslandProblem& problem, std::vector<double>& gradient) {
+  for (DirectContact& contact : problem.contacts) {
+    Six more = contact.law.total(contact.answer);
+    for (double& impulse : more) impulse = -impulse;
+    answer_on_its_pieces(contact);
+    const Six total = contact.law.total(contact.answer);
+    for (int k = 0; k < 6; ++k) more[k] += total[k];
+    contact.add_impulse(more, -1, gradient);
+  }
+  for (DirectJoint& joint : problem.joints) {
+    for (std::size_t r = 0; r < joint.rows; ++r) {
+      if (!joint.law[r].locked) continue;
+      const double impulse = joint.law[r].impulse(joint.rate[r]);
+      joint.add_impulse(r, joint.impulse[r] - impulse, gradient);
+      joint.impulse[r] = impulse;
+    }
+  }
+}
+
+// To the end of the search direction, on the pieces that everything is on.
+void go_to_end(IslandProblem& problem, const std::vector<double>& direction) {
+  for (std::size_t i = 0; i < direction.size(); ++i) problem.velocity[i] += direction[i];
+  for (DirectContact& contact : problem.contacts) {
+    contact.motion = contact.motion_after(1);
+    answer_on_its_pieces(contact);
+  }
+  for (DirectJoint& joint : problem.joints) {
+    for (std::size_t r = 0; r < joint.rows; ++r) {
+      joint.rate[r] += joint.change[r];
+      joint.impulse[r] = joint.law[r].impulse(joint.rate[r]);
+    }
+  }
+}
+
+}  // namespace
+
+void take_back_compliance(IslandProblem& problem, BalanceSearch& search, double dt) {
+  if (!is_factored(problem)) return;
+  for (int round = 0; round < tuning::most_give_rounds; ++round) {
+    double sinks = 0;
+    for (DirectContact& contact : problem.contacts) sinks += shift_contact(contact, dt);
+    for (DirectJoint& joint : problem.joints) sinks += shift_joint(joint);
+    if (sinks < tuning::least_sinking) return;
+    answer_shifted(problem, search.gradient);
+    find_direction(problem, search);
+    go_to_end(problem, search.direction);
+    std::fill(search.gradient.begin(), search.gradient.end(), 0.0);
+  }
+}
+
+}  // namespace atl::solver
