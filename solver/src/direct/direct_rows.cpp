@@ -22,7 +22,7 @@ void DirectContact::add_motion(double sign, const Vector3& arm, const Vector3& v
 void DirectContact::bound_friction(double load) {
   bound_load = load;
   law.friction_bound = friction * load;
-  law.twist_bound = lever * law.friction_bound + torsional * load;
+  law.twist_bound = radius * law.friction_bound + torsional * load;
   law.rolling_bound = rolling * load;
 }
 
@@ -36,8 +36,7 @@ Six DirectContact::motion_by(const std::vector<double>& velocities) const {
   Six made = {};
   const auto add = [&](std::uint32_t body, const Vector3& arm, double sign) {
     if (body == no_body) return;
-    add_motion(sign, arm, Eigen::Map<const Vector3>(&velocities[6 * body]),
-               Eigen::Map<const Vector3>(&velocities[6 * body + 3]), made);
+    add_motion(sign, arm, linear_part(velocities, body), angular_part(velocities, body), made);
   };
   add(first, arm_first, -1);
   add(second, arm_second, 1);
@@ -69,8 +68,7 @@ double DirectJoint::rate_by(const std::vector<double>& velocities, std::size_t r
   double sum = start;
   const auto add = [&](std::uint32_t body, const Vector3& angular, double sign) {
     if (body == no_body) return;
-    sum += sign * (at[row].linear.dot(Eigen::Map<const Vector3>(&velocities[6 * body])) +
-                   angular.dot(Eigen::Map<const Vector3>(&velocities[6 * body + 3])));
+    sum += sign * (at[row].linear.dot(linear_part(velocities, body)) + angular.dot(angular_part(velocities, body)));
   };
   add(first, at[row].angular_first, -1);
   add(second, at[row].angular_second, 1);

@@ -20,7 +20,7 @@ double load_asked_for(const DirectContact& contact) {
   const double pull = contact.law.pyramid ? std::max(std::abs(answer.friction[0]), std::abs(answer.friction[1]))
                                           : std::hypot(answer.friction[0], answer.friction[1]);
   ask(pull, contact.friction);
-  ask(answer.twist, contact.lever * contact.friction + contact.torsional);
+  ask(answer.twist, contact.radius * contact.friction + contact.torsional);
   ask(std::hypot(answer.rolling[0], answer.rolling[1]), contact.rolling);
   return asks;
 }
@@ -32,8 +32,8 @@ double friction_error(const IslandProblem& problem) {
     const double off = std::abs(load_asked_for(contact) - contact.answer.load());
     const auto of = [&](std::uint32_t body) {
       if (body == no_body) return 0.0;
-      const double spin = (contact.lever * contact.friction + contact.torsional + contact.rolling) /
-                          problem.bodies[body].radius;
+      const double spin =
+          (contact.radius * contact.friction + contact.torsional + contact.rolling) / problem.bodies[body].radius;
       return off * std::max(contact.friction, spin) / problem.bodies[body].mass;
     };
     most = std::max({most, of(contact.first), of(contact.second)});

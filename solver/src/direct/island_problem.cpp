@@ -10,8 +10,8 @@ double unbalanced(const IslandProblem& problem, const std::vector<double>& gradi
   double most = 0;
   for (std::size_t i = 0; i < problem.bodies.size(); ++i) {
     const DirectBody& body = problem.bodies[i];
-    const Eigen::Map<const Vector3> linear(&gradient[6 * i]);
-    const Eigen::Map<const Vector3> angular(&gradient[6 * i + 3]);
+    const auto linear = linear_part(gradient, i);
+    const auto angular = angular_part(gradient, i);
     const double off = linear.norm() / body.mass + body.radius * (body.inverse_inertia * angular).norm();
     if (!(off <= most)) most = off;  // also where it is no number
   }
@@ -22,8 +22,8 @@ bool is_bounded(const IslandProblem& problem, double from_outside) {
   const std::vector<DirectBody>& bodies = problem.bodies;
   double all = from_outside;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    const Eigen::Map<const Vector3> linear(&problem.free[6 * i]);
-    const Eigen::Map<const Vector3> angular(&problem.free[6 * i + 3]);
+    const auto linear = linear_part(problem.free, i);
+    const auto angular = angular_part(problem.free, i);
     all += bodies[i].mass * (linear.norm() + bodies[i].radius * angular.norm());
   }
   for (const DirectContact& contact : problem.contacts) {
@@ -40,8 +40,8 @@ void velocities_of_impulses(const IslandProblem& problem, const std::vector<doub
   to = problem.velocity;
   for (std::size_t i = 0; i < problem.bodies.size(); ++i) {
     const DirectBody& body = problem.bodies[i];
-    Eigen::Map<Vector3>(&to[6 * i]) -= Eigen::Map<const Vector3>(&gradient[6 * i]) / body.mass;
-    Eigen::Map<Vector3>(&to[6 * i + 3]) -= body.inverse_inertia * Eigen::Map<const Vector3>(&gradient[6 * i + 3]);
+    linear_part(to, i) -= linear_part(gradient, i) / body.mass;
+    angular_part(to, i) -= body.inverse_inertia * angular_part(gradient, i);
   }
 }
 

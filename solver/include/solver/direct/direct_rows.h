@@ -5,10 +5,21 @@
 #include <solver/constraints/row_law.h>
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 namespace atl::solver {
+
+/// The parts of one body in a vector of six numbers a body.
+inline auto linear_part(const std::vector<double>& of, std::size_t body) {
+  return Eigen::Map<const Vector3>(&of[6 * body]);
+}
+inline auto linear_part(std::vector<double>& of, std::size_t body) { return Eigen::Map<Vector3>(&of[6 * body]); }
+inline auto angular_part(const std::vector<double>& of, std::size_t body) {
+  return Eigen::Map<const Vector3>(&of[6 * body + 3]);
+}
+inline auto angular_part(std::vector<double>& of, std::size_t body) { return Eigen::Map<Vector3>(&of[6 * body + 3]); }
 
 /// A body as a direct solve sees it.
 struct DirectBody {
@@ -43,17 +54,20 @@ struct DirectContact {
   };
 
   std::uint32_t slot;
-  std::uint32_t first, second;                 ///< bodies of the problem, or no_body
-  std::array<Vector3, 3> axes;                 ///< normal, tangents
-  Vector3 arm_first, arm_second;               ///< m, from the centres of mass
-  double friction, lever, rolling, torsional;  ///< of what the points push with
-  double bound_load;                           ///< N s, that the bounds of these are of
+  std::uint32_t first_body, second_body;  ///< of the world
+  std::uint32_t first, second;            ///< bodies of the problem, or no_body
+  std::array<Vector3, 3> axes;            ///< normal, tangents
+  Vector3 arm_first, arm_second;          ///< m, from the centres of mass
+  double friction, rolling, torsional;    ///< of what the points push with: 1, m, m
+  double radius;                          ///< m, at which friction acts about the normal
+  double bound_load;                      ///< N s, that the bounds of these are of
   ContactLaw law;
-  Points mass;        ///< kg, effective, of each point
-  Points separation;  ///< m
-  Six given;          ///< motion by what doesn't respond
-  Six motion;         ///< at the velocities of the problem
-  Six change;         ///< along its search direction
+  Points mass;              ///< kg, effective, of each point
+  Points separation;        ///< m
+  Points start_separation;  ///< m, as the step began
+  Six given;                ///< motion by what doesn't respond
+  Six motion;               ///< at the velocities of the problem
+  Six change;               ///< along its search direction
   ContactAnswer answer;
   ContactAnswer lasting;   ///< that of the velocities which bodies keep
   ContactPieces factored;  ///< what the factor is of

@@ -65,8 +65,8 @@ void balance(IslandProblem& problem, std::vector<double>& gradient, const Answer
 double unbalanced(const IslandProblem& problem, const std::vector<double>& gradient);
 
 /// Whether no contact pushes ten times as hard as would stop the whole island: opposite contacts that overlap can't
-/// both open, and may push each other as hard as they like. `from_outside` in N s: what drives and carries it beside its
-/// own momentum.
+/// both open, and may push each other as hard as they like. `from_outside` in N s: what drives and carries it beside
+/// its own momentum.
 bool is_bounded(const IslandProblem& problem, double from_outside);
 
 /// The velocities that the impulses make, so that no momentum is made up.

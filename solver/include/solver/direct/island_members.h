@@ -1,0 +1,38 @@
+#pragma once
+
+#include <jobs/bytes.h>
+#include <solver/direct/direct_island_input.h>
+#include <solver/direct/direct_rows.h>
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace atl::solver {
+
+/// What an island consists of: its dynamic bodies, whose places in this list are their numbers in the island's problem,
+/// and the pairs of bodies that touch or are joined.
+struct IslandMembers {
+  std::size_t island = 0;
+  std::uint32_t first_rank = 0;  ///< of its bodies among those of all islands
+  std::vector<std::uint32_t> bodies;
+  std::vector<TouchingPair> contacts;
+  std::vector<JointLink> joints;
+
+  /// The number of a body of the world in the problem, or no_body if it isn't dynamic.
+  std::uint32_t local(const DirectIslandInput& input, std::uint32_t body) const {
+    return input.bodies.mobility[body] == Mobility::Dynamic ? input.islands.rank(body) - first_rank : no_body;
+  }
+
+  /// Takes in the island of a group. Returns whether it has the bodies, contacts and joints of the one before, in the
+  /// same order; slots of contacts may be others.
+  bool take_in(const DirectIslandInput& input, const IslandGroup& group);
+
+  /// Numbers of bodies that touch or are joined.
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> couplings(const DirectIslandInput& input) const;
+
+  /// Memory held.
+  std::size_t bytes() const { return jobs::bytes_of(bodies, contacts, joints); }
+};
+
+}  // namespace atl::solver

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <solver/direct/direct_island_input.h>
+#include <solver/direct/island_members.h>
+#include <solver/direct/island_problem.h>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace atl::solver {
+
+/// A body of an island that is solved at once, as it moves through the step.
+struct MovingBody {
+  BodyPose now, start;
+  BodyPose before;                ///< a motion that may be taken back
+  Vector3 acceleration;           ///< m/s^2
+  Matrix3 body_inertia, inertia;  ///< kg m^2, body and world frame
+  Matrix3 stiffness;              ///< N m, geometric
+  bool tumbles;                   ///< its moments of inertia differ
+};
+
+/// Fills in the problem's bodies and their velocities, as of the start of the step. Returns false if one tumbles too
+/// fast.
+bool load_bodies(const DirectIslandInput& input, const IslandMembers& members, IslandProblem& problem,
+                 std::vector<MovingBody>& bodies);
+
+/// Inertia at the poses of now, with what the tension in joints makes of it in h seconds.
+void place_inertia(IslandProblem& problem, std::span<MovingBody> bodies, double h);
+
+/// Moves bodies by `share` times six numbers each, m or m/s and rad or rad/s.
+void move(std::span<MovingBody> bodies, double share, const std::vector<double>& by);
+
+/// Poses `time` seconds into the step: of an island's bodies those of now.
+struct IslandPoses {
+  const BodyTable& table;
+  std::span<const MovingBody> bodies;
+  double time;  ///< s
+
+  /// Of a body by its number in the problem, if it has one, and in the world.
+  BodyPose of(std::uint32_t local, std::uint32_t body) const {
+    if (local != no_body) return bodies[local].now;
+    if (table.mobility[body] == Mobility::Fixed) return {table.position(body), table.orientation(body)};
+    return {table.position(body) + time * table.velocity(body),
+            turned(time * table.angular_velocity(body), table.orientation(body))};
+  }
+};
+
+}  // namespace atl::solver

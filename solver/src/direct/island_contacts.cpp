@@ -1,0 +1,208 @@
+#include "direct/island_contacts.h"
+
+#include <solver/direct/island_matrix.h>
+#include <solver/tuning.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "integrate/rows3.h"
+
+namespace atl::solver {
+namespace {
+
+// Of the bound: at it, but for rounding to single precision.
+constexpr double at_bound = 1 - 1e-6;
+
+// The contact's frame, its arms and what moves it that doesn't respond.
+void load_frame(const BodyTable& table, const collision::ContactManifold& manifold, DirectContact& contact) {
+  const collision::Tangents tangents = collision::tangents(manifold.normal);
+  const Vector3 normal = get3(manifold.normal).normalized();
+  const Vector3 nearly(tangents.first[0], tangents.first[1], tangents.first[2]);
+  const Vector3 tangent = (nearly - normal.dot(nearly) * normal).normalized();
+  contact.axes = {normal, tangent, normal.cross(tangent)};
+  contact.given = {};
+  const auto load_side = [&](std::uint32_t body, const float(&anchor)[3], Vector3& arm, double sign) {
+    // A ball is touched on the line through its centre.
+    arm = table.ball[body] ? Vector3(normal.dot(get3(anchor)) * normal) : get3(anchor);
+    if (table.mobility[body] != Mobility::Kinematic) return;
+    contact.add_motion(sign, arm, table.velocity(body), table.angular_velocity(body), contact.given);
+  };
+  load_side(contact.first_body, manifold.anchor_first, contact.arm_first, -1);
+  load_side(contact.second_body, manifold.anchor_second, contact.arm_second, 1);
+}
+
+// 1/kg and the like: how a contact's bodies answer impulses.
+struct ContactResponse {
+  const std::vector<DirectBody>& bodies;
+  const DirectContact& contact;
+  double inverse_mass;  // 1/kg, of both
+
+  // To a pair of couples that turn them.
+  double turning(const Vector3& first, const Vector3& second) const {
+    double sum = 0;
+    if (contact.first != no_body) sum += first.dot(bodies[contact.first].inverse_inertia * first);
+    if (contact.second != no_body) sum += second.dot(bodies[contact.second].inverse_inertia * second);
+    return sum;
+  }
+  double turning(const Vector3& about) const { return turning(about, about); }
+  // To an impulse at the centre.
+  double along(const Vector3& axis) const {
+    return inverse_mass + turning(contact.arm_first.cross(axis), contact.arm_second.cross(axis));
+  }
+};
+
+void load_points(const collision::ContactManifold& manifold, const ContactResponse& response, DirectContact& contact) {
+  ContactLaw& law = contact.law;
+  law.points = 0;
+  for (int i = 0; i < collision::max_points; ++i) {
+    if (manifold.separation[i] >= collision::no_point) continue;
+    const int p = law.points++;
+    const double x = law.x[p] = manifold.x[i];
+    const double y = law.y[p] = manifold.y[i];
+    // (arm + x t1 + y t2) x n, of which t1 x n = -t2 and t2 x n = t1
+    const Vector3 offset = y * contact.axes[1] - x * contact.axes[2];
+    const double k = response.inverse_mass + response.turning(contact.arm_first.cross(contact.axes[0]) + offset,
+                                                              contact.arm_second.cross(contact.axes[0]) + offset);
+    contact.mass[p] = 1 / k;
+    contact.separation[p] = contact.start_separation[p] = manifold.separation[i];
+  }
+}
+
+void load_friction(const SolverSettings& settings, const ContactResponse& response, DirectContact& contact) {
+  ContactLaw& law = contact.law;
+  const double along = 0.5 * (response.along(contact.axes[1]) + response.along(contact.axes[2]));
+  const double twist = response.turning(contact.axes[0]);
+  law.friction_stiffness = 1 / (tuning::friction_compliance * along);
+  law.twist_stiffness = twist > 0 ? 1 / (tuning::friction_compliance * twist) : 0;
+  law.pyramid = settings.pyramid;
+  law.slip = {0, 0};
+  law.rolling_stiffness = 0;
+}
+
+void load_surfaces(const SurfaceContact& surface, const ContactResponse& response, DirectContact& contact) {
+  ContactLaw& law = contact.law;
+  const Vector3 slip = get3(surface.slip);
+  law.slip = {slip.dot(contact.axes[1]), slip.dot(contact.axes[2])};
+  contact.rolling = surface.rolling_friction;
+  contact.torsional = surface.torsional_friction;
+  const double rolls = 0.5 * (response.turning(contact.axes[1]) + response.turning(contact.axes[2]));
+  if (contact.rolling > 0 && rolls > 0) law.rolling_stiffness = 1 / (tuning::friction_compliance * rolls);
+}
+
+// The pieces that the last step's impulses were on. `share`: what is solved for at once, of the substep that impulses
+// are kept as those of.
+void warm_start(const DirectIslandInput& input, double share, DirectContact& contact) {
+  const collision::ContactManifold& manifold = input.manifolds[contact.slot];
+  ContactAnswer& answer = contact.answer;
+  answer = {};
+  int point = 0;
+  for (int i = 0; i < collision::max_points; ++i) {
+    if (manifold.separation[i] >= collision::no_point) continue;
+    answer.normal[point] = share * manifold.normal_impulse[i];
+    if (manifold.normal_impulse[i] > 0) answer.pieces.points |= static_cast<std::uint8_t>(1 << point);
+    ++point;
+  }
+  const double load = answer.load();
+  contact.bound_friction(load);
+  const Vector3 friction = share * get3(manifold.friction_impulse);
+  answer.friction = {friction.dot(contact.axes[1]), friction.dot(contact.axes[2])};
+  answer.twist = share * manifold.twist_impulse;
+  const auto is_bound = [](double impulse, double bound) { return std::abs(impulse) >= at_bound * bound; };
+  if (contact.law.pyramid) {
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      const bool slides = is_bound(answer.friction[axis], contact.law.friction_bound);
+      answer.pieces.slides |= static_cast<std::uint8_t>(slides ? 1 << axis : 0);
+    }
+  } else {
+    answer.pieces.slides = is_bound(friction.norm(), contact.law.friction_bound) ? 3 : 0;
+  }
+  answer.pieces.spins = is_bound(answer.twist, contact.law.twist_bound);
+  if (contact.law.rolling_stiffness > 0) {
+    const Vector3 rolling = share * get3(input.surface_contacts[contact.slot].rolling_impulse);
+    answer.rolling = {rolling.dot(contact.axes[1]), rolling.dot(contact.axes[2])};
+    answer.pieces.rolls = is_bound(rolling.norm(), contact.law.rolling_bound);
+  }
+  if (load > 0) return;
+  // It has just begun.
+  for (int i = 0; i < contact.law.points; ++i) {
+    if (contact.separation[i] <= 0) answer.pieces.points |= static_cast<std::uint8_t>(1 << i);
+  }
+}
+
+void load_contact(const DirectIslandInput& input, const TouchingPair& pair, const std::vector<DirectBody>& bodies,
+                  DirectContact& contact) {
+  const BodyTable& table = input.bodies;
+  const collision::ContactManifold& manifold = input.manifolds[pair.slot];
+  contact.friction = manifold.friction;
+  contact.radius = manifold.lever;
+  contact.rolling = contact.torsional = 0;
+  load_frame(table, manifold, contact);
+  const ContactResponse response{bodies, contact, table.inverse_mass[pair.first] + table.inverse_mass[pair.second]};
+  load_points(manifold, response, contact);
+  load_friction(input.settings, response, contact);
+  if (input.surface_contacts == nullptr) return;
+  SurfaceContact& surface = input.surface_contacts[pair.slot];
+  note_surfaces_of(pair, table, manifold, input.added_slip(pair.slot), surface);
+  load_surfaces(surface, response, contact);
+}
+
+bool bounces(const DirectIslandInput& input, const DirectContact& contact, const std::vector<double>& velocity) {
+  if (input.manifolds[contact.slot].restitution == 0) return false;
+  const Six motion = contact.motion_at(velocity);
+  for (int i = 0; i < contact.law.points; ++i) {
+    if (contact.law.speed(i, motion) < -input.settings.restitution_threshold) return true;
+  }
+  return false;
+}
+
+// How the normal speed of a contact's point changes as a body turns: what its arm gains.
+Vector3 gained_by_turning(const Quaternion& start, const Quaternion& now, const Vector3& arm) {
+  return now * (start.conjugate() * arm) - arm;
+}
+
+}  // namespace
+
+bool load_contacts(const DirectIslandInput& input, const IslandMembers& members, IslandProblem& problem) {
+  // Impulses are kept as those of a substep.
+  const double share = members.joints.empty() ? input.settings.substeps : 1;
+  problem.contacts.resize(members.contacts.size());
+  for (std::size_t c = 0; c < members.contacts.size(); ++c) {
+    const TouchingPair& pair = members.contacts[c];
+    DirectContact& contact = problem.contacts[c];
+    contact.slot = pair.slot;
+    contact.first_body = pair.first;
+    contact.second_body = pair.second;
+    contact.first = members.local(input, pair.first);
+    contact.second = members.local(input, pair.second);
+    load_contact(input, pair, problem.bodies, contact);
+    warm_start(input, share, contact);
+    if (bounces(input, contact, problem.velocity)) return false;
+  }
+  forget_factor(problem);
+  return true;
+}
+
+void place_contacts(const IslandPoses& poses, std::vector<DirectContact>& contacts) {
+  const BodyTable& table = poses.table;
+  for (DirectContact& contact : contacts) {
+    const auto& [normal, tangent, other] = contact.axes;
+    const BodyPose pose_first = poses.of(contact.first, contact.first_body);
+    const BodyPose pose_second = poses.of(contact.second, contact.second_body);
+    const auto moved = [&](std::uint32_t body, const BodyPose& now, const Vector3& at) -> Vector3 {
+      if (table.mobility[body] == Mobility::Fixed) return Vector3::Zero();
+      Vector3 by = now.position - table.position(body);
+      // A rolling ball's lowest point does not rise with its surface.
+      if (!table.ball[body]) by += gained_by_turning(table.orientation(body), now.orientation, at);
+      return by;
+    };
+    for (int i = 0; i < contact.law.points; ++i) {
+      const Vector3 out = contact.law.x[i] * tangent + contact.law.y[i] * other;
+      const Vector3 first = moved(contact.first_body, pose_first, contact.arm_first + out);
+      const Vector3 second = moved(contact.second_body, pose_second, contact.arm_second + out);
+      contact.separation[i] = contact.start_separation[i] + normal.dot(second - first);
+    }
+  }
+}
+
+}  // namespace atl::solver

@@ -1,0 +1,106 @@
+#include <solver/direct/island_motions.h>
+#include <solver/tuning.h>
+
+#include <algorithm>
+
+namespace atl::solver {
+namespace {
+
+// s: of a step of as many substeps as the settings have, in which sweeps part overlaps at their rate. Without joints dt
+// is such a step, else a substep.
+double whole_step(const IslandProblem& problem, const SolverSettings& settings, double dt) {
+  return problem.joints.empty() ? dt : dt * settings.substeps;
+}
+
+// How overlap is parted.
+struct Parting {
+  double rate;       // 1/s, of the overlap
+  double stiffness;  // N s by m/s, over the effective mass
+};
+
+// As the springs that contacts are said to be, or as fast as sweeps would.
+Parting parting_of(const SolverSettings& settings, double dt, double whole, bool fixed) {
+  if (!(settings.contact_hertz > 0)) {
+    return {SubstepConstants::parting_rate(settings, whole, fixed), 1 / tuning::compliance};
+  }
+  const double hertz = fixed ? 2 * settings.contact_hertz : settings.contact_hertz;
+  const Softness spring = Softness::of(hertz, settings.contact_damping_ratio, dt);
+  return {spring.bias_rate, static_cast<double>(spring.mass_scale) / spring.impulse_scale};
+}
+
+void push_contacts_apart(IslandProblem& problem, const SolverSettings& settings, double dt) {
+  const double whole = whole_step(problem, settings, dt);
+  const Parting from_fixed = parting_of(settings, dt, whole, true);
+  const Parting from_dynamic = parting_of(settings, dt, whole, false);
+  for (DirectContact& contact : problem.contacts) {
+    const Parting& parting = contact.fixed() ? from_fixed : from_dynamic;
+    for (int i = 0; i < contact.law.points; ++i) {
+      const double separation = contact.separation[i];
+      const bool apart = separation > 0;
+      contact.law.stiffness[i] = contact.mass[i] * (apart ? 1 / tuning::compliance : parting.stiffness);
+      contact.law.bias[i] = apart ? separation / dt : std::max(parting.rate * separation, -settings.contact_push_speed);
+    }
+    if (settings.contact_hertz > 0) contact.factored.points = 0xff;
+  }
+}
+
+// Whether there is anything to part.
+bool overlaps_notably(const IslandProblem& problem, const SolverSettings& settings, double dt) {
+  const double whole = whole_step(problem, settings, dt);
+  const bool soft = settings.contact_hertz > 0;
+  const double from_fixed = SubstepConstants::parting_rate(settings, whole, true);
+  const double from_dynamic = SubstepConstants::parting_rate(settings, whole, false);
+  for (const DirectContact& contact : problem.contacts) {
+    const double rate = contact.fixed() ? from_fixed : from_dynamic;
+    for (int i = 0; i < contact.law.points; ++i) {
+      const double parts = rate * -contact.separation[i] * dt;
+      if (parts > tuning::least_parting || (soft && contact.lasting.normal[i] > 0)) return true;
+    }
+  }
+  return false;
+}
+
+// Where Newton's method ends nowhere, an interior point method starts over, from the velocities that bodies came with.
+bool find_velocities(IslandMotions& motions, double from_outside) {
+  if (!solve_by_newton(motions.problem, motions.search)) {
+    motions.problem.velocity = motions.lasting;
+    if (!solve_by_interior_point(motions.problem, motions.search)) return false;
+  }
+  return is_bounded(motions.problem, from_outside);
+}
+
+// Bodies keep the velocities that the impulses make.
+void keep_velocities(IslandMotions& motions) {
+  velocities_of_impulses(motions.problem, motions.search.gradient, motions.lasting);
+  for (DirectContact& contact : motions.problem.contacts) contact.lasting = contact.answer;
+  for (DirectJoint& joint : motions.problem.joints) joint.lasting = joint.impulse;
+}
+
+}  // namespace
+
+bool find_motions(IslandMotions& motions, const SolverSettings& settings, double dt, double from_outside) {
+  const bool relaxes = settings.relax_iterations > 0;
+  if (relaxes) {
+    stop_contacts(motions.problem.contacts, dt);
+  } else {
+    push_contacts_apart(motions.problem, settings, dt);
+  }
+  if (!find_velocities(motions, from_outside)) return false;
+  if (relaxes) take_back_compliance(motions.problem, motions.search, dt);
+  keep_velocities(motions);
+  motions.pushes = relaxes && overlaps_notably(motions.problem, settings, dt);
+  if (!motions.pushes) return true;
+  push_contacts_apart(motions.problem, settings, dt);
+  return solve_nearby(motions.problem, motions.search);
+}
+
+void stop_contacts(std::vector<DirectContact>& contacts, double dt) {
+  for (DirectContact& contact : contacts) {
+    for (int i = 0; i < contact.law.points; ++i) {
+      contact.law.stiffness[i] = contact.mass[i] / tuning::compliance;
+      contact.law.bias[i] = std::max(contact.separation[i], 0.0) / dt;
+    }
+  }
+}
+
+}  // namespace atl::solver

@@ -1,0 +1,63 @@
+#include "direct/island_results.h"
+
+#include "constraints/loaded_contact.h"
+#include "integrate/rows3.h"
+
+namespace atl::solver {
+
+void write_back_contacts(const DirectIslandInput& input, double share, const std::vector<DirectContact>& contacts) {
+  for (const DirectContact& contact : contacts) {
+    collision::ContactManifold& manifold = input.manifolds[contact.slot];
+    int point = 0;
+    for (int i = 0; i < collision::max_points; ++i) {
+      const bool there = manifold.separation[i] < collision::no_point;
+      manifold.normal_impulse[i] = there ? static_cast<float>(share * contact.lasting.normal[point++]) : 0;
+    }
+    set3(manifold.friction_impulse, share * contact.in_plane(contact.lasting.friction));
+    manifold.twist_impulse = static_cast<float>(share * contact.lasting.twist);
+    if (input.surface_contacts == nullptr) continue;
+    set3(input.surface_contacts[contact.slot].rolling_impulse, share * contact.in_plane(contact.lasting.rolling));
+  }
+}
+
+void capture_contacts(ContactCapture& capture, const collision::ContactManifold* manifolds, double step,
+                      const IslandProblem& problem) {
+  for (const DirectContact& contact : problem.contacts) {
+    const collision::ContactManifold& manifold = manifolds[contact.slot];
+    ContactCapture::Answer& answer = capture.answers[contact.slot];
+    answer.planar = false;
+    answer.step = step;
+    int point = 0;
+    for (std::size_t i = 0; i < collision::max_points; ++i) {
+      answer.separation[i] = manifold.separation[i];
+      const bool there = manifold.separation[i] < collision::no_point;
+      answer.normal_impulse[i] = there ? static_cast<float>(contact.lasting.normal[point++]) : 0;
+    }
+    const Vector3 friction = contact.in_plane(contact.lasting.friction);
+    const Vector3 rolling = contact.in_plane(contact.lasting.rolling);
+    for (int k = 0; k < 3; ++k) {
+      answer.anchor_first[k] = static_cast<float>(contact.arm_first[k]);
+      answer.anchor_second[k] = static_cast<float>(contact.arm_second[k]);
+      answer.friction_impulse[k] = static_cast<float>(friction[k]);
+      answer.rolling_impulse[k] = static_cast<float>(rolling[k]);
+    }
+    answer.twist_impulse = static_cast<float>(contact.lasting.twist);
+  }
+  for (std::size_t i = 0; i < problem.bodies.size(); ++i) {
+    ContactCapture::Motion& motion = capture.motions[problem.bodies[i].body];
+    motion.free_velocity = linear_part(problem.free, i);
+    motion.free_angular_velocity = angular_part(problem.free, i);
+    motion.inverse_inertia = problem.bodies[i].inverse_inertia;
+  }
+}
+
+void check_loads(const DirectIslandInput& input, const IslandMembers& members) {
+  const Build build = build_of(input.islands, members.island);
+  const double give = SubstepConstants::give_by_impulse(input.settings, input.dt);
+  for (const TouchingPair& pair : members.contacts) {
+    const LoadedContact contact = loaded_contact(input.bodies, input.manifolds, pair);
+    note_overload(contact, give * load_of(contact.manifold), build, input.overloads.local());
+  }
+}
+
+}  // namespace atl::solver
