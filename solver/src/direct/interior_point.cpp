@@ -54,10 +54,10 @@ double balance_on_path(IslandProblem& problem, std::vector<double>& gradient) {
     contact.bound_friction(load);
     ContactAnswer answer = law.answer(contact.motion);
     for (int i = 0; i < law.points; ++i) {
-      const double give = in.impulse[i] / law.stiffness[i];
+      const double deflection = in.impulse[i] / law.stiffness[i];
       answer.normal[i] = in.impulse[i];
-      in.missing[i] = law.speed(i, contact.motion) + law.bias[i] + give - in.gap[i];
-      in.held[i] = in.impulse[i] / (in.gap[i] + give);
+      in.missing[i] = law.speed(i, contact.motion) + law.bias[i] + deflection - in.gap[i];
+      in.held[i] = in.impulse[i] / (in.gap[i] + deflection);
     }
     return answer;
   });

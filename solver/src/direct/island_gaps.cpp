@@ -1,4 +1,4 @@
-#include "direct/joint_gaps.h"
+#include "direct/island_gaps.h"
 
 #include <solver/tuning.h>
 

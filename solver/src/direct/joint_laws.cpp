@@ -1,0 +1,200 @@
+#include "direct/joint_laws.h"
+
+#include <solver/constraints/spring_step.h>
+#include <solver/integrate/motion.h>
+#include <solver/tuning.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "integrate/rows3.h"
+
+namespace atl::solver {
+namespace {
+
+// The spring and servo of a law, that moves `mass`.
+LinearForce linear_force(const Law& law, double mass, double position, double rate) {
+  LinearForce force = LinearForce::of_spring(law, mass);
+  if (!law.is_servo()) return force;
+  const LinearForce servo = LinearForce::of_servo(law, mass);
+  const double most = law.motor_force / mass;
+  const double pull = servo.at(position, rate);
+  if (std::abs(pull) < most) {
+    force.add(servo);
+  } else {
+    force.beside += std::copysign(most, pull);
+  }
+  return force;
+}
+
+// Where bodies would turn to in the substep.
+void turn_on(std::vector<JointMember>& members, const BodyTable& table, double h) {
+  for (JointMember& member : members) {
+    member.next_turn = member.turn;
+    if (member.spin.isZero(0)) continue;
+    Vector3 spin = member.turn.conjugate() * member.spin;
+    if (member.dynamic && table.gyroscopic[member.body]) {
+      const Vector3 torque = (table.inertia[member.body] * spin).cross(spin);
+      spin += (0.5 * h) * (table.inverse_inertia[member.body] * torque);
+    }
+    member.next_turn = turned(h * (member.turn * spin), member.turn);
+  }
+}
+
+bool bends_notably(const JointMember& member) {
+  constexpr double least_square = tuning::least_bend_spin * tuning::least_bend_spin;
+  return member.spin.squaredNorm() > least_square;
+}
+
+bool has_limits(const Joint& joint) {
+  return std::any_of(joint.law.begin(), joint.law.begin() + joint.rows,
+                     [](const Law& law) { return law.limited() && !law.locked(); });
+}
+
+}  // namespace
+
+void begin_laws(JointAssembly& assembly, const Joint* joints, double h) {
+  if (assembly.rows.empty()) return;
+  for (const JointNode& node : assembly.nodes) {
+    const Joint& joint = joints[node.joint];
+    const JointMember& a = assembly.members[node.first];
+    const JointMember& b = assembly.members[node.second];
+    for (std::uint32_t r = node.begin; r < node.end; ++r) {
+      AssemblyRow& row = assembly.rows[r];
+      const double response = row.at.response(a.inverse_mass + b.inverse_mass, a.inverse_inertia, b.inverse_inertia);
+      row.mass = response > 0 ? 1 / response : 0;
+      row.mode.begin(joint.law[r - node.begin], row.position, row.mass, h);
+    }
+  }
+}
+
+void note_rates(JointAssembly& assembly, const Joint* joints) {
+  for (const JointNode& node : assembly.nodes) {
+    for (std::uint32_t r = node.begin; r < node.end; ++r) {
+      AssemblyRow& row = assembly.rows[r];
+      row.rate_before = assembly.row_speed(node, row);
+      if (joints[node.joint].law[r - node.begin].looks_back()) row.mode.start_at(row.rate_before);
+    }
+  }
+}
+
+void note_impacts(JointAssembly& assembly, const Joint* joints, double h) {
+  for (const JointNode& node : assembly.nodes) {
+    for (std::uint32_t r = node.begin; r < node.end; ++r) {
+      const Law& law = joints[node.joint].law[r - node.begin];
+      AssemblyRow& row = assembly.rows[r];
+      row.bounces = false;
+      row.impact = row.mode.holds() || law.restitution == 0
+                       ? LimitImpact{}
+                       : LimitImpact::of(law, row.position, row.rate_before, assembly.row_speed(node, row), h);
+    }
+  }
+}
+
+void note_bends(JointAssembly& assembly, const Joint* joints, const BodyTable& table, double h) {
+  turn_on(assembly.members, table, h);
+  bool goes_far = false;
+  for (JointNode& node : assembly.nodes) {
+    const JointMember& a = assembly.members[node.first];
+    const JointMember& b = assembly.members[node.second];
+    node.bend.setZero();
+    for (std::uint32_t r = node.begin; r < node.end; ++r) assembly.rows[r].bend = 0;
+    if (!bends_notably(a) && !bends_notably(b)) continue;
+    const Joint& joint = joints[node.joint];
+    const Vector3 turned_first = a.next_turn * joint.anchor_first - node.arm_first;
+    const Vector3 turned_second = b.next_turn * joint.anchor_second - node.arm_second;
+    goes_far |= turned_first.norm() > tuning::most_bend * node.arm_first.norm() ||
+                turned_second.norm() > tuning::most_bend * node.arm_second.norm();
+    node.bend = (turned_second - turned_first) / h - (b.spin.cross(node.arm_second) - a.spin.cross(node.arm_first));
+    if (node.begin == node.end) continue;
+    const JointFrames frames =
+        joint_frames(joint, a.position + h * a.velocity, a.next_turn, b.position + h * b.velocity, b.next_turn);
+    for (std::uint32_t r = node.begin; r < node.end; ++r) {
+      AssemblyRow& row = assembly.rows[r];
+      const double straight = row.position + h * assembly.row_speed(node, row);
+      const std::size_t k = r - node.begin;
+      row.bend = (continued(joint.coordinate[k], joint_row(joint, k, frames).value, straight) - straight) / h;
+    }
+  }
+  if (!goes_far) return;
+  for (JointNode& node : assembly.nodes) node.bend.setZero();
+  for (AssemblyRow& row : assembly.rows) row.bend = 0;
+}
+
+bool update_laws(JointAssembly& assembly) {
+  bool changed = false;
+  for (const JointNode& node : assembly.nodes) {
+    for (std::uint32_t r = node.begin; r < node.end; ++r) {
+      AssemblyRow& row = assembly.rows[r];
+      changed |= row.mode.update(assembly.row_speed(node, row), row.impulse);
+    }
+  }
+  return changed;
+}
+
+bool catch_limits(JointAssembly& assembly, const Joint* joints, double h) {
+  if (assembly.rows.empty()) return false;
+  bool caught = false;
+  for (const JointNode& node : assembly.nodes) {
+    const Joint& joint = joints[node.joint];
+    if (!has_limits(joint)) continue;
+    const JointFrames frames = assembly.frames_of(joint, node);
+    for (std::uint32_t r = node.begin; r < node.end; ++r) {
+      const Law& law = joint.law[r - node.begin];
+      if (!law.limited() || law.locked()) continue;
+      caught |= assembly.rows[r].mode.catch_at_end(law, position_of(assembly, node, r, joint, frames, h));
+    }
+  }
+  return caught;
+}
+
+bool catch_limits_here(JointAssembly& assembly, const Joint* joints) {
+  bool caught = false;
+  for (const JointNode& node : assembly.nodes) {
+    for (std::uint32_t r = node.begin; r < node.end; ++r) {
+      AssemblyRow& row = assembly.rows[r];
+      const Law& law = joints[node.joint].law[r - node.begin];
+      if (law.limited()) caught |= row.mode.catch_at_end(law, row.position);
+    }
+  }
+  return caught;
+}
+
+// Where substeps can't follow a spring there is no half of one. Called between the half kicks of other forces.
+bool kick_springs(JointAssembly& assembly, const Joint* joints, const SolverBodies& bodies, double h, int sign) {
+  bool kicks = false;
+  for (const JointNode& node : assembly.nodes) {
+    const AccelerationRows& of_first = bodies.acceleration[assembly.members[node.first].local];
+    const AccelerationRows& of_second = bodies.acceleration[assembly.members[node.second].local];
+    for (std::uint32_t r = node.begin; r < node.end; ++r) {
+      const AssemblyRow& row = assembly.rows[r];
+      const Law& law = joints[node.joint].law[r - node.begin];
+      if (!law.looks_back() || law.locked() || !(row.mass > 0)) continue;
+      const double moved = row.mass + law.armature;
+      const double rate = assembly.row_speed(node, row);
+      const LinearForce force = linear_force(law, moved, row.position, rate);
+      const double omega = std::sqrt(force.square_of_omega);
+      if (omega * h > SpringStep::most_phase || force.decay * h > SpringStep::most_phase) continue;
+      const LateRate late = LateRate::of(omega, force.decay, h);
+      const double acceleration =
+          row.at.rate(get3(of_first.linear), get3(of_first.angular), get3(of_second.linear), get3(of_second.angular));
+      const double of_force = 0.5 * h * acceleration;  // half a kick of everything else, which it has
+      const double beside = late.of_position * (row.position - force.rest) +
+                            late.of_acceleration * (row.mass / moved * acceleration + force.beside);
+      const double kicked =
+          sign < 0 ? beside + late.of_rate * (rate + of_force) : (rate - beside) / late.of_rate - of_force;
+      assembly.apply(node, row.at, row.mass * (kicked - rate));
+      kicks = true;
+    }
+  }
+  return kicks;
+}
+
+double position_of(const JointAssembly& assembly, const JointNode& node, std::uint32_t r, const Joint& joint,
+                   const JointFrames& frames, double h) {
+  const AssemblyRow& row = assembly.rows[r];
+  const double moved = row.position + h * assembly.row_speed(node, row);  // what is a rate only is there
+  return continued(joint.coordinate[r - node.begin], joint_row(joint, r - node.begin, frames).value, moved);
+}
+
+}  // namespace atl::solver
