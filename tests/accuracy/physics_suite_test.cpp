@@ -5,7 +5,7 @@
 #include <set>
 #include <string>
 
-#include "physics/suite.h"
+#include "checks/physics/suite.h"
 #include "support/scenes.h"
 
 namespace atl::physics {

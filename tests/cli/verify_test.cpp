@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "cli/command.h"
-#include "stability/suite.h"
+#include "checks/stability/suite.h"
 
 namespace atl::test {
 namespace {

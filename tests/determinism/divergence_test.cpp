@@ -1,6 +1,6 @@
 // Two runs that part are found out: at which step, and which bodies differ, in what, by how much.
 
-#include "divergence/divergence.h"
+#include "checks/divergence/divergence.h"
 
 #include <gtest/gtest.h>
 

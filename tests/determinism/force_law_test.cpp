@@ -11,7 +11,7 @@
 #include <tuple>
 #include <vector>
 
-#include "divergence/variant_run.h"
+#include "checks/divergence/variant_run.h"
 #include "support/scene_run.h"
 #include "support/scenes.h"
 #include "support/temporary_file.h"

@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "divergence/variant_run.h"
+#include "checks/divergence/variant_run.h"
 #include "support/scene_run.h"
 #include "support/scenes.h"
 #include "support/temporary_file.h"

@@ -19,12 +19,12 @@ DIRECTORIES = [ROOT / path for path in
 # Rooms in the order that they may be included in, from the top down: each sees those in rows below its own.
 CORE = ("world", "step", "state")  # one library, whose parts see each other
 LAYERS = {
-    "runtime": [["command"], ["stability", "physics", "divergence"], ["scene", "audit", "core"], ["include"]],
+    "runtime": [["command"], ["checks"], ["scene", "audit", "core"], ["include"]],
     "solver": [["select", "sweep"], ["direct"], ["islands"], ["constraints"], ["integrate"], ["tuning"]],
     "collision": [["queries"], ["continuous"], ["contacts"], ["broadphase", "narrowphase"], ["shapes"]],
     "jobs": [["jobs"]],
 }
-LABELS = {"runtime/core": ", ".join(CORE), "runtime/include": "include/atoll, the public API",
+LABELS = {"runtime/checks": "checks: stability, physics, divergence", "runtime/core": ", ".join(CORE), "runtime/include": "include/atoll, the public API",
           "solver/tuning": "settings, tuning.h", "jobs/jobs": "parallel loops"}
 
 ROWS = [(layer, rooms) for layer, rows in LAYERS.items() for rooms in rows]

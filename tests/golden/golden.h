@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "divergence/variant_run.h"
+#include "checks/divergence/variant_run.h"
 
 namespace atl::test {
 

@@ -1,6 +1,6 @@
 // Every case of the stability suite keeps to its limits, but for what is known to exceed them, which still does.
 
-#include "stability/suite.h"
+#include "checks/stability/suite.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "divergence/variant_run.h"
+#include "checks/divergence/variant_run.h"
 
 namespace atl::test {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "divergence/divergence.h"
+#include "checks/divergence/divergence.h"
 #include "world/simd_names.h"
 
 namespace atl::test {

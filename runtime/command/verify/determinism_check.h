@@ -1,6 +1,6 @@
 #pragma once
 
-#include "divergence/variant_run.h"
+#include "checks/divergence/variant_run.h"
 #include "verify_options.h"
 
 namespace atl::command {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "divergence/divergence.h"
+#include "checks/divergence/divergence.h"
 
 namespace atl::command {
 

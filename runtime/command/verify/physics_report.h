@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "physics/suite.h"
+#include "checks/physics/suite.h"
 
 namespace atl::command {
 

@@ -3,7 +3,7 @@
 #include <iosfwd>
 #include <span>
 
-#include "stability/suite.h"
+#include "checks/stability/suite.h"
 
 namespace atl::command {
 

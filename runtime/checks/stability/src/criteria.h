@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "stability/suite.h"
+#include "checks/stability/suite.h"
 
 namespace atl::stability {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "stability/suite.h"
+#include "checks/stability/suite.h"
 
 namespace atl::stability {
 

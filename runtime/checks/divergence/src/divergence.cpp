@@ -1,4 +1,4 @@
-#include "divergence/divergence.h"
+#include "checks/divergence/divergence.h"
 
 #include "state/body_parts.h"
 

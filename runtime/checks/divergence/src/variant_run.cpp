@@ -1,4 +1,4 @@
-#include "divergence/variant_run.h"
+#include "checks/divergence/variant_run.h"
 
 #include <jobs/hash.h>
 
