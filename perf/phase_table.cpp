@@ -37,7 +37,7 @@ Column measure(const std::string& name, const atl::Settings& settings, int threa
   atl::build_scene(scene, world);
   for (int i = 0; i < warm_up; ++i) world.step(scene.dt);
 
-  std::vector<std::vector<double>> phases(atl::phase_count), stages(atl::solver_stage_count);
+  std::vector<std::vector<double>> phases(atl::phase_count), stages(atl::solver_phase_count);
   std::vector<double> points;
   for (int i = 0; i < steps; ++i) {
     const atl::StepReport report = world.step(scene.dt);
@@ -71,8 +71,8 @@ void print(const std::vector<Column>& columns) {
     const auto phase = static_cast<atl::Phase>(k);
     row(atl::phase_name(phase), "%.1f", [&](const Column& column) { return column.phases[k]; });
     if (phase != atl::Phase::SolveIslands) continue;
-    for (std::size_t s = 0; s < atl::solver_stage_count; ++s) {
-      row(std::string("- ") + atl::solver_stage_name(static_cast<atl::SolverStage>(s)), "%.1f",
+    for (std::size_t s = 0; s < atl::solver_phase_count; ++s) {
+      row(std::string("- ") + atl::solver_phase_name(static_cast<atl::SolverPhase>(s)), "%.1f",
           [&](const Column& column) { return column.stages[s]; });
     }
   }

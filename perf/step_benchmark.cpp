@@ -29,8 +29,8 @@ void step_scene(benchmark::State& state, const std::string& name, int threads) {
   std::int64_t points = 0;
   for (auto _ : state) {
     const atl::StepReport report = world.step(scene.dt);
-    if (report.first_non_finite_body >= 0) {
-      state.SkipWithError(("body " + std::to_string(report.first_non_finite_body) + " became non-finite").c_str());
+    if (report.first_quarantined >= 0) {
+      state.SkipWithError(("body " + std::to_string(report.first_quarantined) + " became non-finite").c_str());
       return;
     }
     ms.push_back(report.ms);

@@ -39,7 +39,7 @@ Eigen::Matrix<double, 7, 6> jacobian(const ContactProblem::Patch& patch, const V
   if (shape.slides) {
     for (const Vector3& t : {patch.tangent, across}) j.row(next++) = sign * row(t, anchor.cross(t));
   }
-  if (shape.twists) j.row(next) = sign * patch.lever * row(Vector3::Zero(), patch.normal);
+  if (shape.twists) j.row(next) = sign * patch.radius * row(Vector3::Zero(), patch.normal);
   return j;
 }
 
@@ -68,7 +68,7 @@ ContactRows::ContactRows(const ContactProblem& problem) {
     shape.points = static_cast<int>(patch.points.size());
     shape.friction = patch.friction;
     shape.slides = patch.friction > 0;
-    shape.twists = patch.friction > 0 && patch.lever > 0;
+    shape.twists = patch.friction > 0 && patch.radius > 0;
     Eigen::Matrix<double, 7, 1> offset_of_rows = Eigen::Matrix<double, 7, 1>::Zero();
     for (int i = 0; i < shape.points; ++i) {
       offset_of_rows[i] = std::max(0.0, patch.points[static_cast<std::size_t>(i)].gap) /
@@ -133,7 +133,7 @@ Eigen::VectorXd ContactRows::impulses_of(const ContactProblem& problem) const {
       r[next++] = patch.tangent.dot(patch.friction_impulse);
       r[next++] = patch.normal.cross(patch.tangent).dot(patch.friction_impulse);
     }
-    if (rows_of.twists) r[next] = patch.twist_impulse / patch.lever;
+    if (rows_of.twists) r[next] = patch.torsional_impulse / patch.radius;
   }
   return r;
 }
@@ -142,14 +142,14 @@ void ContactRows::write(const Eigen::VectorXd& impulses, ContactProblem& problem
   for (const PatchRows& rows_of : patches) {
     ContactProblem::Patch& patch = problem.patches[rows_of.patch];
     patch.friction_impulse.setZero();
-    patch.twist_impulse = 0;
+    patch.torsional_impulse = 0;
     int next = rows_of.first_row;
     for (ContactProblem::Point& point : patch.points) point.impulse = impulses[next++];
     if (rows_of.slides) {
       patch.friction_impulse = impulses[next] * patch.tangent + impulses[next + 1] * patch.normal.cross(patch.tangent);
       next += 2;
     }
-    if (rows_of.twists) patch.twist_impulse = impulses[next] * patch.lever;
+    if (rows_of.twists) patch.torsional_impulse = impulses[next] * patch.radius;
   }
 }
 

@@ -138,7 +138,7 @@ std::vector<BodyVelocity> velocities_after(const ContactProblem& problem) {
   std::vector<BodyVelocity> velocities = free_velocities(problem);
   for (const ContactProblem::Patch& patch : problem.patches) {
     Vector3 impulse = patch.friction_impulse;
-    Vector3 moment = patch.twist_impulse * patch.normal;  // about the centre
+    Vector3 moment = patch.torsional_impulse * patch.normal;  // about the centre
     for (const ContactProblem::Point& point : patch.points) {
       const Vector3 arm = point.x * patch.tangent + point.y * patch.normal.cross(patch.tangent);
       impulse += point.impulse * patch.normal;

@@ -22,12 +22,12 @@ struct Velocity {
 }
 
 // m, by which angular impulses about the normal are divided.
-double twist_arm(const ContactProblem::Patch& patch) { return patch.lever + patch.torsional_friction; }
+double torsional_arm(const ContactProblem::Patch& patch) { return patch.radius + patch.torsional_friction; }
 
 audit::FrictionBounds bounds_of(const ContactProblem::Patch& patch) {
-  const double arm = twist_arm(patch);
+  const double arm = torsional_arm(patch);
   return {.tangential = patch.friction,
-          .twist = arm > 0 ? (patch.friction * patch.lever + patch.torsional_friction) / arm : 0,
+          .torsional = arm > 0 ? (patch.friction * patch.radius + patch.torsional_friction) / arm : 0,
           .rolling = patch.rolling_friction > 0 ? 1.0 : 0.0};  // their arm is the bound
 }
 
@@ -52,12 +52,12 @@ void check(const ContactProblem& problem) {
       if (!(value >= 0))
         refuse(i, std::string("found ") + name + " " + std::to_string(value) + " m, expected a length >= 0");
     };
-    check_length("lever", patch.lever);
+    check_length("radius", patch.radius);
     check_length("torsional friction", patch.torsional_friction);
     check_length("rolling friction", patch.rolling_friction);
-    if (twist_arm(patch) == 0 && patch.twist_impulse != 0) {
-      refuse(i, "found a twist impulse of " + std::to_string(patch.twist_impulse) +
-                    " N m s with neither a lever nor torsional friction, expected 0");
+    if (torsional_arm(patch) == 0 && patch.torsional_impulse != 0) {
+      refuse(i, "found a torsional impulse of " + std::to_string(patch.torsional_impulse) +
+                    " N m s with neither a radius nor torsional friction, expected 0");
     }
     if (patch.rolling_friction == 0 && !patch.rolling_impulse.isZero(0)) {
       refuse(i, "found a rolling impulse of " + std::to_string(patch.rolling_impulse.norm()) +
@@ -78,7 +78,7 @@ class Rows {
   // Adds M^-1 J^T r.
   void accelerate(std::vector<Velocity>& velocities) const {
     Vector3 impulse = patch_.friction_impulse;
-    Vector3 angular = patch_.twist_impulse * patch_.normal + patch_.rolling_impulse;
+    Vector3 angular = patch_.torsional_impulse * patch_.normal + patch_.rolling_impulse;
     for (const ContactProblem::Point& point : patch_.points) {
       impulse += point.impulse * patch_.normal;
       angular += arm(point).cross(point.impulse * patch_.normal);
@@ -101,7 +101,7 @@ class Rows {
     const Vector3 sliding = at_centre + patch_.slip;
     PatchVector u{.points = patch_.points.size(),
                   .tangential = along_tangents(sliding),
-                  .twist = twist_arm(patch_) * patch_.normal.dot(spin),
+                  .torsional = torsional_arm(patch_) * patch_.normal.dot(spin),
                   .rolling = patch_.rolling_friction * along_tangents(spin)};
     for (std::size_t i = 0; i < u.points; ++i) {
       u.normal[i] = patch_.normal.dot(at_centre + spin.cross(arm(patch_.points[i])));
@@ -112,7 +112,7 @@ class Rows {
   PatchVector impulse() const {
     PatchVector r{.points = patch_.points.size(),
                   .tangential = along_tangents(patch_.friction_impulse),
-                  .twist = per_arm(patch_.twist_impulse, twist_arm(patch_)),
+                  .torsional = per_arm(patch_.torsional_impulse, torsional_arm(patch_)),
                   .rolling = {per_arm(tangents_[0].dot(patch_.rolling_impulse), patch_.rolling_friction),
                               per_arm(tangents_[1].dot(patch_.rolling_impulse), patch_.rolling_friction)}};
     for (std::size_t i = 0; i < r.points; ++i) r.normal[i] = patch_.points[i].impulse;
@@ -138,7 +138,7 @@ class Rows {
     if (bounds.tangential > 0) {
       for (const Vector3& tangent : tangents_) add(tangent, Vector3::Zero(), 1);
     }
-    if (bounds.twist > 0) add_turn(patch_.normal, twist_arm(patch_));
+    if (bounds.torsional > 0) add_turn(patch_.normal, torsional_arm(patch_));
     if (bounds.rolling > 0) {
       for (const Vector3& tangent : tangents_) add_turn(tangent, patch_.rolling_friction);
     }
@@ -174,13 +174,13 @@ double natural_map(const Rows& rows, const PatchVector& u, const audit::Friction
   const double mass = rows.effective_mass();
   if (!std::isfinite(mass)) return 0;
   // De Saxce and Feng's correction makes sliding along the cone normal to it.
-  const double correction = friction.tangential * u.tangential.norm() + friction.twist * std::abs(u.twist) +
+  const double correction = friction.tangential * u.tangential.norm() + friction.torsional * std::abs(u.torsional) +
                             friction.rolling * u.rolling.norm();
   const PatchVector r = rows.impulse();
   PatchVector z = r;
   for (std::size_t i = 0; i < z.points; ++i) z.normal[i] -= mass * (u.normal[i] + correction);
   z.tangential -= mass * u.tangential;
-  z.twist -= mass * u.twist;
+  z.torsional -= mass * u.torsional;
   z.rolling -= mass * u.rolling;
   return std::sqrt((r - audit::project_on_cone(z, friction)).squared_norm()) / mass;
 }
@@ -191,7 +191,7 @@ double square_within_reach(const PatchVector& u, const audit::FrictionBounds& fr
   for (std::size_t i = 0; i < u.points; ++i) closing += std::pow(std::min(0.0, u.normal[i]), 2);
   if (closing == 0) return closing;
   if (friction.tangential > 0) closing += u.tangential.squaredNorm();
-  if (friction.twist > 0) closing += u.twist * u.twist;
+  if (friction.torsional > 0) closing += u.torsional * u.torsional;
   if (friction.rolling > 0) closing += u.rolling.squaredNorm();
   return closing;
 }

@@ -85,7 +85,7 @@ Eigen::Vector2d clamp(const Eigen::Vector2d& z, double bound) {
 }  // namespace
 
 double PatchVector::squared_norm() const {
-  double sum = tangential.squaredNorm() + twist * twist + rolling.squaredNorm();
+  double sum = tangential.squaredNorm() + torsional * torsional + rolling.squaredNorm();
   for (std::size_t i = 0; i < points; ++i) sum += normal[i] * normal[i];
   return sum;
 }
@@ -93,7 +93,7 @@ double PatchVector::squared_norm() const {
 PatchVector operator-(const PatchVector& a, const PatchVector& b) {
   PatchVector difference{.points = a.points,
                          .tangential = a.tangential - b.tangential,
-                         .twist = a.twist - b.twist,
+                         .torsional = a.torsional - b.torsional,
                          .rolling = a.rolling - b.rolling};
   for (std::size_t i = 0; i < a.points; ++i) difference.normal[i] = a.normal[i] - b.normal[i];
   return difference;
@@ -107,7 +107,7 @@ PatchVector project_on_cone(const PatchVector& z, const FrictionBounds& friction
     if (bound > 0) all[count++] = {length, bound};
   };
   add(z.tangential.norm(), friction.tangential);
-  add(std::abs(z.twist), friction.twist);
+  add(std::abs(z.torsional), friction.torsional);
   add(z.rolling.norm(), friction.rolling);
   const std::span<const Part> parts(all.data(), count);
 
@@ -121,7 +121,7 @@ PatchVector project_on_cone(const PatchVector& z, const FrictionBounds& friction
   for (const Part& part : parts) lift += part.excess(sum);
   for (std::size_t i = 0; i < z.points; ++i) nearest.normal[i] = std::max(0.0, z.normal[i] + lift);
   nearest.tangential = clamp(z.tangential, friction.tangential * sum);
-  nearest.twist = std::clamp(z.twist, -friction.twist * sum, friction.twist * sum);
+  nearest.torsional = std::clamp(z.torsional, -friction.torsional * sum, friction.torsional * sum);
   nearest.rolling = clamp(z.rolling, friction.rolling * sum);
   return nearest;
 }

@@ -7,13 +7,13 @@
 namespace atl::audit {
 
 /// Impulses or velocities at the rows of a patch of contact: along the normal at each point, along the two tangents at
-/// the centre, and about the normal. Twist is taken per lever arm (an angular impulse over L, a spin times L), so that
+/// the centre, and about the normal. Torsion is taken per arm (an angular impulse over L, a spin times L), so that
 /// all rows have the same unit.
 struct PatchVector {
   std::array<double, 4> normal = {};
   std::size_t points = 0;  ///< in [1, 4]; how many of `normal` count
   Eigen::Vector2d tangential = Eigen::Vector2d::Zero();
-  double twist = 0;
+  double torsional = 0;
   Eigen::Vector2d rolling = Eigen::Vector2d::Zero();  ///< about the tangents, per arm likewise
 
   double squared_norm() const;
@@ -24,7 +24,7 @@ PatchVector operator-(const PatchVector& a, const PatchVector& b);
 /// How much of the normal impulse the others may be; all >= 0.
 struct FrictionBounds {
   double tangential = 0;
-  double twist = 0;
+  double torsional = 0;
   double rolling = 0;
 };
 

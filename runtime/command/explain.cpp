@@ -14,8 +14,8 @@
 namespace atl::command {
 namespace {
 
-// What the steps of a run say of a stage.
-struct StageTally {
+// What the steps of a run say of a feature.
+struct FeatureTally {
   const char* name = "";
   const char* unit = "";
   const char* why_run = "";       // as the last step that ran it says
@@ -24,20 +24,20 @@ struct StageTally {
   std::int64_t items = 0;         // of these steps, in all
   std::int64_t most = 0;          // in one step
 
-  void add(const StageReport& stage) {
-    name = stage.name;
-    unit = stage.unit;
-    (stage.run ? why_run : why_left_out) = stage.why;
-    if (!stage.run) return;
+  void add(const FeatureReport& feature) {
+    name = feature.name;
+    unit = feature.unit;
+    (feature.run ? why_run : why_left_out) = feature.why;
+    if (!feature.run) return;
     ++steps;
-    items += stage.items;
-    most = std::max(most, stage.items);
+    items += feature.items;
+    most = std::max(most, feature.items);
   }
   double mean() const { return steps == 0 ? 0 : static_cast<double>(items) / static_cast<double>(steps); }
 };
 
 struct Explanation {
-  std::array<StageTally, stage_count> stages;
+  std::array<FeatureTally, feature_count> features;
   std::vector<MemoryUse> memory;
   std::int64_t steps = 0;
 };
@@ -49,7 +49,7 @@ Explanation explanation_of(const Scene& scene, World& world) {
   while (found.steps < scene.steps) {
     apply_forces(scene, world, ids);
     const StepReport report = world.step(scene.dt);
-    for (std::size_t i = 0; i < stage_count; ++i) found.stages[i].add(report.stages[i]);
+    for (std::size_t i = 0; i < feature_count; ++i) found.features[i].add(report.features[i]);
     progress.update(static_cast<int>(++found.steps));
   }
   found.memory = world.memory();
@@ -64,13 +64,13 @@ std::string words_of(const char* name) {
 
 constexpr int feature_width = 24;
 
-void write_stage(std::ostream& out, const std::string& name, const std::string& text) {
+void write_feature(std::ostream& out, const std::string& name, const std::string& text) {
   out << "  " << std::left << std::setw(feature_width) << name << text << "\n";
 }
 
-std::string extent_words(const StageTally& stage) {
-  return std::string(stage.unit) + " a step: " + significant(stage.mean(), 4) + ", " + std::to_string(stage.most) +
-         " at most";
+std::string extent_words(const FeatureTally& feature) {
+  return std::string(feature.unit) + " a step: " + significant(feature.mean(), 4) + ", " +
+         std::to_string(feature.most) + " at most";
 }
 
 void write_text(std::ostream& out, const Scene& scene, const Explanation& found) {
@@ -79,24 +79,25 @@ void write_text(std::ostream& out, const Scene& scene, const Explanation& found)
       << " kinematic bodies, " << plural(found.steps, "step") << "\n";
 
   const auto section = [&](const char* title, const auto& belongs, const auto& text) {
-    if (std::none_of(found.stages.begin(), found.stages.end(), belongs)) return;
+    if (std::none_of(found.features.begin(), found.features.end(), belongs)) return;
     out << "\n" << title << "\n";
-    for (const StageTally& stage : found.stages) {
-      if (belongs(stage)) write_stage(out, words_of(stage.name), text(stage));
+    for (const FeatureTally& feature : found.features) {
+      if (belongs(feature)) write_feature(out, words_of(feature.name), text(feature));
     }
   };
   section(
-      "needed in every step", [&](const StageTally& stage) { return stage.steps == found.steps; },
-      [](const StageTally& stage) { return stage.why_run + std::string(" (") + extent_words(stage) + ")"; });
+      "needed in every step", [&](const FeatureTally& feature) { return feature.steps == found.steps; },
+      [](const FeatureTally& feature) { return feature.why_run + std::string(" (") + extent_words(feature) + ")"; });
   section(
-      "needed in some steps", [&](const StageTally& stage) { return stage.steps > 0 && stage.steps < found.steps; },
-      [](const StageTally& stage) {
-        return "in " + plural(stage.steps, "step") + ": " + stage.why_run + " (" + extent_words(stage) + "); else " +
-               stage.why_left_out;
+      "needed in some steps",
+      [&](const FeatureTally& feature) { return feature.steps > 0 && feature.steps < found.steps; },
+      [](const FeatureTally& feature) {
+        return "in " + plural(feature.steps, "step") + ": " + feature.why_run + " (" + extent_words(feature) +
+               "); else " + feature.why_left_out;
       });
   section(
-      "left out", [](const StageTally& stage) { return stage.steps == 0; },
-      [](const StageTally& stage) { return std::string(stage.why_left_out); });
+      "left out", [](const FeatureTally& feature) { return feature.steps == 0; },
+      [](const FeatureTally& feature) { return std::string(feature.why_left_out); });
 
   out << "\nmemory" << std::string(feature_width - 4, ' ') << std::right << std::setw(12) << "bytes"
       << "    for each\n";
@@ -116,20 +117,20 @@ void write_text(std::ostream& out, const Scene& scene, const Explanation& found)
 
 void write_json(std::ostream& out, const Scene& scene, const Explanation& found) {
   using Json = nlohmann::ordered_json;
-  Json stages = Json::array(), memory = Json::array();
-  for (const StageTally& stage : found.stages) {
-    stages.push_back({{"name", stage.name},
-                      {"steps", stage.steps},
-                      {"items_mean", stage.mean()},
-                      {"items_max", stage.most},
-                      {"unit", stage.unit},
-                      {"why_run", stage.why_run},
-                      {"why_left_out", stage.why_left_out}});
+  Json features = Json::array(), memory = Json::array();
+  for (const FeatureTally& feature : found.features) {
+    features.push_back({{"name", feature.name},
+                        {"steps", feature.steps},
+                        {"items_mean", feature.mean()},
+                        {"items_max", feature.most},
+                        {"unit", feature.unit},
+                        {"why_run", feature.why_run},
+                        {"why_left_out", feature.why_left_out}});
   }
   for (const MemoryUse& use : found.memory) {
     memory.push_back({{"name", use.name}, {"bytes", use.bytes}, {"count", use.count}, {"unit", use.unit}});
   }
-  const Json object = {{"scene", scene.name}, {"steps", found.steps}, {"stages", stages}, {"memory", memory}};
+  const Json object = {{"scene", scene.name}, {"steps", found.steps}, {"features", features}, {"memory", memory}};
   out << object.dump(2, ' ', false, Json::error_handler_t::replace) << "\n";
 }
 

@@ -14,7 +14,7 @@ struct ExplainOptions {
 
 void add_explain_options(CLI::App& command, ExplainOptions& options);
 
-/// Runs a scene and tells which stages its steps needed, which they left out, why, and what memory is for what.
+/// Runs a scene and tells which features its steps needed, which they left out, why, and what memory is for what.
 void explain(const ExplainOptions& options);
 
 }  // namespace atl::command

@@ -12,8 +12,8 @@ std::vector<Count> named_counts(const StepCounts& c) {
           {"colours", c.colours},
           {"fcl_calls", c.fcl_calls},
           {"fcl_repairs", c.fcl_repairs},
-          {"kept_manifolds", c.kept_manifolds},
-          {"fresh_manifolds", c.fresh_manifolds},
+          {"recycled_manifolds", c.recycled_manifolds},
+          {"recomputed_manifolds", c.recomputed_manifolds},
           {"asleep", c.asleep},
           {"id_matches", c.id_matches},
           {"id_misses", c.id_misses},
@@ -22,9 +22,9 @@ std::vector<Count> named_counts(const StepCounts& c) {
           {"sweeps", c.sweeps},
           {"direct_joints", c.direct_joints},
           {"direct_islands", c.direct_islands},
-          {"finer_islands", c.finer_islands},
+          {"refined_islands", c.refined_islands},
           {"newton_iterations", c.newton_iterations},
-          {"new_boxes", c.new_boxes}};
+          {"aabb_updates", c.aabb_updates}};
 }
 
 BodyCounts body_counts(const Scene& scene) {

@@ -42,11 +42,11 @@ Json phases_json(const RunResult& result) {
 }
 
 Json solver_json(const RunResult& result) {
-  Json stages = Json::object();
-  for (std::size_t i = 0; i < solver_stage_count; ++i) {
-    stages[solver_stage_name(static_cast<SolverStage>(i))] = result.solver_ms[i];
+  Json phases = Json::object();
+  for (std::size_t i = 0; i < solver_phase_count; ++i) {
+    phases[solver_phase_name(static_cast<SolverPhase>(i))] = result.solver_ms[i];
   }
-  return stages;
+  return phases;
 }
 
 Json counts_json(const StepCounts& counts) {
@@ -68,14 +68,14 @@ Json lost_json(const RunResult& result) {
   return array;
 }
 
-Json escalated_json(const RunResult& result) {
+Json selected_solves_json(const RunResult& result) {
   Json array = Json::array();
-  for (const auto& [body, island] : result.escalated) {
+  for (const auto& [body, island] : result.selected_solves) {
     array.push_back({{"lowest_body", body},
                      {"bodies", island.bodies},
                      {"contacts", island.contacts},
                      {"why", island.why},
-                     {"solved", island.direct ? "direct" : "finer"},
+                     {"solved", island.direct ? "direct" : "refined"},
                      {"gave_up", island.gave_up},
                      {"iterations", island.iterations}});
     if (island.ms > 0) array.back()["ms"] = island.ms;
@@ -83,15 +83,15 @@ Json escalated_json(const RunResult& result) {
   return array;
 }
 
-Json stages_json(const std::array<StageReport, stage_count>& stages) {
+Json features_json(const std::array<FeatureReport, feature_count>& features) {
   Json array = Json::array();
-  for (const StageReport& stage : stages) {
-    array.push_back({{"name", stage.name},
-                     {"run", stage.run},
-                     {"why", stage.why},
-                     {"items", stage.items},
-                     {"unit", stage.unit},
-                     {"ms", stage.ms}});
+  for (const FeatureReport& feature : features) {
+    array.push_back({{"name", feature.name},
+                     {"run", feature.run},
+                     {"why", feature.why},
+                     {"items", feature.items},
+                     {"unit", feature.unit},
+                     {"ms", feature.ms}});
   }
   return array;
 }
@@ -114,8 +114,8 @@ void write_json(std::ostream& out, const Scene& scene, const World& world, const
   if (scene.settings.profile) object["solver_ms"] = solver_json(result);
   object["counts"] = counts_json(result.last.counts);
   object["errors"] = errors_json(result);
-  object["stages"] = stages_json(result.last.stages);
-  if (!result.escalated.empty()) object["escalated_islands"] = escalated_json(result);
+  object["features"] = features_json(result.last.features);
+  if (!result.selected_solves.empty()) object["selected_solves"] = selected_solves_json(result);
   if (!result.lost.empty()) object["quarantined"] = lost_json(result);
   object["hash"] = hash_text(result.hash);
   // A name from a scene file is valid UTF-8 by then; one from a file's name need not be.

@@ -62,8 +62,8 @@ void write_times(std::ostream& out, const RunResult& result) {
       << "\n";
 }
 
-// The stages that go over all points once or more a substep.
-bool sweeps_points(SolverStage stage) { return stage == SolverStage::Solve || stage == SolverStage::Relax; }
+// The features that go over all points once or more a substep.
+bool sweeps_points(SolverPhase phase) { return phase == SolverPhase::Solve || phase == SolverPhase::Relax; }
 
 void write_solver_times(std::ostream& out, const Scene& scene, const RunResult& result) {
   const double all = std::accumulate(result.solver_ms.begin(), result.solver_ms.end(), 0.0);
@@ -72,12 +72,12 @@ void write_solver_times(std::ostream& out, const Scene& scene, const RunResult& 
   write_number(out, "ms");
   out << std::setw(share_width) << "%"
       << "    ns a point and substep\n";
-  for (std::size_t i = 0; i < solver_stage_count; ++i) {
-    const auto stage = static_cast<SolverStage>(i);
-    write_name(out, solver_stage_name(stage));
+  for (std::size_t i = 0; i < solver_phase_count; ++i) {
+    const auto phase = static_cast<SolverPhase>(i);
+    write_name(out, solver_phase_name(phase));
     write_number(out, fixed(result.solver_ms[i], 4));
     out << std::setw(share_width) << fixed(all > 0 ? 100 * result.solver_ms[i] / all : 0, 1);
-    if (sweeps_points(stage) && points > 0) out << "    " << fixed(1e6 * result.solver_ms[i] / points, 1);
+    if (sweeps_points(phase) && points > 0) out << "    " << fixed(1e6 * result.solver_ms[i] / points, 1);
     out << "\n";
   }
 }
@@ -94,23 +94,23 @@ void write_counts(std::ostream& out, const StepCounts& counts) {
   }
 }
 
-void write_stages(std::ostream& out, const std::array<StageReport, stage_count>& stages) {
-  out << "\nstages of the last step\n";
-  for (const StageReport& stage : stages) {
-    write_name(out, stage.name);
-    out << (stage.run ? "run      " : "skipped  ") << stage.why;
-    if (stage.run) out << " (" << stage.items << " " << stage.unit << ")";
+void write_features(std::ostream& out, const std::array<FeatureReport, feature_count>& features) {
+  out << "\nfeatures of the last step\n";
+  for (const FeatureReport& feature : features) {
+    write_name(out, feature.name);
+    out << (feature.run ? "run      " : "skipped  ") << feature.why;
+    if (feature.run) out << " (" << feature.items << " " << feature.unit << ")";
     out << "\n";
   }
 }
 
-void write_escalated(std::ostream& out, const Scene& scene, const RunResult& result) {
-  if (result.escalated.empty()) return;
+void write_selected_solves(std::ostream& out, const Scene& scene, const RunResult& result) {
+  if (result.selected_solves.empty()) return;
   constexpr std::size_t most = 10;
   out << "\nislands that sweeps can't hold up, in the last step\n";
-  for (std::size_t i = 0; i < std::min(most, result.escalated.size()); ++i) {
-    const EscalatedIsland& island = result.escalated[i].island;
-    out << "  of " << body_words(scene, result.escalated[i].body) << ", "
+  for (std::size_t i = 0; i < std::min(most, result.selected_solves.size()); ++i) {
+    const SelectedSolve& island = result.selected_solves[i].island;
+    out << "  of " << body_words(scene, result.selected_solves[i].body) << ", "
         << plural(static_cast<std::int64_t>(island.bodies), "dynamic body", "dynamic bodies") << ", "
         << plural(static_cast<std::int64_t>(island.contacts), "contact") << ": " << island.why << "; "
         << (island.direct ? "solved at once" : "solved in finer substeps")
@@ -118,7 +118,7 @@ void write_escalated(std::ostream& out, const Scene& scene, const RunResult& res
     if (scene.settings.profile) out << ", " << fixed(island.ms, 4) << " ms";
     out << "\n";
   }
-  if (result.escalated.size() > most) out << "  and " << result.escalated.size() - most << " more\n";
+  if (result.selected_solves.size() > most) out << "  and " << result.selected_solves.size() - most << " more\n";
 }
 
 void write_errors(std::ostream& out, const Scene& scene, const RunResult& result) {
@@ -154,7 +154,7 @@ void write_summary(std::ostream& out, const Scene& scene, const RunResult& resul
 void write_next(std::ostream& out, const Scene& scene) {
   out << "next\n";
   if (!scene.settings.profile)
-    out << "  atoll run ... --profile     what the solver does, all counts, which stages ran and why\n";
+    out << "  atoll run ... --profile     what the solver does, all counts, which features ran and why\n";
   if (!scene.settings.keep_contact_problem)
     out << "  atoll run ... --errors      errors over all steps, not only as it ends\n";
   out << "  atoll sweep ... --out DIR   error against run time over many settings, as a page\n";
@@ -172,10 +172,10 @@ void write_text(std::ostream& out, const Scene& scene, const World& world, const
   write_head(out, scene, world);
   if (scene.settings.profile) {
     write_counts(out, result.last.counts);
-    write_stages(out, result.last.stages);
+    write_features(out, result.last.features);
     write_solver_times(out, scene, result);
   }
-  write_escalated(out, scene, result);
+  write_selected_solves(out, scene, result);
   write_times(out, result);
   write_errors(out, scene, result);
   write_lost(out, scene, result);

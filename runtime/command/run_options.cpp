@@ -55,9 +55,10 @@ void add_run_options(CLI::App& command, RunOptions& options) {
                 "measure the errors of every step, contact residual and closed form among them; takes time")
       ->group(output);
   command
-      .add_flag("--profile", options.profile,
-                "print all counts and stages, and what the solver spends its time on; takes a little time, and changes "
-                "no bit")
+      .add_flag(
+          "--profile", options.profile,
+          "print all counts and features, and what the solver spends its time on; takes a little time, and changes "
+          "no bit")
       ->group(output);
   command
       .add_flag("--run-everything", options.run_everything,

@@ -44,8 +44,8 @@ RunResult simulate(const Scene& scene, World& world, const std::vector<BodyId>& 
     result.last = world.step(scene.dt);
     ms.push_back(result.last.ms);
     for (int phase = 0; phase < phase_count; ++phase) result.phase_ms[phase] += result.last.phase_ms[phase];
-    for (std::size_t stage = 0; stage < solver_stage_count; ++stage)
-      result.solver_ms[stage] += result.last.solver_ms[stage];
+    for (std::size_t phase = 0; phase < solver_phase_count; ++phase)
+      result.solver_ms[phase] += result.last.solver_ms[phase];
     result.points += static_cast<double>(result.last.counts.points);
     if (result.last.quarantined > 0 && !keep.going) {
       result.broken = true;
@@ -56,11 +56,11 @@ RunResult simulate(const Scene& scene, World& world, const std::vector<BodyId>& 
     progress.update(step);
   }
   const auto steps = static_cast<double>(ms.size());
-  for (const EscalatedIsland& island : world.escalated_islands()) {
-    result.escalated.push_back({place_of(island.lowest, ids), island});
+  for (const SelectedSolve& island : world.selected_solves()) {
+    result.selected_solves.push_back({place_of(island.lowest, ids), island});
   }
   for (double& phase : result.phase_ms) phase /= steps;
-  for (double& stage : result.solver_ms) stage /= steps;
+  for (double& phase : result.solver_ms) phase /= steps;
   result.points /= steps;
   result.step_times = step_times(std::move(ms));
   for (const Quarantined& out : world.quarantined()) result.lost.push_back({out.step, place_of(out.id, ids), out.why});

@@ -26,10 +26,10 @@ struct LostBody {
   const char* why;
 };
 
-/// An island that sweeps could not hold up: see World::escalated_islands().
-struct Escalated {
+/// An island that sweeps could not hold up: see World::selected_solves().
+struct SolveOfBody {
   std::size_t body;  ///< the lowest of it: place in the scene's list
-  EscalatedIsland island;
+  SelectedSolve island;
 };
 
 /// What a run of a scene gave.
@@ -37,12 +37,12 @@ struct RunResult {
   StepTimes step_times;
   std::array<double, phase_count> phase_ms = {};  ///< mean
   /// Means, with Settings::profile only.
-  std::array<double, solver_stage_count> solver_ms = {};
-  double points = 0;                 ///< mean, of manifolds
-  StepReport last;                   ///< of the last step
-  std::vector<Escalated> escalated;  ///< likewise
-  std::vector<LostBody> lost;        ///< in order of ids
-  bool broken = false;               ///< ended by a body that was lost: the measures below are not set
+  std::array<double, solver_phase_count> solver_ms = {};
+  double points = 0;                         ///< mean, of manifolds
+  StepReport last;                           ///< of the last step
+  std::vector<SolveOfBody> selected_solves;  ///< likewise
+  std::vector<LostBody> lost;                ///< in order of ids
+  bool broken = false;                       ///< ended by a body that was lost: the measures below are not set
   std::vector<ErrorMeasure> errors;
   std::uint64_t hash = 0;
   BodyStates final_state;  ///< where it was asked for; of a broken run, before the step that broke it

@@ -45,8 +45,8 @@ void hash_body(const Stores& world, BodyParts& parts, std::uint32_t body) {
     parts.input.value(surface.rolling_friction);
     parts.input.value(surface.torsional_friction);
   }
-  if (const auto ignored = world.records.disabled_pairs.find(body); ignored != world.records.disabled_pairs.end()) {
-    std::vector<std::uint32_t> others = ignored->second;
+  if (const auto disabled = world.records.disabled_pairs.find(body); disabled != world.records.disabled_pairs.end()) {
+    std::vector<std::uint32_t> others = disabled->second;
     std::sort(others.begin(), others.end());
     parts.input.list(others);
   }
@@ -81,8 +81,8 @@ void hash_body(const Stores& world, BodyParts& parts, std::uint32_t body) {
       visit_filter(parts.input, filter);
     });
   }
-  const solver::SolverSelection::Strain strain = world.selection.strain(body);
-  visit_strain(parts.contacts, strain);
+  const solver::SolverSelection::LoadHistory history = world.selection.load_history(body);
+  visit_load_history(parts.contacts, history);
 }
 
 void hash_contact(const Stores& world, StateHash& hash, std::uint32_t slot) {

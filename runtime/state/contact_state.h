@@ -103,13 +103,13 @@ void visit_contact(Archive& archive, Contact& contact, Manifold& manifold, Rolli
     contact.gap = 0;
     std::fill_n(manifold.normal_impulse, collision::max_points, 0.0f);
     std::fill_n(manifold.friction_impulse, 3, 0.0f);
-    manifold.twist_impulse = 0;
+    manifold.torsional_impulse = 0;
     if (rolling != nullptr) std::fill_n(rolling, 3, 0.0f);
   }
   if ((flags & is::apart) != 0) {
     archive.value(contact.gap);
     archive.check(contact.gap > 0, "a contact of shapes apart without a gap");
-    archive.value(contact.lever);
+    archive.value(contact.radius);
     archive.values(contact.apart_from.data(), 3);
     archive.value(contact.turned);
     return;
@@ -141,7 +141,7 @@ void visit_contact(Archive& archive, Contact& contact, Manifold& manifold, Rolli
   archive.values(contact.points[0].data(), 4 * count);
   archive.values(manifold.normal_impulse, count);
   archive.values(manifold.friction_impulse, 3);
-  archive.value(manifold.twist_impulse);
+  archive.value(manifold.torsional_impulse);
   if ((flags & is::rolling) != 0) archive.values(rolling, 3);
 }
 

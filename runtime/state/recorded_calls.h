@@ -15,8 +15,8 @@
 #include "state/filter_state.h"
 #include "state/joint_state.h"
 #include "state/recording_file.h"
-#include "state/roster_state.h"
 #include "state/settings_state.h"
+#include "state/world_definition_state.h"
 
 namespace atl::calls {
 

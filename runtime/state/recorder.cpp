@@ -1,6 +1,6 @@
 #include "state/recorder.h"
 
-#include "state/roster_state.h"
+#include "state/world_definition_state.h"
 
 namespace atl {
 
@@ -49,12 +49,12 @@ void Recorder::note_shape(BodyId body, const BodyConstants& constants, std::uint
   write(RecordKind::SetShape, writer);
 }
 
-void Recorder::note_state(const Roster& roster, std::span<const std::byte> state) {
-  for (const std::shared_ptr<const BodyConstants>& body : roster.bodies) {
+void Recorder::note_state(const WorldDefinition& world_definition, std::span<const std::byte> state) {
+  for (const std::shared_ptr<const BodyConstants>& body : world_definition.bodies) {
     if (body) note_geometry(*body);
   }
   StateWriter writer(bytes_);
-  write_roster(writer, roster);
+  write_definition_of_world(writer, world_definition);
   writer.values(state.data(), state.size());
   write(RecordKind::State, writer);
 }

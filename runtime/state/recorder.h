@@ -14,8 +14,8 @@
 #include "state/geometry_state.h"
 #include "state/recorded_calls.h"
 #include "state/recording_file.h"
-#include "state/roster.h"
 #include "state/state_archive.h"
+#include "state/world_definition.h"
 #include "step/contact_rules.h"
 #include "world/body_definition.h"
 #include "world/stores.h"
@@ -55,7 +55,7 @@ class Recorder {
   /// The body has become one of another kind.
   void note_shape(BodyId body, const BodyConstants& constants, std::uint64_t kind);
   /// All of the world, as the recording begins or after it was restored.
-  void note_state(const Roster& roster, std::span<const std::byte> state);
+  void note_state(const WorldDefinition& world_definition, std::span<const std::byte> state);
   /// Ahead of a step, and in the file by then: should the step crash, the recording has all that leads there.
   /// A forced one is followed by what its law asked for, a record for each time, in the file as soon as it is known.
   void note_step(double dt, bool forced, const ContactRules& rules);

@@ -29,7 +29,7 @@ void World::Impl::record(const std::string& path, const RecordingOptions& option
 void World::Impl::record_state() {
   std::vector<std::byte> state;
   const std::size_t size = save_state(state);
-  recorder->note_state(*roster(), {state.data(), size});
+  recorder->note_state(*world_definition(), {state.data(), size});
 }
 
 std::vector<RecordedBody> recorded_bodies(const Stores& world) {

@@ -29,10 +29,10 @@ enum class RecordKind : std::uint32_t {
   Hash,    ///< of the state after a step, or as the recording began
   Bodies,  ///< hashes of them, one by one
   End,
-  Forces,      ///< what a force law asked for
-  SetShape,    ///< of a body, as one of the kinds
+  Forces,          ///< what a force law asked for
+  SetShape,        ///< of a body, as one of the kinds
   ContactAnswers,  ///< what a contact filter or modifier said in a step, at one of the times when they were asked
-  Call = 256,  ///< the first of those in RecordedCall (recorded_calls.h)
+  Call = 256,      ///< the first of those in RecordedCall (recorded_calls.h)
 };
 
 struct RecordHeader {

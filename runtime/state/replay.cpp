@@ -19,7 +19,7 @@
 #include "state/recorded_calls.h"
 #include "state/recorder.h"
 #include "state/recording_file.h"
-#include "state/roster_state.h"
+#include "state/world_definition_state.h"
 #include "world/bodies.h"
 #include "world/left_out.h"
 #include "world/world_impl.h"
@@ -171,9 +171,9 @@ class Replay {
   }
 
   void take_state(StateReader& record) {
-    const std::shared_ptr<const Roster> roster = read_roster(record);
+    const std::shared_ptr<const WorldDefinition> world_definition = read_definition_of_world(record);
     World::Impl& impl = *world_.impl_;
-    impl.restore(with_geometry(roster, geometry_), impl.serial, reader_.content().last(record.left()));
+    impl.restore(with_geometry(world_definition, geometry_), impl.serial, reader_.content().last(record.left()));
     begun_ = true;
   }
 

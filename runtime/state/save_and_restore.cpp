@@ -1,6 +1,6 @@
 // A world's state as bytes, and back; its hash.
 
-#include "state/roster_state.h"
+#include "state/world_definition_state.h"
 #include "state/world_state.h"
 #include "world/bodies.h"
 #include "world/colliders.h"
@@ -15,47 +15,48 @@ std::size_t World::Impl::save_state(std::vector<std::byte>& bytes) const {
   return writer.size();
 }
 
-void World::Impl::restore(const std::shared_ptr<const Roster>& saved, std::uint64_t origin,
+void World::Impl::restore(const std::shared_ptr<const WorldDefinition>& saved, std::uint64_t origin,
                           std::span<const std::byte> state) {
-  const bool is_known = roster_.known_as == saved && roster_.version == stores.records.version;
-  if (!is_known && !are_same(*saved, *roster())) {
-    if (origin != serial) check_bodies_match(*saved, *roster());
-    adopt(with_geometry(saved, *roster()));
+  const bool is_known = world_definition_.known_as == saved && world_definition_.version == stores.records.version;
+  if (!is_known && !are_same(*saved, *world_definition())) {
+    if (origin != serial) check_bodies_match(*saved, *world_definition());
+    adopt(with_geometry(saved, *world_definition()));
   }
-  roster_.known_as = saved;
+  world_definition_.known_as = saved;
   read_state(state);
 }
 
-void World::Impl::try_out(const std::shared_ptr<const Roster>& roster, std::span<const std::byte> state) {
+void World::Impl::try_out(const std::shared_ptr<const WorldDefinition>& world_definition,
+                          std::span<const std::byte> state) {
   Impl world({});
-  world.adopt(roster);
+  world.adopt(world_definition);
   world.read_state(state);
 }
 
 // Other bodies: everything that knows bodies by their numbers starts afresh.
-void World::Impl::adopt(const std::shared_ptr<const Roster>& roster) {
-  for (const std::shared_ptr<const BodyConstants>& body : roster->bodies) {
+void World::Impl::adopt(const std::shared_ptr<const WorldDefinition>& world_definition) {
+  for (const std::shared_ptr<const BodyConstants>& body : world_definition->bodies) {
     if (body) check_built_for(*body);
   }
   stores = {.gravity = stores.gravity, .settings = stores.settings};
   stores.changes.joints = true;
   pipeline.forget_bodies();
 
-  resize_bodies(stores, roster->bodies.size());
-  stores.records.generation = roster->generation;
-  stores.records.free = roster->free;
-  stores.records.count = roster->bodies.size() - roster->free.size();
-  for (std::uint32_t body = 0; body < roster->bodies.size(); ++body) {
-    if (roster->bodies[body]) give_constants(stores, body, roster->bodies[body]);
+  resize_bodies(stores, world_definition->bodies.size());
+  stores.records.generation = world_definition->generation;
+  stores.records.free = world_definition->free;
+  stores.records.count = world_definition->bodies.size() - world_definition->free.size();
+  for (std::uint32_t body = 0; body < world_definition->bodies.size(); ++body) {
+    if (world_definition->bodies[body]) give_constants(stores, body, world_definition->bodies[body]);
   }
 
   collision::ColliderTable& colliders = stores.colliders;
-  colliders.resize(roster->collider_body.size());
-  colliders.free = roster->free_colliders;
-  std::vector<std::vector<std::uint32_t>> of_body(roster->bodies.size());
+  colliders.resize(world_definition->collider_body.size());
+  colliders.free = world_definition->free_colliders;
+  std::vector<std::vector<std::uint32_t>> of_body(world_definition->bodies.size());
   for (std::uint32_t collider = 0; collider < colliders.size(); ++collider) {
-    const std::uint32_t body = roster->collider_body[collider];
-    const std::uint32_t child = roster->collider_child[collider];
+    const std::uint32_t body = world_definition->collider_body[collider];
+    const std::uint32_t child = world_definition->collider_child[collider];
     colliders.child[collider] = child;
     if (body == collision::ColliderTable::none) continue;
     const BodyConstants& constants = *stores.records.constants[body];
@@ -70,7 +71,7 @@ void World::Impl::adopt(const std::shared_ptr<const Roster>& roster) {
     for (std::size_t i = 1; i < of_body[body].size(); ++i) colliders.next[of_body[body][i - 1]] = of_body[body][i];
     note_size(stores, static_cast<std::uint32_t>(body));
   }
-  roster_ = {.roster = roster, .known_as = nullptr, .version = stores.records.version};
+  world_definition_ = {.world_definition = world_definition, .known_as = nullptr, .version = stores.records.version};
   query_gate.note(stores.broadphase);
 }
 
@@ -84,11 +85,11 @@ void World::Impl::read_state(std::span<const std::byte> state) {
   query_gate.note(stores.broadphase);
   // Results are those of a step, and there was none.
   StepResults& results = stores.results;
-  results.contact_events.told.clear();
+  results.contact_events.events.clear();
   results.unasked_events = {};
-  results.sensor_events.told.clear();
+  results.sensor_events.events.clear();
   results.joint_events.clear();
-  results.escalated_islands.clear();
+  results.selected_solves.clear();
   results.captured = false;
   results.contact_forces.clear();
   results.contact_forces_valid = true;
@@ -96,24 +97,25 @@ void World::Impl::read_state(std::span<const std::byte> state) {
 
 std::uint64_t World::Impl::state_hash() const {
   StateHash hash;
-  visit_numbers(hash, *roster());
+  visit_numbers(hash, *world_definition());
   WorldState(hash, stores).visit();
   return hash.result();
 }
 
-const std::shared_ptr<const Roster>& World::Impl::roster() const {
+const std::shared_ptr<const WorldDefinition>& World::Impl::world_definition() const {
   const BodyRecords& records = stores.records;
-  if (!roster_.roster || roster_.version != records.version) {
-    roster_ = {.roster = std::make_shared<const Roster>(Roster{.bodies = records.constants,
-                                                               .generation = records.generation,
-                                                               .free = records.free,
-                                                               .collider_body = stores.colliders.body,
-                                                               .collider_child = stores.colliders.child,
-                                                               .free_colliders = stores.colliders.free}),
-               .known_as = nullptr,
-               .version = records.version};
+  if (!world_definition_.world_definition || world_definition_.version != records.version) {
+    world_definition_ = {.world_definition = std::make_shared<const WorldDefinition>(
+                             WorldDefinition{.bodies = records.constants,
+                                             .generation = records.generation,
+                                             .free = records.free,
+                                             .collider_body = stores.colliders.body,
+                                             .collider_child = stores.colliders.child,
+                                             .free_colliders = stores.colliders.free}),
+                         .known_as = nullptr,
+                         .version = records.version};
   }
-  return roster_.roster;
+  return world_definition_.world_definition;
 }
 
 }  // namespace atl

@@ -1,4 +1,5 @@
-// Snapshots as files: a header, then the roster and the state as they are in memory, with lengths before them.
+// Snapshots as files: a header, then the world definition and the state as they are in memory, with lengths before
+// them.
 
 #include <atoll/error.h>
 #include <atoll/snapshot.h>
@@ -19,8 +20,8 @@
 #include "state/file_beside.h"
 #include "state/file_header.h"
 #include "state/hex.h"
-#include "state/roster_state.h"
 #include "state/state_archive.h"
+#include "state/world_definition_state.h"
 #include "world/left_out.h"
 #include "world/world_impl.h"
 
@@ -94,7 +95,7 @@ void Snapshot::write(const std::string& path) const {
   if (empty()) fail("write", path, "the snapshot is empty; expected one that holds a state");
   std::vector<std::byte> bytes;
   StateWriter writer(bytes);
-  write_roster(writer, *roster_);
+  write_definition_of_world(writer, *world_definition_);
   writer.values(bytes_.data(), size_);
   const std::span<const std::byte> content(bytes.data(), writer.size());
   Header header;
@@ -110,13 +111,13 @@ Snapshot Snapshot::read(const std::string& path) {
   Snapshot snapshot;
   try {
     StateReader reader(content);
-    std::shared_ptr<const Roster> roster = read_roster(reader);
+    std::shared_ptr<const WorldDefinition> world_definition = read_definition_of_world(reader);
     const std::span<const std::byte> state = content.last(reader.left());
     // What is found wrong in a world of its own can't harm another.
-    World::Impl::try_out(roster, state);
+    World::Impl::try_out(world_definition, state);
     snapshot.bytes_.assign(state.begin(), state.end());
     snapshot.size_ = state.size();
-    snapshot.roster_ = std::move(roster);
+    snapshot.world_definition_ = std::move(world_definition);
   } catch (const Error& error) {
     fail("read", path, error.what());
   }

@@ -1,7 +1,8 @@
 #pragma once
-/// The state of a world, part by part: all that its future depends on beside the roster, described once for those who
-/// write, read and hash it. What follows from it is made anew after it was read: see restore.cpp. Whoever adds
-/// something that lasts from step to step adds it here: the lists of members below don't compile until it is named.
+/// The state of a world, part by part: all that its future depends on beside the world definition, described once for
+/// those who write, read and hash it. What follows from it is made anew after it was read: see restore.cpp. Whoever
+/// adds something that lasts from step to step adds it here: the lists of members below don't compile until it is
+/// named.
 
 #include <jobs/prefetch.h>
 #include <jobs/with_direct_contacts.h>
@@ -29,11 +30,11 @@
 
 namespace atl {
 
-template <typename Archive, typename Strain>
-void visit_strain(Archive& archive, Strain& strain) {
-  archive.value(strain.overloaded);
-  archive.value(strain.crushed);
-  archive.value(strain.sags);
+template <typename Archive, typename LoadHistory>
+void visit_load_history(Archive& archive, LoadHistory& history) {
+  archive.value(history.overloaded);
+  archive.value(history.deep);
+  archive.value(history.sags);
 }
 
 /// Of the numbers below `count` those that stand out: visit(number) tells of one.
@@ -111,7 +112,8 @@ void visit_choices(Archive& archive, AnyWorld& world) {
   }
 }
 
-/// `AnyWorld` is Stores, const where the archive doesn't read. Before a state is read the world has its roster.
+/// `AnyWorld` is Stores, const where the archive doesn't read. Before a state is read the world has its world
+/// definition.
 template <typename Archive, typename AnyWorld>
 class WorldState {
  public:
@@ -195,7 +197,7 @@ class WorldState {
     archive_.check(world_.gravity.allFinite(), "gravity that is not finite");
     archive_.value(world_.clock.last_dt);
     archive_.check(world_.clock.last_dt >= 0 && world_.clock.last_dt <= 1, "a step of no valid duration");
-    archive_.value(world_.results.contact_events.noted);
+    archive_.value(world_.results.contact_events.reported);
     // What only reports are made of.
     if constexpr (!Archive::hashes) {
       archive_.value(world_.clock.last_substep);
@@ -319,19 +321,18 @@ class WorldState {
   }
 
   void visit_selection() {
-    using Strain = solver::SolverSelection::Strain;
+    using LoadHistory = solver::SolverSelection::LoadHistory;
     auto& selection = world_.selection;
     if constexpr (reads && with_direct_contacts) selection.forget_all();
     if constexpr (reads && !with_direct_contacts) selection.forget_arrived();
-    const auto is_strained = [&selection](std::uint32_t body) { return selection.strain(body) != Strain{}; };
-    visit_some(archive_, selection.strained().empty() && !reads ? 0 : body_count(), is_strained,
-               [&](std::uint32_t body) {
-                 check_body(body);
-                 archive_.check(with_direct_contacts, "overloaded contacts, which this build does nothing about");
-                 Strain strain = selection.strain(body);
-                 visit_strain(archive_, strain);
-                 if constexpr (reads) selection.restore_strain(body, strain);
-               });
+    const auto is_loaded = [&selection](std::uint32_t body) { return selection.load_history(body) != LoadHistory{}; };
+    visit_some(archive_, selection.loaded().empty() && !reads ? 0 : body_count(), is_loaded, [&](std::uint32_t body) {
+      check_body(body);
+      archive_.check(with_direct_contacts, "overloaded contacts, which this build does nothing about");
+      LoadHistory history = selection.load_history(body);
+      visit_load_history(archive_, history);
+      if constexpr (reads) selection.restore_load_history(body, history);
+    });
     auto count = static_cast<std::uint32_t>(selection.arrived().size());
     if constexpr (reads) {
       count = archive_.count_of(sizeof(std::uint32_t));
@@ -401,23 +402,23 @@ class WorldState {
     archive_.check(std::find(taken.begin(), taken.end(), 0) == taken.end(), "a list of free joints that lacks one");
   }
 
-  // Bodies that were told not to touch, beside those that joints keep apart.
+  // Pairs that users disabled, beside those that joints keep apart.
   void visit_kept_apart() {
-    auto& ignored = world_.records.disabled_pairs;
-    std::vector<collision::Pair> told;  // of those that are read
+    auto& disabled = world_.records.disabled_pairs;
+    std::vector<collision::Pair> pairs;  // of those that are read
     std::uint32_t count = 0;
     if constexpr (reads) {
-      told.resize(archive_.count_of(sizeof(collision::Pair)));
-      for (collision::Pair& pair : told) {
+      pairs.resize(archive_.count_of(sizeof(collision::Pair)));
+      for (collision::Pair& pair : pairs) {
         visit_pair(archive_, pair);
         check_body(pair.first);
         check_body(pair.second);
         archive_.check(pair.first < pair.second, "a body kept apart from itself");
       }
-      restore_disabled_pairs(world_, told, apart_before_);
+      restore_disabled_pairs(world_, pairs, apart_before_);
     } else {
       const auto visit_all = [&](const auto& visit) {
-        for (const auto& [body, others] : ignored) {
+        for (const auto& [body, others] : disabled) {
           for (const std::uint32_t other : others) {
             if (body < other) visit(collision::Pair{body, other});
           }
@@ -530,9 +531,9 @@ class WorldState {
     }
   }
 
-  // Every member of the stores is either told above, or found in the second line of its list: made anew from what was
-  // told, known by the roster, or of no consequence for the next step. A member that is new has to be put into one.
-  // Stores with private members have a list of their own, which is where nobody else can name them.
+  // Every member of the stores is either visited above, or found in the second line of its list: made anew from what
+  // was visited, known by the world definition, or of no consequence for the next step. A member that is new has to be
+  // put into one. Stores with private members have a list of their own, which is where nobody else can name them.
   void check_members() {
     {
       auto& [gravity, settings, clock, bodies, records, joints, broadphase, aabbs, cache, choices, surface_contacts,
@@ -567,11 +568,11 @@ class WorldState {
       static_cast<void>(rest_time);
     }
     {
-      auto& [touched, noted, /**/ told, before, now] = world_.results.contact_events;
+      auto& [touched, reported, /**/ events, before, now] = world_.results.contact_events;
       static_cast<void>(touched);
     }
     {
-      auto& [within, /**/ told, before] = world_.results.sensor_events;
+      auto& [within, /**/ events, before] = world_.results.sensor_events;
       static_cast<void>(within);
     }
   }

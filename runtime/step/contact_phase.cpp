@@ -103,7 +103,7 @@ void find_pairs(Stores& world, const StepContext& step) {
   // A longer step reaches farther than was accounted for.
   if (world.clock.dt > world.clock.last_dt) world.aabbs.mark_all_dirty();
   world.aabbs.update(world.active.in_order(), motions(world), world.broadphase, step.arena);
-  step.report.counts.new_boxes = static_cast<std::int64_t>(world.broadphase.moved_count());
+  step.report.counts.aabb_updates = static_cast<std::int64_t>(world.broadphase.moved_count());
   const bool filtered = step.rules != nullptr && step.rules->filters();
   if (filtered || !world.choices.is_empty()) return find_pairs_by_filter(world, step);
   world.cache.add(world.broadphase.find_new_pairs(world.cache.pairs, step.arena),
@@ -151,17 +151,17 @@ void switch_off_points(collision::ContactManifold& manifold, std::size_t count, 
   }
   if (points == 0) {
     std::fill_n(manifold.friction_impulse, 3, 0.0f);
-    manifold.twist_impulse = 0;
+    manifold.torsional_impulse = 0;
     return;
   }
   x /= points;
   y /= points;
-  manifold.lever = 0;
+  manifold.friction_radius = 0;
   for (std::size_t i = 0; i < count; ++i) {
     if ((on >> i & 1) == 0) continue;
     manifold.x[i] -= x;
     manifold.y[i] -= y;
-    manifold.lever += std::sqrt(manifold.x[i] * manifold.x[i] + manifold.y[i] * manifold.y[i]) / points;
+    manifold.friction_radius += std::sqrt(manifold.x[i] * manifold.x[i] + manifold.y[i] * manifold.y[i]) / points;
   }
   const collision::Tangents frame = collision::tangents(manifold.normal);
   for (std::size_t i = 0; i < 3; ++i) {
@@ -240,8 +240,8 @@ void ContactPhase::update(Stores& world, const StepContext& step) {
   StepCounts& counts = step.report.counts;
   counts.fcl_calls = found.fcl_calls;
   counts.fcl_repairs = found.fcl_repairs;
-  counts.kept_manifolds = found.recycled;
-  counts.fresh_manifolds = found.recomputed;
+  counts.recycled_manifolds = found.recycled;
+  counts.recomputed_manifolds = found.recomputed;
   counts.id_matches = found.id_matches;
   counts.id_misses = found.id_misses;
   counts.active_bodies = static_cast<std::int64_t>(world.active.in_order().size());

@@ -53,9 +53,9 @@ ContactProblem contact_problem(const Stores& world, const StepPipeline& pipeline
                                 .anchor_first = vector(answer.anchor_first),
                                 .anchor_second = vector(answer.anchor_second),
                                 .friction = manifold.friction,
-                                .lever = manifold.lever,
+                                .radius = manifold.friction_radius,
                                 .friction_impulse = friction - normal.dot(friction) * normal,
-                                .twist_impulse = answer.twist_impulse,
+                                .torsional_impulse = answer.torsional_impulse,
                                 .step = answer.step == world.clock.last_substep ? 0 : answer.step};
     if (!world.surface_contacts.empty()) {
       const solver::SurfaceContact& surface = world.surface_contacts[pair.slot];

@@ -58,8 +58,8 @@ ContactEvent began(const Stores& world, const std::pair<BodyId, BodyId>& pair, d
 // Bodies may have several contacts with each other, so what counts is the list of bodies that touch. Of two bodies all
 // contacts are idle or none is, and idle ones touch as they did.
 void note_events(Stores& world, ContactEvents& events, bool islands_rebuilt, const StepContext& step) {
-  events.told.clear();
-  if (events.noted && !islands_rebuilt && world.cache.order().empty()) return;
+  events.events.clear();
+  if (events.reported && !islands_rebuilt && world.cache.order().empty()) return;
   const auto id = [&](std::uint32_t body) { return id_of(world, body); };
   const auto is_idle = [&](const std::pair<BodyId, BodyId>& pair) {
     const auto [a, b] = pair;
@@ -69,8 +69,9 @@ void note_events(Stores& world, ContactEvents& events, bool islands_rebuilt, con
   };
   std::swap(events.touched, events.before);
   events.now.clear();
-  if (!events.noted && world.settings.contact_events) place_idle_contacts(world, step.narrowphase_kernels, step.arena);
-  for (const std::uint32_t slot : events.noted ? world.cache.order().slots() : world.cache.all_in_order()) {
+  if (!events.reported && world.settings.contact_events)
+    place_idle_contacts(world, step.narrowphase_kernels, step.arena);
+  for (const std::uint32_t slot : events.reported ? world.cache.order().slots() : world.cache.all_in_order()) {
     const collision::Contact& contact = world.cache.contacts[slot];
     if (!touches(contact, world.cache.manifolds[slot])) continue;
     const auto [a, b] = std::minmax(contact.body_first, contact.body_second);
@@ -81,7 +82,7 @@ void note_events(Stores& world, ContactEvents& events, bool islands_rebuilt, con
 
   events.touched.clear();
   auto active = events.now.begin();
-  if (events.noted) {
+  if (events.reported) {
     for (const std::pair<BodyId, BodyId>& pair : events.before) {
       if (!is_idle(pair)) continue;
       while (active != events.now.end() && *active < pair) events.touched.push_back(*active++);
@@ -94,10 +95,10 @@ void note_events(Stores& world, ContactEvents& events, bool islands_rebuilt, con
   auto now = events.touched.begin();
   while (before != events.before.end() || now != events.touched.end()) {
     if (now == events.touched.end() || (before != events.before.end() && *before < *now)) {
-      events.told.push_back({.a = before->first, .b = before->second, .began = false});
+      events.events.push_back({.a = before->first, .b = before->second, .began = false});
       ++before;
     } else if (before == events.before.end() || *now < *before) {
-      events.told.push_back(began(world, *now, world.clock.dt / step.substeps));
+      events.events.push_back(began(world, *now, world.clock.dt / step.substeps));
       ++now;
     } else {
       ++before;
@@ -154,11 +155,11 @@ void note_contact_events(Stores& world, bool islands_rebuilt, const StepContext&
   if (with_events && settings.contact_events) {
     note_events(world, results.contact_events, islands_rebuilt, step);
   } else {
-    results.contact_events.told.clear();
+    results.contact_events.events.clear();
     if (with_events && settings.run_everything) note_events(world, results.unasked_events, islands_rebuilt, step);
   }
-  results.contact_events.noted = settings.contact_events;
-  results.unasked_events.noted = settings.run_everything && !settings.contact_events;
+  results.contact_events.reported = settings.contact_events;
+  results.unasked_events.reported = settings.run_everything && !settings.contact_events;
 }
 
 void note_joint_events(Stores& world, std::span<const solver::JointLink> acting) {

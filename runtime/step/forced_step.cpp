@@ -16,23 +16,24 @@ void add(StepReport& sum, const StepReport& last) {
   const StepReport before = std::exchange(sum, last);
   sum.ms += before.ms;
   for (std::size_t i = 0; i < phase_count; ++i) sum.phase_ms[i] += before.phase_ms[i];
-  for (std::size_t i = 0; i < solver_stage_count; ++i) sum.solver_ms[i] += before.solver_ms[i];
+  for (std::size_t i = 0; i < solver_phase_count; ++i) sum.solver_ms[i] += before.solver_ms[i];
   for (std::int64_t StepCounts::*count :
-       {&StepCounts::new_boxes, &StepCounts::filtered_pairs, &StepCounts::newton_iterations,
-        &StepCounts::kept_manifolds, &StepCounts::fresh_manifolds, &StepCounts::fcl_calls, &StepCounts::fcl_repairs, &StepCounts::id_matches,
-        &StepCounts::id_misses, &StepCounts::sweeps, &StepCounts::swept, &StepCounts::stopped}) {
+       {&StepCounts::aabb_updates, &StepCounts::filtered_pairs, &StepCounts::newton_iterations,
+        &StepCounts::recycled_manifolds, &StepCounts::recomputed_manifolds, &StepCounts::fcl_calls,
+        &StepCounts::fcl_repairs, &StepCounts::id_matches, &StepCounts::id_misses, &StepCounts::sweeps,
+        &StepCounts::swept, &StepCounts::stopped}) {
     sum.counts.*count += before.counts.*count;
   }
   sum.quarantined += before.quarantined;
-  if (before.first_non_finite_body >= 0 &&
-      (last.first_non_finite_body < 0 || before.first_non_finite_body < last.first_non_finite_body)) {
-    sum.first_non_finite_body = before.first_non_finite_body;
+  if (before.first_quarantined >= 0 &&
+      (last.first_quarantined < 0 || before.first_quarantined < last.first_quarantined)) {
+    sum.first_quarantined = before.first_quarantined;
   }
-  for (std::size_t i = 0; i < stage_count; ++i) {
-    StageReport& stage = sum.stages[i];
-    const double ms = stage.ms + before.stages[i].ms;
-    if (before.stages[i].items > stage.items) stage = before.stages[i];
-    stage.ms = ms;
+  for (std::size_t i = 0; i < feature_count; ++i) {
+    FeatureReport& feature = sum.features[i];
+    const double ms = feature.ms + before.features[i].ms;
+    if (before.features[i].items > feature.items) feature = before.features[i];
+    feature.ms = ms;
   }
 }
 

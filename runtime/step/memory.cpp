@@ -18,16 +18,16 @@ std::vector<MemoryUse> memory_of(const Stores& world, const StepPipeline& pipeli
   uses.push_back({"sleeping", world.sleeping.bytes(), world.records.count, "bodies"});
   uses.push_back(
       {"running_surfaces", bytes_of(world.bodies.surfaces, world.surface_contacts), world.records.count, "bodies"});
-  const std::size_t new_boxes = world.aabbs.update_bytes();
+  const std::size_t aabb_updates = world.aabbs.update_bytes();
   uses.push_back({"shapes", world.colliders.bytes(), world.colliders.body.size(), "shapes"});
-  uses.push_back({"broadphase", world.broadphase.bytes() + new_boxes, world.colliders.body.size(), "shapes"});
+  uses.push_back({"broadphase", world.broadphase.bytes() + aabb_updates, world.colliders.body.size(), "shapes"});
   const std::size_t of_contacts = world.cache.bytes() + world.choices.bytes() + pipeline.contacts().bytes();
   uses.push_back({"contacts", of_contacts, contacts, "pairs"});
   uses.push_back({"islands", pipeline.islands().bytes(), touching, "contacts"});
   uses.push_back({"contact_solver", solve.group_bytes(), touching, "contacts"});
   uses.push_back({"direct_contacts", solve.direct_bytes(), solve.direct_count(), "islands"});
   uses.push_back({"overload_watch",
-                  world.selection.bytes() + solve.selection_bytes() + bytes_of(world.results.escalated_islands),
+                  world.selection.bytes() + solve.selection_bytes() + bytes_of(world.results.selected_solves),
                   world.records.count, "bodies"});
   const std::size_t of_joints =
       world.joints.bytes() + bytes_of(world.results.joint_events) + pipeline.islands().joint_bytes();
@@ -35,7 +35,7 @@ std::vector<MemoryUse> memory_of(const Stores& world, const StepPipeline& pipeli
   uses.push_back(
       {"continuous_collision", pipeline.continuous().bytes(), static_cast<std::size_t>(last_step.swept), "bodies"});
   uses.push_back({"contact_events", world.results.contact_events.bytes() + world.results.unasked_events.bytes(),
-                  world.results.contact_events.told.size(), "events"});
+                  world.results.contact_events.events.size(), "events"});
   uses.push_back({"contact_problem", solve.capture_bytes(), solve.capture().answers.size(), "contacts"});
   return uses;
 }

@@ -20,7 +20,7 @@ void note_quarantined(std::span<const QuarantineFault> faults, StepReport& repor
   report.quarantined += static_cast<std::int64_t>(faults.size());
   for (const auto& [body, reason] : faults) {
     const auto index = static_cast<std::int64_t>(body);
-    if (report.first_non_finite_body < 0 || index < report.first_non_finite_body) report.first_non_finite_body = index;
+    if (report.first_quarantined < 0 || index < report.first_quarantined) report.first_quarantined = index;
   }
 }
 
@@ -67,13 +67,13 @@ void StepPipeline::run(Stores& world, const StepContext& step) {
     body();
     step.report.phase_ms[static_cast<std::size_t>(phase)] = jobs::ms_since(start);
   };
-  run(Phase::Plan, [&] { plan(world, step); });                        // who may move, and who is unfit to
-  run(Phase::FindPairs, [&] { find_pairs(world, step); });             // moved AABBs -> new pairs, in id order
-  run(Phase::UpdateContacts, [&] { contacts_.update(world, step); });  // pairs -> manifolds: keep, refresh, ask FCL
-  run(Phase::BuildIslands, [&] { build_islands(world, step); });       // touching, joints -> islands -> groups; wake
-  run(Phase::SolveIslands, [&] { solve_islands(world, step); });       // groups are tasks: prepare, substeps, store
-  run(Phase::SweepFastBodies, [&] { follow_fast_bodies(world, step); });   // nothing passes through anything
-  run(Phase::Finish, [&] { finish(world, step); });                        // events, sleep, checks, report
+  run(Phase::Plan, [&] { plan(world, step); });                           // who may move, and who is unfit to
+  run(Phase::FindPairs, [&] { find_pairs(world, step); });                // moved AABBs -> new pairs, in id order
+  run(Phase::UpdateContacts, [&] { contacts_.update(world, step); });     // pairs -> manifolds: keep, refresh, ask FCL
+  run(Phase::BuildIslands, [&] { build_islands(world, step); });          // touching, joints -> islands -> groups; wake
+  run(Phase::SolveIslands, [&] { solve_islands(world, step); });          // groups are tasks: prepare, substeps, store
+  run(Phase::SweepFastBodies, [&] { follow_fast_bodies(world, step); });  // nothing passes through anything
+  run(Phase::Finish, [&] { finish(world, step); });                       // events, sleep, checks, report
 }
 
 void StepPipeline::plan(Stores& world, const StepContext& step) {
@@ -119,7 +119,7 @@ void StepPipeline::finish(Stores& world, const StepContext& step) {
   for (const solver::GroupReport& group : solve_.group_reports()) {
     counts.colours = std::max(counts.colours, static_cast<std::int64_t>(group.colours));
     counts.sweeps += group.sweeps;
-    for (std::size_t i = 0; i < solver_stage_count; ++i) step.report.solver_ms[i] += group.stage_ms[i];
+    for (std::size_t i = 0; i < solver_phase_count; ++i) step.report.solver_ms[i] += group.phase_ms[i];
   }
   // Now that nothing asks for the step's islands any more.
   for (const auto& [body, reason] : broken_) put_in_quarantine(world, body, reason);

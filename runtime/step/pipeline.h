@@ -46,7 +46,7 @@ class StepPipeline {
 };
 
 /// What the step did of all that it may do, and why: the plan as data, in step.report.
-void note_stages(const Stores& world, const StepPipeline& pipeline, const ContactRules& rules, bool records,
-                 StepReport& report);
+void note_features(const Stores& world, const StepPipeline& pipeline, const ContactRules& rules, bool records,
+                   StepReport& report);
 
 }  // namespace atl

@@ -22,23 +22,23 @@ const char* phase_name(Phase phase) {
   return "";
 }
 
-const char* solver_stage_name(SolverStage stage) {
-  switch (stage) {
-    case SolverStage::Colour:
+const char* solver_phase_name(SolverPhase phase) {
+  switch (phase) {
+    case SolverPhase::Colour:
       return "colour";
-    case SolverStage::Prepare:
+    case SolverPhase::Prepare:
       return "prepare";
-    case SolverStage::WarmStart:
+    case SolverPhase::WarmStart:
       return "warm_start";
-    case SolverStage::Solve:
+    case SolverPhase::Solve:
       return "solve";
-    case SolverStage::Relax:
+    case SolverPhase::Relax:
       return "relax";
-    case SolverStage::Integrate:
+    case SolverPhase::Integrate:
       return "integrate";
-    case SolverStage::Restitution:
+    case SolverPhase::Restitution:
       return "restitution";
-    case SolverStage::Store:
+    case SolverPhase::Store:
       return "store";
   }
   return "";

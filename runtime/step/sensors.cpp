@@ -42,7 +42,7 @@ void tell_changes(SensorEvents& events) {
     const bool entered = before == events.before.end() || (now != events.within.end() && *now < *before);
     if (left || entered) {
       const auto& [sensor, body] = left ? *before : *now;
-      events.told.push_back({sensor, body, entered});
+      events.events.push_back({sensor, body, entered});
     }
     if (!entered) ++before;
     if (!left) ++now;
@@ -53,7 +53,7 @@ void tell_changes(SensorEvents& events) {
 
 void note_sensor_events(Stores& world, jobs::Arena& arena) {
   SensorEvents& events = world.results.sensor_events;
-  events.told.clear();
+  events.events.clear();
   if (world.contents.sensors == 0 && events.within.empty()) return;
   std::vector<std::uint32_t> sensors;
   for (std::uint32_t body = 0; body < world.bodies.size(); ++body) {

@@ -30,7 +30,7 @@ solver::SolverSettings settings_now(const Stores& world, int substeps) {
   return how;
 }
 
-bool escalates(const Settings& settings) {
+bool selects_solvers(const Settings& settings) {
   return with_direct_contacts && settings.stabilisation == Stabilisation::Soft &&
          settings.contact_solver != ContactSolver::Iterative;
 }
@@ -62,7 +62,7 @@ void SolvePhase::solve(Stores& world, const StepContext& step, const solver::Add
 void SolvePhase::choose_modes(Stores& world, const StepContext& step, IslandPhase& islands) {
   std::span<const SolveMode> modes;
   if (with_direct_contacts && !world.active.in_order().empty()) world.selection.resize(world.bodies.size());
-  if (with_direct_contacts && escalates(world.settings)) {
+  if (with_direct_contacts && selects_solvers(world.settings)) {
     const solver::SolverSettings how = settings_now(world, step.substeps);
     const solver::LoadInput input = {.islands = islands.islands(),
                                      .bodies = world.bodies,
@@ -115,13 +115,13 @@ void note_resistance(Stores& world, const solver::Islands& islands) {
 void SolvePhase::solve_groups(Stores& world, const StepContext& step, const solver::AddedSlip* added_slips,
                               IslandPhase& islands) {
   const solver::SolverSettings how = settings_now(world, step.substeps);
-  solver::SolverSettings how_finer = how;
-  how_finer.finer = solver::finer_by(how, world.clock.dt);
-  how_finer.substeps *= how_finer.finer;
+  solver::SolverSettings how_refined = how;
+  how_refined.refinement = solver::refinement_of(how, world.clock.dt);
+  how_refined.substeps *= how_refined.refinement;
   solver::SolverSettings how_landing = how;
-  how_landing.finer = solver::tuning::landing_finer;
+  how_landing.refinement = solver::tuning::landing_refinement;
   how_landing.contact_hertz = solver::SubstepConstants::contact_hertz(how, world.clock.dt / how.substeps);
-  how_landing.substeps *= how_landing.finer;
+  how_landing.substeps *= how_landing.refinement;
   const bool captures = world.settings.keep_contact_problem || world.settings.run_everything;
   if (captures) capture_.resize(world.cache.manifolds.size(), world.bodies.size());
   const bool surfaces =
@@ -138,7 +138,7 @@ void SolvePhase::solve_groups(Stores& world, const StepContext& step, const solv
                               .kernels = step.kernels,
                               .bounds = world.aabbs.bounds,
                               .fast = moved_,
-                              .overloads = overloads_,
+                              .overloaded = overloaded_,
                               .capture = captures ? &capture_ : nullptr,
                               .surface_contacts = surfaces ? world.surface_contacts.data() : nullptr,
                               .added_slips = added_slips,
@@ -148,11 +148,11 @@ void SolvePhase::solve_groups(Stores& world, const StepContext& step, const solv
                               .joint_systems = &islands.joint_systems()};
   };
   const solver::SolveInput plain = input_with(how);
-  const solver::SolveInput fine = input_with(how_finer);
+  const solver::SolveInput fine = input_with(how_refined);
   const solver::SolveInput landing = input_with(how_landing);
   const auto input_of = [&](const solver::IslandGroup& group) -> const solver::SolveInput& {
     const SolveMode mode = mode_of(group);
-    return mode == SolveMode::Finer ? fine : mode == SolveMode::Landing ? landing : plain;
+    return mode == SolveMode::Refined ? fine : mode == SolveMode::Landing ? landing : plain;
   };
 
   group_reports_.assign(groups_.size(), {});
@@ -213,24 +213,24 @@ bool SolvePhase::solve_directly(const solver::SolveInput& input, std::size_t gro
 // What is overloaded now, and what could not be solved at once, which decide on the next step's modes.
 void SolvePhase::note_modes(Stores& world, const solver::Islands& islands, StepCounts& counts) {
   if constexpr (!with_direct_contacts) return;
-  all_overloads_.clear();
-  overloads_.for_each([&](std::vector<solver::Overload>& of_worker) {
-    all_overloads_.insert(all_overloads_.end(), of_worker.begin(), of_worker.end());
+  all_overloaded_.clear();
+  overloaded_.for_each([&](std::vector<solver::OverloadedBody>& of_worker) {
+    all_overloaded_.insert(all_overloaded_.end(), of_worker.begin(), of_worker.end());
     of_worker.clear();
   });
   failed_.clear();
-  world.results.escalated_islands.clear();
+  world.results.selected_solves.clear();
   for (std::size_t g = 0; g < groups_.size() && !modes_.empty(); ++g) {
     const solver::IslandGroup& group = groups_[g];
     const SolveMode mode = mode_of(group);
     if (mode == SolveMode::Sweep) continue;
     const std::span<const std::uint32_t> members = islands.bodies(group.begin, group.end);
-    EscalatedIsland island{.lowest = {members.front(), world.records.generation[members.front()]},
-                           .bodies = members.size(),
-                           .contacts = islands.contact_count(group.begin),
-                           .why = world.selection.why(group.begin)};
-    const auto& stage_ms = group_reports_[g].stage_ms;
-    island.ms = std::accumulate(stage_ms.begin(), stage_ms.end(), 0.0);
+    SelectedSolve island{.lowest = {members.front(), world.records.generation[members.front()]},
+                         .bodies = members.size(),
+                         .contacts = islands.contact_count(group.begin),
+                         .why = world.selection.why(group.begin)};
+    const auto& phase_ms = group_reports_[g].phase_ms;
+    island.ms = std::accumulate(phase_ms.begin(), phase_ms.end(), 0.0);
     if (mode == SolveMode::Direct) {
       const solver::DirectIslandReport& report = direct_.reports[g];
       island.direct = report.solved;
@@ -239,11 +239,12 @@ void SolvePhase::note_modes(Stores& world, const solver::Islands& islands, StepC
       island.ms += report.ms;
       if (!report.solved) failed_.insert(failed_.end(), members.begin(), members.end());
     }
-    ++(island.direct ? counts.direct_islands : counts.finer_islands);
+    ++(island.direct ? counts.direct_islands : counts.refined_islands);
     counts.newton_iterations += island.iterations;
-    world.results.escalated_islands.push_back(island);
+    world.results.selected_solves.push_back(island);
   }
-  if (escalates(world.settings)) world.selection.note(all_overloads_, failed_, world.sleeping.awake, world.clock.dt);
+  if (selects_solvers(world.settings))
+    world.selection.note(all_overloaded_, failed_, world.sleeping.awake, world.clock.dt);
 }
 
 std::size_t SolvePhase::group_bytes() const {
@@ -259,7 +260,7 @@ std::size_t SolvePhase::direct_bytes() const {
   return bytes;
 }
 
-std::size_t SolvePhase::selection_bytes() const { return jobs::bytes_of(modes_, alone_, all_overloads_, failed_); }
+std::size_t SolvePhase::selection_bytes() const { return jobs::bytes_of(modes_, alone_, all_overloaded_, failed_); }
 
 std::size_t SolvePhase::capture_bytes() const { return jobs::bytes_of(capture_.answers, capture_.motions); }
 

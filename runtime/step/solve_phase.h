@@ -21,7 +21,7 @@ namespace atl {
 /// as tasks.
 class SolvePhase {
  public:
-  explicit SolvePhase(int threads) : group_solvers_(threads), overloads_(threads), moved_(threads) {}
+  explicit SolvePhase(int threads) : group_solvers_(threads), overloaded_(threads), moved_(threads) {}
 
   /// Islands whose contacts carry too much are solved on their own, and otherwise.
   void choose_modes(Stores& world, const StepContext& step, IslandPhase& islands);
@@ -63,8 +63,8 @@ class SolvePhase {
   std::vector<std::uint8_t> alone_;                                  // likewise: solved in a way of its own
   bool regrouped_ = false;                                           // since the last solve
   DirectGroups direct_;
-  solver::Overloads overloads_;
-  std::vector<solver::Overload> all_overloads_;
+  solver::OverloadedBodies overloaded_;
+  std::vector<solver::OverloadedBody> all_overloaded_;
   std::vector<std::uint32_t> failed_;  // bodies of islands that could not be solved at once
   solver::FastBodies moved_;
   solver::ContactCapture capture_;

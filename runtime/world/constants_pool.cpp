@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "state/roster.h"
+#include "state/world_definition.h"
 
 namespace atl {
 namespace {

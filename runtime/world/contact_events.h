@@ -13,23 +13,23 @@ namespace atl {
 struct ContactEvents {
   using Pairs = std::vector<std::pair<BodyId, BodyId>>;
 
-  std::vector<ContactEvent> told;
+  std::vector<ContactEvent> events;
   Pairs touched;  ///< in order, as of the last step with events
   Pairs before;
-  Pairs now;           ///< scratch: of active contacts
-  bool noted = false;  ///< by the last step
+  Pairs now;              ///< scratch: of active contacts
+  bool reported = false;  ///< by the last step
 
   /// Memory held.
-  std::size_t bytes() const { return jobs::bytes_of(told, touched, before, now); }
+  std::size_t bytes() const { return jobs::bytes_of(events, touched, before, now); }
 };
 
 /// Which bodies are in sensors, and what that changed.
 struct SensorEvents {
-  std::vector<SensorEvent> told;
+  std::vector<SensorEvent> events;
   std::vector<std::pair<BodyId, BodyId>> within;  ///< sensors and bodies, in order, as of the last step
   std::vector<std::pair<BodyId, BodyId>> before;  ///< scratch
 
-  std::size_t bytes() const { return jobs::bytes_of(told, within, before); }
+  std::size_t bytes() const { return jobs::bytes_of(events, within, before); }
 };
 
 }  // namespace atl

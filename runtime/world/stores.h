@@ -46,7 +46,7 @@ struct StepResults {
   ContactEvents unasked_events;  ///< that nobody asked for, where everything is run
   SensorEvents sensor_events;
   std::vector<JointEvent> joint_events;
-  std::vector<EscalatedIsland> escalated_islands;
+  std::vector<SelectedSolve> selected_solves;
   std::vector<ContactForce> contact_forces;  ///< made when asked for
   bool contact_forces_valid = false;
   bool captured = false;  ///< whether there is a contact problem

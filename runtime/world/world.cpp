@@ -102,7 +102,8 @@ StepReport World::Impl::advance(double dt, int substeps, bool ends_step) {
   stores.results.captured = stores.settings.keep_contact_problem;
   rules.note = nullptr;
   if constexpr (with_recording) {
-    if (recorder) rules.note = [this](std::uint32_t question, const ContactAnswers& answers) {
+    if (recorder)
+      rules.note = [this](std::uint32_t question, const ContactAnswers& answers) {
         recorder->note_answers(question, answers);
       };
   }
@@ -110,7 +111,7 @@ StepReport World::Impl::advance(double dt, int substeps, bool ends_step) {
   pipeline.run(stores, {substeps, ends_step, arena, *kernels, *narrowphase_kernels, asked, report});
   clock.last_substep = dt / substeps;
   clock.last_dt = dt;
-  note_stages(stores, pipeline, rules, recorder != nullptr, report);
+  note_features(stores, pipeline, rules, recorder != nullptr, report);
   last_counts = report.counts;
   report.ms = jobs::ms_since(start);
   return report;
@@ -606,7 +607,7 @@ void World::set_joint_enabled(JointId id, bool enabled) {
 }
 
 std::vector<MemoryUse> World::memory() const { return memory_of(impl_->stores, impl_->pipeline, impl_->last_counts); }
-std::span<const EscalatedIsland> World::escalated_islands() const { return impl_->stores.results.escalated_islands; }
+std::span<const SelectedSolve> World::selected_solves() const { return impl_->stores.results.selected_solves; }
 
 std::span<const JointEvent> World::joint_events() const { return impl_->stores.results.joint_events; }
 
@@ -659,10 +660,10 @@ std::span<const ContactEvent> World::contact_events() const {
   if (!impl_->stores.settings.contact_events) {
     throw Error("World::contact_events: Settings::contact_events is false; expected it to be set before the step");
   }
-  return impl_->stores.results.contact_events.told;
+  return impl_->stores.results.contact_events.events;
 }
 
-std::span<const SensorEvent> World::sensor_events() const { return impl_->stores.results.sensor_events.told; }
+std::span<const SensorEvent> World::sensor_events() const { return impl_->stores.results.sensor_events.events; }
 
 std::vector<BodyId> World::bodies_in(BodyId sensor) const {
   if (!impl_->stores.records.sensor[index_of(impl_->stores, sensor, "bodies_in")]) {
@@ -701,7 +702,7 @@ void World::save(Snapshot& snapshot) const {
   impl_->check_idle("save");
   if constexpr (!with_snapshots) throw_left_out("World::save is called", "snapshots", "SNAPSHOTS");
   snapshot.size_ = impl_->save_state(snapshot.bytes_);
-  snapshot.roster_ = impl_->roster();
+  snapshot.world_definition_ = impl_->world_definition();
   snapshot.origin_ = impl_->serial;
 }
 
@@ -709,7 +710,7 @@ void World::restore(const Snapshot& snapshot) {
   impl_->check_idle("restore");
   if constexpr (!with_snapshots) throw_left_out("World::restore is called", "snapshots", "SNAPSHOTS");
   if (snapshot.empty()) throw Error("World::restore: the snapshot is empty; expected one that holds a state");
-  impl_->restore(snapshot.roster_, snapshot.origin_, snapshot.state());
+  impl_->restore(snapshot.world_definition_, snapshot.origin_, snapshot.state());
   if constexpr (with_recording) {
     if (impl_->recorder) impl_->record_state();
   }

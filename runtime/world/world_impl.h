@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "state/roster.h"
+#include "state/world_definition.h"
 #include "step/pipeline.h"
 #include "world/query_gate.h"
 #include "world/stores.h"
@@ -41,11 +41,12 @@ class World::Impl {
   // restore.cpp
   std::size_t save_state(std::vector<std::byte>& bytes) const;  // the number of those that it wrote
   /// `origin` is the serial number of the world that was saved.
-  void restore(const std::shared_ptr<const Roster>& saved, std::uint64_t origin, std::span<const std::byte> state);
+  void restore(const std::shared_ptr<const WorldDefinition>& saved, std::uint64_t origin,
+               std::span<const std::byte> state);
   /// Throws Error if that is no state of such bodies.
-  static void try_out(const std::shared_ptr<const Roster>& roster, std::span<const std::byte> state);
+  static void try_out(const std::shared_ptr<const WorldDefinition>& world_definition, std::span<const std::byte> state);
   /// Made when asked for, and kept until bodies come or go.
-  const std::shared_ptr<const Roster>& roster() const;
+  const std::shared_ptr<const WorldDefinition>& world_definition() const;
   std::uint64_t state_hash() const;
 
   // recording.cpp
@@ -68,15 +69,15 @@ class World::Impl {
   const std::uint64_t serial;          // of this world in the process
 
  private:
-  void adopt(const std::shared_ptr<const Roster>& roster);
+  void adopt(const std::shared_ptr<const WorldDefinition>& world_definition);
   void read_state(std::span<const std::byte> state);
 
-  struct KnownRoster {
-    std::shared_ptr<const Roster> roster;
-    std::shared_ptr<const Roster> known_as;  // a snapshot's, found to be the same
-    std::uint64_t version = 0;               // of the bodies that it is of
+  struct KnownDefinition {
+    std::shared_ptr<const WorldDefinition> world_definition;
+    std::shared_ptr<const WorldDefinition> known_as;  // a snapshot's, found to be the same
+    std::uint64_t version = 0;                        // of the bodies that it is of
   };
-  mutable KnownRoster roster_;
+  mutable KnownDefinition world_definition_;
 };
 
 }  // namespace atl

@@ -43,7 +43,7 @@ TEST_P(JoinedMomentumTest, IsKept) {
   for (std::size_t i = 0; i < run.ids.size(); ++i) scale += run.masses[i].mass * run.world.velocity(run.ids[i]).norm();
   double linear = 0, angular = 0, gap = 0;
   for (int step = 0; step < 300; ++step) {
-    ASSERT_EQ(run.world.step(dt).first_non_finite_body, -1);
+    ASSERT_EQ(run.world.step(dt).first_quarantined, -1);
     const MotionReport now = run.motion();
     linear = std::max(linear, (now.momentum - before.momentum).norm() / scale);
     angular = std::max(angular, (now.angular_momentum - before.angular_momentum).norm());

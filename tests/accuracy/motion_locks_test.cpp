@@ -390,11 +390,11 @@ TEST(MotionLocks, AreAStageOfTheirOwn) {
   World world;
   world.add_body(ground());
   world.add_body(box({0, 0, 0.5}));
-  EXPECT_FALSE(world.step(dt).stage(Stage::MotionLocks).run);
+  EXPECT_FALSE(world.step(dt).feature(Feature::MotionLocks).run);
   world.add_body(locked(box({3, 0, 0.5}), in_plane));
-  const StageReport stage = world.step(dt).stage(Stage::MotionLocks);
-  EXPECT_TRUE(stage.run);
-  EXPECT_EQ(stage.items, 1);
+  const FeatureReport feature = world.step(dt).feature(Feature::MotionLocks);
+  EXPECT_TRUE(feature.run);
+  EXPECT_EQ(feature.items, 1);
 }
 
 TEST(MotionLocks, JointsAreRefused) {

@@ -36,7 +36,7 @@ void expect_solved(const ContactProblem& problem, const std::string& what) {
   for (ContactProblem::Patch& patch : cold.patches) {
     for (ContactProblem::Point& point : patch.points) point.impulse = 0;
     patch.friction_impulse.setZero();
-    patch.twist_impulse = 0;
+    patch.torsional_impulse = 0;
   }
   EXPECT_LE(measure_contact_residual(solve_contact_problem(cold).problem).relative, 1e-10) << what << ", cold";
 }
@@ -147,7 +147,7 @@ ContactProblem random_problem(Random& random, double friction, bool single_point
                                 .anchor_first = random.vector(0.5),
                                 .anchor_second = random.vector(0.5),
                                 .friction = friction,
-                                .lever = friction > 0 && !single_points ? 0.3 : 0};
+                                .radius = friction > 0 && !single_points ? 0.3 : 0};
     const std::uint32_t points = single_points ? 1 : 2 + random.below(3);
     for (std::uint32_t k = 0; k < points; ++k) {
       patch.points.push_back(

@@ -71,12 +71,12 @@ TEST(CommandExplain, JsonSaysTheSame) {
   const auto json = nlohmann::ordered_json::parse(result.out);
   EXPECT_EQ(json["steps"], 10);
   bool found = false;
-  for (const auto& stage : json["stages"]) {
-    if (stage["name"] != "contact_solver") continue;
+  for (const auto& feature : json["features"]) {
+    if (feature["name"] != "contact_solver") continue;
     found = true;
-    EXPECT_EQ(stage["steps"], 10);
-    EXPECT_EQ(stage["items_mean"], 3);
-    EXPECT_EQ(stage["unit"], "contacts");
+    EXPECT_EQ(feature["steps"], 10);
+    EXPECT_EQ(feature["items_mean"], 3);
+    EXPECT_EQ(feature["unit"], "contacts");
   }
   EXPECT_TRUE(found);
   EXPECT_GT(json["memory"][0]["bytes"], 0);

@@ -55,23 +55,37 @@ TEST(CommandRun, JsonHasTheKeysInTheirOrder) {
   EXPECT_EQ(result.err, "");
   const Json json = Json::parse(result.out);
   EXPECT_EQ(keys_of(json), (Keys{"scene", "bodies", "steps", "dt", "threads", "simd", "settings", "ms_per_step",
-                                 "phases_ms", "counts", "errors", "stages", "hash"}));
+                                 "phases_ms", "counts", "errors", "features", "hash"}));
   EXPECT_EQ(keys_of(json["ms_per_step"]), (Keys{"mean", "median", "p99", "max"}));
   EXPECT_EQ(keys_of(json["phases_ms"]), (Keys{"plan", "find_pairs", "update_contacts", "build_islands", "solve_islands",
                                               "sweep_fast_bodies", "finish"}));
-  EXPECT_EQ(keys_of(json["counts"]), (Keys{"pairs",          "contacts",        "points",
-                                           "joints",         "islands",         "groups",
-                                           "colours",        "fcl_calls",       "fcl_repairs",
-                                           "kept_manifolds", "fresh_manifolds", "asleep",
-                                           "id_matches",     "id_misses",       "swept",
-                                           "stopped",        "sweeps",          "direct_joints",
-                                           "direct_islands", "finer_islands",   "newton_iterations",
-                                           "new_boxes"}));
+  EXPECT_EQ(keys_of(json["counts"]), (Keys{"pairs",
+                                           "contacts",
+                                           "points",
+                                           "joints",
+                                           "islands",
+                                           "groups",
+                                           "colours",
+                                           "fcl_calls",
+                                           "fcl_repairs",
+                                           "recycled_manifolds",
+                                           "recomputed_manifolds",
+                                           "asleep",
+                                           "id_matches",
+                                           "id_misses",
+                                           "swept",
+                                           "stopped",
+                                           "sweeps",
+                                           "direct_joints",
+                                           "direct_islands",
+                                           "refined_islands",
+                                           "newton_iterations",
+                                           "aabb_updates"}));
   EXPECT_EQ(keys_of(json["errors"]),
             (Keys{"penetration_max", "penetration_p99", "penetration_mean", "penetration_max_relative", "sink_max",
                   "sink_mean", "drift_max", "tilt_max", "energy_drift"}));
-  for (const Json& stage : json["stages"])
-    EXPECT_EQ(keys_of(stage), (Keys{"name", "run", "why", "items", "unit", "ms"}));
+  for (const Json& feature : json["features"])
+    EXPECT_EQ(keys_of(feature), (Keys{"name", "run", "why", "items", "unit", "ms"}));
 
   EXPECT_EQ(json["scene"], "stack:height=3,ratio=1");
   EXPECT_EQ(json["bodies"], 3);
@@ -114,8 +128,8 @@ TEST(CommandRun, ProfileTellsTheSolversStagesAndChangesNothing) {
   EXPECT_EQ(keys_of(profile["solver_ms"]),
             (Keys{"colour", "prepare", "warm_start", "solve", "relax", "integrate", "restitution", "store"}));
   double all = 0;
-  for (const char* stage : {"prepare", "solve", "relax", "integrate", "store"}) {
-    EXPECT_GT(profile["solver_ms"][stage], 0) << stage;
+  for (const char* phase : {"prepare", "solve", "relax", "integrate", "store"}) {
+    EXPECT_GT(profile["solver_ms"][phase], 0) << phase;
   }
   for (const Json& ms : profile["solver_ms"]) all += ms.get<double>();
   EXPECT_LE(all, profile["phases_ms"]["solve_islands"].get<double>()) << "on one thread they are parts of the phase";
@@ -166,7 +180,7 @@ TEST(CommandRun, TextEndsWithTheHash) {
         "--errors", "atoll sweep", "hash"}) {
     EXPECT_NE(text.out.find(word), std::string::npos) << word;
   }
-  for (const char* word : {"counts of the last step", "stages of the last step"}) {
+  for (const char* word : {"counts of the last step", "features of the last step"}) {
     EXPECT_EQ(text.out.find(word), std::string::npos) << word;
     EXPECT_NE(run_atoll({"run", "stack", "--steps", "2", "--profile"}).out.find(word), std::string::npos) << word;
   }

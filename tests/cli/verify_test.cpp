@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "cli/command.h"
 #include "checks/stability/suite.h"
+#include "cli/command.h"
 
 namespace atl::test {
 namespace {

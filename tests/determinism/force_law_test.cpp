@@ -56,7 +56,7 @@ TEST_P(ForceLawOn, IsTheSameWhateverTheThreadsAndVectors) {
   std::vector<std::uint64_t> trail;
   SceneRun first = start();
   for (int i = 0; i < steps; ++i) {
-    ASSERT_EQ(first.world.step(scene.dt, blow).first_non_finite_body, -1);
+    ASSERT_EQ(first.world.step(scene.dt, blow).first_quarantined, -1);
     trail.push_back(first.world.state_hash());
   }
   for (const int threads : {1, 4}) {

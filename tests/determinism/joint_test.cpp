@@ -62,7 +62,7 @@ std::vector<std::uint64_t> trail(const WorldDef& def) {
   std::vector<std::uint64_t> hashes;
   for (int i = 0; i < steps; ++i) {
     const StepReport report = tangle.world.step(dt);
-    EXPECT_EQ(report.first_non_finite_body, -1) << i;
+    EXPECT_EQ(report.first_quarantined, -1) << i;
     hashes.push_back(tangle.world.state_hash());
   }
   return hashes;

@@ -61,7 +61,7 @@ Squeeze squeeze(std::uint32_t seed, ContactSolver solver) {
   if (free) seen.load += world.mass(under) * g;
   for (int step = 0; step < 120; ++step) {
     const StepReport report = world.step(dt);
-    seen.quarantined |= report.first_non_finite_body >= 0;
+    seen.quarantined |= report.first_quarantined >= 0;
     for (const BodyId body : {id, heavy, under}) {
       const Vector3 velocity = world.velocity(body);
       seen.launch = std::max({seen.launch, velocity.z(), velocity.head<2>().norm()});

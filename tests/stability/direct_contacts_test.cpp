@@ -99,7 +99,7 @@ TEST(DirectContacts, ColumnSurvivesWhatIsDroppedOnIt) {
   };
   const double at_start = energy();
   for (int step = 0; step < 600; ++step) {
-    ASSERT_EQ(world.step(dt).first_non_finite_body, -1);
+    ASSERT_EQ(world.step(dt).first_quarantined, -1);
     ASSERT_LT(energy(), at_start * (1 + 1e-4)) << step;
   }
   for (std::size_t i = 0; i < ids.size(); ++i) {
@@ -151,8 +151,8 @@ TEST(DirectContacts, TellWhichIslandsTheyAre) {
   const std::vector<BodyId> low = add_stack(world, 5, {10, 0, 0});
   const std::vector<BodyId> high = add_stack(world, 20);
   const StepReport report = world.step(dt);
-  ASSERT_EQ(world.escalated_islands().size(), 1u);
-  const EscalatedIsland& island = world.escalated_islands().front();
+  ASSERT_EQ(world.selected_solves().size(), 1u);
+  const SelectedSolve& island = world.selected_solves().front();
   EXPECT_EQ(island.lowest.index, high.front().index);
   EXPECT_EQ(island.bodies, 20u);
   EXPECT_EQ(island.contacts, 20u);
@@ -160,10 +160,10 @@ TEST(DirectContacts, TellWhichIslandsTheyAre) {
   EXPECT_FALSE(island.gave_up);
   EXPECT_STREQ(island.why, "columns give way under what they carry");
   EXPECT_EQ(report.counts.direct_islands, 1);
-  EXPECT_EQ(report.counts.finer_islands, 0);
+  EXPECT_EQ(report.counts.refined_islands, 0);
   world.set_settings({.contact_solver = ContactSolver::Iterative});
   EXPECT_EQ(world.step(dt).counts.direct_islands, 0);
-  EXPECT_TRUE(world.escalated_islands().empty());
+  EXPECT_TRUE(world.selected_solves().empty());
 }
 
 // A box that lands hard loads what it lands on for a step: nothing to be done about.
@@ -176,10 +176,10 @@ TEST(DirectContacts, ImpactsAreNoLoads) {
 }
 
 // The wall of a hundred rows, of which sweeps alone let the top sink by 0.7 m.
-TEST(FinerSubsteps, HoldAWallUp) {
+TEST(RefinedSubsteps, HoldAWallUp) {
   SceneRun run("wall:base=100");
   for (int step = 0; step < 240; ++step) {
-    ASSERT_EQ(run.world.step(run.scene.dt).counts.finer_islands, 1) << step;
+    ASSERT_EQ(run.world.step(run.scene.dt).counts.refined_islands, 1) << step;
   }
   EXPECT_LT(run.rest().sink_max, 0.1);
   EXPECT_LT(run.penetration().max, 2e-3);

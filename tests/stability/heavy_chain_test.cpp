@@ -26,7 +26,7 @@ Swing swing(const std::string& scene, int links, int steps) {
   Swing worst;
   double turned = 0;
   for (int step = 0; step < steps; ++step) {
-    EXPECT_EQ(run.world.step(run.scene.dt).first_non_finite_body, -1) << scene << ", step " << step;
+    EXPECT_EQ(run.world.step(run.scene.dt).first_quarantined, -1) << scene << ", step " << step;
     const double turned_before = turned;
     turned = run.world.angular_velocities().colwise().norm().maxCoeff() * substep();
     worst.end_gap = run.drift().max;

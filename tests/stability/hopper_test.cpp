@@ -19,7 +19,7 @@ TEST(Hopper, NothingThatIsFastStandsStill) {
   std::vector<Vector3> places(bodies.size());
   std::vector<int> still(bodies.size());
   for (int step = 0; step < 400; ++step) {
-    ASSERT_EQ(hopper.world.step(dt).first_non_finite_body, -1) << "step " << step;
+    ASSERT_EQ(hopper.world.step(dt).first_quarantined, -1) << "step " << step;
     for (std::size_t i = 0; i < bodies.size(); ++i) {
       const Vector3 place = hopper.world.pose(bodies[i]).position;
       const bool stands = (place - places[i]).norm() < 1e-9 && hopper.world.velocity(bodies[i]).norm() > fast;

@@ -14,7 +14,7 @@ namespace {
 double parting_speed(World& world, BodyId a, BodyId b, int steps) {
   double fastest = 0;
   for (int i = 0; i < steps; ++i) {
-    EXPECT_EQ(world.step(dt).first_non_finite_body, -1);
+    EXPECT_EQ(world.step(dt).first_quarantined, -1);
     fastest = std::max(fastest, (world.velocity(b) - world.velocity(a)).norm());
   }
   return fastest;
@@ -39,7 +39,7 @@ TEST(Overlap, StackAQuarterDeepDoesNotBurst) {
   for (int i = 0; i < 4; ++i) ids.push_back(world.add_body(box({0, 0, 0.5 + 0.75 * i})));
   double highest = 0;
   for (int i = 0; i < 300; ++i) {
-    ASSERT_EQ(world.step(dt).first_non_finite_body, -1);
+    ASSERT_EQ(world.step(dt).first_quarantined, -1);
     highest = std::max(highest, world.pose(ids.back()).position.z());
   }
   // Every contact of the column adds at most the push speed, and a body thrown up at speed v rises by v^2 / 2g.

@@ -30,7 +30,7 @@ TEST(Pile, ComesToRestInsideItsContainer) {
   ASSERT_EQ(bodies.size(), 300u);
   double most_energy = 0;
   for (int i = 0; i < 600; ++i) {
-    ASSERT_EQ(pile.world.step(dt).first_non_finite_body, -1) << "step " << i;
+    ASSERT_EQ(pile.world.step(dt).first_quarantined, -1) << "step " << i;
     most_energy = std::max(most_energy, kinetic_energy(pile.world, bodies));
   }
   for (BodyId id : bodies) {

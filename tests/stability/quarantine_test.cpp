@@ -134,7 +134,7 @@ TEST_P(QuarantinedPile, GoesOnAsIfThePoisonedHadBeenRemoved) {
     SCOPED_TRACE("step " + std::to_string(step));
     const StepReport report = pile.world.step(dt), expected = removed.world.step(dt);
     ASSERT_EQ(report.quarantined, step == 0 ? static_cast<std::int64_t>(count) : 0);
-    ASSERT_EQ(report.first_non_finite_body, step == 0 ? static_cast<std::int64_t>(victims[0].index) : -1);
+    ASSERT_EQ(report.first_quarantined, step == 0 ? static_cast<std::int64_t>(victims[0].index) : -1);
     ASSERT_EQ(report.counts.pairs, expected.counts.pairs);
     ASSERT_EQ(report.counts.contacts, expected.counts.contacts);
     ASSERT_EQ(report.counts.active_bodies, expected.counts.active_bodies);
@@ -289,7 +289,7 @@ TEST(Quarantine, BodiesThatBreakInTheSolveAreLostTogether) {
   const StepReport report = broken.world.step(dt);
   removed.world.step(dt);
   ASSERT_EQ(report.quarantined, 2);
-  EXPECT_EQ(report.first_non_finite_body, broken.driven[0].index);
+  EXPECT_EQ(report.first_quarantined, broken.driven[0].index);
   for (std::size_t i = 0; i < 2; ++i) {
     EXPECT_EQ(broken.world.quarantined()[i].id, broken.driven[i]);
     EXPECT_EQ(broken.world.quarantined()[i].step, 31);

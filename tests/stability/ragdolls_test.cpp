@@ -27,7 +27,7 @@ TEST_P(RagdollsTest, HoldTogetherAndComeToRest) {
     std::int64_t asleep = 0;
     for (int step = 0; step < run.scene.steps; ++step) {
       const StepReport report = run.world.step(run.scene.dt);
-      ASSERT_EQ(report.first_non_finite_body, -1) << step;
+      ASSERT_EQ(report.first_quarantined, -1) << step;
       asleep = report.counts.asleep;
       const JointDriftReport drift = run.drift();
       // Limbs that are put back within a step open their joints by the square of how far they turned in it.

@@ -38,7 +38,7 @@ TEST(Sleep, SettledStackFallsAsleep) {
   const StepReport report = sleeping.world.step(dt);
   EXPECT_EQ(report.counts.asleep, height);
   EXPECT_EQ(report.counts.islands, 0);
-  EXPECT_EQ(report.counts.fresh_manifolds, 0);
+  EXPECT_EQ(report.counts.recomputed_manifolds, 0);
 }
 
 TEST(Sleep, NothingSleepsUnlessAsked) {
@@ -195,7 +195,7 @@ TEST(Sleep, CostsNothing) {
   EXPECT_EQ(asleep.counts.contacts, 0);
   EXPECT_EQ(asleep.counts.points, 0);
   EXPECT_EQ(asleep.counts.islands, 0);
-  EXPECT_EQ(asleep.counts.kept_manifolds + asleep.counts.fresh_manifolds, 0);
+  EXPECT_EQ(asleep.counts.recycled_manifolds + asleep.counts.recomputed_manifolds, 0);
 
   world.wake(boxes[210]);
   const StepReport one = world.step(dt);

@@ -32,7 +32,7 @@ struct SceneRun {
 /// Steps and fails at the first step that leaves something not finite.
 inline void run_finite(World& world, int steps, double step = dt) {
   for (int i = 0; i < steps; ++i) {
-    ASSERT_EQ(world.step(step).first_non_finite_body, -1) << "step " << i;
+    ASSERT_EQ(world.step(step).first_quarantined, -1) << "step " << i;
   }
   ASSERT_TRUE(world.positions().allFinite());
   ASSERT_TRUE(world.velocities().allFinite());

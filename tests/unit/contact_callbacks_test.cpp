@@ -458,8 +458,8 @@ TEST(ContactCallbacks, ThatChangeNothingLeaveAllAsItIs) {
     std::vector<std::uint64_t> trail;
     for (int i = 0; i < 150; ++i) {
       const StepReport report = world.step(dt);
-      EXPECT_EQ(report.stage(Stage::ContactFilter).run, report.counts.filtered_pairs > 0);
-      EXPECT_EQ(report.stage(Stage::ContactModifier).run, functions && report.counts.contacts > 0);
+      EXPECT_EQ(report.feature(Feature::ContactFilter).run, report.counts.filtered_pairs > 0);
+      EXPECT_EQ(report.feature(Feature::ContactModifier).run, functions && report.counts.contacts > 0);
       trail.push_back(world.state_hash());
     }
     return trail;
@@ -473,18 +473,18 @@ TEST(ContactCallbacks, AreInThePlan) {
   world.add_body(ground());
   world.add_body(box({0, 0, 0.5}));
   StepReport report = world.step(dt);
-  EXPECT_FALSE(report.stage(Stage::ContactFilter).run);
-  EXPECT_STREQ(report.stage(Stage::ContactFilter).why, "no contact filter is set");
-  EXPECT_STREQ(report.stage(Stage::ContactModifier).why, "no contact modifier is set");
+  EXPECT_FALSE(report.feature(Feature::ContactFilter).run);
+  EXPECT_STREQ(report.feature(Feature::ContactFilter).why, "no contact filter is set");
+  EXPECT_STREQ(report.feature(Feature::ContactModifier).why, "no contact modifier is set");
   world.set_contact_filter([](const ContactCandidate&) { return true; });
   world.set_contact_modifier([](ModifiableContact&) {});
   world.add_body(box({3, 0, 0.5}));
   report = world.step(dt);
-  EXPECT_EQ(report.stage(Stage::ContactFilter).items, 1);
-  EXPECT_EQ(report.stage(Stage::ContactModifier).items, 2);
+  EXPECT_EQ(report.feature(Feature::ContactFilter).items, 1);
+  EXPECT_EQ(report.feature(Feature::ContactModifier).items, 2);
   report = world.step(dt);
-  EXPECT_FALSE(report.stage(Stage::ContactFilter).run);
-  EXPECT_STREQ(report.stage(Stage::ContactFilter).why, "no pair is new to the filter");
+  EXPECT_FALSE(report.feature(Feature::ContactFilter).run);
+  EXPECT_STREQ(report.feature(Feature::ContactFilter).why, "no pair is new to the filter");
 }
 
 TEST(ContactCallbacks, ThatThrowLetTheStepEndFirst) {
@@ -532,11 +532,15 @@ TEST(ContactCallbacks, MayNotChangeTheWorld) {
   Snapshot snapshot;
   const std::vector<std::function<void()>> calls = {
       [&] { world.step(dt); },
-      [&] { world.apply_force(crate, {1, 0, 0}); },
+      [&] {
+        world.apply_force(crate, {1, 0, 0});
+      },
       [&] { world.set_pose(crate, {}); },
       [&] { world.remove_body(crate); },
       [&] { world.add_body({}); },
-      [&] { world.set_gravity({0, 0, 0}); },
+      [&] {
+        world.set_gravity({0, 0, 0});
+      },
       [&] { world.save(snapshot); },
       [&] { world.set_contact_filter({}); },
       [&] { world.refilter(crate); },

@@ -38,7 +38,7 @@ ContactProblem cube_on_ground() {
        .anchor_first = {0, 0, 0},
        .anchor_second = {0, 0, -0.5},
        .friction = 0.5,
-       .lever = 0.3,
+       .radius = 0.3,
        .points = {{.x = 0.5, .y = 0.5}, {.x = 0.5, .y = -0.5}, {.x = -0.5, .y = 0.5}, {.x = -0.5, .y = -0.5}}});
   return problem;
 }
@@ -79,7 +79,7 @@ ContactProblem random_problem(Random& random) {
                                 .anchor_first = random.vector(1),
                                 .anchor_second = random.vector(1),
                                 .friction = random.real(0.1, 1),
-                                .lever = random.real(0.1, 1)};
+                                .radius = random.real(0.1, 1)};
     const std::uint32_t points = 1 + random.below(4);
     for (std::uint32_t i = 0; i < points; ++i) {
       patch.points.push_back({.x = random.real(-1, 1),
@@ -88,7 +88,7 @@ ContactProblem random_problem(Random& random) {
                               .impulse = random.real(0, 1)});
     }
     patch.friction_impulse = 0.3 * normal.cross(random.vector(1));
-    patch.twist_impulse = random.real(-0.2, 0.2);
+    patch.torsional_impulse = random.real(-0.2, 0.2);
     problem.patches.push_back(patch);
   }
   problem.bodies[0].free_velocity -= 10 * problem.patches[0].normal;  // one closes at least
@@ -123,10 +123,10 @@ TEST(ContactResidual, ACubeThatSlidesWithFrictionAgainstItIsASolution) {
 TEST(ContactResidual, ACubeThatTwistsWithFrictionAgainstItIsASolution) {
   ContactProblem problem = resting_cube();
   problem.bodies[0].free_angular_velocity.z() = 1;
-  problem.patches[0].twist_impulse = -0.5 * 0.3 * weight;
+  problem.patches[0].torsional_impulse = -0.5 * 0.3 * weight;
   EXPECT_LT(measure_contact_residual(problem).relative, 1e-12);
 
-  problem.patches[0].twist_impulse *= -1;
+  problem.patches[0].torsional_impulse *= -1;
   EXPECT_GT(measure_contact_residual(problem).absolute, 1e-3);
 }
 
@@ -281,7 +281,7 @@ TEST(ContactResidual, IsTheSameForHeavierBodies) {
     for (ContactProblem::Patch& patch : heavier.patches) {
       for (ContactProblem::Point& point : patch.points) point.impulse *= factor;
       patch.friction_impulse *= factor;
-      patch.twist_impulse *= factor;
+      patch.torsional_impulse *= factor;
     }
     const double expected = measure_contact_residual(problem).absolute;
     EXPECT_NEAR(measure_contact_residual(heavier).absolute, expected, 1e-12 * expected);
@@ -299,13 +299,13 @@ TEST(ContactResidual, RefusesAProblemThatIsNone) {
   refused([](ContactProblem& p) { p.patches[0].points.clear(); }, "found 0 points");
   refused([](ContactProblem& p) { p.patches[0].points.resize(5); }, "found 5 points");
   refused([](ContactProblem& p) { p.patches[0].friction = -1; }, "friction");
-  refused([](ContactProblem& p) { p.patches[0].lever = -1; }, "lever");
+  refused([](ContactProblem& p) { p.patches[0].radius = -1; }, "radius");
   refused(
       [](ContactProblem& p) {
-        p.patches[0].lever = 0;
-        p.patches[0].twist_impulse = 1;
+        p.patches[0].radius = 0;
+        p.patches[0].torsional_impulse = 1;
       },
-      "twist impulse");
+      "torsional impulse");
   refused([](ContactProblem& p) { p.patches[0].torsional_friction = -1; }, "torsional friction");
   refused([](ContactProblem& p) { p.patches[0].rolling_friction = -1; }, "rolling friction");
   refused([](ContactProblem& p) { p.patches[0].rolling_impulse = {1, 0, 0}; }, "rolling impulse");
@@ -314,7 +314,7 @@ TEST(ContactResidual, RefusesAProblemThatIsNone) {
 // The projection.
 
 double dot(const PatchVector& a, const PatchVector& b) {
-  double sum = a.tangential.dot(b.tangential) + a.twist * b.twist + a.rolling.dot(b.rolling);
+  double sum = a.tangential.dot(b.tangential) + a.torsional * b.torsional + a.rolling.dot(b.rolling);
   for (std::size_t i = 0; i < a.points; ++i) sum += a.normal[i] * b.normal[i];
   return sum;
 }
@@ -325,7 +325,7 @@ PatchVector random_vector(Random& random) {
   const auto value = [&] { return random.chance(0.2) ? 0.5 * random.below(3) - 0.5 : random.real(-1, 1); };
   for (std::size_t i = 0; i < z.points; ++i) z.normal[i] = value();
   z.tangential = {value(), value()};
-  z.twist = value();
+  z.torsional = value();
   z.rolling = {value(), value()};
   return z;
 }
@@ -346,11 +346,11 @@ TEST(FrictionCone, ProjectionObeysMoreausDecomposition) {
     const FrictionBounds friction = {bound(), bound(), bound()};
     const PatchVector p = project_on_cone(z, friction);
     const PatchVector rest = z - p;
-    const double tolerance = 1e-13 * (1 + friction.tangential + friction.twist + friction.rolling);
+    const double tolerance = 1e-13 * (1 + friction.tangential + friction.torsional + friction.rolling);
     ASSERT_LE(p.tangential.norm(), friction.tangential * sum(p) + tolerance);
-    ASSERT_LE(std::abs(p.twist), friction.twist * sum(p) + tolerance);
+    ASSERT_LE(std::abs(p.torsional), friction.torsional * sum(p) + tolerance);
     ASSERT_LE(p.rolling.norm(), friction.rolling * sum(p) + tolerance);
-    const double friction_part = friction.tangential * rest.tangential.norm() + friction.twist * std::abs(rest.twist) +
+    const double friction_part = friction.tangential * rest.tangential.norm() + friction.torsional * std::abs(rest.torsional) +
                                  friction.rolling * rest.rolling.norm();
     for (std::size_t k = 0; k < z.points; ++k) {
       ASSERT_GE(p.normal[k], 0);
@@ -382,8 +382,8 @@ TEST(FrictionCone, NoMemberIsNearerThanTheProjection) {
       };
       move_within(member.tangential, friction.tangential);
       move_within(member.rolling, friction.rolling);
-      const double most_twist = friction.twist * sum(member);
-      member.twist = std::clamp(member.twist + random.real(-reach, reach), -most_twist, most_twist);
+      const double most_twist = friction.torsional * sum(member);
+      member.torsional = std::clamp(member.torsional + random.real(-reach, reach), -most_twist, most_twist);
       const double distance = (z - member).squared_norm();
       ASSERT_GE(distance, nearest - 1e-14);
       least = std::min(least, distance);

@@ -100,10 +100,10 @@ TEST(ForceLaw, EventsAndCountsAreOfTheWholeStep) {
     const StepReport report = world.step(dt, [](Forces&) {});
     began += static_cast<int>(world.contact_events().size());
     if (i > 5) {
-      EXPECT_EQ(report.counts.kept_manifolds + report.counts.fresh_manifolds, 4) << "one a substep";
+      EXPECT_EQ(report.counts.recycled_manifolds + report.counts.recomputed_manifolds, 4) << "one a substep";
     }
     EXPECT_EQ(report.counts.active_bodies, 1);
-    EXPECT_TRUE(report.stage(Stage::ContactSolver).run);
+    EXPECT_TRUE(report.feature(Feature::ContactSolver).run);
   }
   EXPECT_EQ(began, 1);
 }
@@ -172,7 +172,7 @@ TEST(ForceLaw, WhatIsNotFiniteInBulkGoesIntoQuarantine) {
     if (forces.time() > 0.4 * dt) forces.forces()(0, broken.index) = nan;
   });
   EXPECT_EQ(report.quarantined, 1);
-  EXPECT_EQ(report.first_non_finite_body, static_cast<std::int64_t>(broken.index));
+  EXPECT_EQ(report.first_quarantined, static_cast<std::int64_t>(broken.index));
   EXPECT_TRUE(world.is_quarantined(broken));
   EXPECT_NEAR(world.velocity(well).z(), -g * dt, 1e-12);
 }

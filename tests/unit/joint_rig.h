@@ -138,7 +138,7 @@ inline GroupReport JointRig::step(double dt, int count) {
   FastBodies fast(std::max(1, team));
   collision::MotionBounds bounds;
   bounds.resize(bodies.size());
-  Overloads overloads(std::max(1, team));
+  OverloadedBodies overloaded(std::max(1, team));
   std::optional<jobs::Arena> arena;
   if (team > 0) arena.emplace(team);
   GroupReport report;
@@ -152,7 +152,7 @@ inline GroupReport JointRig::step(double dt, int count) {
                            .kernels = *kernels,
                            .bounds = bounds,
                            .fast = fast,
-                           .overloads = overloads,
+                           .overloaded = overloaded,
                            .joints = joints.data(),
                            .joint_graph = &graph,
                            .joint_systems = &systems};

@@ -230,18 +230,18 @@ TEST(JointWorld, RemovedBodysPairsAreForgotten) {
 
 TEST(JointWorld, ReportCountsAndSaysWhy) {
   Crates crates;
-  const auto stage = [&] { return crates.world.step(dt).stage(Stage::JointSolver); };
-  EXPECT_FALSE(stage().run);
-  EXPECT_STREQ(stage().why, "there are no joints");
+  const auto feature = [&] { return crates.world.step(dt).feature(Feature::JointSolver); };
+  EXPECT_FALSE(feature().run);
+  EXPECT_STREQ(feature().why, "there are no joints");
   const JointId joint = crates.add(crates.a, crates.c);
-  EXPECT_TRUE(stage().run);
+  EXPECT_TRUE(feature().run);
   const StepReport report = crates.world.step(dt);
   EXPECT_EQ(report.counts.joints, 1);
   EXPECT_EQ(report.counts.direct_joints, 0) << "one joint of equal masses";
   EXPECT_EQ(report.counts.islands, 1);
   crates.world.set_joint_enabled(joint, false);
-  EXPECT_FALSE(stage().run);
-  EXPECT_STREQ(stage().why, "no joint acts on a body that is awake");
+  EXPECT_FALSE(feature().run);
+  EXPECT_STREQ(feature().why, "no joint acts on a body that is awake");
   EXPECT_EQ(crates.world.step(dt).counts.joints, 0);
 }
 

@@ -89,7 +89,7 @@ Group random_group(std::uint32_t seed, std::uint32_t count, int pairs, const Lac
     manifold.friction = static_cast<float>(random.real(0, 1));
     if (lacking.friction) manifold.friction = 0;
     manifold.restitution = random.chance(0.5) && !lacking.restitution ? 0.7f : 0;
-    manifold.lever = 0.3f;
+    manifold.friction_radius = 0.3f;
     const std::uint32_t points = 1 + random.below(lacking.most_points);
     for (std::uint32_t p = 0; p < 4; ++p) {
       const bool used = p < points;
@@ -99,7 +99,7 @@ Group random_group(std::uint32_t seed, std::uint32_t count, int pairs, const Lac
       manifold.normal_impulse[p] = used ? static_cast<float>(random.real(0, 0.2)) : 0;
     }
     set3(manifold.friction_impulse, random.vector(0.05));
-    manifold.twist_impulse = static_cast<float>(random.real(-0.02, 0.02));
+    manifold.torsional_impulse = static_cast<float>(random.real(-0.02, 0.02));
     group.manifolds.push_back(manifold);
   }
   group.colouring.build(contacts, first_dynamic, count, group.blocks);
@@ -209,7 +209,8 @@ TEST(Kernels, NeverPullAndNeverWriteABodyThatIsNotDynamic) {
     const float* f = manifold.friction_impulse;
     // Rounding of a sum, a square root and a product.
     EXPECT_LE(std::sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]), manifold.friction * normal * (1 + 1e-5f) + 1e-6f);
-    EXPECT_LE(std::abs(manifold.twist_impulse), manifold.friction * normal * manifold.lever * (1 + 1e-5f) + 1e-6f);
+    EXPECT_LE(std::abs(manifold.torsional_impulse),
+              manifold.friction * normal * manifold.friction_radius * (1 + 1e-5f) + 1e-6f);
   }
   for (std::uint32_t body = 0; body < first_dynamic; ++body) {
     EXPECT_EQ(std::memcmp(&group.bodies.velocity[body], &start.bodies.velocity[body], sizeof(VelocityRows)), 0);

@@ -62,8 +62,8 @@ TEST(Layout, BlockLanesAreAlignedForTheWidestSet) {
   constexpr std::size_t row = block_lanes * sizeof(float);
   EXPECT_EQ(row, 32u);
   EXPECT_EQ(offsetof(ContactBlock, normal) % row, 0u);
-  EXPECT_EQ(offsetof(ContactBlock, twist_impulse) % row, 0u);
-  EXPECT_EQ(offsetof(ContactBlock, lever) % row, 0u);
+  EXPECT_EQ(offsetof(ContactBlock, torsional_impulse) % row, 0u);
+  EXPECT_EQ(offsetof(ContactBlock, friction_radius) % row, 0u);
   EXPECT_EQ(offsetof(BounceBlock, restitution) % row, 0u);
 }
 

@@ -15,7 +15,7 @@ constexpr int stacks = 100;
 
 struct Guest {
   const char* name;
-  Stage stage;
+  Feature feature;
   std::function<void(World& world, BodyDef def)> add;
 };
 
@@ -32,36 +32,36 @@ TEST_P(Locality, AStageIsRunForTheIslandThatNeedsIt) {
     }
   }
   for (int i = 0; i < 20; ++i) world.step(dt);
-  const StageReport before = world.step(dt).stage(GetParam().stage);
+  const FeatureReport before = world.step(dt).feature(GetParam().feature);
   EXPECT_FALSE(before.run);
   EXPECT_EQ(before.items, 0);
 
   GetParam().add(world, {.position = {-10, -10, 0.5}});
   const StepReport report = world.step(dt);
-  EXPECT_TRUE(report.stage(GetParam().stage).run);
-  EXPECT_GE(report.stage(GetParam().stage).items, 1);
-  EXPECT_LE(report.stage(GetParam().stage).items, block);
+  EXPECT_TRUE(report.feature(GetParam().feature).run);
+  EXPECT_GE(report.feature(GetParam().feature).items, 1);
+  EXPECT_LE(report.feature(GetParam().feature).items, block);
   EXPECT_GT(report.counts.contacts, 3 * stacks);
 }
 
 const Guest guests[] = {
-    {"Bouncy", Stage::Restitution,
+    {"Bouncy", Feature::Restitution,
      [](World& world, BodyDef def) {
        def.material.restitution = 0.5;
        world.add_body(def);
      }},
-    {"Fast", Stage::ContinuousCollision,
+    {"Fast", Feature::ContinuousCollision,
      [](World& world, BodyDef def) {
        def.continuous = true;
        def.velocity = {-1, 0, 0};
        world.add_body(def);
      }},
-    {"Tumbling", Stage::GyroscopicTorque,
+    {"Tumbling", Feature::GyroscopicTorque,
      [](World& world, BodyDef def) {
        def.shape = Box{.half_extents = {0.5, 0.4, 0.5}};
        world.add_body(def);
      }},
-    {"Jointed", Stage::JointSolver,
+    {"Jointed", Feature::JointSolver,
      [](World& world, BodyDef def) {
        const BodyId first = world.add_body(def);
        def.position.x() -= 2;

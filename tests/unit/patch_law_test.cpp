@@ -23,9 +23,9 @@ ContactLaw random_law(Random& random) {
     law.bias[i] = random.real(-0.5, 0.5);
   }
   law.friction_stiffness = random.real(1, 10);
-  law.twist_stiffness = random.real(1, 10);
+  law.torsional_stiffness = random.real(1, 10);
   law.friction_bound = random.real(0, 5);
-  law.twist_bound = random.real(0, 2);
+  law.torsional_bound = random.real(0, 2);
   law.pyramid = random.below(2) == 0;
   law.slip = {random.real(-1, 1), random.real(-1, 1)};
   if (random.below(2) == 0) law.rolling_stiffness = random.real(1, 10);
@@ -59,7 +59,7 @@ TEST(ContactLaw, ImpulsesStayInTheirCone) {
     const double friction = law.pyramid ? std::max(std::abs(answer.friction[0]), std::abs(answer.friction[1]))
                                         : std::hypot(answer.friction[0], answer.friction[1]);
     EXPECT_LE(friction, law.friction_bound * (1 + 1e-14));
-    EXPECT_LE(std::abs(answer.twist), law.twist_bound);
+    EXPECT_LE(std::abs(answer.torsional), law.torsional_bound);
     EXPECT_LE(std::hypot(answer.rolling[0], answer.rolling[1]), law.rolling_bound * (1 + 1e-14));
     const double slides_at[2] = {motion[3] + law.slip[0], motion[4] + law.slip[1]};
     EXPECT_LE(answer.friction[0] * slides_at[0] + answer.friction[1] * slides_at[1], 0) << "it takes energy";
@@ -135,7 +135,7 @@ TEST(ContactLaw, LinearAnswerAgreesOnItsOwnPieces) {
     const ContactAnswer linear = law.linear_answer(motion, answer.pieces, answer);
     EXPECT_EQ(linear.normal, answer.normal);
     EXPECT_EQ(linear.friction, answer.friction);
-    EXPECT_EQ(linear.twist, answer.twist);
+    EXPECT_EQ(linear.torsional, answer.torsional);
     EXPECT_EQ(linear.rolling, answer.rolling);
   }
 }
@@ -150,7 +150,7 @@ TEST(ContactLaw, SecantTimesMotionIsFriction) {
     const auto k = law.secant(motion, {});
     EXPECT_NEAR(-k[3][3] * (motion[3] + law.slip[0]), answer.friction[0], 1e-13);
     EXPECT_NEAR(-k[4][4] * (motion[4] + law.slip[1]), answer.friction[1], 1e-13);
-    EXPECT_NEAR(-k[5][5] * motion[5], answer.twist, 1e-13);
+    EXPECT_NEAR(-k[5][5] * motion[5], answer.torsional, 1e-13);
     EXPECT_NEAR(-k[1][1] * motion[1], answer.rolling[0], 1e-13);
     EXPECT_NEAR(-k[2][2] * motion[2], answer.rolling[1], 1e-13);
     EXPECT_EQ(k[0], Six{}) << "no point is held";

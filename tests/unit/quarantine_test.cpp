@@ -291,7 +291,7 @@ TEST(Quarantine, KinematicBodyThatIsOutRunsNoStage) {
   World world;
   const BodyId lift =
       world.add_body({.type = BodyType::Kinematic, .shape = Box{{0.5, 0.5, 0.5}}, .velocity = {0, 0, 1}});
-  const auto kinematic_runs = [](const StepReport& report) { return report.stage(Stage::KinematicBodies).run; };
+  const auto kinematic_runs = [](const StepReport& report) { return report.feature(Feature::KinematicBodies).run; };
   EXPECT_TRUE(kinematic_runs(world.step(dt)));
   world.set_velocity(lift, {0, 0, 1e7}, {0, 0, 0});
   EXPECT_FALSE(kinematic_runs(world.step(dt)));

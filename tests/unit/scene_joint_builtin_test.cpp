@@ -62,7 +62,7 @@ TEST(SceneJointBuiltin, RunAndStayFinite) {
     const std::vector<BodyId> ids = build_scene(scene, world);
     EXPECT_EQ(world.joint_count(), scene.joints.size());
     for (int step = 0; step < 60; ++step) {
-      ASSERT_EQ(world.step(scene.dt).first_non_finite_body, -1) << text << ", step " << step;
+      ASSERT_EQ(world.step(scene.dt).first_quarantined, -1) << text << ", step " << step;
     }
   }
 }

@@ -96,8 +96,8 @@ TEST(SceneShapes, HeightField) {
 }
 
 TEST(SceneShapes, SmoothSurfaces) {
-  const auto field = read<HeightField>(
-      R"({"type": "height_field", "heights": [[1, 2], [4, 5]], "spacing": [1, 1], "smooth": true})");
+  const auto field =
+      read<HeightField>(R"({"type": "height_field", "heights": [[1, 2], [4, 5]], "spacing": [1, 1], "smooth": true})");
   EXPECT_TRUE(field.smooth());
   const auto mesh = read<TriangleMesh>(
       R"({"type": "mesh", "vertices": [[0, 0, 0], [1, 0, 0], [1, 1, 0]], "triangles": [[0, 1, 2]],

@@ -33,7 +33,7 @@ TEST(Sensors, TellWhoEntersAndWhoLeavesAndHoldNobodyUp) {
     Fall fall({}, 1, gate);
     World alone;
     const BodyId twin = alone.add_body({.shape = Sphere{0.1}, .position = {0, 0, 2}});
-    std::vector<std::pair<bool, double>> told;
+    std::vector<std::pair<bool, double>> events;
     for (int step = 0; step < 60; ++step) {
       fall.world.step(dt);
       alone.step(dt);
@@ -44,12 +44,12 @@ TEST(Sensors, TellWhoEntersAndWhoLeavesAndHoldNobodyUp) {
       for (const SensorEvent& event : fall.world.sensor_events()) {
         EXPECT_EQ(event.sensor, fall.sensor);
         EXPECT_EQ(event.body, fall.ball);
-        told.emplace_back(event.entered, z);
+        events.emplace_back(event.entered, z);
       }
     }
-    ASSERT_EQ(told.size(), 2u);
-    EXPECT_TRUE(told[0].first);
-    EXPECT_FALSE(told[1].first);
+    ASSERT_EQ(events.size(), 2u);
+    EXPECT_TRUE(events[0].first);
+    EXPECT_FALSE(events[1].first);
   }
 }
 
@@ -61,15 +61,15 @@ TEST(Sensors, ThatAreCarriedAlongNoticeWhatTheyPass) {
   world.add_joint({.kind = FixedJoint{}, .first = cart, .second = feeler, .frame_first = {{1, 0, 0}}});
   const BodyId post = world.add_body({.type = BodyType::Kinematic, .shape = Sphere{0.2}, .position = {3, 0.1, 0}});
   world.add_body({.type = BodyType::Static, .shape = Sphere{0.2}, .position = {2, 0.1, 0}});
-  std::vector<SensorEvent> told;
+  std::vector<SensorEvent> events;
   for (int step = 0; step < 100; ++step) {
     world.step(dt);
-    told.insert(told.end(), world.sensor_events().begin(), world.sensor_events().end());
+    events.insert(events.end(), world.sensor_events().begin(), world.sensor_events().end());
   }
-  ASSERT_EQ(told.size(), 2u);
-  EXPECT_EQ(told[0].body, post);
-  EXPECT_TRUE(told[0].entered);
-  EXPECT_FALSE(told[1].entered);
+  ASSERT_EQ(events.size(), 2u);
+  EXPECT_EQ(events[0].body, post);
+  EXPECT_TRUE(events[0].entered);
+  EXPECT_FALSE(events[1].entered);
 }
 
 TEST(Sensors, GoByFiltersOfBodiesAndChildren) {

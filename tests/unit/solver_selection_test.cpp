@@ -47,8 +47,9 @@ struct Piles {
     const auto modes = selection.choose({islands, bodies, manifolds.data(), {0, 0, -9.81}, 1.0 / 60, settings});
     return {modes.begin(), modes.end()};
   }
-  void note(std::vector<Overload> overloads, const std::vector<std::uint32_t>& failed = {}, double dt = 1.0 / 60) {
-    selection.note(overloads, failed, awake, dt);
+  void note(std::vector<OverloadedBody> overloaded, const std::vector<std::uint32_t>& failed = {},
+            double dt = 1.0 / 60) {
+    selection.note(overloaded, failed, awake, dt);
   }
 };
 
@@ -58,7 +59,7 @@ TEST(SolverSelection, CostsNothingWhereNothingIsOverloaded) {
   Piles piles({5, 5});
   EXPECT_EQ(piles.choose(), none);
   piles.note({});
-  EXPECT_TRUE(piles.selection.strained().empty());
+  EXPECT_TRUE(piles.selection.loaded().empty());
 }
 
 TEST(SolverSelection, ALoadHasToLastAndAnImpactDoesNot) {
@@ -73,7 +74,7 @@ TEST(SolverSelection, ALoadHasToLastAndAnImpactDoesNot) {
   piles.note({});
   EXPECT_EQ(piles.choose(), none);
   for (int step = 0; step < 2; ++step) piles.note({});
-  EXPECT_TRUE(piles.selection.strained().empty());
+  EXPECT_TRUE(piles.selection.loaded().empty());
 }
 
 // It is the time that counts, not the steps: a load lasts after 0.04 s, and what is done about it for half a second.
@@ -118,28 +119,28 @@ TEST(SolverSelection, WhatCanNotBeSolvedIsTriedAgainLater) {
 TEST(SolverSelection, SleepersKeepTheirStrain) {
   Piles piles({4});
   for (int step = 0; step < 5; ++step) piles.note({{2, false}});
-  const auto before = piles.selection.strain(2);
+  const auto before = piles.selection.load_history(2);
   piles.awake[2] = 0;
   for (int step = 0; step < 50; ++step) piles.note({});
-  EXPECT_EQ(piles.selection.strain(2), before);
+  EXPECT_EQ(piles.selection.load_history(2), before);
   piles.awake[2] = 1;
   for (int step = 0; step < 50; ++step) piles.note({});
-  EXPECT_EQ(piles.selection.strain(2), SolverSelection::Strain{});
+  EXPECT_EQ(piles.selection.load_history(2), SolverSelection::LoadHistory{});
 }
 
 TEST(SolverSelection, ForgetsWhoIsGone) {
   Piles piles({4});
   for (int step = 0; step < 5; ++step) piles.note({{2, false}, {3, false}});
   piles.selection.forget(2);
-  EXPECT_EQ(piles.selection.strained().size(), 1u);
-  EXPECT_EQ(piles.selection.strain(2), SolverSelection::Strain{});
+  EXPECT_EQ(piles.selection.loaded().size(), 1u);
+  EXPECT_EQ(piles.selection.load_history(2), SolverSelection::LoadHistory{});
   piles.selection.forget(1);
-  EXPECT_EQ(piles.selection.strained().size(), 1u);
+  EXPECT_EQ(piles.selection.loaded().size(), 1u);
   piles.selection.arrive(4);
   piles.selection.forget_all();
-  EXPECT_TRUE(piles.selection.strained().empty());
+  EXPECT_TRUE(piles.selection.loaded().empty());
   EXPECT_TRUE(piles.selection.arrived().empty());
-  EXPECT_EQ(piles.selection.strain(3), SolverSelection::Strain{});
+  EXPECT_EQ(piles.selection.load_history(3), SolverSelection::LoadHistory{});
 }
 
 // At 30 Hz a contact between boxes of 1 kg gives by 2 g / 35500 s^2 = 0.55 mm for each box above, so that in columns,
@@ -150,7 +151,7 @@ TEST(SolverSelection, EstimatesTheLoadsOfWhatIsNew) {
   EXPECT_EQ(piles.choose(), (std::vector<SolveMode>{SolveMode::Sweep, SolveMode::Direct}));
   std::vector<std::uint32_t> expected;
   for (std::uint32_t body = 6; body <= 20; ++body) expected.push_back(body);
-  const auto strained = piles.selection.strained();
+  const auto strained = piles.selection.loaded();
   EXPECT_EQ(std::vector<std::uint32_t>(strained.begin(), strained.end()), expected);
   EXPECT_TRUE(piles.selection.arrived().empty());
 }

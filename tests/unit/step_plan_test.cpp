@@ -25,14 +25,14 @@ std::vector<BodyId> add_field(World& world, int count, const Material& material 
 TEST(StepPlan, StagesStandInOrderAndSayWhy) {
   World world;
   const StepReport report = world.step(dt);
-  for (std::size_t i = 0; i < stage_count; ++i) {
-    const StageReport& stage = report.stages[i];
-    EXPECT_STREQ(stage.name, stage_name(static_cast<Stage>(i)));
-    EXPECT_FALSE(stage.run) << stage.name;
-    EXPECT_EQ(stage.items, 0) << stage.name;
-    EXPECT_EQ(stage.ms, 0) << stage.name;
-    EXPECT_FALSE(std::string(stage.why).empty()) << stage.name;
-    EXPECT_FALSE(std::string(stage.unit).empty()) << stage.name;
+  for (std::size_t i = 0; i < feature_count; ++i) {
+    const FeatureReport& feature = report.features[i];
+    EXPECT_STREQ(feature.name, feature_name(static_cast<Feature>(i)));
+    EXPECT_FALSE(feature.run) << feature.name;
+    EXPECT_EQ(feature.items, 0) << feature.name;
+    EXPECT_EQ(feature.ms, 0) << feature.name;
+    EXPECT_FALSE(std::string(feature.why).empty()) << feature.name;
+    EXPECT_FALSE(std::string(feature.unit).empty()) << feature.name;
   }
 }
 
@@ -41,11 +41,11 @@ TEST(StepPlan, BallsOnTheGroundNeedNeitherSeveralPointsNorTwoMovableBodies) {
   world.add_body(ground());
   for (int i = 0; i < 20; ++i) world.add_body({.shape = Sphere{0.5}, .position = {2.0 * i, 0, 0.5}});
   const StepReport report = run(world, 5);
-  EXPECT_EQ(report.stage(Stage::ContactSolver).items, 20);
-  EXPECT_FALSE(report.stage(Stage::SeveralPoints).run);
-  EXPECT_FALSE(report.stage(Stage::TwoMovableBodies).run);
-  EXPECT_FALSE(report.stage(Stage::GyroscopicTorque).run);
-  EXPECT_TRUE(report.stage(Stage::Friction).run);
+  EXPECT_EQ(report.feature(Feature::ContactSolver).items, 20);
+  EXPECT_FALSE(report.feature(Feature::SeveralPoints).run);
+  EXPECT_FALSE(report.feature(Feature::TwoMovableBodies).run);
+  EXPECT_FALSE(report.feature(Feature::GyroscopicTorque).run);
+  EXPECT_TRUE(report.feature(Feature::Friction).run);
 }
 
 TEST(StepPlan, FrictionIsLeftOutWhereNoContactHasIt) {
@@ -53,8 +53,8 @@ TEST(StepPlan, FrictionIsLeftOutWhereNoContactHasIt) {
   add_field(world, 40, {.friction = 0});
   const StepReport report = run(world, 5);
   EXPECT_EQ(report.counts.contacts, 40);
-  EXPECT_FALSE(report.stage(Stage::Friction).run);
-  EXPECT_STREQ(report.stage(Stage::Friction).why, "no contact has friction");
+  EXPECT_FALSE(report.feature(Feature::Friction).run);
+  EXPECT_STREQ(report.feature(Feature::Friction).why, "no contact has friction");
 }
 
 // No memory is held for what no step has needed.

@@ -113,8 +113,8 @@ TEST(World, SolverTimesAreTheProfilesAlone) {
 
 TEST(World, SolverStagesHaveNamesOfTheirOwn) {
   std::set<std::string_view> names;
-  for (std::size_t i = 0; i < solver_stage_count; ++i) names.insert(solver_stage_name(static_cast<SolverStage>(i)));
-  EXPECT_EQ(names.size(), solver_stage_count);
+  for (std::size_t i = 0; i < solver_phase_count; ++i) names.insert(solver_phase_name(static_cast<SolverPhase>(i)));
+  EXPECT_EQ(names.size(), solver_phase_count);
   EXPECT_FALSE(names.contains(""));
 }
 
@@ -149,7 +149,7 @@ TEST(World, EmptyWorldSteps) {
   World world;
   const StepReport report = run(world, 3);
   EXPECT_EQ(report.counts.pairs, 0);
-  EXPECT_EQ(report.first_non_finite_body, -1);
+  EXPECT_EQ(report.first_quarantined, -1);
   EXPECT_EQ(world.body_count(), 0u);
   EXPECT_EQ(world.positions().cols(), 0);
   EXPECT_TRUE(world.contact_forces().empty());
@@ -254,9 +254,9 @@ TEST(World, BodyThatStopsBeingFiniteIsNamed) {
   world.add_body(ground());
   const std::vector<BodyId> stack = add_stack(world, 2);
   const BodyId lost = world.add_body({.shape = Sphere{0.5}, .position = {9, 0, 5}, .mass = 1e-3});
-  EXPECT_EQ(run(world, 10).first_non_finite_body, -1);
+  EXPECT_EQ(run(world, 10).first_quarantined, -1);
   world.apply_force(lost, {std::numeric_limits<double>::max(), 0, 0});
-  EXPECT_EQ(world.step(dt).first_non_finite_body, static_cast<std::int64_t>(lost.index));
+  EXPECT_EQ(world.step(dt).first_quarantined, static_cast<std::int64_t>(lost.index));
   EXPECT_NO_THROW(run(world, 10));
   for (BodyId id : stack) EXPECT_TRUE(world.pose(id).position.allFinite());
 }
@@ -266,10 +266,10 @@ TEST(World, ReportNamesEveryStageAndSaysWhy) {
   world.add_body(ground());
   add_stack(world, 2);
   const StepReport report = run(world, 10);
-  ASSERT_FALSE(report.stages.empty());
-  for (const StageReport& stage : report.stages) {
-    EXPECT_GT(std::string_view(stage.name).size(), 0u);
-    EXPECT_GT(std::string_view(stage.why).size(), 0u) << stage.name;
+  ASSERT_FALSE(report.features.empty());
+  for (const FeatureReport& feature : report.features) {
+    EXPECT_GT(std::string_view(feature.name).size(), 0u);
+    EXPECT_GT(std::string_view(feature.why).size(), 0u) << feature.name;
   }
   EXPECT_EQ(report.counts.contacts, 2);
   EXPECT_EQ(report.counts.points, 8);
@@ -289,7 +289,7 @@ TEST(World, BodiesComeAndGoWhileItRuns) {
       world.remove_body(ids[victim]);
       ids.erase(ids.begin() + static_cast<std::ptrdiff_t>(victim));
     }
-    ASSERT_EQ(world.step(dt).first_non_finite_body, -1) << i;
+    ASSERT_EQ(world.step(dt).first_quarantined, -1) << i;
     ASSERT_EQ(world.body_count(), ids.size() + 1);
     for (const ContactForce& point : world.contact_forces()) {
       ASSERT_TRUE(world.contains(point.a) && world.contains(point.b)) << i;

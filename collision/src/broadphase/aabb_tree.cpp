@@ -45,7 +45,7 @@ void AabbTree::remove(std::uint32_t item) {
   }
   // The last one takes its place.
   nodes_.set_aside(item, AabbTreeNode::none);
-  AabbTreeLeaf& leaf = later_[static_cast<std::size_t>(~slot)];
+  AabbTreeLeaf& leaf = waiting(slot);
   if (later_.back().item != item) {
     leaf = later_.back();
     nodes_.set_aside(leaf.item, slot);
@@ -56,7 +56,7 @@ void AabbTree::remove(std::uint32_t item) {
 void AabbTree::move(std::uint32_t item, const Aabb& box) {
   const std::int32_t slot = nodes_.slot(item);
   if (slot < 0) {
-    later_[static_cast<std::size_t>(~slot)].box = box;
+    waiting(slot).box = box;
     return;
   }
   // Far from its neighbours a leaf would make the boxes around all of them large.

@@ -180,7 +180,8 @@ BodyAabbs::Update BodyAabbs::look_at(std::uint32_t collider, const Aabb* current
 
   const double room = current ? room_in(*current, now) : -1;
   const bool is_fast = reach > bounds.margin_limit[body];
-  if (room >= needed && (!is_fast || room_in(*current, {now.lower + shift, now.upper + shift}) >= still)) {
+  if (current != nullptr && room >= needed &&
+      (!is_fast || room_in(*current, {now.lower + shift, now.upper + shift}) >= still)) {
     return {*current, room - still, false};
   }
   const double margin = needed + margin_room * size;

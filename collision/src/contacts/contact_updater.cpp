@@ -18,7 +18,7 @@ bool still_apart(const Contact& contact, const ContactUpdateInput& input) {
   const Eigen::Map<const Vector3> from(contact.apart_from.data());
   const double moved = (origins_apart(contact, input) - from).norm();
   const double turned = turned_by_both(contact, input) - contact.turned;
-  const double left = static_cast<double>(contact.gap) - moved - static_cast<double>(contact.lever) * turned;
+  const double left = static_cast<double>(contact.gap) - moved - static_cast<double>(contact.radius) * turned;
   return left > speculative_margin(static_cast<double>(contact.size), any_approach) || left > margin_of(contact, input);
 }
 

@@ -26,14 +26,14 @@ constexpr double least_surface_gap = 0.1;
 constexpr double ball_gap_steps = 4;
 constexpr double least_ball_gap = 0.5;
 constexpr double most_ball_gap = 1.2;
-constexpr double ball_lever = 1e-3;
-static_assert(ball_lever * put_elsewhere > most_ball_gap);
+constexpr double ball_radius_part = 1e-3;
+static_assert(ball_radius_part * put_elsewhere > most_ball_gap);
 
 // Of the boxes of a lane.
 Pose incident_in_reference(const BoxAxes& axes, std::size_t lane, bool reference_is_second) {
   const auto position = [&](std::size_t i) { return axes.position[i][lane]; };
   const auto turn = [&](std::size_t i) { return axes.orientation[i][lane]; };
-  const Pose second{{position(0), position(1), position(2)}, {turn(3), turn(0), turn(1), turn(2)}};
+  Pose second{{position(0), position(1), position(2)}, {turn(3), turn(0), turn(1), turn(2)}};
   if (!reference_is_second) return second;
   return relative(second, {Vector3::Zero(), Quaternion::Identity()});
 }
@@ -56,7 +56,7 @@ Manifold after_last(const Contact& contact, bool swapped) {
 void clear_impulses(ContactManifold& manifold) {
   std::fill_n(manifold.normal_impulse, max_points, 0.0f);
   std::fill_n(manifold.friction_impulse, 3, 0.0f);
-  manifold.twist_impulse = 0;
+  manifold.torsional_impulse = 0;
 }
 
 bool are_boxes(const ColliderTable& colliders, Pair pair) {
@@ -80,13 +80,13 @@ float tolerance_of(const ColliderTable& colliders, Pair pair, const Manifold& ma
 }
 
 // m: no point of those of the two that may turn is farther from its shape's origin.
-double lever_of(const ContactUpdateInput& input, Pair pair) {
+double radius_of(const ContactUpdateInput& input, Pair pair) {
   const ColliderTable& colliders = input.colliders;
-  const auto lever = [&](std::uint32_t collider) {
+  const auto radius = [&](std::uint32_t collider) {
     if (is_surface(colliders.shape[collider].kind) && input.mobility[colliders.body[collider]] == 0) return 0.0;
     return colliders.shape[collider].bounding_radius;
   };
-  return std::max(lever(pair.first), lever(pair.second));
+  return std::max(radius(pair.first), radius(pair.second));
 }
 
 constexpr auto surface_parts = static_cast<std::size_t>(max_surface_manifolds);
@@ -178,10 +178,10 @@ void ManifoldRecomputer::refresh_replaced() {
 
 // As set_apart(), of all parts of a solid and a surface that stands still. False where they are too near each other for
 // that to last.
-bool ManifoldRecomputer::set_surface_apart(std::size_t entry, double margin, double gap, double lever) {
+bool ManifoldRecomputer::set_surface_apart(std::size_t entry, double margin, double gap, double radius) {
   if (gap < margin + least_surface_gap * static_cast<double>(range_.contact(entry).size)) return false;
   for (std::size_t part = 0; part < max_surface_manifolds; ++part) {
-    set_apart(entry + part, margin, gap, lever);
+    set_apart(entry + part, margin, gap, radius);
     std::vector<float>& rises = range_.cache.rises;
     if (!rises.empty()) rises[range_.cache.order()[entry + part]] = 0;
   }
@@ -190,13 +190,13 @@ bool ManifoldRecomputer::set_surface_apart(std::size_t entry, double margin, dou
 
 // Two solids found apart are left alone until they have used their gap up, or, where that hardly exceeds the margin,
 // until they have moved by the tolerance. Of those that were apart before the first cache line is all that changes.
-void ManifoldRecomputer::set_apart(std::size_t entry, double margin, double gap, double lever) {
+void ManifoldRecomputer::set_apart(std::size_t entry, double margin, double gap, double radius) {
   Contact& contact = range_.contact(entry);
   if (!(contact.gap > 0)) {
     clear_impulses(range_.manifold(entry));
     store_features(contact, Manifold{}, {Vector3::Zero(), Quaternion::Identity()}, margin, 0);
   }
-  contact.lever = static_cast<float>(lever);
+  contact.radius = static_cast<float>(radius);
   const double size = static_cast<double>(contact.size);
   contact.gap = static_cast<float>(std::max(gap, margin + static_cast<double>(flat_tolerance) * size));
   Eigen::Map<Vector3>(contact.apart_from.data()) = origins_apart(contact, input_);
@@ -227,13 +227,13 @@ void ManifoldRecomputer::recompute(std::size_t entry) {
   if (bounded && !manifold.known) {
     const double gap = centre_line(lower, {Vector3::Zero(), Quaternion::Identity()}, higher, in_lower).gap;
     if (gap > margin) {
-      set_apart(entry, margin, gap, lever_of(input_, pair));
+      set_apart(entry, margin, gap, radius_of(input_, pair));
       return;
     }
   }
   count_source(collide(lower, higher, in_lower, margin, manifold));
   if (manifold.count == 0 && bounded) {
-    set_apart(entry, margin, manifold.gap, lever_of(input_, pair));
+    set_apart(entry, margin, manifold.gap, radius_of(input_, pair));
     return;
   }
   if (manifold.count > 0 && higher.kind == ShapeKind::Sphere && !contact.has_local_offset) {
@@ -279,7 +279,7 @@ void ManifoldRecomputer::recompute_boxes() {
     count_source(collide_boxes(shapes[contact.pair.first].half_extents, shapes[contact.pair.second].half_extents,
                                box_axes_, lane, margin, manifold));
     if (manifold.count == 0) {
-      set_apart(entry, margin, manifold.gap, lever_of(input_, contact.pair));
+      set_apart(entry, margin, manifold.gap, radius_of(input_, contact.pair));
     } else {
       replace(entry, manifold, incident_in_reference(box_axes_, lane, manifold.reference_is_second), margin);
     }
@@ -311,11 +311,11 @@ void ManifoldRecomputer::recompute_surface_parts(std::size_t entry) {
     const double ahead = ball_gap_steps * (shift_between(contact, input_).norm() + static_cast<double>(reach.turn));
     const double most = margin + std::clamp(ahead, least_ball_gap * radius, most_ball_gap * radius);
     const double gap = gap_of_ball(incident.position, radius, colliders.shape[surface], most);
-    if (set_surface_apart(entry, margin, gap, ball_lever * radius)) return;
+    if (set_surface_apart(entry, margin, gap, ball_radius_part * radius)) return;
   }
   const double most_gap = stands_still ? margin + surface_gap_share * static_cast<double>(contact.size) : 0;
   collide_surface(colliders.shape[solid], colliders.shape[surface], incident, margin, found, shift, most_gap);
-  if (found.count == 0 && stands_still && set_surface_apart(entry, margin, found.gap, lever_of(input_, pair))) return;
+  if (found.count == 0 && stands_still && set_surface_apart(entry, margin, found.gap, radius_of(input_, pair))) return;
 
   const auto manifold_of =
       assign_to_parts(found, [&](std::size_t part) -> const Contact& { return range_.contact(entry + part); });

@@ -26,8 +26,8 @@ class ManifoldRecomputer {
   void recompute_surface_parts(std::size_t entry);
   void replace(std::size_t entry, const Manifold& manifold, const Pose& incident, double margin);
   void refresh_replaced();
-  void set_apart(std::size_t entry, double margin, double gap, double lever);
-  bool set_surface_apart(std::size_t entry, double margin, double gap, double lever);
+  void set_apart(std::size_t entry, double margin, double gap, double radius);
+  bool set_surface_apart(std::size_t entry, double margin, double gap, double radius);
   void fill_box_lane(const Contact& contact, std::size_t lane);
   void count_source(Narrowphase source);
 

@@ -180,16 +180,16 @@ HWY_INLINE unsigned refresh_lanes(const RefreshBlock& block, const Narrowed& pos
   const V3 anchor_second = select(reference_first, anchor_incident, anchor_reference);
 
   V x[max_points], y[max_points];
-  V lever = zero();
+  V friction_radius = zero();
   V points = zero();
   for (std::size_t i = 0; i < max_points; ++i) {
     const V3 from = offset[i] - centre;
     x[i] = hn::Mul(present[i], dot(from, tangent_local[0]));
     y[i] = hn::Mul(present[i], dot(from, tangent_local[1]));
-    lever = hn::Add(lever, hn::Sqrt(hn::Add(hn::Mul(x[i], x[i]), hn::Mul(y[i], y[i]))));
+    friction_radius = hn::Add(friction_radius, hn::Sqrt(hn::Add(hn::Mul(x[i], x[i]), hn::Mul(y[i], y[i]))));
     points = hn::Add(points, present[i]);
   }
-  lever = hn::Div(lever, points);
+  friction_radius = hn::Div(friction_radius, points);
 
   const auto manifold = [&](std::size_t k) { return block.manifold[lane + k]; };
   const V4 old_normal = load_rows([&](std::size_t k) { return manifold(k)->normal; });
@@ -200,7 +200,7 @@ HWY_INLINE unsigned refresh_lanes(const RefreshBlock& block, const Narrowed& pos
       V4{anchor_first.x, anchor_first.y, anchor_first.z, old_anchor.w},
       [&](std::size_t k) { return manifold(k)->anchor_first; }, written);
   store_rows(
-      V4{anchor_second.x, anchor_second.y, anchor_second.z, lever},
+      V4{anchor_second.x, anchor_second.y, anchor_second.z, friction_radius},
       [&](std::size_t k) { return manifold(k)->anchor_second; }, written);
   store_rows(
       V4{x[0], x[1], x[2], x[3]}, [&](std::size_t k) { return manifold(k)->x; }, written);

@@ -85,7 +85,7 @@ bool stay_apart(const CcdStep& step, const Contact& contact, const FastBody* fir
   const Vector3 end = colliders.position(other, poses) - colliders.position(own, poses) - from;
   const double moved = std::sqrt(std::max(start.squaredNorm(), end.squaredNorm())) + bulge;
   const double turned = step.turned[contact.body_first] + step.turned[contact.body_second] - contact.turned;
-  const double left = static_cast<double>(contact.gap) - moved - static_cast<double>(contact.lever) * turned;
+  const double left = static_cast<double>(contact.gap) - moved - static_cast<double>(contact.radius) * turned;
   return left > (ccd_gap_share + ccd_tolerance) * size;
 }
 
@@ -167,9 +167,8 @@ void CcdCandidates::decide(CcdStep& step) {
   if (undecided.empty()) return;
   step.passing = (*step.decide)(undecided);
   scratch_.for_each([&](Scratch& of_worker) {
-    std::erase_if(of_worker.candidates, [&](const Candidate& near) {
-      return step.passes(Pair::of(near.pair.own, near.pair.other));
-    });
+    std::erase_if(of_worker.candidates,
+                  [&](const Candidate& near) { return step.passes(Pair::of(near.pair.own, near.pair.other)); });
   });
 }
 

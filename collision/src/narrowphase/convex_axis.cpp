@@ -32,7 +32,7 @@ int next_face_beyond(const Polytope& polytope, int face, const Vector3& point, d
 // A face can only do better than what was found if it is nearer to a point that both solids share, or almost.
 // Where the overlap is shallow that leaves the faces that meet at the contact. From those that are not much
 // worse another descent starts.
-void try_faces(const Polytope& first, const Polytope& second, const SolidPair& pair, Descent& descent,
+void try_faces(const Polytope& first, const Polytope& second, const SolidPair& pair, GaussMapDescent& descent,
                LocalAxis& best) {
   const double slack = 1e-9 * pair.size();
   const auto promising = [&](double separation) { return separation > 2 * best.separation - 0.02 * pair.size(); };
@@ -190,7 +190,7 @@ constexpr double nearly_same_axis = 0.98;
 // FCL's answer counts as repaired where the best axis parts the solids better by this part of their size.
 constexpr double short_of_best = 1e-2;
 
-LocalAxis walk_from(const KnownAxis& known, Descent& descent) {
+LocalAxis walk_from(const KnownAxis& known, GaussMapDescent& descent) {
   const PackedAxis axis = PackedAxis::unpacked(known.features);
   switch (axis.of) {
     case AxisOf::FaceOfFirst:
@@ -245,7 +245,7 @@ bool refine_axis(const SolidPair& pair, const KnownAxis& known, Core& first, Cor
   for (int round = 0; round < most_rounds; ++round) {
     if (first_round) first.build(pair.first, level, about.first);
     if (second_round) second.build(pair.second, level, about.second);
-    Descent descent(first.polytope(), second.polytope(), pair.position, pair.rotation);
+    GaussMapDescent descent(first.polytope(), second.polytope(), pair.position, pair.rotation);
     axis = descent.from_direction(axis.normal);
     const double separation = pair.separation_along(axis.normal);
     LocalAxis exact = axis;
@@ -299,7 +299,7 @@ AxisSearch find_axis(const SolidPair& pair, double margin, const KnownAxis& know
   AxisSearch found;
   first.build(pair.first);
   second.build(pair.second);
-  Descent descent(first.polytope(), second.polytope(), pair.position, pair.rotation);
+  GaussMapDescent descent(first.polytope(), second.polytope(), pair.position, pair.rotation);
   const auto settle = [&](Narrowphase by) {
     // Where the cores overlap a face elsewhere may part them better than what a walk came to.
     if (found.axis.separation < 0) try_faces(first.polytope(), second.polytope(), pair, descent, found.axis);

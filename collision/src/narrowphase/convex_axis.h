@@ -1,6 +1,6 @@
 #pragma once
 
-#include <collision/narrowphase/descent.h>
+#include <collision/narrowphase/gauss_map_descent.h>
 #include <collision/narrowphase/manifold.h>
 #include <collision/shapes/pose.h>
 #include <collision/shapes/shape.h>

@@ -2,8 +2,8 @@
 
 #include "narrowphase/sphere_solid.h"
 
-#include <collision/narrowphase/descent.h>
 #include <collision/narrowphase/feature_id.h>
+#include <collision/narrowphase/gauss_map_descent.h>
 #include <collision/shapes/polytope.h>
 
 #include <algorithm>
@@ -80,7 +80,8 @@ Surface from_polytope(const Shape& shape, const Vector3& point) {
   if (distance <= 0) return {polytope.planes[best].normal, distance};
   Core sphere;
   sphere.build(Shape::sphere(0));
-  const LocalAxis axis = Descent(polytope, sphere.polytope(), point, Matrix3::Identity()).from_face_of_first(best);
+  const LocalAxis axis =
+      GaussMapDescent(polytope, sphere.polytope(), point, Matrix3::Identity()).from_face_of_first(best);
   return {axis.normal, axis.separation};
 }
 

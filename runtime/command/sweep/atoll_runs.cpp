@@ -74,7 +74,7 @@ void measure_errors(const ScenePlan& plan, const Configuration& configuration, R
   ResidualMeter residual;
   for (int step = 1; step <= record.steps; ++step) {
     apply_forces(plan.scene, world, ids);
-    if (world.step(configuration.dt).first_non_finite_body >= 0) {
+    if (world.step(configuration.dt).first_quarantined >= 0) {
       record.outcome = Outcome::NonFinite;
       record.why = "became non-finite in step " + std::to_string(step) + " of " + std::to_string(record.steps);
       return;

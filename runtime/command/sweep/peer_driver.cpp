@@ -9,7 +9,6 @@
 namespace atl::command {
 namespace {
 
-
 constexpr int refused_status = 3;
 constexpr int non_finite_status = 4;
 

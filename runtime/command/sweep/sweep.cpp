@@ -1,7 +1,6 @@
 #include "sweep.h"
 
 #include <atoll/world.h>
-
 #include <unistd.h>
 
 #include <algorithm>

@@ -12,7 +12,7 @@ struct BodyHash {
   std::uint64_t input = 0;     ///< forces and torques for the next step, surface, what it may touch, its id
   std::uint64_t rest = 0;      ///< asleep or awake, for how long, and what sleeps with it
   std::uint64_t bounds = 0;    ///< fat boxes, and how far it may still move within them
-  std::uint64_t contacts = 0;  ///< how they were found, and their impulses; strain
+  std::uint64_t contacts = 0;  ///< how they were found, and their impulses; how long they were overloaded
   std::uint64_t joints = 0;    ///< their definitions, limits and impulses
 
   friend bool operator==(const BodyHash&, const BodyHash&) = default;

@@ -46,13 +46,13 @@ struct ContactProblem {
     Vector3 anchor_first;  ///< m, world axes, of the centre from the first body's centre of mass
     Vector3 anchor_second;
     double friction = 0;                         ///< mu
-    double lever = 0;                            ///< m, L: the arm of friction against twisting
+    double radius = 0;                           ///< m, L: the arm of friction against twisting
     double torsional_friction = 0;               ///< m, t
     double rolling_friction = 0;                 ///< m, p
     Vector3 slip = Vector3::Zero();              ///< m/s: how fast the second surface runs against the first
     std::vector<Point> points = {};              ///< one to four
     Vector3 friction_impulse = Vector3::Zero();  ///< N s, tangential, on the second body at the centre
-    double twist_impulse = 0;                    ///< N m s, about the normal, on the second body
+    double torsional_impulse = 0;                ///< N m s, about the normal, on the second body
     Vector3 rolling_impulse = Vector3::Zero();   ///< N m s, in the tangent plane, on the second body
     double step = 0;                             ///< s, h of this patch, where it is not `substep`; else 0
   };

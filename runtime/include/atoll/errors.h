@@ -118,7 +118,7 @@ PenetrationReport measure_penetration(std::span<const PlacedShape> shapes, const
 RestReport measure_rest(std::span<const PlacedShape> ideal, std::span<const PlacedShape> actual, const Vector3& up);
 
 /// In double, from the problem and its impulses alone: velocities follow from the impulses and not from what the solver
-/// made of them. Rows of spin are taken per lever arm, r_w / L and L u_w, so that all have the same units, and K is the
+/// made of them. Rows of spin are taken per arm, r_w / L and L u_w, so that all have the same units, and K is the
 /// patch's friction cone {r_i >= 0, |r_T| <= mu R, |r_w / L| <= mu R}. With u corrected as de Saxce and Feng do ("The
 /// bipotential method", 1998), by max(gap_i, 0) / h + mu (|u_T| + L |u_w|) at the normal rows, the residual of a patch
 /// is that of the natural map, |r - P_K(r - m u)| / m, a velocity and zero exactly at a solution. m is the harmonic
@@ -128,7 +128,8 @@ RestReport measure_rest(std::span<const PlacedShape> ideal, std::span<const Plac
 /// and of the rows of friction of the patches that have such a point.
 ///
 /// Without friction there are no rows of friction, and with L = 0 none of spin. Throws Error on a body that is not
-/// there, a patch without points or with more than 4, friction or lever < 0, a twist impulse where L = 0, substep <= 0.
+/// there, a patch without points or with more than 4, friction or radius < 0, a torsional impulse where L = 0, substep
+/// <= 0.
 ResidualReport measure_contact_residual(const ContactProblem& problem);
 
 /// From the poses alone, in double, by code that shares nothing with the solver. Poses know angles up to full turns:

@@ -92,9 +92,9 @@ struct Settings {
 
   bool keep_contact_problem = false;  ///< World::contact_problem() has something to tell
 
-  /// Leave nothing out: each stage and kernel is run on all contacts and bodies of an island, needed or not; contact
+  /// Leave nothing out: each feature and kernel is run on all contacts and bodies of an island, needed or not; contact
   /// events and the contact problem are found, though not told. Choices between methods, and sleeping, stay. No bit of
-  /// the result changes; the time says what leaving out saves. See StepReport::stages.
+  /// the result changes; the time says what leaving out saves. See StepReport::features.
   bool run_everything = false;
 
   bool profile = false;  ///< StepReport::solver_ms has something to tell; no bit of the result changes

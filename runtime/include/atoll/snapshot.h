@@ -9,7 +9,7 @@
 
 namespace atl {
 
-struct Roster;
+struct WorldDefinition;
 
 /// The state of a world at one moment: see World::save() and World::restore(). A value, of about 150 bytes a body that
 /// is awake and 200 a pair that touches in four points; what never changes of bodies, geometry above all, is shared
@@ -36,7 +36,7 @@ class Snapshot {
 
   std::vector<std::byte> bytes_;  // never smaller than it was
   std::size_t size_ = 0;          // of those in use
-  std::shared_ptr<const Roster> roster_;
+  std::shared_ptr<const WorldDefinition> world_definition_;
   std::uint64_t origin_ = 0;  // the world's serial number; 0 from a file
 };
 

@@ -66,7 +66,7 @@ struct SensorEvent {
 
 /// An island whose contacts carry more than the settings' sweeps can hold up, and what a step did about it. See
 /// Settings::contact_solver.
-struct EscalatedIsland {
+struct SelectedSolve {
   BodyId lowest;  ///< of its bodies
   std::size_t bodies = 0;
   std::size_t contacts = 0;
@@ -288,7 +288,7 @@ class World {
   std::span<const JointEvent> joint_events() const;
 
   /// After a step: islands whose contacts were not left to the sweeps of the settings, in order of their lowest bodies.
-  std::span<const EscalatedIsland> escalated_islands() const;
+  std::span<const SelectedSolve> selected_solves() const;
 
   /// What of this world's memory is for what, in a fixed order. What bodies share, as hulls and meshes, is not in it.
   std::vector<MemoryUse> memory() const;

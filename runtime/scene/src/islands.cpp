@@ -2,7 +2,7 @@
 
 #include "building_blocks.h"
 #include "builtin.h"
-#include "limits.h"
+#include "most_parts.h"
 #include "words.h"
 
 namespace atl::scene {

@@ -1,5 +1,5 @@
 #include "lattice.h"
-#include "limits.h"
+#include "most_parts.h"
 #include "random.h"
 #include "schema.h"
 #include "words.h"

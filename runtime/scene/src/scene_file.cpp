@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <unordered_set>
 
-#include "limits.h"
+#include "most_parts.h"
 #include "schema.h"
 #include "words.h"
 

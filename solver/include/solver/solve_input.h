@@ -26,7 +26,7 @@ struct SolveInput {
   const Kernels& kernels;
   collision::MotionBounds& bounds;  ///< of what the bodies move by
   FastBodies& fast;
-  Overloads& overloads;
+  OverloadedBodies& overloaded;
   ContactCapture* capture = nullptr;           ///< null where nobody asks
   SurfaceContact* surface_contacts = nullptr;  ///< by contact slot; null while all surfaces are plain
   const AddedSlip* added_slips = nullptr;      ///< by contact slot; null where nobody adds any
@@ -51,7 +51,7 @@ struct SolveInput {
             .settings = settings,
             .bounds = bounds,
             .fast = fast,
-            .overloads = overloads,
+            .overloaded = overloaded,
             .capture = capture,
             .surface_contacts = surface_contacts,
             .added_slips = added_slips,

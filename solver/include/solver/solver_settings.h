@@ -11,7 +11,7 @@ enum class Stabilisation { Soft, Baumgarte, SplitImpulse };
 /// How islands are solved. Ranges and meanings as in atoll/settings.h.
 struct SolverSettings {
   int substeps = 4;
-  int finer = 1;  ///< substeps for each of those that were asked for, a power of two; `substeps` counts them all
+  int refinement = 1;  ///< substeps for each of those that were asked for, a power of two; `substeps` counts them all
   int iterations = 1;
   int relax_iterations = 1;
   bool pyramid = false;
@@ -52,19 +52,19 @@ struct Softness {
 };
 
 /// How soft contacts get stiffer under load. A spring gives by what it carries over its stiffness, and that goes by the
-/// masses of the two bodies, whatever lies on them. A contact that would give by more than tuning::stiffening_give has
-/// springs and dashpots as many times as strong, so that overlap goes as fast as before, but less of it stays. Not so
-/// what joints hold: these would have to give instead.
+/// masses of the two bodies, whatever lies on them. A contact that would give by more than
+/// tuning::stiffening_penetration has springs and dashpots as many times as strong, so that overlap goes as fast as
+/// before, but less of it stays. Not so what joints hold: these would have to give instead.
 struct Stiffening {
-  float most = 1;      ///< how many times as stiff; 1: never
-  float give = 0;      ///< m by N s a substep and 1/kg, as stiff as contacts are otherwise
-  float response = 0;  ///< of the spring and dashpot to a change of speed, by that of the masses
+  float most = 1;                 ///< how many times as stiff; 1: never
+  float penetration_by_load = 0;  ///< m by N s a substep and 1/kg, as stiff as contacts are otherwise
+  float response = 0;             ///< of the spring and dashpot to a change of speed, by that of the masses
 
   /// What has a frequency of its own keeps it, and finer substeps are stiff as they are: to stiffen a tower in them has
   /// it fall.
   static Stiffening of(const SolverSettings& settings, double hertz, double h) {
     const double omega = 2 * 3.14159265358979323846 * hertz;
-    const bool stiffens = settings.contact_hertz == 0 && settings.finer == 1;
+    const bool stiffens = settings.contact_hertz == 0 && settings.refinement == 1;
     return {stiffens ? tuning::most_stiffening : 1, static_cast<float>(1 / (h * omega * omega)),
             static_cast<float>(h * omega * (2 * settings.contact_damping_ratio + h * omega))};
   }
@@ -84,10 +84,10 @@ struct SubstepConstants {
   float gravity = 0;       ///< m/s^2: what is large under it is pushed apart faster
   float slop;              ///< m, overlap that is left alone
   float restitution_threshold;
-  float finer;       ///< as in SolverSettings: impulses are kept as those of so many substeps together
-  float give;        ///< m by N s and 1/kg: of contacts between dynamic bodies under a lasting impulse, see
-                     ///< give_by_impulse(); 0 where they aren't soft
-  float give_fixed;  ///< likewise, against what doesn't respond
+  float refinement;           ///< as in SolverSettings: impulses are kept as those of so many substeps together
+  float penetration_by_load;  ///< m by N s and 1/kg: of contacts between dynamic bodies under a lasting impulse, see
+                              ///< penetration_by_impulse(); 0 where they aren't soft
+  float penetration_fixed;    ///< likewise, against what doesn't respond
 
   static SubstepConstants of(const SolverSettings& settings, double dt) {
     const double h = dt / settings.substeps;
@@ -111,11 +111,11 @@ struct SubstepConstants {
     const double joint_hertz =
         settings.joint_hertz > 0 && settings.joint_hertz < joint_limit ? settings.joint_hertz : joint_limit;
     c.joint = Softness::of(joint_hertz, settings.joint_damping_ratio, h);
-    c.finer = static_cast<float>(settings.finer);
+    c.refinement = static_cast<float>(settings.refinement);
     const bool soft = settings.stabilisation == Stabilisation::Soft;
-    const double give = soft ? settings.finer * give_by_impulse(settings, dt) : 0;
-    c.give = static_cast<float>(give);
-    c.give_fixed = static_cast<float>(give / 4);  // twice the frequency
+    const double penetration = soft ? settings.refinement * penetration_by_impulse(settings, dt) : 0;
+    c.penetration_by_load = static_cast<float>(penetration);
+    c.penetration_fixed = static_cast<float>(penetration / 4);  // twice the frequency
     c.push_speed = static_cast<float>(settings.contact_push_speed);
     c.restitution_threshold = static_cast<float>(settings.restitution_threshold);
     return c;
@@ -141,8 +141,8 @@ struct SubstepConstants {
 
   /// m by N s and 1/kg: how far contacts between dynamic bodies count as giving under a lasting impulse in each of the
   /// substeps that were asked for.
-  static double give_by_impulse(const SolverSettings& settings, double dt) {
-    const double h = dt * settings.finer / settings.substeps;
+  static double penetration_by_impulse(const SolverSettings& settings, double dt) {
+    const double h = dt * settings.refinement / settings.substeps;
     double hertz = tuning::contact_hertz_share * tuning::usual_substeps / dt;
     if (settings.contact_hertz > 0 && settings.contact_hertz < hertz) hertz = settings.contact_hertz;
     const double omega = 2 * 3.14159265358979323846 * hertz;

@@ -20,7 +20,7 @@ inline constexpr double joint_hertz_limit = 0.3;
 /// How far soft contacts may give under what they carry, in parts of the smaller body's half thickness, before they
 /// stiffen. `pile` overlaps by 10.6 mm in the mean without, by 4.6 and 3.3 with 1% and half a percent, in the same
 /// time. A wall of 50 boxes then sinks by 8 cm instead of 17, and drifts by 25 instead of 5, which it doesn't with 2%.
-inline constexpr double stiffening_give = 0.01;
+inline constexpr double stiffening_penetration = 0.01;
 /// With 2, 4 and 16 `pile` overlaps by 6.3, 5.0 and 4.5 mm in the mean, with 8 by 4.6.
 inline constexpr float most_stiffening = 8;
 /// rad a step: contacts of a body that turns by more are where they will be half way through it.
@@ -106,20 +106,20 @@ inline constexpr std::size_t factor_blocks_per_joint = 6;
 /// count as overloaded. A column of boxes starts to buckle from about 15 boxes on, where it is 1.6% (by Euler's load; a
 /// longer one takes a while). At four times a wide wall sinks by 0.7 m; at a quarter a wall of 50 boxes takes 2.3 times
 /// as long, and sinks by 10 mm instead of 167.
-inline constexpr double overload_give = 0.015;
+inline constexpr double overload_penetration = 0.015;
 /// In islands that are little but columns, which cost little to solve at once: six boxes. At four times columns of ten
 /// and arches fall. At a quarter it would take in stacks of two, and five of the suite's known failures would hold;
 /// such stacks in a crowd then take three times as many instructions a step.
-inline constexpr double column_give = 0.005;
+inline constexpr double column_penetration = 0.005;
 /// Contacts a body, of what is little but columns or arches. At a quarter these are no longer known; at four times the
 /// contents of a piston are.
 inline constexpr double contacts_of_columns = 1.5;
-/// In parts of the arm: crushes what carries it. A quarter of it makes hopper 2.4 times as dear, four times moves
-/// nothing; without any a heavy box sinks through four small ones.
-inline constexpr double crushing_give = 0.12;
-/// A body that is so many times as heavy as a joined one it presses on crushes it: by more than limbs of a body differ.
-/// With 10, a hundred ragdolls take six times as long.
-inline constexpr double crushing_ratio = 64;
+/// In parts of the arm: what overlaps so far counts as deep. A quarter of it makes hopper 2.4 times as dear, four times
+/// moves nothing; without any a heavy box sinks through four small ones.
+inline constexpr double deep_penetration = 0.12;
+/// A body that is so many times as heavy as a joined one it presses on counts as deep in it: by more than limbs of a
+/// body differ. With 10, a hundred ragdolls take six times as long.
+inline constexpr double deep_ratio = 64;
 /// Substeps of a step, as of which contacts count as soft when it is decided whether they carry too much: with more
 /// they are stiffer, but to decide by that would leave a wall to eight, and sink by 165 mm, that gets sixteen if four
 /// are asked for, and sinks by 41. Nor do sweeps settle columns any sooner: with 16 a tower of 50 boxes falls that
@@ -135,17 +135,17 @@ inline constexpr double least_slope = 0.3;
 inline constexpr float lasting = 0.04f;
 /// s: what is done lasts as long as any of the overload is left, which wears off in the time that it took, or in this.
 /// Four times of it moved nothing.
-inline constexpr float most_strain = 0.5f;
+inline constexpr float most_load_time = 0.5f;
 /// Finer substeps are for what is built to stand and sags of its own weight, in so large a part. A few small stones
 /// under large ones are not worth them, nor is a heap that has found its rest on soft contacts: to stiffen them stirs
 /// it. With a quarter of it, walls of 50 boxes are among them, at 2.2 times the time.
 inline constexpr double part_of_island = 0.25;
 /// s, the longest substep of what sags: a wall of 100 layers sinks by 165 mm with twice of it, and by 41 with it; with
 /// a quarter what is squeezed gets out.
-inline constexpr double finer_substep = 1.0 / 960;
+inline constexpr double refined_substep = 1.0 / 960;
 /// Substeps for one where a body lands that leans on something. Tilts of a block that rocks are off by 12% with 1,
 /// by 3.4 with 4, by 2.5 with 8 and by 1.5 with 16; in 6% more time with 8, in 12 with 16.
-inline constexpr int landing_finer = 8;
+inline constexpr int landing_refinement = 8;
 /// Of the speed that gravity gives in a step: slower landings don't count. Not tried otherwise.
 inline constexpr double landing_by_gravity = 0.5;
 /// Of an island that is solved at once: more take longer than a step may.
@@ -193,7 +193,7 @@ inline constexpr double most_impulse = 10;
 inline constexpr double least_sinking = 5e-7;
 /// With a million times its weight on it, a box sinks by a tenth of what it did in each; with 4 of them that column
 /// falls.
-inline constexpr int most_give_rounds = 8;
+inline constexpr int most_penetration_rounds = 8;
 /// m: what a step parts of overlaps has to be more than this, or nothing is done about them.
 inline constexpr double least_parting = 1e-7;
 /// Of the interior point method.

@@ -55,9 +55,9 @@ ContactAnswer ContactLaw::answer(const Six& motion) const {
   } else if (hold_in_disc(slides, friction_stiffness, friction_bound, answer.friction)) {
     answer.pieces.slides = 3;
   }
-  const double twist = -twist_stiffness * motion[5];
-  answer.twist = std::clamp(twist, -twist_bound, twist_bound);
-  answer.pieces.spins = answer.twist != twist;
+  const double twist = -torsional_stiffness * motion[5];
+  answer.torsional = std::clamp(twist, -torsional_bound, torsional_bound);
+  answer.pieces.spins = answer.torsional != twist;
   if (rolling_stiffness > 0) {
     answer.pieces.rolls = hold_in_disc({motion[1], motion[2]}, rolling_stiffness, rolling_bound, answer.rolling);
   }
@@ -76,7 +76,7 @@ ContactAnswer ContactLaw::linear_answer(const Six& motion, const ContactPieces& 
     if (!(pieces.slides & (1 << axis))) answer.friction[axis] = -friction_stiffness * slides[axis];
     if (!pieces.rolls) answer.rolling[axis] = -rolling_stiffness * motion[1 + axis];
   }
-  if (!pieces.spins) answer.twist = -twist_stiffness * motion[5];
+  if (!pieces.spins) answer.torsional = -torsional_stiffness * motion[5];
   return answer;
 }
 
@@ -99,7 +99,7 @@ std::array<Six, 6> ContactLaw::secant(const Six& motion,
     k[3 + axis][3 + axis] = held(speed, friction_stiffness, friction_bound);
     k[1 + axis][1 + axis] += held(length({motion[1], motion[2]}), rolling_stiffness, rolling_bound);
   }
-  k[5][5] = held(std::abs(motion[5]), twist_stiffness, twist_bound);
+  k[5][5] = held(std::abs(motion[5]), torsional_stiffness, torsional_bound);
   return k;
 }
 
@@ -120,12 +120,12 @@ std::array<Six, 6> ContactLaw::derivative(const Six& motion, const ContactPieces
   } else {
     for (std::size_t axis = 1; axis < 3; ++axis) k[axis][axis] += rolling_stiffness;
   }
-  if (!pieces.spins) k[5][5] = twist_stiffness;
+  if (!pieces.spins) k[5][5] = torsional_stiffness;
   return k;
 }
 
 Six ContactLaw::total(const ContactAnswer& answer) const {
-  Six sum = {0, answer.rolling[0], answer.rolling[1], answer.friction[0], answer.friction[1], answer.twist};
+  Six sum = {0, answer.rolling[0], answer.rolling[1], answer.friction[0], answer.friction[1], answer.torsional};
   for (int i = 0; i < points; ++i) {
     sum[0] += answer.normal[i];
     sum[1] += y[i] * answer.normal[i];

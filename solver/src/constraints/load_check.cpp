@@ -29,20 +29,21 @@ double load_of(const collision::ContactManifold& manifold) {
   return load;
 }
 
-void note_overload(const LoadedContact& contact, double give, Build build, std::vector<Overload>& overloads) {
+void check_load(const LoadedContact& contact, double penetration, Build build,
+                std::vector<OverloadedBody>& overloaded) {
   // Contacts are twice as fast, four times as stiff, against what doesn't respond.
   const double softness = contact.inverse_first == 0 || contact.inverse_second == 0 ? 0.25 : 1;
-  const double gives = softness * give * (contact.inverse_first + contact.inverse_second);
+  const double estimate = softness * penetration * (contact.inverse_first + contact.inverse_second);
   const collision::ContactManifold& manifold = contact.manifold;
   const Size first = size_at(manifold.normal, manifold.anchor_first, contact.inverse_first);
   const Size second = size_at(manifold.normal, manifold.anchor_second, contact.inverse_second);
-  const double allowed = build == Build::Columns ? tuning::column_give : tuning::overload_give;
-  if (!(gives > allowed * std::min(first.half_thickness, second.half_thickness))) return;
+  const double allowed = build == Build::Columns ? tuning::column_penetration : tuning::overload_penetration;
+  if (!(estimate > allowed * std::min(first.half_thickness, second.half_thickness))) return;
   const bool first_lighter = contact.inverse_first >= contact.inverse_second;
   const auto [heavy, light] = std::minmax(contact.inverse_first, contact.inverse_second);
-  const bool crushed = build == Build::Joined ? heavy > 0 && light >= tuning::crushing_ratio * heavy
-                                              : gives > tuning::crushing_give * std::min(first.arm, second.arm);
-  overloads.push_back({first_lighter ? contact.first : contact.second, crushed});
+  const bool deep = build == Build::Joined ? heavy > 0 && light >= tuning::deep_ratio * heavy
+                                           : estimate > tuning::deep_penetration * std::min(first.arm, second.arm);
+  overloaded.push_back({first_lighter ? contact.first : contact.second, deep});
 }
 
 }  // namespace atl::solver

@@ -20,7 +20,7 @@ double load_asked_for(const DirectContact& contact) {
   const double pull = contact.law.pyramid ? std::max(std::abs(answer.friction[0]), std::abs(answer.friction[1]))
                                           : std::hypot(answer.friction[0], answer.friction[1]);
   ask(pull, contact.friction);
-  ask(answer.twist, contact.radius * contact.friction + contact.torsional);
+  ask(answer.torsional, contact.radius * contact.friction + contact.torsional);
   ask(std::hypot(answer.rolling[0], answer.rolling[1]), contact.rolling);
   return asks;
 }

@@ -74,7 +74,7 @@ void load_friction(const SolverSettings& settings, const ContactResponse& respon
   const double along = 0.5 * (response.along(contact.axes[1]) + response.along(contact.axes[2]));
   const double twist = response.turning(contact.axes[0]);
   law.friction_stiffness = 1 / (tuning::friction_compliance * along);
-  law.twist_stiffness = twist > 0 ? 1 / (tuning::friction_compliance * twist) : 0;
+  law.torsional_stiffness = twist > 0 ? 1 / (tuning::friction_compliance * twist) : 0;
   law.pyramid = settings.pyramid;
   law.slip = {0, 0};
   law.rolling_stiffness = 0;
@@ -107,7 +107,7 @@ void warm_start(const DirectIslandInput& input, double share, DirectContact& con
   contact.bound_friction(load);
   const Vector3 friction = share * get3(manifold.friction_impulse);
   answer.friction = {friction.dot(contact.axes[1]), friction.dot(contact.axes[2])};
-  answer.twist = share * manifold.twist_impulse;
+  answer.torsional = share * manifold.torsional_impulse;
   const auto is_bound = [](double impulse, double bound) { return std::abs(impulse) >= at_bound * bound; };
   if (contact.law.pyramid) {
     for (std::size_t axis = 0; axis < 2; ++axis) {
@@ -117,7 +117,7 @@ void warm_start(const DirectIslandInput& input, double share, DirectContact& con
   } else {
     answer.pieces.slides = is_bound(friction.norm(), contact.law.friction_bound) ? 3 : 0;
   }
-  answer.pieces.spins = is_bound(answer.twist, contact.law.twist_bound);
+  answer.pieces.spins = is_bound(answer.torsional, contact.law.torsional_bound);
   if (contact.law.rolling_stiffness > 0) {
     const Vector3 rolling = share * get3(input.surface_contacts[contact.slot].rolling_impulse);
     answer.rolling = {rolling.dot(contact.axes[1]), rolling.dot(contact.axes[2])};
@@ -135,7 +135,7 @@ void load_contact(const DirectIslandInput& input, const TouchingPair& pair, cons
   const BodyTable& table = input.bodies;
   const collision::ContactManifold& manifold = input.manifolds[pair.slot];
   contact.friction = manifold.friction;
-  contact.radius = manifold.lever;
+  contact.radius = manifold.friction_radius;
   contact.rolling = contact.torsional = 0;
   load_frame(table, manifold, contact);
   const ContactResponse response{bodies, contact, table.inverse_mass[pair.first] + table.inverse_mass[pair.second]};

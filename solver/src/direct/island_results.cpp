@@ -14,7 +14,7 @@ void write_back_contacts(const DirectIslandInput& input, double share, const std
       manifold.normal_impulse[i] = there ? static_cast<float>(share * contact.lasting.normal[point++]) : 0;
     }
     set3(manifold.friction_impulse, share * contact.in_plane(contact.lasting.friction));
-    manifold.twist_impulse = static_cast<float>(share * contact.lasting.twist);
+    manifold.torsional_impulse = static_cast<float>(share * contact.lasting.torsional);
     if (input.surface_contacts == nullptr) continue;
     set3(input.surface_contacts[contact.slot].rolling_impulse, share * contact.in_plane(contact.lasting.rolling));
   }
@@ -41,7 +41,7 @@ void capture_contacts(ContactCapture& capture, const collision::ContactManifold*
       answer.friction_impulse[k] = static_cast<float>(friction[k]);
       answer.rolling_impulse[k] = static_cast<float>(rolling[k]);
     }
-    answer.twist_impulse = static_cast<float>(contact.lasting.twist);
+    answer.torsional_impulse = static_cast<float>(contact.lasting.torsional);
   }
   for (std::size_t i = 0; i < problem.bodies.size(); ++i) {
     ContactCapture::Motion& motion = capture.motions[problem.bodies[i].body];
@@ -53,10 +53,10 @@ void capture_contacts(ContactCapture& capture, const collision::ContactManifold*
 
 void check_loads(const DirectIslandInput& input, const IslandMembers& members) {
   const Build build = build_of(input.islands, members.island);
-  const double give = SubstepConstants::give_by_impulse(input.settings, input.dt);
+  const double by_impulse = SubstepConstants::penetration_by_impulse(input.settings, input.dt);
   for (const TouchingPair& pair : members.contacts) {
     const LoadedContact contact = loaded_contact(input.bodies, input.manifolds, pair);
-    note_overload(contact, give * load_of(contact.manifold), build, input.overloads.local());
+    check_load(contact, by_impulse * load_of(contact.manifold), build, input.overloaded.local());
   }
 }
 

@@ -77,7 +77,7 @@ void go_to_end(IslandProblem& problem, const std::vector<double>& direction) {
 
 void take_back_compliance(IslandProblem& problem, BalanceSearch& search, double dt) {
   if (!is_factored(problem)) return;
-  for (int round = 0; round < tuning::most_give_rounds; ++round) {
+  for (int round = 0; round < tuning::most_penetration_rounds; ++round) {
     double sinks = 0;
     for (DirectContact& contact : problem.contacts) sinks += shift_contact(contact, dt);
     for (DirectJoint& joint : problem.joints) sinks += shift_joint(joint);

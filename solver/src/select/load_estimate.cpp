@@ -9,14 +9,15 @@
 #include "integrate/rows3.h"
 
 namespace atl::solver {
-void LoadEstimate::add_overloads(const LoadInput& input, std::size_t island, std::vector<Overload>& overloads) {
+void LoadEstimate::add_overloaded(const LoadInput& input, std::size_t island, std::vector<OverloadedBody>& overloaded) {
   const double g = input.gravity.norm();
   if (!(g > 0)) return;
   const Vector3 up = -input.gravity / g;
   const std::span<const std::uint32_t> bodies = input.islands.bodies(island, island + 1);
   const Build build = build_of(input.islands, island);
   // m by N and 1/kg
-  const double give = SubstepConstants::give_by_impulse(input.settings, input.dt) * input.dt / input.settings.substeps;
+  const double by_force =
+      SubstepConstants::penetration_by_impulse(input.settings, input.dt) * input.dt / input.settings.substeps;
   const std::uint32_t first_rank = input.islands.first_rank(island);
   const auto place = [&](std::uint32_t body) {
     return input.bodies.mobility[body] == Mobility::Dynamic ? input.islands.rank(body) - first_rank : Islands::none;
@@ -63,7 +64,7 @@ void LoadEstimate::add_overloads(const LoadInput& input, std::size_t island, std
       if (support.below != Islands::none && height_[support.below] < height_[above]) load_[support.below] += load;
       const LoadedContact contact =
           loaded_contact(input.bodies, input.manifolds, {support.first, support.second, support.slot});
-      note_overload(contact, give * load / support.along, build, overloads);
+      check_load(contact, by_force * load / support.along, build, overloaded);
     }
   }
 }

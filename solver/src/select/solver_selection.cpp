@@ -16,38 +16,38 @@ bool has_locks(const LoadInput& input, std::size_t island) {
 }
 
 // By body, each once.
-void order(std::vector<Overload>& overloads) {
-  std::sort(overloads.begin(), overloads.end(), [](const Overload& a, const Overload& b) {
-    return a.body != b.body ? a.body < b.body : a.crushed > b.crushed;
+void order(std::vector<OverloadedBody>& overloaded) {
+  std::sort(overloaded.begin(), overloaded.end(), [](const OverloadedBody& a, const OverloadedBody& b) {
+    return a.body != b.body ? a.body < b.body : a.deep > b.deep;
   });
-  const auto same = [](const Overload& a, const Overload& b) { return a.body == b.body; };
-  overloads.erase(std::unique(overloads.begin(), overloads.end(), same), overloads.end());
+  const auto same = [](const OverloadedBody& a, const OverloadedBody& b) { return a.body == b.body; };
+  overloaded.erase(std::unique(overloaded.begin(), overloaded.end(), same), overloaded.end());
 }
 
 }  // namespace
 
-int finer_by(const SolverSettings& settings, double dt) {
+int refinement_of(const SolverSettings& settings, double dt) {
   constexpr double rounding = 1 + 1e-9;
   int times = 1;
-  while (dt / (settings.substeps * times) > rounding * tuning::finer_substep) times *= 2;
+  while (dt / (settings.substeps * times) > rounding * tuning::refined_substep) times *= 2;
   return times;
 }
 
-void SolverSelection::resize(std::size_t bodies) { strain_.resize(bodies); }
+void SolverSelection::resize(std::size_t bodies) { load_history_.resize(bodies); }
 
 void SolverSelection::forget(std::uint32_t body) {
   std::erase(arrived_, body);
-  if (strain(body) == Strain{}) return;
-  strain_[body] = {};
-  strained_.erase(std::lower_bound(strained_.begin(), strained_.end(), body));
+  if (load_history(body) == LoadHistory{}) return;
+  load_history_[body] = {};
+  loaded_.erase(std::lower_bound(loaded_.begin(), loaded_.end(), body));
 }
 
 void SolverSelection::forget_all() {
   arrived_.clear();
   pressed_.clear();
   knows_pressed_ = false;
-  for (const std::uint32_t body : strained_) strain_[body] = {};
-  strained_.clear();
+  for (const std::uint32_t body : loaded_) load_history_[body] = {};
+  loaded_.clear();
 }
 
 // What new bodies stand on and under, as if it had been for long: it takes a wall some time to settle on its load.
@@ -61,34 +61,34 @@ void SolverSelection::estimate_arrived(const LoadInput& input) {
   for (const std::uint32_t island : islands) {
     if (island == Islands::none) continue;
     estimated_.clear();
-    estimate_.add_overloads(input, island, estimated_);
+    estimate_.add_overloaded(input, island, estimated_);
     order(estimated_);
     const auto bodies = static_cast<double>(input.islands.body_count(island));
     const bool sags = static_cast<double>(estimated_.size()) >= tuning::part_of_island * bodies;
-    for (const Overload& overload : estimated_) {
-      strain_[overload.body] = {tuning::most_strain, overload.crushed ? tuning::most_strain : 0, sags};
-      strained_.push_back(overload.body);
+    for (const OverloadedBody& one : estimated_) {
+      load_history_[one.body] = {tuning::most_load_time, one.deep ? tuning::most_load_time : 0, sags};
+      loaded_.push_back(one.body);
     }
   }
-  std::sort(strained_.begin(), strained_.end());
-  strained_.erase(std::unique(strained_.begin(), strained_.end()), strained_.end());
+  std::sort(loaded_.begin(), loaded_.end());
+  loaded_.erase(std::unique(loaded_.begin(), loaded_.end()), loaded_.end());
 }
 
 std::span<const SolveMode> SolverSelection::choose(const LoadInput& input) {
   estimate_arrived(input);
   if (input.rebuilt || !knows_pressed_) find_pressed(input);
   find_landings(input);
-  if (strained_.empty() && pressed_.empty() && landings_.empty()) return {};
+  if (loaded_.empty() && pressed_.empty() && landings_.empty()) return {};
   const Islands& islands = input.islands;
   symptoms_.assign(islands.count(), {});
-  for (const std::uint32_t body : strained_) {
+  for (const std::uint32_t body : loaded_) {
     const std::uint32_t island = islands.island_of(body);
     if (island == Islands::none) continue;
-    symptoms_[island].lasts |= strain_[body].overloaded > tuning::lasting;
+    symptoms_[island].lasts |= load_history_[body].overloaded > tuning::lasting;
     // What is joined leaps at once.
     const float lasts = islands.joint_count(island) > 0 ? 0 : tuning::lasting;
-    symptoms_[island].crushes |= strain_[body].crushed > lasts;
-    symptoms_[island].sags |= strain_[body].sags;
+    symptoms_[island].deep |= load_history_[body].deep > lasts;
+    symptoms_[island].sags |= load_history_[body].sags;
   }
   modes_.assign(islands.count(), SolveMode::Sweep);
   for (const std::size_t island : pressed_) modes_[island] = SolveMode::Direct;
@@ -98,16 +98,16 @@ std::span<const SolveMode> SolverSelection::choose(const LoadInput& input) {
   bool any = !pressed_.empty() || !landings_.empty();
   for (std::size_t island = 0; island < islands.count(); ++island) {
     const Symptoms& has = symptoms_[island];
-    if (!(has.lasts || has.crushes) || modes_[island] == SolveMode::Direct) continue;
+    if (!(has.lasts || has.deep) || modes_[island] == SolveMode::Direct) continue;
     const bool small = islands.body_count(island) <= tuning::most_bodies;
     const Build build = build_of(islands, island);
-    if (build == Build::Columns || (has.crushes && small)) {
-      modes_[island] = has_locks(input, island) ? SolveMode::Finer : SolveMode::Direct;
+    if (build == Build::Columns || (has.deep && small)) {
+      modes_[island] = has_locks(input, island) ? SolveMode::Refined : SolveMode::Direct;
     } else if (has.lasts && has.sags && build == Build::Any) {
-      modes_[island] = SolveMode::Finer;
+      modes_[island] = SolveMode::Refined;
     }
-    const bool as_fine = finer_by(input.settings, input.dt) == 1;
-    if (modes_[island] == SolveMode::Finer && as_fine) modes_[island] = SolveMode::Sweep;
+    const bool as_fine = refinement_of(input.settings, input.dt) == 1;
+    if (modes_[island] == SolveMode::Refined && as_fine) modes_[island] = SolveMode::Sweep;
     any |= modes_[island] != SolveMode::Sweep;
   }
   return any ? std::span<const SolveMode>(modes_) : std::span<const SolveMode>();
@@ -185,38 +185,39 @@ const char* SolverSelection::why(std::size_t island) const {
   const bool pressed = std::binary_search(pressed_.begin(), pressed_.end(), island);
   if (pressed) return "a body carries one many times as heavy, and there are joints";
   if (modes_[island] == SolveMode::Landing) return "something lands in it that leans on something else";
-  if (symptoms_[island].crushes) return "a body carries many times what its contacts are made for";
-  return modes_[island] == SolveMode::Finer ? "it sags under its own weight" : "columns give way under what they carry";
+  if (symptoms_[island].deep) return "a body carries many times what its contacts are made for";
+  return modes_[island] == SolveMode::Refined ? "it sags under its own weight"
+                                              : "columns give way under what they carry";
 }
 
-void SolverSelection::note(std::vector<Overload>& overloads, std::span<const std::uint32_t> failed,
+void SolverSelection::note(std::vector<OverloadedBody>& overloaded, std::span<const std::uint32_t> failed,
                            std::span<const std::uint8_t> awake, double dt) {
-  if (overloads.empty() && strained_.empty()) return;
+  if (overloaded.empty() && loaded_.empty()) return;
   const auto step = static_cast<float>(dt);
-  order(overloads);
-  of_overloads_.clear();
-  for (const Overload& overload : overloads) {
-    of_overloads_.push_back(overload.body);
-    const auto grow = [step](float& strain) { strain = std::min(tuning::most_strain, strain + step) + step; };
-    grow(strain_[overload.body].overloaded);
-    if (overload.crushed) grow(strain_[overload.body].crushed);
+  order(overloaded);
+  overloaded_now_.clear();
+  for (const OverloadedBody& one : overloaded) {
+    overloaded_now_.push_back(one.body);
+    const auto grow = [step](float& time) { time = std::min(tuning::most_load_time, time + step) + step; };
+    grow(load_history_[one.body].overloaded);
+    if (one.deep) grow(load_history_[one.body].deep);
   }
   merged_.clear();
-  std::set_union(strained_.begin(), strained_.end(), of_overloads_.begin(), of_overloads_.end(),
+  std::set_union(loaded_.begin(), loaded_.end(), overloaded_now_.begin(), overloaded_now_.end(),
                  std::back_inserter(merged_));
   for (const std::uint32_t body : merged_) {
     if (!awake[body]) continue;
     // But for rounding.
-    const auto wear_off = [step](float& strain) { strain = strain < 1.5f * step ? 0 : strain - step; };
-    wear_off(strain_[body].overloaded);
-    wear_off(strain_[body].crushed);
+    const auto wear_off = [step](float& time) { time = time < 1.5f * step ? 0 : time - step; };
+    wear_off(load_history_[body].overloaded);
+    wear_off(load_history_[body].deep);
   }
-  for (const std::uint32_t body : failed) strain_[body] = {};
+  for (const std::uint32_t body : failed) load_history_[body] = {};
   std::erase_if(merged_, [this](std::uint32_t body) {
-    if (strain_[body].overloaded == 0) strain_[body] = {};
-    return strain_[body] == Strain{};
+    if (load_history_[body].overloaded == 0) load_history_[body] = {};
+    return load_history_[body] == LoadHistory{};
   });
-  strained_.swap(merged_);
+  loaded_.swap(merged_);
 }
 
 }  // namespace atl::solver

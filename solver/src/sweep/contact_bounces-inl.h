@@ -97,7 +97,7 @@ HWY_INLINE void prepare_bounces(const ContactKernelData& data, ContactBlock& blo
     store(hn::IfThenElse(gone, zero(), impulse), block.normal_impulse[i] + lane);
     store(zero(), bounce.spent[i] + lane);
   }
-  for (float* rubs : {block.friction_impulse[0], block.friction_impulse[1], block.twist_impulse}) {
+  for (float* rubs : {block.friction_impulse[0], block.friction_impulse[1], block.torsional_impulse}) {
     store(hn::IfThenElse(apart, zero(), load(rubs + lane)), rubs + lane);
   }
   if (data.bodies.locks.empty()) {
@@ -163,11 +163,11 @@ HWY_INLINE void rub_in_bounce(const ContactBlock& block, const SurfaceBlock* sur
   V v2 = dot(c.tangent2, velocity);
   const V spin = dot(c.normal, relative_spin(c));
   const V bound = hn::Mul(load(block.friction + lane), pushed);
-  V twist_bound = hn::Mul(bound, load(block.lever + lane));
+  V torsional_bound = hn::Mul(bound, load(block.friction_radius + lane));
   if (surface != nullptr) {
     v1 = hn::Add(v1, load(surface->slip[0] + lane));
     v2 = hn::Add(v2, load(surface->slip[1] + lane));
-    twist_bound = hn::Add(twist_bound, hn::Mul(load(surface->torsional_friction[0] + lane), pushed));
+    torsional_bound = hn::Add(torsional_bound, hn::Mul(load(surface->torsional_friction[0] + lane), pushed));
   }
   const Plane mass = Plane::load_from(block.friction_mass, lane);
   V new1 = hn::Sub(rubs[0], mass.first(v1, v2));
@@ -178,7 +178,7 @@ HWY_INLINE void rub_in_bounce(const ContactBlock& block, const SurfaceBlock* sur
   } else {
     hold_in_disc(mass, new1, new2, bound);
   }
-  const V new_twist = clamp_to(hn::Sub(rubs[2], hn::Mul(load(block.twist_mass + lane), spin)), twist_bound);
+  const V new_twist = clamp_to(hn::Sub(rubs[2], hn::Mul(load(block.twist_mass + lane), spin)), torsional_bound);
   apply(c, hn::Sub(new1, rubs[0]) * c.tangent1 + hn::Sub(new2, rubs[1]) * c.tangent2,
         hn::Sub(new_twist, rubs[2]) * c.normal);
   rubs[0] = new1;
@@ -246,7 +246,7 @@ void restitute_lanes(const ContactKernelData& data, Friction friction, bool last
   ContactLanes<movable> c = load_contacts<movable>(data, block, lane);
   ContactLanes<movable> away = c;
   V rubs[3] = {load(block.friction_impulse[0] + lane), load(block.friction_impulse[1] + lane),
-               load(block.twist_impulse + lane)};
+               load(block.torsional_impulse + lane)};
   give_back(block, bounce, lane, hits, impulses, away);
   if (friction != Friction::None && block.traits.friction) {
     const SurfaceBlock* surface = with_surfaces && data.surface_blocks != nullptr ? &data.surface_blocks[b] : nullptr;
@@ -276,7 +276,7 @@ void restitute_lanes(const ContactKernelData& data, Friction friction, bool last
   for (std::size_t i = 0; i < max_points; ++i) put(impulses[i], block.normal_impulse[i], bounce.spent[i]);
   put(rubs[0], block.friction_impulse[0], nullptr);
   put(rubs[1], block.friction_impulse[1], nullptr);
-  put(rubs[2], block.twist_impulse, nullptr);
+  put(rubs[2], block.torsional_impulse, nullptr);
 }
 
 template <MovableSides movable>

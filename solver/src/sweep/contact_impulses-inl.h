@@ -38,7 +38,7 @@ void warm_start_by(const ContactKernelData& data, std::size_t begin, std::size_t
       }
       const V f1 = load(block.friction_impulse[0] + lane);
       const V f2 = load(block.friction_impulse[1] + lane);
-      const V twist = load(block.twist_impulse + lane);
+      const V twist = load(block.torsional_impulse + lane);
       if (with_surfaces && data.surface_blocks != nullptr) {
         const SurfaceBlock& surface = data.surface_blocks[b];
         sum_y = hn::Add(sum_y, load(surface.rolling_impulse[0] + lane));
@@ -56,20 +56,20 @@ inline void warm_start(const ContactKernelData& data, std::size_t begin, std::si
   warm_start_by<MovableSides::Locked>(data, begin, end);
 }
 
-// Lanes where soft contacts would give farther under what they carry now than in columns they should.
+// Lanes where soft contacts would overlap farther under what they carry now than in columns they should.
 HWY_INLINE unsigned loaded_lanes(const ContactKernelData& data, const ContactBlock& block, std::size_t lane,
                                  V normal_impulse) {
   const V first = load(block.inverse_mass[0] + lane);
   const V second = load(block.inverse_mass[1] + lane);
   const M first_fixed = hn::Eq(first, zero());
   const M second_fixed = hn::Eq(second, zero());
-  const V scale =
-      hn::IfThenElse(hn::Or(first_fixed, second_fixed), splat(data.constants.give_fixed), splat(data.constants.give));
-  const V give = hn::Mul(hn::Mul(normal_impulse, hn::Add(first, second)), scale);
-  constexpr auto give_square = static_cast<float>(tuning::column_give * tuning::column_give);
+  const V scale = hn::IfThenElse(hn::Or(first_fixed, second_fixed), splat(data.constants.penetration_fixed),
+                                 splat(data.constants.penetration_by_load));
+  const V estimate = hn::Mul(hn::Mul(normal_impulse, hn::Add(first, second)), scale);
+  constexpr auto give_square = static_cast<float>(tuning::column_penetration * tuning::column_penetration);
   const V square = square_of_half_thickness(load3(block.normal, lane), load3(block.anchor_first, lane), first_fixed,
                                             load3(block.anchor_second, lane), second_fixed);
-  const M over = hn::Gt(hn::Mul(give, give), hn::Mul(splat(give_square), square));
+  const M over = hn::Gt(hn::Mul(estimate, estimate), hn::Mul(splat(give_square), square));
   if (HWY_LIKELY(hn::AllFalse(D(), over))) return 0;
   std::uint8_t bits[8] = {};
   hn::StoreMaskBits(D(), over, bits);
@@ -90,7 +90,7 @@ HWY_INLINE V4 back_to_manifold(const PlanarBlock& block, std::size_t lane, const
 }
 
 inline void store_impulses(const ContactKernelData& data, std::size_t begin, std::size_t end) {
-  const V together = splat(data.constants.finer);
+  const V together = splat(data.constants.refinement);
   for (std::size_t b = begin; b < end; ++b) {
     ContactBlock& block = data.blocks[b];
     unsigned loaded = 0;
@@ -117,7 +117,7 @@ inline void store_impulses(const ContactKernelData& data, std::size_t begin, std
       const V3 friction =
           together * (load(block.friction_impulse[0] + lane) * t1 + load(block.friction_impulse[1] + lane) * t2);
       store_rows(
-          {friction.x, friction.y, friction.z, hn::Mul(together, load(block.twist_impulse + lane))},
+          {friction.x, friction.y, friction.z, hn::Mul(together, load(block.torsional_impulse + lane))},
           [=](std::size_t k) { return manifolds[slot[k]].friction_impulse; }, used);
       if (!with_surfaces || data.surface_blocks == nullptr) continue;
       const SurfaceBlock& surface = data.surface_blocks[b];

@@ -127,7 +127,7 @@ HWY_INLINE void prepare_surfaces(const ContactKernelData& data, const ContactBlo
     surface.rise[0][k] = rises ? data.rises[block.slot[k]] / data.constants.step : 0;
   }
 
-  const V3 kept = splat(1 / data.constants.finer) * V3{rolling.x, rolling.y, rolling.z};
+  const V3 kept = splat(1 / data.constants.refinement) * V3{rolling.x, rolling.y, rolling.z};
   V r1 = dot(c.tangent1, kept);
   V r2 = dot(c.tangent2, kept);
   clamp_to_disc(r1, r2, hn::Mul(slip.w, normal_impulse));
@@ -226,7 +226,7 @@ HWY_INLINE void store_geometry(ContactBlock& block, std::size_t lane, const Cont
   store3(c.anchor_first, block.anchor_first, lane);
   store3(c.anchor_second, block.anchor_second, lane);
   store(m.normal.w, block.friction + lane);
-  store(m.anchor_second.w, block.lever + lane);
+  store(m.anchor_second.w, block.friction_radius + lane);
   store4(m.x, block.x, lane);
   store4(m.y, block.y, lane);
   store4(m.separation, block.start_separation, lane);
@@ -244,7 +244,7 @@ HWY_INLINE void store_impulses(ContactBlock& block, std::size_t lane, const Cont
   const V3 friction = share * V3{m.friction.x, m.friction.y, m.friction.z};
   store(hn::IfThenElseZero(rubs, dot(c.tangent1, friction)), block.friction_impulse[0] + lane);
   store(hn::IfThenElseZero(rubs, dot(c.tangent2, friction)), block.friction_impulse[1] + lane);
-  store(hn::IfThenElseZero(twists, hn::Mul(share, m.friction.w)), block.twist_impulse + lane);
+  store(hn::IfThenElseZero(twists, hn::Mul(share, m.friction.w)), block.torsional_impulse + lane);
 }
 
 // The smaller of the bodies that move says how large a contact is. A body sinks in by as much of its size in a step,
@@ -296,14 +296,14 @@ HWY_INLINE void prepare_softness(const ContactKernelData& data, ContactBlock& bl
   const Stiffening& stiffening = data.constants.stiffening;
   if (!(stiffening.most > 1)) return;
   const V inverse_mass = hn::Add(c.inverse_mass_first, c.inverse_mass_second);
-  const V gives = hn::Mul(hn::Mul(load_of(block, lane), inverse_mass), splat(stiffening.give));
-  constexpr auto part = static_cast<float>(tuning::stiffening_give * tuning::stiffening_give);
+  const V estimate = hn::Mul(hn::Mul(load_of(block, lane), inverse_mass), splat(stiffening.penetration_by_load));
+  constexpr auto part = static_cast<float>(tuning::stiffening_penetration * tuning::stiffening_penetration);
   const V most_square = hn::Mul(
       splat(part), square_of_half_thickness(c.normal, c.anchor_first, first_fixed, c.anchor_second, second_fixed));
-  M over = hn::AndNot(fixed, hn::Gt(hn::Mul(gives, gives), most_square));
+  M over = hn::AndNot(fixed, hn::Gt(hn::Mul(estimate, estimate), most_square));
   if (HWY_LIKELY(!any(over))) return;
   if (data.joined != nullptr) over = hn::And(over, are_free(data.joined, block, lane));
-  const V times = hn::Div(gives, hn::Sqrt(hn::IfThenElse(over, most_square, splat(1))));
+  const V times = hn::Div(estimate, hn::Sqrt(hn::IfThenElse(over, most_square, splat(1))));
   const V response = hn::Mul(splat(stiffening.response), hn::Min(times, splat(stiffening.most)));
   const V leak = hn::Div(splat(1), hn::Add(splat(1), response));
   const auto stiffen = [&](V number, float* of) { store(hn::IfThenElse(over, number, load(of + lane)), of + lane); };
@@ -335,7 +335,7 @@ HWY_INLINE void prepare_lanes(const ContactKernelData& data, std::size_t b, std:
     twists = hn::Or(twists, hn::Gt(rolling.w, zero()));
   }
   if (locks) twists = hn::AndNot(in_plane.planar, twists);
-  store_impulses(block, lane, c, m, splat(1 / data.constants.finer), rubs, twists);
+  store_impulses(block, lane, c, m, splat(1 / data.constants.refinement), rubs, twists);
   prepare_softness(data, block, lane, c);
   prepare_masses(block, lane, c, rubs, twists);
   if (locks) {

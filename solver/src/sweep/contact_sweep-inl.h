@@ -136,12 +136,12 @@ HWY_INLINE void solve_friction(ContactBlock& block, SurfaceBlock* surface, [[may
   const V spin = dot(c.normal, relative_spin(c));
   const V normal_impulse = normal_impulse_of<what::points>(block, lane);
   const V bound = hn::Mul(load(block.friction + lane), normal_impulse);
-  V twist_bound = hn::Mul(bound, load(block.lever + lane));
+  V torsional_bound = hn::Mul(bound, load(block.friction_radius + lane));
   if constexpr (how::special) {
     if (surface != nullptr) {
       v1 = hn::Add(v1, load(surface->slip[0] + lane));
       v2 = hn::Add(v2, load(surface->slip[1] + lane));
-      twist_bound = hn::Add(twist_bound, hn::Mul(load(surface->torsional_friction[0] + lane), normal_impulse));
+      torsional_bound = hn::Add(torsional_bound, hn::Mul(load(surface->torsional_friction[0] + lane), normal_impulse));
     }
   }
 
@@ -156,11 +156,11 @@ HWY_INLINE void solve_friction(ContactBlock& block, SurfaceBlock* surface, [[may
   } else {
     hold_in_disc(mass, new1, new2, bound);
   }
-  const V old_twist = load(block.twist_impulse + lane);
-  const V new_twist = clamp_to(hn::Sub(old_twist, hn::Mul(load(block.twist_mass + lane), spin)), twist_bound);
+  const V old_twist = load(block.torsional_impulse + lane);
+  const V new_twist = clamp_to(hn::Sub(old_twist, hn::Mul(load(block.twist_mass + lane), spin)), torsional_bound);
   store(new1, block.friction_impulse[0] + lane);
   store(new2, block.friction_impulse[1] + lane);
-  store(new_twist, block.twist_impulse + lane);
+  store(new_twist, block.torsional_impulse + lane);
   apply(c, hn::Sub(new1, old1) * c.tangent1 + hn::Sub(new2, old2) * c.tangent2,
         hn::Sub(new_twist, old_twist) * c.normal);
   if constexpr (how::special) {
@@ -181,7 +181,7 @@ HWY_INLINE void solve_friction(ContactBlock& block, SurfaceBlock* surface, [[may
     residual.add(hn::IfThenElseZero(rubs, slowed1));
     residual.add(hn::IfThenElseZero(rubs, slowed2));
     const V twist_change = hn::Sub(dot(c.normal, relative_spin(c)), spin);
-    residual.add(hn::Mul(load(block.lever + lane), twist_change));
+    residual.add(hn::Mul(load(block.friction_radius + lane), twist_change));
   }
 }
 

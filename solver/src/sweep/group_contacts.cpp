@@ -57,7 +57,7 @@ void GroupContacts::clear_impulses(const GroupReport& report) {
     ContactBlock& block = blocks_[b];
     for (auto& point : block.normal_impulse) std::fill_n(point, block_lanes, 0.0f);
     for (auto& axis : block.friction_impulse) std::fill_n(axis, block_lanes, 0.0f);
-    std::fill_n(block.twist_impulse, block_lanes, 0.0f);
+    std::fill_n(block.torsional_impulse, block_lanes, 0.0f);
     if (!report.surfaces) continue;
     for (auto& axis : surface_blocks_[b].rolling_impulse) std::fill_n(axis, block_lanes, 0.0f);
   }

@@ -219,7 +219,7 @@ void GroupJoints::prepare(const JointStep& step, std::size_t begin, std::size_t 
         arm_first = step.table.orientation(joint.first) * joint.anchor_first;
         arm_second = step.table.orientation(joint.second) * joint.anchor_second;
         offset = (step.table.position(joint.second) - step.table.position(joint.first)) + (arm_second - arm_first);
-        impulse = joint.point_impulse / step.constants.finer;
+        impulse = joint.point_impulse / step.constants.refinement;
       }
       set_lane(block.start_arm_first, lane, arm_first);
       set_lane(block.start_arm_second, lane, arm_second);
@@ -263,7 +263,7 @@ void GroupJoints::prepare_rows(const JointStep& step, JointBlock& block) {
     const JointFrames frames =
         frames_of(joint, start_pose(step.table, joint.first), start_pose(step.table, joint.second));
     for (std::size_t r = 0; r < joint.rows; ++r) {
-      row.rows[r].impulse[lane] = static_cast<float>(joint.impulse[r] / step.constants.finer);
+      row.rows[r].impulse[lane] = static_cast<float>(joint.impulse[r] / step.constants.refinement);
       row.set(r, joint_row(joint, r, frames));
     }
   }
@@ -372,7 +372,7 @@ void GroupJoints::clear_impulses(std::size_t begin, std::size_t end) {
 void GroupJoints::store(const JointStep& step, std::size_t begin, std::size_t end) const {
   constexpr std::size_t ahead = 2;
   const double inverse_h = 1 / step.h;
-  const double together = step.constants.finer;
+  const double together = step.constants.refinement;
   for (std::size_t b = begin; b < end; ++b) {
     const JointBlock& block = blocks_[b];
     if (b + ahead < end) {

@@ -9,7 +9,7 @@
 #include "sweep/group_loops.h"
 #include "sweep/group_results.h"
 #include "sweep/group_setup.h"
-#include "sweep/stage_clock.h"
+#include "sweep/phase_clock.h"
 
 namespace atl::solver {
 
@@ -17,7 +17,7 @@ template <typename Executor>
 class GroupPass {
  public:
   /// Of a group that was gathered; `setup` is made of the same parts and report.
-  GroupPass(GroupParts& parts, const GroupSetup& setup, Executor& executor, StageClock& clock, GroupReport& report)
+  GroupPass(GroupParts& parts, const GroupSetup& setup, Executor& executor, PhaseClock& clock, GroupReport& report)
       : parts_(parts), setup_(setup), loops_(executor, parts, setup), clock_(clock), report_(report) {}
 
   void prepare();
@@ -49,7 +49,7 @@ class GroupPass {
   GroupParts& parts_;
   const GroupSetup& setup_;
   GroupLoops<Executor> loops_;
-  StageClock& clock_;
+  PhaseClock& clock_;
   GroupReport& report_;
   bool joint_impacts_ = false;  // some coordinate bounces at the end of its range in this substep
 };
@@ -60,7 +60,7 @@ void GroupPass<Executor>::prepare() {
   prepare_contacts();
   complete_joints();
   if (setup_.joined) prepare_systems();
-  clock_.lap(SolverStage::Prepare);
+  clock_.lap(SolverPhase::Prepare);
 }
 
 template <typename Executor>
@@ -69,19 +69,19 @@ void GroupPass<Executor>::substep(int number) {
   const bool last = number + 1 == setup_.settings.substeps;
   note_speeds(number);
   integrate_velocities(carries);
-  clock_.lap(SolverStage::Integrate);
+  clock_.lap(SolverPhase::Integrate);
   warm_start(number);
-  clock_.lap(SolverStage::WarmStart);
+  clock_.lap(SolverPhase::WarmStart);
   solve_velocities(number, carries);
-  clock_.lap(SolverStage::Solve);
+  clock_.lap(SolverPhase::Solve);
   integrate_positions();
-  clock_.lap(SolverStage::Integrate);
+  clock_.lap(SolverPhase::Integrate);
   relax(number);
-  clock_.lap(SolverStage::Relax);
+  clock_.lap(SolverPhase::Relax);
   if (last && setup_.input.capture != nullptr) capture_answers(setup_.input, parts_, report_, setup_.body_ids);
   if (report_.restitution) bounce(last);
   if (joint_impacts_) bounce_joints();
-  clock_.lap(SolverStage::Restitution);
+  clock_.lap(SolverPhase::Restitution);
 }
 
 template <typename Executor>
@@ -96,7 +96,7 @@ void GroupPass<Executor>::finish() {
   });
   loops_.each_joint_block(
       [&](std::size_t begin, std::size_t end) { parts_.joints.store(setup_.joint_step, begin, end); });
-  clock_.lap(SolverStage::Store);
+  clock_.lap(SolverPhase::Store);
 }
 
 template <typename Executor>
@@ -272,10 +272,10 @@ void GroupPass<Executor>::bounce_joints() {
 template <typename Executor>
 void GroupPass<Executor>::finish_contacts() {
   // Nothing is done about a large island that wasn't built to stand.
-  const bool notes_overloads = !setup_.group.large || setup_.settings.finer > 1;
+  const bool checks_loads = !setup_.group.large || setup_.settings.refinement > 1;
   loops_.each_contact_block([&](std::size_t begin, std::size_t end) {
     setup_.kernels.store(setup_.contact_data, begin, end);
-    if (notes_overloads) note_overloads(setup_.input, parts_, setup_.body_ids, begin, end);
+    if (checks_loads) check_loads(setup_.input, parts_, setup_.body_ids, begin, end);
   });
 }
 

@@ -48,15 +48,15 @@ void write_back(const SolveInput& input, const GroupParts& parts, std::span<cons
   }
 }
 
-void note_overloads(const SolveInput& input, const GroupParts& parts, std::span<const std::uint32_t> bodies,
-                    std::size_t begin, std::size_t end) {
+void check_loads(const SolveInput& input, const GroupParts& parts, std::span<const std::uint32_t> bodies,
+                 std::size_t begin, std::size_t end) {
   if constexpr (!with_direct_contacts) return;
   const std::uint32_t first_dynamic = parts.numbers.first_dynamic();
   const auto body_of = [&](std::int32_t local) {
     const auto i = static_cast<std::uint32_t>(local);
     return i < first_dynamic ? Islands::none : bodies[i - first_dynamic];
   };
-  const double give = SubstepConstants::give_by_impulse(input.settings, input.dt);
+  const double by_impulse = SubstepConstants::penetration_by_impulse(input.settings, input.dt);
   for (std::size_t b = begin; b < end; ++b) {
     const ContactBlock& block = parts.contacts.blocks()[b];
     for (unsigned lanes = block.loaded; lanes != 0; lanes &= lanes - 1) {
@@ -68,7 +68,7 @@ void note_overloads(const SolveInput& input, const GroupParts& parts, std::span<
                                      .inverse_second = block.inverse_mass[1][lane]};
       const std::uint32_t island = input.islands.island_of(contact.inverse_first > 0 ? contact.first : contact.second);
       const Build build = build_of(input.islands, island);
-      note_overload(contact, give * load_of(contact.manifold), build, input.overloads.local());
+      check_load(contact, by_impulse * load_of(contact.manifold), build, input.overloaded.local());
     }
   }
 }
@@ -108,7 +108,7 @@ void capture_answers(const SolveInput& input, const GroupParts& parts, const Gro
         answer.friction_impulse[i] =
             block.friction_impulse[0][lane] * t.first[i] + block.friction_impulse[1][lane] * t.second[i];
       }
-      answer.twist_impulse = block.twist_impulse[lane];
+      answer.torsional_impulse = block.torsional_impulse[lane];
       answer.rolling_impulse = {0, 0, 0};
       if (!report.surfaces) continue;
       const auto& rolling = parts.contacts.surface_blocks()[b].rolling_impulse;

@@ -17,8 +17,8 @@ void write_back(const SolveInput& input, const GroupParts& parts, std::span<cons
                 std::size_t begin, std::size_t end);
 
 // Contacts of blocks [begin, end) that carry more than soft contacts are made for.
-void note_overloads(const SolveInput& input, const GroupParts& parts, std::span<const std::uint32_t> bodies,
-                    std::size_t begin, std::size_t end);
+void check_loads(const SolveInput& input, const GroupParts& parts, std::span<const std::uint32_t> bodies,
+                 std::size_t begin, std::size_t end);
 
 // Fills SolveInput::capture for the group, in its last substep.
 void capture_answers(const SolveInput& input, const GroupParts& parts, const GroupReport& report,

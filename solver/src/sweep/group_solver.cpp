@@ -36,10 +36,10 @@ GroupReport GroupSolver::run(const SolveInput& input, const IslandGroup& group, 
   SubstepConstants constants = SubstepConstants::of(input.settings, input.dt);
   constants.gravity = static_cast<float>(input.gravity.norm());
   GroupReport report;
-  StageClock clock(input.settings.profile, report.stage_ms);
+  PhaseClock clock(input.settings.profile, report.phase_ms);
   if (colours == GroupColours::New) collect(input, group);
   select_kernels(input, group, report);
-  clock.lap(SolverStage::Colour);
+  clock.lap(SolverPhase::Colour);
   gather_bodies(input, group, report, executor);
   const GroupSetup setup(input, group, constants, report, parts_);
   GroupPass<Executor> pass(parts_, setup, executor, clock, report);

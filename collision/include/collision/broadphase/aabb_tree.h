@@ -96,6 +96,7 @@ class AabbTree {
   using Node = AabbTreeNode;
 
   void rebuild(jobs::Arena* arena);
+  AabbTreeLeaf& waiting(std::int32_t slot) { return later_[~static_cast<std::uint32_t>(slot)]; }
 
   AabbTreeNodes nodes_;
   std::vector<AabbTreeLeaf> later_;  // in no order; their numbers with the nodes are ~ their places here

@@ -20,13 +20,13 @@ struct alignas(64) ContactManifold {
   float anchor_first[3];  ///< m, of the centre from the first body's centre of mass
   float restitution;
   float anchor_second[3];
-  float lever;  ///< m, mean distance of the points from the centre: the arm of friction against twisting
+  float friction_radius;  ///< m, mean distance of the points from the centre: the arm of friction against twisting
   float x[max_points];
   float y[max_points];
   float separation[max_points];      ///< no_point where there is none
   float normal_impulse[max_points];  ///< N s, of the last substep
   float friction_impulse[3];         ///< N s, in the tangent plane, on the second body
-  float twist_impulse;               ///< N m s, about the normal, on the second body
+  float torsional_impulse;           ///< N m s, about the normal, on the second body
 };
 static_assert(sizeof(ContactManifold) == 128);
 
@@ -57,7 +57,7 @@ struct alignas(64) Contact {
   bool has_local_offset = false;  ///< a shape of it isn't at its body's centre of mass, or turned
   /// Of two solids found apart: m, how far, at least. Else 0. The next three say where they were then.
   float gap = 0;
-  float lever = 0;                        ///< m: how far turning by 1 rad may bring the shapes nearer
+  float radius = 0;                       ///< m: how far turning by 1 rad may bring the shapes nearer
   std::array<double, 3> apart_from = {};  ///< m, world: origin of the second shape from the first's
   double turned = 0;                      ///< sum of how much the bodies had turned in all
 

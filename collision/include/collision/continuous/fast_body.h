@@ -49,9 +49,7 @@ struct CcdStep {
   std::span<FastBody> fast = {};
   std::span<const std::uint32_t> places = {};  ///< by body: its number in `fast` + 1, or 0
 
-  bool passes(Pair pair) const {
-    return !passing.empty() && std::binary_search(passing.begin(), passing.end(), pair);
-  }
+  bool passes(Pair pair) const { return !passing.empty() && std::binary_search(passing.begin(), passing.end(), pair); }
   /// Null for a body that was not fast: it counts as being where it is now.
   const FastBody* find_fast(std::uint32_t body) const { return places[body] == 0 ? nullptr : &fast[places[body] - 1]; }
   std::uint32_t assembly_of(std::uint32_t body) const { return joined[body] ? assembly[body] : FastBody::alone; }

@@ -18,7 +18,7 @@ struct ContactCapture {
     std::array<float, 4> separation;      ///< m, as the sweeps saw it
     std::array<float, 4> normal_impulse;  ///< N s
     std::array<float, 3> friction_impulse;
-    float twist_impulse;                               ///< N m s
+    float torsional_impulse;                           ///< N m s
     std::array<float, 3> rolling_impulse = {0, 0, 0};  ///< N m s
     /// It was solved in the plane that its bodies stay in, with two points on the tangent, and not as the manifold has
     /// it.

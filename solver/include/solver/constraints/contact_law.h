@@ -26,7 +26,7 @@ struct ContactPieces {
 struct ContactAnswer {
   std::array<double, collision::max_points> normal = {};  ///< N s
   std::array<double, 2> friction = {};                    ///< N s, along the tangents
-  double twist = 0;                                       ///< N m s
+  double torsional = 0;                                   ///< N m s
   std::array<double, 2> rolling = {};                     ///< N m s, about the tangents
   ContactPieces pieces;
 
@@ -45,11 +45,11 @@ struct ContactLaw {
   std::array<double, 2> slip = {};  ///< m/s, of the surfaces along the tangents, beside the motion
   bool pyramid = false;             ///< friction is bounded along each tangent by itself
   double friction_stiffness = 0;
-  double twist_stiffness = 0;
+  double torsional_stiffness = 0;
   double rolling_stiffness = 0;
-  double friction_bound = 0;  ///< N s
-  double twist_bound = 0;     ///< N m s
-  double rolling_bound = 0;   ///< N m s
+  double friction_bound = 0;   ///< N s
+  double torsional_bound = 0;  ///< N m s
+  double rolling_bound = 0;    ///< N m s
 
   /// m/s, at which a point parts.
   double speed(int point, const Six& motion) const { return motion[0] + y[point] * motion[1] - x[point] * motion[2]; }

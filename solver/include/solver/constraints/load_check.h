@@ -18,13 +18,13 @@ enum class Build : std::uint8_t {
 };
 
 /// The lighter body of a contact that carries more than soft ones are made for.
-struct Overload {
+struct OverloadedBody {
   std::uint32_t body;
-  bool crushed;
+  bool deep;
 };
 
 /// By worker, in any order.
-using Overloads = jobs::Scratch<std::vector<Overload>>;
+using OverloadedBodies = jobs::Scratch<std::vector<OverloadedBody>>;
 
 /// A contact and its bodies, with inverse masses in 1/kg: 0 of what doesn't respond.
 struct LoadedContact {
@@ -38,6 +38,6 @@ double load_of(const collision::ContactManifold& manifold);
 
 /// Adds what a contact is, if it is overloaded. `give` in m kg: how far contacts between dynamic bodies give under the
 /// load that it carries, times the mass.
-void note_overload(const LoadedContact& contact, double give, Build build, std::vector<Overload>& overloads);
+void check_load(const LoadedContact& contact, double penetration, Build build, std::vector<OverloadedBody>& overloaded);
 
 }  // namespace atl::solver

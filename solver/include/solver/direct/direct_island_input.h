@@ -21,7 +21,7 @@ struct DirectIslandInput {
   const SolverSettings& settings;
   collision::MotionBounds& bounds;  ///< of what the bodies move by
   FastBodies& fast;
-  Overloads& overloads;
+  OverloadedBodies& overloaded;
   ContactCapture* capture = nullptr;           ///< null where nobody asks
   SurfaceContact* surface_contacts = nullptr;  ///< by contact slot; null while all surfaces are plain
   const AddedSlip* added_slips = nullptr;      ///< by contact slot; null where nobody adds any

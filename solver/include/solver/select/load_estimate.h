@@ -30,7 +30,7 @@ struct LoadInput {
 /// carries on to what is below it, in equal parts.
 class LoadEstimate {
  public:
-  void add_overloads(const LoadInput& input, std::size_t island, std::vector<Overload>& overloads);
+  void add_overloaded(const LoadInput& input, std::size_t island, std::vector<OverloadedBody>& overloaded);
 
  private:
   struct Support {

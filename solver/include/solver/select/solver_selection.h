@@ -12,13 +12,13 @@ namespace atl::solver {
 /// How an island is solved.
 enum class SolveMode : std::uint8_t {
   Sweep,    ///< as the settings say
-  Finer,    ///< in more substeps
+  Refined,  ///< in more substeps
   Landing,  ///< in more substeps, for a step in which something lands
   Direct,   ///< at once
 };
 
 /// How many substeps an island gets for each that was asked for, a power of two; 1 where these are as short already.
-int finer_by(const SolverSettings& settings, double dt);
+int refinement_of(const SolverSettings& settings, double dt);
 
 /// Follows which contacts carry more than soft ones are made for, and says what is done about their islands. A load has
 /// to stay for some steps, or it is an impact; of bodies that are new it is estimated at once. Tall columns, heavy
@@ -26,7 +26,7 @@ int finer_by(const SolverSettings& settings, double dt);
 /// nothing.
 class SolverSelection {
  public:
-  /// For a world of so many bodies: ahead of a choice, where something moves. The others are under no strain.
+  /// For a world of so many bodies: ahead of a choice, where something moves. The others carry nothing that counts.
   void resize(std::size_t bodies);
   /// A new dynamic body.
   void arrive(std::uint32_t body) { arrived_.push_back(body); }
@@ -45,34 +45,37 @@ class SolverSelection {
   /// Why an island got its mode, by the last choice; in words, static storage.
   const char* why(std::size_t island) const;
 
-  /// After a step of dt seconds: its overloads, in any order and with bodies any number of times, and bodies of islands
+  /// After a step of dt seconds: overloaded bodies, in any order and any number of times each, and bodies of islands
   /// that could not be solved at once, which will be tried again after some time. What sleeps stays as it is.
-  void note(std::vector<Overload>& overloads, std::span<const std::uint32_t> failed,
+  void note(std::vector<OverloadedBody>& overloaded, std::span<const std::uint32_t> failed,
             std::span<const std::uint8_t> awake, double dt);
 
-  /// For how long a body has been overloaded, and crushed, more or less: what lasts from step to step.
-  struct Strain {
+  /// For how long a body has been overloaded, and deep in what it presses on, more or less: what lasts from step to
+  /// step.
+  struct LoadHistory {
     float overloaded = 0;  ///< s
-    float crushed = 0;     ///< s
+    float deep = 0;        ///< s
     bool sags = false;     ///< with a large part of its island
-    bool operator==(const Strain&) const = default;
+    bool operator==(const LoadHistory&) const = default;
   };
   /// Bodies that came since the last choice, in the order in which they did.
   std::span<const std::uint32_t> arrived() const { return arrived_; }
-  /// Bodies under strain, in order.
-  std::span<const std::uint32_t> strained() const { return strained_; }
-  Strain strain(std::uint32_t body) const { return body < strain_.size() ? strain_[body] : Strain{}; }
-  /// Of a state that is restored: the bodies under strain come in order.
-  void restore_strain(std::uint32_t body, const Strain& strain) {
-    if (body >= strain_.size()) resize(body + std::size_t{1});
-    strain_[body] = strain;
-    strained_.push_back(body);
+  /// Bodies with a history, in order.
+  std::span<const std::uint32_t> loaded() const { return loaded_; }
+  LoadHistory load_history(std::uint32_t body) const {
+    return body < load_history_.size() ? load_history_[body] : LoadHistory{};
+  }
+  /// Of a state that is restored: bodies with a history come in order.
+  void restore_load_history(std::uint32_t body, const LoadHistory& history) {
+    if (body >= load_history_.size()) resize(body + std::size_t{1});
+    load_history_[body] = history;
+    loaded_.push_back(body);
   }
 
   /// Memory held.
   std::size_t bytes() const {
-    return jobs::bytes_of(strain_, strained_, arrived_, of_overloads_, merged_, symptoms_, modes_, estimated_, pressed_,
-                          landings_, on_system_);
+    return jobs::bytes_of(load_history_, loaded_, arrived_, overloaded_now_, merged_, symptoms_, modes_, estimated_,
+                          pressed_, landings_, on_system_);
   }
 
  private:
@@ -81,31 +84,31 @@ class SolverSelection {
   void find_pressed(const LoadInput& input);
   bool is_pressed(const LoadInput& input, std::size_t island);
 
-  // What is known of an island by its bodies under strain.
+  // What is known of an island by its loaded bodies.
   struct Symptoms {
     bool lasts = false;
-    bool crushes = false;
+    bool deep = false;
     bool sags = false;
   };
 
   // What lasts from step to step, and what is made anew. Whoever adds a member says which it is, or this won't compile.
   static void check_members(SolverSelection& selection) {
-    auto& [strain, strained, arrived, /**/ of_overloads, merged, symptoms, landings, pressed, knows_pressed, on_system,
+    auto& [history, loaded, arrived, /**/ overloaded, merged, symptoms, landings, pressed, knows_pressed, on_system,
            modes, estimated, estimate] = selection;
-    static_cast<void>(strain);
+    static_cast<void>(history);
   }
 
-  std::vector<Strain> strain_;           // by body
-  std::vector<std::uint32_t> strained_;  // in order
+  std::vector<LoadHistory> load_history_;  // by body
+  std::vector<std::uint32_t> loaded_;      // in order
   std::vector<std::uint32_t> arrived_;
-  std::vector<std::uint32_t> of_overloads_, merged_;
+  std::vector<std::uint32_t> overloaded_now_, merged_;
   std::vector<Symptoms> symptoms_;       // by island
   std::vector<std::size_t> landings_;    // islands in which something lands
   std::vector<std::size_t> pressed_;     // islands in which something heavy lies on joints that are solved at once
   bool knows_pressed_ = false;           // of the islands as they are
   std::vector<std::uint8_t> on_system_;  // by body of an island
   std::vector<SolveMode> modes_;         // by island
-  std::vector<Overload> estimated_;
+  std::vector<OverloadedBody> estimated_;
   LoadEstimate estimate_;
 };
 

@@ -45,11 +45,11 @@ struct alignas(64) ContactBlock {
   Lanes<6> k;  ///< 00, 01, 02, 11, 12, 22
   Lanes<2> inverse_mass;
   Lanes<2> friction_impulse;
-  float twist_impulse[block_lanes];
+  float torsional_impulse[block_lanes];
   Lanes<3> friction_mass;  ///< inverse of the tangential 2 x 2 matrix: 11, 12, 22
   float twist_mass[block_lanes];
   float friction[block_lanes];
-  float lever[block_lanes];
+  float friction_radius[block_lanes];
   float push_speed[block_lanes];  ///< m/s, the fastest that overlap is pushed apart
   float bias_rate[block_lanes];   ///< its Softness
   float mass_scale[block_lanes];

@@ -9,14 +9,14 @@
 namespace atl::solver {
 
 /// What the time of a group goes into. As atoll/report.h has them.
-enum class SolverStage { Colour, Prepare, WarmStart, Solve, Relax, Integrate, Restitution, Store };
-inline constexpr std::size_t solver_stage_count = 8;
+enum class SolverPhase { Colour, Prepare, WarmStart, Solve, Relax, Integrate, Restitution, Store };
+inline constexpr std::size_t solver_phase_count = 8;
 
 struct GroupReport {
   std::size_t colours = 0;                               ///< of contacts or of joints, whichever has more
   std::size_t joints = 0;                                ///< all that act, however they are solved
   std::int64_t sweeps = 0;                               ///< over its contacts and joints
-  std::array<double, solver_stage_count> stage_ms = {};  ///< with SolverSettings::profile
+  std::array<double, solver_phase_count> phase_ms = {};  ///< with SolverSettings::profile
   ContactWork work;
   std::int64_t gyroscopic_bodies = 0;  ///< whose moments of inertia differ
   std::int64_t locked_bodies = 0;      ///< that have motion locks

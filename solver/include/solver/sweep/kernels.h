@@ -81,7 +81,7 @@ struct Kernels {
   /// Applies the accumulated impulses.
   void (*warm_start)(const ContactKernelData& data, std::size_t begin, std::size_t end);
   /// Returns, if the sweep measures, its residual, m/s: the largest change that an impulse made to the relative speed
-  /// which it is there for, at the time it was found. Spins count with the lever they have at the contact.
+  /// which it is there for, at the time it was found. Spins count with the friction_radius they have at the contact.
   float (*sweep)(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end);
   /// Before the forces of substep `number`: how fast bouncy points close, and which of them will not meet in it. Blocks
   /// are made with that of the first.
@@ -107,7 +107,8 @@ struct Kernels {
   void (*prepare_joints)(const JointKernelData& data, std::size_t begin, std::size_t end);
   /// Applies the accumulated impulses.
   void (*warm_start_joints)(const JointKernelData& data, std::size_t begin, std::size_t end);
-  /// Returns, if the sweep measures, its residual as that over contacts does. Spins count with a lever of 1 m.
+  /// Returns, if the sweep measures, its residual as that over contacts does. Spins count with a friction_radius of 1
+  /// m.
   float (*sweep_joints)(const JointKernelData& data, const JointSweep& sweep, std::size_t begin, std::size_t end);
 };
 

@@ -1,4 +1,4 @@
-#include <collision/narrowphase/descent.h>
+#include <collision/narrowphase/gauss_map_descent.h>
 
 #include <algorithm>
 #include <cmath>
@@ -36,7 +36,8 @@ int edge_beyond(const Polytope& p, int face, const Vector3& point, double tolera
 
 }  // namespace
 
-Descent::Descent(const Polytope& first, const Polytope& second, const Vector3& position, const Matrix3& rotation)
+GaussMapDescent::GaussMapDescent(const Polytope& first, const Polytope& second, const Vector3& position,
+                                 const Matrix3& rotation)
     : first_(first),
       second_(second),
       position_(position),
@@ -44,14 +45,14 @@ Descent::Descent(const Polytope& first, const Polytope& second, const Vector3& p
       // Rounding is a part of 1e-16 of the coordinates.
       tolerance_(1e-13 * (extent(first) + extent(second) + position.norm())) {}
 
-LocalAxis Descent::from_direction(const Vector3& unit_normal) {
+LocalAxis GaussMapDescent::from_direction(const Vector3& unit_normal) {
   n_ = unit_normal;
   a_ = first_.support(n_);
   b_ = second_.support(-to_second(n_));
   return walk(State::Vertices);
 }
 
-LocalAxis Descent::from_face_of_first(int face) {
+LocalAxis GaussMapDescent::from_face_of_first(int face) {
   face_ = face;
   n_ = first_.planes[face].normal;
   a_ = first_.face_vertices[first_.face_start[face]];
@@ -59,7 +60,7 @@ LocalAxis Descent::from_face_of_first(int face) {
   return walk(State::FaceOfFirst);
 }
 
-LocalAxis Descent::from_face_of_second(int face) {
+LocalAxis GaussMapDescent::from_face_of_second(int face) {
   face_ = face;
   n_ = -(rotation_ * second_.planes[face].normal);
   a_ = first_.support(n_);
@@ -68,14 +69,14 @@ LocalAxis Descent::from_face_of_second(int face) {
 }
 
 // Whether no face beside the edge rises along the normal.
-bool Descent::supports(const Polytope& polytope, const Hull::Edge& edge, const Vector3& along,
-                       const Vector3& normal) const {
+bool GaussMapDescent::supports(const Polytope& polytope, const Hull::Edge& edge, const Vector3& along,
+                               const Vector3& normal) const {
   if (edge.left == Polytope::no_face || edge.right == Polytope::no_face) return false;
   return normal.dot(polytope.planes[edge.left].normal.cross(along)) <= 0 &&
          normal.dot(along.cross(polytope.planes[edge.right].normal)) <= 0;
 }
 
-LocalAxis Descent::from_edges(int first, int second, const Vector3& unit_normal) {
+LocalAxis GaussMapDescent::from_edges(int first, int second, const Vector3& unit_normal) {
   const Hull::Edge& ea = first_.edges[first];
   const Hull::Edge& eb = second_.edges[second];
   const Vector3 u = first_.vertices[ea.head] - first_.vertices[ea.tail];
@@ -92,18 +93,18 @@ LocalAxis Descent::from_edges(int first, int second, const Vector3& unit_normal)
   return walk(State::Edges);
 }
 
-double Descent::separation_from_first(int face) const {
+double GaussMapDescent::separation_from_first(int face) const {
   const Hull::Plane& plane = first_.planes[face];
   return plane.normal.dot(of_second(second_.support(-to_second(plane.normal)))) - plane.offset;
 }
 
-double Descent::separation_from_second(int face) const {
+double GaussMapDescent::separation_from_second(int face) const {
   const Hull::Plane& plane = second_.planes[face];
   const Vector3& nearest = first_.vertices[first_.support(-(rotation_ * plane.normal))];
   return plane.normal.dot(to_second(nearest - position_)) - plane.offset;
 }
 
-LocalAxis Descent::walk(State state) {
+LocalAxis GaussMapDescent::walk(State state) {
   confirmed_ = false;
   for (int step = 0; step < max_steps && state != State::Done; ++step) {
     last_ = state;
@@ -135,7 +136,8 @@ LocalAxis Descent::walk(State state) {
 }
 
 // The first neighbour that gets as far out as a vertex, as the direction moves from + t towards.
-void Descent::nearest_hit(const Polytope& p, int vertex, const Vector3& from, const Vector3& towards, Hit& hit) const {
+void GaussMapDescent::nearest_hit(const Polytope& p, int vertex, const Vector3& from, const Vector3& towards,
+                                  Hit& hit) const {
   const Vector3& at = p.vertices[vertex];
   for (int i = p.vertex_start[vertex]; i < p.vertex_start[vertex + 1]; ++i) {
     const Hull::Edge& edge = p.edges[p.vertex_edges[i]];
@@ -150,7 +152,7 @@ void Descent::nearest_hit(const Polytope& p, int vertex, const Vector3& from, co
   }
 }
 
-Descent::State Descent::slide_from_vertices() {
+GaussMapDescent::State GaussMapDescent::slide_from_vertices() {
   const Vector3 w = of_second(b_) - first_.vertices[a_];
   const double length = w.norm();
   if (length <= tolerance_) {
@@ -181,8 +183,8 @@ Descent::State Descent::slide_from_vertices() {
 
 // While a direction turns about an edge, from n towards `direction`, it passes the normals of the edge's faces.
 // Where it starts right opposite `direction` it needs a push.
-bool Descent::limit_by_face(const Vector3& edge, Vector3& direction, const Polytope& polytope, const Hull::Edge& faces,
-                            bool is_second, Hit& hit) const {
+bool GaussMapDescent::limit_by_face(const Vector3& edge, Vector3& direction, const Polytope& polytope,
+                                    const Hull::Edge& faces, bool is_second, Hit& hit) const {
   double turn = edge.dot(n_.cross(direction));
   if (std::abs(turn) < 1e-12) {
     if (n_.dot(direction) > 0) return false;
@@ -207,7 +209,7 @@ bool Descent::limit_by_face(const Vector3& edge, Vector3& direction, const Polyt
 }
 
 // Towards the other's vertex, but for what lies along the edge.
-Descent::State Descent::slide_on_edge(bool of_second_solid) {
+GaussMapDescent::State GaussMapDescent::slide_on_edge(bool of_second_solid) {
   const Polytope& polytope = of_second_solid ? second_ : first_;
   const Hull::Edge& edge = polytope.edges[of_second_solid ? edge_b_ : edge_a_];
   const Vector3 edge_vector = polytope.vertices[edge.head] - polytope.vertices[edge.tail];
@@ -250,7 +252,7 @@ Descent::State Descent::slide_on_edge(bool of_second_solid) {
   return State::Done;
 }
 
-Descent::State Descent::leave_face_of_first() {
+GaussMapDescent::State GaussMapDescent::leave_face_of_first() {
   const int edge = edge_beyond(first_, face_, of_second(b_), tolerance_);
   if (edge < 0) {
     confirmed_ = true;
@@ -260,7 +262,7 @@ Descent::State Descent::leave_face_of_first() {
   return State::EdgeOfFirst;
 }
 
-Descent::State Descent::leave_face_of_second() {
+GaussMapDescent::State GaussMapDescent::leave_face_of_second() {
   const Vector3 point = to_second(first_.vertices[a_] - position_);
   const int edge = edge_beyond(second_, face_, point, tolerance_);
   if (edge < 0) {
@@ -272,7 +274,7 @@ Descent::State Descent::leave_face_of_second() {
 }
 
 // Edges that run along each other share their arc: along it the way leads on to the next face of either.
-Descent::State Descent::slide_on_parallel_edges() {
+GaussMapDescent::State GaussMapDescent::slide_on_parallel_edges() {
   const Hull::Edge& ea = first_.edges[edge_a_];
   const Hull::Edge& eb = second_.edges[edge_b_];
   const Vector3& tail = first_.vertices[ea.tail];
@@ -313,7 +315,7 @@ Descent::State Descent::slide_on_parallel_edges() {
 }
 
 // The closest points of two lines (Ericson, "Real-Time Collision Detection", 2005, section 5.1.8).
-Descent::State Descent::leave_edges() {
+GaussMapDescent::State GaussMapDescent::leave_edges() {
   const Hull::Edge& ea = first_.edges[edge_a_];
   const Hull::Edge& eb = second_.edges[edge_b_];
   const Vector3 u = first_.vertices[ea.head] - first_.vertices[ea.tail];
@@ -341,7 +343,7 @@ Descent::State Descent::leave_edges() {
   return State::EdgeOfFirst;
 }
 
-LocalAxis Descent::result() const {
+LocalAxis GaussMapDescent::result() const {
   using enum Feature::Kind;
   LocalAxis axis;
   axis.normal = n_;

@@ -1,4 +1,4 @@
-#include "state/roster.h"
+#include "state/world_definition.h"
 
 #include <atoll/error.h>
 #include <collision/shapes/height_field.h>
@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "state/hex.h"
-#include "state/roster_state.h"
 #include "state/state_archive.h"
+#include "state/world_definition_state.h"
 
 namespace atl {
 namespace {
@@ -78,8 +78,9 @@ std::string described(const BodyConstants& body) {
   return out.str();
 }
 
-std::string id_of(const Roster& roster, std::size_t body) {
-  return "body (index " + std::to_string(body) + ", generation " + std::to_string(roster.generation[body]) + ")";
+std::string id_of(const WorldDefinition& world_definition, std::size_t body) {
+  return "body (index " + std::to_string(body) + ", generation " + std::to_string(world_definition.generation[body]) +
+         ")";
 }
 
 bool needs_geometry(const CheckedCollider& collider) {
@@ -92,14 +93,14 @@ bool needs_geometry(const BodyConstants& body) {
   return std::any_of(body.colliders.begin(), body.colliders.end(), needs);
 }
 
-bool lacks_geometry(const Roster& roster) {
-  return std::any_of(roster.bodies.begin(), roster.bodies.end(),
+bool lacks_geometry(const WorldDefinition& world_definition) {
+  return std::any_of(world_definition.bodies.begin(), world_definition.bodies.end(),
                      [](const auto& body) { return body && needs_geometry(*body); });
 }
 
-Geometry geometry_of(const Roster& roster) {
+Geometry geometry_of(const WorldDefinition& world_definition) {
   Geometry geometry;
-  for (const std::shared_ptr<const BodyConstants>& body : roster.bodies) {
+  for (const std::shared_ptr<const BodyConstants>& body : world_definition.bodies) {
     if (!body) continue;
     for (const CheckedCollider& collider : body->colliders) {
       if (collider.geometry) geometry.try_emplace({collider.shape.kind, collider.content}, collider.geometry);
@@ -132,7 +133,7 @@ std::uint64_t fingerprint(const BodyConstants& constants) {
 
 bool are_same(const BodyConstants& a, const BodyConstants& b) { return &a == &b || fingerprint(a) == fingerprint(b); }
 
-bool are_same(const Roster& a, const Roster& b) {
+bool are_same(const WorldDefinition& a, const WorldDefinition& b) {
   if (&a == &b) return true;
   if (a.bodies.size() != b.bodies.size() || a.generation != b.generation || a.free != b.free ||
       a.collider_body != b.collider_body || a.collider_child != b.collider_child ||
@@ -146,7 +147,7 @@ bool are_same(const Roster& a, const Roster& b) {
   return true;
 }
 
-void check_bodies_match(const Roster& saved, const Roster& found) {
+void check_bodies_match(const WorldDefinition& saved, const WorldDefinition& found) {
   for (std::size_t i = 0; i < std::min(saved.bodies.size(), found.bodies.size()); ++i) {
     if (!saved.bodies[i] || !found.bodies[i] || saved.generation[i] != found.generation[i]) continue;
     if (are_same(*saved.bodies[i], *found.bodies[i])) continue;
@@ -165,22 +166,24 @@ bool give_geometry(BodyConstants& body, const Geometry& from) {
   return true;
 }
 
-std::shared_ptr<const Roster> with_geometry(const std::shared_ptr<const Roster>& roster, const Roster& from) {
-  return lacks_geometry(*roster) ? with_geometry(roster, geometry_of(from)) : roster;
+std::shared_ptr<const WorldDefinition> with_geometry(const std::shared_ptr<const WorldDefinition>& world_definition,
+                                                     const WorldDefinition& from) {
+  return lacks_geometry(*world_definition) ? with_geometry(world_definition, geometry_of(from)) : world_definition;
 }
 
-std::shared_ptr<const Roster> with_geometry(const std::shared_ptr<const Roster>& roster, const Geometry& from) {
-  if (!lacks_geometry(*roster)) return roster;
+std::shared_ptr<const WorldDefinition> with_geometry(const std::shared_ptr<const WorldDefinition>& world_definition,
+                                                     const Geometry& from) {
+  if (!lacks_geometry(*world_definition)) return world_definition;
   std::map<const BodyConstants*, std::shared_ptr<const BodyConstants>> completed;
-  auto result = std::make_shared<Roster>(*roster);
-  for (std::size_t i = 0; i < roster->bodies.size(); ++i) {
-    const std::shared_ptr<const BodyConstants>& body = roster->bodies[i];
+  auto result = std::make_shared<WorldDefinition>(*world_definition);
+  for (std::size_t i = 0; i < world_definition->bodies.size(); ++i) {
+    const std::shared_ptr<const BodyConstants>& body = world_definition->bodies[i];
     if (!body || !needs_geometry(*body)) continue;
     std::shared_ptr<const BodyConstants>& whole = completed[body.get()];
     if (!whole) {
       BodyConstants copy = *body;
       if (!give_geometry(copy, from)) {
-        throw Error("World::restore: no body of the world has the geometry of " + id_of(*roster, i) + ", " +
+        throw Error("World::restore: no body of the world has the geometry of " + id_of(*world_definition, i) + ", " +
                     described(*body) + "; expected a world with it, as files don't hold geometry");
       }
       whole = std::make_shared<const BodyConstants>(std::move(copy));

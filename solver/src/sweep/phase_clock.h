@@ -9,21 +9,21 @@
 namespace atl::solver {
 
 // Sums up where the time of a group goes, for those who ask.
-class StageClock {
+class PhaseClock {
  public:
-  StageClock(bool runs, std::array<double, solver_stage_count>& ms) : runs_(runs), ms_(ms) {
+  PhaseClock(bool runs, std::array<double, solver_phase_count>& ms) : runs_(runs), ms_(ms) {
     if (runs_) last_ = std::chrono::steady_clock::now();
   }
-  void lap(SolverStage stage) {
+  void lap(SolverPhase phase) {
     if (!runs_) return;
     const auto now = std::chrono::steady_clock::now();
-    ms_[static_cast<std::size_t>(stage)] += std::chrono::duration<double, std::milli>(now - last_).count();
+    ms_[static_cast<std::size_t>(phase)] += std::chrono::duration<double, std::milli>(now - last_).count();
     last_ = now;
   }
 
  private:
   bool runs_;
-  std::array<double, solver_stage_count>& ms_;
+  std::array<double, solver_phase_count>& ms_;
   std::chrono::steady_clock::time_point last_;
 };
 

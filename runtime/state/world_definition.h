@@ -15,7 +15,7 @@ namespace atl {
 
 /// Which bodies and colliders a world has, and what never changes of them: all of a state that snapshots share until a
 /// body comes or goes. Made when one is asked for, and never changed.
-struct Roster {
+struct WorldDefinition {
   std::vector<std::shared_ptr<const BodyConstants>> bodies;  ///< by index; null where there is none
   std::vector<std::uint32_t> generation;                     ///< by index
   std::vector<std::uint32_t> free;                           ///< as BodyRecords::free
@@ -33,15 +33,17 @@ std::uint64_t fingerprint(const BodyConstants& constants);
 /// Whether two bodies can't be told apart.
 bool are_same(const BodyConstants& a, const BodyConstants& b);
 /// Whether two worlds have the same bodies under the same ids, and number all that comes next alike.
-bool are_same(const Roster& a, const Roster& b);
+bool are_same(const WorldDefinition& a, const WorldDefinition& b);
 
 /// Throws Error if a body has one id in both and is not the same; `found` is what a world has, `saved` of a snapshot.
-void check_bodies_match(const Roster& saved, const Roster& found);
+void check_bodies_match(const WorldDefinition& saved, const WorldDefinition& found);
 
-/// The roster with the geometry of another's bodies wherever it has none itself. Throws Error if there is none with the
-/// same content.
-std::shared_ptr<const Roster> with_geometry(const std::shared_ptr<const Roster>& roster, const Roster& from);
-std::shared_ptr<const Roster> with_geometry(const std::shared_ptr<const Roster>& roster, const Geometry& from);
+/// The world definition with the geometry of another's bodies wherever it has none itself. Throws Error if there is
+/// none with the same content.
+std::shared_ptr<const WorldDefinition> with_geometry(const std::shared_ptr<const WorldDefinition>& world_definition,
+                                                     const WorldDefinition& from);
+std::shared_ptr<const WorldDefinition> with_geometry(const std::shared_ptr<const WorldDefinition>& world_definition,
+                                                     const Geometry& from);
 /// Gives a body the geometry that it lacks; returns whether it was all there.
 bool give_geometry(BodyConstants& body, const Geometry& from);
 

@@ -1,5 +1,5 @@
 #pragma once
-/// A roster for archives (state_archive.h). Geometry is told by its content.
+/// A world definition for archives (state_archive.h). Geometry is told by its content.
 
 #include <solver/integrate/motion_locks.h>
 
@@ -10,7 +10,7 @@
 
 #include "state/filter_state.h"
 #include "state/joint_state.h"
-#include "state/roster.h"
+#include "state/world_definition.h"
 
 namespace atl {
 
@@ -74,22 +74,22 @@ void visit_constants(Archive& archive, Constants& body) {
 }
 
 /// Who is there, under which numbers, and who comes next.
-template <typename Archive, typename AnyRoster>
-void visit_numbers(Archive& archive, AnyRoster& roster) {
-  archive.list(roster.generation);
-  archive.list(roster.free);
-  archive.list(roster.collider_body);
-  archive.list(roster.collider_child);
-  archive.list(roster.free_colliders);
+template <typename Archive, typename AnyDefinition>
+void visit_numbers(Archive& archive, AnyDefinition& world_definition) {
+  archive.list(world_definition.generation);
+  archive.list(world_definition.free);
+  archive.list(world_definition.collider_body);
+  archive.list(world_definition.collider_child);
+  archive.list(world_definition.free_colliders);
 }
 
 /// Writes what bodies are made of, each kind once.
 template <typename Archive>
-void write_constants(Archive& archive, const Roster& roster) {
+void write_constants(Archive& archive, const WorldDefinition& world_definition) {
   std::map<const BodyConstants*, std::uint32_t> numbers;
   std::vector<const BodyConstants*> kinds;
   std::vector<std::uint32_t> kind_of_body;
-  for (const std::shared_ptr<const BodyConstants>& body : roster.bodies) {
+  for (const std::shared_ptr<const BodyConstants>& body : world_definition.bodies) {
     const auto [entry, is_new] = numbers.try_emplace(body.get(), static_cast<std::uint32_t>(kinds.size()));
     if (is_new) kinds.push_back(body.get());
     kind_of_body.push_back(entry->second);
@@ -103,7 +103,7 @@ void write_constants(Archive& archive, const Roster& roster) {
 }
 
 template <typename Archive>
-void read_constants(Archive& archive, Roster& roster) {
+void read_constants(Archive& archive, WorldDefinition& world_definition) {
   std::vector<std::shared_ptr<const BodyConstants>> kinds(archive.count_of(1));
   for (std::shared_ptr<const BodyConstants>& kind : kinds) {
     bool is_there = false;
@@ -117,17 +117,17 @@ void read_constants(Archive& archive, Roster& roster) {
   archive.list(kind_of_body);
   for (const std::uint32_t kind : kind_of_body) {
     archive.check(kind < kinds.size(), "a body of no kind");
-    roster.bodies.push_back(kinds[kind]);
+    world_definition.bodies.push_back(kinds[kind]);
   }
 }
 
-/// That all numbers of a roster fit together.
+/// That all numbers of a world definition fit together.
 template <typename Archive>
-void check_numbers(Archive& archive, const Roster& roster) {
-  const std::size_t bodies = roster.bodies.size();
-  const std::size_t colliders = roster.collider_body.size();
-  archive.check(roster.generation.size() == bodies, "another number of generations than of bodies");
-  archive.check(roster.collider_child.size() == colliders, "another number of shapes' places than of shapes");
+void check_numbers(Archive& archive, const WorldDefinition& world_definition) {
+  const std::size_t bodies = world_definition.bodies.size();
+  const std::size_t colliders = world_definition.collider_body.size();
+  archive.check(world_definition.generation.size() == bodies, "another number of generations than of bodies");
+  archive.check(world_definition.collider_child.size() == colliders, "another number of shapes' places than of shapes");
   const auto check_free = [&](const std::vector<std::uint32_t>& free, std::size_t count, const auto& is_free) {
     std::vector<std::uint8_t> named(count, 0);
     for (const std::uint32_t number : free) {
@@ -138,40 +138,42 @@ void check_numbers(Archive& archive, const Roster& roster) {
       archive.check(named[number] == is_free(number), "a list of free numbers that lacks one");
     }
   };
-  check_free(roster.free, bodies, [&](std::uint32_t body) { return roster.bodies[body] == nullptr; });
+  check_free(world_definition.free, bodies,
+             [&](std::uint32_t body) { return world_definition.bodies[body] == nullptr; });
   constexpr std::uint32_t none = collision::ColliderTable::none;
-  check_free(roster.free_colliders, colliders, [&](std::uint32_t c) { return roster.collider_body[c] == none; });
+  check_free(world_definition.free_colliders, colliders,
+             [&](std::uint32_t c) { return world_definition.collider_body[c] == none; });
   std::vector<std::vector<std::uint8_t>> placed(bodies);
   for (std::size_t body = 0; body < bodies; ++body) {
-    if (roster.bodies[body]) placed[body].resize(roster.bodies[body]->colliders.size(), 0);
+    if (world_definition.bodies[body]) placed[body].resize(world_definition.bodies[body]->colliders.size(), 0);
   }
   for (std::size_t c = 0; c < colliders; ++c) {
-    const std::uint32_t body = roster.collider_body[c];
+    const std::uint32_t body = world_definition.collider_body[c];
     if (body == none) continue;
-    const bool fits =
-        body < bodies && roster.collider_child[c] < placed[body].size() && !placed[body][roster.collider_child[c]];
+    const bool fits = body < bodies && world_definition.collider_child[c] < placed[body].size() &&
+                      !placed[body][world_definition.collider_child[c]];
     archive.check(fits, "a shape that is not its body's");
-    placed[body][roster.collider_child[c]] = 1;
+    placed[body][world_definition.collider_child[c]] = 1;
   }
   for (const std::vector<std::uint8_t>& of_body : placed) {
     archive.check(std::find(of_body.begin(), of_body.end(), 0) == of_body.end(), "a body that lacks a shape");
   }
 }
 
-/// All of a roster but geometry.
+/// All of a world definition but geometry.
 template <typename Archive>
-void write_roster(Archive& archive, const Roster& roster) {
-  write_constants(archive, roster);
-  visit_numbers(archive, roster);
+void write_definition_of_world(Archive& archive, const WorldDefinition& world_definition) {
+  write_constants(archive, world_definition);
+  visit_numbers(archive, world_definition);
 }
 
 template <typename Archive>
-std::shared_ptr<const Roster> read_roster(Archive& archive) {
-  auto roster = std::make_shared<Roster>();
-  read_constants(archive, *roster);
-  visit_numbers(archive, *roster);
-  check_numbers(archive, *roster);
-  return roster;
+std::shared_ptr<const WorldDefinition> read_definition_of_world(Archive& archive) {
+  auto world_definition = std::make_shared<WorldDefinition>();
+  read_constants(archive, *world_definition);
+  visit_numbers(archive, *world_definition);
+  check_numbers(archive, *world_definition);
+  return world_definition;
 }
 
 }  // namespace atl

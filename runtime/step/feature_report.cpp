@@ -15,19 +15,19 @@
 namespace atl {
 namespace {
 
-struct StageWords {
+struct FeatureWords {
   const char* name;
   const char* unit;
   const char* why_run;
   const char* why_not;
 };
 
-// By Stage.
-constexpr std::array<StageWords, stage_count> words = {{
+// By Feature.
+constexpr std::array<FeatureWords, feature_count> words = {{
     {"broadphase", "pairs", "bounds of bodies overlap", "no two bodies' bounds overlap"},
     {"narrowphase", "pairs", "pairs are new, or have moved since they were last looked at",
      "no pair is new or has moved"},
-    {"kept_manifolds", "pairs", "pairs have hardly moved since they were last looked at",
+    {"recycled_manifolds", "pairs", "pairs have hardly moved since they were last looked at",
      "no pair was looked at before and has hardly moved since"},
     {"contact_filter", "pairs", "a filter is set, and pairs are new or asked of again", "no contact filter is set"},
     {"contact_modifier", "contacts", "a modifier is set, and bodies touch", "no contact modifier is set"},
@@ -48,7 +48,7 @@ constexpr std::array<StageWords, stage_count> words = {{
      "no tolerance is set, or nothing touches"},
     {"direct_contacts", "islands", "some islands' contacts carry more than sweeps can settle",
      "no island's contacts carry more than sweeps can settle"},
-    {"finer_substeps", "islands", "some islands sag under their own weight, or a body lands",
+    {"refined_substeps", "islands", "some islands sag under their own weight, or a body lands",
      "no island sags, and no body lands that leans"},
     {"joint_solver", "joints", "bodies that are awake are joined: one joint after the other",
      "all joints are solved at once"},
@@ -70,27 +70,27 @@ constexpr std::array<StageWords, stage_count> words = {{
 }};
 
 // What builds may be without.
-bool is_built(Stage stage) {
-  switch (stage) {
-    case Stage::RollingAndBelts:
+bool is_built(Feature feature) {
+  switch (feature) {
+    case Feature::RollingAndBelts:
       return with_surfaces;
-    case Stage::Restitution:
+    case Feature::Restitution:
       return with_restitution;
-    case Stage::DirectContacts:
-    case Stage::FinerSubsteps:
+    case Feature::DirectContacts:
+    case Feature::RefinedSubsteps:
       return with_direct_contacts;
-    case Stage::JointSolver:
-    case Stage::DirectJoints:
+    case Feature::JointSolver:
+    case Feature::DirectJoints:
       return with_joints;
-    case Stage::GyroscopicTorque:
+    case Feature::GyroscopicTorque:
       return with_gyroscopic;
-    case Stage::ContinuousCollision:
+    case Feature::ContinuousCollision:
       return with_continuous;
-    case Stage::Sleeping:
+    case Feature::Sleeping:
       return with_sleeping;
-    case Stage::ContactEvents:
+    case Feature::ContactEvents:
       return with_events;
-    case Stage::Recording:
+    case Feature::Recording:
       return with_recording;
     default:
       return true;
@@ -99,10 +99,10 @@ bool is_built(Stage stage) {
 
 }  // namespace
 
-const char* stage_name(Stage stage) { return words[static_cast<std::size_t>(stage)].name; }
+const char* feature_name(Feature feature) { return words[static_cast<std::size_t>(feature)].name; }
 
-void note_stages(const Stores& world, const StepPipeline& pipeline, const ContactRules& rules, bool records,
-                 StepReport& report) {
+void note_features(const Stores& world, const StepPipeline& pipeline, const ContactRules& rules, bool records,
+                   StepReport& report) {
   solver::ContactWork work;
   std::int64_t surfaces = 0, gyroscopic = 0, locked = 0, early_ends = 0;
   for (const solver::GroupReport& group : pipeline.solve().group_reports()) {
@@ -114,63 +114,63 @@ void note_stages(const Stores& world, const StepPipeline& pipeline, const Contac
   }
   const StepCounts& counts = report.counts;
   const auto phase_ms = [&](Phase phase) { return report.phase_ms[static_cast<std::size_t>(phase)]; };
-  const auto note = [&](Stage stage, bool run, std::int64_t items, double ms = 0) {
-    const StageWords& of = words[static_cast<std::size_t>(stage)];
-    report.stages[static_cast<std::size_t>(stage)] = {of.name,         run,     run ? of.why_run : of.why_not,
-                                                      run ? items : 0, of.unit, run ? ms : 0};
+  const auto note = [&](Feature feature, bool run, std::int64_t items, double ms = 0) {
+    const FeatureWords& of = words[static_cast<std::size_t>(feature)];
+    report.features[static_cast<std::size_t>(feature)] = {of.name,         run,     run ? of.why_run : of.why_not,
+                                                          run ? items : 0, of.unit, run ? ms : 0};
   };
-  const auto note_items = [&note](Stage stage, std::int64_t items, double ms = 0) {
-    note(stage, items > 0, items, ms);
-  };
-
-  const auto explain = [&report](Stage stage, const char* why) {
-    report.stages[static_cast<std::size_t>(stage)].why = why;
+  const auto note_items = [&note](Feature feature, std::int64_t items, double ms = 0) {
+    note(feature, items > 0, items, ms);
   };
 
-  note_items(Stage::Broadphase, counts.pairs, phase_ms(Phase::FindPairs));
-  note_items(Stage::Narrowphase, counts.fresh_manifolds, phase_ms(Phase::UpdateContacts));
-  note_items(Stage::KeptManifolds, counts.kept_manifolds);
-  note_items(Stage::ContactFilter, counts.filtered_pairs);
-  if (rules.filters() && counts.filtered_pairs == 0) explain(Stage::ContactFilter, "no pair is new to the filter");
-  note_items(Stage::ContactModifier, counts.asked_contacts);
-  if (rules.modifies() && counts.asked_contacts == 0) explain(Stage::ContactModifier, "nothing touches");
-  note_items(Stage::ContactSolver, counts.contacts, phase_ms(Phase::SolveIslands));
-  note_items(Stage::SeveralPoints, work.several_points);
-  note_items(Stage::TwoMovableBodies, work.two_movable);
-  note_items(Stage::Friction, work.friction);
-  note_items(Stage::RollingAndBelts, surfaces);
-  note_items(Stage::Restitution, work.bounces);
-  note_items(Stage::WarmStarting, world.settings.warm_starting ? counts.contacts : 0);
+  const auto explain = [&report](Feature feature, const char* why) {
+    report.features[static_cast<std::size_t>(feature)].why = why;
+  };
+
+  note_items(Feature::Broadphase, counts.pairs, phase_ms(Phase::FindPairs));
+  note_items(Feature::Narrowphase, counts.recomputed_manifolds, phase_ms(Phase::UpdateContacts));
+  note_items(Feature::RecycledManifolds, counts.recycled_manifolds);
+  note_items(Feature::ContactFilter, counts.filtered_pairs);
+  if (rules.filters() && counts.filtered_pairs == 0) explain(Feature::ContactFilter, "no pair is new to the filter");
+  note_items(Feature::ContactModifier, counts.asked_contacts);
+  if (rules.modifies() && counts.asked_contacts == 0) explain(Feature::ContactModifier, "nothing touches");
+  note_items(Feature::ContactSolver, counts.contacts, phase_ms(Phase::SolveIslands));
+  note_items(Feature::SeveralPoints, work.several_points);
+  note_items(Feature::TwoMovableBodies, work.two_movable);
+  note_items(Feature::Friction, work.friction);
+  note_items(Feature::RollingAndBelts, surfaces);
+  note_items(Feature::Restitution, work.bounces);
+  note_items(Feature::WarmStarting, world.settings.warm_starting ? counts.contacts : 0);
   const bool soft = world.settings.stabilisation == Stabilisation::Soft;
-  note_items(Stage::Relaxation, soft && world.settings.relax_iterations > 0 ? work.contacts : 0);
-  note_items(Stage::SplitImpulses, world.settings.stabilisation == Stabilisation::SplitImpulse ? work.contacts : 0);
-  note_items(Stage::EarlyEnd, early_ends);
-  double direct_ms = 0, finer_ms = 0;
-  for (const EscalatedIsland& island : world.results.escalated_islands)
-    (island.direct ? direct_ms : finer_ms) += island.ms;
-  note_items(Stage::DirectContacts, counts.direct_islands, direct_ms);
-  note_items(Stage::FinerSubsteps, counts.finer_islands, finer_ms);
-  note_items(Stage::JointSolver, counts.joints - counts.direct_joints);
-  note_items(Stage::DirectJoints, counts.direct_joints);
+  note_items(Feature::Relaxation, soft && world.settings.relax_iterations > 0 ? work.contacts : 0);
+  note_items(Feature::SplitImpulses, world.settings.stabilisation == Stabilisation::SplitImpulse ? work.contacts : 0);
+  note_items(Feature::EarlyEnd, early_ends);
+  double direct_ms = 0, refined_ms = 0;
+  for (const SelectedSolve& island : world.results.selected_solves)
+    (island.direct ? direct_ms : refined_ms) += island.ms;
+  note_items(Feature::DirectContacts, counts.direct_islands, direct_ms);
+  note_items(Feature::RefinedSubsteps, counts.refined_islands, refined_ms);
+  note_items(Feature::JointSolver, counts.joints - counts.direct_joints);
+  note_items(Feature::DirectJoints, counts.direct_joints);
   if (counts.joints == 0) {
     const char* why = world.joints.count == 0 ? "there are no joints" : "no joint acts on a body that is awake";
-    for (const Stage stage : {Stage::JointSolver, Stage::DirectJoints}) explain(stage, why);
+    for (const Feature feature : {Feature::JointSolver, Feature::DirectJoints}) explain(feature, why);
   }
-  note_items(Stage::MotionLocks, locked);
-  note_items(Stage::GyroscopicTorque, gyroscopic);
-  note_items(Stage::FreeFlight, static_cast<std::int64_t>(pipeline.islands().islands().free_bodies().size()));
-  note_items(Stage::KinematicBodies, static_cast<std::int64_t>(world.contents.kinematic));
-  note_items(Stage::ContinuousCollision, counts.swept, phase_ms(Phase::SweepFastBodies));
-  note(Stage::Sleeping, world.settings.sleeping, counts.active_bodies, phase_ms(Phase::Finish));
+  note_items(Feature::MotionLocks, locked);
+  note_items(Feature::GyroscopicTorque, gyroscopic);
+  note_items(Feature::FreeFlight, static_cast<std::int64_t>(pipeline.islands().islands().free_bodies().size()));
+  note_items(Feature::KinematicBodies, static_cast<std::int64_t>(world.contents.kinematic));
+  note_items(Feature::ContinuousCollision, counts.swept, phase_ms(Phase::SweepFastBodies));
+  note(Feature::Sleeping, world.settings.sleeping, counts.active_bodies, phase_ms(Phase::Finish));
   const bool events = world.settings.contact_events || (with_events && world.settings.run_everything);
-  const ContactEvents& noted =
+  const ContactEvents& events_of_step =
       world.settings.contact_events ? world.results.contact_events : world.results.unasked_events;
-  note(Stage::ContactEvents, events, static_cast<std::int64_t>(noted.told.size()));
-  note_items(Stage::Sensors, static_cast<std::int64_t>(world.contents.sensors));
-  note(Stage::ContactProblem, world.settings.keep_contact_problem || world.settings.run_everything, counts.contacts);
-  note(Stage::Recording, records, 1);
-  for (std::size_t i = 0; i < stage_count; ++i) {
-    if (!is_built(static_cast<Stage>(i))) report.stages[i].why = "this build is without it";
+  note(Feature::ContactEvents, events, static_cast<std::int64_t>(events_of_step.events.size()));
+  note_items(Feature::Sensors, static_cast<std::int64_t>(world.contents.sensors));
+  note(Feature::ContactProblem, world.settings.keep_contact_problem || world.settings.run_everything, counts.contacts);
+  note(Feature::Recording, records, 1);
+  for (std::size_t i = 0; i < feature_count; ++i) {
+    if (!is_built(static_cast<Feature>(i))) report.features[i].why = "this build is without it";
   }
 }
 

@@ -31,9 +31,9 @@ struct LocalAxis {
 /// distance, along an edge of the region or inside. The walk is an active-set method: it slides towards b - a
 /// until it meets a region's border, along the border to a corner, and leaves a corner over the edge of the
 /// face (of the Minkowski difference) that the origin's foot lies beyond, until the foot is inside.
-class Descent {
+class GaussMapDescent {
  public:
-  Descent(const Polytope& first, const Polytope& second, const Vector3& position, const Matrix3& rotation);
+  GaussMapDescent(const Polytope& first, const Polytope& second, const Vector3& position, const Matrix3& rotation);
 
   LocalAxis from_direction(const Vector3& unit_normal);
   LocalAxis from_face_of_first(int face);
