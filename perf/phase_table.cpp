@@ -1,5 +1,5 @@
 /// Where the time of a step goes: ns per manifold point and step, for each phase and, within solve_islands, for each
-/// stage of the contact solver. A Markdown table, one column a scene.
+/// phase of the contact solver. A Markdown table, one column a scene.
 
 #include <atoll/atoll.h>
 #include <collision/contacts/contact.h>
@@ -19,7 +19,7 @@ namespace {
 struct Column {
   std::string scene;
   std::vector<double> phases = {};
-  std::vector<double> stages = {};
+  std::vector<double> solver_phases = {};
   double points = 0;
 };
 
@@ -37,18 +37,18 @@ Column measure(const std::string& name, const atl::Settings& settings, int threa
   atl::build_scene(scene, world);
   for (int i = 0; i < warm_up; ++i) world.step(scene.dt);
 
-  std::vector<std::vector<double>> phases(atl::phase_count), stages(atl::solver_phase_count);
+  std::vector<std::vector<double>> phases(atl::phase_count), solver_phases(atl::solver_phase_count);
   std::vector<double> points;
   for (int i = 0; i < steps; ++i) {
     const atl::StepReport report = world.step(scene.dt);
     const double per_point = 1e6 / std::max<double>(1, static_cast<double>(report.counts.points));
     for (std::size_t k = 0; k < phases.size(); ++k) phases[k].push_back(per_point * report.phase_ms[k]);
-    for (std::size_t k = 0; k < stages.size(); ++k) stages[k].push_back(per_point * report.solver_ms[k]);
+    for (std::size_t k = 0; k < solver_phases.size(); ++k) solver_phases[k].push_back(per_point * report.solver_ms[k]);
     points.push_back(static_cast<double>(report.counts.points));
   }
   Column column{.scene = name, .points = median(points)};
   for (const auto& samples : phases) column.phases.push_back(median(samples));
-  for (const auto& samples : stages) column.stages.push_back(median(samples));
+  for (const auto& samples : solver_phases) column.solver_phases.push_back(median(samples));
   return column;
 }
 
@@ -73,7 +73,7 @@ void print(const std::vector<Column>& columns) {
     if (phase != atl::Phase::SolveIslands) continue;
     for (std::size_t s = 0; s < atl::solver_phase_count; ++s) {
       row(std::string("- ") + atl::solver_phase_name(static_cast<atl::SolverPhase>(s)), "%.1f",
-          [&](const Column& column) { return column.stages[s]; });
+          [&](const Column& column) { return column.solver_phases[s]; });
     }
   }
   row("points", "%.0f", [](const Column& column) { return column.points; });
@@ -95,7 +95,7 @@ int main(int argc, char** argv) try {
                                                  {"avx2", atl::Simd::Avx2},
                                                  {"avx512", atl::Simd::Avx512}};
   int threads = 1, warm_up = 100, steps = 100;
-  CLI::App app("ns per contact point and step, by phase of the step and stage of the solver");
+  CLI::App app("ns per contact point and step, by phase of the step and phase of the solver");
   app.add_option("SCENE", scenes, "scenes, as for atoll run");
   app.add_option("--substeps", settings.substeps)->check(CLI::Range(1, 1024))->capture_default_str();
   app.add_option("--threads", threads)->check(CLI::Range(1, 1024))->capture_default_str();
