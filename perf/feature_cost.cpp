@@ -46,16 +46,12 @@ atl::BodyDef body_of(std::string_view scene) {
   }
   if (scene == "surfaces") def.material.rolling_friction = 0.01;
   if (scene == "restitution") def.material.restitution = 0.5;
-  if (scene == "gyroscopic") def.shape = atl::Box{.half_extents = {0.5, 0.4, 0.5}};
   if (scene == "continuous") def.continuous = true;
   return def;
 }
 
 atl::Settings settings_of(std::string_view scene) {
-  return {.restitution_threshold = scene == "restitution" ? 0.01 : 1.0,
-          .sleeping = scene == "sleeping",
-          .contact_events = scene == "events",
-          .simd = atl::Simd::Avx2};
+  return {.restitution_threshold = scene == "restitution" ? 0.01 : 1.0, .simd = atl::Simd::Avx2};
 }
 
 // Stacks stand a little askew and off the ground, so that all of them land and tilt.

@@ -14,7 +14,7 @@ usage: bash perf/features.sh [--steps N] [FEATURE...]
 
   --steps N   steps that are counted, after 30 to warm up (60)
 
-Features are those of jobs/features/features.cmake, in lower case; all of them where none is named. Counting
+Features are those of runtime/package/features.cmake, in lower case; all of them where none is named. Counting
 instructions needs Debian's valgrind. Exit status 1 says that a state differs, or that a scene which doesn't use a
 capability executes 0.5% more instructions with it than without.
 END
@@ -30,7 +30,7 @@ while (($#)); do
     *) features+=("$1") && shift ;;
   esac
 done
-mapfile -t all_features < <(sed -n 's/^atoll_feature(\([A-Z_]*\) .*/\L\1/p' "$root/jobs/features/features.cmake")
+mapfile -t all_features < <(sed -n 's/^atoll_feature(\([A-Z_]*\) .*/\L\1/p' "$root/runtime/package/features.cmake")
 if ((${#features[@]} == 0)); then features=("${all_features[@]}"); fi
 everything=()
 for feature in "${all_features[@]}"; do everything+=("-DATOLL_WITH_${feature^^}=ON"); done

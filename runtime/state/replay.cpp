@@ -4,7 +4,7 @@
 #include <atoll/forces.h>
 #include <atoll/recording.h>
 #include <atoll/world.h>
-#include <jobs/with_recording.h>
+#include <features/with_recording.h>
 
 #include <algorithm>
 #include <array>

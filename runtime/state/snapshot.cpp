@@ -4,7 +4,7 @@
 #include <atoll/error.h>
 #include <atoll/snapshot.h>
 #include <atoll/world.h>
-#include <jobs/with_snapshots.h>
+#include <features/with_snapshots.h>
 
 #include <algorithm>
 #include <array>

@@ -4,11 +4,10 @@
 /// adds something that lasts from step to step adds it here: the lists of members below don't compile until it is
 /// named.
 
+#include <features/with_direct_contacts.h>
+#include <features/with_joints.h>
+#include <features/with_surfaces.h>
 #include <jobs/prefetch.h>
-#include <jobs/with_direct_contacts.h>
-#include <jobs/with_joints.h>
-#include <jobs/with_sleeping.h>
-#include <jobs/with_surfaces.h>
 #include <solver/constraints/surface_contact.h>
 
 #include <algorithm>
@@ -279,8 +278,8 @@ class WorldState {
     for (std::uint32_t body = 0; body < body_count(); ++body) {
       const std::uint32_t next = ring[body];
       if (next == Sleeping::none) continue;
-      const bool fits = with_sleeping && is_body(body) && world_.records.type[body] == BodyType::Dynamic &&
-                        next < body_count() && ring[next] != Sleeping::none && !followed[next];
+      const bool fits = is_body(body) && world_.records.type[body] == BodyType::Dynamic && next < body_count() &&
+                        ring[next] != Sleeping::none && !followed[next];
       archive_.check(fits, "bodies that sleep without an island");
       followed[next] = 1;
     }

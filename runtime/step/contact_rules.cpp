@@ -1,7 +1,7 @@
 #include "step/contact_rules.h"
 
-#include <jobs/with_restitution.h>
-#include <jobs/with_surfaces.h>
+#include <features/with_restitution.h>
+#include <features/with_surfaces.h>
 
 #include <algorithm>
 #include <cmath>

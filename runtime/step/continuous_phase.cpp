@@ -1,7 +1,7 @@
 #include "step/continuous_phase.h"
 
+#include <features/with_joints.h>
 #include <jobs/bytes.h>
-#include <jobs/with_joints.h>
 #include <solver/constraints/joint.h>
 
 #include <algorithm>

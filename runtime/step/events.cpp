@@ -1,7 +1,6 @@
 #include "step/events.h"
 
-#include <jobs/with_events.h>
-#include <jobs/with_joints.h>
+#include <features/with_joints.h>
 
 #include <algorithm>
 #include <utility>
@@ -152,11 +151,11 @@ void keep_driven_awake(Stores& world, std::uint32_t joint) {
 void note_contact_events(Stores& world, bool islands_rebuilt, const StepContext& step) {
   const Settings& settings = world.settings;
   StepResults& results = world.results;
-  if (with_events && settings.contact_events) {
+  if (settings.contact_events) {
     note_events(world, results.contact_events, islands_rebuilt, step);
   } else {
     results.contact_events.events.clear();
-    if (with_events && settings.run_everything) note_events(world, results.unasked_events, islands_rebuilt, step);
+    if (settings.run_everything) note_events(world, results.unasked_events, islands_rebuilt, step);
   }
   results.contact_events.reported = settings.contact_events;
   results.unasked_events.reported = settings.run_everything && !settings.contact_events;

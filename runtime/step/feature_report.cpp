@@ -1,14 +1,11 @@
 // What the step did of all that it may do, and why: the plan as data, for reports.
 
-#include <jobs/with_continuous.h>
-#include <jobs/with_direct_contacts.h>
-#include <jobs/with_events.h>
-#include <jobs/with_gyroscopic.h>
-#include <jobs/with_joints.h>
-#include <jobs/with_recording.h>
-#include <jobs/with_restitution.h>
-#include <jobs/with_sleeping.h>
-#include <jobs/with_surfaces.h>
+#include <features/with_continuous.h>
+#include <features/with_direct_contacts.h>
+#include <features/with_joints.h>
+#include <features/with_recording.h>
+#include <features/with_restitution.h>
+#include <features/with_surfaces.h>
 
 #include "step/pipeline.h"
 
@@ -82,14 +79,8 @@ bool is_built(Feature feature) {
     case Feature::JointSolver:
     case Feature::DirectJoints:
       return with_joints;
-    case Feature::GyroscopicTorque:
-      return with_gyroscopic;
     case Feature::ContinuousCollision:
       return with_continuous;
-    case Feature::Sleeping:
-      return with_sleeping;
-    case Feature::ContactEvents:
-      return with_events;
     case Feature::Recording:
       return with_recording;
     default:
@@ -162,7 +153,7 @@ void note_features(const Stores& world, const StepPipeline& pipeline, const Cont
   note_items(Feature::KinematicBodies, static_cast<std::int64_t>(world.contents.kinematic));
   note_items(Feature::ContinuousCollision, counts.swept, phase_ms(Phase::SweepFastBodies));
   note(Feature::Sleeping, world.settings.sleeping, counts.active_bodies, phase_ms(Phase::Finish));
-  const bool events = world.settings.contact_events || (with_events && world.settings.run_everything);
+  const bool events = world.settings.contact_events || world.settings.run_everything;
   const ContactEvents& events_of_step =
       world.settings.contact_events ? world.results.contact_events : world.results.unasked_events;
   note(Feature::ContactEvents, events, static_cast<std::int64_t>(events_of_step.events.size()));

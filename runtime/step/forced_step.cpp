@@ -1,6 +1,6 @@
 #include "step/forced_step.h"
 
-#include <jobs/with_recording.h>
+#include <features/with_recording.h>
 
 #include <utility>
 

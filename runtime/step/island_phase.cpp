@@ -1,8 +1,7 @@
 #include "step/island_phase.h"
 
+#include <features/with_joints.h>
 #include <jobs/bytes.h>
-#include <jobs/with_joints.h>
-#include <jobs/with_sleeping.h>
 #include <solver/select/joint_selection.h>
 
 #include <algorithm>
@@ -24,7 +23,7 @@ void wake_touched_sleepers(Stores& world, std::span<const solver::TouchingPair> 
 }  // namespace
 
 void IslandPhase::build(Stores& world, const StepContext& step, ContactPhase& contacts) {
-  if (with_sleeping && world.sleeping.asleep > 0) wake_touched_sleepers(world, contacts.touching());
+  if (world.sleeping.asleep > 0) wake_touched_sleepers(world, contacts.touching());
   if constexpr (with_joints) {
     update_joint_graph(world);
     wake_joined_to_moving(world);

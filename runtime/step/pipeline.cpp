@@ -1,10 +1,9 @@
 #include "step/pipeline.h"
 
+#include <features/with_continuous.h>
+#include <features/with_joints.h>
+#include <features/with_surfaces.h>
 #include <jobs/stopwatch.h>
-#include <jobs/with_continuous.h>
-#include <jobs/with_joints.h>
-#include <jobs/with_sleeping.h>
-#include <jobs/with_surfaces.h>
 
 #include <algorithm>
 
@@ -104,7 +103,7 @@ void StepPipeline::finish(Stores& world, const StepContext& step) {
     note_sensor_events(world, step.arena);
   }
   if (with_joints && world.joints.size() > 0) note_joint_events(world, islands_.acting_joints());
-  if (with_sleeping && world.settings.sleeping) {
+  if (world.settings.sleeping) {
     if (with_surfaces && !world.bodies.surfaces.empty()) keep_belts_awake(world, contacts_.touching());
     keep_carried_awake(world, contacts_);
     world.sleeping.update(islands_.islands(), world.bodies, world.settings, world.clock.dt);

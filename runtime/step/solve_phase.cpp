@@ -1,9 +1,9 @@
 #include "step/solve_phase.h"
 
+#include <features/with_direct_contacts.h>
+#include <features/with_surfaces.h>
 #include <jobs/bytes.h>
 #include <jobs/stopwatch.h>
-#include <jobs/with_direct_contacts.h>
-#include <jobs/with_surfaces.h>
 #include <jobs/worker_team.h>
 #include <solver/integrate/free_flight.h>
 #include <solver/tuning.h>

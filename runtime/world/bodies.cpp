@@ -1,7 +1,7 @@
 #include "world/bodies.h"
 
-#include <jobs/with_direct_contacts.h>
-#include <jobs/with_joints.h>
+#include <features/with_direct_contacts.h>
+#include <features/with_joints.h>
 #include <solver/integrate/motion_locks.h>
 
 #include <algorithm>

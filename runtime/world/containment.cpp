@@ -4,7 +4,7 @@
 #include "world/containment.h"
 
 #include <atoll/error.h>
-#include <jobs/with_joints.h>
+#include <features/with_joints.h>
 #include <solver/integrate/motion_locks.h>
 #include <solver/integrate/state_bounds.h>
 

@@ -1,12 +1,11 @@
 #include "world/left_out.h"
 
 #include <atoll/error.h>
-#include <jobs/with_continuous.h>
-#include <jobs/with_gyroscopic.h>
-#include <jobs/with_hulls.h>
-#include <jobs/with_meshes.h>
-#include <jobs/with_restitution.h>
-#include <jobs/with_surfaces.h>
+#include <features/with_continuous.h>
+#include <features/with_hulls.h>
+#include <features/with_meshes.h>
+#include <features/with_restitution.h>
+#include <features/with_surfaces.h>
 
 #include <string>
 
@@ -28,10 +27,6 @@ void check_built_for(const BodyConstants& body) {
       throw_left_out("BodyDef.material.rolling_friction or torsional_friction is above 0", "these", "SURFACES");
     }
   });
-  if (!with_gyroscopic && body.gyroscopic) {
-    throw_left_out("BodyDef: the body's principal moments of inertia are not all the same", "gyroscopic torque",
-                   "GYROSCOPIC");
-  }
   if (!with_continuous && body.continuous) {
     throw_left_out("BodyDef.continuous is true", "sweeps of fast bodies", "CONTINUOUS");
   }

@@ -1,5 +1,5 @@
 #pragma once
-/// What a build without a capability (jobs/features/features.cmake) says to those who ask for it.
+/// What a build without a capability (runtime/package/features.cmake) says to those who ask for it.
 
 #include <atoll/types.h>
 

@@ -1,13 +1,10 @@
 #include "world/settings_check.h"
 
 #include <atoll/error.h>
-#include <jobs/with_events.h>
-#include <jobs/with_sleeping.h>
 
 #include <cmath>
 #include <sstream>
 
-#include "world/left_out.h"
 #include "world/refuse.h"
 #include "world/simd_names.h"
 
@@ -48,10 +45,6 @@ void check(const Settings& settings) {
   check_not_negative("Settings.joint_damping_ratio", settings.joint_damping_ratio);
   check_not_negative("Settings.sleep_speed", settings.sleep_speed);
   check_not_negative("Settings.time_to_sleep", settings.time_to_sleep);
-  if (!with_sleeping && settings.sleeping) throw_left_out("Settings.sleeping is true", "sleep", "SLEEPING");
-  if (!with_events && settings.contact_events) {
-    throw_left_out("Settings.contact_events is true", "contact events", "EVENTS");
-  }
   kernels_for(settings.simd);
 }
 

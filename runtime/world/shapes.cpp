@@ -5,8 +5,8 @@
 #include <collision/shapes/height_field.h>
 #include <collision/shapes/hull.h>
 #include <collision/shapes/triangle_mesh.h>
-#include <jobs/with_hulls.h>
-#include <jobs/with_meshes.h>
+#include <features/with_hulls.h>
+#include <features/with_meshes.h>
 
 #include <sstream>
 #include <string>

@@ -2,10 +2,10 @@
 
 #include <atoll/snapshot.h>
 #include <atoll/world.h>
+#include <features/with_joints.h>
+#include <features/with_recording.h>
+#include <features/with_snapshots.h>
 #include <jobs/stopwatch.h>
-#include <jobs/with_joints.h>
-#include <jobs/with_recording.h>
-#include <jobs/with_snapshots.h>
 #include <solver/integrate/motion_locks.h>
 #include <solver/integrate/trigonometry.h>
 

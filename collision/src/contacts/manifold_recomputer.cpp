@@ -2,7 +2,7 @@
 
 #include <collision/contacts/match_points.h>
 #include <collision/shapes/shape.h>
-#include <jobs/with_meshes.h>
+#include <features/with_meshes.h>
 
 #include <algorithm>
 #include <utility>

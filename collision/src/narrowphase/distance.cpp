@@ -3,7 +3,7 @@
 #include <collision/shapes/height_field.h>
 #include <collision/shapes/shape.h>
 #include <collision/shapes/triangle_mesh.h>
-#include <jobs/with_meshes.h>
+#include <features/with_meshes.h>
 
 #include <algorithm>
 #include <cmath>

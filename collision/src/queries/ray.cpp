@@ -1,6 +1,6 @@
 #include <collision/queries/ray.h>
 #include <collision/shapes/hull.h>
-#include <jobs/with_meshes.h>
+#include <features/with_meshes.h>
 
 #include <algorithm>
 #include <cmath>

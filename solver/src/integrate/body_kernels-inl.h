@@ -8,7 +8,6 @@
 #endif
 
 #include <jobs/lanes-inl.h>
-#include <jobs/with_gyroscopic.h>
 #include <solver/integrate/solver_bodies.h>
 #include <solver/solver_settings.h>
 #include <solver/tuning.h>
@@ -196,7 +195,7 @@ inline void integrate_positions(SolverBodies& bodies, const SubstepConstants& co
                                 std::size_t end) {
   const V h = splat(constants.h);
   const V half_h = splat(0.5f * constants.h);
-  const bool gyroscopic = with_gyroscopic && !bodies.gyroscopic.empty();
+  const bool gyroscopic = !bodies.gyroscopic.empty();
   const bool corrects = !bodies.correction.empty();
   for (std::size_t i = begin; i < end; i += lanes) {
     const auto linear_row = [&](std::size_t k) { return bodies.displacement[i + k].linear; };

@@ -1,5 +1,5 @@
-#include <jobs/with_continuous.h>
-#include <jobs/with_joints.h>
+#include <features/with_continuous.h>
+#include <features/with_joints.h>
 #include <solver/integrate/motion.h>
 #include <solver/integrate/state_bounds.h>
 

@@ -12,7 +12,7 @@
 #define ATOLL_SOLVER_CONTACT_BOUNCES_INL_H_
 #endif
 
-#include <jobs/with_surfaces.h>
+#include <features/with_surfaces.h>
 #include <solver/tuning.h>
 
 #include "sweep/contact_sweep-inl.h"

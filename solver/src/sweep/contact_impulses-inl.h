@@ -8,8 +8,8 @@
 #define ATOLL_SOLVER_CONTACT_IMPULSES_INL_H_
 #endif
 
-#include <jobs/with_restitution.h>
-#include <jobs/with_surfaces.h>
+#include <features/with_restitution.h>
+#include <features/with_surfaces.h>
 #include <solver/constraints/load_check.h>
 #include <solver/tuning.h>
 

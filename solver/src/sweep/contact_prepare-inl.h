@@ -7,9 +7,9 @@
 #define ATOLL_SOLVER_CONTACT_PREPARE_INL_H_
 #endif
 
+#include <features/with_restitution.h>
+#include <features/with_surfaces.h>
 #include <jobs/prefetch.h>
-#include <jobs/with_restitution.h>
-#include <jobs/with_surfaces.h>
 
 #include "sweep/contact_bounces-inl.h"
 #include "sweep/contact_lanes-inl.h"

@@ -7,8 +7,8 @@
 #define ATOLL_SOLVER_CONTACT_SWEEP_INL_H_
 #endif
 
-#include <jobs/with_restitution.h>
-#include <jobs/with_surfaces.h>
+#include <features/with_restitution.h>
+#include <features/with_surfaces.h>
 
 #include "sweep/contact_normals-inl.h"
 

@@ -1,5 +1,5 @@
+#include <features/with_surfaces.h>
 #include <jobs/bytes.h>
-#include <jobs/with_surfaces.h>
 #include <solver/sweep/group_contacts.h>
 
 #include <algorithm>

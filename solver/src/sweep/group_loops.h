@@ -1,6 +1,6 @@
 #pragma once
 
-#include <jobs/with_joints.h>
+#include <features/with_joints.h>
 #include <solver/sweep/group_parts.h>
 
 #include <atomic>

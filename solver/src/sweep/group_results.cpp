@@ -1,7 +1,7 @@
 #include "sweep/group_results.h"
 
-#include <jobs/with_direct_contacts.h>
-#include <jobs/with_joints.h>
+#include <features/with_direct_contacts.h>
+#include <features/with_joints.h>
 
 #include <algorithm>
 #include <bit>

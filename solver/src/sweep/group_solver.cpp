@@ -1,5 +1,5 @@
-#include <jobs/with_joints.h>
-#include <jobs/with_restitution.h>
+#include <features/with_joints.h>
+#include <features/with_restitution.h>
 #include <jobs/worker_team.h>
 #include <solver/sweep/group_solver.h>
 

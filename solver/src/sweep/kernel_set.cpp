@@ -3,10 +3,10 @@
 #include <jobs/one_set-inl.h>
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sweep/kernel_set.cpp"  // NOLINT: Highway includes this file again for each set
+#include <features/with_joints.h>
+#include <features/with_restitution.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
-#include <jobs/with_joints.h>
-#include <jobs/with_restitution.h>
 
 #if HWY_TARGET == ATOLL_SET
 

@@ -42,13 +42,7 @@ const Call calls[] = {
        world.set_surface_velocity(world.add_body({}), {1, 0, 0});
      }},
     {"RESTITUTION", [](atl::World& world) { world.add_body({.material = {.restitution = 0.5}}); }},
-    {"GYROSCOPIC",
-     [](atl::World& world) {
-       world.add_body({.shape = atl::Box{.half_extents = {1, 2, 3}}});
-     }},
     {"CONTINUOUS", [](atl::World& world) { world.add_body({.continuous = true}); }},
-    {"SLEEPING", [](atl::World& world) { world.set_settings({.sleeping = true}); }},
-    {"EVENTS", [](atl::World& world) { world.set_settings({.contact_events = true}); }},
     {"SNAPSHOTS",
      [](atl::World& world) {
        atl::Snapshot snapshot;
