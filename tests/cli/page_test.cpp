@@ -65,6 +65,14 @@ std::set<std::size_t> drawn_runs(const Json& scene) {
   return drawn;
 }
 
+// Whether a run's mark in the section of its scene has the name of its engine and setting.
+bool names_mark(const std::string& section, const Json& scene, std::size_t run) {
+  const std::size_t mark = section.find("data-run=\"" + std::to_string(run) + "\"");
+  const std::string engine = scene["runs"][run]["engine"], label = scene["runs"][run]["label"];
+  const std::string name = " aria-label=\"" + engine + ": " + label;
+  return section.substr(mark, section.find('>', mark) - mark).find(name) != std::string::npos;
+}
+
 // Towers and chains of every rung stand at the defaults.
 TEST(Frontier, IsClimbedToTheEndAndShown) {
   const ScratchDirectory scratch;
@@ -89,6 +97,43 @@ TEST(Frontier, IsClimbedToTheEndAndShown) {
   EXPECT_EQ(count(loaded.document, "all: "), 5u + 1u);  // and once in the script
 }
 
+// A page with another one in it, on a screen of so many pixels, that tells how wide that one is once it is drawn, and
+// what of it reaches beyond the screen but for what scrolls by itself. No window is made as narrow as a phone.
+std::string page_on_screen(const std::string& page, int width) {
+  std::string escaped;
+  for (const char c : page) escaped += c == '&' ? "&amp;" : c == '"' ? "&quot;" : std::string(1, c);
+  return "<!DOCTYPE html><body><iframe width=\"" + std::to_string(width) + "\" height=\"800\" srcdoc=\"" + escaped +
+         R"re("></iframe><script>
+  window.onload = () => {
+    const page = document.querySelector('iframe').contentDocument, screen = page.documentElement.clientWidth;
+    const beyond = [...page.body.querySelectorAll('*')].filter((element) =>
+      !element.parentElement.closest('.scroll') && element.getBoundingClientRect().right > screen + 0.5);
+    document.body.dataset.screen = screen;
+    document.body.dataset.page = page.documentElement.scrollWidth;
+    document.querySelector('iframe').remove();
+    document.body.dataset.beyond = beyond.map((element) => element.tagName + '.' + element.classList).join();
+  };
+</script></body>)re";
+}
+
+TEST_F(SweepPage, FitsAPhonesScreen) {
+  const std::optional<std::string> browser = find_browser();
+  if (!browser) GTEST_SKIP() << "no Chromium was found: the page is not looked at";
+  const std::regex told(R"re(data-screen="(\d+)" data-page="(\d+)" data-beyond="([^"]*)")re");
+  for (const int width : {390, 1280}) {
+    SCOPED_TRACE(width);
+    const std::string file = scratch_.write("screen.html", page_on_screen(read_text(page()), width));
+    const std::string document = load_page(*browser, file, 1400).document;
+    std::smatch found;
+    ASSERT_TRUE(std::regex_search(document, found, told));
+    // Less the bar that it is scrolled by, where there is one.
+    EXPECT_LE(std::stoi(found[1]), width);
+    EXPECT_GE(std::stoi(found[1]), width - 20);
+    EXPECT_EQ(found[2], found[1]);
+    EXPECT_EQ(found[3], "");
+  }
+}
+
 TEST_F(SweepPage, NamesNothingOutsideItself) {
   const std::string text = read_text(page());
   const std::regex outside(
@@ -105,7 +150,7 @@ TEST_F(SweepPage, DrawsEveryRunWithoutAConsoleMessage) {
     if (ci != nullptr && std::string(ci) == "true") FAIL() << "no Chromium was found, expected one where CI=true";
     GTEST_SKIP() << "no Chromium was found: the page is not looked at";
   }
-  for (const int width : {1200, 500}) {
+  for (const int width : {1200, 390}) {
     SCOPED_TRACE(width);
     const LoadedPage loaded = load_page(*browser, page(), width);
     ASSERT_EQ(loaded.status, 0);
@@ -128,6 +173,9 @@ TEST_F(SweepPage, DrawsEveryRunWithoutAConsoleMessage) {
         drawn.insert(std::stoul((*at)[1]));
       }
       EXPECT_EQ(drawn, drawn_runs(results_["scenes"][i])) << results_["scenes"][i]["name"];
+      // Without a pointer on them: each mark by its own name, those on fronts in the text as well.
+      for (const std::size_t run : drawn) EXPECT_TRUE(names_mark(sections[i], results_["scenes"][i], run)) << run;
+      EXPECT_NE(sections[i].find("Front of Atoll, from the fastest on: "), std::string::npos);
       EXPECT_GE(count(sections[i], "class=\"ring\""), 1u);
       EXPECT_GE(count(sections[i], "class=\"front atoll\" d=") + count(sections[i], "\" class=\"front atoll\""), 1u);
     }

@@ -33,6 +33,11 @@ function tallyText() {
   return `Of ${scenes} ${scenes === 1 ? 'scene' : 'scenes'}, the default of Atoll is ${parts.join(', ')}.`;
 }
 
+/** A scene's address, which a line may end in after each parameter. */
+function sceneName(scene) {
+  return scene.name.split(/(?<=[:,])/).flatMap((part, i) => (i ? [html('wbr'), part] : [part]));
+}
+
 function writeOverview() {
   if (!results.scenes.length) {
     for (const id of ['standing', 'reading']) document.getElementById(id).hidden = true;
@@ -45,12 +50,13 @@ function writeOverview() {
     const error = first && own.errors[first.measure];
     const time = own.cpu_s_per_simulated_s;
     body.append(html('tr', {},
-      html('td', {}, html('a', {href: '#scene-' + index}, scene.name)),
+      html('td', {}, html('a', {href: '#scene-' + index}, ...sceneName(scene))),
       html('td', {'data-name': 'error'}, error === undefined || own.outcome !== 'done' ? outcomeWords[own.outcome] :
         errorText(Math.abs(error), first.unit, results.no_error) + ' ' + first.measure),
       html('td', {'data-name': 'CPU time per simulated s'}, time ? duration(time.median) : ''),
       first ? html('td', {class: first.verdict.kind},
-        html('span', {class: 'mark'}, verdictMarks[first.verdict.kind] + '. '), first.verdict.text) : html('td')));
+        html('span', {class: 'mark'}, verdictMarks[first.verdict.kind] + '. '),
+        html('span', {class: 'words'}, first.verdict.text)) : html('td')));
   });
 }
 
@@ -103,18 +109,18 @@ function legend(scene) {
 }
 
 function tipContent(r, comparison) {
-  const lines = [html('strong', {}, `${r.run.engine}: ${r.run.label}`)];
-  const line = (text) => lines.push(html('div', {}, text));
-  if (r.zone === 'broken') line(r.run.why);
-  if (Number.isFinite(r.error)) {
-    line(`${comparison.measure}: ${errorText(r.error, comparison.unit, results.no_error)}`);
-  }
-  if (r.time) {
-    const spread = spreadText(r.time, duration);
-    line(`${duration(r.time.median)} per simulated s${spread ? ` (${spread})` : ''}`);
-  }
-  if (r.run.ms_per_step) line(`${duration(r.run.ms_per_step.median / 1000)} per step of ${duration(r.run.dt)}`);
-  return lines;
+  const [name, ...lines] = runWords(r, comparison, results.no_error);
+  return [html('strong', {}, name), ...lines.map((line) => html('div', {}, line))];
+}
+
+/** The runs on the fronts by name, from the fastest to the most exact. */
+function frontWords(scene, comparison) {
+  const side = (title, places, name) => {
+    const names = places.map((index) => name(scene.runs[index]));
+    return names.length ? [html('p', {class: 'note'}, html('strong', {}, title), names.join('; ') + '.')] : [];
+  };
+  return [...side('Front of Atoll, from the fastest on: ', comparison.atoll_front, (run) => run.label),
+    ...side('Of the others: ', comparison.peer_front, (run) => `${run.engine}, ${run.label}`)];
 }
 
 /** A diagram that answers to the pointer, to taps and to the arrow keys. */
@@ -134,7 +140,8 @@ class Plot {
     this.drawing = this.holder.querySelector('svg');
     this.drawing.addEventListener('pointermove', (event) => this.point(event));
     this.drawing.addEventListener('pointerdown', (event) => this.point(event));
-    this.drawing.addEventListener('pointerleave', () => this.select(-1));
+    // A finger that is lifted leaves too, and what it tapped has to stay.
+    this.drawing.addEventListener('pointerleave', (event) => event.pointerType === 'touch' || this.select(-1));
     this.drawing.addEventListener('blur', () => this.select(-1));
     this.drawing.addEventListener('keydown', (event) => this.key(event));
     this.select(-1);
@@ -182,7 +189,7 @@ class Plot {
 
 function sceneSection(scene, index) {
   const section = html('section', {class: 'scene', id: 'scene-' + index, 'aria-labelledby': `scene-${index}-title`},
-    html('h2', {id: `scene-${index}-title`}, scene.name), ...sceneWords(scene));
+    html('h2', {id: `scene-${index}-title`}, ...sceneName(scene)), ...sceneWords(scene));
   document.getElementById('scenes').append(section);
   if (!scene.comparisons.length) {
     section.append(html('p', {}, 'No run got far enough to have an error.'), absentWords(scene));
@@ -192,11 +199,11 @@ function sceneSection(scene, index) {
   const plot = new Plot(scene);
   const chosen = html('select', {id: 'measure-' + index}, ...scene.comparisons.map((comparison, place) =>
     html('option', {value: place}, comparison.measure)));
-  const verdict = html('div', {'aria-live': 'polite'}), help = html('p', {class: 'note'});
+  const verdict = html('div', {'aria-live': 'polite'}), help = html('p', {class: 'note'}), fronts = html('div');
   const table = html('div', {class: 'scroll'});
   section.append(verdict,
     html('div', {class: 'controls'}, html('label', {for: chosen.id}, 'Error by ', chosen), legend(scene)),
-    help, plot.holder, absentWords(scene),
+    help, plot.holder, fronts, absentWords(scene),
     html('details', {}, html('summary', {}, 'All runs, by error'), table), sameBitsTable(scene));
 
   const show = () => {
@@ -204,6 +211,7 @@ function sceneSection(scene, index) {
     verdict.replaceChildren(verdictElement(comparison.verdict, 'p'));
     help.textContent = comparison.measure + ': ' + comparison.help + (comparison.unit ? ` (${comparison.unit})` : '');
     plot.show(comparison);
+    fronts.replaceChildren(...frontWords(scene, comparison));
     table.replaceChildren(runsTable(scene, comparison, results.no_error));
   };
   chosen.addEventListener('change', show);

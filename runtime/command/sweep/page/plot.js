@@ -148,11 +148,25 @@ function drawSpread(r, x) {
     stroke: engineColour(r.engine)});
 }
 
-function drawPoint(r) {
+/** What a mark stands for, in lines: its setting first. */
+function runWords(r, comparison, noError) {
+  const lines = [`${r.run.engine}: ${r.run.label}`];
+  if (r.zone === 'broken') lines.push(r.run.why);
+  if (Number.isFinite(r.error)) lines.push(`${comparison.measure}: ${errorText(r.error, comparison.unit, noError)}`);
+  if (r.time) {
+    const spread = spreadText(r.time, duration);
+    lines.push(`${duration(r.time.median)} per simulated s${spread ? ` (${spread})` : ''}`);
+  }
+  if (r.run.ms_per_step) lines.push(`${duration(r.run.ms_per_step.median / 1000)} per step of ${duration(r.run.dt)}`);
+  return lines;
+}
+
+function drawPoint(r, comparison, noError) {
   const radius = r.run.default ? 6.5 : 4.2;
   const path = marker(r.engine, radius);
-  const group = svg('g', {class: 'point', 'data-run': r.index, transform: `translate(${r.x.toFixed(1)} ${r.y.toFixed(1)})`},
-    path);
+  const group = svg('g', {class: 'point', 'data-run': r.index,
+    transform: `translate(${r.x.toFixed(1)} ${r.y.toFixed(1)})`, role: 'img',
+    'aria-label': runWords(r, comparison, noError).join('; ')}, path);
   if (r.zone === 'broken') {
     group.classList.add('hollow');
     path.style.stroke = engineColour(r.engine);
@@ -162,15 +176,20 @@ function drawPoint(r) {
   return group;
 }
 
-/** Texts at the defaults, each where it covers least, of the lines of fronts above all. */
-function drawLabels(runs, layout, lines) {
+/**
+ * Texts at the defaults, each where it covers least, of the lines of fronts above all; and at the other marks on a
+ * front where one covers neither texts nor lines.
+ */
+function drawLabels(runs, layout, lines, onFront) {
   const group = svg('g', {'aria-hidden': 'true'});
   const placed = [];
-  for (const r of runs.filter((run) => run.run.default)) {
-    const text = r.run.engine + ' default';
-    const w = 6.9 * text.length, h = 15;
+  const named = runs.filter((r) => r.run.default).concat(runs.filter((r) => !r.run.default && onFront.has(r.index)));
+  for (const r of named) {
+    const text = r.run.default ? r.run.engine + ' default' : r.run.label;
+    const w = (r.run.default ? 6.9 : 5.9) * text.length, h = 15;
     const boxes = [[15, -h / 2], [-15 - w, -h / 2], [-w / 2, -14 - h], [-w / 2, 14], [10, -12 - h], [10, 12],
-      [-10 - w, -12 - h], [-10 - w, 12], [26, -28 - h], [-26 - w, 28], [26, 28], [-26 - w, -28 - h]]
+      [-10 - w, -12 - h], [-10 - w, 12], [26, -28 - h], [-26 - w, 28], [26, 28], [-26 - w, -28 - h],
+      [-w / 2, 30], [-w / 2, -30 - h], [-w / 2, 46], [-w / 2, -46 - h]]
       .map(([dx, dy]) => ({x: r.x + dx, y: r.y + dy, w, h}));
     const overlaps = (a, b) => a.x < b.x + b.w && b.x < a.x + a.w && a.y < b.y + b.h && b.y < a.y + a.h;
     const cost = (box) => {
@@ -181,9 +200,10 @@ function drawLabels(runs, layout, lines) {
         marks.reduce((sum, o) => sum + (o.run.default ? 20 : 1), 0);
     };
     const best = boxes.reduce((a, b) => (cost(b) < cost(a) ? b : a));
+    if (!r.run.default && cost(best) >= 10) continue;
     placed.push(best);
-    group.append(svg('text', {x: best.x + w / 2, y: best.y + 11.5, 'text-anchor': 'middle', class: 'label',
-      fill: engineColour(r.engine)}, text));
+    group.append(svg('text', {x: best.x + w / 2, y: best.y + 11.5, 'text-anchor': 'middle',
+      class: r.run.default ? 'label' : 'label small', fill: engineColour(r.engine)}, text));
   }
   return group;
 }
@@ -200,7 +220,8 @@ function drawPlot(holder, scene, comparison, engines, noError) {
   const byIndex = new Map(runs.map((r) => [r.index, r]));
   const byRank = [...runs].sort((a, b) => (a.run.default - b.run.default) || (b.engine - a.engine));
 
-  const drawing = svg('svg', {viewBox: `0 0 ${layout.width} ${layout.height}`, role: 'img', tabindex: 0,
+  const drawing = svg('svg', {viewBox: `0 0 ${layout.width} ${layout.height}`, role: 'group', tabindex: 0,
+    'aria-roledescription': 'diagram',
     'aria-label': `Error against CPU time of ${runs.length} runs of ${scene.name}, by ${comparison.measure}. ` +
       `${comparison.verdict.text} The table below holds the numbers; arrow keys go through the runs.`});
   drawing.append(drawGrid(layout, x, y, comparison.unit));
@@ -208,8 +229,10 @@ function drawPlot(holder, scene, comparison, engines, noError) {
   const fronts = [comparison.peer_front, comparison.atoll_front];
   drawing.append(drawFront(comparison.peer_front, byIndex, layout, 'peers'),
     drawFront(comparison.atoll_front, byIndex, layout, 'atoll'));
-  drawing.append(...byRank.map(drawPoint));
-  drawing.append(drawLabels(runs, layout, fronts.flatMap((places) => frontPieces(places, byIndex, layout))), svg('circle', {r: 11, class: 'cursor', visibility: 'hidden'}));
+  drawing.append(...byRank.map((r) => drawPoint(r, comparison, noError)));
+  const pieces = fronts.flatMap((places) => frontPieces(places, byIndex, layout));
+  drawing.append(drawLabels(runs, layout, pieces, new Set(fronts.flat())),
+    svg('circle', {r: 11, class: 'cursor', visibility: 'hidden'}));
   holder.querySelector('svg')?.remove();
   holder.prepend(drawing);
   return runs.sort((a, b) => a.x - b.x);
