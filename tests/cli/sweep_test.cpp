@@ -452,6 +452,38 @@ TEST(CommandSweep, LargeScenesGetFewerStepsAndSettings) {
   EXPECT_EQ(of_driver, 1u);
 }
 
+// A budget of steps is no reason to judge overlaps before there are any.
+TEST(CommandSweep, LargeScenesThatFallRunUntilTheyHaveLanded) {
+  const ScratchDirectory scratch;
+  ASSERT_EQ(run_atoll({"sweep", "hopper", "--quick", "--substeps", "4", "--iterations", "1", "--time", "1e-6", "--out",
+                       scratch.path("out")})
+                .status,
+            0);
+  const Json scene = results_in(scratch.path("out"))["scenes"][0];
+  EXPECT_TRUE(scene["large"]);
+  EXPECT_GT(scene["steps"], 60) << "nothing touches before";
+  EXPECT_LT(scene["steps"], scene["scene_steps"]);
+  EXPECT_GT(scene["runs"][0]["errors"]["penetration_mean"], 1e-4);
+  EXPECT_EQ(scene["comparisons"][0]["measure"], "penetration_mean");
+  EXPECT_EQ(scene["comparisons"][0]["verdict"]["kind"], "alone");
+}
+
+TEST(CommandSweep, OverlapsOfWhatStillFallsAreNotJudged) {
+  const ScratchDirectory scratch;
+  const std::string driver = write_driver(scratch, "Mock");
+  const CommandResult result =
+      run_atoll(sweep_of({"hopper:bodies=20"}, scratch.path("out"),
+                         {"--steps", "10", "--peer", driver, "--peer-limit", "1"}));
+  ASSERT_EQ(result.status, 0) << result.err;
+  const Json scene = results_in(scratch.path("out"))["scenes"][0];
+  const Json& overlaps = scene["comparisons"][0];
+  EXPECT_EQ(overlaps["measure"], "penetration_mean");
+  EXPECT_EQ(overlaps["verdict"]["kind"], "not_judged");
+  const std::string text = overlaps["verdict"]["text"];
+  EXPECT_NE(text.find("after 10 steps fewer than half of the bodies touch anything"), std::string::npos) << text;
+  EXPECT_NE(result.out.find(text), std::string::npos) << result.out;
+}
+
 TEST(CommandSweep, RefusesBadArguments) {
   const ScratchDirectory scratch;
   const std::string out = scratch.path("out");

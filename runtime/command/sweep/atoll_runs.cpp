@@ -87,6 +87,7 @@ void measure_errors(const ScenePlan& plan, const Configuration& configuration, R
   record.errors.push_back({"contact_residual_median", residual.median(), ""});
   record.errors.push_back({"contact_residual_max", residual.max(), ""});
   record.hash = world.state_hash();
+  record.touching = touching_share(plan.scene, world, ids);
   if (meter.fell()) {
     record.outcome = Outcome::Fell;
     record.why = "fell: a body left its place for good";

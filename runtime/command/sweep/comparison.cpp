@@ -168,6 +168,8 @@ const char* name_of(Verdict::Kind kind) {
       return "beaten";
     case Verdict::Kind::Alone:
       return "alone";
+    case Verdict::Kind::NotJudged:
+      return "not_judged";
     case Verdict::Kind::NoStanding:
       break;
   }

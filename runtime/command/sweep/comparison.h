@@ -19,6 +19,7 @@ struct Verdict {
     Beaten,      ///< one has
     Alone,       ///< no other engine has anything to hold against it
     NoStanding,  ///< the default has no error or time itself
+    NotJudged,   ///< nothing has happened yet that the measure would tell of
   };
 
   Kind kind = Kind::Alone;
@@ -26,7 +27,7 @@ struct Verdict {
   std::optional<std::size_t> rival = {};  ///< the record that the words are about
 };
 
-/// "on_front", "beaten", "alone", "no_standing".
+/// "on_front", "beaten", "alone", "no_standing", "not_judged".
 const char* name_of(Verdict::Kind kind);
 
 /// The fastest run of any other engine at no more error.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unordered_set>
 
 #include "../figures.h"
 #include "../names.h"
@@ -181,16 +182,46 @@ std::vector<Configuration> configurations(const Scene& scene, bool large, const 
   return grid.take();
 }
 
-int steps_of_large(std::size_t bodies, int scenes_own, bool quick) {
+// The first step from `least` on after which the bodies have landed, at the scene's own settings; `least` if they never
+// do.
+int steps_until_landed(const Scene& scene, int least) {
+  World world({.gravity = scene.gravity, .settings = scene.settings});
+  const std::vector<BodyId> ids = build_scene(scene, world);
+  for (int step = 1; step <= scene.steps; ++step) {
+    apply_forces(scene, world, ids);
+    world.step(scene.dt);
+    if (step >= least && touching_share(scene, world, ids) >= landed_share) return step;
+  }
+  return least;
+}
+
+int steps_of_large(const ScenePlan& plan, std::size_t bodies, bool quick) {
+  const Scene& scene = plan.scene;
   const double most_body_steps = quick ? 1e5 : 3e5;
   constexpr int least = 10;
-  return std::min(scenes_own, std::max(least, static_cast<int>(most_body_steps / static_cast<double>(bodies))));
+  const int few = std::max(least, static_cast<int>(most_body_steps / static_cast<double>(bodies)));
+  if (few >= scene.steps) return scene.steps;
+  return plan.chaotic() && !nothing_touches(scene) ? steps_until_landed(scene, few) : few;
 }
 
 }  // namespace
 
 int ScenePlan::steps(const Configuration& configuration) const {
   return std::max(1, static_cast<int>(std::lround(simulated_time() / configuration.dt)));
+}
+
+double touching_share(const Scene& scene, const World& world, const std::vector<BodyId>& ids) {
+  std::unordered_set<BodyId> touching;
+  for (const ContactForce& contact : world.contact_forces()) {
+    if (contact.normal_force > 0) touching.insert({contact.a, contact.b});
+  }
+  std::int64_t dynamic = 0, touched = 0;
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    if (scene.bodies[i].def.type != BodyType::Dynamic) continue;
+    ++dynamic;
+    touched += touching.contains(ids[i]);
+  }
+  return dynamic > 0 ? static_cast<double>(touched) / static_cast<double>(dynamic) : 1;
 }
 
 ScenePlan plan_scene(const std::string& address, const SweepOptions& options) {
@@ -202,7 +233,7 @@ ScenePlan plan_scene(const std::string& address, const SweepOptions& options) {
   if (options.steps) {
     scene.steps = *options.steps;
   } else if (plan.large) {
-    scene.steps = steps_of_large(bodies, scene.steps, options.quick);
+    scene.steps = steps_of_large(plan, bodies, options.quick);
   }
   plan.configurations = configurations(scene, plan.large, options);
   return plan;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atoll/scene.h>
+#include <atoll/world.h>
 
 #include <vector>
 
@@ -18,13 +19,22 @@ struct ScenePlan {
   std::vector<Configuration> configurations =
       {};  ///< the scene's own first; one thread, but where that is what is varied
 
+  /// Neither a closed form nor an ideal rest pose: no two engines end in the same state.
+  bool chaotic() const { return !scene.closed_form && !scene.starts_at_rest; }
   double simulated_time() const { return scene.steps * scene.dt; }  ///< s
   int steps(const Configuration& configuration) const;              ///< for that time
 };
 
 /// A scene of more dynamic bodies than this is large. It gets a thinner grid, and no more steps than give 0.3 million
-/// body steps (--quick: 0.1 million), but at least 10.
+/// body steps (--quick: 0.1 million), but at least 10; where bodies fall, at least as many as it takes until they have
+/// landed.
 inline constexpr std::size_t most_bodies_of_small = 1000;
+
+/// Bodies that fall have landed once this share of the dynamic ones touches something. Before that there is next to no
+/// overlap to judge.
+inline constexpr double landed_share = 0.5;
+/// The share of a scene's dynamic bodies on which something pressed in the last step; `ids` as of build_scene.
+double touching_share(const Scene& scene, const World& world, const std::vector<BodyId>& ids);
 
 /// Substeps times iterations, in small scenes with joints substeps times solvers of these, and from the scene's own
 /// settings each other axis for itself: the tolerance with the most iterations. No configuration twice, and by default

@@ -56,6 +56,7 @@ struct Record {
   std::string why = {};  ///< where it is not Done
   std::vector<ErrorMeasure> errors = {};
   std::optional<std::uint64_t> hash = {};  ///< of the final state, where the engine has one
+  double touching = 1;                     ///< touching_share() in the final state, of Atoll's runs
   Samples cpu = {};                        ///< s of CPU time a simulated second
   Samples wall = {};                       ///< ms a step
 

@@ -89,7 +89,7 @@ Json scene_json(const SceneReport& report) {
           {"simulated_s", plan.simulated_time()},
           {"large", plan.large},
           {"at_rest", scene.starts_at_rest},
-          {"chaotic", report.chaotic()},
+          {"chaotic", plan.chaotic()},
           {"runs", records},
           {"comparisons", comparisons}};
 }

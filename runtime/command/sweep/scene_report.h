@@ -14,13 +14,10 @@ struct SceneReport {
   ScenePlan plan;
   std::vector<Record> records;          ///< Atoll's default first, then its others, then engine by engine
   std::vector<Comparison> comparisons;  ///< by measure; the first is the one to look at
-
-  /// Neither a closed form nor an ideal rest pose: no two engines end in the same state.
-  bool chaotic() const { return !plan.scene.closed_form && !plan.scene.starts_at_rest; }
 };
 
 /// Compares by every measure that some run has: the closed form's error first, else the mean gap of joints, else
-/// mean penetration.
+/// mean penetration. Overlaps of what still falls are compared, but not judged.
 void compare_all(SceneReport& report);
 
 /// "m", "rad" or "".

@@ -3,7 +3,8 @@
 const results = JSON.parse(document.getElementById('results').textContent);
 const engines = results.engines.map((engine) => engine.name);
 
-const verdictMarks = {on_front: '✓ on the front', beaten: '✗ beaten', alone: '– alone', no_standing: '! no standing'};
+const verdictMarks = {on_front: '✓ on the front', beaten: '✗ beaten', alone: '– alone', no_standing: '! no standing',
+  not_judged: '– not judged'};
 
 function verdictElement(verdict, tag) {
   return html(tag, {class: 'verdict ' + verdict.kind},
@@ -27,7 +28,7 @@ function tallyText() {
   const kinds = results.scenes.map((scene) => scene.comparisons[0]?.verdict.kind);
   const count = (kind) => kinds.filter((k) => k === kind).length;
   const words = {on_front: 'on the front', beaten: 'beaten', alone: 'without another engine to compare with',
-    no_standing: 'without a standing of its own'};
+    no_standing: 'without a standing of its own', not_judged: 'not judged'};
   const parts = Object.keys(words).filter(count).map((kind) => `${words[kind]} in ${count(kind)}`);
   const scenes = results.scenes.length;
   return `Of ${scenes} ${scenes === 1 ? 'scene' : 'scenes'}, the default of Atoll is ${parts.join(', ')}.`;
