@@ -25,7 +25,7 @@ struct Domain {
 
 constexpr Domain any = {};
 constexpr Domain not_negative = {0, unlimited, "a number not below 0, as distances are"};
-constexpr Domain half_turn = {-std::numbers::pi, std::numbers::pi, "a number in [-pi, pi]"};
+constexpr Domain half_turn = {-std::numbers::pi, std::numbers::pi, "an angle in [-pi, pi], in rad"};
 constexpr Domain twice_a_sine = {-2, 2, "a number in [-2, 2], twice the sine of half the angle"};
 
 void check_end(std::string_view field, double value, const Domain& domain) {
@@ -104,7 +104,7 @@ struct KindCheck {
 
   void operator()(const ConeTwistJoint& cone) const {
     if (!(cone.swing_limit > 0 && (cone.swing_limit < std::numbers::pi || cone.swing_limit == unlimited))) {
-      refuse(what + ".swing_limit", cone.swing_limit, "a number in (0, pi), or unlimited");
+      refuse(what + ".swing_limit", cone.swing_limit, "an angle in (0, pi), in rad, or unlimited");
     }
     check_axis(what + ".twist", cone.twist, half_turn);
     check_not_negative(what + ".swing_friction", cone.swing_friction);
