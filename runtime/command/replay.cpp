@@ -2,10 +2,12 @@
 
 #include <atoll/world.h>
 
+#include <CLI/CLI.hpp>
 #include <iostream>
 #include <optional>
 
 #include "failure.h"
+#include "option_checks.h"
 #include "progress.h"
 #include "replay_report.h"
 
@@ -35,6 +37,16 @@ ReplayResult replay_with_progress(const ReplayFileOptions& options) {
 }
 
 }  // namespace
+
+void add_replay_options(CLI::App& command, ReplayFileOptions& options) {
+  command.footer(
+      "Examples:\n"
+      "  atoll run pile --record pile.rec\n"
+      "  atoll replay pile.rec --threads 1");
+  command.add_option("FILE", options.path, "recording, as of atoll run --record")->check(file_name())->required();
+  add_machine_options(command, options.threads, options.simd);
+  add_format_option(command, options.format);
+}
 
 void replay_file(const ReplayFileOptions& options) {
   check_machine(options);

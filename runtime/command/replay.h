@@ -1,8 +1,21 @@
 #pragma once
 
-#include "replay_options.h"
+#include <string>
+
+#include "run_options.h"
 
 namespace atl::command {
+
+/// What `atoll replay` was asked to do.
+struct ReplayFileOptions {
+  std::string path;
+  int threads = 1;
+  Simd simd = Simd::Auto;
+  Format format = Format::Text;
+};
+
+/// Declares the options, to be parsed into `options`, which has to outlive the parsing.
+void add_replay_options(CLI::App& command, ReplayFileOptions& options);
 
 /// `atoll replay`: makes a recording's calls again and prints whether that came to the same. Throws Failure, with
 /// Status::CheckFailed if it did not and Status::BadScene if the file can't be replayed.

@@ -5,7 +5,7 @@
 #include <iosfwd>
 #include <string>
 
-#include "replay_options.h"
+#include "replay.h"
 
 namespace atl::command {
 

@@ -1,4 +1,4 @@
-#include "report_json.h"
+#include "report.h"
 
 #include <nlohmann/json.hpp>
 #include <ostream>

@@ -1,4 +1,4 @@
-#include "report_text.h"
+#include "report.h"
 
 #include <algorithm>
 #include <iomanip>

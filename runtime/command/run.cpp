@@ -6,8 +6,7 @@
 #include "failure.h"
 #include "figures.h"
 #include "output_file.h"
-#include "report_json.h"
-#include "report_text.h"
+#include "report.h"
 #include "simulation.h"
 #include "state/hex.h"
 

@@ -1,4 +1,4 @@
-#include "physics_check.h"
+#include "checks.h"
 
 #include <iostream>
 #include <string>

@@ -1,4 +1,4 @@
-#include "stability_check.h"
+#include "checks.h"
 
 #include <algorithm>
 #include <iostream>

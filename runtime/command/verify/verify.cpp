@@ -1,10 +1,8 @@
 #include "verify.h"
 
 #include "../failure.h"
-#include "determinism_check.h"
-#include "physics_check.h"
+#include "checks.h"
 #include "scene/src/words.h"
-#include "stability_check.h"
 
 namespace atl::command {
 

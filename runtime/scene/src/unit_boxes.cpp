@@ -1,3 +1,5 @@
+// Unit boxes that stand on the ground.
+
 #include <cmath>
 
 #include "building_blocks.h"
@@ -6,6 +8,30 @@
 #include "words.h"
 
 namespace atl::scene {
+
+Scene build_stack(const ParameterValues& values, std::uint64_t) {
+  Scene scene = scene_on_ground(600, true);
+  add_unit_boxes(scene, {.count = {1, 1, values.integer("height")}});
+  scene.bodies.back().def.density *= values["ratio"];
+  return scene;
+}
+
+Scene build_wall(const ParameterValues& values, std::uint64_t) {
+  Scene scene = scene_on_ground(200, true);
+  add_unit_boxes(scene, wall_lattice(values.integer("base")));
+  if (values.integer("planar") == 1) {
+    for (SceneBody& body : scene.bodies) body.def.locks = MotionLocks::plane(Axis::Y);
+  }
+  return scene;
+}
+
+Scene build_pyramid3d(const ParameterValues& values, std::uint64_t) {
+  const int layers = values.integer("layers");
+  Scene scene = scene_on_ground(300, true);
+  // Neighbours in a layer don't touch: each box stands on the four below it and nothing else.
+  add_unit_boxes(scene, {.count = {layers, layers, layers}, .spacing = {1.02, 1.02, 1}, .taper = {1, 1}});
+  return scene;
+}
 
 Scene build_islands(const ParameterValues& values, std::uint64_t) {
   const int count = values.integer("count"), base = values.integer("base");
