@@ -12,7 +12,7 @@ usage() {
   cat <<'END'
 usage: bash perf/sweep.sh [--quick] [--out DIR] [ATOLL SWEEP OPTION...]
 
-  --quick    a coarse grid, about 2 minutes on two quiet cores; the full one takes about 20
+  --quick    a coarse grid, about 3 minutes on two quiet cores; the full one takes about 20
   --out DIR  directory for index.html, results.json and results.csv (out/sweep)
 
 Other options, as --threads 1,2,4, go to `atoll sweep`.
