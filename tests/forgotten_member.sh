@@ -7,12 +7,13 @@ scratch=$1
 shift
 rm -rf "$scratch"
 stores=(Stores StepClock BodyTable BodyRecords Sleeping ContactEvents SensorEvents ContactChoices
-        QuarantineList JointTable SolverSelection BodyAabbs MotionBounds)
+        QuarantineList JointTable SolverSelection BodyAabbs MotionBounds Broadphase ContactCache)
 headers=(runtime/world/stores.h runtime/world/stores.h solver/include/solver/integrate/body_table.h
          runtime/world/body_records.h runtime/world/sleeping.h runtime/world/contact_events.h
          runtime/world/contact_events.h runtime/world/contact_choices.h
          runtime/world/quarantine.h runtime/world/joint_table.h solver/include/solver/select/solver_selection.h
-         collision/include/collision/contacts/body_aabbs.h collision/include/collision/shapes/motion_bounds.h)
+         collision/include/collision/contacts/body_aabbs.h collision/include/collision/shapes/motion_bounds.h
+         collision/include/collision/broadphase/broadphase.h collision/include/collision/contacts/contact_cache.h)
 for i in "${!stores[@]}"; do
   header=${headers[i]}
   copy=$scratch/include/$(sed -E 's#^(runtime|solver/include|collision/include)/##' <<< "$header")

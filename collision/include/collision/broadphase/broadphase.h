@@ -69,6 +69,12 @@ class Broadphase {
   void begin(std::uint32_t shape, const Filter& filter);
   void mark_shapes_of(std::uint32_t owner);
 
+  // What lasts from step to step, and what is made anew. Whoever adds a member says which it is, or this won't compile.
+  static void check_members(Broadphase& broadphase) {
+    auto& [proxies, filters, moves, /**/ search] = broadphase;
+    static_cast<void>(proxies);
+  }
+
   Proxies proxies_;
   CollisionFilters filters_;
   MoveBuffer moves_;

@@ -99,6 +99,13 @@ class ContactCache {
   void merge_into_order();
   void drop_inactive();
 
+  // What lasts from step to step, and what is made anew. Whoever adds a member says which it is, or this won't compile.
+  static void check_members(ContactCache& cache) {
+    auto& [contacts, manifolds, pairs, /**/ rises, free_slots, order, state, of_body, active, added, gone, idle] =
+        cache;
+    static_cast<void>(contacts);
+  }
+
   std::vector<std::uint32_t> free_slots_;  // the last is used first
   ContactOrder order_;
   std::vector<ContactState> state_;  // by slot
