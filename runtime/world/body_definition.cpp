@@ -33,6 +33,7 @@ struct ShapeCheck {
     if (!box.half_extents.allFinite() || !(box.half_extents.minCoeff() > 0)) {
       refuse(what + ": Box.half_extents", box.half_extents, "three finite numbers above 0");
     }
+    for (const double half_extent : box.half_extents) check_positive(what + ": Box.half_extents", half_extent);
     add(collision::Shape::box(box.half_extents));
   }
 
@@ -60,12 +61,15 @@ struct ShapeCheck {
   }
 
   void operator()(const HalfSpace& half_space) const {
-    const double length = half_space.normal.norm();
-    if (!half_space.normal.allFinite() || !(length > 0)) {
+    if (!half_space.normal.allFinite() || half_space.normal.isZero(0)) {
       refuse(what + ": HalfSpace.normal", half_space.normal, "a finite vector that is not zero");
     }
-    if (!std::isfinite(half_space.offset)) refuse(what + ": HalfSpace.offset", half_space.offset, "a finite number");
-    add(collision::Shape::half_space(half_space.normal / length, half_space.offset));
+    check_number(what + ": HalfSpace.offset", half_space.offset);
+    // Squares of very large or small components are infinite or 0. Others keep the bits that they have always had.
+    const double length = half_space.normal.norm();
+    const bool is_plain = std::isfinite(length) && length > 0;
+    const Vector3 unit = is_plain ? Vector3(half_space.normal / length) : half_space.normal.stableNormalized();
+    add(collision::Shape::half_space(unit, half_space.offset));
   }
 
   // These have been checked as they were made.
@@ -84,7 +88,7 @@ struct ShapeCheck {
     for (std::size_t i = 0; i < compound.children.size(); ++i) {
       const CompoundChild& child = compound.children[i];
       const std::string name = what + ": Compound.children[" + std::to_string(i) + "]";
-      if (!child.position.allFinite()) refuse(name + ".position", child.position, "three finite numbers");
+      check_number(name + ".position", child.position);
       check_positive(name + ".density_factor", child.density_factor);
       const Quaternion orientation = checked_orientation((name + ".orientation").c_str(), child.orientation);
       std::visit(ShapeCheck{name, colliders}, child.shape);
@@ -145,8 +149,15 @@ void take_mass(const MassProperties& properties, BodyConstants& body) {
   body.inertia = properties.inertia;
   body.inverse_mass = 1 / properties.mass;
   body.inverse_inertia = body.inertia.inverse();
-  if (!std::isfinite(body.inverse_mass) || !(body.inverse_mass > 0) || !body.inverse_inertia.allFinite()) {
-    refuse("BodyDef: mass", properties.mass, "a mass and inertia whose inverses are finite");
+  // Single precision has room for moments of such masses, and their inverses, up to 1e6 m and down to 1e-6 of it.
+  constexpr double least_moment = 1e-36, most_moment = 1e36;
+  const bool holds_mass = properties.mass >= loads.least && properties.mass <= loads.most;
+  const Vector3 moments = body.inertia.diagonal();
+  const bool holds_moments = moments.minCoeff() >= least_moment && moments.maxCoeff() <= most_moment;
+  if (!holds_mass || !holds_moments || !body.inverse_inertia.allFinite()) {
+    refuse(
+        "BodyDef: mass", properties.mass,
+        "a mass of 1e-30 to 1e30 kg, and moments of inertia of 1e-36 to 1e36 kg m^2: single precision holds no more");
   }
   const double moment = body.inertia(0, 0);
   // What can't turn freely doesn't tumble either.
@@ -165,8 +176,8 @@ MassProperties mass_of(const BodyDef& def) {
 }
 
 void check_mass(const BodyDef& def, BodyConstants& body) {
-  check_positive("BodyDef.density", def.density);
-  if (def.mass) check_positive("BodyDef.mass", *def.mass);
+  check_positive("BodyDef.density", def.density, loads);
+  if (def.mass) check_positive("BodyDef.mass", *def.mass, loads);
   if (def.inertia && !def.mass) throw Error("BodyDef.inertia is given without a mass; expected both or neither");
   if (def.inertia) check_inertia(*def.inertia);
   if (def.type != BodyType::Dynamic) return;
@@ -185,10 +196,13 @@ double least_moment_of(const BodyConstants& body) {
 }
 
 Quaternion checked_orientation(const char* what, const Quaternion& value) {
-  if (!value.coeffs().allFinite() || !(value.norm() > 1e-6)) {
+  if (!value.coeffs().allFinite() || !(value.coeffs().stableNorm() > 1e-6)) {
     refuse(what, value.coeffs(), "a finite quaternion that is not zero (here as x, y, z, w)");
   }
-  return value.normalized();
+  // Squares of large components would overflow. Others keep the bits that they have always had.
+  constexpr double large = 1e100;
+  const double most = value.coeffs().cwiseAbs().maxCoeff();
+  return most > large ? Quaternion(value.coeffs() / most).normalized() : value.normalized();
 }
 
 const char* massless_name(collision::ShapeKind kind) {
@@ -252,7 +266,7 @@ CheckedBody check(const BodyDef& def) {
   }
   check("BodyDef.material", def.material);
   check_finite("BodyDef.surface_velocity", def.surface_velocity);
-  if (!std::isfinite(def.gravity_scale)) refuse("BodyDef.gravity_scale", def.gravity_scale, "a finite number");
+  check_number("BodyDef.gravity_scale", def.gravity_scale);
   check_not_negative("BodyDef.linear_damping", def.linear_damping);
   check_not_negative("BodyDef.angular_damping", def.angular_damping);
   check_mass(def, constants);

@@ -14,6 +14,7 @@ namespace {
 
 void check_above_zero_or_unlimited(std::string_view field, double value) {
   if (!(value > 0)) refuse(field, value, "a number above 0, or unlimited");
+  if (value != unlimited) check_positive(field, value, loads);
 }
 
 // Within which the ends of a range make sense, where there are any.
@@ -29,6 +30,7 @@ constexpr Domain half_turn = {-std::numbers::pi, std::numbers::pi, "an angle in 
 constexpr Domain twice_a_sine = {-2, 2, "a number in [-2, 2], twice the sine of half the angle"};
 
 void check_end(std::string_view field, double value, const Domain& domain) {
+  if (std::isfinite(value)) check_number(field, value);
   if (std::isfinite(value) && (value < domain.lower || value > domain.upper)) refuse(field, value, domain.name);
 }
 
@@ -52,9 +54,9 @@ void check_range(const std::string& field, const JointRange& range, const Domain
 }
 
 void check_servo(const std::string& field, const JointServo& servo) {
-  check_finite(field + ".target", servo.target);
-  check_not_negative(field + ".stiffness", servo.stiffness);
-  check_not_negative(field + ".damping", servo.damping);
+  check_number(field + ".target", servo.target);
+  check_not_negative(field + ".stiffness", servo.stiffness, loads);
+  check_not_negative(field + ".damping", servo.damping, loads);
   if (servo.stiffness == 0 && servo.damping == 0) {
     throw Error(field + ": stiffness and damping are 0; expected one of them above 0");
   }
@@ -63,12 +65,11 @@ void check_servo(const std::string& field, const JointServo& servo) {
 void check_axis(const std::string& field, const JointAxis& axis, const Domain& domain = any) {
   check_range(field + ".range", axis.range, domain);
   if (axis.spring) {
-    const double hertz = axis.spring->hertz;
-    if (!(std::isfinite(hertz) && hertz > 0)) refuse(field + ".spring.hertz", hertz, "a finite number above 0");
+    check_positive(field + ".spring.hertz", axis.spring->hertz);
     check_not_negative(field + ".spring.damping_ratio", axis.spring->damping_ratio);
-    check_finite(field + ".spring.rest", axis.spring->rest);
-    if (axis.spring->stiffness) check_not_negative(field + ".spring.stiffness", *axis.spring->stiffness);
-    if (axis.spring->damping) check_not_negative(field + ".spring.damping", *axis.spring->damping);
+    check_number(field + ".spring.rest", axis.spring->rest);
+    if (axis.spring->stiffness) check_not_negative(field + ".spring.stiffness", *axis.spring->stiffness, loads);
+    if (axis.spring->damping) check_not_negative(field + ".spring.damping", *axis.spring->damping, loads);
   }
   if (axis.motor) {
     check_finite(field + ".motor.speed", axis.motor->speed);
@@ -80,13 +81,13 @@ void check_axis(const std::string& field, const JointAxis& axis, const Domain& d
     }
     if (axis.motor->servo) check_servo(field + ".motor.servo", *axis.motor->servo);
   }
-  check_not_negative(field + ".armature", axis.armature);
+  check_not_negative(field + ".armature", axis.armature, loads);
 }
 
 struct KindCheck {
   std::string what;
 
-  void operator()(const BallJoint& ball) const { check_not_negative(what + ".friction", ball.friction); }
+  void operator()(const BallJoint& ball) const { check_not_negative(what + ".friction", ball.friction, loads); }
   void operator()(const HingeJoint& hinge) const { check_axis(what + ".angle", hinge.angle); }
   void operator()(const SliderJoint& slider) const { check_axis(what + ".offset", slider.offset); }
   void operator()(const FixedJoint&) const {}
@@ -107,7 +108,7 @@ struct KindCheck {
       refuse(what + ".swing_limit", cone.swing_limit, "an angle in (0, pi), in rad, or unlimited");
     }
     check_axis(what + ".twist", cone.twist, half_turn);
-    check_not_negative(what + ".swing_friction", cone.swing_friction);
+    check_not_negative(what + ".swing_friction", cone.swing_friction, loads);
   }
 
   void operator()(const SixDofJoint& six) const {
@@ -122,6 +123,7 @@ struct KindCheck {
     if (!std::isfinite(gear.ratio) || gear.ratio == 0) {
       refuse(what + ".ratio", gear.ratio, "a finite number other than 0");
     }
+    check_positive(what + ".ratio", std::abs(gear.ratio));
   }
 
   void operator()(const WheelJoint& wheel) const {
@@ -143,8 +145,8 @@ const char* name_of(const JointKind& kind) { return kind_names[kind.index()]; }
 
 JointDef checked(const JointDef& def) {
   check("JointDef.kind", def.kind);
-  check_finite("JointDef.frame_first.position", def.frame_first.position);
-  check_finite("JointDef.frame_second.position", def.frame_second.position);
+  check_number("JointDef.frame_first.position", def.frame_first.position);
+  check_number("JointDef.frame_second.position", def.frame_second.position);
   check_above_zero_or_unlimited("JointDef.break_force", def.break_force);
   check_above_zero_or_unlimited("JointDef.break_torque", def.break_torque);
   JointDef result = def;

@@ -127,7 +127,7 @@ struct CheckedRay {
 };
 
 CheckedRay checked(const std::string& what, const Ray& ray) {
-  check_finite(what + ".origin", ray.origin);
+  check_number(what + ".origin", ray.origin);
   check_finite(what + ".direction", ray.direction);
   check_distance(what + ".max_distance", ray.max_distance, true);
   const Vector3 direction = ray.direction.stableNormalized();
@@ -142,7 +142,7 @@ struct CheckedSolid {
 
 CheckedSolid checked(const std::string& what, const ConvexShape* shape, const Vector3& position,
                      const Quaternion& orientation) {
-  check_finite(what + ".position", position);
+  check_number(what + ".position", position);
   CheckedSolid solid;
   solid.pose = {position, checked_orientation((what + ".orientation").c_str(), orientation)};
   // The hull, if it is one, belongs to the caller's shape, which outlives the call.
@@ -159,7 +159,7 @@ CheckedSolid checked(const std::string& what, const QueryShape& placed) {
 }
 
 CheckedSolid checked(const std::string& what, const ShapeCast& cast) {
-  check_finite(what + ".translation", cast.translation);
+  check_number(what + ".translation", cast.translation);
   return checked(what, &cast.shape, cast.position, cast.orientation);
 }
 

@@ -41,12 +41,40 @@ inline void check_finite(std::string_view field, const Vector3& value) {
   if (!value.allFinite()) refuse(field, value, "three finite numbers");
 }
 
-inline void check_positive(std::string_view field, double value) {
-  if (!(std::isfinite(value) && value > 0)) refuse(field, value, "a finite number above 0");
+/// What single precision can compute with within a step: products of two such numbers, and of one and the inverse of
+/// another, neither overflow nor lose digits.
+struct Bounds {
+  double least, most;
+};
+inline constexpr Bounds numbers{1e-15, 1e15};
+/// Of masses, stiffnesses and what breaks a joint, which lengths and times multiply.
+inline constexpr Bounds loads{1e-30, 1e30};
+
+[[noreturn]] inline void refuse_size(std::string_view field, const auto& value, double bound, const char* side) {
+  std::ostringstream expected;
+  expected << "a size of at " << side << " " << bound << ", with which single precision can compute";
+  refuse(field, value, expected.str());
 }
 
-inline void check_not_negative(std::string_view field, double value) {
+inline void check_positive(std::string_view field, double value, const Bounds& bounds = numbers) {
+  if (!(std::isfinite(value) && value > 0)) refuse(field, value, "a finite number above 0");
+  if (value < bounds.least) refuse_size(field, value, bounds.least, "least");
+  if (value > bounds.most) refuse_size(field, value, bounds.most, "most");
+}
+
+inline void check_not_negative(std::string_view field, double value, const Bounds& bounds = numbers) {
   if (!(std::isfinite(value) && value >= 0)) refuse(field, value, "a finite number not below 0");
+  if (value > bounds.most) refuse_size(field, value, bounds.most, "most");
+}
+
+/// One of either sign.
+inline void check_number(std::string_view field, double value, const Bounds& bounds = numbers) {
+  check_finite(field, value);
+  if (std::abs(value) > bounds.most) refuse_size(field, value, bounds.most, "most");
+}
+inline void check_number(std::string_view field, const Vector3& value, const Bounds& bounds = numbers) {
+  check_finite(field, value);
+  if (value.cwiseAbs().maxCoeff() > bounds.most) refuse_size(field, value, bounds.most, "most");
 }
 
 }  // namespace atl

@@ -371,7 +371,7 @@ void World::set_material(BodyId id, const Material& material) {
 
 void World::set_mass(BodyId id, double mass) {
   const std::uint32_t body = impl_->index_to_change(id, "set_mass");
-  check_positive("World::set_mass: mass", mass);
+  check_positive("World::set_mass: mass", mass, loads);
   if (impl_->stores.records.type[body] != BodyType::Dynamic) {
     throw Error("World::set_mass: the body is static or kinematic; expected a dynamic one");
   }
@@ -387,7 +387,7 @@ void World::set_mass(BodyId id, double mass) {
 
 void World::set_gravity_scale(BodyId id, double scale) {
   const std::uint32_t body = impl_->index_to_change(id, "set_gravity_scale");
-  check_finite("World::set_gravity_scale: scale", scale);
+  check_number("World::set_gravity_scale: scale", scale);
   change_body(impl_->stores, body, [scale](BodyConstants& constants) { constants.gravity_scale = scale; });
   note<calls::SetGravityScale>(*impl_, id, scale);
 }
@@ -595,7 +595,7 @@ void World::set_motor_speed(JointId id, double speed, std::size_t coordinate) {
 
 void World::set_servo_target(JointId id, double target, std::size_t coordinate) {
   constexpr const char* call = "World::set_servo_target";
-  check_finite("World::set_servo_target: target", target);
+  check_number("World::set_servo_target: target", target);
   set_joint(id, changed_along(call, joint(id), coordinate,
                               [&](JointAxis& axis) { motor_of(call, axis, true).servo->target = target; }));
 }

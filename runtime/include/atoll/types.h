@@ -1,5 +1,10 @@
 #pragma once
 /// Vocabulary types of the public API. Units are SI, angles radians, everywhere.
+///
+/// Where nothing else is said, numbers are at most 1e15 in size, and those that must not be 0 at least 1e-15: steps
+/// compute in single precision, to which products of such numbers are neither too large nor too small. For masses,
+/// stiffnesses and what breaks a joint it is 1e30 and 1e-30. What is beyond is refused by an Error. States, and what acts
+/// on them (forces, gravity, motors), need to be finite only: what they lead to is a matter of quarantine.h.
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
