@@ -67,7 +67,7 @@ struct Rows {
 
   void operator()(const HingeJoint& hinge) const {
     joint.point = true;
-    lock({Coordinate::CosineXY, Coordinate::CosineXZ});
+    lock({Coordinate::SwingAlongY, Coordinate::SwingAlongZ});
     add(Coordinate::Twist, hinge.angle);
   }
 
@@ -85,7 +85,7 @@ struct Rows {
 
   void operator()(const UniversalJoint& cross) const {
     joint.point = true;
-    lock({Coordinate::CosineXY});
+    lock({Coordinate::SkewXY});
     add(Coordinate::AngleX, cross.first);
     add(Coordinate::AngleSecondY, cross.second);
   }
@@ -115,7 +115,7 @@ struct Rows {
   }
 
   void operator()(const WheelJoint& wheel) const {
-    lock({Coordinate::OffsetX, Coordinate::OffsetY, Coordinate::CosineZY});
+    lock({Coordinate::OffsetX, Coordinate::OffsetY, Coordinate::SkewZY});
     add(Coordinate::OffsetZ, wheel.suspension);
     add(Coordinate::Steer, wheel.steering);
     add(Coordinate::Roll, wheel.spin);

@@ -45,8 +45,8 @@ JointRig random_rig(std::uint32_t seed) {
                           {.spring_hertz = 3, .damping_ratio = 0.5, .rest = 0.1},
                           {.motor_speed = 2, .motor_force = 5},
                           {.lower = -0.2, .spring_hertz = 5, .motor_speed = -1, .motor_force = 2}};
-      const Coordinate angular[] = {Coordinate::TurnX, Coordinate::CosineXY, Coordinate::AngleX,
-                                    Coordinate::SpinZ, Coordinate::Twist,    Coordinate::Gear};
+      const Coordinate angular[] = {Coordinate::TurnX, Coordinate::SwingAlongY, Coordinate::AngleX,
+                                    Coordinate::SpinZ, Coordinate::Twist,       Coordinate::Gear};
       const Coordinate linear[] = {Coordinate::OffsetX, Coordinate::OffsetY, Coordinate::Distance, Coordinate::Rack};
       const std::uint32_t rows = random.below(4);
       for (std::uint32_t r = 0; r < rows; ++r) add_row(joint, angular[random.below(6)], laws[random.below(5)]);

@@ -38,7 +38,13 @@ bool is_smooth(Coordinate coordinate, const JointFrames& frames) {
     case Coordinate::TurnZ:  // of the shorter way round: it changes sign at half a turn
       return std::abs(relative_turn(frames).w()) > 0.02;
     case Coordinate::Twist:
+    case Coordinate::SwingAlongY:
+    case Coordinate::SwingAlongZ:
       return cosines(0, 0) > -0.95;
+    case Coordinate::SkewXY:
+      return std::abs(cosines(0, 1)) < 0.95;
+    case Coordinate::SkewZY:
+      return std::abs(cosines(2, 1)) < 0.95;
     case Coordinate::Swing:
     case Coordinate::Orbit:
       return std::abs(cosines(0, 0)) < 0.95;
@@ -168,6 +174,33 @@ TEST(JointCoordinate, TurnsAreTwiceTheSineOfHalfTheAngle) {
   }
 }
 
+// A hinge's two are zero for parallel axes alone: their size is that of twice the sine of half the swing, up to
+// opposed.
+TEST(JointCoordinate, SwingsAreZeroForParallelAxesAlone) {
+  Random random(8);
+  for (int i = 0; i < 200; ++i) {
+    const double swung = i == 0 ? pi : random.real(0, pi);
+    const double heading = random.real(-3, 3);
+    const Vector3 across(0, std::cos(heading), std::sin(heading));
+    const JointFrames frames = frames_of(random.rotation().toRotationMatrix(),
+                                         about(across, swung) * about(Vector3::UnitX(), random.real(-3, 3)));
+    const double size = std::hypot(value(Coordinate::SwingAlongY, frames), value(Coordinate::SwingAlongZ, frames));
+    EXPECT_NEAR(size, 2 * std::sin(swung / 2), 1e-12);
+  }
+}
+
+// At any angle but none, and of a direction that is there even where the axes are parallel.
+TEST(JointCoordinate, SkewIsTheAngleThatARightOneLacks) {
+  for (const double angle : {0.0, 1e-9, 0.3, pi / 2, 2.0, pi}) {
+    const JointFrames frames = frames_of(Eigen::Matrix3d::Identity(), about(Vector3::UnitX(), pi / 2 - angle));
+    EXPECT_NEAR(value(Coordinate::SkewZY, frames), pi / 2 - angle, 1e-12) << angle;
+    Joint joint;
+    joint.rows = 1;
+    joint.coordinate[0] = Coordinate::SkewZY;
+    EXPECT_NEAR(joint_row(joint, 0, frames).angular_second.norm(), 1, 1e-12) << angle;
+  }
+}
+
 // A cross turns about the first x axis and then the second y axis; a wheel steers about the first z axis and then rolls
 // about its own y axis. Each angle is told apart from the other, and the axes stay at right angles.
 TEST(JointCoordinate, AnglesOfCrossesAndWheelsAreToldApart) {
@@ -178,11 +211,11 @@ TEST(JointCoordinate, AnglesOfCrossesAndWheelsAreToldApart) {
     const JointFrames cross = frames_of(base, about(Vector3::UnitX(), before) * about(Vector3::UnitY(), after));
     EXPECT_NEAR(value(Coordinate::AngleX, cross), before, 1e-13);
     EXPECT_NEAR(value(Coordinate::AngleSecondY, cross), after, 1e-13);
-    EXPECT_NEAR(value(Coordinate::CosineXY, cross), 0, 1e-15);
+    EXPECT_NEAR(value(Coordinate::SkewXY, cross), 0, 1e-15);
     const JointFrames wheel = frames_of(base, about(Vector3::UnitZ(), before) * about(Vector3::UnitY(), after));
     EXPECT_NEAR(value(Coordinate::Steer, wheel), before, 1e-13);
     EXPECT_NEAR(value(Coordinate::Roll, wheel), after, 1e-13);
-    EXPECT_NEAR(value(Coordinate::CosineZY, wheel), 0, 1e-15);
+    EXPECT_NEAR(value(Coordinate::SkewZY, wheel), 0, 1e-15);
   }
 }
 

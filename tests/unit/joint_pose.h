@@ -11,14 +11,14 @@
 namespace atl::test {
 
 inline constexpr std::array all_coordinates = {
-    solver::Coordinate::OffsetX,  solver::Coordinate::OffsetY,      solver::Coordinate::OffsetZ,
-    solver::Coordinate::Distance, solver::Coordinate::TurnX,        solver::Coordinate::TurnY,
-    solver::Coordinate::TurnZ,    solver::Coordinate::CosineXY,     solver::Coordinate::CosineXZ,
-    solver::Coordinate::CosineZY, solver::Coordinate::Twist,        solver::Coordinate::Swing,
-    solver::Coordinate::AngleX,   solver::Coordinate::AngleSecondY, solver::Coordinate::Steer,
-    solver::Coordinate::Roll,     solver::Coordinate::SpinX,        solver::Coordinate::SpinY,
-    solver::Coordinate::SpinZ,    solver::Coordinate::Orbit,        solver::Coordinate::Gear,
-    solver::Coordinate::Rack};
+    solver::Coordinate::OffsetX,  solver::Coordinate::OffsetY,     solver::Coordinate::OffsetZ,
+    solver::Coordinate::Distance, solver::Coordinate::TurnX,       solver::Coordinate::TurnY,
+    solver::Coordinate::TurnZ,    solver::Coordinate::SwingAlongY, solver::Coordinate::SwingAlongZ,
+    solver::Coordinate::SkewXY,   solver::Coordinate::SkewZY,      solver::Coordinate::Twist,
+    solver::Coordinate::Swing,    solver::Coordinate::AngleX,      solver::Coordinate::AngleSecondY,
+    solver::Coordinate::Steer,    solver::Coordinate::Roll,        solver::Coordinate::SpinX,
+    solver::Coordinate::SpinY,    solver::Coordinate::SpinZ,       solver::Coordinate::Orbit,
+    solver::Coordinate::Gear,     solver::Coordinate::Rack};
 
 static_assert(all_coordinates.size() == static_cast<std::size_t>(solver::Coordinate::Rack) + 1);
 

@@ -112,8 +112,8 @@ inline constexpr Law locked_law{.lower = 0, .upper = 0};
 
 /// About the x axis of the frames.
 inline void add_hinge_rows(Joint& joint, const Law& about_axis) {
-  add_row(joint, Coordinate::CosineXY, locked_law);
-  add_row(joint, Coordinate::CosineXZ, locked_law);
+  add_row(joint, Coordinate::SwingAlongY, locked_law);
+  add_row(joint, Coordinate::SwingAlongZ, locked_law);
   add_row(joint, Coordinate::AngleX, about_axis);
 }
 

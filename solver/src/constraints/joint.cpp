@@ -20,12 +20,14 @@ JointRow joint_row(const Joint& joint, std::size_t row, const JointFrames& frame
       return turn_about(frames, 1);
     case Coordinate::TurnZ:
       return turn_about(frames, 2);
-    case Coordinate::CosineXY:
-      return cosine_between(frames, 0, 1);
-    case Coordinate::CosineXZ:
-      return cosine_between(frames, 0, 2);
-    case Coordinate::CosineZY:
-      return cosine_between(frames, 2, 1);
+    case Coordinate::SwingAlongY:
+      return swing_along(frames, 1);
+    case Coordinate::SwingAlongZ:
+      return swing_along(frames, 2);
+    case Coordinate::SkewXY:
+      return skew_between(frames, 0, 1);
+    case Coordinate::SkewZY:
+      return skew_between(frames, 2, 1);
     case Coordinate::Twist:
       return twist(frames);
     case Coordinate::Swing:

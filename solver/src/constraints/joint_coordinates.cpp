@@ -57,11 +57,30 @@ JointRow turn_about(const JointFrames& frames, int axis) {
   return angular_row(frames.axes_first * (turn.w() * unit + turn.vec().cross(unit)), 2 * turn.vec()[axis]);
 }
 
-// (a . b)' = (w_A x a) . b + a . (w_B x b) = (b x a) . (w_B - w_A).
-JointRow cosine_between(const JointFrames& frames, int axis_first, int axis_second) {
+// With a and b the x axes, c = a . b and r = a . b_k, the part along axis k is r sqrt(2 / (1 + c)). Its derivative
+// follows from (a . n)' = (n x a) . (w_B - w_A) of any axis n of the second frame.
+JointRow swing_along(const JointFrames& frames, int axis_second) {
+  const Vector3d a = frames.axes_first.col(0);
+  const Vector3d b = frames.axes_second.col(0);
+  const Vector3d along = frames.axes_second.col(axis_second);
+  const double cosine = a.dot(b);
+  const double part = a.dot(along);
+  const double other = a.dot(frames.axes_second.col(3 - axis_second));
+  // 1 + c, without the cancellation that there is where the axes are almost opposed.
+  const double both = cosine > 0 ? 1 + cosine : (part * part + other * other) / (1 - cosine);
+  if (!(both > 0)) return angular_row(along, axis_second == 1 ? 2 : 0);
+  const double scale = std::sqrt(2 / both);
+  return angular_row(scale * (along.cross(a) - part / (2 * both) * b.cross(a)), scale * part);
+}
+
+// asin(a . b), of which the cosine is |a x b|.
+JointRow skew_between(const JointFrames& frames, int axis_first, int axis_second) {
   const Vector3d a = frames.axes_first.col(axis_first);
   const Vector3d b = frames.axes_second.col(axis_second);
-  return angular_row(b.cross(a), a.dot(b));
+  const Vector3d across = b.cross(a);
+  const double sine = across.norm();
+  const Vector3d axis = sine > 0 ? Vector3d(across / sine) : Vector3d(frames.axes_first.col((axis_first + 1) % 3));
+  return angular_row(axis, arctangent(a.dot(b), sine));
 }
 
 // Of q = (s, v) the twist is 2 atan2(v_x, s). Its rate in terms of the relative spin is that about the direction

@@ -20,9 +20,10 @@ enum class Coordinate : std::uint8_t {
   TurnX,  ///< 2 sin(angle / 2) about an axis
   TurnY,
   TurnZ,
-  CosineXY,  ///< of the first frame's x and the second's y axis
-  CosineXZ,
-  CosineZY,
+  SwingAlongY,  ///< 2 sin(angle / 2) of the swing between the x axes, its part along the second y axis
+  SwingAlongZ,
+  SkewXY,  ///< by which the first x and the second y axis fall short of a right angle
+  SkewZY,
   Twist,  ///< about the x axes
   Swing,
   AngleX,        ///< about the first x axis, of the second y axis

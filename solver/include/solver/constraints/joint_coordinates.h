@@ -50,8 +50,14 @@ JointRow distance(const JointFrames& frames);
 /// Shabana, "Computational Dynamics", 2010, 8.5).
 JointRow turn_about(const JointFrames& frames, int axis);
 
-/// Cosine of the angle between an axis of the first and one of the second frame: zero where they are at right angles.
-JointRow cosine_between(const JointFrames& frames, int axis_first, int axis_second);
+/// The swing between the x axes, as twice the sine of half of it: its parts along the second y axis (1) and z axis (2).
+/// Both are zero where the x axes are parallel, and nowhere else: where they are opposed the two are of size 2, and
+/// where just so, the first of them is. (Cosines of an x axis against the other y and z axes are zero there, too.)
+JointRow swing_along(const JointFrames& frames, int axis_second);
+
+/// Angle by which an axis of the first and one of the second frame fall short of a right angle, rad in [-pi/2, pi/2].
+/// Where they are parallel the row has no direction: then about the first frame's next axis.
+JointRow skew_between(const JointFrames& frames, int axis_first, int axis_second);
 
 /// Angle of the twist of the second frame about the x axes, rad in (-pi, pi], and of the swing between the x axes, rad
 /// in [0, pi]: the relative rotation as a twist about x and then a swing about an axis across it (Dobrowolski,
