@@ -17,7 +17,7 @@ Vector3 any_normal(const Polytope& a, const Polytope& b) {
 
 /// Two cores of which `a` is a point or a segment: exact apart too.
 Penetration rounded(const Polytope& a, const Polytope& b, const Vector3& offset) {
-  const Penetration axis = penetration(a, b, offset);
+  Penetration axis = penetration(a, b, offset);
   const bool has_axis = std::isfinite(axis.depth);
   if (has_axis && axis.depth > 0) return axis;
   const Vector3 way = shortest_way(a, b, offset);

@@ -131,8 +131,8 @@ ReadGeometry read_geometry(Archive& archive) {
     archive.check(geometry->content == result.content, "a hull, mesh or height field of another content");
     result.geometry = geometry;
   };
-  const auto take_built = [&](auto&& built) {
-    using Built = std::variant_alternative_t<0, std::remove_cvref_t<decltype(built)>>;
+  const auto take_built = [&](auto built) {
+    using Built = std::variant_alternative_t<0, decltype(built)>;
     archive.check(std::holds_alternative<Built>(built), "what makes no mesh or height field");
     take(std::make_shared<const Built>(std::get<Built>(std::move(built))));
   };

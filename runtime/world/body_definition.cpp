@@ -324,7 +324,7 @@ Shape shape_of(const BodyConstants& body) {
       break;
   }
   if (body.colliders.size() == 1 && is_plain(first)) {
-    return std::visit([](auto&& solid) -> Shape { return std::move(solid); }, solid_of(first));
+    return std::visit([](const auto& solid) -> Shape { return solid; }, solid_of(first));
   }
   Compound compound;
   for (const CheckedCollider& collider : body.colliders) {

@@ -102,10 +102,11 @@ StepReport World::Impl::advance(double dt, int substeps, bool ends_step) {
   stores.results.captured = stores.settings.keep_contact_problem;
   rules.note = nullptr;
   if constexpr (with_recording) {
-    if (recorder)
+    if (recorder) {
       rules.note = [this](std::uint32_t question, const ContactAnswers& answers) {
         recorder->note_answers(question, answers);
       };
+    }
   }
   ContactRules* const asked = rules.filters() || rules.modifies() ? &rules : nullptr;
   pipeline.run(stores, {substeps, ends_step, arena, *kernels, *narrowphase_kernels, asked, report});
@@ -754,7 +755,7 @@ JointDef joint_at(const World& world, JointKind kind, BodyId first, BodyId secon
     const Quaternion back = pose.orientation.conjugate();
     return Pose{back * (point - pose.position), back * orientation};
   };
-  return {.kind = std::move(kind),
+  return {.kind = kind,
           .first = first,
           .second = second,
           .frame_first = in_frame_of(first),

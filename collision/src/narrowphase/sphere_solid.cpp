@@ -54,8 +54,8 @@ Surface from_cone(const Shape& cone, const Vector3& point) {
   const double below = -h - point.z();
   // How far up the side, from the rim to the apex, the point lies.
   const double along = ((r - across) * r + (point.z() + h) * 2 * h) / slant;
-  const Surface side{side_normal, beside};
-  const Surface base{-Vector3::UnitZ(), below};
+  Surface side{side_normal, beside};
+  Surface base{-Vector3::UnitZ(), below};
   if (beside <= 0 && below <= 0) return below >= beside ? base : side;
   if (below > 0 && across <= r) return base;
   if (beside > 0 && along >= 0 && along <= slant) return side;

@@ -15,6 +15,7 @@ inline ConvexHull random_rock(Random& random, double radius, int least_points, i
   Vector3 axes;
   for (double& axis : axes) axis = radius * random.uniform(0.6, 1);
   std::vector<Vector3> points;
+  points.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) points.push_back(axes.cwiseProduct(random.rotation() * Vector3::UnitX()));
   return ConvexHull(points);
 }

@@ -191,7 +191,7 @@ Kind read_kind(const Reader& in) {
 }
 
 Vector3 read_direction(const Reader& in) {
-  const Vector3 direction = read_vector(in);
+  Vector3 direction = read_vector(in);
   constexpr double least_length = 1e-6;
   if (!(direction.norm() > least_length) || !std::isfinite(direction.norm())) {
     in.fail("a vector of length " + number_text(direction.norm()), "a length above 0");

@@ -77,6 +77,7 @@ Scene build_terrain(const ParameterValues& values, std::uint64_t seed) {
        .def = {.type = BodyType::Static, .shape = mesh(random, cells), .material = builtin_material}});
   constexpr int kinds = 10;
   std::vector<Compound> burrs;
+  burrs.reserve(kinds);
   for (int i = 0; i < kinds; ++i) burrs.push_back(burr(random));
   const LoosePlaces places(3, 0.3 * cell * cells, 3);
   const Vector3 uphill(-0.15 * cell * cells, 0, 0);

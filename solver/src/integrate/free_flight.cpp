@@ -29,9 +29,9 @@ void move_linear(BodyTable& bodies, std::uint32_t body, const Vector3& accelerat
 // at the start: Magnus' series to fourth order in h, from the derivatives of the spin at the start (Blanes, Casas, Oteo
 // and Ros, "The Magnus expansion and some of its applications", 2009, section 2). A steady spin is followed exactly.
 Vector3 free_turn(const Vector3& momentum, const Matrix3& inverse_inertia, double h) {
-  const auto spin_of = [&](const Vector3& l) -> Vector3 { return inverse_inertia * l; };
+  const auto spin_of = [&](const Vector3& x) -> Vector3 { return inverse_inertia * x; };
   // Euler's equations, l' = l x w, and their derivatives.
-  const Vector3 l = momentum;
+  const Vector3& l = momentum;
   const Vector3 w = spin_of(l);
   const Vector3 l1 = l.cross(w);
   const Vector3 w1 = spin_of(l1);

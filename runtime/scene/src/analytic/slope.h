@@ -26,8 +26,8 @@ struct Descent {
 
 /// Compares bodies 1, 2, ... with their descents: largest distance along the plane, relative to the way down without
 /// friction over the duration (s); `held` and `moved` name the parts for those that stay and those that don't.
-inline Compare compare_descents(const Slope& slope, std::vector<Descent> descents, double duration, std::string held,
-                                std::string moved) {
+inline Compare compare_descents(const Slope& slope, const std::vector<Descent>& descents, double duration,
+                                const std::string& held, const std::string& moved) {
   const double scale = 0.5 * standard_gravity * slope.sine() * duration * duration;
   return [=](double time, std::span<const BodyState> states, LargestErrors& errors) {
     for (std::size_t i = 0; i < descents.size(); ++i) {

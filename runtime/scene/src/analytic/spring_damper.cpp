@@ -64,6 +64,7 @@ Scene build_spring_damper(const ParameterValues& values, std::uint64_t) {
     scene.joints.push_back(joint);
   }
   std::vector<ErrorMeasure> parts;
+  parts.reserve(weights.size());
   for (const Weight& weight : weights) parts.push_back({weight.part});
   scene.closed_form = known_motion(
       "largest distance of a weight from its place, relative to how far from rest it is let go",
