@@ -55,7 +55,7 @@ void set_movable(ContactBlock& block) {
   for (std::size_t lane = 0; lane < block_lanes; ++lane) {
     first |= block.first[lane];
     second |= block.second[lane];
-    block.contacts += block.slot[lane] >= 0;
+    if (block.slot[lane] >= 0) ++block.contacts;
   }
   block.movable = first == 0 ? MovableSides::Second : second == 0 ? MovableSides::First : MovableSides::Both;
 }
