@@ -20,6 +20,15 @@
 namespace atl {
 namespace {
 
+// A finite vector that is not zero, at length 1. It is scaled first only where the square of its length is no number
+// that a double holds, as that costs a rounding.
+template <typename Vector>
+typename Vector::PlainObject unit_of(const Vector& vector) {
+  const double length = vector.norm();
+  if (std::isfinite(length) && length > 0) return vector / length;
+  return vector.stableNormalized();
+}
+
 // Appends the colliders of a shape; `what` names it.
 struct ShapeCheck {
   std::string what;
@@ -65,11 +74,7 @@ struct ShapeCheck {
       refuse(what + ": HalfSpace.normal", half_space.normal, "a finite vector that is not zero");
     }
     check_number(what + ": HalfSpace.offset", half_space.offset);
-    // Squares of very large or small components are infinite or 0. Others keep the bits that they have always had.
-    const double length = half_space.normal.norm();
-    const bool is_plain = std::isfinite(length) && length > 0;
-    const Vector3 unit = is_plain ? Vector3(half_space.normal / length) : half_space.normal.stableNormalized();
-    add(collision::Shape::half_space(unit, half_space.offset));
+    add(collision::Shape::half_space(unit_of(half_space.normal), half_space.offset));
   }
 
   // These have been checked as they were made.
@@ -199,10 +204,7 @@ Quaternion checked_orientation(const char* what, const Quaternion& value) {
   if (!value.coeffs().allFinite() || !(value.coeffs().stableNorm() > 1e-6)) {
     refuse(what, value.coeffs(), "a finite quaternion that is not zero (here as x, y, z, w)");
   }
-  // Squares of large components would overflow. Others keep the bits that they have always had.
-  constexpr double large = 1e100;
-  const double most = value.coeffs().cwiseAbs().maxCoeff();
-  return most > large ? Quaternion(value.coeffs() / most).normalized() : value.normalized();
+  return Quaternion(unit_of(value.coeffs()));
 }
 
 const char* massless_name(collision::ShapeKind kind) {
