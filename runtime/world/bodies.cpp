@@ -16,6 +16,12 @@
 namespace atl {
 namespace {
 
+// What others exert on each other in the last step stays, or is found when it is asked for.
+void forget_contact_forces(Stores& world, std::uint32_t body) {
+  std::erase_if(world.results.contact_forces,
+                [body](const ContactForce& force) { return force.a.index == body || force.b.index == body; });
+}
+
 // What a contact filter said of a body's shapes, and was to be asked.
 void forget_choices(Stores& world, std::uint32_t body) {
   ContactChoices& choices = world.choices;
@@ -163,7 +169,7 @@ void take_out(Stores& world, std::uint32_t body) {
   bodies.gyroscopic[body] = 0;
   bodies.velocity(body).setZero();
   bodies.angular_velocity(body).setZero();
-  world.results.contact_forces_valid = false;
+  forget_contact_forces(world, body);
 }
 
 bool contains(const Stores& world, BodyId id) {
@@ -320,7 +326,7 @@ void set_shape(Stores& world, std::uint32_t body, const BodyConstants& constants
   if constexpr (with_joints) move_anchors(world, body);
   world.quarantine.suspect(body);
   note_arrival_or_departure(world, body);
-  world.results.contact_forces_valid = false;
+  forget_contact_forces(world, body);
   world.results.captured = false;
 }
 

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-namespace atl {
-namespace {
+#include "support/bodies.h"
 
-constexpr double dt = 1.0 / 60;
+namespace atl::test {
+namespace {
 
 struct Change {
   const char* name;
@@ -190,6 +190,44 @@ TEST(BodyChanges, AShapeLeavesTheFrameAndTheMotionOfTheBody) {
   EXPECT_NEAR(world.angular_velocity(body).z(), 1, 1e-12);
 }
 
+// It tumbles as one that was made with the second shape, about axes that the first one didn't have.
+TEST(BodyChanges, AnotherShapeHasItsOwnPrincipalAxes) {
+  const Quaternion tilt(Eigen::AngleAxisd(0.5, Vector3(1, 2, 3).normalized()));
+  const Compound leaning{{{.shape = Box{{0.2, 0.4, 0.8}}, .orientation = tilt}}};
+  const Box straight{{0.2, 0.4, 0.8}};
+  const auto tumble = [](World& world, BodyId id) {
+    world.set_velocity(id, Vector3::Zero(), {1, 5, 0.5});
+    run(world, 120);
+    return world.state(id);
+  };
+  World world, other;
+  const BodyId changed = world.add_body({.shape = leaning, .mass = 3});
+  world.set_shape(changed, straight);
+  const BodyState found = tumble(world, changed);
+  const BodyState expected = tumble(other, other.add_body({.shape = straight, .mass = 3}));
+  EXPECT_TRUE(found.angular_velocity.isApprox(expected.angular_velocity, 1e-12))
+      << found.angular_velocity.transpose() << " and " << expected.angular_velocity.transpose();
+  EXPECT_TRUE(found.pose.orientation.isApprox(expected.pose.orientation, 1e-12));
+}
+
+TEST(BodyChanges, RemovingABodyLeavesTheForcesOfOthers) {
+  World world;
+  world.add_body(ground());
+  const BodyId crate = world.add_body(box({0, 0, 0.5}));
+  const BodyId other = world.add_body(box({3, 0, 0.5}));
+  run(world, 10);
+  Snapshot snapshot;
+  world.save(snapshot);
+  world.remove_body(other);
+  EXPECT_TRUE(world.contact_forces(crate).size() == 4 && world.contact_forces().size() == 4);
+  // What a step tells is empty until the next one, whoever comes and goes.
+  world.restore(snapshot);
+  world.remove_body(other);
+  EXPECT_TRUE(world.contact_forces().empty());
+  run(world, 1);
+  EXPECT_EQ(world.contact_forces().size(), 4u);
+}
+
 TEST(BodyChanges, WhatStoodOnALargerShapeFallsAndWhatIsWithinOneThatGrowsIsPushedOut) {
   World world({.settings = {.sleeping = true}});
   const BodyId table = world.add_body({.type = BodyType::Static, .shape = Box{{1, 1, 1}}});
@@ -308,4 +346,4 @@ TEST(BodyChanges, WhatCannotBeIsRefused) {
 }
 
 }  // namespace
-}  // namespace atl
+}  // namespace atl::test
