@@ -168,6 +168,8 @@ void take_mass(const MassProperties& properties, BodyConstants& body) {
   // What can't turn freely doesn't tumble either.
   body.gyroscopic = solver::angular_locks(body.locks) == 0 &&
                     (body.inertia - moment * Matrix3::Identity()).cwiseAbs().maxCoeff() > 1e-12 * moment;
+  body.principal_axes = Quaternion::Identity();
+  body.moments.setZero();
   if (body.gyroscopic) find_principal_axes(body);
 }
 
@@ -257,6 +259,7 @@ CheckedBody check(const BodyDef& def) {
   body.angular_velocity = solver::without(solver::angular_locks(constants.locks), def.angular_velocity);
   body.surface_velocity = def.surface_velocity;
   body.filter = def.filter;
+  check_name("BodyDef.name", def.name);
   body.name = def.name;
   body.user_data = def.user_data;
   body.orientation = checked_orientation("BodyDef.orientation", def.orientation);
