@@ -161,8 +161,15 @@ void note_contact_events(Stores& world, bool islands_rebuilt, const StepContext&
   results.unasked_events.reported = settings.run_everything && !settings.contact_events;
 }
 
-void note_joint_events(Stores& world, std::span<const solver::JointLink> acting) {
+void note_joint_events(Stores& world, std::span<const solver::JointLink> acting,
+                       std::span<const QuarantineFault> broken) {
+  const auto is_broken = [&](std::uint32_t body) {
+    return std::any_of(broken.begin(), broken.end(),
+                       [body](const QuarantineFault& fault) { return fault.first == body; });
+  };
   for (const solver::JointLink& link : acting) {
+    const solver::Joint& j = world.joints.joints[link.joint];
+    if (is_broken(j.first) || is_broken(j.second)) continue;  // what it holds means nothing, and it is to be suspended
     if (world.joints.watched[link.joint]) watch_joint(world, link.joint);
     if (world.settings.sleeping && world.joints.driven[link.joint]) keep_driven_awake(world, link.joint);
   }

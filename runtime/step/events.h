@@ -6,13 +6,15 @@
 #include <span>
 
 #include "step/step_context.h"
+#include "world/containment.h"
 #include "world/stores.h"
 
 namespace atl {
 
 void note_contact_events(Stores& world, bool islands_rebuilt, const StepContext& step);
 /// Of joints that act on awake bodies: those that break, and that reach or leave ends of their ranges. What a motor
-/// moves stays awake.
-void note_joint_events(Stores& world, std::span<const solver::JointLink> acting);
+/// moves stays awake. Those of bodies that the solve broke tell nothing.
+void note_joint_events(Stores& world, std::span<const solver::JointLink> acting,
+                       std::span<const QuarantineFault> broken);
 
 }  // namespace atl

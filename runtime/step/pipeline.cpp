@@ -102,7 +102,7 @@ void StepPipeline::finish(Stores& world, const StepContext& step) {
     note_contact_events(world, islands_.rebuilt(), step);
     note_sensor_events(world, step.arena);
   }
-  if (with_joints && world.joints.size() > 0) note_joint_events(world, islands_.acting_joints());
+  if (with_joints && world.joints.size() > 0) note_joint_events(world, islands_.acting_joints(), broken_);
   if (world.settings.sleeping) {
     if (with_surfaces && !world.bodies.surfaces.empty()) keep_belts_awake(world, contacts_.touching());
     keep_carried_awake(world, contacts_);

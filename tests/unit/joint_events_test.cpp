@@ -30,6 +30,16 @@ struct Weight {
   }
 };
 
+// It goes into quarantine, which suspends the joint; that the joint broke as well would be told with no number to it.
+TEST(JointBreaking, IsNotToldOfABodyThatTheSolveBroke) {
+  Weight driven(1000, unlimited, SliderJoint{{.motor = JointMotor{.speed = 1e300, .max_force = unlimited}}});
+  driven.world.step(dt);
+  EXPECT_TRUE(driven.world.is_quarantined(driven.crate));
+  EXPECT_TRUE(driven.world.joint_events().empty());
+  EXPECT_FALSE(driven.world.joint_state(driven.joint).broken);
+  EXPECT_TRUE(driven.world.joint_state(driven.joint).force.allFinite());
+}
+
 TEST(JointBreaking, ComesWithMoreForceThanItBears) {
   Weight strong(1.1);
   for (int i = 0; i < 120; ++i) {
