@@ -205,7 +205,12 @@ void ContactPhase::modify(Stores& world, const StepContext& step, std::span<cons
 void ContactPhase::list_on(const Stores& world) {
   std::vector<std::uint32_t>& off = modified_.off;
   std::sort(off.begin(), off.end());
-  off_changed_ = off != off_before_;
+  parts_off_.clear();
+  for (const std::uint32_t slot : off) {
+    parts_off_.emplace_back(world.cache.contacts[slot].pair, world.cache.contacts[slot].part);
+  }
+  std::sort(parts_off_.begin(), parts_off_.end());
+  off_changed_ = parts_off_ != parts_off_before_;
   on_.clear();
   modified_.pairs_off.clear();
   if (off.empty()) return;
@@ -229,7 +234,7 @@ void ContactPhase::update(Stores& world, const StepContext& step) {
   collision::update_contacts(world.cache, world.broadphase, contact_input(world, step.narrowphase_kernels), step.arena,
                              update_);
   world.broadphase.forget_moves();
-  off_before_ = std::move(modified_.off);
+  std::swap(parts_off_, parts_off_before_);
   modified_ = {};
   if (step.rules != nullptr && step.rules->modifies()) {
     modify(world, step, update_.touching);

@@ -56,7 +56,9 @@ class ContactPhase {
   collision::ContactUpdate update_;
   Modified modified_;
   std::vector<solver::TouchingPair> on_;  // where some are switched off
-  std::vector<std::uint32_t> off_before_;
+  // By pair and part: slots go over to others as contacts come and go.
+  using Part = std::pair<collision::Pair, std::uint8_t>;
+  std::vector<Part> parts_off_, parts_off_before_;  // in order
   bool off_changed_ = false;
   std::vector<solver::AddedSlip> slips_;  // by slot, where there are any
 };
