@@ -7,6 +7,8 @@
 #include <bit>
 #include <map>
 #include <set>
+#include <sstream>
+#include <string>
 
 #include "support/expect_error.h"
 
@@ -111,6 +113,20 @@ TEST(SceneBuiltin, CountsAndSteps) {
     const Scene scene = load_scene(expected.scene);
     EXPECT_EQ(dynamic_bodies(scene).size(), expected.bodies) << expected.scene;
     EXPECT_EQ(scene.steps, expected.steps) << expected.scene;
+  }
+}
+
+// Each can be made as small as its parameters go.
+TEST(SceneBuiltin, AreBuiltFromTheLeastOfEachParameter) {
+  for (const BuiltinScene& scene : builtin_scenes()) {
+    std::string least;
+    for (const SceneParameter& parameter : scene.parameters) {
+      if (!parameter.integer) continue;
+      std::ostringstream value;
+      value << parameter.min;
+      least += (least.empty() ? ":" : ",") + parameter.name + "=" + value.str();
+    }
+    EXPECT_FALSE(load_scene(scene.name + least).bodies.empty()) << scene.name << least;
   }
 }
 

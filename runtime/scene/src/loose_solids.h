@@ -2,6 +2,7 @@
 
 #include <atoll/scene.h>
 
+#include <algorithm>
 #include <string>
 
 #include "building_blocks.h"
@@ -25,7 +26,7 @@ inline ConvexHull random_rock(Random& random, double radius, int least_points, i
 class LoosePlaces {
  public:
   LoosePlaces(double pitch, double half, double bottom)
-      : pitch_(pitch), a_row_(static_cast<int>(2 * half / pitch)), bottom_(bottom) {}
+      : pitch_(pitch), a_row_(std::max(1, static_cast<int>(2 * half / pitch))), bottom_(bottom) {}
 
   Vector3 operator[](int i) const {
     const double middle = 0.5 * (a_row_ - 1);
