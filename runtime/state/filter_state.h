@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "world/utf8.h"
+
 namespace atl {
 
 template <typename Archive, typename Text>
@@ -14,6 +16,7 @@ void visit_text(Archive& archive, Text& text) {
     archive.value(static_cast<std::uint32_t>(text.size()));
   }
   archive.values(text.data(), text.size());
+  if constexpr (Archive::reads) archive.check(is_utf8(text), "a name that is not UTF-8");
 }
 
 template <typename Archive, typename Filter>

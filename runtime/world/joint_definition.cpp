@@ -149,6 +149,7 @@ JointDef checked(const JointDef& def) {
   check_number("JointDef.frame_second.position", def.frame_second.position);
   check_above_zero_or_unlimited("JointDef.break_force", def.break_force);
   check_above_zero_or_unlimited("JointDef.break_torque", def.break_torque);
+  check_name("JointDef.name", def.name);
   JointDef result = def;
   result.frame_first.orientation = checked_orientation("JointDef.frame_first.orientation", def.frame_first.orientation);
   result.frame_second.orientation =

@@ -27,6 +27,7 @@ struct QueryAccess {
 
   static QueryAccess of(const World& world) {
     World::Impl& impl = *world.impl_;
+    impl.step_guard.check("Queries");
     Stores& stores = impl.stores;
     impl.query_gate.open(stores.broadphase, impl.arena);
     return {stores.colliders, stores.bodies, stores.records, stores.broadphase, stores.choices, impl.arena};

@@ -9,6 +9,8 @@
 #include <string_view>
 #include <type_traits>
 
+#include "world/utf8.h"
+
 namespace atl {
 
 /// Throws Error: the field, the value that it has, a number or a vector, and what was expected.
@@ -31,6 +33,14 @@ template <typename Value>
   std::ostringstream message;
   message << call << ": no body has the id (index " << id.index << ", generation " << id.generation
           << "); expected the id of a body that has not been removed";
+  throw Error(message.str());
+}
+
+/// What is not UTF-8 has no place in a scene file or a page, and is not repeated in a message either.
+inline void check_name(std::string_view field, std::string_view name) {
+  if (is_utf8(name)) return;
+  std::ostringstream message;
+  message << field << " has " << name.size() << " bytes that are not UTF-8; expected text that is";
   throw Error(message.str());
 }
 

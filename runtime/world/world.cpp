@@ -119,6 +119,7 @@ StepReport World::Impl::advance(double dt, int substeps, bool ends_step) {
 }
 
 void World::Impl::check_idle(const char* call) const {
+  step_guard.check(call, "World::");
   const char* asking = forced ? "a force law" : rules.asking();
   if (asking == nullptr) return;
   throw Error(std::string("World::") + call + ": found a step under way; expected no call of it from " + asking +
@@ -163,6 +164,7 @@ template <typename Step>
 StepReport take_step(const World& world, auto& impl, double dt, bool forced, const Step& step) {
   check_step("World::step", dt);
   impl.check_idle("step");
+  const StepGuard::Step under_way(impl.step_guard, "World::step");
   if constexpr (with_recording) {
     if (impl.recorder) impl.recorder->note_step(dt, forced, impl.rules);
   }
@@ -432,7 +434,9 @@ std::string_view World::name(BodyId id) const {
 }
 
 void World::set_name(BodyId id, std::string_view name) {
-  give_name(impl_->stores, impl_->index_to_change(id, "set_name"), name);
+  const std::uint32_t body = impl_->index_to_change(id, "set_name");
+  check_name("World::set_name: name", name);
+  give_name(impl_->stores, body, name);
   note<calls::SetName>(*impl_, id, std::string(name));
 }
 
@@ -646,6 +650,7 @@ StepReport World::step(double dt, const ForceLaw& law) {
 }
 
 std::span<const ContactForce> World::contact_forces() const {
+  impl_->step_guard.check("World::contact_forces");
   return atl::contact_forces(impl_->stores, *impl_->narrowphase_kernels, impl_->arena);
 }
 std::vector<ContactForce> World::contact_forces(BodyId id) const {
@@ -731,8 +736,14 @@ void World::stop_recording() {
   if constexpr (with_recording) impl_->stop_recording("World::stop_recording");
 }
 
-std::uint64_t World::state_hash() const { return impl_->state_hash(); }
-std::vector<BodyHash> World::body_hashes() const { return atl::body_hashes(impl_->stores); }
+std::uint64_t World::state_hash() const {
+  impl_->step_guard.check("World::state_hash");
+  return impl_->state_hash();
+}
+std::vector<BodyHash> World::body_hashes() const {
+  impl_->step_guard.check("World::body_hashes");
+  return atl::body_hashes(impl_->stores);
+}
 BodyHash World::body_hash(BodyId id) const {
   return atl::body_hash(impl_->stores, index_of(impl_->stores, id, "body_hash"));
 }

@@ -12,6 +12,7 @@
 #include "state/world_definition.h"
 #include "step/pipeline.h"
 #include "world/query_gate.h"
+#include "world/step_guard.h"
 #include "world/stores.h"
 
 namespace atl {
@@ -25,7 +26,8 @@ class World::Impl {
   ~Impl();
 
   StepReport step(double dt);
-  /// Throws Error, naming the call, if it is made by a function that a step asks.
+  /// Throws Error, naming the call, if a step is under way: it is made by a function that the step asks, or by another
+  /// thread.
   void check_idle(const char* call) const;
   /// The index of a body that the call is about to change. Throws Error as check_idle() does, and on a stale id.
   std::uint32_t index_to_change(BodyId id, const char* call) const;
@@ -63,6 +65,7 @@ class World::Impl {
   const collision::NarrowphaseKernels* narrowphase_kernels;
   jobs::Arena arena;
   QueryGate query_gate;
+  StepGuard step_guard;
   StepCounts last_counts;              // of the last step
   std::unique_ptr<Recorder> recorder;  // null while nothing is recorded
   bool forced = false;                 // a force law is being asked

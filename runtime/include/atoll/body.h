@@ -76,7 +76,7 @@ struct BodyDef {
   /// Touches nothing, and tells which bodies are in it instead: World::sensor_events() and World::bodies_in(). Its
   /// shape is a solid. Queries pass it by unless they ask for sensors.
   bool sensor = false;
-  std::string name = {};        ///< for people, and World::find_body(). Bodies may share one.
+  std::string name = {};        ///< for people, and World::find_body(), in UTF-8. Bodies may share one.
   std::uint64_t user_data = 0;  ///< yours: World keeps it, and saves it with the body, and never looks at it
 };
 

@@ -95,7 +95,9 @@ class Forces;  // see forces.h
 using ForceLaw = std::function<void(Forces&)>;
 
 /// A world of rigid bodies. Independent worlds may be used from different threads; one world may be used
-/// from one thread at a time. Same calls, same bits: whatever the threads, vector width or machine.
+/// from one thread at a time. A call that changes, saves, hashes or queries a world while another thread steps it
+/// throws Error, in every build, as far as a flag can tell; what only looks up a body's state is not held up by that.
+/// Same calls, same bits: whatever the threads, vector width or machine.
 class World {
  public:
   /// Throws Error on a setting out of range, or an instruction set that this machine lacks.
