@@ -4,6 +4,8 @@
 
 #include <atoll/settings.h>
 
+#include "state/joint_state.h"
+
 namespace atl {
 
 template <typename Archive, typename AnySettings>
@@ -18,10 +20,13 @@ void visit_settings(Archive& archive, AnySettings& s) {
   archive.value(s.stabilisation);
   archive.value(s.correction);
   archive.value(s.slop);
-  const auto optional = [&archive](auto& hertz) {
-    double value = hertz.value_or(0);
-    archive.value(value);
-    if constexpr (Archive::reads) hertz = value != 0 ? std::optional(value) : std::nullopt;
+  const auto optional = [&archive](auto& number) {
+    if constexpr (Archive::hashes) {
+      archive.value(number.value_or(0));
+      if (number == 0.0) archive.value(true);  // not as if it were left out
+    } else {
+      visit_optional(archive, number, [&](auto& value) { archive.value(value); });
+    }
   };
   optional(s.contact_hertz);
   archive.value(s.contact_damping_ratio);

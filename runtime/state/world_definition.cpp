@@ -113,13 +113,13 @@ void give_geometry(CheckedCollider& collider, const std::shared_ptr<const void>&
   collider.geometry = geometry;
   switch (collider.shape.kind) {
     case ShapeKind::Hull:
-      collider.shape.hull = static_cast<const collision::Hull*>(geometry.get());
+      collider.shape = collision::Shape::convex_hull(*static_cast<const collision::Hull*>(geometry.get()));
       break;
     case ShapeKind::Mesh:
-      collider.shape.mesh = static_cast<const collision::TriangleMesh*>(geometry.get());
+      collider.shape = collision::Shape::triangle_mesh(*static_cast<const collision::TriangleMesh*>(geometry.get()));
       break;
     default:
-      collider.shape.field = static_cast<const collision::HeightField*>(geometry.get());
+      collider.shape = collision::Shape::height_field(*static_cast<const collision::HeightField*>(geometry.get()));
   }
 }
 

@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include "state/constants_fault.h"
 #include "state/filter_state.h"
 #include "state/joint_state.h"
 #include "state/world_definition.h"
@@ -70,6 +71,10 @@ void visit_constants(Archive& archive, Constants& body) {
     archive.value(collider.density_factor);
     visit_optional(archive, collider.material, [&](auto& material) { visit_material(archive, material); });
     visit_optional(archive, collider.filter, [&](auto& filter) { visit_filter(archive, filter); });
+  }
+  if constexpr (Archive::reads) {
+    const char* const fault = constants_fault(body);
+    archive.check(fault == nullptr, fault);
   }
 }
 

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <type_traits>
 #include <utility>
@@ -308,6 +309,7 @@ class WorldState {
     visit_some(archive_, body_count(), is_suspect, [&](std::uint32_t body) {
       if constexpr (reads) list.suspect(body);
     });
+    if constexpr (reads) check_poses();
     const auto strays = [&list](std::uint32_t body) { return list.pose_before(body) != nullptr; };
     visit_some(archive_, list.remembers_poses() || reads ? body_count() : 0, strays, [&](std::uint32_t body) {
       solver::BodyPose pose;
@@ -317,6 +319,18 @@ class WorldState {
       if constexpr (reads) list.remember_pose(body, pose);
     });
     if constexpr (reads) note_restored_bodies(world_);
+  }
+
+  // The next step checks those that it was told to.
+  void check_poses() {
+    const auto& bodies = world_.bodies;
+    for (std::uint32_t body = 0; body < body_count(); ++body) {
+      if (!world_.records.alive[body]) continue;
+      archive_.check(std::abs(bodies.orientation(body).squaredNorm() - 1) < 1e-6, "an orientation that is none");
+      const bool is_finite = bodies.position(body).allFinite() && bodies.velocity(body).allFinite() &&
+                             bodies.angular_velocity(body).allFinite();
+      archive_.check(is_finite || world_.quarantine.is_suspect(body), "a body whose state is not finite");
+    }
   }
 
   void visit_selection() {

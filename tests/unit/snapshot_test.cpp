@@ -238,6 +238,24 @@ TEST(Snapshot, LeavesThreadsAndInstructionSetToTheWorld) {
   EXPECT_EQ(hashes(other.world, 30), expected);
 }
 
+// A threshold of 0, at which all bounces, is not the one that is found where none is given.
+TEST(Snapshot, TellsAZeroFromWhatIsLeftOut) {
+  const WorldDef bouncy{.settings = {.restitution_threshold = 0}};
+  World world(bouncy), other(bouncy);
+  Snapshot snapshot;
+  world.save(snapshot);
+  EXPECT_NE(World().state_hash(), world.state_hash());
+  world.set_settings({});
+  world.restore(snapshot);
+  EXPECT_EQ(world.settings().restitution_threshold, 0);
+  EXPECT_EQ(world.state_hash(), other.state_hash());
+  const TemporaryFile file(".snapshot");
+  snapshot.write(file.path());
+  world.set_settings({});
+  world.restore(Snapshot::read(file.path()));
+  EXPECT_EQ(world.settings().restitution_threshold, 0);
+}
+
 TEST(Snapshot, HoldsSleepersAndWhatTheyStandOn) {
   const auto make = [] {
     World world({.settings = {.sleeping = true, .sleep_speed = 1, .time_to_sleep = 0.1, .contact_events = true}});
@@ -380,7 +398,7 @@ TEST(SnapshotFile, SaysWhyItCannotBeReadOrWritten) {
     expect_error([&] { Snapshot::read(file.path()); }, words);
   };
   expect_refusal(8, 1, {"byte order", "0x1020301", "expected", "0x1020304"});
-  expect_refusal(12, 99, {"found version 99", "expected 11"});
+  expect_refusal(12, 99, {"found version 99", "expected 12"});
   expect_refusal(whole.size() - 1, static_cast<char>(whole.back() + 1), {"checksum", "expected", "damaged"});
 }
 

@@ -1,0 +1,105 @@
+#include "state/constants_fault.h"
+
+#include <atoll/error.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+
+#include "world/body_definition.h"
+#include "world/refuse.h"
+
+namespace atl {
+namespace {
+
+using collision::Shape;
+using collision::ShapeKind;
+
+bool is_size(double value) { return value >= numbers.least && value <= numbers.most; }
+bool is_number(double value) { return std::abs(value) <= numbers.most; }
+bool is_not_negative(double value) { return value >= 0 && value <= numbers.most; }
+bool is_unit(double squared_length) { return std::abs(squared_length - 1) < 1e-9; }
+
+bool is_valid(const Material& material) {
+  return is_not_negative(material.friction) && material.restitution >= 0 && material.restitution <= 1 &&
+         is_not_negative(material.rolling_friction) && is_not_negative(material.torsional_friction);
+}
+
+bool are_same(const Shape& a, const Shape& b) {
+  return a.half_extents == b.half_extents && a.radius == b.radius && a.half_height == b.half_height &&
+         a.normal == b.normal && a.offset == b.offset && a.bounding_radius == b.bounding_radius &&
+         a.inner_radius == b.inner_radius;
+}
+
+// Whether its sizes are valid, and all else what follows from them.
+bool is_valid(const Shape& shape) {
+  const auto is_round = [&](Shape (*make)(double, double)) {
+    return is_size(shape.radius) && is_size(shape.half_height) &&
+           are_same(shape, make(shape.radius, shape.half_height));
+  };
+  switch (shape.kind) {
+    case ShapeKind::Sphere:
+      return is_size(shape.radius) && are_same(shape, Shape::sphere(shape.radius));
+    case ShapeKind::Capsule:
+      return is_round(Shape::capsule);
+    case ShapeKind::Cylinder:
+      return is_round(Shape::cylinder);
+    case ShapeKind::Cone:
+      return is_round(Shape::cone);
+    case ShapeKind::Box:
+      return is_size(shape.half_extents.x()) && is_size(shape.half_extents.y()) && is_size(shape.half_extents.z()) &&
+             are_same(shape, Shape::box(shape.half_extents));
+    case ShapeKind::HalfSpace:
+      return is_unit(shape.normal.squaredNorm()) && is_number(shape.offset) &&
+             are_same(shape, Shape::half_space(shape.normal, shape.offset));
+    default:  // these two are made anew with the geometry
+      return shape.bounding_radius > 0 && shape.inner_radius > 0;
+  }
+}
+
+bool is_valid(const CheckedCollider& collider) {
+  return is_valid(collider.shape) && is_number(collider.local.position.cwiseAbs().maxCoeff()) &&
+         is_unit(collider.local.orientation.squaredNorm()) && collider.density_factor >= numbers.least &&
+         collider.density_factor <= numbers.most && (!collider.material || is_valid(*collider.material));
+}
+
+// Positive definite, and each moment at most the sum of the others: to rounding, as masses are changed later.
+bool is_inertia(const Matrix3& inertia) {
+  if (!inertia.allFinite()) return false;
+  const double scale = inertia.cwiseAbs().maxCoeff();
+  return (inertia - inertia.transpose()).cwiseAbs().maxCoeff() <= 1e-9 * scale &&
+         Eigen::LLT<Matrix3>(inertia / scale).info() == Eigen::Success;
+}
+
+bool has_valid_mass(const BodyConstants& body) {
+  if (body.type != BodyType::Dynamic) {
+    return body.inverse_mass == 0 && body.inverse_inertia.isZero(0) && !body.gyroscopic;
+  }
+  if (!(1 / body.inverse_mass >= loads.least && 1 / body.inverse_mass <= loads.most)) return false;
+  if (!is_inertia(body.inertia) || !is_inertia(body.inverse_inertia)) return false;
+  if (!(body.inertia * body.inverse_inertia).isIdentity(1e-3)) return false;
+  if (!body.gyroscopic) return true;
+  const Matrix3 axes = body.principal_axes.toRotationMatrix();
+  return is_unit(body.principal_axes.squaredNorm()) && body.moments.minCoeff() > 0 &&
+         (axes * body.moments.asDiagonal() * axes.transpose()).isApprox(body.inertia, 1e-6);
+}
+
+}  // namespace
+
+const char* constants_fault(const BodyConstants& body) {
+  if (!is_valid(body.material) || !is_number(body.gravity_scale) || !is_not_negative(body.linear_damping) ||
+      !is_not_negative(body.angular_damping)) {
+    return "a body of an invalid material, gravity scale or damping";
+  }
+  if (!is_number(body.centre.cwiseAbs().maxCoeff())) return "a body without a valid centre of mass";
+  for (const CheckedCollider& collider : body.colliders) {
+    if (!is_valid(collider)) return "a shape with invalid numbers";
+    if (massless_name(collider.shape.kind) == nullptr) continue;
+    if (body.type == BodyType::Dynamic || body.sensor || body.colliders.size() > 1) {
+      return "a surface or half-space where there can be none";
+    }
+  }
+  if (!has_valid_mass(body)) return "a body without a valid mass and inertia";
+  return nullptr;
+}
+
+}  // namespace atl
