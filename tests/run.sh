@@ -10,12 +10,14 @@ source "$root/runtime/setup.sh"
 usage() {
   cat <<'END'
 usage: bash tests/run.sh [--label LABEL] [--preset PRESET] [--long]
+       bash tests/run.sh --fuzz MINUTES [TARGET]...
        bash tests/run.sh --aarch64
 
-  --label LABEL    only these: unit, accuracy, law, stability, determinism, cli, faults, layers, package,
+  --label LABEL    only these: unit, accuracy, law, stability, determinism, cli, faults, fuzz, layers, package,
                    examples or docs
   --preset PRESET  release (the default), apart, clang, debug, asan or tsan
   --long           the heavier matrix of scenes, threads and settings, and Atoll built as a part of another project
+  --fuzz MINUTES   libFuzzer on each of these, or those given, for so long: api, scene, snapshot, recording
   --aarch64        golden hashes and the layers' unit tests on 64-bit ARM, emulated; takes an hour
 END
 }
@@ -34,6 +36,7 @@ while (($#)); do
     --label) selection=(--label-regex "^$2\$") && shift ;;
     --preset) preset=$2 && shift ;;
     --long) export ATOLL_LONG_TESTS=1 ;;
+    --fuzz) (($# > 1)) || usage_error "$1 needs a number of minutes" ; fuzz=("${@:2}") preset=fuzz; break ;;
     --aarch64) exec bash "$root/tests/aarch64/run.sh" ;;
     -h | --help) usage && exit ;;
     *) usage_error "unknown option $1" ;;
@@ -43,6 +46,12 @@ done
 
 packages+=(libgtest-dev chromium pkgconf python3) # the browser looks at the page that atoll sweep writes
 [[ $preset != clang ]] || packages+=(clang)
+if [[ $preset == fuzz ]]; then
+  packages+=(clang libclang-rt-14-dev llvm)
+  install_packages
+  build fuzz all
+  exec bash "$root/tests/fuzz/run.sh" "${fuzz[@]}"
+fi
 options=(-DATOLL_BUILD_TESTS=ON -DATOLL_LONG_TESTS="${ATOLL_LONG_TESTS:-0}")
 if [[ ${CI:-} == true ]]; then
   packages+=(libbenchmark-dev)

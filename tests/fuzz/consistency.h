@@ -1,0 +1,21 @@
+#pragma once
+/// What must hold of a world whatever was done to it, and of the answers to queries.
+
+#include <atoll/atoll.h>
+#include <atoll/queries.h>
+
+#include "definitions.h"
+
+namespace atl::fuzz {
+
+/// Everything that a world tells is finite, and what it says in two places agrees. Throws Finding.
+void check_world(const World& world);
+/// Of two worlds to which the same was done: what steps tell beside the state.
+void check_same_results(const World& a, const World& b);
+void check_same_reports(const StepReport& a, const StepReport& b);
+
+/// Asks all worlds the same, chosen from bytes, and holds the answers to each other; and where numbers are usual, to
+/// those of worlds of one body each, and overlaps to the audit. Throws Finding.
+void check_queries(std::span<const World> worlds, Definitions& definitions, Bytes& bytes);
+
+}  // namespace atl::fuzz

@@ -1,0 +1,62 @@
+#pragma once
+/// Definitions of bodies, joints, settings and queries, chosen from bytes.
+
+#include <atoll/atoll.h>
+#include <atoll/queries.h>
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "bytes.h"
+
+namespace atl::fuzz {
+
+/// What a definition may be like.
+enum class Numbers {
+  Usual,  ///< sizes of metres and all valid: nothing may be refused, and results can be held against others
+  Any     ///< now and then infinite, not a number, absurd or out of range
+};
+
+class Definitions {
+ public:
+  Definitions(Bytes& bytes, Numbers numbers) : bytes_(bytes), numbers_(numbers) {}
+
+  bool usual() const { return numbers_ == Numbers::Usual; }
+
+  /// In [lower, upper], or any.
+  double number(double lower, double upper);
+  Vector3 vector(double reach);
+  Quaternion orientation();
+  std::string name();
+
+  Shape shape(BodyType type);
+  ConvexShape convex();
+  Material material();
+  CollisionFilter filter();
+  BodyDef body();
+
+  JointKind joint_kind();
+  JointAxis axis(bool angle);
+  /// Between two of the bodies.
+  JointDef joint(const World& world, BodyId first, BodyId second);
+
+  /// Changed here and there from those given.
+  Settings settings(Settings settings);
+  QueryShape query_shape();
+  ShapeCast shape_cast();
+  Ray ray();
+
+ private:
+  ConvexHull hull();
+  TriangleMesh mesh();
+  HeightField height_field();
+  Compound compound();
+  int integer(int lower, int upper);
+
+  Bytes& bytes_;
+  Numbers numbers_;
+};
+
+}  // namespace atl::fuzz

@@ -1,0 +1,37 @@
+#!/usr/bin/env bash
+# Runs the targets of this folder with libFuzzer, one after another, each so many minutes on one core; then tells which
+# lines of the library their inputs got to. Called by tests/run.sh --fuzz, which has built them.
+set -euo pipefail
+
+root=$(dirname "$(dirname "$(dirname "$(realpath "${BASH_SOURCE[0]}")")")")
+minutes=$1
+shift
+targets=("$@")
+((${#targets[@]})) || targets=(api scene snapshot recording)
+
+build=$root/build/fuzz
+bin=$build/bin
+corpus=$build/corpus
+findings=$build/findings
+mkdir -p "$corpus" "$findings"
+"$bin/atoll_fuzz_seeds" "$corpus" "$root"/runtime/scene/examples/*.json
+
+# What a file that says so may take is bounded; what takes longer than a minute, with the sanitizers, is a finding.
+limits=(-rss_limit_mb=3000 -malloc_limit_mb=2000 -timeout=60 -max_len=16384)
+export ATOLL_DYNAMIC_THREADS=0
+status=0
+for target in "${targets[@]}"; do
+  echo "atoll: $target, $minutes min" >&2
+  LLVM_PROFILE_FILE=$build/$target.profraw "$bin/atoll_fuzz_$target" "${limits[@]}" \
+    -max_total_time=$((60 * minutes)) -print_final_stats=1 -artifact_prefix="$findings/$target-" \
+    "$corpus/$target" >"$build/$target.log" 2>&1 || status=1
+  grep -E '^stat::number_of_executed_units|ERROR|SUMMARY|Finding|what\(\)' "$build/$target.log" >&2 || true
+done
+
+llvm-profdata-14 merge -sparse "$build"/*.profraw -o "$build/coverage"
+objects=()
+for target in "${targets[@]}"; do objects+=(-object "$bin/atoll_fuzz_$target"); done
+llvm-cov-14 report "${objects[@]:1}" -instr-profile="$build/coverage" \
+  "$root"/runtime/state "$root"/runtime/scene "$root"/runtime/world |
+  awk '/^Filename|^TOTAL|\.(cpp|h) / { print $1, $(NF - 3), $(NF - 5) }' | column -t
+exit $status
