@@ -12,6 +12,7 @@
 
 #include "explain.h"
 #include "failure.h"
+#include "interrupt.h"
 #include "list_scenes.h"
 #include "replay.h"
 #include "run.h"
@@ -26,6 +27,8 @@ int exit_with(Status status, const std::string& message) {
   std::cerr << "atoll: " << message << "\n";
   return static_cast<int>(status);
 }
+
+int exit_with(const Failure& failure) { return exit_with(failure.status(), failure.what()); }
 
 std::vector<std::string_view> views(const std::vector<std::string>& texts) { return {texts.begin(), texts.end()}; }
 
@@ -68,7 +71,8 @@ int run_parsed(int argc, char** argv) {
       "  atoll scenes                  what there is to run\n"
       "  atoll run pile --threads 2    5000 boxes dropped into a container\n"
       "  atoll run wall:base=100       a built-in scene with another parameter\n"
-      "\nExit status: 0 done, 1 a check failed, 2 usage, 3 bad scene or recording, 4 a body became non-finite.");
+      "\nExit status: 0 done, 1 a check failed, 2 usage, 3 bad scene or recording, 4 a body became non-finite; "
+      "130 interrupted\n(143 by SIGTERM, 129 by SIGHUP): what was done by then is printed and written.");
 
   CLI::App* run = app.add_subcommand("run", "simulate a scene file or a built-in scene and report time and error");
   RunOptions options;
@@ -118,12 +122,15 @@ int run_parsed(int argc, char** argv) {
 }  // namespace
 
 int run_command_line(int argc, char** argv) {
+  catch_interrupts();
   try {
     return run_parsed(argc, argv);
   } catch (const SceneError& error) {
     return exit_with(Status::BadScene, error.what());
   } catch (const Failure& failure) {
-    return exit_with(failure.status(), failure.what());
+    return exit_with(failure);
+  } catch (const Interrupted&) {
+    return exit_with(interruption("atoll", "between two steps"));
   } catch (const std::bad_alloc&) {
     return exit_with(Status::BadScene, "the scene needs more memory than there is");
   } catch (const std::exception& error) {

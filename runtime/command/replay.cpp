@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "failure.h"
+#include "interrupt.h"
 #include "option_checks.h"
 #include "progress.h"
 #include "replay_report.h"
@@ -30,7 +31,8 @@ ReplayResult replay_with_progress(const ReplayFileOptions& options) {
     progress->update(steps);
   };
   try {
-    return replay(options.path, {.threads = options.threads, .simd = options.simd, .on_step = show});
+    return replay(options.path,
+                  {.threads = options.threads, .simd = options.simd, .on_step = show, .stop = interrupted});
   } catch (const Error& error) {
     throw Failure(Status::BadScene, error.what());
   }
@@ -60,6 +62,10 @@ void replay_file(const ReplayFileOptions& options) {
   if (result.divergence) {
     throw Failure(Status::CheckFailed,
                   options.path + ": the replay differs from what was recorded: " + first_words(*result.divergence));
+  }
+  if (result.steps < result.recorded_steps && interrupted()) {
+    throw interruption(options.path,
+                       "after step " + std::to_string(result.steps) + " of " + std::to_string(result.recorded_steps));
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include "failure.h"
 #include "figures.h"
+#include "interrupt.h"
 #include "output_file.h"
 #include "report.h"
 #include "simulation.h"
@@ -86,6 +87,10 @@ void write_final_state(const Outputs& outputs, const Scene& scene, const std::ve
                                        "; --keep-going goes on without it");
 }
 
+std::string of_all_steps(const Scene& scene, const RunResult& result) {
+  return std::to_string(result.steps) + " of " + std::to_string(scene.steps);
+}
+
 void print(const RunOptions& options, const Scene& scene, const World& world, const RunResult& result) {
   if (options.format == Format::Json) {
     write_json(std::cout, scene, world, result);
@@ -121,6 +126,7 @@ void run(const RunOptions& options) {
     throw;
   }
   print(options, scene, world, result);
+  if (result.interrupted) throw interruption(scene.name, "after step " + of_all_steps(scene, result));
 }
 
 }  // namespace atl::command
