@@ -125,6 +125,8 @@ int run_command_line(int argc, char** argv) {
   catch_interrupts();
   try {
     return run_parsed(argc, argv);
+  } catch (const SceneTooLarge& error) {
+    return exit_with(Status::Usage, error.what());
   } catch (const SceneError& error) {
     return exit_with(Status::BadScene, error.what());
   } catch (const Failure& failure) {
