@@ -17,6 +17,7 @@
 #include "replay.h"
 #include "run.h"
 #include "scene/src/words.h"
+#include "standard_streams.h"
 #include "sweep/sweep.h"
 #include "verify/verify.h"
 
@@ -115,16 +116,19 @@ int run_parsed(int argc, char** argv) {
     if (error.get_exit_code() != 0) return usage_error(error, app, std::span(argv + 1, argv + argc));
     app.exit(error);
   }
-  if (!std::cout.flush()) throw Failure(Status::Usage, "cannot write to standard output");
+  finish_output();
   return static_cast<int>(Status::Done);
 }
 
 }  // namespace
 
 int run_command_line(int argc, char** argv) {
+  prepare_standard_streams();
   catch_interrupts();
   try {
     return run_parsed(argc, argv);
+  } catch (const ReaderGone&) {
+    return end_by_closed_pipe();
   } catch (const SceneTooLarge& error) {
     return exit_with(Status::Usage, error.what());
   } catch (const SceneError& error) {

@@ -11,6 +11,7 @@
 #include "interrupt.h"
 #include "names.h"
 #include "progress.h"
+#include "standard_streams.h"
 
 namespace atl::command {
 namespace {
@@ -163,7 +164,7 @@ void explain(const ExplainOptions& options) {
   } else {
     write_text(std::cout, scene, found);
   }
-  if (!std::cout.flush()) throw Failure(Status::Usage, "cannot write the results to standard output");
+  finish_output();
   if (found.steps < scene.steps) {
     throw interruption(scene.name, "after step " + std::to_string(found.steps) + " of " + std::to_string(scene.steps));
   }

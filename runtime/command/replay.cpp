@@ -11,6 +11,7 @@
 #include "option_checks.h"
 #include "progress.h"
 #include "replay_report.h"
+#include "standard_streams.h"
 
 namespace atl::command {
 namespace {
@@ -58,7 +59,7 @@ void replay_file(const ReplayFileOptions& options) {
   } else {
     write_replay_text(std::cout, options, result);
   }
-  if (!std::cout.flush()) throw Failure(Status::Usage, "cannot write the results to standard output");
+  finish_output();
   if (result.divergence) {
     throw Failure(Status::CheckFailed,
                   options.path + ": the replay differs from what was recorded: " + first_words(*result.divergence));

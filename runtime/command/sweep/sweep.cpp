@@ -13,6 +13,7 @@
 #include "../names.h"
 #include "../output_file.h"
 #include "../progress.h"
+#include "../standard_streams.h"
 #include "results.h"
 #include "scene_sweep.h"
 
@@ -118,6 +119,22 @@ void find_frontiers(const std::vector<PeerDriver>& drivers, SweepResults& result
   }
 }
 
+// Each for itself. What went wrong, or "".
+std::string write_files(const SweepFiles& files, const SweepResults& results) {
+  std::string failures;
+  const auto write = [&](const OutputFile& file, const auto& content) {
+    try {
+      file.write(content);
+    } catch (const Failure& failure) {
+      failures += (failures.empty() ? "" : "; ") + std::string(failure.what());
+    }
+  };
+  write(files.json, [&](std::ostream& out) { write_results_json(out, results); });
+  write(files.csv, [&](std::ostream& out) { write_results_csv(out, results); });
+  write(files.page, [&](std::ostream& out) { write_results_page(out, results, today()); });
+  return failures;
+}
+
 }  // namespace
 
 void sweep(const SweepOptions& options) {
@@ -147,12 +164,12 @@ void sweep(const SweepOptions& options) {
     throw interruption("sweep", done + " run; nothing was written");
   }
 
-  outputs.json.write([&](std::ostream& out) { write_results_json(out, results); });
-  outputs.csv.write([&](std::ostream& out) { write_results_csv(out, results); });
-  outputs.page.write([&](std::ostream& out) { write_results_page(out, results, today()); });
+  const std::string failures = write_files(outputs, results);
   write_results_text(std::cout, results);
-  std::cout << "wrote " << (fs::path(options.out) / "index.html").string() << ", results.json and results.csv\n";
-  if (!std::cout.flush()) throw Failure(Status::Usage, "cannot write the results to standard output");
+  if (failures.empty())
+    std::cout << "wrote " << (fs::path(options.out) / "index.html").string() << ", results.json and results.csv\n";
+  finish_output();
+  if (!failures.empty()) throw Failure(Status::Usage, failures);
   if (results.interrupted) throw interruption("sweep", done + ", all that was timed by then is in what was written");
 }
 

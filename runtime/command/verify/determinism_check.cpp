@@ -6,6 +6,7 @@
 #include "../interrupt.h"
 #include "../names.h"
 #include "../progress.h"
+#include "../standard_streams.h"
 #include "checks.h"
 #include "determinism_report.h"
 
@@ -107,7 +108,7 @@ void check_determinism(const VerifyOptions& options, const divergence::Meddle& m
   } else {
     write_determinism_text(std::cout, scene, result);
   }
-  if (!std::cout.flush()) throw Failure(Status::Usage, "cannot write the results to standard output");
+  finish_output();
   throw_first_of(scene, result);
   if (result.others.size() < compared) {
     throw interruption(scene.name, "with " + std::to_string(result.others.size()) + " of " + std::to_string(compared) +

@@ -4,6 +4,7 @@
 #include "../failure.h"
 #include "../interrupt.h"
 #include "../progress.h"
+#include "../standard_streams.h"
 #include "checks.h"
 #include "chosen_cases.h"
 #include "physics_report.h"
@@ -34,7 +35,7 @@ void check_physics(const VerifyOptions& options) {
   } else {
     write_physics_text(std::cout, cases, results);
   }
-  if (!std::cout.flush()) throw Failure(Status::Usage, "cannot write the results to standard output");
+  finish_output();
   std::size_t failed = 0;
   for (std::size_t i = 0; i < cases.size(); ++i) failed += results[i].front().expected(cases[i]) ? 0 : 1;
   if (failed > 0) {

@@ -5,6 +5,7 @@
 #include "../failure.h"
 #include "../interrupt.h"
 #include "../progress.h"
+#include "../standard_streams.h"
 #include "checks.h"
 #include "chosen_cases.h"
 #include "stability_report.h"
@@ -38,7 +39,7 @@ void check_stability(const VerifyOptions& options) {
   } else {
     write_stability_text(std::cout, cases, results);
   }
-  if (!std::cout.flush()) throw Failure(Status::Usage, "cannot write the results to standard output");
+  finish_output();
   const auto failed = std::count_if(results.begin(), results.end(), [](const CaseResult& r) { return r.failed(); });
   if (failed > 0) {
     throw Failure(Status::CheckFailed,
