@@ -17,6 +17,7 @@
 #include "replay.h"
 #include "run.h"
 #include "scene/src/words.h"
+#include "soak.h"
 #include "standard_streams.h"
 #include "sweep/sweep.h"
 #include "verify/verify.h"
@@ -50,7 +51,7 @@ std::string words_of_extra(const CLI::App& app, std::span<const char* const> arg
   }
   if (!parsed.empty()) return "unexpected argument \"" + extra + "\"";
   for (const CLI::App* each : app.get_subcommands({})) names.push_back(each->get_name());
-  return "unknown command \"" + extra + "\", expected run, explain, replay, sweep, verify or scenes" +
+  return "unknown command \"" + extra + "\", expected run, explain, replay, soak, sweep, verify or scenes" +
          scene::suggestion(extra, views(names));
 }
 
@@ -86,6 +87,10 @@ int run_parsed(int argc, char** argv) {
       app.add_subcommand("replay", "make the calls of a recording again and tell where the state differs");
   ReplayFileOptions replay_options;
   add_replay_options(*replay, replay_options);
+  CLI::App* soaking = app.add_subcommand(
+      "soak", "let bodies and joints come and go for hours, in two worlds, and tell what goes wrong");
+  SoakCommandOptions soak_options;
+  add_soak_options(*soaking, soak_options);
   CLI::App* sweep = app.add_subcommand("sweep", "run scenes over many settings and draw error against run time");
   SweepOptions sweep_options;
   add_sweep_options(*sweep, sweep_options);
@@ -108,6 +113,7 @@ int run_parsed(int argc, char** argv) {
     if (run->parsed()) command::run(options);
     if (explanation->parsed()) command::explain(explain_options);
     if (replay->parsed()) replay_file(replay_options);
+    if (soaking->parsed()) command::soak(soak_options);
     if (sweep->parsed()) command::sweep(sweep_options);
     if (verification->parsed()) verify(verify_options);
     if (scenes->parsed() && scene_to_write.empty()) list_scenes(std::cout);

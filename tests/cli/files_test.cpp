@@ -141,6 +141,12 @@ TEST_F(CommandFullDisk, EndsASweepWithItsResultsInWords) {
   EXPECT_EQ(result.err.find("wrote"), std::string::npos);
 }
 
+TEST_F(CommandFullDisk, EndsASoak) {
+  const CommandResult result = on_small_disk("\"$0\" soak --steps 600 --recordings $1; echo status $?; ls -A $1");
+  EXPECT_TRUE(result.out.ends_with("status 2\n")) << result.out << result.err;
+  EXPECT_NE(result.err.find("--recordings: "), std::string::npos) << result.err;
+}
+
 TEST(CommandFiles, AFolderThatVanishesCostsNoResults) {
   const ScratchDirectory scratch;
   fs::create_directory(scratch.path("folder"));
@@ -177,9 +183,10 @@ TEST_F(CommandFullDisk, AReadOnlyDiskIsToldAhead) {
   const CommandResult result = on_small_disk(
       "mount -o remount,ro $1 && for o in --record --out --final-state; do \"$0\" run stack --steps 1000000000 $o "
       "$1/file; "
-      "echo status $?; done; \"$0\" sweep stack --out $1/sweep; echo status $?;");
-  EXPECT_EQ(result.out, "status 2\nstatus 2\nstatus 2\nstatus 2\n") << result.err;
-  EXPECT_EQ(lines_of(result.err).size(), 4u) << result.err;
+      "echo status $?; done; \"$0\" sweep stack --out $1/sweep; echo status $?; \"$0\" soak --steps 1 --recordings $1; "
+      "echo status $?");
+  EXPECT_EQ(result.out, "status 2\nstatus 2\nstatus 2\nstatus 2\nstatus 2\n") << result.err;
+  EXPECT_EQ(lines_of(result.err).size(), 5u) << result.err;
 }
 
 TEST(CommandFiles, ALostBodyIsToldWithAFileThatCantBeWritten) {
