@@ -30,22 +30,27 @@ class TimeClasses {
 /// Resident memory of this process, bytes; 0 where the system doesn't tell.
 std::size_t resident_memory();
 
-/// Whether memory grows. It is sampled as recordings change over, when as much is held each time; what comes ahead of
-/// soak::warm_up_steps() is left out. The least of the first samples_each samples is what the least of the last as many
-/// is held against.
+/// Whether memory grows. It is sampled as recordings change over, when as much is held each time; of the last samples
+/// the least counts. Warm-up is soak::warm_up_steps() at least, and else a quarter to half of the steps so far: buffers
+/// are as large as the largest crowd wanted them, and the largest of all grows with the logarithm of time, where what
+/// is lost grows with time itself.
 class MemoryDrift {
  public:
   static constexpr double most = 0.01;  // of what there was after warm-up
-  static constexpr std::size_t samples_each = 8;
 
   void note(std::int64_t step, std::size_t bytes);
-  /// Of the memory after warm-up, how much more it is; nothing before there were twice as many samples.
+  /// Of the memory after warm-up, how much more it is; nothing before twice the least warm-up.
   std::optional<double> drift() const;
 
  private:
-  std::size_t after_warm_up_ = 0;
-  std::size_t samples_ = 0;
-  std::array<std::size_t, samples_each> last_ = {};
+  static constexpr std::size_t samples = 8;
+
+  std::size_t least() const;
+
+  std::array<std::size_t, samples> last_ = {};
+  std::size_t noted_ = 0;
+  std::int64_t next_mark_ = soak::warm_up_steps();  // steps; twice as many each time
+  std::size_t at_mark_ = 0, at_mark_before_ = 0;    // bytes; 0 where there was none
 };
 
 void write_soak_head(std::ostream& out);

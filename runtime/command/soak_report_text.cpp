@@ -64,16 +64,21 @@ std::size_t resident_memory() {
   return resident * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
 }
 
+std::size_t MemoryDrift::least() const {
+  return *std::min_element(last_.begin(), last_.begin() + static_cast<std::ptrdiff_t>(std::min(noted_, samples)));
+}
+
 void MemoryDrift::note(std::int64_t step, std::size_t bytes) {
-  if (step < soak::warm_up_steps()) return;
-  last_[samples_ % samples_each] = bytes;
-  if (++samples_ == samples_each) after_warm_up_ = *std::min_element(last_.begin(), last_.end());
+  last_[noted_++ % samples] = bytes;
+  if (step < next_mark_) return;
+  at_mark_before_ = at_mark_;
+  at_mark_ = least();
+  next_mark_ *= 2;
 }
 
 std::optional<double> MemoryDrift::drift() const {
-  if (samples_ < 2 * samples_each) return std::nullopt;
-  const auto now = static_cast<double>(*std::min_element(last_.begin(), last_.end()));
-  return now / static_cast<double>(after_warm_up_) - 1;
+  if (at_mark_before_ == 0) return std::nullopt;
+  return static_cast<double>(least()) / static_cast<double>(at_mark_before_) - 1;
 }
 
 void write_soak_head(std::ostream& out) {

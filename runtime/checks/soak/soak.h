@@ -58,8 +58,9 @@ class RecordingFailed : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Steps after which as much memory is held as will be: every place in the population was taken at least four times,
-/// and all choices of settings have been in use four times. Chance makes larger crowds later, but hardly.
+/// Steps after which about as much memory is held as will be: every place in the population was taken eight times or
+/// more, and all choices of settings have been in use eight times. Larger crowds still come by chance, but ever less
+/// often: with seed 3 there were 43.7 MB after 7,760 steps, 45.5 after 13,165 and 47.3 after 16,500.
 std::int64_t warm_up_steps();
 /// A recording ends after as many: what memory is held then is held again and again.
 std::int64_t segment_steps();

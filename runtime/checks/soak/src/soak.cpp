@@ -28,7 +28,7 @@ Simd other_simd() {
 
 static_assert(settings_cycle > longest_stay);
 
-std::int64_t warm_up_steps() { return 4 * settings_cycle; }
+std::int64_t warm_up_steps() { return 8 * settings_cycle; }
 std::int64_t segment_steps() { return recorded; }
 
 class Soak::Impl {
