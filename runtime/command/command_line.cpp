@@ -12,10 +12,13 @@
 
 #include "explain.h"
 #include "failure.h"
+#include "interrupt.h"
 #include "list_scenes.h"
 #include "replay.h"
 #include "run.h"
 #include "scene/src/words.h"
+#include "soak.h"
+#include "standard_streams.h"
 #include "sweep/sweep.h"
 #include "verify/verify.h"
 
@@ -26,6 +29,8 @@ int exit_with(Status status, const std::string& message) {
   std::cerr << "atoll: " << message << "\n";
   return static_cast<int>(status);
 }
+
+int exit_with(const Failure& failure) { return exit_with(failure.status(), failure.what()); }
 
 std::vector<std::string_view> views(const std::vector<std::string>& texts) { return {texts.begin(), texts.end()}; }
 
@@ -46,7 +51,7 @@ std::string words_of_extra(const CLI::App& app, std::span<const char* const> arg
   }
   if (!parsed.empty()) return "unexpected argument \"" + extra + "\"";
   for (const CLI::App* each : app.get_subcommands({})) names.push_back(each->get_name());
-  return "unknown command \"" + extra + "\", expected run, explain, replay, sweep, verify or scenes" +
+  return "unknown command \"" + extra + "\", expected run, explain, replay, soak, sweep, verify or scenes" +
          scene::suggestion(extra, views(names));
 }
 
@@ -68,7 +73,8 @@ int run_parsed(int argc, char** argv) {
       "  atoll scenes                  what there is to run\n"
       "  atoll run pile --threads 2    5000 boxes dropped into a container\n"
       "  atoll run wall:base=100       a built-in scene with another parameter\n"
-      "\nExit status: 0 done, 1 a check failed, 2 usage, 3 bad scene or recording, 4 a body became non-finite.");
+      "\nExit status: 0 done, 1 a check failed, 2 usage, 3 bad scene or recording, 4 a body became non-finite; "
+      "130 interrupted\n(143 by SIGTERM, 129 by SIGHUP): what was done by then is printed and written.");
 
   CLI::App* run = app.add_subcommand("run", "simulate a scene file or a built-in scene and report time and error");
   RunOptions options;
@@ -81,6 +87,10 @@ int run_parsed(int argc, char** argv) {
       app.add_subcommand("replay", "make the calls of a recording again and tell where the state differs");
   ReplayFileOptions replay_options;
   add_replay_options(*replay, replay_options);
+  CLI::App* soaking = app.add_subcommand(
+      "soak", "let bodies and joints come and go for hours, in two worlds, and tell what goes wrong");
+  SoakCommandOptions soak_options;
+  add_soak_options(*soaking, soak_options);
   CLI::App* sweep = app.add_subcommand("sweep", "run scenes over many settings and draw error against run time");
   SweepOptions sweep_options;
   add_sweep_options(*sweep, sweep_options);
@@ -103,6 +113,7 @@ int run_parsed(int argc, char** argv) {
     if (run->parsed()) command::run(options);
     if (explanation->parsed()) command::explain(explain_options);
     if (replay->parsed()) replay_file(replay_options);
+    if (soaking->parsed()) command::soak(soak_options);
     if (sweep->parsed()) command::sweep(sweep_options);
     if (verification->parsed()) verify(verify_options);
     if (scenes->parsed() && scene_to_write.empty()) list_scenes(std::cout);
@@ -111,19 +122,27 @@ int run_parsed(int argc, char** argv) {
     if (error.get_exit_code() != 0) return usage_error(error, app, std::span(argv + 1, argv + argc));
     app.exit(error);
   }
-  if (!std::cout.flush()) throw Failure(Status::Usage, "cannot write to standard output");
+  finish_output();
   return static_cast<int>(Status::Done);
 }
 
 }  // namespace
 
 int run_command_line(int argc, char** argv) {
+  prepare_standard_streams();
+  catch_interrupts();
   try {
     return run_parsed(argc, argv);
+  } catch (const ReaderGone&) {
+    return end_by_closed_pipe();
+  } catch (const SceneTooLarge& error) {
+    return exit_with(Status::Usage, error.what());
   } catch (const SceneError& error) {
     return exit_with(Status::BadScene, error.what());
   } catch (const Failure& failure) {
-    return exit_with(failure.status(), failure.what());
+    return exit_with(failure);
+  } catch (const Interrupted&) {
+    return exit_with(interruption("atoll", "between two steps"));
   } catch (const std::bad_alloc&) {
     return exit_with(Status::BadScene, "the scene needs more memory than there is");
   } catch (const std::exception& error) {

@@ -8,8 +8,10 @@
 
 #include "failure.h"
 #include "figures.h"
+#include "interrupt.h"
 #include "names.h"
 #include "progress.h"
+#include "standard_streams.h"
 
 namespace atl::command {
 namespace {
@@ -51,6 +53,7 @@ Explanation explanation_of(const Scene& scene, World& world) {
     const StepReport report = world.step(scene.dt);
     for (std::size_t i = 0; i < feature_count; ++i) found.features[i].add(report.features[i]);
     progress.update(static_cast<int>(++found.steps));
+    if (interrupted()) break;
   }
   found.memory = world.memory();
   return found;
@@ -76,7 +79,8 @@ std::string extent_words(const FeatureTally& feature) {
 void write_text(std::ostream& out, const Scene& scene, const Explanation& found) {
   const BodyCounts bodies = body_counts(scene);
   out << scene.name << ": " << bodies.dynamic << " dynamic, " << bodies.fixed << " static, " << bodies.kinematic
-      << " kinematic bodies, " << plural(found.steps, "step") << "\n";
+      << " kinematic bodies, " << (found.steps < scene.steps ? std::to_string(found.steps) + " of " : "")
+      << plural(scene.steps, "step") << "\n";
 
   const auto section = [&](const char* title, const auto& belongs, const auto& text) {
     if (std::none_of(found.features.begin(), found.features.end(), belongs)) return;
@@ -160,7 +164,10 @@ void explain(const ExplainOptions& options) {
   } else {
     write_text(std::cout, scene, found);
   }
-  if (!std::cout.flush()) throw Failure(Status::Usage, "cannot write the results to standard output");
+  finish_output();
+  if (found.steps < scene.steps) {
+    throw interruption(scene.name, "after step " + std::to_string(found.steps) + " of " + std::to_string(scene.steps));
+  }
 }
 
 }  // namespace atl::command

@@ -12,6 +12,10 @@ enum class Status {
   Usage = 2,      ///< an option, its value or an output file
   BadScene = 3,   ///< or recording
   NonFinite = 4,  ///< a body's state became non-finite or absurd
+  // Above 128 by the number of the signal that ended it: see interrupt.h.
+  HungUp = 129,
+  Interrupted = 130,
+  Terminated = 143,
 };
 
 /// Ends the command with one line on stderr.

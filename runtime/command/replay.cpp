@@ -7,9 +7,11 @@
 #include <optional>
 
 #include "failure.h"
+#include "interrupt.h"
 #include "option_checks.h"
 #include "progress.h"
 #include "replay_report.h"
+#include "standard_streams.h"
 
 namespace atl::command {
 namespace {
@@ -30,7 +32,8 @@ ReplayResult replay_with_progress(const ReplayFileOptions& options) {
     progress->update(steps);
   };
   try {
-    return replay(options.path, {.threads = options.threads, .simd = options.simd, .on_step = show});
+    return replay(options.path,
+                  {.threads = options.threads, .simd = options.simd, .on_step = show, .stop = interrupted});
   } catch (const Error& error) {
     throw Failure(Status::BadScene, error.what());
   }
@@ -56,10 +59,14 @@ void replay_file(const ReplayFileOptions& options) {
   } else {
     write_replay_text(std::cout, options, result);
   }
-  if (!std::cout.flush()) throw Failure(Status::Usage, "cannot write the results to standard output");
+  finish_output();
   if (result.divergence) {
     throw Failure(Status::CheckFailed,
                   options.path + ": the replay differs from what was recorded: " + first_words(*result.divergence));
+  }
+  if (result.steps < result.recorded_steps && interrupted()) {
+    throw interruption(options.path,
+                       "after step " + std::to_string(result.steps) + " of " + std::to_string(result.recorded_steps));
   }
 }
 

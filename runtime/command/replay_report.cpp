@@ -58,7 +58,8 @@ void write_replay_text(std::ostream& out, const ReplayFileOptions& options, cons
       << "; " << run_words(result.recorded_threads, result.recorded_simd) << "\n"
       << "replayed   " << plural(result.steps, "step") << "; " << run_words(options.threads, result.simd) << "\n";
   if (!result.divergence) {
-    out << "result     same after every step, bit for bit; hash " << hash_text(result.hash) << "\n";
+    out << "result     same after every step" << (result.steps < result.recorded_steps ? " so far" : "")
+        << ", bit for bit; hash " << hash_text(result.hash) << "\n";
     return;
   }
   const ReplayDivergence& divergence = *result.divergence;

@@ -1,10 +1,10 @@
-#include "report.h"
-
 #include <nlohmann/json.hpp>
 #include <ostream>
 
 #include "figures.h"
+#include "interrupt.h"
 #include "names.h"
+#include "report.h"
 #include "state/hex.h"
 
 namespace atl::command {
@@ -103,7 +103,7 @@ void write_json(std::ostream& out, const Scene& scene, const World& world, const
   Json object = {
       {"scene", scene.name},
       {"bodies", body_counts(scene).dynamic},
-      {"steps", scene.steps},
+      {"steps", result.steps},
       {"dt", scene.dt},
       {"threads", world.threads()},
       {"simd", name_of(world.simd())},
@@ -117,6 +117,7 @@ void write_json(std::ostream& out, const Scene& scene, const World& world, const
   object["features"] = features_json(result.last.features);
   if (!result.selected_solves.empty()) object["selected_solves"] = selected_solves_json(result);
   if (!result.lost.empty()) object["quarantined"] = lost_json(result);
+  if (result.interrupted) object["interrupted"] = {{"by", interrupt_name()}, {"steps_asked", scene.steps}};
   object["hash"] = hash_text(result.hash);
   // A name from a scene file is valid UTF-8 by then; one from a file's name need not be.
   out << object.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';

@@ -1,13 +1,13 @@
-#include "report.h"
-
 #include <algorithm>
 #include <iomanip>
 #include <numeric>
 #include <ostream>
 
 #include "figures.h"
+#include "interrupt.h"
 #include "measure_words.h"
 #include "names.h"
+#include "report.h"
 #include "state/hex.h"
 
 namespace atl::command {
@@ -28,15 +28,21 @@ std::string stabilisation_words(const Settings& s) {
   return s.stabilisation == Stabilisation::Soft ? name : name + " of " + significant(s.correction, 4) + " a substep";
 }
 
-void write_head(std::ostream& out, const Scene& scene, const World& world) {
+// "300 steps", or "120 of 300 steps".
+std::string steps_words(const Scene& scene, const RunResult& result) {
+  return (result.interrupted ? std::to_string(result.steps) + " of " : "") + plural(scene.steps, "step");
+}
+
+void write_head(std::ostream& out, const Scene& scene, const World& world, const RunResult& result) {
   const BodyCounts bodies = body_counts(scene);
   const Settings& s = scene.settings;
   out << "scene     " << scene.name << "\n"
       << "bodies    " << bodies.dynamic << " dynamic, " << bodies.fixed << " static, " << bodies.kinematic
       << " kinematic\n"
-      << "run       " << plural(scene.steps, "step") << " of " << significant(1000 * scene.dt, 4) << " ms, "
-      << significant(scene.steps * scene.dt, 4) << " s in all; " << plural(world.threads(), "thread") << ", "
+      << "run       " << steps_words(scene, result) << " of " << significant(1000 * scene.dt, 4) << " ms, "
+      << significant(result.steps * scene.dt, 4) << " s in all; " << plural(world.threads(), "thread") << ", "
       << name_of(world.simd()) << "\n"
+      << (result.interrupted ? std::string("ended     by ") + interrupt_name() + ", ahead of its last step\n" : "")
       << "settings  " << plural(s.substeps, "substep") << ", " << plural(s.iterations, "iteration") << ", "
       << s.relax_iterations << " to relax, friction " << name_of(s.friction) << ", warm starting "
       << (s.warm_starting ? "on" : "off") << ", sleeping " << (s.sleeping ? "on" : "off") << ",\n          "
@@ -139,13 +145,13 @@ void write_errors(std::ostream& out, const Scene& scene, const RunResult& result
 
 // What a run came to, in a sentence.
 void write_summary(std::ostream& out, const Scene& scene, const RunResult& result) {
-  const double simulated = scene.steps * scene.dt;
-  const double wall = 1e-3 * result.step_times.mean * scene.steps;
+  const double simulated = result.steps * scene.dt;
+  const double wall = 1e-3 * result.step_times.mean * result.steps;
   out << "\n"
       << plural(body_counts(scene).dynamic, "body", "bodies") << " moved for " << significant(simulated, 3)
       << " s of simulated time in " << significant(wall, 3) << " s";
   if (wall > 0) {
-    out << ": " << significant(scene.steps / wall, 3) << " steps/s, " << significant(simulated / wall, 3)
+    out << ": " << significant(result.steps / wall, 3) << " steps/s, " << significant(simulated / wall, 3)
         << " times real time";
   }
   out << "\n";
@@ -169,7 +175,7 @@ void write_lost(std::ostream& out, const Scene& scene, const RunResult& result) 
 }  // namespace
 
 void write_text(std::ostream& out, const Scene& scene, const World& world, const RunResult& result) {
-  write_head(out, scene, world);
+  write_head(out, scene, world, result);
   if (scene.settings.profile) {
     write_counts(out, result.last.counts);
     write_features(out, result.last.features);

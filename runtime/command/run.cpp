@@ -5,9 +5,11 @@
 
 #include "failure.h"
 #include "figures.h"
+#include "interrupt.h"
 #include "output_file.h"
 #include "report.h"
 #include "simulation.h"
+#include "standard_streams.h"
 #include "state/hex.h"
 
 namespace atl::command {
@@ -79,11 +81,35 @@ void write_final_state(const Outputs& outputs, const Scene& scene, const std::ve
   outputs.final_state->write([&](std::ostream& out) { result.final_state.write_csv(out, scene, ids); });
 }
 
-[[noreturn]] void fail_broken(const Scene& scene, const RunResult& result, const Outputs& outputs) {
+// Each file for itself: one that can't be written costs neither the others nor the results. What went wrong, or "".
+std::string write_files(const Outputs& outputs, const Scene& scene, World& world, const std::vector<BodyId>& ids,
+                        const RunResult& result) {
+  std::string failures;
+  const auto try_to = [&](const auto& write) {
+    try {
+      write();
+    } catch (const Failure& failure) {
+      failures += (failures.empty() ? "" : "; ") + std::string(failure.what());
+    }
+  };
+  try_to([&] { write_final_state(outputs, scene, ids, result); });
+  try_to([&] { end_recording(outputs, world); });
+  if (outputs.json && !result.broken) {
+    try_to([&] { outputs.json->write([&](std::ostream& out) { write_json(out, scene, world, result); }); });
+  }
+  return failures;
+}
+
+[[noreturn]] void fail_broken(const Scene& scene, const RunResult& result, const Outputs& outputs,
+                              const std::string& failures) {
   const std::string more = result.lost.size() > 1 ? " (and " + std::to_string(result.lost.size() - 1) + " more)" : "";
-  throw Failure(Status::NonFinite, scene.name + ": " + lost_words(scene, result.lost.front()) + more +
-                                       (outputs.final_state ? "; --final-state has the state before that step" : "") +
-                                       "; --keep-going goes on without it");
+  const char* state = outputs.final_state && failures.empty() ? "; --final-state has the state before that step" : "";
+  throw Failure(Status::NonFinite, scene.name + ": " + lost_words(scene, result.lost.front()) + more + state +
+                                       "; --keep-going goes on without it" + (failures.empty() ? "" : "; " + failures));
+}
+
+std::string of_all_steps(const Scene& scene, const RunResult& result) {
+  return std::to_string(result.steps) + " of " + std::to_string(scene.steps);
 }
 
 void print(const RunOptions& options, const Scene& scene, const World& world, const RunResult& result) {
@@ -93,7 +119,7 @@ void print(const RunOptions& options, const Scene& scene, const World& world, co
     write_text(std::cout, scene, world, result);
     if (options.hash) std::cout << hash_text(result.hash) << "\n";
   }
-  if (!std::cout.flush()) throw Failure(Status::Usage, "cannot write the results to standard output");
+  finish_output();
 }
 
 }  // namespace
@@ -108,19 +134,12 @@ void run(const RunOptions& options) {
   const RunResult result =
       simulate(scene, world, ids,
                {.final_state = outputs.final_state.has_value(), .errors = options.errors, .going = options.keep_going});
-  write_final_state(outputs, scene, ids, result);
-  if (result.broken) {
-    end_recording(outputs, world);
-    fail_broken(scene, result, outputs);
-  }
-  try {
-    end_recording(outputs, world);
-    if (outputs.json) outputs.json->write([&](std::ostream& out) { write_json(out, scene, world, result); });
-  } catch (const Failure&) {
-    print(options, scene, world, result);  // a disk that filled up meanwhile should not cost the results
-    throw;
-  }
+  const std::string failures = write_files(outputs, scene, world, ids, result);
+  if (result.broken) fail_broken(scene, result, outputs, failures);
+  // Files first: a reader who has read enough ends all.
   print(options, scene, world, result);
+  if (!failures.empty()) throw Failure(Status::Usage, failures);
+  if (result.interrupted) throw interruption(scene.name, "after step " + of_all_steps(scene, result));
 }
 
 }  // namespace atl::command

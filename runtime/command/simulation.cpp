@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "interrupt.h"
 #include "progress.h"
 #include "residual_meter.h"
 
@@ -42,6 +43,7 @@ RunResult simulate(const Scene& scene, World& world, const std::vector<BodyId>& 
     if (keep.final_state) result.final_state.copy(world);
     apply_forces(scene, world, ids);
     result.last = world.step(scene.dt);
+    result.steps = step;
     ms.push_back(result.last.ms);
     for (int phase = 0; phase < phase_count; ++phase) result.phase_ms[phase] += result.last.phase_ms[phase];
     for (std::size_t phase = 0; phase < solver_phase_count; ++phase)
@@ -52,7 +54,9 @@ RunResult simulate(const Scene& scene, World& world, const std::vector<BodyId>& 
       break;
     }
     if (keep.errors) residual.observe(world);
-    if (keep.errors || step == scene.steps) observe(step);
+    result.interrupted = step < scene.steps && interrupted();
+    if (keep.errors || step == scene.steps || result.interrupted) observe(step);
+    if (result.interrupted) break;
     progress.update(step);
   }
   const auto steps = static_cast<double>(ms.size());

@@ -34,6 +34,8 @@ struct SolveOfBody {
 
 /// What a run of a scene gave.
 struct RunResult {
+  int steps = 0;             ///< that were done: all of the scene's, unless broken or interrupted
+  bool interrupted = false;  ///< by a signal, after at least one step
   StepTimes step_times;
   std::array<double, phase_count> phase_ms = {};  ///< mean
   /// Means, with Settings::profile only.
@@ -55,7 +57,8 @@ struct Keep {
   bool going = false;   ///< whatever bodies are lost
 };
 
-/// Runs a scene that was built into the world as `ids`, and measures its errors.
+/// Runs a scene that was built into the world as `ids`, and measures its errors. A signal ends it after the step that
+/// is under way, or the first: what there is by then is measured all the same.
 RunResult simulate(const Scene& scene, World& world, const std::vector<BodyId>& ids, const Keep& keep);
 
 }  // namespace atl::command

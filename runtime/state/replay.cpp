@@ -72,6 +72,7 @@ class Replay {
  public:
   Replay(const std::string& path, const ReplayOptions& options)
       : on_step_(options.on_step),
+        stop_(options.stop),
         reader_(path),
         world_({.threads = options.threads, .settings = {.simd = options.simd}}) {
     result_.recorded_steps = reader_.steps();
@@ -81,6 +82,7 @@ class Replay {
 
   ReplayResult run() {
     while (!done_ && next()) {
+      if (ends_here()) break;
       try {
         StateReader record(reader_.content(), record_source);
         take(record);
@@ -96,6 +98,14 @@ class Replay {
   }
 
  private:
+  // Ahead of a record that is no part of what the last step came to. Steps are counted up to the one asked after.
+  bool ends_here() {
+    const RecordKind kind = reader_.kind();
+    if (!stop_ || asked_ == result_.steps || kind == RecordKind::Hash || kind == RecordKind::Bodies) return false;
+    asked_ = result_.steps;
+    return stop_();
+  }
+
   // The next record, or again one that was put back.
   bool next() { return std::exchange(put_back_, false) || reader_.next(); }
 
@@ -246,6 +256,7 @@ class Replay {
   }
 
   const decltype(ReplayOptions::on_step)& on_step_;
+  const decltype(ReplayOptions::stop)& stop_;
   RecordingReader reader_;
   World world_;
   Geometry geometry_;
@@ -253,6 +264,7 @@ class Replay {
   bool begun_ = false;
   bool put_back_ = false;  // the record that was read last
   bool done_ = false;
+  std::int64_t asked_ = 0;  // the step after which stop_ was asked last
   ReplayResult result_;
 };
 

@@ -3,6 +3,7 @@
 #include <collision/shapes/collider_table.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "state/world_definition.h"
 
@@ -11,9 +12,14 @@ namespace {
 
 using jobs::same_bits;
 
+bool are_alike(const std::optional<Material>& a, const std::optional<Material>& b) {
+  return a.has_value() == b.has_value() && (!a || same_bits(*a, *b));
+}
+
 bool are_alike(const CheckedCollider& a, const CheckedCollider& b) {
   return same_bits(a.shape, b.shape) && same_bits(a.local, b.local) && a.geometry == b.geometry &&
-         a.content == b.content;
+         a.content == b.content && same_bits(a.density_factor, b.density_factor) && are_alike(a.material, b.material) &&
+         a.filter == b.filter;
 }
 
 // Field by field, as in visit_constants(): far faster than two fingerprints. Cheap and likely differences come first.

@@ -2,16 +2,19 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <signal.h>
 #include <spawn.h>
 #include <stdlib.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
+#include <thread>
 
 namespace atl::test {
 
@@ -21,9 +24,15 @@ CommandResult run_atoll(const std::vector<std::string>& arguments) {
   return run_program(std::move(words));
 }
 
-CommandResult run_program(std::vector<std::string> words) {
-  const ScratchDirectory scratch;
-  const std::string out = scratch.path("out"), err = scratch.path("err");
+CommandResult run_program(std::vector<std::string> words) { return RunningProgram(std::move(words)).finish(); }
+
+RunningProgram start_atoll(const std::vector<std::string>& arguments) {
+  std::vector<std::string> words = {ATOLL_COMMAND_PATH};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  return RunningProgram(std::move(words));
+}
+
+RunningProgram::RunningProgram(std::vector<std::string> words) {
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
@@ -31,16 +40,55 @@ CommandResult run_program(std::vector<std::string> words) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, out.c_str(), O_WRONLY | O_CREAT, 0600);
-  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, err.c_str(), O_WRONLY | O_CREAT, 0600);
-  pid_t child = 0;
-  const int failed = posix_spawn(&child, argv[0], &actions, nullptr, argv.data(), environ);
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, scratch_.path("out").c_str(), O_WRONLY | O_CREAT, 0600);
+  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, scratch_.path("err").c_str(), O_WRONLY | O_CREAT, 0600);
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  sigset_t as_usual;
+  sigemptyset(&as_usual);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) sigaddset(&as_usual, signal);
+  posix_spawnattr_setsigdefault(&attributes, &as_usual);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
+  const int failed = posix_spawn(&child_, argv[0], &actions, &attributes, argv.data(), environ);
+  posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   if (failed != 0) throw std::runtime_error("cannot run " + words.front());
+}
 
+RunningProgram::~RunningProgram() {
+  if (child_ == 0) return;
+  send(SIGKILL);
+  finish();
+}
+
+void RunningProgram::send(int signal) const { kill(child_, signal); }
+
+bool RunningProgram::catches(int signal) const {
+  std::istringstream status(read_text("/proc/" + std::to_string(child_) + "/status"));
+  const std::string name = "SigCgt:";
+  for (std::string line; std::getline(status, line);) {
+    if (line.starts_with(name)) return (std::stoull(line.substr(name.size()), nullptr, 16) >> (signal - 1) & 1) != 0;
+  }
+  return false;
+}
+
+std::string RunningProgram::err() const { return read_text(scratch_.path("err")); }
+
+CommandResult RunningProgram::finish() {
   int status = 0;
-  waitpid(child, &status, 0);
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_text(out), read_text(err)};
+  waitpid(child_, &status, 0);
+  child_ = 0;
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_text(scratch_.path("out")), err(),
+          WIFSIGNALED(status) ? WTERMSIG(status) : 0};
+}
+
+void wait_until(const std::function<bool()>& holds) {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point end = Clock::now() + std::chrono::minutes(1);
+  while (!holds()) {
+    ASSERT_LT(Clock::now(), end) << "waited for too long";
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
 }
 
 ScratchDirectory::ScratchDirectory() {

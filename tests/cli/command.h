@@ -1,6 +1,9 @@
 #pragma once
 /// Runs the atoll command as a user does: another process, its exit status and what it printed.
 
+#include <sys/types.h>
+
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -10,6 +13,7 @@ struct CommandResult {
   int status = -1;  ///< exit status; -1 where a signal ended it
   std::string out;
   std::string err;
+  int signal = 0;  ///< that ended it; 0 where it exited
 };
 
 CommandResult run_atoll(const std::vector<std::string>& arguments);
@@ -32,6 +36,30 @@ class ScratchDirectory {
  private:
   std::string path_;
 };
+
+/// A program that runs while the test goes on, without a terminal and with no signal ignored. The first word is its
+/// path.
+class RunningProgram {
+ public:
+  explicit RunningProgram(std::vector<std::string> words);
+  ~RunningProgram();  ///< kills it if it still runs
+  RunningProgram(const RunningProgram&) = delete;
+  RunningProgram& operator=(const RunningProgram&) = delete;
+
+  void send(int signal) const;
+  /// Whether it has a handler for the signal by now.
+  bool catches(int signal) const;
+  std::string err() const;  ///< so far
+  CommandResult finish();   ///< waits for its end
+
+ private:
+  ScratchDirectory scratch_;
+  pid_t child_ = 0;
+};
+
+RunningProgram start_atoll(const std::vector<std::string>& arguments);
+/// Waits for something that a program does; fails the test if it takes more than a minute.
+void wait_until(const std::function<bool()>& holds);
 
 std::string read_text(const std::string& path);
 std::vector<std::string> lines_of(const std::string& text);

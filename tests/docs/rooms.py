@@ -24,7 +24,7 @@ LAYERS = {
     "collision": [["queries"], ["continuous"], ["contacts"], ["broadphase", "narrowphase"], ["shapes"]],
     "jobs": [["jobs"]],
 }
-LABELS = {"runtime/checks": "checks: stability, physics, divergence", "runtime/core": ", ".join(CORE), "runtime/include": "include/atoll, the public API",
+LABELS = {"runtime/checks": "checks: stability, physics, divergence, soak", "runtime/core": ", ".join(CORE), "runtime/include": "include/atoll, the public API",
           "solver/tuning": "settings, tuning.h", "jobs/jobs": "parallel loops"}
 
 ROWS = [(layer, rooms) for layer, rows in LAYERS.items() for rooms in rows]

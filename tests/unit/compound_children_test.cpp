@@ -143,5 +143,23 @@ TEST(ContactEvents, TellWhereAndHowHard) {
   EXPECT_THROW(world.contact_events(), Error);
 }
 
+// What bodies of one kind share is told from what is alike but for a child's own.
+TEST(CompoundChildren, KeepTheirOwnBesideABodyThatIsOtherwiseAlike) {
+  World world;
+  const auto add = [&](double friction, std::uint32_t mask) {
+    Compound compound;
+    compound.children.push_back(
+        {.shape = Box{}, .material = Material{.friction = friction}, .filter = CollisionFilter{.mask = mask}});
+    compound.children.push_back({.shape = Sphere{0.2}, .position = {2, 0, 0}});
+    return world.add_body({.shape = compound});
+  };
+  const auto first_child = [&](BodyId body) { return std::get<Compound>(world.definition(body).shape).children[0]; };
+  const BodyId a = add(0.1, 1), b = add(0.9, 1), c = add(0.9, 2);
+  EXPECT_EQ(first_child(a).material->friction, 0.1);
+  EXPECT_EQ(first_child(b).material->friction, 0.9);
+  EXPECT_EQ(first_child(b).filter->mask, 1u);
+  EXPECT_EQ(first_child(c).filter->mask, 2u);
+}
+
 }  // namespace
 }  // namespace atl

@@ -557,5 +557,23 @@ TEST(Replay, RefusesRecordsThatDoNotFit) {
       "a hull that its vertices and faces don't make");
 }
 
+TEST(Recording, AReplayEndsWhereItIsToldTo) {
+  const TemporaryFile file(".recording");
+  Yard yard;
+  yard.world.record(file.path());
+  std::uint64_t hash = 0;
+  for (int step = 1; step <= 20; ++step) {
+    yard.world.step(1.0 / 60);
+    if (step == 7) hash = yard.world.state_hash();
+  }
+  yard.world.stop_recording();
+  int asked = 0;
+  const ReplayResult result = replay(file.path(), {.stop = [&] { return ++asked == 7; }});
+  EXPECT_EQ(result.steps, 7);
+  EXPECT_EQ(result.recorded_steps, 20);
+  EXPECT_EQ(result.hash, hash);
+  EXPECT_FALSE(result.divergence.has_value());
+}
+
 }  // namespace
 }  // namespace atl::test

@@ -6,6 +6,7 @@
 #include <ctime>
 
 #include "../failure.h"
+#include "../interrupt.h"
 #include "../residual_meter.h"
 #include "state/hex.h"
 
@@ -36,6 +37,7 @@ std::uint64_t time_run(const ScenePlan& plan, const Configuration& configuration
   const Clock::time_point start = Clock::now();
   const double cpu_start = process_time();
   for (int step = 0; step < steps; ++step) {
+    stop_if_interrupted();
     apply_forces(plan.scene, world, ids);
     world.step(configuration.dt);
   }
@@ -73,6 +75,7 @@ void measure_errors(const ScenePlan& plan, const Configuration& configuration, R
   ErrorMeter meter(plan.scene);
   ResidualMeter residual;
   for (int step = 1; step <= record.steps; ++step) {
+    stop_if_interrupted();
     apply_forces(plan.scene, world, ids);
     if (world.step(configuration.dt).first_quarantined >= 0) {
       record.outcome = Outcome::NonFinite;

@@ -10,6 +10,8 @@ namespace atl::command {
 /// What a configuration is called and where it lies, with nothing measured yet.
 Record describe(const ScenePlan& plan, const Configuration& configuration);
 
+// Both throw Interrupted between steps, and then leave no sample behind.
+
 /// Simulates once, observed after every step, and fills in outcome, errors and hash. The errors are those of
 /// atl::ErrorMeter, and the largest and the median contact residual over the steps.
 void measure_errors(const ScenePlan& plan, const Configuration& configuration, Record& record);

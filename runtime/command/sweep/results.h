@@ -26,6 +26,7 @@ struct SweepResults {
   std::uint64_t seed = 1;
   std::vector<SceneReport> scenes;
   std::vector<Frontier> frontiers = {};  ///< where they were asked for
+  bool interrupted = false;              ///< by a signal: not all that was asked for is here
 };
 
 /// All figures, fronts and verdicts.

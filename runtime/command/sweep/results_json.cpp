@@ -121,18 +121,21 @@ Json results_object(const SweepResults& results) {
   Json frontiers = Json::array();
   for (const Frontier& frontier : results.frontiers) frontiers.push_back(frontier_json(frontier));
   const Surroundings& around = results.surroundings;
-  return {{"format", "atoll-sweep"},
-          {"version", 1},
-          {"machine",
-           {{"cpu", around.cpu}, {"cores", around.cores}, {"compiler", around.compiler}, {"system", around.system}}},
-          {"engines", engines},
-          {"quick", results.quick},
-          {"repeats", results.repeats},
-          {"least_time_s", results.time},
-          {"seed", results.seed},
-          {"no_error", no_error},
-          {"scenes", scenes},
-          {"frontiers", frontiers}};
+  Json object = {
+      {"format", "atoll-sweep"},
+      {"version", 1},
+      {"machine",
+       {{"cpu", around.cpu}, {"cores", around.cores}, {"compiler", around.compiler}, {"system", around.system}}},
+      {"engines", engines},
+      {"quick", results.quick},
+      {"repeats", results.repeats},
+      {"least_time_s", results.time},
+      {"seed", results.seed},
+      {"no_error", no_error},
+      {"scenes", scenes},
+      {"frontiers", frontiers}};
+  if (results.interrupted) object["interrupted"] = true;
+  return object;
 }
 
 void write_results_json(std::ostream& out, const SweepResults& results) {

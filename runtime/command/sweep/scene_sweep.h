@@ -25,7 +25,8 @@ std::int64_t estimate_work(const ScenePlan& plan, const std::vector<PeerDriver>&
 /// Tells of finished work.
 using WorkDone = std::function<void(std::int64_t)>;
 
-/// Runs all settings of all engines: first the errors, one setting after another, then the times, round robin.
+/// Runs all settings of all engines: first the errors, one setting after another, then the times, round robin. Once a
+/// signal interrupted it, those are left out that were not timed by then: all, where the scene's own settings were not.
 SceneReport sweep_scene(ScenePlan plan, const std::vector<PeerDriver>& drivers, const RunPolicy& policy,
                         std::uint64_t seed, const WorkDone& work_done);
 

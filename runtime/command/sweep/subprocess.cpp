@@ -14,6 +14,7 @@
 #include <system_error>
 
 #include "../failure.h"
+#include "../interrupt.h"
 
 namespace atl::command {
 namespace {
@@ -60,8 +61,17 @@ pid_t spawn(const std::vector<std::string>& words, const Pipe& out, const Pipe& 
   ::posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
   ::posix_spawn_file_actions_adddup2(&actions, out.writer(), STDOUT_FILENO);
   ::posix_spawn_file_actions_adddup2(&actions, err.writer(), STDERR_FILENO);
+  // This process ignores it: see standard_streams.h.
+  posix_spawnattr_t attributes;
+  ::posix_spawnattr_init(&attributes);
+  sigset_t as_usual;
+  ::sigemptyset(&as_usual);
+  ::sigaddset(&as_usual, SIGPIPE);
+  ::posix_spawnattr_setsigdefault(&attributes, &as_usual);
+  ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
   pid_t child = 0;
-  const int failed = ::posix_spawnp(&child, argv[0], &actions, nullptr, argv.data(), environ);
+  const int failed = ::posix_spawnp(&child, argv[0], &actions, &attributes, argv.data(), environ);
+  ::posix_spawnattr_destroy(&attributes);
   ::posix_spawn_file_actions_destroy(&actions);
   if (failed != 0) fail(words.front(), failed);
   return child;
@@ -71,6 +81,9 @@ int milliseconds_to(Clock::time_point deadline) {
   const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now()).count();
   return static_cast<int>(std::clamp<long long>(left, 0, 60'000));
 }
+
+// A signal that arrives just ahead of a wait doesn't end that: it is noticed after this, ms.
+constexpr int longest_wait = 100;
 
 // Whether the end of the pipe was reached.
 bool read_some(int reader, std::string& text) {
@@ -84,9 +97,9 @@ bool read_some(int reader, std::string& text) {
 void read_all(Pipe& out, Pipe& err, Clock::time_point deadline, SubprocessResult& result) {
   while (out.reader() >= 0 || err.reader() >= 0) {
     const int left = milliseconds_to(deadline);
-    if (left == 0) return;
+    if (left == 0 || interrupted()) return;
     std::array<pollfd, 2> waiting = {pollfd{out.reader(), POLLIN, 0}, pollfd{err.reader(), POLLIN, 0}};
-    if (::poll(waiting.data(), waiting.size(), left) <= 0) continue;
+    if (::poll(waiting.data(), waiting.size(), std::min(left, longest_wait)) <= 0) continue;
     if (waiting[0].revents != 0 && read_some(out.reader(), result.out)) out.close_reader();
     if (waiting[1].revents != 0 && read_some(err.reader(), result.err)) err.close_reader();
   }
@@ -98,7 +111,7 @@ int wait_for(pid_t child, Clock::time_point deadline, bool& timed_out) {
   for (;;) {
     const pid_t ended = ::waitpid(child, &status, WNOHANG);
     if (ended == child || (ended < 0 && errno != EINTR)) return status;
-    if (milliseconds_to(deadline) == 0) break;
+    if (milliseconds_to(deadline) == 0 || interrupted()) break;
     ::poll(nullptr, 0, 2);
   }
   timed_out = true;
@@ -122,6 +135,7 @@ SubprocessResult run_subprocess(const std::vector<std::string>& words, double li
   read_all(out, err, deadline, result);
   bool timed_out = false;
   const int status = wait_for(child, deadline, timed_out);
+  stop_if_interrupted();
   if (timed_out) {
     result.end = SubprocessResult::End::TimedOut;
   } else if (WIFSIGNALED(status)) {

@@ -16,7 +16,8 @@ struct SubprocessResult {
 };
 
 /// Runs a program, found as a shell would find it but without a shell, with nothing on its standard input. It is
-/// killed after `limit` s. Throws Failure with Status::Usage if it can't be started.
+/// killed after `limit` s, or once a signal asked this process to end, and Interrupted thrown. Throws Failure with
+/// Status::Usage if it can't be started.
 SubprocessResult run_subprocess(const std::vector<std::string>& words, double limit);
 
 }  // namespace atl::command

@@ -9,9 +9,11 @@
 #include <iostream>
 
 #include "../failure.h"
+#include "../interrupt.h"
 #include "../names.h"
 #include "../output_file.h"
 #include "../progress.h"
+#include "../standard_streams.h"
 #include "results.h"
 #include "scene_sweep.h"
 
@@ -91,11 +93,13 @@ void sweep_scenes(std::vector<ScenePlan> plans, const std::vector<PeerDriver>& d
   }
   Progress progress(all_work, "");
   std::int64_t before = 0;
-  for (std::size_t i = 0; i < plans.size(); ++i) {
+  for (std::size_t i = 0; i < plans.size() && !interrupted(); ++i) {
     const Clock::time_point start = Clock::now();
     std::int64_t done = 0;
     const WorkDone work_done = [&](std::int64_t more) { progress.update(before + (done += more)); };
     results.scenes.push_back(sweep_scene(std::move(plans[i]), drivers, policy, results.seed, work_done));
+    if (results.scenes.back().records.empty()) results.scenes.pop_back();  // interrupted
+    if (interrupted()) break;
     before += work[i];
     log_scene(results.scenes.back(), std::chrono::duration<double>(Clock::now() - start).count());
   }
@@ -106,9 +110,29 @@ void find_frontiers(const std::vector<PeerDriver>& drivers, SweepResults& result
   const std::vector<Ladder> ladders = stiff_ladders();
   Progress progress(static_cast<std::int64_t>(ladders.size()), "");
   for (const Ladder& ladder : ladders) {
-    results.frontiers.push_back(climb(ladder, drivers, results.quick));
+    try {
+      results.frontiers.push_back(climb(ladder, drivers, results.quick));
+    } catch (const Interrupted&) {
+      return;
+    }
     progress.update(static_cast<std::int64_t>(results.frontiers.size()));
   }
+}
+
+// Each for itself. What went wrong, or "".
+std::string write_files(const SweepFiles& files, const SweepResults& results) {
+  std::string failures;
+  const auto write = [&](const OutputFile& file, const auto& content) {
+    try {
+      file.write(content);
+    } catch (const Failure& failure) {
+      failures += (failures.empty() ? "" : "; ") + std::string(failure.what());
+    }
+  };
+  write(files.json, [&](std::ostream& out) { write_results_json(out, results); });
+  write(files.csv, [&](std::ostream& out) { write_results_csv(out, results); });
+  write(files.page, [&](std::ostream& out) { write_results_page(out, results, today()); });
+  return failures;
 }
 
 }  // namespace
@@ -130,15 +154,23 @@ void sweep(const SweepOptions& options) {
                           .seed = options.seed,
                           .scenes = {},
                           .frontiers = {}};
+  const std::size_t scenes = plans.size();
   sweep_scenes(std::move(plans), drivers, policy, results);
   if (options.frontier) find_frontiers(drivers, results);
+  results.interrupted = interrupted();
+  const std::string done =
+      "with " + std::to_string(results.scenes.size()) + " of " + plural(static_cast<std::int64_t>(scenes), "scene");
+  if (results.interrupted && results.scenes.empty() && results.frontiers.empty()) {
+    throw interruption("sweep", done + " run; nothing was written");
+  }
 
-  outputs.json.write([&](std::ostream& out) { write_results_json(out, results); });
-  outputs.csv.write([&](std::ostream& out) { write_results_csv(out, results); });
-  outputs.page.write([&](std::ostream& out) { write_results_page(out, results, today()); });
+  const std::string failures = write_files(outputs, results);
   write_results_text(std::cout, results);
-  std::cout << "wrote " << (fs::path(options.out) / "index.html").string() << ", results.json and results.csv\n";
-  if (!std::cout.flush()) throw Failure(Status::Usage, "cannot write the results to standard output");
+  if (failures.empty())
+    std::cout << "wrote " << (fs::path(options.out) / "index.html").string() << ", results.json and results.csv\n";
+  finish_output();
+  if (!failures.empty()) throw Failure(Status::Usage, failures);
+  if (results.interrupted) throw interruption("sweep", done + ", all that was timed by then is in what was written");
 }
 
 }  // namespace atl::command

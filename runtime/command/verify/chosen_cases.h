@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "../failure.h"
+#include "../interrupt.h"
 #include "scene/src/words.h"
 
 namespace atl::command {
@@ -29,6 +30,11 @@ std::vector<Case> chosen_cases(const std::vector<Case>& all, const std::vector<s
     chosen.push_back(*found);
   }
   return chosen;
+}
+
+/// What ends a suite that a signal ended ahead of its last case.
+inline Failure interrupted_suite(const std::string& suite, std::size_t done, std::size_t asked) {
+  return interruption("verify " + suite, "after " + std::to_string(done) + " of " + std::to_string(asked) + " cases");
 }
 
 }  // namespace atl::command

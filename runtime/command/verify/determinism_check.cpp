@@ -1,11 +1,13 @@
-#include "checks.h"
-
 #include <algorithm>
 #include <iostream>
+#include <optional>
 
 #include "../failure.h"
+#include "../interrupt.h"
 #include "../names.h"
 #include "../progress.h"
+#include "../standard_streams.h"
+#include "checks.h"
 #include "determinism_report.h"
 
 namespace atl::command {
@@ -47,19 +49,27 @@ std::vector<Variant> variants_of(const VerifyOptions& options) {
   return variants;
 }
 
+// Throws Interrupted in the first run, without which there is nothing to compare; a later one ends the list of others.
 DeterminismResult run_variants(const Scene& scene, const std::vector<Variant>& variants,
                                const divergence::Meddle& meddle) {
   Progress progress(scene.steps * static_cast<std::int64_t>(variants.size()));
   std::int64_t before = 0;
-  const auto show = [&](std::int64_t steps) { progress.update(before + steps); };
+  const auto show = [&](std::int64_t steps) {
+    stop_if_interrupted();
+    progress.update(before + steps);
+  };
 
   const std::vector<std::uint64_t> trail = divergence::follow(scene, variants.front(), show, meddle);
   DeterminismResult result{.baseline = variants.front(), .hash = trail.back(), .others = {}};
   for (std::size_t i = 1; i < variants.size(); ++i) {
     before += scene.steps;
     VariantResult other{.variant = variants[i], .divergence = {}};
-    if (const auto step = divergence::first_difference(trail, scene, variants[i], show, meddle)) {
-      other.divergence = divergence::explain(scene, variants.front(), variants[i], *step, {}, meddle);
+    try {
+      if (const auto step = divergence::first_difference(trail, scene, variants[i], show, meddle)) {
+        other.divergence = divergence::explain(scene, variants.front(), variants[i], *step, {}, meddle);
+      }
+    } catch (const Interrupted&) {
+      break;
     }
     result.others.push_back(std::move(other));
   }
@@ -85,14 +95,25 @@ void throw_first_of(const Scene& scene, const DeterminismResult& result) {
 void check_determinism(const VerifyOptions& options, const divergence::Meddle& meddle) {
   const std::vector<Variant> variants = variants_of(options);
   const Scene scene = load(options.scene);
-  const DeterminismResult result = run_variants(scene, variants, meddle);
+  const std::size_t compared = variants.size() - 1;
+  std::optional<DeterminismResult> found;
+  try {
+    found = run_variants(scene, variants, meddle);
+  } catch (const Interrupted&) {
+    throw interruption(scene.name, "in the first run, with none to compare it to");
+  }
+  const DeterminismResult& result = *found;
   if (options.format == Format::Json) {
     write_determinism_json(std::cout, scene, result);
   } else {
     write_determinism_text(std::cout, scene, result);
   }
-  if (!std::cout.flush()) throw Failure(Status::Usage, "cannot write the results to standard output");
+  finish_output();
   throw_first_of(scene, result);
+  if (result.others.size() < compared) {
+    throw interruption(scene.name, "with " + std::to_string(result.others.size()) + " of " + std::to_string(compared) +
+                                       " runs compared to the first");
+  }
 }
 
 }  // namespace atl::command

@@ -1,10 +1,11 @@
-#include "checks.h"
-
 #include <iostream>
 #include <string>
 
 #include "../failure.h"
+#include "../interrupt.h"
 #include "../progress.h"
+#include "../standard_streams.h"
+#include "checks.h"
 #include "chosen_cases.h"
 #include "physics_report.h"
 
@@ -14,7 +15,7 @@ using physics::PhysicsCase;
 using physics::PhysicsResult;
 
 void check_physics(const VerifyOptions& options) {
-  const std::vector<PhysicsCase> cases = chosen_cases(physics::physics_cases(), options.cases, "--physics");
+  std::vector<PhysicsCase> cases = chosen_cases(physics::physics_cases(), options.cases, "--physics");
   Progress progress(static_cast<std::int64_t>(cases.size()), "cases");
   std::vector<std::vector<PhysicsResult>> results;
   for (const PhysicsCase& test : cases) {
@@ -25,19 +26,23 @@ void check_physics(const VerifyOptions& options) {
     }
     results.push_back(std::move(of_case));
     progress.update(static_cast<std::int64_t>(results.size()));
+    if (interrupted()) break;
   }
+  const std::size_t asked = cases.size();
+  cases.resize(results.size());
   if (options.format == Format::Json) {
     write_physics_json(std::cout, cases, results);
   } else {
     write_physics_text(std::cout, cases, results);
   }
-  if (!std::cout.flush()) throw Failure(Status::Usage, "cannot write the results to standard output");
+  finish_output();
   std::size_t failed = 0;
   for (std::size_t i = 0; i < cases.size(); ++i) failed += results[i].front().expected(cases[i]) ? 0 : 1;
   if (failed > 0) {
     throw Failure(Status::CheckFailed, std::to_string(failed) + " of " + std::to_string(cases.size()) +
                                            " physics cases are not as expected");
   }
+  if (cases.size() < asked) throw interrupted_suite("--physics", cases.size(), asked);
 }
 
 }  // namespace atl::command

@@ -25,6 +25,8 @@ struct ReplayOptions {
   Simd simd = Simd::Auto;
   /// Told the number of steps done and of those there are, after each.
   std::function<void(std::int64_t steps, std::int64_t of)> on_step = {};
+  /// Asked once a step was done and compared: the replay ends there if it says true, with what it has found.
+  std::function<bool()> stop = {};
 };
 
 /// A body that is not as it was when it was recorded.

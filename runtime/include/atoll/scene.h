@@ -54,6 +54,13 @@ class SceneError : public Error {
   using Error::Error;
 };
 
+/// Thrown for a built-in scene that would need more memory than there is, before any is taken: what it needs, about,
+/// and what there is. (A file of which that is so is a SceneError.)
+class SceneTooLarge : public SceneError {
+ public:
+  using SceneError::SceneError;
+};
+
 /// A parameter of a built-in scene.
 struct SceneParameter {
   std::string name;

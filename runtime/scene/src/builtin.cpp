@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "analytic.h"
+#include "memory_need.h"
 #include "words.h"
 
 namespace atl {
@@ -13,23 +14,34 @@ namespace {
 struct Entry {
   BuiltinScene scene;
   SceneBuilder build;
+  /// What there will be. Left out where the counts among the parameters are those of bodies.
+  SceneSize (*size)(const ParameterValues& values) = nullptr;
 };
+
+double pyramid_boxes(double layers) { return layers * (layers + 1) * (2 * layers + 1) / 6; }
+double wall_boxes(double base) { return base * (base + 1) / 2; }
+
+// Hulls of built-in scenes have about as many vertices.
+constexpr double vertices_of_hull = 30;
 
 const std::vector<Entry>& entries() {
   static const std::vector<Entry> all = {
       {{"pyramid3d",
         "square pyramid of unit boxes, each on the four below it",
         {{"layers", 18, 1, 300, true, "layers; the lowest has layers x layers boxes"}}},
-       &build_pyramid3d},
+       &build_pyramid3d,
+       [](const ParameterValues& values) { return SceneSize{.bodies = pyramid_boxes(values["layers"])}; }},
       {{"wall",
         "triangular wall of unit boxes in running bond, sides touching",
         {{"base", 100, 1, 4000, true, "boxes in the lowest row; each row has one fewer"},
          {"planar", 0, 0, 1, true, "1 if boxes are locked to the plane of the wall"}}},
-       &build_wall},
+       &build_wall,
+       [](const ParameterValues& values) { return SceneSize{.bodies = wall_boxes(values["base"])}; }},
       {{"islands",
         "many walls that never touch each other, on a square grid",
         {{"count", 400, 1, 1000000, true, "walls"}, {"base", 10, 1, 4000, true, "boxes in a wall's lowest row"}}},
-       &build_islands},
+       &build_islands,
+       [](const ParameterValues& values) { return SceneSize{.bodies = values["count"] * wall_boxes(values["base"])}; }},
       {{"pile",
         "random boxes, half extents 0.25 to 0.75 m, dropped into a container of 20 m x 20 m",
         {{"bodies", 5000, 1, 100000, true, "boxes"}}},
@@ -41,11 +53,17 @@ const std::vector<Entry>& entries() {
       {{"rocks",
         "hulls of 20 to 40 vertices, radius up to 0.5 m, dropped into a container of 20 m x 20 m",
         {{"bodies", 5000, 1, 100000, true, "hulls"}}},
-       &build_rocks},
+       &build_rocks,
+       [](const ParameterValues& values) {
+         return SceneSize{.bodies = values["bodies"], .hull_vertices = vertices_of_hull * values["bodies"]};
+       }},
       {{"mixed",
         "balls, boxes, capsules, cylinders, cones and hulls dropped into a container of 20 m x 20 m",
         {{"bodies", 3000, 1, 100000, true, "solids"}}},
-       &build_mixed},
+       &build_mixed,
+       [](const ParameterValues& values) {
+         return SceneSize{.bodies = values["bodies"], .hull_vertices = vertices_of_hull * values["bodies"] / 6};
+       }},
       {{"drum",
         "boxes in a turning drum of hulls, radius 8 m",
         {{"boxes", 3000, 1, 3200, true, "boxes"}, {"spin", 0.5, 0, 2, false, "rad/s"}}},
@@ -53,7 +71,12 @@ const std::vector<Entry>& entries() {
       {{"terrain",
         "compounds of 20 hulls that tumble over a mesh of hills",
         {{"bodies", 100, 1, 2000, true, "compounds"}, {"triangles", 100000, 128, 2000000, true, "of the mesh"}}},
-       &build_terrain},
+       &build_terrain,
+       [](const ParameterValues& values) {
+         return SceneSize{.bodies = values["bodies"],
+                          .hull_vertices = 20 * vertices_of_hull * values["bodies"],
+                          .triangles = values["triangles"]};
+       }},
       {{"hopper",
         "random boxes, half extents 0.2 to 0.4 m, that slide without friction through a funnel",
         {{"bodies", 2000, 1, 100000, true, "boxes"}, {"friction", 0, 0, 2, false, "coefficient"}}},
@@ -71,20 +94,30 @@ const std::vector<Entry>& entries() {
         "chain of links with a heavy ball at its end, let go from level",
         {{"links", 100, 1, 10000, true, "links of 1 kg, 0.5 m long"},
          {"ratio", 1000, 1e-3, 1e6, false, "mass of the ball over that of a link"}}},
-       &build_chain},
+       &build_chain,
+       [](const ParameterValues& values) { return SceneSize{.bodies = values["links"], .joints = values["links"]}; }},
       {{"joint-grid",
         "sheet of balls, each joined to its neighbours, that hangs by the middle of its upper edge",
         {{"n", 100, 2, 500, true, "balls along each edge"}}},
-       &build_joint_grid},
+       &build_joint_grid,
+       [](const ParameterValues& values) {
+         return SceneSize{.bodies = values["n"] * values["n"], .joints = 2 * values["n"] * values["n"]};
+       }},
       {{"ragdolls",
         "jointed figures of 13 parts, turned at random, dropped into a container",
         {{"count", 100, 1, 10000, true, "ragdolls"}}},
-       &build_ragdolls},
+       &build_ragdolls,
+       [](const ParameterValues& values) {
+         return SceneSize{.bodies = 13 * values["count"], .joints = 12 * values["count"]};
+       }},
       {{"bridge",
         "planks hinged to each other and to two banks, with boxes dropped on them",
         {{"planks", 40, 4, 1000, true, "planks"},
          {"ratio", 5, 0.01, 1000, false, "mass of a box over that of a plank"}}},
-       &build_bridge},
+       &build_bridge,
+       [](const ParameterValues& values) {
+         return SceneSize{.bodies = 2 * values["planks"], .joints = values["planks"]};
+       }},
       {{"vehicle",
         "car with suspension, steering and driven wheels on bumpy ground",
         {{"speed", 8, 0, 30, false, "m/s that the wheels are driven at"},
@@ -187,12 +220,14 @@ const std::vector<Entry>& entries() {
         "chain that hangs straight down under a weight",
         {{"links", 20, 1, 10000, true, "links of 1 kg, 0.5 m long"},
          {"ratio", 100, 1e-3, 1e6, false, "mass of the weight over that of a link"}}},
-       &build_hanging_chain},
+       &build_hanging_chain,
+       [](const ParameterValues& values) { return SceneSize{.bodies = values["links"], .joints = values["links"]}; }},
       {{"catenary",
         "chain that hangs between two supports",
         {{"links", 40, 2, 10000, true, "links of 1 kg, 0.5 m long"},
          {"slack", 1.3, 1.01, 5, false, "length of the chain over its span"}}},
-       &build_catenary},
+       &build_catenary,
+       [](const ParameterValues& values) { return SceneSize{.bodies = values["links"], .joints = values["links"]}; }},
   };
   return all;
 }
@@ -216,7 +251,27 @@ std::string range_words(const SceneParameter& parameter) {
          number_text(parameter.max) + "]";
 }
 
-double read_value(const BuiltinScene& scene, const SceneParameter& parameter, std::string_view text) {
+SceneSize size_of(const Entry& entry, const ParameterValues& values) {
+  if (entry.size != nullptr) return entry.size(values);
+  SceneSize size;
+  for (const SceneParameter& parameter : entry.scene.parameters) {
+    if (parameter.integer) size.bodies += values[parameter.name];
+  }
+  return size;
+}
+
+// Of a count above its range: what a scene of that size would need, where that is more than there is.
+void check_memory_of(const Entry& entry, ParameterValues values, const SceneParameter& parameter, double value,
+                     const std::string& message) {
+  if (!parameter.integer || !(value > parameter.max) || !std::isfinite(value)) return;
+  values.set(parameter.name, value);
+  const std::string words = memory_words(size_of(entry, values));
+  if (!words.empty()) throw SceneTooLarge(message + "; it would need " + words);
+}
+
+double read_value(const Entry& entry, const ParameterValues& values, const SceneParameter& parameter,
+                  std::string_view text) {
+  const BuiltinScene& scene = entry.scene;
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   const bool whole = error == std::errc{} && end == text.data() + text.size() && !text.empty();
@@ -226,8 +281,10 @@ double read_value(const BuiltinScene& scene, const SceneParameter& parameter, st
                       : value < parameter.min ? ", too small"
                       : value > parameter.max ? ", too large"
                                               : "";
-    throw SceneError(scene.name + ": " + parameter.name + ": found " + quote(text) + why + ", expected " +
-                     range_words(parameter));
+    const std::string message =
+        scene.name + ": " + parameter.name + ": found " + quote(text) + why + ", expected " + range_words(parameter);
+    if (is_kind) check_memory_of(entry, values, parameter, value, message);
+    throw SceneError(message);
   }
   return value;
 }
@@ -243,7 +300,8 @@ const SceneParameter& find_parameter(const BuiltinScene& scene, std::string_view
 }
 
 // "param=value,param=value".
-void read_values(const BuiltinScene& scene, std::string_view text, ParameterValues& values) {
+void read_values(const Entry& entry, std::string_view text, ParameterValues& values) {
+  const BuiltinScene& scene = entry.scene;
   std::vector<std::string_view> given;
   for (bool more = true; more;) {
     const std::size_t comma = text.find(',');
@@ -260,7 +318,7 @@ void read_values(const BuiltinScene& scene, std::string_view text, ParameterValu
       if (name == parameter.name) throw SceneError(scene.name + ": parameter " + quote(name) + " is given twice");
     }
     given.push_back(parameter.name);
-    values.set(parameter.name, read_value(scene, parameter, item.substr(equals + 1)));
+    values.set(parameter.name, read_value(entry, values, parameter, item.substr(equals + 1)));
   }
 }
 
@@ -288,7 +346,10 @@ Scene load_builtin(std::string_view text, std::uint64_t seed) {
   const std::size_t colon = text.find(':');
   const Entry& entry = find_entry(text.substr(0, colon));
   ParameterValues values(entry.scene);
-  if (colon != std::string_view::npos) read_values(entry.scene, text.substr(colon + 1), values);
+  if (colon != std::string_view::npos) read_values(entry, text.substr(colon + 1), values);
+  if (const std::string words = memory_words(size_of(entry, values)); !words.empty()) {
+    throw SceneTooLarge(values.address() + ": needs " + words);
+  }
   Scene scene = entry.build(values, seed);
   scene.name = values.address();
   return scene;

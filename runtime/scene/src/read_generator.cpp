@@ -1,4 +1,5 @@
 #include "lattice.h"
+#include "memory_need.h"
 #include "most_parts.h"
 #include "random.h"
 #include "schema.h"
@@ -64,7 +65,8 @@ std::vector<SceneBody> read_generator(const Reader& in, const Library& library, 
 
   const double size = lattice.size() * copies.size();
   if (size > static_cast<double>(room)) {
-    in.fail_at("count", number_text(size) + " bodies",
+    const std::string memory = memory_words({.bodies = size});
+    in.fail_at("count", number_text(size) + " bodies" + (memory.empty() ? "" : ", which need " + memory),
                "at most " + std::to_string(room) + " more: a scene has at most " + std::to_string(most_bodies));
   }
   Random random(seed, stream);

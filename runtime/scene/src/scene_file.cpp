@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <unordered_set>
 
+#include "file_size.h"
 #include "most_parts.h"
 #include "schema.h"
 #include "words.h"
@@ -34,6 +35,15 @@ Library read_library(const Reader& in) {
     }
   }
   return library;
+}
+
+// Before anything is made of the document.
+void check_memory(const JsonDocument& document) {
+  const SceneSize size = size_of_file(document.root);
+  const std::string words = memory_words(size);
+  // Of more bodies than a scene may have, what reads them tells where they are.
+  if (words.empty() || size.bodies > static_cast<double>(most_bodies)) return;
+  throw SceneError(document.origin + ": its " + number_text(size.bodies) + " bodies need " + words);
 }
 
 // Adds bodies to a scene and sees to it that no two have one name.
@@ -98,6 +108,7 @@ Scene parse_scene(std::string_view json, const std::string& origin, std::uint64_
   read_format(in);
   in.only_keys({"format", "version", "name", "description", "gravity", "dt", "steps", "starts_at_rest", "settings",
                 "materials", "shapes", "bodies", "generators", "joints"});
+  check_memory(document);
 
   Scene scene;
   scene.name = std::filesystem::path(origin).stem().string();

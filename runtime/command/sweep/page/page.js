@@ -17,7 +17,8 @@ function writeFacts() {
     ['Compiler', machine.compiler], ['Date', results.date],
     ...results.engines.map((e) => [e.name, e.version + (e.precision ? ', ' + e.precision : '')]),
     ['Runs', `${results.quick ? 'quick, ' : ''}each timed ${results.repeats === 1 ? 'once' : results.repeats + ' times'},` +
-      ` ${figure(results.least_time_s)} s or longer`]];
+      ` ${figure(results.least_time_s)} s or longer` +
+      (results.interrupted ? ', and interrupted before all were done' : '')]];
   for (const [name, value] of facts) {
     document.getElementById('facts').append(html('div', {}, html('dt', {}, name), html('dd', {}, value)));
   }

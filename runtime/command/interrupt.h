@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+
+#include "failure.h"
+
+namespace atl::command {
+
+/// From here on the first SIGINT (Ctrl-C), SIGTERM or SIGHUP is noted only, so that what is under way can end in order.
+/// The next one ends the process at once, as all do that were ignored when it started, which stay ignored.
+void catch_interrupts();
+
+/// Whether such a signal came. What loops ask between steps.
+bool interrupted();
+
+/// The failure that ends the command then, with status 128 + signal: "NAME: interrupted by SIGINT WHERE".
+Failure interruption(const std::string& name, const std::string& where);
+
+/// What loops throw that can't end by themselves, for whoever knows what there is by then.
+struct Interrupted {};
+
+/// Throws Interrupted once there was a signal.
+void stop_if_interrupted();
+
+/// "SIGINT", "SIGTERM" or "SIGHUP": of the signal that came.
+const char* interrupt_name();
+
+}  // namespace atl::command

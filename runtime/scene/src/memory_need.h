@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+
+namespace atl::scene {
+
+/// What a scene is made of, as far as memory goes. Counts are doubles: they may be too large for anything else.
+struct SceneSize {
+  double bodies = 0;
+  double joints = 0;
+  double hull_vertices = 0;  ///< of hulls that aren't shared
+  double triangles = 0;      ///< of meshes; two a cell of height fields
+
+  double bytes() const;  ///< that a run needs, about
+};
+
+/// What can still be allocated, bytes: the least of what the system has to give, the limits of this process's group and
+/// its own. Infinite where none of these is known.
+double available_memory();
+
+/// "about 5.0 TB of memory, of which 23 GB are free" if the scene needs more than there is, else "".
+std::string memory_words(const SceneSize& size);
+
+}  // namespace atl::scene

@@ -1,0 +1,206 @@
+// What signals do to commands that are under way.
+
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <chrono>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <system_error>
+#include <thread>
+
+#include "cli/command.h"
+
+namespace atl::test {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Files = std::vector<std::string>;
+
+std::uintmax_t size_of(const std::string& path) {
+  std::error_code none;
+  const std::uintmax_t size = std::filesystem::file_size(path, none);
+  return none ? 0 : size;
+}
+
+void wait_for_handlers(const RunningProgram& program) {
+  wait_until([&] { return program.catches(SIGINT) && program.catches(SIGTERM) && program.catches(SIGHUP); });
+}
+
+void expect_one_line(const std::string& err, const std::vector<std::string>& words) {
+  EXPECT_EQ(lines_of(err).size(), 1u) << err;
+  for (const std::string& word : words) EXPECT_NE(err.find(word), std::string::npos) << err;
+}
+
+TEST(CommandInterrupt, ARunEndsInOrder) {
+  const struct {
+    int signal;
+    int status;
+    const char* name;
+  } cases[] = {{SIGINT, 130, "SIGINT"}, {SIGTERM, 143, "SIGTERM"}, {SIGHUP, 129, "SIGHUP"}};
+  for (const auto& [signal, status, name] : cases) {
+    SCOPED_TRACE(name);
+    const ScratchDirectory scratch;
+    RunningProgram run =
+        start_atoll({"run", "stack", "--steps", "1000000000", "--threads", "1", "--format", "json", "--record",
+                     scratch.path("rec"), "--out", scratch.path("out"), "--final-state", scratch.path("state")});
+    wait_until([&] { return size_of(scratch.path("rec.partial")) > 30'000; });
+    run.send(signal);
+    const CommandResult result = run.finish();
+    EXPECT_EQ(result.status, status);
+    const Json json = Json::parse(result.out);
+    const int steps = json["steps"];
+    EXPECT_GT(steps, 100);
+    EXPECT_EQ(json["interrupted"]["by"], name);
+    EXPECT_EQ(json["interrupted"]["steps_asked"], 1000000000);
+    EXPECT_TRUE(json["errors"].contains("drift_max"));
+    expect_one_line(result.err, {"stack", name, "after step " + std::to_string(steps) + " of 1000000000"});
+    EXPECT_EQ(scratch.files(), (Files{"out", "rec", "state"}));
+    EXPECT_EQ(read_text(scratch.path("out")), result.out);
+    EXPECT_EQ(lines_of(read_text(scratch.path("state"))).size(), 12u);
+    const Json replayed = Json::parse(run_atoll({"replay", scratch.path("rec"), "--format", "json"}).out);
+    EXPECT_EQ(replayed["complete"], true);
+    EXPECT_EQ(replayed["same"], true);
+    EXPECT_EQ(replayed["steps"], steps);
+    EXPECT_EQ(replayed["hash"], json["hash"]);
+  }
+}
+
+TEST(CommandInterrupt, ARunSaysSoInWords) {
+  RunningProgram run = start_atoll({"run", "stack", "--steps", "1000000000", "--threads", "1"});
+  wait_for_handlers(run);
+  run.send(SIGINT);
+  const CommandResult result = run.finish();
+  EXPECT_EQ(result.status, 130);
+  for (const char* words : {"of 1000000000 steps of", "by SIGINT", "penetration_max", "hash"}) {
+    EXPECT_NE(result.out.find(words), std::string::npos) << result.out;
+  }
+}
+
+TEST(CommandInterrupt, TheSecondSignalEndsARunAtOnce) {
+  const ScratchDirectory scratch;
+  const Files words = {"run", "wall:base=200", "--threads", "1", "--record", scratch.path("rec"), "--steps"};
+  const auto with = [&](const char* steps) {
+    Files all = words;
+    all.push_back(steps);
+    return all;
+  };
+  ASSERT_EQ(run_atoll(with("1")).status, 0);
+  const std::uintmax_t size_of_one_step = size_of(scratch.path("rec"));
+  std::filesystem::remove(scratch.path("rec"));
+  RunningProgram run = start_atoll(with("1000000000"));
+  wait_until([&] { return size_of(scratch.path("rec.partial")) > size_of_one_step; });
+  run.send(SIGINT);
+  wait_until([&] { return !run.catches(SIGINT); });
+  run.send(SIGINT);
+  const CommandResult result = run.finish();
+  EXPECT_EQ(result.signal, SIGINT) << "which shells tell as status 130";
+  EXPECT_EQ(scratch.files(), Files{"rec.partial"});
+  const Json replayed = Json::parse(run_atoll({"replay", scratch.path("rec.partial"), "--format", "json"}).out);
+  EXPECT_EQ(replayed["complete"], false);
+  EXPECT_EQ(replayed["same"], true);
+  EXPECT_GE(replayed["steps"], 1);
+}
+
+TEST(CommandInterrupt, AnIgnoredSignalStaysIgnored) {
+  RunningProgram run(
+      {"/bin/sh", "-c", "trap '' HUP; exec \"$0\" run stack --steps 1000000000 --threads 1", ATOLL_COMMAND_PATH});
+  wait_until([&] { return run.catches(SIGTERM) && run.catches(SIGINT); });
+  EXPECT_FALSE(run.catches(SIGHUP));
+  run.send(SIGHUP);
+  run.send(SIGTERM);
+  const CommandResult result = run.finish();
+  EXPECT_EQ(result.status, 143);
+  expect_one_line(result.err, {"SIGTERM"});
+}
+
+TEST(CommandInterrupt, AReplayTellsWhatItHas) {
+  const ScratchDirectory scratch;
+  ASSERT_EQ(run_atoll({"run", "pile:bodies=300", "--steps", "2000", "--record", scratch.path("rec")}).status, 0);
+  RunningProgram replay = start_atoll({"replay", scratch.path("rec"), "--threads", "1", "--format", "json"});
+  wait_for_handlers(replay);
+  replay.send(SIGINT);
+  const CommandResult result = replay.finish();
+  EXPECT_EQ(result.status, 130);
+  const Json json = Json::parse(result.out);
+  EXPECT_EQ(json["same"], true);
+  EXPECT_EQ(json["recorded_steps"], 2000);
+  EXPECT_GE(json["steps"], 1);
+  EXPECT_LT(json["steps"], 2000);
+  expect_one_line(result.err, {"SIGINT after step " + json["steps"].dump() + " of 2000"});
+  EXPECT_EQ(scratch.files(), Files{"rec"});
+}
+
+TEST(CommandInterrupt, AnExplanationIsOfTheStepsSoFar) {
+  RunningProgram explain =
+      start_atoll({"explain", "stack", "--steps", "1000000000", "--threads", "1", "--format", "json"});
+  wait_for_handlers(explain);
+  explain.send(SIGTERM);
+  const CommandResult result = explain.finish();
+  EXPECT_EQ(result.status, 143);
+  const Json json = Json::parse(result.out);
+  EXPECT_GE(json["steps"], 1);
+  expect_one_line(result.err, {"SIGTERM after step " + json["steps"].dump() + " of 1000000000"});
+}
+
+TEST(CommandInterrupt, VerifyEndsInOrder) {
+  RunningProgram scene = start_atoll({"verify", "stack", "--steps", "1000000000"});
+  wait_for_handlers(scene);
+  scene.send(SIGINT);
+  expect_refused(scene.finish(), 130, {"SIGINT in the first run"});
+
+  RunningProgram suite = start_atoll({"verify", "--stability", "--format", "json"});
+  wait_for_handlers(suite);
+  suite.send(SIGINT);
+  const CommandResult result = suite.finish();
+  EXPECT_EQ(result.status, 130);
+  EXPECT_EQ(Json::parse(result.out)["cases"].size(), 1u);
+  expect_one_line(result.err, {"--stability", "after 1 of "});
+}
+
+TEST(CommandInterrupt, ASweepWritesWhatHasBeenRun) {
+  const ScratchDirectory scratch;
+  RunningProgram sweep =
+      start_atoll({"sweep", "stack:height=2", "stack:height=3", "--substeps", "1,2", "--iterations", "1", "--steps",
+                   "3", "--repeats", "1000", "--time", "0.001", "--out", scratch.path("sweep")});
+  wait_for_handlers(sweep);
+  // Times of every setting are a matter of milliseconds, rounds of them of hours.
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  sweep.send(SIGINT);
+  const CommandResult result = sweep.finish();
+  EXPECT_EQ(result.status, 130);
+  EXPECT_NE(result.err.find("sweep: interrupted by SIGINT with 1 of 2 scenes"), std::string::npos) << result.err;
+  const Json json = Json::parse(read_text(scratch.path("sweep/results.json")));
+  EXPECT_EQ(json["interrupted"], true);
+  ASSERT_EQ(json["scenes"].size(), 1u);
+  EXPECT_GE(json["scenes"][0]["runs"].size(), 1u);
+  EXPECT_NE(result.out.find("index.html"), std::string::npos);
+  std::size_t files = 0;
+  for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(scratch.path("sweep"))) ++files;
+  EXPECT_EQ(files, 3u);
+}
+
+TEST(CommandInterrupt, ASweepOfNothingWritesNothing) {
+  const ScratchDirectory scratch;
+  RunningProgram sweep = start_atoll({"sweep", "stack", "--steps", "100000000", "--out", scratch.path("sweep")});
+  wait_for_handlers(sweep);
+  sweep.send(SIGINT);
+  expect_refused(sweep.finish(), 130, {"SIGINT with 0 of 1 scene", "nothing was written"});
+  EXPECT_TRUE(std::filesystem::is_empty(scratch.path("sweep")));
+}
+
+TEST(CommandInterrupt, ASweepTakesOtherEnginesWithIt) {
+  const ScratchDirectory scratch;
+  const std::string driver =
+      scratch.write("driver", "#!/bin/sh\necho $$ > " + scratch.path("pid") + "\nexec sleep 600\n");
+  std::filesystem::permissions(driver, std::filesystem::perms::owner_all);
+  RunningProgram sweep =
+      start_atoll({"sweep", "stack", "--peer", driver, "--peer-limit", "600", "--out", scratch.path("sweep")});
+  wait_until([&] { return size_of(scratch.path("pid")) > 0; });
+  sweep.send(SIGTERM);
+  expect_refused(sweep.finish(), 143, {"SIGTERM"});
+  EXPECT_NE(kill(std::stoi(read_text(scratch.path("pid"))), 0), 0) << "the driver still runs";
+}
+
+}  // namespace
+}  // namespace atl::test
