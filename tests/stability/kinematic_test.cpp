@@ -1,8 +1,10 @@
 // A kinematic platform moves as it is told, lifts what stands on it and carries it by friction.
 
+#include <atoll/queries.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 
 #include "support/scene_run.h"
 
@@ -65,6 +67,23 @@ TEST(Kinematic, TurntableTurnsABoxOnItsAxis) {
   run_finite(table.world, 120);
   EXPECT_NEAR(table.world.angular_velocity(table.rider).z(), rate, 1e-2 * rate);
   EXPECT_LT(table.rider_offset().head<2>().norm(), 5e-3);
+}
+
+// It has no reach and no margin: any turn takes it elsewhere.
+TEST(Kinematic, APlaneThatOnlyTurnsLiftsWhatIsInItsWay) {
+  World world;
+  const BodyId plane =
+      world.add_body({.type = BodyType::Kinematic, .shape = HalfSpace{}, .angular_velocity = {1, 0, 0}});
+  const BodyId ball = world.add_body(sphere({0, 5, 0.9}, 0.5));
+  for (int i = 0; i < 36; ++i) {
+    run_finite(world, 1);
+    const Vector3 normal = world.pose(plane).orientation * Vector3::UnitZ();
+    ASSERT_GT(normal.dot(world.pose(ball).position), 0.49) << i;
+    const std::optional<RayHit> hit = Queries(world).cast_ray({.origin = {0, -5, 9}}, {.dynamic_bodies = false});
+    ASSERT_TRUE(hit);
+    EXPECT_NEAR(hit->distance, 9 + 5 * std::tan((i + 1) * dt), 1e-6) << i;
+  }
+  EXPECT_GT(world.velocity(ball).z(), 2);
 }
 
 TEST(Kinematic, BodiesIgnoreGravityForcesAndOneAnother) {

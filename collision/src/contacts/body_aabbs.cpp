@@ -106,7 +106,10 @@ double BodyAabbs::set_limits(std::uint32_t body, Sweep sweep, const BodyMotions&
   double size = infinity;
   colliders.for_each_of(body, [&](std::uint32_t collider) {
     const Shape& shape = colliders.shape[collider];
-    if (!is_bounded(shape)) return;
+    if (!is_bounded(shape)) {
+      radius = std::max(radius, 1.0);  // of any length: the margin is 0, so that any turn is a motion beyond it
+      return;
+    }
     radius = std::max(radius, colliders.local[collider].position.norm() + shape.bounding_radius);
     size = std::min(size, size_of(shape));
   });
