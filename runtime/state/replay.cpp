@@ -65,7 +65,7 @@ std::vector<ReplayedBody> differences(const std::vector<RecordedBody>& recorded,
 
 /// A recording, and the world in which it is done again.
 class Replay {
-  static constexpr StateSource record_source = {"", "record", "World::record"};
+  static constexpr StateSource record_source = {"", "record", "World::record", true};
   // Of the force law's part of a step: it threw, or the recording is cut off there.
   struct LawEnded {};
 
@@ -183,7 +183,7 @@ class Replay {
   void take_state(StateReader& record) {
     const std::shared_ptr<const WorldDefinition> world_definition = read_definition_of_world(record);
     World::Impl& impl = *world_.impl_;
-    impl.restore(with_geometry(world_definition, geometry_), impl.serial, reader_.content().last(record.left()));
+    impl.restore(with_geometry(world_definition, geometry_), impl.serial, reader_.content().last(record.left()), true);
     begun_ = true;
   }
 

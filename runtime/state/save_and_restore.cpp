@@ -16,21 +16,21 @@ std::size_t World::Impl::save_state(std::vector<std::byte>& bytes) const {
 }
 
 void World::Impl::restore(const std::shared_ptr<const WorldDefinition>& saved, std::uint64_t origin,
-                          std::span<const std::byte> state) {
+                          std::span<const std::byte> state, bool from_file) {
   const bool is_known = world_definition_.known_as == saved && world_definition_.version == stores.records.version;
   if (!is_known && !are_same(*saved, *world_definition())) {
     if (origin != serial) check_bodies_match(*saved, *world_definition());
     adopt(with_geometry(saved, *world_definition()));
   }
   world_definition_.known_as = saved;
-  read_state(state);
+  read_state(state, from_file);
 }
 
 void World::Impl::try_out(const std::shared_ptr<const WorldDefinition>& world_definition,
                           std::span<const std::byte> state) {
   Impl world({});
   world.adopt(world_definition);
-  world.read_state(state);
+  world.read_state(state, true);
 }
 
 // Other bodies: everything that knows bodies by their numbers starts afresh.
@@ -75,8 +75,8 @@ void World::Impl::adopt(const std::shared_ptr<const WorldDefinition>& world_defi
   query_gate.note(stores.broadphase);
 }
 
-void World::Impl::read_state(std::span<const std::byte> state) {
-  StateReader reader(state);
+void World::Impl::read_state(std::span<const std::byte> state, bool from_file) {
+  StateReader reader(state, {.from_file = from_file});
   WorldState(reader, stores).visit();
   reader.check(reader.left() == 0, "more than there should be");
   stores.clock.dt = stores.clock.last_dt;

@@ -110,7 +110,7 @@ Snapshot Snapshot::read(const std::string& path) {
   const std::span<const std::byte> content = checked_content(path, file);
   Snapshot snapshot;
   try {
-    StateReader reader(content);
+    StateReader reader(content, {.from_file = true});
     std::shared_ptr<const WorldDefinition> world_definition = read_definition_of_world(reader);
     const std::span<const std::byte> state = content.last(reader.left());
     // What is found wrong in a world of its own can't harm another.

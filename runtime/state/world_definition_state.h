@@ -74,7 +74,7 @@ void visit_constants(Archive& archive, Constants& body) {
   }
   if constexpr (Archive::reads) {
     const char* const fault = constants_fault(body);
-    archive.check(fault == nullptr, fault);
+    archive.check_number(fault == nullptr, fault);
   }
 }
 

@@ -146,6 +146,12 @@ void find_principal_axes(BodyConstants& body) {
   if (axes.determinant() < 0) axes = -axes;
   body.principal_axes = Quaternion(axes);
   body.moments = principal.eigenvalues();
+  // Beyond that the least one is what rounding makes of it, be it negative.
+  constexpr double least_share = 1e-12;
+  if (body.moments.minCoeff() < least_share * body.moments.maxCoeff()) {
+    refuse("BodyDef: the principal moments of inertia, which aren't along the frame's axes,", body.moments,
+           "none below 1e-12 of the largest");
+  }
 }
 
 // What follows from the mass properties of a dynamic body.

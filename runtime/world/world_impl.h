@@ -42,10 +42,11 @@ class World::Impl {
 
   // restore.cpp
   std::size_t save_state(std::vector<std::byte>& bytes) const;  // the number of those that it wrote
-  /// `origin` is the serial number of the world that was saved.
+  /// `origin` is the serial number of the world that was saved. A state from a file has its numbers checked too, and
+  /// leaves the world unusable where it throws: see try_out().
   void restore(const std::shared_ptr<const WorldDefinition>& saved, std::uint64_t origin,
-               std::span<const std::byte> state);
-  /// Throws Error if that is no state of such bodies.
+               std::span<const std::byte> state, bool from_file = false);
+  /// Throws Error if what is in a file is no state of such bodies.
   static void try_out(const std::shared_ptr<const WorldDefinition>& world_definition, std::span<const std::byte> state);
   /// Made when asked for, and kept until bodies come or go.
   const std::shared_ptr<const WorldDefinition>& world_definition() const;
@@ -73,7 +74,7 @@ class World::Impl {
 
  private:
   void adopt(const std::shared_ptr<const WorldDefinition>& world_definition);
-  void read_state(std::span<const std::byte> state);
+  void read_state(std::span<const std::byte> state, bool from_file);
 
   struct KnownDefinition {
     std::shared_ptr<const WorldDefinition> world_definition;

@@ -3,6 +3,7 @@
 #include <atoll/atoll.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <functional>
 #include <vector>
@@ -121,6 +122,19 @@ TEST(NumberBounds, LargeQuaternionsAreScaledBeforeTheirNormIsTaken) {
     EXPECT_NEAR(found.w(), std::sqrt(0.5), 1e-15) << size;
     EXPECT_NEAR(found.y(), std::sqrt(0.5), 1e-15) << size;
   }
+}
+
+// The least moment of a needle that lies askew in its frame is lost in the rounding of the largest.
+TEST(NumberBounds, MomentsThatRoundingSwallowsAreRefused) {
+  const auto needle = [](double length, bool askew) {
+    CompoundChild child{.shape = Box{{length, 1e-3, 1e-3}}};
+    if (askew) child.orientation = Quaternion(Eigen::AngleAxisd(0.7, Vector3(1, 2, 3).normalized()));
+    return BodyDef{.shape = Compound{{child}}, .mass = 1};
+  };
+  World world;
+  EXPECT_NO_THROW(world.add_body(needle(10, true)));
+  EXPECT_NO_THROW(world.add_body(needle(1e6, false)));
+  test::expect_error([&] { world.add_body(needle(1e6, true)); }, {"principal moments", "1e-12"});
 }
 
 }  // namespace

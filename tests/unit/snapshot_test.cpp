@@ -9,9 +9,13 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
+#include <limits>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "state/checksum.h"
 #include "support/bodies.h"
 #include "support/expect_error.h"
 #include "support/temporary_file.h"
@@ -462,6 +466,47 @@ TEST(SnapshotFile, IsCheckedBeyondItsChecksum) {
     }
   }
   EXPECT_GT(refused, 50);
+}
+
+// The same bytes as of a number, in all places where they are.
+std::string with_number(const std::string& bytes, double number, double other) {
+  std::string changed = bytes;
+  const std::string_view from(reinterpret_cast<const char*>(&number), sizeof number);
+  for (std::size_t at = changed.find(from); at != std::string::npos; at = changed.find(from, at + 1)) {
+    std::memcpy(changed.data() + at, &other, sizeof other);
+  }
+  return changed;
+}
+
+// Numbers that no definition lets through are refused in a file too, and by what they are of.
+TEST(SnapshotFile, NumbersThatNoWorldHasAreRefused) {
+  const TemporaryFile file(".snapshot");
+  World world;
+  world.add_body({.shape = Box{{0.375, 0.4375, 0.53125}},
+                  .position = {1.0625, 2, 3},
+                  .mass = 0.625,
+                  .material = {.friction = 0.71875},
+                  .linear_damping = 0.15625});
+  Snapshot snapshot;
+  world.save(snapshot);
+  snapshot.write(file.path());
+  const std::string whole = file.content();
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto expect_refusal = [&](double number, double other, std::string_view words) {
+    std::string bytes = with_number(whole, number, other);
+    ASSERT_NE(bytes, whole) << number;
+    const std::uint64_t checksum = checksum_of(std::as_bytes(std::span(bytes)).subspan(32));
+    std::memcpy(bytes.data() + 24, &checksum, sizeof checksum);
+    file.set_content(bytes);
+    expect_error([&] { Snapshot::read(file.path()); }, {words, "expected what World::save wrote"});
+  };
+  expect_refusal(0.375, -0.375, "a shape with invalid numbers");
+  expect_refusal(0.4375, nan, "a shape with invalid numbers");
+  expect_refusal(0.53125, 0.5, "a shape with invalid numbers");  // not the size that its bounding radius is of
+  expect_refusal(0.71875, -1, "a body of an invalid material");
+  expect_refusal(0.15625, nan, "a body of an invalid material, gravity scale or damping");
+  expect_refusal(1 / 0.625, nan, "a body without a valid mass");
+  expect_refusal(1.0625, nan, "a body whose state is not finite");
 }
 
 }  // namespace
