@@ -113,7 +113,7 @@ double time_step(Run& run) {
 }
 
 void step(Run& run) {
-  for (std::uint32_t left = 1 + run.bytes.below(8); left > 0 && run.result.steps < run.limits.steps; --left) {
+  for (std::uint32_t left = 1 + run.bytes.below(3); left > 0 && run.result.steps < run.limits.steps; --left) {
     const double dt = time_step(run);
     std::vector<StepReport> reports(run.worlds.worlds().size());
     const std::string error =

@@ -1,21 +1,65 @@
-// Scene files. What is read is built, stepped, written as a scene file again, and read from that to the same.
+// Scenes: a file, a file and the Wavefront file that it names as "mesh.obj", with a zero byte between them, or the name
+// of a built-in scene with parameters. What is read is built, stepped and measured, and written as a scene file which
+// is read to the same.
 
+#include <atoll/error_meter.h>
 #include <atoll/scene.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <string>
 #include <string_view>
 
 #include "few_steps.h"
 #include "finding.h"
+#include "scratch_file.h"
 #include "target.h"
 
 namespace {
 
+using namespace atl;
+
 constexpr std::size_t most_bodies = 2000;
 
+bool is_builtin(std::string_view text) {
+  const std::string_view name = text.substr(0, text.find(':'));
+  return std::ranges::any_of(builtin_scenes(), [name](const BuiltinScene& scene) { return scene.name == name; });
+}
+
+// Whether no number in it has more than two digits: a scene of few bodies.
+bool has_small_numbers(std::string_view text) {
+  int digits = 0;
+  for (const char c : text) {
+    digits = c >= '0' && c <= '9' ? digits + 1 : 0;
+    if (digits > 2 || c == 'e' || c == 'E') return false;
+  }
+  return true;
+}
+
+std::span<const std::uint8_t> bytes_of(std::string_view text) {
+  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+}
+
+Scene read(std::string_view text) {
+  const std::string_view parameters = text.substr(std::min(text.find(':'), text.size()));
+  if (is_builtin(text) && has_small_numbers(parameters)) return load_scene(text);
+  const std::size_t zero = text.find('\0');
+  if (zero == std::string_view::npos) return parse_scene(text, "input");
+  const fuzz::ScratchFile mesh("mesh.obj");
+  mesh.write(bytes_of(text.substr(zero + 1)));
+  // "mesh.obj" is beside the scene, under a name of this process.
+  std::string scene(text.substr(0, zero));
+  const std::string name = "mesh.obj", own = std::filesystem::path(mesh.path()).filename().string();
+  for (std::size_t at = scene.find(name); at != std::string::npos; at = scene.find(name, at + own.size())) {
+    scene.replace(at, name.size(), own);
+  }
+  const fuzz::ScratchFile file("scene.json");
+  file.write(bytes_of(scene));
+  return load_scene(file.path());
+}
+
 void run(std::string_view text) {
-  using namespace atl;
-  const Scene scene = parse_scene(text, "input");
+  const Scene scene = read(text);
   if (scene.bodies.size() > most_bodies) return;
   const std::string written = scene_text(scene);
   std::string again;
@@ -26,8 +70,12 @@ void run(std::string_view text) {
   }
   fuzz::require(again == written, "a scene that was written and read is written otherwise");
   World world({.gravity = scene.gravity, .settings = scene.settings});
-  build_scene(scene, world);
+  const std::vector<BodyId> ids = build_scene(scene, world);
   fuzz::few_steps(world, 2);
+  if (scene.bodies.size() > 100) return;
+  ErrorMeter meter(scene, ErrorMeter::Follow::End);
+  meter.observe(scene.dt * scene.steps, body_states(world, ids), contact_loads(world, ids));
+  meter.errors();
 }
 
 }  // namespace
@@ -35,7 +83,7 @@ void run(std::string_view text) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   try {
     run({reinterpret_cast<const char*>(data), size});
-  } catch (const atl::Error&) {
+  } catch (const Error&) {
   }
   return 0;
 }

@@ -9,6 +9,8 @@
 #include <iostream>
 #include <iterator>
 #include <random>
+#include <sstream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -41,7 +43,21 @@ std::string plain(const std::string& name) { return name.substr(0, name.find(':'
 void write_scenes(const fs::path& folder, std::span<char*> files) {
   for (const char* name : fuzz::small_scenes) write(folder / plain(name), text(scene_text(load_scene(name))));
   for (const BuiltinScene& scene : builtin_scenes()) {
-    write(folder / ("named-" + scene.name), text("{\"builtin\": \"" + scene.name + "\"}"));
+    // All parameters, and the least of each that is a count.
+    std::string name = scene.name;
+    for (const SceneParameter& parameter : scene.parameters) {
+      std::ostringstream value;
+      value << (parameter.integer ? parameter.min : parameter.value);
+      name += (name == scene.name ? ":" : ",") + parameter.name + "=" + value.str();
+    }
+    write(folder / ("named-" + scene.name), text(name));
+  }
+  const std::string mesh =
+      "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0.5\nv 1 1 1\nf 1 2 3\nf 1/1 3/3 4/4\nf 1 2 5 # a comment\n";
+  for (const char* type : {"mesh", "hull"}) {
+    const std::string shape = std::string("{\"type\": \"") + type + "\", \"file\": \"mesh.obj\", \"scale\": [1, 2, 1]}";
+    write(folder / (std::string("wavefront-") + type),
+          text("{\"bodies\": [{\"type\": \"static\", \"shape\": " + shape + "}]}" + '\0' + mesh));
   }
   for (const char* file : files) write(folder / fs::path(file).filename(), read(file));
 }
