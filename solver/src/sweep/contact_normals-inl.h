@@ -50,7 +50,8 @@ struct What {
 struct Residual {
   V most;
   HWY_INLINE Residual() : most(zero()) {}
-  HWY_INLINE void add(V change) { most = hn::Max(most, hn::Abs(change)); }
+  // What is not a number counts as nothing: instruction sets differ in which of two is the larger if one is none.
+  HWY_INLINE void add(V change) { most = hn::IfThenElse(hn::Gt(hn::Abs(change), most), hn::Abs(change), most); }
 };
 
 // What a sweep makes of a point: its impulse changes by offset - mass * speed, or to zero.
