@@ -3,6 +3,7 @@
 #include <atoll/error.h>
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 
 #include "world/bodies.h"
@@ -182,9 +183,13 @@ JointState joint_state(const Stores& world, std::uint32_t index) {
   for (std::size_t i = 0; i < names.size(); ++i) {
     const solver::JointRow row = joint_row(named, i, frames);
     const std::size_t kept = row_along(joint, names[i]);
-    state.position[i] = kept == joint.rows ? row.value : continued(names[i], row.value, joint.position[kept]);
-    state.speed[i] = row.rate(world.bodies.velocity(joint.first), world.bodies.angular_velocity(joint.first),
-                              world.bodies.velocity(joint.second), world.bodies.angular_velocity(joint.second));
+    const double position = kept == joint.rows ? row.value : continued(names[i], row.value, joint.position[kept]);
+    const double speed = row.rate(world.bodies.velocity(joint.first), world.bodies.angular_velocity(joint.first),
+                                  world.bodies.velocity(joint.second), world.bodies.angular_velocity(joint.second));
+    // Of bodies in quarantine, which may be anywhere.
+    if (!std::isfinite(position) || !std::isfinite(speed)) continue;
+    state.position[i] = position;
+    state.speed[i] = speed;
   }
   return state;
 }

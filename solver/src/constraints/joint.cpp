@@ -63,6 +63,7 @@ double continued(Coordinate coordinate, double value, double before) {
     case Coordinate::AngleSecondY:
     case Coordinate::Steer:
     case Coordinate::Roll: {
+      if (!std::isfinite(before)) return value;
       constexpr double turn = 2 * 3.14159265358979323846;
       return value + turn * std::round((before - value) / turn);
     }
