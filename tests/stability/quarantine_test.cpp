@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
+#include <cstdint>
 #include <functional>
 #include <limits>
 #include <set>
@@ -332,6 +334,58 @@ TEST(Quarantine, WhatABrokenBodyTouchedIsSoundOrGoesToo) {
       ASSERT_LE(world.velocities().colwise().norm().maxCoeff(), 1e6);
       ASSERT_LE(world.angular_velocities().colwise().norm().maxCoeff(), 1e6);
     }
+  }
+}
+
+// A body in quarantine may be anywhere, and a joint to it still tells of numbers.
+TEST(Quarantine, JointsToWhatIsFarAwayTellOfFiniteCoordinates) {
+  for (const JointKind& kind : {JointKind(DistanceJoint{}), JointKind(SliderJoint{}), JointKind(SixDofJoint{}),
+                                JointKind(HingeJoint{{.range = {-1, 1}}}), JointKind(WheelJoint{})}) {
+    SCOPED_TRACE(kind.index());
+    World world;
+    const BodyId a = world.add_body(box({0, 0, 0}));
+    const BodyId b = world.add_body(box({2, 0, 0}));
+    const JointId joint = world.add_joint({.kind = kind, .first = a, .second = b});
+    run(world, 2);
+    for (const double far : {1e200, huge}) {
+      world.set_pose(a, {{far, far, 0}});
+      world.set_pose(b, {{-far, 0, far}});
+      run(world, 1);
+      ASSERT_TRUE(world.is_quarantined(a) && world.is_quarantined(b));
+      const JointState state = world.joint_state(joint);
+      for (std::size_t i = 0; i < state.position.size(); ++i) {
+        EXPECT_TRUE(std::isfinite(state.position[i]) && std::isfinite(state.speed[i])) << i << " at " << far;
+      }
+    }
+  }
+}
+
+// How often a solve that breaks goes on for a tolerance, too, is the same on each instruction set.
+TEST(Quarantine, SweepsAreCountedAlikeWhereABodyBreaks) {
+  const auto sweeps_on = [](Simd simd) {
+    std::vector<std::int64_t> sweeps;
+    for (const double gravity : {1e20, 1e30, 1e38, 1e300}) {
+      for (const double tolerance : {1e-6, 1e-2, 1.0, 1e3}) {
+        World world({.settings = {.iterations = 8, .relax_iterations = 8, .tolerance = tolerance, .simd = simd}});
+        world.add_body(ground());
+        const std::vector<BodyId> stack = add_stack(world, 5);
+        run(world, 10);
+        world.set_surface_velocity(stack[2], {1e6, 0, 0});
+        world.set_gravity({0, 0, -gravity});
+        sweeps.push_back(world.step(dt).counts.sweeps);
+      }
+    }
+    return sweeps;
+  };
+  const std::vector<std::int64_t> portable = sweeps_on(Simd::Portable);
+  for (const Simd simd : {Simd::Sse4, Simd::Avx2, Simd::Avx512, Simd::Neon}) {
+    std::vector<std::int64_t> sweeps;
+    try {
+      sweeps = sweeps_on(simd);
+    } catch (const Error&) {
+      continue;  // this machine lacks it
+    }
+    EXPECT_EQ(sweeps, portable) << static_cast<int>(simd);
   }
 }
 
