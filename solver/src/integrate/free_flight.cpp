@@ -44,6 +44,53 @@ Vector3 free_turn(const Vector3& momentum, const Matrix3& inverse_inertia, doubl
   return h * (w + h / 2 * (w1 + h / 3 * (cubic + h / 4 * quartic)));
 }
 
+// Torque-free rotation in steps of any size: that of a symmetric top, which two rotations give exactly, and between
+// halves of it the small rest, by which the other two moments differ from their mean (McLachlan, "Explicit Lie-Poisson
+// integration and the Euler equations", 1993). Momentum is kept, and so is energy, but for that rest to second order.
+class SplitTop {
+ public:
+  explicit SplitTop(const Vector3& moments) {
+    const Vector3 inverse = moments.cwiseInverse();
+    // The axis of the top is that whose moment differs most from the nearer of the others.
+    double most = -1;
+    for (int i = 0; i < 3; ++i) {
+      const double a = inverse[(i + 1) % 3], b = inverse[(i + 2) % 3];
+      const double apart = std::min(std::abs(inverse[i] - a), std::abs(inverse[i] - b));
+      if (!(apart > most)) continue;
+      most = apart;
+      axis_ = i;
+    }
+    const double a = inverse[(axis_ + 1) % 3], b = inverse[(axis_ + 2) % 3];
+    across_ = 0.5 * (a + b);
+    along_ = inverse[axis_] - across_;
+    rest_ = 0.5 * (a - b);
+  }
+
+  // Of the principal axes, for h seconds.
+  Quaternion turned(const Quaternion& start, const Vector3& momentum, double h) const {
+    Quaternion q = start;
+    const auto about = [&](int axis, double rate) {
+      const double part = (q.conjugate() * momentum)[axis];
+      q = q * rotation_by(rate * part * Vector3::Unit(axis));
+    };
+    const auto rest = [&] {
+      if (rest_ == 0) return;
+      about((axis_ + 1) % 3, 0.25 * h * rest_);
+      about((axis_ + 2) % 3, -0.5 * h * rest_);
+      about((axis_ + 1) % 3, 0.25 * h * rest_);
+    };
+    rest();
+    about(axis_, h * along_);
+    q = rotation_by(h * across_ * momentum) * q;
+    rest();
+    return q.normalized();
+  }
+
+ private:
+  int axis_ = 0;
+  double across_ = 0, along_ = 0, rest_ = 0;  // 1/(kg m^2)
+};
+
 void move_gyroscopic(BodyTable& bodies, std::uint32_t body, double dt, int substeps) {
   // Steps short enough that a fast top turns less than a twentieth of a radian in each. Where moments differ by more
   // than a dozen times, what a turn makes of the spin about the least counts for more: a needle's grows by its whole
@@ -54,19 +101,28 @@ void move_gyroscopic(BodyTable& bodies, std::uint32_t body, double dt, int subst
   const double angle = bodies.angular_velocity(body).norm() * dt * std::sqrt(std::max(1.0, ratio / ordinary));
   // A slow one needs fewer steps than there are substeps, if no torque and no damping act in each.
   const bool alone = bodies.torque(body).isZero(0) && bodies.angular_damping[body] == 0;
-  const double twentieths = std::min(4096.0, angle / 0.05);  // 4096 if it isn't a number
+  constexpr double most = 4096;
+  const double twentieths = std::min(most, angle / 0.05);  // 4096 if it isn't a number
+  // What would need more goes in other ones, a sixteenth as many.
+  const bool splits = !(angle / 0.05 < most);
   const int least = alone ? std::max(1, static_cast<int>(std::ceil(substeps * std::min(1.0, twentieths)))) : substeps;
-  const int steps = std::max(least, static_cast<int>(twentieths));
+  const int steps = std::max(least, static_cast<int>(splits ? most / 16 : twentieths));
   const double h = dt / steps;
   const Matrix3& inverse_inertia = bodies.inverse_inertia[body];
   Quaternion orientation = bodies.orientation(body);
   Vector3 momentum =
       orientation * (bodies.inertia[body] * (orientation.conjugate() * Vector3(bodies.angular_velocity(body))));
   const double damping = 1 / (1 + h * bodies.angular_damping[body]);
+  const SplitTop top(moments);
+  const Quaternion& principal = bodies.principal_axes[body];
   for (int i = 0; i < steps; ++i) {
     momentum += h * bodies.torque(body);
-    const Vector3 turn = free_turn(orientation.conjugate() * momentum, inverse_inertia, h);
-    orientation = (orientation * rotation_by(turn)).normalized();
+    if (splits) {
+      orientation = (top.turned(orientation * principal, momentum, h) * principal.conjugate()).normalized();
+    } else {
+      const Vector3 turn = free_turn(orientation.conjugate() * momentum, inverse_inertia, h);
+      orientation = (orientation * rotation_by(turn)).normalized();
+    }
     momentum *= damping;
   }
   bodies.set_orientation(body, orientation);
