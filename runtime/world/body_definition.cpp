@@ -205,7 +205,8 @@ double least_moment_of(const BodyConstants& body) {
   for (const CheckedCollider& collider : body.colliders) radius = std::min(radius, collider.shape.inner_radius);
   const double least = solver::least_moment_share / body.inverse_mass * radius * radius;
   const Vector3 moments = body.gyroscopic ? body.moments : Vector3(body.inertia.diagonal());
-  return moments.minCoeff() < least ? least : 0;
+  if (moments.minCoeff() < least) return least;
+  return moments.maxCoeff() > solver::slender_ratio * moments.minCoeff() ? moments.minCoeff() : 0;
 }
 
 Quaternion checked_orientation(const char* what, const Quaternion& value) {

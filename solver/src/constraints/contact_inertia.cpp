@@ -1,10 +1,18 @@
 #include <solver/constraints/contact_inertia.h>
 
+#include <algorithm>
+#include <cmath>
+
 namespace atl::solver {
 namespace {
 
 Matrix3 principal_axes(const BodyTable& bodies, std::uint32_t body) {
   return (bodies.orientation(body) * bodies.principal_axes[body]).toRotationMatrix();
+}
+
+Vector3 moments_of(const BodyTable& bodies, std::uint32_t body, double swing) {
+  const Vector3 moments = moments_in_contact(bodies, body);
+  return moments.cwiseMax(std::min(1.0, swing * swing) * moments.maxCoeff());
 }
 
 }  // namespace
@@ -20,14 +28,24 @@ Vector3 moments_in_contact(const BodyTable& bodies, std::uint32_t body) {
   return moments.cwiseMax(bodies.least_moment[body]);
 }
 
-Matrix3 inertia_in_contact(const BodyTable& bodies, std::uint32_t body) {
-  const Matrix3 axes = principal_axes(bodies, body);
-  return axes * moments_in_contact(bodies, body).asDiagonal() * axes.transpose();
+double swing_in_contact(const BodyTable& bodies, std::uint32_t body, double approach, double dt) {
+  const Vector3 moments = moments_in_contact(bodies, body);
+  int light = 0;
+  const double most = moments.maxCoeff();
+  if (!(most > slender_ratio * moments.minCoeff(&light))) return 0;
+  const Vector3 axis = principal_axes(bodies, body).col(light);
+  const double turns = axis.cross(Vector3(bodies.angular_velocity(body))).norm();
+  return dt * (turns + approach / std::sqrt(most * bodies.inverse_mass[body]));
 }
 
-Matrix3 inverse_inertia_in_contact(const BodyTable& bodies, std::uint32_t body) {
+Matrix3 inertia_in_contact(const BodyTable& bodies, std::uint32_t body, double swing) {
   const Matrix3 axes = principal_axes(bodies, body);
-  return axes * moments_in_contact(bodies, body).cwiseInverse().asDiagonal() * axes.transpose();
+  return axes * moments_of(bodies, body, swing).asDiagonal() * axes.transpose();
+}
+
+Matrix3 inverse_inertia_in_contact(const BodyTable& bodies, std::uint32_t body, double swing) {
+  const Matrix3 axes = principal_axes(bodies, body);
+  return axes * moments_of(bodies, body, swing).cwiseInverse().asDiagonal() * axes.transpose();
 }
 
 }  // namespace atl::solver

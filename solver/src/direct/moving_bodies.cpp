@@ -4,9 +4,23 @@
 #include <solver/tuning.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 
 namespace atl::solver {
+namespace {
+
+// m/s, of what a body touches against it, at most.
+double approach_speed(const BodyTable& table, const IslandMembers& members, std::uint32_t body) {
+  double most = 0;
+  for (const collision::TouchingPair& pair : members.contacts) {
+    if (pair.first != body && pair.second != body) continue;
+    most = std::max(most, (table.velocity(pair.first) - table.velocity(pair.second)).norm());
+  }
+  return most;
+}
+
+}  // namespace
 
 bool load_bodies(const DirectIslandInput& input, const IslandMembers& members, IslandProblem& problem,
                  std::vector<MovingBody>& bodies) {
@@ -27,8 +41,9 @@ bool load_bodies(const DirectIslandInput& input, const IslandMembers& members, I
     of.body = body;
     of.mass = 1 / table.inverse_mass[body];
     if (!joined && is_seen_heavier(table, body)) {
-      of.inertia = inertia_in_contact(table, body);
-      of.inverse_inertia = inverse_inertia_in_contact(table, body);
+      const double swing = swing_in_contact(table, body, approach_speed(table, members, body), input.dt);
+      of.inertia = inertia_in_contact(table, body, swing);
+      of.inverse_inertia = inverse_inertia_in_contact(table, body, swing);
     } else {
       const Matrix3 rotation = table.orientation(body).toRotationMatrix();
       of.inertia = rotation * table.inertia[body] * rotation.transpose();

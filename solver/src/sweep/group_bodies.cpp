@@ -59,8 +59,21 @@ void set_inverse_inertia(SolverBodies& rows, std::size_t local, const Matrix3& i
                          static_cast<float>(inverse(0, 2)), static_cast<float>(inverse(1, 2))};
 }
 
+std::vector<double> approach_speeds(const SolveInput& input, const IslandGroup& group, const GroupBodies& numbers) {
+  if (input.bodies.least_moment.empty()) return {};
+  std::vector<double> speeds(numbers.count(), 0.0);
+  for (const collision::TouchingPair& pair : input.islands.contacts(group.begin, group.end)) {
+    const double speed = (input.bodies.velocity(pair.first) - input.bodies.velocity(pair.second)).norm();
+    for (const std::uint32_t body : {pair.first, pair.second}) {
+      double& most = speeds[static_cast<std::size_t>(numbers.local(input, group, body))];
+      most = std::max(most, speed);
+    }
+  }
+  return speeds;
+}
+
 void load_bodies(const SolveInput& input, std::span<const std::uint32_t> bodies, std::size_t begin, std::size_t end,
-                 std::uint32_t first_dynamic, SolverBodies& rows) {
+                 std::uint32_t first_dynamic, std::span<const double> approaches, SolverBodies& rows) {
   const double substep = input.dt / input.settings.substeps;
   const BodyTable& table = input.bodies;
   for (std::size_t i = begin; i < end; ++i) {
@@ -68,7 +81,9 @@ void load_bodies(const SolveInput& input, std::span<const std::uint32_t> bodies,
     const std::size_t local = first_dynamic + i;
     const bool heavier = is_seen_heavier(table, body) && input.islands.joint_count(input.islands.island_of(body)) == 0;
     if (!rows.shape.empty()) load_shape(input, body, local, rows);
-    Matrix3 inverse_inertia = heavier ? inverse_inertia_in_contact(table, body) : world_inverse_inertia(table, body);
+    const double swing = heavier ? swing_in_contact(table, body, approaches[local], input.dt) : 0;
+    Matrix3 inverse_inertia =
+        heavier ? inverse_inertia_in_contact(table, body, swing) : world_inverse_inertia(table, body);
     if (!rows.shape.empty() && rows.shape[local].kind > 0 && table.gyroscopic[body]) {
       // As it is half way through the step.
       const Matrix3 half = rotation_by(get3(rows.shape[local].half_turn)).toRotationMatrix();

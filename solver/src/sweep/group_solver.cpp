@@ -124,8 +124,9 @@ void GroupSolver::gather_bodies(const SolveInput& input, const IslandGroup& grou
                                           .shape = any_contact && (any_turns || settings.everything)});
   rows.round_shapes = any_round_turns;
   load_kinematic_bodies(input, kinematic, rows);
+  const std::vector<double> approaches = approach_speeds(input, group, parts_.numbers);
   executor.parallel_for(ids.size(), GroupLoops<Executor>::body_grain, [&](std::size_t begin, std::size_t end) {
-    load_bodies(input, ids, begin, end, first_dynamic, rows);
+    load_bodies(input, ids, begin, end, first_dynamic, approaches, rows);
   });
 }
 

@@ -51,9 +51,13 @@ bool turns_in_step(const SolveInput& input, std::uint32_t body);
 
 // Rows of SolverBodies, which were reset, as the step begins.
 
+/// m/s, by the group's numbers: the fastest that what touches a body moves against it. Empty where no body of the world
+/// is one that contacts may see heavier.
+std::vector<double> approach_speeds(const SolveInput& input, const IslandGroup& group, const GroupBodies& numbers);
+
 /// Of the group's dynamic bodies [begin, end), of which the first has the number `first_dynamic`.
 void load_bodies(const SolveInput& input, std::span<const std::uint32_t> bodies, std::size_t begin, std::size_t end,
-                 std::uint32_t first_dynamic, SolverBodies& rows);
+                 std::uint32_t first_dynamic, std::span<const double> approaches, SolverBodies& rows);
 void load_kinematic_bodies(const SolveInput& input, std::span<const std::uint32_t> kinematic, SolverBodies& rows);
 /// 1/(kg m^2), world frame.
 void set_inverse_inertia(SolverBodies& rows, std::size_t local, const Matrix3& inverse);
