@@ -1,0 +1,185 @@
+// Nothing gets energy out of nothing: random assemblies of joined bodies, needles that land, rods that are shot at a
+// wall.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <iostream>
+#include <string>
+#include <vector>
+
+#include "support/bodies.h"
+#include "support/long_tests.h"
+#include "support/random_assembly.h"
+
+namespace atl::test {
+namespace {
+
+constexpr double seconds = 2;
+// Of what an assembly may have: what errors of motion may add.
+constexpr double margin = 2;
+
+struct Gain {
+  double energy = 0;   // J, the most beyond what it began with
+  double allowed = 0;  // J
+  bool lost = false;   // some body went into quarantine
+};
+
+Gain most_gained(const Assembly& assembly) {
+  World world(assembly.world);
+  const std::vector<BodyId> ids = add_to(world, assembly);
+  Gain gain;
+  gain.allowed = energy_allowance(world, assembly, ids, seconds).all() + 1e-6;
+  const double start = mechanical_energy(world, ids);
+  for (int i = 0; i * dt < seconds && !gain.lost; ++i) {
+    gain.lost = world.step(dt).quarantined > 0;
+    gain.energy = std::max(gain.energy, mechanical_energy(world, ids) - start);
+  }
+  return gain;
+}
+
+// How many of so many gain more. In those that do, motion is faster than substeps follow.
+int gaining(std::uint32_t seeds, const AssemblyKind& kind, JointSolver solver) {
+  int count = 0;
+  for (std::uint32_t seed = 0; seed < seeds; ++seed) {
+    Assembly assembly = random_assembly(seed, kind);
+    assembly.world.settings.joint_solver = solver;
+    const Gain gain = most_gained(assembly);
+    if (!gain.lost && gain.energy < margin * gain.allowed) continue;
+    ++count;
+    std::cout << seed << " gains " << gain.energy << " J of " << gain.allowed << ": " << assembly.features << "\n";
+  }
+  return count;
+}
+
+std::uint32_t seeds() { return long_tests() ? 10000 : 300; }
+
+TEST(Energy, TreesOfSweptJointsGainNone) {
+  EXPECT_LE(
+      gaining(seeds(),
+              {.motors = false, .springs = false, .ranges = false, .apart = false, .redundant = false, .pinned = false},
+              JointSolver::Iterative),
+      0.01 * seeds());
+}
+
+TEST(Energy, SweptJointsThatStartApartGainNone) {
+  EXPECT_LE(
+      gaining(seeds(),
+              {.motors = false, .springs = false, .ranges = true, .apart = true, .redundant = false, .pinned = false},
+              JointSolver::Iterative),
+      0.01 * seeds());
+}
+
+TEST(Energy, SweptJointsTwiceAndInLoopsGainNone) {
+  EXPECT_LE(
+      gaining(seeds(),
+              {.motors = false, .springs = false, .ranges = false, .apart = false, .redundant = true, .pinned = false},
+              JointSolver::Iterative),
+      0.01 * seeds());
+}
+
+// What pulls two bodies together turns neither of them on the whole.
+TEST(Energy, ClosingAJointKeepsAngularMomentum) {
+  for (const JointSolver solver : {JointSolver::Iterative, JointSolver::Direct}) {
+    World world({.gravity = Vector3::Zero(), .settings = {.joint_solver = solver}});
+    BodyDef first = box({0, 0, 0}, {0.2, 0.1, 0.3});
+    BodyDef second = box({0.9, 0.3, 0.2}, {0.1, 0.3, 0.2});
+    first.filter.group = second.filter.group = -1;
+    const std::vector<BodyId> ids = {world.add_body(first), world.add_body(second)};
+    world.add_joint({.kind = BallJoint{},
+                     .first = ids[0],
+                     .second = ids[1],
+                     .frame_first = {{0.2, 0.1, 0}},
+                     .frame_second = {{-0.1, 0, -0.2}}});
+    run(world, 120);
+    Vector3 momentum = Vector3::Zero();
+    double inertia = 0;
+    for (const BodyId id : ids) {
+      const Matrix3 turn = world.pose(id).orientation.toRotationMatrix();
+      const MassProperties mass = body_mass(world.definition(id));
+      momentum += mass.mass * world.centre_of_mass(id).cross(world.velocity(id)) +
+                  turn * mass.inertia * turn.transpose() * world.angular_velocity(id);
+      inertia += mass.inertia.trace();
+    }
+    EXPECT_LT(momentum.norm() / inertia, 1e-3) << static_cast<int>(solver);
+    for (const BodyId id : ids) EXPECT_LT(world.angular_velocity(id).norm(), 2) << static_cast<int>(solver);
+  }
+}
+
+double energy_of(const World& world, const std::vector<BodyId>& ids) { return mechanical_energy(world, ids); }
+
+// A needle that falls on the ground. Half its length is 1 m.
+double needle_gain(const Shape& shape, double tilt) {
+  World world;
+  world.add_body(ground());
+  BodyDef needle{.shape = shape};
+  needle.position = {0, 0, std::cos(tilt) + 0.5};
+  needle.orientation = Quaternion(Eigen::AngleAxisd(tilt, Vector3(1, 0.3, 0).normalized()));
+  const std::vector<BodyId> ids = {world.add_body(needle)};
+  const double start = energy_of(world, ids);
+  double most = start;
+  for (int i = 0; i < 300; ++i) {
+    if (world.step(dt).quarantined > 0) return INFINITY;
+    most = std::max(most, energy_of(world, ids));
+  }
+  return most / start;
+}
+
+TEST(Energy, LandingNeedlesGainNone) {
+  for (const double aspect : {100.0, 1000.0, 10000.0}) {
+    for (const double tilt : {0.0, 0.3, 0.8, 1.2, 1.5, 1.5707}) {
+      SCOPED_TRACE("1:" + std::to_string(aspect) + " at " + std::to_string(tilt));
+      // What is thinner than single precision tells ends of it apart is thrown up once, to some metres.
+      const double most = aspect < 5000 ? 1.2 : 25;
+      EXPECT_LT(needle_gain(Box{{1 / aspect, 1 / aspect, 1}}, tilt), most);
+      EXPECT_LT(needle_gain(Capsule{.radius = 1 / aspect, .half_height = 1}, tilt), most);
+    }
+  }
+}
+
+// In flight a needle's spin about its axis goes along with the axis, at any speed.
+TEST(Energy, NeedlesInFlightKeepTheirs) {
+  for (const double aspect : {100.0, 1000.0, 10000.0}) {
+    for (const double spin : {10.0, 1000.0, 1e5}) {
+      SCOPED_TRACE("1:" + std::to_string(aspect) + ", " + std::to_string(spin) + " rad/s");
+      World world({.gravity = Vector3::Zero()});
+      BodyDef needle{.shape = Box{{1 / aspect, 1.5 / aspect, 1}}};
+      needle.angular_velocity = {10, 3, spin};
+      const std::vector<BodyId> ids = {world.add_body(needle)};
+      const double start = energy_of(world, ids);
+      for (int i = 0; i < 300; ++i) {
+        ASSERT_EQ(world.step(dt).quarantined, 0) << "step " << i;
+        ASSERT_NEAR(energy_of(world, ids), start, 0.01 * start) << "step " << i;
+      }
+    }
+  }
+}
+
+// A hundred rods side by side, a little askew, at a wall of 2 mm.
+TEST(Energy, RodsShotAtAWallGainNone) {
+  for (const double speed : {100.0, 1000.0}) {
+    for (const bool continuous : {false, true}) {
+      SCOPED_TRACE(std::to_string(speed) + (continuous ? " m/s, continuous" : " m/s"));
+      World world({.gravity = Vector3::Zero()});
+      world.add_body(static_box({0, 0, 0}, {0.001, 50, 50}));
+      std::vector<BodyId> ids;
+      for (int i = 0; i < 100; ++i) {
+        BodyDef rod{.shape = Capsule{.radius = 0.01, .half_height = 0.5}, .position = {-1, 0.0201 * i, 0}};
+        const auto askew = [&](double ratio) { return 0.5 * (std::fmod(ratio * i, 1.0) - 0.5); };
+        rod.orientation =
+            Eigen::AngleAxisd(askew(0.618034), Vector3::UnitZ()) * Eigen::AngleAxisd(askew(0.414214), Vector3::UnitY());
+        rod.velocity = {speed, 0, 0};
+        rod.continuous = continuous;
+        ids.push_back(world.add_body(rod));
+      }
+      const double start = energy_of(world, ids);
+      for (int i = 0; i < 120; ++i) {
+        ASSERT_EQ(world.step(dt).quarantined, 0) << "step " << i;
+        ASSERT_LT(energy_of(world, ids), 1.05 * start) << "step " << i;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace atl::test

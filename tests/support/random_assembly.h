@@ -1,0 +1,437 @@
+#pragma once
+/// Random assemblies of joined bodies, and the energy that they may have.
+
+#include <atoll/atoll.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <random>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "support/bodies.h"
+
+namespace atl::test {
+
+/// Random numbers, the same on every machine.
+class Dice {
+ public:
+  explicit Dice(std::uint32_t seed) : engine_(seed) {}
+  double real(double lower, double upper) { return lower + (upper - lower) * (engine_() * 0x1p-32); }
+  /// Evenly over magnitudes; lower > 0.
+  double magnitude(double lower, double upper) { return std::exp(real(std::log(lower), std::log(upper))); }
+  std::size_t below(std::size_t count) { return engine_() % count; }
+  bool chance(double probability) { return real(0, 1) < probability; }
+  Vector3 direction() {
+    while (true) {
+      Vector3 v;
+      for (double& x : v) x = real(-1, 1);
+      if (v.squaredNorm() < 1 && v.squaredNorm() > 0.01) return v.normalized();
+    }
+  }
+  Quaternion rotation(double largest_angle) {
+    const double half = 0.5 * real(-largest_angle, largest_angle);
+    const Vector3 v = std::sin(half) * direction();
+    return {std::cos(half), v.x(), v.y(), v.z()};
+  }
+
+ private:
+  std::mt19937 engine_;
+};
+
+/// Which assemblies to make.
+struct AssemblyKind {
+  bool motors = true;
+  bool springs = true;
+  bool ranges = true;
+  bool apart = true;      ///< some start with joints that are apart by some cm and rad
+  bool redundant = true;  ///< some joints twice and threefold, and more joints than make a tree
+  bool pinned = true;     ///< some hang on what is static
+};
+
+/// An assembly, and what can have made it move.
+struct Assembly {
+  WorldDef world;
+  std::vector<BodyDef> bodies;
+  std::vector<JointDef> joints;  ///< with `first` and `second` by place in `bodies`, as the index of an id
+  std::string features;          ///< of what, for people
+  double length = 0;             ///< m: no two points of it are farther apart
+  double gap = 0;                ///< m or rad, by which joints start apart at most
+};
+
+/// J: energies that `world` has, of which joints' are not counted.
+inline double mechanical_energy(const World& world, const std::vector<BodyId>& ids) {
+  double energy = 0;
+  for (const BodyId id : ids) {
+    if (world.type(id) != BodyType::Dynamic) continue;
+    const Matrix3 turn = world.pose(id).orientation.toRotationMatrix();
+    const Vector3 spin = turn.transpose() * world.angular_velocity(id);
+    const MassProperties mass = body_mass(world.definition(id));
+    energy += 0.5 * mass.mass * world.velocity(id).squaredNorm() + 0.5 * spin.dot(mass.inertia * spin) -
+              mass.mass * world.gravity().dot(world.centre_of_mass(id));
+  }
+  return energy;
+}
+
+namespace assembly {
+
+inline double radius_of(const BodyDef& def) {
+  if (const auto* ball = std::get_if<Sphere>(&def.shape)) return ball->radius;
+  if (const auto* capsule = std::get_if<Capsule>(&def.shape)) return capsule->radius + capsule->half_height;
+  return std::get<Box>(def.shape).half_extents.norm();
+}
+
+inline BodyDef random_body(Dice& dice) {
+  BodyDef def;
+  const double size = dice.real(0.05, 0.3);
+  switch (dice.below(3)) {
+    case 0:
+      def.shape = Sphere{size};
+      break;
+    case 1:
+      def.shape = Capsule{.radius = size * dice.real(0.2, 1), .half_height = size};
+      break;
+    default:
+      def.shape = Box{{size, size * dice.real(0.1, 1), size * dice.real(0.1, 1)}};
+  }
+  def.orientation = dice.rotation(std::numbers::pi);
+  return def;
+}
+
+inline JointAxis random_axis(Dice& dice, const AssemblyKind& kind, bool turns, std::ostringstream& words) {
+  JointAxis axis;
+  if (kind.ranges && dice.chance(0.3)) {
+    const double most = turns ? 1.5 : 0.3;
+    axis.range = {-dice.real(0, most), dice.real(0, most)};
+    if (dice.chance(0.2)) axis.range.restitution = dice.real(0, 1);
+    words << " range";
+  }
+  if (kind.springs && dice.chance(0.3)) {
+    axis.spring = JointSpring{};
+    axis.spring->rest = dice.chance(0.5) ? 0 : dice.real(-0.3, 0.3);
+    if (dice.chance(0.5)) {
+      axis.spring->hertz = dice.magnitude(0.5, 200);
+      axis.spring->damping_ratio = dice.chance(0.3) ? 0 : dice.real(0, 2);
+      words << " spring " << axis.spring->hertz << " Hz";
+    } else {
+      axis.spring->stiffness = dice.magnitude(1, 1e6);
+      axis.spring->damping = dice.chance(0.3) ? 0 : dice.magnitude(0.1, 1e3);
+      words << " spring " << *axis.spring->stiffness << " N/m";
+    }
+  }
+  if (kind.motors && dice.chance(0.3)) {
+    axis.motor = JointMotor{};
+    axis.motor->speed = dice.chance(0.3) ? 0 : dice.real(-3, 3) * (turns ? 1 : 0.3);
+    axis.motor->max_force = dice.chance(0.2) ? unlimited : dice.magnitude(0.1, 1e3);
+    if (dice.chance(0.3)) {
+      axis.motor->servo = JointServo{
+          .target = dice.real(-0.3, 0.3), .stiffness = dice.magnitude(1, 1e5), .damping = dice.magnitude(0.1, 1e3)};
+      words << " servo";
+    }
+    words << " motor " << axis.motor->speed << " by " << *axis.motor->max_force;
+  }
+  if (dice.chance(0.1)) axis.armature = dice.magnitude(0.01, 1);
+  return axis;
+}
+
+inline JointKind random_kind(Dice& dice, const AssemblyKind& kind, std::ostringstream& words) {
+  const auto axis = [&](bool turns) { return random_axis(dice, kind, turns, words); };
+  switch (dice.below(9)) {
+    case 0:
+      words << " ball";
+      return BallJoint{.friction = kind.motors && dice.chance(0.3) ? dice.magnitude(0.01, 10) : 0};
+    case 1:
+      words << " hinge";
+      return HingeJoint{axis(true)};
+    case 2:
+      words << " slider";
+      return SliderJoint{axis(false)};
+    case 3:
+      words << " fixed";
+      return FixedJoint{};
+    case 4: {
+      words << " distance";
+      DistanceJoint joint;  // its range is set to where it is
+      if (kind.springs && dice.chance(0.3)) joint.distance.spring = JointSpring{.hertz = dice.magnitude(1, 100)};
+      return joint;
+    }
+    case 5: {
+      words << " universal";
+      UniversalJoint joint;
+      joint.first = axis(true);
+      joint.second = axis(true);
+      return joint;
+    }
+    case 6: {
+      words << " cone";
+      ConeTwistJoint joint;
+      if (kind.ranges && dice.chance(0.5)) joint.swing_limit = dice.real(0.2, 2);
+      joint.twist = axis(true);
+      if (kind.motors && dice.chance(0.3)) joint.swing_friction = dice.magnitude(0.01, 10);
+      return joint;
+    }
+    case 7: {
+      words << " six";
+      SixDofJoint joint;
+      for (int i = 0; i < 3; ++i) {
+        if (dice.chance(0.7))
+          joint.offset[i].range = {0, 0};
+        else
+          joint.offset[i] = axis(false);
+        if (dice.chance(0.5))
+          joint.turn[i].range = {0, 0};
+        else
+          joint.turn[i] = axis(true);
+      }
+      return joint;
+    }
+    default: {
+      words << " wheel";
+      WheelJoint joint;
+      joint.suspension = axis(false);
+      if (dice.chance(0.5)) joint.steering = axis(true);
+      joint.spin = axis(true);
+      return joint;
+    }
+  }
+}
+
+inline Pose seen_from(const BodyDef& body, const Vector3& point, const Quaternion& turn) {
+  return {body.orientation.conjugate() * (point - body.position), body.orientation.conjugate() * turn};
+}
+
+}  // namespace assembly
+
+/// The one of a seed. `kind` says what may be in it.
+inline Assembly random_assembly(std::uint32_t seed, const AssemblyKind& kind = {}) {
+  using namespace assembly;
+  Dice dice(seed);
+  Assembly made;
+  std::ostringstream words;
+
+  Settings& settings = made.world.settings;
+  settings.joint_solver = dice.chance(0.4)   ? JointSolver::Iterative
+                          : dice.chance(0.5) ? JointSolver::Direct
+                                             : JointSolver::Auto;
+  settings.contact_solver = dice.chance(0.4)   ? ContactSolver::Auto
+                            : dice.chance(0.5) ? ContactSolver::Direct
+                                               : ContactSolver::Iterative;
+  settings.substeps = std::vector{1, 2, 4, 4, 4, 8}[dice.below(6)];
+  settings.stabilisation = dice.chance(0.7)   ? Stabilisation::Soft
+                           : dice.chance(0.5) ? Stabilisation::Baumgarte
+                                              : Stabilisation::SplitImpulse;
+  if (dice.chance(0.2)) settings.iterations = static_cast<int>(1 + dice.below(4));
+  if (dice.chance(0.1)) settings.warm_starting = false;
+  words << "joints "
+        << (settings.joint_solver == JointSolver::Iterative ? "swept"
+            : settings.joint_solver == JointSolver::Direct  ? "direct"
+                                                            : "auto")
+        << ", contacts "
+        << (settings.contact_solver == ContactSolver::Auto     ? "auto"
+            : settings.contact_solver == ContactSolver::Direct ? "direct"
+                                                               : "swept")
+        << ", substeps " << settings.substeps << ", stabilisation "
+        << (settings.stabilisation == Stabilisation::Soft        ? "soft"
+            : settings.stabilisation == Stabilisation::Baumgarte ? "baumgarte"
+                                                                 : "split")
+        << (settings.warm_starting ? "" : ", cold") << ", iterations " << settings.iterations;
+  if (dice.chance(0.4)) made.world.gravity.setZero();
+  words << (made.world.gravity.isZero() ? ", no gravity" : ", gravity");
+
+  // Each body beside one before it: a chain or a tree.
+  const std::size_t count = 2 + dice.below(11);
+  const bool chain = dice.chance(0.5);
+  const double mass_ratio = dice.chance(0.5) ? 1 : dice.magnitude(1, 1000);
+  const double gap = kind.apart && dice.chance(0.4) ? dice.magnitude(0.001, 0.1) : 0;
+  const double speed = dice.chance(0.5) ? 0 : dice.magnitude(0.1, 10);
+  const double spin = dice.chance(0.5) ? 0 : dice.magnitude(0.1, 10);
+  const std::size_t copies = kind.redundant && dice.chance(0.3) ? 2 + dice.below(2) : 1;
+  words << ", bodies " << count << (chain ? " chain" : " tree") << ", masses " << mass_ratio << ", gap " << gap
+        << ", speed " << speed << ", spin " << spin << ", copies " << copies;
+  made.gap = gap;
+  std::vector<std::size_t> parents(count, 0);
+  for (std::size_t i = 0; i < count; ++i) {
+    BodyDef def = random_body(dice);
+    def.mass = dice.magnitude(1, mass_ratio + 1e-9);
+    def.velocity = speed * dice.real(0, 1) * dice.direction();
+    def.angular_velocity = spin * dice.real(0, 1) * dice.direction();
+    def.filter.group = -1;
+    if (i > 0) {
+      parents[i] = chain ? i - 1 : dice.below(i);
+      const BodyDef& parent = made.bodies[parents[i]];
+      def.position = parent.position + (radius_of(parent) + radius_of(def)) * dice.direction();
+    }
+    made.length += 2 * radius_of(def) + gap;
+    made.bodies.push_back(def);
+  }
+
+  const auto join = [&](std::size_t first, std::size_t second, const Vector3& point, const Quaternion& turn) {
+    JointDef joint;
+    joint.kind = random_kind(dice, kind, words);
+    joint.first.index = static_cast<std::uint32_t>(first);
+    joint.second.index = static_cast<std::uint32_t>(second);
+    const double off = dice.chance(0.5) ? gap : 0;
+    const Vector3 aside = off * dice.real(0, 1) * dice.direction();
+    const Quaternion askew = dice.rotation(off);
+    joint.frame_first = seen_from(made.bodies[first], point, turn);
+    if (auto* rod = std::get_if<DistanceJoint>(&joint.kind)) {
+      joint.frame_first = seen_from(made.bodies[first], made.bodies[first].position, turn);
+      const double length = (made.bodies[second].position - made.bodies[first].position).norm();
+      if (!rod->distance.spring) {
+        const bool rope = dice.chance(0.3);
+        rod->distance.range = {rope ? 0 : length + off, length + off};
+      } else {
+        rod->distance.range = {};
+        rod->distance.range.lower = 0;
+        rod->distance.spring->rest = length;
+      }
+      joint.frame_second = seen_from(made.bodies[second], made.bodies[second].position, turn);
+    } else {
+      joint.frame_second = seen_from(made.bodies[second], point + aside, turn * askew);
+    }
+    const std::size_t times = dice.chance(0.7) ? copies : 1;
+    for (std::size_t i = 0; i < times; ++i) made.joints.push_back(joint);
+  };
+  for (std::size_t i = 1; i < count; ++i) {
+    const Vector3 to_parent = made.bodies[parents[i]].position - made.bodies[i].position;
+    const Vector3 point = made.bodies[i].position + to_parent.normalized() * radius_of(made.bodies[i]);
+    join(parents[i], i, point, dice.rotation(std::numbers::pi));
+  }
+  // More than a tree: rings, and two joints between the same two.
+  if (kind.redundant && dice.chance(0.3)) {
+    const std::size_t more = 1 + dice.below(3);
+    words << ", loops " << more;
+    for (std::size_t i = 0; i < more; ++i) {
+      const std::size_t first = dice.below(count), second = dice.below(count);
+      if (first == second) continue;
+      const Vector3 middle = 0.5 * (made.bodies[first].position + made.bodies[second].position);
+      join(first, second, middle, dice.rotation(std::numbers::pi));
+    }
+  }
+  if (kind.pinned && dice.chance(0.5)) {
+    const std::size_t pins = 1 + (dice.chance(0.3) ? 1 : 0);
+    words << ", pins " << pins;
+    for (std::size_t i = 0; i < pins; ++i) {
+      const std::size_t held = i == 0 ? 0 : dice.below(count);
+      const BodyDef body = made.bodies[held];
+      made.bodies.push_back({.type = BodyType::Static,
+                             .shape = Sphere{0.01},
+                             .position = body.position + radius_of(body) * dice.direction()});
+      made.bodies.back().filter.group = -1;
+      join(made.bodies.size() - 1, held, made.bodies.back().position, dice.rotation(std::numbers::pi));
+    }
+  }
+  made.features = words.str();
+  return made;
+}
+
+/// The world of an assembly, and its bodies in order.
+inline std::vector<BodyId> add_to(World& world, const Assembly& assembly) {
+  std::vector<BodyId> ids;
+  for (const BodyDef& def : assembly.bodies) ids.push_back(world.add_body(def));
+  for (JointDef joint : assembly.joints) {
+    joint.first = ids[joint.first.index];
+    joint.second = ids[joint.second.index];
+    world.add_joint(joint);
+  }
+  return ids;
+}
+
+/// J: what an assembly may gain in a time (s) beyond what it starts with, by kinds of what gives it.
+struct EnergyAllowance {
+  double springs = 0;  ///< what springs and servos hold, once joints have closed
+  double motors = 0;   ///< the work of motors: those of limited force push no further than their speed
+  double heights = 0;  ///< of its weight, over its length: what errors of motion are measured by
+  double closing = 0;  ///< of bodies that move at the speed at which joints are closed
+  double start = 0;    ///< the kinetic energy that it has
+
+  double all() const { return springs + motors + heights + closing + start; }
+};
+
+/// Of an assembly in its first state.
+inline EnergyAllowance energy_allowance(const World& world, const Assembly& made, const std::vector<BodyId>& ids,
+                                        double time) {
+  EnergyAllowance allowed;
+  double mass = 0;
+  for (const BodyId id : ids) {
+    if (world.type(id) != BodyType::Dynamic) continue;
+    mass += world.mass(id);
+    allowed.start += world.mass(id) * world.gravity().dot(world.centre_of_mass(id));
+  }
+  allowed.start += mechanical_energy(world, ids);
+  allowed.heights = mass * world.gravity().norm() * made.length;
+
+  double drive = 0;  // m/s that unlimited motors add up to at most
+  const auto add = [&](const JointAxis& axis, bool turns, double position, double rate, double own) {
+    if (axis.range.lower == axis.range.upper) return;
+    allowed.start += 0.5 * axis.armature * rate * rate;
+    const double reach = made.gap;
+    if (axis.spring) {
+      const double off = std::abs(position - axis.spring->rest) + reach;
+      const double omega = 2 * std::numbers::pi * axis.spring->hertz;
+      const double stiffness =
+          axis.spring->is_linear() ? axis.spring->stiffness.value_or(0) : (own + axis.armature) * omega * omega;
+      allowed.springs += 0.5 * stiffness * off * off;
+    }
+    if (!axis.motor) return;
+    const double speed = std::abs(axis.motor->speed);
+    if (axis.motor->servo) {
+      const JointServo& servo = *axis.motor->servo;
+      const double off = std::abs(position - servo.target) + reach;
+      const double held = 0.5 * servo.stiffness * off * off;
+      allowed.springs += held;
+      allowed.motors += 0.25 * servo.damping * speed * speed * time;
+    } else if (speed == 0) {
+      return;
+    } else if (*axis.motor->max_force < unlimited) {
+      allowed.motors += *axis.motor->max_force * speed * time;
+    } else {
+      drive += speed * (turns ? made.length : 1);
+    }
+  };
+  for (const JointId id : world.joints()) {
+    const JointDef& joint = world.joint(id);
+    const JointState state = world.joint_state(id);
+    double own = 1e300, own_turn = 1e300;
+    for (const BodyId body : {joint.first, joint.second}) {
+      if (world.type(body) != BodyType::Dynamic) continue;
+      own = std::min(own, world.mass(body));
+      own_turn = std::min(own_turn, body_mass(world.definition(body)).inertia.trace());
+    }
+    const auto axis = [&](const JointAxis& of, bool turns, std::size_t at) {
+      add(of, turns, state.position[at], state.speed[at], turns ? own_turn : own);
+    };
+    std::visit(
+        [&](const auto& kind) {
+          using Kind = std::decay_t<decltype(kind)>;
+          if constexpr (std::is_same_v<Kind, HingeJoint>) axis(kind.angle, true, 0);
+          if constexpr (std::is_same_v<Kind, SliderJoint>) axis(kind.offset, false, 0);
+          if constexpr (std::is_same_v<Kind, DistanceJoint>) axis(kind.distance, false, 0);
+          if constexpr (std::is_same_v<Kind, UniversalJoint>) {
+            axis(kind.first, true, 0);
+            axis(kind.second, true, 1);
+          }
+          if constexpr (std::is_same_v<Kind, ConeTwistJoint>) axis(kind.twist, true, 1);
+          if constexpr (std::is_same_v<Kind, SixDofJoint>) {
+            for (std::size_t i = 0; i < 3; ++i) {
+              axis(kind.offset[i], false, i);
+              axis(kind.turn[i], true, 3 + i);
+            }
+          }
+          if constexpr (std::is_same_v<Kind, WheelJoint>) {
+            axis(kind.suspension, false, 0);
+            axis(kind.steering, true, 1);
+            axis(kind.spin, true, 2);
+          }
+        },
+        joint.kind);
+  }
+  allowed.motors += 0.5 * mass * drive * drive;
+  if (made.gap > 0) allowed.closing = 0.5 * mass * std::pow(std::min(made.gap / dt, 3.0), 2);
+  return allowed;
+}
+
+}  // namespace atl::test
