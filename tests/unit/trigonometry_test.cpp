@@ -56,6 +56,17 @@ TEST(SineCosine, IsOddAndEven) {
 }
 
 // Past the range of the accuracy the results still lie on the circle, roughly.
+TEST(SineCosine, KnowsNoTurnsOfWhatHasLostThem) {
+  for (const double angle : {0x1p50, -0x1p50, 1e50, -1e300}) {
+    EXPECT_EQ(sine_cosine(angle).sine, 0) << angle;
+    EXPECT_EQ(sine_cosine(angle).cosine, 1) << angle;
+  }
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  for (const double angle : {infinity, -infinity, std::numeric_limits<double>::quiet_NaN()}) {
+    EXPECT_TRUE(std::isnan(sine_cosine(angle).sine) && std::isnan(sine_cosine(angle).cosine)) << angle;
+  }
+}
+
 TEST(SineCosine, StaysOnTheCircleForHugeAngles) {
   for (double angle : {1e6, 1e9, 1e12, 1e15}) {
     const SineCosine result = sine_cosine(angle);

@@ -8,7 +8,7 @@ struct SineCosine {
 };
 
 /// Sine and cosine to within 3 units in the last place for |angle| < 1e5 rad, by operations that IEEE 754
-/// defines to the bit: the C library's differ between versions.
+/// defines to the bit: the C library's differ between versions. As of 0 from 2^50 on; NaN of what is not finite.
 SineCosine sine_cosine(double angle);
 
 /// The angle of (x, y) from the x axis, rad, in [-pi, pi], to within 4 units in the last place, by such operations
