@@ -1,6 +1,8 @@
 #include "names.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <iomanip>
 #include <sstream>
 #include <stdexcept>
@@ -76,6 +78,15 @@ std::string fixed(double value, int decimals) {
 std::string significant(double value, int digits) {
   std::ostringstream text;
   text << std::setprecision(digits) << value;
+  return text.str();
+}
+
+std::string plain(double value, int digits) {
+  const double size = std::abs(value);
+  const int before = size >= 1 ? static_cast<int>(std::floor(std::log10(size))) + 1 : 1;
+  const double unit = std::pow(10.0, std::max(0, before - digits));
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(std::max(0, digits - before)) << unit * std::round(value / unit);
   return text.str();
 }
 

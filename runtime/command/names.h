@@ -35,5 +35,7 @@ std::string plural(std::int64_t count, const std::string& noun);
 std::string fixed(double value, int decimals);
 /// At most so many significant digits, as "3.14" or "1e-09".
 std::string significant(double value, int digits);
+/// The same without an exponent, for rates: 80,000 is "80000".
+std::string plain(double value, int digits);
 
 }  // namespace atl::command

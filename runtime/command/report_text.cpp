@@ -151,8 +151,7 @@ void write_summary(std::ostream& out, const Scene& scene, const RunResult& resul
       << plural(body_counts(scene).dynamic, "body", "bodies") << " moved for " << significant(simulated, 3)
       << " s of simulated time in " << significant(wall, 3) << " s";
   if (wall > 0) {
-    out << ": " << significant(result.steps / wall, 3) << " steps/s, " << significant(simulated / wall, 3)
-        << " times real time";
+    out << ": " << plain(result.steps / wall, 3) << " steps/s, " << plain(simulated / wall, 3) << " times real time";
   }
   out << "\n";
 }

@@ -48,9 +48,11 @@ const Settings& checked(const Settings& settings) {
 }
 
 void check_step(const char* call, double dt) {
-  if (dt > 0 && dt <= 1) return;
+  // A substep is a part of up to 1024 of it, of which single precision has to hold the square and the inverse.
+  constexpr double least = 1e-12;
+  if (dt >= least && dt <= 1) return;
   std::ostringstream message;
-  message << call << ": dt is " << dt << "; expected a number above 0 and at most 1 (s)";
+  message << call << ": dt is " << dt << "; expected a number from 1e-12 to 1 (s)";
   throw Error(message.str());
 }
 

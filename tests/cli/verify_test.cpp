@@ -183,6 +183,7 @@ TEST(CommandVerify, JsonHasValuesAndLimits) {
   EXPECT_EQ(wedge["steps"], 300);
   EXPECT_EQ(wedge["failed"], false);
   EXPECT_GT(wedge["ms_per_step"], 0);
+  EXPECT_GE(wedge["worst_step_over_median"], 1);
   ASSERT_EQ(wedge["criteria"].size(), 4u);
   EXPECT_EQ(wedge["criteria"][0]["name"], "penetration");
   EXPECT_EQ(wedge["criteria"][0]["unit"], "m");

@@ -404,7 +404,10 @@ void ask(Run& run) { check_queries(run.worlds.worlds(), run.definitions, run.byt
 void write_as_scene(Run& run) {
   const World& world = run.worlds.first();
   if (world.body_count() == 0) return;  // which no scene file is of
-  const std::string text = scene_text(scene_of(world));
+  const std::optional<std::string> written = chosen([&] { return scene_text(scene_of(world)); });
+  require(written || !run.definitions.usual(), "a world can't be written as a scene file");
+  if (!written) return;
+  const std::string& text = *written;
   const Scene scene = parse_scene(text, "scene_of");
   World again({.gravity = scene.gravity, .settings = scene.settings});
   const std::vector<BodyId> ids = build_scene(scene, again);

@@ -93,6 +93,35 @@ TEST_F(QueriesTest, FiltersLeaveBodiesOut) {
   EXPECT_EQ(first({.ignore = stale}), next);
 }
 
+// Of what is met at the same distance the lowest body comes first, in whatever order it is found.
+TEST_F(QueriesTest, WhatIsMetAtTheSameTimeComesInOrder) {
+  const std::vector<double> flat(9, 0.0);
+  const Shape shapes[] = {Sphere{0.5}, Box{}, Cylinder{}, HeightField(3, 3, 1, 1, flat)};
+  for (const Shape& shape : shapes) {
+    World world;
+    std::vector<BodyId> same;
+    for (int i = 0; i < 6; ++i) {
+      same.push_back(world.add_body({.type = BodyType::Static, .shape = shape, .position = {0.013, 0.007, 0.4}}));
+    }
+    const Queries queries(world);
+    for (const ShapeCast& cast :
+         {ShapeCast{.shape = Sphere{0.2}, .position = {0.3, 0.2, 4}, .translation = {0.1, 0.05, -7}},
+          ShapeCast{.shape = Cone{0.3, 0.3}, .position = {0.5, 0.4, 5}, .translation = {0.03, 0, -9}},
+          ShapeCast{.shape = Box{{0.1, 0.2, 0.3}}, .position = {0.5, 0.4, 5}, .translation = {0.03, 0, -9}}}) {
+      const std::vector<ShapeHit> all = queries.cast_shape_through(cast);
+      ASSERT_EQ(all.size(), same.size());
+      for (std::size_t i = 0; i < all.size(); ++i) EXPECT_EQ(all[i].body, same[i]);
+      const std::optional<ShapeHit> first = queries.cast_shape(cast);
+      ASSERT_TRUE(first);
+      EXPECT_EQ(first->body, same.front());
+      EXPECT_EQ(first->distance, all.front().distance);
+    }
+    const std::optional<RayHit> ray = queries.cast_ray({.origin = {0.4, 0.3, 5}, .direction = {0.01, 0, -1}});
+    ASSERT_TRUE(ray);
+    EXPECT_EQ(ray->body, same.front());
+  }
+}
+
 TEST_F(QueriesTest, ShapeCastStopsAtContact) {
   const ShapeCast cast{.shape = Sphere{0.25}, .position = {0, 0, 0}, .translation = {20, 0, 0}};
   const std::vector<ShapeHit> hits = queries_.cast_shape_through(cast);

@@ -157,5 +157,20 @@ TEST(SceneWriting, AFileIsWholeOrNotThere) {
   std::filesystem::remove_all(folder);
 }
 
+// A velocity that an impulse was too large for is told until the next step, and no scene file holds it.
+TEST(SceneWriting, RefusesWhatIsNotFinite) {
+  World world;
+  const BodyId ball = world.add_body({.shape = Sphere{1e-3}, .mass = 1e-6});
+  world.apply_impulse(ball, {1e305, 0, 0}, {0, 0, 0});
+  try {
+    scene_text(scene_of(world));
+    ADD_FAILURE() << "expected a SceneError";
+  } catch (const SceneError& error) {
+    EXPECT_STREQ(error.what(),
+                 "scene_text: /bodies/0/velocity/0 is inf; expected a finite number, as scene files hold "
+                 "no others");
+  }
+}
+
 }  // namespace
 }  // namespace atl

@@ -93,13 +93,17 @@ bool cast_shape(const QueryScene& scene, const Shape& solid, const Pose& pose, c
   scene.broadphase.proxies().query_ray(
       cast.middle, translation, 1,
       [&](std::uint32_t collider, double) {
-        const double limit = found ? first.hit.t : 1;
+        // What is met at the same time counts too: who comes first is up to the colliders' order.
+        const double limit = found ? std::nextafter(first.hit.t, infinity) : 1;
         ColliderSweepHit fresh{collider, {}};
         if (!accept(collider)) return limit;
         const Motion still = Motion::still(scene.colliders.pose(collider, scene.poses));
         const Shape& other = scene.colliders.shape[collider];
         if (!sweep(solid, cast.motion, other, still, cast.goal, limit, fresh.hit)) return limit;
-        if (found && fresh.hit.t == limit && !comes_before(scene.colliders, collider, first.collider)) return limit;
+        if (found && fresh.hit.t >= first.hit.t &&
+            (fresh.hit.t > first.hit.t || !comes_before(scene.colliders, collider, first.collider))) {
+          return limit;
+        }
         first = fresh;
         found = true;
         return first.hit.t;

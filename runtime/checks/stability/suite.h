@@ -58,6 +58,7 @@ struct BadState {
 struct CaseResult {
   std::vector<Finding> findings;  ///< in the order of the criteria
   double ms_per_step = 0;         ///< median
+  double worst_step = 0;          ///< the longest step over the median
   std::optional<BadState> bad_state = {};
 
   bool failed() const;  ///< something does not hold that is not known to fail

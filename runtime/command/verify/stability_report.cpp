@@ -46,7 +46,7 @@ CaseColumns case_columns(std::span<const StabilityCase> cases) {
 constexpr int value_width = 11;
 
 void write_row(std::ostream& out, const CaseColumns& columns, const std::string& name, const std::string& criterion,
-               const std::array<std::string, 4>& numbers, const std::string& status) {
+               const std::array<std::string, 5>& numbers, const std::string& status) {
   out << std::left << std::setw(columns.name + 2) << name << std::setw(columns.criterion) << criterion << std::right;
   for (const std::string& number : numbers) out << std::setw(value_width) << number;
   out << "  " << status << "\n";
@@ -58,7 +58,7 @@ void write_case(std::ostream& out, const CaseColumns& columns, const StabilityCa
     const std::string unit = finding.unit.empty() ? "" : ", " + finding.unit;
     write_row(out, columns, first ? test.name : "", finding.criterion + unit,
               {significant(finding.value, 3), significant(finding.limit, 3), significant(finding.margin(), 3),
-               first ? significant(result.ms_per_step, 3) : ""},
+               first ? significant(result.ms_per_step, 3) : "", first ? significant(result.worst_step, 3) : ""},
               status_of(finding));
     first = false;
   }
@@ -119,6 +119,7 @@ Json case_json(const StabilityCase& test, const CaseResult& result) {
                  {"what", test.what},
                  {"steps", test.steps},
                  {"ms_per_step", result.ms_per_step},
+                 {"worst_step_over_median", result.worst_step},
                  {"failed", result.failed()}};
   if (result.bad_state) {
     object["bad_state"] = {{"step", result.bad_state->step}, {"body", result.bad_state->body}};
@@ -132,7 +133,7 @@ Json case_json(const StabilityCase& test, const CaseResult& result) {
 void write_stability_text(std::ostream& out, std::span<const StabilityCase> cases,
                           std::span<const CaseResult> results) {
   const CaseColumns columns = case_columns(cases);
-  write_row(out, columns, "case", "criterion", {"value", "limit", "margin", "ms a step"}, "");
+  write_row(out, columns, "case", "criterion", {"value", "limit", "margin", "ms a step", "worst / ms"}, "");
   for (std::size_t i = 0; i < results.size(); ++i) write_case(out, columns, cases[i], results[i]);
   out << "\n";
   for (std::size_t i = 0; i < results.size(); ++i) write_bad_state(out, cases[i], results[i]);

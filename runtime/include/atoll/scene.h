@@ -94,7 +94,8 @@ Scene parse_scene(std::string_view json, const std::string& origin, std::uint64_
 Scene scene_of(const World& world);
 
 /// A scene as the text of a scene file, all of it written out: bodies, shapes with their geometry, joints by the frames
-/// of their bodies, settings but for those that say what is told. Numbers are read back as the same bits.
+/// of their bodies, settings but for those that say what is told. Numbers are read back as the same bits; throws
+/// SceneError on one that is not finite, as of a body that an impulse was too large for.
 std::string scene_text(const Scene& scene);
 /// The same as a file, which is whole or not there. Throws SceneError if it can't be written.
 void write_scene(const Scene& scene, const std::string& path);

@@ -138,7 +138,7 @@ class World {
   void set_velocity(BodyId id, const Vector3& linear, const Vector3& angular);
   /// Gives a kinematic body the velocities that take it to a pose in a step of dt seconds, turning the shorter way:
   /// what it carries or pushes goes with it, as it would not with set_pose(). It keeps them until they are set again.
-  /// dt in (0, 1], else Error; Error on a body of another type.
+  /// dt in [1e-12, 1], else Error; Error on a body of another type.
   void move_to(BodyId id, const Pose& pose, double dt);
   /// How fast the surface runs along the body, m/s, body frame: see BodyDef::surface_velocity. Wakes what touches it.
   void set_surface_velocity(BodyId id, const Vector3& velocity);
@@ -256,7 +256,7 @@ class World {
   int threads() const;
   Simd simd() const;  ///< the instruction set in use, never Auto
 
-  /// Advances by dt seconds. dt in (0, 1], else Error; nothing else is ever thrown from a step but what functions of
+  /// Advances by dt seconds. dt in [1e-12, 1], else Error; nothing else is ever thrown from a step but what functions of
   /// yours throw: see set_contact_filter().
   StepReport step(double dt);
   /// The same under forces that depend on where bodies are, how fast they are, and the time: controllers, stiff

@@ -2,6 +2,7 @@
 
 #include <atoll/scene.h>
 
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -264,6 +265,16 @@ Json parts(const std::vector<Part>& all) {
   return out;
 }
 
+// JSON has no infinity and nothing that is no number.
+void check_finite(const Json& value, const std::string& pointer) {
+  if (value.is_number_float() && !std::isfinite(value.get<double>())) {
+    throw SceneError("scene_text: " + pointer + " is " + std::to_string(value.get<double>()) +
+                     "; expected a finite number, as scene files hold no others");
+  }
+  if (!value.is_structured()) return;
+  for (const auto& [key, part] : value.items()) check_finite(part, pointer + "/" + key);
+}
+
 }  // namespace
 }  // namespace scene
 
@@ -277,10 +288,12 @@ std::string scene_text(const Scene& scene) {
   if (scene.starts_at_rest) out["starts_at_rest"] = true;
   out["settings"] = json(scene.settings);
   // A line each for bodies and joints: files of thousands of them are still read by people, and compared line by line.
+  check_finite(out, "");
   std::string text = out.dump(2);
   text.resize(text.size() - 2);
   const auto add = [&text](const char* key, const Json& all) {
     if (all.empty()) return;
+    check_finite(all, std::string("/") + key);
     text += std::string(",\n  \"") + key + "\": [";
     const char* separator = "\n    ";
     for (const Json& part : all) {
@@ -295,9 +308,10 @@ std::string scene_text(const Scene& scene) {
 }
 
 void write_scene(const Scene& scene, const std::string& path) {
+  const std::string text = scene_text(scene);
   const std::string beside = path + ".partial";
   std::ofstream out(beside, std::ios::binary);
-  out << scene_text(scene);
+  out << text;
   out.close();
   std::error_code error;
   if (out) std::filesystem::rename(beside, path, error);

@@ -55,6 +55,7 @@ CaseResult run_case(const StabilityCase& test) {
   const Scene scene = test.build();
   const Simulated run = simulate(scene, test.steps);
   CaseResult result{.findings = {}, .ms_per_step = median(run.ms), .bad_state = run.bad_state};
+  if (result.ms_per_step > 0) result.worst_step = *std::max_element(run.ms.begin(), run.ms.end()) / result.ms_per_step;
   for (const Criterion& criterion : test.criteria) {
     const double value = run.bad_state ? std::numeric_limits<double>::infinity() : criterion.measure(run.history);
     result.findings.push_back({criterion.name, criterion.unit, criterion.limit, value, criterion.known_failure});
