@@ -146,12 +146,6 @@ void find_principal_axes(BodyConstants& body) {
   if (axes.determinant() < 0) axes = -axes;
   body.principal_axes = Quaternion(axes);
   body.moments = principal.eigenvalues();
-  // Beyond that the least one is what rounding makes of it, be it negative.
-  constexpr double least_share = 1e-12;
-  if (body.moments.minCoeff() < least_share * body.moments.maxCoeff()) {
-    refuse("BodyDef: the principal moments of inertia, which aren't along the frame's axes,", body.moments,
-           "none below 1e-12 of the largest");
-  }
 }
 
 // What follows from the mass properties of a dynamic body.
@@ -169,6 +163,11 @@ void take_mass(const MassProperties& properties, BodyConstants& body) {
     refuse(
         "BodyDef: mass", properties.mass,
         "a mass of 1e-30 to 1e30 kg, and moments of inertia of 1e-36 to 1e36 kg m^2: single precision holds no more");
+  }
+  // Of a needle that lies askew in its frame the least moment is what rounding makes of the others, be it negative.
+  if (!(body.inertia * body.inverse_inertia).isIdentity(1e-4)) {
+    refuse("BodyDef: the inertia", body.inertia,
+           "one whose least principal moment is at least 1e-12 of the largest, or that is diagonal");
   }
   const double moment = body.inertia(0, 0);
   // What can't turn freely doesn't tumble either.

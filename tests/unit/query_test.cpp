@@ -122,6 +122,17 @@ TEST_F(QueriesTest, WhatIsMetAtTheSameTimeComesInOrder) {
   }
 }
 
+TEST_F(QueriesTest, APlaneThatIsTooFarForANumberIsNotHit) {
+  World world;
+  world.add_body({.type = BodyType::Static, .shape = HalfSpace{}});
+  const Queries queries(world);
+  const Ray ray{.origin = {0, 0, 1e300}, .direction = {1, 0, -1e-20}};
+  EXPECT_FALSE(queries.cast_ray(ray));
+  EXPECT_FALSE(queries.is_blocked(ray));
+  EXPECT_TRUE(queries.cast_ray_through(ray).empty());
+  EXPECT_TRUE(queries.cast_ray({.origin = {0, 0, 1e300}}));
+}
+
 TEST_F(QueriesTest, ShapeCastStopsAtContact) {
   const ShapeCast cast{.shape = Sphere{0.25}, .position = {0, 0, 0}, .translation = {20, 0, 0}};
   const std::vector<ShapeHit> hits = queries_.cast_shape_through(cast);

@@ -18,7 +18,8 @@ bool cast_at(const QueryScene& scene, const Ray& ray, Sides sides, std::uint32_t
   const Pose pose = scene.colliders.pose(collider, scene.poses);
   const Quaternion inverse = pose.orientation.conjugate();
   const Ray seen{inverse * (ray.origin - pose.position), inverse * ray.direction, max_t};
-  if (!cast_ray(scene.colliders.shape[collider], seen, sides, hit.hit)) return false;
+  // A plane that the ray all but runs along may be too far away for a number.
+  if (!cast_ray(scene.colliders.shape[collider], seen, sides, hit.hit) || hit.hit.t == infinity) return false;
   hit.collider = collider;
   hit.hit.normal = pose.orientation * hit.hit.normal;
   hit.point = ray.origin + hit.hit.t * ray.direction;
