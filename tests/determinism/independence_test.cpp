@@ -146,5 +146,33 @@ TEST(Independence, ABallDoesNotRollWithTheImpulseOfOneThatIsGone) {
   EXPECT_EQ(trail(0.5), trail(100));
 }
 
+// What is solved beside a contact decides which kernels do, and these whether they write what holds back rolling.
+TEST(Independence, ABallThatIsNoLongerHeldFromRollingHasNothingLeftOfIt) {
+  const auto trail = [](bool belt) {
+    World world;
+    world.add_body(ground());
+    BodyDef ball = sphere({0, 0, 0.5});
+    ball.velocity = {3, 0, 0};
+    ball.angular_velocity = {0, 6, 0};
+    ball.material.rolling_friction = 0.1;
+    const BodyId id = world.add_body(ball);
+    BodyDef platform = static_box({100, 0, 0.5}, {5, 5, 0.5});
+    if (belt) platform.surface_velocity = {1, 2, 0};
+    world.add_body(platform);
+    world.add_body(box({100, 0, 1.5}));
+    run(world, 3);
+    std::vector<double> places;
+    for (const double rolling : {0.0, 0.1}) {
+      world.set_material(id, {.rolling_friction = rolling});
+      world.step(dt);
+      for (const double x : world.angular_velocity(id)) places.push_back(x);
+      const BodyHash hash = world.body_hash(id);
+      places.push_back(static_cast<double>(hash.contacts >> 32));
+    }
+    return places;
+  };
+  EXPECT_EQ(trail(true), trail(false));
+}
+
 }  // namespace
 }  // namespace atl::test

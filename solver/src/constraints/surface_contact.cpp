@@ -14,7 +14,8 @@ bool note_surfaces_of(const collision::TouchingPair& pair, const BodyTable& bodi
   };
   const Surface& first = surface_of(pair.first);
   const Surface& second = surface_of(pair.second);
-  if (!is_pressed(manifold)) std::fill_n(contact.rolling_impulse, 3, 0.0f);
+  // Kernels of a group without such surfaces leave it alone.
+  if (!is_pressed(manifold) || contact.rolling_friction == 0) std::fill_n(contact.rolling_impulse, 3, 0.0f);
   set3(contact.slip,
        bodies.orientation(pair.second) * second.velocity - bodies.orientation(pair.first) * first.velocity);
   if (added == nullptr) return !first.is_plain() || !second.is_plain();

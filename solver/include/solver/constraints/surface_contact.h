@@ -8,8 +8,8 @@ namespace atl::solver {
 
 /// What the surfaces of a touching pair do beside plain friction, by contact slot, in rows of four floats for the
 /// kernels. The step fills in all but the impulse (whoever calls the solver the friction, that the slip), which lasts
-/// as those of a manifold do, but only as long as the contact is_pressed(): what a slot holds of a contact that has
-/// gone is not for the next one.
+/// as those of a manifold do, but only as long as the contact is_pressed() and held from rolling: what a slot holds of
+/// a contact that has gone, or of another material, is not for the next one.
 struct alignas(32) SurfaceContact {
   float slip[3] = {0, 0,
                    0};  ///< m/s, world frame: of the second surface along its body, against the first along its own
