@@ -62,14 +62,6 @@ TEST(Energy, TreesOfDirectJointsGainNone) {
       0);
 }
 
-TEST(Energy, TreesOfJointsGainNoneByDefault) {
-  EXPECT_LE(
-      gaining(seeds(),
-              {.motors = false, .springs = false, .ranges = false, .apart = false, .redundant = false, .pinned = false},
-              JointSolver::Auto),
-      0);
-}
-
 // A needle that falls on the ground. Half its length is 1 m.
 double needle_gain(const Shape& shape, double tilt) {
   World world;
