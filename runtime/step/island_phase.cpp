@@ -62,7 +62,7 @@ void IslandPhase::update_joint_graph(Stores& world) {
   joint_graph_.build(joints, world.joints.acts, bodies);
   const solver::JointMethod method = solver_settings(world.settings).joint_method;
   joint_systems_.build(joint_graph_, joints, bodies, [&](std::uint32_t component) {
-    return solver::joins_directly(joint_graph_.links_of(component), bodies, method);
+    return solver::joins_directly(joint_graph_.links_of(component), joints, bodies, method);
   });
   to_kinematic_.clear();
   assembly_.resize(bodies.size());

@@ -1,7 +1,9 @@
 #include <solver/select/joint_selection.h>
 #include <solver/tuning.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -53,14 +55,95 @@ class Neighbours {
   std::vector<std::vector<std::size_t>> of_;
 };
 
+using Rows6 = Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6>;
+using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
+
+// A body and one of its joints: what the joint takes of the body's answer to impulses.
+struct Hold {
+  std::uint32_t body;
+  std::uint32_t other;
+  Rows6 share;  // L^-1 J M^-1/2 with L L^T = J M^-1 J^T of both bodies: of norm up to 1, where the body is light
+
+  bool operator<(const Hold& b) const { return body < b.body; }
+};
+
+// Whether all eigenvalues of a a^T are below a limit.
+template <typename Matrix>
+bool is_below(double limit, const Matrix& a) {
+  const Square rest = limit * Square::Identity(a.rows(), a.rows()) - a * a.transpose();
+  return Eigen::LLT<Square>(rest).info() == Eigen::Success;
+}
+
+// Joints of bodies that are light for them, in the pose in which each joint's frames coincide: who is light must not
+// depend on where bodies are when that is asked.
+class Holds {
+ public:
+  Holds(std::span<const JointLink> links, std::span<const Joint> joints, const BodyTable& bodies) {
+    for (const JointLink& link : links) add(joints[link.joint], bodies);
+    std::stable_sort(holds_.begin(), holds_.end());
+  }
+
+  // Whether two joints pull a light body to and fro between two heavy ones.
+  bool fight() const {
+    for (auto a = holds_.begin(); a != holds_.end(); ++a) {
+      for (auto b = a + 1; b != holds_.end() && b->body == a->body; ++b) {
+        if (a->other != b->other && !is_below(tuning::most_left, Square(a->share * b->share.transpose()))) return true;
+      }
+    }
+    return false;
+  }
+
+ private:
+  void add(const Joint& joint, const BodyTable& bodies) {
+    const Quaternion turn = joint.axes_first * joint.axes_second.conjugate();
+    const JointFrames frames = joint_frames(joint, Vector3::Zero(), Quaternion::Identity(),
+                                            joint.anchor_first - turn * joint.anchor_second, turn);
+    Rows6 first(joint.row_count(), 6), second(joint.row_count(), 6);
+    Eigen::Index count = 0;
+    const auto add_row = [&](const JointRow& row) {
+      first.row(count) << row.linear.transpose(), row.angular_first.transpose();
+      second.row(count) << row.linear.transpose(), row.angular_second.transpose();
+      ++count;
+    };
+    for (int axis = 0; joint.point && axis < 3; ++axis) add_row(offset_along(frames, axis));
+    for (std::size_t row = 0; row < joint.rows; ++row) {
+      // Where origins coincide, a distance has no direction.
+      if (!joint.law[row].locked() || joint.coordinate[row] == Coordinate::Distance) continue;
+      add_row(joint_row(joint, row, frames));
+    }
+    if (count == 0) return;
+    weigh(first, count, bodies, joint.first, Matrix3::Identity());
+    weigh(second, count, bodies, joint.second, turn.toRotationMatrix());
+    const Eigen::LLT<Square> factor(first * first.transpose() + second * second.transpose());
+    if (factor.info() != Eigen::Success) return;
+    keep(joint.first, joint.second, factor.matrixL().solve(first));
+    keep(joint.second, joint.first, factor.matrixL().solve(second));
+  }
+
+  // In a body's own axes, so that its joints can be compared.
+  static void weigh(Rows6& rows, Eigen::Index count, const BodyTable& bodies, std::uint32_t body, const Matrix3& axes) {
+    rows.conservativeResize(count, 6);
+    const Matrix3 root = Eigen::LLT<Matrix3>(bodies.inverse_inertia[body]).matrixL();
+    rows.leftCols<3>() *= std::sqrt(bodies.inverse_mass[body]) * axes;
+    rows.rightCols<3>() *= axes * root;
+  }
+
+  void keep(std::uint32_t body, std::uint32_t other, const Rows6& share) {
+    if (!is_below(tuning::most_left, share)) holds_.push_back({body, other, share});
+  }
+
+  std::vector<Hold> holds_;
+};
+
 // Whether solving joint by joint would not do: what hangs on something swings for long, and machines stand on
 // something; there errors add up.
-bool asks_for_direct(std::span<const JointLink> links, const BodyTable& bodies) {
+bool asks_for_direct(std::span<const JointLink> links, std::span<const Joint> joints, const BodyTable& bodies) {
   for (const JointLink& link : links) {
     const double a = bodies.inverse_mass[link.first], b = bodies.inverse_mass[link.second];
     if (a == 0 || b == 0) return true;
     if (std::max(a, b) > tuning::light_ratio * std::min(a, b)) return true;
   }
+  if (Holds(links, joints, bodies).fight()) return true;
   if (links.size() <= tuning::long_chain) return false;
   const Neighbours neighbours(links, bodies);
   return neighbours.farthest(neighbours.farthest(0).first).second > tuning::long_chain;
@@ -68,8 +151,9 @@ bool asks_for_direct(std::span<const JointLink> links, const BodyTable& bodies) 
 
 }  // namespace
 
-bool joins_directly(std::span<const JointLink> links, const BodyTable& bodies, JointMethod method) {
-  return method == JointMethod::Direct || (method == JointMethod::Auto && asks_for_direct(links, bodies));
+bool joins_directly(std::span<const JointLink> links, std::span<const Joint> joints, const BodyTable& bodies,
+                    JointMethod method) {
+  return method == JointMethod::Direct || (method == JointMethod::Auto && asks_for_direct(links, joints, bodies));
 }
 
 }  // namespace atl::solver

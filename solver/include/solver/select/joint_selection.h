@@ -1,5 +1,6 @@
 #pragma once
 
+#include <solver/constraints/joint.h>
 #include <solver/integrate/body_table.h>
 #include <solver/islands/islands.h>
 #include <solver/solver_settings.h>
@@ -9,7 +10,9 @@
 namespace atl::solver {
 
 /// Whether joints that hang together are to be solved at once. `Auto`: where they are joined to something fixed or
-/// kinematic, where two joined bodies differ much in mass, and in long chains.
-bool joins_directly(std::span<const JointLink> links, const BodyTable& bodies, JointMethod method);
+/// kinematic, where two joined bodies differ much in mass, where a body is light, or turns easily, between others that
+/// its joints hold to it, and in long chains. `joints` are all.
+bool joins_directly(std::span<const JointLink> links, std::span<const Joint> joints, const BodyTable& bodies,
+                    JointMethod method);
 
 }  // namespace atl::solver
