@@ -112,6 +112,20 @@ void visit_choices(Archive& archive, AnyWorld& world) {
   }
 }
 
+/// That bodies are somewhere, of a state from a file. Those that the next step checks may be anywhere; quarantine goes
+/// before.
+template <typename Archive>
+void check_poses(Archive& archive, const Stores& world) {
+  const solver::BodyTable& bodies = world.bodies;
+  for (std::uint32_t body = 0; body < bodies.size(); ++body) {
+    if (!world.records.alive[body] || world.quarantine.contains(body)) continue;
+    archive.check_number(std::abs(bodies.orientation(body).squaredNorm() - 1) < 1e-6, "an orientation that is none");
+    const bool is_finite = bodies.position(body).allFinite() && bodies.velocity(body).allFinite() &&
+                           bodies.angular_velocity(body).allFinite();
+    archive.check_number(is_finite || world.quarantine.is_suspect(body), "a body whose state is not finite");
+  }
+}
+
 /// `AnyWorld` is Stores, const where the archive doesn't read. Before a state is read the world has its world
 /// definition.
 template <typename Archive, typename AnyWorld>
@@ -309,7 +323,7 @@ class WorldState {
     visit_some(archive_, body_count(), is_suspect, [&](std::uint32_t body) {
       if constexpr (reads) list.suspect(body);
     });
-    if constexpr (reads) check_poses();
+    if constexpr (reads) check_poses(archive_, world_);
     const auto strays = [&list](std::uint32_t body) { return list.pose_before(body) != nullptr; };
     visit_some(archive_, list.remembers_poses() || reads ? body_count() : 0, strays, [&](std::uint32_t body) {
       solver::BodyPose pose;
@@ -319,18 +333,6 @@ class WorldState {
       if constexpr (reads) list.remember_pose(body, pose);
     });
     if constexpr (reads) note_restored_bodies(world_);
-  }
-
-  // The next step checks those that it was told to.
-  void check_poses() {
-    const auto& bodies = world_.bodies;
-    for (std::uint32_t body = 0; body < body_count(); ++body) {
-      if (!world_.records.alive[body] || world_.quarantine.contains(body)) continue;
-      archive_.check_number(std::abs(bodies.orientation(body).squaredNorm() - 1) < 1e-6, "an orientation that is none");
-      const bool is_finite = bodies.position(body).allFinite() && bodies.velocity(body).allFinite() &&
-                             bodies.angular_velocity(body).allFinite();
-      archive_.check_number(is_finite || world_.quarantine.is_suspect(body), "a body whose state is not finite");
-    }
   }
 
   void visit_selection() {
