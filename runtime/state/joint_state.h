@@ -4,6 +4,7 @@
 #include <atoll/joint.h>
 #include <solver/constraints/joint.h>
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -140,7 +141,10 @@ void visit_joint(Archive& archive, Joint& joint, Limits& limit_before) {
   archive.values(joint.motor_bound.data(), joint.rows);
   archive.values(limit_before.data(), joint.rows);
   if constexpr (Archive::reads) {
-    archive.check_number(joint.force.allFinite() && joint.torque.allFinite(), "a joint whose force is not finite");
+    bool finite = joint.point_impulse.allFinite() && joint.tension.allFinite() && joint.force.allFinite() &&
+                  joint.torque.allFinite();
+    for (std::size_t row = 0; row < joint.rows; ++row) finite &= std::isfinite(joint.impulse[row]);
+    archive.check_number(finite, "a joint whose forces are not finite");
   }
   for (std::size_t row = 0; row < joint.rows; ++row) {
     archive.check(joint.limit[row] >= -1 && joint.limit[row] <= 1, "a joint at a limit that there is not");
