@@ -8,6 +8,7 @@
 #include <iterator>
 #include <limits>
 #include <numbers>
+#include <ranges>
 
 #include "world/colliders.h"
 #include "world/joints.h"
@@ -59,7 +60,38 @@ FastBody ContinuousPhase::fast_body(const Stores& world, const IslandPhase& isla
           .bulge = radius * (1 - std::min(1.0, std::abs(change.w()))),
           .stops = world.records.dynamic[body] != 0,
           .always_swept = world.records.continuous[body] != 0,
+          .pressed = std::ranges::binary_search(pressed_, body, {}, &Pressed::body),
           .aside_limit = assembly == FastBody::alone ? alone_limit : world.aabbs.bounds.margin_limit[body]};
+}
+
+void ContinuousPhase::watch_pressed(Stores& world, const ContactPhase& contacts) {
+  if (world.contents.surfaces == 0) return;
+  const auto is_surface = [&](std::uint32_t body) {
+    return !world.records.dynamic[body] &&
+           collision::is_surface(world.colliders.shape[world.colliders.first[body]].kind);
+  };
+  for (const solver::TouchingPair& pair : contacts.touching()) {
+    const auto& separation = world.cache.manifolds[pair.slot].separation;
+    const double deepest = *std::min_element(std::begin(separation), std::end(separation));
+    const double size = world.cache.contacts[pair.slot].size;
+    const double way = collision::core_share * size + deepest;
+    const bool of_second = world.records.dynamic[pair.second] != 0;
+    if (!is_surface(of_second ? pair.first : pair.second)) continue;
+    const std::uint32_t body = of_second ? pair.second : pair.first;
+    double& sweep_distance = world.aabbs.bounds.sweep_distance[body];
+    if (!(way < std::max<double>(sweep_distance, collision::approach_share * size))) continue;
+    if (sweep_distance == std::numeric_limits<double>::infinity()) continue;
+    pressed_.push_back({body, sweep_distance});
+    sweep_distance = std::min(sweep_distance, std::max(way, 0.0));
+  }
+}
+
+void ContinuousPhase::unwatch(Stores& world) {
+  // The last that is put back of a body is the first that was noted.
+  for (const Pressed& pressed : pressed_ | std::views::reverse) {
+    world.aabbs.bounds.sweep_distance[pressed.body] = pressed.sweep_distance;
+  }
+  std::ranges::sort(pressed_, {}, &Pressed::body);
 }
 
 void ContinuousPhase::list_fast_bodies(const Stores& world, const IslandPhase& islands, solver::FastBodies& moved) {
@@ -67,7 +99,7 @@ void ContinuousPhase::list_fast_bodies(const Stores& world, const IslandPhase& i
   moved.for_each([&](const solver::MovedBodies& of_worker) {
     for (const solver::MovedBody& body : of_worker.fast) {
       const FastBody fast = fast_body(world, islands, body);
-      if (fast.assembly != FastBody::alone && !fast.always_swept) {
+      if (fast.assembly != FastBody::alone && !fast.always_swept && !fast.pressed) {
         // Up to there nothing gets to its core that the speculative margin hasn't seen.
         const double far =
             world.aabbs.bounds.margin_limit[fast.body] * (1 + collision::core_share / collision::approach_share);
@@ -124,7 +156,9 @@ void ContinuousPhase::stop(Stores& world, const IslandPhase& islands, const CcdS
 
 void ContinuousPhase::sweep(Stores& world, const StepContext& step, const ContactPhase& contacts,
                             const IslandPhase& islands, solver::FastBodies& moved) {
+  unwatch(world);
   list_fast_bodies(world, islands, moved);
+  pressed_.clear();
   // Kinematic bodies alone meet nobody who would be stopped.
   if (std::ranges::none_of(fast_in_order_, &FastBody::stops)) return;
   const collision::BodyMotions now = motions(world);
@@ -163,6 +197,8 @@ void ContinuousPhase::sweep(Stores& world, const StepContext& step, const Contac
   }
 }
 
-std::size_t ContinuousPhase::bytes() const { return jobs::bytes_of(fast_in_order_, carried_) + continuous_.bytes(); }
+std::size_t ContinuousPhase::bytes() const {
+  return jobs::bytes_of(fast_in_order_, carried_, pressed_) + continuous_.bytes();
+}
 
 }  // namespace atl

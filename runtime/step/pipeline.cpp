@@ -86,6 +86,7 @@ void StepPipeline::build_islands(Stores& world, const StepContext& step) {
 }
 
 void StepPipeline::solve_islands(Stores& world, const StepContext& step) {
+  if constexpr (with_continuous) continuous_.watch_pressed(world, contacts_);
   solve_.solve(world, step, contacts_.added_slips(), islands_);
 }
 

@@ -70,11 +70,14 @@ bool stay_apart(const CcdStep& step, const Contact& contact, const FastBody* fir
   const Vector3 shift = shift_of(second) - shift_of(first);
   const double size = contact.size;
   const double closing = shift.norm() + (first ? first->turn : 0) + (second ? second->turn : 0);
-  if (closing <= approach_share * size) return true;
+  const auto [own, other] = contact.pair;
+  const auto presses_on = [&](const FastBody* fast, std::uint32_t met) {
+    return fast && presses(*fast, contact.count > 0, colliders.shape[met].kind);
+  };
+  if (closing <= approach_share * size && !presses_on(first, other) && !presses_on(second, own)) return true;
   if (!(contact.gap > 0)) return false;
 
   const Eigen::Map<const Vector3> from(contact.apart_from.data());
-  const auto [own, other] = contact.pair;
   double bulge = 0;
   const auto at_start = [&](std::uint32_t collider, const FastBody* fast) -> Vector3 {
     if (!fast) return colliders.position(collider, poses);

@@ -97,7 +97,8 @@ void find_approaching(const CcdStep& step, const FastBody& fast, const Vector3& 
     approach.size = std::min(shape.inner_radius, other_shape.inner_radius);
     approach.passes_core = false;
     // Up to half the smaller one's size the speculative margin has seen it coming.
-    if (approach.closing <= approach_share * approach.size) continue;
+    const bool slow = approach.closing <= approach_share * approach.size;
+    if (slow && !presses(fast, !near.apart, other_shape.kind)) continue;
     if (!is_convex_solid(other_shape.kind)) {
       approaching.push_back(approach);
       continue;

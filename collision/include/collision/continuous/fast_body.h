@@ -25,6 +25,7 @@ struct FastBody {
   double bulge;            ///< m: nor farther off the straight line from where it was to where it is
   bool stops;              ///< what it meets stops it
   bool always_swept;       ///< as its user asked for
+  bool pressed = false;    ///< it touches a surface, which its core may get to by moving little
   double aside_limit;      ///< m: it may end so far from where the step took it; below 0, not at all
   bool left_aabb = false;  ///< it left its fat AABBs
   bool queried = false;    ///< what is near it is asked of the broadphase
@@ -69,5 +70,11 @@ inline constexpr double ccd_tolerance = 1e-3;
 /// What is touched already is left to its contact, unless the core gets to it: the shape with this part of its
 /// inner radius taken off.
 inline constexpr double core_share = 0.5;
+
+/// Whether any motion of a fast body counts towards another shape, however small: its core may be pressed through a
+/// surface that it touches. What is pressed into a solid is pushed out of it again.
+inline bool presses(const FastBody& fast, bool touching, ShapeKind other) {
+  return fast.pressed && touching && is_surface(other);
+}
 
 }  // namespace atl::collision
