@@ -24,7 +24,7 @@ std::string text(BodyId id) {
 
 // Whether rows obey other laws of the same kinds: those who asked what a joint holds needn't ask again.
 bool hold_the_same(const solver::Joint& a, const solver::Joint& b) {
-  if (a.point != b.point || a.rows != b.rows || a.coordinate != b.coordinate) return false;
+  if (a.point != b.point || a.rows != b.rows || a.coordinate != b.coordinate || a.bounces != b.bounces) return false;
   for (std::size_t row = 0; row < a.rows; ++row) {
     const solver::Law& x = a.law[row];
     const solver::Law& y = b.law[row];
@@ -211,6 +211,7 @@ void set_joint(Stores& world, std::uint32_t index, const JointKind& kind) {
   joint.coordinate = laws.coordinate;
   joint.law = laws.law;
   joint.ratio = laws.ratio;
+  joint.bounces = laws.bounces;
   if (!hold_the_same(before, joint)) {
     forget_impulses(joint);
     joint.limit = {};

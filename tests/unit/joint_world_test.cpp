@@ -384,5 +384,32 @@ TEST(JointWorld, HashSeesWhichIdComesNext) {
   EXPECT_EQ(hashes.size(), 3u);
 }
 
+// As if it had been made so: a range whose ends come to bounce later does so too.
+TEST(JointWorld, RestitutionThatIsSetLaterBounces) {
+  const auto speed_back = [](double at_first, double later) {
+    World world({.gravity = Vector3::Zero()});
+    const BodyId rail = world.add_body({.type = BodyType::Static, .shape = Box{{0.1, 0.1, 0.1}}});
+    const BodyId cart =
+        world.add_body({.shape = Box{{0.1, 0.1, 0.1}}, .position = {0.01, 0, 0}, .velocity = {3, 0, 0}});
+    JointAxis axis{.range = {.lower = -1, .upper = 1, .restitution = at_first}};
+    const JointId slider = world.add_joint({.kind = SliderJoint{axis}, .first = rail, .second = cart});
+    axis.range.restitution = later;
+    world.set_joint_axis(slider, axis);
+    Snapshot snapshot;
+    world.save(snapshot);
+    World other({.gravity = Vector3::Zero()});
+    other.restore(snapshot);
+    for (int i = 0; i < 30; ++i) {
+      world.step(1.0 / 60);
+      other.step(1.0 / 60);
+      EXPECT_EQ(world.state_hash(), other.state_hash()) << i;
+    }
+    return -world.velocity(cart).x();
+  };
+  EXPECT_NEAR(speed_back(0, 0.8), 2.4, 0.05);
+  EXPECT_NEAR(speed_back(0.8, 0.8), 2.4, 0.05);
+  EXPECT_LT(speed_back(0.8, 0), 0.2);
+}
+
 }  // namespace
 }  // namespace atl::test
