@@ -13,6 +13,7 @@
 
 #include "state/filter_state.h"
 #include "world/joint_table.h"
+#include "world/refuse.h"
 
 namespace atl {
 
@@ -143,8 +144,13 @@ void visit_joint(Archive& archive, Joint& joint, Limits& limit_before) {
   if constexpr (Archive::reads) {
     bool finite = joint.point_impulse.allFinite() && joint.tension.allFinite() && joint.force.allFinite() &&
                   joint.torque.allFinite();
-    for (std::size_t row = 0; row < joint.rows; ++row) finite &= std::isfinite(joint.impulse[row]);
-    archive.check_number(finite, "a joint whose forces are not finite");
+    for (std::size_t row = 0; row < joint.rows; ++row) {
+      finite &= std::isfinite(joint.impulse[row]) && std::isfinite(joint.position[row]);
+      // Where bodies are is known; how often they have turned is not, but for how often they can have.
+      const double turned = finite ? solver::continued(joint.coordinate[row], 0, joint.position[row]) : 0;
+      finite &= std::abs(turned) <= numbers.most;
+    }
+    archive.check_number(finite, "a joint whose state is not finite, or out of bounds");
   }
   for (std::size_t row = 0; row < joint.rows; ++row) {
     archive.check(joint.limit[row] >= -1 && joint.limit[row] <= 1, "a joint at a limit that there is not");

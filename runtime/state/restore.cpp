@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 #include <iterator>
+#include <utility>
 
 #include "state/joint_state.h"
 #include "state/state_archive.h"
@@ -70,7 +71,14 @@ std::span<const std::byte> definition_bytes(const JointDef& def, std::vector<std
 
 void restore_joint(Stores& world, std::uint32_t joint, const JointDef& def) {
   check_bodies(world, def);
-  checked(def);
+  const JointDef normalised = checked(def);
+  // As add_joint() left them. Normalised again they might round otherwise.
+  for (const auto& [frame, unit] :
+       {std::pair{&def.frame_first, &normalised.frame_first}, std::pair{&def.frame_second, &normalised.frame_second}}) {
+    if (!frame->orientation.coeffs().isApprox(unit->orientation.coeffs(), 1e-9)) {
+      throw Error("Snapshot: found a joint with a frame that is not normalised; expected what World::save wrote");
+    }
+  }
   world.joints.def[joint] = def;
   world.joints.joints[joint] =
       make_joint(def, world.records.centre[def.first.index], world.records.centre[def.second.index]);

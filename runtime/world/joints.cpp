@@ -59,7 +59,8 @@ void find_positions(solver::Joint& joint, const solver::JointFrames& frames) {
   for (std::size_t row = 0; row < joint.rows; ++row) {
     const double value = joint_row(joint, row, frames).value;
     const double within = std::clamp(value, joint.law[row].lower, joint.law[row].upper);
-    joint.position[row] = continued(joint.coordinate[row], value, within);
+    // Bodies so far apart are in quarantine, or will be in the next step.
+    joint.position[row] = std::isfinite(value) ? continued(joint.coordinate[row], value, within) : 0;
   }
 }
 
