@@ -90,12 +90,14 @@ void cast_ray_all(const QueryScene& scene, const Ray& ray, Sides sides, Accept a
 bool cast_shape(const QueryScene& scene, const Shape& solid, const Pose& pose, const Vector3& translation,
                 Accept accept, ColliderSweepHit& first) {
   const Cast cast(solid, pose, translation);
+  // What is met at the same time counts too, as who comes first is up to the colliders' order: it is told by up to the
+  // tolerance too soon, so what is looked at ends that much later.
+  const double slack = 4 * cast.goal.tolerance / translation.norm();
   bool found = false;
   scene.broadphase.proxies().query_ray(
       cast.middle, translation, 1,
       [&](std::uint32_t collider, double) {
-        // What is met at the same time counts too: who comes first is up to the colliders' order.
-        const double limit = found ? std::nextafter(first.hit.t, infinity) : 1;
+        const double limit = found ? std::min(1.0, first.hit.t + slack) : 1;
         ColliderSweepHit fresh{collider, {}};
         if (!accept(collider)) return limit;
         const Motion still = Motion::still(scene.colliders.pose(collider, scene.poses));
@@ -107,7 +109,7 @@ bool cast_shape(const QueryScene& scene, const Shape& solid, const Pose& pose, c
         }
         first = fresh;
         found = true;
-        return first.hit.t;
+        return std::min(1.0, first.hit.t + slack);
       },
       cast.half);
   return found;
