@@ -42,7 +42,8 @@ class Check:
     def __init__(self, bin_folder):
         self.bin = bin_folder
         self.helps = {}
-        self.targets = "\n".join(path.read_text() for path in ROOT.glob("perf/**/CMakeLists.txt"))
+        self.targets = "\n".join(path.read_text() for folder in ("perf", "tests")
+                                 for path in ROOT.glob(f"{folder}/**/CMakeLists.txt"))
         self.presets = (ROOT / "CMakePresets.json").read_text()
 
     def help_of(self, *command):
