@@ -198,9 +198,10 @@ BodyDef Definitions::body() {
   if (bytes_.one_in(4)) def.filter = filter();
   def.continuous = bytes_.one_in(5);
   def.sensor = bytes_.one_in(12);
-  if (usual() && def.sensor && (def.shape.index() == 2 || def.shape.index() == 7 || def.shape.index() == 8)) {
-    def.sensor = false;
-  }
+  const bool is_solid = !std::holds_alternative<HalfSpace>(def.shape) &&
+                        !std::holds_alternative<TriangleMesh>(def.shape) &&
+                        !std::holds_alternative<HeightField>(def.shape);
+  if (usual() && !is_solid) def.sensor = false;
   def.name = name();
   def.user_data = bytes_.byte();
   return def;

@@ -34,7 +34,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (text.starts_with("ATOLLREC")) {
       file.write({data, size});
     } else {
-      fuzz::write_records(file.path(), fuzz::records_of({data, size}));
+      test::write_records(file.path(), fuzz::records_of({data, size}));
     }
     replay(file.path(), {.on_step = stop_at});
   } catch (const Error&) {
@@ -67,13 +67,14 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
       records.erase(records.begin() + static_cast<std::ptrdiff_t>(random() % records.size()));
       break;
     case 3:
-      record.kind = static_cast<std::uint16_t>(random() % 2 != 0 ? random() % 14 : 256 + random() % 26);
+      record.kind = static_cast<RecordKind>(random() % 2 != 0 ? random() % 14 : 256 + random() % 26);
       break;
     default: {
       const std::size_t length = record.content.size();
       const std::size_t room = std::min<std::size_t>(length + 64, 0xffff);
       record.content.resize(room);
-      record.content.resize(LLVMFuzzerMutate(record.content.data(), length, room));
+      auto* const content = reinterpret_cast<std::uint8_t*>(record.content.data());
+      record.content.resize(LLVMFuzzerMutate(content, length, room));
     }
   }
   const std::vector<std::uint8_t> bytes = fuzz::bytes_of(records);

@@ -133,7 +133,7 @@ void write_recordings(const fs::path& folder) {
       world.step(1.0 / 60);
     }
     world.stop_recording();
-    write(folder / plain(fuzz::small_scenes[number]), fuzz::bytes_of(fuzz::read_records(file.path())));
+    write(folder / plain(fuzz::small_scenes[number]), fuzz::bytes_of(test::read_records(file.path())));
     if (number == 0) write(folder / "whole", read(file.path()));
   }
 }
