@@ -13,8 +13,8 @@
 
 #include "reference/contact_rows.h"
 #include "support/bodies.h"
+#include "support/random.h"
 #include "support/scene_run.h"
-#include "unit/random.h"
 
 namespace atl {
 namespace {

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "support/bodies.h"
-#include "unit/random.h"
+#include "support/random.h"
 
 namespace atl::test {
 namespace {

@@ -7,40 +7,14 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
-#include <random>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "support/bodies.h"
+#include "support/random.h"
 
 namespace atl::test {
-
-/// Random numbers, the same on every machine.
-class Dice {
- public:
-  explicit Dice(std::uint32_t seed) : engine_(seed) {}
-  double real(double lower, double upper) { return lower + (upper - lower) * (engine_() * 0x1p-32); }
-  /// Evenly over magnitudes; lower > 0.
-  double magnitude(double lower, double upper) { return std::exp(real(std::log(lower), std::log(upper))); }
-  std::size_t below(std::size_t count) { return engine_() % count; }
-  bool chance(double probability) { return real(0, 1) < probability; }
-  Vector3 direction() {
-    while (true) {
-      Vector3 v;
-      for (double& x : v) x = real(-1, 1);
-      if (v.squaredNorm() < 1 && v.squaredNorm() > 0.01) return v.normalized();
-    }
-  }
-  Quaternion rotation(double largest_angle) {
-    const double half = 0.5 * real(-largest_angle, largest_angle);
-    const Vector3 v = std::sin(half) * direction();
-    return {std::cos(half), v.x(), v.y(), v.z()};
-  }
-
- private:
-  std::mt19937 engine_;
-};
 
 /// Which assemblies to make.
 struct AssemblyKind {
@@ -84,65 +58,66 @@ inline double radius_of(const BodyDef& def) {
   return std::get<Box>(def.shape).half_extents.norm();
 }
 
-inline BodyDef random_body(Dice& dice) {
+inline BodyDef random_body(Random& random) {
   BodyDef def;
-  const double size = dice.real(0.05, 0.3);
-  switch (dice.below(3)) {
+  const double size = random.real(0.05, 0.3);
+  switch (random.below(3)) {
     case 0:
       def.shape = Sphere{size};
       break;
     case 1:
-      def.shape = Capsule{.radius = size * dice.real(0.2, 1), .half_height = size};
+      def.shape = Capsule{.radius = size * random.real(0.2, 1), .half_height = size};
       break;
     default:
-      def.shape = Box{{size, size * dice.real(0.1, 1), size * dice.real(0.1, 1)}};
+      def.shape = Box{{size, size * random.real(0.1, 1), size * random.real(0.1, 1)}};
   }
-  def.orientation = dice.rotation(std::numbers::pi);
+  def.orientation = random.rotation(std::numbers::pi);
   return def;
 }
 
-inline JointAxis random_axis(Dice& dice, const AssemblyKind& kind, bool turns, std::ostringstream& words) {
+inline JointAxis random_axis(Random& random, const AssemblyKind& kind, bool turns, std::ostringstream& words) {
   JointAxis axis;
-  if (kind.ranges && dice.chance(0.3)) {
+  if (kind.ranges && random.chance(0.3)) {
     const double most = turns ? 1.5 : 0.3;
-    axis.range = {-dice.real(0, most), dice.real(0, most)};
-    if (dice.chance(0.2)) axis.range.restitution = dice.real(0, 1);
+    axis.range = {-random.real(0, most), random.real(0, most)};
+    if (random.chance(0.2)) axis.range.restitution = random.real(0, 1);
     words << " range";
   }
-  if (kind.springs && dice.chance(0.3)) {
+  if (kind.springs && random.chance(0.3)) {
     axis.spring = JointSpring{};
-    axis.spring->rest = dice.chance(0.5) ? 0 : dice.real(-0.3, 0.3);
-    if (dice.chance(0.5)) {
-      axis.spring->hertz = dice.magnitude(0.5, 200);
-      axis.spring->damping_ratio = dice.chance(0.3) ? 0 : dice.real(0, 2);
+    axis.spring->rest = random.chance(0.5) ? 0 : random.real(-0.3, 0.3);
+    if (random.chance(0.5)) {
+      axis.spring->hertz = random.magnitude(0.5, 200);
+      axis.spring->damping_ratio = random.chance(0.3) ? 0 : random.real(0, 2);
       words << " spring " << axis.spring->hertz << " Hz";
     } else {
-      axis.spring->stiffness = dice.magnitude(1, 1e6);
-      axis.spring->damping = dice.chance(0.3) ? 0 : dice.magnitude(0.1, 1e3);
+      axis.spring->stiffness = random.magnitude(1, 1e6);
+      axis.spring->damping = random.chance(0.3) ? 0 : random.magnitude(0.1, 1e3);
       words << " spring " << *axis.spring->stiffness << " N/m";
     }
   }
-  if (kind.motors && dice.chance(0.3)) {
+  if (kind.motors && random.chance(0.3)) {
     axis.motor = JointMotor{};
-    axis.motor->speed = dice.chance(0.3) ? 0 : dice.real(-3, 3) * (turns ? 1 : 0.3);
-    axis.motor->max_force = dice.chance(0.2) ? unlimited : dice.magnitude(0.1, 1e3);
-    if (dice.chance(0.3)) {
-      axis.motor->servo = JointServo{
-          .target = dice.real(-0.3, 0.3), .stiffness = dice.magnitude(1, 1e5), .damping = dice.magnitude(0.1, 1e3)};
+    axis.motor->speed = random.chance(0.3) ? 0 : random.real(-3, 3) * (turns ? 1 : 0.3);
+    axis.motor->max_force = random.chance(0.2) ? unlimited : random.magnitude(0.1, 1e3);
+    if (random.chance(0.3)) {
+      axis.motor->servo = JointServo{.target = random.real(-0.3, 0.3),
+                                     .stiffness = random.magnitude(1, 1e5),
+                                     .damping = random.magnitude(0.1, 1e3)};
       words << " servo";
     }
     words << " motor " << axis.motor->speed << " by " << *axis.motor->max_force;
   }
-  if (dice.chance(0.1)) axis.armature = dice.magnitude(0.01, 1);
+  if (random.chance(0.1)) axis.armature = random.magnitude(0.01, 1);
   return axis;
 }
 
-inline JointKind random_kind(Dice& dice, const AssemblyKind& kind, std::ostringstream& words) {
-  const auto axis = [&](bool turns) { return random_axis(dice, kind, turns, words); };
-  switch (dice.below(9)) {
+inline JointKind random_kind(Random& random, const AssemblyKind& kind, std::ostringstream& words) {
+  const auto axis = [&](bool turns) { return random_axis(random, kind, turns, words); };
+  switch (random.below(9)) {
     case 0:
       words << " ball";
-      return BallJoint{.friction = kind.motors && dice.chance(0.3) ? dice.magnitude(0.01, 10) : 0};
+      return BallJoint{.friction = kind.motors && random.chance(0.3) ? random.magnitude(0.01, 10) : 0};
     case 1:
       words << " hinge";
       return HingeJoint{axis(true)};
@@ -155,7 +130,7 @@ inline JointKind random_kind(Dice& dice, const AssemblyKind& kind, std::ostrings
     case 4: {
       words << " distance";
       DistanceJoint joint;  // its range is set to where it is
-      if (kind.springs && dice.chance(0.3)) joint.distance.spring = JointSpring{.hertz = dice.magnitude(1, 100)};
+      if (kind.springs && random.chance(0.3)) joint.distance.spring = JointSpring{.hertz = random.magnitude(1, 100)};
       return joint;
     }
     case 5: {
@@ -168,20 +143,20 @@ inline JointKind random_kind(Dice& dice, const AssemblyKind& kind, std::ostrings
     case 6: {
       words << " cone";
       ConeTwistJoint joint;
-      if (kind.ranges && dice.chance(0.5)) joint.swing_limit = dice.real(0.2, 2);
+      if (kind.ranges && random.chance(0.5)) joint.swing_limit = random.real(0.2, 2);
       joint.twist = axis(true);
-      if (kind.motors && dice.chance(0.3)) joint.swing_friction = dice.magnitude(0.01, 10);
+      if (kind.motors && random.chance(0.3)) joint.swing_friction = random.magnitude(0.01, 10);
       return joint;
     }
     case 7: {
       words << " six";
       SixDofJoint joint;
       for (int i = 0; i < 3; ++i) {
-        if (dice.chance(0.7))
+        if (random.chance(0.7))
           joint.offset[i].range = {0, 0};
         else
           joint.offset[i] = axis(false);
-        if (dice.chance(0.5))
+        if (random.chance(0.5))
           joint.turn[i].range = {0, 0};
         else
           joint.turn[i] = axis(true);
@@ -192,7 +167,7 @@ inline JointKind random_kind(Dice& dice, const AssemblyKind& kind, std::ostrings
       words << " wheel";
       WheelJoint joint;
       joint.suspension = axis(false);
-      if (dice.chance(0.5)) joint.steering = axis(true);
+      if (random.chance(0.5)) joint.steering = axis(true);
       joint.spin = axis(true);
       return joint;
     }
@@ -208,23 +183,23 @@ inline Pose seen_from(const BodyDef& body, const Vector3& point, const Quaternio
 /// The one of a seed. `kind` says what may be in it.
 inline Assembly random_assembly(std::uint32_t seed, const AssemblyKind& kind = {}) {
   using namespace assembly;
-  Dice dice(seed);
+  Random random(seed);
   Assembly made;
   std::ostringstream words;
 
   Settings& settings = made.world.settings;
-  settings.joint_solver = dice.chance(0.4)   ? JointSolver::Iterative
-                          : dice.chance(0.5) ? JointSolver::Direct
-                                             : JointSolver::Auto;
-  settings.contact_solver = dice.chance(0.4)   ? ContactSolver::Auto
-                            : dice.chance(0.5) ? ContactSolver::Direct
-                                               : ContactSolver::Iterative;
-  settings.substeps = std::vector{1, 2, 4, 4, 4, 8}[dice.below(6)];
-  settings.stabilisation = dice.chance(0.7)   ? Stabilisation::Soft
-                           : dice.chance(0.5) ? Stabilisation::Baumgarte
-                                              : Stabilisation::SplitImpulse;
-  if (dice.chance(0.2)) settings.iterations = static_cast<int>(1 + dice.below(4));
-  if (dice.chance(0.1)) settings.warm_starting = false;
+  settings.joint_solver = random.chance(0.4)   ? JointSolver::Iterative
+                          : random.chance(0.5) ? JointSolver::Direct
+                                               : JointSolver::Auto;
+  settings.contact_solver = random.chance(0.4)   ? ContactSolver::Auto
+                            : random.chance(0.5) ? ContactSolver::Direct
+                                                 : ContactSolver::Iterative;
+  settings.substeps = std::vector{1, 2, 4, 4, 4, 8}[random.below(6)];
+  settings.stabilisation = random.chance(0.7)   ? Stabilisation::Soft
+                           : random.chance(0.5) ? Stabilisation::Baumgarte
+                                                : Stabilisation::SplitImpulse;
+  if (random.chance(0.2)) settings.iterations = static_cast<int>(1 + random.below(4));
+  if (random.chance(0.1)) settings.warm_starting = false;
   words << "joints "
         << (settings.joint_solver == JointSolver::Iterative ? "swept"
             : settings.joint_solver == JointSolver::Direct  ? "direct"
@@ -238,31 +213,31 @@ inline Assembly random_assembly(std::uint32_t seed, const AssemblyKind& kind = {
             : settings.stabilisation == Stabilisation::Baumgarte ? "baumgarte"
                                                                  : "split")
         << (settings.warm_starting ? "" : ", cold") << ", iterations " << settings.iterations;
-  if (dice.chance(0.4)) made.world.gravity.setZero();
+  if (random.chance(0.4)) made.world.gravity.setZero();
   words << (made.world.gravity.isZero() ? ", no gravity" : ", gravity");
 
   // Each body beside one before it: a chain or a tree.
-  const std::size_t count = 2 + dice.below(11);
-  const bool chain = dice.chance(0.5);
-  const double mass_ratio = dice.chance(0.5) ? 1 : dice.magnitude(1, 1000);
-  const double gap = kind.apart && dice.chance(0.4) ? dice.magnitude(0.001, 0.1) : 0;
-  const double speed = dice.chance(0.5) ? 0 : dice.magnitude(0.1, 10);
-  const double spin = dice.chance(0.5) ? 0 : dice.magnitude(0.1, 10);
-  const std::size_t copies = kind.redundant && dice.chance(0.3) ? 2 + dice.below(2) : 1;
+  const std::size_t count = 2 + random.below(11);
+  const bool chain = random.chance(0.5);
+  const double mass_ratio = random.chance(0.5) ? 1 : random.magnitude(1, 1000);
+  const double gap = kind.apart && random.chance(0.4) ? random.magnitude(0.001, 0.1) : 0;
+  const double speed = random.chance(0.5) ? 0 : random.magnitude(0.1, 10);
+  const double spin = random.chance(0.5) ? 0 : random.magnitude(0.1, 10);
+  const std::size_t copies = kind.redundant && random.chance(0.3) ? 2 + random.below(2) : 1;
   words << ", bodies " << count << (chain ? " chain" : " tree") << ", masses " << mass_ratio << ", gap " << gap
         << ", speed " << speed << ", spin " << spin << ", copies " << copies;
   made.gap = gap;
   std::vector<std::size_t> parents(count, 0);
   for (std::size_t i = 0; i < count; ++i) {
-    BodyDef def = random_body(dice);
-    def.mass = dice.magnitude(1, mass_ratio + 1e-9);
-    def.velocity = speed * dice.real(0, 1) * dice.direction();
-    def.angular_velocity = spin * dice.real(0, 1) * dice.direction();
+    BodyDef def = random_body(random);
+    def.mass = random.magnitude(1, mass_ratio + 1e-9);
+    def.velocity = speed * random.real(0, 1) * random.direction();
+    def.angular_velocity = spin * random.real(0, 1) * random.direction();
     def.filter.group = -1;
     if (i > 0) {
-      parents[i] = chain ? i - 1 : dice.below(i);
+      parents[i] = chain ? i - 1 : random.below(i);
       const BodyDef& parent = made.bodies[parents[i]];
-      def.position = parent.position + (radius_of(parent) + radius_of(def)) * dice.direction();
+      def.position = parent.position + (radius_of(parent) + radius_of(def)) * random.direction();
     }
     made.length += 2 * radius_of(def) + gap;
     made.bodies.push_back(def);
@@ -270,18 +245,18 @@ inline Assembly random_assembly(std::uint32_t seed, const AssemblyKind& kind = {
 
   const auto join = [&](std::size_t first, std::size_t second, const Vector3& point, const Quaternion& turn) {
     JointDef joint;
-    joint.kind = random_kind(dice, kind, words);
+    joint.kind = random_kind(random, kind, words);
     joint.first.index = static_cast<std::uint32_t>(first);
     joint.second.index = static_cast<std::uint32_t>(second);
-    const double off = dice.chance(0.5) ? gap : 0;
-    const Vector3 aside = off * dice.real(0, 1) * dice.direction();
-    const Quaternion askew = dice.rotation(off);
+    const double off = random.chance(0.5) ? gap : 0;
+    const Vector3 aside = off * random.real(0, 1) * random.direction();
+    const Quaternion askew = random.rotation(off);
     joint.frame_first = seen_from(made.bodies[first], point, turn);
     if (auto* rod = std::get_if<DistanceJoint>(&joint.kind)) {
       joint.frame_first = seen_from(made.bodies[first], made.bodies[first].position, turn);
       const double length = (made.bodies[second].position - made.bodies[first].position).norm();
       if (!rod->distance.spring) {
-        const bool rope = dice.chance(0.3);
+        const bool rope = random.chance(0.3);
         rod->distance.range = {rope ? 0 : length + off, length + off};
       } else {
         rod->distance.range = {};
@@ -292,36 +267,36 @@ inline Assembly random_assembly(std::uint32_t seed, const AssemblyKind& kind = {
     } else {
       joint.frame_second = seen_from(made.bodies[second], point + aside, turn * askew);
     }
-    const std::size_t times = dice.chance(0.7) ? copies : 1;
+    const std::size_t times = random.chance(0.7) ? copies : 1;
     for (std::size_t i = 0; i < times; ++i) made.joints.push_back(joint);
   };
   for (std::size_t i = 1; i < count; ++i) {
     const Vector3 to_parent = made.bodies[parents[i]].position - made.bodies[i].position;
     const Vector3 point = made.bodies[i].position + to_parent.normalized() * radius_of(made.bodies[i]);
-    join(parents[i], i, point, dice.rotation(std::numbers::pi));
+    join(parents[i], i, point, random.rotation(std::numbers::pi));
   }
   // More than a tree: rings, and two joints between the same two.
-  if (kind.redundant && dice.chance(0.3)) {
-    const std::size_t more = 1 + dice.below(3);
+  if (kind.redundant && random.chance(0.3)) {
+    const std::size_t more = 1 + random.below(3);
     words << ", loops " << more;
     for (std::size_t i = 0; i < more; ++i) {
-      const std::size_t first = dice.below(count), second = dice.below(count);
+      const std::size_t first = random.below(count), second = random.below(count);
       if (first == second) continue;
       const Vector3 middle = 0.5 * (made.bodies[first].position + made.bodies[second].position);
-      join(first, second, middle, dice.rotation(std::numbers::pi));
+      join(first, second, middle, random.rotation(std::numbers::pi));
     }
   }
-  if (kind.pinned && dice.chance(0.5)) {
-    const std::size_t pins = 1 + (dice.chance(0.3) ? 1 : 0);
+  if (kind.pinned && random.chance(0.5)) {
+    const std::size_t pins = 1 + (random.chance(0.3) ? 1 : 0);
     words << ", pins " << pins;
     for (std::size_t i = 0; i < pins; ++i) {
-      const std::size_t held = i == 0 ? 0 : dice.below(count);
+      const std::size_t held = i == 0 ? 0 : random.below(count);
       const BodyDef body = made.bodies[held];
       made.bodies.push_back({.type = BodyType::Static,
                              .shape = Sphere{0.01},
-                             .position = body.position + radius_of(body) * dice.direction()});
+                             .position = body.position + radius_of(body) * random.direction()});
       made.bodies.back().filter.group = -1;
-      join(made.bodies.size() - 1, held, made.bodies.back().position, dice.rotation(std::numbers::pi));
+      join(made.bodies.size() - 1, held, made.bodies.back().position, random.rotation(std::numbers::pi));
     }
   }
   made.features = words.str();

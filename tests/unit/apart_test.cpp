@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "grid_mesh.h"
-#include "random.h"
+#include "support/random.h"
 
 namespace atl::collision {
 namespace {

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "random.h"
+#include "support/random.h"
 
 namespace atl::solver {
 namespace {

@@ -9,7 +9,7 @@
 
 #include <vector>
 
-#include "random.h"
+#include "support/random.h"
 
 namespace atl::collision {
 namespace {

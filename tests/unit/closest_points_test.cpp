@@ -9,7 +9,7 @@
 #include <limits>
 #include <string>
 
-#include "random.h"
+#include "support/random.h"
 #include "surface_points.h"
 
 namespace atl::collision {

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <set>
 
-#include "random.h"
+#include "support/random.h"
 
 namespace atl::collision {
 namespace {

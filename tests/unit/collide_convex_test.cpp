@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
-#include "random.h"
 #include "random_solids.h"
+#include "support/random.h"
 
 namespace atl::collision {
 namespace {

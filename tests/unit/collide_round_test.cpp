@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-#include "random.h"
+#include "support/random.h"
 
 namespace atl::collision {
 namespace {

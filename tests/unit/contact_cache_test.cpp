@@ -8,7 +8,7 @@
 #include <set>
 #include <vector>
 
-#include "random.h"
+#include "support/random.h"
 
 namespace atl::collision {
 namespace {

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "support/expect_error.h"
-#include "unit/random.h"
+#include "support/random.h"
 
 namespace atl {
 namespace {
@@ -350,8 +350,8 @@ TEST(FrictionCone, ProjectionObeysMoreausDecomposition) {
     ASSERT_LE(p.tangential.norm(), friction.tangential * sum(p) + tolerance);
     ASSERT_LE(std::abs(p.torsional), friction.torsional * sum(p) + tolerance);
     ASSERT_LE(p.rolling.norm(), friction.rolling * sum(p) + tolerance);
-    const double friction_part = friction.tangential * rest.tangential.norm() + friction.torsional * std::abs(rest.torsional) +
-                                 friction.rolling * rest.rolling.norm();
+    const double friction_part = friction.tangential * rest.tangential.norm() +
+                                 friction.torsional * std::abs(rest.torsional) + friction.rolling * rest.rolling.norm();
     for (std::size_t k = 0; k < z.points; ++k) {
       ASSERT_GE(p.normal[k], 0);
       ASSERT_LE(rest.normal[k] + friction_part, tolerance);

@@ -9,7 +9,7 @@
 #include <set>
 
 #include "joint_rig.h"
-#include "random.h"
+#include "support/random.h"
 
 namespace atl::test {
 namespace {

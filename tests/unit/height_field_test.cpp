@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-#include "random.h"
+#include "support/random.h"
 
 namespace atl::collision {
 namespace {

@@ -8,7 +8,7 @@
 #include <map>
 #include <set>
 
-#include "random.h"
+#include "support/random.h"
 
 namespace atl::solver {
 namespace {

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "random.h"
+#include "support/random.h"
 
 namespace atl::test {
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "random.h"
+#include "support/random.h"
 
 namespace atl {
 namespace {

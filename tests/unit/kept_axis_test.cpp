@@ -11,8 +11,8 @@
 #include <ostream>
 
 #include "last_manifold.h"
-#include "random.h"
 #include "random_solids.h"
+#include "support/random.h"
 
 namespace atl::collision {
 namespace {

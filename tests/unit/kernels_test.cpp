@@ -8,7 +8,7 @@
 #include <cstring>
 #include <string>
 
-#include "random.h"
+#include "support/random.h"
 
 namespace atl::solver {
 namespace {

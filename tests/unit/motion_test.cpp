@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "random.h"
+#include "support/random.h"
 
 namespace atl::solver {
 namespace {

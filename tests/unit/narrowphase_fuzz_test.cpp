@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "random.h"
+#include "support/random.h"
 
 namespace atl::collision {
 namespace {

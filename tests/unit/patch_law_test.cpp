@@ -6,7 +6,7 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
-#include "random.h"
+#include "support/random.h"
 
 namespace atl::solver {
 namespace {

@@ -7,9 +7,9 @@
 #include <limits>
 #include <vector>
 
-#include "random.h"
 #include "support/bodies.h"
 #include "support/expect_error.h"
+#include "support/random.h"
 
 namespace atl::test {
 namespace {

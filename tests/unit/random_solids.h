@@ -9,7 +9,7 @@
 #include <variant>
 #include <vector>
 
-#include "random.h"
+#include "support/random.h"
 
 namespace atl::test {
 

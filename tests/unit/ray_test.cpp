@@ -13,7 +13,7 @@
 #include <optional>
 #include <vector>
 
-#include "random.h"
+#include "support/random.h"
 #include "surface_points.h"
 
 namespace atl::collision {

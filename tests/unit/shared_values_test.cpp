@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "random.h"
+#include "support/random.h"
 
 namespace atl::jobs {
 namespace {

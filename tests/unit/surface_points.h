@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "random.h"
+#include "support/random.h"
 
 namespace atl::test {
 

@@ -12,7 +12,7 @@
 #include <numbers>
 #include <vector>
 
-#include "random.h"
+#include "support/random.h"
 #include "surface_points.h"
 
 namespace atl::collision {

@@ -7,7 +7,7 @@
 #include <limits>
 #include <numbers>
 
-#include "random.h"
+#include "support/random.h"
 
 namespace atl::solver {
 namespace {

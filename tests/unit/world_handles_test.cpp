@@ -6,7 +6,7 @@
 #include <numbers>
 #include <unordered_set>
 
-#include "random.h"
+#include "support/random.h"
 
 namespace atl {
 namespace {
