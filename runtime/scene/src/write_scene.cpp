@@ -7,7 +7,10 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
+#include <string>
+#include <utility>
 
 namespace atl {
 namespace scene {
@@ -265,14 +268,24 @@ Json parts(const std::vector<Part>& all) {
   return out;
 }
 
-// JSON has no infinity and nothing that is no number.
-void check_finite(const Json& value, const std::string& pointer) {
-  if (value.is_number_float() && !std::isfinite(value.get<double>())) {
-    throw SceneError("scene_text: " + pointer + " is " + std::to_string(value.get<double>()) +
-                     "; expected a finite number, as scene files hold no others");
+// Where the first number of it is that JSON has no words for: its pointer, and what it is.
+std::optional<std::pair<std::string, double>> find_non_finite(const Json& value) {
+  if (value.is_number_float() && !std::isfinite(value.get<double>())) return std::pair("", value.get<double>());
+  if (!value.is_structured()) return std::nullopt;
+  for (auto part = value.begin(); part != value.end(); ++part) {
+    const auto found = find_non_finite(*part);
+    if (!found) continue;
+    const std::string key = value.is_array() ? std::to_string(part - value.begin()) : part.key();
+    return std::pair("/" + key + found->first, found->second);
   }
-  if (!value.is_structured()) return;
-  for (const auto& [key, part] : value.items()) check_finite(part, pointer + "/" + key);
+  return std::nullopt;
+}
+
+void check_finite(const Json& value, const std::string& pointer) {
+  const auto found = find_non_finite(value);
+  if (!found) return;
+  throw SceneError("scene_text: " + pointer + found->first + " is " + std::to_string(found->second) +
+                   "; expected a finite number, as scene files hold no others");
 }
 
 }  // namespace
