@@ -166,7 +166,7 @@ void explain(const ExplainOptions& options) {
   }
   finish_output();
   if (found.steps < scene.steps) {
-    throw interruption(scene.name, "after step " + std::to_string(found.steps) + " of " + std::to_string(scene.steps));
+    throw interruption(scene.name, found.steps, scene.steps);
   }
 }
 

@@ -46,6 +46,10 @@ Failure interruption(const std::string& name, const std::string& where) {
   return {static_cast<Status>(ended_by_signal + number), name + ": interrupted by " + interrupt_name() + " " + where};
 }
 
+Failure interruption(const std::string& name, std::int64_t step, std::int64_t all) {
+  return interruption(name, "after step " + std::to_string(step) + " of " + std::to_string(all));
+}
+
 void stop_if_interrupted() {
   if (interrupted()) throw Interrupted{};
 }

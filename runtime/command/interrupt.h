@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "failure.h"
@@ -15,6 +16,8 @@ bool interrupted();
 
 /// The failure that ends the command then, with status 128 + signal: "NAME: interrupted by SIGINT WHERE".
 Failure interruption(const std::string& name, const std::string& where);
+/// The same, "after step STEP of ALL".
+Failure interruption(const std::string& name, std::int64_t step, std::int64_t all);
 
 /// What loops throw that can't end by themselves, for whoever knows what there is by then.
 struct Interrupted {};

@@ -65,8 +65,7 @@ void replay_file(const ReplayFileOptions& options) {
                   options.path + ": the replay differs from what was recorded: " + first_words(*result.divergence));
   }
   if (result.steps < result.recorded_steps && interrupted()) {
-    throw interruption(options.path,
-                       "after step " + std::to_string(result.steps) + " of " + std::to_string(result.recorded_steps));
+    throw interruption(options.path, result.steps, result.recorded_steps);
   }
 }
 

@@ -108,10 +108,6 @@ std::string write_files(const Outputs& outputs, const Scene& scene, World& world
                                        "; --keep-going goes on without it" + (failures.empty() ? "" : "; " + failures));
 }
 
-std::string of_all_steps(const Scene& scene, const RunResult& result) {
-  return std::to_string(result.steps) + " of " + std::to_string(scene.steps);
-}
-
 void print(const RunOptions& options, const Scene& scene, const World& world, const RunResult& result) {
   if (options.format == Format::Json) {
     write_json(std::cout, scene, world, result);
@@ -139,7 +135,7 @@ void run(const RunOptions& options) {
   // Files first: a reader who has read enough ends all.
   print(options, scene, world, result);
   if (!failures.empty()) throw Failure(Status::Usage, failures);
-  if (result.interrupted) throw interruption(scene.name, "after step " + of_all_steps(scene, result));
+  if (result.interrupted) throw interruption(scene.name, result.steps, scene.steps);
 }
 
 }  // namespace atl::command
