@@ -36,8 +36,7 @@ class StepGuard {
  private:
   [[noreturn]] void refuse(const char* call, const char* of = "") const {
     throw Error(std::string(of) + call +
-                ": found a step under way on another thread; expected one thread at a time to use a "
-                "world");
+                ": found a step under way on another thread; expected one thread at a time to use a world");
   }
 
   std::atomic<std::thread::id> stepping_ = {};
