@@ -8,7 +8,6 @@
 #include <iterator>
 #include <limits>
 #include <numbers>
-#include <ranges>
 
 #include "world/colliders.h"
 #include "world/joints.h"
@@ -88,8 +87,8 @@ void ContinuousPhase::watch_pressed(Stores& world, const ContactPhase& contacts)
 
 void ContinuousPhase::unwatch(Stores& world) {
   // The last that is put back of a body is the first that was noted.
-  for (const Pressed& pressed : pressed_ | std::views::reverse) {
-    world.aabbs.bounds.sweep_distance[pressed.body] = pressed.sweep_distance;
+  for (auto pressed = pressed_.rbegin(); pressed != pressed_.rend(); ++pressed) {
+    world.aabbs.bounds.sweep_distance[pressed->body] = pressed->sweep_distance;
   }
   std::ranges::sort(pressed_, {}, &Pressed::body);
 }
