@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <solver/constraints/joint.h>
+#include <solver/tuning.h>
 
 #include <algorithm>
 #include <cmath>
@@ -122,6 +123,45 @@ TEST_P(JointCoordinates, RateIsTheDerivative) {
     largest = std::max(largest, std::abs(rate));
   }
   EXPECT_GT(largest, 1);
+}
+
+// Where a turn begins to fade, and at half a turn, its second derivative jumps.
+bool is_smooth_law(const JointFrames& frames) {
+  const double cosine = std::abs(relative_turn(frames).w());
+  return cosine > 0.005 && std::abs(cosine - tuning::fading_turn) > 0.005;
+}
+
+// What a law acts along is smooth at every pose, with its position continued: also at a swing of 180 degrees and at
+// half a turn.
+TEST(JointLaws, FadeWhereTheirCoordinateHasNoValue) {
+  for (const Coordinate coordinate : {Coordinate::TurnX, Coordinate::TurnY, Coordinate::TurnZ, Coordinate::Twist}) {
+    Random random(5);
+    int faded = 0;
+    for (int i = 0; i < 20000; ++i) {
+      const JointPose pose(random, coordinate);
+      const LawRow now = law_row(pose.joint, 0, pose.frames(), pose.row().value);
+      const auto later = [&](double time) { return law_row(pose.joint, 0, pose.at(time).frames(), now.position); };
+      const auto fades = [&](double time) { return later(time).at.share != 1; };
+      if (coordinate == Coordinate::Twist ? fades(-0.001) != fades(0.001) : !is_smooth_law(pose.frames())) continue;
+      if (now.at.value != now.position) ++faded;
+      const double rate = pose.rate_of(now.at);
+      ASSERT_NEAR(rate, derivative([&](double time) { return later(time).at.value; }), 1e-5 * (1 + std::abs(rate)))
+          << "pose " << i;
+      ASSERT_LT(now.at.angular_first.norm(), 15);
+    }
+    EXPECT_GT(faded, 300);
+  }
+}
+
+TEST(JointLaws, DoNotFadeWhereTheyLockAtZero) {
+  Random random(6);
+  for (int i = 0; i < 1000; ++i) {
+    JointPose pose(random, Coordinate::TurnY);
+    pose.joint.law[0].lower = pose.joint.law[0].upper = 0;
+    const LawRow now = law_row(pose.joint, 0, pose.frames(), 0);
+    EXPECT_EQ(now.at.value, pose.row().value);
+    EXPECT_EQ(now.at.angular_first, pose.row().angular_first);
+  }
 }
 
 TEST_P(JointCoordinates, RatesOnlyHaveNoValue) {

@@ -67,7 +67,10 @@ struct JointPose {
     return joint_frames(joint, first.position, first.orientation, second.position, second.orientation);
   }
   solver::JointRow row() const { return joint_row(joint, 0, frames()); }
-  double rate() const { return row().rate(first.velocity, first.spin, second.velocity, second.spin); }
+  double rate() const { return rate_of(row()); }
+  double rate_of(const solver::JointRow& row) const {
+    return row.rate(first.velocity, first.spin, second.velocity, second.spin);
+  }
 };
 
 }  // namespace atl::test

@@ -100,6 +100,12 @@ inline constexpr double redundancy_of_loops = 1e-6;
 /// Loops fill the factor in. A net of 32 x 32 would take 20 blocks a joint, and 31 ms a step instead of 0.55.
 inline constexpr std::size_t factor_blocks_per_joint = 6;
 
+/// Cosine of half the swing, from which on a twist fades: it is that of 120 degrees. Not tried otherwise.
+inline constexpr double fading_twist = 0.5;
+/// Cosine of half the turn, from which on a turn of three fades: it is that of 151 degrees, at which the coordinate is
+/// 1.94 of its 2. Not tried otherwise.
+inline constexpr double fading_turn = 0.25;
+
 // --- Which islands are solved how
 
 /// How far soft contacts may give under what they carry, in parts of the smaller body's half thickness, before they

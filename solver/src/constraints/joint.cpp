@@ -79,6 +79,19 @@ double continued(Coordinate coordinate, double value, double before) {
   }
 }
 
+LawRow law_row(const Joint& joint, std::size_t row, const JointFrames& frames, double before) {
+  const Coordinate coordinate = joint.coordinate[row];
+  LawRow law{joint_row(joint, row, frames), 0};
+  law.at.value = law.position = continued(coordinate, law.at.value, before);
+  const Law& of = joint.law[row];
+  if (coordinate == Coordinate::Twist) {
+    fade_twist(frames, law.at);
+  } else if (coordinate >= Coordinate::TurnX && coordinate <= Coordinate::TurnZ && !(of.locked() && of.lower == 0)) {
+    fade_turn(frames, static_cast<int>(coordinate) - static_cast<int>(Coordinate::TurnX), law.at);
+  }
+  return law;
+}
+
 JointFrames joint_frames(const Joint& joint, const Vector3& position_first, const Quaternion& orientation_first,
                          const Vector3& position_second, const Quaternion& orientation_second) {
   JointFrames frames;

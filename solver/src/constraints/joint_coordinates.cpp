@@ -1,6 +1,8 @@
 #include <solver/constraints/joint_coordinates.h>
 #include <solver/integrate/trigonometry.h>
+#include <solver/tuning.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace atl::solver {
@@ -92,6 +94,48 @@ JointRow twist(const JointFrames& frames) {
   const double both = 1 + a.dot(b);
   const Vector3d axis = both > 0 ? Vector3d((a + b) / both) : a;
   return angular_row(axis, 2 * arctangent(turn.x(), turn.w()));
+}
+
+namespace {
+
+// What fades a coordinate, and its derivative by the cosine.
+struct Fading {
+  double part = 1;
+  double slope = 0;
+
+  Fading(double cosine, double from) {
+    const double s = cosine / from;
+    if (!(s < 1)) return;
+    part = s * s * (3 - 2 * s);
+    slope = 6 * s * (1 - s) / from;
+  }
+};
+
+}  // namespace
+
+// The cosine of half the swing is sqrt((1 + a . b) / 2), and (a . b)' = (b x a) . w. Times that cosine squared, the
+// twist's row and the change of the cosine are smooth where the axes are opposed.
+void fade_twist(const JointFrames& frames, JointRow& twist) {
+  const Vector3d a = frames.axes_first.col(0);
+  const Vector3d b = frames.axes_second.col(0);
+  const double cosine = std::sqrt(std::max(0.5 * (1 + a.dot(b)), 0.0));
+  if (!(cosine < tuning::fading_twist)) return;
+  const Fading fading(cosine, tuning::fading_twist);
+  const double over_square = (3 - 2 * cosine / tuning::fading_twist) / (tuning::fading_twist * tuning::fading_twist);
+  const double over_cosine = 6 * (1 - cosine / tuning::fading_twist) / (tuning::fading_twist * tuning::fading_twist);
+  twist = angular_row(0.5 * over_square * (a + b) + 0.25 * twist.value * over_cosine * b.cross(a),
+                      fading.part * twist.value);
+  twist.share = fading.part;
+}
+
+// Of q = (s, v), s' = -v . w / 2 in the first frame.
+void fade_turn(const JointFrames& frames, int axis, JointRow& turn) {
+  const Quaterniond relative = relative_turn(frames);
+  const Fading fading(relative.w(), tuning::fading_turn);
+  const Vector3d row =
+      fading.part * turn.angular_first - 0.5 * turn.value * fading.slope * (frames.axes_first * relative.vec());
+  turn = angular_row(row, fading.part * turn.value);
+  turn.share = row.dot(frames.axes_first.col(axis));
 }
 
 JointRow swing(const JointFrames& frames) {

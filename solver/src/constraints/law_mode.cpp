@@ -18,14 +18,14 @@ void LawMode::resume(const Law& law, int limit, int motor_bound) {
   if (limit > 0 && law.upper < Law::unlimited) piece_ = Piece::Upper;
 }
 
-void LawMode::begin(const Law& law, double position, double effective_mass, double h) {
+void LawMode::begin(const Law& law, const JointRow& at, double effective_mass, double h) {
   if (law.locked()) {
     piece_ = Piece::Locked;
     solved_ = true;
     target_ = compliance_ = given_ = 0;
     return;
   }
-  row_ = RowLaw::of(law, position, effective_mass, h);
+  row_ = RowLaw::of(law, at, effective_mass, h);
   go_to(piece_ == Piece::Locked ? Piece::Between : piece_);
 }
 

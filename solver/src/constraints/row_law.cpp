@@ -8,10 +8,11 @@
 
 namespace atl::solver {
 
-LinearForce LinearForce::of_spring(const Law& law, double mass) {
+LinearForce LinearForce::of_spring(const Law& law, double mass, double share) {
   const double omega = 2 * std::numbers::pi * law.spring_hertz;
-  return {.square_of_omega = omega * omega + law.stiffness / mass,
-          .decay = 2 * omega * law.damping_ratio + law.damping / mass,
+  const double part = std::min(1.0, share * share);
+  return {.square_of_omega = part * omega * omega + law.stiffness / mass,
+          .decay = 2 * part * omega * law.damping_ratio + law.damping / mass,
           .rest = law.rest};
 }
 
@@ -30,44 +31,44 @@ void LinearForce::add(const LinearForce& other) {
   beside += other.beside;
 }
 
-LinearStep LinearStep::of_spring(const Law& law, double position, double mass, double h) {
+LinearStep LinearStep::of_spring(const Law& law, const JointRow& at, double mass, double h) {
   const double moved = mass + law.armature;
-  const LinearForce force = LinearForce::of_spring(law, moved);
+  const LinearForce force = LinearForce::of_spring(law, moved, at.share);
   const SpringStep step = SpringStep::of(std::sqrt(force.square_of_omega), force.decay, h);
-  const double pull = step.pull * (position - law.rest);
+  const double pull = step.pull * (at.value - law.rest);
   if (law.armature == 0) return {step.hold, step.keep, -pull};
   const double own = law.armature / mass, share = moved / mass;
   return {own + share * step.hold, own + share * step.keep, -share * pull};
 }
 
-LinearStep LinearStep::of_servo(const Law& law, double position, double mass, double h) {
+LinearStep LinearStep::of_servo(const Law& law, const JointRow& at, double mass, double h) {
   const double moved = mass + law.armature, share = moved / mass;
   const LinearForce force = LinearForce::of_servo(law, moved);
   const SpringStep step = SpringStep::of(std::sqrt(force.square_of_omega), force.decay, h);
-  return {share * step.hold, share * step.keep, share * (h * force.beside - step.pull * (position - force.rest))};
+  return {share * step.hold, share * step.keep, share * (h * force.beside - step.pull * (at.value - force.rest))};
 }
 
-RowLaw RowLaw::of(const Law& law, double position, double effective_mass, double h, double compliance) {
+RowLaw RowLaw::of(const Law& law, const JointRow& at, double effective_mass, double h, double compliance) {
   RowLaw row;
   row.stiffness = compliance > 0 ? effective_mass / compliance : 0;
   row.locked = law.locked();
   if (row.locked) return row;
   // An infinite end stays infinite.
-  row.lower_rate = std::min((law.lower - position) / h, tuning::closing_speed);
-  row.upper_rate = std::max((law.upper - position) / h, -tuning::closing_speed);
-  row.motor_speed = law.motor_speed;
+  row.lower_rate = std::min((law.lower - at.value) / h, tuning::closing_speed);
+  row.upper_rate = std::max((law.upper - at.value) / h, -tuning::closing_speed);
+  row.motor_speed = at.share * law.motor_speed;
   row.motor_impulse = h * law.motor_force;
   if (!(effective_mass > 0)) return row;
   constexpr double least = 1e-12;  // of what rounding leaves of a very soft one
   if (law.springs() || law.armature > 0) {
-    const LinearStep spring = LinearStep::of_spring(law, position, effective_mass, h);
+    const LinearStep spring = LinearStep::of_spring(law, at, effective_mass, h);
     const double hold = std::max(spring.hold, least);
     row.spring_slope = effective_mass * hold;
     row.spring_rate = spring.shift / hold;
     row.spring_keeps = spring.keep / hold;
   }
   if (law.is_servo()) {
-    const LinearStep servo = LinearStep::of_servo(law, position, effective_mass, h);
+    const LinearStep servo = LinearStep::of_servo(law, at, effective_mass, h);
     const double hold = std::max(servo.hold, least);
     row.motor_slope = effective_mass * hold;
     row.motor_speed = servo.shift / hold;

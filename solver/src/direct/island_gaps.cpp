@@ -11,11 +11,11 @@ namespace atl::solver {
 namespace {
 
 // m or rad: how far a row is from where it is held; 0 of what is free.
-double gap_of(const Joint& of, const DirectJoint& joint, std::size_t row, double position) {
+double gap_of(const Joint& of, const DirectJoint& joint, std::size_t row, double value) {
   const Law& law = law_of(of, row);
-  if (law.locked()) return position - law.lower;
+  if (law.locked()) return value - law.lower;
   const int limit = joint.law[row].limit(joint.rate[row]);
-  return limit < 0 ? position - law.lower : limit > 0 ? position - law.upper : 0;
+  return limit < 0 ? value - law.lower : limit > 0 ? value - law.upper : 0;
 }
 
 // Of all rows of a joint, at these poses.
@@ -32,7 +32,7 @@ DirectJoint::Rows<double> gaps_of(const Joint& of, const DirectJoint& joint, con
   if (r == joint.rows) return gap;
   const JointFrames frames = joint_frames(of, first.position, first.orientation, second.position, second.orientation);
   for (std::size_t k = 0; r < joint.rows; ++r, ++k) {
-    gap[r] = gap_of(of, joint, r, continued(of.coordinate[k], joint_row(of, k, frames).value, joint.position[r]));
+    gap[r] = gap_of(of, joint, r, law_row(of, k, frames, joint.position[r]).at.value);
   }
   return gap;
 }
@@ -102,7 +102,7 @@ bool note_tears(const Joint* joints, std::vector<DirectJoint>& all) {
   for (DirectJoint& joint : all) {
     for (std::size_t r = 0; r < joint.rows; ++r) {
       const Law& law = law_of(joints[joint.joint], r);
-      joint.torn[r] = law.locked() && std::abs(joint.position[r] - law.lower) > tuning::torn;
+      joint.torn[r] = law.locked() && std::abs(joint.at[r].value - law.lower) > tuning::torn;
       any |= joint.torn[r];
     }
   }

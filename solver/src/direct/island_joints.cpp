@@ -28,14 +28,15 @@ void place_rows(const Joint& of, const BodyPose& first, const BodyPose& second, 
     const Vector3 offset = (second.position - first.position) + (joint.arm_second - joint.arm_first);
     for (; r < 3; ++r) {
       joint.at[r] = point_row(static_cast<int>(r), joint.arm_first, joint.arm_second);
-      joint.position[r] = offset[static_cast<Eigen::Index>(r)];
+      joint.at[r].value = offset[static_cast<Eigen::Index>(r)];
     }
   }
   if (r == joint.rows) return;
   const JointFrames frames = joint_frames(of, first.position, first.orientation, second.position, second.orientation);
   for (std::size_t k = 0; r < joint.rows; ++r, ++k) {
-    joint.at[r] = joint_row(of, k, frames);
-    joint.position[r] = continued(of.coordinate[k], joint.at[r].value, joint.position[r]);
+    const LawRow now = law_row(of, k, frames, joint.position[r]);
+    joint.at[r] = now.at;
+    joint.position[r] = now.position;
   }
 }
 
@@ -119,7 +120,7 @@ bool may_bounce(const DirectIslandInput& input, const IslandProblem& problem) {
     if (!of.bounces) continue;
     for (std::size_t r = of.point ? 3 : 0; r < joint.rows; ++r) {
       const Law& law = law_of(of, r);
-      const double there = joint.position[r] + input.dt * rate_of(problem.velocity, joint, r);
+      const double there = joint.at[r].value + input.dt * rate_of(problem.velocity, joint, r);
       const bool leaves = there < law.lower - tuning::open_gap || there > law.upper + tuning::open_gap;
       if (law.restitution > 0 && leaves) return true;
     }
@@ -131,7 +132,7 @@ void begin_laws(const Joint* joints, double h, const std::vector<double>& veloci
   for (DirectJoint& joint : problem.joints) {
     for (std::size_t r = 0; r < joint.rows; ++r) {
       const Law& law = law_of(joints[joint.joint], r);
-      joint.law[r] = RowLaw::of(law, joint.position[r], joint.mass[r], h, tuning::compliance);
+      joint.law[r] = RowLaw::of(law, joint.at[r], joint.mass[r], h, tuning::compliance);
       if (law.looks_back()) joint.law[r].start_at(rate_of(velocities, joint, r));
     }
   }

@@ -155,8 +155,9 @@ void JointAssembly::place_joints(const Joint* joints, const BodyTable& table, do
     const JointFrames frames = frames_of(joint, node);
     for (std::uint32_t r = node.begin; r < node.end; ++r) {
       AssemblyRow& row = rows[r];
-      row.at = joint_row(joint, r - node.begin, frames);
-      row.position = continued(joint.coordinate[r - node.begin], row.at.value, row.position);
+      const LawRow now = law_row(joint, r - node.begin, frames, row.position);
+      row.at = now.at;
+      row.position = now.position;
     }
   }
   place_member_inertia(*this, table, h);

@@ -13,12 +13,12 @@ namespace atl::solver {
 namespace {
 
 // The spring and servo of a law, that moves `mass`.
-LinearForce linear_force(const Law& law, double mass, double position, double rate) {
-  LinearForce force = LinearForce::of_spring(law, mass);
+LinearForce linear_force(const Law& law, double mass, const JointRow& at, double rate) {
+  LinearForce force = LinearForce::of_spring(law, mass, at.share);
   if (!law.is_servo()) return force;
   const LinearForce servo = LinearForce::of_servo(law, mass);
   const double most = law.motor_force / mass;
-  const double pull = servo.at(position, rate);
+  const double pull = servo.at(at.value, rate);
   if (std::abs(pull) < most) {
     force.add(servo);
   } else {
@@ -63,7 +63,7 @@ void begin_laws(JointAssembly& assembly, const Joint* joints, double h) {
       AssemblyRow& row = assembly.rows[r];
       const double response = row.at.response(a.inverse_mass + b.inverse_mass, a.inverse_inertia, b.inverse_inertia);
       row.mass = response > 0 ? 1 / response : 0;
-      row.mode.begin(joint.law[r - node.begin], row.position, row.mass, h);
+      row.mode.begin(joint.law[r - node.begin], row.at, row.mass, h);
     }
   }
 }
@@ -86,7 +86,7 @@ void note_impacts(JointAssembly& assembly, const Joint* joints, double h) {
       row.bounces = false;
       row.impact = row.mode.holds() || law.restitution == 0
                        ? LimitImpact{}
-                       : LimitImpact::of(law, row.position, row.rate_before, assembly.row_speed(node, row), h);
+                       : LimitImpact::of(law, row.at.value, row.rate_before, assembly.row_speed(node, row), h);
     }
   }
 }
@@ -111,9 +111,9 @@ void note_bends(JointAssembly& assembly, const Joint* joints, const BodyTable& t
         joint_frames(joint, a.position + h * a.velocity, a.next_turn, b.position + h * b.velocity, b.next_turn);
     for (std::uint32_t r = node.begin; r < node.end; ++r) {
       AssemblyRow& row = assembly.rows[r];
-      const double straight = row.position + h * assembly.row_speed(node, row);
-      const std::size_t k = r - node.begin;
-      row.bend = (continued(joint.coordinate[k], joint_row(joint, k, frames).value, straight) - straight) / h;
+      const double change = h * assembly.row_speed(node, row);
+      const LawRow there = law_row(joint, r - node.begin, frames, row.position + change);
+      row.bend = (there.at.value - (row.at.value + change)) / h;
     }
   }
   if (!goes_far) return;
@@ -154,7 +154,7 @@ bool catch_limits_here(JointAssembly& assembly, const Joint* joints) {
     for (std::uint32_t r = node.begin; r < node.end; ++r) {
       AssemblyRow& row = assembly.rows[r];
       const Law& law = joints[node.joint].law[r - node.begin];
-      if (law.limited()) caught |= row.mode.catch_at_end(law, row.position);
+      if (law.limited()) caught |= row.mode.catch_at_end(law, row.at.value);
     }
   }
   return caught;
@@ -172,14 +172,14 @@ bool kick_springs(JointAssembly& assembly, const Joint* joints, const SolverBodi
       if (!law.looks_back() || law.locked() || !(row.mass > 0)) continue;
       const double moved = row.mass + law.armature;
       const double rate = assembly.row_speed(node, row);
-      const LinearForce force = linear_force(law, moved, row.position, rate);
+      const LinearForce force = linear_force(law, moved, row.at, rate);
       const double omega = std::sqrt(force.square_of_omega);
       if (omega * h > SpringStep::most_phase || force.decay * h > SpringStep::most_phase) continue;
       const LateRate late = LateRate::of(omega, force.decay, h);
       const double acceleration =
           row.at.rate(get3(of_first.linear), get3(of_first.angular), get3(of_second.linear), get3(of_second.angular));
       const double of_force = 0.5 * h * acceleration;  // half a kick of everything else, which it has
-      const double beside = late.of_position * (row.position - force.rest) +
+      const double beside = late.of_position * (row.at.value - force.rest) +
                             late.of_acceleration * (row.mass / moved * acceleration + force.beside);
       const double kicked =
           sign < 0 ? beside + late.of_rate * (rate + of_force) : (rate - beside) / late.of_rate - of_force;
@@ -194,7 +194,7 @@ double position_of(const JointAssembly& assembly, const JointNode& node, std::ui
                    const JointFrames& frames, double h) {
   const AssemblyRow& row = assembly.rows[r];
   const double moved = row.position + h * assembly.row_speed(node, row);  // what is a rate only is there
-  return continued(joint.coordinate[r - node.begin], joint_row(joint, r - node.begin, frames).value, moved);
+  return law_row(joint, r - node.begin, frames, moved).at.value;
 }
 
 }  // namespace atl::solver

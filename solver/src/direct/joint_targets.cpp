@@ -85,7 +85,7 @@ bool set_position_targets_here(const JointAssembly& assembly, const JointMatrix&
     for (std::uint32_t r = node.begin; r < node.end; ++r, ++b) {
       const AssemblyRow& row = assembly.rows[r];
       const Law& law = joints[node.joint].law[r - node.begin];
-      const double apart = row.mode.holds() ? row.bound(law) - row.position : 0;
+      const double apart = row.mode.holds() ? row.bound(law) - row.at.value : 0;
       closed &= std::abs(apart) <= tuning::open_gap;
       *b = apart / h;
     }
@@ -114,7 +114,7 @@ bool set_tears_aside(const JointAssembly& assembly, const JointMatrix& matrix, c
     for (std::uint32_t r = node.begin; r < node.end; ++r, ++at) {
       const AssemblyRow& row = assembly.rows[r];
       if (!row.mode.holds()) continue;
-      const double apart = row.bound(joints[node.joint].law[r - node.begin]) - row.position;
+      const double apart = row.bound(joints[node.joint].law[r - node.begin]) - row.at.value;
       // To an end that it is still on its way to it goes as fast as it goes.
       const bool beyond = row.mode.is_locked() || (row.mode.limit() < 0 ? apart > 0 : apart < 0);
       if (beyond && std::abs(apart) > tuning::torn) set_aside(apart);

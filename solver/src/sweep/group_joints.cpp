@@ -76,8 +76,10 @@ void set_idle(JointRowBlock& row, std::size_t lane) {
   row.upper_speed[lane] = speed(unlimited_speed);
 }
 
-// The numbers of JointRowBlock for a law, at a value of the coordinate; `w` is J M^-1 J^T.
-void set_law(JointRowBlock& row, std::size_t lane, const Law& law, double value, double w, const JointStep& step) {
+// The numbers of JointRowBlock for a law; `w` is J M^-1 J^T.
+void set_law(JointRowBlock& row, std::size_t lane, const Law& law, const JointRow& at, double w,
+             const JointStep& step) {
+  const double value = at.value;
   const Softness& soft = step.constants.joint;
   // Softness leaks 1 / (1 + stiffness) of the impulse: it is an implicit spring with this q.
   const double stiffness = static_cast<double>(soft.mass_scale) / static_cast<double>(soft.impulse_scale);
@@ -92,14 +94,14 @@ void set_law(JointRowBlock& row, std::size_t lane, const Law& law, double value,
     return;
   }
   const LinearStep spring =
-      law.springs() || law.armature > 0 ? LinearStep::of_spring(law, value, 1 / w, step.h) : LinearStep{};
+      law.springs() || law.armature > 0 ? LinearStep::of_spring(law, at, 1 / w, step.h) : LinearStep{};
   const double share = 1 / (1 + spring.hold);
   row.spring_scale[lane] = static_cast<float>(share);
   row.spring_keep[lane] = static_cast<float>(share * spring.keep);
   row.spring_shift[lane] = row.next_spring_shift[lane];
   row.next_spring_shift[lane] = static_cast<float>(share * spring.shift);
   const double motor_change = law.drives() ? law.motor_force * step.h * w : 0;
-  const LinearStep servo = law.is_servo() ? LinearStep::of_servo(law, value, 1 / w, step.h) : LinearStep{};
+  const LinearStep servo = law.is_servo() ? LinearStep::of_servo(law, at, 1 / w, step.h) : LinearStep{};
   const bool holds = servo.hold > 0;
   const auto motor_part = [&](double with_spring) {
     return static_cast<float>(holds ? servo.hold / (with_spring + servo.hold) : 1);
@@ -107,7 +109,7 @@ void set_law(JointRowBlock& row, std::size_t lane, const Law& law, double value,
   row.motor_part[lane] = motor_part(1 + spring.hold);
   row.motor_keep[lane] = static_cast<float>(holds ? servo.keep / servo.hold : 0);
   row.motor_speed[lane] = row.next_motor_speed[lane];
-  row.next_motor_speed[lane] = static_cast<float>(holds ? servo.shift / servo.hold : law.motor_speed);
+  row.next_motor_speed[lane] = static_cast<float>(holds ? servo.shift / servo.hold : at.share * law.motor_speed);
   row.motor_change[lane] = speed(motor_change * share);
 
   const double room_below = value - law.lower;
@@ -164,20 +166,21 @@ struct RowLane {
             get_lane(row.angular_first, lane).dot(a.angular));
   }
 
-  void set(std::size_t r, const JointRow& now) {
+  void set(std::size_t r, const JointFrames& frames) {
     JointRowBlock& row = rows[r];
     Joint& of = joint();
+    const auto [now, position] = law_row(of, r, frames, of.position[r]);
     const double w = now.response(inverse_mass, inertia_first, inertia_second);
     // Neither bodies that the row can't turn nor a place where the coordinate means nothing.
     if (!(w > 0) || !std::isfinite(w) || !std::isfinite(now.value)) {
       set_idle(row, lane);
       return;
     }
-    of.position[r] = continued(of.coordinate[r], now.value, of.position[r]);
+    of.position[r] = position;
     set_lane(row.linear, lane, now.linear);
     set_lane(row.angular_first, lane, now.angular_first);
     set_lane(row.angular_second, lane, now.angular_second);
-    set_law(row, lane, of.law[r], of.position[r], w, step);
+    set_law(row, lane, of.law[r], now, w, step);
   }
 };
 
@@ -264,7 +267,7 @@ void GroupJoints::prepare_rows(const JointStep& step, JointBlock& block) {
         frames_of(joint, start_pose(step.table, joint.first), start_pose(step.table, joint.second));
     for (std::size_t r = 0; r < joint.rows; ++r) {
       row.rows[r].impulse[lane] = static_cast<float>(joint.impulse[r] / step.constants.refinement);
-      row.set(r, joint_row(joint, r, frames));
+      row.set(r, frames);
     }
   }
 }
@@ -289,7 +292,7 @@ void GroupJoints::refresh_rows(const JointStep& step, std::size_t begin, std::si
         const double impulse = lanes.impulse[lane];
         const Vector3 before[3] = {get_lane(lanes.linear, lane), get_lane(lanes.angular_first, lane),
                                    get_lane(lanes.angular_second, lane)};
-        row.set(r, joint_row(joint, r, frames));
+        row.set(r, frames);
         linear += impulse * (get_lane(lanes.linear, lane) - before[0]);
         angular_first += impulse * (get_lane(lanes.angular_first, lane) - before[1]);
         angular_second += impulse * (get_lane(lanes.angular_second, lane) - before[2]);
@@ -323,10 +326,11 @@ void GroupJoints::note_rates(const JointStep& step, std::size_t begin, std::size
 bool GroupJoints::note_impacts(const JointStep& step, std::size_t begin, std::size_t end) {
   bool any = false;
   for (std::size_t b = begin; b < end; ++b) {
-    const JointBlock& block = blocks_[b];
+    JointBlock& block = blocks_[b];
     for (std::size_t lane = 0; lane < block_lanes; ++lane) {
       if (block.joint[lane] < 0 || !step.joints[block.joint[lane]].bounces) continue;
       const Joint& joint = step.joints[block.joint[lane]];
+      const JointFrames frames = RowLane(step, block, rows_.data(), lane).frames_now();
       for (std::size_t r = 0; r < joint.rows; ++r) {
         JointRowBlock& row = rows_[block.first_row + r];
         RowRate& rate = row_rates_[(block.first_row + r) * block_lanes + lane];
@@ -334,7 +338,8 @@ bool GroupJoints::note_impacts(const JointStep& step, std::size_t begin, std::si
         const Law& law = joint.law[r];
         if (law.restitution == 0 || !(row.mass[lane] > 0)) continue;
         const double free_rate = rate_of(step.bodies, block, row, lane);
-        rate.impact = LimitImpact::of(law, joint.position[r], rate.before, free_rate, step.h);
+        rate.impact =
+            LimitImpact::of(law, law_row(joint, r, frames, joint.position[r]).at.value, rate.before, free_rate, step.h);
         row.open_ends[lane] = rate.impact.rests ? 0 : 1;
         any |= rate.impact.end != 0;
       }
@@ -400,9 +405,9 @@ void GroupJoints::store(const JointStep& step, std::size_t begin, std::size_t en
           linear += impulse * along;
           angular += impulse * (get_lane(row.angular_second, lane) - frames.arm_second.cross(along));
           joint.impulse[r] = together * impulse;
-          const double value = joint_row(joint, r, frames).value;
-          if (std::isfinite(value)) joint.position[r] = continued(joint.coordinate[r], value, joint.position[r]);
-          joint.limit[r] = limit_reached(joint.law[r], joint.position[r], joint.limit[r]);
+          const LawRow now = law_row(joint, r, frames, joint.position[r]);
+          if (std::isfinite(now.position)) joint.position[r] = now.position;
+          joint.limit[r] = limit_reached(joint.law[r], now.at.value, joint.limit[r]);
         }
       }
       joint.force = inverse_h * linear;

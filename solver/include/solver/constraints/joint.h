@@ -104,12 +104,26 @@ struct alignas(64) Joint {
   std::size_t row_count() const { return rows + (point ? 3u : 0u); }
 };
 
-/// One row of a joint at the given frames. The value of a rate only is 0, that of an angle within half a turn of zero.
+/// One coordinate of a joint at the given frames. The value of a rate only is 0, that of an angle within half a turn of
+/// zero.
 JointRow joint_row(const Joint& joint, std::size_t row, const JointFrames& frames);
 
 /// The value in m or rad as a continuation of the position before: of angles, the turn nearest to it; of what is a rate
 /// only, that position itself.
 double continued(Coordinate coordinate, double value, double before);
+
+/// What a joint's law acts along.
+struct LawRow {
+  JointRow at;      ///< with the value that the law sees
+  double position;  ///< of the coordinate, continued
+};
+
+/// One row of a joint at the given frames, the coordinate's position before given. It is that of the coordinate, but
+/// fades where the coordinate has no value: a twist where the x axes are nearly opposed, and a turn that is not locked
+/// at zero near a half turn. There one would change without end, and the other from one sign to the other, and springs
+/// and ranges along them would get energy from nowhere. What fades is a smooth function of the pose all the same, so a
+/// spring on it keeps energy.
+LawRow law_row(const Joint& joint, std::size_t row, const JointFrames& frames, double before);
 
 /// Where the frames of a joint are, of bodies whose centres of mass are at these places. Unit quaternions.
 JointFrames joint_frames(const Joint& joint, const Vector3& position_first, const Quaternion& orientation_first,

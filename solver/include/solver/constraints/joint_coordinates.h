@@ -14,6 +14,8 @@ struct JointRow {
   Eigen::Vector3d angular_first = Eigen::Vector3d::Zero();   ///< m for a coordinate in m, 1 for one in rad
   Eigen::Vector3d angular_second = Eigen::Vector3d::Zero();  ///< likewise
   double value = 0;                                          ///< m or rad
+  /// Of a coordinate that fades (see law_row()): its rate by that of turning about its axis.
+  double share = 1;
 
   double rate(const Eigen::Vector3d& v_first, const Eigen::Vector3d& w_first, const Eigen::Vector3d& v_second,
               const Eigen::Vector3d& w_second) const {
@@ -65,6 +67,14 @@ JointRow skew_between(const JointFrames& frames, int axis_first, int axis_second
 /// of pi; nor has the swing's row at a swing of 0 or pi, where it is about the y axis of the first frame.
 JointRow twist(const JointFrames& frames);
 JointRow swing(const JointFrames& frames);
+
+/// Makes of a twist one that is 0 at a swing of pi, a smooth function of the pose: near there times s^2 (3 - 2 s), with
+/// s the cosine of half the swing by tuning::fading_twist. Its value may be continued over full turns.
+void fade_twist(const JointFrames& frames, JointRow& twist);
+
+/// Likewise of turn_about() one that is 0 at a half turn, where it would change its sign, with s the cosine of half the
+/// turn by tuning::fading_turn.
+void fade_turn(const JointFrames& frames, int axis, JointRow& turn);
 
 /// Angle about axis `about` of the first frame by which axis `of` of the second has turned from that of the first, rad
 /// in (-pi, pi]: of a cross of two hinges, whose axes these two are. Where they are parallel it has no value: then 0,

@@ -13,8 +13,8 @@ class LawMode {
   /// Goes on from where a step ended: at that end of the range, or that bound of the motor; see limit(), motor_bound().
   void resume(const Law& law, int limit, int motor_bound);
 
-  /// Starts a substep of h seconds with the coordinate at `position`. `effective_mass` along it, kg or kg m^2.
-  void begin(const Law& law, double position, double effective_mass, double h);
+  /// Starts a substep of h seconds. `effective_mass` along the row, kg or kg m^2.
+  void begin(const Law& law, const JointRow& at, double effective_mass, double h);
 
   /// Likewise, at a rate before the substep's forces, once; without it, at rest.
   void start_at(double rate);

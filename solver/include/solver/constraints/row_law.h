@@ -14,7 +14,8 @@ struct LinearForce {
   double beside = 0;           ///< m/s^2 or rad/s^2, at rest
 
   /// Of the law's spring at a distance from zero, or of its servo; with a mass in kg or kg m^2 that is more than 0.
-  static LinearForce of_spring(const Law& law, double mass);
+  /// A frequency is that of turning about the axis where the coordinate has a share of it only.
+  static LinearForce of_spring(const Law& law, double mass, double share = 1);
   static LinearForce of_servo(const Law& law, double mass);
   void add(const LinearForce& other);
   double at(double position, double rate) const { return beside - square_of_omega * (position - rest) - decay * rate; }
@@ -28,9 +29,9 @@ struct LinearStep {
   double shift = 0;  ///< m/s or rad/s, to be added
 
   /// With the inertia that the law adds to `mass`, which is the coordinate's without it.
-  static LinearStep of_spring(const Law& law, double position, double mass, double h);
+  static LinearStep of_spring(const Law& law, const JointRow& at, double mass, double h);
   /// Without it: a servo goes with a spring, or with none.
-  static LinearStep of_servo(const Law& law, double position, double mass, double h);
+  static LinearStep of_servo(const Law& law, const JointRow& at, double mass, double h);
 };
 
 /// A Law over a time step: the impulse along a coordinate as a function of the rate that it ends with. It falls as the
@@ -48,9 +49,9 @@ struct RowLaw {
   double spring_slope = 0, spring_rate = 0;   ///< of impulse by rate, and the rate at which there is none; 0 without
   double spring_keeps = 0;                    ///< how the rate before the step adds to that
 
-  /// `position` in m or rad, `effective_mass` along the coordinate in kg or kg m^2, h in s; what locks gives by
-  /// `compliance` over the effective mass, or is left to the caller where that is 0. At rest before the step.
-  static RowLaw of(const Law& law, double position, double effective_mass, double h, double compliance = 0);
+  /// `effective_mass` along the row in kg or kg m^2, h in s; what locks gives by `compliance` over the effective mass,
+  /// or is left to the caller where that is 0. At rest before the step.
+  static RowLaw of(const Law& law, const JointRow& at, double effective_mass, double h, double compliance = 0);
   /// The same at a rate before the step's forces, once.
   void start_at(double rate) {
     spring_rate += spring_keeps * rate;
