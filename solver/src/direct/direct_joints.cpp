@@ -85,7 +85,7 @@ void DirectJoints::begin_step(const DirectInput& input) {
     member.start = input.table.position(member.body);
     member.start_turn = input.table.orientation(member.body);
   }
-  looks_back_ = bounces_ = false;
+  looks_back_ = rotors_ = bounces_ = false;
   late_ = true;
   for (JointNode& node : assembly_.nodes) {
     const Joint& joint = input.joints[node.joint];
@@ -94,6 +94,7 @@ void DirectJoints::begin_step(const DirectInput& input) {
       const std::uint32_t k = r - node.begin;
       AssemblyRow& row = assembly_.rows[r];
       looks_back_ |= joint.law[k].looks_back();
+      rotors_ |= joint.law[k].armature > 0;
       bounces_ |= joint.law[k].restitution > 0;
       row.bounces = false;
       row.position = joint.position[k];
@@ -125,6 +126,14 @@ void DirectJoints::kick_springs(const DirectInput& input, int sign) {
   if (kicks) assembly_.store_velocities(input.bodies);
 }
 
+// An armature has momentum of its own. It pays for every change of its coordinate's rate with an impulse: also for
+// those that tumbling makes of velocities while positions move, and the turning of the row with the bodies. These come
+// after a substep's impulses, and are paid for with the projection. What is not yet paid for is the sum of the momenta
+// that it had, less that which it has; of impulses that are solved for with its row, it has its part.
+void DirectJoints::note_armature(const DirectInput& input, double times) {
+  if (rotors_) add_armature(assembly_, input.joints, times);
+}
+
 // Impulses that change the rates of all rows by b.
 void DirectJoints::solve_and_apply() {
   if (matrix_.solve(b_)) apply_impulses(assembly_, matrix_, b_);
@@ -147,18 +156,22 @@ void DirectJoints::solve_velocities(const DirectInput& input) {
     if (assembly_.rows.empty() || round + 1 == tuning::mode_rounds || !update_laws(assembly_)) break;
     matrix_.factor(assembly_);
   }
+  for (AssemblyRow& row : assembly_.rows) row.unpaid = 0;  // sweeps may follow one another
+  note_armature(input, 1);
   assembly_.store_velocities(input.bodies);
 }
 
 void DirectJoints::solve_positions(const DirectInput& input) {
   assembly_.place_members(input.bodies);
   assembly_.load_velocities(input.bodies);
+  note_armature(input, -1);
   if (catch_limits(assembly_, input.joints, input.h)) matrix_.factor(assembly_);
   set_position_targets(assembly_, matrix_, input.joints, input.h, b_);
   torn_ = set_tears_aside(assembly_, matrix_, input.joints, input.h, b_, tears_);
   solve_and_apply();
   if (assembly_.moves_far(input.h, tuning::far_in_motion)) assembly_.take_back();
   assembly_.move_bodies(input.bodies, input.h);
+  note_armature(input, 1);
   assembly_.store_velocities(input.bodies);
   if (!torn_) return;
   assembly_.load_velocities(input.bodies);
@@ -180,7 +193,10 @@ void DirectJoints::relax(const DirectInput& input) {
   }
   prepare(input);
   close_gaps(input);
+  assembly_.load_velocities(input.bodies);
+  note_armature(input, -1);
   project(input);
+  for (AssemblyRow& row : assembly_.rows) row.unpaid = 0;  // bounces are projected, too
   note_rates(input);
 }
 

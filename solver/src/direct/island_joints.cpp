@@ -138,13 +138,24 @@ void begin_laws(const Joint* joints, double h, const std::vector<double>& veloci
   }
 }
 
-void hold_rows(std::vector<DirectJoint>& joints) {
-  for (DirectJoint& joint : joints) {
+void note_armature(const Joint* joints, const std::vector<double>& velocities, std::vector<DirectJoint>& all) {
+  for (DirectJoint& joint : all) {
+    for (std::size_t r = 0; r < joint.rows; ++r) {
+      joint.kept[r] = law_of(joints[joint.joint], r).armature > 0 ? rate_of(velocities, joint, r) : 0;
+    }
+  }
+}
+
+void hold_rows(const Joint* joints, IslandProblem& problem) {
+  for (DirectJoint& joint : problem.joints) {
     for (std::size_t r = 0; r < joint.rows; ++r) {
       const RowLaw before = joint.law[r];
       joint.law[r] = {};
       joint.limit[r] = static_cast<std::int8_t>(before.limit(joint.rate[r]));
       joint.motor_bound[r] = static_cast<std::int8_t>(before.motor_bound(joint.rate[r]));
+      // Rows have turned with the bodies, and an armature pays for what that makes of its rate.
+      joint.law[r].spring_slope = law_of(joints[joint.joint], r).armature;
+      joint.law[r].spring_rate = joint.kept[r];
       if (!before.holds(joint.rate[r])) continue;
       joint.law[r].locked = true;
       joint.law[r].stiffness = joint.mass[r] / tuning::compliance;

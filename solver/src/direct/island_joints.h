@@ -28,7 +28,10 @@ bool may_bounce(const DirectIslandInput& input, const IslandProblem& problem);
 void begin_laws(const Joint* joints, double h, const std::vector<double>& velocities, IslandProblem& problem);
 
 /// After a solution: rows that are held go on, on which impulses of springs and motors act no more.
-void hold_rows(std::vector<DirectJoint>& joints);
+void hold_rows(const Joint* joints, IslandProblem& problem);
+
+/// Notes the rates of armatures at these velocities.
+void note_armature(const Joint* joints, const std::vector<double>& velocities, std::vector<DirectJoint>& all);
 
 /// Takes on the force of the last impulses, of h seconds: at once where it grows, and smoothly where it falls. Returns
 /// whether it is far from what bodies' inertia has of it.

@@ -78,6 +78,15 @@ void note_rates(JointAssembly& assembly, const Joint* joints) {
   }
 }
 
+void add_armature(JointAssembly& assembly, const Joint* joints, double times) {
+  for (const JointNode& node : assembly.nodes) {
+    for (std::uint32_t r = node.begin; r < node.end; ++r) {
+      AssemblyRow& row = assembly.rows[r];
+      row.unpaid += times * joints[node.joint].law[r - node.begin].armature * assembly.row_speed(node, row);
+    }
+  }
+}
+
 void note_impacts(JointAssembly& assembly, const Joint* joints, double h) {
   for (const JointNode& node : assembly.nodes) {
     for (std::uint32_t r = node.begin; r < node.end; ++r) {

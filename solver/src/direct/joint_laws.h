@@ -11,6 +11,9 @@ void begin_laws(JointAssembly& assembly, const Joint* joints, double h);
 /// The rates before the substep's forces, of which springs, servos and bounces are, at the velocities that are loaded.
 void note_rates(JointAssembly& assembly, const Joint* joints);
 
+/// Adds so many times the momentum of armatures at the velocities that are loaded to AssemblyRow::unpaid.
+void add_armature(JointAssembly& assembly, const Joint* joints, double times);
+
 /// How fast rows that bounce would come to the ends of their ranges, if nothing held them there: with what accelerates
 /// them along the way.
 void note_impacts(JointAssembly& assembly, const Joint* joints, double h);

@@ -59,7 +59,7 @@ void set_projection_targets(const JointAssembly& assembly, const JointMatrix& ma
     for (std::uint32_t r = node.begin; r < node.end; ++r) {
       const AssemblyRow& row = assembly.rows[r];
       const double leaving = !row.bounces ? 0 : late ? row.impact.leaving_late : row.impact.leaving;
-      *b++ = row.mode.holds() ? leaving - assembly.row_speed(node, row) : 0;
+      *b++ = row.mode.holds() ? leaving - assembly.row_speed(node, row) : row.mode.compliance() * row.unpaid;
     }
   }
 }

@@ -97,11 +97,11 @@ void hold_resting_points(IslandProblem& problem, double h) {
 
 // Finds velocities that keep the joints at the new poses, and change nothing at contacts that rest: both have had their
 // impulses, and answer to what is left alone. Returns false if there are none.
-bool project(IslandMotions& motions, double h) {
+bool project(const Joint* joints, IslandMotions& motions, double h) {
   IslandProblem& problem = motions.problem;
   problem.free = motions.lasting;
   problem.velocity = motions.lasting;
-  hold_rows(problem.joints);
+  hold_rows(joints, problem);
   hold_resting_points(problem, h);
   if (!solve_on_last_pieces(problem, motions.search)) return false;
   for (DirectContact& contact : problem.contacts) contact.answer = contact.lasting;
@@ -142,11 +142,12 @@ bool solve_substeps(const DirectIslandInput& input, const IslandMembers& members
     if (motions.pushes) push_gently(settings.contact_push_speed, motions);
     const bool last = substep + 1 == settings.substeps;
     if (last && input.capture != nullptr) capture_contacts(*input.capture, input.manifolds, h, problem);
+    note_armature(input.joints, motions.lasting, problem.joints);
     move(bodies, h, problem.velocity);
     close_joints(input, time, h, torn, bodies, motions);
     place_joints(input, time, h, bodies, problem);
     place_contacts({input.bodies, bodies, time}, problem.contacts);
-    if (!project(motions, h)) return false;
+    if (!project(input.joints, motions, h)) return false;
   }
   settle_joints(input, bodies, motions);
   write_back_bodies(input, bodies, problem);

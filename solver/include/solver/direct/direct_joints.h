@@ -70,6 +70,7 @@ class DirectJoints {
  private:
   void prepare(const DirectInput& input);
   void close_gaps(const DirectInput& input);
+  void note_armature(const DirectInput& input, double times);
   void solve_and_apply();
 
   JointAssembly assembly_;
@@ -77,6 +78,7 @@ class DirectJoints {
   std::vector<double> b_;      // m/s or rad/s that rates are to change by, and then N s or N m s
   std::vector<double> tears_;  // likewise, of what was apart as the substep began
   bool looks_back_ = false;    // some row's impulse depends on the rate before
+  bool rotors_ = false;        // some row has an armature
   bool bounces_ = false;       // some row may, at an end of its range
   bool late_ = false;          // velocities are half a substep behind positions
   bool torn_ = false;          // something was apart as the substep began

@@ -106,6 +106,7 @@ struct DirectJoint {
   Rows<double> gap;       ///< m or rad, from where it is held
   Rows<RowLaw> law;
   Rows<double> given;    ///< rate by what doesn't respond
+  Rows<double> kept;     ///< rate that armatures have as bodies begin to move
   Rows<double> rate;     ///< at the velocities of the problem
   Rows<double> change;   ///< along its search direction
   Rows<double> impulse;  ///< N s or N m s

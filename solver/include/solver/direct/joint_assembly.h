@@ -38,6 +38,7 @@ struct AssemblyRow {
   double mass;             ///< kg or kg m^2, effective
   double bend;             ///< m/s or rad/s, see note_bends()
   double rate_before = 0;  ///< m/s or rad/s, as the substep begins, before its forces
+  double unpaid = 0;       ///< N s or N m s: what the armature is to pay, see DirectJoints::note_armature()
   LimitImpact impact;
   bool bounces = false;  ///< at that end, in this substep
 
