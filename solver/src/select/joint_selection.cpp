@@ -135,12 +135,18 @@ class Holds {
   std::vector<Hold> holds_;
 };
 
+// Whether anything pushes along the joint, or stops it.
+bool acts(const Joint& joint) {
+  return std::any_of(joint.law.begin(), joint.law.begin() + joint.rows,
+                     [](const Law& law) { return law.acts() && !law.locked(); });
+}
+
 // Whether solving joint by joint would not do: what hangs on something swings for long, and machines stand on
-// something; there errors add up.
+// something; there errors add up. Springs, motors and ends of ranges between bodies that tumble get energy from it.
 bool asks_for_direct(std::span<const JointLink> links, std::span<const Joint> joints, const BodyTable& bodies) {
   for (const JointLink& link : links) {
     const double a = bodies.inverse_mass[link.first], b = bodies.inverse_mass[link.second];
-    if (a == 0 || b == 0) return true;
+    if (a == 0 || b == 0 || acts(joints[link.joint])) return true;
     if (std::max(a, b) > tuning::light_ratio * std::min(a, b)) return true;
   }
   if (Holds(links, joints, bodies).fight()) return true;
