@@ -197,11 +197,27 @@ void apply_force(Stores& world, std::uint32_t body, const Vector3& force, const 
   world.bodies.torque(body) += torque;
 }
 
+namespace {
+
+Vector3 linear_response(const solver::BodyTable& bodies, std::uint32_t body, const Vector3& impulse) {
+  return bodies.inverse_mass[body] * solver::without(solver::linear_locks(bodies.locks[body]), impulse);
+}
+
+}  // namespace
+
 void apply_impulse(Stores& world, std::uint32_t body, const Vector3& impulse, const Vector3& moment) {
   if (world.quarantine.contains(body)) return;
-  world.bodies.velocity(body) +=
-      world.bodies.inverse_mass[body] * solver::without(solver::linear_locks(world.bodies.locks[body]), impulse);
+  world.bodies.velocity(body) += linear_response(world.bodies, body, impulse);
   world.bodies.angular_velocity(body) += solver::angular_response(world.bodies, body, moment);
+}
+
+void check_impulse(const Stores& world, std::uint32_t body, const Vector3& impulse, const Vector3& moment) {
+  if (world.quarantine.contains(body)) return;
+  const solver::BodyTable& bodies = world.bodies;
+  check_finite("World::apply_impulse: the velocity after it",
+               Vector3(bodies.velocity(body) + linear_response(bodies, body, impulse)));
+  check_finite("World::apply_impulse: the angular velocity after it",
+               Vector3(bodies.angular_velocity(body) + solver::angular_response(bodies, body, moment)));
 }
 
 BodyDef definition_of(const Stores& world, std::uint32_t body) {

@@ -34,6 +34,8 @@ void wake_touching(Stores& world, std::uint32_t body);
 
 void apply_force(Stores& world, std::uint32_t body, const Vector3& force, const Vector3& torque);      // N, N m
 void apply_impulse(Stores& world, std::uint32_t body, const Vector3& impulse, const Vector3& moment);  // N s, N m s
+/// Throws Error if its velocities would not be finite after that.
+void check_impulse(const Stores& world, std::uint32_t body, const Vector3& impulse, const Vector3& moment);
 void set_pose(Stores& world, std::uint32_t body, const Vector3& origin, const Quaternion& orientation);
 /// Lets the surface run at a velocity (m/s, body frame); what holds back rolling is the material's.
 void run_surface(Stores& world, std::uint32_t body, const Vector3& velocity);

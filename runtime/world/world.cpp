@@ -309,10 +309,12 @@ void World::apply_force(BodyId id, const Vector3& force, const Vector3& torque) 
 void World::apply_impulse(BodyId id, const Vector3& impulse, const Vector3& point) {
   check_finite("World::apply_impulse: impulse", impulse);
   check_finite("World::apply_impulse: point", point);
-  const std::uint32_t body = awaken(impl_->stores, impl_->index_to_change(id, "apply_impulse"));
+  const std::uint32_t body = impl_->index_to_change(id, "apply_impulse");
+  const Vector3 moment = (point - impl_->stores.bodies.position(body)).cross(impulse);
+  check_impulse(impl_->stores, body, impulse, moment);
+  awaken(impl_->stores, body);
   note<calls::ApplyImpulse>(*impl_, id, impulse, point);
-  const Vector3 arm = point - impl_->stores.bodies.position(body);
-  atl::apply_impulse(impl_->stores, body, impulse, arm.cross(impulse));
+  atl::apply_impulse(impl_->stores, body, impulse, moment);
 }
 
 void World::wake(BodyId id) {

@@ -138,5 +138,25 @@ TEST(NumberBounds, MomentsThatRoundingSwallowsAreRefused) {
   test::expect_error([&] { world.add_body(needle(1e4, true)); }, {"BodyDef: the inertia is", "1e-12"});
 }
 
+TEST(NumberBounds, ImpulsesThatWouldOverflowAreRefusedAndChangeNothing) {
+  World world;
+  const BodyId ball = world.add_body({.shape = Sphere{0.5}, .velocity = {1, 2, 3}});
+  const BodyId light = world.add_body({.shape = Sphere{0.5}, .position = {3, 0, 0}, .mass = 0.01});
+  const std::uint64_t before = world.state_hash();
+  for (const Vector3& point : {Vector3(1e300, 0, 0), Vector3(1e300, 1e300, 1e300)}) {
+    test::expect_error(
+        [&] {
+          world.apply_impulse(ball, {1e300, -1e300, 0}, point);
+        },
+        {"World::apply_impulse: the angular velocity after it"});
+  }
+  test::expect_error(
+      [&] {
+        world.apply_impulse(light, {1e308, 0, 0}, world.centre_of_mass(light));
+      },
+      {"World::apply_impulse: the velocity after it"});
+  EXPECT_EQ(world.state_hash(), before);
+}
+
 }  // namespace
 }  // namespace atl

@@ -144,7 +144,8 @@ class World {
   void set_surface_velocity(BodyId id, const Vector3& velocity);
   /// Adds to the force (N) through the centre of mass and the torque (N m) of the next step only.
   void apply_force(BodyId id, const Vector3& force, const Vector3& torque = Vector3::Zero());
-  /// Changes the velocities at once by an impulse (N s) at a world-frame point (m).
+  /// Changes the velocities at once by an impulse (N s) at a world-frame point (m). Error, and nothing done, where they
+  /// would not be finite after it.
   void apply_impulse(BodyId id, const Vector3& impulse, const Vector3& point);
   void wake(BodyId id);
   void set_filter(BodyId id, const CollisionFilter& filter);
