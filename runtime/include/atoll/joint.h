@@ -113,7 +113,8 @@ struct UniversalJoint {
 };
 
 /// Origins together: 3 rows, and limits of the swing between the x axes and of the twist about them. JointState tells
-/// of the swing, and then of the twist.
+/// of the swing, and then of the twist. At a swing of half a turn there is no twist: what acts along it fades from 120
+/// degrees of swing on, and is gone there.
 struct ConeTwistJoint {
   double swing_limit = unlimited;  ///< rad, in (0, pi), or unlimited
   JointAxis twist = {};            ///< rad; the ends of a range in [-pi, pi]
@@ -123,7 +124,9 @@ struct ConeTwistJoint {
 /// Each of six coordinates is locked (a range of equal ends), limited or free: offsets along the axes of the first
 /// frame, m, and turns about them. The turns are twice the vector part of the relative quaternion: the axis times twice
 /// the sine of half the angle, which is the rotation vector in rad to second order (0.4% less at 18 degrees, 10% less
-/// at 90), and grows up to half a turn, where it is 2. Ends of their ranges are in [-2, 2].
+/// at 90), and grows up to half a turn, where it is 2. Ends of their ranges are in [-2, 2]. What acts along a turn that
+/// isn't locked at 0 fades from 151 degrees on, and is gone at half a turn, where the turn would change its sign. A
+/// motor's speed is that of turning about the axis, rad/s, and JointState::speed that of the coordinate.
 struct SixDofJoint {
   std::array<JointAxis, 3> offset = {};
   std::array<JointAxis, 3> turn = {};
