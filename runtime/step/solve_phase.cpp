@@ -71,8 +71,7 @@ void SolvePhase::choose_modes(Stores& world, const StepContext& step, IslandPhas
                                      .dt = world.clock.dt,
                                      .settings = how,
                                      .joint_graph = world.joints.count == 0 ? nullptr : &islands.joint_graph(),
-                                     .joint_systems = &islands.joint_systems(),
-                                     .rebuilt = islands.rebuilt()};
+                                     .joint_systems = &islands.joint_systems()};
     const bool all = world.settings.contact_solver == ContactSolver::Direct;
     modes = all ? world.selection.choose_direct(input) : world.selection.choose(input);
   } else if (with_direct_contacts) {

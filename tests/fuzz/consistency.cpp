@@ -37,6 +37,13 @@ void check_body(const World& world, BodyId id) {
   require_finite(world.velocity(id), "a velocity");
   require_finite(world.angular_velocity(id), "an angular velocity");
   require(world.mass(id) > 0, "a mass is not positive");
+  if (world.type(id) != BodyType::Dynamic) return;
+  const MotionLocks locks = world.definition(id).locks;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto i = static_cast<Eigen::Index>(axis);
+    require(!locks.linear[axis] || world.velocity(id)[i] == 0, "a body moves along an axis that is locked");
+    require(!locks.angular[axis] || world.angular_velocity(id)[i] == 0, "a body turns about an axis that is locked");
+  }
 }
 
 void check_joint(const World& world, JointId id) {

@@ -45,7 +45,6 @@ void SolverSelection::forget(std::uint32_t body) {
 void SolverSelection::forget_all() {
   arrived_.clear();
   pressed_.clear();
-  knows_pressed_ = false;
   for (const std::uint32_t body : loaded_) load_history_[body] = {};
   loaded_.clear();
 }
@@ -76,7 +75,7 @@ void SolverSelection::estimate_arrived(const LoadInput& input) {
 
 std::span<const SolveMode> SolverSelection::choose(const LoadInput& input) {
   estimate_arrived(input);
-  if (input.rebuilt || !knows_pressed_) find_pressed(input);
+  find_pressed(input);
   find_landings(input);
   if (loaded_.empty() && pressed_.empty() && landings_.empty()) return {};
   const Islands& islands = input.islands;
@@ -124,12 +123,12 @@ void SolverSelection::find_landings(const LoadInput& input) {
 // what the other did, and boxes leap off a bridge.
 void SolverSelection::find_pressed(const LoadInput& input) {
   pressed_.clear();
-  knows_pressed_ = true;
   if (input.joint_graph == nullptr || input.settings.joint_method == JointMethod::Iterative) return;
   const Islands& islands = input.islands;
   for (std::size_t island = 0; island < islands.count(); ++island) {
     if (islands.joint_count(island) == 0 || islands.contact_count(island) == 0) continue;
-    if (islands.body_count(island) > tuning::most_bodies || !is_pressed(input, island)) continue;
+    if (islands.body_count(island) > tuning::most_bodies || has_locks(input, island)) continue;
+    if (!is_pressed(input, island)) continue;
     pressed_.push_back(island);
   }
 }

@@ -23,7 +23,6 @@ struct LoadInput {
   const SolverSettings& settings;
   const JointGraph* joint_graph = nullptr;      ///< null where there are no joints
   const JointSystems* joint_systems = nullptr;  ///< likewise
-  bool rebuilt = true;                          ///< islands are others than at the last choice
 };
 
 /// What the contacts of an island carry if all stands: from the top down, each body hands its weight and what it

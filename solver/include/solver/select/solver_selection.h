@@ -93,8 +93,8 @@ class SolverSelection {
 
   // What lasts from step to step, and what is made anew. Whoever adds a member says which it is, or this won't compile.
   static void check_members(SolverSelection& selection) {
-    auto& [history, loaded, arrived, /**/ overloaded, merged, symptoms, landings, pressed, knows_pressed, on_system,
-           modes, estimated, estimate] = selection;
+    auto& [history, loaded, arrived, /**/ overloaded, merged, symptoms, landings, pressed, on_system, modes, estimated,
+           estimate] = selection;
     static_cast<void>(history);
   }
 
@@ -105,7 +105,6 @@ class SolverSelection {
   std::vector<Symptoms> symptoms_;       // by island
   std::vector<std::size_t> landings_;    // islands in which something lands
   std::vector<std::size_t> pressed_;     // islands in which something heavy lies on joints that are solved at once
-  bool knows_pressed_ = false;           // of the islands as they are
   std::vector<std::uint8_t> on_system_;  // by body of an island
   std::vector<SolveMode> modes_;         // by island
   std::vector<OverloadedBody> estimated_;
