@@ -2,7 +2,6 @@
 
 #include <atoll/error.h>
 
-#include <Eigen/Cholesky>
 #include <cmath>
 
 #include "world/body_definition.h"
@@ -62,19 +61,13 @@ bool is_valid(const CheckedCollider& collider) {
          collider.density_factor <= numbers.most && (!collider.material || is_valid(*collider.material));
 }
 
-// Positive definite, and each moment at most the sum of the others: to rounding, as masses are changed later.
-bool is_inertia(const Matrix3& inertia) {
-  if (!inertia.allFinite()) return false;
-  const double scale = inertia.cwiseAbs().maxCoeff();
-  return (inertia - inertia.transpose()).cwiseAbs().maxCoeff() <= 1e-9 * scale &&
-         Eigen::LLT<Matrix3>(inertia / scale).info() == Eigen::Success;
-}
-
 bool has_valid_mass(const BodyConstants& body) {
   if (body.type != BodyType::Dynamic) {
     return body.inverse_mass == 0 && body.inverse_inertia.isZero(0) && !body.gyroscopic;
   }
-  if (!(1 / body.inverse_mass >= loads.least && 1 / body.inverse_mass <= loads.most)) return false;
+  constexpr double rounding = 1e-9;
+  const double mass = 1 / body.inverse_mass;
+  if (!(mass >= loads.least * (1 - rounding) && mass <= loads.most * (1 + rounding))) return false;
   if (!is_inertia(body.inertia) || !is_inertia(body.inverse_inertia)) return false;
   if (!(body.inertia * body.inverse_inertia).isIdentity(1e-3)) return false;
   if (!body.gyroscopic) return true;

@@ -239,7 +239,7 @@ BodyDef definition_of(const Stores& world, std::uint32_t body) {
               .sensor = constants.sensor,
               .user_data = world.records.user_data[body]};
   if (constants.type == BodyType::Dynamic) {
-    def.mass = 1 / constants.inverse_mass;
+    def.mass = std::clamp(1 / constants.inverse_mass, loads.least, loads.most);  // to rounding it is
     def.inertia = constants.inertia;
   }
   if (!world.bodies.surfaces.empty()) def.surface_velocity = world.bodies.surfaces[body].velocity;

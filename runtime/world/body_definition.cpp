@@ -107,17 +107,24 @@ struct ShapeCheck {
   }
 };
 
+}  // namespace
+
+bool is_inertia(const Matrix3& inertia) {
+  if (!inertia.allFinite()) return false;
+  const double scale = inertia.cwiseAbs().maxCoeff();
+  return (inertia - inertia.transpose()).cwiseAbs().maxCoeff() <= 1e-9 * scale &&
+         Eigen::LLT<Matrix3>(inertia / scale).info() == Eigen::Success;
+}
+
+namespace {
+
 // A rigid body's principal moments can't be just any: each is at most the sum of the other two.
 void check_inertia(const Matrix3& inertia) {
   const char* expected =
       "a finite, symmetric, positive definite matrix whose largest principal moment is at most the sum of the others";
-  const double scale = inertia.cwiseAbs().maxCoeff();
-  if (!inertia.allFinite() || (inertia - inertia.transpose()).cwiseAbs().maxCoeff() > 1e-9 * scale) {
-    refuse("BodyDef.inertia", inertia, expected);
-  }
+  if (!is_inertia(inertia)) refuse("BodyDef.inertia", inertia, expected);
   const Vector3 moments = Eigen::SelfAdjointEigenSolver<Matrix3>(inertia, Eigen::EigenvaluesOnly).eigenvalues();
-  // Of a needle the least moment is lost in the rounding of the largest, if not in a factor.
-  if (Eigen::LLT<Matrix3>(inertia).info() != Eigen::Success || moments[2] > (moments[0] + moments[1]) * (1 + 1e-9)) {
+  if (moments[2] > (moments[0] + moments[1]) * (1 + 1e-9)) {
     refuse("BodyDef.inertia", inertia, expected);
   }
 }
@@ -167,7 +174,8 @@ void take_mass(const MassProperties& properties, BodyConstants& body) {
         "a mass of 1e-30 to 1e30 kg, and moments of inertia of 1e-36 to 1e36 kg m^2: single precision holds no more");
   }
   // Of a needle that lies askew in its frame the least moment is what rounding makes of the others, be it negative.
-  if (!(body.inertia * body.inverse_inertia).isIdentity(1e-4)) {
+  if (!is_inertia(body.inertia) || !is_inertia(body.inverse_inertia) ||
+      !(body.inertia * body.inverse_inertia).isIdentity(1e-4)) {
     refuse("BodyDef: the inertia", body.inertia,
            "one whose least principal moment is at least 1e-12 of the largest, or that is diagonal");
   }

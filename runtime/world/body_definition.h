@@ -82,6 +82,10 @@ MotionLocks locks_of(std::uint8_t bits);
 /// `field` names the material.
 void check(const char* field, const Material& material);
 
+/// Whether an inertia is finite, symmetric, and positive definite to the rounding of its factor: what definitions,
+/// files and snapshots are all asked for.
+bool is_inertia(const Matrix3& inertia);
+
 /// Gives a body other shapes at the mass that it has, and what follows from both. Throws Error that names `field` if
 /// they can't be a body's of its type.
 void give_shape(const char* field, const Shape& shape, BodyConstants& body);

@@ -50,8 +50,9 @@ Matrix3 read_inertia(const Reader& in) {
   const Vector3 moments = Eigen::SelfAdjointEigenSolver<Matrix3>(inertia, Eigen::EigenvaluesOnly).eigenvalues();
   const std::string found =
       "principal moments " + number_text(moments[0]) + ", " + number_text(moments[1]) + ", " + number_text(moments[2]);
-  // Of a needle the least moment is lost in the rounding of the largest, if not in a factor.
-  if (Eigen::LLT<Matrix3>(inertia).info() != Eigen::Success) in.fail(found, "all of them > 0");
+  // Of a needle the least moment is lost in the rounding of the largest, if not in a factor, as World asks for it.
+  const double scale = inertia.cwiseAbs().maxCoeff();
+  if (Eigen::LLT<Matrix3>(inertia / scale).info() != Eigen::Success) in.fail(found, "all of them > 0");
   // A flat plate meets the bound exactly, so rounding must not refuse it.
   constexpr double tolerance = 1e-9;
   if (moments[2] > (moments[0] + moments[1]) * (1 + tolerance)) {
