@@ -57,10 +57,10 @@ const std::vector<Poison>& poisons() {
        [](World& world, BodyId id) {
          for (int i = 0; i < 2; ++i) world.apply_force(id, {huge, 0, 0});
        }},
-      // The moment is infinity less infinity: not a number.
+      // So does that of torques.
       {Quarantine::NotFinite,
        [](World& world, BodyId id) {
-         world.apply_impulse(id, {1e200, 1e200, 0}, {1e200, 1e200, 0});
+         for (int i = 0; i < 2; ++i) world.apply_force(id, {0, 0, 0}, {huge, -huge, 0});
        }},
   };
   return all;
