@@ -32,8 +32,7 @@ void restore_materials(Stores& world) {
 }
 
 void restore_quarantined(Stores& world, std::uint32_t body, Quarantine reason, std::int64_t step) {
-  world.quarantine.add({{body, world.records.generation[body]}, reason, quarantine_reason(reason), step},
-                       {mobility_of(world.records.type[body]), world.records.constants[body]->gyroscopic});
+  world.quarantine.add({{body, world.records.generation[body]}, reason, quarantine_reason(reason), step});
   world.colliders.for_each_of(body, [&](std::uint32_t collider) {
     if (world.broadphase.proxies().contains(collider)) world.broadphase.remove(collider);
   });

@@ -113,7 +113,6 @@ void restrain_broken(Stores& world, solver::FastBodies& moved, std::vector<Quara
 }
 
 void put_in_quarantine(Stores& world, std::uint32_t body, Quarantine reason) {
-  const QuarantineList::Kept kept{world.bodies.mobility[body], world.bodies.gyroscopic[body]};
   if constexpr (with_joints) suspend_joints_of(world, body);
   take_out(world, body);
   // Odometers that have lost count would spread to whatever meets the body next.
@@ -123,8 +122,7 @@ void put_in_quarantine(Stores& world, std::uint32_t body, Quarantine reason) {
   world.bodies.torque(body).setZero();
   world.sleeping.rest_time[body] = 0;
   world.aabbs.swept_margins()[body] = 0;
-  world.quarantine.add({{body, world.records.generation[body]}, reason, quarantine_reason(reason), world.clock.steps},
-                       kept);
+  world.quarantine.add({{body, world.records.generation[body]}, reason, quarantine_reason(reason), world.clock.steps});
 }
 
 void release_body(Stores& world, std::uint32_t body) {
@@ -145,11 +143,12 @@ void release_body(Stores& world, std::uint32_t body) {
             << "and set_velocity";
     throw Error(message.str());
   }
-  const QuarantineList::Kept kept = world.quarantine.kept(body);
+  // What it is now: it may have been given another mass or shape while it was out.
+  const BodyConstants& constants = *world.records.constants[body];
   world.quarantine.remove(body);
-  world.bodies.mobility[body] = kept.mobility;
-  world.bodies.gyroscopic[body] = kept.gyroscopic;
-  world.records.dynamic[body] = kept.mobility == solver::Mobility::Dynamic;
+  world.bodies.mobility[body] = mobility_of(constants.type);
+  world.bodies.gyroscopic[body] = constants.gyroscopic;
+  world.records.dynamic[body] = constants.type == BodyType::Dynamic;
   world.sleeping.awake[body] = world.records.dynamic[body];
   world.sleeping.rest_time[body] = 0;
   if (world.records.dynamic[body]) world.selection.arrive(body);

@@ -31,22 +31,19 @@ std::size_t QuarantineList::find(std::uint32_t body) const {
                                                            : bodies_.size();
 }
 
-void QuarantineList::add(const Quarantined& body, const Kept& kept) {
+void QuarantineList::add(const Quarantined& body) {
   const auto place = std::lower_bound(bodies_.begin(), bodies_.end(), body.id,
                                       [](const Quarantined& entry, BodyId id) { return entry.id < id; });
-  kept_.insert(kept_.begin() + (place - bodies_.begin()), kept);
   bodies_.insert(place, body);
 }
 
 void QuarantineList::remove(std::uint32_t body) {
   const auto place = static_cast<std::ptrdiff_t>(find(body));
-  kept_.erase(kept_.begin() + place);
   bodies_.erase(bodies_.begin() + place);
 }
 
 void QuarantineList::clear() {
   bodies_.clear();
-  kept_.clear();
   clear_suspects();
 }
 

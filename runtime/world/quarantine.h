@@ -16,21 +16,13 @@ namespace atl {
 /// The bodies that are in quarantine, and those that callers touched since the last step, which may have to go there.
 class QuarantineList {
  public:
-  /// What a body needs to come back.
-  struct Kept {
-    solver::Mobility mobility;
-    std::uint8_t gyroscopic;
-  };
-
   /// For a world of so many bodies.
   void resize(std::size_t count) { jobs::append(suspected_, count, std::uint8_t{0}); }
 
   bool contains(std::uint32_t body) const { return !bodies_.empty() && find(body) < bodies_.size(); }
   std::span<const Quarantined> bodies() const { return bodies_; }  ///< in order of id
   const Quarantined& entry(std::uint32_t body) const { return bodies_[find(body)]; }
-  const Kept& kept(std::uint32_t body) const { return kept_[find(body)]; }
-  Kept& kept(std::uint32_t body) { return kept_[find(body)]; }
-  void add(const Quarantined& body, const Kept& kept);
+  void add(const Quarantined& body);
   void remove(std::uint32_t body);
   void clear();  ///< suspects too
 
@@ -56,12 +48,11 @@ class QuarantineList {
 
   // See WorldState::check_members().
   static void check_members(QuarantineList& list) {
-    auto& [bodies, suspected, poses_before, /**/ kept, suspects, any_checked] = list;
+    auto& [bodies, suspected, poses_before, /**/ suspects, any_checked] = list;
     static_cast<void>(bodies);
   }
 
   std::vector<Quarantined> bodies_;      // in order of id
-  std::vector<Kept> kept_;               // the same
   std::vector<std::uint8_t> suspected_;  // by body: 0 or one of these two
   std::vector<std::uint32_t> suspects_;  // to check
   bool any_checked_ = false;

@@ -1,6 +1,7 @@
 // What callers can do with bodies in quarantine, and what is left of these in the world: nothing.
 
 #include <atoll/atoll.h>
+#include <atoll/snapshot.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -153,6 +154,25 @@ TEST(Quarantine, FilterThatIsSetMeanwhileHolds) {
     run(lost.world, 60);
     EXPECT_LT(lost.world.pose(lost.crate).position.z(), -1);
   }
+}
+
+// A ball that is given the shape of a plate tumbles as one: and as it does after a restore.
+TEST(Quarantine, ShapeThatIsSetMeanwhileHolds) {
+  World world({.gravity = Vector3::Zero()});
+  const BodyId body = world.add_body(sphere({0, 0, 0}));
+  world.set_velocity(body, {1e7, 0, 0}, Vector3::Zero());
+  ASSERT_EQ(world.step(dt).quarantined, 1);
+  world.set_shape(body, Box{{0.1, 0.5, 1}});
+  world.release(body);
+  world.set_velocity(body, Vector3::Zero(), {3, 0.1, 2});
+  Snapshot before;
+  world.save(before);
+  run(world, 60);
+  const std::uint64_t hash = world.state_hash();
+  EXPECT_GT((world.angular_velocity(body) - Vector3(3, 0.1, 2)).norm(), 0.1);
+  world.restore(before);
+  run(world, 60);
+  EXPECT_EQ(world.state_hash(), hash);
 }
 
 TEST(Quarantine, ReleaseRefusesWhatCanNotTakePart) {
