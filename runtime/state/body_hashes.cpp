@@ -39,16 +39,15 @@ void hash_body(const Stores& world, BodyParts& parts, std::uint32_t body) {
   parts.input.value(alive);
   parts.input.values(world.bodies.force(body).data(), 3);
   parts.input.values(world.bodies.torque(body).data(), 3);
-  if (alive && !world.bodies.surfaces.empty()) {
+  // Plain ones count for nothing, whether the world has an entry of them or not.
+  if (alive && !world.bodies.surfaces.empty() && !world.bodies.surfaces[body].is_plain()) {
     const solver::Surface& surface = world.bodies.surfaces[body];
     parts.input.values(surface.velocity.data(), 3);
     parts.input.value(surface.rolling_friction);
     parts.input.value(surface.torsional_friction);
   }
   if (const auto disabled = world.records.disabled_pairs.find(body); disabled != world.records.disabled_pairs.end()) {
-    std::vector<std::uint32_t> others = disabled->second;
-    std::sort(others.begin(), others.end());
-    parts.input.list(others);
+    parts.input.list(disabled->second);
   }
 
   if (!world.choices.is_empty()) {

@@ -375,15 +375,11 @@ void refilter(Stores& world, std::uint32_t body) {
 void set_collision_enabled(Stores& world, std::uint32_t first, std::uint32_t second, bool enabled) {
   world.sleeping.wake(first);
   world.sleeping.wake(second);
-  std::vector<std::uint32_t>& of_first = world.records.disabled_pairs[first];
-  std::vector<std::uint32_t>& of_second = world.records.disabled_pairs[second];
-  std::erase(of_first, second);
-  std::erase(of_second, first);
   if (enabled) {
+    world.records.enable_pair(first, second);
     if (!with_joints || !world.joints.are_kept_apart(first, second)) world.broadphase.enable_pair(first, second);
   } else {
-    of_first.insert(std::lower_bound(of_first.begin(), of_first.end(), second), second);
-    of_second.insert(std::lower_bound(of_second.begin(), of_second.end(), first), first);
+    world.records.disable_pair(first, second);
     world.broadphase.disable_pair(first, second);
   }
 }

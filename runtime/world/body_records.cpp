@@ -5,6 +5,7 @@
 #include <jobs/bytes.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace atl {
 
@@ -32,6 +33,30 @@ void BodyRecords::resize(std::size_t bodies) {
   filter.resize(bodies);
   jobs::append(user_data, bodies, std::uint64_t{0});
   jobs::append(constants, bodies);
+}
+
+namespace {
+
+void forget_other(std::map<std::uint32_t, std::vector<std::uint32_t>>& pairs, std::uint32_t body, std::uint32_t other) {
+  const auto found = pairs.find(body);
+  if (found == pairs.end()) return;
+  std::erase(found->second, other);
+  if (found->second.empty()) pairs.erase(found);
+}
+
+}  // namespace
+
+void BodyRecords::disable_pair(std::uint32_t first, std::uint32_t second) {
+  enable_pair(first, second);
+  for (const auto& [body, other] : {std::pair{first, second}, std::pair{second, first}}) {
+    std::vector<std::uint32_t>& others = disabled_pairs[body];
+    others.insert(std::lower_bound(others.begin(), others.end(), other), other);
+  }
+}
+
+void BodyRecords::enable_pair(std::uint32_t first, std::uint32_t second) {
+  forget_other(disabled_pairs, first, second);
+  forget_other(disabled_pairs, second, first);
 }
 
 std::size_t BodyRecords::bytes() const {

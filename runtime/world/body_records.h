@@ -37,7 +37,7 @@ struct BodyRecords {
   std::vector<std::uint64_t> user_data;
   std::map<std::uint32_t, std::string> names;                   ///< of bodies that have one
   std::vector<std::shared_ptr<const BodyConstants>> constants;  ///< of those alive
-  /// Pairs that users disabled: by body, the others that it doesn't touch.
+  /// Pairs that users disabled: by body, the others that it doesn't touch, in order; no entry where there are none.
   std::map<std::uint32_t, std::vector<std::uint32_t>> disabled_pairs;
   std::vector<std::uint32_t> free;  ///< indices of removed bodies; the last is used first
   std::size_t count = 0;            ///< alive
@@ -45,6 +45,8 @@ struct BodyRecords {
   ConstantsPool pool;               ///< of `constants`
 
   void resize(std::size_t bodies);
+  void disable_pair(std::uint32_t first, std::uint32_t second);
+  void enable_pair(std::uint32_t first, std::uint32_t second);
   std::size_t bytes() const;
 };
 

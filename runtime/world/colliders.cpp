@@ -78,11 +78,11 @@ void clear_colliders(Stores& world, std::uint32_t body) {
 void remove_colliders(Stores& world, std::uint32_t body) {
   clear_colliders(world, body);
   if (const auto found = world.records.disabled_pairs.find(body); found != world.records.disabled_pairs.end()) {
-    for (const std::uint32_t other : found->second) {
+    const std::vector<std::uint32_t> others = found->second;
+    for (const std::uint32_t other : others) {
       world.broadphase.enable_pair(body, other);
-      std::erase(world.records.disabled_pairs[other], body);
+      world.records.enable_pair(body, other);
     }
-    world.records.disabled_pairs.erase(body);
   }
 }
 
