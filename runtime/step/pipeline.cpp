@@ -6,6 +6,7 @@
 #include <jobs/stopwatch.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "step/events.h"
 #include "step/sensors.h"
@@ -99,8 +100,9 @@ void StepPipeline::follow_fast_bodies(Stores& world, const StepContext& step) {
 void StepPipeline::finish(Stores& world, const StepContext& step) {
   world.aabbs.catch_up(world.active.in_order(), motions(world), world.broadphase, step.arena);
   clear_forces(world);
+  rebuilt_ |= islands_.rebuilt();
   if (step.ends_step) {
-    note_contact_events(world, islands_.rebuilt(), step);
+    note_contact_events(world, std::exchange(rebuilt_, false), step);
     note_sensor_events(world, step.arena);
   }
   if (with_joints && world.joints.size() > 0) note_joint_events(world, islands_.acting_joints(), broken_);

@@ -43,6 +43,7 @@ class StepPipeline {
   SolvePhase solve_;
   ContinuousPhase continuous_;
   std::vector<QuarantineFault> broken_;  // bodies that the solve left unsound, in order
+  bool rebuilt_ = false;                 // whether islands were, in some substep since events were noted
 };
 
 /// What the step did of all that it may do, and why: the plan as data, in step.report.

@@ -2,6 +2,7 @@
 
 #include <atoll/forces.h>
 #include <atoll/recording.h>
+#include <atoll/snapshot.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -175,6 +176,28 @@ TEST(ForceLaw, WhatIsNotFiniteInBulkGoesIntoQuarantine) {
   EXPECT_EQ(report.first_quarantined, static_cast<std::int64_t>(broken.index));
   EXPECT_TRUE(world.is_quarantined(broken));
   EXPECT_NEAR(world.velocity(well).z(), -g * dt, 1e-12);
+}
+
+// In any substep: what touched until then is told to have ended.
+TEST(ForceLaw, WhatEndsInASubstepIsToldAfterTheStep) {
+  World world({.settings = {.substeps = 4, .contact_events = true}});
+  world.add_body(ground());
+  const BodyId crate = world.add_body(box({0, 0, 0.5}));
+  world.step(dt);
+  ASSERT_EQ(world.contact_events().size(), 1u);
+  const StepReport report = world.step(dt, [&](Forces& forces) {
+    if (forces.time() > 0.2 * dt && forces.time() < 0.3 * dt) forces.add(crate, {1e15, 0, 0});
+  });
+  EXPECT_EQ(report.quarantined, 1);
+  ASSERT_EQ(world.contact_events().size(), 1u);
+  EXPECT_FALSE(world.contact_events()[0].began);
+  Snapshot after;
+  world.save(after);
+  world.step(dt);
+  const std::uint64_t hash = world.state_hash();
+  world.restore(after);
+  world.step(dt);
+  EXPECT_EQ(world.state_hash(), hash);
 }
 
 }  // namespace
