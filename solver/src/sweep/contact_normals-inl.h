@@ -208,7 +208,10 @@ HWY_INLINE void solve_normals(const ContactKernelData& data, ContactBlock& block
       for (std::size_t i = 1; i < what::points; ++i) pushed = hn::Add(pushed, load(impulses[i] + lane));
       hits = hn::And(hits, hn::Or(hn::Lt(solve.u, zero()), hn::Gt(pushed, zero())));
       NormalSolve spread = solve;
-      const M several = hn::Lt(load(block.separation[1] + lane), splat(collision::no_point));
+      // Of a point that there is not, what it is apart may come to less where bodies turn about what is far away.
+      const V none = splat(collision::no_point);
+      const M several =
+          hn::And(hn::Lt(load(block.start_separation[1] + lane), none), hn::Lt(load(block.separation[1] + lane), none));
       spread_impact<how, what>(data, block, impulses, lane, hn::And(hits, several), spread);
       solve = spread;
     }
