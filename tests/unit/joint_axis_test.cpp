@@ -61,6 +61,28 @@ TEST(JointAxes, AServosTargetIsOneNumber) {
   EXPECT_FALSE(rig.world.joint_axis(lift, 2).motor);
 }
 
+// It goes from the end where it starts to the other, and stays there: no force is given that has no bound.
+TEST(JointAxes, AMotorWithoutABoundKeepsToItsRange) {
+  for (const JointSolver solver : {JointSolver::Iterative, JointSolver::Direct}) {
+    for (const double start : {-0.5, 0.0, 0.5}) {
+      for (const double speed : {-2.0, 2.0}) {
+        for (const bool servo : {false, true}) {
+          World world({.gravity = Vector3::Zero(), .settings = {.joint_solver = solver}});
+          const BodyId base = world.add_body({.type = BodyType::Static, .filter = {.mask = 0}});
+          const Quaternion turn(Eigen::AngleAxisd(start, Vector3::UnitX()));
+          const BodyId arm = world.add_body({.orientation = turn, .filter = {.mask = 0}});
+          JointAxis axis{.range = {-0.5, 0.5}, .motor = JointMotor{.speed = speed, .max_force = unlimited}};
+          if (servo) axis.motor->servo = JointServo{.damping = 1e5};
+          const JointId hinge = world.add_joint({.kind = HingeJoint{axis}, .first = base, .second = arm});
+          for (int i = 0; i < 60; ++i) ASSERT_EQ(world.step(dt).quarantined, 0) << start << ", " << speed;
+          EXPECT_NEAR(world.joint_state(hinge).position[0], speed < 0 ? -0.5 : 0.5, 1e-3) << start << ", " << speed;
+          EXPECT_NEAR(world.joint_state(hinge).speed[0], 0, 1e-3) << start << ", " << speed;
+        }
+      }
+    }
+  }
+}
+
 TEST(JointAxes, OfEachKindAreThoseThatItsStateTellsOf) {
   Rig rig;
   const std::vector<std::pair<JointKind, std::vector<std::size_t>>> kinds = {

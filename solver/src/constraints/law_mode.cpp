@@ -47,7 +47,9 @@ double LawMode::rate_at_bound(double sign) const {
 }
 
 void LawMode::go_to(Piece piece) {
-  if (row_.motor_impulse == 0 && (piece == Piece::MotorLow || piece == Piece::MotorHigh)) piece = Piece::Between;
+  // Without a motor there is no bound of its, nor with one that has no end of force.
+  const bool bounded = row_.motor_impulse > 0 && row_.motor_impulse < Law::unlimited;
+  if (!bounded && (piece == Piece::MotorLow || piece == Piece::MotorHigh)) piece = Piece::Between;
   piece_ = piece;
   compliance_ = given_ = target_ = 0;
   switch (piece) {

@@ -108,12 +108,15 @@ void set_law(JointRowBlock& row, std::size_t lane, const Law& law, const JointRo
   };
   row.motor_part[lane] = motor_part(1 + spring.hold);
   row.motor_keep[lane] = static_cast<float>(holds ? servo.keep / servo.hold : 0);
-  row.motor_speed[lane] = row.next_motor_speed[lane];
-  row.next_motor_speed[lane] = static_cast<float>(holds ? servo.shift / servo.hold : at.share * law.motor_speed);
-  row.motor_change[lane] = speed(motor_change * share);
-
   const double room_below = value - law.lower;
   const double room_above = law.upper - value;
+  row.motor_speed[lane] = row.next_motor_speed[lane];
+  double motor_speed = holds ? servo.shift / servo.hold : at.share * law.motor_speed;
+  // No end of a range is stronger than a motor without a bound, which therefore stops there by itself.
+  if (motor_change == Law::unlimited) motor_speed = std::clamp(motor_speed, -room_below / step.h, room_above / step.h);
+  row.next_motor_speed[lane] = speed(motor_speed);
+  row.motor_change[lane] = speed(motor_change * share);
+
   row.lower_speed[lane] = speed(-std::max(room_below, 0.0) / step.h);
   row.upper_speed[lane] = speed(std::max(room_above, 0.0) / step.h);
   row.soft_lower[lane] = room_below < 0 ? 1 : 0;
