@@ -68,12 +68,7 @@ bool has_valid_mass(const BodyConstants& body) {
   constexpr double rounding = 1e-9;
   const double mass = 1 / body.inverse_mass;
   if (!(mass >= loads.least * (1 - rounding) && mass <= loads.most * (1 + rounding))) return false;
-  if (!is_inertia(body.inertia) || !is_inertia(body.inverse_inertia)) return false;
-  if (!(body.inertia * body.inverse_inertia).isIdentity(1e-3)) return false;
-  if (!body.gyroscopic) return true;
-  const Matrix3 axes = body.principal_axes.toRotationMatrix();
-  return is_unit(body.principal_axes.squaredNorm()) && body.moments.minCoeff() > 0 &&
-         (axes * body.moments.asDiagonal() * axes.transpose()).isApprox(body.inertia, 1e-6);
+  return has_consistent_inertia(body);
 }
 
 }  // namespace

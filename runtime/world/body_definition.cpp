@@ -116,6 +116,15 @@ bool is_inertia(const Matrix3& inertia) {
          Eigen::LLT<Matrix3>(inertia / scale).info() == Eigen::Success;
 }
 
+bool has_consistent_inertia(const BodyConstants& body) {
+  if (!is_inertia(body.inertia) || !is_inertia(body.inverse_inertia)) return false;
+  if (!(body.inertia * body.inverse_inertia).isIdentity(1e-4)) return false;
+  if (!body.gyroscopic) return true;
+  const Matrix3 axes = body.principal_axes.toRotationMatrix();
+  return std::abs(body.principal_axes.squaredNorm() - 1) < 1e-9 && body.moments.minCoeff() > 0 &&
+         (axes * body.moments.asDiagonal() * axes.transpose()).isApprox(body.inertia, 1e-6);
+}
+
 namespace {
 
 // A rigid body's principal moments can't be just any: each is at most the sum of the other two.
@@ -159,8 +168,10 @@ void find_principal_axes(BodyConstants& body) {
 
 // What follows from the mass properties of a dynamic body.
 void take_mass(const MassProperties& properties, BodyConstants& body) {
+  check_number("BodyDef: the centre of mass", properties.centre);
   body.centre = properties.centre;
-  body.inertia = properties.inertia;
+  // Exactly symmetric, as files have it.
+  body.inertia = properties.inertia.selfadjointView<Eigen::Upper>();
   body.inverse_mass = 1 / properties.mass;
   body.inverse_inertia = body.inertia.inverse();
   // Single precision has room for moments of such masses, and their inverses, up to 1e6 m and down to 1e-6 of it.
@@ -173,12 +184,6 @@ void take_mass(const MassProperties& properties, BodyConstants& body) {
         "BodyDef: mass", properties.mass,
         "a mass of 1e-30 to 1e30 kg, and moments of inertia of 1e-36 to 1e36 kg m^2: single precision holds no more");
   }
-  // Of a needle that lies askew in its frame the least moment is what rounding makes of the others, be it negative.
-  if (!is_inertia(body.inertia) || !is_inertia(body.inverse_inertia) ||
-      !(body.inertia * body.inverse_inertia).isIdentity(1e-4)) {
-    refuse("BodyDef: the inertia", body.inertia,
-           "one whose least principal moment is at least 1e-12 of the largest, or that is diagonal");
-  }
   const double moment = body.inertia(0, 0);
   // What can't turn freely doesn't tumble either.
   body.gyroscopic = solver::angular_locks(body.locks) == 0 &&
@@ -186,6 +191,11 @@ void take_mass(const MassProperties& properties, BodyConstants& body) {
   body.principal_axes = Quaternion::Identity();
   body.moments.setZero();
   if (body.gyroscopic) find_principal_axes(body);
+  // Of a needle that lies askew in its frame the least moment is what rounding makes of the others, be it negative.
+  if (!has_consistent_inertia(body)) {
+    refuse("BodyDef: the inertia", body.inertia,
+           "one whose least principal moment is at least 1e-12 of the largest, or that is diagonal");
+  }
 }
 
 // What the definition of a dynamic body says of its mass; the shape has one.

@@ -85,6 +85,8 @@ void check(const char* field, const Material& material);
 /// Whether an inertia is finite, symmetric, and positive definite to the rounding of its factor: what definitions,
 /// files and snapshots are all asked for.
 bool is_inertia(const Matrix3& inertia);
+/// Whether a dynamic body's inertia, its inverse and its principal axes are of one body.
+bool has_consistent_inertia(const BodyConstants& body);
 
 /// Gives a body other shapes at the mass that it has, and what follows from both. Throws Error that names `field` if
 /// they can't be a body's of its type.
