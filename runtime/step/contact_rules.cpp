@@ -2,6 +2,7 @@
 
 #include <features/with_restitution.h>
 #include <features/with_surfaces.h>
+#include <solver/integrate/state_bounds.h>
 
 #include <algorithm>
 #include <cmath>
@@ -50,7 +51,7 @@ void check(const ModifiableContact& contact, double restitution_before) {
     message << call << "restitution is " << contact.restitution << "; expected a number from 0 to 1";
     throw Error(message.str());
   }
-  check_finite((std::string(call) + "surface_velocity").c_str(), contact.surface_velocity);
+  check_number((std::string(call) + "surface_velocity").c_str(), contact.surface_velocity, {0, solver::top_speed});
   check_built_for_surface((std::string(call) + "surface_velocity").c_str(), contact.surface_velocity);
   if (!with_restitution && contact.restitution > restitution_before) {
     throw_left_out("ContactModifier: contact.restitution is above 0", "bounces", "RESTITUTION");

@@ -549,6 +549,8 @@ TEST(ContactCallbacks, ThatThrowLetTheStepEndFirst) {
   throwing.set_contact_modifier(
       [](ModifiableContact& contact) { contact.surface_velocity.x() = std::numeric_limits<double>::quiet_NaN(); });
   expect_error([&] { throwing.step(dt); }, {"surface_velocity", "finite"});
+  throwing.set_contact_modifier([](ModifiableContact& contact) { contact.surface_velocity.x() = 2e6; });
+  expect_error([&] { throwing.step(dt); }, {"surface_velocity is (2e+06, 0, 0)", "at most 1e+06"});
   throwing.set_contact_modifier({});
   throwing.step(dt);
   throwing.stop_recording();

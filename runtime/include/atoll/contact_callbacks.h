@@ -44,7 +44,8 @@ struct ModifiableContact {
   double friction = 0;                         ///< Coulomb coefficient of the two, >= 0
   double restitution = 0;                      ///< of the two, in [0, 1]
   Vector3 surface_velocity = Vector3::Zero();  ///< m/s, world frame: what b's surface runs at along its body, less a's,
-                                               ///< beside BodyDef::surface_velocity; what is along the normal is void
+                                               ///< beside BodyDef::surface_velocity; what is along the normal is void.
+                                               ///< At most 1e6 along each axis
   bool enabled = true;                         ///< false: they pass through each other in this step
 
   /// Lets the surface of one of the two run along its body at a velocity (m/s, world frame): what lies on it is taken
