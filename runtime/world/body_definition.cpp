@@ -17,18 +17,10 @@
 
 #include "world/left_out.h"
 #include "world/refuse.h"
+#include "world/unit_of.h"
 
 namespace atl {
 namespace {
-
-// A finite vector that is not zero, at length 1. It is scaled first only where the square of its length is no number
-// that a double holds, as that costs a rounding.
-template <typename Vector>
-typename Vector::PlainObject unit_of(const Vector& vector) {
-  const double length = vector.norm();
-  if (std::isfinite(length) && length > 0) return vector / length;
-  return vector.stableNormalized();
-}
 
 // Appends the colliders of a shape; `what` names it.
 struct ShapeCheck {

@@ -12,6 +12,7 @@
 
 #include "world/body_definition.h"
 #include "world/refuse.h"
+#include "world/unit_of.h"
 #include "world/world_impl.h"
 
 namespace atl {
@@ -131,7 +132,7 @@ CheckedRay checked(const std::string& what, const Ray& ray) {
   check_number(what + ".origin", ray.origin);
   check_finite(what + ".direction", ray.direction);
   check_distance(what + ".max_distance", ray.max_distance, true);
-  const Vector3 direction = ray.direction.stableNormalized();
+  const Vector3 direction = unit_of(ray.direction);
   if (!(direction.squaredNorm() > 0.5)) throw Error(what + ".direction is zero; expected any other vector");
   return {{ray.origin, direction, ray.max_distance}, ray.both_sides ? collision::Sides::Both : collision::Sides::Front};
 }
