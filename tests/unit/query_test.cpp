@@ -182,6 +182,7 @@ TEST_F(QueriesTest, OverlapsAndClosestPoints) {
   EXPECT_LT((near->on_shape - Vector3(2, 0, 3)).norm(), 1e-12);
   EXPECT_LT((near->normal - Vector3::UnitZ()).norm(), 1e-12);
   EXPECT_FALSE(queries_.closest_point({.position = {2, 0, 3}}, 2.4));
+  EXPECT_FALSE(queries_.closest_point({.position = {2, 0, 3}}, 5e-324));  // of which a thousandth is nothing
   const std::optional<ClosestPoint> hull =
       queries_.closest_point({.shape = Cone{0.5, 0.5}, .position = {0, 30, 1}}, 100);
   ASSERT_TRUE(hull);
