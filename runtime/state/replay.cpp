@@ -10,6 +10,7 @@
 #include <array>
 #include <cstring>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -183,7 +184,11 @@ class Replay {
   void take_state(StateReader& record) {
     const std::shared_ptr<const WorldDefinition> world_definition = read_definition_of_world(record);
     World::Impl& impl = *world_.impl_;
-    impl.restore(with_geometry(world_definition, geometry_), impl.serial, reader_.content().last(record.left()), true);
+    const auto definition = with_geometry(world_definition, geometry_);
+    const std::span<const std::byte> state = reader_.content().last(record.left());
+    // A state that can't be read leaves the world as it is, of which the result tells.
+    if (begun_) World::Impl::try_out(definition, state);
+    impl.restore(definition, impl.serial, state, true);
     begun_ = true;
   }
 

@@ -9,6 +9,7 @@
 #include <features/with_surfaces.h>
 #include <jobs/prefetch.h>
 #include <solver/constraints/surface_contact.h>
+#include <solver/integrate/motion_locks.h>
 
 #include <algorithm>
 #include <array>
@@ -123,6 +124,11 @@ void check_poses(Archive& archive, const Stores& world) {
     const bool is_finite = bodies.position(body).allFinite() && bodies.velocity(body).allFinite() &&
                            bodies.angular_velocity(body).allFinite();
     archive.check_number(is_finite || world.quarantine.is_suspect(body), "a body whose state is not finite");
+    const std::uint8_t locks = bodies.locks[body];
+    const bool keeps_locks =
+        solver::without(solver::linear_locks(locks), bodies.velocity(body)) == bodies.velocity(body) &&
+        solver::without(solver::angular_locks(locks), bodies.angular_velocity(body)) == bodies.angular_velocity(body);
+    archive.check_number(locks == 0 || keeps_locks, "a body that moves along an axis that is locked");
   }
 }
 
