@@ -158,6 +158,25 @@ void find_principal_axes(BodyConstants& body) {
   body.moments = principal.eigenvalues();
 }
 
+// That single precision holds a dynamic body's mass and moments, and that its inertia is one.
+void check_loads(const char* field, double mass, const BodyConstants& body) {
+  // There is room for moments of such masses, and their inverses, up to 1e6 m and down to 1e-6 of it.
+  constexpr double least_moment = 1e-36, most_moment = 1e36;
+  const bool holds_mass = mass >= loads.least && mass <= loads.most;
+  const Vector3 moments = body.inertia.diagonal();
+  const bool holds_moments = moments.minCoeff() >= least_moment && moments.maxCoeff() <= most_moment;
+  if (!holds_mass || !holds_moments || !body.inverse_inertia.allFinite()) {
+    refuse(
+        field, mass,
+        "a mass of 1e-30 to 1e30 kg, and moments of inertia of 1e-36 to 1e36 kg m^2: single precision holds no more");
+  }
+  // Of a needle that lies askew in its frame the least moment is what rounding makes of the others, be it negative.
+  if (!has_consistent_inertia(body)) {
+    refuse("BodyDef: the inertia", body.inertia,
+           "one whose least principal moment is at least 1e-12 of the largest, or that is diagonal");
+  }
+}
+
 // What follows from the mass properties of a dynamic body.
 void take_mass(const MassProperties& properties, BodyConstants& body) {
   check_number("BodyDef: the centre of mass", properties.centre);
@@ -166,16 +185,6 @@ void take_mass(const MassProperties& properties, BodyConstants& body) {
   body.inertia = properties.inertia.selfadjointView<Eigen::Upper>();
   body.inverse_mass = 1 / properties.mass;
   body.inverse_inertia = body.inertia.inverse();
-  // Single precision has room for moments of such masses, and their inverses, up to 1e6 m and down to 1e-6 of it.
-  constexpr double least_moment = 1e-36, most_moment = 1e36;
-  const bool holds_mass = properties.mass >= loads.least && properties.mass <= loads.most;
-  const Vector3 moments = body.inertia.diagonal();
-  const bool holds_moments = moments.minCoeff() >= least_moment && moments.maxCoeff() <= most_moment;
-  if (!holds_mass || !holds_moments || !body.inverse_inertia.allFinite()) {
-    refuse(
-        "BodyDef: mass", properties.mass,
-        "a mass of 1e-30 to 1e30 kg, and moments of inertia of 1e-36 to 1e36 kg m^2: single precision holds no more");
-  }
   const double moment = body.inertia(0, 0);
   // What can't turn freely doesn't tumble either.
   body.gyroscopic = solver::angular_locks(body.locks) == 0 &&
@@ -183,11 +192,7 @@ void take_mass(const MassProperties& properties, BodyConstants& body) {
   body.principal_axes = Quaternion::Identity();
   body.moments.setZero();
   if (body.gyroscopic) find_principal_axes(body);
-  // Of a needle that lies askew in its frame the least moment is what rounding makes of the others, be it negative.
-  if (!has_consistent_inertia(body)) {
-    refuse("BodyDef: the inertia", body.inertia,
-           "one whose least principal moment is at least 1e-12 of the largest, or that is diagonal");
-  }
+  check_loads("BodyDef: mass", properties.mass, body);
 }
 
 // What the definition of a dynamic body says of its mass; the shape has one.
@@ -366,6 +371,15 @@ void give_shape(const char* field, const Shape& shape, BodyConstants& body) {
   properties.inertia *= factor;
   properties.mass = 1 / body.inverse_mass;
   take_mass(properties, body);
+}
+
+void give_mass(const char* field, double mass, BodyConstants& body) {
+  const double factor = mass * body.inverse_mass;
+  body.inverse_mass = 1 / mass;
+  body.inertia *= factor;
+  body.inverse_inertia /= factor;
+  body.moments *= factor;
+  check_loads(field, mass, body);
 }
 
 bool has_own_materials(const BodyConstants& body) {

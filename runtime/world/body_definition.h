@@ -92,6 +92,10 @@ bool has_consistent_inertia(const BodyConstants& body);
 /// they can't be a body's of its type.
 void give_shape(const char* field, const Shape& shape, BodyConstants& body);
 
+/// Gives a dynamic body another mass, and moments in proportion. Throws Error that names `field` if single precision
+/// doesn't hold them.
+void give_mass(const char* field, double mass, BodyConstants& body);
+
 // For the calls that change a body later, and for queries. Each throws as check() does; `what` names the argument.
 Quaternion checked_orientation(const char* what, const Quaternion& value);
 /// What users call a kind that has no volume, and so no finite mass; null for solids.

@@ -382,13 +382,8 @@ void World::set_mass(BodyId id, double mass) {
   if (impl_->stores.records.type[body] != BodyType::Dynamic) {
     throw Error("World::set_mass: the body is static or kinematic; expected a dynamic one");
   }
-  change_body(impl_->stores, body, [mass](BodyConstants& constants) {
-    const double factor = mass * constants.inverse_mass;
-    constants.inverse_mass = 1 / mass;
-    constants.inertia *= factor;
-    constants.inverse_inertia /= factor;
-    constants.moments *= factor;
-  });
+  change_body(impl_->stores, body,
+              [mass](BodyConstants& constants) { give_mass("World::set_mass: mass", mass, constants); });
   note<calls::SetMass>(*impl_, id, mass);
 }
 

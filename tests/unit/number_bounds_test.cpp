@@ -99,6 +99,17 @@ TEST(NumberBounds, WhatSinglePrecisionCantHoldIsRefusedByName) {
   }
 }
 
+TEST(NumberBounds, AMassIsRefusedForItsMomentsToo) {
+  World world;
+  const BodyId large = world.add_body({.shape = Box{{1e6, 1e6, 1e6}}, .mass = 1});
+  const std::uint64_t before = world.state_hash();
+  test::expect_error([&] { world.set_mass(large, 1e30); }, {"World::set_mass: mass is 1e+30", "moments of inertia"});
+  EXPECT_EQ(world.state_hash(), before);
+  EXPECT_EQ(world.mass(large), 1);
+  world.set_mass(large, 1e20);
+  EXPECT_EQ(world.mass(large), 1e20);
+}
+
 TEST(NumberBounds, WhatItHoldsStepsToFiniteNumbers) {
   for (const Case& one : cases()) {
     World world;
