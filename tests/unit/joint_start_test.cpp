@@ -63,6 +63,21 @@ TEST_P(JointStart, HingesTurnTheirAxesTogetherFromAnywhere) {
   }
 }
 
+// Also where the square of what they lack is no number that a double holds.
+TEST_P(JointStart, AxesThatAreAllButOpposedTellFiniteForces) {
+  for (const double from_opposed : {0.0, 1e-200, 1e-155, 1e-20, 1e-15, 1e-12}) {
+    Pair pair(GetParam(), false);
+    const Quaternion opposed(from_opposed, from_opposed, 0, 1);
+    const JointId hinge = pair.world.add_joint(
+        {.kind = HingeJoint{}, .first = pair.first, .second = pair.second, .frame_second = {{0, 0, 0}, opposed}});
+    for (int step = 0; step < 300; ++step) {
+      ASSERT_EQ(pair.world.step(dt).quarantined, 0) << from_opposed;
+      const JointState state = pair.world.joint_state(hinge);
+      ASSERT_TRUE(state.torque.allFinite() && state.force.allFinite()) << from_opposed << ", step " << step;
+    }
+  }
+}
+
 // From a spin axis along the steering axis, which has no direction to turn it by, to one at a right angle.
 TEST_P(JointStart, WheelsAndCrossesTurnTheirAxesToARightAngle) {
   for (const double angle : {0.0, 1e-9, 1e-3, 0.006, 0.1, 0.5, 1.0, std::numbers::pi / 2, 3.0, std::numbers::pi}) {
