@@ -117,10 +117,7 @@ std::vector<collision::Pair> pairs_kept_apart(const Stores& world) {
 void restore_disabled_pairs(Stores& world, std::span<const collision::Pair> pairs,
                             std::span<const collision::Pair> apart_before) {
   world.records.disabled_pairs.clear();
-  for (const collision::Pair& pair : pairs) {
-    world.records.disabled_pairs[pair.first].push_back(pair.second);
-    world.records.disabled_pairs[pair.second].push_back(pair.first);
-  }
+  for (const collision::Pair& pair : pairs) world.records.disable_pair(pair.first, pair.second);
   const std::vector<collision::Pair> apart = pairs_kept_apart(world);
   std::vector<collision::Pair> changed;
   std::set_difference(apart_before.begin(), apart_before.end(), apart.begin(), apart.end(),

@@ -47,10 +47,10 @@ void forget_other(std::map<std::uint32_t, std::vector<std::uint32_t>>& pairs, st
 }  // namespace
 
 void BodyRecords::disable_pair(std::uint32_t first, std::uint32_t second) {
-  enable_pair(first, second);
   for (const auto& [body, other] : {std::pair{first, second}, std::pair{second, first}}) {
     std::vector<std::uint32_t>& others = disabled_pairs[body];
-    others.insert(std::lower_bound(others.begin(), others.end(), other), other);
+    const auto place = std::lower_bound(others.begin(), others.end(), other);
+    if (place == others.end() || *place != other) others.insert(place, other);
   }
 }
 
