@@ -186,8 +186,8 @@ class Replay {
     World::Impl& impl = *world_.impl_;
     const auto definition = with_geometry(world_definition, geometry_);
     const std::span<const std::byte> state = reader_.content().last(record.left());
-    // A state that can't be read leaves the world as it is, of which the result tells.
-    if (begun_) World::Impl::try_out(definition, state);
+    // A replay that has come to something else ends at a state that can't be read, and tells of the world ahead of it.
+    if (result_.divergence) World::Impl::try_out(definition, state);
     impl.restore(definition, impl.serial, state, true);
     begun_ = true;
   }
