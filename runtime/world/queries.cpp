@@ -132,9 +132,9 @@ CheckedRay checked(const std::string& what, const Ray& ray) {
   check_number(what + ".origin", ray.origin);
   check_finite(what + ".direction", ray.direction);
   check_distance(what + ".max_distance", ray.max_distance, true);
-  const Vector3 direction = unit_of(ray.direction);
-  if (!(direction.squaredNorm() > 0.5)) throw Error(what + ".direction is zero; expected any other vector");
-  return {{ray.origin, direction, ray.max_distance}, ray.both_sides ? collision::Sides::Both : collision::Sides::Front};
+  if (ray.direction.isZero(0)) throw Error(what + ".direction is zero; expected any other vector");
+  return {{ray.origin, unit_of(ray.direction), ray.max_distance},
+          ray.both_sides ? collision::Sides::Both : collision::Sides::Front};
 }
 
 struct CheckedSolid {
