@@ -327,6 +327,39 @@ TEST(Sweep, OverlapAtTheStartIsFlagged) {
   }
 }
 
+// A time that is looked up to takes away what comes later and changes nothing else. Solids that all but touch, where
+// distances of round ones are known to a part of the gap only.
+TEST(Sweep, ALimitTakesAwayOnlyWhatComesAfter) {
+  Random random(9);
+  const Hull hull = box_hull({0.3, 0.4, 0.5});
+  const Shape shapes[] = {Shape::sphere(0.4),        Shape::capsule(0.1, 0.8), Shape::box({0.05, 0.3, 1}),
+                          Shape::cylinder(0.5, 0.1), Shape::cone(0.4, 0.5),    Shape::convex_hull(hull)};
+  int hits = 0;
+  for (int i = 0; i < 7200; ++i) {
+    const Shape& first = shapes[i % 6];
+    const Shape& second = shapes[(i / 6) % 6];
+    const Motion b = Motion::still({random.vector(1), random.rotation()});
+    Pose start{b.start.position + 3 * random.direction(), random.rotation()};
+    const ClosestPoints apart = closest_points(first, second, relative(start, b.start));
+    const Vector3 normal = start.orientation * apart.normal;
+    start.position += (apart.distance - random.magnitude(1e-10, 1e-6)) * normal;
+    Motion a = Motion::along(start, random.real(0.1, 5) * (normal + random.vector(0.5)));
+    if (random.chance(0.3)) a.rotation = random.vector(3);
+    const SweepGoal goal{0, random.magnitude(1e-8, 1e-7)};
+    SweepHit hit;
+    if (!sweep(first, a, second, b, goal, 1, hit)) continue;
+    ++hits;
+    for (const double limit : {0.0, 1e-12, 1e-9, 1e-7, 0.999 * hit.t, 1.001 * hit.t}) {
+      SweepHit limited;
+      ASSERT_EQ(sweep(first, a, second, b, goal, limit, limited), hit.t <= limit) << hit.t << " of " << limit;
+      if (hit.t <= limit) {
+        EXPECT_EQ(limited.t, hit.t);
+      }
+    }
+  }
+  EXPECT_GT(hits, 3000);
+}
+
 // Turning in a gap that is just wide enough takes many small steps; the answer stays safe.
 TEST(Sweep, GrazingStaysSafe) {
   Random random(8);

@@ -164,9 +164,10 @@ bool stay_parted(const MovingCore& first, const MovingCore& second, const SweepG
   if (!(length > 0)) return false;
   const Vector3 unit = direction / length;
   const double separation = -second.reach(second.motion.start, -unit) - first.reach(first.motion.start, unit);
-  if (!(separation > goal.separation + goal.tolerance)) return false;
+  const double room = separation - (goal.separation + goal.tolerance);
+  if (!(room > 0)) return false;
   const double closing = first.advance_along(unit) + second.advance_along(-unit);
-  return !(closing > 0) || separation - goal.aim() > closing * t_limit;
+  return !(closing > 0) || room > closing * t_limit;
 }
 
 bool advance(const MovingCore& first, const MovingCore& second, const SweepGoal& goal, double t_limit, SweepHit& hit) {
@@ -184,8 +185,10 @@ bool advance(const MovingCore& first, const MovingCore& second, const SweepGoal&
   for (int i = 0; i < max_distances; ++i) {
     const Gap gap = gap_at(first, second, pose_first, pose_second, guess);
     if (!(gap.separation > 0) && i > 0) {
-      // Below what the step before allowed for: rounding.
+      // Below what the step before allowed for: rounding, or a distance that is proven to be no more. That the two are
+      // apart until this time is proven all the same, and a time that said less would depend on the limit.
       hit = last;
+      hit.t = t;
       return true;
     }
     last = {t, gap.normal, gap.point, std::max(0.0, gap.separation), SweepHit::no_triangle, false, true};
@@ -213,9 +216,9 @@ bool advance(const MovingCore& first, const MovingCore& second, const SweepGoal&
     }
     guess = gap.normal;
   }
-  last.converged = false;
-  last.t = std::min(last.t, 1.0);
   hit = last;
+  hit.t = t;
+  hit.converged = false;
   return true;
 }
 
