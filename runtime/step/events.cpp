@@ -58,7 +58,8 @@ ContactEvent began(const Stores& world, const std::pair<BodyId, BodyId>& pair, d
 // contacts are idle or none is, and idle ones touch as they did.
 void note_events(Stores& world, ContactEvents& events, bool islands_rebuilt, const StepContext& step) {
   events.events.clear();
-  if (events.reported && !islands_rebuilt && world.cache.order().empty()) return;
+  // Nobody touched in the last step who could stop in this.
+  if (events.reported && !islands_rebuilt && events.now.empty() && world.cache.order().empty()) return;
   const auto id = [&](std::uint32_t body) { return id_of(world, body); };
   const auto is_idle = [&](const std::pair<BodyId, BodyId>& pair) {
     const auto [a, b] = pair;
