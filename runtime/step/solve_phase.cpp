@@ -180,14 +180,14 @@ void SolvePhase::prepare_direct_solvers() {
   if constexpr (!with_direct_contacts) return;
   direct_.of_group.clear();
   direct_.reports.clear();
-  if (modes_.empty()) return;
   std::size_t count = 0;
-  for (std::size_t g = 0; g < groups_.size(); ++g) {
+  for (std::size_t g = 0; g < groups_.size() && !modes_.empty(); ++g) {
     if (mode_of(groups_[g]) != SolveMode::Direct) continue;
     direct_.of_group.resize(groups_.size(), nullptr);
     if (count == direct_.solvers.size()) direct_.solvers.push_back(std::make_unique<solver::DirectIsland>());
     direct_.of_group[g] = direct_.solvers[count++].get();
   }
+  direct_.solvers.resize(count);
   direct_.reports.resize(direct_.of_group.size());
 }
 

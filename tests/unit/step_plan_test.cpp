@@ -22,6 +22,14 @@ std::vector<BodyId> add_field(World& world, int count, const Material& material 
   return ids;
 }
 
+std::size_t held_by(const World& world, const std::string& name) {
+  for (const MemoryUse& use : world.memory()) {
+    if (use.name == name) return use.bytes;
+  }
+  ADD_FAILURE() << "no part " << name;
+  return 0;
+}
+
 TEST(StepPlan, StagesStandInOrderAndSayWhy) {
   World world;
   const StepReport report = world.step(dt);
@@ -62,13 +70,7 @@ TEST(StepPlan, WhatIsNotUsedHoldsNoMemory) {
   World world;
   add_field(world, 50);
   run(world, 5);
-  const auto held = [&](const std::string& name) {
-    for (const MemoryUse& use : world.memory()) {
-      if (use.name == name) return use.bytes;
-    }
-    ADD_FAILURE() << "no part " << name;
-    return std::size_t{0};
-  };
+  const auto held = [&](const char* name) { return held_by(world, name); };
   for (const char* name :
        {"running_surfaces", "direct_contacts", "joints", "continuous_collision", "contact_events", "contact_problem"}) {
     EXPECT_EQ(held(name), 0u) << name;
@@ -80,6 +82,28 @@ TEST(StepPlan, WhatIsNotUsedHoldsNoMemory) {
   run(world, 1);
   EXPECT_GT(held("contact_events"), 0u);
   EXPECT_GT(held("contact_problem"), 0u);
+}
+
+// Of ten columns one stays, and then one of its boxes.
+TEST(StepPlan, IslandsThatAreGoneLeaveNoMemoryBehind) {
+  constexpr std::size_t columns = 10, height = 12;
+  World world({.settings = {.contact_solver = ContactSolver::Direct, .sleeping = false}});
+  world.add_body(ground());
+  std::vector<BodyId> boxes;
+  for (std::size_t i = 0; i < columns * height; ++i) {
+    boxes.push_back(world.add_body(
+        {.shape = Box{{0.5, 0.5, 0.5}},
+         .position = {3.0 * static_cast<double>(i / height), 0, 0.5 + static_cast<double>(i % height)}}));
+  }
+  const auto keep = [&](std::size_t count) {
+    for (; boxes.size() > count; boxes.pop_back()) world.remove_body(boxes.back());
+    run(world, 2);
+    return held_by(world, "direct_contacts");
+  };
+  const std::size_t of_all = keep(columns * height);
+  const std::size_t of_column = keep(height);
+  EXPECT_LT(of_column, 2 * of_all / columns);
+  EXPECT_LT(keep(1), of_column / 4);
 }
 
 }  // namespace

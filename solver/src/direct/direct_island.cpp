@@ -57,6 +57,9 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> IslandMembers::couplings(co
 
 bool DirectIsland::analyse(const DirectIslandInput& input, const IslandGroup& group) {
   if (members_.take_in(input, group)) return fits_;
+  // Else each solver would come to hold what the largest of all islands took that it has ever solved.
+  motions_ = IslandMotions();
+  bodies_ = std::vector<MovingBody>();
   const std::size_t count = members_.bodies.size();
   return fits_ = count <= tuning::most_bodies && motions_.search.matrix.analyse(count, members_.couplings(input));
 }
