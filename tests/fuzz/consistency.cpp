@@ -234,7 +234,11 @@ void check_casts(std::span<const World> worlds, const ShapeCast& cast, bool usua
   }
   const std::vector<ShapeHit> all = Queries(worlds.front()).cast_shape_through(cast);
   require_finite_hits(all);
-  require(agree(first, all.empty() ? std::nullopt : std::optional(all.front())),
+  // Against what is 1e12 m long distances are known to meters, and what else is met at once decides whether it is
+  // asked.
+  const auto is_first = [&](const ShapeHit& hit) { return agree(first, std::optional(hit)); };
+  require(usual ? agree(first, all.empty() ? std::nullopt : std::optional(all.front()))
+                : first.has_value() == !all.empty() && (!first || std::any_of(all.begin(), all.end(), is_first)),
           "cast_shape is at odds with cast_shape_through");
   if (!usual || !all_solid(worlds.front())) return;
   require_nearest(first, nearest_alone(worlds.front(), [&](const Queries& one) { return one.cast_shape(cast); }), 1e-5,

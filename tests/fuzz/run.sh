@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Runs the targets of this folder with libFuzzer, one after another, each so many minutes on one core; then tells which
-# lines of the library their inputs got to. Called by tests/run.sh --fuzz, which has built them.
+# Runs the targets of this folder with libFuzzer, one after another, each so many minutes on one core and on past what it
+# finds; then tells which lines of the library the inputs it keeps get to. Called by tests/run.sh --fuzz, which has
+# built them.
 set -euo pipefail
 
 root=$(dirname "$(dirname "$(dirname "$(realpath "${BASH_SOURCE[0]}")")")")
@@ -22,13 +23,23 @@ export ATOLL_DYNAMIC_THREADS=0
 status=0
 for target in "${targets[@]}"; do
   echo "atoll: $target, $minutes min" >&2
-  LLVM_PROFILE_FILE=$build/$target.profraw "$bin/atoll_fuzz_$target" "${limits[@]}" \
-    -max_total_time=$((60 * minutes)) -print_final_stats=1 -artifact_prefix="$findings/$target-" \
+  # A child process runs the inputs, and another one goes on where it has crashed.
+  going_on=(-fork=1 -ignore_crashes=1 -ignore_timeouts=1 -ignore_ooms=1)
+  touch "$build/$target.start"
+  LLVM_PROFILE_FILE=/dev/null "$bin/atoll_fuzz_$target" "${limits[@]}" "${going_on[@]}" \
+    -max_total_time=$((60 * minutes)) -artifact_prefix="$findings/$target-" \
     "$corpus/$target" >"$build/$target.log" 2>&1 || status=1
-  grep -E '^stat::number_of_executed_units|ERROR|SUMMARY|Finding|what\(\)' "$build/$target.log" >&2 || true
+  { grep -E '^#[0-9]+: cov' "$build/$target.log" | tail -1 || true; } >&2
+  while read -r finding; do
+    status=1
+    echo "atoll: found $finding" >&2
+  done < <(find "$findings" -name "$target-*" -newer "$build/$target.start" | sort)
+  LLVM_PROFILE_FILE=$build/$target.profraw "$bin/atoll_fuzz_$target" "${limits[@]}" -runs=0 "$corpus/$target" \
+    >>"$build/$target.log" 2>&1 || status=1
 done
 
-llvm-profdata-14 merge -sparse "$build"/*.profraw -o "$build/coverage"
+profiles=("${targets[@]/#/$build/}")
+llvm-profdata-14 merge -sparse "${profiles[@]/%/.profraw}" -o "$build/coverage"
 objects=()
 for target in "${targets[@]}"; do objects+=(-object "$bin/atoll_fuzz_$target"); done
 llvm-cov-14 report "${objects[@]:1}" -instr-profile="$build/coverage" \
