@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "joint_pose.h"
@@ -293,6 +294,9 @@ TEST(JointCoordinate, OnlyAnglesContinue) {
         coordinate == Coordinate::Twist || (coordinate >= Coordinate::AngleX && coordinate <= Coordinate::Roll);
     const bool rate_only = coordinate >= Coordinate::SpinX;
     EXPECT_NEAR(continued(coordinate, -3, 16), rate_only ? 16 : angle ? 6 * pi - 3 : -3, 1e-14);
+    for (const double nowhere : {6e40, -1e16, std::numeric_limits<double>::infinity(), std::nan("")}) {
+      EXPECT_EQ(continued(coordinate, -3, nowhere), rate_only ? 0 : -3);
+    }
     EXPECT_EQ(continued(coordinate, 0.5, 0.25), rate_only ? 0.25 : 0.5);
   }
 }

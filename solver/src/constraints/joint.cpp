@@ -57,13 +57,15 @@ JointRow joint_row(const Joint& joint, std::size_t row, const JointFrames& frame
 }
 
 double continued(Coordinate coordinate, double value, double before) {
+  // rad: beyond, turns are closer to each other than what a number can tell. A prediction may be there, or nowhere.
+  constexpr double most = 1e15;
+  if (!(std::abs(before) <= most)) before = 0;
   switch (coordinate) {
     case Coordinate::Twist:
     case Coordinate::AngleX:
     case Coordinate::AngleSecondY:
     case Coordinate::Steer:
     case Coordinate::Roll: {
-      if (!std::isfinite(before)) return value;
       constexpr double turn = 2 * 3.14159265358979323846;
       return value + turn * std::round((before - value) / turn);
     }

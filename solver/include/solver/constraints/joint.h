@@ -109,7 +109,7 @@ struct alignas(64) Joint {
 JointRow joint_row(const Joint& joint, std::size_t row, const JointFrames& frames);
 
 /// The value in m or rad as a continuation of the position before: of angles, the turn nearest to it; of what is a rate
-/// only, that position itself.
+/// only, that position itself. A position beyond 1e15, or that is none, counts as 0.
 double continued(Coordinate coordinate, double value, double before);
 
 /// What a joint's law acts along.
