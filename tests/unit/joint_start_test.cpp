@@ -106,6 +106,28 @@ TEST_P(JointStart, WheelsAndCrossesTurnTheirAxesToARightAngle) {
   }
 }
 
+// What a joint tells as its force is what the body's momentum changes by, be it 1 mm open or out of reach: bodies that
+// are moved to where it closes get no velocity by that, and a joint that can break is not broken by it.
+TEST_P(JointStart, TheForceWhileAGapClosesIsThatOnTheBody) {
+  for (const double gap : {1e-3, 0.1, 1.0, 10.0, 1e4}) {
+    Pair pair(GetParam(), true);
+    pair.world.set_settings({.substeps = 1, .joint_solver = GetParam()});
+    const JointId joint = pair.world.add_joint({.kind = BallJoint{},
+                                                .first = pair.first,
+                                                .second = pair.second,
+                                                .frame_first = {{0.6 - gap, 0, 0}, Quaternion::Identity()},
+                                                .frame_second = {{-0.6, 0.03, 0}, Quaternion::Identity()}});
+    const double mass = pair.world.mass(pair.second);
+    for (int step = 0; step < 60; ++step) {
+      const Vector3 before = mass * pair.world.velocity(pair.second);
+      pair.world.step(dt);
+      const Vector3 change = mass * pair.world.velocity(pair.second) - before;
+      const Vector3 told = dt * pair.world.joint_state(joint).force;
+      EXPECT_LT((told - change).norm(), 1e-6 * mass + 1e-5 * change.norm()) << gap << " m, step " << step;
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(All, JointStart,
                          testing::Values(JointSolver::Auto, JointSolver::Iterative, JointSolver::Direct));
 

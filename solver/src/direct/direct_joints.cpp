@@ -23,20 +23,19 @@ void apply_given_impulses(JointAssembly& assembly) {
   }
 }
 
-// Impulses along all rows that are solved for, as JointMatrix orders them.
+// Gives members impulses along all rows that are solved for, as JointMatrix orders them.
 void apply_impulses(JointAssembly& assembly, const JointMatrix& matrix, const std::vector<double>& impulses) {
   for (JointMember& member : assembly.members) {
     member.impulse.setZero();
     member.angular_impulse.setZero();
   }
   for (std::uint32_t i = 0; i < assembly.nodes.size(); ++i) {
-    JointNode& node = assembly.nodes[i];
+    const JointNode& node = assembly.nodes[i];
     JointMember& a = assembly.members[node.first];
     JointMember& b = assembly.members[node.second];
     const double* impulse = &impulses[matrix.row(i)];
     if (node.point) {
       const Vector3 of_point(impulse[0], impulse[1], impulse[2]);
-      node.impulse += of_point;
       a.impulse -= of_point;
       a.angular_impulse -= node.arm_first.cross(of_point);
       b.impulse += of_point;
@@ -44,9 +43,8 @@ void apply_impulses(JointAssembly& assembly, const JointMatrix& matrix, const st
       impulse += 3;
     }
     for (std::uint32_t r = node.begin; r < node.end; ++r, ++impulse) {
-      AssemblyRow& row = assembly.rows[r];
+      const AssemblyRow& row = assembly.rows[r];
       if (!row.mode.is_solved()) continue;
-      row.impulse += *impulse;
       a.impulse -= *impulse * row.at.linear;
       a.angular_impulse -= *impulse * row.at.angular_first;
       b.impulse += *impulse * row.at.linear;
@@ -57,6 +55,21 @@ void apply_impulses(JointAssembly& assembly, const JointMatrix& matrix, const st
     if (!member.dynamic) continue;
     member.velocity += member.inverse_mass * member.impulse;
     member.spin += product(member.inverse_inertia, member.angular_impulse);
+  }
+}
+
+// Counts them among those of the substep.
+void note_impulses(JointAssembly& assembly, const JointMatrix& matrix, const std::vector<double>& impulses) {
+  for (std::uint32_t i = 0; i < assembly.nodes.size(); ++i) {
+    JointNode& node = assembly.nodes[i];
+    const double* impulse = &impulses[matrix.row(i)];
+    if (node.point) {
+      node.impulse += Vector3(impulse[0], impulse[1], impulse[2]);
+      impulse += 3;
+    }
+    for (std::uint32_t r = node.begin; r < node.end; ++r, ++impulse) {
+      if (assembly.rows[r].mode.is_solved()) assembly.rows[r].impulse += *impulse;
+    }
   }
 }
 
@@ -136,7 +149,19 @@ void DirectJoints::note_armature(const DirectInput& input, double times) {
 
 // Impulses that change the rates of all rows by b.
 void DirectJoints::solve_and_apply() {
-  if (matrix_.solve(b_)) apply_impulses(assembly_, matrix_, b_);
+  if (!matrix_.solve(b_)) return;
+  apply_impulses(assembly_, matrix_, b_);
+  note_impulses(assembly_, matrix_, b_);
+}
+
+// Gives members what changes the rates of all rows by b; or nothing, and returns false, if there is no solution or bodies
+// move far with it in h seconds. It is of the joints' impulses only where bodies keep the velocities they gain by it.
+bool DirectJoints::solve_within(double far, double h) {
+  if (!matrix_.solve(b_)) return false;
+  apply_impulses(assembly_, matrix_, b_);
+  if (!assembly_.moves_far(h, far)) return true;
+  assembly_.take_back();
+  return false;
 }
 
 void DirectJoints::begin_substep() {
@@ -168,16 +193,14 @@ void DirectJoints::solve_positions(const DirectInput& input) {
   if (catch_limits(assembly_, input.joints, input.h)) matrix_.factor(assembly_);
   set_position_targets(assembly_, matrix_, input.joints, input.h, b_);
   torn_ = set_tears_aside(assembly_, matrix_, input.joints, input.h, b_, tears_);
-  solve_and_apply();
-  if (assembly_.moves_far(input.h, tuning::far_in_motion)) assembly_.take_back();
+  if (solve_within(tuning::far_in_motion, input.h)) note_impulses(assembly_, matrix_, b_);
   assembly_.move_bodies(input.bodies, input.h);
   note_armature(input, 1);
   assembly_.store_velocities(input.bodies);
   if (!torn_) return;
   assembly_.load_velocities(input.bodies);
   b_.swap(tears_);
-  solve_and_apply();
-  if (!assembly_.moves_far(input.h, tuning::far_at_rest)) assembly_.move_bodies(input.bodies, input.h);
+  if (solve_within(tuning::far_at_rest, input.h)) assembly_.move_bodies(input.bodies, input.h);
 }
 
 void DirectJoints::relax(const DirectInput& input) {
@@ -209,8 +232,7 @@ void DirectJoints::close_gaps(const DirectInput& input) {
     if (caught) matrix_.factor(assembly_);
     const bool closed = set_position_targets_here(assembly_, matrix_, input.joints, input.h, b_);
     if (closed && !caught) return;
-    solve_and_apply();
-    if (assembly_.moves_far(input.h, tuning::far_at_rest)) return;
+    if (!solve_within(tuning::far_at_rest, input.h)) return;
     assembly_.move_bodies(input.bodies, input.h);
     prepare(input);
   }

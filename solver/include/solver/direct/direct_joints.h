@@ -72,6 +72,7 @@ class DirectJoints {
   void close_gaps(const DirectInput& input);
   void note_armature(const DirectInput& input, double times);
   void solve_and_apply();
+  bool solve_within(double far, double h);
 
   JointAssembly assembly_;
   JointMatrix matrix_;
