@@ -24,7 +24,7 @@ status=0
 for target in "${targets[@]}"; do
   echo "atoll: $target, $minutes min" >&2
   # A child process runs the inputs, and another one goes on where it has crashed.
-  going_on=(-fork=1 -ignore_crashes=1 -ignore_timeouts=1 -ignore_ooms=1)
+  going_on=(-fork=1 -ignore_crashes=1 -ignore_timeouts=1 -ignore_ooms=1 -print_funcs=0)
   touch "$build/$target.start"
   LLVM_PROFILE_FILE=/dev/null "$bin/atoll_fuzz_$target" "${limits[@]}" "${going_on[@]}" \
     -max_total_time=$((60 * minutes)) -artifact_prefix="$findings/$target-" \
