@@ -627,8 +627,8 @@ void World::set_settings(const Settings& settings) {
   impl_->check_idle("set_settings");
   check(settings);
   if (!settings.sleeping) wake_all(impl_->stores);
-  if (settings.joint_solver != impl_->stores.settings.joint_solver)
-    impl_->stores.changes.joints = impl_->stores.joints.size() > 0;
+  impl_->stores.changes.joints |=
+      settings.joint_solver != impl_->stores.settings.joint_solver && impl_->stores.joints.size() > 0;
   impl_->stores.settings = settings;
   impl_->use_kernels(settings.simd);
   note<calls::SetSettings>(*impl_, settings);

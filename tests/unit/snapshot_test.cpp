@@ -124,6 +124,33 @@ TEST(Snapshot, TakesAwayJointsThatCameLater) {
   }
 }
 
+// Nothing that is done before the next step may make it forget that they are gone.
+TEST(Snapshot, JointsThatWereTakenAwayStayAwayWhateverIsSetThen) {
+  for (const JointSolver solver : {JointSolver::Iterative, JointSolver::Direct}) {
+    World world({.settings = {.sleeping = true}});
+    world.add_body(ground());
+    const BodyId crate = add_stack(world, 1).front();
+    run(world, 120);
+    ASSERT_TRUE(world.is_asleep(crate));
+    Snapshot before;
+    world.save(before);
+    const BodyId paddle = world.add_body({.type = BodyType::Kinematic, .shape = Box{}, .position = {0, 0, 4}});
+    world.set_velocity(paddle, {0, 0, 0}, {0, 0, 1});
+    world.add_joint({.kind = BallJoint{}, .first = paddle, .second = crate, .frame_first = {{0, 0, -3}}});
+    const BodyId last = add_stack(world, 3).back();
+    world.add_joint({.kind = BallJoint{}, .first = paddle, .second = last});
+    world.step(dt);
+
+    world.restore(before);
+    Settings settings = world.settings();
+    settings.joint_solver = solver;
+    world.set_settings(settings);
+    const StepReport report = world.step(dt);
+    EXPECT_EQ(report.counts.joints, 0);
+    EXPECT_TRUE(world.is_asleep(crate));
+  }
+}
+
 TEST(Snapshot, HoldsWhatCallersChangedSinceTheLastStep) {
   const auto change = [](Yard& yard, int what) {
     World& world = yard.world;
