@@ -1,6 +1,7 @@
 #include "state/recording_file.h"
 
 #include <atoll/error.h>
+#include <atoll/recording.h>
 
 #include <cerrno>
 #include <cstring>
@@ -82,6 +83,12 @@ void RecordingWriter::finish(const char* call) {
   fail_writing(call, path_, error_ != 0 ? words_of(error_) : error.message());
 }
 
+bool is_recording(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  decltype(FileHeader::magic) begin = {};
+  return file.read(begin.data(), begin.size()) && begin == recording_header.magic;
+}
+
 RecordingReader::RecordingReader(const fs::path& path) : path_(path) {
   std::error_code error;
   if (fs::is_directory(path, error)) fail("is a directory; expected a recording's file");
@@ -160,14 +167,14 @@ void RecordingReader::scan() {
     tally.count(header_);
     if (header_.kind == RecordKind::Step) ++steps_;
   }
-  rewind();
+  go_to({.at = sizeof recording_header, .number = 0});
 }
 
-void RecordingReader::rewind() {
+void RecordingReader::go_to(const Place& place) {
   stream_.clear();
-  stream_.seekg(sizeof recording_header);
-  at_ = sizeof recording_header;
-  number_ = 0;
+  stream_.seekg(static_cast<std::streamoff>(place.at));
+  at_ = place.at;
+  number_ = place.number;
 }
 
 bool RecordingReader::next() { return read_record() && header_.kind != RecordKind::End; }

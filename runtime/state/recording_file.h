@@ -105,12 +105,20 @@ class RecordingReader {
   std::int64_t steps() const { return steps_; }  ///< in all of it
   bool complete() const { return complete_; }    ///< not cut off
 
+  /// Of a record, as one to read next.
+  struct Place {
+    std::uint64_t at = 0;      // in the file
+    std::uint64_t number = 0;  // of records before
+  };
+  Place before() const { return {begin_, number_ - 1}; }  ///< of the one that was read last
+  Place after() const { return {at_, number_}; }
+  void go_to(const Place& place);
+
   [[noreturn]] void fail(const std::string& why) const;
 
  private:
   void check_header();
   void scan();
-  void rewind();
   bool read_record();  // false at the end, or where the file is cut off
   bool take(void* data, std::uint64_t count);
 

@@ -1,5 +1,7 @@
 // A recording, done again: see recorder.h for what is in it.
 
+#include "state/replay.h"
+
 #include <atoll/error.h>
 #include <atoll/forces.h>
 #include <atoll/recording.h>
@@ -62,220 +64,238 @@ std::vector<ReplayedBody> differences(const std::vector<RecordedBody>& recorded,
   return result;
 }
 
+constexpr StateSource record_source = {"", "record", "World::record", true};
+
 }  // namespace
 
-/// A recording, and the world in which it is done again.
-class Replay {
-  static constexpr StateSource record_source = {"", "record", "World::record", true};
-  // Of the force law's part of a step: it threw, or the recording is cut off there.
-  struct LawEnded {};
-
- public:
-  Replay(const std::string& path, const ReplayOptions& options)
-      : on_step_(options.on_step),
-        stop_(options.stop),
-        reader_(path),
-        world_({.threads = options.threads, .settings = {.simd = options.simd}}) {
-    result_.recorded_steps = reader_.steps();
-    result_.complete = reader_.complete();
-    result_.simd = world_.simd();
-  }
-
-  ReplayResult run() {
-    while (!done_ && next()) {
-      if (ends_here()) break;
-      try {
-        StateReader record(reader_.content(), record_source);
-        take(record);
-      } catch (const Error& error) {
-        // What was done to another state need not be possible in this.
-        if (result_.divergence) break;
-        reader_.fail(reader_.place() + ": " + error.what());
-      }
+Replay::Replay(const std::string& path, const ReplayOptions& machine)
+    : reader_(path), world_({.threads = machine.threads, .settings = {.simd = machine.simd}}) {
+  result_.recorded_steps = reader_.steps();
+  result_.complete = reader_.complete();
+  result_.simd = world_.simd();
+  while (next()) {
+    if (reader_.kind() == RecordKind::Step) {
+      put_back_ = true;
+      break;
     }
-    if (!begun_) reader_.fail("found no state to begin with; expected a recording that holds one");
-    result_.hash = world_.state_hash();
-    return std::move(result_);
+    if (!take_next()) break;
   }
+  if (!begun_) reader_.fail("found no state to begin with; expected a recording that holds one");
+}
 
- private:
-  // Ahead of a record that is no part of what the last step came to. Steps are counted up to the one asked after.
-  bool ends_here() {
+bool Replay::advance() {
+  bool stepped = false;
+  while (next()) {
     const RecordKind kind = reader_.kind();
-    if (!stop_ || asked_ == result_.steps || kind == RecordKind::Hash || kind == RecordKind::Bodies) return false;
-    asked_ = result_.steps;
-    return stop_();
-  }
-
-  // The next record, or again one that was put back.
-  bool next() { return std::exchange(put_back_, false) || reader_.next(); }
-
-  void take(StateReader& record) {
-    const RecordKind kind = reader_.kind();
-    record.check(begun_ || kind == RecordKind::Begin || kind == RecordKind::Geometry || kind == RecordKind::State,
-                 "a record ahead of the state to begin with");
-    switch (kind) {
-      case RecordKind::Begin:
-        record.value(result_.recorded_threads);
-        record.value(result_.recorded_simd);
-        break;
-      case RecordKind::Geometry: {
-        ReadGeometry read = read_geometry(record);
-        geometry_[{read.kind, read.content}] = std::move(read.geometry);
-        break;
-      }
-      case RecordKind::BodyKind:
-        take_kind(record);
-        break;
-      case RecordKind::AddBody:
-        add_body(record);
-        break;
-      case RecordKind::SetShape:
-        set_shape(record);
-        break;
-      case RecordKind::State:
-        return take_state(record);
-      case RecordKind::Step:
-        step(record);
-        break;
-      case RecordKind::ContactAnswers:  // to what this run didn't ask: it has come to something else
-        return;
-      case RecordKind::Hash:
-        compare_hash(record);
-        break;
-      case RecordKind::Bodies:
-        compare_bodies(record);
-        break;
-      default:
-        return make_call(static_cast<std::size_t>(kind) - static_cast<std::size_t>(RecordKind::Call), record, world_);
+    if (stepped && kind != RecordKind::Hash && kind != RecordKind::Bodies) {
+      put_back_ = true;
+      break;
     }
-    record.check(record.left() == 0, "more than there should be");
+    const std::int64_t before = result_.steps;
+    if (!take_next()) break;
+    stepped |= result_.steps > before;
   }
+  return stepped;
+}
 
-  void take_kind(StateReader& record) {
-    BodyConstants constants;
-    visit_constants(record, constants);
-    record.check(give_geometry(constants, geometry_), "a body without its geometry");
-    check_built_for(constants);
-    kinds_.push_back(std::move(constants));
-  }
+// The next record, or again one that was put back. False at the end, be it in a record that is cut off.
+bool Replay::next() {
+  if (std::exchange(put_back_, false)) return true;
+  ended_ = ended_ || !reader_.next();
+  return !ended_;
+}
 
-  const BodyConstants& kind_in(StateReader& record) {
-    std::uint32_t kind = 0;
-    record.value(kind);
-    record.check(kind < kinds_.size(), "a body of no kind");
-    return kinds_[kind];
-  }
-
-  void add_body(StateReader& record) {
-    CheckedBody body;
-    body.constants = kind_in(record);
-    visit_start(record, body);
-    check_built_for_surface("BodyDef.surface_velocity", body.surface_velocity);
-    world_.impl_->add_body(body);
-  }
-
-  void set_shape(StateReader& record) {
-    BodyId id;
-    visit_field(record, id);
-    world_.impl_->set_shape(index_of(world_.impl_->stores, id, "set_shape"), kind_in(record));
-  }
-
-  void take_state(StateReader& record) {
-    const std::shared_ptr<const WorldDefinition> world_definition = read_definition_of_world(record);
-    World::Impl& impl = *world_.impl_;
-    const auto definition = with_geometry(world_definition, geometry_);
-    const std::span<const std::byte> state = reader_.content().last(record.left());
-    // A replay that has come to something else ends at a state that can't be read, and tells of the world ahead of it.
-    if (result_.divergence) World::Impl::try_out(definition, state);
-    impl.restore(definition, impl.serial, state, true);
-    begun_ = true;
-  }
-
-  void step(StateReader& record) {
-    double dt = 0;
-    bool forced = false;
-    record.value(dt);
-    record.value(forced);
-    ContactRules::Recorded& rules = world_.impl_->rules.recorded;
-    record.value(rules.filters);
-    record.value(rules.modifies);
-    rules.answer = [this](std::uint32_t question) { return take_answers(question); };
-    if (forced) {
-      try {
-        world_.step(dt, [this](Forces& forces) { take_forces(forces); });
-      } catch (const LawEnded&) {  // as it did when it was recorded
-      }
-    } else {
-      world_.step(dt);
-    }
-    ++result_.steps;
-    if (on_step_) on_step_(result_.steps, result_.recorded_steps);
-  }
-
-  // The law's next answer.
-  void take_forces(Forces& forces) {
-    if (!next()) throw LawEnded{};
+// Does what the record says that was read last. False if it can't be done.
+bool Replay::take_next() {
+  try {
     StateReader record(reader_.content(), record_source);
-    record.check(reader_.kind() == RecordKind::Forces, "a step without the forces of its law");
-    bool given = false;
-    std::vector<RecordedForce> recorded;
-    visit_forces(record, given, recorded);
-    if (!given) throw LawEnded{};
-    for (const RecordedForce& of : recorded) {
-      record.check(of.body < forces.forces().cols(), "a force on no body");
-      forces.forces().col(of.body) = of.force;
-      forces.torques().col(of.body) = of.torque;
+    take(record);
+    return true;
+  } catch (const Error& error) {
+    // What was done to another state need not be possible in this.
+    if (!result_.divergence) reader_.fail(reader_.place() + ": " + error.what());
+    ended_ = true;
+    return false;
+  }
+}
+
+Replay::Mark Replay::mark() const {
+  Mark mark{.place = put_back_ || ended_ ? reader_.before() : reader_.after(),
+            .snapshot = {},
+            .kinds = kinds_.size(),
+            .steps = result_.steps,
+            .divergence = result_.divergence};
+  world_.save(mark.snapshot);
+  return mark;
+}
+
+void Replay::go_back(const Mark& mark) {
+  world_.restore(mark.snapshot);
+  reader_.go_to(mark.place);
+  kinds_.erase(kinds_.begin() + static_cast<std::ptrdiff_t>(mark.kinds), kinds_.end());
+  put_back_ = ended_ = false;
+  result_.steps = mark.steps;
+  result_.divergence = mark.divergence;
+}
+
+void Replay::take(StateReader& record) {
+  const RecordKind kind = reader_.kind();
+  record.check(begun_ || kind == RecordKind::Begin || kind == RecordKind::Geometry || kind == RecordKind::State,
+               "a record ahead of the state to begin with");
+  switch (kind) {
+    case RecordKind::Begin:
+      record.value(result_.recorded_threads);
+      record.value(result_.recorded_simd);
+      break;
+    case RecordKind::Geometry: {
+      ReadGeometry read = read_geometry(record);
+      // Read again after the replay was taken back it is what bodies have already.
+      geometry_.try_emplace({read.kind, read.content}, std::move(read.geometry));
+      break;
     }
+    case RecordKind::BodyKind:
+      take_kind(record);
+      break;
+    case RecordKind::AddBody:
+      add_body(record);
+      break;
+    case RecordKind::SetShape:
+      set_shape(record);
+      break;
+    case RecordKind::State:
+      return take_state(record);
+    case RecordKind::Step:
+      step(record);
+      break;
+    case RecordKind::ContactAnswers:  // to what this run didn't ask: it has come to something else
+      return;
+    case RecordKind::Hash:
+      compare_hash(record);
+      break;
+    case RecordKind::Bodies:
+      compare_bodies(record);
+      break;
+    default:
+      return make_call(static_cast<std::size_t>(kind) - static_cast<std::size_t>(RecordKind::Call), record, world_);
   }
+  record.check(record.left() == 0, "more than there should be");
+}
 
-  // What a contact filter or modifier said; nothing is recorded where it left all as it is.
-  ContactAnswers take_answers(std::uint32_t question) {
-    ContactAnswers answers;
-    if (!next()) return answers;
-    if (reader_.kind() == RecordKind::ContactAnswers) {
-      StateReader record(reader_.content(), record_source);
-      std::uint32_t number = 0;
-      visit_answers(record, number, answers);
-      record.check(record.left() == 0, "more than there should be");
-      if (number == question) return answers;
+void Replay::take_kind(StateReader& record) {
+  BodyConstants constants;
+  visit_constants(record, constants);
+  record.check(give_geometry(constants, geometry_), "a body without its geometry");
+  check_built_for(constants);
+  kinds_.push_back(std::move(constants));
+}
+
+const BodyConstants& Replay::kind_in(StateReader& record) {
+  std::uint32_t kind = 0;
+  record.value(kind);
+  record.check(kind < kinds_.size(), "a body of no kind");
+  return kinds_[kind];
+}
+
+void Replay::add_body(StateReader& record) {
+  CheckedBody body;
+  body.constants = kind_in(record);
+  visit_start(record, body);
+  check_built_for_surface("BodyDef.surface_velocity", body.surface_velocity);
+  world_.impl_->add_body(body);
+}
+
+void Replay::set_shape(StateReader& record) {
+  BodyId id;
+  visit_field(record, id);
+  world_.impl_->set_shape(index_of(world_.impl_->stores, id, "set_shape"), kind_in(record));
+}
+
+void Replay::take_state(StateReader& record) {
+  const std::shared_ptr<const WorldDefinition> world_definition = read_definition_of_world(record);
+  World::Impl& impl = *world_.impl_;
+  const auto definition = with_geometry(world_definition, geometry_);
+  const std::span<const std::byte> state = reader_.content().last(record.left());
+  // A replay that has come to something else ends at a state that can't be read, and tells of the world ahead of it.
+  if (result_.divergence) World::Impl::try_out(definition, state);
+  impl.restore(definition, impl.serial, state, true);
+  begun_ = true;
+}
+
+void Replay::step(StateReader& record) {
+  bool forced = false;
+  record.value(dt_);
+  record.value(forced);
+  ContactRules::Recorded& rules = world_.impl_->rules.recorded;
+  record.value(rules.filters);
+  record.value(rules.modifies);
+  rules.answer = [this](std::uint32_t question) { return take_answers(question); };
+  if (forced) {
+    try {
+      report_ = world_.step(dt_, [this](Forces& forces) { take_forces(forces); });
+    } catch (const LawEnded&) {  // as it did when it was recorded
     }
-    put_back_ = true;
-    return {};
+  } else {
+    report_ = world_.step(dt_);
   }
+  ++result_.steps;
+}
 
-  void compare_hash(StateReader& record) {
-    std::uint64_t expected = 0;
-    record.value(expected);
-    if (result_.divergence || world_.state_hash() == expected) return;
-    result_.divergence = {.step = result_.steps};
+// The law's next answer.
+void Replay::take_forces(Forces& forces) {
+  if (!next()) throw LawEnded{};
+  StateReader record(reader_.content(), record_source);
+  record.check(reader_.kind() == RecordKind::Forces, "a step without the forces of its law");
+  bool given = false;
+  std::vector<RecordedForce> recorded;
+  visit_forces(record, given, recorded);
+  if (!given) throw LawEnded{};
+  for (const RecordedForce& of : recorded) {
+    record.check(of.body < forces.forces().cols(), "a force on no body");
+    forces.forces().col(of.body) = of.force;
+    forces.torques().col(of.body) = of.torque;
   }
+}
 
-  void compare_bodies(StateReader& record) {
-    std::vector<RecordedBody> recorded;
-    visit_recorded_bodies(record, recorded);
-    if (!result_.divergence) return;
-    result_.divergence->bodies_step = result_.steps;
-    result_.divergence->bodies = differences(recorded, recorded_bodies(world_.impl_->stores));
-    done_ = true;
+// What a contact filter or modifier said; nothing is recorded where it left all as it is.
+ContactAnswers Replay::take_answers(std::uint32_t question) {
+  ContactAnswers answers;
+  if (!next()) return answers;
+  if (reader_.kind() == RecordKind::ContactAnswers) {
+    StateReader record(reader_.content(), record_source);
+    std::uint32_t number = 0;
+    visit_answers(record, number, answers);
+    record.check(record.left() == 0, "more than there should be");
+    if (number == question) return answers;
   }
+  put_back_ = true;
+  return {};
+}
 
-  const decltype(ReplayOptions::on_step)& on_step_;
-  const decltype(ReplayOptions::stop)& stop_;
-  RecordingReader reader_;
-  World world_;
-  Geometry geometry_;
-  std::vector<BodyConstants> kinds_;
-  bool begun_ = false;
-  bool put_back_ = false;  // the record that was read last
-  bool done_ = false;
-  std::int64_t asked_ = 0;  // the step after which stop_ was asked last
-  ReplayResult result_;
-};
+void Replay::compare_hash(StateReader& record) {
+  std::uint64_t expected = 0;
+  record.value(expected);
+  if (result_.divergence || world_.state_hash() == expected) return;
+  result_.divergence = {.step = result_.steps};
+}
+
+void Replay::compare_bodies(StateReader& record) {
+  std::vector<RecordedBody> recorded;
+  visit_recorded_bodies(record, recorded);
+  if (!result_.divergence || result_.divergence->bodies_step) return;
+  result_.divergence->bodies_step = result_.steps;
+  result_.divergence->bodies = differences(recorded, recorded_bodies(world_.impl_->stores));
+}
 
 ReplayResult replay(const std::string& path, const ReplayOptions& options) {
   if constexpr (!with_recording) throw_left_out("replay is called", "recordings", "RECORDING");
-  return Replay(path, options).run();
+  Replay replay(path, options);
+  while (!replay.knows_difference() && replay.advance()) {
+    if (options.on_step) options.on_step(replay.result().steps, replay.result().recorded_steps);
+    if (options.stop && options.stop()) break;
+  }
+  ReplayResult result = replay.result();
+  result.hash = replay.world().state_hash();
+  return result;
 }
 
 }  // namespace atl

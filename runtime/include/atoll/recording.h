@@ -66,4 +66,7 @@ struct ReplayResult {
 /// order.
 ReplayResult replay(const std::string& path, const ReplayOptions& options = {});
 
+/// Whether a file can be read and begins as recordings do.
+bool is_recording(const std::string& path);
+
 }  // namespace atl

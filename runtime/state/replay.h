@@ -1,0 +1,87 @@
+#pragma once
+
+#include <atoll/recording.h>
+#include <atoll/report.h>
+#include <atoll/snapshot.h>
+#include <atoll/world.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "state/geometry_state.h"
+#include "state/recording_file.h"
+#include "state/state_archive.h"
+#include "state/world_definition_state.h"
+#include "step/contact_rules.h"
+#include "world/body_definition.h"
+
+namespace atl {
+
+/// A recording, and the world in which it is done again, step by step: see recorder.h for what is in it. Throws Error,
+/// as replay() says.
+class Replay {
+ public:
+  /// Where it can be taken back to: between two steps.
+  struct Mark {
+    RecordingReader::Place place;
+    Snapshot snapshot;
+    std::size_t kinds = 0;
+    std::int64_t steps = 0;
+    std::optional<ReplayDivergence> divergence = {};
+  };
+
+  /// Makes all calls ahead of the first step. `machine` says threads and instruction set.
+  Replay(const std::string& path, const ReplayOptions& machine);
+
+  /// Makes the calls up to the next step, that step, and compares what it came to. False at the end of the recording,
+  /// or where it can't go on as the state is another.
+  bool advance();
+  /// Whether it is known of which bodies the state differs, or that it is of none.
+  bool knows_difference() const { return result_.divergence && result_.divergence->bodies_step; }
+
+  Mark mark() const;
+  void go_back(const Mark& mark);
+
+  World& world() { return world_; }
+  const World& world() const { return world_; }
+  /// Of the last step; what it says is of no use before the first, and after go_back().
+  const StepReport& report() const { return report_; }
+  double dt() const { return dt_; }  ///< s, of that step
+  /// What has been found so far.
+  const ReplayResult& result() const { return result_; }
+
+ private:
+  // Of the force law's part of a step: it threw, or the recording is cut off there.
+  struct LawEnded {};
+
+  bool next();
+  bool take_next();
+  void take(StateReader& record);
+  void take_kind(StateReader& record);
+  const BodyConstants& kind_in(StateReader& record);
+  void add_body(StateReader& record);
+  void set_shape(StateReader& record);
+  void take_state(StateReader& record);
+  void step(StateReader& record);
+  void take_forces(Forces& forces);
+  ContactAnswers take_answers(std::uint32_t question);
+  void compare_hash(StateReader& record);
+  void compare_bodies(StateReader& record);
+
+  RecordingReader reader_;
+  World world_;
+  Geometry geometry_;
+  std::vector<BodyConstants> kinds_;
+  bool begun_ = false;
+  bool put_back_ = false;  // the record that was read last
+  bool ended_ = false;
+  StepReport report_;
+  double dt_ = 0;
+  ReplayResult result_;
+};
+
+}  // namespace atl
