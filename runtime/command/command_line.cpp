@@ -21,6 +21,7 @@
 #include "standard_streams.h"
 #include "sweep/sweep.h"
 #include "verify/verify.h"
+#include "view.h"
 
 namespace atl::command {
 namespace {
@@ -51,7 +52,7 @@ std::string words_of_extra(const CLI::App& app, std::span<const char* const> arg
   }
   if (!parsed.empty()) return "unexpected argument \"" + extra + "\"";
   for (const CLI::App* each : app.get_subcommands({})) names.push_back(each->get_name());
-  return "unknown command \"" + extra + "\", expected run, explain, replay, soak, sweep, verify or scenes" +
+  return "unknown command \"" + extra + "\", expected run, view, explain, replay, soak, sweep, verify or scenes" +
          scene::suggestion(extra, views(names));
 }
 
@@ -79,6 +80,10 @@ int run_parsed(int argc, char** argv) {
   CLI::App* run = app.add_subcommand("run", "simulate a scene file or a built-in scene and report time and error");
   RunOptions options;
   add_run_options(*run, options);
+  CLI::App* viewing =
+      app.add_subcommand("view", "run a scene or a recording and write a page that plays it, to look at in a browser");
+  ViewOptions view_options;
+  add_view_options(*viewing, view_options);
   CLI::App* explanation =
       app.add_subcommand("explain", "run a scene and tell what its steps need, what they leave out, and why");
   ExplainOptions explain_options;
@@ -111,6 +116,7 @@ int run_parsed(int argc, char** argv) {
     // CLI11's require_subcommand would hide that "atoll rnu" has an argument that is not understood.
     if (app.get_subcommands().empty()) std::cout << app.help();
     if (run->parsed()) command::run(options);
+    if (viewing->parsed()) command::view(view_options);
     if (explanation->parsed()) command::explain(explain_options);
     if (replay->parsed()) replay_file(replay_options);
     if (soaking->parsed()) command::soak(soak_options);

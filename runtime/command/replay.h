@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "run_options.h"
@@ -12,6 +13,8 @@ struct ReplayFileOptions {
   int threads = 1;
   Simd simd = Simd::Auto;
   Format format = Format::Text;
+  std::optional<int> to = {};  ///< step to end after
+  std::string scene;           ///< file for the world as it is then, or ""
 };
 
 /// Declares the options, to be parsed into `options`, which has to outlive the parsing.

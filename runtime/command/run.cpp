@@ -1,7 +1,9 @@
 #include "run.h"
 
 #include <iostream>
+#include <iterator>
 #include <optional>
+#include <utility>
 
 #include "failure.h"
 #include "figures.h"
@@ -11,6 +13,8 @@
 #include "simulation.h"
 #include "standard_streams.h"
 #include "state/hex.h"
+#include "view.h"
+#include "view/film.h"
 
 namespace atl::command {
 namespace {
@@ -20,6 +24,7 @@ struct Outputs {
   std::optional<OutputFile> json;
   std::optional<OutputFile> final_state;
   std::optional<OutputFile> recording;
+  std::optional<OutputFile> view;
 };
 
 void check_differ(const std::optional<OutputFile>& file, const char* option, const std::optional<OutputFile>& other,
@@ -33,9 +38,15 @@ Outputs check_outputs(const RunOptions& options) {
   if (!options.out.empty()) outputs.json.emplace("--out", options.out);
   if (!options.final_state.empty()) outputs.final_state.emplace("--final-state", options.final_state);
   if (!options.record.empty()) outputs.recording.emplace("--record", options.record);
-  check_differ(outputs.final_state, "--final-state", outputs.json, "--out");
-  check_differ(outputs.recording, "--record", outputs.json, "--out");
-  check_differ(outputs.recording, "--record", outputs.final_state, "--final-state");
+  if (!options.view.empty()) outputs.view.emplace(page_file("--view", options.view));
+  const std::pair<const char*, const std::optional<OutputFile>*> files[] = {{"--out", &outputs.json},
+                                                                            {"--final-state", &outputs.final_state},
+                                                                            {"--record", &outputs.recording},
+                                                                            {"--view", &outputs.view}};
+  for (std::size_t i = 1; i < std::size(files); ++i) {
+    for (std::size_t k = 0; k < i; ++k)
+      check_differ(*files[i].second, files[i].first, *files[k].second, files[k].first);
+  }
   return outputs;
 }
 
@@ -83,7 +94,7 @@ void write_final_state(const Outputs& outputs, const Scene& scene, const std::ve
 
 // Each file for itself: one that can't be written costs neither the others nor the results. What went wrong, or "".
 std::string write_files(const Outputs& outputs, const Scene& scene, World& world, const std::vector<BodyId>& ids,
-                        const RunResult& result) {
+                        const RunResult& result, view::Film& film) {
   std::string failures;
   const auto try_to = [&](const auto& write) {
     try {
@@ -94,6 +105,7 @@ std::string write_files(const Outputs& outputs, const Scene& scene, World& world
   };
   try_to([&] { write_final_state(outputs, scene, ids, result); });
   try_to([&] { end_recording(outputs, world); });
+  if (outputs.view) try_to([&] { write_film(*outputs.view, film); });
   if (outputs.json && !result.broken) {
     try_to([&] { outputs.json->write([&](std::ostream& out) { write_json(out, scene, world, result); }); });
   }
@@ -127,10 +139,13 @@ void run(const RunOptions& options) {
   begin_recording(outputs, world);
   const std::vector<BodyId> ids = add_bodies(scene, world);
 
-  const RunResult result =
-      simulate(scene, world, ids,
-               {.final_state = outputs.final_state.has_value(), .errors = options.errors, .going = options.keep_going});
-  const std::string failures = write_files(outputs, scene, world, ids, result);
+  view::Film film({.name = scene.name});
+  const RunResult result = simulate(scene, world, ids,
+                                    {.final_state = outputs.final_state.has_value(),
+                                     .errors = options.errors,
+                                     .going = options.keep_going,
+                                     .film = outputs.view ? &film : nullptr});
+  const std::string failures = write_files(outputs, scene, world, ids, result, film);
   if (result.broken) fail_broken(scene, result, outputs, failures);
   // Files first: a reader who has read enough ends all.
   print(options, scene, world, result);

@@ -49,6 +49,12 @@ void add_run_options(CLI::App& command, RunOptions& options) {
       ->check(file_name())
       ->type_name("FILE")
       ->group(output);
+  command
+      .add_option("--view", options.view,
+                  "write a page that plays the run, to look at in a browser, to this file (see atoll view)")
+      ->check(file_name())
+      ->type_name("FILE.html")
+      ->group(output);
   add_format_option(command, options.format);
   command
       .add_flag("--errors", options.errors,

@@ -16,6 +16,7 @@ struct RunOptions {
   std::string out;          ///< file for the JSON object, or ""
   std::string final_state;  ///< file for the CSV, or ""
   std::string record;       ///< file for a recording, or ""
+  std::string view;         ///< file for a page that plays the run, or ""
   Format format = Format::Text;
   bool errors = false;
   bool profile = false;

@@ -9,6 +9,7 @@
 #include "interrupt.h"
 #include "progress.h"
 #include "residual_meter.h"
+#include "view/film.h"
 
 namespace atl::command {
 namespace {
@@ -38,6 +39,7 @@ RunResult simulate(const Scene& scene, World& world, const std::vector<BodyId>& 
     meter.observe(step * scene.dt, body_states(world, ids),
                   meter.needs_loads() ? contact_loads(world, ids) : std::vector<ContactLoad>());
   };
+  if (keep.film != nullptr) keep.film->begin(world);
   std::vector<double> ms;
   for (int step = 1; step <= scene.steps; ++step) {
     if (keep.final_state) result.final_state.copy(world);
@@ -49,6 +51,7 @@ RunResult simulate(const Scene& scene, World& world, const std::vector<BodyId>& 
     for (std::size_t phase = 0; phase < solver_phase_count; ++phase)
       result.solver_ms[phase] += result.last.solver_ms[phase];
     result.points += static_cast<double>(result.last.counts.points);
+    if (keep.film != nullptr) keep.film->add(world, result.last, scene.dt);
     if (result.last.quarantined > 0 && !keep.going) {
       result.broken = true;
       break;

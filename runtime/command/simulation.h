@@ -9,6 +9,10 @@
 
 #include "state_csv.h"
 
+namespace atl::view {
+class Film;
+}
+
 namespace atl::command {
 
 /// Over the steps of a run, ms.
@@ -55,6 +59,7 @@ struct Keep {
   bool final_state = false;
   bool errors = false;  ///< of every step; else of the final state only
   bool going = false;   ///< whatever bodies are lost
+  view::Film* film = nullptr;
 };
 
 /// Runs a scene that was built into the world as `ids`, and measures its errors. A signal ends it after the step that

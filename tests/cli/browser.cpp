@@ -22,14 +22,28 @@ std::optional<std::string> find_browser() {
   return std::nullopt;
 }
 
-LoadedPage load_page(const std::string& browser, const std::string& file, int width) {
+LoadedPage load_page(const std::string& browser, const std::string& file, int width, const std::string& place,
+                     int seconds) {
   const ScratchDirectory profile;
-  const CommandResult result =
-      run_program({browser, "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
-                   "--disable-background-networking", "--disable-component-update", "--disable-sync",
-                   "--disable-dev-shm-usage", "--user-data-dir=" + profile.path("profile"), "--enable-logging=stderr",
-                   "--window-size=" + std::to_string(width) + ",900", "--dump-dom",
-                   "file://" + std::filesystem::absolute(file).string()});
+  std::vector<std::string> words = {browser,
+                                    "--headless",
+                                    "--no-sandbox",
+                                    "--use-angle=swiftshader",
+                                    "--enable-unsafe-swiftshader",
+                                    "--ignore-gpu-blocklist",
+                                    "--disable-quic",
+                                    "--no-first-run",
+                                    "--disable-background-networking",
+                                    "--disable-component-update",
+                                    "--disable-sync",
+                                    "--disable-dev-shm-usage",
+                                    "--user-data-dir=" + profile.path("profile"),
+                                    "--enable-logging=stderr",
+                                    "--window-size=" + std::to_string(width) + ",900"};
+  if (seconds > 0) words.push_back("--virtual-time-budget=" + std::to_string(1000 * seconds));
+  words.push_back("--dump-dom");
+  words.push_back("file://" + std::filesystem::absolute(file).string() + (place.empty() ? "" : "#" + place));
+  const CommandResult result = run_program(words);
   std::string console;
   for (const std::string& line : lines_of(result.err)) {
     if (line.find(":CONSOLE") != std::string::npos) console += line + "\n";

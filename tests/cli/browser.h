@@ -1,5 +1,5 @@
 #pragma once
-/// Loads a page in a headless Chromium, where there is one.
+/// Loads a page in a headless Chromium, where there is one. It draws in software.
 
 #include <optional>
 #include <string>
@@ -15,6 +15,8 @@ struct LoadedPage {
 /// The program, or nothing where none is installed.
 std::optional<std::string> find_browser();
 
-LoadedPage load_page(const std::string& browser, const std::string& file, int width);
+/// `place` is what follows the # of its address. Scripts have so many seconds, which pass as fast as they can.
+LoadedPage load_page(const std::string& browser, const std::string& file, int width, const std::string& place = "",
+                     int seconds = 0);
 
 }  // namespace atl::test

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+namespace atl::view {
+
+/// What a film holds of numbers. No rounded place is farther than 2^29, so that predictions from two of them fit as
+/// well.
+inline std::int32_t rounded(double value) {
+  constexpr double farthest = 1 << 29;
+  return std::isfinite(value) ? static_cast<std::int32_t>(std::lround(std::clamp(value, -farthest, farthest))) : 0;
+}
+
+/// Of a force (N, >= 0) by twelfths of a doubling: from 0.06 N to 2 MN in a byte.
+inline std::uint8_t force_code(double force) {
+  return static_cast<std::uint8_t>(std::clamp(std::lround(12 * std::log2(1 + force)), 0l, 255l));
+}
+
+}  // namespace atl::view
