@@ -121,11 +121,15 @@ Json joint_object(const FilmJoint& joint) {
           {"to", joint.to}};
 }
 
-// Shapes are JSON already.
-std::string joined(const std::vector<std::string>& texts) {
-  std::string all = "[";
-  for (const std::string& text : texts) all += (all.size() > 1 ? "," : "") + text;
-  return all + "]";
+void add_list(std::string& object, const char* name, const std::vector<std::string>& texts, const char* quote) {
+  object += std::string(",\"") + name + "\":[";
+  for (const std::string& text : texts) {
+    if (&text != &texts.front()) object += ",";
+    object += quote;
+    object += text;
+    object += quote;
+  }
+  object += "]";
 }
 
 }  // namespace
@@ -266,13 +270,15 @@ std::string Film::text() {
                {"chunk_frames", FilmChunks::most_frames},
                {"bodies", std::move(bodies)},
                {"joints", std::move(joints)},
-               {"frames", frames_object(frames_)},
-               {"chunks", chunks_.finish()},
-               {"contact_chunks", contacts_.finish()}};
+               {"frames", frames_object(frames_)}};
   if (contacts_.end()) film["contacts_end"] = *contacts_.end();
   std::string text = film.dump(-1, ' ', true, Json::error_handler_t::replace);
-  text.insert(text.size() - 1, ",\"shapes\":" + joined(shapes_.texts()));
-  return text;
+  text.pop_back();
+  // What is JSON already, and what has nothing in it that JSON would escape.
+  add_list(text, "shapes", shapes_.texts(), "");
+  add_list(text, "chunks", chunks_.finish(), "\"");
+  add_list(text, "contact_chunks", contacts_.finish(), "\"");
+  return text += "}";
 }
 
 }  // namespace atl::view

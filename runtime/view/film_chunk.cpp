@@ -76,7 +76,7 @@ void FilmChunks::end_chunk() {
     std::fill(row.begin(), row.end(), std::uint8_t{0});
   }
   packer.add(escapes_.data(), escapes_.size() * sizeof(std::int32_t));
-  done_.push_back(packer.text());
+  done_.push_back(packer.text(Packer::Likes::Runs));
   std::fill(tracks_.begin(), tracks_.end(), Track{});
   escapes_.clear();
   frames_ = 0;

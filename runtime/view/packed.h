@@ -21,7 +21,8 @@ class Packer {
     const auto* bytes = static_cast<const std::uint8_t*>(data);
     bytes_.insert(bytes_.end(), bytes, bytes + size);
   }
-  std::string text() const;
+  enum class Likes { Repeats, Runs };  ///< what is sought in the bytes: any that come again, or runs of one
+  std::string text(Likes likes = Likes::Repeats) const;
 
  private:
   std::vector<std::uint8_t> bytes_;
