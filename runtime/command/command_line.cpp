@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "bisect.h"
 #include "explain.h"
 #include "failure.h"
 #include "interrupt.h"
@@ -52,7 +53,8 @@ std::string words_of_extra(const CLI::App& app, std::span<const char* const> arg
   }
   if (!parsed.empty()) return "unexpected argument \"" + extra + "\"";
   for (const CLI::App* each : app.get_subcommands({})) names.push_back(each->get_name());
-  return "unknown command \"" + extra + "\", expected run, view, explain, replay, soak, sweep, verify or scenes" +
+  return "unknown command \"" + extra +
+         "\", expected run, view, explain, replay, bisect, soak, sweep, verify or scenes" +
          scene::suggestion(extra, views(names));
 }
 
@@ -92,6 +94,10 @@ int run_parsed(int argc, char** argv) {
       app.add_subcommand("replay", "make the calls of a recording again and tell where the state differs");
   ReplayFileOptions replay_options;
   add_replay_options(*replay, replay_options);
+  CLI::App* bisecting =
+      app.add_subcommand("bisect", "tell in which step two recordings part, in what of it, and of which bodies");
+  BisectOptions bisect_options;
+  add_bisect_options(*bisecting, bisect_options);
   CLI::App* soaking = app.add_subcommand(
       "soak", "let bodies and joints come and go for hours, in two worlds, and tell what goes wrong");
   SoakCommandOptions soak_options;
@@ -119,6 +125,7 @@ int run_parsed(int argc, char** argv) {
     if (viewing->parsed()) command::view(view_options);
     if (explanation->parsed()) command::explain(explain_options);
     if (replay->parsed()) replay_file(replay_options);
+    if (bisecting->parsed()) bisect(bisect_options);
     if (soaking->parsed()) command::soak(soak_options);
     if (sweep->parsed()) command::sweep(sweep_options);
     if (verification->parsed()) verify(verify_options);

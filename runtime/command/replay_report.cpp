@@ -14,13 +14,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t most_bodies = 10;  // that the text lists
 
-std::string words_of(const ReplayedBody& body) {
-  std::string words = "body " + std::to_string(body.id.index);
-  if (body.id.generation > 0) words += " (generation " + std::to_string(body.id.generation) + ")";
-  for (const std::string& part : body.parts) words += (&part == &body.parts.front() ? ": " : ", ") + part;
-  return words;
-}
-
 // What differs where no body is known to.
 std::string other_words(const ReplayDivergence& divergence) {
   if (!divergence.bodies_step) return "the recording doesn't tell of which bodies";
@@ -43,13 +36,20 @@ Json divergence_json(const ReplayDivergence& divergence) {
 
 }  // namespace
 
+std::string body_words(const ReplayedBody& body) {
+  std::string words = "body " + std::to_string(body.id.index);
+  if (body.id.generation > 0) words += " (generation " + std::to_string(body.id.generation) + ")";
+  for (const std::string& part : body.parts) words += (&part == &body.parts.front() ? ": " : ", ") + part;
+  return words;
+}
+
 std::string first_words(const ReplayDivergence& divergence) {
   std::string words = "step " + std::to_string(divergence.step);
   if (divergence.bodies.empty()) return words + ", " + other_words(divergence);
   if (*divergence.bodies_step > divergence.step) {
     words += ", and by step " + std::to_string(*divergence.bodies_step);
   }
-  return words + ", " + words_of(divergence.bodies.front());
+  return words + ", " + body_words(divergence.bodies.front());
 }
 
 void write_replay_text(std::ostream& out, const ReplayFileOptions& options, const ReplayResult& result) {
@@ -70,7 +70,7 @@ void write_replay_text(std::ostream& out, const ReplayFileOptions& options, cons
   out << "\n";
   const std::string indent(11, ' ');
   for (std::size_t i = 0; i < std::min(count, most_bodies); ++i)
-    out << indent << words_of(divergence.bodies[i]) << "\n";
+    out << indent << body_words(divergence.bodies[i]) << "\n";
   if (count > most_bodies) out << indent << "and " << count - most_bodies << " more\n";
 }
 

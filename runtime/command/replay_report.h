@@ -9,6 +9,9 @@
 
 namespace atl::command {
 
+/// `body 17: pose, contacts`.
+std::string body_words(const ReplayedBody& body);
+
 /// `step 41, body 17: pose, contacts`.
 std::string first_words(const ReplayDivergence& divergence);
 

@@ -109,6 +109,7 @@ void view(const ViewOptions& options) {
     throw Failure(Status::Usage, "--from, --to: found a scene, expected a recording (a scene has --steps)");
   }
   view::Film film({.name = recorded ? file_of(options.scene.text) : scene->name,
+                   .place = options.place,
                    .first_step = options.from,
                    .stride = options.stride});
   if (recorded) {

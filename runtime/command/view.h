@@ -21,6 +21,7 @@ struct ViewOptions {
   int stride = 1;              ///< steps a frame
   int from = 0;                ///< step: the first frame is the state after it
   std::optional<int> to = {};  ///< step: the last one
+  std::string place;           ///< what the page shows first, as after the # of its address
 };
 
 /// Declares the options, to be parsed into `options`, which has to outlive the parsing.

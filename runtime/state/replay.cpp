@@ -44,9 +44,12 @@ void make_call(std::size_t wanted, StateReader& reader, World& world) {
   }
 }
 
-// Two lists in order of ids.
-std::vector<ReplayedBody> differences(const std::vector<RecordedBody>& recorded,
-                                      const std::vector<RecordedBody>& found) {
+constexpr StateSource record_source = {"", "record", "World::record", true};
+
+}  // namespace
+
+std::vector<ReplayedBody> differing_bodies(const std::vector<RecordedBody>& recorded,
+                                           const std::vector<RecordedBody>& found) {
   std::vector<ReplayedBody> result;
   auto a = recorded.begin();
   auto b = found.begin();
@@ -64,15 +67,16 @@ std::vector<ReplayedBody> differences(const std::vector<RecordedBody>& recorded,
   return result;
 }
 
-constexpr StateSource record_source = {"", "record", "World::record", true};
-
-}  // namespace
-
 Replay::Replay(const std::string& path, const ReplayOptions& machine)
     : reader_(path), world_({.threads = machine.threads, .settings = {.simd = machine.simd}}) {
   result_.recorded_steps = reader_.steps();
   result_.complete = reader_.complete();
   result_.simd = world_.simd();
+  make_calls();
+  if (!begun_) reader_.fail("found no state to begin with; expected a recording that holds one");
+}
+
+void Replay::make_calls() {
   while (next()) {
     if (reader_.kind() == RecordKind::Step) {
       put_back_ = true;
@@ -80,8 +84,9 @@ Replay::Replay(const std::string& path, const ReplayOptions& machine)
     }
     if (!take_next()) break;
   }
-  if (!begun_) reader_.fail("found no state to begin with; expected a recording that holds one");
 }
+
+std::vector<RecordedBody> Replay::bodies() const { return recorded_bodies(world_.impl_->stores); }
 
 bool Replay::advance() {
   bool stepped = false;
@@ -283,7 +288,7 @@ void Replay::compare_bodies(StateReader& record) {
   visit_recorded_bodies(record, recorded);
   if (!result_.divergence || result_.divergence->bodies_step) return;
   result_.divergence->bodies_step = result_.steps;
-  result_.divergence->bodies = differences(recorded, recorded_bodies(world_.impl_->stores));
+  result_.divergence->bodies = differing_bodies(recorded, bodies());
 }
 
 ReplayResult replay(const std::string& path, const ReplayOptions& options) {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "state/geometry_state.h"
+#include "state/recorder.h"
 #include "state/recording_file.h"
 #include "state/state_archive.h"
 #include "state/world_definition_state.h"
@@ -20,6 +21,10 @@
 #include "world/body_definition.h"
 
 namespace atl {
+
+/// Which bodies differ, and in what, of two lists in order of ids.
+std::vector<ReplayedBody> differing_bodies(const std::vector<RecordedBody>& recorded,
+                                           const std::vector<RecordedBody>& found);
 
 /// A recording, and the world in which it is done again, step by step: see recorder.h for what is in it. Throws Error,
 /// as replay() says.
@@ -40,14 +45,16 @@ class Replay {
   /// Makes the calls up to the next step, that step, and compares what it came to. False at the end of the recording,
   /// or where it can't go on as the state is another.
   bool advance();
+  /// Makes the calls up to the next step alone.
+  void make_calls();
   /// Whether it is known of which bodies the state differs, or that it is of none.
   bool knows_difference() const { return result_.divergence && result_.divergence->bodies_step; }
 
   Mark mark() const;
   void go_back(const Mark& mark);
 
-  World& world() { return world_; }
   const World& world() const { return world_; }
+  std::vector<RecordedBody> bodies() const;
   /// Of the last step; what it says is of no use before the first, and after go_back().
   const StepReport& report() const { return report_; }
   double dt() const { return dt_; }  ///< s, of that step

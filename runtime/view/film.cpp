@@ -265,6 +265,7 @@ std::string Film::text() {
   for (const FilmBody& body : bodies_) bodies.push_back(body_object(body));
   for (const FilmJoint& joint : joints_) joints.push_back(joint_object(joint));
   Json film = {{"name", options_.name},
+               {"place", options_.place},
                {"precision", precision_},
                {"turn_units", FilmChunks::turn_units},
                {"chunk_frames", FilmChunks::most_frames},

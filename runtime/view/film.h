@@ -25,6 +25,7 @@ namespace atl::view {
 
 struct FilmOptions {
   std::string name = {};        ///< of the run, for the page's title
+  std::string place = {};       ///< what the page shows first, as after the # of its address
   std::int64_t first_step = 0;  ///< steps made ahead of the first frame
   int stride = 1;               ///< steps a frame, >= 1
   /// m, > 0: what places are rounded to. By default a 1000th of the size of the middle one of the dynamic bodies that

@@ -176,5 +176,25 @@ TEST(CommandReplay, ARecordingNeedsAFileOfItsOwn) {
   EXPECT_EQ(crate.files(), std::vector<std::string>{"crates.json"});
 }
 
+TEST(Bisect, TellsWhereTwoRunsPartAndShowsIt) {
+  const ScratchDirectory scratch;
+  const std::string plain = scratch.path("a.rec"), other = scratch.path("b.rec"), page = scratch.path("parting.html");
+  ASSERT_EQ(run_atoll({"run", "stack:height=3", "--steps", "90", "--record", plain}).status, 0);
+  ASSERT_EQ(run_atoll({"run", "stack:height=3", "--steps", "90", "--iterations", "3", "--record", other}).status, 0);
+  const CommandResult same = run_atoll({"bisect", plain, plain});
+  EXPECT_EQ(same.status, 0) << same.err;
+  EXPECT_NE(same.out.find("same in 90 steps, bit for bit"), std::string::npos) << same.out;
+
+  const CommandResult parted = run_atoll({"bisect", plain, other, "--view", page});
+  EXPECT_EQ(parted.status, 1);
+  EXPECT_NE(parted.out.find("part       by calls ahead of step 1 (2 replays)"), std::string::npos) << parted.out;
+  EXPECT_NE(parted.err.find("parts from " + plain + " by calls ahead of step 1"), std::string::npos) << parted.err;
+  EXPECT_NE(parted.out.find("bodies     part in solve_islands of step "), std::string::npos) << parted.out;
+  EXPECT_NE(read_text(page).find("\"place\":\"step="), std::string::npos);
+
+  EXPECT_EQ(run_atoll({"bisect", plain, "/nowhere"}).status, 3);
+  EXPECT_EQ(run_atoll({"bisect", plain}).status, 2);
+}
+
 }  // namespace
 }  // namespace atl::test

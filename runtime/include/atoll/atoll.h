@@ -13,6 +13,7 @@
 #include <atoll/joint.h>
 #include <atoll/quarantine.h>
 #include <atoll/queries.h>
+#include <atoll/parting.h>
 #include <atoll/playback.h>
 #include <atoll/recording.h>
 #include <atoll/report.h>

@@ -32,7 +32,7 @@ class Player {
     this.tellFacts();
     this.connect();
     await this.stage.build(await film.loadFrame(0));
-    const wanted = new URLSearchParams(location.hash.slice(1));
+    const wanted = new URLSearchParams(location.hash.slice(1) || film.data.place);
     const frame = wanted.has('step') ? film.frameOf(Number(wanted.get('step'))) : 0;
     if (colourings[wanted.get('colour')]) byId('colour').value = wanted.get('colour');
     for (const look of ['contacts', 'joints', 'boxes']) byId(look).checked = wanted.has(look);

@@ -1,0 +1,100 @@
+// Where two recordings part.
+
+#include <atoll/error.h>
+#include <atoll/parting.h>
+#include <features/with_recording.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "state/recorder.h"
+#include "state/replay.h"
+#include "world/left_out.h"
+#include "world/world_impl.h"
+
+namespace atl {
+namespace {
+
+// Of the states after each step that has one: the hash of the last that was told before the next step, by steps made.
+std::vector<std::uint64_t> recorded_hashes(const std::string& path) {
+  RecordingReader reader(path);
+  std::vector<std::uint64_t> hashes(1, 0);
+  while (reader.next()) {
+    if (reader.kind() == RecordKind::Step) hashes.push_back(0);
+    if (reader.kind() != RecordKind::Hash) continue;
+    StateReader record(reader.content(), {"", "record", "World::record", true});
+    record.value(hashes.back());
+  }
+  return hashes;
+}
+
+// At the state after so many steps.
+void take_to(Replay& replay, const std::string& path, std::int64_t step) {
+  while (replay.result().steps < step && replay.advance()) {
+  }
+  if (const auto& divergence = replay.result().divergence) {
+    throw Error("find_parting: " + path + " comes to other states here than it holds, from step " +
+                std::to_string(divergence->step) + " on; expected a recording that is replayed to the same bits");
+  }
+}
+
+// The first of a step's results that differs. What differs in bodies alone is the solver's, or if it is none of their
+// motion, of what ends the step.
+Phase differing_phase(const StepReport& a, const StepReport& b, const std::vector<ReplayedBody>& bodies) {
+  const auto differ = [&](auto... count) { return ((a.counts.*count != b.counts.*count) || ...); };
+  using Counts = StepCounts;
+  if (differ(&Counts::active_bodies)) return Phase::Plan;
+  if (differ(&Counts::pairs, &Counts::aabb_updates, &Counts::filtered_pairs)) return Phase::FindPairs;
+  if (differ(&Counts::contacts, &Counts::points, &Counts::recycled_manifolds, &Counts::recomputed_manifolds,
+             &Counts::id_matches, &Counts::asked_contacts)) {
+    return Phase::UpdateContacts;
+  }
+  if (differ(&Counts::islands, &Counts::joints, &Counts::groups)) return Phase::BuildIslands;
+  if (differ(&Counts::swept, &Counts::stopped)) return Phase::SweepFastBodies;
+  const bool motion = std::any_of(bodies.begin(), bodies.end(), [](const ReplayedBody& body) {
+    return std::any_of(body.parts.begin(), body.parts.end(), [](const std::string& part) {
+      return part == "pose" || part == "velocity" || part == "contacts" || part == "joints";
+    });
+  });
+  return motion ? Phase::SolveIslands : Phase::Finish;
+}
+
+}  // namespace
+
+PartingResult find_parting(const std::string& first, const std::string& second, const PartingOptions& options) {
+  if constexpr (!with_recording) throw_left_out("find_parting is called", "recordings", "RECORDING");
+  const std::vector<std::uint64_t> a = recorded_hashes(first), b = recorded_hashes(second);
+  PartingResult result{.steps = static_cast<std::int64_t>(std::min(a.size(), b.size())) - 1};
+  // Ahead of the first step there may be a hash or none.
+  const auto common = static_cast<std::ptrdiff_t>(result.steps) + 1;
+  const auto parted = std::mismatch(a.begin() + 1, a.begin() + common, b.begin() + 1).first;
+  if (parted == a.begin() + common) return result;
+
+  Parting parting{.step = parted - a.begin()};
+  const ReplayOptions machine{.threads = options.threads, .simd = options.simd};
+  Replay one(first, machine), other(second, machine);
+  result.replays = 2;
+  take_to(one, first, parting.step - 1);
+  take_to(other, second, parting.step - 1);
+  one.make_calls();
+  other.make_calls();
+  const auto compare = [&] { return differing_bodies(one.bodies(), other.bodies()); };
+  parting.by_calls = one.world().state_hash() != other.world().state_hash();
+  parting.bodies = compare();
+  // Where nothing of a body is different yet, that is what the first step does that finds any.
+  while (parting.bodies.empty() && one.advance() && other.advance()) {
+    parting.bodies = compare();
+    parting.phase = differing_phase(one.report(), other.report(), parting.bodies);
+  }
+  if (parting.bodies.empty()) {
+    parting.phase.reset();
+  } else {
+    parting.bodies_step = std::max(parting.step, one.result().steps);
+  }
+  result.parting = std::move(parting);
+  return result;
+}
+
+}  // namespace atl
