@@ -6,7 +6,9 @@
 #include <atoll/world.h>
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <iostream>
+#include <optional>
 
 #include "failure.h"
 #include "interrupt.h"
@@ -17,6 +19,7 @@
 #include "standard_streams.h"
 #include "view/film.h"
 #include "view/film_page.h"
+#include "view/still.h"
 
 namespace atl::command {
 namespace {
@@ -45,16 +48,66 @@ void film_recording(const ViewOptions& options, view::Film& film) {
   }
 }
 
-void film_scene(const ViewOptions& options, Scene scene, view::Film& film) {
-  scene.settings.simd = options.simd;
-  std::optional<World> world;
+World world_of(const ViewOptions& options, const Scene& scene) {
+  Settings settings = scene.settings;
+  settings.simd = options.simd;
   try {
-    world.emplace(WorldDef{.gravity = scene.gravity, .threads = options.threads, .settings = scene.settings});
+    return World({.gravity = scene.gravity, .threads = options.threads, .settings = settings});
   } catch (const Error& error) {
     throw Failure(Status::Usage, error.what());
   }
-  const std::vector<BodyId> ids = build_scene(scene, *world);
-  simulate(scene, *world, ids, {.going = true, .film = &film});
+}
+
+void film_scene(const ViewOptions& options, const Scene& scene, view::Film& film) {
+  World world = world_of(options, scene);
+  const std::vector<BodyId> ids = build_scene(scene, world);
+  simulate(scene, world, ids, {.going = true, .film = &film});
+}
+
+bool is_svg(const std::string& path) { return std::filesystem::path(path).extension() == ".svg"; }
+
+OutputFile image_file(const std::string& path) {
+  if (!is_svg(path) && std::filesystem::path(path).extension() != ".png") {
+    throw Failure(Status::Usage, "--image: found \"" + path + "\", expected a file that ends in .png or .svg");
+  }
+  return {"--image", path};
+}
+
+void draw(const ViewOptions& options, const World& world, std::int64_t step, const OutputFile& file) {
+  const view::Still still(world);
+  file.write([&](std::ostream& out) { is_svg(options.image) ? still.write_svg(out) : still.write_png(out); });
+  std::cout << options.image << ": after step " << step << "\n";
+}
+
+[[noreturn]] void fail_step(int found, std::int64_t last) {
+  throw Failure(Status::Usage, "--step: found " + std::to_string(found) + ", expected at most " + std::to_string(last) +
+                                   ", the last step");
+}
+
+void draw_recording(const ViewOptions& options, const OutputFile& file) {
+  try {
+    Playback playback(options.scene.text, {.threads = options.threads, .simd = options.simd, .key_frame_bytes = 0});
+    if (options.step && *options.step > playback.steps()) fail_step(*options.step, playback.steps());
+    playback.seek(options.step ? *options.step : playback.steps());
+    draw(options, playback.world(), playback.step(), file);
+  } catch (const Error& error) {
+    throw Failure(Status::BadScene, error.what());
+  }
+}
+
+void draw_scene(const ViewOptions& options, const Scene& scene, const OutputFile& file) {
+  if (options.step && *options.step > scene.steps) fail_step(*options.step, scene.steps);
+  World world = world_of(options, scene);
+  const std::vector<BodyId> ids = build_scene(scene, world);
+  const int last = options.step.value_or(scene.steps);
+  Progress progress(last);
+  int step = 0;
+  for (; step < last && !interrupted(); ++step) {
+    apply_forces(scene, world, ids);
+    world.step(scene.dt);
+    progress.update(step + 1);
+  }
+  draw(options, world, step, file);
 }
 
 }  // namespace
@@ -66,7 +119,14 @@ void add_view_options(CLI::App& command, ViewOptions& options) {
   command.add_option("-o,--page", options.page, "page to write")
       ->check(file_name())
       ->type_name("FILE.html")
-      ->required()
+      ->group(output);
+  command.add_option("--image", options.image, "picture to write, as the ending says")
+      ->check(file_name())
+      ->type_name("FILE.png|.svg")
+      ->group(output);
+  command.add_option("--step", options.step, "of which state the picture is: after so many steps (default: the last)")
+      ->check(integer_in(0, most_steps))
+      ->type_name("STEP")
       ->group(output);
   command.add_option("--every", options.stride, "show every so many steps (default: 1)")
       ->check(integer_in(1, most_steps))
@@ -86,6 +146,7 @@ void add_view_options(CLI::App& command, ViewOptions& options) {
       "as run.html#step=120&body=7&colour=force&contacts.\n"
       "\nExamples:\n"
       "  atoll view ragdolls -o ragdolls.html\n"
+      "  atoll view pile:bodies=500 --image pile.png --step 100\n"
       "  atoll run pile --record pile.rec && atoll view pile.rec -o pile.html");
 }
 
@@ -101,25 +162,39 @@ void write_film(const OutputFile& file, view::Film& film) {
 }
 
 void view(const ViewOptions& options) {
-  const OutputFile page = page_file("--page", options.page);
+  if (options.page.empty() && options.image.empty()) {
+    throw Failure(Status::Usage, "view: found nothing to write, expected --page or --image");
+  }
+  std::optional<OutputFile> page, image;
+  if (!options.page.empty()) page.emplace(page_file("--page", options.page));
+  if (!options.image.empty()) image.emplace(image_file(options.image));
   const bool recorded = is_recording(options.scene.text);
   std::optional<Scene> scene;
   if (!recorded) scene = load(options.scene);
   if (!recorded && (options.from > 0 || options.to)) {
     throw Failure(Status::Usage, "--from, --to: found a scene, expected a recording (a scene has --steps)");
   }
-  view::Film film({.name = recorded ? file_of(options.scene.text) : scene->name,
-                   .place = options.place,
-                   .first_step = options.from,
-                   .stride = options.stride});
-  if (recorded) {
-    film_recording(options, film);
-  } else {
-    film_scene(options, *scene, film);
+  if (page) {
+    view::Film film({.name = recorded ? file_of(options.scene.text) : scene->name,
+                     .place = options.place,
+                     .first_step = options.from,
+                     .stride = options.stride});
+    if (recorded) {
+      film_recording(options, film);
+    } else {
+      film_scene(options, *scene, film);
+    }
+    write_film(*page, film);
+    std::cout << options.page << ": " << plural(static_cast<std::int64_t>(film.frames()), "frame") << ", "
+              << plural(static_cast<std::int64_t>(film.bodies().size()), "body", "bodies") << "\n";
   }
-  write_film(page, film);
-  std::cout << options.page << ": " << plural(static_cast<std::int64_t>(film.frames()), "frame") << ", "
-            << plural(static_cast<std::int64_t>(film.bodies().size()), "body", "bodies") << "\n";
+  if (image) {
+    if (recorded) {
+      draw_recording(options, *image);
+    } else {
+      draw_scene(options, *scene, *image);
+    }
+  }
   finish_output();
 }
 

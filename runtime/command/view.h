@@ -17,11 +17,13 @@ struct ViewOptions {
   SceneOptions scene;  ///< its text may also name a recording
   int threads = 1;
   Simd simd = Simd::Auto;
-  std::string page;            ///< file to write
-  int stride = 1;              ///< steps a frame
-  int from = 0;                ///< step: the first frame is the state after it
-  std::optional<int> to = {};  ///< step: the last one
-  std::string place;           ///< what the page shows first, as after the # of its address
+  std::string page;              ///< file to write, or ""
+  std::string image;             ///< .png or .svg file to write, or ""
+  std::optional<int> step = {};  ///< of the image: the state after it, by default the last
+  int stride = 1;                ///< steps a frame
+  int from = 0;                  ///< step: the first frame is the state after it
+  std::optional<int> to = {};    ///< step: the last one
+  std::string place;             ///< what the page shows first, as after the # of its address
 };
 
 /// Declares the options, to be parsed into `options`, which has to outlive the parsing.

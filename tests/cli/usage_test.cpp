@@ -89,8 +89,9 @@ TEST(CommandUsage, ScenesListsAllWithParameters) {
 }
 
 TEST(CommandUsage, RefusesBadArguments) {
-  expect_refused(run_atoll({"walk"}), 2,
-                 {"unknown command \"walk\", expected run, explain, replay, soak, sweep, verify or scenes"});
+  expect_refused(
+      run_atoll({"walk"}), 2,
+      {"unknown command \"walk\", expected run, view, explain, replay, bisect, soak, sweep, verify or scenes"});
   expect_refused(run_atoll({"rnu", "pile"}), 2, {"unknown command \"rnu\"", "did you mean \"run\"?"});
   expect_refused(run_atoll({"run"}), 2, {"SCENE"});
   expect_refused(run_atoll({"run", "stack", "wall"}), 2, {"wall"});

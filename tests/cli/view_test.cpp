@@ -229,5 +229,38 @@ TEST(View, AStepOfARecordingBecomesAScene) {
   }
 }
 
+// Of the state after a step, the same of a scene and of its recording, on any machine.
+TEST(Still, IsOfTheStepThatIsAskedFor) {
+  const ScratchDirectory scratch;
+  const std::string recording = scratch.path("run.rec");
+  ASSERT_EQ(run_atoll({"run", "pile:bodies=40", "--steps", "80", "--record", recording}).status, 0);
+  const auto picture = [&](const std::string& of, const std::string& name, const std::string& step,
+                           const std::string& simd = "auto") {
+    const std::string path = scratch.path(name);
+    const CommandResult made = run_atoll({"view", of, "--image", path, "--step", step, "--simd", simd});
+    EXPECT_EQ(made.status, 0) << made.err;
+    EXPECT_EQ(made.out, path + ": after step " + step + "\n");
+    return read_text(path);
+  };
+  const std::string png = picture("pile:bodies=40", "a.png", "70");
+  EXPECT_EQ(png.substr(1, 3), "PNG");
+  EXPECT_GT(png.size(), 10'000u);
+  EXPECT_EQ(picture(recording, "b.png", "70"), png);
+  EXPECT_EQ(picture(recording, "c.png", "70", "portable"), png);
+  EXPECT_NE(picture(recording, "d.png", "20"), png);
+
+  const std::string svg = picture(recording, "a.svg", "70");
+  EXPECT_EQ(svg.substr(0, 4), "<svg");
+  std::size_t faces = 0;
+  for (std::size_t at = svg.find("<path"); at != std::string::npos; at = svg.find("<path", at + 1)) ++faces;
+  // Of 40 boxes and the container's front sides; at most three sides of a box show, of two triangles each.
+  EXPECT_GT(faces, 40u);
+  EXPECT_LE(faces, 40u * 6 + 10);
+
+  EXPECT_EQ(run_atoll({"view", recording, "--image", scratch.path("a.gif")}).status, 2);
+  EXPECT_EQ(run_atoll({"view", recording, "--image", scratch.path("a.png"), "--step", "81"}).status, 2);
+  EXPECT_EQ(run_atoll({"view", recording}).status, 2);
+}
+
 }  // namespace
 }  // namespace atl::test
