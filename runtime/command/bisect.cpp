@@ -17,9 +17,7 @@
 namespace atl::command {
 namespace {
 
-constexpr std::size_t most_bodies = 10;  // that are listed
-constexpr int shown_before = 60;         // steps of the page ahead of that
-constexpr int shown_after = 60;          // steps
+constexpr int shown_before = 60, shown_after = 60;  // steps of the page
 
 PartingResult parting_of(const BisectOptions& options) {
   try {
@@ -49,12 +47,7 @@ void write_text(std::ostream& out, const BisectOptions& options, const PartingRe
       << "part       " << where_words(parting) << " (" << plural(result.replays, "replay") << ")\n";
   if (parting.bodies_step.value_or(-1) != parting.step) out << "           " << beside_bodies << "\n";
   if (parting.by_calls && parting.phase) out << "bodies     part " << of_step(parting, *parting.bodies_step) << "\n";
-  for (std::size_t i = 0; i < std::min(parting.bodies.size(), most_bodies); ++i) {
-    out << "           " << body_words(parting.bodies[i]) << "\n";
-  }
-  if (parting.bodies.size() > most_bodies) {
-    out << "           and " << parting.bodies.size() - most_bodies << " more\n";
-  }
+  write_bodies(out, parting.bodies);
 }
 
 // The second run around the step, beginning with it, and with the first body that differs picked.

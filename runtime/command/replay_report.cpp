@@ -43,6 +43,12 @@ std::string body_words(const ReplayedBody& body) {
   return words;
 }
 
+void write_bodies(std::ostream& out, const std::vector<ReplayedBody>& bodies) {
+  const std::string indent(11, ' ');
+  for (std::size_t i = 0; i < std::min(bodies.size(), most_bodies); ++i) out << indent << body_words(bodies[i]) << "\n";
+  if (bodies.size() > most_bodies) out << indent << "and " << bodies.size() - most_bodies << " more\n";
+}
+
 std::string first_words(const ReplayDivergence& divergence) {
   std::string words = "step " + std::to_string(divergence.step);
   if (divergence.bodies.empty()) return words + ", " + other_words(divergence);
@@ -68,10 +74,7 @@ void write_replay_text(std::ostream& out, const ReplayFileOptions& options, cons
       << (count == 0 ? other_words(divergence) : plural(static_cast<std::int64_t>(count), "body", "bodies"));
   if (count > 0 && *divergence.bodies_step > divergence.step) out << " by step " << *divergence.bodies_step;
   out << "\n";
-  const std::string indent(11, ' ');
-  for (std::size_t i = 0; i < std::min(count, most_bodies); ++i)
-    out << indent << body_words(divergence.bodies[i]) << "\n";
-  if (count > most_bodies) out << indent << "and " << count - most_bodies << " more\n";
+  write_bodies(out, divergence.bodies);
 }
 
 void write_replay_json(std::ostream& out, const ReplayFileOptions& options, const ReplayResult& result) {

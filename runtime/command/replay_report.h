@@ -4,6 +4,7 @@
 
 #include <iosfwd>
 #include <string>
+#include <vector>
 
 #include "replay.h"
 
@@ -11,6 +12,8 @@ namespace atl::command {
 
 /// `body 17: pose, contacts`.
 std::string body_words(const ReplayedBody& body);
+/// A line each, the first few of them, and how many more there are.
+void write_bodies(std::ostream& out, const std::vector<ReplayedBody>& bodies);
 
 /// `step 41, body 17: pose, contacts`.
 std::string first_words(const ReplayDivergence& divergence);

@@ -50,14 +50,6 @@ Outputs check_outputs(const RunOptions& options) {
   return outputs;
 }
 
-World make_world(const RunOptions& options, const Scene& scene) {
-  try {
-    return World({.gravity = scene.gravity, .threads = options.threads, .settings = scene.settings});
-  } catch (const Error& error) {
-    throw Failure(Status::Usage, error.what());
-  }
-}
-
 // Does that with the recording, if there is one.
 template <typename Act>
 void with_recording(const Outputs& outputs, const Act& act) {
@@ -135,7 +127,7 @@ void print(const RunOptions& options, const Scene& scene, const World& world, co
 void run(const RunOptions& options) {
   const Outputs outputs = check_outputs(options);
   const Scene scene = load(options);
-  World world = make_world(options, scene);
+  World world = make_world(scene, options.threads);
   begin_recording(outputs, world);
   const std::vector<BodyId> ids = add_bodies(scene, world);
 

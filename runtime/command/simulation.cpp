@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "failure.h"
 #include "interrupt.h"
 #include "progress.h"
 #include "residual_meter.h"
@@ -29,6 +30,14 @@ std::size_t place_of(BodyId id, const std::vector<BodyId>& ids) {
 }
 
 }  // namespace
+
+World make_world(const Scene& scene, int threads) {
+  try {
+    return World({.gravity = scene.gravity, .threads = threads, .settings = scene.settings});
+  } catch (const Error& error) {
+    throw Failure(Status::Usage, error.what());
+  }
+}
 
 RunResult simulate(const Scene& scene, World& world, const std::vector<BodyId>& ids, const Keep& keep) {
   RunResult result;

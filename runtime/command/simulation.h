@@ -62,6 +62,9 @@ struct Keep {
   view::Film* film = nullptr;
 };
 
+/// A world for the scene, with nothing in it. Throws Failure on what this machine lacks.
+World make_world(const Scene& scene, int threads);
+
 /// Runs a scene that was built into the world as `ids`, and measures its errors. A signal ends it after the step that
 /// is under way, or the first: what there is by then is measured all the same.
 RunResult simulate(const Scene& scene, World& world, const std::vector<BodyId>& ids, const Keep& keep);

@@ -48,18 +48,8 @@ void film_recording(const ViewOptions& options, view::Film& film) {
   }
 }
 
-World world_of(const ViewOptions& options, const Scene& scene) {
-  Settings settings = scene.settings;
-  settings.simd = options.simd;
-  try {
-    return World({.gravity = scene.gravity, .threads = options.threads, .settings = settings});
-  } catch (const Error& error) {
-    throw Failure(Status::Usage, error.what());
-  }
-}
-
 void film_scene(const ViewOptions& options, const Scene& scene, view::Film& film) {
-  World world = world_of(options, scene);
+  World world = make_world(scene, options.threads);
   const std::vector<BodyId> ids = build_scene(scene, world);
   simulate(scene, world, ids, {.going = true, .film = &film});
 }
@@ -97,7 +87,7 @@ void draw_recording(const ViewOptions& options, const OutputFile& file) {
 
 void draw_scene(const ViewOptions& options, const Scene& scene, const OutputFile& file) {
   if (options.step && *options.step > scene.steps) fail_step(*options.step, scene.steps);
-  World world = world_of(options, scene);
+  World world = make_world(scene, options.threads);
   const std::vector<BodyId> ids = build_scene(scene, world);
   const int last = options.step.value_or(scene.steps);
   Progress progress(last);
@@ -170,7 +160,10 @@ void view(const ViewOptions& options) {
   if (!options.image.empty()) image.emplace(image_file(options.image));
   const bool recorded = is_recording(options.scene.text);
   std::optional<Scene> scene;
-  if (!recorded) scene = load(options.scene);
+  if (!recorded) {
+    scene = load(options.scene);
+    scene->settings.simd = options.simd;
+  }
   if (!recorded && (options.from > 0 || options.to)) {
     throw Failure(Status::Usage, "--from, --to: found a scene, expected a recording (a scene has --steps)");
   }

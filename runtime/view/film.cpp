@@ -153,9 +153,10 @@ void Film::add_frame(const World& world, const StepReport* report) {
     frame.asleep = report->counts.asleep;
   }
   contacts_.begin_frame(precision_);
-  number_bodies(world);
+  const std::vector<BodyId> ids = world.bodies();
+  number_bodies(world, ids);
   sights_.assign(bodies_.size(), {});
-  note_bodies(world);
+  note_bodies(world, ids);
   note_joints(world, frame);
   note_forces(world, frame);
   chunks_.add_frame(sights_, precision_);
@@ -163,9 +164,9 @@ void Film::add_frame(const World& world, const StepReport* report) {
   frames_.push_back(frame);
 }
 
-// Bodies that are new, or have another shape or type than they had, which makes them others.
-void Film::number_bodies(const World& world) {
-  for (const BodyId id : world.bodies()) {
+// Those that are new. Each is shown in the shape in which it came.
+void Film::number_bodies(const World& world, const std::vector<BodyId>& ids) {
+  for (const BodyId id : ids) {
     if (numbers_.size() <= id.index) numbers_.resize(id.index + 1, no_number);
     std::uint32_t& number = numbers_[id.index];
     if (number != no_number && bodies_[number].id == id) continue;
@@ -181,8 +182,7 @@ void Film::number_bodies(const World& world) {
   }
 }
 
-void Film::note_bodies(const World& world) {
-  const std::vector<BodyId> ids = world.bodies();
+void Film::note_bodies(const World& world, const std::vector<BodyId>& ids) {
   const Eigen::Matrix3Xd origins = world.origins();
   const Eigen::Map<const Eigen::Matrix4Xd> turns = world.orientations();
   for (const BodyId id : ids) {

@@ -85,10 +85,10 @@ class Film {
 
  private:
   void add_frame(const World& world, const StepReport* report);
-  void number_bodies(const World& world);
+  void number_bodies(const World& world, const std::vector<BodyId>& ids);
   void note_joints(const World& world, FilmFrame& frame);
   void note_forces(const World& world, FilmFrame& frame);
-  void note_bodies(const World& world);
+  void note_bodies(const World& world, const std::vector<BodyId>& ids);
 
   FilmOptions options_;
   double precision_ = 0;
