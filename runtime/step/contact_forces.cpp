@@ -1,4 +1,7 @@
+#include <jobs/prefetch.h>
 #include <solver/integrate/motion_locks.h>
+
+#include <algorithm>
 
 #include "step/results.h"
 #include "world/bodies.h"
@@ -7,7 +10,58 @@ namespace atl {
 
 namespace {
 
+// Contacts, by which their memory is asked for before they are looked at, as they lie anywhere.
+constexpr std::size_t ahead = 16;
+
 Vector3 vector3(const auto& v) { return {v[0], v[1], v[2]}; }
+
+Vector3 normal_of(const Stores& world, std::uint32_t first, std::uint32_t second,
+                  const collision::ContactManifold& manifold) {
+  Vector3 normal = vector3(manifold.normal);
+  // What stays in a plane is pushed within it.
+  if (const int plane = solver::shared_plane(world.bodies, first, second); plane >= 0) {
+    normal[plane] = 0;
+    normal.normalize();
+  }
+  return normal;
+}
+
+// All contacts with points, in order. The span ends with the vector or the phase's next update.
+std::span<const solver::TouchingPair> all_touching(Stores& world, const ContactPhase& phase,
+                                                   const collision::NarrowphaseKernels& kernels, jobs::Arena& arena,
+                                                   std::vector<solver::TouchingPair>& found) {
+  if (world.clock.last_substep == 0) return {};
+  if (phase.touching_is_all(world)) return phase.touching();
+  place_idle_contacts(world, kernels, arena);
+  const std::span<const std::uint32_t> slots = world.cache.all_in_order();
+  for (std::size_t i = 0; i < slots.size(); ++i) {
+    if (i + ahead < slots.size()) jobs::prefetch(world.cache.contacts[slots[i + ahead]].pair);
+    const collision::Contact& contact = world.cache.contacts[slots[i]];
+    if (contact.count > 0) found.push_back({contact.body_first, contact.body_second, slots[i]});
+  }
+  return found;
+}
+
+// Forces of a manifold's points, of which impulses are those of the last substep.
+class PointForces {
+ public:
+  PointForces(const Stores& world, const collision::ContactManifold& manifold)
+      : manifold_(manifold), per_impulse_(1 / world.clock.last_substep) {
+    for (const float impulse : manifold.normal_impulse) total_ += static_cast<double>(impulse);
+  }
+
+  bool are_any() const { return total_ > 0; }
+  bool is_pressed(std::size_t point) const { return manifold_.normal_impulse[point] > 0; }
+  double normal(std::size_t point) const { return manifold_.normal_impulse[point] * per_impulse_; }
+  Vector3 friction(std::size_t point) const {
+    return vector3(manifold_.friction_impulse) * (per_impulse_ * manifold_.normal_impulse[point] / total_);
+  }
+
+ private:
+  const collision::ContactManifold& manifold_;
+  double per_impulse_;  // 1/s
+  double total_ = 0;    // N s
+};
 
 }  // namespace
 
@@ -19,43 +73,73 @@ ManifoldPlace place_of(const Stores& world, const collision::Contact& contact,
                        const collision::ContactManifold& manifold) {
   const collision::Tangents frame = collision::tangents(manifold.normal);
   // Where the contact was as the step started: the bodies have moved since, by far less than their size.
-  ManifoldPlace place{.centre = world.bodies.position(contact.body_first) + vector3(manifold.anchor_first),
-                      .tangents = {vector3(frame.first), vector3(frame.second)},
-                      .normal = vector3(manifold.normal)};
-  // What stays in a plane is pushed within it.
-  if (const int plane = solver::shared_plane(world.bodies, contact.body_first, contact.body_second); plane >= 0) {
-    place.normal[plane] = 0;
-    place.normal.normalize();
-  }
-  return place;
+  return {.centre = world.bodies.position(contact.body_first) + vector3(manifold.anchor_first),
+          .tangents = {vector3(frame.first), vector3(frame.second)},
+          .normal = normal_of(world, contact.body_first, contact.body_second, manifold)};
 }
 
-std::span<const ContactForce> contact_forces(Stores& world, const collision::NarrowphaseKernels& kernels,
-                                             jobs::Arena& arena) {
-  if (world.results.contact_forces_valid) return world.results.contact_forces;
-  world.results.contact_forces.clear();
+std::span<const ContactForce> contact_forces(Stores& world, const ContactPhase& phase,
+                                             const collision::NarrowphaseKernels& kernels, jobs::Arena& arena) {
+  std::vector<ContactForce>& forces = world.results.contact_forces;
+  if (world.results.contact_forces_valid) return forces;
+  forces.clear();
   world.results.contact_forces_valid = true;
-  if (world.clock.last_substep == 0) return world.results.contact_forces;
-  place_idle_contacts(world, kernels, arena);
-  const double per_impulse = 1 / world.clock.last_substep;
-  for (const std::uint32_t slot : world.cache.all_in_order()) {
-    const collision::Contact& contact = world.cache.contacts[slot];
-    const collision::ContactManifold& manifold = world.cache.manifolds[slot];
-    if (contact.count == 0) continue;
-    const auto id = [&](std::uint32_t body) { return id_of(world, body); };
+  std::vector<solver::TouchingPair> found;
+  const std::span<const solver::TouchingPair> touching = all_touching(world, phase, kernels, arena, found);
+  for (std::size_t pair = 0; pair < touching.size(); ++pair) {
+    if (pair + ahead < touching.size()) {
+      jobs::prefetch(world.cache.contacts[touching[pair + ahead].slot]);
+      jobs::prefetch(world.cache.manifolds[touching[pair + ahead].slot]);
+    }
+    const collision::Contact& contact = world.cache.contacts[touching[pair].slot];
+    const collision::ContactManifold& manifold = world.cache.manifolds[touching[pair].slot];
+    const BodyId a = id_of(world, contact.body_first), b = id_of(world, contact.body_second);
     const ManifoldPlace place = place_of(world, contact, manifold);
-    double total = 0;
-    for (const float impulse : manifold.normal_impulse) total += static_cast<double>(impulse);
+    const PointForces of(world, manifold);
     for (std::size_t i = 0; i < contact.count; ++i) {
-      const double impulse = manifold.normal_impulse[i];
-      if (!(impulse > 0)) continue;
-      world.results.contact_forces.push_back({id(contact.body_first), id(contact.body_second), place.point(manifold, i),
-                                              place.normal, impulse * per_impulse,
-                                              vector3(manifold.friction_impulse) * (per_impulse * impulse / total),
-                                              manifold.separation[i], contact.ids[i]});
+      if (!of.is_pressed(i)) continue;
+      forces.push_back({a, b, place.point(manifold, i), place.normal, of.normal(i), of.friction(i),
+                        manifold.separation[i], contact.ids[i]});
     }
   }
-  return world.results.contact_forces;
+  return forces;
+}
+
+std::span<const PairForce> pair_forces(Stores& world, const ContactPhase& phase,
+                                       const collision::NarrowphaseKernels& kernels, jobs::Arena& arena) {
+  std::vector<PairForce>& pairs = world.results.pair_forces;
+  pairs.clear();
+  const auto add = [&](BodyId a, BodyId b, const Vector3& normal, double normal_force, const Vector3& friction,
+                       double separation) {
+    if (pairs.empty() || pairs.back().a != a || pairs.back().b != b) {
+      pairs.push_back({.a = a, .b = b, .separation = separation});
+    }
+    PairForce& pair = pairs.back();
+    pair.force += normal_force * normal + friction;
+    pair.normal_force += normal_force;
+    pair.separation = std::min(pair.separation, separation);
+  };
+  // They may be without those of bodies that were changed since the step.
+  if (world.results.contact_forces_valid) {
+    for (const ContactForce& point : world.results.contact_forces) {
+      add(point.a, point.b, point.normal, point.normal_force, point.friction, point.separation);
+    }
+    return pairs;
+  }
+  std::vector<solver::TouchingPair> found;
+  const std::span<const solver::TouchingPair> touching = all_touching(world, phase, kernels, arena, found);
+  for (std::size_t pair = 0; pair < touching.size(); ++pair) {
+    if (pair + ahead < touching.size()) jobs::prefetch(world.cache.manifolds[touching[pair + ahead].slot]);
+    const collision::ContactManifold& manifold = world.cache.manifolds[touching[pair].slot];
+    const PointForces of(world, manifold);
+    if (!of.are_any()) continue;
+    const BodyId a = id_of(world, touching[pair].first), b = id_of(world, touching[pair].second);
+    const Vector3 normal = normal_of(world, touching[pair].first, touching[pair].second, manifold);
+    for (std::size_t i = 0; i < collision::max_points; ++i) {
+      if (of.is_pressed(i)) add(a, b, normal, of.normal(i), of.friction(i), manifold.separation[i]);
+    }
+  }
+  return pairs;
 }
 
 }  // namespace atl

@@ -268,10 +268,12 @@ void ContactPhase::add_woken(Stores& world, const StepContext& step, std::span<c
   }
 }
 
-void ContactPhase::remove_lost(Stores& world) const {
-  if (update_.counts.lost == 0) return;
-  std::size_t i = 0;
-  world.cache.remove_if([&](std::uint32_t) { return update_.status[i++] == collision::ContactStatus::Lost; });
+void ContactPhase::remove_lost(Stores& world) {
+  if (update_.counts.lost > 0) {
+    std::size_t i = 0;
+    world.cache.remove_if([&](std::uint32_t) { return update_.status[i++] == collision::ContactStatus::Lost; });
+  }
+  cache_changes_ = world.cache.changes();
 }
 
 }  // namespace atl

@@ -26,12 +26,20 @@ class ContactPhase {
   void update(Stores& world, const StepContext& step);
   /// Contacts of bodies that were just woken count with the features they fell asleep with.
   void add_woken(Stores& world, const StepContext& step, std::span<const std::uint32_t> slots);
-  void remove_lost(Stores& world) const;
+  /// Those of pairs that came apart: no other goes before the step ends.
+  void remove_lost(Stores& world);
   /// The next update starts afresh: the world is another.
-  void forget() { update_.forget(); }
+  void forget() {
+    update_.forget();
+    cache_changes_ = ~std::uint64_t{0};
+  }
 
   /// In order, but for those that a modifier switched off. Valid until the next update.
   std::span<const solver::TouchingPair> touching() const { return modified_.off.empty() ? update_.touching : on_; }
+  /// Whether it still tells of all contacts with points: none came, went, or is idle.
+  bool touching_is_all(const Stores& world) const {
+    return world.cache.changes() == cache_changes_ && world.cache.order().size() == world.cache.size();
+  }
   bool touching_changed() const { return update_.touching_changed || off_changed_; }
   std::int64_t points() const { return update_.counts.points - modified_.points_off; }
   /// Pairs of colliders of which all contacts are switched off, in order.
@@ -60,7 +68,8 @@ class ContactPhase {
   using Part = std::pair<collision::Pair, std::uint8_t>;
   std::vector<Part> parts_off_, parts_off_before_;  // in order
   bool off_changed_ = false;
-  std::vector<solver::AddedSlip> slips_;  // by slot, where there are any
+  std::uint64_t cache_changes_ = ~std::uint64_t{0};  // of the cache, once it was updated
+  std::vector<solver::AddedSlip> slips_;             // by slot, where there are any
 };
 
 }  // namespace atl

@@ -24,8 +24,10 @@ struct ManifoldPlace {
 ManifoldPlace place_of(const Stores& world, const collision::Contact& contact,
                        const collision::ContactManifold& manifold);
 
-std::span<const ContactForce> contact_forces(Stores& world, const collision::NarrowphaseKernels& kernels,
-                                             jobs::Arena& arena);
+std::span<const ContactForce> contact_forces(Stores& world, const ContactPhase& phase,
+                                             const collision::NarrowphaseKernels& kernels, jobs::Arena& arena);
+std::span<const PairForce> pair_forces(Stores& world, const ContactPhase& phase,
+                                       const collision::NarrowphaseKernels& kernels, jobs::Arena& arena);
 ContactProblem contact_problem(const Stores& world, const StepPipeline& pipeline);
 /// What of a world's memory is for what.
 std::vector<MemoryUse> memory_of(const Stores& world, const StepPipeline& pipeline, const StepCounts& last_step);

@@ -49,7 +49,8 @@ struct StepResults {
   std::vector<SelectedSolve> selected_solves;
   std::vector<ContactForce> contact_forces;  ///< made when asked for
   bool contact_forces_valid = false;
-  bool captured = false;  ///< whether there is a contact problem
+  std::vector<PairForce> pair_forces;  ///< likewise, each time
+  bool captured = false;               ///< whether there is a contact problem
 };
 
 /// All that a world keeps from step to step. Each store owns its data; what concerns several of them at once are

@@ -650,15 +650,20 @@ StepReport World::step(double dt, const ForceLaw& law) {
 
 std::span<const ContactForce> World::contact_forces() const {
   impl_->step_guard.check("World::contact_forces");
-  return atl::contact_forces(impl_->stores, *impl_->narrowphase_kernels, impl_->arena);
+  return atl::contact_forces(impl_->stores, impl_->pipeline.contacts(), *impl_->narrowphase_kernels, impl_->arena);
 }
 std::vector<ContactForce> World::contact_forces(BodyId id) const {
   index_of(impl_->stores, id, "contact_forces");
   std::vector<ContactForce> found;
-  for (const ContactForce& force : atl::contact_forces(impl_->stores, *impl_->narrowphase_kernels, impl_->arena)) {
+  for (const ContactForce& force :
+       atl::contact_forces(impl_->stores, impl_->pipeline.contacts(), *impl_->narrowphase_kernels, impl_->arena)) {
     if (force.a == id || force.b == id) found.push_back(force);
   }
   return found;
+}
+std::span<const PairForce> World::pair_forces() const {
+  impl_->step_guard.check("World::pair_forces");
+  return atl::pair_forces(impl_->stores, impl_->pipeline.contacts(), *impl_->narrowphase_kernels, impl_->arena);
 }
 ContactProblem World::contact_problem() const { return atl::contact_problem(impl_->stores, impl_->pipeline); }
 std::span<const ContactEvent> World::contact_events() const {

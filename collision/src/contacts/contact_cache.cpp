@@ -43,6 +43,7 @@ std::uint32_t ContactCache::claim_slot() {
   contacts[slot] = Contact{};
   manifolds[slot] = ContactManifold{};
   idle_.note_change();
+  ++changes_;
   return slot;
 }
 
@@ -84,6 +85,7 @@ void ContactCache::release(std::uint32_t slot) {
   state_[slot] = ContactState::Free;
   free_slots_.push_back(slot);
   idle_.note_change();
+  ++changes_;
 }
 
 std::span<const std::uint32_t> ContactCache::set_active(std::span<const std::uint32_t> started,

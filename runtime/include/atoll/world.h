@@ -45,6 +45,15 @@ struct ContactForce {
   std::uint64_t feature_id;
 };
 
+/// Two bodies that press on each other, and what all of their contact points carry together.
+struct PairForce {
+  BodyId a;
+  BodyId b;
+  Vector3 force = Vector3::Zero();  ///< N, on b, friction with it
+  double normal_force = 0;          ///< N, sum of the points', > 0
+  double separation = 0;            ///< m, of the deepest of them, as the step started
+};
+
 /// Two bodies that began or ceased to touch in the last step: to press on each other, or overlap.
 struct ContactEvent {
   BodyId a;
@@ -257,8 +266,8 @@ class World {
   int threads() const;
   Simd simd() const;  ///< the instruction set in use, never Auto
 
-  /// Advances by dt seconds. dt in [1e-12, 1], else Error; nothing else is ever thrown from a step but what functions of
-  /// yours throw: see set_contact_filter().
+  /// Advances by dt seconds. dt in [1e-12, 1], else Error; nothing else is ever thrown from a step but what functions
+  /// of yours throw: see set_contact_filter().
   StepReport step(double dt);
   /// The same under forces that depend on where bodies are, how fast they are, and the time: controllers, stiff
   /// springs, fields. The law is called on this thread as each of Settings::substeps begins, and as the last one ends,
@@ -275,6 +284,9 @@ class World {
   std::span<const ContactForce> contact_forces() const;
   /// Those of one body, in the same order.
   std::vector<ContactForce> contact_forces(BodyId id) const;
+  /// One entry for two bodies that press on each other, in order of ids: what contact_forces() adds up to, in less
+  /// time. Valid until the next call or change.
+  std::span<const PairForce> pair_forces() const;
 
   /// After a step with Settings::contact_events: what began and what ended, in order of body ids. Throws Error where
   /// the setting is off.

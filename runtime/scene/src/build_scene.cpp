@@ -98,10 +98,8 @@ std::vector<ContactLoad> contact_loads(const World& world, const std::vector<Bod
   std::map<BodyId, std::size_t> places;
   for (std::size_t i = 0; i < ids.size(); ++i) places[ids[i]] = i;
   std::vector<ContactLoad> loads;
-  for (const ContactForce& contact : world.contact_forces()) {
-    const std::size_t a = places.at(contact.a), b = places.at(contact.b);
-    if (loads.empty() || loads.back().a != a || loads.back().b != b) loads.push_back({.a = a, .b = b});
-    loads.back().force += contact.normal_force * contact.normal + contact.friction;
+  for (const PairForce& pair : world.pair_forces()) {
+    loads.push_back({.a = places.at(pair.a), .b = places.at(pair.b), .force = pair.force});
   }
   return loads;
 }

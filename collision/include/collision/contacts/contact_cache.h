@@ -71,6 +71,8 @@ class ContactCache {
   }
 
   std::size_t size() const { return contacts.size() - free_slots_.size(); }
+  /// How many contacts have come and gone: slots that were listed are those of other contacts once it is another.
+  std::uint64_t changes() const { return changes_; }
 
   /// All slots in use, of idle contacts too, in order. If some are idle and any came or went since the last call the
   /// cost is linear in their number, and that of sorting in the number that became idle. Valid until the next change.
@@ -101,8 +103,8 @@ class ContactCache {
 
   // What lasts from step to step, and what is made anew. Whoever adds a member says which it is, or this won't compile.
   static void check_members(ContactCache& cache) {
-    auto& [contacts, manifolds, pairs, /**/ rises, free_slots, order, state, of_body, active, added, gone, idle] =
-        cache;
+    auto& [contacts, manifolds, pairs, /**/ rises, free_slots, order, state, of_body, active, added, gone, idle,
+           changes] = cache;
     static_cast<void>(contacts);
   }
 
@@ -114,6 +116,7 @@ class ContactCache {
   std::vector<std::uint32_t> added_;  // scratch: slots, in order
   std::vector<std::uint32_t> gone_;   // scratch: slots, in order
   mutable IdleContacts idle_;         // sorted when somebody asks
+  std::uint64_t changes_ = 0;
 };
 
 template <typename StartOf>
