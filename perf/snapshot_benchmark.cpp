@@ -1,9 +1,14 @@
-// What it costs to save and restore 5,000 bodies that touch, awake and asleep. Counters are bytes a body.
+// What it costs to save and restore 5,000 bodies that touch, awake and asleep (counters are bytes a body), and to go a
+// step back, and on, in a recording of 10,000 (counters are the median and the worst, ms).
 
 #include <atoll/atoll.h>
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
 #include <string>
+#include <vector>
 
 namespace {
 
@@ -45,6 +50,43 @@ void restore(benchmark::State& state) {
   note(state, snapshot, world);
 }
 
+void note_times(benchmark::State& state, const char* name, std::vector<double> ms) {
+  std::sort(ms.begin(), ms.end());
+  state.counters[std::string(name) + "_median"] = ms[ms.size() / 2];
+  state.counters[std::string(name) + "_worst"] = ms.back();
+}
+
+// All of a recording, once forwards and once backwards.
+void play(benchmark::State& state) {
+  const std::filesystem::path path = std::filesystem::temp_directory_path() / "atoll_snapshot_benchmark.rec";
+  const atl::Scene scene = atl::load_scene("pile:bodies=10000");
+  {
+    atl::World world({.gravity = scene.gravity, .settings = scene.settings});
+    world.record(path);
+    atl::build_scene(scene, world);
+    for (int i = 0; i < 600; ++i) world.step(scene.dt);
+  }
+  std::vector<double> on, back;
+  const auto timed = [](std::vector<double>& ms, const auto& move) {
+    const auto begin = std::chrono::steady_clock::now();
+    move();
+    ms.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
+  };
+  for (auto _ : state) {
+    atl::Playback playback(path);
+    for (bool more = true; more;) timed(on, [&] { more = playback.advance(); });
+    while (playback.step() > 0) timed(back, [&] { playback.seek(playback.step() - 1); });
+    for (const std::int64_t to : {333, 64, 512, 16}) {
+      playback.seek(to);
+      for (int i = 0; i < 16; ++i) timed(back, [&] { playback.seek(playback.step() - 1); });
+    }
+  }
+  note_times(state, "on", on);
+  note_times(state, "back", back);
+  std::filesystem::remove(path);
+}
+
+BENCHMARK(play)->Unit(benchmark::kMillisecond)->Iterations(1);
 BENCHMARK(save)->ArgNames({"scene", "asleep"})->ArgsProduct({{0, 1, 2}, {0, 1}})->Unit(benchmark::kMicrosecond);
 BENCHMARK(restore)
     ->ArgNames({"scene", "asleep"})

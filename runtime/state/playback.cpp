@@ -2,8 +2,11 @@
 #include <atoll/playback.h>
 #include <features/with_recording.h>
 
+#include <algorithm>
 #include <iterator>
 #include <map>
+#include <optional>
+#include <string>
 #include <utility>
 
 #include "state/replay.h"
@@ -13,8 +16,8 @@ namespace atl {
 namespace {
 
 constexpr std::int64_t first_interval = 8;  // steps from key frame to key frame
-// Of what key frames may take: what the states of the steps between two of them may.
-constexpr double fine_part = 0.25;
+// Of what key frames may take: what the states near where it stands may.
+constexpr double near_part = 0.5;
 
 Replay opened(const std::string& path, const PlaybackOptions& options) {
   if constexpr (!with_recording) throw_left_out("Playback is made", "recordings", "RECORDING");
@@ -23,11 +26,18 @@ Replay opened(const std::string& path, const PlaybackOptions& options) {
 
 }  // namespace
 
+// States that it can go back to: key frames on all of the way, every `interval_` steps; and near where it stands every
+// state, or every few if there is no room for that, from an interval of steps before on. As it goes back, the stretch
+// from the key frame before is made again ahead of need, in another world, a step for each that it goes back, so that
+// no step back takes many.
 class Playback::Impl {
  public:
   Impl(const std::string& path, const PlaybackOptions& options)
-      : replay_(opened(path, options)), most_bytes_(options.key_frame_bytes) {
-    keep(keys_);
+      : replay_(opened(path, options)),
+        most_near_bytes_(static_cast<std::size_t>(near_part * static_cast<double>(options.key_frame_bytes))),
+        most_key_bytes_(options.key_frame_bytes - most_near_bytes_) {
+    keep(replay_, keys_);
+    if (options.key_frame_bytes > 0) maker_.emplace(opened(path, options));
   }
 
   const Replay& replay() const { return replay_; }
@@ -36,8 +46,12 @@ class Playback::Impl {
     if (!replay_.advance()) return false;
     const std::int64_t step = replay_.result().steps;
     if (step % interval_ == 0 && !keys_.marks.contains(step)) {
-      keep(keys_);
+      keep(replay_, keys_);
       thin();
+    }
+    if (keep_near(replay_, near_)) {
+      below_ = {};
+      near_.drop_before((step - interval_) / interval_ * interval_);
     }
     return true;
   }
@@ -52,52 +66,106 @@ class Playback::Impl {
   struct Marks {
     std::map<std::int64_t, Replay::Mark> marks;  // by step
     std::size_t bytes = 0;
+
+    void add(Replay::Mark mark) {
+      const std::int64_t step = mark.steps;
+      if (marks.contains(step)) return;
+      bytes += mark.snapshot.size();
+      marks.emplace(step, std::move(mark));
+    }
+    template <typename Drops>
+    void drop_if(const Drops& drops) {
+      std::erase_if(marks, [&](const auto& mark) {
+        if (!drops(mark.first)) return false;
+        bytes -= mark.second.snapshot.size();
+        return true;
+      });
+    }
+    void drop_before(std::int64_t step) {
+      drop_if([step](std::int64_t at) { return at < step; });
+    }
+    // Null if there is none.
+    const Replay::Mark* last_up_to(std::int64_t step) const {
+      const auto after = marks.upper_bound(step);
+      return after == marks.begin() ? nullptr : &std::prev(after)->second;
+    }
   };
 
-  void keep(Marks& into) {
-    Replay::Mark mark = replay_.mark();
-    into.bytes += mark.snapshot.size();
-    into.marks.insert_or_assign(mark.steps, std::move(mark));
+  void keep(const Replay& replay, Marks& into) {
+    Replay::Mark mark = replay.mark();
+    mark_bytes_ = mark.snapshot.size();
+    into.add(std::move(mark));
   }
 
   // The first always stays.
   void thin() {
-    while (keys_.bytes > most_bytes_ && keys_.marks.size() > 2) {
+    while (keys_.bytes > most_key_bytes_ && keys_.marks.size() > 2) {
       interval_ *= 2;
-      std::erase_if(keys_.marks, [&](const auto& key) {
-        if (key.first % interval_ == 0) return false;
-        keys_.bytes -= key.second.snapshot.size();
-        return true;
-      });
+      keys_.drop_if([this](std::int64_t step) { return step % interval_ != 0; });
     }
   }
 
-  static const Replay::Mark* last_up_to(const Marks& marks, std::int64_t step) {
-    const auto after = marks.marks.upper_bound(step);
-    return after == marks.marks.begin() ? nullptr : &std::prev(after)->second;
+  // Steps from one state near by to the next: three intervals of them fit. 0 if not even a few do.
+  std::int64_t near_stride() const {
+    for (std::int64_t stride = 1; stride < interval_; stride *= 2) {
+      if (static_cast<std::size_t>(3 * interval_ / stride) * mark_bytes_ <= most_near_bytes_) return stride;
+    }
+    return 0;
   }
 
-  // Steps from the key frame on are made again, and kept.
+  // Whether states near by are kept at all.
+  bool keep_near(const Replay& replay, Marks& into) {
+    const std::int64_t stride = near_stride();
+    if (stride > 0 && replay.result().steps % stride == 0) keep(replay, into);
+    return stride > 0;
+  }
+
   void go_back(std::int64_t step) {
-    const Replay::Mark* key = last_up_to(keys_, step);
-    const Replay::Mark* fine = last_up_to(fine_, step);
-    if (fine != nullptr && fine->steps > key->steps) {
-      replay_.go_back(*fine);
-    } else {
-      replay_.go_back(*key);
-      fine_ = {};
+    const Replay::Mark* key = keys_.last_up_to(step);
+    if (near_.last_up_to(step) == nullptr) {
+      near_ = below_ = {};
+      near_.add(*key);
+      replay_.go_to(*key);
+      make_steps(replay_, step, near_);
     }
-    const auto room = static_cast<std::size_t>(fine_part * static_cast<double>(most_bytes_));
+    near_.drop_if([&](std::int64_t at) { return at > step + interval_; });
+    make_below(step);
+    const Replay::Mark* near = near_.last_up_to(step);
+    if (replay_.result().steps != step) replay_.go_to(near != nullptr && near->steps > key->steps ? *near : *key);
     while (replay_.result().steps < step && replay_.advance()) {
-      if (fine_.bytes < room) keep(fine_);
     }
+  }
+
+  void make_steps(Replay& replay, std::int64_t to, Marks& into) {
+    while (replay.result().steps < to && replay.advance()) keep_near(replay, into);
+  }
+
+  // Of the stretch below what is near, no more steps are left to make than there are from there to `step`, so that each
+  // call restores the maker or makes a step.
+  void make_below(std::int64_t step) {
+    if (!maker_ || near_stride() == 0 || near_.marks.empty()) return;
+    const std::int64_t low = near_.marks.begin()->first;
+    if (low == 0 || step - low > interval_) return;
+    if (below_.marks.empty()) {
+      maker_->learn_from(replay_);
+      below_.add(*keys_.last_up_to(low - 1));
+      maker_->go_to(below_.marks.begin()->second);
+    }
+    make_steps(*maker_, low - 1 - (step - low), below_);
+    if (step > low) return;
+    near_.marks.merge(below_.marks);
+    near_.bytes += below_.bytes;
+    below_ = {};
   }
 
   Replay replay_;
-  std::size_t most_bytes_;
+  std::size_t most_near_bytes_, most_key_bytes_;
+  std::size_t mark_bytes_ = 0;  // of the last one
   std::int64_t interval_ = first_interval;
   Marks keys_;
-  Marks fine_;  // after the key frame that it went back to last
+  Marks near_;                   // states one after another, up to a bit past where it stands
+  Marks below_;                  // those from the key frame before them on, as far as `maker_` has made them
+  std::optional<Replay> maker_;  // where there is room for what it makes
 };
 
 Playback::Playback(const std::string& path, const PlaybackOptions& options)

@@ -127,17 +127,22 @@ bool Replay::take_next() {
 Replay::Mark Replay::mark() const {
   Mark mark{.place = put_back_ || ended_ ? reader_.before() : reader_.after(),
             .snapshot = {},
-            .kinds = kinds_.size(),
+            .kinds = kind_count_,
             .steps = result_.steps,
             .divergence = result_.divergence};
   world_.save(mark.snapshot);
   return mark;
 }
 
-void Replay::go_back(const Mark& mark) {
+void Replay::learn_from(const Replay& other) {
+  if (kinds_.size() < other.kinds_.size()) kinds_ = other.kinds_;
+  if (geometry_.size() < other.geometry_.size()) geometry_ = other.geometry_;
+}
+
+void Replay::go_to(const Mark& mark) {
   world_.restore(mark.snapshot);
   reader_.go_to(mark.place);
-  kinds_.erase(kinds_.begin() + static_cast<std::ptrdiff_t>(mark.kinds), kinds_.end());
+  kind_count_ = mark.kinds;
   put_back_ = ended_ = false;
   result_.steps = mark.steps;
   result_.divergence = mark.divergence;
@@ -191,13 +196,14 @@ void Replay::take_kind(StateReader& record) {
   visit_constants(record, constants);
   record.check(give_geometry(constants, geometry_), "a body without its geometry");
   check_built_for(constants);
-  kinds_.push_back(std::move(constants));
+  if (kind_count_ == kinds_.size()) kinds_.push_back(std::move(constants));
+  ++kind_count_;
 }
 
 const BodyConstants& Replay::kind_in(StateReader& record) {
   std::uint32_t kind = 0;
   record.value(kind);
-  record.check(kind < kinds_.size(), "a body of no kind");
+  record.check(kind < kind_count_, "a body of no kind");
   return kinds_[kind];
 }
 

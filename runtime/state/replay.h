@@ -30,7 +30,7 @@ std::vector<ReplayedBody> differing_bodies(const std::vector<RecordedBody>& reco
 /// as replay() says.
 class Replay {
  public:
-  /// Where it can be taken back to: between two steps.
+  /// Where it stood between two steps, and can stand again.
   struct Mark {
     RecordingReader::Place place;
     Snapshot snapshot;
@@ -51,11 +51,13 @@ class Replay {
   bool knows_difference() const { return result_.divergence && result_.divergence->bodies_step; }
 
   Mark mark() const;
-  void go_back(const Mark& mark);
+  void go_to(const Mark& mark);
+  /// Takes over what another replay of the same recording has read, whose marks it is to go to.
+  void learn_from(const Replay& other);
 
   const World& world() const { return world_; }
   std::vector<RecordedBody> bodies() const;
-  /// Of the last step; what it says is of no use before the first, and after go_back().
+  /// Of the last step; what it says is of no use before the first, and after go_to().
   const StepReport& report() const { return report_; }
   double dt() const { return dt_; }  ///< s, of that step
   /// What has been found so far.
@@ -82,7 +84,8 @@ class Replay {
   RecordingReader reader_;
   World world_;
   Geometry geometry_;
-  std::vector<BodyConstants> kinds_;
+  std::vector<BodyConstants> kinds_;  // all that were ever read
+  std::size_t kind_count_ = 0;        // of these, those that were read up to where it stands
   bool begun_ = false;
   bool put_back_ = false;  // the record that was read last
   bool ended_ = false;

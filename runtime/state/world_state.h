@@ -247,17 +247,25 @@ class WorldState {
 
   void visit_names() {
     auto& names = world_.records.names;
-    if constexpr (reads) names.clear();
-    visit_some(
-        archive_, body_count(), [&](std::uint32_t body) { return names.contains(body); },
-        [&](std::uint32_t body) {
-          check_body(body);
-          if constexpr (reads) {
-            visit_text(archive_, names[body]);
-          } else {
-            visit_text(archive_, names.at(body));
-          }
-        });
+    if constexpr (reads) {
+      auto next = names.begin();  // those that stay keep their place
+      const auto visit = [&](std::uint32_t body) {
+        check_body(body);
+        while (next != names.end() && next->first < body) next = names.erase(next);
+        if (next == names.end() || next->first != body) next = names.emplace_hint(next, body, std::string());
+        visit_text(archive_, next->second);
+        ++next;
+      };
+      visit_some(
+          archive_, body_count(), [](std::uint32_t) { return true; }, visit);
+      names.erase(next, names.end());
+    } else {
+      archive_.value(static_cast<std::uint32_t>(names.size()));
+      for (const auto& [body, name] : names) {
+        archive_.value(body);
+        visit_text(archive_, name);
+      }
+    }
   }
 
   // How fast they run: what holds back rolling is the material's.

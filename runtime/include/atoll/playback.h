@@ -17,14 +17,15 @@ class World;
 struct PlaybackOptions {
   int threads = 1;  ///< workers, in [1, 1024]
   Simd simd = Simd::Auto;
-  /// What key frames may take, bytes. These are snapshots on the way, from which it goes back: every 8 steps, and half
-  /// as many each time there is no more room.
-  std::size_t key_frame_bytes = std::size_t{512} << 20;
+  /// What snapshots may take, bytes. Half of it is for key frames on the way, from which it goes back: every 8 steps, and
+  /// half as many each time there is no more room. The other half is for the steps near where it stands, which another
+  /// world makes. With 0 there is none, and going back makes all steps again.
+  std::size_t key_frame_bytes = std::size_t{1} << 30;
 };
 
 /// A recording that is looked at step by step, forwards and backwards: its calls are made again in a world of its own.
-/// Going back restores the key frame before, and makes the steps from there again, with the same bits; their states are
-/// kept, so that going on back takes a restore a step.
+/// Going back restores a snapshot, and makes the steps from there again, with the same bits. A step back takes about as
+/// long as one on, a restore and a snapshot, as long as there is room for those of two intervals between key frames.
 ///
 /// Throws Error as replay() does.
 class Playback {
