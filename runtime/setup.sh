@@ -3,7 +3,7 @@
 
 # Debian's names; tests/run.sh adds those of tests.
 packages=(cmake ninja-build g++ libc6-dev libeigen3-dev libtbb-dev libccd-dev libfcl-dev libhwy-dev libqhull-dev libcli11-dev
-          nlohmann-json3-dev zlib1g-dev libpng-dev)
+          nlohmann-json3-dev zlib1g-dev libpng-dev libhdf5-dev libtinygltf-dev)
 # Debian's npm is several hundred packages, so any other one does.
 command -v npm >/dev/null || packages+=(npm)
 

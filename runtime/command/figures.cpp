@@ -23,6 +23,7 @@ std::vector<Count> named_counts(const StepCounts& c) {
           {"direct_joints", c.direct_joints},
           {"direct_islands", c.direct_islands},
           {"refined_islands", c.refined_islands},
+          {"unsolved_islands", c.unsolved_islands},
           {"newton_iterations", c.newton_iterations},
           {"aabb_updates", c.aabb_updates}};
 }

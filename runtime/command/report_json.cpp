@@ -108,7 +108,12 @@ void write_json(std::ostream& out, const Scene& scene, const World& world, const
       {"threads", world.threads()},
       {"simd", name_of(world.simd())},
       {"settings", settings_json(scene.settings)},
-      {"ms_per_step", {{"mean", times.mean}, {"median", times.median}, {"p99", times.p99}, {"max", times.max}}},
+      {"ms_per_step",
+       {{"mean", times.mean},
+        {"median", times.median},
+        {"p99", times.p99},
+        {"max", times.max},
+        {"longest_step", times.longest}}},
       {"phases_ms", phases_json(result)},
   };
   if (scene.settings.profile) object["solver_ms"] = solver_json(result);

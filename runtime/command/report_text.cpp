@@ -65,7 +65,7 @@ void write_times(std::ostream& out, const RunResult& result) {
   write_name(out, "step");
   write_number(out, fixed(times.mean, 4));
   out << "    median " << fixed(times.median, 4) << ", p99 " << fixed(times.p99, 4) << ", max " << fixed(times.max, 4)
-      << "\n";
+      << " in step " << times.longest << "\n";
 }
 
 // The features that go over all points once or more a substep.

@@ -132,11 +132,12 @@ void run(const RunOptions& options) {
   const std::vector<BodyId> ids = add_bodies(scene, world);
 
   view::Film film({.name = scene.name});
-  const RunResult result = simulate(scene, world, ids,
-                                    {.final_state = outputs.final_state.has_value(),
-                                     .errors = options.errors,
-                                     .going = options.keep_going,
-                                     .film = outputs.view ? &film : nullptr});
+  const RunResult result =
+      simulate(scene, world, ids,
+               {.final_state = outputs.final_state.has_value(),
+                .errors = options.errors,
+                .going = options.keep_going,
+                .watchers = outputs.view ? std::vector<view::Watcher*>{&film} : std::vector<view::Watcher*>()});
   const std::string failures = write_files(outputs, scene, world, ids, result, film);
   if (result.broken) fail_broken(scene, result, outputs, failures);
   // Files first: a reader who has read enough ends all.

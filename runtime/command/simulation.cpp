@@ -10,19 +10,21 @@
 #include "interrupt.h"
 #include "progress.h"
 #include "residual_meter.h"
-#include "view/film.h"
+#include "view/watcher.h"
 
 namespace atl::command {
 namespace {
 
 StepTimes step_times(std::vector<double> ms) {
+  const auto longest = static_cast<int>(std::max_element(ms.begin(), ms.end()) - ms.begin()) + 1;
   std::sort(ms.begin(), ms.end());
   const std::size_t n = ms.size();
   const auto rank = static_cast<std::size_t>(std::ceil(0.99 * static_cast<double>(n)));
   return {.mean = std::accumulate(ms.begin(), ms.end(), 0.0) / static_cast<double>(n),
           .median = (ms[(n - 1) / 2] + ms[n / 2]) / 2,
           .p99 = ms[rank - 1],
-          .max = ms.back()};
+          .max = ms.back(),
+          .longest = longest};
 }
 
 std::size_t place_of(BodyId id, const std::vector<BodyId>& ids) {
@@ -48,7 +50,7 @@ RunResult simulate(const Scene& scene, World& world, const std::vector<BodyId>& 
     meter.observe(step * scene.dt, body_states(world, ids),
                   meter.needs_loads() ? contact_loads(world, ids) : std::vector<ContactLoad>());
   };
-  if (keep.film != nullptr) keep.film->begin(world);
+  for (view::Watcher* watcher : keep.watchers) watcher->begin(world);
   std::vector<double> ms;
   for (int step = 1; step <= scene.steps; ++step) {
     if (keep.final_state) result.final_state.copy(world);
@@ -60,7 +62,7 @@ RunResult simulate(const Scene& scene, World& world, const std::vector<BodyId>& 
     for (std::size_t phase = 0; phase < solver_phase_count; ++phase)
       result.solver_ms[phase] += result.last.solver_ms[phase];
     result.points += static_cast<double>(result.last.counts.points);
-    if (keep.film != nullptr) keep.film->add(world, result.last, scene.dt);
+    for (view::Watcher* watcher : keep.watchers) watcher->add(world, result.last, scene.dt);
     if (result.last.quarantined > 0 && !keep.going) {
       result.broken = true;
       break;

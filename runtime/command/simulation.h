@@ -10,7 +10,7 @@
 #include "state_csv.h"
 
 namespace atl::view {
-class Film;
+class Watcher;
 }
 
 namespace atl::command {
@@ -21,6 +21,7 @@ struct StepTimes {
   double median = 0;
   double p99 = 0;  ///< nearest rank
   double max = 0;
+  int longest = 0;  ///< the step that took that; the first is 1
 };
 
 /// A body that a run lost: see World::quarantined().
@@ -59,7 +60,7 @@ struct Keep {
   bool final_state = false;
   bool errors = false;  ///< of every step; else of the final state only
   bool going = false;   ///< whatever bodies are lost
-  view::Film* film = nullptr;
+  std::vector<view::Watcher*> watchers = {};
 };
 
 /// A world for the scene, with nothing in it. Throws Failure on what this machine lacks.

@@ -7,8 +7,10 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <iomanip>
 #include <iostream>
 #include <optional>
+#include <sstream>
 
 #include "failure.h"
 #include "interrupt.h"
@@ -19,15 +21,19 @@
 #include "standard_streams.h"
 #include "view/film.h"
 #include "view/film_page.h"
+#include "view/gltf.h"
 #include "view/still.h"
+#include "view/vtk.h"
 
 namespace atl::command {
 namespace {
 
 std::string file_of(const std::string& path) { return std::filesystem::path(path).filename().string(); }
 
+using Watchers = std::vector<view::Watcher*>;
+
 // Ends early where it is interrupted, with what there is by then.
-void film_recording(const ViewOptions& options, view::Film& film) {
+void watch_recording(const ViewOptions& options, const Watchers& watchers) {
   try {
     Playback playback(options.scene.text, {.threads = options.threads, .simd = options.simd, .key_frame_bytes = 0});
     const std::int64_t to = std::min<std::int64_t>(options.to.value_or(most_steps), playback.steps());
@@ -37,9 +43,9 @@ void film_recording(const ViewOptions& options, view::Film& film) {
     }
     Progress progress(to);
     playback.seek(options.from);
-    film.begin(playback.world());
+    for (view::Watcher* watcher : watchers) watcher->begin(playback.world());
     while (playback.step() < to && playback.advance()) {
-      film.add(playback.world(), playback.report(), playback.dt());
+      for (view::Watcher* watcher : watchers) watcher->add(playback.world(), playback.report(), playback.dt());
       progress.update(playback.step());
       if (interrupted()) return;
     }
@@ -48,19 +54,38 @@ void film_recording(const ViewOptions& options, view::Film& film) {
   }
 }
 
-void film_scene(const ViewOptions& options, const Scene& scene, view::Film& film) {
+void watch_scene(const ViewOptions& options, const Scene& scene, const Watchers& watchers) {
   World world = make_world(scene, options.threads);
   const std::vector<BodyId> ids = build_scene(scene, world);
-  simulate(scene, world, ids, {.going = true, .film = &film});
+  simulate(scene, world, ids, {.going = true, .watchers = watchers});
 }
 
-bool is_svg(const std::string& path) { return std::filesystem::path(path).extension() == ".svg"; }
+bool ends_in(const std::string& path, const char* ending) { return std::filesystem::path(path).extension() == ending; }
+bool is_svg(const std::string& path) { return ends_in(path, ".svg"); }
 
-OutputFile image_file(const std::string& path) {
-  if (!is_svg(path) && std::filesystem::path(path).extension() != ".png") {
-    throw Failure(Status::Usage, "--image: found \"" + path + "\", expected a file that ends in .png or .svg");
+OutputFile file_ending_in(const char* option, const std::string& path, const std::vector<const char*>& endings) {
+  std::string expected;
+  for (const char* ending : endings) {
+    if (ends_in(path, ending)) return {option, path};
+    expected += (expected.empty() ? "" : " or ") + std::string(ending);
   }
-  return {"--image", path};
+  throw Failure(Status::Usage,
+                std::string(option) + ": found \"" + path + "\", expected a file that ends in " + expected);
+}
+
+// Of a frame: run.vtkhdf of step 12 is run_000012.vtkhdf, which sorts, and is taken for one of a series.
+std::string frame_path(const std::string& path, std::int64_t step) {
+  std::ostringstream number;
+  number << '_' << std::setw(6) << std::setfill('0') << step;
+  std::filesystem::path frame(path);
+  frame.replace_filename(frame.stem().string() + number.str() + frame.extension().string());
+  return frame.string();
+}
+
+void write_vtk_frame(const std::string& path, std::int64_t step, const std::vector<char>& bytes) {
+  OutputFile("--vtk", frame_path(path, step)).write([&](std::ostream& out) {
+    out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  });
 }
 
 void draw(const ViewOptions& options, const World& world, std::int64_t step, const OutputFile& file) {
@@ -114,6 +139,14 @@ void add_view_options(CLI::App& command, ViewOptions& options) {
       ->check(file_name())
       ->type_name("FILE.png|.svg")
       ->group(output);
+  command.add_option("--gltf", options.gltf, "animated scene to write, as glTF 2.0, which 3D programs open")
+      ->check(file_name())
+      ->type_name("FILE.glb|.gltf")
+      ->group(output);
+  command.add_option("--vtk", options.vtk, "VTKHDF to write, a file a frame: FILE_000000.vtkhdf, ..., for ParaView")
+      ->check(file_name())
+      ->type_name("FILE.vtkhdf")
+      ->group(output);
   command.add_option("--step", options.step, "of which state the picture is: after so many steps (default: the last)")
       ->check(integer_in(0, most_steps))
       ->type_name("STEP")
@@ -151,36 +184,67 @@ void write_film(const OutputFile& file, view::Film& film) {
   file.write([&](std::ostream& out) { write_page(out, film); });
 }
 
-void view(const ViewOptions& options) {
-  if (options.page.empty() && options.image.empty()) {
-    throw Failure(Status::Usage, "view: found nothing to write, expected --page or --image");
-  }
-  std::optional<OutputFile> page, image;
+namespace {
+
+// All that is asked for of the run as a whole, told as it is written.
+void watch(const ViewOptions& options, bool recorded, const Scene* scene) {
+  std::optional<OutputFile> page, gltf;
   if (!options.page.empty()) page.emplace(page_file("--page", options.page));
-  if (!options.image.empty()) image.emplace(image_file(options.image));
+  if (!options.gltf.empty()) gltf.emplace(file_ending_in("--gltf", options.gltf, {".glb", ".gltf"}));
+  if (!options.vtk.empty()) {
+    (void)file_ending_in("--vtk", options.vtk, {".vtkhdf"});
+    (void)OutputFile("--vtk", frame_path(options.vtk, options.from));
+  }
+  const std::string name = recorded ? file_of(options.scene.text) : scene->name;
+  view::Film film({.name = name, .place = options.place, .first_step = options.from, .stride = options.stride});
+  view::GltfFilm gltf_film({.name = name, .first_step = options.from, .stride = options.stride});
+  view::VtkSeries vtk(
+      {.first_step = options.from, .stride = options.stride},
+      [&](std::int64_t step, const std::vector<char>& bytes) { write_vtk_frame(options.vtk, step, bytes); });
+  Watchers watchers;
+  if (page) watchers.push_back(&film);
+  if (gltf) watchers.push_back(&gltf_film);
+  if (!options.vtk.empty()) watchers.push_back(&vtk);
+  if (recorded) {
+    watch_recording(options, watchers);
+  } else {
+    watch_scene(options, *scene, watchers);
+  }
+  const auto frames = [](std::size_t count) { return plural(static_cast<std::int64_t>(count), "frame"); };
+  if (page) {
+    write_film(*page, film);
+    std::cout << options.page << ": " << frames(film.frames()) << ", "
+              << plural(static_cast<std::int64_t>(film.bodies().size()), "body", "bodies") << "\n";
+  }
+  if (gltf) {
+    gltf->write([&](std::ostream& out) { gltf_film.write(out, ends_in(options.gltf, ".glb")); });
+    std::cout << options.gltf << ": " << frames(gltf_film.frames()) << "\n";
+  }
+  if (!options.vtk.empty()) {
+    std::cout << frame_path(options.vtk, options.from) << " and on: " << frames(vtk.frames()) << "\n";
+  }
+}
+
+}  // namespace
+
+void view(const ViewOptions& options) {
+  const bool whole = !options.page.empty() || !options.gltf.empty() || !options.vtk.empty();
+  if (!whole && options.image.empty()) {
+    throw Failure(Status::Usage, "view: found nothing to write, expected --page, --image, --gltf or --vtk");
+  }
+  std::optional<OutputFile> image;
+  if (!options.image.empty()) image.emplace(file_ending_in("--image", options.image, {".png", ".svg"}));
   const bool recorded = is_recording(options.scene.text);
   std::optional<Scene> scene;
   if (!recorded) {
     scene = load(options.scene);
     scene->settings.simd = options.simd;
+    if (!options.vtk.empty()) scene->settings.keep_contact_problem = true;
   }
   if (!recorded && (options.from > 0 || options.to)) {
     throw Failure(Status::Usage, "--from, --to: found a scene, expected a recording (a scene has --steps)");
   }
-  if (page) {
-    view::Film film({.name = recorded ? file_of(options.scene.text) : scene->name,
-                     .place = options.place,
-                     .first_step = options.from,
-                     .stride = options.stride});
-    if (recorded) {
-      film_recording(options, film);
-    } else {
-      film_scene(options, *scene, film);
-    }
-    write_film(*page, film);
-    std::cout << options.page << ": " << plural(static_cast<std::int64_t>(film.frames()), "frame") << ", "
-              << plural(static_cast<std::int64_t>(film.bodies().size()), "body", "bodies") << "\n";
-  }
+  if (whole) watch(options, recorded, scene ? &*scene : nullptr);
   if (image) {
     if (recorded) {
       draw_recording(options, *image);

@@ -236,6 +236,7 @@ void SolvePhase::note_modes(Stores& world, const solver::Islands& islands, StepC
       island.gave_up = !report.solved;
       island.iterations = report.iterations;
       island.ms += report.ms;
+      counts.unsolved_islands += !report.solved;
       if (!report.solved) failed_.insert(failed_.end(), members.begin(), members.end());
     }
     ++(island.direct ? counts.direct_islands : counts.refined_islands);

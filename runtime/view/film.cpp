@@ -135,16 +135,15 @@ void add_list(std::string& object, const char* name, const std::vector<std::stri
 }  // namespace
 
 Film::Film(FilmOptions options)
-    : options_(std::move(options)), steps_(options_.first_step), contacts_(options_.most_contacts) {}
+    : options_(std::move(options)), clock_(options_.first_step, options_.stride), contacts_(options_.most_contacts) {}
 
 void Film::add(const World& world, const StepReport& report, double dt) {
-  time_ += dt;
-  if ((++steps_ - options_.first_step) % options_.stride == 0) add_frame(world, &report);
+  if (clock_.tick(dt)) add_frame(world, &report);
 }
 
 void Film::add_frame(const World& world, const StepReport* report) {
   if (frames_.empty()) precision_ = options_.precision.value_or(default_precision(world));
-  FilmFrame frame{.step = steps_, .time = time_};
+  FilmFrame frame{.step = clock_.step(), .time = clock_.time()};
   if (report != nullptr) {
     frame.ms = report->ms;
     frame.phase_ms = report->phase_ms;
@@ -159,6 +158,7 @@ void Film::add_frame(const World& world, const StepReport* report) {
   note_bodies(world, ids);
   note_joints(world, frame);
   note_forces(world, frame);
+  if (!contacts_.end()) note_contacts(world);
   chunks_.add_frame(sights_, precision_);
   contacts_.end_frame(FilmChunks::most_frames);
   frames_.push_back(frame);
@@ -236,15 +236,12 @@ void Film::note_forces(const World& world, FilmFrame& frame) {
     in_island[b] = moves(b);
     if (moves(a) && moves(b)) joined.join(a, b);
   };
-  const std::span<const ContactForce> forces = world.contact_forces();
-  const bool takes = contacts_.takes(forces.size());
-  for (const ContactForce& contact : forces) {
-    const std::uint32_t a = numbers_[contact.a.index], b = numbers_[contact.b.index];
-    sights_[a].force += contact.normal_force;
-    sights_[b].force += contact.normal_force;
-    frame.overlap = std::max(frame.overlap, -contact.separation);
+  for (const PairForce& pair : world.pair_forces()) {
+    const std::uint32_t a = numbers_[pair.a.index], b = numbers_[pair.b.index];
+    sights_[a].force += pair.normal_force;
+    sights_[b].force += pair.normal_force;
+    frame.overlap = std::max(frame.overlap, -pair.separation);
     link(a, b);
-    if (takes) contacts_.add(a, b, contact.position, contact.normal, contact.normal_force);
   }
   for (const auto& [id, place] : present_joints_) link(joints_[place].first, joints_[place].second);
   std::map<std::uint32_t, std::uint8_t> solves;
@@ -257,6 +254,14 @@ void Film::note_forces(const World& world, FilmFrame& frame) {
     const std::uint32_t lowest = joined.lowest(number);
     sights_[number].island = lowest + 1;
     if (const auto solve = solves.find(lowest); solve != solves.end()) sights_[number].flags |= solve->second;
+  }
+}
+
+void Film::note_contacts(const World& world) {
+  const std::span<const ContactForce> points = world.contact_forces();
+  if (!contacts_.takes(points.size())) return;
+  for (const ContactForce& point : points) {
+    contacts_.add(numbers_[point.a.index], numbers_[point.b.index], point.position, point.normal, point.normal_force);
   }
 }
 

@@ -16,6 +16,7 @@
 #include "view/film_chunk.h"
 #include "view/film_contacts.h"
 #include "view/film_shapes.h"
+#include "view/watcher.h"
 
 namespace atl {
 class World;
@@ -67,14 +68,14 @@ struct FilmFrame {
 
 /// A run, as it is looked at: which bodies there were, and for each frame where they were, what they felt and what the
 /// step took. Looks at the world and changes nothing of it.
-class Film {
+class Film : public Watcher {
  public:
   explicit Film(FilmOptions options);
 
   /// The world ahead of the first step.
-  void begin(const World& world) { add_frame(world, nullptr); }
+  void begin(const World& world) override { add_frame(world, nullptr); }
   /// The world after a step of dt seconds. Every stride-th is kept.
-  void add(const World& world, const StepReport& report, double dt);
+  void add(const World& world, const StepReport& report, double dt) override;
 
   /// One JSON object, as page/film.js reads it: chunks and geometry in it are base64 of zlib streams.
   std::string text();
@@ -88,12 +89,12 @@ class Film {
   void number_bodies(const World& world, const std::vector<BodyId>& ids);
   void note_joints(const World& world, FilmFrame& frame);
   void note_forces(const World& world, FilmFrame& frame);
+  void note_contacts(const World& world);
   void note_bodies(const World& world, const std::vector<BodyId>& ids);
 
   FilmOptions options_;
   double precision_ = 0;
-  std::int64_t steps_ = 0;
-  double time_ = 0;  // s
+  FrameClock clock_;
   std::vector<FilmBody> bodies_;
   std::vector<std::uint32_t> numbers_;  // by BodyId::index, of the body that has it now
   FilmShapes shapes_;

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include "view/film_codes.h"
-#include "view/packed.h"
 
 namespace atl::view {
 namespace {
@@ -76,15 +76,15 @@ void FilmChunks::end_chunk() {
     std::fill(row.begin(), row.end(), std::uint8_t{0});
   }
   packer.add(escapes_.data(), escapes_.size() * sizeof(std::int32_t));
-  done_.push_back(packer.text(Packer::Likes::Runs));
+  done_.add(std::move(packer), Packer::Likes::Runs);
   std::fill(tracks_.begin(), tracks_.end(), Track{});
   escapes_.clear();
   frames_ = 0;
 }
 
-const std::vector<std::string>& FilmChunks::finish() {
+std::vector<std::string> FilmChunks::finish() {
   end_chunk();
-  return done_;
+  return done_.take();
 }
 
 }  // namespace atl::view

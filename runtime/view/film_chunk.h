@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "view/packed.h"
+
 namespace atl::view {
 
 /// What is known of a body in a frame beside its pose.
@@ -40,7 +42,7 @@ class FilmChunks {
   /// Ends the chunk under way. Each is base64 of a zlib stream of: frames, bodies, escapes (uint32 each); a row of a
   /// byte a frame for each body, of its position's x, y and z, its quaternion's x, y, z and w, flags, force and island;
   /// and the escapes (int32), which are the differences that no byte holds, by frames, then bodies, then rows.
-  const std::vector<std::string>& finish();
+  std::vector<std::string> finish();
 
  private:
   // What a body's next numbers are told from.
@@ -61,7 +63,7 @@ class FilmChunks {
   std::array<std::vector<std::uint8_t>, row_count> rows_;  // most_frames bytes a body
   std::vector<std::int32_t> escapes_;
   std::size_t frames_ = 0;  // in this chunk
-  std::vector<std::string> done_;
+  PackedTexts done_;
 };
 
 }  // namespace atl::view

@@ -1,9 +1,9 @@
 #include "view/film_contacts.h"
 
 #include <cmath>
+#include <utility>
 
 #include "view/film_codes.h"
-#include "view/packed.h"
 
 namespace atl::view {
 
@@ -47,14 +47,14 @@ void FilmContacts::end_chunk() {
   for (std::size_t i = 0; i < 3; ++i) add_column([i](const Point& point) { return point.place[i]; });
   for (std::size_t i = 0; i < 3; ++i) add_column([i](const Point& point) { return point.normal[i]; });
   add_column([](const Point& point) { return point.force; });
-  done_.push_back(packer.text());
+  done_.add(std::move(packer), Packer::Likes::Repeats);
   counts_.clear();
   points_.clear();
 }
 
-const std::vector<std::string>& FilmContacts::finish() {
+std::vector<std::string> FilmContacts::finish() {
   end_chunk();
-  return done_;
+  return done_.take();
 }
 
 }  // namespace atl::view

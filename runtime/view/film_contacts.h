@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "view/packed.h"
+
 namespace atl::view {
 
 /// Where bodies touched, frame by frame, up to a number of points in all.
@@ -28,7 +30,7 @@ class FilmContacts {
   /// Chunks as those of FilmChunks: frames, points of each (uint32); then of all points the first body's number, the
   /// second's (uint32), x, y and z (int32, times the precision), x, y and z of the normal (int8, 127 is 1), and the
   /// code of the force.
-  const std::vector<std::string>& finish();
+  std::vector<std::string> finish();
   /// The frame from which on points are left out.
   std::optional<std::size_t> end() const { return end_; }
 
@@ -49,7 +51,7 @@ class FilmContacts {
   std::vector<std::uint32_t> counts_;  // by frame of the chunk under way
   double precision_ = 1;
   std::vector<Point> points_;
-  std::vector<std::string> done_;
+  PackedTexts done_;
 };
 
 }  // namespace atl::view

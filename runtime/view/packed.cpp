@@ -5,6 +5,7 @@
 
 #include <bit>
 #include <string_view>
+#include <utility>
 
 namespace atl::view {
 namespace {
@@ -46,5 +47,16 @@ std::string base64(const std::vector<std::uint8_t>& bytes) {
 }  // namespace
 
 std::string Packer::text(Likes likes) const { return base64(deflated(bytes_, likes)); }
+
+void PackedTexts::add(Packer packer, Packer::Likes likes) {
+  texts_.push_back(std::async(std::launch::async, [packer = std::move(packer), likes] { return packer.text(likes); }));
+}
+
+std::vector<std::string> PackedTexts::take() {
+  std::vector<std::string> texts;
+  for (std::future<std::string>& text : texts_) texts.push_back(text.get());
+  texts_.clear();
+  return texts;
+}
 
 }  // namespace atl::view

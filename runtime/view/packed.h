@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <future>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -26,6 +27,17 @@ class Packer {
 
  private:
   std::vector<std::uint8_t> bytes_;
+};
+
+/// Texts that threads of their own make while the caller goes on, in the order in which they were added.
+class PackedTexts {
+ public:
+  void add(Packer packer, Packer::Likes likes);
+  /// All since the last call. Throws Error where one could not be made.
+  std::vector<std::string> take();
+
+ private:
+  std::vector<std::future<std::string>> texts_;
 };
 
 }  // namespace atl::view

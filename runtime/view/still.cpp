@@ -87,16 +87,7 @@ void Still::add_bodies(const World& world) {
     const Pose pose = world.pose(id);
     const auto* half_space = std::get_if<HalfSpace>(&body.shape);
     const Triangles surface = half_space != nullptr ? square_of(*half_space, room, pose) : triangles_of(body.shape);
-    // Neighbours get hues far apart; what stays is grey.
-    Colour colour = {0.66, 0.68, 0.71};
-    if (body.type != BodyType::Static) {
-      const double hue = std::fmod(id.index * 137.508, 360.0) / 60;
-      const auto channel = [hue](double peak) {
-        const double apart = std::abs(std::remainder(hue - peak, 6.0));
-        return 0.42 + 0.42 * std::clamp(2 - apart, 0.0, 1.0);
-      };
-      colour = {channel(0), channel(2), channel(4)};
-    }
+    const Colour colour = body.type == BodyType::Static ? static_colour : body_colour(id.index);
     for (const auto& [a, b, c] : surface.triangles) {
       const auto place = [&](std::uint32_t vertex) {
         return Vector3(pose.position + pose.orientation * surface.vertices[vertex]);
@@ -167,7 +158,7 @@ void Still::draw(std::uint32_t number) {
 }
 
 // The mean of its samples, darker where bodies meet.
-Still::Colour Still::pixel(int x, int y) const {
+Colour Still::pixel(int x, int y) const {
   Colour sum = {0, 0, 0};
   const int wide = samples * width_, high = samples * height_;
   const auto body_at = [&](int column, int row) -> std::int64_t {

@@ -7,6 +7,8 @@
 #include <iosfwd>
 #include <vector>
 
+#include "view/colour.h"
+
 namespace atl {
 class World;
 }
@@ -31,9 +33,6 @@ class Still {
   void write_svg(std::ostream& out) const;
 
  private:
-  struct Colour {
-    double r, g, b;  // in [0, 1]
-  };
   struct Face {
     std::vector<Vector3> corners;  // x and y in pixels, z is 1 / depth
     Colour colour;

@@ -56,7 +56,7 @@ TEST(CommandRun, JsonHasTheKeysInTheirOrder) {
   const Json json = Json::parse(result.out);
   EXPECT_EQ(keys_of(json), (Keys{"scene", "bodies", "steps", "dt", "threads", "simd", "settings", "ms_per_step",
                                  "phases_ms", "counts", "errors", "features", "hash"}));
-  EXPECT_EQ(keys_of(json["ms_per_step"]), (Keys{"mean", "median", "p99", "max"}));
+  EXPECT_EQ(keys_of(json["ms_per_step"]), (Keys{"mean", "median", "p99", "max", "longest_step"}));
   EXPECT_EQ(keys_of(json["phases_ms"]), (Keys{"plan", "find_pairs", "update_contacts", "build_islands", "solve_islands",
                                               "sweep_fast_bodies", "finish"}));
   EXPECT_EQ(keys_of(json["counts"]), (Keys{"pairs",
@@ -79,6 +79,7 @@ TEST(CommandRun, JsonHasTheKeysInTheirOrder) {
                                            "direct_joints",
                                            "direct_islands",
                                            "refined_islands",
+                                           "unsolved_islands",
                                            "newton_iterations",
                                            "aabb_updates"}));
   EXPECT_EQ(keys_of(json["errors"]),
@@ -111,6 +112,7 @@ TEST(CommandRun, JsonHasTheKeysInTheirOrder) {
   const Json& ms = json["ms_per_step"];
   EXPECT_LE(ms["median"], ms["p99"]);
   EXPECT_LE(ms["p99"], ms["max"]);
+  EXPECT_TRUE(ms["longest_step"] >= 1 && ms["longest_step"] <= json["steps"]);
   EXPECT_LE(ms["mean"], ms["max"]);
 }
 

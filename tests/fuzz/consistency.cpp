@@ -83,6 +83,10 @@ void check_world(const World& world) {
     require_finite(force.separation, "a contact's separation");
     require(world.contains(force.a) && world.contains(force.b), "a contact force is on no body");
   }
+  for (const PairForce& pair : world.pair_forces()) {
+    require_finite(pair.force, "a pair's force");
+    require(pair.normal_force >= 0 && pair.a < pair.b, "a pair of bodies is no pair, or pulls");
+  }
   if (world.settings().contact_events) {
     for (const ContactEvent& event : world.contact_events()) {
       require_finite(event.point, "a contact event's point");
@@ -126,6 +130,7 @@ void check_same_reports(const StepReport& a, const StepReport& b) {
   require_same(a.counts.islands, b.counts.islands, "islands");
   require_same(a.counts.direct_islands, b.counts.direct_islands, "direct_islands");
   require_same(a.counts.refined_islands, b.counts.refined_islands, "refined_islands");
+  require_same(a.counts.unsolved_islands, b.counts.unsolved_islands, "unsolved_islands");
   require_same(a.counts.newton_iterations, b.counts.newton_iterations, "newton_iterations");
   require_same(a.counts.fcl_calls, b.counts.fcl_calls, "fcl_calls");
   require_same(a.counts.asleep, b.counts.asleep, "asleep");

@@ -99,6 +99,7 @@ struct StepCounts {
   std::int64_t joints = 0;                ///< that act on awake bodies
   std::int64_t direct_joints = 0;         ///< of these, those that are solved directly
   std::int64_t direct_islands = 0;        ///< whose contacts are solved at once, because sweeps get nowhere
+  std::int64_t unsolved_islands = 0;      ///< which that was tried for, in all iterations there are, and swept instead
   std::int64_t refined_islands = 0;       ///< that get more substeps: they sag, or a body lands that leans
   std::int64_t newton_iterations = 0;     ///< of what is solved at once, beyond the first solve
   std::int64_t islands = 0;               ///< awake islands with at least one contact or joint

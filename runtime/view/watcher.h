@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+
+namespace atl {
+class World;
+struct StepReport;
+}  // namespace atl
+
+namespace atl::view {
+
+/// What follows a run frame by frame, and makes something to look at of it. Changes nothing of the world.
+class Watcher {
+ public:
+  Watcher() = default;
+  Watcher(const Watcher&) = delete;
+  Watcher& operator=(const Watcher&) = delete;
+  virtual ~Watcher() = default;
+
+  /// The world ahead of the first step.
+  virtual void begin(const World& world) = 0;
+  /// The world after a step of dt seconds.
+  virtual void add(const World& world, const StepReport& report, double dt) = 0;
+};
+
+/// Which steps are frames, and when they are.
+class FrameClock {
+ public:
+  FrameClock(std::int64_t first_step, int stride) : first_(first_step), stride_(stride), step_(first_step) {}
+
+  /// A step was made: whether the state after it is a frame.
+  bool tick(double dt) {
+    time_ += dt;
+    return (++step_ - first_) % stride_ == 0;
+  }
+  std::int64_t step() const { return step_; }  ///< steps made
+  double time() const { return time_; }        ///< s, since the first frame
+
+ private:
+  std::int64_t first_;
+  int stride_;  // steps a frame
+  std::int64_t step_;
+  double time_ = 0;
+};
+
+}  // namespace atl::view
