@@ -10,6 +10,7 @@
 #include <jobs/prefetch.h>
 #include <solver/constraints/surface_contact.h>
 #include <solver/integrate/motion_locks.h>
+#include <solver/integrate/state_bounds.h>
 
 #include <algorithm>
 #include <array>
@@ -113,21 +114,20 @@ void visit_choices(Archive& archive, AnyWorld& world) {
   }
 }
 
-/// That bodies are somewhere, of a state from a file. Those that the next step checks may be anywhere; quarantine goes
-/// before.
+/// That bodies are somewhere, of a state from a file: those in quarantine, and those that the next step checks, too.
 template <typename Archive>
 void check_poses(Archive& archive, const Stores& world) {
   const solver::BodyTable& bodies = world.bodies;
   for (std::uint32_t body = 0; body < bodies.size(); ++body) {
-    if (!world.records.alive[body] || world.quarantine.contains(body)) continue;
+    if (!world.records.alive[body]) continue;
     archive.check_number(std::abs(bodies.orientation(body).squaredNorm() - 1) < 1e-6, "an orientation that is none");
     const bool is_finite = bodies.position(body).allFinite() && bodies.velocity(body).allFinite() &&
                            bodies.angular_velocity(body).allFinite();
-    archive.check_number(is_finite || world.quarantine.is_suspect(body), "a body whose state is not finite");
+    archive.check_number(is_finite, "a body whose state is not finite");
     const unsigned free = ~unsigned{bodies.locks[body]};
-    const bool keeps_locks =
-        bodies.locks[body] == 0 || (solver::without(free, bodies.velocity(body)).isZero(0) &&
-                                    solver::without(free >> 3u, bodies.angular_velocity(body)).isZero(0));
+    const bool keeps_locks = bodies.locks[body] == 0 || world.quarantine.contains(body) ||
+                             (solver::without(free, bodies.velocity(body)).isZero(0) &&
+                              solver::without(free >> 3u, bodies.angular_velocity(body)).isZero(0));
     archive.check_number(keeps_locks, "a body that moves along an axis that is locked");
   }
 }
@@ -344,7 +344,10 @@ class WorldState {
       if constexpr (!reads) pose = *list.pose_before(body);
       archive_.values(pose.position.data(), 3);
       archive_.values(pose.orientation.coeffs().data(), 4);
-      if constexpr (reads) list.remember_pose(body, pose);
+      if constexpr (reads) {
+        archive_.check_number(solver::is_in_place(pose.position, pose.orientation), "a pose to go back to that is none");
+        list.remember_pose(body, pose);
+      }
     });
     if constexpr (reads) note_restored_bodies(world_);
   }

@@ -514,7 +514,13 @@ TEST(SnapshotFile, NumbersThatNoWorldHasAreRefused) {
                   .mass = 0.625,
                   .material = {.friction = 0.71875},
                   .linear_damping = 0.15625});
+  const BodyId lost = world.add_body({.position = {1.1875, 20, 3}});
+  const BodyId strays = world.add_body({.position = {1.3125, 30, 3}});
+  world.set_velocity(lost, {1e30, 0, 0}, Vector3::Zero());
   world.step(dt);  // which checks what is new
+  ASSERT_TRUE(world.is_quarantined(lost));
+  world.set_pose(strays, {{1e200, 0, 0}, Quaternion::Identity()});
+  world.add_body({.position = {1.4375, 40, 3}});
   Snapshot snapshot;
   world.save(snapshot);
   snapshot.write(file.path());
@@ -535,6 +541,9 @@ TEST(SnapshotFile, NumbersThatNoWorldHasAreRefused) {
   expect_refusal(0.15625, nan, "a body of an invalid material, gravity scale or damping");
   expect_refusal(1 / 0.625, nan, "a body without a valid mass");
   expect_refusal(1.0625, nan, "a body whose state is not finite");
+  expect_refusal(1.1875, nan, "a body whose state is not finite");  // in quarantine
+  expect_refusal(1.4375, nan, "a body whose state is not finite");  // not yet checked by a step
+  expect_refusal(1.3125, nan, "a pose to go back to that is none");
 }
 
 }  // namespace
