@@ -271,6 +271,7 @@ std::string Film::text() {
   for (const FilmJoint& joint : joints_) joints.push_back(joint_object(joint));
   Json film = {{"name", options_.name},
                {"place", options_.place},
+               {"related", {{"text", options_.related.text}, {"address", options_.related.address}}},
                {"precision", precision_},
                {"turn_units", FilmChunks::turn_units},
                {"chunk_frames", FilmChunks::most_frames},

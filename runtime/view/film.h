@@ -24,8 +24,15 @@ class World;
 
 namespace atl::view {
 
+/// Another page about the same run.
+struct RelatedPage {
+  std::string text = {};     ///< of the link
+  std::string address = {};  ///< "" where there is none
+};
+
 struct FilmOptions {
   std::string name = {};        ///< of the run, for the page's title
+  RelatedPage related = {};     ///< linked in the page's head
   std::string place = {};       ///< what the page shows first, as after the # of its address
   std::int64_t first_step = 0;  ///< steps made ahead of the first frame
   int stride = 1;               ///< steps a frame, >= 1

@@ -20,17 +20,29 @@ using Json = nlohmann::ordered_json;
 class SweepPage : public testing::Test {
  protected:
   void SetUp() override {
-    const CommandResult result = run_atoll({"sweep",         "stack:height=2",
-                                            "pile:bodies=3", hostile_scene(),
-                                            "--substeps",    "1,4",
-                                            "--iterations",  "1",
-                                            "--simd",        "auto",
-                                            "--steps",       "30",
-                                            "--repeats",     "2",
-                                            "--time",        "1e-6",
-                                            "--peer",        write_driver(scratch_, "Mock"),
-                                            "--peer-limit",  "1",
-                                            "--out",         scratch_.path("out")});
+    const CommandResult result = run_atoll({"sweep",
+                                            "stack:height=2",
+                                            "pile:bodies=3",
+                                            hostile_scene(),
+                                            "--substeps",
+                                            "1,4",
+                                            "--iterations",
+                                            "1",
+                                            "--simd",
+                                            "auto",
+                                            "--steps",
+                                            "30",
+                                            "--repeats",
+                                            "2",
+                                            "--time",
+                                            "1e-6",
+                                            "--peer",
+                                            write_driver(scratch_, "Mock"),
+                                            "--peer-limit",
+                                            "1",
+                                            "--views",
+                                            "--out",
+                                            scratch_.path("out")});
     ASSERT_EQ(result.status, 0) << result.err;
     results_ = Json::parse(read_text(scratch_.path("out") + "/results.json"));
   }
@@ -141,6 +153,22 @@ TEST_F(SweepPage, NamesNothingOutsideItself) {
   std::smatch found;
   EXPECT_FALSE(std::regex_search(text, found, outside)) << found.str();
   EXPECT_EQ(text.find("http://www.w3.org/2000/svg"), text.rfind("http"));
+}
+
+// And each of these with the place that it came from.
+TEST_F(SweepPage, IsLinkedWithAPageThatPlaysEachScene) {
+  const std::optional<std::string> browser = find_browser();
+  if (!browser) GTEST_SKIP() << "no Chromium was found: the page is not looked at";
+  const std::string document = load_page(*browser, page(), 1200).document;
+  for (std::size_t scene = 0; scene < results_["scenes"].size(); ++scene) {
+    const std::string name = "view-" + std::to_string(scene) + ".html", place = "scene-" + std::to_string(scene);
+    EXPECT_EQ(results_["scenes"][scene]["view"], name);
+    EXPECT_EQ(count(document, "href=\"" + name + "\""), 1u);
+    EXPECT_EQ(count(document, "id=\"" + place + "\""), 1u);
+    const LoadedPage loaded = load_page(*browser, scratch_.path("out") + "/" + name, 1200);
+    EXPECT_EQ(loaded.console, "");
+    EXPECT_EQ(count(loaded.document, "href=\"index.html#" + place + "\">Error against run time</a>"), 1u);
+  }
 }
 
 TEST_F(SweepPage, DrawsEveryRunWithoutAConsoleMessage) {

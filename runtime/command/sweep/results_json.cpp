@@ -90,6 +90,7 @@ Json scene_json(const SceneReport& report) {
           {"large", plan.large},
           {"at_rest", scene.starts_at_rest},
           {"chaotic", plan.chaotic()},
+          {"view", report.view},
           {"runs", records},
           {"comparisons", comparisons}};
 }

@@ -14,6 +14,7 @@ struct SceneReport {
   ScenePlan plan;
   std::vector<Record> records;          ///< Atoll's default first, then its others, then engine by engine
   std::vector<Comparison> comparisons;  ///< by measure; the first is the one to look at
+  std::string view = "";                ///< file of the page that plays it, if there is one
 };
 
 /// Compares by every measure that some run has: the closed form's error first, else the mean gap of joints, else

@@ -13,9 +13,12 @@
 #include "../names.h"
 #include "../output_file.h"
 #include "../progress.h"
+#include "../simulation.h"
 #include "../standard_streams.h"
+#include "../view.h"
 #include "results.h"
 #include "scene_sweep.h"
+#include "view/film.h"
 
 namespace atl::command {
 namespace {
@@ -119,6 +122,22 @@ void find_frontiers(const std::vector<PeerDriver>& drivers, SweepResults& result
   }
 }
 
+// Plays scenes by their own settings, as they were timed.
+void write_views(const std::string& directory, SweepResults& results) {
+  for (std::size_t i = 0; i < results.scenes.size() && !interrupted(); ++i) {
+    const Scene& scene = results.scenes[i].plan.scene;
+    World world = command::make_world(scene, 1);
+    const std::vector<BodyId> ids = build_scene(scene, world);
+    view::Film film(
+        {.name = scene.name,
+         .related = {.text = "Error against run time", .address = "index.html#scene-" + std::to_string(i)}});
+    (void)simulate(scene, world, ids, {.going = true, .watchers = {&film}});
+    const std::string file = "view-" + std::to_string(i) + ".html";
+    write_film(page_file("--views", (fs::path(directory) / file).string()), film);
+    results.scenes[i].view = file;
+  }
+}
+
 // Each for itself. What went wrong, or "".
 std::string write_files(const SweepFiles& files, const SweepResults& results) {
   std::string failures;
@@ -142,6 +161,7 @@ void sweep(const SweepOptions& options) {
   for (const std::string& address : scene_addresses(options)) plans.push_back(plan_scene(address, options));
   const std::vector<PeerDriver> drivers = ask_drivers(options);
   const SweepFiles outputs = check_sweep_files(options.out);
+  if (options.views) (void)page_file("--views", (fs::path(options.out) / "view-0.html").string());
 
   const RunPolicy policy = {.repeats = options.repeats.value_or(options.quick ? 1 : 3),
                             .least_time = options.time.value_or(options.quick ? 0.02 : 0.03),
@@ -164,6 +184,7 @@ void sweep(const SweepOptions& options) {
     throw interruption("sweep", done + " run; nothing was written");
   }
 
+  if (options.views) write_views(options.out, results);
   const std::string failures = write_files(outputs, results);
   write_results_text(std::cout, results);
   if (failures.empty())

@@ -89,6 +89,10 @@ void add_sweep_options(CLI::App& command, SweepOptions& options) {
       ->check(not_empty())
       ->type_name("DIR")
       ->group("Output");
+  command
+      .add_flag("--views", options.views,
+                "and a page that plays each scene by its own settings, linked with index.html")
+      ->group("Output");
 }
 
 }  // namespace atl::command

@@ -25,6 +25,7 @@ struct SweepOptions {
   std::optional<int> steps;          ///< at the scene's own dt
   std::uint64_t seed = 1;
   std::optional<double> time;  ///< s, the least that one timing run spends in steps
+  bool views = false;          ///< and a page that plays each scene
   std::string out = "sweep";
 };
 

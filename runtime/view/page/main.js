@@ -54,6 +54,12 @@ class Player {
     byId('title').textContent = data.name;
     byId('facts').textContent = [plural(moving, 'moving body'), plural(data.joints.length, 'joint'),
                                  plural(data.frames.step.at(-1), 'step'), `${fixed(film.time(film.frames - 1), 2)} s`].join(' · ');
+    if (data.related.address) {
+      const link = byId('related').firstElementChild;
+      link.href = data.related.address;
+      link.textContent = data.related.text;
+      byId('related').hidden = false;
+    }
     for (const [key, { name }] of Object.entries(colourings)) byId('colour').append(element('option', name, { value: key }));
     byId('scrub').max = film.frames - 1;
     const legend = byId('strip-legend');

@@ -68,6 +68,9 @@ function sceneWords(scene) {
   const words = [html('p', {}, (scene.help ? scene.help[0].toUpperCase() + scene.help.slice(1) + '. ' : '') +
     `${scene.bodies} dynamic bodies, ${steps}, ${figure(scene.simulated_s)} s of simulated time` +
     (scene.large ? '; a large scene, on a thinner grid of settings.' : '.'))];
+  if (scene.view) {
+    words.push(html('p', {class: 'note'}, html('a', {href: scene.view}, 'Watch it'), ' by its own settings.'));
+  }
   if (scene.source) words.push(html('p', {class: 'note'}, 'Closed form: ' + scene.source));
   if (scene.chaotic) {
     words.push(html('p', {class: 'note'}, 'Chaotic: no two engines, nor two settings, end in the same state, so only ' +
