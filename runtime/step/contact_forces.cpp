@@ -63,6 +63,25 @@ class PointForces {
   double total_ = 0;    // N s
 };
 
+// Contacts are in order of their shapes' numbers, which is that of bodies' ids but for those that got other shapes.
+void merge_pairs(std::vector<PairForce>& pairs) {
+  const auto precedes = [](const PairForce& x, const PairForce& y) { return x.a != y.a ? x.a < y.a : x.b < y.b; };
+  const auto is_out_of_order = [&](const PairForce& x, const PairForce& y) { return !precedes(x, y); };
+  if (std::adjacent_find(pairs.begin(), pairs.end(), is_out_of_order) == pairs.end()) return;
+  std::stable_sort(pairs.begin(), pairs.end(), precedes);
+  std::size_t last = 0;
+  for (std::size_t i = 1; i < pairs.size(); ++i) {
+    if (precedes(pairs[last], pairs[i])) {
+      pairs[++last] = pairs[i];
+      continue;
+    }
+    pairs[last].force += pairs[i].force;
+    pairs[last].normal_force += pairs[i].normal_force;
+    pairs[last].separation = std::min(pairs[last].separation, pairs[i].separation);
+  }
+  pairs.resize(last + 1);
+}
+
 }  // namespace
 
 Vector3 ManifoldPlace::point(const collision::ContactManifold& manifold, std::size_t i) const {
@@ -109,21 +128,24 @@ std::span<const PairForce> pair_forces(Stores& world, const ContactPhase& phase,
                                        const collision::NarrowphaseKernels& kernels, jobs::Arena& arena) {
   std::vector<PairForce>& pairs = world.results.pair_forces;
   pairs.clear();
-  const auto add = [&](BodyId a, BodyId b, const Vector3& normal, double normal_force, const Vector3& friction,
-                       double separation) {
+  // Of the first on the second, by id the lower on the higher.
+  const auto add = [&](BodyId first, BodyId second, const Vector3& force, double normal_force, double separation) {
+    const bool swapped = second < first;
+    const BodyId a = swapped ? second : first, b = swapped ? first : second;
     if (pairs.empty() || pairs.back().a != a || pairs.back().b != b) {
       pairs.push_back({.a = a, .b = b, .separation = separation});
     }
     PairForce& pair = pairs.back();
-    pair.force += normal_force * normal + friction;
+    pair.force += swapped ? Vector3(-force) : force;
     pair.normal_force += normal_force;
     pair.separation = std::min(pair.separation, separation);
   };
   // They may be without those of bodies that were changed since the step.
   if (world.results.contact_forces_valid) {
     for (const ContactForce& point : world.results.contact_forces) {
-      add(point.a, point.b, point.normal, point.normal_force, point.friction, point.separation);
+      add(point.a, point.b, point.normal_force * point.normal + point.friction, point.normal_force, point.separation);
     }
+    merge_pairs(pairs);
     return pairs;
   }
   std::vector<solver::TouchingPair> found;
@@ -133,12 +155,14 @@ std::span<const PairForce> pair_forces(Stores& world, const ContactPhase& phase,
     const collision::ContactManifold& manifold = world.cache.manifolds[touching[pair].slot];
     const PointForces of(world, manifold);
     if (!of.are_any()) continue;
-    const BodyId a = id_of(world, touching[pair].first), b = id_of(world, touching[pair].second);
+    const BodyId first = id_of(world, touching[pair].first), second = id_of(world, touching[pair].second);
     const Vector3 normal = normal_of(world, touching[pair].first, touching[pair].second, manifold);
     for (std::size_t i = 0; i < collision::max_points; ++i) {
-      if (of.is_pressed(i)) add(a, b, normal, of.normal(i), of.friction(i), manifold.separation[i]);
+      if (!of.is_pressed(i)) continue;
+      add(first, second, of.normal(i) * normal + of.friction(i), of.normal(i), manifold.separation[i]);
     }
   }
+  merge_pairs(pairs);
   return pairs;
 }
 

@@ -284,8 +284,8 @@ class World {
   std::span<const ContactForce> contact_forces() const;
   /// Those of one body, in the same order.
   std::vector<ContactForce> contact_forces(BodyId id) const;
-  /// One entry for two bodies that press on each other, in order of ids: what contact_forces() adds up to, in less
-  /// time. Valid until the next call or change.
+  /// One entry for two bodies that press on each other, in order of ids, of which a's is the lower: what
+  /// contact_forces() adds up to, in less time. Valid until the next call or change.
   std::span<const PairForce> pair_forces() const;
 
   /// After a step with Settings::contact_events: what began and what ended, in order of body ids. Throws Error where
