@@ -20,7 +20,9 @@ function hue(degrees, saturation, lightness) {
 }
 
 // Neighbouring numbers get hues far apart.
-const ofNumber = (number) => hue((number * 137.508) % 360, 0.45, 0.56 + 0.09 * ((number * 7) % 3 - 1));
+const known = [];
+const ofNumber = (number) =>
+  (known[number] ??= hue((number * 137.508) % 360, 0.45, 0.56 + 0.09 * ((number * 7) % 3 - 1)));
 
 const FIXED = [0.55, 0.57, 0.6], KINEMATIC = [0.45, 0.5, 0.72], AWAKE = [0.95, 0.55, 0.2], ASLEEP = [0.36, 0.45, 0.62];
 const LOST = [0.85, 0.1, 0.2], SWEPT = [0.5, 0.62, 0.75], REFINED = [0.93, 0.68, 0.15], DIRECT = [0.8, 0.25, 0.5];

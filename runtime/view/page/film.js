@@ -128,14 +128,24 @@ export class Film {
     return this.frame(number);
   }
 
+  isThere(frame, body) {
+    return body < frame.bodies && (frame.chunk.flags[frame.at + body] & Flag.present) !== 0;
+  }
   // m, and a unit quaternion x, y, z, w; null where there is no such body.
   pose(frame, body) {
-    if (body >= frame.bodies || (frame.chunk.flags[frame.at + body] & Flag.present) === 0) return null;
+    if (!this.isThere(frame, body)) return null;
+    const pose = { position: [0, 0, 0], orientation: [0, 0, 0, 1] };
+    this.readPose(frame, body, pose.position, pose.orientation);
+    return pose;
+  }
+  // The same of a body that is there, into arrays: a page asks it of thousands in each frame.
+  readPose(frame, body, position, orientation) {
     const cell = frame.at + body, { place, turn } = frame.chunk;
-    const position = [0, 1, 2].map((i) => place[3 * cell + i] * this.data.precision);
-    const raw = [0, 1, 2, 3].map((i) => turn[4 * cell + i]);
-    const norm = Math.hypot(...raw) || 1;
-    return { position, orientation: raw.map((value) => value / norm) };
+    for (let i = 0; i < 3; ++i) position[i] = place[3 * cell + i] * this.data.precision;
+    let square = 0;
+    for (let i = 0; i < 4; ++i) square += turn[4 * cell + i] * turn[4 * cell + i];
+    const norm = Math.sqrt(square) || 1;
+    for (let i = 0; i < 4; ++i) orientation[i] = turn[4 * cell + i] / norm;
   }
 
   // N, as its code tells it: to 3%.

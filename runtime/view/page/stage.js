@@ -51,6 +51,7 @@ export class Stage {
     this.way = 'body';
     this.selected = null;
     this.bodyOf = new Map();  // by mesh: body numbers of its instances
+    this.kept = [];           // a matrix a body, used again in each frame
   }
 
   // `frame` says where things happen.
@@ -152,7 +153,8 @@ export class Stage {
     const cell = frame.at + number;
     return {
       number, type: this.film.bodies[number].type, flags: frame.chunk.flags[cell], force: frame.chunk.force[cell],
-      island: frame.chunk.island[cell], speed: this.velocity(frame, former, number)?.length() ?? 0,
+      island: frame.chunk.island[cell],
+      speed: this.way === 'speed' ? this.velocity(frame, former, number)?.length() ?? 0 : 0,
     };
   }
   velocity(frame, former, number) {
@@ -163,24 +165,26 @@ export class Stage {
   }
 
   show(frame, former) {
-    const matrices = new Array(frame.bodies);
+    const matrices = new Array(frame.bodies).fill(null);
+    const place = [0, 0, 0], turned = [0, 0, 0, 1];
     const position = new Vector3(), turn = new Quaternion(), one = new Vector3(1, 1, 1), full = new Matrix4();
+    while (this.kept.length < frame.bodies) this.kept.push(new Matrix4());
     for (let body = 0; body < frame.bodies; ++body) {
-      const pose = this.film.pose(frame, body);
-      matrices[body] = pose && new Matrix4().compose(position.set(...pose.position), turn.set(...pose.orientation), one);
+      if (!this.film.isThere(frame, body)) continue;
+      this.film.readPose(frame, body, place, turned);
+      matrices[body] = this.kept[body].compose(position.fromArray(place), turn.fromArray(turned), one);
     }
     this.matrices = matrices;
     const hidden = this.findHiding(frame);
-    const colours = new Map();
-    const colour = (body) => {
-      if (!colours.has(body)) colours.set(body, colourOf(this.way, this.bodyIn(frame, former, body)));
-      return colours.get(body);
-    };
+    const colours = new Array(frame.bodies);
+    const colour = (body) => (colours[body] ??= colourOf(this.way, this.bodyIn(frame, former, body)));
     for (const mesh of this.meshes) {
       mesh.userData.members.forEach(({ body, local }, i) => {
         const at = hidden.has(body) ? null : matrices[body];
-        mesh.setMatrixAt(i, at ? full.multiplyMatrices(at, local) : NOWHERE);
-        if (at) mesh.instanceColor.array.set(colour(body), 3 * i);
+        (at ? full.multiplyMatrices(at, local) : NOWHERE).toArray(mesh.instanceMatrix.array, 16 * i);
+        if (!at) return;
+        const rgb = colour(body), shades = mesh.instanceColor.array;
+        for (let k = 0; k < 3; ++k) shades[3 * i + k] = rgb[k];
       });
       mesh.instanceMatrix.needsUpdate = true;
       mesh.instanceColor.needsUpdate = true;
