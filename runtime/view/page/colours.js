@@ -30,7 +30,9 @@ const LOST = [0.85, 0.1, 0.2], SWEPT = [0.5, 0.62, 0.75], REFINED = [0.93, 0.68,
 const FASTEST = 20, STRONGEST = 1e6;  // m/s, N: the brightest end of a scale, which is logarithmic
 
 const css = (rgb) => `rgb(${rgb.map((value) => Math.round(255 * value)).join(' ')})`;
-const ramp = (low, high) => [{ text: low, from: css(scaled(0)) }, { text: high, from: css(scaled(1)), ramp: true }];
+// From the low end to the high one; `before` stands ahead of the colours.
+const ramp = (low, high) =>
+  [{ before: low, text: high, wide: true, from: `linear-gradient(to right, ${SCALE.map(css).join(', ')})` }];
 
 export const colourings = {
   body: { name: 'Body', of: (body) => ofNumber(body.number), legend: [] },

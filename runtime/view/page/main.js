@@ -151,9 +151,9 @@ class Player {
     const legend = byId('legend');
     legend.replaceChildren();
     const { legend: entries } = colourings[this.stage.way];
-    for (const { text, from } of entries) {
+    for (const { before = '', text, from, wide } of entries) {
       const item = element('li', text);
-      item.prepend(element('span', '', { class: 'swatch', style: `background: ${from}` }));
+      item.prepend(before, element('span', '', { class: wide ? 'swatch wide' : 'swatch', style: `background: ${from}` }));
       legend.append(item);
     }
   }
