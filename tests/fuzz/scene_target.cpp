@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <regex>
 #include <string>
 #include <string_view>
 
@@ -26,14 +27,10 @@ bool is_builtin(std::string_view text) {
   return std::ranges::any_of(builtin_scenes(), [name](const BuiltinScene& scene) { return scene.name == name; });
 }
 
-// Whether no number in it has more than two digits: a scene of few bodies.
-bool has_small_numbers(std::string_view text) {
-  int digits = 0;
-  for (const char c : text) {
-    digits = c >= '0' && c <= '9' ? digits + 1 : 0;
-    if (digits > 2 || c == 'e' || c == 'E') return false;
-  }
-  return true;
+// Whether no number in it has more than two digits before the point, or an exponent: a scene of few bodies.
+bool has_small_numbers(const std::string& text) {
+  static const std::regex large("(^|[^0-9.])[0-9]{3}|[0-9.][eE]");
+  return !std::regex_search(text, large);
 }
 
 std::span<const std::uint8_t> bytes_of(std::string_view text) {
@@ -41,7 +38,7 @@ std::span<const std::uint8_t> bytes_of(std::string_view text) {
 }
 
 Scene read(std::string_view text) {
-  const std::string_view parameters = text.substr(std::min(text.find(':'), text.size()));
+  const std::string parameters(text.substr(std::min(text.find(':'), text.size())));
   if (is_builtin(text) && has_small_numbers(parameters)) return load_scene(text);
   const std::size_t zero = text.find('\0');
   if (zero == std::string_view::npos) return parse_scene(text, "input");

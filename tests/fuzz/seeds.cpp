@@ -57,7 +57,8 @@ void write_scenes(const fs::path& folder, std::span<char*> files) {
   for (const char* type : {"mesh", "hull"}) {
     const std::string shape = std::string("{\"type\": \"") + type + "\", \"file\": \"mesh.obj\", \"scale\": [1, 2, 1]}";
     write(folder / (std::string("wavefront-") + type),
-          text("{\"bodies\": [{\"type\": \"static\", \"shape\": " + shape + "}]}" + '\0' + mesh));
+          text("{\"format\": \"atoll-scene\", \"version\": 1, \"bodies\": [{\"type\": \"static\", \"shape\": " + shape +
+               "}]}" + '\0' + mesh));
   }
   for (const char* file : files) write(folder / fs::path(file).filename(), read(file));
 }
