@@ -83,7 +83,7 @@ int run_parsed(int argc, char** argv) {
   RunOptions options;
   add_run_options(*run, options);
   CLI::App* viewing =
-      app.add_subcommand("view", "run a scene or a recording and write a page that plays it, to look at in a browser");
+      app.add_subcommand("view", "run a scene or a recording and write a page that plays it, a picture, or files for other programs");
   ViewOptions view_options;
   add_view_options(*viewing, view_options);
   CLI::App* explanation =
