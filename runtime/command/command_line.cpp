@@ -82,8 +82,8 @@ int run_parsed(int argc, char** argv) {
   CLI::App* run = app.add_subcommand("run", "simulate a scene file or a built-in scene and report time and error");
   RunOptions options;
   add_run_options(*run, options);
-  CLI::App* viewing =
-      app.add_subcommand("view", "run a scene or a recording and write a page that plays it, a picture, or files for other programs");
+  CLI::App* viewing = app.add_subcommand(
+      "view", "run a scene or a recording and write a page that plays it, a picture, or files for other programs");
   ViewOptions view_options;
   add_view_options(*viewing, view_options);
   CLI::App* explanation =
