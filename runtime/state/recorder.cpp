@@ -59,11 +59,12 @@ void Recorder::note_state(const WorldDefinition& world_definition, std::span<con
   write(RecordKind::State, writer);
 }
 
-void Recorder::note_step(double dt, bool forced, const ContactRules& rules) {
+void Recorder::note_step(double dt, bool forced, bool everything, const ContactRules& rules) {
   ++steps_;
   StateWriter writer(bytes_);
   writer.value(dt);
   writer.value(forced);
+  writer.value(everything);
   writer.value(rules.filters());
   writer.value(rules.modifies());
   write(RecordKind::Step, writer);

@@ -58,7 +58,7 @@ class Recorder {
   void note_state(const WorldDefinition& world_definition, std::span<const std::byte> state);
   /// Ahead of a step, and in the file by then: should the step crash, the recording has all that leads there.
   /// A forced one is followed by what its law asked for, a record for each time, in the file as soon as it is known.
-  void note_step(double dt, bool forced, const ContactRules& rules);
+  void note_step(double dt, bool forced, bool everything, const ContactRules& rules);
   /// 3 x bodies: N, N m.
   void note_forces(const Eigen::Ref<const Eigen::Matrix3Xd>& forces, const Eigen::Ref<const Eigen::Matrix3Xd>& torques);
   void note_no_forces();  ///< the law threw, and ended the step

@@ -236,6 +236,8 @@ void Replay::step(StateReader& record) {
   bool forced = false;
   record.value(dt_);
   record.value(forced);
+  // No bit shows it while all numbers are finite. What a body that breaks takes along may depend on it.
+  record.value(world_.impl_->stores.settings.run_everything);
   ContactRules::Recorded& rules = world_.impl_->rules.recorded;
   record.value(rules.filters);
   record.value(rules.modifies);

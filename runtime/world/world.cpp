@@ -168,7 +168,7 @@ StepReport take_step(const World& world, auto& impl, double dt, bool forced, con
   impl.check_idle("step");
   const StepGuard::Step under_way(impl.step_guard, "World::step");
   if constexpr (with_recording) {
-    if (impl.recorder) impl.recorder->note_step(dt, forced, impl.rules);
+    if (impl.recorder) impl.recorder->note_step(dt, forced, impl.stores.settings.run_everything, impl.rules);
   }
   impl.rules.begin_step(world);
   const StepReport report = step();

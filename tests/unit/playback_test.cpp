@@ -100,6 +100,27 @@ TEST(Playback, ReportsTheStepItMade) {
   EXPECT_EQ(playback.dt(), dt);
 }
 
+// Whether anything is left out shows in no bit while numbers are finite, and is kept for where they are not.
+TEST(Playback, LeavesOutWhatWasLeftOut) {
+  const TemporaryFile file(".recording");
+  Yard yard({.settings = {.sleeping = false}});
+  yard.world.record(file.path());
+  for (const bool everything : {false, true, false}) {
+    Settings settings = yard.world.settings();
+    settings.run_everything = everything;
+    yard.world.set_settings(settings);
+    yard.world.step(dt);
+  }
+  yard.world.stop_recording();
+  Playback playback(file.path());
+  for (const std::int64_t step : {1, 2, 3, 2, 1}) {
+    playback.seek(step - 1);
+    ASSERT_TRUE(playback.advance());
+    EXPECT_EQ(playback.world().settings().run_everything, step == 2);
+    EXPECT_EQ(playback.report().feature(Feature::ContactProblem).run, step == 2);
+  }
+}
+
 TEST(Playback, RefusesStepsThatThereAreNot) {
   const Film film;
   Playback playback(film.file.path());

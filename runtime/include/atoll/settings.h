@@ -96,7 +96,9 @@ struct Settings {
 
   /// Leave nothing out: each feature and kernel is run on all contacts and bodies of an island, needed or not; contact
   /// events and the contact problem are found, though not told. Choices between methods, and sleeping, stay. No bit of
-  /// the result changes; the time says what leaving out saves. See StepReport::features.
+  /// the result changes; the time says what leaving out saves. See StepReport::features. (Where a body's numbers stop
+  /// being finite, which of those that touch it break with it may depend on this; a recording keeps it for that
+  /// reason.)
   bool run_everything = false;
 
   bool profile = false;  ///< StepReport::solver_ms has something to tell; no bit of the result changes
