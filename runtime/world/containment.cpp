@@ -115,8 +115,8 @@ void restrain_broken(Stores& world, solver::FastBodies& moved, std::vector<Quara
 void put_in_quarantine(Stores& world, std::uint32_t body, Quarantine reason) {
   if constexpr (with_joints) suspend_joints_of(world, body);
   take_out(world, body);
-  // Odometers that have lost count would spread to whatever meets the body next.
-  if (!std::isfinite(world.bodies.turned[body])) world.bodies.turned[body] = 0;
+  // How far it got before it broke depends on what else was done in the step.
+  world.bodies.turned[body] = 0;
   world.aabbs.bounds.aabb_margin[body] = 0;
   world.bodies.force(body).setZero();
   world.bodies.torque(body).setZero();

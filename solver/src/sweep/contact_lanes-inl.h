@@ -230,13 +230,15 @@ struct Plane {
   }
 };
 
-// Two impulses, scaled down to the disc of a radius where they leave it.
+// Two impulses, scaled down to the disc of a radius where they leave it. A disc of no radius lets nothing through, not
+// even what is no number.
 HWY_INLINE void clamp_to_disc(V& a, V& b, V radius) {
+  const M presses = hn::Gt(radius, zero());
   const V length = hn::Sqrt(hn::Add(hn::Mul(a, a), hn::Mul(b, b)));
   const M outside = hn::Gt(length, radius);
   const V scale = hn::IfThenElse(outside, hn::Div(radius, hn::IfThenElse(outside, length, splat(1))), splat(1));
-  a = hn::Mul(scale, a);
-  b = hn::Mul(scale, b);
+  a = hn::IfThenElseZero(presses, hn::Mul(scale, a));
+  b = hn::IfThenElseZero(presses, hn::Mul(scale, b));
 }
 
 // Newton's method for hold_in_disc(), in lanes that slip.
