@@ -156,8 +156,8 @@ std::vector<ModifiedContact> ContactRules::modify(const Stores& world,
       if (!answered) break;
       ModifiedContact modified{.pair = contact.pair,
                                .part = contact.part,
-                               .friction = static_cast<float>(seen.friction),
-                               .restitution = static_cast<float>(seen.restitution)};
+                               .friction = static_cast<float>(seen.friction + 0.0),  // -0 is 0
+                               .restitution = static_cast<float>(seen.restitution + 0.0)};
       for (std::size_t i = 0; i < contact.count; ++i) {
         if (seen.enabled && points[i].enabled) modified.points |= static_cast<std::uint8_t>(1u << i);
       }

@@ -100,7 +100,7 @@ collision::ContactCache::Start contact_start(const Stores& world, collision::Pai
   const bool surface = collision::is_surface(shape_first.kind) || collision::is_surface(shape_second.kind);
   return {.body_first = first,
           .body_second = second,
-          .friction = static_cast<float>(std::sqrt(a.friction * b.friction)),
+          .friction = static_cast<float>(std::sqrt(a.friction * b.friction) + 0.0),  // -0 is 0
           .restitution = static_cast<float>(std::max(a.restitution, b.restitution)),
           .size = static_cast<float>(std::min(shape_first.inner_radius, shape_second.inner_radius)),
           .has_local_offset =

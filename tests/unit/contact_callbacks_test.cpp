@@ -611,5 +611,22 @@ TEST(ContactCallbacks, AreAskedInEachSubstepOfAForceLaw) {
   EXPECT_EQ(result.hash, world.state_hash());
 }
 
+// The sign of a zero would come back in what friction carries.
+TEST(ContactModifier, MinusZeroIsZero) {
+  const auto hash_with = [](double friction, bool of_material) {
+    World world;
+    world.add_body({.type = BodyType::Static, .shape = HalfSpace{}});
+    world.add_body({.shape = Box{}, .position = {0, 0, 0.499}, .material = {.friction = of_material ? friction : 0.6}});
+    if (!of_material) world.set_contact_modifier([=](ModifiableContact& contact) { contact.friction = friction; });
+    world.set_velocity(world.bodies()[1], {1, 0.3, 0}, {0, 0.1, 0.2});
+    for (int i = 0; i < 10; ++i) world.step(1.0 / 60);
+    return world.state_hash();
+  };
+  for (const bool of_material : {false, true}) {
+    EXPECT_EQ(hash_with(-0.0, of_material), hash_with(0, of_material)) << of_material;
+    EXPECT_NE(hash_with(0.1, of_material), hash_with(0, of_material)) << of_material;
+  }
+}
+
 }  // namespace
 }  // namespace atl::test
