@@ -398,7 +398,7 @@ TEST(Replay, RefusesRecordsThatDoNotFit) {
   expect_refusal([&](auto& all) { find(all, RecordKind::Step)->kind = static_cast<RecordKind>(999); }, "no known kind");
   expect_refusal([&](auto& all) { find(all, RecordKind::Step)->content.push_back({}); }, "more than there should be");
   expect_refusal([&](auto& all) { find(all, RecordKind::Step)->content.pop_back(); }, "the end of the data");
-  expect_refusal([&](auto& all) { find(all, RecordKind::Step)->content.assign(11, {}); }, "dt is 0");
+  expect_refusal([&](auto& all) { find(all, RecordKind::Step)->content.assign(12, {}); }, "dt is 0");
   expect_refusal([&](auto& all) { find(all, kind_of<calls::ApplyForce>())->content[0] = std::byte{99}; },
                  "no body has the id");
   expect_refusal([&](auto& all) { find(all, RecordKind::Geometry)->content[4] ^= std::byte{1}; }, "another content");
