@@ -38,6 +38,7 @@ void World::Impl::adopt(const std::shared_ptr<const WorldDefinition>& world_defi
   for (const std::shared_ptr<const BodyConstants>& body : world_definition->bodies) {
     if (body) check_built_for(*body);
   }
+  viewed.leave(stores.bodies);
   stores = {.gravity = stores.gravity, .settings = stores.settings};
   stores.changes.joints = true;
   pipeline.forget_bodies();

@@ -37,77 +37,83 @@ struct Header {
 };
 static_assert(sizeof(Header) == 32);
 
-[[noreturn]] void fail(const char* call, const fs::path& path, const std::string& why) {
-  throw Error(std::string("Snapshot::") + call + ": " + path.string() + ": " + why);
-}
+// Where bytes are from, for messages: "Snapshot::read: a/b.snapshot".
+[[noreturn]] void fail(const std::string& place, const std::string& why) { throw Error(place + ": " + why); }
 
-void write_all(const fs::path& path, const Header& header, std::span<const std::byte> bytes) {
-  const std::error_code error = replace_file(path, [&](std::ostream& out) {
-    out.write(reinterpret_cast<const char*>(&header), sizeof header);
-    out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  });
-  if (error) fail("write", path, error.message());
+std::string place_of(const char* call, const fs::path& path) {
+  return std::string("Snapshot::") + call + ": " + path.string();
 }
 
 std::vector<char> read_all(const fs::path& path) {
+  const std::string place = place_of("read", path);
   std::error_code error;
-  if (fs::is_directory(path, error)) fail("read", path, "is a directory; expected a snapshot's file");
+  if (fs::is_directory(path, error)) fail(place, "is a directory; expected a snapshot's file");
   errno = 0;
   std::ifstream stream(path, std::ios::binary);
   std::vector<char> bytes{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
   if (!stream.is_open() || stream.bad()) {
-    fail("read", path, std::generic_category().message(errno != 0 ? errno : EIO));
+    fail(place, std::generic_category().message(errno != 0 ? errno : EIO));
   }
   return bytes;
 }
 
-// What follows the header, if the file is whole.
-std::span<const std::byte> checked_content(const fs::path& path, const std::vector<char>& file) {
+// What follows the header, if all of it is there.
+std::span<const std::byte> checked_content(const std::string& place, std::span<const std::byte> bytes) {
   const Header expected;
   Header header;
   const std::array<char, 8>& magic = expected.begin.magic;
-  if (file.size() < magic.size() || !std::equal(magic.begin(), magic.end(), file.begin())) {
-    fail("read", path, "does not begin with \"ATOLLSNP\"; expected a snapshot's file");
+  if (bytes.size() < magic.size() || std::memcmp(magic.data(), bytes.data(), magic.size()) != 0) {
+    fail(place, "does not begin with \"ATOLLSNP\"; expected a snapshot's file");
   }
-  if (file.size() < sizeof header) {
-    fail("read", path,
-         "found " + std::to_string(file.size()) + " bytes; expected a header of " + std::to_string(sizeof header) +
-             " at least");
+  if (bytes.size() < sizeof header) {
+    fail(place, "found " + std::to_string(bytes.size()) + " bytes; expected a header of " +
+                    std::to_string(sizeof header) + " at least");
   }
-  std::memcpy(&header, file.data(), sizeof header);
-  if (const std::string fault = fault_of(header.begin, expected.begin); !fault.empty()) fail("read", path, fault);
-  const std::span<const std::byte> content = std::as_bytes(std::span(file)).subspan(sizeof header);
+  std::memcpy(&header, bytes.data(), sizeof header);
+  if (const std::string fault = fault_of(header.begin, expected.begin); !fault.empty()) fail(place, fault);
+  const std::span<const std::byte> content = bytes.subspan(sizeof header);
   if (content.size() != header.length) {
-    fail("read", path,
-         "found " + std::to_string(content.size()) + " bytes after the header; expected " +
-             std::to_string(header.length));
+    fail(place, "found " + std::to_string(content.size()) + " bytes after the header; expected " +
+                    std::to_string(header.length));
   }
   if (const std::uint64_t checksum = checksum_of(content); checksum != header.checksum) {
-    fail("read", path,
-         "found the checksum " + hex(checksum) + "; expected " + hex(header.checksum) + ": the file is damaged");
+    fail(place, "found the checksum " + hex(checksum) + "; expected " + hex(header.checksum) + ": the file is damaged");
   }
   return content;
 }
 
 }  // namespace
 
-void Snapshot::write(const std::string& path) const {
-  if (empty()) fail("write", path, "the snapshot is empty; expected one that holds a state");
-  std::vector<std::byte> bytes;
-  StateWriter writer(bytes);
+std::vector<std::byte> Snapshot::to_bytes() const {
+  if (empty()) fail("Snapshot::to_bytes", "the snapshot is empty; expected one that holds a state");
+  std::vector<std::byte> content;
+  StateWriter writer(content);
   write_definition_of_world(writer, *world_definition_);
   writer.values(bytes_.data(), size_);
-  const std::span<const std::byte> content(bytes.data(), writer.size());
+  content.resize(writer.size());
   Header header;
   header.length = content.size();
   header.checksum = checksum_of(content);
-  write_all(path, header, content);
+  const auto* begin = reinterpret_cast<const std::byte*>(&header);
+  content.insert(content.begin(), begin, begin + sizeof header);
+  return content;
 }
 
-Snapshot Snapshot::read(const std::string& path) {
-  if constexpr (!with_snapshots) throw_left_out("Snapshot::read is called", "snapshots", "SNAPSHOTS");
-  const std::vector<char> file = read_all(path);
-  const std::span<const std::byte> content = checked_content(path, file);
+void Snapshot::write(const std::string& path) const {
+  const std::string place = place_of("write", path);
+  if (empty()) fail(place, "the snapshot is empty; expected one that holds a state");
+  const std::vector<std::byte> bytes = to_bytes();
+  const std::error_code error = replace_file(path, [&](std::ostream& out) {
+    out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  });
+  if (error) fail(place, error.message());
+}
+
+Snapshot Snapshot::from_bytes(std::span<const std::byte> bytes) { return from_bytes(bytes, "Snapshot::from_bytes"); }
+
+Snapshot Snapshot::from_bytes(std::span<const std::byte> bytes, const std::string& place) {
+  if constexpr (!with_snapshots) throw_left_out((place + " is called").c_str(), "snapshots", "SNAPSHOTS");
+  const std::span<const std::byte> content = checked_content(place, bytes);
   Snapshot snapshot;
   try {
     StateReader reader(content, {.from_file = true});
@@ -119,9 +125,16 @@ Snapshot Snapshot::read(const std::string& path) {
     snapshot.size_ = state.size();
     snapshot.world_definition_ = std::move(world_definition);
   } catch (const Error& error) {
-    fail("read", path, error.what());
+    fail(place, error.what());
   }
   return snapshot;
+}
+
+Snapshot Snapshot::read(const std::string& path) {
+  const std::string place = place_of("read", path);
+  if constexpr (!with_snapshots) throw_left_out("Snapshot::read is called", "snapshots", "SNAPSHOTS");
+  const std::vector<char> file = read_all(path);
+  return from_bytes(std::as_bytes(std::span(file)), place);
 }
 
 }  // namespace atl

@@ -139,6 +139,7 @@ std::uint32_t World::Impl::index_to_change(JointId id, const char* call) const {
 }
 
 BodyId World::Impl::add_body(const CheckedBody& start) {
+  viewed.make_room(stores.bodies, stores.bodies.size() + 1);
   const BodyId id = atl::add_body(stores, start);
   query_gate.note(stores.broadphase);
   if constexpr (with_recording) {
@@ -694,6 +695,8 @@ Eigen::Matrix3Xd World::origins() const {
   }
   return result;
 }
+
+void World::keep_views() { impl_->viewed.keeps = true; }
 
 Eigen::Map<const Eigen::Matrix3Xd> World::positions() const {
   return {impl_->stores.bodies.positions.data(), 3, static_cast<Eigen::Index>(impl_->stores.bodies.size())};

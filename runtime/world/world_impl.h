@@ -14,6 +14,7 @@
 #include "world/query_gate.h"
 #include "world/step_guard.h"
 #include "world/stores.h"
+#include "world/viewed_columns.h"
 
 namespace atl {
 
@@ -60,6 +61,7 @@ class World::Impl {
   void end_recording();  // as the world ends
 
   Stores stores;
+  ViewedColumns viewed;
   StepPipeline pipeline;
   ContactRules rules;
   const solver::Kernels* kernels;

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
@@ -407,6 +408,25 @@ TEST(SnapshotFile, BringsBackAWorld) {
   fresh.world.add_body({.type = BodyType::Static, .shape = wedge(1), .position = {50, 0, 0}});
   fresh.world.restore(read);
   EXPECT_EQ(hashes(fresh.world, 20), expected);
+}
+
+TEST(SnapshotFile, IsTheSameInMemory) {
+  const TemporaryFile file(".snapshot");
+  Yard yard;
+  run(yard.world, 5);
+  Snapshot snapshot;
+  yard.world.save(snapshot);
+  snapshot.write(file.path());
+  std::vector<std::byte> bytes = snapshot.to_bytes();
+  const std::string written = file.content();
+  EXPECT_TRUE(std::ranges::equal(std::as_bytes(std::span(written)), bytes));
+  const std::vector<std::uint64_t> expected = hashes(yard.world, 5);
+  yard.world.restore(Snapshot::from_bytes(bytes));
+  EXPECT_EQ(hashes(yard.world, 5), expected);
+  bytes.pop_back();
+  expect_error([&] { Snapshot::from_bytes(bytes); }, {"Snapshot::from_bytes: found", "expected"});
+  expect_error([] { Snapshot::from_bytes({}); }, {"Snapshot::from_bytes: does not begin with"});
+  expect_error([] { Snapshot().to_bytes(); }, {"Snapshot::to_bytes", "empty"});
 }
 
 TEST(SnapshotFile, SaysWhyItCannotBeReadOrWritten) {

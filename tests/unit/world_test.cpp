@@ -325,5 +325,26 @@ TEST(World, TurningARestingBodyByHandIntoAnotherIsSeen) {
   EXPECT_TRUE(world.contact_events()[0].began);
 }
 
+TEST(World, ViewsThatAreKeptCanBeReadToItsEnd) {
+  World world;
+  world.keep_views();
+  std::vector<Eigen::Map<const Eigen::Matrix3Xd>> views;
+  Snapshot few;
+  for (int i = 0; i < 1000; ++i) {
+    world.add_body({.position = {i + 0.5, 0, 0}, .velocity = {0, 2.0 * i, 0}});
+    if (i == 2) world.save(few);
+    views.push_back(i % 2 == 0 ? world.positions() : world.velocities());
+  }
+  world.restore(few);
+  world.step(1.0 / 60);
+  ASSERT_EQ(world.body_count(), 3u);
+  for (int i = 3; i < 1000; ++i) {
+    const auto& view = views[static_cast<std::size_t>(i)];
+    ASSERT_EQ(view.cols(), i + 1);
+    ASSERT_EQ(view(i % 2, i), i % 2 == 0 ? i + 0.5 : 2.0 * i) << i;
+  }
+  EXPECT_EQ(world.positions().cols(), 3);
+}
+
 }  // namespace
 }  // namespace atl::test

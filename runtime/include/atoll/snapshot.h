@@ -29,8 +29,14 @@ class Snapshot {
   /// off, or is of another version or byte order.
   static Snapshot read(const std::string& path);
 
+  /// What write() would put into a file, and read() would make of it.
+  std::vector<std::byte> to_bytes() const;
+  static Snapshot from_bytes(std::span<const std::byte> bytes);
+
  private:
   friend class World;
+
+  static Snapshot from_bytes(std::span<const std::byte> bytes, const std::string& place);
 
   std::span<const std::byte> state() const { return {bytes_.data(), size_}; }
 

@@ -326,6 +326,9 @@ class World {
   Eigen::Map<const Eigen::Matrix4Xd> orientations() const;        ///< x, y, z, w
   Eigen::Map<const Eigen::Matrix3Xd> velocities() const;          ///< m/s, of centres of mass
   Eigen::Map<const Eigen::Matrix3Xd> angular_velocities() const;  ///< rad/s
+  /// From here on the memory of these views stays, at most twice as much, until the world's end: one that was taken
+  /// before bodies were added or others restored can still be read, and tells no more than it did then.
+  void keep_views();
 
   /// Writes the state of the world to a snapshot, over what that holds, whose memory is used again: no allocation where
   /// it is large enough and no body came or went since the last save.
