@@ -14,7 +14,7 @@ usage: bash tests/run.sh [--label LABEL] [--preset PRESET] [--long]
        bash tests/run.sh --aarch64
 
   --label LABEL    only these: unit, accuracy, law, stability, determinism, cli, faults, fuzz, layers, package,
-                   examples or docs
+                   examples, python or docs
   --preset PRESET  release (the default), apart, clang, debug, asan or tsan
   --long           the heavier matrix of scenes, threads and settings, and Atoll built as a part of another project
   --fuzz MINUTES   libFuzzer on each of these, or those given, for so long: api, scene, snapshot, recording
@@ -44,6 +44,16 @@ while (($#)); do
   shift
 done
 
+# What the Python package is built and tested with, in an environment of its own.
+python_environment() {
+  local wanted=$root/tests/python/requirements.txt
+  cmp --silent "$wanted" "$root/build/python/requirements.txt" && return
+  say "installing $(paste --serial --delimiters=' ' "$wanted") into build/python"
+  python3 -m venv --clear "$root/build/python"
+  "$root/build/python/bin/pip" install --quiet --disable-pip-version-check --requirement "$wanted" >&2
+  cp "$wanted" "$root/build/python/requirements.txt"
+}
+
 packages+=(libgtest-dev chromium pkgconf python3) # the browser looks at the page that atoll sweep writes
 [[ $preset != clang ]] || packages+=(clang)
 if [[ $preset == fuzz ]]; then
@@ -59,6 +69,12 @@ if [[ ${CI:-} == true ]]; then
 elif ! is_configured "$preset"; then
   options+=(-DATOLL_BUILD_PERF=OFF)
 fi
+# Sanitizers want to be there before Python is.
+if [[ $preset != asan && $preset != tsan ]]; then
+  packages+=(python3-dev python3-venv)
+  options+=(-DATOLL_BUILD_PYTHON=ON "-DPython_EXECUTABLE=$root/build/python/bin/python")
+fi
 install_packages
+[[ "${options[*]}" != *PYTHON=ON* ]] || python_environment
 build "$preset" all "${options[@]}"
 ctest --preset "$preset" "${selection[@]}"

@@ -7,6 +7,7 @@ sh     commands, each of which is run, in one folder for a README. An HTML comme
        <!-- not run: REASON --> all of them, <!-- not run `COMMAND`, `COMMAND`: REASON --> those that begin like that.
        Of these it is checked that programs, files and options are there.
 json   a scene file.
+python a program, which tests/python runs.
 text   nothing: output, drawings.
 """
 
@@ -15,7 +16,7 @@ import re
 from typing import NamedTuple
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-LANGUAGES = ("cpp", "cmake", "sh", "json", "text")
+LANGUAGES = ("cpp", "cmake", "sh", "json", "python", "text")
 
 
 class Block(NamedTuple):

@@ -1,0 +1,190 @@
+"""Worlds: what is asked and told, and how errors are."""
+
+from __future__ import annotations
+
+import copy
+import math
+import pickle
+import threading
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+import atoll
+
+from conftest import DT
+
+
+def test_what_falls_falls_as_it_should() -> None:
+    world = atoll.World(gravity=[0, 0, -10])
+    ball = world.add_body(shape=atoll.Sphere(0.1), position=[1, 2, 50], velocity=[3, 0, 0])
+    for _ in range(60):
+        world.step(DT)
+    # Exact for constant acceleration but for rounding.
+    assert world.positions[ball] == pytest.approx([1 + 3, 2, 50 - 5], abs=1e-6)
+    assert world.velocity(ball) == pytest.approx([3, 0, -10], abs=1e-5)
+
+
+def test_definitions_have_the_defaults_of_cpp() -> None:
+    body = atoll.BodyDef()
+    assert body.type == atoll.BodyType.DYNAMIC
+    assert body.density == 1000 and body.mass is None
+    assert body.material.friction == 0.6
+    assert list(body.orientation) == [0, 0, 0, 1]
+    assert atoll.Settings().substeps == 4
+    spring = atoll.WheelJoint().suspension.spring
+    assert spring is not None and spring.hertz == 2
+
+
+def test_parts_of_definitions_are_copies_that_live_on() -> None:
+    body = atoll.BodyDef(shape=atoll.Box([1, 2, 3]))
+    box, material = body.shape, body.material
+    body.shape = atoll.Sphere(9)
+    material.friction = 0.1
+    assert isinstance(box, atoll.Box) and list(box.half_extents) == [1, 2, 3]
+    assert body.material.friction == 0.6
+    scene = atoll.load_scene("pile:bodies=3")
+    bodies = scene.bodies
+    scene.bodies = []
+    assert len(bodies) > 3 and bodies[0].definition.density == 1000
+
+
+def test_bodies_are_added_by_definition_or_by_name_of_field() -> None:
+    first, second = atoll.World(), atoll.World()
+    first.add_body(atoll.BodyDef(shape=atoll.Capsule(0.2, 0.4), position=(0, 0, 1), mass=3))
+    second.add_body(shape=atoll.Capsule(0.2, 0.4), position=np.array([0, 0, 1]), mass=3)
+    assert first.state_hash() == second.state_hash()
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        (lambda: atoll.World().add_body(density=-1), "BodyDef.density is -1"),
+        (lambda: atoll.World(threads=0), "threads is 0"),
+        (lambda: atoll.World().step(0), "dt"),
+        (lambda: atoll.World().pose(atoll.BodyId(3)), "index 3"),
+        (lambda: atoll.World(settings=atoll.Settings(substeps=0)), "substeps is 0"),
+        (lambda: atoll.ConvexHull(np.zeros((3, 3))), "points"),
+        (lambda: atoll.load_scene("no-such-scene"), "no-such-scene"),
+        (lambda: atoll.World().contact_events(), "contact_events"),
+        (lambda: atoll.World().cast_ray([0, 0, 0], [0, 0, 0]), "direction"),
+        (lambda: atoll.World().cast_rays(np.zeros((2, 3)), np.ones((3, 3))), "2 origins and 3 directions"),
+    ],
+)
+def test_errors_name_the_field_and_the_value(call: tuple[Callable[[], object], str]) -> None:
+    make, words = call
+    with pytest.raises(atoll.Error, match=words):
+        make()
+
+
+def test_what_is_no_vector_is_a_type_error() -> None:
+    for wrong in ([1, 2], [1, 2, 3, 4], "abc", [1, 2, "x"], 3, None):
+        with pytest.raises(TypeError):
+            atoll.World().add_body(position=wrong)  # type: ignore[arg-type]
+    with pytest.raises(TypeError):
+        atoll.World().add_body(positon=[0, 0, 0])  # type: ignore[call-overload]
+
+
+def test_scene_errors_are_errors_and_value_errors() -> None:
+    assert issubclass(atoll.SceneError, atoll.Error) and issubclass(atoll.Error, ValueError)
+    with pytest.raises(atoll.SceneError):
+        atoll.parse_scene("{")
+
+
+def test_reprs_say_what_is_not_as_usual(world: atoll.World) -> None:
+    assert repr(atoll.Sphere(2)) == "Sphere(radius=2.0)"
+    assert repr(atoll.Material()) == "Material()"
+    assert repr(world) == "<World of 2 bodies, 0 joints>"
+    assert "contacts" in repr(world.step(DT))
+    assert repr(world.bodies[1]) == "BodyId(1, 0)"
+
+
+def test_definitions_and_snapshots_are_pickled(world: atoll.World) -> None:
+    body = world.definition(world.bodies[1])
+    for copied in (pickle.loads(pickle.dumps(body)), copy.deepcopy(body)):
+        assert repr(copied) == repr(body)
+    joint = atoll.JointDef(kind=atoll.HingeJoint(atoll.JointAxis(motor=atoll.JointMotor(speed=2, max_force=5))))
+    assert repr(pickle.loads(pickle.dumps(joint))) == repr(joint)
+    assert pickle.loads(pickle.dumps(atoll.FixedJoint())) is not None
+    settings = atoll.Settings(substeps=7, contact_hertz=20)
+    assert repr(pickle.loads(pickle.dumps(settings))) == repr(settings)
+
+    before = world.save()
+    world.steps(20, DT)
+    after = world.state_hash()
+    world.restore(pickle.loads(pickle.dumps(before)))
+    world.steps(20, DT)
+    assert world.state_hash() == after
+    with pytest.raises(atoll.Error, match="damaged|expected"):
+        damaged = bytearray(before.__getstate__())
+        damaged[-1] ^= 1
+        atoll.Snapshot.__new__(atoll.Snapshot).__setstate__(bytes(damaged))
+
+
+def test_a_step_lets_other_threads_of_python_run() -> None:
+    world = atoll.load_scene("pile:bodies=400").build()
+    counted = 0
+    done = threading.Event()
+
+    def step() -> None:
+        world.steps(20, DT)
+        done.set()
+
+    thread = threading.Thread(target=step)
+    thread.start()
+    while not done.wait(0):
+        counted += 1
+    thread.join()
+    assert counted > 1000
+
+
+def test_two_threads_in_one_world_are_told() -> None:
+    world = atoll.load_scene("pile:bodies=400").build()
+    thread = threading.Thread(target=lambda: world.steps(60, DT))
+    thread.start()
+    told = 0
+    while thread.is_alive():
+        try:
+            world.state_hash()
+        except atoll.Error as error:
+            assert "step" in str(error)
+            told += 1
+    thread.join()
+    assert told > 0
+
+
+def test_joints_hold_and_tell() -> None:
+    world = atoll.World()
+    post = world.add_body(type=atoll.BodyType.STATIC, shape=atoll.Sphere(0.1))
+    arm = world.add_body(shape=atoll.Box([0.5, 0.05, 0.05]), position=[0.5, 0, 0], mass=2)
+    motor = atoll.JointMotor(speed=1.5, max_force=atoll.unlimited)
+    hinge = world.add_joint(
+        atoll.joint_at(world, atoll.HingeJoint(atoll.JointAxis(motor=motor)), post, arm, [0, 0, 0], [0, 0, 1])
+    )
+    world.steps(60, DT)
+    state = world.joint_state(hinge)
+    assert state.position[0] == pytest.approx(1.5, rel=1e-3)
+    assert state.force[2] == pytest.approx(2 * 9.81, rel=1e-2)
+    assert hinge in world and world.joints == [hinge]
+    world.set_motor_speed(hinge, -1)
+    world.steps(60, DT)
+    assert world.joint_state(hinge).speed[0] == pytest.approx(-1, rel=1e-3)
+    world.remove_joint(hinge)
+    assert hinge not in world
+
+
+def test_settings_and_gravity_are_set_as_a_whole(world: atoll.World) -> None:
+    settings = world.settings
+    settings.substeps = 9
+    assert world.settings.substeps == 4
+    world.settings = settings
+    world.gravity = [0, 0, 0]
+    assert world.settings.substeps == 9 and not world.gravity.any()
+
+
+def test_reports_tell_phases_and_features(world: atoll.World) -> None:
+    report = world.step(DT)
+    assert list(report.phase_ms)[0] == "plan" and math.isclose(sum(report.phase_ms.values()), report.ms, rel_tol=0.5)
+    assert report.features["friction"].run and not report.features["joint_solver"].run
+    assert report.counts.contacts == 1 and report.counts.points == 4
