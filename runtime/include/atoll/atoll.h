@@ -1,6 +1,7 @@
 #pragma once
 /// Atoll: a multithreaded, island-parallel rigid-body runtime. This header includes the whole public API.
 
+#include <atoll/batch.h>
 #include <atoll/body.h>
 #include <atoll/body_hash.h>
 #include <atoll/closed_form.h>

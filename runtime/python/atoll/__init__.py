@@ -1,5 +1,7 @@
 """Rigid-body physics: island-parallel, and the same bits every time.
 
+`Batch` steps many worlds of one scene, and `atoll.gym`, which takes gymnasium, makes environments of such.
+
 Units are SI, angles radians. Vectors are passed as sequences or arrays of three numbers, orientations as x, y, z, w, and
 many of either as arrays of a row each. Everything that is unusable raises `Error`, which names the field, the value that
 was found and what was expected.
@@ -17,6 +19,7 @@ was found and what was expected.
 from ._core import (
     Axis as Axis,
     BallJoint as BallJoint,
+    Batch as Batch,
     BodyDef as BodyDef,
     BodyHash as BodyHash,
     BodyId as BodyId,
@@ -92,7 +95,6 @@ from ._core import (
     UniversalJoint as UniversalJoint,
     WheelJoint as WheelJoint,
     World as World,
-    __version__ as __version__,
     body_mass as body_mass,
     builtin_scenes as builtin_scenes,
     find_parting as find_parting,
@@ -104,4 +106,5 @@ from ._core import (
     replay as replay,
     scene_of as scene_of,
     unlimited as unlimited,
+    version as __version__,
 )

@@ -42,16 +42,14 @@ std::string words_of(const char* name, const T& values, const Field<T, M>&... fi
   return words + ")";
 }
 
-/// Attributes, repr and pickling; no way to make one but to copy.
+/// Attributes and pickling.
 template <typename T, typename... M>
 void bind_values(nb::class_<T>& type, const Field<T, M>&... fields) {
-  const std::string name = nb::cast<std::string>(type.attr("__name__"));
   // By value: a reference into an optional or a variant would outlive what it refers to.
   (type.def_prop_rw(
        fields.name, [member = fields.member](const T& self) -> M { return self.*member; },
        [member = fields.member](T& self, M value) { self.*member = std::move(value); }, fields.doc),
    ...);
-  type.def("__repr__", [=](const T& self) { return words_of(name.c_str(), self, fields...); });
   type.def("__getstate__", [=](const T& self) { return std::tuple<M...>(self.*(fields.member)...); });
   type.def("__setstate__", [=](T& self, const std::tuple<M...>& state) {
     new (&self) T{};
@@ -59,42 +57,52 @@ void bind_values(nb::class_<T>& type, const Field<T, M>&... fields) {
   });
 }
 
-/// That, and a constructor that takes all of them, in order or by name.
 template <typename T, typename... M>
-void bind_struct(nb::class_<T>& type, const Field<T, M>&... fields) {
-  const T defaults{};
-  type.def(
-      "__init__",
-      [=](T* self, M... values) {
-        new (self) T{};
-        ((self->*(fields.member) = std::move(values)), ...);
-      },
-      (nb::arg(fields.name) = defaults.*(fields.member))...);
-  bind_values(type, fields...);
+void bind_repr(nb::class_<T>& type, const Field<T, M>&... fields) {
+  const std::string name = nb::cast<std::string>(type.attr("__name__"));
+  type.def("__repr__", [=](const T& self) { return words_of(name.c_str(), self, fields...); });
 }
 
-/// The same, by name only.
+/// A constructor that takes all of them: after `extra`, which may be nb::kw_only().
+template <typename T, typename... M, typename... Extra>
+void bind_constructor(nb::class_<T>& type, const std::tuple<Extra...>& extra, const Field<T, M>&... fields) {
+  const T defaults{};
+  std::apply(
+      [&](const Extra&... first) {
+        type.def(
+            "__init__",
+            [=](T* self, M... values) {
+              new (self) T{};
+              ((self->*(fields.member) = std::move(values)), ...);
+            },
+            first..., (nb::arg(fields.name) = defaults.*(fields.member))...);
+      },
+      extra);
+}
+
+/// All of it, with fields in order or by name.
+template <typename T, typename... M>
+void bind_struct(nb::class_<T>& type, const Field<T, M>&... fields) {
+  bind_constructor(type, std::tuple<>(), fields...);
+  bind_values(type, fields...);
+  bind_repr(type, fields...);
+}
+
+/// All of it, with fields by name only.
 template <typename T, typename... M>
 void bind_definition(nb::class_<T>& type, const Field<T, M>&... fields) {
-  const T defaults{};
-  type.def(
-      "__init__",
-      [=](T* self, M... values) {
-        new (self) T{};
-        ((self->*(fields.member) = std::move(values)), ...);
-      },
-      nb::kw_only(), (nb::arg(fields.name) = defaults.*(fields.member))...);
+  bind_constructor(type, std::tuple(nb::kw_only()), fields...);
   bind_values(type, fields...);
+  bind_repr(type, fields...);
 }
 
 /// Attributes that tell of what was done.
 template <typename T, typename... M>
 void bind_result(nb::class_<T>& type, const Field<T, M>&... fields) {
-  const std::string name = nb::cast<std::string>(type.attr("__name__"));
   (type.def_prop_ro(
        fields.name, [member = fields.member](const T& self) -> M { return self.*member; }, fields.doc),
    ...);
-  type.def("__repr__", [=](const T& self) { return words_of(name.c_str(), self, fields...); });
+  bind_repr(type, fields...);
 }
 
 }  // namespace atl::python

@@ -48,8 +48,12 @@ void bind_kinds(nb::module_& module) {
   bind_struct(slider, Field{"offset", &SliderJoint::offset, "m, along x"});
   nb::class_<FixedJoint>(module, "FixedJoint", "The frames stay together: 6 rows.")
       .def(nb::init<>())
-      .def("__getstate__", [](const FixedJoint&) { return nb::make_tuple(); })
-      .def("__setstate__", [](FixedJoint& self, const nb::tuple&) { new (&self) FixedJoint{}; })
+      .def(
+          "__getstate__", [](const FixedJoint&) { return nb::make_tuple(); },
+          nb::sig("def __getstate__(self) -> tuple[()]"))
+      .def(
+          "__setstate__", [](FixedJoint& self, const nb::tuple&) { new (&self) FixedJoint{}; },
+          nb::sig("def __setstate__(self, state: tuple[()], /) -> None"))
       .def("__repr__", [](const FixedJoint&) { return "FixedJoint()"; });
   nb::class_<DistanceJoint> distance(module, "DistanceJoint", "The distance of the origins: 1 row. A rod, or a rope.");
   bind_struct(distance, Field{"distance", &DistanceJoint::distance, "m"});

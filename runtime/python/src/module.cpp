@@ -3,7 +3,7 @@
 NB_MODULE(_core, module) {
   using namespace atl::python;
   module.doc() = "Atoll's classes and functions, as the package atoll hands them on.";
-  module.attr("__version__") = ATOLL_VERSION;
+  module.attr("version") = ATOLL_VERSION;
   bind_types(module);
   bind_shapes(module);
   bind_joints(module);
@@ -14,4 +14,5 @@ NB_MODULE(_core, module) {
   bind_queries(module);
   bind_recordings(module);
   bind_scenes(module);
+  bind_batch(module);
 }

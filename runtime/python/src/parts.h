@@ -15,5 +15,6 @@ void bind_world(nanobind::module_& module);
 void bind_queries(nanobind::module_& module);
 void bind_recordings(nanobind::module_& module);
 void bind_scenes(nanobind::module_& module);
+void bind_batch(nanobind::module_& module);
 
 }  // namespace atl::python

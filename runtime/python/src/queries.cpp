@@ -28,7 +28,7 @@ struct Filter {
   bool sensors = false;
   std::vector<BodyId> ignore = {};
   std::optional<BodyId> as = {};
-  std::function<bool(BodyId, std::uint32_t)> predicate = {};
+  std::optional<std::function<bool(BodyId, std::uint32_t)>> predicate = {};
 
   QueryFilter filter() const {
     return {.category = category,
@@ -39,7 +39,7 @@ struct Filter {
             .sensors = sensors,
             .ignore = ignore,
             .as = as,
-            .predicate = predicate};
+            .predicate = predicate.value_or(nullptr)};
   }
 };
 

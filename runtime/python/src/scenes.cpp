@@ -43,10 +43,14 @@ void bind_data(nb::module_& module) {
 
 void bind_scene(nb::module_& module) {
   nb::class_<Scene> scene(module, "Scene", "A world to simulate, as data.");
-  bind_definition(scene, Field{"name", &Scene::name, ""}, Field{"gravity", &Scene::gravity, "m/s^2, shape (3,)"},
-                  Field{"dt", &Scene::dt, "s"}, Field{"steps", &Scene::steps, "how many it is meant for"},
-                  Field{"settings", &Scene::settings, ""}, Field{"starts_at_rest", &Scene::starts_at_rest, ""},
-                  Field{"bodies", &Scene::bodies, ""}, Field{"joints", &Scene::joints, ""});
+  const auto bind = [&](const auto&... fields) {
+    bind_constructor(scene, std::tuple(nb::kw_only()), fields...);
+    bind_values(scene, fields...);
+  };
+  bind(Field{"name", &Scene::name, ""}, Field{"gravity", &Scene::gravity, "m/s^2, shape (3,)"},
+       Field{"dt", &Scene::dt, "s"}, Field{"steps", &Scene::steps, "how many it is meant for"},
+       Field{"settings", &Scene::settings, ""}, Field{"starts_at_rest", &Scene::starts_at_rest, ""},
+       Field{"bodies", &Scene::bodies, ""}, Field{"joints", &Scene::joints, ""});
   scene
       .def(
           "build",

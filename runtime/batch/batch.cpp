@@ -1,0 +1,291 @@
+// Worlds of one scene side by side: a world is a task.
+
+#include <atoll/batch.h>
+#include <atoll/error.h>
+#include <atoll/snapshot.h>
+#include <jobs/arena.h>
+
+#include <algorithm>
+#include <exception>
+#include <numeric>
+#include <string>
+#include <thread>
+
+namespace atl {
+namespace {
+
+int thread_count(int asked) {
+  if (asked < 0 || asked > 1024) {
+    throw Error("Batch: threads is " + std::to_string(asked) + "; expected a number from 0 to 1024");
+  }
+  return asked > 0 ? asked : std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 1024);
+}
+
+[[noreturn]] void fail(const char* call, const std::string& found, const std::string& expected) {
+  throw Error(std::string("Batch::") + call + ": found " + found + "; expected " + expected);
+}
+
+void check_size(const char* call, const char* what, std::size_t found, std::size_t expected) {
+  if (found != expected) {
+    fail(call, std::to_string(found) + " numbers of " + what, std::to_string(expected) + " of them");
+  }
+}
+
+}  // namespace
+
+struct Batch::Impl {
+  Scene scene;
+  jobs::Arena arena;
+  std::vector<World> worlds;
+  std::vector<Snapshot> starts;
+  std::vector<BodyId> bodies;
+  std::vector<JointId> joints;
+  std::vector<std::size_t> moving;   // places of bodies that can have a velocity
+  std::vector<std::size_t> dynamic;  // of those that feel forces
+  bool pushed;                       // the scene has constant forces
+
+  Impl(const Scene& of, int threads) : scene(of), arena(threads) {
+    for (std::size_t i = 0; i < of.bodies.size(); ++i) {
+      if (of.bodies[i].def.type != BodyType::Static) moving.push_back(i);
+      if (of.bodies[i].def.type == BodyType::Dynamic) dynamic.push_back(i);
+      pushed |= !of.bodies[i].force.isZero(0);
+    }
+  }
+
+  // Makes a bulk call of a world for some of the bodies, from two arrays with a column for each of them all.
+  template <typename Bulk>
+  void hand_on(const std::vector<std::size_t>& some, const double* first, const double* second,
+               const Bulk& bulk) const {
+    const auto count = static_cast<Eigen::Index>(some.size());
+    std::vector<BodyId> ids;
+    Eigen::Matrix3Xd a(3, count), b(3, count);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const std::size_t body = some[static_cast<std::size_t>(i)];
+      ids.push_back(bodies[body]);
+      a.col(i) = Vector3(first + 3 * body);
+      b.col(i) = Vector3(second + 3 * body);
+    }
+    bulk(ids, a, b);
+  }
+
+  std::size_t count_of(std::span<const std::size_t> places) const {
+    return places.empty() ? worlds.size() : places.size();
+  }
+
+  // visit(world, its place, its number among `places`), several at a time. What the first of them throws goes through
+  // once all are done.
+  template <typename Worlds, typename Visit>
+  void for_each(Worlds& all, const char* call, std::span<const std::size_t> places, const Visit& visit) const {
+    for (const std::size_t place : places) check_place(call, place);
+    const std::size_t count = count_of(places);
+    std::vector<std::exception_ptr> thrown(count);
+    // Some for each worker to begin with, and then more for those that are through.
+    const std::size_t grain = std::max<std::size_t>(1, count / (8 * static_cast<std::size_t>(arena.threads())));
+    const_cast<jobs::Arena&>(arena).parallel_for(count, grain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const std::size_t place = places.empty() ? i : places[i];
+        try {
+          visit(all[place], place, i);
+        } catch (...) {
+          thrown[i] = std::current_exception();
+        }
+      }
+    });
+    for (const std::exception_ptr& exception : thrown) {
+      if (exception) std::rethrow_exception(exception);
+    }
+  }
+
+  void check_place(const char* call, std::size_t place) const {
+    if (place >= worlds.size()) {
+      fail(call, "place " + std::to_string(place), "one below " + std::to_string(worlds.size()));
+    }
+  }
+  // Worlds that are visited at the same time must not be the same.
+  void check_places_once(const char* call, std::span<const std::size_t> places) const {
+    if (places.empty()) return;
+    std::vector<std::uint8_t> seen(worlds.size(), 0);
+    for (const std::size_t place : places) {
+      check_place(call, place);
+      if (seen[place]++ != 0) fail(call, "place " + std::to_string(place) + " twice", "each once");
+    }
+  }
+
+  JointId joint(const char* call, std::size_t number) const {
+    if (number >= joints.size()) {
+      fail(call, "joint " + std::to_string(number), "one below " + std::to_string(joints.size()));
+    }
+    return joints[number];
+  }
+};
+
+Batch::Batch(const Scene& scene, std::size_t worlds, int threads)
+    : impl_(std::make_unique<Impl>(scene, thread_count(threads))) {
+  if (worlds == 0) throw Error("Batch: worlds is 0; expected 1 or more");
+  for (std::size_t i = 0; i < worlds; ++i) {
+    impl_->worlds.emplace_back(WorldDef{.gravity = scene.gravity, .settings = scene.settings});
+  }
+  impl_->starts.resize(worlds);
+  impl_->bodies = build_scene(scene, impl_->worlds.front(), impl_->joints);
+  impl_->for_each(impl_->worlds, "Batch", {}, [&](World& world, std::size_t place, std::size_t) {
+    if (place > 0) build_scene(impl_->scene, world);
+    world.save(impl_->starts[place]);
+  });
+}
+
+Batch::~Batch() = default;
+Batch::Batch(Batch&&) noexcept = default;
+Batch& Batch::operator=(Batch&&) noexcept = default;
+
+std::size_t Batch::size() const { return impl_->worlds.size(); }
+int Batch::threads() const { return impl_->arena.threads(); }
+const Scene& Batch::scene() const { return impl_->scene; }
+const std::vector<BodyId>& Batch::bodies() const { return impl_->bodies; }
+const std::vector<JointId>& Batch::joints() const { return impl_->joints; }
+
+World& Batch::world(std::size_t place) {
+  impl_->check_place("world", place);
+  return impl_->worlds[place];
+}
+const World& Batch::world(std::size_t place) const {
+  impl_->check_place("world", place);
+  return impl_->worlds[place];
+}
+
+void Batch::for_each(const std::function<void(World&, std::size_t)>& function, std::span<const std::size_t> places) {
+  impl_->check_places_once("for_each", places);
+  impl_->for_each(impl_->worlds, "for_each", places,
+                  [&](World& world, std::size_t place, std::size_t) { function(world, place); });
+}
+
+void Batch::step(double dt, int count, std::span<const std::size_t> places) {
+  if (!(dt >= 1e-12 && dt <= 1)) fail("step", "dt of " + std::to_string(dt) + " s", "one in [1e-12, 1]");
+  if (count < 0) fail("step", std::to_string(count) + " steps", "0 or more");
+  impl_->check_places_once("step", places);
+  impl_->for_each(impl_->worlds, "step", places, [&](World& world, std::size_t, std::size_t) {
+    for (int i = 0; i < count; ++i) {
+      if (impl_->pushed) atl::apply_forces(impl_->scene, world, impl_->bodies);
+      world.step(dt);
+    }
+  });
+}
+
+void Batch::reset(std::span<const std::size_t> places) {
+  impl_->check_places_once("reset", places);
+  impl_->for_each(impl_->worlds, "reset", places,
+                  [&](World& world, std::size_t place, std::size_t) { world.restore(impl_->starts[place]); });
+}
+
+void Batch::keep_start(std::span<const std::size_t> places) {
+  impl_->check_places_once("keep_start", places);
+  impl_->for_each(impl_->worlds, "keep_start", places,
+                  [&](World& world, std::size_t place, std::size_t) { world.save(impl_->starts[place]); });
+}
+
+void Batch::read(Column column, std::span<double> numbers) const {
+  const std::size_t rows = rows_of(column);
+  const std::size_t a_world = rows * impl_->bodies.size();
+  check_size("read", "a column", numbers.size(), a_world * size());
+  impl_->for_each(impl_->worlds, "read", {}, [&](const World& world, std::size_t place, std::size_t) {
+    double* to = numbers.data() + place * a_world;
+    for (const BodyId body : impl_->bodies) {
+      if (!world.contains(body)) {
+        std::fill_n(to, rows, 0.0);
+      } else if (column == Column::Origins) {
+        const Vector3 origin = world.pose(body).position;
+        std::copy_n(origin.data(), rows, to);
+      } else {
+        const double* from = column == Column::Positions      ? world.positions().data()
+                             : column == Column::Orientations ? world.orientations().data()
+                             : column == Column::Velocities   ? world.velocities().data()
+                                                              : world.angular_velocities().data();
+        std::copy_n(from + rows * body.index, rows, to);
+      }
+      to += rows;
+    }
+  });
+}
+
+void Batch::set_poses(std::span<const double> origins, std::span<const double> orientations,
+                      std::span<const std::size_t> places) {
+  const auto bodies = static_cast<Eigen::Index>(impl_->bodies.size());
+  check_size("set_poses", "origins", origins.size(), 3 * impl_->bodies.size() * impl_->count_of(places));
+  check_size("set_poses", "orientations", orientations.size(), 4 * impl_->bodies.size() * impl_->count_of(places));
+  impl_->check_places_once("set_poses", places);
+  impl_->for_each(impl_->worlds, "set_poses", places, [&](World& world, std::size_t, std::size_t i) {
+    const auto first = static_cast<std::size_t>(bodies) * i;
+    world.set_poses(impl_->bodies, Eigen::Map<const Eigen::Matrix3Xd>(origins.data() + 3 * first, 3, bodies),
+                    Eigen::Map<const Eigen::Matrix4Xd>(orientations.data() + 4 * first, 4, bodies));
+  });
+}
+
+void Batch::set_velocities(std::span<const double> linear, std::span<const double> angular,
+                           std::span<const std::size_t> places) {
+  check_size("set_velocities", "velocities", linear.size(), 3 * impl_->bodies.size() * impl_->count_of(places));
+  check_size("set_velocities", "spins", angular.size(), 3 * impl_->bodies.size() * impl_->count_of(places));
+  impl_->check_places_once("set_velocities", places);
+  impl_->for_each(impl_->worlds, "set_velocities", places, [&](World& world, std::size_t, std::size_t i) {
+    const std::size_t first = 3 * impl_->bodies.size() * i;
+    impl_->hand_on(impl_->moving, linear.data() + first, angular.data() + first,
+                   [&](const auto& ids, const auto& v, const auto& w) { world.set_velocities(ids, v, w); });
+  });
+}
+
+void Batch::apply_forces(std::span<const double> forces, std::span<const double> torques,
+                         std::span<const std::size_t> places) {
+  check_size("apply_forces", "forces", forces.size(), 3 * impl_->bodies.size() * impl_->count_of(places));
+  check_size("apply_forces", "torques", torques.size(), 3 * impl_->bodies.size() * impl_->count_of(places));
+  impl_->check_places_once("apply_forces", places);
+  impl_->for_each(impl_->worlds, "apply_forces", places, [&](World& world, std::size_t, std::size_t i) {
+    const std::size_t first = 3 * impl_->bodies.size() * i;
+    impl_->hand_on(impl_->dynamic, forces.data() + first, torques.data() + first,
+                   [&](const auto& ids, const auto& f, const auto& t) { world.apply_forces(ids, f, t); });
+  });
+}
+
+void Batch::set_motor_speeds(std::size_t joint, std::span<const double> speeds, std::size_t coordinate,
+                             std::span<const std::size_t> places) {
+  const JointId id = impl_->joint("set_motor_speeds", joint);
+  check_size("set_motor_speeds", "speeds", speeds.size(), impl_->count_of(places));
+  impl_->check_places_once("set_motor_speeds", places);
+  impl_->for_each(impl_->worlds, "set_motor_speeds", places,
+                  [&](World& world, std::size_t, std::size_t i) { world.set_motor_speed(id, speeds[i], coordinate); });
+}
+
+void Batch::set_servo_targets(std::size_t joint, std::span<const double> targets, std::size_t coordinate,
+                              std::span<const std::size_t> places) {
+  const JointId id = impl_->joint("set_servo_targets", joint);
+  check_size("set_servo_targets", "targets", targets.size(), impl_->count_of(places));
+  impl_->check_places_once("set_servo_targets", places);
+  impl_->for_each(impl_->worlds, "set_servo_targets", places, [&](World& world, std::size_t, std::size_t i) {
+    world.set_servo_target(id, targets[i], coordinate);
+  });
+}
+
+void Batch::read_joint(std::size_t joint, std::span<double> positions, std::span<double> speeds,
+                       std::size_t coordinate) const {
+  const JointId id = impl_->joint("read_joint", joint);
+  check_size("read_joint", "positions", positions.size(), size());
+  check_size("read_joint", "speeds", speeds.size(), size());
+  if (coordinate >= 6) fail("read_joint", "coordinate " + std::to_string(coordinate), "one below 6");
+  impl_->for_each(impl_->worlds, "read_joint", {}, [&](const World& world, std::size_t place, std::size_t) {
+    const JointState state = world.joint_state(id);
+    positions[place] = state.position[coordinate];
+    speeds[place] = state.speed[coordinate];
+  });
+}
+
+std::vector<std::uint64_t> Batch::hashes() const {
+  std::vector<std::uint64_t> all(size());
+  impl_->for_each(impl_->worlds, "hashes", {},
+                  [&](const World& world, std::size_t place, std::size_t) { all[place] = world.state_hash(); });
+  return all;
+}
+
+std::vector<std::size_t> Batch::quarantined() const {
+  std::vector<std::size_t> all(size());
+  for (std::size_t i = 0; i < size(); ++i) all[i] = impl_->worlds[i].quarantined().size();
+  return all;
+}
+
+}  // namespace atl

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <atoll/scene.h>
+#include <atoll/types.h>
+#include <atoll/world.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace atl {
+
+/// Many worlds of one scene, stepped side by side: for parameter studies, sampling and learning. Each is a World with
+/// one thread of its own, and comes to the bits that it comes to by itself: these depend neither on its place, nor on
+/// how many there are, nor on the threads. Geometry is shared.
+///
+/// Arrays over all worlds have a column a body: world by world, and in each the bodies in the scene's order. Bodies
+/// that are added to single worlds, or removed, are in no array; columns of removed ones are zero. Worlds are named by
+/// their place; wherever places are given, none at all stand for all worlds. Calls throw Error on a place that there is
+/// not, an array of another size, and what World's calls throw it on, then of the first such world; others are done.
+///
+/// One thread at a time may use a batch.
+class Batch {
+ public:
+  /// `threads`: workers, in [1, 1024]; 0 for as many as the machine has. Throws Error on these, if `worlds` is 0, and
+  /// SceneError as build_scene() does.
+  Batch(const Scene& scene, std::size_t worlds, int threads = 0);
+  ~Batch();
+  Batch(Batch&&) noexcept;
+  Batch& operator=(Batch&&) noexcept;
+
+  std::size_t size() const;  ///< worlds
+  int threads() const;
+  const Scene& scene() const;
+  /// The same in all worlds, in the scene's order.
+  const std::vector<BodyId>& bodies() const;
+  const std::vector<JointId>& joints() const;
+
+  /// To ask, or to change by any call: another mass, friction or shape of a body, gravity, settings.
+  World& world(std::size_t place);
+  const World& world(std::size_t place) const;
+  /// Calls a function for each of these worlds, on the batch's threads, several at a time.
+  void for_each(const std::function<void(World&, std::size_t place)>& function,
+                std::span<const std::size_t> places = {});
+
+  /// So many steps of dt seconds, in [1e-12, 1], of these worlds, under the scene's constant forces. Each makes them in
+  /// a row, while it is in cache: many at once cost less than one by one.
+  void step(double dt, int count = 1, std::span<const std::size_t> places = {});
+
+  /// Puts these back to where they started, or to where keep_start() was called last: all of their state, with masses
+  /// and whatever else was changed.
+  void reset(std::span<const std::size_t> places = {});
+  /// Lets these start from where they are now.
+  void keep_start(std::span<const std::size_t> places = {});
+
+  enum class Column {
+    Positions,          ///< 3 rows: m, of centres of mass
+    Origins,            ///< 3 rows: m, of the bodies' frames
+    Orientations,       ///< 4 rows: x, y, z, w
+    Velocities,         ///< 3 rows: m/s
+    AngularVelocities,  ///< 3 rows: rad/s
+  };
+  static std::size_t rows_of(Column column) { return column == Column::Orientations ? 4 : 3; }
+  /// Of all bodies of all worlds: rows_of(column) * bodies().size() * size() numbers, a column after the other.
+  void read(Column column, std::span<double> numbers) const;
+
+  // 3 * bodies().size() numbers a world (orientations 4), worlds in the order of `places`. As World's calls, but for
+  // velocities of static bodies and forces on what isn't dynamic, which are passed over.
+  void set_poses(std::span<const double> origins, std::span<const double> orientations,
+                 std::span<const std::size_t> places = {});
+  void set_velocities(std::span<const double> linear, std::span<const double> angular,
+                      std::span<const std::size_t> places = {});
+  void apply_forces(std::span<const double> forces, std::span<const double> torques,
+                    std::span<const std::size_t> places = {});
+
+  // Of one joint, by its place in joints(): a number a world.
+  void set_motor_speeds(std::size_t joint, std::span<const double> speeds, std::size_t coordinate = 0,
+                        std::span<const std::size_t> places = {});
+  void set_servo_targets(std::size_t joint, std::span<const double> targets, std::size_t coordinate = 0,
+                         std::span<const std::size_t> places = {});
+  /// Of all worlds: position (m or rad) and speed of a coordinate, a number a world each.
+  void read_joint(std::size_t joint, std::span<double> positions, std::span<double> speeds,
+                  std::size_t coordinate = 0) const;
+
+  /// World::state_hash() of all worlds.
+  std::vector<std::uint64_t> hashes() const;
+  /// How many bodies of each world are in quarantine.
+  std::vector<std::size_t> quarantined() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace atl

@@ -1,0 +1,358 @@
+"""Environments of Gymnasium over a batch of worlds: `pip install atoll[gym]`.
+
+    envs = atoll.gym.make("cart-pole", num_envs=256)
+    observations, _ = envs.reset(seed=1)
+    observations, rewards, terminated, truncated, infos = envs.step(envs.action_space.sample())
+
+What an environment comes to depends on its seed and its actions alone: not on its place among the others, nor on how
+many there are, nor on threads. That of number i is seeded with `seed + i`.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from typing import Any, cast
+
+import gymnasium
+import numpy as np
+from gymnasium.vector import AutoresetMode as AutoresetMode
+from gymnasium.vector import VectorEnv
+from numpy.typing import NDArray
+
+from . import _core
+
+Array = NDArray[np.float64]
+Floats = NDArray[np.float32]
+Bools = NDArray[np.bool_]
+
+
+class Task(ABC):
+    """What is to be done in each world: a scene, how an episode begins, what is seen, what is done, and what it is worth.
+
+    A task is of one batch: it may keep arrays with a row a world, such as marks to get to.
+    """
+
+    scene: _core.Scene
+    observation_space: gymnasium.spaces.Box  #: of one world
+    action_space: gymnasium.spaces.Box  #: of one world
+    steps_an_action: int = 1  #: of the scene's dt
+    horizon: int = 500  #: actions, after which an episode is truncated
+
+    @abstractmethod
+    def draw(self, random: np.random.Generator) -> Array:
+        """The numbers that an episode of one world begins with, shape (k,)."""
+
+    @abstractmethod
+    def begin(self, batch: _core.Batch, places: NDArray[np.int64], drawn: Array) -> None:
+        """Puts worlds, which are as the scene has them, to where drawn numbers say, shape (places, k)."""
+
+    @abstractmethod
+    def act(self, batch: _core.Batch, actions: Array) -> None:
+        """Takes actions, shape (worlds, ...), to the next steps."""
+
+    @abstractmethod
+    def observe(self, batch: _core.Batch) -> Floats:
+        """Shape (worlds, ...)."""
+
+    @abstractmethod
+    def judge(self, batch: _core.Batch, actions: Array) -> tuple[Array, Bools]:
+        """Rewards of what was done, and which episodes have ended by it, shape (worlds,)."""
+
+
+class BatchEnv(VectorEnv[Floats, Array, Any]):
+    """A task in `num_envs` worlds of one batch, with any of Gymnasium's three modes of starting over.
+
+    A world that loses a body to quarantine has ended its episode, with no reward for its last action.
+    """
+
+    def __init__(
+        self,
+        task: Task,
+        num_envs: int,
+        autoreset_mode: AutoresetMode = AutoresetMode.NEXT_STEP,
+        threads: int = 0,
+    ) -> None:
+        self.task = task
+        self.num_envs = num_envs
+        self.batch = _core.Batch(task.scene, num_envs, threads=threads)
+        self.autoreset_mode = AutoresetMode(autoreset_mode)
+        self.metadata = {"autoreset_mode": self.autoreset_mode}
+        self.single_observation_space = task.observation_space
+        self.single_action_space = task.action_space
+        self.observation_space = gymnasium.vector.utils.batch_space(task.observation_space, num_envs)
+        self.action_space = gymnasium.vector.utils.batch_space(task.action_space, num_envs)
+        self._randoms = [np.random.default_rng() for _ in range(num_envs)]
+        self._done = np.ones(num_envs, dtype=bool)  # who can't go on without a reset
+        self._age = np.zeros(num_envs, dtype=np.int64)  # actions of the episode
+        self._observations = np.zeros(0, dtype=np.float32)
+
+    def reset(
+        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Floats, dict[str, Any]]:
+        """`seed`: one for all, of which number i gets `seed + i`, or one each. `options["reset_mask"]`: a bool each."""
+        chosen = np.ones(self.num_envs, dtype=bool)
+        if options is not None and "reset_mask" in options:
+            chosen = np.asarray(options["reset_mask"], dtype=bool)
+            if chosen.shape != (self.num_envs,):
+                raise _core.Error(f"reset_mask has the shape {chosen.shape}; expected ({self.num_envs},)")
+        if seed is not None:
+            seeds = [seed + i for i in range(self.num_envs)] if isinstance(seed, int) else list(seed)
+            if len(seeds) != self.num_envs:
+                raise _core.Error(f"found {len(seeds)} seeds; expected {self.num_envs}, one an environment")
+            for i, number in enumerate(seeds):
+                if number is not None and chosen[i]:
+                    self._randoms[i] = np.random.default_rng(number)
+        self._begin(chosen)
+        self._observations = self.task.observe(self.batch)
+        return self._observations.copy(), {}
+
+    def step(self, actions: Array) -> tuple[Floats, Array, Bools, Bools, dict[str, Any]]:
+        """Of an episode that has ended: with NEXT_STEP the next one begins, whatever the action; with SAME_STEP it has
+        begun already, and `infos["final_obs"]` has what was seen last; with DISABLED it must be reset first, else Error.
+        """
+        given = np.array(actions, dtype=np.float64).reshape(self.action_space.shape)
+        begins = self._done.copy()
+        if begins.any() and self.autoreset_mode != AutoresetMode.NEXT_STEP:
+            raise _core.Error(f"environment {int(np.argmax(begins))} has ended; expected a reset ahead of the next step")
+        goes_on = ~begins
+        given[begins] = 0  # what is set now would act in their first step
+        self._begin(begins)
+        self.task.act(self.batch, given)
+        self.batch.step(count=self.task.steps_an_action, worlds=None if goes_on.all() else goes_on)
+        self._age[goes_on] += 1
+
+        rewards, terminated = self.task.judge(self.batch, given)
+        broken = np.asarray(self.batch.quarantined()) > 0
+        rewards = np.where(goes_on & ~broken, rewards, 0.0)
+        terminated = goes_on & (terminated | broken)
+        truncated = goes_on & ~terminated & (self._age >= self.task.horizon)
+        self._done = terminated | truncated
+        infos: dict[str, Any] = {}
+        observations = self.task.observe(self.batch)
+        if self.autoreset_mode == AutoresetMode.SAME_STEP and self._done.any():
+            final = np.full(self.num_envs, None, dtype=object)
+            for i in np.flatnonzero(self._done):
+                final[i] = observations[i].copy()
+            infos = {"final_obs": final, "_final_obs": self._done.copy(), "final_info": {}, "_final_info": self._done.copy()}
+            self._begin(self._done.copy())
+            observations = self.task.observe(self.batch)
+        self._observations = observations
+        return observations.copy(), rewards, terminated, truncated, infos
+
+    def _begin(self, chosen: Bools) -> None:
+        places = np.flatnonzero(chosen)
+        if places.size == 0:
+            return
+        self.batch.reset(places)
+        drawn = np.stack([self.task.draw(self._randoms[i]) for i in places])
+        self.task.begin(self.batch, places, drawn)
+        self._done[places] = False
+        self._age[places] = 0
+
+
+class SingleEnv(gymnasium.Env[Floats, Array]):
+    """One world of a task, as a plain environment."""
+
+    def __init__(self, task: Task) -> None:
+        self.envs = BatchEnv(task, 1, AutoresetMode.DISABLED, threads=1)
+        self.observation_space = cast("gymnasium.Space[Floats]", task.observation_space)
+        self.action_space = cast("gymnasium.Space[Array]", task.action_space)
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Floats, dict[str, Any]]:
+        super().reset(seed=seed)
+        observations, infos = self.envs.reset(seed=seed)
+        return observations[0], infos
+
+    def step(self, action: Array) -> tuple[Floats, float, bool, bool, dict[str, Any]]:
+        observations, rewards, terminated, truncated, infos = self.envs.step(np.asarray(action)[None])
+        return observations[0], float(rewards[0]), bool(terminated[0]), bool(truncated[0]), infos
+
+
+def _quarter_turn_about_z() -> list[float]:
+    return [0.0, 0.0, np.sqrt(0.5), np.sqrt(0.5)]
+
+
+class CartPole(Task):
+    """A pole on a cart that a force of up to 10 N along its rail keeps upright: 1 a step as long as it is, and the cart
+    within 2.4 m. The bodies and bounds are those of Barto, Sutton and Anderson ("Neuronlike adaptive elements that can
+    solve difficult learning control problems", 1983): a cart of 1 kg, a pole of 0.1 kg and 1 m.
+
+    Seen are the cart's place (m) and speed (m/s), the pole's angle (rad) and rate (rad/s).
+    """
+
+    def __init__(self) -> None:
+        untouched = _core.CollisionFilter(mask=0)
+        static = _core.BodyType.STATIC
+        self.scene = _core.Scene(
+            name="cart-pole",
+            dt=0.02,
+            bodies=[
+                _core.SceneBody(
+                    name="rail", definition=_core.BodyDef(type=static, shape=_core.Sphere(0.05), filter=untouched)
+                ),
+                _core.SceneBody(
+                    name="cart", definition=_core.BodyDef(shape=_core.Box([0.2, 0.1, 0.1]), mass=1, filter=untouched)
+                ),
+                _core.SceneBody(
+                    name="pole",
+                    definition=_core.BodyDef(
+                        shape=_core.Box([0.02, 0.02, 0.5]), mass=0.1, position=[0, 0, 0.5], filter=untouched
+                    ),
+                ),
+            ],
+            joints=[
+                _core.SceneJoint(definition=_core.JointDef(kind=_core.SliderJoint()), first=0, second=1),
+                _core.SceneJoint(
+                    definition=_core.JointDef(
+                        kind=_core.HingeJoint(),
+                        frame_first=_core.Pose(orientation=_quarter_turn_about_z()),
+                        frame_second=_core.Pose([0, 0, -0.5], _quarter_turn_about_z()),
+                    ),
+                    first=1,
+                    second=2,
+                ),
+            ],
+        )
+        top = np.array([4.8, np.inf, 0.42, np.inf], dtype=np.float32)
+        self.observation_space = gymnasium.spaces.Box(-top, top, dtype=np.float32)
+        self.action_space = gymnasium.spaces.Box(-1, 1, (1,), dtype=np.float32)
+
+    def draw(self, random: np.random.Generator) -> Array:
+        return random.uniform(-0.05, 0.05, 4)
+
+    def begin(self, batch: _core.Batch, places: NDArray[np.int64], drawn: Array) -> None:
+        x, speed, angle, rate = drawn.T
+        origins, linear, angular = (np.zeros((len(places), 3, 3)) for _ in range(3))
+        orientations = np.zeros((len(places), 3, 4))
+        orientations[..., 3] = 1
+        origins[:, 1, 0] = x
+        origins[:, 2] = np.stack([x + 0.5 * np.sin(angle), 0 * x, 0.5 * np.cos(angle)], axis=-1)
+        orientations[:, 2, 1], orientations[:, 2, 3] = np.sin(angle / 2), np.cos(angle / 2)
+        linear[:, 1, 0] = speed
+        linear[:, 2] = np.stack([speed + 0.5 * rate * np.cos(angle), 0 * x, -0.5 * rate * np.sin(angle)], axis=-1)
+        angular[:, 2, 1] = rate
+        batch.set_poses(origins, orientations, worlds=places)
+        batch.set_velocities(linear, angular, worlds=places)
+
+    def act(self, batch: _core.Batch, actions: Array) -> None:
+        forces = np.zeros((len(batch), 3, 3))
+        forces[:, 1, 0] = 10 * np.clip(actions[:, 0], -1, 1)
+        batch.apply_forces(forces)
+
+    def observe(self, batch: _core.Batch) -> Floats:
+        x, speed = batch.read_joint(0)
+        angle, rate = batch.read_joint(1)
+        return np.stack([x, speed, angle, rate], axis=-1).astype(np.float32)
+
+    def judge(self, batch: _core.Batch, actions: Array) -> tuple[Array, Bools]:
+        x, _ = batch.read_joint(0)
+        angle, _ = batch.read_joint(1)
+        fell = (np.abs(x) > 2.4) | (np.abs(angle) > np.deg2rad(12))
+        return np.ones(len(batch)), fell
+
+
+class PushCrate(Task):
+    """A pusher slides on the ground and is to bring a crate to a mark: the reward is by how much nearer (m) the crate
+    came, and 1 once it is within 5 cm, which ends the episode.
+
+    Seen are, along x and y: from the pusher to the crate, from the crate to the mark (m), the crate's speed (m/s), and
+    the cosine and sine of its heading. An action is the pusher's speed, in m/s.
+    """
+
+    steps_an_action = 3
+    horizon = 200
+
+    def __init__(self) -> None:
+        static = _core.BodyType.STATIC
+        motor = _core.JointMotor(max_force=60)
+        free, locked = _core.JointAxis(motor=motor), _core.JointAxis(range=_core.JointRange(0, 0))
+        # By their filters the ground and the pusher pass each other by.
+        planar = _core.SixDofJoint(offset=(free, free, locked), turn=(locked, locked, locked))
+        self.scene = _core.Scene(
+            name="push-crate",
+            dt=1 / 60,
+            bodies=[
+                _core.SceneBody(
+                    name="ground",
+                    definition=_core.BodyDef(type=static, shape=_core.HalfSpace(), filter=_core.CollisionFilter(mask=1)),
+                ),
+                _core.SceneBody(
+                    name="crate",
+                    definition=_core.BodyDef(
+                        shape=_core.Box([0.2, 0.2, 0.15]), mass=4, position=[0, 0, 0.15], material=_core.Material(friction=0.4)
+                    ),
+                ),
+                _core.SceneBody(
+                    name="pusher",
+                    definition=_core.BodyDef(
+                        shape=_core.Cylinder(0.1, 0.1),
+                        mass=2,
+                        position=[-1, 0, 0.12],
+                        filter=_core.CollisionFilter(category=2),
+                    ),
+                ),
+            ],
+            joints=[
+                _core.SceneJoint(
+                    definition=_core.JointDef(kind=planar, frame_first=_core.Pose([0, 0, 0.12])), first=0, second=2
+                )
+            ],
+        )
+        self.observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (8,), dtype=np.float32)
+        self.action_space = gymnasium.spaces.Box(-1, 1, (2,), dtype=np.float32)
+        self._marks = np.zeros((0, 2))
+        self._distances = np.zeros(0)
+
+    def draw(self, random: np.random.Generator) -> Array:
+        """The crate's place and heading, the pusher's place, the mark."""
+        crate = random.uniform(-0.5, 0.5, 2)
+        away = random.uniform(0, 2 * np.pi, 2)
+        pusher = crate + random.uniform(0.5, 0.8) * np.array([np.cos(away[0]), np.sin(away[0])])
+        mark = crate + random.uniform(0.5, 1) * np.array([np.cos(away[1]), np.sin(away[1])])
+        return np.concatenate([crate, random.uniform(-np.pi, np.pi, 1), pusher, mark])
+
+    def begin(self, batch: _core.Batch, places: NDArray[np.int64], drawn: Array) -> None:
+        if len(self._marks) != len(batch):
+            self._marks, self._distances = np.zeros((len(batch), 2)), np.zeros(len(batch))
+        origins, orientations = np.zeros((len(places), 3, 3)), np.zeros((len(places), 3, 4))
+        orientations[..., 3] = 1
+        origins[:, 1, :2], origins[:, 1, 2] = drawn[:, :2], 0.15
+        orientations[:, 1, 2], orientations[:, 1, 3] = np.sin(drawn[:, 2] / 2), np.cos(drawn[:, 2] / 2)
+        origins[:, 2, :2], origins[:, 2, 2] = drawn[:, 3:5], 0.12
+        batch.set_poses(origins, orientations, worlds=places)
+        self._marks[places] = drawn[:, 5:7]
+        self._distances[places] = np.linalg.norm(drawn[:, :2] - drawn[:, 5:7], axis=-1)
+
+    def act(self, batch: _core.Batch, actions: Array) -> None:
+        for axis in range(2):
+            batch.set_motor_speeds(0, np.ascontiguousarray(np.clip(actions[:, axis], -1, 1)), coordinate=axis)
+
+    def observe(self, batch: _core.Batch) -> Floats:
+        places, turn = batch.origins, batch.orientations[:, 1]
+        heading = 2 * np.arctan2(turn[:, 2], turn[:, 3])
+        seen = [
+            places[:, 1, :2] - places[:, 2, :2],
+            self._marks - places[:, 1, :2],
+            batch.velocities[:, 1, :2],
+            np.stack([np.cos(heading), np.sin(heading)], axis=-1),
+        ]
+        return np.concatenate(seen, axis=-1).astype(np.float32)
+
+    def judge(self, batch: _core.Batch, actions: Array) -> tuple[Array, Bools]:
+        distances = np.linalg.norm(self._marks - batch.origins[:, 1, :2], axis=-1)
+        nearer, self._distances = self._distances - distances, distances
+        there = distances < 0.05
+        return nearer + there, there
+
+
+TASKS: dict[str, type[Task]] = {"cart-pole": CartPole, "push-crate": PushCrate}
+
+
+def make(
+    name: str, num_envs: int, autoreset_mode: AutoresetMode = AutoresetMode.NEXT_STEP, threads: int = 0
+) -> BatchEnv:
+    """A task by name in so many worlds: "cart-pole" or "push-crate". `threads`: 0 for as many as the machine has."""
+    if name not in TASKS:
+        raise _core.Error(f"there is no task named {name!r}; expected one of {', '.join(TASKS)}")
+    return BatchEnv(TASKS[name](), num_envs, autoreset_mode, threads)

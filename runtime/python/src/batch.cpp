@@ -1,0 +1,246 @@
+// Many worlds of one scene, and arrays over all of them.
+
+#include <atoll/batch.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "arrays.h"
+#include "callbacks.h"
+#include "fields.h"
+#include "parts.h"
+
+namespace atl::python {
+namespace {
+
+using Mask = nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Places = nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Numbers = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+template <int columns>
+using Cube = nb::ndarray<const double, nb::shape<-1, -1, columns>, nb::c_contig, nb::device::cpu>;
+
+#define ATOLL_WORLDS \
+  "numpy.typing.NDArray[numpy.bool_] | numpy.typing.NDArray[numpy.int64] | collections.abc.Sequence[int] | None"
+
+// Which worlds are meant: those that a mask has, or that are listed. None: all.
+struct Chosen {
+  std::vector<std::size_t> places;
+  bool any = true;
+
+  Chosen(const Batch& batch, const nb::object& worlds) {
+    if (worlds.is_none()) return;
+    Mask mask;
+    if (nb::try_cast(worlds, mask, false)) {
+      if (mask.shape(0) != batch.size()) {
+        throw Error("Batch: found a mask of " + std::to_string(mask.shape(0)) + "; expected one of " +
+                    std::to_string(batch.size()) + ", a bool a world");
+      }
+      for (std::size_t i = 0; i < mask.shape(0); ++i) {
+        if (mask.data()[i]) places.push_back(i);
+      }
+    } else {
+      const nb::object listed = nb::module_::import_("numpy").attr("asarray")(worlds, "int64");
+      const Places numbers = nb::cast<Places>(listed);
+      for (std::size_t i = 0; i < numbers.shape(0); ++i) {
+        const std::int64_t place = numbers.data()[i];
+        if (place < 0) throw Error("Batch: found place " + std::to_string(place) + "; expected 0 or more");
+        places.push_back(static_cast<std::size_t>(place));
+      }
+    }
+    any = !places.empty();
+  }
+};
+
+// Calls `make` of the worlds that are meant, without Python's lock.
+template <typename Make>
+void call(Batch& batch, const nb::object& worlds, const Make& make) {
+  const Chosen chosen(batch, worlds);
+  if (!chosen.any) return;
+  const nb::gil_scoped_release release;
+  make(std::span<const std::size_t>(chosen.places));
+}
+
+template <typename Array>
+std::span<const double> span_of(const Array& array) {
+  return {array.data(), array.size()};
+}
+
+nb::object array_owning(std::vector<double> numbers, const std::vector<std::size_t>& shape) {
+  auto* kept = new std::vector<double>(std::move(numbers));
+  const nb::capsule owner(kept, [](void* memory) noexcept { delete static_cast<std::vector<double>*>(memory); });
+  return nb::ndarray<nb::numpy, double>(kept->data(), shape.size(), shape.data(), owner).cast();
+}
+
+template <Batch::Column column>
+void bind_column(nb::class_<Batch>& batch, const char* name, const char* doc) {
+  const std::string signature = std::string("def ") + name + "(self) -> numpy.typing.NDArray[numpy.float64]";
+  batch.def_prop_ro(
+      name,
+      [](const Batch& self) {
+        const std::size_t rows = Batch::rows_of(column);
+        std::vector<double> numbers(self.size() * self.bodies().size() * rows);
+        {
+          const nb::gil_scoped_release release;
+          self.read(column, numbers);
+        }
+        return array_owning(std::move(numbers), {self.size(), self.bodies().size(), rows});
+      },
+      doc, nb::sig(signature.c_str()));
+}
+
+void bind_arrays(nb::class_<Batch>& batch) {
+  bind_column<Batch::Column::Positions>(batch, "positions", "m, shape (worlds, bodies, 3), of centres of mass; a copy");
+  bind_column<Batch::Column::Origins>(batch, "origins", "m, shape (worlds, bodies, 3), of the bodies' frames; a copy");
+  bind_column<Batch::Column::Orientations>(batch, "orientations", "shape (worlds, bodies, 4): x, y, z, w; a copy");
+  bind_column<Batch::Column::Velocities>(batch, "velocities", "m/s, shape (worlds, bodies, 3); a copy");
+  bind_column<Batch::Column::AngularVelocities>(batch, "angular_velocities",
+                                                "rad/s, shape (worlds, bodies, 3); a copy");
+  batch
+      .def(
+          "set_poses",
+          [](Batch& self, const Cube<3>& origins, const Cube<4>& orientations, const nb::object& worlds) {
+            call(self, worlds, [&](auto places) { self.set_poses(span_of(origins), span_of(orientations), places); });
+          },
+          nb::arg("origins"), nb::arg("orientations"), nb::arg("worlds") = nb::none(),
+          "m, shape (worlds, bodies, 3), and x, y, z, w, shape (worlds, bodies, 4); a row a world that is meant.")
+      .def(
+          "set_velocities",
+          [](Batch& self, const Cube<3>& linear, const Cube<3>& angular, const nb::object& worlds) {
+            call(self, worlds, [&](auto places) { self.set_velocities(span_of(linear), span_of(angular), places); });
+          },
+          nb::arg("linear"), nb::arg("angular"), nb::arg("worlds") = nb::none(),
+          "m/s and rad/s, shape (worlds, bodies, 3)")
+      .def(
+          "apply_forces",
+          [](Batch& self, const Cube<3>& forces, const std::optional<Cube<3>>& torques, const nb::object& worlds) {
+            const std::vector<double> none(torques ? 0 : forces.size(), 0.0);
+            const std::span<const double> turning = torques ? span_of(*torques) : std::span<const double>(none);
+            call(self, worlds, [&](auto places) { self.apply_forces(span_of(forces), turning, places); });
+          },
+          nb::arg("forces"), nb::arg("torques") = nb::none(), nb::arg("worlds") = nb::none(),
+          "N and N m, shape (worlds, bodies, 3), of the next step");
+}
+
+void bind_joints_of(nb::class_<Batch>& batch) {
+  batch
+      .def(
+          "set_motor_speeds",
+          [](Batch& self, std::size_t joint, const Numbers& speeds, std::size_t coordinate, const nb::object& worlds) {
+            call(self, worlds, [&](auto places) { self.set_motor_speeds(joint, span_of(speeds), coordinate, places); });
+          },
+          nb::arg("joint"), nb::arg("speeds"), nb::arg("coordinate") = 0, nb::arg("worlds") = nb::none(),
+          "Of a joint by its place in `joints`: m/s or rad/s, shape (worlds,).")
+      .def(
+          "set_servo_targets",
+          [](Batch& self, std::size_t joint, const Numbers& targets, std::size_t coordinate, const nb::object& worlds) {
+            call(self, worlds,
+                 [&](auto places) { self.set_servo_targets(joint, span_of(targets), coordinate, places); });
+          },
+          nb::arg("joint"), nb::arg("targets"), nb::arg("coordinate") = 0, nb::arg("worlds") = nb::none(),
+          "m or rad, shape (worlds,)")
+      .def(
+          "read_joint",
+          [](const Batch& self, std::size_t joint, std::size_t coordinate) {
+            std::vector<double> positions(self.size()), speeds(self.size());
+            self.read_joint(joint, positions, speeds, coordinate);
+            return nb::make_tuple(array_owning(std::move(positions), {self.size()}),
+                                  array_owning(std::move(speeds), {self.size()}));
+          },
+          nb::arg("joint"), nb::arg("coordinate") = 0, "Positions and speeds of a coordinate, shape (worlds,) each.",
+          nb::sig("def read_joint(self, joint: int, coordinate: int = 0) -> tuple[numpy.typing.NDArray[numpy.float64], "
+                  "numpy.typing.NDArray[numpy.float64]]"));
+}
+
+void bind_steps(nb::class_<Batch>& batch) {
+  batch
+      .def(
+          "step",
+          [](Batch& self, std::optional<double> dt, int count, const nb::object& worlds) {
+            const double seconds = dt.value_or(self.scene().dt);
+            call(self, worlds, [&](auto places) { self.step(seconds, count, places); });
+          },
+          nb::arg("dt") = nb::none(), nb::arg("count") = 1, nb::arg("worlds") = nb::none(),
+          "So many steps of dt seconds, the scene's if None. Many at once cost less than one by one.",
+          nb::sig("def step(self, dt: float | None = None, count: int = 1, worlds: " ATOLL_WORLDS " = None) -> None"))
+      .def(
+          "reset",
+          [](Batch& self, const nb::object& worlds) { call(self, worlds, [&](auto places) { self.reset(places); }); },
+          nb::arg("worlds") = nb::none(), "Back to where they started, or to where keep_start() was called last.",
+          nb::sig("def reset(self, worlds: " ATOLL_WORLDS " = None) -> None"))
+      .def(
+          "keep_start",
+          [](Batch& self, const nb::object& worlds) {
+            call(self, worlds, [&](auto places) { self.keep_start(places); });
+          },
+          nb::arg("worlds") = nb::none(), "Lets these start from where they are now.",
+          nb::sig("def keep_start(self, worlds: " ATOLL_WORLDS " = None) -> None"))
+      .def(
+          "hashes",
+          [](const Batch& self) {
+            const std::vector<std::uint64_t> hashes = self.hashes();
+            return nb::steal(array_of(hashes.data(), {hashes.size()}));
+          },
+          "World.state_hash() of all worlds, shape (worlds,)",
+          nb::sig("def hashes(self) -> numpy.typing.NDArray[numpy.uint64]"))
+      .def("quarantined", &Batch::quarantined, "How many bodies of each world are in quarantine.");
+}
+
+}  // namespace
+
+void bind_batch(nb::module_& module) {
+  nb::class_<Batch> batch(
+      module, "Batch",
+      "Many worlds of one scene, stepped side by side. Each comes to the bits that it comes to by itself, whatever its "
+      "place, the number of worlds and the threads. Where `worlds` is asked for, that is a mask (a bool a world), "
+      "places, "
+      "or None for all; arrays have a row for each of these.");
+  batch
+      .def(
+          "__init__",
+          [](Batch* self, const std::variant<std::string, Scene>& scene, std::size_t worlds, int threads) {
+            const auto* text = std::get_if<std::string>(&scene);
+            new (self) Batch(text != nullptr ? load_scene(*text) : std::get<Scene>(scene), worlds, threads);
+          },
+          nb::arg("scene"), nb::arg("worlds"), nb::arg("threads") = 0,
+          "scene: a Scene, or what load_scene() takes. worlds: how many. threads: workers; 0 for as many as the "
+          "machine "
+          "has.")
+      .def("__len__", &Batch::size)
+      .def_prop_ro("threads", &Batch::threads)
+      .def_prop_ro(
+          "scene", [](const Batch& self) { return self.scene(); }, "a copy")
+      .def_prop_ro(
+          "bodies", [](const Batch& self) { return self.bodies(); }, "the same ids in all worlds")
+      .def_prop_ro(
+          "joints", [](const Batch& self) { return self.joints(); }, "the same ids in all worlds")
+      .def(
+          "__getitem__",
+          [](Batch& self, std::ptrdiff_t place) -> World& {
+            const auto size = static_cast<std::ptrdiff_t>(self.size());
+            if (place < -size || place >= size) throw nb::index_error("a batch's world that there is not");
+            return self.world(static_cast<std::size_t>(place < 0 ? place + size : place));
+          },
+          nb::arg("place"), nb::rv_policy::reference_internal, "A world, to ask or to change by any call.")
+      .def(
+          "__iter__",
+          [](nb::object self) {
+            nb::list worlds;
+            for (std::size_t i = 0; i < nb::cast<Batch&>(self).size(); ++i) worlds.append(self[i]);
+            return nb::iter(worlds);
+          },
+          nb::sig("def __iter__(self) -> collections.abc.Iterator[World]"))
+      .def("__repr__", [](const Batch& self) {
+        return "<Batch of " + std::to_string(self.size()) + " worlds of " + std::to_string(self.bodies().size()) +
+               " bodies>";
+      });
+  bind_arrays(batch);
+  bind_joints_of(batch);
+  bind_steps(batch);
+}
+
+}  // namespace atl::python
