@@ -107,6 +107,37 @@ def test_a_crate_is_pushed_to_its_mark() -> None:
     assert there.mean() > 0.3 and worth.mean() > 0.3
 
 
+def test_boxes_are_stacked_by_a_script() -> None:
+    envs = make("stack-boxes", 16, AutoresetMode.DISABLED)
+    observations, _ = envs.reset(seed=7)
+    # Over the box, down, grip, up, over its place, down, let go and rise.
+    phase, waited, done = np.zeros(16, dtype=int), np.zeros(16, dtype=int), np.zeros(16, dtype=bool)
+    for _ in range(envs.task.horizon):
+        height, to_box, to_place = observations[:, 1], observations[:, 3:5], observations[:, 5:7]
+        still = 0 * height
+        across = [to_box[:, 0], to_box[:, 0], still, still, to_place[:, 0], to_place[:, 0]]
+        along_z = [0.3 - height, to_box[:, 1], still, 0.3 - height, still, to_place[:, 1] + 0.002]
+        wanted = np.stack(
+            [
+                np.select([phase == i for i in range(6)], across, 0),
+                np.select([phase == i for i in range(6)], along_z, 0.3 - height),
+            ],
+            axis=1,
+        )
+        grip = np.where((phase >= 2) & (phase <= 5), -1, 1)
+        waited = np.where(np.abs(wanted).max(axis=1) < 0.01, waited + 1, 0)
+        phase = np.where((waited > 6) & (phase < 6), phase + 1, phase)
+        waited[waited > 6] = 0
+        actions = np.column_stack([np.clip(12 * wanted, -1, 1), grip])
+        observations, _, ended, truncated, _ = envs.step(actions)
+        done |= ended
+        if done.all():
+            break
+        if (ended | truncated).any():
+            envs.reset(options={"reset_mask": ended | truncated})
+    assert done.mean() > 0.8
+
+
 def test_modes_start_over_when_they_say() -> None:
     push = np.ones((3, 1))
     runs = {mode: make("cart-pole", 3, mode) for mode in AutoresetMode}
@@ -136,7 +167,7 @@ def test_modes_start_over_when_they_say() -> None:
 
 
 def test_what_is_wrong_is_told() -> None:
-    with pytest.raises(atoll.Error, match="no task named 'juggle'; expected one of cart-pole, push-crate"):
+    with pytest.raises(atoll.Error, match="no task named 'juggle'; expected one of cart-pole, push-crate, stack-boxes"):
         make("juggle", 2)
     envs = make("cart-pole", 2, AutoresetMode.DISABLED)
     with pytest.raises(atoll.Error, match="expected a reset"):

@@ -346,13 +346,143 @@ class PushCrate(Task):
         return nearer + there, there
 
 
-TASKS: dict[str, type[Task]] = {"cart-pole": CartPole, "push-crate": PushCrate}
+class StackBoxes(Task):
+    """A gantry with a gripper is to put one box of 10 cm upon another: the reward is by how much nearer (m) the box came
+    to its place, and 1 once it rests there and the gripper has let go, which ends the episode.
+
+    All happens above a line. Seen are the gripper's place (x, z), how far it is open, from the gripper to the box and
+    from the box to its place (x, z), and the box's speed (x, z), in m and m/s. An action is the gripper's speed along x
+    and z, in units of 0.5 m/s, and where it is below 0 the gripper closes, else it opens.
+    """
+
+    steps_an_action = 2
+    horizon = 300
+    _half = 0.05  # m, of a box
+    _high = 0.45  # m, where the gripper starts
+
+    def __init__(self) -> None:
+        def servo(axis_range: _core.JointRange, target: float, stiffness: float, force: float) -> _core.JointAxis:
+            gains = _core.JointServo(target=target, stiffness=stiffness, damping=0.1 * stiffness)
+            return _core.JointAxis(range=axis_range, motor=_core.JointMotor(max_force=force, servo=gains))
+
+        locked = _core.JointAxis(range=_core.JointRange(0, 0))
+
+        def box(x: float) -> _core.BodyDef:
+            material = _core.Material(friction=0.8)
+            return _core.BodyDef(
+                shape=_core.Box([self._half] * 3), mass=0.3, position=[x, 0, self._half], material=material
+            )
+
+        ground = _core.BodyDef(type=_core.BodyType.STATIC, shape=_core.HalfSpace())
+        bodies = [
+            _core.SceneBody(name="ground", definition=ground),
+            _core.SceneBody(name="lower", definition=box(0.2)),
+            _core.SceneBody(name="upper", definition=box(-0.2)),
+        ]
+        # What the motors carry has a counterweight.
+        bodies.append(
+            _core.SceneBody(
+                name="carriage",
+                definition=_core.BodyDef(
+                    shape=_core.Box([0.03, 0.03, 0.02]), mass=2, position=[0, 0, self._high], gravity_scale=0
+                ),
+            )
+        )
+        travel = _core.JointRange(-1, 1)
+        height = _core.JointRange(-self._high + 0.15, 0.2)
+        gantry = _core.SixDofJoint(
+            offset=(servo(travel, 0, 4000, 200), locked, servo(height, 0, 4000, 200)), turn=(locked, locked, locked)
+        )
+        joints = [
+            _core.SceneJoint(
+                definition=_core.JointDef(kind=gantry, frame_first=_core.Pose([0, 0, self._high])), first=0, second=3
+            )
+        ]
+        for side in (-1, 1):
+            reach = sorted([side * 0.04, side * 0.09])
+            bodies.append(
+                _core.SceneBody(
+                    name="left" if side < 0 else "right",
+                    definition=_core.BodyDef(
+                        shape=_core.Box([0.01, 0.03, 0.04]),
+                        mass=0.2,
+                        position=[side * 0.09, 0, self._high - 0.1],
+                        gravity_scale=0,
+                        material=_core.Material(friction=1.2),
+                    ),
+                )
+            )
+            finger = _core.SliderJoint(servo(_core.JointRange(*reach), side * 0.09, 1500, 15))
+            joints.append(
+                _core.SceneJoint(
+                    definition=_core.JointDef(kind=finger, frame_first=_core.Pose([0, 0, -0.1])),
+                    first=3,
+                    second=len(bodies) - 1,
+                )
+            )
+        self.scene = _core.Scene(name="stack-boxes", dt=1 / 60, bodies=bodies, joints=joints)
+        self.observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (9,), dtype=np.float32)
+        self.action_space = gymnasium.spaces.Box(-1, 1, (3,), dtype=np.float32)
+        self._targets = np.zeros((0, 2))  # of the gripper, from where it starts
+        self._distances = np.zeros(0)
+
+    def draw(self, random: np.random.Generator) -> Array:
+        """Where the two boxes are."""
+        return np.array([random.uniform(0.1, 0.35), random.uniform(-0.35, -0.1)])
+
+    def begin(self, batch: _core.Batch, places: NDArray[np.int64], drawn: Array) -> None:
+        if len(self._targets) != len(batch):
+            self._targets, self._distances = np.zeros((len(batch), 2)), np.zeros(len(batch))
+        origins, orientations = batch.origins[places], batch.orientations[places]
+        origins[:, 1:3, 0] = drawn
+        batch.set_poses(origins, orientations, worlds=places)
+        self._targets[places] = 0
+        self._distances[places] = np.linalg.norm(self._to_place(batch)[places], axis=-1)
+
+    def act(self, batch: _core.Batch, actions: Array) -> None:
+        seconds = self.steps_an_action / 60
+        low, high = [-1, -self._high + 0.15], [1, 0.2]
+        self._targets = np.clip(self._targets + 0.5 * seconds * np.clip(actions[:, :2], -1, 1), low, high)
+        batch.set_servo_targets(0, np.ascontiguousarray(self._targets[:, 0]), coordinate=0)
+        batch.set_servo_targets(0, np.ascontiguousarray(self._targets[:, 1]), coordinate=2)
+        reach = np.where(actions[:, 2] < 0, 0.04, 0.09)
+        batch.set_servo_targets(1, -reach)
+        batch.set_servo_targets(2, reach)
+
+    def _to_place(self, batch: _core.Batch) -> Array:
+        places = batch.origins
+        return (places[:, 1] + [0, 0, 2 * self._half] - places[:, 2])[:, ::2]
+
+    def _open(self, batch: _core.Batch) -> Array:
+        return batch.read_joint(2)[0] - batch.read_joint(1)[0]
+
+    def observe(self, batch: _core.Batch) -> Floats:
+        places = batch.origins
+        gripper = places[:, 3, ::2] - [0, 0.1]
+        seen = [
+            gripper,
+            self._open(batch)[:, None],
+            places[:, 2, ::2] - gripper,
+            self._to_place(batch),
+            batch.velocities[:, 2, ::2],
+        ]
+        return np.concatenate(seen, axis=-1).astype(np.float32)
+
+    def judge(self, batch: _core.Batch, actions: Array) -> tuple[Array, Bools]:
+        distances = np.linalg.norm(self._to_place(batch), axis=-1)
+        nearer, self._distances = self._distances - distances, distances
+        rests = np.linalg.norm(batch.velocities[:, 2], axis=-1) < 0.01
+        done = (distances < 0.03) & rests & (self._open(batch) > 0.15)
+        return nearer + done, done
+
+
+TASKS: dict[str, type[Task]] = {"cart-pole": CartPole, "push-crate": PushCrate, "stack-boxes": StackBoxes}
 
 
 def make(
     name: str, num_envs: int, autoreset_mode: AutoresetMode = AutoresetMode.NEXT_STEP, threads: int = 0
 ) -> BatchEnv:
-    """A task by name in so many worlds: "cart-pole" or "push-crate". `threads`: 0 for as many as the machine has."""
+    """A task by name in so many worlds: "cart-pole", "push-crate" or "stack-boxes". `threads`: 0 for as many as the machine has."""
     if name not in TASKS:
         raise _core.Error(f"there is no task named {name!r}; expected one of {', '.join(TASKS)}")
     return BatchEnv(TASKS[name](), num_envs, autoreset_mode, threads)
