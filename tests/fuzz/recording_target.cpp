@@ -1,14 +1,20 @@
-// Recordings from files, replayed. An input is records.h's; one that begins with the words of a file's header is the
-// file as it is.
+// Recordings from files: replayed, gone through to and fro, and held against themselves. An input is records.h's; one
+// that begins with the words of a file's header is the file as it is.
 
 #include <atoll/error.h>
+#include <atoll/parting.h>
+#include <atoll/playback.h>
 #include <atoll/recording.h>
+#include <atoll/world.h>
 
 #include <cstdlib>
 #include <random>
+#include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
+#include "finding.h"
 #include "records.h"
 #include "scratch_file.h"
 #include "target.h"
@@ -25,6 +31,22 @@ void stop_at(std::int64_t steps, std::int64_t) {
   if (steps >= most_steps) throw Enough{};
 }
 
+// Whatever order its steps are looked at in, each is the same.
+void go_through(const std::string& path) {
+  Playback playback(path, {.key_frame_bytes = std::size_t{1} << 20});
+  if (playback.steps() > most_steps) return;
+  std::vector<std::uint64_t> hashes = {playback.world().state_hash()};
+  while (playback.advance()) hashes.push_back(playback.world().state_hash());
+  if (playback.divergence()) return;
+  const auto steps = static_cast<std::int64_t>(hashes.size()) - 1;
+  for (const std::int64_t step : {steps / 2, std::int64_t{0}, steps, steps / 3}) {
+    playback.seek(step);
+    fuzz::require(playback.world().state_hash() == hashes[static_cast<std::size_t>(step)],
+                  "a step of a recording is another when it is come to otherwise");
+  }
+  fuzz::require(!find_parting(path, path).parting, "a recording parts from itself");
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -37,6 +59,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       test::write_records(file.path(), fuzz::records_of({data, size}));
     }
     replay(file.path(), {.on_step = stop_at});
+    go_through(file.path());
   } catch (const Error&) {
   } catch (const Enough&) {
   }

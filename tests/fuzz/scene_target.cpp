@@ -68,11 +68,15 @@ void run(std::string_view text) {
   fuzz::require(again == written, "a scene that was written and read is written otherwise");
   World world({.gravity = scene.gravity, .settings = scene.settings});
   const std::vector<BodyId> ids = build_scene(scene, world);
-  fuzz::few_steps(world, 2);
-  if (scene.bodies.size() > 100) return;
-  ErrorMeter meter(scene, ErrorMeter::Follow::End);
-  meter.observe(scene.dt * scene.steps, body_states(world, ids), contact_loads(world, ids));
+  if (scene.bodies.size() > 100) return fuzz::few_steps(world, 2);
+  ErrorMeter meter(scene);
+  for (const double time : {1.0, 2.0}) {
+    apply_forces(scene, world, ids);
+    fuzz::few_steps(world, 1);
+    meter.observe(time * scene.dt, body_states(world, ids), contact_loads(world, ids));
+  }
   meter.errors();
+  meter.fell();
 }
 
 }  // namespace
