@@ -145,7 +145,7 @@ def repeat(step: Callable[[], object], count: int) -> float:
     return time.perf_counter() - begin
 
 
-# Atoll: default settings, in double precision
+# Atoll: default settings
 def atoll_scene(boxes: Boxes) -> atoll.Scene:
     material, static = atoll.Material(friction=FRICTION), atoll.BodyType.STATIC
     bodies = [atoll.BodyDef(type=static, shape=atoll.HalfSpace(), material=material)]
