@@ -16,6 +16,8 @@ was found and what was expected.
     print(world.positions[crate])
 """
 
+import numpy as _numpy  # without it the module below can't say what is missing
+
 from ._core import (
     Axis as Axis,
     BallJoint as BallJoint,

@@ -32,8 +32,13 @@ nb::handle array_of(const T* numbers, const std::size_t (&shape)[dimensions]) no
   for (const std::size_t length : shape) count *= length;
   auto* copy = new T[count];
   std::copy_n(numbers, count, copy);
-  const nb::capsule owner(copy, [](void* memory) noexcept { delete[] static_cast<T*>(memory); });
-  return nb::ndarray<nb::numpy, const T>(copy, dimensions, shape, owner).cast().release();
+  try {
+    const nb::capsule owner(copy, [](void* memory) noexcept { delete[] static_cast<T*>(memory); });
+    return nb::ndarray<nb::numpy, const T>(copy, dimensions, shape, owner).cast().release();
+  } catch (nb::python_error& error) {
+    error.restore();
+    return {};
+  }
 }
 
 }  // namespace atl::python
