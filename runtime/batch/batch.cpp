@@ -42,7 +42,7 @@ struct Batch::Impl {
   std::vector<JointId> joints;
   std::vector<std::size_t> moving;   // places of bodies that can have a velocity
   std::vector<std::size_t> dynamic;  // of those that feel forces
-  bool pushed;                       // the scene has constant forces
+  bool pushed = false;               // the scene has constant forces
 
   Impl(const Scene& of, int threads) : scene(of), arena(threads) {
     for (std::size_t i = 0; i < of.bodies.size(); ++i) {
