@@ -6,8 +6,8 @@
 #include <jobs/arena.h>
 
 #include <algorithm>
+#include <array>
 #include <exception>
-#include <numeric>
 #include <string>
 #include <thread>
 
@@ -35,7 +35,7 @@ void check_size(const char* call, const char* what, std::size_t found, std::size
 
 struct Batch::Impl {
   Scene scene;
-  jobs::Arena arena;
+  mutable jobs::Arena arena;
   std::vector<World> worlds;
   std::vector<Snapshot> starts;
   std::vector<BodyId> bodies;
@@ -52,36 +52,35 @@ struct Batch::Impl {
     }
   }
 
-  // Makes a bulk call of a world for some of the bodies, from two arrays with a column for each of them all.
-  template <typename Bulk>
-  void hand_on(const std::vector<std::size_t>& some, const double* first, const double* second,
-               const Bulk& bulk) const {
-    const auto count = static_cast<Eigen::Index>(some.size());
-    std::vector<BodyId> ids;
-    Eigen::Matrix3Xd a(3, count), b(3, count);
-    for (Eigen::Index i = 0; i < count; ++i) {
-      const std::size_t body = some[static_cast<std::size_t>(i)];
-      ids.push_back(bodies[body]);
-      a.col(i) = Vector3(first + 3 * body);
-      b.col(i) = Vector3(second + 3 * body);
-    }
-    bulk(ids, a, b);
-  }
-
   std::size_t count_of(std::span<const std::size_t> places) const {
     return places.empty() ? worlds.size() : places.size();
+  }
+
+  void check_place(const char* call, std::size_t place) const {
+    if (place >= worlds.size()) {
+      fail(call, "place " + std::to_string(place), "one below " + std::to_string(worlds.size()));
+    }
+  }
+  // Worlds that are visited at the same time must not be the same.
+  void check_places(const char* call, std::span<const std::size_t> places) const {
+    if (places.empty()) return;
+    std::vector<std::uint8_t> seen(worlds.size(), 0);
+    for (const std::size_t place : places) {
+      check_place(call, place);
+      if (seen[place]++ != 0) fail(call, "place " + std::to_string(place) + " twice", "each once");
+    }
   }
 
   // visit(world, its place, its number among `places`), several at a time. What the first of them throws goes through
   // once all are done.
   template <typename Worlds, typename Visit>
   void for_each(Worlds& all, const char* call, std::span<const std::size_t> places, const Visit& visit) const {
-    for (const std::size_t place : places) check_place(call, place);
+    check_places(call, places);
     const std::size_t count = count_of(places);
     std::vector<std::exception_ptr> thrown(count);
     // Some for each worker to begin with, and then more for those that are through.
     const std::size_t grain = std::max<std::size_t>(1, count / (8 * static_cast<std::size_t>(arena.threads())));
-    const_cast<jobs::Arena&>(arena).parallel_for(count, grain, [&](std::size_t begin, std::size_t end) {
+    arena.parallel_for(count, grain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const std::size_t place = places.empty() ? i : places[i];
         try {
@@ -96,26 +95,43 @@ struct Batch::Impl {
     }
   }
 
-  void check_place(const char* call, std::size_t place) const {
-    if (place >= worlds.size()) {
-      fail(call, "place " + std::to_string(place), "one below " + std::to_string(worlds.size()));
-    }
-  }
-  // Worlds that are visited at the same time must not be the same.
-  void check_places_once(const char* call, std::span<const std::size_t> places) const {
-    if (places.empty()) return;
-    std::vector<std::uint8_t> seen(worlds.size(), 0);
-    for (const std::size_t place : places) {
-      check_place(call, place);
-      if (seen[place]++ != 0) fail(call, "place " + std::to_string(place) + " twice", "each once");
-    }
-  }
-
   JointId joint(const char* call, std::size_t number) const {
     if (number >= joints.size()) {
       fail(call, "joint " + std::to_string(number), "one below " + std::to_string(joints.size()));
     }
     return joints[number];
+  }
+
+  // A bulk call of each world for some of its bodies, from two arrays with a column for each of them all.
+  template <typename Bulk>
+  void hand_on(const char* call, const std::array<const char*, 2>& what, std::span<const std::size_t> places,
+               const std::vector<std::size_t>& some, std::span<const double> first, std::span<const double> second,
+               const Bulk& bulk) {
+    const std::size_t a_world = 3 * bodies.size();
+    check_size(call, what[0], first.size(), a_world * count_of(places));
+    check_size(call, what[1], second.size(), a_world * count_of(places));
+    std::vector<BodyId> ids;
+    for (const std::size_t body : some) ids.push_back(bodies[body]);
+    for_each(worlds, call, places, [&](World& world, std::size_t, std::size_t number) {
+      const auto columns = static_cast<Eigen::Index>(some.size());
+      Eigen::Matrix3Xd a(3, columns), b(3, columns);
+      for (Eigen::Index i = 0; i < columns; ++i) {
+        const std::size_t from = number * a_world + 3 * some[static_cast<std::size_t>(i)];
+        a.col(i) = Vector3(first.data() + from);
+        b.col(i) = Vector3(second.data() + from);
+      }
+      bulk(world, ids, a, b);
+    });
+  }
+
+  // Gives a joint of each world a number.
+  void drive(const char* call, std::span<const std::size_t> places, std::size_t number, const char* what,
+             std::span<const double> numbers, std::size_t coordinate,
+             void (World::*set)(JointId, double, std::size_t)) {
+    const JointId id = joint(call, number);
+    check_size(call, what, numbers.size(), count_of(places));
+    for_each(worlds, call, places,
+             [&](World& world, std::size_t, std::size_t i) { (world.*set)(id, numbers[i], coordinate); });
   }
 };
 
@@ -153,7 +169,6 @@ const World& Batch::world(std::size_t place) const {
 }
 
 void Batch::for_each(const std::function<void(World&, std::size_t)>& function, std::span<const std::size_t> places) {
-  impl_->check_places_once("for_each", places);
   impl_->for_each(impl_->worlds, "for_each", places,
                   [&](World& world, std::size_t place, std::size_t) { function(world, place); });
 }
@@ -161,7 +176,6 @@ void Batch::for_each(const std::function<void(World&, std::size_t)>& function, s
 void Batch::step(double dt, int count, std::span<const std::size_t> places) {
   if (!(dt >= 1e-12 && dt <= 1)) fail("step", "dt of " + std::to_string(dt) + " s", "one in [1e-12, 1]");
   if (count < 0) fail("step", std::to_string(count) + " steps", "0 or more");
-  impl_->check_places_once("step", places);
   impl_->for_each(impl_->worlds, "step", places, [&](World& world, std::size_t, std::size_t) {
     for (int i = 0; i < count; ++i) {
       if (impl_->pushed) atl::apply_forces(impl_->scene, world, impl_->bodies);
@@ -171,13 +185,11 @@ void Batch::step(double dt, int count, std::span<const std::size_t> places) {
 }
 
 void Batch::reset(std::span<const std::size_t> places) {
-  impl_->check_places_once("reset", places);
   impl_->for_each(impl_->worlds, "reset", places,
                   [&](World& world, std::size_t place, std::size_t) { world.restore(impl_->starts[place]); });
 }
 
 void Batch::keep_start(std::span<const std::size_t> places) {
-  impl_->check_places_once("keep_start", places);
   impl_->for_each(impl_->worlds, "keep_start", places,
                   [&](World& world, std::size_t place, std::size_t) { world.save(impl_->starts[place]); });
 }
@@ -211,7 +223,6 @@ void Batch::set_poses(std::span<const double> origins, std::span<const double> o
   const auto bodies = static_cast<Eigen::Index>(impl_->bodies.size());
   check_size("set_poses", "origins", origins.size(), 3 * impl_->bodies.size() * impl_->count_of(places));
   check_size("set_poses", "orientations", orientations.size(), 4 * impl_->bodies.size() * impl_->count_of(places));
-  impl_->check_places_once("set_poses", places);
   impl_->for_each(impl_->worlds, "set_poses", places, [&](World& world, std::size_t, std::size_t i) {
     const auto first = static_cast<std::size_t>(bodies) * i;
     world.set_poses(impl_->bodies, Eigen::Map<const Eigen::Matrix3Xd>(origins.data() + 3 * first, 3, bodies),
@@ -221,45 +232,24 @@ void Batch::set_poses(std::span<const double> origins, std::span<const double> o
 
 void Batch::set_velocities(std::span<const double> linear, std::span<const double> angular,
                            std::span<const std::size_t> places) {
-  check_size("set_velocities", "velocities", linear.size(), 3 * impl_->bodies.size() * impl_->count_of(places));
-  check_size("set_velocities", "spins", angular.size(), 3 * impl_->bodies.size() * impl_->count_of(places));
-  impl_->check_places_once("set_velocities", places);
-  impl_->for_each(impl_->worlds, "set_velocities", places, [&](World& world, std::size_t, std::size_t i) {
-    const std::size_t first = 3 * impl_->bodies.size() * i;
-    impl_->hand_on(impl_->moving, linear.data() + first, angular.data() + first,
-                   [&](const auto& ids, const auto& v, const auto& w) { world.set_velocities(ids, v, w); });
-  });
+  impl_->hand_on("set_velocities", {"velocities", "spins"}, places, impl_->moving, linear, angular,
+                 [](World& world, const auto& ids, const auto& v, const auto& w) { world.set_velocities(ids, v, w); });
 }
 
 void Batch::apply_forces(std::span<const double> forces, std::span<const double> torques,
                          std::span<const std::size_t> places) {
-  check_size("apply_forces", "forces", forces.size(), 3 * impl_->bodies.size() * impl_->count_of(places));
-  check_size("apply_forces", "torques", torques.size(), 3 * impl_->bodies.size() * impl_->count_of(places));
-  impl_->check_places_once("apply_forces", places);
-  impl_->for_each(impl_->worlds, "apply_forces", places, [&](World& world, std::size_t, std::size_t i) {
-    const std::size_t first = 3 * impl_->bodies.size() * i;
-    impl_->hand_on(impl_->dynamic, forces.data() + first, torques.data() + first,
-                   [&](const auto& ids, const auto& f, const auto& t) { world.apply_forces(ids, f, t); });
-  });
+  impl_->hand_on("apply_forces", {"forces", "torques"}, places, impl_->dynamic, forces, torques,
+                 [](World& world, const auto& ids, const auto& f, const auto& t) { world.apply_forces(ids, f, t); });
 }
 
 void Batch::set_motor_speeds(std::size_t joint, std::span<const double> speeds, std::size_t coordinate,
                              std::span<const std::size_t> places) {
-  const JointId id = impl_->joint("set_motor_speeds", joint);
-  check_size("set_motor_speeds", "speeds", speeds.size(), impl_->count_of(places));
-  impl_->check_places_once("set_motor_speeds", places);
-  impl_->for_each(impl_->worlds, "set_motor_speeds", places,
-                  [&](World& world, std::size_t, std::size_t i) { world.set_motor_speed(id, speeds[i], coordinate); });
+  impl_->drive("set_motor_speeds", places, joint, "speeds", speeds, coordinate, &World::set_motor_speed);
 }
 
 void Batch::set_servo_targets(std::size_t joint, std::span<const double> targets, std::size_t coordinate,
                               std::span<const std::size_t> places) {
-  const JointId id = impl_->joint("set_servo_targets", joint);
-  check_size("set_servo_targets", "targets", targets.size(), impl_->count_of(places));
-  impl_->check_places_once("set_servo_targets", places);
-  impl_->for_each(impl_->worlds, "set_servo_targets", places, [&](World& world, std::size_t, std::size_t i) {
-    world.set_servo_target(id, targets[i], coordinate);
-  });
+  impl_->drive("set_servo_targets", places, joint, "targets", targets, coordinate, &World::set_servo_target);
 }
 
 void Batch::read_joint(std::size_t joint, std::span<double> positions, std::span<double> speeds,

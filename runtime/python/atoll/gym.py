@@ -53,7 +53,7 @@ class Task(ABC):
 
     @abstractmethod
     def observe(self, batch: _core.Batch) -> Floats:
-        """Shape (worlds, ...)."""
+        """A new array, shape (worlds, ...)."""
 
     @abstractmethod
     def judge(self, batch: _core.Batch, actions: Array) -> tuple[Array, Bools]:
@@ -85,7 +85,6 @@ class BatchEnv(VectorEnv[Floats, Array, Any]):
         self._randoms = [np.random.default_rng() for _ in range(num_envs)]
         self._done = np.ones(num_envs, dtype=bool)  # who can't go on without a reset
         self._age = np.zeros(num_envs, dtype=np.int64)  # actions of the episode
-        self._observations = np.zeros(0, dtype=np.float32)
 
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
@@ -104,8 +103,7 @@ class BatchEnv(VectorEnv[Floats, Array, Any]):
                 if number is not None and chosen[i]:
                     self._randoms[i] = np.random.default_rng(number)
         self._begin(chosen)
-        self._observations = self.task.observe(self.batch)
-        return self._observations.copy(), {}
+        return self.task.observe(self.batch), {}
 
     def step(self, actions: Array) -> tuple[Floats, Array, Bools, Bools, dict[str, Any]]:
         """Of an episode that has ended: with NEXT_STEP the next one begins, whatever the action; with SAME_STEP it has
@@ -133,12 +131,11 @@ class BatchEnv(VectorEnv[Floats, Array, Any]):
         if self.autoreset_mode == AutoresetMode.SAME_STEP and self._done.any():
             final = np.full(self.num_envs, None, dtype=object)
             for i in np.flatnonzero(self._done):
-                final[i] = observations[i].copy()
+                final[i] = observations[i]
             infos = {"final_obs": final, "_final_obs": self._done.copy(), "final_info": {}, "_final_info": self._done.copy()}
-            self._begin(self._done.copy())
+            self._begin(self._done)
             observations = self.task.observe(self.batch)
-        self._observations = observations
-        return observations.copy(), rewards, terminated, truncated, infos
+        return observations, rewards, terminated, truncated, infos
 
     def _begin(self, chosen: Bools) -> None:
         places = np.flatnonzero(chosen)
@@ -358,7 +355,10 @@ class StackBoxes(Task):
     steps_an_action = 2
     horizon = 300
     _half = 0.05  # m, of a box
-    _high = 0.45  # m, where the gripper starts
+    _high = 0.45  # m, where the carriage starts
+    _travel = (-1.0, 1.0)  # m, from there
+    _height = (-_high + 0.15, 0.2)
+    _closed, _opened = 0.04, 0.09  # m, of a finger from the middle
 
     def __init__(self) -> None:
         def servo(axis_range: _core.JointRange, target: float, stiffness: float, force: float) -> _core.JointAxis:
@@ -388,8 +388,7 @@ class StackBoxes(Task):
                 ),
             )
         )
-        travel = _core.JointRange(-1, 1)
-        height = _core.JointRange(-self._high + 0.15, 0.2)
+        travel, height = _core.JointRange(*self._travel), _core.JointRange(*self._height)
         gantry = _core.SixDofJoint(
             offset=(servo(travel, 0, 4000, 200), locked, servo(height, 0, 4000, 200)), turn=(locked, locked, locked)
         )
@@ -399,20 +398,20 @@ class StackBoxes(Task):
             )
         ]
         for side in (-1, 1):
-            reach = sorted([side * 0.04, side * 0.09])
+            reach = sorted([side * self._closed, side * self._opened])
             bodies.append(
                 _core.SceneBody(
                     name="left" if side < 0 else "right",
                     definition=_core.BodyDef(
                         shape=_core.Box([0.01, 0.03, 0.04]),
                         mass=0.2,
-                        position=[side * 0.09, 0, self._high - 0.1],
+                        position=[side * self._opened, 0, self._high - 0.1],
                         gravity_scale=0,
                         material=_core.Material(friction=1.2),
                     ),
                 )
             )
-            finger = _core.SliderJoint(servo(_core.JointRange(*reach), side * 0.09, 1500, 15))
+            finger = _core.SliderJoint(servo(_core.JointRange(*reach), side * self._opened, 1500, 15))
             joints.append(
                 _core.SceneJoint(
                     definition=_core.JointDef(kind=finger, frame_first=_core.Pose([0, 0, -0.1])),
@@ -440,12 +439,12 @@ class StackBoxes(Task):
         self._distances[places] = np.linalg.norm(self._to_place(batch)[places], axis=-1)
 
     def act(self, batch: _core.Batch, actions: Array) -> None:
-        seconds = self.steps_an_action / 60
-        low, high = [-1, -self._high + 0.15], [1, 0.2]
+        seconds = self.steps_an_action * self.scene.dt
+        low, high = zip(self._travel, self._height)
         self._targets = np.clip(self._targets + 0.5 * seconds * np.clip(actions[:, :2], -1, 1), low, high)
         batch.set_servo_targets(0, np.ascontiguousarray(self._targets[:, 0]), coordinate=0)
         batch.set_servo_targets(0, np.ascontiguousarray(self._targets[:, 1]), coordinate=2)
-        reach = np.where(actions[:, 2] < 0, 0.04, 0.09)
+        reach = np.where(actions[:, 2] < 0, self._closed, self._opened)
         batch.set_servo_targets(1, -reach)
         batch.set_servo_targets(2, reach)
 

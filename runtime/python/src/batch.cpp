@@ -4,14 +4,14 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "arrays.h"
-#include "callbacks.h"
 #include "fields.h"
 #include "parts.h"
 

@@ -119,59 +119,54 @@ void bind_hits(nb::module_& module) {
               Field{"triangle", &ClosestPoint::triangle, "of a mesh or height field"});
 }
 
+template <auto cast>
+void bind_ray(nb::class_<World>& world, const char* name, const char* doc) {
+  world.def(
+      name,
+      [](const World& self, const Vector3& origin, const Vector3& direction, double max_distance, bool both_sides,
+         const Filter& filter) {
+        return ask(filter, [&](const QueryFilter& of) {
+          return (Queries(self).*cast)({origin, direction, max_distance, both_sides}, of);
+        });
+      },
+      nb::arg("origin"), nb::arg("direction"), nb::arg("max_distance") = infinity, nb::arg("both_sides") = false,
+      nb::arg("filter") = Filter{}, doc);
+}
+
 void bind_rays(nb::class_<World>& world) {
-  world
-      .def(
-          "cast_ray",
-          [](const World& self, const Vector3& origin, const Vector3& direction, double max_distance, bool both_sides,
-             const Filter& filter) {
-            return ask(filter, [&](const QueryFilter& of) {
-              return Queries(self).cast_ray({origin, direction, max_distance, both_sides}, of);
-            });
-          },
-          nb::arg("origin"), nb::arg("direction"), nb::arg("max_distance") = infinity, nb::arg("both_sides") = false,
-          nb::arg("filter") = Filter{}, "The first that a ray meets, or None. m, shape (3,); directions of any length.")
-      .def(
-          "cast_ray_through",
-          [](const World& self, const Vector3& origin, const Vector3& direction, double max_distance, bool both_sides,
-             const Filter& filter) {
-            return ask(filter, [&](const QueryFilter& of) {
-              return Queries(self).cast_ray_through({origin, direction, max_distance, both_sides}, of);
-            });
-          },
-          nb::arg("origin"), nb::arg("direction"), nb::arg("max_distance") = infinity, nb::arg("both_sides") = false,
-          nb::arg("filter") = Filter{}, "All that it meets, by distance.")
-      .def(
-          "cast_rays",
-          [](const World& self, const Rows<3>& origins, const Rows<3>& directions, double max_distance, bool both_sides,
-             const Filter& filter) {
-            const std::vector<Ray> rays = rays_of(origins, directions, max_distance, both_sides);
-            const std::vector<RayRecord> records = ask(filter, [&](const QueryFilter& of) {
-              std::vector<RayRecord> found;
-              for (const std::optional<RayHit>& hit : Queries(self).cast_rays(rays, of))
-                found.push_back(record_of(hit));
-              return found;
-            });
-            static const std::vector<Member> members = {
-                {"body", "id", offsetof(RayRecord, body)},
-                {"child", "u4", offsetof(RayRecord, child)},
-                {"hit", "?", offsetof(RayRecord, hit)},
-                {"started_inside", "?", offsetof(RayRecord, started_inside)},
-                {"distance", "f8", offsetof(RayRecord, distance)},
-                {"point", "(3,)f8", offsetof(RayRecord, point)},
-                {"normal", "(3,)f8", offsetof(RayRecord, normal)},
-                {"triangle", "i8", offsetof(RayRecord, triangle)},
-            };
-            return records_of(std::span<const RayRecord>(records), members);
-          },
-          nb::arg("origins"), nb::arg("directions"), nb::arg("max_distance") = infinity, nb::arg("both_sides") = false,
-          nb::arg("filter") = Filter{},
-          "Many at once, by the world's threads. m, shape (n, 3). A structured array: one record a ray: hit, body, "
-          "child, "
-          "distance (infinite without a hit), point, normal, triangle (-1 for none), started_inside.",
-          nb::sig("def cast_rays(self, origins: numpy.typing.NDArray[numpy.float64], directions: "
-                  "numpy.typing.NDArray[numpy.float64], max_distance: float = ..., both_sides: bool = False, filter: "
-                  "QueryFilter = ...) -> numpy.typing.NDArray[numpy.void]"));
+  bind_ray<&Queries::cast_ray>(world, "cast_ray",
+                               "The first that a ray meets, or None. m, shape (3,); directions of any length.");
+  bind_ray<&Queries::cast_ray_through>(world, "cast_ray_through", "All that it meets, by distance.");
+  world.def(
+      "cast_rays",
+      [](const World& self, const Rows<3>& origins, const Rows<3>& directions, double max_distance, bool both_sides,
+         const Filter& filter) {
+        const std::vector<Ray> rays = rays_of(origins, directions, max_distance, both_sides);
+        const std::vector<RayRecord> records = ask(filter, [&](const QueryFilter& of) {
+          std::vector<RayRecord> found;
+          for (const std::optional<RayHit>& hit : Queries(self).cast_rays(rays, of)) found.push_back(record_of(hit));
+          return found;
+        });
+        static const std::vector<Member> members = {
+            {"body", "id", offsetof(RayRecord, body)},
+            {"child", "u4", offsetof(RayRecord, child)},
+            {"hit", "?", offsetof(RayRecord, hit)},
+            {"started_inside", "?", offsetof(RayRecord, started_inside)},
+            {"distance", "f8", offsetof(RayRecord, distance)},
+            {"point", "(3,)f8", offsetof(RayRecord, point)},
+            {"normal", "(3,)f8", offsetof(RayRecord, normal)},
+            {"triangle", "i8", offsetof(RayRecord, triangle)},
+        };
+        return records_of(std::span<const RayRecord>(records), members);
+      },
+      nb::arg("origins"), nb::arg("directions"), nb::arg("max_distance") = infinity, nb::arg("both_sides") = false,
+      nb::arg("filter") = Filter{},
+      "Many at once, by the world's threads. m, shape (n, 3). A structured array: one record a ray: hit, body, "
+      "child, "
+      "distance (infinite without a hit), point, normal, triangle (-1 for none), started_inside.",
+      nb::sig("def cast_rays(self, origins: numpy.typing.NDArray[numpy.float64], directions: "
+              "numpy.typing.NDArray[numpy.float64], max_distance: float = ..., both_sides: bool = False, filter: "
+              "QueryFilter = ...) -> numpy.typing.NDArray[numpy.void]"));
 }
 
 void bind_casts(nb::class_<World>& world) {
