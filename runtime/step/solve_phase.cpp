@@ -159,7 +159,7 @@ void SolvePhase::solve_groups(Stores& world, const StepContext& step, const solv
   step.arena.parallel_for(groups_.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t g = begin; g < end; ++g) {
       if (groups_[g].large || solve_directly(plain, g, world.settings.profile)) continue;
-      group_reports_[g] = group_solvers_.local().solve(input_of(groups_[g]), groups_[g]);
+      group_reports_[g] = jobs::of_this_thread<solver::GroupSolver>().solve(input_of(groups_[g]), groups_[g]);
     }
   });
   // Large ones are solved one after another, by all workers, and keep their colours while groups stay what they are.
@@ -249,7 +249,6 @@ void SolvePhase::note_modes(Stores& world, const solver::Islands& islands, StepC
 
 std::size_t SolvePhase::group_bytes() const {
   std::size_t bytes = jobs::bytes_of(groups_, group_reports_);
-  group_solvers_.for_each([&](const solver::GroupSolver& each) { bytes += each.bytes(); });
   for (const auto& large : large_solvers_) bytes += large->bytes();
   return bytes;
 }

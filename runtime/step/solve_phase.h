@@ -21,7 +21,7 @@ namespace atl {
 /// as tasks.
 class SolvePhase {
  public:
-  explicit SolvePhase(int threads) : group_solvers_(threads), overloaded_(threads), moved_(threads) {}
+  explicit SolvePhase(int threads) : overloaded_(threads), moved_(threads) {}
 
   /// Islands whose contacts carry too much are solved on their own, and otherwise.
   void choose_modes(Stores& world, const StepContext& step, IslandPhase& islands);
@@ -57,7 +57,6 @@ class SolvePhase {
 
   std::vector<solver::IslandGroup> groups_;
   std::vector<solver::GroupReport> group_reports_;
-  jobs::Scratch<solver::GroupSolver> group_solvers_;
   std::vector<std::unique_ptr<solver::GroupSolver>> large_solvers_;  // of large groups, in order
   std::vector<solver::SolveMode> modes_;                             // by island, or empty
   std::vector<std::uint8_t> alone_;                                  // likewise: solved in a way of its own

@@ -39,4 +39,13 @@ class Scratch {
   std::vector<std::unique_ptr<T>> items_;
 };
 
+/// The calling thread's T, default-made when it first asks and kept until the thread ends, whatever world it works for:
+/// many small worlds that take turns on a thread find it in cache. It is for what begins and ends within one call
+/// that waits for no other task.
+template <typename T>
+T& of_this_thread() {
+  thread_local T item;
+  return item;
+}
+
 }  // namespace atl::jobs

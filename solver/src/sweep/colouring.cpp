@@ -67,6 +67,7 @@ void Colouring::assign_colours(std::span<const Constraint> constraints, std::uin
                                std::uint32_t body_count) {
   used_.assign(body_count, 0);
   colour_of_.resize(constraints.size());
+  used_colours_ = 0;
   for (std::size_t i = 0; i < constraints.size(); ++i) {
     const Constraint& constraint = constraints[i];
     std::uint64_t taken = 0;
@@ -74,6 +75,7 @@ void Colouring::assign_colours(std::span<const Constraint> constraints, std::uin
     if (constraint.second >= first_dynamic) taken |= used_[constraint.second];
     const auto colour = static_cast<std::uint8_t>(std::countr_one(taken));
     colour_of_[i] = colour;
+    used_colours_ = std::max(used_colours_, colour + std::size_t{1});
     if (colour == overflow) continue;
     used_[constraint.first] |= std::uint64_t{1} << colour;
     used_[constraint.second] |= std::uint64_t{1} << colour;
@@ -85,7 +87,7 @@ template <typename Constraint>
 void Colouring::assign_lanes(std::span<const Constraint> constraints) {
   constexpr const Constraint* kind = nullptr;
   constexpr std::size_t keys = sort_key_count(kind);
-  next_lane_.assign((overflow + 1) * keys, 0);
+  next_lane_.assign(used_colours_ * keys, 0);
   const auto place = [&](std::size_t i) -> std::uint32_t& {
     return next_lane_[colour_of_[i] * keys + sort_key(constraints[i])];
   };
@@ -93,7 +95,7 @@ void Colouring::assign_lanes(std::span<const Constraint> constraints) {
 
   colours_.clear();
   std::size_t lane = 0;
-  for (std::size_t colour = 0; colour <= overflow; ++colour) {
+  for (std::size_t colour = 0; colour < used_colours_; ++colour) {
     const bool serial = colour == overflow;
     const std::size_t begin = lane;
     for (std::size_t key = 0; key < keys; ++key) {

@@ -66,6 +66,7 @@ class Colouring {
 
   std::vector<std::uint64_t> used_;  // by body: the colours of its contacts
   std::vector<std::uint8_t> colour_of_;
+  std::size_t used_colours_ = 0;  // with what is left over, if anything is
   std::vector<std::uint32_t> lane_of_;  // counted through all blocks
   std::vector<std::uint32_t> next_lane_;
   std::vector<Colour> colours_;
