@@ -1,7 +1,7 @@
 #pragma once
 
 #include <collision/contacts/update_contacts.h>
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 #include <solver/constraints/surface_contact.h>
 
 #include <cstdint>
@@ -46,7 +46,7 @@ class ContactPhase {
   std::span<const collision::Pair> pairs_off() const { return modified_.pairs_off; }
   /// What a modifier adds to the slip of contacts, by slot; null where it adds nothing.
   const solver::AddedSlip* added_slips() const { return modified_.slips ? slips_.data() : nullptr; }
-  std::size_t bytes() const { return update_.bytes() + jobs::bytes_of(on_, slips_); }
+  auto arrays() const { return std::tie(update_, on_, slips_); }
 
  private:
   // What a modifier made of the step's contacts.

@@ -1,7 +1,7 @@
 #include "step/continuous_phase.h"
 
 #include <features/with_joints.h>
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 #include <solver/constraints/joint.h>
 
 #include <algorithm>
@@ -194,10 +194,6 @@ void ContinuousPhase::sweep(Stores& world, const StepContext& step, const Contac
     if (fast.left_aabb) move_proxies(world, fast.body);
     step.report.counts.swept += fast.stops;
   }
-}
-
-std::size_t ContinuousPhase::bytes() const {
-  return jobs::bytes_of(fast_in_order_, carried_, pressed_) + continuous_.bytes();
 }
 
 }  // namespace atl

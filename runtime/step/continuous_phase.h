@@ -29,7 +29,8 @@ class ContinuousPhase {
   void sweep(Stores& world, const StepContext& step, const ContactPhase& contacts, const IslandPhase& islands,
              solver::FastBodies& moved);
 
-  std::size_t bytes() const;
+  /// See jobs/arrays.h.
+  auto arrays() const { return std::tie(fast_in_order_, carried_, pressed_, continuous_); }
 
  private:
   // A body that was watched, and what its motion was held against before.

@@ -1,7 +1,7 @@
 #include "step/island_phase.h"
 
 #include <features/with_joints.h>
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 #include <solver/select/joint_selection.h>
 
 #include <algorithm>
@@ -93,12 +93,6 @@ void IslandPhase::count_joints(StepCounts& counts) {
   }
   counts.joints = static_cast<std::int64_t>(acting.size());
   counts.direct_joints = direct_joints_;
-}
-
-std::size_t IslandPhase::joint_bytes() const {
-  std::size_t bytes = jobs::bytes_of(to_kinematic_, assembly_);
-  if constexpr (with_joints) bytes += joint_graph_.bytes() + joint_systems_.bytes();
-  return bytes;
 }
 
 }  // namespace atl

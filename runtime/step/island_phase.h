@@ -34,8 +34,8 @@ class IslandPhase {
   /// Joints of awake bodies.
   std::span<const solver::JointLink> acting_joints() const { return islands_.joints(0, islands_.count()); }
 
-  std::size_t bytes() const { return islands_.bytes(); }
-  std::size_t joint_bytes() const;
+  auto arrays() const { return std::tie(islands_); }
+  auto joint_arrays() const { return std::tie(to_kinematic_, assembly_, joint_graph_, joint_systems_); }
 
  private:
   void update_joint_graph(Stores& world);

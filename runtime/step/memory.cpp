@@ -1,43 +1,66 @@
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
+#include <jobs/prefetch.h>
+
+#include <algorithm>
+#include <tuple>
 
 #include "step/results.h"
 
 namespace atl {
+namespace {
 
-using jobs::bytes_of;
+// Calls visit(name, arrays, count, unit) for what a world's memory is for, in a fixed order.
+template <typename Visit>
+void for_each_use(const Stores& world, const StepPipeline& pipeline, const StepCounts& last_step, const Visit& visit) {
+  const SolvePhase& solve = pipeline.solve();
+  const StepResults& results = world.results;
+  const std::size_t bodies = world.records.count;
+  const std::size_t shapes = world.colliders.body.size();
+  const std::size_t touching = pipeline.contacts().touching().size();
+  visit("bodies",
+        std::tie(world.bodies, world.records, world.aabbs, world.active, world.changes.may_start_or_stop,
+                 world.changes.pushed, world.reaches),
+        bodies, "bodies");
+  visit("sleeping", std::tie(world.sleeping), bodies, "bodies");
+  visit("running_surfaces", std::tie(world.bodies.surfaces, world.surface_contacts), bodies, "bodies");
+  visit("shapes", std::tie(world.colliders), shapes, "shapes");
+  visit("broadphase", std::tie(world.broadphase), shapes, "shapes");
+  visit("contacts", std::tie(world.cache, world.choices, pipeline.contacts()), world.cache.pairs.size(), "pairs");
+  visit("islands", std::tie(pipeline.islands()), touching, "contacts");
+  visit("contact_solver", solve.group_arrays(), touching, "contacts");
+  visit("direct_contacts", solve.direct_arrays(), solve.direct_count(), "islands");
+  visit("overload_watch", std::tuple_cat(std::tie(world.selection, results.selected_solves), solve.selection_arrays()),
+        bodies, "bodies");
+  visit("joints", std::tuple_cat(std::tie(world.joints, results.joint_events), pipeline.islands().joint_arrays()),
+        world.joints.count, "joints");
+  visit("continuous_collision", std::tie(pipeline.continuous()), static_cast<std::size_t>(last_step.swept), "bodies");
+  visit("contact_events", std::tie(results.contact_events, results.unasked_events),
+        results.contact_events.events.size(), "events");
+  visit("contact_problem", solve.capture_arrays(), solve.capture().answers.size(), "contacts");
+}
+
+}  // namespace
 
 std::vector<MemoryUse> memory_of(const Stores& world, const StepPipeline& pipeline, const StepCounts& last_step) {
-  const SolvePhase& solve = pipeline.solve();
-  const std::size_t contacts = world.cache.pairs.size();
-  const std::size_t touching = pipeline.contacts().touching().size();
   std::vector<MemoryUse> uses;
-  uses.push_back({"bodies",
-                  world.bodies.bytes() + world.records.bytes() + world.aabbs.bytes() + world.active.bytes() +
-                      bytes_of(world.changes.may_start_or_stop, world.changes.pushed, world.reaches),
-                  world.records.count, "bodies"});
-  uses.push_back({"sleeping", world.sleeping.bytes(), world.records.count, "bodies"});
-  uses.push_back(
-      {"running_surfaces", bytes_of(world.bodies.surfaces, world.surface_contacts), world.records.count, "bodies"});
-  const std::size_t aabb_updates = world.aabbs.update_bytes();
-  uses.push_back({"shapes", world.colliders.bytes(), world.colliders.body.size(), "shapes"});
-  uses.push_back({"broadphase", world.broadphase.bytes() + aabb_updates, world.colliders.body.size(), "shapes"});
-  const std::size_t of_contacts = world.cache.bytes() + world.choices.bytes() + pipeline.contacts().bytes();
-  uses.push_back({"contacts", of_contacts, contacts, "pairs"});
-  uses.push_back({"islands", pipeline.islands().bytes(), touching, "contacts"});
-  uses.push_back({"contact_solver", solve.group_bytes(), touching, "contacts"});
-  uses.push_back({"direct_contacts", solve.direct_bytes(), solve.direct_count(), "islands"});
-  uses.push_back({"overload_watch",
-                  world.selection.bytes() + solve.selection_bytes() + bytes_of(world.results.selected_solves),
-                  world.records.count, "bodies"});
-  const std::size_t of_joints =
-      world.joints.bytes() + bytes_of(world.results.joint_events) + pipeline.islands().joint_bytes();
-  uses.push_back({"joints", of_joints, world.joints.count, "joints"});
-  uses.push_back(
-      {"continuous_collision", pipeline.continuous().bytes(), static_cast<std::size_t>(last_step.swept), "bodies"});
-  uses.push_back({"contact_events", world.results.contact_events.bytes() + world.results.unasked_events.bytes(),
-                  world.results.contact_events.events.size(), "events"});
-  uses.push_back({"contact_problem", solve.capture_bytes(), solve.capture().answers.size(), "contacts"});
+  for_each_use(world, pipeline, last_step,
+               [&uses](const char* name, const auto& arrays, std::size_t count, const char* unit) {
+                 uses.push_back({name, jobs::bytes_of(arrays), count, unit});
+               });
   return uses;
+}
+
+void prefetch(const Stores& world, const StepPipeline& pipeline) {
+  // A quarter of the second-level cache of a small core: what goes beyond would push out what is in use.
+  constexpr std::size_t limit = 128 << 10;
+  std::size_t left = limit / jobs::cache_line;
+  for_each_use(world, pipeline, {}, [&left](const char*, const auto& arrays, std::size_t, const char*) {
+    jobs::for_each_array(arrays, [&left]<typename Entry>(const std::vector<Entry>& array) {
+      const std::size_t lines = std::min(left, jobs::lines_of(array.size() * sizeof(Entry)));
+      jobs::prefetch_lines(array.data(), lines);
+      left -= lines;
+    });
+  });
 }
 
 }  // namespace atl

@@ -31,5 +31,7 @@ std::span<const PairForce> pair_forces(Stores& world, const ContactPhase& phase,
 ContactProblem contact_problem(const Stores& world, const StepPipeline& pipeline);
 /// What of a world's memory is for what.
 std::vector<MemoryUse> memory_of(const Stores& world, const StepPipeline& pipeline, const StepCounts& last_step);
+/// Asks for the memory of a small world that is about to be stepped.
+void prefetch(const Stores& world, const StepPipeline& pipeline);
 
 }  // namespace atl

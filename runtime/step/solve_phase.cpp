@@ -2,7 +2,7 @@
 
 #include <features/with_direct_contacts.h>
 #include <features/with_surfaces.h>
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 #include <jobs/stopwatch.h>
 #include <jobs/worker_team.h>
 #include <solver/integrate/free_flight.h>
@@ -246,21 +246,5 @@ void SolvePhase::note_modes(Stores& world, const solver::Islands& islands, StepC
   if (selects_solvers(world.settings))
     world.selection.note(all_overloaded_, failed_, world.sleeping.awake, world.clock.dt);
 }
-
-std::size_t SolvePhase::group_bytes() const {
-  std::size_t bytes = jobs::bytes_of(groups_, group_reports_);
-  for (const auto& large : large_solvers_) bytes += large->bytes();
-  return bytes;
-}
-
-std::size_t SolvePhase::direct_bytes() const {
-  std::size_t bytes = jobs::bytes_of(direct_.solvers, direct_.of_group, direct_.reports);
-  for (const auto& each : direct_.solvers) bytes += each->bytes();
-  return bytes;
-}
-
-std::size_t SolvePhase::selection_bytes() const { return jobs::bytes_of(modes_, alone_, all_overloaded_, failed_); }
-
-std::size_t SolvePhase::capture_bytes() const { return jobs::bytes_of(capture_.answers, capture_.motions); }
 
 }  // namespace atl

@@ -35,11 +35,12 @@ class SolvePhase {
   /// Of the last step, if it was to be kept.
   const solver::ContactCapture& capture() const { return capture_; }
 
-  std::size_t group_bytes() const;
-  std::size_t direct_bytes() const;
+  // See jobs/arrays.h.
+  auto group_arrays() const { return std::tie(groups_, group_reports_, large_solvers_); }
+  auto direct_arrays() const { return std::tie(direct_.solvers, direct_.of_group, direct_.reports); }
   std::size_t direct_count() const { return direct_.solvers.size(); }
-  std::size_t selection_bytes() const;
-  std::size_t capture_bytes() const;
+  auto selection_arrays() const { return std::tie(modes_, alone_, all_overloaded_, failed_); }
+  auto capture_arrays() const { return std::tie(capture_.answers, capture_.motions); }
 
  private:
   // Groups that are solved at once, each by a solver of its own that keeps its order of elimination.

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <jobs/append.h>
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -27,7 +27,7 @@ class ActiveBodies {
   /// By the last update, in order.
   std::span<const std::uint32_t> started() const { return started_; }
   std::span<const std::uint32_t> stopped() const { return stopped_; }
-  std::size_t bytes() const { return jobs::bytes_of(active_, bodies_, started_, stopped_); }
+  auto arrays() const { return std::tie(active_, bodies_, started_, stopped_); }
 
  private:
   void apply_changes();

@@ -2,7 +2,7 @@
 
 #include <collision/narrowphase/surface_contacts.h>
 #include <jobs/append.h>
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 
 #include <algorithm>
 #include <utility>
@@ -57,11 +57,6 @@ void BodyRecords::disable_pair(std::uint32_t first, std::uint32_t second) {
 void BodyRecords::enable_pair(std::uint32_t first, std::uint32_t second) {
   forget_other(disabled_pairs, first, second);
   forget_other(disabled_pairs, second, first);
-}
-
-std::size_t BodyRecords::bytes() const {
-  return jobs::bytes_of(generation, alive, type, continuous, sensor, user_data, constants, dynamic, free) +
-         material.bytes() + centre.bytes() + filter.bytes();
 }
 
 void Contents::count(const solver::BodyTable& bodies, const BodyRecords& records, std::uint32_t body, int sign) {

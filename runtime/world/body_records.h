@@ -47,7 +47,11 @@ struct BodyRecords {
   void resize(std::size_t bodies);
   void disable_pair(std::uint32_t first, std::uint32_t second);
   void enable_pair(std::uint32_t first, std::uint32_t second);
-  std::size_t bytes() const;
+  /// See jobs/arrays.h.
+  auto arrays() const {
+    return std::tie(generation, alive, type, continuous, sensor, user_data, constants, dynamic, free, material, centre,
+                    filter);
+  }
 };
 
 /// What a body of a type may do.

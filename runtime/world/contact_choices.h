@@ -2,7 +2,7 @@
 
 #include <atoll/types.h>
 #include <collision/broadphase/pair.h>
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -28,7 +28,7 @@ struct ContactChoices {
 
   bool is_refused(collision::Pair pair) const { return std::binary_search(refused.begin(), refused.end(), pair); }
   bool is_empty() const { return refused.empty() && refiltered.empty(); }
-  std::size_t bytes() const { return jobs::bytes_of(refused, refiltered, modified); }
+  auto arrays() const { return std::tie(refused, refiltered, modified); }
 };
 
 /// Puts pairs to others; both are in order.

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <atoll/world.h>
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 
 #include <cstddef>
 #include <utility>
@@ -19,8 +19,8 @@ struct ContactEvents {
   Pairs now;              ///< scratch: of active contacts
   bool reported = false;  ///< by the last step
 
-  /// Memory held.
-  std::size_t bytes() const { return jobs::bytes_of(events, touched, before, now); }
+  /// See jobs/arrays.h.
+  auto arrays() const { return std::tie(events, touched, before, now); }
 };
 
 /// Which bodies are in sensors, and what that changed.
@@ -29,7 +29,7 @@ struct SensorEvents {
   std::vector<std::pair<BodyId, BodyId>> within;  ///< sensors and bodies, in order, as of the last step
   std::vector<std::pair<BodyId, BodyId>> before;  ///< scratch
 
-  std::size_t bytes() const { return jobs::bytes_of(events, within, before); }
+  auto arrays() const { return std::tie(events, within, before); }
 };
 
 }  // namespace atl

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <atoll/joint.h>
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 #include <jobs/pair_lists.h>
 #include <solver/constraints/joint.h>
 
@@ -58,10 +58,9 @@ struct JointTable {
     for (const auto& [bodies, joints_of] : apart_) visit(bodies.first, bodies.second);
   }
   bool are_kept_apart(std::uint32_t a, std::uint32_t b) const { return apart_.contains(std::minmax(a, b)); }
-  std::size_t bytes() const {
-    return jobs::bytes_of(joints, def, generation, alive, enabled, broken, suspended, acts, watched, driven,
-                          limit_before, free) +
-           of_body_.bytes();
+  auto arrays() const {
+    return std::tie(joints, def, generation, alive, enabled, broken, suspended, acts, watched, driven, limit_before,
+                    free, of_body_);
   }
 
  private:

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <atoll/settings.h>
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 #include <solver/integrate/body_table.h>
 #include <solver/islands/islands.h>
 
@@ -28,7 +28,7 @@ struct Sleeping {
   void wake(std::uint32_t body);
   /// After a step: rest times, and islands (and lone bodies) that fall asleep; their velocities become zero.
   void update(const solver::Islands& islands, solver::BodyTable& bodies, const Settings& settings, double dt);
-  std::size_t bytes() const { return jobs::bytes_of(awake, rest_time, ring, changed); }
+  auto arrays() const { return std::tie(awake, rest_time, ring, changed); }
 
  private:
   double update_rest_time(const solver::BodyTable& bodies, std::uint32_t body, double speed_limit, double dt);

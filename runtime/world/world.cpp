@@ -611,6 +611,11 @@ void World::set_joint_enabled(JointId id, bool enabled) {
   note<calls::SetJointEnabled>(*impl_, id, enabled);
 }
 
+void World::prefetch() const {
+  jobs::prefetch(*impl_);
+  atl::prefetch(impl_->stores, impl_->pipeline);
+}
+
 std::vector<MemoryUse> World::memory() const { return memory_of(impl_->stores, impl_->pipeline, impl_->last_counts); }
 std::span<const SelectedSolve> World::selected_solves() const { return impl_->stores.results.selected_solves; }
 

@@ -52,10 +52,10 @@ TEST(SharedValues, TakeRoomByWhatIsInUse) {
   SharedValues<Value> shared;
   shared.resize(1000);
   for (std::size_t i = 0; i < 1000; ++i) shared.set(i, {1.0 * (i % 4), 0, 0});
-  EXPECT_LT(shared.bytes(), 5000u);
-  const std::size_t before = shared.bytes();
+  EXPECT_LT(bytes_of(shared), 5000u);
+  const std::size_t before = bytes_of(shared);
   for (int i = 0; i < 100'000; ++i) shared.set(500, {1.0 * i, 1, 0});
-  EXPECT_LE(shared.bytes(), before + 500);
+  EXPECT_LE(bytes_of(shared), before + 500);
 }
 
 }  // namespace

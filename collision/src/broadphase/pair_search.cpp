@@ -103,10 +103,4 @@ std::span<const Pair> PairSearch::find(Proxies& proxies, const CollisionFilters&
   return new_pairs_;
 }
 
-std::size_t PairSearch::bytes() const {
-  std::size_t found = jobs::bytes_of(found_);
-  for (const std::vector<Pair>& of_chunk : found_) found += jobs::bytes_of(of_chunk);
-  return found + jobs::bytes_of(askers_, new_pairs_, sort_scratch_);
-}
-
 }  // namespace atl::collision

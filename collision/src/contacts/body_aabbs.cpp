@@ -285,14 +285,4 @@ void BodyAabbs::catch_up(std::span<const std::uint32_t> active, const BodyMotion
   }
 }
 
-std::size_t BodyAabbs::bytes() const {
-  return bounds.bytes() + jobs::bytes_of(swept_margins_, swept_, dirty_, inside_);
-}
-
-std::size_t BodyAabbs::update_bytes() const {
-  std::size_t found = jobs::bytes_of(updates_);
-  for (const std::vector<Update>& of_chunk : updates_) found += jobs::bytes_of(of_chunk);
-  return found;
-}
-
 }  // namespace atl::collision

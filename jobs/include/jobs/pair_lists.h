@@ -1,6 +1,6 @@
 #pragma once
 
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 #include <jobs/prefetch.h>
 
 #include <cstddef>
@@ -37,7 +37,7 @@ class PairLists {
   }
 
   void prefetch(std::uint32_t number) const { jobs::prefetch(links_[2 * std::size_t{number}]); }
-  std::size_t bytes() const { return bytes_of(links_, first_end_); }
+  auto arrays() const { return std::tie(links_, first_end_); }
 
  private:
   static constexpr std::uint32_t none = ~std::uint32_t{0};

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <jobs/append.h>
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 
 #include <array>
 #include <cstddef>
@@ -55,8 +55,8 @@ class SharedValues {
     if (before != 0 && --uses_[before] == 0) drop(before);
   }
 
-  /// Memory held.
-  std::size_t bytes() const { return bytes_of(numbers_, values_, uses_, free_, table_); }
+  /// See jobs/arrays.h.
+  auto arrays() const { return std::tie(numbers_, values_, uses_, free_, table_); }
 
  private:
   static constexpr std::uint32_t vacant = ~std::uint32_t{0};

@@ -1,5 +1,5 @@
 #include <features/with_surfaces.h>
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 #include <solver/sweep/group_contacts.h>
 
 #include <algorithm>
@@ -64,11 +64,6 @@ void GroupContacts::clear_impulses(const GroupReport& report) {
 }
 
 void GroupContacts::clear_split_impulses() { std::fill_n(split_blocks_.begin(), block_count(), SplitBlock{}); }
-
-std::size_t GroupContacts::bytes() const {
-  return jobs::bytes_of(contacts_, blocks_, bounces_, surface_blocks_, split_blocks_, planar_blocks_, turning_blocks_) +
-         colouring_.bytes();
-}
 
 bool note_surfaces(const SolveInput& input, const IslandGroup& group) {
   if (!with_surfaces || input.surface_contacts == nullptr) return false;

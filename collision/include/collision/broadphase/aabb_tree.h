@@ -1,7 +1,7 @@
 #pragma once
 
 #include <collision/broadphase/aabb_tree_nodes.h>
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 
 #include <cstdint>
 #include <vector>
@@ -38,8 +38,8 @@ class AabbTree {
 
   /// Items, those that are to be taken in, too.
   std::size_t size() const { return nodes_.size() + later_.size(); }
-  /// Memory held.
-  std::size_t bytes() const { return nodes_.bytes() + jobs::bytes_of(later_) + builder_.bytes(); }
+  /// See jobs/arrays.h.
+  auto arrays() const { return std::tie(nodes_, later_, builder_); }
   /// Where in the tree an item is. After a rebuild, items near each other have places near each other.
   std::uint32_t place(std::uint32_t item) const { return static_cast<std::uint32_t>(nodes_.slot(item)); }
 

@@ -2,7 +2,7 @@
 
 #include <collision/broadphase/aabb_tree_node.h>
 #include <jobs/arena.h>
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 
 #include <array>
 #include <cstddef>
@@ -37,8 +37,8 @@ class AabbTreeBuilder {
   /// arena this thread builds all of it.
   void build(std::vector<AabbTreeNode>& nodes, std::vector<std::int32_t>& slots, jobs::Arena* arena);
 
-  /// Memory held.
-  std::size_t bytes() const { return jobs::bytes_of(leaves, codes_, sorted_, chunks_, divided_, parts_, above_); }
+  /// See jobs/arrays.h.
+  auto arrays() const { return std::tie(leaves, codes_, sorted_, chunks_, divided_, parts_, above_); }
 
  private:
   struct Code {

@@ -2,7 +2,7 @@
 
 #include <collision/broadphase/aabb_tree_builder.h>
 #include <collision/broadphase/ray_slabs.h>
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -32,7 +32,7 @@ class AabbTreeNodes {
   std::size_t size() const { return size_; }  ///< items
   bool is_too_high() const { return root_ != Node::none && at(root_).height >= max_height; }
   Aabb box(std::uint32_t item) const { return at(slots_[item] / 2).box(slots_[item] % 2); }
-  std::size_t bytes() const { return jobs::bytes_of(nodes_, slots_); }
+  auto arrays() const { return std::tie(nodes_, slots_); }
 
   /// By item: 2 * node + side; below 0 it has no node, and the number is whoever's who keeps it meanwhile.
   std::int32_t slot(std::uint32_t item) const { return slots_[item]; }

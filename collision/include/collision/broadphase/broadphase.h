@@ -62,8 +62,8 @@ class Broadphase {
   /// How many shapes moved since then, those that are gone too.
   std::size_t moved_count() const { return moves_.shapes().size(); }
 
-  /// Memory held.
-  std::size_t bytes() const { return proxies_.bytes() + filters_.bytes() + moves_.bytes() + search_.bytes(); }
+  /// See jobs/arrays.h.
+  auto arrays() const { return std::tie(proxies_, filters_, moves_, search_); }
 
  private:
   void begin(std::uint32_t shape, const Filter& filter);

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <collision/broadphase/pair_set.h>
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 
 #include <cstdint>
 #include <vector>
@@ -63,8 +63,8 @@ class CollisionFilters {
     }
   }
 
-  /// Memory held.
-  std::size_t bytes() const { return jobs::bytes_of(entries_, restricted_, owners_) + disabled_.bytes(); }
+  /// See jobs/arrays.h.
+  auto arrays() const { return std::tie(entries_, restricted_, owners_, disabled_); }
 
  private:
   static constexpr std::uint32_t no_shape = ~std::uint32_t{0};

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <jobs/append.h>
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -35,8 +35,8 @@ class MoveBuffer {
     shapes_.clear();
   }
 
-  /// Memory held.
-  std::size_t bytes() const { return jobs::bytes_of(moved_, shapes_); }
+  /// See jobs/arrays.h.
+  auto arrays() const { return std::tie(moved_, shapes_); }
 
  private:
   std::vector<std::uint8_t> moved_;  // by shape: 1 if it is in shapes_

@@ -5,7 +5,7 @@
 #include <collision/broadphase/pair_set.h>
 #include <collision/broadphase/proxies.h>
 #include <jobs/arena.h>
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 
 #include <cstdint>
 #include <span>
@@ -21,8 +21,8 @@ class PairSearch {
   std::span<const Pair> find(Proxies& proxies, const CollisionFilters& filters, const MoveBuffer& moves,
                              const PairSet& known, jobs::Arena& arena);
 
-  /// Memory held.
-  std::size_t bytes() const;
+  /// See jobs/arrays.h.
+  auto arrays() const { return std::tie(askers_, found_, new_pairs_, sort_scratch_); }
 
  private:
   void list_askers(const Proxies& proxies, std::span<const std::uint32_t> moved);

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <collision/broadphase/pair.h>
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 
 #include <cstddef>
 #include <vector>
@@ -20,8 +20,8 @@ class PairSet {
   /// Drops from `pairs`, from the one at `begin` on, those that are in the set. The others keep their order.
   /// Much faster than one lookup after another, as it fetches ahead.
   void drop_contained(std::vector<Pair>& pairs, std::size_t begin) const;
-  /// Memory held.
-  std::size_t bytes() const { return jobs::bytes_of(keys_); }
+  /// See jobs/arrays.h.
+  auto arrays() const { return std::tie(keys_); }
 
  private:
   static constexpr std::uint64_t vacant = ~std::uint64_t{0};

@@ -3,7 +3,7 @@
 #include <collision/broadphase/aabb_tree.h>
 #include <collision/shapes/plane.h>
 #include <jobs/arena.h>
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 
 #include <cstdint>
 #include <span>
@@ -81,8 +81,8 @@ class Proxies {
     return moving_.ray_query(origin, direction, max_t, visit, half_extents);
   }
 
-  /// Memory held.
-  std::size_t bytes() const { return jobs::bytes_of(proxies_, half_spaces_) + moving_.bytes() + fixed_.bytes(); }
+  /// See jobs/arrays.h.
+  auto arrays() const { return std::tie(proxies_, half_spaces_, moving_, fixed_); }
 
  private:
   struct Proxy {

@@ -4,7 +4,7 @@
 #include <collision/shapes/collider_table.h>
 #include <collision/shapes/motion_bounds.h>
 #include <jobs/arena.h>
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -65,9 +65,8 @@ class BodyAabbs {
   void catch_up(std::span<const std::uint32_t> active, const BodyMotions& motions, Broadphase& broadphase,
                 jobs::Arena& arena);
 
-  /// Memory held by body, and of the boxes found in the last update.
-  std::size_t bytes() const;
-  std::size_t update_bytes() const;
+  /// See jobs/arrays.h.
+  auto arrays() const { return std::tie(bounds, swept_margins_, swept_, dirty_, inside_, updates_); }
 
  private:
   // Where a collider's fat AABB is to be, and how far its surface may move before it must be looked at again.

@@ -4,7 +4,7 @@
 #include <collision/contacts/contact.h>
 #include <collision/contacts/contact_order.h>
 #include <collision/contacts/idle_contacts.h>
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 #include <jobs/pair_lists.h>
 
 #include <algorithm>
@@ -78,10 +78,10 @@ class ContactCache {
   /// cost is linear in their number, and that of sorting in the number that became idle. Valid until the next change.
   std::span<const std::uint32_t> all_in_order() const;
 
-  /// Memory held.
-  std::size_t bytes() const {
-    return jobs::bytes_of(contacts, manifolds, rises, free_slots_, state_, active_, added_, gone_) + pairs.bytes() +
-           order_.bytes() + of_body_.bytes() + idle_.bytes();
+  /// See jobs/arrays.h.
+  auto arrays() const {
+    return std::tie(contacts, manifolds, rises, free_slots_, state_, active_, added_, gone_, pairs, order_, of_body_,
+                    idle_);
   }
 
  private:

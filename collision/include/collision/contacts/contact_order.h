@@ -1,7 +1,7 @@
 #pragma once
 
 #include <collision/broadphase/pair.h>
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -71,8 +71,8 @@ class ContactOrder {
     keys_.erase(keys_.begin() + static_cast<std::ptrdiff_t>(entry));
   }
 
-  /// Memory held.
-  std::size_t bytes() const { return jobs::bytes_of(slots_, keys_); }
+  /// See jobs/arrays.h.
+  auto arrays() const { return std::tie(slots_, keys_); }
 
  private:
   std::vector<std::uint32_t> slots_;

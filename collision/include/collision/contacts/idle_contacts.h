@@ -2,7 +2,7 @@
 
 #include <collision/contacts/contact.h>
 #include <collision/contacts/contact_order.h>
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -35,8 +35,8 @@ class IdleContacts {
   std::span<const std::uint32_t> with_active(const ContactOrder& active, std::span<const Contact> contacts,
                                              std::span<const ContactState> states);
 
-  /// Memory held.
-  std::size_t bytes() const { return jobs::bytes_of(entries_, noted_, is_noted_, all_); }
+  /// See jobs/arrays.h.
+  auto arrays() const { return std::tie(entries_, noted_, is_noted_, all_); }
 
  private:
   struct Entry {

@@ -6,7 +6,7 @@
 #include <collision/contacts/touching_pair.h>
 #include <collision/shapes/collider_table.h>
 #include <jobs/arena.h>
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 
 #include <cstdint>
 #include <span>
@@ -65,8 +65,8 @@ class ContactUpdate {
   /// Adds those of the contacts, which are in order and were not updated, that touch as they last did.
   void add_touching(const ContactCache& cache, std::span<const std::uint32_t> slots);
 
-  /// Memory held.
-  std::size_t bytes() const { return jobs::bytes_of(status, touching, chunks_, by_chunk_); }
+  /// See jobs/arrays.h.
+  auto arrays() const { return std::tie(status, touching, chunks_, by_chunk_); }
 
  private:
   friend void update_contacts(ContactCache&, const Broadphase&, const ContactUpdateInput&, jobs::Arena&,

@@ -33,7 +33,7 @@ class CcdCandidates {
   /// What a fast body may meet in the step, in order.
   void list(std::size_t fast, std::vector<CcdPair>& pairs) const;
 
-  std::size_t bytes() const { return jobs::bytes_of(pairs_, begin_); }
+  auto arrays() const { return std::tie(pairs_, begin_); }
 
  private:
   // A contact of fast bodies, by its entry in the order of contacts. Numbers + 1, or 0.

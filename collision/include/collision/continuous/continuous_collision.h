@@ -41,8 +41,8 @@ class ContinuousCollision {
   /// put where they end. `step.places` is filled in here.
   std::span<const CcdStop> find_stops(CcdStep step, Broadphase& broadphase, jobs::Arena& arena);
 
-  /// Memory held.
-  std::size_t bytes() const { return jobs::bytes_of(places_, stops_) + candidates_.bytes(); }
+  /// See jobs/arrays.h.
+  auto arrays() const { return std::tie(places_, stops_, candidates_); }
 
  private:
   // Memory of a worker.

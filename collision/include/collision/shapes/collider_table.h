@@ -3,7 +3,7 @@
 #include <collision/shapes/pose.h>
 #include <collision/shapes/shape.h>
 #include <jobs/append.h>
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 #include <jobs/shared_values.h>
 
 #include <array>
@@ -38,10 +38,8 @@ struct ColliderTable {
   std::vector<std::uint8_t> has_local_offset;  ///< 0 if `local` is the identity
   std::vector<std::uint32_t> free;             ///< the last is used first
 
-  /// Memory held.
-  std::size_t bytes() const {
-    return jobs::bytes_of(body, child, next, first, has_local_offset, free) + shape.bytes() + local.bytes();
-  }
+  /// See jobs/arrays.h.
+  auto arrays() const { return std::tie(body, child, next, first, has_local_offset, free, shape, local); }
 
   std::size_t size() const { return body.size(); }
 

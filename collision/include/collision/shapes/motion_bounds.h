@@ -1,7 +1,7 @@
 #pragma once
 
 #include <jobs/append.h>
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -24,8 +24,8 @@ struct MotionBounds {
     jobs::append(aabb_dirty, count, std::uint8_t{0});
   }
 
-  /// Memory held.
-  std::size_t bytes() const { return jobs::bytes_of(aabb_margin, margin_limit, sweep_distance, aabb_dirty); }
+  /// See jobs/arrays.h.
+  auto arrays() const { return std::tie(aabb_margin, margin_limit, sweep_distance, aabb_dirty); }
 
   /// A body's surface moved by `distance` (m), and will by `next` (m) in the next step. Returns whether it was fast.
   bool moved(std::uint32_t body, double distance, double next) {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 #include <solver/direct/island_matrix.h>
 #include <solver/direct/island_problem.h>
 
@@ -23,8 +23,8 @@ struct BalanceSearch {
     direction.resize(6 * body_count);
   }
 
-  /// Memory held.
-  std::size_t bytes() const { return matrix.bytes() + jobs::bytes_of(gradient, direction); }
+  /// See jobs/arrays.h.
+  auto arrays() const { return std::tie(matrix, gradient, direction); }
 };
 
 /// By Newton's method, from the problem's velocities and the pieces that the answers are on. Friction's bound follows

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 #include <solver/direct/elimination_order.h>
 
 #include <Eigen/Core>
@@ -62,8 +62,8 @@ class BlockLdlt {
   /// Replaces b, of length rows(), by the solution of A x = b.
   void solve(std::span<double> b) const;
 
-  /// Memory held.
-  std::size_t bytes() const { return jobs::bytes_of(rank_, row_, columns_, below_, coupled_, values_); }
+  /// See jobs/arrays.h.
+  auto arrays() const { return std::tie(rank_, row_, columns_, below_, coupled_, values_); }
 
  private:
   // A block of the factor under the diagonal: of the row node that is eliminated later.

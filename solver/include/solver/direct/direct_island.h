@@ -1,6 +1,6 @@
 #pragma once
 
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 #include <solver/direct/direct_island_input.h>
 #include <solver/direct/island_members.h>
 #include <solver/direct/island_motions.h>
@@ -36,8 +36,8 @@ class DirectIsland {
   /// Solves the island that was taken in last. Not solved is what bounces, tumbles fast or didn't converge.
   DirectIslandReport solve(const DirectIslandInput& input);
 
-  /// Memory held.
-  std::size_t bytes() const { return sizeof(*this) + members_.bytes() + motions_.bytes() + jobs::bytes_of(bodies_); }
+  /// See jobs/arrays.h.
+  auto arrays() const { return std::tie(members_, motions_, bodies_); }
 
  private:
   IslandMembers members_;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 #include <solver/direct/joint_assembly.h>
 #include <solver/direct/joint_matrix.h>
 #include <solver/integrate/motion.h>
@@ -64,8 +64,8 @@ class DirectJoints {
   /// in the step, of dt seconds.
   void settle(const DirectInput& input, BodyTable& table, collision::MotionBounds& bounds, double dt, FastBodies& fast);
 
-  /// Memory held.
-  std::size_t bytes() const { return assembly_.bytes() + matrix_.bytes() + jobs::bytes_of(b_, tears_); }
+  /// See jobs/arrays.h.
+  auto arrays() const { return std::tie(assembly_, matrix_, b_, tears_); }
 
  private:
   void prepare(const DirectInput& input);

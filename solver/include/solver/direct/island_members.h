@@ -1,6 +1,6 @@
 #pragma once
 
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 #include <solver/direct/direct_island_input.h>
 #include <solver/direct/direct_rows.h>
 
@@ -31,8 +31,8 @@ struct IslandMembers {
   /// Numbers of bodies that touch or are joined.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> couplings(const DirectIslandInput& input) const;
 
-  /// Memory held.
-  std::size_t bytes() const { return jobs::bytes_of(bodies, contacts, joints); }
+  /// See jobs/arrays.h.
+  auto arrays() const { return std::tie(bodies, contacts, joints); }
 };
 
 }  // namespace atl::solver

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 #include <solver/direct/balance_search.h>
 #include <solver/direct/island_problem.h>
 #include <solver/solver_settings.h>
@@ -24,8 +24,8 @@ struct IslandMotions {
     search.resize(body_count);
   }
 
-  /// Memory held.
-  std::size_t bytes() const { return problem.bytes() + search.bytes() + jobs::bytes_of(lasting); }
+  /// See jobs/arrays.h.
+  auto arrays() const { return std::tie(problem, search, lasting); }
 };
 
 /// Finds both, over `dt` seconds. `from_outside` as is_bounded() has it. Returns false where that ends nowhere.

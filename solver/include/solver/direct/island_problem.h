@@ -1,6 +1,6 @@
 #pragma once
 
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 #include <solver/direct/direct_rows.h>
 
 #include <cstddef>
@@ -32,8 +32,8 @@ struct IslandProblem {
     free.resize(6 * body_count);
   }
 
-  /// Memory held.
-  std::size_t bytes() const { return jobs::bytes_of(bodies, contacts, joints, velocity, free); }
+  /// See jobs/arrays.h.
+  auto arrays() const { return std::tie(bodies, contacts, joints, velocity, free); }
 };
 
 /// Takes the motions of contacts and the rates of joints at the problem's velocities, with the impulses that these

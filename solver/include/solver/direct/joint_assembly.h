@@ -1,6 +1,6 @@
 #pragma once
 
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 #include <solver/constraints/joint.h>
 #include <solver/constraints/law_mode.h>
 #include <solver/integrate/body_table.h>
@@ -107,8 +107,8 @@ struct JointAssembly {
   /// Arms, rows and coordinates there, and inertia, with what tension makes of it in h seconds.
   void place_joints(const Joint* joints, const BodyTable& table, double h);
 
-  /// Memory held.
-  std::size_t bytes() const { return jobs::bytes_of(members, nodes, rows); }
+  /// See jobs/arrays.h.
+  auto arrays() const { return std::tie(members, nodes, rows); }
 };
 
 }  // namespace atl::solver

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 #include <solver/direct/block_ldlt.h>
 #include <solver/direct/joint_assembly.h>
 
@@ -27,8 +27,8 @@ class JointMatrix {
   std::size_t rows() const { return system_.rows(); }
   std::size_t row(std::uint32_t node) const { return system_.row(node); }
 
-  /// Memory held.
-  std::size_t bytes() const { return jobs::bytes_of(couplings_, points_, node_rows_) + system_.bytes(); }
+  /// See jobs/arrays.h.
+  auto arrays() const { return std::tie(couplings_, points_, node_rows_, system_); }
 
  private:
   // Two joints at one member.

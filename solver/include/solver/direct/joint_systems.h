@@ -1,6 +1,6 @@
 #pragma once
 
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 #include <solver/direct/direct_joints.h>
 #include <solver/islands/joint_graph.h>
 
@@ -31,13 +31,7 @@ class JointSystems {
   DirectJoints& of(std::uint32_t component) { return *systems_[component]; }
 
   /// Memory held.
-  std::size_t bytes() const {
-    std::size_t all = jobs::bytes_of(systems_);
-    for (const std::unique_ptr<DirectJoints>& system : systems_) {
-      if (system != nullptr) all += sizeof(DirectJoints) + system->bytes();
-    }
-    return all;
-  }
+  auto arrays() const { return std::tie(systems_); }
 
  private:
   std::vector<std::unique_ptr<DirectJoints>> systems_;  // by component; null where it is solved joint by joint

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <jobs/append.h>
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 #include <jobs/shared_values.h>
 
 #include <Eigen/Core>
@@ -64,8 +64,12 @@ struct BodyTable {
 
   std::size_t size() const { return mobility.size(); }
   void resize(std::size_t count);
-  /// Memory held, but for the surfaces.
-  std::size_t bytes() const;
+  /// See jobs/arrays.h. Without the surfaces.
+  auto arrays() const {
+    return std::tie(positions, orientations, velocities, angular_velocities, forces, torques, mobility, inverse_mass,
+                    gyroscopic, inertia, inverse_inertia, principal_axes, moments, locks, ball, round, least_moment,
+                    gravity_scale, linear_damping, angular_damping, radius, turned, joined);
+  }
 
   auto position(std::size_t body) { return Eigen::Map<Vector3>(positions.data() + 3 * body); }
   auto position(std::size_t body) const { return Eigen::Map<const Vector3>(positions.data() + 3 * body); }
@@ -88,13 +92,6 @@ struct BodyTable {
     Eigen::Map<Eigen::Vector4d>(orientations.data() + 4 * body) = q.coeffs();
   }
 };
-
-inline std::size_t BodyTable::bytes() const {
-  return jobs::bytes_of(positions, orientations, velocities, angular_velocities, forces, torques, mobility,
-                        inverse_mass, gyroscopic, locks, ball, round, least_moment, gravity_scale, linear_damping,
-                        angular_damping, radius, turned, joined) +
-         inertia.bytes() + inverse_inertia.bytes() + principal_axes.bytes() + moments.bytes();
-}
 
 inline void BodyTable::resize(std::size_t count) {
   const bool one_more = count == size() + 1;

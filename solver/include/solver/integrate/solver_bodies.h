@@ -1,7 +1,7 @@
 #pragma once
 
+#include <jobs/arrays.h>
 #include <jobs/block_lanes.h>
-#include <jobs/bytes.h>
 #include <solver/integrate/body_table.h>
 #include <solver/integrate/motion_locks.h>
 
@@ -132,10 +132,9 @@ struct SolverBodies {
     shape.assign(with.shape ? padded : 0, {});
     round_shapes = false;
   }
-  /// Memory held.
-  std::size_t bytes() const {
-    return jobs::bytes_of(velocity, inertia, displacement, free_velocity, acceleration, gyroscopic, correction, locks,
-                          shape);
+  /// See jobs/arrays.h.
+  auto arrays() const {
+    return std::tie(velocity, inertia, displacement, free_velocity, acceleration, gyroscopic, correction, locks, shape);
   }
   std::size_t padded_count() const { return velocity.size(); }
 };

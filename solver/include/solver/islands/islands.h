@@ -1,7 +1,7 @@
 #pragma once
 
 #include <collision/contacts/touching_pair.h>
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 #include <solver/constraints/load_check.h>
 
 #include <cstdint>
@@ -49,10 +49,10 @@ class Islands {
   /// Awake dynamic bodies that nothing touches or joins, in order.
   std::span<const std::uint32_t> free_bodies() const { return free_bodies_; }
 
-  /// Memory held.
-  std::size_t bytes() const {
-    return jobs::bytes_of(parent_, rank_, island_of_, island_of_pair_, bodies_, body_start_, contacts_, contact_start_,
-                          joints_, joint_start_, cursor_, free_bodies_);
+  /// See jobs/arrays.h.
+  auto arrays() const {
+    return std::tie(parent_, rank_, island_of_, island_of_pair_, bodies_, body_start_, contacts_, contact_start_,
+                    joints_, joint_start_, cursor_, free_bodies_);
   }
 
  private:

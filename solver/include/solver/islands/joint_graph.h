@@ -1,6 +1,6 @@
 #pragma once
 
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 #include <solver/constraints/joint.h>
 #include <solver/integrate/body_table.h>
 #include <solver/islands/islands.h>
@@ -27,10 +27,8 @@ class JointGraph {
   std::uint32_t component_of(std::uint32_t joint) const { return component_of_[joint]; }
   std::span<const JointLink> links_of(std::uint32_t component) const;
 
-  /// Memory held.
-  std::size_t bytes() const {
-    return jobs::bytes_of(links_, component_of_, sorted_, start_, parent_, component_of_root_);
-  }
+  /// See jobs/arrays.h.
+  auto arrays() const { return std::tie(links_, component_of_, sorted_, start_, parent_, component_of_root_); }
 
  private:
   std::vector<JointLink> links_;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 #include <solver/select/load_estimate.h>
 
 #include <cstdint>
@@ -72,10 +72,10 @@ class SolverSelection {
     loaded_.push_back(body);
   }
 
-  /// Memory held.
-  std::size_t bytes() const {
-    return jobs::bytes_of(load_history_, loaded_, arrived_, overloaded_now_, merged_, symptoms_, modes_, estimated_,
-                          pressed_, landings_, on_system_);
+  /// See jobs/arrays.h.
+  auto arrays() const {
+    return std::tie(load_history_, loaded_, arrived_, overloaded_now_, merged_, symptoms_, modes_, estimated_, pressed_,
+                    landings_, on_system_);
   }
 
  private:

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 #include <solver/sweep/contact_block.h>
 #include <solver/sweep/joint_block.h>
 
@@ -53,8 +53,8 @@ class Colouring {
   std::span<const Colour> colours() const { return colours_; }
   std::size_t block_count() const { return colours_.empty() ? 0 : colours_.back().end_block; }
 
-  /// Memory held.
-  std::size_t bytes() const { return jobs::bytes_of(used_, colour_of_, lane_of_, next_lane_, colours_); }
+  /// See jobs/arrays.h.
+  auto arrays() const { return std::tie(used_, colour_of_, lane_of_, next_lane_, colours_); }
 
  private:
   template <typename Constraint>
@@ -66,7 +66,7 @@ class Colouring {
 
   std::vector<std::uint64_t> used_;  // by body: the colours of its contacts
   std::vector<std::uint8_t> colour_of_;
-  std::size_t used_colours_ = 0;  // with what is left over, if anything is
+  std::size_t used_colours_ = 0;        // with what is left over, if anything is
   std::vector<std::uint32_t> lane_of_;  // counted through all blocks
   std::vector<std::uint32_t> next_lane_;
   std::vector<Colour> colours_;

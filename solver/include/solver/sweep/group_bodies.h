@@ -1,6 +1,6 @@
 #pragma once
 
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 #include <solver/solve_input.h>
 
 #include <algorithm>
@@ -24,8 +24,8 @@ class GroupBodies {
   std::uint32_t first_dynamic() const { return first_dynamic_; }
   std::uint32_t count() const { return count_; }
 
-  /// Memory held.
-  std::size_t bytes() const { return jobs::bytes_of(kinematic_); }
+  /// See jobs/arrays.h.
+  auto arrays() const { return std::tie(kinematic_); }
 
  private:
   std::vector<std::uint32_t> kinematic_;

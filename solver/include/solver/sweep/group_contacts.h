@@ -36,8 +36,11 @@ class GroupContacts {
   void clear_impulses(const GroupReport& report);
   void clear_split_impulses();
 
-  /// Memory held.
-  std::size_t bytes() const;
+  /// See jobs/arrays.h.
+  auto arrays() const {
+    return std::tie(contacts_, colouring_, blocks_, bounces_, surface_blocks_, split_blocks_, planar_blocks_,
+                    turning_blocks_);
+  }
 
  private:
   std::vector<LocalContact> contacts_;

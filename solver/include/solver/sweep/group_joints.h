@@ -1,6 +1,6 @@
 #pragma once
 
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 #include <solver/constraints/joint.h>
 #include <solver/constraints/row_law.h>
 #include <solver/integrate/body_table.h>
@@ -69,9 +69,9 @@ class GroupJoints {
   /// Impulses, coordinates and what holds the joints, back to them. Bodies have their new poses.
   void store(const JointStep& step, std::size_t begin, std::size_t end) const;
 
-  /// Memory held.
-  std::size_t bytes() const {
-    return jobs::bytes_of(joints_, blocks_, rows_, row_rates_, blocks_before_, rows_before_) + colouring_.bytes();
+  /// See jobs/arrays.h.
+  auto arrays() const {
+    return std::tie(joints_, blocks_, rows_, row_rates_, blocks_before_, rows_before_, colouring_);
   }
 
  private:

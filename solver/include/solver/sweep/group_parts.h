@@ -1,6 +1,6 @@
 #pragma once
 
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 #include <solver/integrate/solver_bodies.h>
 #include <solver/sweep/group_bodies.h>
 #include <solver/sweep/group_contacts.h>
@@ -24,11 +24,8 @@ struct GroupParts {
   JoinedMotion joined_motion;
   std::vector<std::uint8_t> joined;  ///< by number of a body; empty without joints
 
-  /// Memory held.
-  std::size_t bytes() const {
-    return numbers.bytes() + bodies.bytes() + contacts.bytes() + joints.bytes() + joint_inertia.bytes() +
-           joined_motion.bytes() + jobs::bytes_of(joined);
-  }
+  /// See jobs/arrays.h.
+  auto arrays() const { return std::tie(numbers, bodies, contacts, joints, joint_inertia, joined_motion, joined); }
 };
 
 }  // namespace atl::solver

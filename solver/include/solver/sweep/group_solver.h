@@ -26,8 +26,8 @@ class GroupSolver {
   /// call is not coloured again.
   GroupReport solve(const SolveInput& input, const IslandGroup& group, jobs::WorkerTeam& team, GroupColours colours);
 
-  /// Memory held.
-  std::size_t bytes() const { return parts_.bytes(); }
+  /// See jobs/arrays.h.
+  auto arrays() const { return std::tie(parts_); }
 
  private:
   template <typename Executor>

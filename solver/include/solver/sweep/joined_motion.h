@@ -1,6 +1,6 @@
 #pragma once
 
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 #include <solver/integrate/body_table.h>
 #include <solver/integrate/solver_bodies.h>
 #include <solver/islands/islands.h>
@@ -55,10 +55,9 @@ class JoinedMotion {
   /// Takes in what accelerates the bodies in this step.
   void note_forces(std::span<const std::uint32_t> body_ids, const BodyTable& bodies, const Vector3& gravity);
 
-  /// Memory held.
-  std::size_t bytes() const {
-    return jobs::bytes_of(component_, components_, direct_, touched_direct_, untouched_direct_, bouncing_direct_,
-                          number_);
+  /// See jobs/arrays.h.
+  auto arrays() const {
+    return std::tie(component_, components_, direct_, touched_direct_, untouched_direct_, bouncing_direct_, number_);
   }
 
  private:

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <jobs/bytes.h>
+#include <jobs/arrays.h>
 #include <solver/integrate/solver_bodies.h>
 #include <solver/solve_input.h>
 #include <solver/sweep/joined_motion.h>
@@ -33,8 +33,8 @@ class JointInertia {
   /// After bodies have turned in a substep.
   void follow(const SolveInput& input, std::span<const std::uint32_t> bodies, SolverBodies& rows);
 
-  /// Memory held.
-  std::size_t bytes() const { return jobs::bytes_of(stiffness_, followers_); }
+  /// See jobs/arrays.h.
+  auto arrays() const { return std::tie(stiffness_, followers_); }
 
  private:
   // A body whose inertia joints see turn with it.

@@ -1,0 +1,55 @@
+#pragma once
+/// What is done to all arrays that an object holds, which its arrays() tells: std::tie of its vectors, and of parts
+/// that have arrays() themselves.
+
+#include <cstddef>
+#include <memory>
+#include <tuple>
+#include <vector>
+
+namespace atl::jobs {
+
+template <typename T, typename Visit>
+  requires requires(const T& object) { object.arrays(); }
+void for_each_array(const T& object, const Visit& visit);
+
+/// Calls visit(vector) for each of the vectors.
+template <typename T, typename Visit>
+void for_each_array(const std::vector<T>& array, const Visit& visit) {
+  visit(array);
+}
+template <typename... T, typename Visit>
+void for_each_array(const std::tuple<T...>& parts, const Visit& visit) {
+  std::apply([&visit](const auto&... part) { (for_each_array(part, visit), ...); }, parts);
+}
+template <typename T, typename Visit>
+requires requires(const T& object) { object.arrays(); }
+void for_each_array(const T& object, const Visit& visit) { for_each_array(object.arrays(), visit); }
+
+template <typename... T>
+std::size_t bytes_of(const T&... objects);
+
+/// What an entry of an array holds beside itself.
+template <typename T>
+std::size_t bytes_beside(const T& entry) {
+  if constexpr (requires { for_each_array(entry, [](const auto&) {}); }) return bytes_of(entry);
+  return 0;
+}
+template <typename T>
+std::size_t bytes_beside(const std::unique_ptr<T>& entry) {
+  return entry == nullptr ? 0 : sizeof(T) + bytes_beside(*entry);
+}
+
+/// Memory that arrays of these objects hold, used or not.
+template <typename... T>
+std::size_t bytes_of(const T&... objects) {
+  std::size_t bytes = 0;
+  const auto add = [&bytes]<typename Entry>(const std::vector<Entry>& array) {
+    bytes += array.capacity() * sizeof(Entry);
+    for (const Entry& entry : array) bytes += bytes_beside(entry);
+  };
+  (for_each_array(objects, add), ...);
+  return bytes;
+}
+
+}  // namespace atl::jobs
