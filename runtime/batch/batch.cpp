@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <exception>
+#include <memory>
 #include <string>
 #include <thread>
 
@@ -37,7 +38,8 @@ struct Batch::Impl {
   Scene scene;
   mutable jobs::Arena arena;
   std::vector<World> worlds;
-  std::vector<Snapshot> starts;
+  Snapshot start;                                      // of the scene
+  std::vector<std::unique_ptr<Snapshot>> kept_starts;  // of worlds that start elsewhere, or null
   std::vector<BodyId> bodies;
   std::vector<JointId> joints;
   std::vector<std::size_t> moving;   // places of bodies that can have a velocity
@@ -51,6 +53,8 @@ struct Batch::Impl {
       pushed |= !of.bodies[i].force.isZero(0);
     }
   }
+
+  const Snapshot& start_of(std::size_t place) const { return kept_starts[place] ? *kept_starts[place] : start; }
 
   std::size_t count_of(std::span<const std::size_t> places) const {
     return places.empty() ? worlds.size() : places.size();
@@ -71,18 +75,24 @@ struct Batch::Impl {
     }
   }
 
+  // What of a world a visit looks at.
+  enum class Sees { Part, All };
+
   // visit(world, its place, its number among `places`), several at a time. What the first of them throws goes through
   // once all are done.
   template <typename Worlds, typename Visit>
-  void for_each(Worlds& all, const char* call, std::span<const std::size_t> places, const Visit& visit) const {
+  void for_each(Worlds& all, const char* call, std::span<const std::size_t> places, const Visit& visit,
+                Sees sees = Sees::Part) const {
     check_places(call, places);
     const std::size_t count = count_of(places);
     std::vector<std::exception_ptr> thrown(count);
     // Some for each worker to begin with, and then more for those that are through.
     const std::size_t grain = std::max<std::size_t>(1, count / (8 * static_cast<std::size_t>(arena.threads())));
+    const auto place_of = [&](std::size_t i) { return places.empty() ? i : places[i]; };
     arena.parallel_for(count, grain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
-        const std::size_t place = places.empty() ? i : places[i];
+        const std::size_t place = place_of(i);
+        if (sees == Sees::All && i + 1 < end) all[place_of(i + 1)].prefetch();
         try {
           visit(all[place], place, i);
         } catch (...) {
@@ -141,11 +151,12 @@ Batch::Batch(const Scene& scene, std::size_t worlds, int threads)
   for (std::size_t i = 0; i < worlds; ++i) {
     impl_->worlds.emplace_back(WorldDef{.gravity = scene.gravity, .settings = scene.settings});
   }
-  impl_->starts.resize(worlds);
+  impl_->kept_starts.resize(worlds);
   impl_->bodies = build_scene(scene, impl_->worlds.front(), impl_->joints);
+  impl_->worlds.front().save(impl_->start);
+  // A restored world takes no more memory than its bodies need, and shares what is alike.
   impl_->for_each(impl_->worlds, "Batch", {}, [&](World& world, std::size_t place, std::size_t) {
-    if (place > 0) build_scene(impl_->scene, world);
-    world.save(impl_->starts[place]);
+    if (place > 0) world.restore(impl_->start);
   });
 }
 
@@ -176,22 +187,25 @@ void Batch::for_each(const std::function<void(World&, std::size_t)>& function, s
 void Batch::step(double dt, int count, std::span<const std::size_t> places) {
   if (!(dt >= 1e-12 && dt <= 1)) fail("step", "dt of " + std::to_string(dt) + " s", "one in [1e-12, 1]");
   if (count < 0) fail("step", std::to_string(count) + " steps", "0 or more");
-  impl_->for_each(impl_->worlds, "step", places, [&](World& world, std::size_t, std::size_t) {
+  const auto step = [&](World& world, std::size_t, std::size_t) {
     for (int i = 0; i < count; ++i) {
       if (impl_->pushed) atl::apply_forces(impl_->scene, world, impl_->bodies);
       world.step(dt);
     }
-  });
+  };
+  impl_->for_each(impl_->worlds, "step", places, step, Impl::Sees::All);
 }
 
 void Batch::reset(std::span<const std::size_t> places) {
   impl_->for_each(impl_->worlds, "reset", places,
-                  [&](World& world, std::size_t place, std::size_t) { world.restore(impl_->starts[place]); });
+                  [&](World& world, std::size_t place, std::size_t) { world.restore(impl_->start_of(place)); });
 }
 
 void Batch::keep_start(std::span<const std::size_t> places) {
-  impl_->for_each(impl_->worlds, "keep_start", places,
-                  [&](World& world, std::size_t place, std::size_t) { world.save(impl_->starts[place]); });
+  impl_->for_each(impl_->worlds, "keep_start", places, [&](World& world, std::size_t place, std::size_t) {
+    if (!impl_->kept_starts[place]) impl_->kept_starts[place] = std::make_unique<Snapshot>();
+    world.save(*impl_->kept_starts[place]);
+  });
 }
 
 void Batch::read(Column column, std::span<double> numbers) const {
