@@ -45,9 +45,9 @@ constexpr double ambiguous_share = 0.02;
 
 const std::array<const char*, 7> kind_names = {"Sphere", "Capsule", "Box", "Cylinder", "Cone", "Hull", "HalfSpace"};
 
-double spread(Random& random) { return std::pow(10, random.between(-0.5, 0.5)); }
+double spread(RandomPlaces& random) { return std::pow(10, random.between(-0.5, 0.5)); }
 
-Shape random_shape(int kind, Random& random) {
+Shape random_shape(int kind, RandomPlaces& random) {
   const double size = spread(random);
   switch (kind) {
     case 0:
@@ -77,7 +77,7 @@ Shape random_shape(int kind, Random& random) {
 /// Shapes are made anew for every tenth pair only: hulls take their time.
 class Shapes {
  public:
-  Shapes(int kind, Random& random) : kind_(kind), random_(random) {}
+  Shapes(int kind, RandomPlaces& random) : kind_(kind), random_(random) {}
   const Shape& next() {
     if (uses_++ % 10 == 0) shape_ = random_shape(kind_, random_);
     return shape_;
@@ -85,7 +85,7 @@ class Shapes {
 
  private:
   int kind_;
-  Random& random_;
+  RandomPlaces& random_;
   int uses_ = 0;
   Shape shape_;
 };
@@ -97,7 +97,7 @@ struct Case {
 };
 
 /// A shallow overlap, or none if the shapes happened to miss each other.
-bool make_case(int index, const Shape& a, const Shape& b, Random& random, Case& made) {
+bool make_case(int index, const Shape& a, const Shape& b, RandomPlaces& random, Case& made) {
   made.a = posed(a);
   made.b = posed(b);
   made.size = std::min(made.a.colliding.inner_radius, made.b.colliding.inner_radius);
@@ -212,7 +212,7 @@ class ManifoldExactness : public testing::TestWithParam<Combination> {};
 
 TEST_P(ManifoldExactness, OfShallowOverlaps) {
   const auto [first, second] = GetParam();
-  Random random(static_cast<unsigned>(first * 10 + second));
+  RandomPlaces random(static_cast<unsigned>(first * 10 + second));
   Shapes first_shapes(first, random), second_shapes(second, random);
   Failure missed{"missed, size"}, turned{"normal off by degrees"}, deep{"depth off by sizes"},
       outside{"point outside by sizes"};

@@ -46,9 +46,9 @@ struct Faced {
   Face face;
 };
 
-double spread(Random& random) { return std::pow(10, random.between(-0.4, 0.4)); }
+double spread(RandomPlaces& random) { return std::pow(10, random.between(-0.4, 0.4)); }
 
-Faced random_faced(int kind, Random& random) {
+Faced random_faced(int kind, RandomPlaces& random) {
   const double size = spread(random);
   const double sign = random.between(-1, 1) < 0 ? -1 : 1;
   if (kind == 0) {
@@ -140,7 +140,7 @@ class ManifoldsOfFaces : public testing::TestWithParam<Combination> {};
 
 TEST_P(ManifoldsOfFaces, HaveThreePointsOrFour) {
   const auto [first, second] = GetParam();
-  Random random(static_cast<unsigned>(first * 10 + second));
+  RandomPlaces random(static_cast<unsigned>(first * 10 + second));
   int pairs = 0, few = 0, turned = 0, uneven = 0, narrow = 0;
   double narrowest = 1;
   std::ostringstream example;

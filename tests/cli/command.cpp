@@ -115,6 +115,12 @@ std::vector<std::string> ScratchDirectory::files() const {
   return names;
 }
 
+std::uintmax_t size_of(const std::string& path) {
+  std::error_code none;
+  const std::uintmax_t size = std::filesystem::file_size(path, none);
+  return none ? 0 : size;
+}
+
 std::string read_text(const std::string& path) {
   std::ostringstream text;
   text << std::ifstream(path, std::ios::binary).rdbuf();

@@ -3,6 +3,7 @@
 
 #include <sys/types.h>
 
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -62,6 +63,8 @@ RunningProgram start_atoll(const std::vector<std::string>& arguments);
 void wait_until(const std::function<bool()>& holds);
 
 std::string read_text(const std::string& path);
+/// Bytes; 0 of no file.
+std::uintmax_t size_of(const std::string& path);
 std::vector<std::string> lines_of(const std::string& text);
 
 /// Expects this status, nothing on stdout and one line on stderr that holds all the words.

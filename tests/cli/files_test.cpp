@@ -22,12 +22,6 @@ CommandResult shell(const std::string& script, const std::vector<std::string>& a
   return run_program(words);
 }
 
-std::uintmax_t size_of(const std::string& path) {
-  std::error_code none;
-  const std::uintmax_t size = fs::file_size(path, none);
-  return none ? 0 : size;
-}
-
 TEST(CommandFiles, AClosedPipeEndsItWithoutAWord) {
   for (const std::string command : {"scenes", "run stack --steps 1", "run stack --steps 1 --format json --profile",
                                     "explain stack --steps 1", "verify stack --steps 1", "--help", "run --help"}) {

@@ -17,12 +17,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Files = std::vector<std::string>;
 
-std::uintmax_t size_of(const std::string& path) {
-  std::error_code none;
-  const std::uintmax_t size = std::filesystem::file_size(path, none);
-  return none ? 0 : size;
-}
-
 void wait_for_handlers(const RunningProgram& program) {
   wait_until([&] { return program.catches(SIGINT) && program.catches(SIGTERM) && program.catches(SIGHUP); });
 }

@@ -11,9 +11,6 @@
 namespace atl::test {
 namespace {
 
-constexpr Stabilisation all_stabilisations[] = {Stabilisation::Soft, Stabilisation::Baumgarte,
-                                                Stabilisation::SplitImpulse};
-
 /// Deepest penetration of a stack that is left to sweeps, while and after it takes up its weight.
 double worst_penetration(int height, Settings settings, int steps = 60) {
   settings.contact_solver = ContactSolver::Iterative;

@@ -12,9 +12,6 @@
 namespace atl::test {
 namespace {
 
-constexpr Stabilisation all_stabilisations[] = {Stabilisation::Soft, Stabilisation::Baumgarte,
-                                                Stabilisation::SplitImpulse};
-
 /// Sweeps a substep where none is spared: Soft relaxes, SplitImpulse sweeps once more for its corrections.
 int all_sweeps(const Settings& settings) {
   switch (settings.stabilisation) {

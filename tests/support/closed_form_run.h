@@ -13,6 +13,8 @@
 
 namespace atl::test {
 
+inline constexpr double g = 9.81;  ///< m/s^2
+
 using Errors = std::map<std::string, double>;
 
 inline Errors by_name(const std::vector<ErrorMeasure>& measures) {

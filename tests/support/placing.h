@@ -17,9 +17,9 @@ inline Quaternion turn(double angle, const Vector3& axis) {
 }
 
 /// The same numbers in every run.
-class Random {
+class RandomPlaces {
  public:
-  explicit Random(unsigned seed = 12345) : engine_(seed) {}
+  explicit RandomPlaces(unsigned seed = 12345) : engine_(seed) {}
 
   double between(double low, double high) { return std::uniform_real_distribution(low, high)(engine_); }
   Vector3 vector(double low, double high) { return {between(low, high), between(low, high), between(low, high)}; }

@@ -12,6 +12,9 @@
 
 namespace atl::test {
 
+inline constexpr Stabilisation all_stabilisations[] = {Stabilisation::Soft, Stabilisation::Baumgarte,
+                                                       Stabilisation::SplitImpulse};
+
 /// A world with the bodies of a scene.
 struct SceneRun {
   Scene scene;

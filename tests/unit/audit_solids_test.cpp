@@ -18,7 +18,7 @@ namespace {
 
 using std::numbers::pi;
 using test::place;
-using test::Random;
+using test::RandomPlaces;
 using test::turn;
 
 const Vector3 x_axis = Vector3::UnitX();
@@ -37,7 +37,7 @@ ConvexHull box_hull(const Vector3& half) {
 constexpr int kind_count = 6;
 
 /// A shape of size about 1 of each kind of solid.
-Shape random_solid(int kind, Random& random) {
+Shape random_solid(int kind, RandomPlaces& random) {
   const double radius = random.between(0.3, 1.5);
   const double half_height = random.between(0.3, 1.5);
   switch (kind) {
@@ -66,7 +66,7 @@ struct SolidPair {
 /// Overlapping pairs of all kinds; every third is aligned, with features parallel.
 template <class Visit>
 void for_random_pairs(int count, const Visit& visit) {
-  Random random;
+  RandomPlaces random;
   for (int i = 0; i < kind_count; ++i) {
     for (int j = i; j < kind_count; ++j) {
       for (int k = 0; k < count; ++k) {
@@ -196,7 +196,7 @@ TEST(OverlapOfCones, SideOfAConeAgainstASphereAndAnotherCone) {
 }
 
 TEST(OverlapOfHulls, BoxAsAHullIsABox) {
-  Random random;
+  RandomPlaces random;
   for (int kind = 0; kind < kind_count; ++kind) {
     for (int i = 0; i < 40; ++i) {
       const Vector3 half = random.vector(0.3, 1.5);
@@ -234,7 +234,7 @@ double along(const audit::Solid& a, const audit::Solid& b, const Vector3& normal
 }
 
 TEST(OverlapOfSolids, MatchesASearchOverAllDirections) {
-  Random random(7);
+  RandomPlaces random(7);
   int pairs = 0;
   for_random_pairs(9, [&](const SolidPair& pair) {
     const audit::Solid a = std::get<audit::PlacedSolids>(audit::place(pair.a)).front();
@@ -292,7 +292,7 @@ TEST(OverlapOfSolids, DoesNotDependOnOrderOrFrame) {
 }
 
 TEST(OverlapOfSolids, ApartIsNegativeAndNoMoreThanTheGap) {
-  Random random;
+  RandomPlaces random;
   for_random_pairs(6, [&](const SolidPair& pair) {
     const audit::Penetration found = penetration(pair.a, pair.b);
     for (const double gap : {1e-6, 1e-3, 0.3}) {

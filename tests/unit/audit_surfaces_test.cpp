@@ -15,7 +15,7 @@ namespace {
 
 using std::numbers::pi;
 using test::place;
-using test::Random;
+using test::RandomPlaces;
 using test::turn;
 
 /// A flat square of n x n cells at z = 0, centred.
@@ -137,7 +137,7 @@ TEST(OverlapOfSurfaces, DeepestVertexUnderAHalfSpace) {
 }
 
 TEST(Penetration, SweepsShapesOfAllKinds) {
-  Random random;
+  RandomPlaces random;
   std::vector<PlacedShape> shapes;
   const std::vector<Shape> kinds = {
       Sphere{0.4},

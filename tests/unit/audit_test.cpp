@@ -16,7 +16,7 @@ namespace {
 
 using std::numbers::pi;
 using test::place;
-using test::Random;
+using test::RandomPlaces;
 using test::turn;
 
 /// Half the length of the box's shadow on a direction.
@@ -26,7 +26,7 @@ double shadow(const PlacedShape& box, const Vector3& direction) {
 }
 
 /// Least overlap over all directions, by sampling the sphere and refining the best samples at random.
-double searched_overlap(const PlacedShape& a, const PlacedShape& b, Random& random) {
+double searched_overlap(const PlacedShape& a, const PlacedShape& b, RandomPlaces& random) {
   const auto along = [&](const Vector3& direction) {
     return shadow(a, direction) + shadow(b, direction) - std::abs(direction.dot(b.pose.position - a.pose.position));
   };
@@ -102,7 +102,7 @@ TEST(Overlap, CrossedEdgesTouchWhereNoFaceAxisTells) {
 }
 
 TEST(Overlap, BoxesMatchASearchOverAllDirections) {
-  Random random;
+  RandomPlaces random;
   int overlapping = 0;
   for (int i = 0; i < 60; ++i) {
     const PlacedShape a = place(Box{random.vector(0.2, 2)}, random.vector(-1, 1), random.orientation());
@@ -128,7 +128,7 @@ TEST(Overlap, NearlyParallelEdgesNeverReportLessThanTheFaces) {
 }
 
 TEST(Overlap, FarFromTheOriginAsAtTheOrigin) {
-  Random random;
+  RandomPlaces random;
   const Vector3 far(1e6, -2e6, 3e6);
   for (int i = 0; i < 50; ++i) {
     const PlacedShape a = place(Box{random.vector(0.2, 2)}, random.vector(-1, 1), random.orientation());
@@ -149,7 +149,7 @@ TEST(Overlap, OrientationsOfAnyLengthCount) {
   EXPECT_NEAR(overlap(a, other), overlap(b, other), 1e-14);
 }
 
-std::vector<PlacedShape> random_cloud(Random& random, int count) {
+std::vector<PlacedShape> random_cloud(RandomPlaces& random, int count) {
   std::vector<PlacedShape> shapes;
   for (int i = 0; i < count; ++i) {
     const BodyType type = i % 5 == 0 ? BodyType::Static : i % 7 == 0 ? BodyType::Kinematic : BodyType::Dynamic;
@@ -169,7 +169,7 @@ double bounding_radius(const Shape& shape) {
 }
 
 TEST(Penetration, SweepFindsWhatTestingEveryPairFinds) {
-  Random random;
+  RandomPlaces random;
   const std::vector<PlacedShape> shapes = random_cloud(random, 400);
   std::vector<double> depths;
   double sum = 0, relative = 0;

@@ -9,12 +9,11 @@
 #include <stdexcept>
 #include <vector>
 
+#include "support/bodies.h"
 #include "support/expect_error.h"
 
 namespace atl::test {
 namespace {
-
-constexpr double dt = 1.0 / 60;
 
 // What is different from world to world.
 void vary(World& world, std::size_t number) {

@@ -8,8 +8,6 @@
 namespace atl::test {
 namespace {
 
-constexpr double g = 9.81;  // m/s^2
-
 /// Height and speed of a ball that is dropped from a height (m) and bounces.
 std::pair<double, double> bounced(double height, double restitution, double t) {
   double speed = 0, up = height;

@@ -10,8 +10,6 @@
 namespace atl::test {
 namespace {
 
-constexpr double g = 9.81;  // m/s^2
-
 /// x'' = f(x, x') by the classical method of Runge and Kutta, in steps of at most 0.1 ms.
 template <class Acceleration>
 std::pair<double, double> integrated(double x, double t, const Acceleration& f) {

@@ -10,8 +10,6 @@
 namespace atl::test {
 namespace {
 
-constexpr double g = 9.81;  // m/s^2
-
 TEST(ClosedForm, SaysWhatItMeasures) {
   ASSERT_EQ(closed_form_scenes().size(), 23u);
   for (const std::string& name : closed_form_scenes()) {

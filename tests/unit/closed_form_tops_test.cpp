@@ -7,8 +7,6 @@
 namespace atl::test {
 namespace {
 
-constexpr double g = 9.81;  // m/s^2
-
 /// A torque-free body by the classical method of Runge and Kutta in steps of at most 1e-4 s.
 class FreeBody {
  public:

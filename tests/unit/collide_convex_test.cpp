@@ -88,7 +88,7 @@ Pose placed(Random& random, const Shape& a, const Shape& b, double gap, const st
   return second;
 }
 
-Vector3 normal_of(const Manifold& manifold, const Pose& second) {
+Vector3 hull_normal_of(const Manifold& manifold, const Pose& second) {
   return manifold.reference_is_second ? Vector3(-(second.orientation * manifold.normal)) : manifold.normal;
 }
 
@@ -134,7 +134,7 @@ TEST(CollideConvex, NoDirectionPartsShallowPairsBetter) {
           continue;
         }
         ++touching;
-        const Vector3 normal = normal_of(manifold, second);
+        const Vector3 normal = hull_normal_of(manifold, second);
         const double found = separation_along(a, b, second, normal);
         best = std::max(best, climb(along, normal));
         const bool stand_in = best > found + 1e-4 * size;
@@ -190,7 +190,7 @@ TEST(CollideConvex, OverlappingHullsHaveTheExactAxis) {
     Manifold manifold;
     collide(a, b, second, 0.01, manifold);
     ASSERT_GT(manifold.count, 0) << i;
-    const double found = separation_along(a, b, second, normal_of(manifold, second));
+    const double found = separation_along(a, b, second, hull_normal_of(manifold, second));
     if (deep) {
       EXPECT_GE(found, 1.5 * exact) << i;
       continue;
@@ -301,7 +301,7 @@ TEST(CollideConvex, TiltedCylinderTouchesWithItsLowestRimPoint) {
     Manifold manifold;
     collide(slab, cylinder, second, 0.01, manifold);
     ASSERT_GT(manifold.count, 0) << tilt;
-    EXPECT_LT((normal_of(manifold, second) - Vector3::UnitZ()).norm(), 1e-12) << tilt;
+    EXPECT_LT((hull_normal_of(manifold, second) - Vector3::UnitZ()).norm(), 1e-12) << tilt;
     EXPECT_NEAR(manifold.least_separation(), -0.01, 1e-12) << tilt;
   }
 }
@@ -319,7 +319,7 @@ TEST(CollideConvex, CylinderOnAnEdge) {
     Manifold manifold;
     collide(box, cylinder, second, 0.01, manifold);
     ASSERT_EQ(manifold.count, 1);
-    EXPECT_LT((normal_of(manifold, second) - out).norm(), 1e-9);
+    EXPECT_LT((hull_normal_of(manifold, second) - out).norm(), 1e-9);
     EXPECT_NEAR(manifold.points[0].separation, gap, 1e-9);
     EXPECT_LT((manifold.points[0].position - Vector3(0.5, 0, 0.5) - gap * out).norm(), 1e-4);
   }

@@ -9,12 +9,11 @@
 #include <set>
 
 #include "joint_rig.h"
+#include "support/bodies.h"
 #include "support/random.h"
 
 namespace atl::test {
 namespace {
-
-constexpr double dt = 1.0 / 60;
 
 // Islands of a few bodies each, with joints of all kinds and all laws between them, to the ground and to a kinematic
 // body.

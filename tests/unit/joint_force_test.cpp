@@ -12,7 +12,7 @@
 namespace atl::test {
 namespace {
 
-const Quaternion x_to_z(Eigen::AngleAxisd(-std::numbers::pi / 2, Vector3::UnitY()));
+const Quaternion from_x_to_z(Eigen::AngleAxisd(-std::numbers::pi / 2, Vector3::UnitY()));
 
 class JointForce : public testing::TestWithParam<JointSolver> {
  protected:
@@ -86,8 +86,8 @@ struct Rotor {
     hinge = world.add_joint({.kind = HingeJoint{angle},
                              .first = post,
                              .second = body,
-                             .frame_first = {{0, 0, 2}, x_to_z},
-                             .frame_second = {{0, 0, 0}, x_to_z}});
+                             .frame_first = {{0, 0, 2}, from_x_to_z},
+                             .frame_second = {{0, 0, 0}, from_x_to_z}});
   }
 };
 
@@ -136,7 +136,8 @@ TEST_P(JointForce, FrictionOfABallSlowsEvenly) {
   const BodyId ball = world.add_body(def);
   const double inertia = 0.4 * world.mass(ball) * 0.25;
   const double friction = inertia * 1.0;  // 1 rad/s^2
-  world.add_joint({.kind = BallJoint{friction}, .first = post, .second = ball, .frame_first = {{0, 0, -3}, x_to_z}});
+  world.add_joint(
+      {.kind = BallJoint{friction}, .first = post, .second = ball, .frame_first = {{0, 0, -3}, from_x_to_z}});
   run(world, 60);
   EXPECT_NEAR(world.angular_velocity(ball).z(), 1, 2e-3);
   run(world, 90);

@@ -13,9 +13,9 @@ Scene parse(const std::string& members) {
 }
 
 // A scene of one body.
-BodyDef body(const std::string& members) { return parse(R"("bodies": [{)" + members + "}]").bodies.at(0).def; }
+BodyDef only_body(const std::string& members) { return parse(R"("bodies": [{)" + members + "}]").bodies.at(0).def; }
 
-constexpr const char* ball = R"("shape": {"type": "sphere", "radius": 0.5})";
+constexpr const char* the_ball = R"("shape": {"type": "sphere", "radius": 0.5})";
 
 TEST(SceneFile, DefaultsAreThoseOfTheApi) {
   const Scene scene = parse(R"("bodies": [{"shape": {"type": "sphere", "radius": 2}}])");
@@ -68,7 +68,7 @@ TEST(SceneFile, ReadsEverySetting) {
                               "contact_push_speed": 2, "restitution_threshold": 0.5, "joint_solver": "direct", "joint_hertz": 20,
                               "joint_damping_ratio": 3, "sleeping": true, "sleep_speed": 0.1,
                               "time_to_sleep": 1}, "bodies": [{)" +
-                           std::string(ball) + "}]")
+                           std::string(the_ball) + "}]")
                          .settings;
   EXPECT_EQ(s.substeps, 8);
   EXPECT_EQ(s.iterations, 2);
@@ -93,7 +93,7 @@ TEST(SceneFile, ReadsEverySetting) {
 
 TEST(SceneFile, ReadsEveryStabilisation) {
   const auto stabilisation = [](const std::string& name) {
-    return parse(R"("settings": {"stabilisation": ")" + name + R"("}, "bodies": [{)" + std::string(ball) + "}]")
+    return parse(R"("settings": {"stabilisation": ")" + name + R"("}, "bodies": [{)" + std::string(the_ball) + "}]")
         .settings.stabilisation;
   };
   EXPECT_EQ(stabilisation("soft"), Stabilisation::Soft);
@@ -103,7 +103,7 @@ TEST(SceneFile, ReadsEveryStabilisation) {
 
 TEST(SceneFile, ReadsEveryJointSolver) {
   const auto solver = [](const std::string& name) {
-    return parse(R"("settings": {"joint_solver": ")" + name + R"("}, "bodies": [{)" + std::string(ball) + "}]")
+    return parse(R"("settings": {"joint_solver": ")" + name + R"("}, "bodies": [{)" + std::string(the_ball) + "}]")
         .settings.joint_solver;
   };
   EXPECT_EQ(solver("auto"), JointSolver::Auto);
@@ -112,7 +112,7 @@ TEST(SceneFile, ReadsEveryJointSolver) {
 }
 
 TEST(SceneFile, ReadsEveryFieldOfABody) {
-  const BodyDef def = body(R"("type": "dynamic", "shape": {"type": "box", "half_extents": [1, 2, 3]},
+  const BodyDef def = only_body(R"("type": "dynamic", "shape": {"type": "box", "half_extents": [1, 2, 3]},
                               "material": {"friction": 0.1, "restitution": 1, "rolling_friction": 0.02,
                                            "torsional_friction": 0.03},
                               "surface_velocity": [10, 11, 12], "position": [1, 2, 3],
@@ -134,14 +134,20 @@ TEST(SceneFile, ReadsEveryFieldOfABody) {
   EXPECT_EQ(def.gravity_scale, -1);
   EXPECT_EQ(def.linear_damping, 0.5);
   EXPECT_EQ(def.angular_damping, 0.25);
-  EXPECT_EQ(body(std::string(ball) + R"(, "mass": 1, "inertia": [1, 1, 2])").inertia->diagonal(), Vector3(1, 1, 2));
-  EXPECT_EQ(body(std::string(ball) + R"(, "type": "static", "surface_velocity": [1, 0, 0])").surface_velocity.x(), 1);
-  EXPECT_EQ(body(std::string(ball) + R"(, "type": "kinematic", "velocity": [1, 0, 0])").type, BodyType::Kinematic);
+  EXPECT_EQ(only_body(std::string(the_ball) + R"(, "mass": 1, "inertia": [1, 1, 2])").inertia->diagonal(),
+            Vector3(1, 1, 2));
+  EXPECT_EQ(
+      only_body(std::string(the_ball) + R"(, "type": "static", "surface_velocity": [1, 0, 0])").surface_velocity.x(),
+      1);
+  EXPECT_EQ(only_body(std::string(the_ball) + R"(, "type": "kinematic", "velocity": [1, 0, 0])").type,
+            BodyType::Kinematic);
 }
 
 TEST(SceneFile, ReadsLocks) {
-  const auto locks = [](const std::string& text) { return body(std::string(ball) + R"(, "locks": )" + text).locks; };
-  EXPECT_EQ(body(std::string(ball)).locks, MotionLocks());
+  const auto locks = [](const std::string& text) {
+    return only_body(std::string(the_ball) + R"(, "locks": )" + text).locks;
+  };
+  EXPECT_EQ(only_body(std::string(the_ball)).locks, MotionLocks());
   EXPECT_EQ(locks("{}"), MotionLocks());
   EXPECT_EQ(locks(R"({"linear": ["z", "x"]})"), (MotionLocks{.linear = {true, false, true}}));
   EXPECT_EQ(locks(R"({"linear": [], "angular": ["y"]})"), (MotionLocks{.angular = {false, true, false}}));
@@ -150,10 +156,10 @@ TEST(SceneFile, ReadsLocks) {
 }
 
 TEST(SceneFile, ReadsForces) {
-  const Scene scene = parse(R"("bodies": [{)" + std::string(ball) + "}, {" + std::string(ball) +
+  const Scene scene = parse(R"("bodies": [{)" + std::string(the_ball) + "}, {" + std::string(the_ball) +
                             R"(, "force": [1, -2, 3]}],
                                "generators": [{"count": [2, 1, 1], "body": {)" +
-                            std::string(ball) + R"(, "force": [0, 0, 4]}}])");
+                            std::string(the_ball) + R"(, "force": [0, 0, 4]}}])");
   EXPECT_EQ(scene.bodies[0].force, Vector3::Zero());
   EXPECT_EQ(scene.bodies[1].force, Vector3(1, -2, 3));
   EXPECT_EQ(scene.bodies[2].force, Vector3(0, 0, 4));

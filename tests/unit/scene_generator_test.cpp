@@ -8,14 +8,15 @@
 namespace atl {
 namespace {
 
-std::string generator(const std::string& members) {
+std::string row_generator(const std::string& members) {
   return R"({"body": {"name": "b", "shape": {"type": "sphere", "radius": 0.1}, "position": [10, 20, 30]}, )" + members +
          "}";
 }
 
 std::vector<SceneBody> generate(const std::string& members, std::uint64_t seed = 1, const std::string& before = "") {
-  return parse_scene(R"({"format": "atoll-scene", "version": 1, "generators": [)" + before + generator(members) + "]}",
-                     "test.json", seed)
+  return parse_scene(
+             R"({"format": "atoll-scene", "version": 1, "generators": [)" + before + row_generator(members) + "]}",
+             "test.json", seed)
       .bodies;
 }
 

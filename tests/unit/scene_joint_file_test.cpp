@@ -13,7 +13,7 @@ namespace {
 constexpr double exact = 1e-14;
 
 // Two boxes and a static ball, and then these members.
-std::string scene(const std::string& members) {
+std::string jointed_scene(const std::string& members) {
   return R"({"format": "atoll-scene", "version": 1,
              "bodies": [{"name": "post", "type": "static", "shape": {"type": "sphere", "radius": 0.1}},
                         {"name": "arm", "shape": {"type": "box", "half_extents": [1, 0.1, 0.1]}, "position": [1, 0, 2],
@@ -24,7 +24,7 @@ std::string scene(const std::string& members) {
          "}";
 }
 
-std::string joint(const std::string& members) { return scene("\"joints\": [{\n" + members + "}]"); }
+std::string joint(const std::string& members) { return jointed_scene("\"joints\": [{\n" + members + "}]"); }
 std::string arm(const std::string& kind, const std::string& members) {
   return joint(R"("kind": ")" + kind + R"(", "first": "post", "second": "arm")" + (members.empty() ? "" : ", ") +
                members);
@@ -62,7 +62,7 @@ TEST(SceneJointFile, DefaultsAreThoseOfTheApi) {
   const auto wheel = std::get<WheelJoint>(read(arm("wheel", R"("at": [0, 0, 0])")).def.kind);
   EXPECT_EQ(wheel.suspension.spring->hertz, WheelJoint{}.suspension.spring->hertz);
   EXPECT_EQ(wheel.steering.range.upper, 0);
-  EXPECT_TRUE(parse_scene(scene("\"joints\": []"), "test.json").joints.empty());
+  EXPECT_TRUE(parse_scene(jointed_scene("\"joints\": []"), "test.json").joints.empty());
 }
 
 TEST(SceneJointFile, ReadsWhatJointsHave) {
@@ -207,13 +207,13 @@ TEST(SceneJointFile, ExamplesAreWholeAtTheStart) {
   }
 }
 
-struct Refused {
+struct RefusedJoint {
   std::string text;
   std::string place;     ///< after "bad.json:", up to what was found
   std::string contains;  ///< what was expected
 };
 
-void expect_refused(const Refused& refused) {
+void expect_joint_refused(const RefusedJoint& refused) {
   SCOPED_TRACE(refused.text.substr(refused.text.find("\"joints\"")));
   std::string message;
   try {
@@ -227,9 +227,9 @@ void expect_refused(const Refused& refused) {
 
 TEST(SceneJointFileErrors, SayWhereAndWhatWasExpected) {
   const std::string at = R"("at": [0, 0, 0], )";
-  const Refused cases[] = {
-      {scene("\"joints\": {}"), "7: /joints: found an object", "an array of joints"},
-      {scene("\"joints\": [3]"), "7: /joints/0: found 3", "an object"},
+  const RefusedJoint cases[] = {
+      {jointed_scene("\"joints\": {}"), "7: /joints: found an object", "an array of joints"},
+      {jointed_scene("\"joints\": [3]"), "7: /joints/0: found 3", "an object"},
       {joint(R"("first": 0)"), "7: /joints/0/kind: found nothing", "ball, hinge"},
       {joint(R"("kind": "hing")"), "8: /joints/0/kind: found \"hing\"",
        "ball, hinge, slider, fixed, distance, universal, cone_twist, six_dof, gear or wheel (did you mean \"hinge\"?)"},
@@ -288,11 +288,11 @@ TEST(SceneJointFileErrors, SayWhereAndWhatWasExpected) {
       {arm("ball", at + R"("friction": -1)"), "8: /joints/0/friction: found -1", "a number >= 0"},
       {arm("ball", at + R"("break_force": 0)"), "8: /joints/0/break_force: found 0", "a number > 0"},
       {arm("ball", at + R"("collide": 1)"), "8: /joints/0/collide: found 1", "true or false"},
-      {scene(R"("joints": [{"name": "a", "kind": "ball", "first": 0, "second": 1, "at": [0, 0, 0]},
+      {jointed_scene(R"("joints": [{"name": "a", "kind": "ball", "first": 0, "second": 1, "at": [0, 0, 0]},
                            {"name": "a", "kind": "ball", "first": 0, "second": 2, "at": [0, 0, 0]}])"),
        "8: /joints/1/name: found a second joint named \"a\"", "a name that no other joint has"},
   };
-  for (const Refused& refused : cases) expect_refused(refused);
+  for (const RefusedJoint& refused : cases) expect_joint_refused(refused);
 }
 
 TEST(SceneJointBuild, NamesTheJointThatTheWorldRefuses) {

@@ -21,7 +21,7 @@ Kind read(const std::string& shape) {
   return std::get<Kind>(parse_scene(file_with(shape), "test.json").bodies[0].def.shape);
 }
 
-std::string message_for(const std::string& text) {
+std::string message_of_shape(const std::string& text) {
   try {
     parse_scene(text, "bad.json");
   } catch (const SceneError& error) {
@@ -32,7 +32,7 @@ std::string message_for(const std::string& text) {
 
 void expect_refused(const std::string& shape, const std::string& starts, const std::string& contains) {
   SCOPED_TRACE(shape);
-  const std::string message = message_for(file_with(shape));
+  const std::string message = message_of_shape(file_with(shape));
   EXPECT_TRUE(message.starts_with("bad.json:3: /bodies/0/shape" + starts)) << message;
   EXPECT_NE(message.find(contains), std::string::npos) << message;
   EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 0) << message;
@@ -201,8 +201,8 @@ TEST(SceneShapes, SurfacesAreRefusedOnDynamicBodies) {
   const std::string mesh =
       R"({"type": "mesh", "vertices": [[0, 0, 0], [1, 0, 0], [1, 1, 0]], "triangles": [[0, 1, 2]]})";
   const std::string field = R"({"type": "height_field", "heights": [[0, 0], [0, 0]], "spacing": [1, 1]})";
-  EXPECT_NE(message_for(start + mesh + "}]}").find("found a mesh on a dynamic body"), std::string::npos);
-  EXPECT_NE(message_for(start + field + "}]}").find("found a height field on a dynamic body"), std::string::npos);
+  EXPECT_NE(message_of_shape(start + mesh + "}]}").find("found a mesh on a dynamic body"), std::string::npos);
+  EXPECT_NE(message_of_shape(start + field + "}]}").find("found a height field on a dynamic body"), std::string::npos);
 }
 
 }  // namespace
