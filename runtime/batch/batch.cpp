@@ -12,6 +12,8 @@
 #include <string>
 #include <thread>
 
+#include "columns.h"
+
 namespace atl {
 namespace {
 
@@ -209,26 +211,10 @@ void Batch::keep_start(std::span<const std::size_t> places) {
 }
 
 void Batch::read(Column column, std::span<double> numbers) const {
-  const std::size_t rows = rows_of(column);
-  const std::size_t a_world = rows * impl_->bodies.size();
+  const std::size_t a_world = rows_of(column) * count_in(column, *this);
   check_size("read", "a column", numbers.size(), a_world * size());
   impl_->for_each(impl_->worlds, "read", {}, [&](const World& world, std::size_t place, std::size_t) {
-    double* to = numbers.data() + place * a_world;
-    for (const BodyId body : impl_->bodies) {
-      if (!world.contains(body)) {
-        std::fill_n(to, rows, 0.0);
-      } else if (column == Column::Origins) {
-        const Vector3 origin = world.pose(body).position;
-        std::copy_n(origin.data(), rows, to);
-      } else {
-        const double* from = column == Column::Positions      ? world.positions().data()
-                             : column == Column::Orientations ? world.orientations().data()
-                             : column == Column::Velocities   ? world.velocities().data()
-                                                              : world.angular_velocities().data();
-        std::copy_n(from + rows * body.index, rows, to);
-      }
-      to += rows;
-    }
+    read_column(world, *this, column, numbers.data() + place * a_world);
   });
 }
 

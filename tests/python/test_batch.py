@@ -86,6 +86,9 @@ def test_joints_are_driven_in_each_world() -> None:
     batch.step(count=2)
     positions, speeds = batch.read_joint(motor)
     assert speeds == pytest.approx([1, 2, 3, 4], rel=0.02) and np.all(positions > 0)
+    assert batch.joint_positions.shape == (4, len(batch.joints), 6)
+    assert np.array_equal(batch.joint_positions[:, motor, 0], positions)
+    assert np.array_equal(batch.joint_speeds[:, motor, 0], speeds)
 
 
 def test_forces_act_in_the_next_step() -> None:

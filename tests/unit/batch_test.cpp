@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <numeric>
 #include <stdexcept>
@@ -123,6 +124,10 @@ TEST(Batch, ArraysAreTheWorldsOwn) {
             break;
           case Batch::Column::AngularVelocities:
             EXPECT_EQ(found, state.angular_velocity);
+            break;
+          case Batch::Column::JointPositions:
+          case Batch::Column::JointSpeeds:
+            FAIL() << "a column of joints";
         }
       }
     }
@@ -159,6 +164,29 @@ TEST(Batch, DrivesAJointInEachWorld) {
   batch.step(dt, 2);
   batch.read_joint(motor, positions, speeds);
   for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(speeds[i], wanted[i], 0.02 * wanted[i]);
+}
+
+TEST(Batch, ColumnsOfJointsAreTheWorldsOwn) {
+  Batch batch(load_scene("vehicle"), 3, 2);
+  batch.for_each([&](World& world, std::size_t place) { vary(world, place); });
+  batch.step(dt, 3);
+  batch.world(1).remove_joint(batch.joints()[1]);
+  const std::size_t joints = batch.joints().size();
+  std::vector<double> positions(6 * joints * 3), speeds(6 * joints * 3);
+  batch.read(Batch::Column::JointPositions, positions);
+  batch.read(Batch::Column::JointSpeeds, speeds);
+  double moved = 0;
+  for (std::size_t i = 0; i < 3 * joints; ++i) {
+    const World& world = batch.world(i / joints);
+    const JointId joint = batch.joints()[i % joints];
+    const JointState state = world.contains(joint) ? world.joint_state(joint) : JointState{};
+    for (std::size_t k = 0; k < 6; ++k) {
+      EXPECT_EQ(positions[6 * i + k], state.position[k]) << "joint " << i << ", coordinate " << k;
+      EXPECT_EQ(speeds[6 * i + k], state.speed[k]) << "joint " << i << ", coordinate " << k;
+      moved += std::abs(state.speed[k]);
+    }
+  }
+  EXPECT_GT(moved, 1);
 }
 
 TEST(Batch, TellsWhatItCannotDo) {

@@ -17,8 +17,8 @@ namespace atl {
 /// one thread of its own, and comes to the bits that it comes to by itself: these depend neither on its place, nor on
 /// how many there are, nor on the threads. Geometry is shared.
 ///
-/// Arrays over all worlds have a column a body: world by world, and in each the bodies in the scene's order. Bodies
-/// that are added to single worlds, or removed, are in no array; columns of removed ones are zero. Worlds are named by
+/// Arrays over all worlds have a column a body, or a joint: world by world, and in each these in the scene's order.
+/// Those that are added to single worlds are in no array; columns of removed ones are zero. Worlds are named by
 /// their place; wherever places are given, none at all stand for all worlds. Calls throw Error on a place that there is
 /// not, an array of another size, and what World's calls throw it on, then of the first such world; others are done.
 ///
@@ -62,9 +62,11 @@ class Batch {
     Orientations,       ///< 4 rows: x, y, z, w
     Velocities,         ///< 3 rows: m/s
     AngularVelocities,  ///< 3 rows: rad/s
+    JointPositions,     ///< 6 rows, of joints: m or rad, of the coordinates as JointState has them
+    JointSpeeds,        ///< 6 rows, of joints: m/s or rad/s
   };
-  static std::size_t rows_of(Column column) { return column == Column::Orientations ? 4 : 3; }
-  /// Of all bodies of all worlds: rows_of(column) * bodies().size() * size() numbers, a column after the other.
+  static std::size_t rows_of(Column column);
+  /// Of all bodies, or joints, of all worlds: rows_of(column) numbers each, a column after the other.
   void read(Column column, std::span<double> numbers) const;
 
   // 3 * bodies().size() numbers a world (orientations 4), worlds in the order of `places`. As World's calls, but for
@@ -94,5 +96,12 @@ class Batch {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+/// Whether a column is a joint's, and not a body's.
+constexpr bool is_of_joints(Batch::Column column) { return column >= Batch::Column::JointPositions; }
+
+inline std::size_t Batch::rows_of(Column column) {
+  return is_of_joints(column) ? 6 : column == Column::Orientations ? 4 : 3;
+}
 
 }  // namespace atl

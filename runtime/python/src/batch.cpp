@@ -83,12 +83,13 @@ void bind_column(nb::class_<Batch>& batch, const char* name, const char* doc) {
       name,
       [](const Batch& self) {
         const std::size_t rows = Batch::rows_of(column);
-        std::vector<double> numbers(self.size() * self.bodies().size() * rows);
+        const std::size_t count = is_of_joints(column) ? self.joints().size() : self.bodies().size();
+        std::vector<double> numbers(self.size() * count * rows);
         {
           const nb::gil_scoped_release release;
           self.read(column, numbers);
         }
-        return array_owning(std::move(numbers), {self.size(), self.bodies().size(), rows});
+        return array_owning(std::move(numbers), {self.size(), count, rows});
       },
       doc, nb::sig(signature.c_str()));
 }
@@ -100,6 +101,11 @@ void bind_arrays(nb::class_<Batch>& batch) {
   bind_column<Batch::Column::Velocities>(batch, "velocities", "m/s, shape (worlds, bodies, 3); a copy");
   bind_column<Batch::Column::AngularVelocities>(batch, "angular_velocities",
                                                 "rad/s, shape (worlds, bodies, 3); a copy");
+  bind_column<Batch::Column::JointPositions>(batch, "joint_positions",
+                                             "m or rad, shape (worlds, joints, 6), of the coordinates as "
+                                             "JointState.position has them; a copy");
+  bind_column<Batch::Column::JointSpeeds>(batch, "joint_speeds",
+                                          "m/s or rad/s, shape (worlds, joints, 6), likewise; a copy");
   batch
       .def(
           "set_poses",

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <atoll/batch.h>
+
+namespace atl {
+
+/// How many bodies, or joints, a column of a batch has.
+std::size_t count_in(Batch::Column column, const Batch& batch);
+
+/// Writes a column of one world of the batch, rows_of(column) numbers a body or a joint. Those that it lacks have
+/// zeros.
+void read_column(const World& world, const Batch& batch, Batch::Column column, double* to);
+
+}  // namespace atl
