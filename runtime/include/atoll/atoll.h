@@ -18,6 +18,7 @@
 #include <atoll/playback.h>
 #include <atoll/recording.h>
 #include <atoll/report.h>
+#include <atoll/rollout.h>
 #include <atoll/scene.h>
 #include <atoll/settings.h>
 #include <atoll/shapes.h>

@@ -23,8 +23,10 @@ from ._core import (
     BallJoint as BallJoint,
     Batch as Batch,
     BodyDef as BodyDef,
+    BodyForce as BodyForce,
     BodyHash as BodyHash,
     BodyId as BodyId,
+    BodyTorque as BodyTorque,
     BodyType as BodyType,
     Box as Box,
     BuiltinScene as BuiltinScene,
@@ -66,6 +68,7 @@ from ._core import (
     ModifiableContact as ModifiableContact,
     ModifiablePoint as ModifiablePoint,
     MotionLocks as MotionLocks,
+    MotorSpeed as MotorSpeed,
     Parting as Parting,
     PartingResult as PartingResult,
     Playback as Playback,
@@ -83,6 +86,7 @@ from ._core import (
     SceneError as SceneError,
     SceneJoint as SceneJoint,
     SceneParameter as SceneParameter,
+    ServoTarget as ServoTarget,
     Settings as Settings,
     ShapeHit as ShapeHit,
     Simd as Simd,
@@ -110,3 +114,6 @@ from ._core import (
     unlimited as unlimited,
     version as __version__,
 )
+
+#: What numbers of Batch.rollout() act on.
+Control = MotorSpeed | ServoTarget | BodyForce | BodyTorque

@@ -1,7 +1,9 @@
 // Many worlds of one scene, and arrays over all of them.
 
 #include <atoll/batch.h>
+#include <atoll/rollout.h>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -196,6 +198,121 @@ void bind_steps(nb::class_<Batch>& batch) {
       .def("quarantined", &Batch::quarantined, "How many bodies of each world are in quarantine.");
 }
 
+// What rollouts keep, by the names of the arrays.
+constexpr std::array<std::pair<const char*, Batch::Column>, 7> columns = {{
+    {"positions", Batch::Column::Positions},
+    {"origins", Batch::Column::Origins},
+    {"orientations", Batch::Column::Orientations},
+    {"velocities", Batch::Column::Velocities},
+    {"angular_velocities", Batch::Column::AngularVelocities},
+    {"joint_positions", Batch::Column::JointPositions},
+    {"joint_speeds", Batch::Column::JointSpeeds},
+}};
+
+Batch::Column column_named(const std::string& name) {
+  std::string known;
+  for (const auto& [of, column] : columns) {
+    if (name == of) return column;
+    known += (known.empty() ? "" : ", ") + std::string(of);
+  }
+  throw Error("Batch.rollout: keep has \"" + name + "\"; expected of " + known);
+}
+
+using Values = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
+
+// The control steps in values for so many worlds, of so many numbers each, or for all alike.
+std::size_t steps_in(const Values& values, std::size_t worlds, std::size_t width) {
+  const std::size_t dimensions = values.ndim();
+  const bool fits =
+      (dimensions == 2 || (dimensions == 3 && values.shape(0) == worlds)) && values.shape(dimensions - 1) == width;
+  if (fits) return values.shape(dimensions - 2);
+  std::string shape;
+  for (std::size_t i = 0; i < dimensions; ++i) shape += (i == 0 ? "" : ", ") + std::to_string(values.shape(i));
+  const std::string step = "steps, " + std::to_string(width) + ")";
+  throw Error("Batch.rollout: values have the shape (" + shape + "); expected (" + std::to_string(worlds) + ", " +
+              step + ", or (" + step + " for all alike");
+}
+
+// Where rollouts start: None, "reset", a snapshot or one a world.
+std::vector<Snapshot> take_start(const nb::object& start, Rollout& rollout) {
+  if (start.is_none()) return {};
+  if (nb::isinstance<nb::str>(start)) {
+    const auto word = nb::cast<std::string>(start);
+    if (word != "reset") throw Error("Batch.rollout: start is \"" + word + "\"; expected \"reset\", or snapshots");
+    rollout.reset = true;
+    return {};
+  }
+  if (nb::isinstance<Snapshot>(start)) return {nb::cast<Snapshot>(start)};
+  std::vector<Snapshot> snapshots = nb::cast<std::vector<Snapshot>>(start);
+  if (snapshots.empty()) throw Error("Batch.rollout: start is an empty list; expected a snapshot a world, or None");
+  return snapshots;
+}
+
+nb::dict roll_out(Batch& self, std::vector<Control> controls, const Values& values, std::optional<double> dt, int count,
+                  const nb::object& start, const std::vector<std::string>& keep, const nb::object& worlds) {
+  const Chosen chosen(self, worlds);
+  const std::size_t of = !chosen.any ? 0 : chosen.places.empty() ? self.size() : chosen.places.size();
+  Rollout rollout{.controls = std::move(controls), .count = count, .dt = dt.value_or(self.scene().dt)};
+  rollout.steps = steps_in(values, of, width_of(rollout.controls));
+  for (const std::string& name : keep) rollout.keep.push_back(column_named(name));
+  const std::vector<Snapshot> snapshots = take_start(start, rollout);
+  rollout.start = snapshots;
+  std::vector<std::vector<double>> kept(keep.size());
+  if (chosen.any) {
+    const nb::gil_scoped_release release;
+    kept = atl::roll_out(self, rollout, span_of(values), chosen.places);
+  }
+  nb::dict arrays;
+  for (std::size_t i = 0; i < keep.size(); ++i) {
+    const Batch::Column column = rollout.keep[i];
+    const std::size_t each = is_of_joints(column) ? self.joints().size() : self.bodies().size();
+    arrays[keep[i].c_str()] = array_owning(std::move(kept[i]), {of, rollout.steps, each, Batch::rows_of(column)});
+  }
+  return arrays;
+}
+
+void bind_rollouts(nb::module_& module, nb::class_<Batch>& batch) {
+  nb::class_<MotorSpeed> speed(module, "MotorSpeed", "A control of a rollout: a motor's speed, m/s or rad/s.");
+  bind_struct(speed, Field{"joint", &MotorSpeed::joint, "its place in Batch.joints"},
+              Field{"coordinate", &MotorSpeed::coordinate, "of the joint"});
+  nb::class_<ServoTarget> target(module, "ServoTarget", "A control of a rollout: a servo's target, m or rad.");
+  bind_struct(target, Field{"joint", &ServoTarget::joint, "its place in Batch.joints"},
+              Field{"coordinate", &ServoTarget::coordinate, "of the joint"});
+  nb::class_<BodyForce> force(
+      module, "BodyForce",
+      "A control of a rollout: a force through a dynamic body's centre of mass, N, world frame. "
+      "A number along an axis, or x, y and z without one.");
+  bind_struct(force, Field{"body", &BodyForce::body, "its place in Batch.bodies"},
+              Field{"axis", &BodyForce::axis, "or None"});
+  nb::class_<BodyTorque> torque(module, "BodyTorque",
+                                "A control of a rollout: a torque on a dynamic body, N m, world frame, likewise.");
+  bind_struct(torque, Field{"body", &BodyTorque::body, "its place in Batch.bodies"},
+              Field{"axis", &BodyTorque::axis, "or None"});
+
+  batch.def(
+      "rollout", &roll_out, nb::arg("controls"), nb::arg("values"), nb::kw_only(), nb::arg("dt") = nb::none(),
+      nb::arg("count") = 1, nb::arg("start") = nb::none(),
+      nb::arg("keep") = std::vector<std::string>{"positions", "velocities"}, nb::arg("worlds") = nb::none(),
+      "Runs worlds through many control steps in one call, and tells of the end of each.\n\n"
+      "controls: what the values act on. values: shape (worlds, steps, numbers), or (steps, numbers) for all alike; a "
+      "control takes one number, a force or torque without an axis three. Each holds for `count` steps of dt seconds, "
+      "the scene's if None: motors and servos keep it, forces act in each.\n"
+      "start: None for where the worlds are, \"reset\" for where they started, as reset() puts them, or a Snapshot for "
+      "all, or a list of one a world. They stay where the last step takes them.\n"
+      "keep: which of the arrays positions, origins, orientations, velocities, angular_velocities, joint_positions and "
+      "joint_speeds to return, by name: those of the batch with an axis for the control steps, (worlds, steps, bodies, "
+      "3) and the like.\n\n"
+      "The bits are those of the same calls one by one. Raises Error on a wrong shape, a number that isn't finite, a "
+      "joint without the motor or servo, a body that isn't dynamic, or a snapshot of other bodies, before the first "
+      "step and with all worlds as they were.",
+      nb::sig(
+          "def rollout(self, controls: collections.abc.Sequence[MotorSpeed | ServoTarget | BodyForce | BodyTorque], "
+          "values: numpy.typing.NDArray[numpy.float64], *, dt: float | None = None, count: int = 1, start: Snapshot "
+          "| collections.abc.Sequence[Snapshot] | str | None = None, keep: collections.abc.Sequence[str] = "
+          "('positions', 'velocities'), worlds: " ATOLL_WORLDS
+          " = None) -> dict[str, numpy.typing.NDArray[numpy.float64]]"));
+}
+
 }  // namespace
 
 void bind_batch(nb::module_& module) {
@@ -247,6 +364,7 @@ void bind_batch(nb::module_& module) {
   bind_arrays(batch);
   bind_joints_of(batch);
   bind_steps(batch);
+  bind_rollouts(module, batch);
 }
 
 }  // namespace atl::python
