@@ -115,6 +115,18 @@ void write_geometry(Archive& archive, const CheckedCollider& collider) {
   }
 }
 
+/// Reads a hull and checks all of it.
+template <typename Archive>
+std::shared_ptr<const collision::Hull> read_hull(Archive& archive) {
+  auto hull = std::make_shared<collision::Hull>();
+  visit_hull(archive, *hull);
+  check_hull(archive, *hull);
+  archive.check(collision::content_of(*hull) == hull->content, "a hull of another content than it says");
+  archive.check(collision::is_made_of_its_faces(*hull), "a hull that its vertices and faces don't make");
+  hull->prepare();
+  return hull;
+}
+
 /// A hull, mesh or height field that was read.
 struct ReadGeometry {
   collision::ShapeKind kind = collision::ShapeKind::Hull;
@@ -137,16 +149,9 @@ ReadGeometry read_geometry(Archive& archive) {
     take(std::make_shared<const Built>(std::get<Built>(std::move(built))));
   };
   switch (result.kind) {
-    case collision::ShapeKind::Hull: {
-      auto hull = std::make_shared<collision::Hull>();
-      visit_hull(archive, *hull);
-      check_hull(archive, *hull);
-      archive.check(collision::content_of(*hull) == hull->content, "a hull of another content than it says");
-      archive.check(collision::is_made_of_its_faces(*hull), "a hull that its vertices and faces don't make");
-      hull->prepare();
-      take(hull);
+    case collision::ShapeKind::Hull:
+      take(read_hull(archive));
       break;
-    }
     case collision::ShapeKind::Mesh: {
       std::vector<Vector3> vertices;
       std::vector<std::array<std::uint32_t, 3>> triangles;

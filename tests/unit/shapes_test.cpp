@@ -3,17 +3,22 @@
 #include <atoll/shapes.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <numbers>
+#include <span>
 #include <vector>
 
 #include "support/expect_error.h"
+#include "support/random.h"
 
 namespace atl {
 namespace {
 
 using test::expect_error;
+using test::Random;
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 const std::vector<Vector3> tetrahedron = {{0, 0, 0}, {2, 0, 0}, {0, 3, 0}, {0, 0, 5}};
@@ -46,6 +51,58 @@ TEST(ConvexHull, ScaledIsTheHullOfScaledPoints) {
       EXPECT_LT(normal.dot(scaled.centre_of_mass() - a), 0);
     }
   }
+}
+
+TEST(ConvexHull, IsTheSameFromItsBytes) {
+  Random random(11);
+  for (const int count : {4, 30, 400}) {
+    std::vector<Vector3> points;
+    for (int i = 0; i < count; ++i) points.push_back(random.direction().cwiseProduct(Vector3(0.5, 0.3, 0.4)));
+    const ConvexHull hull = ConvexHull(points).scaled({1, 2, -1});
+    const std::vector<std::byte> bytes = hull.to_bytes();
+    const ConvexHull copy = ConvexHull::from_bytes(bytes);
+    ASSERT_TRUE(std::ranges::equal(copy.vertices(), hull.vertices()));
+    ASSERT_EQ(copy.face_count(), hull.face_count());
+    for (std::size_t i = 0; i < hull.face_count(); ++i) EXPECT_TRUE(std::ranges::equal(copy.face(i), hull.face(i)));
+    EXPECT_EQ(copy.volume(), hull.volume());
+    EXPECT_EQ(copy.centre_of_mass(), hull.centre_of_mass());
+    EXPECT_EQ(copy.simplified(), count > 255);
+    EXPECT_EQ(copy.to_bytes(), bytes);
+  }
+}
+
+TEST(ConvexHull, RefusesBytesThatAreNone) {
+  const std::vector<Vector3> corners = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  const std::vector<std::byte> bytes = ConvexHull(corners).to_bytes();
+  expect_error([] { ConvexHull::from_bytes({}); }, {"ConvexHull::from_bytes: found the end of the data at byte 0"});
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    expect_error([&] { ConvexHull::from_bytes(std::span(bytes).first(size)); }, {"ConvexHull::from_bytes: found"});
+  }
+  std::vector<std::byte> changed = bytes;
+  changed.push_back({});
+  expect_error([&] { ConvexHull::from_bytes(changed); }, {"more than there should be"});
+  changed = bytes;
+  changed[0] = std::byte{'B'};
+  expect_error([&] { ConvexHull::from_bytes(changed); }, {"no hull's header", "what ConvexHull::to_bytes wrote"});
+  changed = bytes;
+  changed[12] = std::byte{99};
+  expect_error([&] { ConvexHull::from_bytes(changed); }, {"found version 99; expected 1"});
+  // Whatever bit is flipped, nobody ends up with another hull: but for the sign of a zero, and the flag of a simplified
+  // one, which says nothing of its shape.
+  const ConvexHull hull(corners);
+  std::size_t refused = 0;
+  for (std::size_t i = 0; i < 8 * bytes.size(); ++i) {
+    changed = bytes;
+    changed[i / 8] ^= std::byte{1} << i % 8;
+    try {
+      const ConvexHull other = ConvexHull::from_bytes(changed);
+      EXPECT_TRUE(std::ranges::equal(other.vertices(), hull.vertices())) << "bit " << i;
+      EXPECT_EQ(other.volume(), hull.volume()) << "bit " << i;
+    } catch (const Error&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 8 * bytes.size() - 40);
 }
 
 TEST(TriangleMesh, ScaledKeepsFrontsOutside) {

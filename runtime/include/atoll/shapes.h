@@ -74,6 +74,13 @@ class ConvexHull {
   double volume() const;  ///< m^3
   Vector3 centre_of_mass() const;
 
+  /// All of it, to make the same hull elsewhere: made of its vertices it may have its faces in another order, and what
+  /// touches them other bits.
+  std::vector<std::byte> to_bytes() const;
+  /// Throws Error, saying what was found and expected, on what is not of to_bytes(), damaged, or of another version or
+  /// byte order.
+  static ConvexHull from_bytes(std::span<const std::byte> bytes);
+
   // For Atoll's own use.
   explicit ConvexHull(std::shared_ptr<const collision::Hull> data) : hull_(std::move(data)) {}
   const std::shared_ptr<const collision::Hull>& data() const { return hull_; }

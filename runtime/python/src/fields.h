@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "casters.h"
+#include "shared_geometry.h"
 
 namespace atl::python {
 

@@ -16,6 +16,7 @@
 namespace atl::python {
 namespace {
 
+using Heights = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using Indices = nb::ndarray<const std::uint32_t, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
 
 std::span<const Vector3> points_of(const Rows<3>& rows) {
@@ -27,6 +28,21 @@ nb::object rows_of(std::span<const Vector3> points) {
   const double none = 0;
   return nb::steal(array_of(points.empty() ? &none : points.front().data(), {points.size(), 3}));
 }
+
+// Geometry never changes, so its copies are itself.
+template <typename Geometry>
+void bind_copies(nb::class_<Geometry>& type) {
+  const std::string name = nb::cast<std::string>(type.attr("__name__"));
+  const std::string copy = "def __copy__(self) -> " + name;
+  const std::string deep = "def __deepcopy__(self, memo: dict[int, object]) -> " + name;
+  type.def(
+          "__copy__", [](nb::object self) { return self; }, nb::sig(copy.c_str()))
+      .def(
+          "__deepcopy__", [](nb::object self, const nb::dict&) { return self; }, nb::sig(deep.c_str()));
+}
+
+#define ATOLL_SURFACE "numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.uint32], float"
+#define ATOLL_HEIGHTS "numpy.typing.NDArray[numpy.float64], float, float, bool"
 
 void bind_solids(nb::module_& module) {
   nb::class_<Box> box(module, "Box", "Centred at the body's origin, edges along its axes.");
@@ -50,9 +66,14 @@ void bind_solids(nb::module_& module) {
 }
 
 void bind_geometry(nb::module_& module) {
-  nb::class_<ConvexHull>(module, "ConvexHull",
-                         "The convex hull of a cloud of points, in the body's frame. Copies share the geometry.")
-      .def(
+  // By where their geometry is: see shared_geometry.h.
+  module.attr("_shared_geometry") = nb::module_::import_("weakref").attr("WeakValueDictionary")();
+
+  nb::class_<ConvexHull> hull(module, "ConvexHull",
+                              "The convex hull of a cloud of points, in the body's frame. Copies share the geometry.",
+                              nb::is_weak_referenceable());
+  bind_copies(hull);
+  hull.def(
           "__init__", [](ConvexHull* self, const Rows<3>& points) { new (self) ConvexHull(points_of(points)); },
           nb::arg("points"),
           "points: m, shape (n, 3), at least 4, not all in a plane, else Error. A hull of more than 255 vertices is "
@@ -73,21 +94,34 @@ void bind_geometry(nb::module_& module) {
       .def_prop_ro("simplified", &ConvexHull::simplified)
       .def_prop_ro("volume", &ConvexHull::volume, "m^3")
       .def_prop_ro("centre_of_mass", &ConvexHull::centre_of_mass, "m, shape (3,)")
+      .def("__getstate__",
+           [](const ConvexHull& self) {
+             const std::vector<std::byte> bytes = self.to_bytes();
+             return nb::bytes(bytes.data(), bytes.size());
+           })
+      .def("__setstate__",
+           [](ConvexHull& self, const nb::bytes& state) {
+             const auto* first = static_cast<const std::byte*>(state.data());
+             new (&self) ConvexHull(ConvexHull::from_bytes({first, state.size()}));
+           })
       .def("__repr__", [](const ConvexHull& self) {
         return "<ConvexHull of " + std::to_string(self.vertices().size()) + " vertices, " +
                std::to_string(self.face_count()) + " faces>";
       });
 
-  nb::class_<TriangleMesh>(
+  nb::class_<TriangleMesh> mesh(
       module, "TriangleMesh",
-      "A surface of triangles, solid behind their fronts (counter-clockwise). Of static and kinematic bodies.")
-      .def(
-          "__init__",
-          [](TriangleMesh* self, const Rows<3>& vertices, const Indices& triangles, double smooth_angle) {
-            const auto* first = reinterpret_cast<const TriangleMesh::Indices*>(triangles.data());
-            new (self) TriangleMesh(points_of(vertices), {first, triangles.shape(0)}, smooth_angle);
-          },
-          nb::arg("vertices"), nb::arg("triangles"), nb::arg("smooth_angle") = 0.0,
+      "A surface of triangles, solid behind their fronts (counter-clockwise). Of static and kinematic bodies. Copies "
+      "share the geometry.",
+      nb::is_weak_referenceable());
+  bind_copies(mesh);
+  const auto make_mesh = [](TriangleMesh* self, const Rows<3>& vertices, const Indices& triangles,
+                            double smooth_angle) {
+    const auto* first = reinterpret_cast<const TriangleMesh::Indices*>(triangles.data());
+    new (self) TriangleMesh(points_of(vertices), {first, triangles.shape(0)}, smooth_angle);
+  };
+  mesh.def(
+          "__init__", make_mesh, nb::arg("vertices"), nb::arg("triangles"), nb::arg("smooth_angle") = 0.0,
           "vertices: m, shape (n, 3). triangles: indices into them, shape (m, 3). smooth_angle: rad, in [0, pi): edges "
           "that bend by less are none to what rolls. Raises Error, naming the triangle, on an index out of range, a "
           "triangle without area, or an edge of more than two triangles.")
@@ -103,24 +137,38 @@ void bind_geometry(nb::module_& module) {
           "shape (m, 3)", nb::sig("def triangles(self) -> numpy.typing.NDArray[numpy.uint32]"))
       .def_prop_ro("closed", &TriangleMesh::closed, "Whether every edge has two triangles.")
       .def_prop_ro("smooth_angle", &TriangleMesh::smooth_angle, "rad")
+      .def(
+          "__getstate__",
+          [](nb::object self) {
+            return nb::make_tuple(self.attr("vertices"), self.attr("triangles"), self.attr("smooth_angle"));
+          },
+          nb::sig("def __getstate__(self) -> tuple[" ATOLL_SURFACE "]"))
+      .def(
+          "__setstate__",
+          [make_mesh](TriangleMesh& self, const std::tuple<Rows<3>, Indices, double>& state) {
+            std::apply([&](const auto&... parts) { make_mesh(&self, parts...); }, state);
+          },
+          nb::sig("def __setstate__(self, state: tuple[" ATOLL_SURFACE "], /) -> None"))
       .def("__repr__", [](const TriangleMesh& self) {
         return "<TriangleMesh of " + std::to_string(self.triangles().size()) + " triangles>";
       });
 
-  nb::class_<HeightField>(module, "HeightField",
-                          "Heights over a grid in the body's x-y plane, solid below. Of static and kinematic bodies.")
-      .def(
-          "__init__",
-          [](HeightField* self, const nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>& heights,
-             double spacing_x, double spacing_y, bool smooth) {
-            const std::size_t count = heights.shape(0) * heights.shape(1);
-            new (self)
-                HeightField(static_cast<std::uint32_t>(heights.shape(1)), static_cast<std::uint32_t>(heights.shape(0)),
-                            spacing_x, spacing_y, {heights.data(), heights.data() + count}, smooth);
-          },
-          nb::arg("heights"), nb::arg("spacing_x") = 1.0, nb::arg("spacing_y") = 1.0, nb::arg("smooth") = false,
-          "heights: m, shape (rows, columns), at least 2 x 2: heights[j, i] is that at x = i * spacing_x, y = j * "
-          "spacing_y. spacings: m, > 0. smooth: the samples stand for a smooth surface.")
+  nb::class_<HeightField> field(module, "HeightField",
+                                "Heights over a grid in the body's x-y plane, solid below. Of static and kinematic "
+                                "bodies. Copies share the geometry.",
+                                nb::is_weak_referenceable());
+  bind_copies(field);
+  const auto make_field = [](HeightField* self, const Heights& heights, double spacing_x, double spacing_y,
+                             bool smooth) {
+    const std::size_t count = heights.shape(0) * heights.shape(1);
+    new (self) HeightField(static_cast<std::uint32_t>(heights.shape(1)), static_cast<std::uint32_t>(heights.shape(0)),
+                           spacing_x, spacing_y, {heights.data(), heights.data() + count}, smooth);
+  };
+  field
+      .def("__init__", make_field, nb::arg("heights"), nb::arg("spacing_x") = 1.0, nb::arg("spacing_y") = 1.0,
+           nb::arg("smooth") = false,
+           "heights: m, shape (rows, columns), at least 2 x 2: heights[j, i] is that at x = i * spacing_x, y = j * "
+           "spacing_y. spacings: m, > 0. smooth: the samples stand for a smooth surface.")
       .def_prop_ro(
           "heights",
           [](const HeightField& self) {
@@ -130,6 +178,19 @@ void bind_geometry(nb::module_& module) {
       .def_prop_ro("spacing_x", &HeightField::spacing_x, "m")
       .def_prop_ro("spacing_y", &HeightField::spacing_y, "m")
       .def_prop_ro("smooth", &HeightField::smooth)
+      .def(
+          "__getstate__",
+          [](nb::object self) {
+            return nb::make_tuple(self.attr("heights"), self.attr("spacing_x"), self.attr("spacing_y"),
+                                  self.attr("smooth"));
+          },
+          nb::sig("def __getstate__(self) -> tuple[" ATOLL_HEIGHTS "]"))
+      .def(
+          "__setstate__",
+          [make_field](HeightField& self, const std::tuple<Heights, double, double, bool>& state) {
+            std::apply([&](const auto&... parts) { make_field(&self, parts...); }, state);
+          },
+          nb::sig("def __setstate__(self, state: tuple[" ATOLL_HEIGHTS "], /) -> None"))
       .def("__repr__", [](const HeightField& self) {
         return "<HeightField of " + std::to_string(self.rows()) + " x " + std::to_string(self.columns()) + " samples>";
       });
