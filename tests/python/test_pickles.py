@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import multiprocessing
 import pickle
 from collections.abc import Callable
 from typing import Any
@@ -133,3 +134,73 @@ def test_bodies_share_their_geometry_in_a_pickle_and_out_of_it() -> None:
     each = sum(len(pickle.dumps(body)) for body in scene.bodies)
     assert len(pickle.dumps(scene)) < 0.5 * each
     assert scene.bodies[20].definition.shape is scene.bodies[20].definition.shape
+
+
+@pytest.mark.parametrize(
+    "text", ["rocks:bodies=20", "terrain:bodies=2,triangles=200", "ragdolls:count=1", "vehicle", "pushed-box"]
+)
+def test_scenes_are_pickled_and_copied(text: str) -> None:
+    scene = atoll.load_scene(text)
+
+    def hash_of(of: atoll.Scene) -> int:
+        world = of.build()
+        for _ in range(20):
+            of.apply_forces(world)
+            world.step(of.dt)
+        return world.state_hash()
+
+    for way in WAYS:
+        copied = way(scene)
+        assert copied.text() == scene.text()
+        assert hash_of(copied) == hash_of(scene)
+
+
+def test_a_pickled_scene_has_no_closed_form() -> None:
+    scene = atoll.load_scene("pendulum")
+    assert "analytic_error" in atoll.ErrorMeter(scene).errors()
+    assert "analytic_error" not in atoll.ErrorMeter(pickle.loads(pickle.dumps(scene))).errors()
+    assert "analytic_error" in atoll.ErrorMeter(copy.copy(scene)).errors()
+
+
+def hash_in_another_process(work: tuple[atoll.Scene, atoll.Snapshot]) -> int:
+    scene, start = work
+    world = scene.build(threads=2)
+    world.restore(start)
+    world.steps(20, scene.dt)
+    return world.state_hash()
+
+
+def test_a_scene_and_a_snapshot_go_to_other_processes() -> None:
+    scene = atoll.load_scene("rocks:bodies=12")
+    world = scene.build()
+    starts = []
+    for _ in range(3):
+        world.steps(5, scene.dt)
+        starts.append(world.save())
+    expected = []
+    for start in starts:
+        world.restore(start)
+        world.steps(20, scene.dt)
+        expected.append(world.state_hash())
+    with multiprocessing.get_context("spawn").Pool(2) as pool:
+        assert pool.map(hash_in_another_process, [(scene, start) for start in starts]) == expected
+
+
+@pytest.mark.parametrize("way", [copy.copy, copy.deepcopy])
+def test_worlds_are_copied_but_not_pickled(way: Callable[[atoll.World], atoll.World]) -> None:
+    scene = atoll.load_scene("rocks:bodies=20")
+    world = scene.build(threads=2)
+    asked = []
+    world.set_contact_filter(lambda candidate: bool(asked.append(candidate.a)) or True)  # type: ignore[func-returns-value]
+    world.steps(10, scene.dt)
+    branch = way(world)
+    assert branch.state_hash() == world.state_hash() and branch.threads == 2 and branch.joints == world.joints
+    assert repr(branch.settings) == repr(world.settings)
+    calls = len(asked)
+    branch.steps(20, scene.dt)
+    assert len(asked) == calls and branch.state_hash() != world.state_hash()
+    world.set_contact_filter(None)
+    world.steps(20, scene.dt)
+    assert branch.state_hash() == world.state_hash()
+    with pytest.raises(TypeError, match="pickle"):
+        pickle.dumps(world)

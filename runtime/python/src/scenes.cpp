@@ -42,7 +42,9 @@ void bind_data(nb::module_& module) {
 }
 
 void bind_scene(nb::module_& module) {
-  nb::class_<Scene> scene(module, "Scene", "A world to simulate, as data.");
+  nb::class_<Scene> scene(module, "Scene",
+                          "A world to simulate, as data. Can be pickled, but for the closed form of a built-in scene "
+                          "whose motion is known: an ErrorMeter of what was pickled has no analytic_error.");
   const auto bind = [&](const auto&... fields) {
     bind_constructor(scene, std::tuple(nb::kw_only()), fields...);
     bind_values(scene, fields...);
@@ -51,7 +53,10 @@ void bind_scene(nb::module_& module) {
        Field{"dt", &Scene::dt, "s"}, Field{"steps", &Scene::steps, "how many it is meant for"},
        Field{"settings", &Scene::settings, ""}, Field{"starts_at_rest", &Scene::starts_at_rest, ""},
        Field{"bodies", &Scene::bodies, ""}, Field{"joints", &Scene::joints, ""});
-  scene
+  scene.def("__copy__", [](const Scene& self) { return self; })
+      .def(
+          "__deepcopy__", [](const Scene& self, const nb::dict&) { return self; }, nb::arg("memo"),
+          nb::sig("def __deepcopy__(self, memo: dict[int, object]) -> Scene"))
       .def(
           "build",
           [](const Scene& self, int threads, Simd simd) {

@@ -250,6 +250,15 @@ void bind_results(Class& world) {
           "bytes, by what they are for", nb::sig("def memory(self) -> dict[str, int]"));
 }
 
+// Of the same state, settings and threads, but without functions, and not recorded.
+World copy_of(const World& world) {
+  World copy({.threads = world.threads(), .settings = world.settings()});
+  Snapshot now;
+  world.save(now);
+  copy.restore(now);
+  return copy;
+}
+
 #define ATOLL_TAKES(call, question, answer) \
   nb::sig("def " call "(self, function: collections.abc.Callable[[" question "], " answer "] | None) -> None")
 
@@ -324,6 +333,10 @@ void bind_state(Class& world) {
       .def("save", &World::save, nb::arg("snapshot"), "Over what a snapshot holds, whose memory is used again.")
       .def("restore", &World::restore, nb::arg("snapshot"),
            "Goes back, or on, to a state: from there on every step has the same bits as in the world that was saved.")
+      .def("__copy__", &copy_of)
+      .def(
+          "__deepcopy__", [](const World& self, const nb::dict&) { return copy_of(self); }, nb::arg("memo"),
+          nb::sig("def __deepcopy__(self, memo: dict[int, object]) -> World"))
       .def("state_hash", &World::state_hash, "64 bits, of everything that the future of this world depends on.")
       .def("body_hashes", &World::body_hashes, "By body, to find where two worlds part.")
       .def_prop_rw(
