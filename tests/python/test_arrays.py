@@ -27,6 +27,28 @@ def test_views_follow_the_world_without_copies() -> None:
         positions[0, 0] = 1
 
 
+def test_views_go_through_dlpack_and_stay_read_only() -> None:
+    world = atoll.World()
+    world.add_body(shape=atoll.Sphere(0.5), position=[0, 0, 100])
+    view = np.from_dlpack(world.positions)
+    assert np.shares_memory(view, world.positions) and not view.flags.writeable
+    world.step(DT)
+    assert view[0, 2] == world.positions[0, 2] < 100
+    with pytest.raises(ValueError, match="read-only"):
+        view[0, 0] = 1
+    with pytest.raises(BufferError, match="readonly"):  # as who doesn't know of read-only arrays asks
+        world.positions.__dlpack__()
+    copied = np.from_dlpack(world.positions, copy=True)
+    copied[0, 0] = 1
+    assert world.positions[0, 0] == 0
+    alone = np.from_dlpack(atoll.Batch("stack:height=2", 2).positions)  # which is nobody else's
+    alone[0, 0] = 1
+    last = world.positions[0].copy()
+    del world
+    gc.collect()
+    assert np.array_equal(view[0], last)
+
+
 def test_views_outlive_bodies_that_are_added() -> None:
     world = atoll.World()
     world.add_body(position=[1, 2, 3])
