@@ -75,6 +75,29 @@ def test_single_worlds_can_be_changed_and_start_from_there() -> None:
     assert batch[3].mass(batch.bodies[-1]) == 4
 
 
+def test_what_differs_from_world_to_world_is_set_by_arrays() -> None:
+    """A box slides by v^2 / (2 mu g), whatever its mass."""
+    ground = atoll.BodyDef(type=atoll.BodyType.STATIC, shape=atoll.HalfSpace())
+    box = atoll.BodyDef(shape=atoll.Box([0.5, 0.5, 0.1]), position=[0, 0, 0.1], velocity=[3, 0, 0])
+    batch = atoll.Batch(atoll.Scene(bodies=[atoll.SceneBody(definition=body) for body in (ground, box)]), 6)
+    friction, gravity = np.linspace(0.3, 0.8, 6), np.linspace(4, 12, 6)
+    batch.set_gravities(np.stack([0 * gravity, 0 * gravity, -gravity], axis=1))
+    batch.set_masses(1, np.geomspace(1, 1000, 6))
+    for body in range(2):
+        batch.set_frictions(body, friction)
+    batch.keep_start()
+    batch.step(count=240)
+    exact = 3**2 / (2 * friction * gravity)
+    assert batch.positions[:, 1, 0] == pytest.approx(exact, rel=0.01)
+    batch.reset([2, 4])
+    batch.step(count=240, worlds=[2, 4])
+    assert batch.positions[:, 1, 0] == pytest.approx(exact, rel=0.01)
+    with pytest.raises(atoll.Error, match="found body 2; expected one below 2"):
+        batch.set_masses(2, friction)
+    with pytest.raises(atoll.Error, match="static or kinematic"):
+        batch.set_masses(0, np.ones(6))
+
+
 def test_joints_are_driven_in_each_world() -> None:
     batch = atoll.Batch("slider-crank", 4)
     motor = next(

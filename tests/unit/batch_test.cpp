@@ -189,6 +189,33 @@ TEST(Batch, ColumnsOfJointsAreTheWorldsOwn) {
   EXPECT_GT(moved, 1);
 }
 
+TEST(Batch, ArraysChangeWorldsAsTheirOwnCallsDo) {
+  const Scene scene = load_scene("pile:bodies=6");
+  Batch batch(scene, 4, 2);
+  const std::size_t body = batch.bodies().size() - 1;
+  const std::vector<std::size_t> places = {3, 1};
+  const std::vector<double> gravities = {0, 0, -3, 1, 0, -5}, masses = {2, 700}, frictions = {0.1, 0.9};
+  batch.set_gravities(gravities, places);
+  batch.set_masses(body, masses, places);
+  batch.set_frictions(body, frictions, places);
+  batch.step(dt, 30);
+  const std::vector<std::uint64_t> hashes = batch.hashes();
+  for (std::size_t place = 0; place < 4; ++place) {
+    World world({.gravity = scene.gravity, .settings = scene.settings});
+    const BodyId changed = build_scene(scene, world)[body];
+    for (std::size_t i = 0; i < 2; ++i) {
+      if (places[i] != place) continue;
+      world.set_gravity(Vector3(gravities.data() + 3 * i));
+      world.set_mass(changed, masses[i]);
+      Material material = world.material(changed);
+      material.friction = frictions[i];
+      world.set_material(changed, material);
+    }
+    run(world, 30);
+    EXPECT_EQ(hashes[place], world.state_hash()) << place;
+  }
+}
+
 TEST(Batch, TellsWhatItCannotDo) {
   const Scene scene = load_scene("pile:bodies=4");
   expect_error([&] { Batch(scene, 0); }, {"Batch: worlds is 0"});
@@ -203,6 +230,12 @@ TEST(Batch, TellsWhatItCannotDo) {
   std::vector<double> few(5);
   expect_error([&] { batch.read(Batch::Column::Positions, few); }, {"Batch::read: found 5 numbers"});
   expect_error([&] { batch.set_velocities(few, few); }, {"Batch::set_velocities"});
+  expect_error([&] { batch.set_gravities(few); }, {"Batch::set_gravities: found 5 numbers of gravities", "9"});
+  expect_error([&] { batch.set_masses(1000, few); }, {"Batch::set_masses: found body 1000"});
+  expect_error([&] { batch.set_frictions(0, few); }, {"Batch::set_frictions: found 5 numbers of frictions", "3"});
+  const std::size_t last = batch.bodies().size() - 1;
+  expect_error([&] { batch.set_masses(last, std::vector<double>{1, -1, 1}); }, {"World::set_mass: mass", "-1"});
+  batch.reset();
   expect_error([&] { batch.set_motor_speeds(0, few); }, {"Batch::set_motor_speeds: found joint 0"});
   EXPECT_EQ(batch.hashes(), before);
   // The first by place, after all were asked.

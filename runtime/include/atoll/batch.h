@@ -78,6 +78,14 @@ class Batch {
   void apply_forces(std::span<const double> forces, std::span<const double> torques,
                     std::span<const std::size_t> places = {});
 
+  // What differs from world to world, as World's calls change it. A body goes by its place in bodies().
+  void set_gravities(std::span<const double> gravities,
+                     std::span<const std::size_t> places = {});  ///< m/s^2, 3 a world
+  void set_masses(std::size_t body, std::span<const double> masses,
+                  std::span<const std::size_t> places = {});  ///< kg, a number a world
+  /// A number a world, for the body's own friction: that of its shapes that have a material of their own stays.
+  void set_frictions(std::size_t body, std::span<const double> frictions, std::span<const std::size_t> places = {});
+
   // Of one joint, by its place in joints(): a number a world.
   void set_motor_speeds(std::size_t joint, std::span<const double> speeds, std::size_t coordinate = 0,
                         std::span<const std::size_t> places = {});
