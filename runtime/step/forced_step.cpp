@@ -90,15 +90,15 @@ void ForcedStep::ask(double time) {
   now_.force_.setZero();
   now_.torque_.setZero();
   now_.time_ = time;
-  impl_.forced = true;
+  impl_.asking = "a force law";
   try {
     law_(now_);
   } catch (...) {
-    impl_.forced = false;
+    impl_.asking = nullptr;
     record(false);
     throw;
   }
-  impl_.forced = false;
+  impl_.asking = nullptr;
   record(true);
 }
 

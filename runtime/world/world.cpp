@@ -122,9 +122,9 @@ StepReport World::Impl::advance(double dt, int substeps, bool ends_step) {
 
 void World::Impl::check_idle(const char* call) const {
   step_guard.check(call, "World::");
-  const char* asking = forced ? "a force law" : rules.asking();
-  if (asking == nullptr) return;
-  throw Error(std::string("World::") + call + ": found a step under way; expected no call of it from " + asking +
+  const char* who = asking != nullptr ? asking : rules.asking();
+  if (who == nullptr) return;
+  throw Error(std::string("World::") + call + ": found a step under way; expected no call of it from " + who +
               ", which may only look");
 }
 
@@ -156,6 +156,21 @@ void World::Impl::set_shape(std::uint32_t body, const BodyConstants& constants) 
   }
 }
 
+void World::Impl::observe(const World& world, const StepReport& report, double dt) {
+  struct Telling {
+    const char*& asking;
+    explicit Telling(const char*& who) : asking(who) { asking = "a step observer"; }
+    ~Telling() { asking = nullptr; }
+  } const telling(asking);
+  for (std::size_t i = 0; i < observers.size();) {
+    if (observers[i](world, report, dt)) {
+      ++i;
+    } else {
+      observers.erase(observers.begin() + static_cast<std::ptrdiff_t>(i));
+    }
+  }
+}
+
 World::Impl::~Impl() {
   if constexpr (with_recording) end_recording();
 }
@@ -176,6 +191,7 @@ StepReport take_step(const World& world, auto& impl, double dt, bool forced, con
   if constexpr (with_recording) {
     if (impl.recorder) impl.record_result();
   }
+  if (!impl.observers.empty()) impl.observe(world, report, dt);
   impl.rules.rethrow();
   return report;
 }
@@ -652,6 +668,12 @@ StepReport World::step(double dt) {
 StepReport World::step(double dt, const ForceLaw& law) {
   if (!law) throw Error("World::step: the force law is empty; expected one that can be called");
   return take_step(*this, *impl_, dt, true, [&] { return ForcedStep(*this, law, dt).run(); });
+}
+
+void World::add_step_observer(StepObserver observer) {
+  impl_->check_idle("add_step_observer");
+  if (!observer) throw Error("World::add_step_observer: the observer is empty; expected one that can be called");
+  impl_->observers.push_back(std::move(observer));
 }
 
 std::span<const ContactForce> World::contact_forces() const {

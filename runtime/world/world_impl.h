@@ -34,6 +34,8 @@ class World::Impl {
   std::uint32_t index_to_change(BodyId id, const char* call) const;
   std::uint32_t index_to_change(JointId id, const char* call) const;
   void begin_step();
+  /// Tells observers of a step that was made.
+  void observe(const World& world, const StepReport& report, double dt);
   /// By dt seconds of the step that has begun, maybe all of it. Its events wait for its end.
   StepReport advance(double dt, int substeps, bool ends_step);
 
@@ -71,8 +73,9 @@ class World::Impl {
   StepGuard step_guard;
   StepCounts last_counts;              // of the last step
   std::unique_ptr<Recorder> recorder;  // null while nothing is recorded
-  bool forced = false;                 // a force law is being asked
-  const std::uint64_t serial;          // of this world in the process
+  const char* asking = nullptr;        // "a force law" or "a step observer", while one is asked
+  std::vector<StepObserver> observers;
+  const std::uint64_t serial;  // of this world in the process
 
  private:
   void adopt(const std::shared_ptr<const WorldDefinition>& world_definition);

@@ -103,6 +103,11 @@ class Forces;  // see forces.h
 /// Adds the forces of a moment to those that bodies feel: see World::step().
 using ForceLaw = std::function<void(Forces&)>;
 
+class World;
+
+/// Is told of a step of dt seconds, and says whether to go on being told: see World::add_step_observer().
+using StepObserver = std::function<bool(const World&, const StepReport&, double dt)>;
+
 /// A world of rigid bodies. Independent worlds may be used from different threads; one world may be used
 /// from one thread at a time. A call that changes, saves, hashes or queries a world while another thread steps it
 /// throws Error, in every build, as far as a flag can tell; what only looks up a body's state is not held up by that.
@@ -279,6 +284,12 @@ class World {
   /// recording holds the forces, and is replayed without the law. What the law throws goes through: the world is then
   /// as the last whole substep left it.
   StepReport step(double dt, const ForceLaw& law);
+  /// Adds a function that is called as each step ends, whoever asked for it, on the thread that steps, until it says
+  /// false: to film, measure or log a run. It may look at the world and ask what a step came to, but not change, step,
+  /// save or restore it, which throws Error. Several are called in the order in which they were added. What one throws
+  /// goes through, and the others miss that step; the world is as the step left it. Observers are no part of a world's
+  /// state. Throws Error on an empty one.
+  void add_step_observer(StepObserver observer);
 
   /// After a step: one entry a manifold point that carries force, in order of body ids and features.
   std::span<const ContactForce> contact_forces() const;
