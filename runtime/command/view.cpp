@@ -43,12 +43,10 @@ void watch_recording(const ViewOptions& options, const Watchers& watchers) {
     }
     Progress progress(to);
     playback.seek(options.from);
-    for (view::Watcher* watcher : watchers) watcher->begin(playback.world());
-    while (playback.step() < to && playback.advance()) {
-      for (view::Watcher* watcher : watchers) watcher->add(playback.world(), playback.report(), playback.dt());
+    view::watch(playback, to, watchers, [&] {
       progress.update(playback.step());
-      if (interrupted()) return;
-    }
+      return !interrupted();
+    });
   } catch (const Error& error) {
     throw Failure(Status::BadScene, error.what());
   }

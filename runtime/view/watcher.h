@@ -1,8 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <vector>
 
 namespace atl {
+class Playback;
 class World;
 struct StepReport;
 }  // namespace atl
@@ -22,6 +25,11 @@ class Watcher {
   /// The world after a step of dt seconds.
   virtual void add(const World& world, const StepReport& report, double dt) = 0;
 };
+
+/// Goes through a recording, from where it stands to the state after step `to`, or its end, as long as `go_on` says
+/// true, which is asked after each step.
+void watch(Playback& playback, std::int64_t to, const std::vector<Watcher*>& watchers,
+           const std::function<bool()>& go_on);
 
 /// Which steps are frames, and when they are.
 class FrameClock {

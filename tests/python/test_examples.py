@@ -31,8 +31,8 @@ WORDS = {
 }
 
 
-def output_of(*arguments: str) -> str:
-    done = subprocess.run([sys.executable, *arguments], capture_output=True, text=True, timeout=300, env=os.environ)
+def output_of(*arguments: str, folder: Path | None = None) -> str:
+    done = subprocess.run([sys.executable, *arguments], capture_output=True, text=True, timeout=300, cwd=folder, env=os.environ)
     assert done.returncode == 0, done.stderr
     return done.stdout
 
@@ -57,4 +57,4 @@ def test_quick_starts_run(tmp_path: Path) -> None:
         for number, block in enumerate(blocks):
             script = tmp_path / f"block{number}.py"
             script.write_text(block)
-            assert output_of(str(script))
+            assert output_of(str(script), folder=tmp_path)

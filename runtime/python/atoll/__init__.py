@@ -45,6 +45,7 @@ from ._core import (
     Error as Error,
     ErrorMeter as ErrorMeter,
     FeatureReport as FeatureReport,
+    Film as Film,
     FixedJoint as FixedJoint,
     Forces as Forces,
     FrictionModel as FrictionModel,
@@ -104,6 +105,7 @@ from ._core import (
     body_mass as body_mass,
     builtin_scenes as builtin_scenes,
     find_parting as find_parting,
+    has_page as has_page,
     is_recording as is_recording,
     joint_at as joint_at,
     load_scene as load_scene,
@@ -113,6 +115,7 @@ from ._core import (
     scene_of as scene_of,
     unlimited as unlimited,
     version as __version__,
+    view as view,
 )
 
 #: What numbers of Batch.rollout() act on.

@@ -14,5 +14,6 @@ NB_MODULE(_core, module) {
   bind_queries(module);
   bind_recordings(module);
   bind_scenes(module);
+  bind_films(module);
   bind_batch(module);
 }

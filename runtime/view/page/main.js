@@ -49,11 +49,11 @@ class Player {
 
   tellFacts() {
     const { data } = film;
-    const moving = data.bodies.filter((body) => body.type === 'dynamic').length;
+    const moving = data.bodies.filter((body) => body.type === 'dynamic').length, steps = data.frames.step.at(-1);
     document.title = `${data.name} - Atoll`;
     byId('title').textContent = data.name;
     byId('facts').textContent = [plural(moving, 'moving body'), plural(data.joints.length, 'joint'),
-                                 plural(data.frames.step.at(-1), 'step'), `${fixed(film.time(film.frames - 1), 2)} s`].join(' · ');
+                                 ...(steps ? [plural(steps, 'step'), `${fixed(film.time(film.frames - 1), 2)} s`] : [])].join(' · ');
     if (data.related.address) {
       const link = byId('related').firstElementChild;
       link.href = data.related.address;
@@ -61,6 +61,7 @@ class Player {
       byId('related').hidden = false;
     }
     for (const [key, { name }] of Object.entries(colourings)) byId('colour').append(element('option', name, { value: key }));
+    byId('time').hidden = film.frames === 1;
     byId('scrub').max = film.frames - 1;
     const legend = byId('strip-legend');
     const entry = (text, colour) => {
