@@ -237,10 +237,8 @@ void bind_films(nb::module_& module) {
   nb::borrow<nb::class_<World>>(module.attr("World"))
       .def("film", &film_of, nb::kw_only(), nb::arg("every") = 1, nb::arg("name") = "world", nb::arg("show") = "",
            "Films this world from here on: a frame now, and one after every so many steps, whoever asks for these, "
-           "until the "
-           "film is ended or shown. name: the page's title. show: what the page shows first, as "
-           "\"body=7&colour=force&contacts"
-           "&joints&boxes&play\". No bit of what the world does depends on it.")
+           "until the film is ended or shown. name: the page's title. show: what the page shows first, as "
+           "\"body=7&colour=force&contacts&joints&boxes&play\". No bit of what the world does depends on it.")
       .def("view", &view_of, nb::kw_only(), nb::arg("name") = "world", nb::arg("show") = "",
            "This world as it stands, as a film of one frame.");
   module.def("has_page", &view::has_page,
@@ -254,8 +252,7 @@ void bind_films(nb::module_& module) {
       nb::arg("source"), nb::kw_only(), nb::arg("every") = 1, nb::arg("first") = 0, nb::arg("last") = nb::none(),
       nb::arg("show") = "", nb::arg("threads") = 1, nb::arg("simd") = Simd::Auto, without_gil,
       "Films a recording, by its path, from after step `first` to after step `last`; or a scene, a Scene or as "
-      "load_scene() "
-      "takes it, which is run for its steps. A frame every so many steps. Raises Error and SceneError.");
+      "load_scene() takes it, which is run for its steps. A frame every so many steps. Raises Error and SceneError.");
 }
 
 }  // namespace atl::python
