@@ -1,26 +1,11 @@
 #include "option_checks.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <sstream>
 
 namespace atl::command {
-
-double parse_seconds(const std::string& text) {
-  const std::size_t slash = text.find('/');
-  double value = 0, divisor = 1;
-  const bool whole = parse_whole(text.substr(0, slash), value) &&
-                     (slash == std::string::npos || parse_whole(text.substr(slash + 1), divisor));
-  return whole ? value / divisor : std::nan("");
-}
-
-std::string shortest(double value) {
-  std::array<char, 32> text;
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), value);
-  return {text.data(), end.ptr};
-}
 
 CLI::Validator integer_in(int min, int max) {
   const std::string range = "[" + std::to_string(min) + ", " + std::to_string(max) + "]";

@@ -1,24 +1,17 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <charconv>
 #include <functional>
 #include <string>
 #include <vector>
 
+#include "checks/tradeoff/number_text.h"
+
 namespace atl::command {
 
-/// Reads a number that is all of the text.
-template <class Number>
-bool parse_whole(const std::string& text, Number& value) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc{} && end == text.data() + text.size();
-}
-
-/// A number of seconds, or a fraction, as 1/60; NaN if it is neither.
-double parse_seconds(const std::string& text);
-/// The shortest text that reads back as the same number.
-std::string shortest(double value);
+using tradeoff::parse_seconds;
+using tradeoff::parse_whole;
+using tradeoff::shortest;
 
 /// Checks of an option's text that say what was found and what was expected. (CLI11's own Range lets NaN pass and does
 /// not say what it wants of a text that is no number.)

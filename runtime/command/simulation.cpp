@@ -6,10 +6,10 @@
 #include <cmath>
 #include <numeric>
 
+#include "checks/tradeoff/residual_meter.h"
 #include "failure.h"
 #include "interrupt.h"
 #include "progress.h"
-#include "residual_meter.h"
 #include "view/watcher.h"
 
 namespace atl::command {
@@ -45,7 +45,7 @@ RunResult simulate(const Scene& scene, World& world, const std::vector<BodyId>& 
   RunResult result;
   Progress progress(scene.steps);
   ErrorMeter meter(scene, keep.errors ? ErrorMeter::Follow::Run : ErrorMeter::Follow::End);
-  ResidualMeter residual;
+  tradeoff::ResidualMeter residual;
   const auto observe = [&](int step) {
     meter.observe(step * scene.dt, body_states(world, ids),
                   meter.needs_loads() ? contact_loads(world, ids) : std::vector<ContactLoad>());

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "frontier.h"
-#include "scene_report.h"
+#include "checks/tradeoff/frontier.h"
+#include "checks/tradeoff/scene_report.h"
 #include "surroundings.h"
 
 namespace atl::command {
@@ -24,9 +24,9 @@ struct SweepResults {
   int repeats = 1;
   double time = 0;  ///< s
   std::uint64_t seed = 1;
-  std::vector<SceneReport> scenes;
-  std::vector<Frontier> frontiers = {};  ///< where they were asked for
-  bool interrupted = false;              ///< by a signal: not all that was asked for is here
+  std::vector<tradeoff::SceneReport> scenes;
+  std::vector<tradeoff::Frontier> frontiers = {};  ///< where they were asked for
+  bool interrupted = false;                        ///< by a signal: not all that was asked for is here
 };
 
 /// All figures, fronts and verdicts.

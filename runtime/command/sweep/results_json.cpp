@@ -5,12 +5,15 @@
 
 #include "../figures.h"
 #include "../measure_words.h"
+#include "checks/tradeoff/axes.h"
 #include "results.h"
 #include "results_object.h"
 #include "state/hex.h"
 
 namespace atl::command {
 namespace {
+
+using namespace tradeoff;
 
 using Json = nlohmann::ordered_json;
 

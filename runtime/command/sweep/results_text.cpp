@@ -6,6 +6,8 @@
 
 namespace atl::command {
 
+using namespace tradeoff;
+
 void write_results_text(std::ostream& out, const SweepResults& results) {
   out << std::setprecision(3);
   for (const SceneReport& report : results.scenes) {

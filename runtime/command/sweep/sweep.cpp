@@ -16,14 +16,15 @@
 #include "../simulation.h"
 #include "../standard_streams.h"
 #include "../view.h"
+#include "checks/tradeoff/scene_sweep.h"
 #include "results.h"
-#include "scene_sweep.h"
 #include "view/film.h"
 
 namespace atl::command {
 namespace {
 
 namespace fs = std::filesystem;
+using namespace tradeoff;
 
 // The files of a sweep, known to be writable before it starts.
 struct SweepFiles {
@@ -44,7 +45,7 @@ std::vector<std::string> scene_addresses(const SweepOptions& options) {
   std::vector<std::string> addresses;
   if (options.analytic) {
     for (const BuiltinScene& scene : builtin_scenes()) {
-      if (load_scene(scene.name, options.seed).closed_form) addresses.push_back(scene.name);
+      if (load_scene(scene.name, options.grid.seed).closed_form) addresses.push_back(scene.name);
     }
   }
   addresses.insert(addresses.end(), options.scenes.begin(), options.scenes.end());
@@ -55,18 +56,12 @@ std::vector<std::string> scene_addresses(const SweepOptions& options) {
 }
 
 std::vector<PeerDriver> ask_drivers(const SweepOptions& options) {
-  const double limit = options.peer_limit.value_or(options.quick ? 6 : 25);
-  std::vector<PeerDriver> drivers;
-  for (const std::string& program : options.peers) {
-    PeerDriver driver(program, limit);
-    const auto same = [&](const PeerDriver& other) { return other.engine() == driver.engine(); };
-    if (driver.engine() == "Atoll" || std::any_of(drivers.begin(), drivers.end(), same)) {
-      throw Failure(Status::Usage, "--peer: " + program + ": found a second engine named \"" + driver.engine() +
-                                       "\", expected each once");
-    }
-    drivers.push_back(std::move(driver));
+  const double limit = options.peer_limit.value_or(options.grid.quick ? quick_peer_limit : peer_limit);
+  try {
+    return tradeoff::ask_drivers(options.peers, limit, interrupted);
+  } catch (const DriverError& error) {
+    throw Failure(Status::Usage, std::string("--peer: ") + error.what());
   }
-  return drivers;
 }
 
 std::vector<EngineVersion> engine_versions(const std::vector<PeerDriver>& drivers) {
@@ -114,8 +109,8 @@ void find_frontiers(const std::vector<PeerDriver>& drivers, SweepResults& result
   Progress progress(static_cast<std::int64_t>(ladders.size()), "");
   for (const Ladder& ladder : ladders) {
     try {
-      results.frontiers.push_back(climb(ladder, drivers, results.quick));
-    } catch (const Interrupted&) {
+      results.frontiers.push_back(climb(ladder, drivers, results.quick, interrupted));
+    } catch (const Stopped&) {
       return;
     }
     progress.update(static_cast<std::int64_t>(results.frontiers.size()));
@@ -156,22 +151,25 @@ std::string write_files(const SweepFiles& files, const SweepResults& results) {
 
 }  // namespace
 
-void sweep(const SweepOptions& options) {
+namespace {
+
+void sweep_all(const SweepOptions& options) {
   std::vector<ScenePlan> plans;
-  for (const std::string& address : scene_addresses(options)) plans.push_back(plan_scene(address, options));
+  for (const std::string& address : scene_addresses(options)) plans.push_back(plan_scene(address, options.grid));
   const std::vector<PeerDriver> drivers = ask_drivers(options);
   const SweepFiles outputs = check_sweep_files(options.out);
   if (options.views) (void)page_file("--views", (fs::path(options.out) / "view-0.html").string());
 
-  const RunPolicy policy = {.repeats = options.repeats.value_or(options.quick ? 1 : 3),
-                            .least_time = options.time.value_or(options.quick ? 0.02 : 0.03),
-                            .peer_budget = options.quick ? 0.5 : 15.0};
+  RunPolicy policy = RunPolicy::usual(options.grid.quick);
+  policy.repeats = options.repeats.value_or(policy.repeats);
+  policy.least_time = options.time.value_or(policy.least_time);
+  policy.stop = interrupted;
   SweepResults results = {.surroundings = surroundings(),
                           .engines = engine_versions(drivers),
-                          .quick = options.quick,
+                          .quick = options.grid.quick,
                           .repeats = policy.repeats,
                           .time = policy.least_time,
-                          .seed = options.seed,
+                          .seed = options.grid.seed,
                           .scenes = {},
                           .frontiers = {}};
   const std::size_t scenes = plans.size();
@@ -192,6 +190,20 @@ void sweep(const SweepOptions& options) {
   finish_output();
   if (!failures.empty()) throw Failure(Status::Usage, failures);
   if (results.interrupted) throw interruption("sweep", done + ", all that was timed by then is in what was written");
+}
+
+}  // namespace
+
+void sweep(const SweepOptions& options) {
+  try {
+    sweep_all(options);
+  } catch (const DriverError& error) {
+    throw Failure(Status::Usage, error.what());
+  } catch (const OtherBits& error) {
+    throw Failure(Status::CheckFailed, error.what());
+  } catch (const Stopped&) {
+    throw Interrupted{};
+  }
 }
 
 }  // namespace atl::command

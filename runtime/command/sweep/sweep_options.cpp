@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "../option_checks.h"
-#include "axes.h"
+#include "checks/tradeoff/axes.h"
 
 namespace atl::command {
 namespace {
@@ -18,7 +18,7 @@ std::vector<std::string> split(const std::string& list) {
   return values;
 }
 
-CLI::Validator list_of(const Axis& axis) {
+CLI::Validator list_of(const tradeoff::Axis& axis) {
   const auto check = [&axis](std::string& text) -> std::string {
     for (const std::string& value : split(text)) {
       if (!axis.accepts(value)) return "found \"" + value + "\", expected " + axis.expected;
@@ -42,18 +42,19 @@ void add_sweep_options(CLI::App& command, SweepOptions& options) {
   command.add_option("SCENE", options.scenes, "scene files, or built-in scenes such as wall:base=100");
   command.add_flag("--analytic", options.analytic, "all built-in scenes that have a closed form");
 
-  for (const Axis& axis : axes()) {
-    const auto set = [&options, &axis](const std::string& text) { options.lists[axis.name] = split(text); };
-    command.add_option_function<std::string>(option_of(axis), set, axis.help)
+  for (const tradeoff::Axis& axis : tradeoff::axes()) {
+    const auto set = [&options, &axis](const std::string& text) { options.grid.lists[axis.name] = split(text); };
+    command.add_option_function<std::string>(tradeoff::option_of(axis), set, axis.help)
         ->check(list_of(axis))
         ->type_name("LIST")
         ->group("Settings, lists by comma (default: see perf/README.md)");
   }
 
   const char* runs = "Runs";
-  command.add_flag("--quick", options.quick, "a coarse grid, fewer steps of large scenes, each timed once")
+  command.add_flag("--quick", options.grid.quick, "a coarse grid, fewer steps of large scenes, each timed once")
       ->group(runs);
-  command.add_option("--steps", options.steps, "steps at the scene's own dt (default: the scene's, fewer if large)")
+  command
+      .add_option("--steps", options.grid.steps, "steps at the scene's own dt (default: the scene's, fewer if large)")
       ->check(integer_in(1, most_steps))
       ->group(runs);
   command.add_option("--repeats", options.repeats, "timing runs of each setting (default: 3, with --quick 1)")
@@ -64,7 +65,7 @@ void add_sweep_options(CLI::App& command, SweepOptions& options) {
                   "s of stepping that a timing run takes at least (default: 0.03, with --quick 0.02)")
       ->check(number_above_zero(60))
       ->group(runs);
-  command.add_option("--seed", options.seed, "seed of a scene's random content (default: 1)")
+  command.add_option("--seed", options.grid.seed, "seed of a scene's random content (default: 1)")
       ->check(seed_number())
       ->group(runs);
 

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <cstdint>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "checks/tradeoff/grid.h"
 
 namespace CLI {  // NOLINT(readability-identifier-naming): CLI11 chose it
 class App;
@@ -15,17 +15,14 @@ namespace atl::command {
 /// What `atoll sweep` was asked to do.
 struct SweepOptions {
   std::vector<std::string> scenes;
-  bool analytic = false;                                  ///< and all built-in scenes that have a closed form
-  std::map<std::string, std::vector<std::string>> lists;  ///< values by axis; the grid's own where there is none
-  bool frontier = false;                                  ///< and how far each engine gets on stiff_ladders()
-  bool quick = false;
+  bool analytic = false;  ///< and all built-in scenes that have a closed form
+  tradeoff::GridOptions grid = {};
+  bool frontier = false;             ///< and how far each engine gets on stiff_ladders()
   std::vector<std::string> peers;    ///< driver programs
   std::optional<double> peer_limit;  ///< s that one run of a driver may take
   std::optional<int> repeats;        ///< timing rounds
-  std::optional<int> steps;          ///< at the scene's own dt
-  std::uint64_t seed = 1;
-  std::optional<double> time;  ///< s, the least that one timing run spends in steps
-  bool views = false;          ///< and a page that plays each scene
+  std::optional<double> time;        ///< s, the least that one timing run spends in steps
+  bool views = false;                ///< and a page that plays each scene
   std::string out = "sweep";
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atoll/closed_form.h>
+#include <atoll/error.h>
 
 #include <cstdint>
 #include <optional>
@@ -8,7 +9,13 @@
 #include <utility>
 #include <vector>
 
-namespace atl::command {
+namespace atl::tradeoff {
+
+/// Thrown where a run that was timed ended in another state than the same one ahead of it, whose errors were measured.
+class OtherBits : public Error {
+ public:
+  using Error::Error;
+};
 
 /// How a run ended.
 enum class Outcome {
@@ -72,4 +79,4 @@ struct Record {
   bool comparable() const { return outcome == Outcome::Done && !same_bits && cpu.count() > 0; }
 };
 
-}  // namespace atl::command
+}  // namespace atl::tradeoff

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-namespace atl::command {
+namespace atl::tradeoff {
 
 /// One way to run a scene in Atoll: a place on every axis.
 struct Configuration {
@@ -45,4 +45,4 @@ std::string label_of(const Configuration& configuration, const Configuration& sc
 /// Instruction sets that this machine and build have, the portable code first.
 std::vector<std::string> available_simds();
 
-}  // namespace atl::command
+}  // namespace atl::tradeoff

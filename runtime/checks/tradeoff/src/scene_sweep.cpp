@@ -1,27 +1,26 @@
-#include "scene_sweep.h"
+#include "checks/tradeoff/scene_sweep.h"
 
 #include <chrono>
 
-#include "../figures.h"
-#include "../interrupt.h"
-#include "../names.h"
 #include "atoll_runs.h"
+#include "checks/tradeoff/number_text.h"
 
-namespace atl::command {
+namespace atl::tradeoff {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
+std::int64_t dynamic_bodies_of(const ScenePlan& plan) { return static_cast<std::int64_t>(dynamic_bodies(plan.scene)); }
+
 std::int64_t work_of(const ScenePlan& plan, const Configuration& configuration) {
   const Settings& s = configuration.settings;
-  return body_counts(plan.scene).dynamic * plan.steps(configuration) * s.substeps *
-         (1 + s.iterations + s.relax_iterations);
+  return dynamic_bodies_of(plan) * plan.steps(configuration) * s.substeps * (1 + s.iterations + s.relax_iterations);
 }
 
 // Other engines are taken to be about as slow as this many sweeps a step.
-std::int64_t work_of_peer(const ScenePlan& plan) { return body_counts(plan.scene).dynamic * plan.scene.steps * 60; }
+std::int64_t work_of_peer(const ScenePlan& plan) { return dynamic_bodies_of(plan) * plan.scene.steps * 60; }
 
 bool is_run(const PeerSetting& setting, const ScenePlan& plan) { return setting.large || !plan.large; }
 
@@ -49,13 +48,13 @@ class SceneSweep {
         record.errors = own.errors;
         record.hash = own.hash;
       } else {
-        command::measure_errors(plan, configuration, record);
+        tradeoff::measure_errors(plan, configuration, record, policy_.stop);
         work_done_(work_of(plan, configuration));
       }
       report_.records.push_back(std::move(record));
       if (!report_.records.back().hash) continue;
       const auto time = [this, &plan, &configuration, place = report_.records.size() - 1] {
-        command::measure_time(plan, configuration, policy_.least_time, report_.records[place]);
+        tradeoff::measure_time(plan, configuration, policy_.least_time, report_.records[place], policy_.stop);
       };
       jobs_.push_back({.run = time, .work = work_of(plan, configuration)});
     }
@@ -117,6 +116,10 @@ void leave_out_untimed(std::vector<Record>& records) {
 
 }  // namespace
 
+RunPolicy RunPolicy::usual(bool quick) {
+  return {.repeats = quick ? 1 : 3, .least_time = quick ? 0.02 : 0.03, .peer_budget = quick ? 0.5 : 15.0};
+}
+
 std::int64_t estimate_work(const ScenePlan& plan, const std::vector<PeerDriver>& drivers, const RunPolicy& policy) {
   std::int64_t work = 0;
   for (const Configuration& configuration : plan.configurations) work += work_of(plan, configuration);
@@ -134,11 +137,11 @@ SceneReport sweep_scene(ScenePlan plan, const std::vector<PeerDriver>& drivers, 
     sweep.measure_atoll();
     for (const PeerDriver& driver : drivers) sweep.measure_peer(driver);
     sweep.measure_times();
-  } catch (const Interrupted&) {
+  } catch (const Stopped&) {
     leave_out_untimed(report.records);
   }
   compare_all(report);
   return report;
 }
 
-}  // namespace atl::command
+}  // namespace atl::tradeoff

@@ -1,11 +1,14 @@
 #pragma once
 
+#include <atoll/error.h>
+
 #include <string>
 #include <vector>
 
 #include "record.h"
+#include "stop.h"
 
-namespace atl::command {
+namespace atl::tradeoff {
 
 /// A setting that a driver knows, by its options.
 struct PeerSetting {
@@ -14,7 +17,13 @@ struct PeerSetting {
   bool large = false;  ///< worth running in large scenes
 };
 
-/// A run of a driver's: the scene as it is given to `atoll sweep`.
+/// Thrown where a program can't be started, or doesn't answer as a driver does.
+class DriverError : public Error {
+ public:
+  using Error::Error;
+};
+
+/// A run of a driver's: the scene as load_scene() takes it.
 struct PeerRun {
   std::string scene;
   int steps = 0;
@@ -25,9 +34,8 @@ struct PeerRun {
 /// Another engine, run through its driver program (see perf/README.md, "Drivers").
 class PeerDriver {
  public:
-  /// Asks the program what it is. A run is stopped after `limit` s. Throws Failure with Status::Usage, naming the
-  /// option, unless it answers as a driver does.
-  PeerDriver(std::string program, double limit);
+  /// Asks the program what it is. A run is ended after `limit` s. Throws DriverError. All throw Stopped.
+  PeerDriver(std::string program, double limit, Stop stop = {});
 
   const std::string& engine() const { return engine_; }
   const std::string& version() const { return version_; }
@@ -47,10 +55,14 @@ class PeerDriver {
 
   std::string program_;
   double limit_;
+  Stop stop_;
   std::string engine_;
   std::string version_;
   std::string precision_;
   std::vector<PeerSetting> settings_;
 };
 
-}  // namespace atl::command
+/// One of each of these programs. Throws DriverError on two of the same engine, too.
+std::vector<PeerDriver> ask_drivers(const std::vector<std::string>& programs, double limit, const Stop& stop);
+
+}  // namespace atl::tradeoff

@@ -1,10 +1,10 @@
-#include "comparison.h"
+#include "checks/tradeoff/comparison.h"
 
 #include <algorithm>
 #include <iomanip>
 #include <sstream>
 
-namespace atl::command {
+namespace atl::tradeoff {
 namespace {
 
 constexpr const char* atoll = "Atoll";
@@ -192,4 +192,4 @@ Comparison compare(const std::vector<Record>& records, const std::string& measur
   return comparison;
 }
 
-}  // namespace atl::command
+}  // namespace atl::tradeoff

@@ -7,7 +7,7 @@
 
 #include "peer_driver.h"
 
-namespace atl::command {
+namespace atl::tradeoff {
 
 /// A scene that grows stiffer rung by rung, and what it takes to stand on one.
 struct Ladder {
@@ -41,7 +41,7 @@ struct Frontier {
 std::vector<Ladder> stiff_ladders();
 
 /// Climbs a ladder with 1, 2, 4, 8 and 16 substeps, or if `quick` with 4, and all else at the defaults. Errors of
-/// Atoll, and so how far it gets, are the same on every machine.
-Frontier climb(const Ladder& ladder, const std::vector<PeerDriver>& drivers, bool quick);
+/// Atoll, and so how far it gets, are the same on every machine. Throws as sweep_scene() does, and Stopped.
+Frontier climb(const Ladder& ladder, const std::vector<PeerDriver>& drivers, bool quick, const Stop& stop = {});
 
-}  // namespace atl::command
+}  // namespace atl::tradeoff

@@ -5,12 +5,10 @@
 #include <chrono>
 #include <ctime>
 
-#include "../failure.h"
-#include "../interrupt.h"
-#include "../residual_meter.h"
+#include "checks/tradeoff/residual_meter.h"
 #include "state/hex.h"
 
-namespace atl::command {
+namespace atl::tradeoff {
 namespace {
 
 World make_world(const ScenePlan& plan, const Configuration& configuration, bool diagnostics) {
@@ -19,7 +17,7 @@ World make_world(const ScenePlan& plan, const Configuration& configuration, bool
   try {
     return World(def);
   } catch (const Error& error) {
-    throw Failure(Status::BadScene, plan.scene.name + ": " + error.what());
+    throw SceneError(plan.scene.name + ": " + error.what());
   }
 }
 
@@ -29,7 +27,7 @@ struct Spent {
 };
 
 // One run; returns the state hash.
-std::uint64_t time_run(const ScenePlan& plan, const Configuration& configuration, Spent& spent) {
+std::uint64_t time_run(const ScenePlan& plan, const Configuration& configuration, Spent& spent, const Stop& stop) {
   using Clock = std::chrono::steady_clock;
   World world = make_world(plan, configuration, false);
   const std::vector<BodyId> ids = build_scene(plan.scene, world);
@@ -37,7 +35,7 @@ std::uint64_t time_run(const ScenePlan& plan, const Configuration& configuration
   const Clock::time_point start = Clock::now();
   const double cpu_start = process_time();
   for (int step = 0; step < steps; ++step) {
-    stop_if_interrupted();
+    stop_if_asked(stop);
     apply_forces(plan.scene, world, ids);
     world.step(configuration.dt);
   }
@@ -69,13 +67,13 @@ Record describe(const ScenePlan& plan, const Configuration& configuration) {
   return record;
 }
 
-void measure_errors(const ScenePlan& plan, const Configuration& configuration, Record& record) {
+void measure_errors(const ScenePlan& plan, const Configuration& configuration, Record& record, const Stop& stop) {
   World world = make_world(plan, configuration, true);
   const std::vector<BodyId> ids = build_scene(plan.scene, world);
   ErrorMeter meter(plan.scene);
   ResidualMeter residual;
   for (int step = 1; step <= record.steps; ++step) {
-    stop_if_interrupted();
+    stop_if_asked(stop);
     apply_forces(plan.scene, world, ids);
     if (world.step(configuration.dt).first_quarantined >= 0) {
       record.outcome = Outcome::NonFinite;
@@ -98,15 +96,16 @@ void measure_errors(const ScenePlan& plan, const Configuration& configuration, R
   record.judge_joints();
 }
 
-void measure_time(const ScenePlan& plan, const Configuration& configuration, double least_time, Record& record) {
+void measure_time(const ScenePlan& plan, const Configuration& configuration, double least_time, Record& record,
+                  const Stop& stop) {
   Spent spent;
   int runs = 0;
   do {
-    const std::uint64_t hash = time_run(plan, configuration, spent);
+    const std::uint64_t hash = time_run(plan, configuration, spent, stop);
     if (hash != record.hash) {
-      throw Failure(Status::CheckFailed, plan.scene.name + ", " + record.label +
-                                             ": the timed run ended in another state than the observed one, " +
-                                             hash_text(hash) + " against " + hash_text(record.hash.value_or(0)));
+      throw OtherBits(plan.scene.name + ", " + record.label +
+                      ": the timed run ended in another state than the observed one, " + hash_text(hash) + " against " +
+                      hash_text(record.hash.value_or(0)));
     }
     ++runs;
   } while (spent.wall < least_time);
@@ -114,4 +113,4 @@ void measure_time(const ScenePlan& plan, const Configuration& configuration, dou
   record.wall.add(1000 * spent.wall / (static_cast<double>(runs) * record.steps));
 }
 
-}  // namespace atl::command
+}  // namespace atl::tradeoff

@@ -7,7 +7,7 @@
 
 #include "record.h"
 
-namespace atl::command {
+namespace atl::tradeoff {
 
 /// Errors below this count as none, and as equal.
 inline constexpr double no_error = 1e-16;
@@ -47,4 +47,4 @@ struct Comparison {
 
 Comparison compare(const std::vector<Record>& records, const std::string& measure);
 
-}  // namespace atl::command
+}  // namespace atl::tradeoff

@@ -7,7 +7,7 @@
 #include "grid.h"
 #include "record.h"
 
-namespace atl::command {
+namespace atl::tradeoff {
 
 /// All that a sweep found out about one scene.
 struct SceneReport {
@@ -24,4 +24,4 @@ void compare_all(SceneReport& report);
 /// "m", "rad" or "".
 std::string unit_of(const std::string& measure, const std::vector<Record>& records);
 
-}  // namespace atl::command
+}  // namespace atl::tradeoff

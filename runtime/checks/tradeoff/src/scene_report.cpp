@@ -1,8 +1,8 @@
-#include "scene_report.h"
+#include "checks/tradeoff/scene_report.h"
 
 #include <algorithm>
 
-namespace atl::command {
+namespace atl::tradeoff {
 namespace {
 
 std::vector<std::string> measures_of(const std::vector<Record>& records) {
@@ -50,4 +50,4 @@ std::string unit_of(const std::string& measure, const std::vector<Record>& recor
   return "";
 }
 
-}  // namespace atl::command
+}  // namespace atl::tradeoff

@@ -1,4 +1,4 @@
-#include "axes.h"
+#include "checks/tradeoff/axes.h"
 
 #include <atoll/world.h>
 
@@ -8,10 +8,10 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "../names.h"
-#include "../option_checks.h"
+#include "checks/tradeoff/number_text.h"
+#include "checks/tradeoff/setting_names.h"
 
-namespace atl::command {
+namespace atl::tradeoff {
 namespace {
 
 template <int min, int max>
@@ -154,7 +154,7 @@ constexpr std::array table = {
          .numeric = true,
          .changes_result = false,
          .expected = "an integer in [1, 1024]",
-         .accepts = accepts_integer<1, most_threads>,
+         .accepts = accepts_integer<1, 1024>,
          .apply = [](const std::string& value, Configuration& c) { c.threads = integer(value); },
          .value = [](const Configuration& c) { return std::to_string(c.threads); },
          .label = [](const Configuration& c) { return plural(c.threads, "thread"); }},
@@ -218,4 +218,4 @@ std::vector<std::string> available_simds() {
   return available;
 }
 
-}  // namespace atl::command
+}  // namespace atl::tradeoff

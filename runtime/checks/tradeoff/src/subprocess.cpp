@@ -13,16 +13,15 @@
 #include <chrono>
 #include <system_error>
 
-#include "../failure.h"
-#include "../interrupt.h"
+#include "checks/tradeoff/peer_driver.h"
 
-namespace atl::command {
+namespace atl::tradeoff {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
 [[noreturn]] void fail(const std::string& program, int error_number) {
-  throw Failure(Status::Usage, "cannot run " + program + ": " + std::generic_category().message(error_number));
+  throw DriverError("cannot run " + program + ": " + std::generic_category().message(error_number));
 }
 
 // A pipe that no other child inherits.
@@ -61,7 +60,7 @@ pid_t spawn(const std::vector<std::string>& words, const Pipe& out, const Pipe& 
   ::posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
   ::posix_spawn_file_actions_adddup2(&actions, out.writer(), STDOUT_FILENO);
   ::posix_spawn_file_actions_adddup2(&actions, err.writer(), STDERR_FILENO);
-  // This process ignores it: see standard_streams.h.
+  // A process that lets others read what it writes ignores it.
   posix_spawnattr_t attributes;
   ::posix_spawnattr_init(&attributes);
   sigset_t as_usual;
@@ -82,7 +81,7 @@ int milliseconds_to(Clock::time_point deadline) {
   return static_cast<int>(std::clamp<long long>(left, 0, 60'000));
 }
 
-// A signal that arrives just ahead of a wait doesn't end that: it is noticed after this, ms.
+// A signal that arrives just ahead of a wait doesn't end that: `stop` is asked after this, ms.
 constexpr int longest_wait = 100;
 
 // Whether the end of the pipe was reached.
@@ -94,10 +93,10 @@ bool read_some(int reader, std::string& text) {
 }
 
 // Reads both pipes until they end, or the time is over.
-void read_all(Pipe& out, Pipe& err, Clock::time_point deadline, SubprocessResult& result) {
+void read_all(Pipe& out, Pipe& err, Clock::time_point deadline, const Stop& stop, SubprocessResult& result) {
   while (out.reader() >= 0 || err.reader() >= 0) {
     const int left = milliseconds_to(deadline);
-    if (left == 0 || interrupted()) return;
+    if (left == 0 || (stop && stop())) return;
     std::array<pollfd, 2> waiting = {pollfd{out.reader(), POLLIN, 0}, pollfd{err.reader(), POLLIN, 0}};
     if (::poll(waiting.data(), waiting.size(), std::min(left, longest_wait)) <= 0) continue;
     if (waiting[0].revents != 0 && read_some(out.reader(), result.out)) out.close_reader();
@@ -106,12 +105,12 @@ void read_all(Pipe& out, Pipe& err, Clock::time_point deadline, SubprocessResult
 }
 
 // Waits for the child, and kills it when the time is over.
-int wait_for(pid_t child, Clock::time_point deadline, bool& timed_out) {
+int wait_for(pid_t child, Clock::time_point deadline, const Stop& stop, bool& timed_out) {
   int status = 0;
   for (;;) {
     const pid_t ended = ::waitpid(child, &status, WNOHANG);
     if (ended == child || (ended < 0 && errno != EINTR)) return status;
-    if (milliseconds_to(deadline) == 0 || interrupted()) break;
+    if (milliseconds_to(deadline) == 0 || (stop && stop())) break;
     ::poll(nullptr, 0, 2);
   }
   timed_out = true;
@@ -123,7 +122,7 @@ int wait_for(pid_t child, Clock::time_point deadline, bool& timed_out) {
 
 }  // namespace
 
-SubprocessResult run_subprocess(const std::vector<std::string>& words, double limit) {
+SubprocessResult run_subprocess(const std::vector<std::string>& words, double limit, const Stop& stop) {
   const Clock::time_point deadline =
       Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(limit));
   Pipe out(words.front()), err(words.front());
@@ -132,10 +131,10 @@ SubprocessResult run_subprocess(const std::vector<std::string>& words, double li
   err.close_writer();
 
   SubprocessResult result;
-  read_all(out, err, deadline, result);
+  read_all(out, err, deadline, stop, result);
   bool timed_out = false;
-  const int status = wait_for(child, deadline, timed_out);
-  stop_if_interrupted();
+  const int status = wait_for(child, deadline, stop, timed_out);
+  stop_if_asked(stop);
   if (timed_out) {
     result.end = SubprocessResult::End::TimedOut;
   } else if (WIFSIGNALED(status)) {
@@ -147,4 +146,4 @@ SubprocessResult run_subprocess(const std::vector<std::string>& words, double li
   return result;
 }
 
-}  // namespace atl::command
+}  // namespace atl::tradeoff

@@ -1,10 +1,10 @@
-#include "residual_meter.h"
+#include "checks/tradeoff/residual_meter.h"
 
 #include <atoll/errors.h>
 
 #include <algorithm>
 
-namespace atl::command {
+namespace atl::tradeoff {
 
 void ResidualMeter::observe(const World& world) {
   by_step_.push_back(measure_contact_residual(world.contact_problem()).relative);
@@ -19,4 +19,4 @@ double ResidualMeter::median() const {
 
 double ResidualMeter::max() const { return *std::max_element(by_step_.begin(), by_step_.end()); }
 
-}  // namespace atl::command
+}  // namespace atl::tradeoff

@@ -1,13 +1,13 @@
-#include "grid.h"
+#include "checks/tradeoff/grid.h"
 
 #include <algorithm>
 #include <cmath>
 #include <unordered_set>
+#include <utility>
 
-#include "../figures.h"
-#include "../names.h"
+#include "checks/tradeoff/setting_names.h"
 
-namespace atl::command {
+namespace atl::tradeoff {
 namespace {
 
 using Values = std::vector<std::string>;
@@ -102,6 +102,15 @@ Values default_values(const Axis& axis, const Traits& scene) {
   return {};
 }
 
+void check(const GridOptions& options) {
+  for (const auto& [name, values] : options.lists) {
+    const Axis& axis = find_axis(name);
+    for (const std::string& value : values) {
+      if (!axis.accepts(value)) throw Error(name + ": found \"" + value + "\", expected " + axis.expected);
+    }
+  }
+}
+
 class Grid {
  public:
   explicit Grid(const Configuration& scenes_own) : scenes_own_(scenes_own), all_{scenes_own} {}
@@ -149,7 +158,7 @@ Configuration with_most(const Axis& iterations, const Values& values, const Conf
   return most;
 }
 
-std::vector<Configuration> configurations(const Scene& scene, bool large, const SweepOptions& options) {
+std::vector<Configuration> configurations(const Scene& scene, bool large, const GridOptions& options) {
   const Traits traits(scene, large, options.quick);
   const Configuration scenes_own = own_configuration(scene);
   const auto values = [&](const Axis& axis) {
@@ -224,10 +233,22 @@ double touching_share(const Scene& scene, const World& world, const std::vector<
   return dynamic > 0 ? static_cast<double>(touched) / static_cast<double>(dynamic) : 1;
 }
 
-ScenePlan plan_scene(const std::string& address, const SweepOptions& options) {
-  ScenePlan plan = {.address = address, .scene = load_scene(address, options.seed)};
+std::size_t dynamic_bodies(const Scene& scene) {
+  const auto dynamic = [](const SceneBody& body) { return body.def.type == BodyType::Dynamic; };
+  return static_cast<std::size_t>(std::count_if(scene.bodies.begin(), scene.bodies.end(), dynamic));
+}
+
+ScenePlan plan_scene(const std::string& address, const GridOptions& options) {
+  ScenePlan plan = plan_scene(load_scene(address, options.seed), options);
+  plan.address = address;
+  return plan;
+}
+
+ScenePlan plan_scene(Scene planned, const GridOptions& options) {
+  check(options);
+  ScenePlan plan = {.scene = std::move(planned)};
   Scene& scene = plan.scene;
-  const auto bodies = static_cast<std::size_t>(body_counts(scene).dynamic);
+  const std::size_t bodies = dynamic_bodies(scene);
   plan.scene_steps = scene.steps;
   plan.large = bodies > most_bodies_of_small;
   if (options.steps) {
@@ -239,4 +260,4 @@ ScenePlan plan_scene(const std::string& address, const SweepOptions& options) {
   return plan;
 }
 
-}  // namespace atl::command
+}  // namespace atl::tradeoff

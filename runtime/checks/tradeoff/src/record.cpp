@@ -1,11 +1,11 @@
-#include "record.h"
+#include "checks/tradeoff/record.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "../names.h"
+#include "checks/tradeoff/number_text.h"
 
-namespace atl::command {
+namespace atl::tradeoff {
 
 const char* name_of(Outcome outcome) {
   switch (outcome) {
@@ -53,4 +53,4 @@ std::optional<double> Record::error(const std::string& name) const {
   return std::nullopt;
 }
 
-}  // namespace atl::command
+}  // namespace atl::tradeoff

@@ -6,18 +6,24 @@
 
 #include "peer_driver.h"
 #include "scene_report.h"
-#include "sweep_options.h"
+#include "stop.h"
 
-namespace atl::command {
+namespace atl::tradeoff {
 
 /// How often and how long things are run.
 struct RunPolicy {
   int repeats = 3;           ///< timing rounds; in each, every setting of every engine is timed once
   double least_time = 0.03;  ///< s of stepping in one of them
   double peer_budget = 30;   ///< s of another engine's runs for errors after which its other settings are not tried
+  Stop stop = {};
   /// s of wall time after which a setting is not timed again.
   static constexpr double enough = 1;
+
+  /// What is usual, or less of all that if `quick`.
+  static RunPolicy usual(bool quick);
 };
+/// s that a run of another engine may usually take.
+inline constexpr double peer_limit = 25, quick_peer_limit = 6;
 
 /// Work in a scene, for a bar: bodies times sweeps over their contacts, and as much for a guess for other engines.
 std::int64_t estimate_work(const ScenePlan& plan, const std::vector<PeerDriver>& drivers, const RunPolicy& policy);
@@ -25,9 +31,10 @@ std::int64_t estimate_work(const ScenePlan& plan, const std::vector<PeerDriver>&
 /// Tells of finished work.
 using WorkDone = std::function<void(std::int64_t)>;
 
-/// Runs all settings of all engines: first the errors, one setting after another, then the times, round robin. Once a
-/// signal interrupted it, those are left out that were not timed by then: all, where the scene's own settings were not.
+/// Runs all settings of all engines: first the errors, one setting after another, then the times, round robin. Once it
+/// was stopped, those are left out that were not timed by then: all, where the scene's own settings were not. Throws
+/// OtherBits, DriverError, and SceneError on settings that this machine lacks.
 SceneReport sweep_scene(ScenePlan plan, const std::vector<PeerDriver>& drivers, const RunPolicy& policy,
                         std::uint64_t seed, const WorkDone& work_done);
 
-}  // namespace atl::command
+}  // namespace atl::tradeoff

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace atl::command {
+namespace atl::tradeoff {
 
 /// The contact residual of every step of a run, relative; see measure_contact_residual. The world has to keep its
 /// contact problem.
@@ -21,4 +21,4 @@ class ResidualMeter {
   std::vector<double> by_step_;
 };
 
-}  // namespace atl::command
+}  // namespace atl::tradeoff

@@ -3,7 +3,9 @@
 #include <string>
 #include <vector>
 
-namespace atl::command {
+#include "checks/tradeoff/stop.h"
+
+namespace atl::tradeoff {
 
 /// How another program ended, and what it printed.
 struct SubprocessResult {
@@ -16,8 +18,7 @@ struct SubprocessResult {
 };
 
 /// Runs a program, found as a shell would find it but without a shell, with nothing on its standard input. It is
-/// killed after `limit` s, or once a signal asked this process to end, and Interrupted thrown. Throws Failure with
-/// Status::Usage if it can't be started.
-SubprocessResult run_subprocess(const std::vector<std::string>& words, double limit);
+/// killed after `limit` s, or once `stop` says so, and Stopped thrown. Throws DriverError if it can't be started.
+SubprocessResult run_subprocess(const std::vector<std::string>& words, double limit, const Stop& stop);
 
-}  // namespace atl::command
+}  // namespace atl::tradeoff

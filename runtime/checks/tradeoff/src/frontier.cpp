@@ -1,4 +1,4 @@
-#include "frontier.h"
+#include "checks/tradeoff/frontier.h"
 
 #include <atoll/scene.h>
 
@@ -7,9 +7,9 @@
 #include <sstream>
 
 #include "atoll_runs.h"
-#include "grid.h"
+#include "checks/tradeoff/grid.h"
 
-namespace atl::command {
+namespace atl::tradeoff {
 namespace {
 
 constexpr double least_time = 0.02;  // s of stepping, for a time
@@ -56,17 +56,17 @@ ScenePlan plan_of(const PeerRun& run, int substeps) {
   return plan;
 }
 
-Reach climb_with_atoll(const Ladder& ladder, int substeps) {
+Reach climb_with_atoll(const Ladder& ladder, int substeps, const Stop& stop) {
   Reach reach = {.engine = "Atoll", .substeps = substeps, .is_default = substeps == Settings{}.substeps, .rung = {}};
   const auto measure = [&](const PeerRun& run) {
     const ScenePlan plan = plan_of(run, substeps);
     Record record = describe(plan, plan.configurations.front());
-    measure_errors(plan, plan.configurations.front(), record);
+    measure_errors(plan, plan.configurations.front(), record, stop);
     return record;
   };
   const auto time = [&](const PeerRun& run, Record& record) {
     const ScenePlan plan = plan_of(run, substeps);
-    measure_time(plan, plan.configurations.front(), least_time, record);
+    measure_time(plan, plan.configurations.front(), least_time, record, stop);
   };
   climb_with(ladder, measure, time, reach);
   return reach;
@@ -126,14 +126,14 @@ std::vector<Ladder> stiff_ladders() {
   };
 }
 
-Frontier climb(const Ladder& ladder, const std::vector<PeerDriver>& drivers, bool quick) {
+Frontier climb(const Ladder& ladder, const std::vector<PeerDriver>& drivers, bool quick, const Stop& stop) {
   const std::vector<int> substep_counts = quick ? std::vector{4} : std::vector{1, 2, 4, 8, 16};
   Frontier frontier = {.ladder = ladder, .reaches = {}};
-  for (const int substeps : substep_counts) frontier.reaches.push_back(climb_with_atoll(ladder, substeps));
+  for (const int substeps : substep_counts) frontier.reaches.push_back(climb_with_atoll(ladder, substeps, stop));
   for (const PeerDriver& driver : drivers) {
     for (const int substeps : substep_counts) frontier.reaches.push_back(climb_with_peer(ladder, driver, substeps));
   }
   return frontier;
 }
 
-}  // namespace atl::command
+}  // namespace atl::tradeoff

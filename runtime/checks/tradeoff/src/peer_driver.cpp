@@ -1,26 +1,20 @@
-#include "peer_driver.h"
+#include "checks/tradeoff/peer_driver.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <utility>
 
-#include "../failure.h"
+#include "checks/tradeoff/number_text.h"
 #include "subprocess.h"
 
-namespace atl::command {
+namespace atl::tradeoff {
 namespace {
 
 constexpr int refused_status = 3;
 constexpr int non_finite_status = 4;
 
 std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
-
-// All digits of a number, as the driver has to read back the same.
-std::string exact(double value) {
-  std::ostringstream text;
-  text.precision(17);
-  text << value;
-  return text.str();
-}
 
 std::string seconds_text(double seconds) {
   std::ostringstream text;
@@ -35,14 +29,9 @@ void fail(Record& record, const std::string& why) {
 
 }  // namespace
 
-PeerDriver::PeerDriver(std::string program, double limit) : program_(std::move(program)), limit_(limit) {
-  const SubprocessResult result = [&] {
-    try {
-      return run_subprocess({program_, "--describe"}, limit_);
-    } catch (const Failure& failure) {
-      throw Failure(failure.status(), std::string("--peer: ") + failure.what());
-    }
-  }();
+PeerDriver::PeerDriver(std::string program, double limit, Stop stop)
+    : program_(std::move(program)), limit_(limit), stop_(std::move(stop)) {
+  const SubprocessResult result = run_subprocess({program_, "--describe"}, limit_, stop_);
   try {
     if (result.end != SubprocessResult::End::Exited || result.code != 0) throw std::runtime_error("no success");
     const nlohmann::json description = nlohmann::json::parse(result.out);
@@ -55,9 +44,8 @@ PeerDriver::PeerDriver(std::string program, double limit) : program_(std::move(p
     if (settings_.empty()) throw std::runtime_error("no settings");
   } catch (const std::exception&) {
     const std::string said = first_line(result.err.empty() ? result.out : result.err);
-    throw Failure(Status::Usage, "--peer: " + program_ + " --describe: found " +
-                                     (said.empty() ? "nothing" : "\"" + said + "\"") +
-                                     ", expected a JSON object with engine, version and settings");
+    throw DriverError(program_ + " --describe: found " + (said.empty() ? "nothing" : "\"" + said + "\"") +
+                      ", expected a JSON object with engine, version and settings");
   }
 }
 
@@ -79,7 +67,7 @@ std::string PeerDriver::call(const PeerSetting& setting, const PeerRun& run, con
   words.insert(words.end(), setting.options.begin(), setting.options.end());
   words.insert(words.end(), what.begin(), what.end());
   words.insert(words.end(), {"--format", "json"});
-  const SubprocessResult result = run_subprocess(words, limit_);
+  const SubprocessResult result = run_subprocess(words, limit_, stop_);
   if (result.end == SubprocessResult::End::TimedOut) {
     record.outcome = Outcome::TooSlow;
     record.why = "took longer than " + seconds_text(limit_) + " and was stopped";
@@ -129,4 +117,17 @@ void PeerDriver::measure_time(const PeerSetting& setting, const PeerRun& run, do
   }
 }
 
-}  // namespace atl::command
+std::vector<PeerDriver> ask_drivers(const std::vector<std::string>& programs, double limit, const Stop& stop) {
+  std::vector<PeerDriver> drivers;
+  for (const std::string& program : programs) {
+    PeerDriver driver(program, limit, stop);
+    const auto same = [&](const PeerDriver& other) { return other.engine() == driver.engine(); };
+    if (driver.engine() == "Atoll" || std::any_of(drivers.begin(), drivers.end(), same)) {
+      throw DriverError(program + ": found a second engine named \"" + driver.engine() + "\", expected each once");
+    }
+    drivers.push_back(std::move(driver));
+  }
+  return drivers;
+}
+
+}  // namespace atl::tradeoff
