@@ -117,6 +117,7 @@ from ._core import (
     version as __version__,
     view as view,
 )
+from ._sweep import SweepTable as SweepTable, sweep as sweep
 
 #: What numbers of Batch.rollout() act on.
 Control = MotorSpeed | ServoTarget | BodyForce | BodyTorque

@@ -15,5 +15,6 @@ NB_MODULE(_core, module) {
   bind_recordings(module);
   bind_scenes(module);
   bind_films(module);
+  bind_sweeps(module);
   bind_batch(module);
 }

@@ -16,6 +16,7 @@ void bind_queries(nanobind::module_& module);
 void bind_recordings(nanobind::module_& module);
 void bind_scenes(nanobind::module_& module);
 void bind_films(nanobind::module_& module);  // views of worlds and recordings
+void bind_sweeps(nanobind::module_& module);
 void bind_batch(nanobind::module_& module);
 
 }  // namespace atl::python
