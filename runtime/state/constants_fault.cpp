@@ -15,6 +15,8 @@ using collision::ShapeKind;
 
 bool is_size(double value) { return value >= numbers.least && value <= numbers.most; }
 bool is_number(double value) { return std::abs(value) <= numbers.most; }
+// maxCoeff() may pass over what is not a number.
+bool is_number(const Vector3& value) { return is_number(value.x()) && is_number(value.y()) && is_number(value.z()); }
 bool is_not_negative(double value) { return value >= 0 && value <= numbers.most; }
 bool is_unit(double squared_length) { return std::abs(squared_length - 1) < 1e-9; }
 
@@ -56,7 +58,7 @@ bool is_valid(const Shape& shape) {
 }
 
 bool is_valid(const CheckedCollider& collider) {
-  return is_valid(collider.shape) && is_number(collider.local.position.cwiseAbs().maxCoeff()) &&
+  return is_valid(collider.shape) && is_number(collider.local.position) &&
          is_unit(collider.local.orientation.squaredNorm()) && collider.density_factor >= numbers.least &&
          collider.density_factor <= numbers.most && (!collider.material || is_valid(*collider.material));
 }
@@ -78,7 +80,7 @@ const char* constants_fault(const BodyConstants& body) {
       !is_not_negative(body.angular_damping)) {
     return "a body of an invalid material, gravity scale or damping";
   }
-  if (!is_number(body.centre.cwiseAbs().maxCoeff())) return "a body without a valid centre of mass";
+  if (!is_number(body.centre)) return "a body without a valid centre of mass";
   for (const CheckedCollider& collider : body.colliders) {
     if (!is_valid(collider)) return "a shape with invalid numbers";
     if (massless_name(collider.shape.kind) == nullptr) continue;

@@ -534,6 +534,10 @@ TEST(SnapshotFile, NumbersThatNoWorldHasAreRefused) {
                   .mass = 0.625,
                   .material = {.friction = 0.71875},
                   .linear_damping = 0.15625});
+  // Whose centre of mass is at (0, 0.3125, 0).
+  world.add_body({.shape = Compound{{{.shape = Sphere{0.25}, .position = {0, 0.34375, 0}},
+                                     {.shape = Sphere{0.25}, .position = {0, 0.28125, 0}}}},
+                  .position = {0, 10, 3}});
   const BodyId lost = world.add_body({.position = {1.1875, 20, 3}});
   const BodyId strays = world.add_body({.position = {1.3125, 30, 3}});
   world.set_velocity(lost, {1e30, 0, 0}, Vector3::Zero());
@@ -559,6 +563,8 @@ TEST(SnapshotFile, NumbersThatNoWorldHasAreRefused) {
   expect_refusal(0.53125, 0.5, "a shape with invalid numbers");  // not the size that its bounding radius is of
   expect_refusal(0.71875, -1, "a body of an invalid material");
   expect_refusal(0.15625, nan, "a body of an invalid material, gravity scale or damping");
+  expect_refusal(0.34375, nan, "a shape with invalid numbers");
+  expect_refusal(0.3125, nan, "a body without a valid centre of mass");
   expect_refusal(1 / 0.625, nan, "a body without a valid mass");
   expect_refusal(1.0625, nan, "a body whose state is not finite");
   expect_refusal(1.1875, nan, "a body whose state is not finite");  // in quarantine
