@@ -71,16 +71,18 @@ TEST(StepPlan, WhatIsNotUsedHoldsNoMemory) {
   add_field(world, 50);
   run(world, 5);
   const auto held = [&](const char* name) { return held_by(world, name); };
-  for (const char* name :
-       {"running_surfaces", "direct_contacts", "joints", "continuous_collision", "contact_events", "contact_problem"}) {
+  for (const char* name : {"running_surfaces", "direct_contacts", "joints", "continuous_collision", "contact_events",
+                           "sensors", "contact_problem"}) {
     EXPECT_EQ(held(name), 0u) << name;
   }
   for (const char* name : {"bodies", "shapes", "broadphase", "contacts", "islands", "contact_solver"}) {
     EXPECT_GT(held(name), 0u) << name;
   }
   world.set_settings({.contact_events = true, .keep_contact_problem = true});
+  world.add_body({.type = BodyType::Static, .shape = Box{{2, 2, 2}}, .sensor = true});
   run(world, 1);
   EXPECT_GT(held("contact_events"), 0u);
+  EXPECT_GT(held("sensors"), 0u);
   EXPECT_GT(held("contact_problem"), 0u);
 }
 
