@@ -69,8 +69,8 @@ if [[ ${CI:-} == true ]]; then
 elif ! is_configured "$preset"; then
   options+=(-DATOLL_BUILD_PERF=OFF)
 fi
-# Sanitizers want to be there before Python is.
-if [[ $preset != asan && $preset != tsan ]]; then
+# The thread sanitizer wants to be there before Python is, and TBB and numpy are not built for it.
+if [[ $preset != tsan ]]; then
   packages+=(python3-dev python3-venv)
   options+=(-DATOLL_BUILD_PYTHON=ON "-DPython_EXECUTABLE=$root/build/python/bin/python")
 fi

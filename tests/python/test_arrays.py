@@ -82,6 +82,38 @@ def test_views_outlive_their_world_and_what_is_restored() -> None:
     assert gone() is not None or copied.base is not None
 
 
+def test_views_can_be_read_whatever_becomes_of_the_world() -> None:
+    """Where they can't, a build with the address sanitizer says so."""
+    random = np.random.default_rng(8)
+    world = atoll.World()
+    saved = [world.save()]
+    views = []
+    for _ in range(400):
+        choice = random.integers(7)
+        if choice < 3:
+            for _ in range(random.integers(1, 40)):
+                world.add_body(shape=atoll.Sphere(0.4), position=random.uniform(-20, 20, 3))
+        elif choice == 3 and world.bodies:
+            world.remove_body(world.bodies[random.integers(world.body_count)])
+        elif choice == 4:
+            saved.append(world.save())
+        elif choice == 5:
+            world.restore(saved[random.integers(len(saved))])
+        else:
+            world.step(DT)
+        for name in ("positions", "orientations", "velocities", "angular_velocities"):
+            view = getattr(world, name)
+            views.append(view)
+            for body in world.bodies[:3]:
+                assert np.array_equal(world.positions[body], world.centre_of_mass(body))
+    sizes = [len(view) for view in views]
+    assert max(sizes) > 300
+    del world
+    gc.collect()
+    for view, size in zip(views, sizes, strict=True):
+        assert len(view.copy()) == size and np.isfinite(view).all()
+
+
 def test_arrays_are_set_in_one_call() -> None:
     world = atoll.World(gravity=[0, 0, 0])
     ids = [world.add_body() for _ in range(5)]
