@@ -1,10 +1,10 @@
-"""Plans as it goes: a pusher brings a crate to a mark by trying 192 random plans at a time in a batch (MPPI)."""
+"""Plans as it goes: a pusher brings a crate to a mark by trying 96 random plans at a time in a batch (MPPI)."""
 
 import numpy as np
 
 import atoll
 
-SAMPLES, HORIZON, COUNT = 192, 16, 4  # plans, control steps in each, steps of 1/60 s in each of those
+SAMPLES, HORIZON, COUNT = 96, 16, 4  # plans, control steps in each, steps of 1/60 s in each of those
 MARK = np.array([0.2, 0.9])
 
 free = atoll.JointAxis(motor=atoll.JointMotor(max_force=80))
