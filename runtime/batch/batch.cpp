@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <exception>
-#include <memory>
 #include <string>
 #include <thread>
 
@@ -40,8 +39,7 @@ struct Batch::Impl {
   Scene scene;
   mutable jobs::Arena arena;
   std::vector<World> worlds;
-  Snapshot start;                                      // of the scene
-  std::vector<std::unique_ptr<Snapshot>> kept_starts;  // of worlds that start elsewhere, or null
+  std::vector<Snapshot> starts;
   std::vector<BodyId> bodies;
   std::vector<JointId> joints;
   std::vector<std::size_t> moving;   // places of bodies that can have a velocity
@@ -55,8 +53,6 @@ struct Batch::Impl {
       pushed |= !of.bodies[i].force.isZero(0);
     }
   }
-
-  const Snapshot& start_of(std::size_t place) const { return kept_starts[place] ? *kept_starts[place] : start; }
 
   std::size_t count_of(std::span<const std::size_t> places) const {
     return places.empty() ? worlds.size() : places.size();
@@ -165,12 +161,15 @@ Batch::Batch(const Scene& scene, std::size_t worlds, int threads)
   for (std::size_t i = 0; i < worlds; ++i) {
     impl_->worlds.emplace_back(WorldDef{.gravity = scene.gravity, .settings = scene.settings});
   }
-  impl_->kept_starts.resize(worlds);
+  impl_->starts.resize(worlds);
   impl_->bodies = build_scene(scene, impl_->worlds.front(), impl_->joints);
-  impl_->worlds.front().save(impl_->start);
-  // A restored world takes no more memory than its bodies need, and shares what is alike.
+  Snapshot start;
+  impl_->worlds.front().save(start);
+  // A restored world takes no more memory than its bodies need, and shares what is alike. Its start is its own all the
+  // same: another world's would be refused once masses or shapes are changed.
   impl_->for_each(impl_->worlds, "Batch", {}, [&](World& world, std::size_t place, std::size_t) {
-    if (place > 0) world.restore(impl_->start);
+    if (place > 0) world.restore(start);
+    world.save(impl_->starts[place]);
   });
 }
 
@@ -212,14 +211,12 @@ void Batch::step(double dt, int count, std::span<const std::size_t> places) {
 
 void Batch::reset(std::span<const std::size_t> places) {
   impl_->for_each(impl_->worlds, "reset", places,
-                  [&](World& world, std::size_t place, std::size_t) { world.restore(impl_->start_of(place)); });
+                  [&](World& world, std::size_t place, std::size_t) { world.restore(impl_->starts[place]); });
 }
 
 void Batch::keep_start(std::span<const std::size_t> places) {
-  impl_->for_each(impl_->worlds, "keep_start", places, [&](World& world, std::size_t place, std::size_t) {
-    if (!impl_->kept_starts[place]) impl_->kept_starts[place] = std::make_unique<Snapshot>();
-    world.save(*impl_->kept_starts[place]);
-  });
+  impl_->for_each(impl_->worlds, "keep_start", places,
+                  [&](World& world, std::size_t place, std::size_t) { world.save(impl_->starts[place]); });
 }
 
 void Batch::read(Column column, std::span<double> numbers) const {
