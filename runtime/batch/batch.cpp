@@ -132,18 +132,6 @@ struct Batch::Impl {
     });
   }
 
-  // Gives a body of each world a number by set(world, body, number).
-  template <typename Set>
-  void change(const char* call, std::span<const std::size_t> places, std::size_t number, const char* what,
-              std::span<const double> numbers, const Set& set) {
-    if (number >= bodies.size()) {
-      fail(call, "body " + std::to_string(number), "one below " + std::to_string(bodies.size()));
-    }
-    check_size(call, what, numbers.size(), count_of(places));
-    for_each(worlds, call, places,
-             [&](World& world, std::size_t, std::size_t i) { set(world, bodies[number], numbers[i]); });
-  }
-
   // Gives a joint of each world a number.
   void drive(const char* call, std::span<const std::size_t> places, std::size_t number, const char* what,
              std::span<const double> numbers, std::size_t coordinate,
@@ -249,26 +237,6 @@ void Batch::apply_forces(std::span<const double> forces, std::span<const double>
                          std::span<const std::size_t> places) {
   impl_->hand_on("apply_forces", {"forces", "torques"}, places, impl_->dynamic, forces, torques,
                  [](World& world, const auto& ids, const auto& f, const auto& t) { world.apply_forces(ids, f, t); });
-}
-
-void Batch::set_gravities(std::span<const double> gravities, std::span<const std::size_t> places) {
-  check_size("set_gravities", "gravities", gravities.size(), 3 * impl_->count_of(places));
-  impl_->for_each(impl_->worlds, "set_gravities", places, [&](World& world, std::size_t, std::size_t i) {
-    world.set_gravity(Vector3(gravities.data() + 3 * i));
-  });
-}
-
-void Batch::set_masses(std::size_t body, std::span<const double> masses, std::span<const std::size_t> places) {
-  impl_->change("set_masses", places, body, "masses", masses,
-                [](World& world, BodyId id, double mass) { world.set_mass(id, mass); });
-}
-
-void Batch::set_frictions(std::size_t body, std::span<const double> frictions, std::span<const std::size_t> places) {
-  impl_->change("set_frictions", places, body, "frictions", frictions, [](World& world, BodyId id, double friction) {
-    Material material = world.material(id);
-    material.friction = friction;
-    world.set_material(id, material);
-  });
 }
 
 void Batch::set_motor_speeds(std::size_t joint, std::span<const double> speeds, std::size_t coordinate,

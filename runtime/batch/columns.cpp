@@ -1,6 +1,7 @@
 #include "columns.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace atl {
 namespace {
@@ -27,6 +28,15 @@ void read_joint(const World& world, JointId joint, Batch::Column column, std::si
 
 std::size_t count_in(Batch::Column column, const Batch& batch) {
   return is_of_joints(column) ? batch.joints().size() : batch.bodies().size();
+}
+
+std::vector<std::size_t> numbers_of(const Batch& batch, std::span<const std::size_t> places) {
+  std::vector<std::size_t> numbers(batch.size());
+  if (places.empty()) std::iota(numbers.begin(), numbers.end(), std::size_t{0});
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (places[i] < numbers.size()) numbers[places[i]] = i;
+  }
+  return numbers;
 }
 
 void read_column(const World& world, const Batch& batch, Batch::Column column, double* to) {

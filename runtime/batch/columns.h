@@ -11,4 +11,7 @@ std::size_t count_in(Batch::Column column, const Batch& batch);
 /// zeros.
 void read_column(const World& world, const Batch& batch, Batch::Column column, double* to);
 
+/// By world: its number among `places`, of which none stand for all. What is no place is left to who visits them.
+std::vector<std::size_t> numbers_of(const Batch& batch, std::span<const std::size_t> places);
+
 }  // namespace atl

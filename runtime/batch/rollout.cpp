@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <sstream>
 #include <string>
 #include <type_traits>
@@ -140,17 +139,10 @@ void check_constant_forces(const Batch& batch, const World& world, const std::st
   }
 }
 
-// The number among `places` of each world.
-std::vector<std::size_t> numbers_of(const Batch& batch, std::span<const std::size_t> places) {
-  std::vector<std::size_t> numbers(batch.size());
-  if (places.empty()) std::iota(numbers.begin(), numbers.end(), std::size_t{0});
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    if (places[i] >= batch.size()) {
-      fail("place " + std::to_string(places[i]), "one below " + std::to_string(batch.size()));
-    }
-    numbers[places[i]] = i;
+void check_places(const Batch& batch, std::span<const std::size_t> places) {
+  for (const std::size_t place : places) {
+    if (place >= batch.size()) fail("place " + std::to_string(place), "one below " + std::to_string(batch.size()));
   }
-  return numbers;
 }
 
 // Puts worlds to where they begin, and checks that they have what the controls act on. If one hasn't, all go back.
@@ -229,6 +221,7 @@ std::vector<std::vector<double>> roll_out(Batch& batch, const Rollout& rollout, 
   const std::size_t width = width_of(rollout.controls);
   check_sizes(rollout, values.size(), worlds, width);
   check_names(batch, rollout);
+  check_places(batch, places);
   const std::vector<std::size_t> numbers = numbers_of(batch, places);
   const bool alike = values.size() == rollout.steps * width;
   const auto values_of = [&](std::size_t place) {

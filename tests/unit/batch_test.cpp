@@ -195,9 +195,9 @@ TEST(Batch, ArraysChangeWorldsAsTheirOwnCallsDo) {
   const std::size_t body = batch.bodies().size() - 1;
   const std::vector<std::size_t> places = {3, 1};
   const std::vector<double> gravities = {0, 0, -3, 1, 0, -5}, masses = {2, 700}, frictions = {0.1, 0.9};
-  batch.set_gravities(gravities, places);
-  batch.set_masses(body, masses, places);
-  batch.set_frictions(body, frictions, places);
+  set_gravities(batch, gravities, places);
+  set_masses(batch, body, masses, places);
+  set_frictions(batch, body, frictions, places);
   batch.step(dt, 30);
   const std::vector<std::uint64_t> hashes = batch.hashes();
   for (std::size_t place = 0; place < 4; ++place) {
@@ -230,11 +230,11 @@ TEST(Batch, TellsWhatItCannotDo) {
   std::vector<double> few(5);
   expect_error([&] { batch.read(Batch::Column::Positions, few); }, {"Batch::read: found 5 numbers"});
   expect_error([&] { batch.set_velocities(few, few); }, {"Batch::set_velocities"});
-  expect_error([&] { batch.set_gravities(few); }, {"Batch::set_gravities: found 5 numbers of gravities", "9"});
-  expect_error([&] { batch.set_masses(1000, few); }, {"Batch::set_masses: found body 1000"});
-  expect_error([&] { batch.set_frictions(0, few); }, {"Batch::set_frictions: found 5 numbers of frictions", "3"});
+  expect_error([&] { set_gravities(batch, few); }, {"set_gravities: found 5 numbers of gravities", "9"});
+  expect_error([&] { set_masses(batch, 1000, few); }, {"set_masses: found body 1000"});
+  expect_error([&] { set_frictions(batch, 0, few); }, {"set_frictions: found 5 numbers of frictions", "3"});
   const std::size_t last = batch.bodies().size() - 1;
-  expect_error([&] { batch.set_masses(last, std::vector<double>{1, -1, 1}); }, {"World::set_mass: mass", "-1"});
+  expect_error([&] { set_masses(batch, last, std::vector<double>{1, -1, 1}); }, {"World::set_mass: mass", "-1"});
   batch.reset();
   expect_error([&] { batch.set_motor_speeds(0, few); }, {"Batch::set_motor_speeds: found joint 0"});
   EXPECT_EQ(batch.hashes(), before);

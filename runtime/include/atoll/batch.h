@@ -78,14 +78,6 @@ class Batch {
   void apply_forces(std::span<const double> forces, std::span<const double> torques,
                     std::span<const std::size_t> places = {});
 
-  // What differs from world to world, as World's calls change it. A body goes by its place in bodies().
-  void set_gravities(std::span<const double> gravities,
-                     std::span<const std::size_t> places = {});  ///< m/s^2, 3 a world
-  void set_masses(std::size_t body, std::span<const double> masses,
-                  std::span<const std::size_t> places = {});  ///< kg, a number a world
-  /// A number a world, for the body's own friction: that of its shapes that have a material of their own stays.
-  void set_frictions(std::size_t body, std::span<const double> frictions, std::span<const std::size_t> places = {});
-
   // Of one joint, by its place in joints(): a number a world.
   void set_motor_speeds(std::size_t joint, std::span<const double> speeds, std::size_t coordinate = 0,
                         std::span<const std::size_t> places = {});
@@ -104,6 +96,18 @@ class Batch {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+// What differs from world to world, as World's calls change it: numbers of worlds in the order of `places`. A body goes
+// by its place in bodies().
+
+/// m/s^2, 3 numbers a world.
+void set_gravities(Batch& batch, std::span<const double> gravities, std::span<const std::size_t> places = {});
+/// kg, a number a world.
+void set_masses(Batch& batch, std::size_t body, std::span<const double> masses,
+                std::span<const std::size_t> places = {});
+/// Of the body's own material, a number a world: shapes that have a material of their own keep it.
+void set_frictions(Batch& batch, std::size_t body, std::span<const double> frictions,
+                   std::span<const std::size_t> places = {});
 
 /// Whether a column is a joint's, and not a body's.
 constexpr bool is_of_joints(Batch::Column column) { return column >= Batch::Column::JointPositions; }

@@ -154,20 +154,20 @@ void bind_joints_of(nb::class_<Batch>& batch) {
       .def(
           "set_gravities",
           [](Batch& self, const Rows<3>& gravities, const nb::object& worlds) {
-            call(self, worlds, [&](auto places) { self.set_gravities(span_of(gravities), places); });
+            call(self, worlds, [&](auto places) { atl::set_gravities(self, span_of(gravities), places); });
           },
           nb::arg("gravities"), nb::arg("worlds") = nb::none(), "m/s^2, shape (worlds, 3)")
       .def(
           "set_masses",
           [](Batch& self, std::size_t body, const Numbers& masses, const nb::object& worlds) {
-            call(self, worlds, [&](auto places) { self.set_masses(body, span_of(masses), places); });
+            call(self, worlds, [&](auto places) { atl::set_masses(self, body, span_of(masses), places); });
           },
           nb::arg("body"), nb::arg("masses"), nb::arg("worlds") = nb::none(),
           "Of a dynamic body by its place in `bodies`: kg, shape (worlds,).")
       .def(
           "set_frictions",
           [](Batch& self, std::size_t body, const Numbers& frictions, const nb::object& worlds) {
-            call(self, worlds, [&](auto places) { self.set_frictions(body, span_of(frictions), places); });
+            call(self, worlds, [&](auto places) { atl::set_frictions(self, body, span_of(frictions), places); });
           },
           nb::arg("body"), nb::arg("frictions"), nb::arg("worlds") = nb::none(),
           "Of a body's own material, shape (worlds,); shapes that have a material of their own keep it.")
