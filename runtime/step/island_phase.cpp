@@ -14,6 +14,7 @@ namespace {
 
 // An active body that touches a sleeping one wakes its island.
 void wake_touched_sleepers(Stores& world, std::span<const solver::TouchingPair> touching) {
+  if (world.sleeping.asleep == 0) return;
   for (const solver::TouchingPair& pair : touching) {
     if (world.active.contains(pair.first) && world.sleeping.is_asleep(pair.second)) world.sleeping.wake(pair.second);
     if (world.active.contains(pair.second) && world.sleeping.is_asleep(pair.first)) world.sleeping.wake(pair.first);
@@ -23,14 +24,16 @@ void wake_touched_sleepers(Stores& world, std::span<const solver::TouchingPair> 
 }  // namespace
 
 void IslandPhase::build(Stores& world, const StepContext& step, ContactPhase& contacts) {
-  if (world.sleeping.asleep > 0) wake_touched_sleepers(world, contacts.touching());
+  wake_touched_sleepers(world, contacts.touching());
   if constexpr (with_joints) {
     update_joint_graph(world);
     wake_joined_to_moving(world);
   }
   contacts.remove_lost(world);
-  if (const ActiveChange woke = update_active_bodies(world); woke.changed) {
+  // What wakes may touch another sleeping island: a modifier had switched off what they touch each other in.
+  for (ActiveChange woke = update_active_bodies(world); woke.changed; woke = update_active_bodies(world)) {
     contacts.add_woken(world, step, woke.woken_contacts);
+    wake_touched_sleepers(world, contacts.touching());
   }
   const bool one_each = world.settings.tolerance > 0;
   rebuilt_ = world.changes.islands || contacts.touching_changed() || one_each != one_each_;

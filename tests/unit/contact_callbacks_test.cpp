@@ -470,6 +470,30 @@ TEST(ContactModifier, WhatIsOffAgainstEachOtherNeitherWakesNorJoinsIslands) {
   EXPECT_GT(world.pose(slider).position.x(), 1.5);
 }
 
+// Three boxes in a row fell asleep one by one. As they are on again, what is touched wakes its neighbour and that the
+// next one, all in the same step: it is solved with them.
+TEST(ContactModifier, WhatWasOffAsItFellAsleepWakesInARow) {
+  World world({.settings = {.sleeping = true, .time_to_sleep = 0.1}});
+  world.add_body(ground());
+  std::vector<BodyId> row;
+  for (const double x : {0.0, 0.999, 1.998}) row.push_back(world.add_body(box({x, 0, 0.5})));
+  world.set_contact_modifier([&](ModifiableContact& contact) { contact.enabled = contact.a < row.front(); });
+  run(world, 60);
+  for (const BodyId id : row) ASSERT_TRUE(world.is_asleep(id));
+  world.set_contact_modifier({});
+  run(world, 10);
+  for (const BodyId id : row) ASSERT_TRUE(world.is_asleep(id));
+  BodyDef def = box({-1.2, 0, 0.5});
+  def.velocity = {3, 0, 0};
+  def.material.friction = 0;
+  world.add_body(def);
+  for (int step = 0; step < 10; ++step) {
+    world.step(dt);
+    for (const BodyId id : row) ASSERT_EQ(world.is_asleep(id), world.is_asleep(row.front())) << step;
+  }
+  EXPECT_FALSE(world.is_asleep(row.back()));
+}
+
 // Functions that change nothing leave the bits that there are without them.
 TEST(ContactCallbacks, ThatChangeNothingLeaveAllAsItIs) {
   const auto hash_with = [](bool functions, int threads) {
