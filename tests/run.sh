@@ -12,6 +12,7 @@ usage() {
 usage: bash tests/run.sh [--label LABEL] [--preset PRESET] [--long]
        bash tests/run.sh --fuzz MINUTES [TARGET]...
        bash tests/run.sh --aarch64
+       bash tests/run.sh --wheel
 
   --label LABEL    only these: unit, accuracy, law, stability, determinism, cli, faults, fuzz, layers, package,
                    examples, python or docs
@@ -19,6 +20,8 @@ usage: bash tests/run.sh [--label LABEL] [--preset PRESET] [--long]
   --long           the heavier matrix of scenes, threads and settings, and Atoll built as a part of another project
   --fuzz MINUTES   libFuzzer on each of these, or those given, for so long: api, scene, snapshot, recording
   --aarch64        golden hashes and the layers' unit tests on 64-bit ARM, emulated; takes an hour
+  --wheel          a wheel of the Python package for other machines, built and tried where there is nothing but Python;
+                   needs root
 END
 }
 
@@ -38,6 +41,7 @@ while (($#)); do
     --long) export ATOLL_LONG_TESTS=1 ;;
     --fuzz) (($# > 1)) || usage_error "$1 needs a number of minutes" ; fuzz=("${@:2}") preset=fuzz; break ;;
     --aarch64) exec bash "$root/tests/aarch64/run.sh" ;;
+    --wheel) exec bash "$root/tests/python/wheel.sh" ;;
     -h | --help) usage && exit ;;
     *) usage_error "unknown option $1" ;;
   esac

@@ -128,7 +128,7 @@ def test_a_step_lets_other_threads_of_python_run() -> None:
     done = threading.Event()
 
     def step() -> None:
-        world.steps(20, DT)
+        world.steps(300, DT)
         done.set()
 
     thread = threading.Thread(target=step)

@@ -214,7 +214,7 @@ void bind_film(nb::module_& module) {
       .def_prop_ro("rolling", &Film::rolling, "whether steps of its world still come to it")
       .def("end", &Film::end, "Takes no more frames. What asks for its page ends it, too.")
       .def("page", &Film::page, without_gil,
-           "The page, as HTML. Raises Error where the package was built without it, as was has_page() tells.")
+           "The page, as HTML. Raises Error where the package was built without it: see has_page().")
       .def("html", &Film::framed, nb::arg("height") = usual_height, without_gil,
            "The page as an element to put into another one, so many pixels high and as wide as there is room.")
       .def("_repr_html_", &Film::shown, without_gil)
