@@ -2,29 +2,46 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
-#include <sstream>
 #include <string>
+#include <utility>
 #include <variant>
+#include <vector>
 
 #include "finding.h"
 
 namespace atl::fuzz {
 namespace {
 
-void require_finite(double value, const char* what) {
-  require(std::isfinite(value), std::string(what) + " is " + std::to_string(value));
-}
-template <typename Derived>
-std::string text_of(const Eigen::DenseBase<Derived>& values) {
-  std::ostringstream out;
-  out.precision(17);
-  out << values.derived().transpose();
-  return out.str();
-}
-template <typename Derived>
-void require_finite(const Eigen::DenseBase<Derived>& values, const char* what) {
-  require(values.allFinite(), std::string(what) + " is " + text_of(values));
+// What is told of one body alone is what is told of many, and of its definition.
+void check_told_twice(const World& world, BodyId id) {
+  const BodyDef def = world.definition(id);
+  const BodyState state = world.state(id);
+  const Pose pose = world.pose(id);
+  const auto i = static_cast<Eigen::Index>(id.index);
+  require(state.pose.position == pose.position && state.pose.orientation.coeffs() == pose.orientation.coeffs() &&
+              world.orientations().col(i) == pose.orientation.coeffs(),
+          "a body is told to be in two places");
+  require(world.positions().col(i) == world.centre_of_mass(id), "a centre of mass is told to be in two places");
+  require(state.velocity == world.velocity(id) && world.velocities().col(i) == state.velocity &&
+              state.angular_velocity == world.angular_velocity(id) &&
+              world.angular_velocities().col(i) == state.angular_velocity,
+          "a body is told to have two velocities");
+  require(world.material(id) == def.material && world.user_data(id) == def.user_data && world.name(id) == def.name,
+          "a body's definition is at odds with what is told of it");
+  if (!def.name.empty()) {
+    const std::optional<BodyId> named = world.find_body(def.name);
+    require(named && world.contains(*named) && world.name(*named) == def.name, "a body isn't found by its name");
+  }
+  require(!world.is_asleep(id) || def.type == BodyType::Dynamic, "a body sleeps that is not dynamic");
+  if (def.sensor) {
+    const std::vector<BodyId> within = world.bodies_in(id);
+    require(std::is_sorted(within.begin(), within.end()), "bodies in a sensor are out of order");
+  } else {
+    require_refused("bodies_in() of what is no sensor", [&] { world.bodies_in(id); });
+  }
+  if (def.type != BodyType::Dynamic) require_refused("the mass of what has none", [&] { body_mass(def); });
 }
 
 void check_body(const World& world, BodyId id) {
@@ -37,6 +54,7 @@ void check_body(const World& world, BodyId id) {
   require_finite(world.velocity(id), "a velocity");
   require_finite(world.angular_velocity(id), "an angular velocity");
   require(world.mass(id) > 0, "a mass is not positive");
+  check_told_twice(world, id);
   if (world.type(id) != BodyType::Dynamic) return;
   const MotionLocks locks = world.definition(id).locks;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -54,6 +72,27 @@ void check_joint(const World& world, JointId id) {
   for (const double x : state.position) require_finite(x, "a joint's position");
   for (const double x : state.speed) require_finite(x, "a joint's speed");
   require(!(state.enabled && state.broken), "a joint is enabled and broken");
+  const std::string& name = world.joint(id).name;
+  if (name.empty()) return;
+  const std::optional<JointId> named = world.find_joint(name);
+  require(named && world.contains(*named) && world.joint(*named).name == name, "a joint isn't found by its name");
+}
+
+// Of contacts each is told of two bodies, and events where they are asked for alone.
+void check_contacts(const World& world, const std::vector<BodyId>& bodies) {
+  std::size_t told = 0;
+  for (const BodyId id : bodies) told += world.contact_forces(id).size();
+  require(told == 2 * world.contact_forces().size(), "contact forces of bodies are not those of the world");
+  if (!world.settings().contact_events) {
+    require_refused("contact_events() without the setting", [&] { world.contact_events(); });
+  }
+}
+
+void check_hashes(const World& world, const std::vector<BodyId>& bodies) {
+  const std::vector<BodyHash> hashes = world.body_hashes();
+  for (const BodyId id : bodies) {
+    require(world.body_hash(id) == hashes[id.index], "a body has another hash alone than among all");
+  }
 }
 
 void check_contact_problem(const World& world) {
@@ -70,6 +109,9 @@ void check_world(const World& world) {
   require(bodies.size() == world.body_count(), "body_count() is not that of bodies()");
   require(std::is_sorted(bodies.begin(), bodies.end()), "bodies() are out of order");
   for (const BodyId id : bodies) check_body(world, id);
+  const Eigen::Matrix3Xd origins = world.origins();
+  for (const BodyId id : bodies) require(origins.col(id.index) == world.pose(id).position, "origins() are elsewhere");
+  check_hashes(world, bodies);
   const std::vector<JointId> joints = world.joints();
   require(joints.size() == world.joint_count(), "joint_count() is not that of joints()");
   for (const JointId id : joints) check_joint(world, id);
@@ -83,6 +125,7 @@ void check_world(const World& world) {
     require_finite(force.separation, "a contact's separation");
     require(world.contains(force.a) && world.contains(force.b), "a contact force is on no body");
   }
+  check_contacts(world, bodies);
   for (const PairForce& pair : world.pair_forces()) {
     require_finite(pair.force, "a pair's force");
     require(pair.normal_force >= 0 && pair.a < pair.b, "a pair of bodies is no pair, or pulls");
@@ -103,6 +146,48 @@ void check_world(const World& world) {
   }
   if (world.settings().keep_contact_problem) check_contact_problem(world);
   for (const MemoryUse& use : world.memory()) require(use.bytes < (std::size_t{1} << 40), "absurd memory");
+}
+
+namespace {
+
+void check_hull(const ConvexHull& hull) {
+  require(std::isfinite(hull.volume()) && hull.volume() > 0, "a hull has no volume");
+  require_finite(hull.centre_of_mass(), "a hull's centre of mass");
+  require(hull.vertices().size() >= 4 && hull.vertices().size() <= 255, "a hull has too few vertices, or too many");
+  require(!hull.simplified(), "a hull of few points is simplified");
+  // A closed surface without holes: Euler's formula, in which each edge is of two faces.
+  std::size_t corners = 0;
+  for (std::size_t i = 0; i < hull.face_count(); ++i) {
+    const std::span<const std::uint16_t> face = hull.face(i);
+    require(
+        face.size() >= 3 && std::all_of(face.begin(), face.end(), [&](auto at) { return at < hull.vertices().size(); }),
+        "a hull's face is none");
+    corners += face.size();
+  }
+  require(corners % 2 == 0 && hull.vertices().size() + hull.face_count() == corners / 2 + 2, "a hull is not closed");
+  require_refused("a face that a hull hasn't", [&] { hull.face(hull.face_count()); });
+}
+
+void check_mesh(const TriangleMesh& mesh) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+  for (const TriangleMesh::Indices& corners : mesh.triangles()) {
+    for (std::size_t i = 0; i < 3; ++i) ++edges[std::minmax({corners[i], corners[(i + 1) % 3]})];
+  }
+  const bool closed = std::ranges::all_of(edges, [](const auto& edge) { return edge.second == 2; });
+  require(mesh.closed() == closed, "a mesh is closed and is not");
+}
+
+}  // namespace
+
+void check_shape(const Shape& shape) {
+  const auto* const hull = std::get_if<ConvexHull>(&shape);
+  const auto* const mesh = std::get_if<TriangleMesh>(&shape);
+  if (hull != nullptr) check_hull(*hull);
+  if (mesh != nullptr) check_mesh(*mesh);
+  const bool is_solid =
+      mesh == nullptr && !std::holds_alternative<HalfSpace>(shape) && !std::holds_alternative<HeightField>(shape);
+  if (!is_solid) return require_refused("the mass of a surface", [&] { mass_properties(shape); });
+  require(mass_properties(shape).mass > 0, "a solid has no mass");
 }
 
 void check_same_results(const World& a, const World& b) {
@@ -136,158 +221,6 @@ void check_same_reports(const StepReport& a, const StepReport& b) {
   require_same(a.counts.asleep, b.counts.asleep, "asleep");
   require_same(a.counts.swept, b.counts.swept, "swept");
   require_same(a.counts.stopped, b.counts.stopped, "stopped");
-}
-
-namespace {
-
-// A world of one of the bodies, as it is.
-World alone(const World& world, BodyId id) {
-  World one;
-  one.add_body(world.definition(id));
-  return one;
-}
-
-template <typename Hit>
-bool agree(const std::optional<Hit>& a, const std::optional<Hit>& b) {
-  if (a.has_value() != b.has_value()) return false;
-  return !a || (a->body == b->body && a->child == b->child && a->distance == b->distance && a->normal == b->normal);
-}
-
-// The nearest of the answers of worlds of one body each, to what ask(queries) asks.
-template <typename Ask>
-std::optional<double> nearest_alone(const World& world, const Ask& ask) {
-  std::optional<double> nearest;
-  for (const BodyId id : world.bodies()) {
-    if (world.is_quarantined(id)) continue;
-    const World one = alone(world, id);
-    const auto hit = ask(Queries(one));
-    if (hit && (!nearest || hit->distance < *nearest)) nearest = hit->distance;
-  }
-  return nearest;
-}
-
-// Frames of bodies are told to the rounding of where their centres of mass are.
-template <typename Hit>
-void require_nearest(const std::optional<Hit>& hit, const std::optional<double>& alone, double tolerance,
-                     const char* what) {
-  require(hit.has_value() == alone.has_value(),
-          std::string(what) + (hit ? " hits what" : " misses what") + " worlds of one body " + (hit ? "miss" : "hit"));
-  require(!hit || std::abs(hit->distance - *alone) < tolerance,
-          std::string(what) + " is at " + std::to_string(hit ? hit->distance : 0) + " m, in worlds of one body at " +
-              std::to_string(alone.value_or(0)));
-}
-
-// Then no query finds it, or not all of it.
-bool lets_nothing_touch(const BodyDef& def) {
-  if (def.filter.mask == 0) return true;
-  const Compound* const compound = std::get_if<Compound>(&def.shape);
-  return compound != nullptr && std::any_of(compound->children.begin(), compound->children.end(),
-                                            [](const auto& child) { return child.filter && child.filter->mask == 0; });
-}
-
-void check_overlaps(const World& world, const QueryShape& query, const std::vector<BodyId>& found) {
-  if (!query.shape) return;
-  const PlacedShape placed{.shape = std::visit([](const auto& solid) { return Shape(solid); }, *query.shape),
-                           .pose = {query.position, query.orientation.normalized()}};
-  for (const BodyId id : world.bodies()) {
-    if (world.is_quarantined(id)) continue;
-    const BodyDef def = world.definition(id);
-    if (def.sensor || lets_nothing_touch(def)) continue;
-    // Meshes have no inside here, and in the audit a solid below a field is deep in it.
-    if (std::holds_alternative<TriangleMesh>(def.shape) || std::holds_alternative<HeightField>(def.shape)) continue;
-    const double depth = overlap(placed, {def.type, def.shape, world.pose(id)});
-    const bool is_found = std::binary_search(found.begin(), found.end(), id);
-    require(is_found || depth < 1e-6,
-            "overlapping() misses body " + std::to_string(id.index) + ", which overlaps by " + std::to_string(depth));
-    require(!is_found || depth > -1e-6, "overlapping() finds a body at a distance of " + std::to_string(-depth));
-  }
-}
-
-bool all_solid(const World& world) {
-  const std::vector<BodyId> bodies = world.bodies();
-  return std::none_of(bodies.begin(), bodies.end(), [&](BodyId id) { return world.definition(id).sensor; });
-}
-
-template <typename Hits>
-void require_finite_hits(const Hits& hits) {
-  for (const auto& hit : hits) {
-    require_finite(hit.distance, "a hit's distance");
-    require(hit.distance >= 0, "a hit's distance is negative");
-    require_finite(hit.normal, "a hit's normal");
-  }
-}
-
-void check_rays(std::span<const World> worlds, const Ray& ray, bool usual) {
-  const std::optional<RayHit> first = Queries(worlds.front()).cast_ray(ray);
-  for (const World& world : worlds) {
-    require(agree(Queries(world).cast_ray(ray), first), "cast_ray differs between worlds");
-    require(Queries(world).is_blocked(ray) == first.has_value(), "is_blocked is at odds with cast_ray");
-  }
-  const std::vector<RayHit> all = Queries(worlds.front()).cast_ray_through(ray);
-  require_finite_hits(all);
-  require(agree(first, all.empty() ? std::nullopt : std::optional(all.front())),
-          "cast_ray is at odds with cast_ray_through");
-  if (!usual || !all_solid(worlds.front())) return;
-  require_nearest(first, nearest_alone(worlds.front(), [&](const Queries& one) { return one.cast_ray(ray); }), 1e-6,
-                  "cast_ray");
-}
-
-void check_casts(std::span<const World> worlds, const ShapeCast& cast, bool usual) {
-  const std::optional<ShapeHit> first = Queries(worlds.front()).cast_shape(cast);
-  for (const World& world : worlds) {
-    require(agree(Queries(world).cast_shape(cast), first), "cast_shape differs between worlds");
-  }
-  const std::vector<ShapeHit> all = Queries(worlds.front()).cast_shape_through(cast);
-  require_finite_hits(all);
-  // Against what is 1e12 m long distances are known to meters, and what else is met at once decides whether it is
-  // asked.
-  const auto is_first = [&](const ShapeHit& hit) { return agree(first, std::optional(hit)); };
-  require(usual ? agree(first, all.empty() ? std::nullopt : std::optional(all.front()))
-                : first.has_value() == !all.empty() && (!first || std::any_of(all.begin(), all.end(), is_first)),
-          "cast_shape is at odds with cast_shape_through");
-  if (!usual || !all_solid(worlds.front())) return;
-  require_nearest(first, nearest_alone(worlds.front(), [&](const Queries& one) { return one.cast_shape(cast); }), 1e-5,
-                  "cast_shape");
-}
-
-void check_places(std::span<const World> worlds, const QueryShape& query, double reach, bool usual) {
-  const std::vector<BodyId> found = Queries(worlds.front()).overlapping(query);
-  const std::optional<ClosestPoint> closest = Queries(worlds.front()).closest_point(query, reach);
-  for (const World& world : worlds) {
-    require(Queries(world).overlapping(query) == found, "overlapping differs between worlds");
-    require(agree(Queries(world).closest_point(query, reach), closest), "closest_point differs between worlds");
-  }
-  if (closest) {
-    require_finite(closest->distance, "a closest point's distance");
-    require(closest->distance >= 0 && closest->distance <= reach, "a closest point is out of reach");
-    require_finite(closest->on_body, "a closest point");
-    require_finite(closest->on_shape, "a closest point");
-  }
-  if (!usual || !all_solid(worlds.front())) return;
-  check_overlaps(worlds.front(), query, found);
-  require_nearest(closest,
-                  nearest_alone(worlds.front(), [&](const Queries& one) { return one.closest_point(query, reach); }),
-                  1e-5, "closest_point");
-}
-
-}  // namespace
-
-void check_queries(std::span<const World> worlds, Definitions& definitions, Bytes& bytes) {
-  const bool usual = definitions.usual();
-  try {
-    switch (bytes.below(3)) {
-      case 0:
-        return check_rays(worlds, definitions.ray(), usual);
-      case 1:
-        return check_casts(worlds, definitions.shape_cast(), usual);
-      default: {
-        const QueryShape query = definitions.query_shape();
-        return check_places(worlds, query, definitions.number(0, 5), usual);
-      }
-    }
-  } catch (const Error& error) {
-    require(!usual, std::string("a query is refused: ") + error.what());
-  }
 }
 
 }  // namespace atl::fuzz

@@ -10,6 +10,8 @@ namespace atl::fuzz {
 
 /// Everything that a world tells is finite, and what it says in two places agrees. Throws Finding.
 void check_world(const World& world);
+/// A shape that could be made has a volume or is refused one, and closes where it says so. Throws Finding.
+void check_shape(const Shape& shape);
 /// Of two worlds to which the same was done: what steps tell beside the state.
 void check_same_results(const World& a, const World& b);
 void check_same_reports(const StepReport& a, const StepReport& b);
@@ -17,5 +19,8 @@ void check_same_reports(const StepReport& a, const StepReport& b);
 /// Asks all worlds the same, chosen from bytes, and holds the answers to each other; and where numbers are usual, to
 /// those of worlds of one body each, and overlaps to the audit. Throws Finding.
 void check_queries(std::span<const World> worlds, Definitions& definitions, Bytes& bytes);
+/// Asks for some bodies alone, and holds the answers to those among all that the filter lets through; and asks much at
+/// once, which is answered as one by one. Throws Finding.
+void check_filtered_queries(std::span<const World> worlds, Definitions& definitions, Bytes& bytes);
 
 }  // namespace atl::fuzz

@@ -3,16 +3,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <utility>
 
 namespace atl::fuzz {
-
-namespace {
-
-constexpr double pi = std::numbers::pi;
-
-}  // namespace
 
 double Definitions::number(double lower, double upper) {
   if (!usual() && bytes_.one_in(12)) return bytes_.any();

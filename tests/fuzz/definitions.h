@@ -27,6 +27,7 @@ class Definitions {
 
   /// In [lower, upper], or any.
   double number(double lower, double upper);
+  int integer(int lower, int upper);
   Vector3 vector(double reach);
   Quaternion orientation();
   std::string name();
@@ -53,7 +54,6 @@ class Definitions {
   TriangleMesh mesh();
   HeightField height_field();
   Compound compound();
-  int integer(int lower, int upper);
 
   Bytes& bytes_;
   Numbers numbers_;

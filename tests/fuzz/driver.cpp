@@ -1,5 +1,6 @@
 // Runs a target without libFuzzer: on the inputs of a folder, and on so many that are made of these at random, the same
-// on every machine. It looks for no new paths; it is here to see what is known, and in every build.
+// on every machine, in the target's own way where it has one. It looks for no new paths; it is here to see what is
+// known, and in every build.
 
 #include <algorithm>
 #include <cstdlib>
@@ -13,6 +14,10 @@
 #include <vector>
 
 #include "target.h"
+
+// Null where the target has none.
+extern "C" __attribute__((weak)) std::size_t LLVMFuzzerCustomMutator(std::uint8_t*, std::size_t, std::size_t,
+                                                                     unsigned int);
 
 namespace {
 
@@ -68,9 +73,27 @@ void mutate(Input& input, const std::vector<Input>& all, std::mt19937& random) {
   }
 }
 
+// In the target's own way every other time.
+void change(Input& input, const std::vector<Input>& all, std::mt19937& random) {
+  if (LLVMFuzzerCustomMutator == nullptr || random() % 2 == 0) return mutate(input, all, random);
+  const std::size_t size = input.size(), most = size + 256;
+  input.resize(most);
+  input.resize(LLVMFuzzerCustomMutator(input.data(), size, most, random()));
+}
+
 void run(const Input& input) { LLVMFuzzerTestOneInput(input.data(), input.size()); }
 
 }  // namespace
+
+// Of one input, without a piece of another.
+extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t max_size) {
+  static std::mt19937 random(2);
+  Input input(data, data + size);
+  mutate(input, {input}, random);
+  input.resize(std::min(input.size(), max_size));
+  std::copy(input.begin(), input.end(), data);
+  return input.size();
+}
 
 int main(int argc, char** argv) {
   if (argc < 3) {
@@ -89,7 +112,7 @@ int main(int argc, char** argv) {
     for (const Input& each : inputs) run(input = each);
     for (unsigned long i = 0; i < runs; ++i) {
       input = inputs[random() % inputs.size()];
-      mutate(input, inputs, random);
+      change(input, inputs, random);
       run(input);
     }
   } catch (const std::exception& error) {

@@ -2,78 +2,78 @@
 
 #include <atoll/contact_callbacks.h>
 #include <atoll/forces.h>
-#include <atoll/recording.h>
-#include <atoll/snapshot.h>
 
 #include <algorithm>
 #include <array>
 #include <iostream>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "consistency.h"
 #include "finding.h"
-#include "scratch_file.h"
+#include "program_run.h"
 
 namespace atl::fuzz {
-namespace {
 
-struct Run {
-  Bytes& bytes;
-  Definitions& definitions;
-  Lockstep& worlds;
-  const ProgramLimits& limits;
-  ProgramResult result = {};
-  // All that there have been: stale ids are asked for too.
-  std::vector<BodyId> bodies = {};
-  std::vector<JointId> joints = {};
-  std::array<std::vector<Snapshot>, 2> snapshots = {};
-  std::array<std::uint64_t, 2> hashes = {};
-  ScratchFile recording = ScratchFile("recording");
-  ScratchFile file = ScratchFile("snapshot");
+std::string Run::call(const char* name, const Lockstep::Call& make) {
+  std::string error = worlds.call(name, make);
+  if (limits.trace) std::cerr << result.calls << ' ' << name << ' ' << error << '\n';
+  result.refused += !error.empty();
+  return error;
+}
 
-  std::string call(const char* name, const Lockstep::Call& make) {
-    std::string error = worlds.call(name, make);
-    if (limits.trace) std::cerr << result.calls << ' ' << name << ' ' << error << '\n';
-    result.refused += !error.empty();
-    return error;
-  }
-
-  BodyId body() {
-    if (bodies.empty()) return {};
-    const std::uint32_t choice = bytes.byte();
-    if (choice == 255) return {.index = bytes.byte(), .generation = bytes.byte()};
-    if (choice >= 232) return bodies[choice % bodies.size()];
-    const std::vector<BodyId> there = worlds.first().bodies();
-    return there.empty() ? bodies.back() : there[choice % there.size()];
-  }
-  JointId joint() {
-    if (joints.empty()) return {};
-    const std::uint32_t choice = bytes.byte();
-    if (choice == 255) return {.index = bytes.byte(), .generation = bytes.byte()};
-    if (choice >= 232) return joints[choice % joints.size()];
-    const std::vector<JointId> there = worlds.first().joints();
-    return there.empty() ? joints.back() : there[choice % there.size()];
-  }
-};
-
-// What a choice that may be impossible comes to: hulls of points in a plane and the like are refused where they are
-// made.
-template <typename Choose>
-auto chosen(const Choose& choose) -> std::optional<decltype(choose())> {
-  try {
-    return choose();
-  } catch (const Error&) {
-    return std::nullopt;
+void Run::step(const char* name, const std::function<StepReport(World& world)>& take) {
+  if (result.steps >= limits.steps) return;
+  std::vector<StepReport> reports(worlds.worlds().size());
+  const std::string error = worlds.step([&](World& world, std::size_t number) { reports[number] = take(world); });
+  if (limits.trace) std::cerr << result.calls << ' ' << name << ' ' << error << '\n';
+  if (!error.empty()) return;
+  ++result.steps;
+  result.quarantined += static_cast<int>(reports.front().quarantined);
+  check_world(worlds.first());
+  const std::vector<BodyId> there = worlds.first().bodies();
+  const auto asleep = std::ranges::count_if(there, [&](BodyId id) { return worlds.first().is_asleep(id); });
+  require(asleep == reports.front().counts.asleep, "a report counts other sleepers than there are");
+  for (std::size_t i = 1; i < reports.size(); ++i) {
+    check_same_reports(reports.front(), reports[i]);
+    check_same_results(worlds.first(), worlds.worlds()[i]);
   }
 }
+
+double Run::time_step() {
+  if (!bytes.one_in(8)) return 1.0 / 60;
+  return definitions.usual() ? definitions.number(0.001, 0.05) : definitions.number(1e-4, 1);
+}
+
+BodyId Run::body() {
+  if (bodies.empty()) return {};
+  const std::uint32_t choice = bytes.byte();
+  if (choice == 255) return {.index = bytes.byte(), .generation = bytes.byte()};
+  if (choice >= 232) return bodies[choice % bodies.size()];
+  const std::vector<BodyId> there = worlds.first().bodies();
+  return there.empty() ? bodies.back() : there[choice % there.size()];
+}
+
+JointId Run::joint() {
+  if (joints.empty()) return {};
+  const std::uint32_t choice = bytes.byte();
+  if (choice == 255) return {.index = bytes.byte(), .generation = bytes.byte()};
+  if (choice >= 232) return joints[choice % joints.size()];
+  const std::vector<JointId> there = worlds.first().joints();
+  return there.empty() ? joints.back() : there[choice % there.size()];
+}
+
+namespace {
 
 void add_body(Run& run) {
   const std::optional<BodyDef> def = chosen([&] { return run.definitions.body(); });
   if (!def || run.worlds.first().body_count() >= run.limits.bodies) return;
   BodyId id;
   const std::string error = run.call("add_body", [&](World& world, std::size_t) { id = world.add_body(*def); });
-  if (error.empty()) run.bodies.push_back(id);
+  if (!error.empty()) return;
+  run.bodies.push_back(id);
+  check_shape(def->shape);
 }
 
 void remove_body(Run& run) {
@@ -97,29 +97,10 @@ void remove_joint(Run& run) {
   run.call("remove_joint", [&](World& world, std::size_t) { world.remove_joint(id); });
 }
 
-void finish_step(Run& run, const std::vector<StepReport>& reports) {
-  ++run.result.steps;
-  run.result.quarantined += static_cast<int>(reports.front().quarantined);
-  check_world(run.worlds.first());
-  for (std::size_t i = 1; i < reports.size(); ++i) {
-    check_same_reports(reports.front(), reports[i]);
-    check_same_results(run.worlds.first(), run.worlds.worlds()[i]);
-  }
-}
-
-double time_step(Run& run) {
-  if (!run.bytes.one_in(8)) return 1.0 / 60;
-  return run.definitions.usual() ? run.definitions.number(0.001, 0.05) : run.definitions.number(1e-4, 1);
-}
-
 void step(Run& run) {
   for (std::uint32_t left = 1 + run.bytes.below(3); left > 0 && run.result.steps < run.limits.steps; --left) {
-    const double dt = time_step(run);
-    std::vector<StepReport> reports(run.worlds.worlds().size());
-    const std::string error =
-        run.worlds.step([&](World& world, std::size_t number) { reports[number] = world.step(dt); });
-    if (run.limits.trace) std::cerr << run.result.calls << " step " << error << '\n';
-    if (error.empty()) finish_step(run, reports);
+    const double dt = run.time_step();
+    run.step("step", [dt](World& world) { return world.step(dt); });
   }
 }
 
@@ -127,7 +108,7 @@ void forced_step(Run& run) {
   if (run.result.steps >= run.limits.steps) return;
   const double strength = run.definitions.number(0, 200);
   const std::uint32_t mood = run.bytes.below(8);
-  const double dt = time_step(run);
+  const double dt = run.time_step();
   const auto law = [&](Forces& forces) {
     if (mood == 1 && forces.time() > 0.5 * dt) throw Error("a law that gives up");
     const std::vector<BodyId> bodies = forces.world().bodies();
@@ -137,11 +118,7 @@ void forced_step(Run& run) {
       if (mood == 3) forces.add_at(id, {0, 0, strength}, forces.world().pose(id).position + Vector3(0.1, 0, 0));
     }
   };
-  std::vector<StepReport> reports(run.worlds.worlds().size());
-  const std::string error =
-      run.worlds.step([&](World& world, std::size_t number) { reports[number] = world.step(dt, law); });
-  if (run.limits.trace) std::cerr << run.result.calls << " forced_step " << error << '\n';
-  if (error.empty()) finish_step(run, reports);
+  run.step("forced_step", [&](World& world) { return world.step(dt, law); });
 }
 
 void move_body(Run& run) {
@@ -297,53 +274,6 @@ void change_gravity(Run& run) {
   run.call("set_gravity", [&](World& world, std::size_t) { world.set_gravity(gravity); });
 }
 
-void save(Run& run) {
-  const std::size_t slot = run.bytes.below(2);
-  std::vector<Snapshot>& all = run.snapshots[slot];
-  all.resize(run.worlds.worlds().size());
-  run.call("save", [&](World& world, std::size_t number) { world.save(all[number]); });
-  run.hashes[slot] = run.worlds.first().state_hash();
-}
-
-void restore(Run& run) {
-  const std::size_t slot = run.bytes.below(2);
-  const std::vector<Snapshot>& all = run.snapshots[slot];
-  if (all.empty()) return;
-  // Its own, another's or one from a file: those of other worlds have to be of the same bodies.
-  const std::uint32_t way = run.bytes.below(4);
-  if (way == 3) all.front().write(run.file.path());
-  const std::string error = run.call("restore", [&](World& world, std::size_t number) {
-    if (way == 3) return world.restore(Snapshot::read(run.file.path()));
-    world.restore(all[way == 2 ? (number + 1) % all.size() : number]);
-  });
-  require(way >= 2 || error.empty(), "a world doesn't go back to its own snapshot: " + error);
-  if (!error.empty()) return;
-  require(run.worlds.first().state_hash() == run.hashes[slot], "a restored world has another hash than the saved one");
-  check_world(run.worlds.first());
-}
-
-void stop_recording(Run& run, const ReplayOptions& options) {
-  run.worlds.first().stop_recording();
-  const ReplayResult result = replay(run.recording.path(), options);
-  if (result.divergence) {
-    std::string found =
-        "a replay comes to something else from step " + std::to_string(result.divergence->step) + " on:";
-    for (const ReplayedBody& body : result.divergence->bodies) {
-      found += " body " + std::to_string(body.id.index);
-      for (const std::string& part : body.parts) found += " " + part;
-    }
-    throw Finding(found);
-  }
-  require(result.complete && result.steps == result.recorded_steps, "a replay ends too soon");
-}
-
-void record(Run& run) {
-  if (run.limits.trace) std::cerr << run.result.calls << " record\n";
-  if (run.worlds.first().is_recording())
-    return stop_recording(run, {.threads = 1 + static_cast<int>(run.bytes.below(2))});
-  run.worlds.first().record(run.recording.path(), {.body_hash_interval = 1 + static_cast<int>(run.bytes.below(4))});
-}
-
 // Functions without a memory of their own, that do the same in every world. Some give up, and some try what they must
 // not do.
 void set_functions(Run& run) {
@@ -399,24 +329,7 @@ void set_many(Run& run) {
 }
 
 void ask(Run& run) { check_queries(run.worlds.worlds(), run.definitions, run.bytes); }
-
-// A scene file of any world is read again, and bodies are as they were.
-void write_as_scene(Run& run) {
-  const World& world = run.worlds.first();
-  if (world.body_count() == 0) return;  // which no scene file is of
-  const std::optional<std::string> written = chosen([&] { return scene_text(scene_of(world)); });
-  require(written || !run.definitions.usual(), "a world can't be written as a scene file");
-  if (!written) return;
-  const std::string& text = *written;
-  const Scene scene = parse_scene(text, "scene_of");
-  World again({.gravity = scene.gravity, .settings = scene.settings});
-  const std::vector<BodyId> ids = build_scene(scene, again);
-  const std::vector<BodyId> before = world.bodies();
-  require(ids.size() == before.size(), "a scene file has another number of bodies than its world");
-  for (std::size_t i = 0; i < ids.size(); ++i) {
-    require(again.velocity(ids[i]) == world.velocity(before[i]), "a scene file changes a velocity");
-  }
-}
+void ask_for_some(Run& run) { check_filtered_queries(run.worlds.worlds(), run.definitions, run.bytes); }
 
 // Another body like each that there is can be made.
 void copy_body(Run& run) {
@@ -437,13 +350,24 @@ void move_worlds(Run& run) {
   }
 }
 
-constexpr std::array kinds_of_call = {add_body,       add_body,    add_body,     step,           step,
-                                      step,           step,        step,         forced_step,    remove_body,
-                                      add_joint,      add_joint,   remove_joint, move_body,      move_body,
-                                      change_body,    change_body, change_joint, change_joint,   change_settings,
-                                      change_gravity, save,        restore,      record,         set_functions,
-                                      set_many,       ask,         ask,          write_as_scene, copy_body,
-                                      move_worlds};
+using Kind = void (*)(Run& run);
+constexpr auto first_kinds_of_call =
+    std::to_array<Kind>({add_body,       add_body,    add_body,     step,           step,
+                         step,           step,        step,         forced_step,    remove_body,
+                         add_joint,      add_joint,   remove_joint, move_body,      move_body,
+                         change_body,    change_body, change_joint, change_joint,   change_settings,
+                         change_gravity, save,        restore,      record,         set_functions,
+                         set_many,       ask,         ask,          write_as_scene, copy_body,
+                         move_worlds});
+constexpr auto other_kinds_of_call = std::to_array<Kind>(
+    {fall_asleep, change_often, ask_for_some, ask_for_some, keep_views, change_instructions, end_while_recording,
+     use_files_that_cannot_be, overstep, make_a_world, switch_joints, define_what_cannot_be, break_and_release});
+
+Kind choose_kind(Run& run) {
+  constexpr std::size_t first = first_kinds_of_call.size(), other = other_kinds_of_call.size();
+  const std::size_t choice = run.bytes.below(run.limits.first_kinds ? first : first + other);
+  return choice < first ? first_kinds_of_call[choice] : other_kinds_of_call[choice - first];
+}
 
 }  // namespace
 
@@ -458,10 +382,11 @@ ProgramResult run_program(std::span<const std::uint8_t> input, Numbers numbers, 
     worlds.worlds()[i].add_body({.type = BodyType::Static, .shape = HalfSpace{}});
   }
   while (!bytes.empty() && run.result.calls < limits.calls) {
-    kinds_of_call[bytes.below(kinds_of_call.size())](run);
+    choose_kind(run)(run);
     ++run.result.calls;
   }
   if (worlds.first().is_recording()) stop_recording(run, {});
+  look_at_views(run);
   check_world(worlds.first());
   run.result.hash = worlds.first().state_hash();
   return run.result;

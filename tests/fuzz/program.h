@@ -23,7 +23,8 @@ struct ProgramLimits {
   int steps = 32;
   std::size_t bodies = 16;
   std::size_t joints = 16;
-  bool trace = false;  ///< each call is told on standard error
+  bool first_kinds = false;  ///< only kinds of call that there were at first: an old program stays the same
+  bool trace = false;        ///< each call is told on standard error
 };
 
 /// Runs it in worlds of the variants, side by side. Throws Finding where one of them does what it should not: see

@@ -7,14 +7,16 @@
 #include <exception>
 #include <iostream>
 #include <random>
+#include <string_view>
 #include <vector>
 
 #include "program.h"
 
 int main(int argc, char** argv) {
   using namespace atl;
-  if (argc < 4) {
-    std::cerr << "usage: " << argv[0] << " PROGRAMS CALLS FIRST_SEED\n";
+  const bool first_kinds = argc == 5 && std::string_view(argv[4]) == "first-kinds";
+  if (argc != 4 && !first_kinds) {
+    std::cerr << "usage: " << argv[0] << " PROGRAMS CALLS FIRST_SEED [first-kinds]\n";
     return 2;
   }
   const auto programs = std::strtoul(argv[1], nullptr, 10);
@@ -32,8 +34,9 @@ int main(int argc, char** argv) {
     for (std::uint8_t& byte : bytes) byte = static_cast<std::uint8_t>(random());
     const fuzz::Numbers numbers = seed % 4 == 3 ? fuzz::Numbers::Any : fuzz::Numbers::Usual;
     try {
-      const fuzz::ProgramResult result =
-          fuzz::run_program(bytes, numbers, variants, {.calls = calls, .steps = 2 * calls, .trace = programs == 1});
+      const fuzz::ProgramLimits limits = {
+          .calls = calls, .steps = 2 * calls, .first_kinds = first_kinds, .trace = programs == 1};
+      const fuzz::ProgramResult result = fuzz::run_program(bytes, numbers, variants, limits);
       sum.calls += result.calls;
       sum.steps += result.steps;
       sum.refused += result.refused;

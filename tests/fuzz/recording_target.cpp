@@ -1,5 +1,5 @@
-// Recordings from files: replayed, gone through to and fro, and held against themselves. An input is records.h's; one
-// that begins with the words of a file's header is the file as it is.
+// Recordings from files, one or two to an input as records.h has it: replayed, gone through to and fro, and held
+// against themselves and each other.
 
 #include <atoll/error.h>
 #include <atoll/parting.h>
@@ -7,7 +7,10 @@
 #include <atoll/recording.h>
 #include <atoll/world.h>
 
+#include <algorithm>
+#include <array>
 #include <cstdlib>
+#include <cstring>
 #include <random>
 #include <string>
 #include <string_view>
@@ -31,43 +34,87 @@ void stop_at(std::int64_t steps, std::int64_t) {
   if (steps >= most_steps) throw Enough{};
 }
 
-// Whatever order its steps are looked at in, each is the same.
-void go_through(const std::string& path) {
-  Playback playback(path, {.key_frame_bytes = std::size_t{1} << 20});
-  if (playback.steps() > most_steps) return;
+using fuzz::next_recording;
+using fuzz::whole_file;
+
+// Whatever order its steps are looked at in, and whatever memory there is for it, each is the same.
+void go_through(const std::string& path, std::size_t key_frame_bytes) {
+  Playback opened(path, {.key_frame_bytes = key_frame_bytes});
+  if (opened.steps() > most_steps) return;
+  Playback playback = std::move(opened);
   std::vector<std::uint64_t> hashes = {playback.world().state_hash()};
-  while (playback.advance()) hashes.push_back(playback.world().state_hash());
+  while (playback.advance()) {
+    hashes.push_back(playback.world().state_hash());
+    fuzz::require(playback.dt() > 0 && playback.step() == static_cast<std::int64_t>(hashes.size()) - 1,
+                  "a step of a recording is not where it stands");
+  }
   if (playback.divergence()) return;
   const auto steps = static_cast<std::int64_t>(hashes.size()) - 1;
-  for (const std::int64_t step : {steps / 2, std::int64_t{0}, steps, steps / 3}) {
+  const auto seek = [&](std::int64_t step) {
     playback.seek(step);
     fuzz::require(playback.world().state_hash() == hashes[static_cast<std::size_t>(step)],
                   "a step of a recording is another when it is come to otherwise");
+  };
+  for (const std::int64_t step : {steps / 2, std::int64_t{0}, steps, steps / 3, steps}) seek(step);
+  if (key_frame_bytes > 0) {
+    for (std::int64_t step = steps; step >= 0; --step) seek(step);
   }
-  fuzz::require(!find_parting(path, path).parting, "a recording parts from itself");
+  fuzz::require_refused("a step after the last", [&] { playback.seek(playback.steps() + 1); });
+  fuzz::require_refused("a step before the first", [&] { playback.seek(-1); });
+}
+
+// The one parts from the other where that does from it, and neither from itself.
+void part(const std::string& first, const std::string& second) {
+  const PartingResult found = find_parting(first, second), back = find_parting(second, first);
+  fuzz::require(found.steps == back.steps && found.parting.has_value() == back.parting.has_value(),
+                "recordings part in one order alone");
+  if (found.parting) {
+    const Parting &parting = *found.parting, &its = *back.parting;
+    fuzz::require(parting.step >= 1 && parting.step <= found.steps, "recordings part in a step that neither has");
+    fuzz::require(parting.step == its.step && parting.by_calls == its.by_calls && parting.phase == its.phase &&
+                      parting.bodies_step == its.bodies_step && parting.bodies.size() == its.bodies.size(),
+                  "recordings part otherwise in the other order");
+    fuzz::require(!parting.bodies_step || *parting.bodies_step >= parting.step, "bodies part before their worlds");
+  }
+  fuzz::require(!find_parting(first, first).parting, "a recording parts from itself");
+}
+
+void replay_all(const std::string& path) {
+  replay(path, {.on_step = stop_at});
+  fuzz::require(is_recording(path), "a recording is replayed that is none");
+}
+
+void run(std::span<const std::uint8_t> input) {
+  static const fuzz::ScratchFile file("recording"), other("other-recording");
+  constexpr std::array<std::size_t, 3> memory = {std::size_t{1} << 20, 20000, 0};
+  const std::string_view text(reinterpret_cast<const char*>(input.data()), input.size());
+  std::vector<fuzz::Record> records;
+  auto next = records.begin();
+  if (text.starts_with(whole_file)) {
+    file.write(input.subspan(whole_file.size()));
+  } else {
+    records = fuzz::records_of(input);
+    next = std::ranges::find(records, next_recording, &fuzz::Record::kind);
+    test::write_records(file.path(), {records.begin(), next});
+  }
+  replay_all(file.path());
+  go_through(file.path(), memory[input.size() % memory.size()]);
+  if (next == records.end()) return part(file.path(), file.path());
+  test::write_records(other.path(), {next + 1, records.end()});
+  replay_all(other.path());
+  part(file.path(), other.path());
 }
 
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const fuzz::ScratchFile file("recording");
-  const std::string_view text(reinterpret_cast<const char*>(data), size);
   try {
-    if (text.starts_with("ATOLLREC")) {
-      file.write({data, size});
-    } else {
-      test::write_records(file.path(), fuzz::records_of({data, size}));
-    }
-    replay(file.path(), {.on_step = stop_at});
-    go_through(file.path());
+    run({data, size});
   } catch (const Error&) {
   } catch (const Enough&) {
   }
   return 0;
 }
-
-#ifdef ATOLL_LIBFUZZER
-extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t max_size);
 
 // Changes one record in what libFuzzer would do, or which there are.
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t max_size,
@@ -75,7 +122,7 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
   std::minstd_rand random(seed);
   std::vector<fuzz::Record> records = fuzz::records_of({data, size});
   const std::string_view text(reinterpret_cast<const char*>(data), size);
-  if (records.empty() || text.starts_with("ATOLLREC") || random() % 16 == 0) {
+  if (records.empty() || text.starts_with(whole_file) || random() % 16 == 0) {
     return LLVMFuzzerMutate(data, size, max_size);
   }
   fuzz::Record& record = records[random() % records.size()];
@@ -91,6 +138,7 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
       break;
     case 3:
       record.kind = static_cast<RecordKind>(random() % 2 != 0 ? random() % 14 : 256 + random() % 26);
+      if (random() % 16 == 0) record.kind = next_recording;
       break;
     default: {
       const std::size_t length = record.content.size();
@@ -105,4 +153,3 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
   std::memcpy(data, bytes.data(), bytes.size());
   return bytes.size();
 }
-#endif

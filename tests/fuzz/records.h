@@ -1,6 +1,6 @@
 #pragma once
 /// Recordings as inputs: records one after another, each as 2 bytes of its kind, 2 of its length and its content.
-/// Checksums, which would keep all else out, are made right when the file is written.
+/// Checksums, which would keep all else out, are made right when the file is written. Or a file as it is.
 
 #include <algorithm>
 #include <cstddef>
@@ -8,6 +8,7 @@
 #include <cstring>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "support/recording_file.h"
@@ -15,6 +16,11 @@
 namespace atl::fuzz {
 
 using test::Record;
+
+/// Of a record between two recordings.
+inline constexpr auto next_recording = static_cast<RecordKind>(0xffff);
+/// What an input begins with that goes on with a file as it is.
+inline constexpr std::string_view whole_file = "FILE";
 
 /// Any bytes are some records.
 inline std::vector<Record> records_of(std::span<const std::uint8_t> bytes) {
