@@ -214,10 +214,14 @@ ResidualReport measure_contact_residual(const ContactProblem& problem) {
     const Rows rows(problem, patch);
     PatchVector u_free = rows.velocity(free);
     PatchVector u = rows.velocity(after);
-    response_scale += (u - u_free).squared_norm();
+    const double change = (u - u_free).squared_norm();
+    response_scale += change;
+    report.change_by_patch.push_back(std::sqrt(change));
     allow_gaps(u_free, patch, problem.substep);
     allow_gaps(u, patch, problem.substep);
-    free_scale += square_within_reach(u_free, bounds_of(patch));
+    const double within_reach = square_within_reach(u_free, bounds_of(patch));
+    free_scale += within_reach;
+    report.free_by_patch.push_back(std::sqrt(within_reach));
 
     const double residual = natural_map(rows, u, bounds_of(patch));
     report.by_patch.push_back(residual);

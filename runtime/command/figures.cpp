@@ -24,6 +24,9 @@ std::vector<Count> named_counts(const StepCounts& c) {
           {"direct_islands", c.direct_islands},
           {"refined_islands", c.refined_islands},
           {"unsolved_islands", c.unsolved_islands},
+          {"unheld_islands", c.unheld_islands},
+          {"body_substeps", c.body_substeps},
+          {"most_substeps", c.most_substeps},
           {"newton_iterations", c.newton_iterations},
           {"aabb_updates", c.aabb_updates}};
 }

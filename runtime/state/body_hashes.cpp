@@ -82,6 +82,10 @@ void hash_body(const Stores& world, BodyParts& parts, std::uint32_t body) {
   }
   const solver::SolverSelection::LoadHistory history = world.selection.load_history(body);
   visit_load_history(parts.contacts, history);
+  if (world.settings.target.is_set()) {
+    solver::SubstepControl::History substeps = world.control.history(body);
+    visit_history(parts.contacts, substeps);
+  }
 }
 
 void hash_contact(const Stores& world, StateHash& hash, std::uint32_t slot) {

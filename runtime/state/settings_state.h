@@ -8,6 +8,16 @@
 
 namespace atl {
 
+template <typename Archive, typename AnyTarget>
+void visit_target(Archive& archive, AnyTarget& target) {
+  if (Archive::hashes && !target.is_set()) return;
+  for (auto* error : {&target.penetration, &target.joint_gap, &target.residual, &target.motion}) {
+    visit_optional(archive, *error, [&](auto& value) { archive.value(value); });
+  }
+  archive.value(target.least_substeps);
+  archive.value(target.most_substeps);
+}
+
 template <typename Archive, typename AnySettings>
 void visit_settings(Archive& archive, AnySettings& s) {
   archive.value(s.substeps);
@@ -40,6 +50,7 @@ void visit_settings(Archive& archive, AnySettings& s) {
   archive.value(s.sleep_speed);
   archive.value(s.time_to_sleep);
   archive.value(s.contact_events);
+  visit_target(archive, s.target);
 }
 
 }  // namespace atl

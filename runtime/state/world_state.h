@@ -11,6 +11,7 @@
 #include <solver/constraints/surface_contact.h>
 #include <solver/integrate/motion_locks.h>
 #include <solver/integrate/state_bounds.h>
+#include <solver/tuning.h>
 
 #include <algorithm>
 #include <array>
@@ -37,6 +38,20 @@ void visit_load_history(Archive& archive, LoadHistory& history) {
   archive.value(history.overloaded);
   archive.value(history.deep);
   archive.value(history.sags);
+}
+
+template <typename Archive>
+void visit_history(Archive& archive, solver::SubstepControl::History& history) {
+  archive.value(history.substeps);
+  archive.value(history.most);
+  archive.value(history.asked);
+  archive.value(history.since);
+  archive.value(history.hold);
+  archive.value(history.lowered);
+  constexpr int most = 1024;
+  archive.check(history.substeps <= most && history.most <= most && history.asked <= most && history.since >= 0 &&
+                    history.hold >= 0 && std::isfinite(history.hold),
+                "substeps of an island that can't be");
 }
 
 /// Of the numbers below `count` those that stand out: visit(number) tells of one.
@@ -132,6 +147,41 @@ void check_poses(Archive& archive, const Stores& world) {
   }
 }
 
+/// What islands' errors have come to, where they have targets. Bodies go before.
+template <typename Archive, typename AnyWorld>
+void visit_control(Archive& archive, AnyWorld& world) {
+  using History = solver::SubstepControl::History;
+  const Settings& settings = world.settings;
+  auto& control = world.control;
+  if (Archive::hashes && !settings.target.is_set()) return;
+  // Steps take turns to measure residuals. Their number is part of a state, if not of its hash.
+  if (Archive::hashes && settings.target.residual) archive.value(world.clock.steps % solver::tuning::residual_interval);
+  if constexpr (Archive::reads) control.forget_all();
+  const std::size_t bodies = world.bodies.size();
+  const auto check_body = [&](std::uint32_t body) {
+    archive.check(body < bodies && world.records.alive[body], "the number of a body that there is not");
+  };
+  const auto has_history = [&control](std::uint32_t body) { return control.history(body) != History{}; };
+  visit_some(archive, control.is_empty() && !Archive::reads ? 0 : bodies, has_history, [&](std::uint32_t body) {
+    check_body(body);
+    History history = control.history(body);
+    visit_history(archive, history);
+    if constexpr (Archive::reads) control.restore_history(body, bodies, history);
+  });
+  const auto is_known = [&control](std::uint32_t body) { return control.motion().is_known(body); };
+  visit_some(archive, control.motion().is_empty() && !Archive::reads ? 0 : bodies, is_known, [&](std::uint32_t body) {
+    check_body(body);
+    solver::MotionError::Acceleration acceleration = {};
+    if constexpr (!Archive::reads) acceleration = control.motion().acceleration(body);
+    archive.values(acceleration.data(), acceleration.size());
+    if constexpr (Archive::reads) {
+      archive.check(std::all_of(acceleration.begin(), acceleration.end(), [](float x) { return std::isfinite(x); }),
+                    "an acceleration that is not finite");
+      control.motion().restore(body, bodies, acceleration);
+    }
+  });
+}
+
 /// `AnyWorld` is Stores, const where the archive doesn't read. Before a state is read the world has its world
 /// definition.
 template <typename Archive, typename AnyWorld>
@@ -148,6 +198,7 @@ class WorldState {
     visit_sleeping();
     visit_quarantine();
     visit_selection();
+    visit_control(archive_, world_);
     visit_events();
     visit_joints();
     visit_kept_apart();
@@ -345,7 +396,8 @@ class WorldState {
       archive_.values(pose.position.data(), 3);
       archive_.values(pose.orientation.coeffs().data(), 4);
       if constexpr (reads) {
-        archive_.check_number(solver::is_in_place(pose.position, pose.orientation), "a pose to go back to that is none");
+        archive_.check_number(solver::is_in_place(pose.position, pose.orientation),
+                              "a pose to go back to that is none");
         list.remember_pose(body, pose);
       }
     });
@@ -569,7 +621,8 @@ class WorldState {
   void check_members() {
     {
       auto& [gravity, settings, clock, bodies, records, joints, broadphase, aabbs, cache, choices, surface_contacts,
-             sleeping, quarantine, selection, results, /**/ contents, colliders, active, reaches, changes] = world_;
+             sleeping, quarantine, selection, control, results, /**/ contents, colliders, active, reaches, changes] =
+          world_;
       static_cast<void>(gravity);
     }
     {

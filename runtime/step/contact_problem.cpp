@@ -1,4 +1,7 @@
+#include <atoll/errors.h>
 #include <solver/integrate/motion_locks.h>
+
+#include <cmath>
 
 #include "step/results.h"
 
@@ -12,10 +15,10 @@ Vector3 vector(const Floats& v) {
 
 }  // namespace
 
-ContactProblem contact_problem(const Stores& world, const StepPipeline& pipeline) {
+ContactProblem contact_problem(const Stores& world, std::span<const solver::TouchingPair> touching,
+                               const solver::ContactCapture& capture, double substep) {
   ContactProblem problem;
-  if (!world.results.captured) return problem;
-  problem.substep = world.clock.last_substep;
+  problem.substep = substep;
 
   std::vector<std::size_t> place(world.bodies.size(), ContactProblem::fixed);
   const auto place_of = [&](std::uint32_t body) {
@@ -23,7 +26,7 @@ ContactProblem contact_problem(const Stores& world, const StepPipeline& pipeline
       return place[body];
     ContactProblem::Body entry{.index = body};
     if (world.bodies.mobility[body] == solver::Mobility::Dynamic) {
-      const solver::ContactCapture::Motion& motion = pipeline.solve().capture().motions[body];
+      const solver::ContactCapture::Motion& motion = capture.motions[body];
       entry.inverse_mass = world.bodies.inverse_mass[body];
       entry.free_axes = solver::without(solver::linear_locks(world.bodies.locks[body]), Vector3::Ones());
       entry.inverse_inertia = motion.inverse_inertia;
@@ -37,9 +40,9 @@ ContactProblem contact_problem(const Stores& world, const StepPipeline& pipeline
     return place[body] = problem.bodies.size() - 1;
   };
 
-  for (const solver::TouchingPair& pair : pipeline.contacts().touching()) {
+  for (const solver::TouchingPair& pair : touching) {
     const collision::ContactManifold& manifold = world.cache.manifolds[pair.slot];
-    const solver::ContactCapture::Answer& answer = pipeline.solve().capture().answers[pair.slot];
+    const solver::ContactCapture::Answer& answer = capture.answers[pair.slot];
     // Of unit length and square in double, as the solver's are in single precision only.
     const Vector3 normal = (answer.planar ? vector(answer.normal) : vector(manifold.normal)).normalized();
     const Vector3 first_tangent =
@@ -56,7 +59,7 @@ ContactProblem contact_problem(const Stores& world, const StepPipeline& pipeline
                                 .radius = manifold.friction_radius,
                                 .friction_impulse = friction - normal.dot(friction) * normal,
                                 .torsional_impulse = answer.torsional_impulse,
-                                .step = answer.step == world.clock.last_substep ? 0 : answer.step};
+                                .step = answer.step == substep ? 0 : answer.step};
     if (!world.surface_contacts.empty()) {
       const solver::SurfaceContact& surface = world.surface_contacts[pair.slot];
       const Vector3 rolling = vector(answer.rolling_impulse);
@@ -80,6 +83,31 @@ ContactProblem contact_problem(const Stores& world, const StepPipeline& pipeline
     problem.patches.push_back(std::move(patch));
   }
   return problem;
+}
+
+std::vector<double> island_residuals(const ContactProblem& problem, const solver::Islands& islands) {
+  struct Sums {
+    double residual = 0, free = 0, change = 0;
+  };
+  const ResidualReport report = measure_contact_residual(problem);
+  std::vector<Sums> sums(islands.count());
+  for (std::size_t i = 0; i < problem.patches.size(); ++i) {
+    for (const std::size_t body : {problem.patches[i].first, problem.patches[i].second}) {
+      if (body == ContactProblem::fixed) continue;
+      const std::uint32_t island = islands.island_of(static_cast<std::uint32_t>(problem.bodies[body].index));
+      if (island == solver::Islands::none) continue;
+      sums[island].residual += report.by_patch[i] * report.by_patch[i];
+      sums[island].free += report.free_by_patch[i] * report.free_by_patch[i];
+      sums[island].change += report.change_by_patch[i] * report.change_by_patch[i];
+      break;
+    }
+  }
+  std::vector<double> relative(islands.count(), 0);
+  for (std::size_t island = 0; island < sums.size(); ++island) {
+    const double scale = sums[island].free > 0 ? sums[island].free : sums[island].change;
+    if (scale > 0) relative[island] = std::sqrt(sums[island].residual / scale);
+  }
+  return relative;
 }
 
 }  // namespace atl

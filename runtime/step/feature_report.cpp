@@ -47,6 +47,8 @@ constexpr std::array<FeatureWords, feature_count> words = {{
      "no island's contacts carry more than sweeps can settle"},
     {"refined_substeps", "islands", "some islands sag under their own weight, or a body lands",
      "no island sags, and no body lands that leans"},
+    {"error_target", "islands", "errors of islands have targets, and decide on their substeps",
+     "no error has a target, or nothing touches or is joined"},
     {"joint_solver", "joints", "bodies that are awake are joined: one joint after the other",
      "all joints are solved at once"},
     {"direct_joints", "joints", "some joints that hang together are solved at once",
@@ -141,6 +143,7 @@ void note_features(const Stores& world, const StepPipeline& pipeline, const Cont
     (island.direct ? direct_ms : refined_ms) += island.ms;
   note_items(Feature::DirectContacts, counts.direct_islands, direct_ms);
   note_items(Feature::RefinedSubsteps, counts.refined_islands, refined_ms);
+  note_items(Feature::ErrorTarget, world.settings.target.is_set() ? counts.islands : 0);
   note_items(Feature::JointSolver, counts.joints - counts.direct_joints);
   note_items(Feature::DirectJoints, counts.direct_joints);
   if (counts.joints == 0) {

@@ -31,6 +31,7 @@ void for_each_use(const Stores& world, const StepPipeline& pipeline, const StepC
   visit("direct_contacts", solve.direct_arrays(), solve.direct_count(), "islands");
   visit("overload_watch", std::tuple_cat(std::tie(world.selection, results.selected_solves), solve.selection_arrays()),
         bodies, "bodies");
+  visit("error_target", std::tie(world.control, results.unheld_islands), bodies, "bodies");
   visit("joints", std::tuple_cat(std::tie(world.joints, results.joint_events), pipeline.islands().joint_arrays()),
         world.joints.count, "joints");
   visit("continuous_collision", std::tie(pipeline.continuous()), static_cast<std::size_t>(last_step.swept), "bodies");

@@ -28,7 +28,11 @@ std::span<const ContactForce> contact_forces(Stores& world, const ContactPhase& 
                                              const collision::NarrowphaseKernels& kernels, jobs::Arena& arena);
 std::span<const PairForce> pair_forces(Stores& world, const ContactPhase& phase,
                                        const collision::NarrowphaseKernels& kernels, jobs::Arena& arena);
-ContactProblem contact_problem(const Stores& world, const StepPipeline& pipeline);
+/// Of a step whose substeps took so many seconds.
+ContactProblem contact_problem(const Stores& world, std::span<const solver::TouchingPair> touching,
+                               const solver::ContactCapture& capture, double substep);
+/// As ResidualReport::relative, by island.
+std::vector<double> island_residuals(const ContactProblem& problem, const solver::Islands& islands);
 /// What of a world's memory is for what.
 std::vector<MemoryUse> memory_of(const Stores& world, const StepPipeline& pipeline, const StepCounts& last_step);
 /// Asks for the memory of a small world that is about to be stepped.

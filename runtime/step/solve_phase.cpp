@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "step/results.h"
 #include "world/bodies.h"
 #include "world/colliders.h"
 #include "world/settings_check.h"
@@ -27,6 +28,23 @@ solver::SolverSettings settings_now(const Stores& world, int substeps) {
   if (!world.settings.restitution_threshold) {
     how.restitution_threshold = solver::tuning::least_bounce * world.gravity.norm() * world.clock.dt / substeps;
   }
+  return how;
+}
+
+// Of groups that are solved in a mode, and get so many substeps where `asked` are asked for.
+solver::SolverSettings settings_of(const Stores& world, int asked, int substeps, SolveMode mode) {
+  solver::SolverSettings how = settings_now(world, substeps);
+  how.refinement = static_cast<double>(substeps) / asked;
+  if (mode != SolveMode::Refined && mode != SolveMode::Landing) return how;
+  int times = solver::tuning::landing_refinement;
+  if (mode == SolveMode::Landing) {
+    how.contact_hertz = solver::SubstepConstants::contact_hertz(how, world.clock.dt / substeps);
+  } else {
+    times = solver::refinement_of(how, world.clock.dt);
+  }
+  how.refined = true;
+  how.refinement *= times;
+  how.substeps *= times;
   return how;
 }
 
@@ -51,12 +69,46 @@ void move_unconstrained_bodies(Stores& world, const StepContext& step, std::span
   }
 }
 
+// In how many runs of the phases a step is made: under a force law in as many as it has substeps.
+int parts_of_step(const Stores& world, const StepContext& step) { return world.settings.substeps / step.substeps; }
+
+bool measures_residual(const Stores& world) {
+  return world.settings.target.residual && world.clock.steps % solver::tuning::residual_interval == 0;
+}
+
+solver::ErrorInput error_input(const Stores& world, const StepContext& step, const solver::Islands& islands) {
+  return {.islands = islands,
+          .bodies = world.bodies,
+          .manifolds = world.cache.manifolds.data(),
+          .joints = world.joints.joints.data(),
+          .gravity = world.gravity.norm(),
+          .dt = world.clock.dt,
+          .asked = step.substeps,
+          .parts = parts_of_step(world, step)};
+}
+
 }  // namespace
 
 void SolvePhase::solve(Stores& world, const StepContext& step, const solver::AddedSlip* added_slips,
                        IslandPhase& islands) {
   solve_groups(world, step, added_slips, islands);
   move_unconstrained_bodies(world, step, islands.islands().free_bodies(), moved_);
+}
+
+// Whether some island got another number, or there are other islands.
+bool SolvePhase::choose_substeps(Stores& world, const StepContext& step, const solver::Islands& islands) {
+  const auto chosen =
+      world.control.choose(error_input(world, step, islands), error_target(world.settings.target), step.arena);
+  bool changed = substeps_.size() != chosen.size();
+  substeps_.resize(chosen.size());
+  const int parts = parts_of_step(world, step);
+  for (std::size_t island = 0; island < chosen.size(); ++island) {
+    // Of a part of a step that part.
+    const auto substeps = static_cast<std::uint16_t>((chosen[island].substeps + parts - 1) / parts);
+    changed |= substeps_[island] != substeps;
+    substeps_[island] = substeps;
+  }
+  return changed;
 }
 
 void SolvePhase::choose_modes(Stores& world, const StepContext& step, IslandPhase& islands) {
@@ -71,7 +123,8 @@ void SolvePhase::choose_modes(Stores& world, const StepContext& step, IslandPhas
                                      .dt = world.clock.dt,
                                      .settings = how,
                                      .joint_graph = world.joints.count == 0 ? nullptr : &islands.joint_graph(),
-                                     .joint_systems = &islands.joint_systems()};
+                                     .joint_systems = &islands.joint_systems(),
+                                     .refines = !world.settings.target.penetration};
     const bool all = world.settings.contact_solver == ContactSolver::Direct;
     modes = all ? world.selection.choose_direct(input) : world.selection.choose(input);
   } else if (with_direct_contacts) {
@@ -79,19 +132,52 @@ void SolvePhase::choose_modes(Stores& world, const StepContext& step, IslandPhas
   } else {
     world.selection.forget_arrived();
   }
-  const bool changed = !std::equal(modes.begin(), modes.end(), modes_.begin(), modes_.end());
+  bool changed = !std::equal(modes.begin(), modes.end(), modes_.begin(), modes_.end());
+  if (world.settings.target.is_set()) {
+    changed |= choose_substeps(world, step, islands.islands());
+  } else if (!substeps_.empty() || !world.control.is_empty()) {
+    world.control.forget_all();
+    substeps_.clear();
+    changed = true;
+  }
   if (!changed && !islands.rebuilt()) return;
   modes_.assign(modes.begin(), modes.end());
-  alone_.resize(modes_.size());
-  std::transform(modes_.begin(), modes_.end(), alone_.begin(),
-                 [](SolveMode mode) -> std::uint8_t { return mode != SolveMode::Sweep; });
-  solver::pack_groups(islands.islands(), islands.one_each(), alone_, groups_);
+  company_.assign(std::max(modes_.size(), substeps_.size()), 0);
+  std::copy(substeps_.begin(), substeps_.end(), company_.begin());
+  for (std::size_t island = 0; island < modes_.size(); ++island) {
+    if (modes_[island] != SolveMode::Sweep) company_[island] = solver::Islands::none;
+  }
+  solver::pack_groups(islands.islands(), islands.one_each(), company_, groups_);
   // Which islands are large follows from the islands alone.
   regrouped_ |= islands.rebuilt();
 }
 
 SolveMode SolvePhase::mode_of(const solver::IslandGroup& group) const {
   return modes_.empty() ? SolveMode::Sweep : modes_[group.begin];
+}
+
+int SolvePhase::substeps_of(const solver::IslandGroup& group, int asked) const {
+  return substeps_.empty() ? asked : substeps_[group.begin];
+}
+
+void SolvePhase::choose_settings(const Stores& world, int asked) {
+  settings_.clear();
+  for (const solver::IslandGroup& group : groups_) {
+    const SolveMode mode = mode_of(group);
+    const int substeps = substeps_of(group, asked);
+    const auto is_it = [&](const GroupSettings& one) { return one.mode == mode && one.substeps == substeps; };
+    if (std::any_of(settings_.begin(), settings_.end(), is_it)) continue;
+    settings_.push_back({mode, substeps, settings_of(world, asked, substeps, mode)});
+    if (modes_.empty() && substeps_.empty()) return;
+  }
+}
+
+const solver::SolverSettings& SolvePhase::settings_for(const solver::IslandGroup& group) const {
+  const SolveMode mode = mode_of(group);
+  const auto is_it = [&](const GroupSettings& one) {
+    return one.mode == mode && (substeps_.empty() || one.substeps == substeps_[group.begin]);
+  };
+  return std::find_if(settings_.begin(), settings_.end(), is_it)->settings;
 }
 
 namespace {
@@ -113,27 +199,21 @@ void note_resistance(Stores& world, const solver::Islands& islands) {
 
 void SolvePhase::solve_groups(Stores& world, const StepContext& step, const solver::AddedSlip* added_slips,
                               IslandPhase& islands) {
-  const solver::SolverSettings how = settings_now(world, step.substeps);
-  solver::SolverSettings how_refined = how;
-  how_refined.refinement = solver::refinement_of(how, world.clock.dt);
-  how_refined.substeps *= how_refined.refinement;
-  solver::SolverSettings how_landing = how;
-  how_landing.refinement = solver::tuning::landing_refinement;
-  how_landing.contact_hertz = solver::SubstepConstants::contact_hertz(how, world.clock.dt / how.substeps);
-  how_landing.substeps *= how_landing.refinement;
-  const bool captures = world.settings.keep_contact_problem || world.settings.run_everything;
+  choose_settings(world, step.substeps);
+  const bool captures =
+      world.settings.keep_contact_problem || world.settings.run_everything || measures_residual(world);
   if (captures) capture_.resize(world.cache.manifolds.size(), world.bodies.size());
   const bool surfaces =
       with_surfaces && (world.settings.run_everything || !world.bodies.surfaces.empty() || !world.cache.rises.empty() ||
                         added_slips != nullptr || !world.surface_contacts.empty());
   if (surfaces) note_resistance(world, islands.islands());
-  const auto input_with = [&](const solver::SolverSettings& with) {
+  const auto input_of = [&](const solver::IslandGroup& group) {
     return solver::SolveInput{.islands = islands.islands(),
                               .bodies = world.bodies,
                               .manifolds = world.cache.manifolds.data(),
                               .gravity = world.gravity,
                               .dt = world.clock.dt,
-                              .settings = with,
+                              .settings = settings_for(group),
                               .kernels = step.kernels,
                               .bounds = world.aabbs.bounds,
                               .fast = moved_,
@@ -146,20 +226,15 @@ void SolvePhase::solve_groups(Stores& world, const StepContext& step, const solv
                               .joint_graph = world.joints.count == 0 ? nullptr : &islands.joint_graph(),
                               .joint_systems = &islands.joint_systems()};
   };
-  const solver::SolveInput plain = input_with(how);
-  const solver::SolveInput fine = input_with(how_refined);
-  const solver::SolveInput landing = input_with(how_landing);
-  const auto input_of = [&](const solver::IslandGroup& group) -> const solver::SolveInput& {
-    const SolveMode mode = mode_of(group);
-    return mode == SolveMode::Refined ? fine : mode == SolveMode::Landing ? landing : plain;
-  };
 
   group_reports_.assign(groups_.size(), {});
   prepare_direct_solvers();
   step.arena.parallel_for(groups_.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t g = begin; g < end; ++g) {
-      if (groups_[g].large || solve_directly(plain, g, world.settings.profile)) continue;
-      group_reports_[g] = jobs::of_this_thread<solver::GroupSolver>().solve(input_of(groups_[g]), groups_[g]);
+      if (groups_[g].large) continue;
+      const solver::SolveInput input = input_of(groups_[g]);
+      if (solve_directly(input, g, world.settings.profile)) continue;
+      group_reports_[g] = jobs::of_this_thread<solver::GroupSolver>().solve(input, groups_[g]);
     }
   });
   // Large ones are solved one after another, by all workers, and keep their colours while groups stay what they are.
@@ -245,6 +320,51 @@ void SolvePhase::note_modes(Stores& world, const solver::Islands& islands, StepC
   }
   if (selects_solvers(world.settings))
     world.selection.note(all_overloaded_, failed_, world.sleeping.awake, world.clock.dt);
+}
+
+namespace {
+
+const char* why_unheld(const solver::SubstepControl::Island& island, const ErrorTarget& target, TargetError error) {
+  if (island.needed > island.substeps && island.substeps >= target.most_substeps) {
+    return "it has the most substeps that it may get";
+  }
+  if (error == TargetError::Penetration) return "bodies overlapped as they met, and more substeps don't part them";
+  return "it gets more substeps from the next step on, or has just got them";
+}
+
+}  // namespace
+
+void SolvePhase::note_errors(Stores& world, const StepContext& step, std::span<const solver::TouchingPair> touching,
+                             const solver::Islands& islands) {
+  std::vector<double> residuals;
+  if (measures_residual(world)) {
+    const double substep = world.clock.dt / step.substeps;
+    residuals = island_residuals(contact_problem(world, touching, capture_, substep), islands);
+  }
+  world.control.note(error_input(world, step, islands), error_target(world.settings.target), residuals);
+  StepCounts& counts = step.report.counts;
+  world.results.unheld_islands.clear();
+  const auto controlled = world.control.islands();
+  for (std::size_t i = 0; i < controlled.size(); ++i) {
+    const solver::SubstepControl::Island& island = controlled[i];
+    const std::span<const std::uint32_t> members = islands.bodies(i, i + 1);
+    counts.most_substeps = std::max<std::int64_t>(counts.most_substeps, island.substeps);
+    counts.body_substeps += static_cast<std::int64_t>(members.size()) * substeps_[i];
+    for (std::size_t error = 0; error < island.missed.size(); ++error) {
+      if (!island.missed[error]) continue;
+      const auto which = static_cast<TargetError>(error);
+      world.results.unheld_islands.push_back({.lowest = {members.front(), world.records.generation[members.front()]},
+                                              .bodies = members.size(),
+                                              .contacts = islands.contact_count(i),
+                                              .joints = islands.joint_count(i),
+                                              .error = which,
+                                              .measured = island.measured[error],
+                                              .substeps = island.substeps,
+                                              .why = why_unheld(island, world.settings.target, which)});
+    }
+    const bool missed = std::find(island.missed.begin(), island.missed.end(), true) != island.missed.end();
+    counts.unheld_islands += missed;
+  }
 }
 
 }  // namespace atl

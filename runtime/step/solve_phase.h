@@ -4,6 +4,7 @@
 #include <solver/direct/direct_island.h>
 #include <solver/islands/islands.h>
 #include <solver/select/solver_selection.h>
+#include <solver/select/substep_control.h>
 #include <solver/sweep/group_solver.h>
 
 #include <cstdint>
@@ -23,10 +24,14 @@ class SolvePhase {
  public:
   explicit SolvePhase(int threads) : overloaded_(threads), moved_(threads) {}
 
-  /// Islands whose contacts carry too much are solved on their own, and otherwise.
+  /// How many substeps islands get whose errors have a target; islands whose contacts carry too much are solved on
+  /// their own, and otherwise.
   void choose_modes(Stores& world, const StepContext& step, IslandPhase& islands);
   /// `added_slips` as in SolveInput.
   void solve(Stores& world, const StepContext& step, const solver::AddedSlip* added_slips, IslandPhase& islands);
+  /// Errors of the step that count for the next one, and which islands have some beyond its target.
+  void note_errors(Stores& world, const StepContext& step, std::span<const solver::TouchingPair> touching,
+                   const solver::Islands& islands);
 
   std::span<const solver::IslandGroup> groups() const { return groups_; }
   std::span<const solver::GroupReport> group_reports() const { return group_reports_; }
@@ -39,7 +44,7 @@ class SolvePhase {
   auto group_arrays() const { return std::tie(groups_, group_reports_, large_solvers_); }
   auto direct_arrays() const { return std::tie(direct_.solvers, direct_.of_group, direct_.reports); }
   std::size_t direct_count() const { return direct_.solvers.size(); }
-  auto selection_arrays() const { return std::tie(modes_, alone_, all_overloaded_, failed_); }
+  auto selection_arrays() const { return std::tie(modes_, substeps_, company_, settings_, all_overloaded_, failed_); }
   auto capture_arrays() const { return std::tie(capture_.answers, capture_.motions); }
 
  private:
@@ -50,8 +55,19 @@ class SolvePhase {
     std::vector<solver::DirectIslandReport> reports;
   };
 
+  // How the groups of some islands are solved.
+  struct GroupSettings {
+    solver::SolveMode mode;
+    int substeps;  // before the mode makes more of them
+    solver::SolverSettings settings;
+  };
+
+  bool choose_substeps(Stores& world, const StepContext& step, const solver::Islands& islands);
+  void choose_settings(const Stores& world, int asked);
+  const solver::SolverSettings& settings_for(const solver::IslandGroup& group) const;
   void solve_groups(Stores& world, const StepContext& step, const solver::AddedSlip* added_slips, IslandPhase& islands);
   solver::SolveMode mode_of(const solver::IslandGroup& group) const;
+  int substeps_of(const solver::IslandGroup& group, int asked) const;
   void prepare_direct_solvers();
   bool solve_directly(const solver::SolveInput& input, std::size_t group, bool profile);
   void note_modes(Stores& world, const solver::Islands& islands, StepCounts& counts);
@@ -60,7 +76,9 @@ class SolvePhase {
   std::vector<solver::GroupReport> group_reports_;
   std::vector<std::unique_ptr<solver::GroupSolver>> large_solvers_;  // of large groups, in order
   std::vector<solver::SolveMode> modes_;                             // by island, or empty
-  std::vector<std::uint8_t> alone_;                                  // likewise: solved in a way of its own
+  std::vector<std::uint16_t> substeps_;                              // likewise
+  std::vector<std::uint32_t> company_;                               // likewise: see pack_groups()
+  std::vector<GroupSettings> settings_;                              // one for each that some group has
   bool regrouped_ = false;                                           // since the last solve
   DirectGroups direct_;
   solver::OverloadedBodies overloaded_;

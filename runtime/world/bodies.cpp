@@ -163,6 +163,7 @@ void take_out(Stores& world, std::uint32_t body) {
   world.contents.count(bodies, records, body, -1);
   world.sleeping.awake[body] = 0;
   if constexpr (with_direct_contacts) world.selection.forget(body);
+  world.control.forget(body);
   records.dynamic[body] = 0;
   note_arrival_or_departure(world, body);
   bodies.mobility[body] = solver::Mobility::Fixed;

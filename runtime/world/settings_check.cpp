@@ -15,12 +15,39 @@ void check_count(std::string_view field, int value, int least) {
   if (value < least || value > 1024) refuse(field, value, least == 0 ? "0 to 1024" : "1 to 1024");
 }
 
+void check_target(const Settings& settings, const ErrorTarget& target) {
+  const auto check_error = [](const char* field, std::optional<double> error) {
+    if (error) check_positive(field, *error);
+  };
+  check_error("Settings.target.penetration", target.penetration);
+  check_error("Settings.target.joint_gap", target.joint_gap);
+  check_error("Settings.target.residual", target.residual);
+  check_error("Settings.target.motion", target.motion);
+  check_count("Settings.target.least_substeps", target.least_substeps, 1);
+  check_count("Settings.target.most_substeps", target.most_substeps, 1);
+  if (target.most_substeps < target.least_substeps) {
+    refuse("Settings.target.most_substeps", target.most_substeps,
+           "least_substeps, " + std::to_string(target.least_substeps) + ", or more");
+  }
+  if (!target.is_set()) return;
+  if (settings.stabilisation != Stabilisation::Soft) {
+    throw Error("Settings.target is set with rigid stabilisation, whose overlap is its slop; expected Soft");
+  }
+  if (target.penetration && settings.contact_hertz) {
+    throw Error("Settings.target.penetration is set, and contact_hertz, too; expected one of them");
+  }
+  if (target.joint_gap && settings.joint_hertz) {
+    throw Error("Settings.target.joint_gap is set, and joint_hertz, too; expected one of them");
+  }
+}
+
 }  // namespace
 
 void check(const Settings& settings) {
   check_count("Settings.substeps", settings.substeps, 1);
   check_count("Settings.iterations", settings.iterations, 1);
   check_count("Settings.relax_iterations", settings.relax_iterations, 0);
+  check_target(settings, settings.target);
   check_not_negative("Settings.tolerance", settings.tolerance);
   if (settings.stabilisation < Stabilisation::Soft || settings.stabilisation > Stabilisation::SplitImpulse) {
     refuse("Settings.stabilisation", static_cast<int>(settings.stabilisation), "a value of Stabilisation");
@@ -69,6 +96,16 @@ solver::SolverSettings solver_settings(const Settings& settings) {
   s.joint_hertz = settings.joint_hertz.value_or(0);
   s.joint_damping_ratio = settings.joint_damping_ratio;
   return s;
+}
+
+solver::ErrorTarget error_target(const ErrorTarget& target) {
+  constexpr double none = solver::ErrorTarget::none;
+  return {.penetration = target.penetration.value_or(none),
+          .joint_gap = target.joint_gap.value_or(none),
+          .residual = target.residual.value_or(none),
+          .motion = target.motion.value_or(none),
+          .least_substeps = target.least_substeps,
+          .most_substeps = target.most_substeps};
 }
 
 const solver::Kernels& kernels_for(Simd simd) {

@@ -10,6 +10,7 @@
 #include <solver/constraints/surface_contact.h>
 #include <solver/integrate/body_table.h>
 #include <solver/select/solver_selection.h>
+#include <solver/select/substep_control.h>
 
 #include <cstdint>
 #include <vector>
@@ -47,6 +48,7 @@ struct StepResults {
   SensorEvents sensor_events;
   std::vector<JointEvent> joint_events;
   std::vector<SelectedSolve> selected_solves;
+  std::vector<UnheldIsland> unheld_islands;
   std::vector<ContactForce> contact_forces;  ///< made when asked for
   bool contact_forces_valid = false;
   std::vector<PairForce> pair_forces;  ///< likewise, each time
@@ -78,6 +80,7 @@ struct Stores {
   Sleeping sleeping = {};
   QuarantineList quarantine = {};
   solver::SolverSelection selection = {};
+  solver::SubstepControl control = {};
 
   Changes changes = {};
   StepResults results = {};

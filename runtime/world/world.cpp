@@ -634,6 +634,7 @@ void World::prefetch() const {
 
 std::vector<MemoryUse> World::memory() const { return memory_of(impl_->stores, impl_->pipeline, impl_->last_counts); }
 std::span<const SelectedSolve> World::selected_solves() const { return impl_->stores.results.selected_solves; }
+std::span<const UnheldIsland> World::unheld_islands() const { return impl_->stores.results.unheld_islands; }
 
 std::span<const JointEvent> World::joint_events() const { return impl_->stores.results.joint_events; }
 
@@ -693,7 +694,11 @@ std::span<const PairForce> World::pair_forces() const {
   impl_->step_guard.check("World::pair_forces");
   return atl::pair_forces(impl_->stores, impl_->pipeline.contacts(), *impl_->narrowphase_kernels, impl_->arena);
 }
-ContactProblem World::contact_problem() const { return atl::contact_problem(impl_->stores, impl_->pipeline); }
+ContactProblem World::contact_problem() const {
+  if (!impl_->stores.results.captured) return {};
+  return atl::contact_problem(impl_->stores, impl_->pipeline.contacts().touching(), impl_->pipeline.solve().capture(),
+                              impl_->stores.clock.last_substep);
+}
 std::span<const ContactEvent> World::contact_events() const {
   if (!impl_->stores.settings.contact_events) {
     throw Error("World::contact_events: Settings::contact_events is false; expected it to be set before the step");

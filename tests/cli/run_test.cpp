@@ -80,6 +80,9 @@ TEST(CommandRun, JsonHasTheKeysInTheirOrder) {
                                            "direct_islands",
                                            "refined_islands",
                                            "unsolved_islands",
+                                           "unheld_islands",
+                                           "body_substeps",
+                                           "most_substeps",
                                            "newton_iterations",
                                            "aabb_updates"}));
   EXPECT_EQ(keys_of(json["errors"]),

@@ -216,6 +216,9 @@ void check_same_reports(const StepReport& a, const StepReport& b) {
   require_same(a.counts.direct_islands, b.counts.direct_islands, "direct_islands");
   require_same(a.counts.refined_islands, b.counts.refined_islands, "refined_islands");
   require_same(a.counts.unsolved_islands, b.counts.unsolved_islands, "unsolved_islands");
+  require_same(a.counts.unheld_islands, b.counts.unheld_islands, "unheld_islands");
+  require_same(a.counts.body_substeps, b.counts.body_substeps, "body_substeps");
+  require_same(a.counts.most_substeps, b.counts.most_substeps, "most_substeps");
   require_same(a.counts.newton_iterations, b.counts.newton_iterations, "newton_iterations");
   require_same(a.counts.fcl_calls, b.counts.fcl_calls, "fcl_calls");
   require_same(a.counts.asleep, b.counts.asleep, "asleep");

@@ -68,6 +68,9 @@ struct ResidualReport {
   double worst = 0;     ///< m/s, of one patch
   std::size_t worst_patch = 0;
   std::vector<double> by_patch;  ///< m/s
+  /// m/s, by patch: what `relative` divides by, but for the root of the sum of squares; of free velocities, and of what
+  /// the impulses make of them.
+  std::vector<double> free_by_patch, change_by_patch;
 };
 
 /// Mechanical energy and momentum of some bodies.

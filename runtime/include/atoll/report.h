@@ -40,6 +40,7 @@ enum class Feature {
   EarlyEnd,  ///< of sweeps, by Settings::tolerance
   DirectContacts,
   RefinedSubsteps,
+  ErrorTarget,
   JointSolver,  ///< of joints that are swept
   DirectJoints,
   MotionLocks,
@@ -53,7 +54,7 @@ enum class Feature {
   ContactProblem,
   Recording,
 };
-inline constexpr std::size_t feature_count = 29;
+inline constexpr std::size_t feature_count = 30;
 
 /// "broadphase", "narrowphase", ...
 const char* feature_name(Feature feature);
@@ -101,6 +102,9 @@ struct StepCounts {
   std::int64_t direct_islands = 0;        ///< whose contacts are solved at once, because sweeps get nowhere
   std::int64_t unsolved_islands = 0;      ///< which that was tried for, in all iterations there are, and swept instead
   std::int64_t refined_islands = 0;       ///< that get more substeps: they sag, or a body lands that leans
+  std::int64_t unheld_islands = 0;        ///< with an error beyond its target: see World::unheld_islands()
+  std::int64_t body_substeps = 0;         ///< with a target: substeps that islands got, times their bodies
+  std::int64_t most_substeps = 0;         ///< with a target: that an island got
   std::int64_t newton_iterations = 0;     ///< of what is solved at once, beyond the first solve
   std::int64_t islands = 0;               ///< awake islands with at least one contact or joint
   std::int64_t groups = 0;                ///< island groups, each one task

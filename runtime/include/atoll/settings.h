@@ -47,9 +47,30 @@ enum class JointSolver {
 /// The vector instruction set of the solver's kernels. The result is the same, bit for bit, on each.
 enum class Simd { Auto, Portable, Sse4, Avx2, Avx512, Neon };
 
+/// Errors that islands are held below: each gets the fewest substeps that do it, as the last steps measured. With Soft
+/// stabilisation. An error of an island is what more than one in a hundred of its contacts, joints or bodies exceeds.
+/// What could not be held is told: World::unheld_islands().
+struct ErrorTarget {
+  std::optional<double> penetration = {};  ///< m, > 0: overlap after the step
+  std::optional<double> joint_gap = {};    ///< m, > 0: what locked offsets of joints are open by after the step
+  /// > 0, relative, as measure_contact_residual(): of the step's contact problem. Takes about a step's time to measure,
+  /// so it is measured in one step of eight.
+  std::optional<double> residual = {};
+  /// m/s, > 0: how far bodies get from their paths in a second, by an estimate: see solver/select/motion_error.h.
+  /// Bodies that touch nothing, and are not joined, move exactly or by Settings::substeps.
+  std::optional<double> motion = {};
+  int least_substeps = 2;   ///< in [1, 1024]
+  int most_substeps = 128;  ///< the most that a step of an island may cost, in [least_substeps, 1024]
+
+  bool is_set() const { return penetration || joint_gap || residual || motion; }
+};
+
 /// How a step is solved. The defaults suit 60 Hz and metre-sized bodies at any density.
 struct Settings {
-  int substeps = 4;          ///< in [1, 1024]; overlap falls with its square, cost rises linearly
+  int substeps = 4;  ///< in [1, 1024]; overlap falls with its square, cost rises linearly
+  /// In place of `substeps`, from which islands then start. Not with contact_hertz and joint_hertz, which say
+  /// themselves how far contacts and joints give.
+  ErrorTarget target = {};
   int iterations = 1;        ///< sweeps over contacts and joints with the position bias, a substep; in [1, 1024]
   int relax_iterations = 1;  ///< sweeps without it after the positions moved; in [0, 1024]; with Soft only
   /// m/s, >= 0: an island whose sweep changed no relative speed at a contact or joint by more than this is done with

@@ -87,6 +87,22 @@ struct SelectedSolve {
   double ms = 0;         ///< with Settings::profile: on the worker that solved it
 };
 
+/// What Settings::target sets a limit to.
+enum class TargetError { Penetration, JointGap, Residual, Motion };
+
+/// An error of an island beyond its target; see Settings::target. Penetrations and gaps are those with which the step
+/// began, as the one before had left them; a residual and an error of motion are the step's own.
+struct UnheldIsland {
+  BodyId lowest;  ///< of its bodies
+  std::size_t bodies = 0;
+  std::size_t contacts = 0;
+  std::size_t joints = 0;
+  TargetError error = {};
+  double measured = 0;   ///< in the target's unit
+  int substeps = 0;      ///< that the island got in this step
+  const char* why = "";  ///< what keeps it beyond; static storage
+};
+
 class Snapshot;
 
 struct ContactCandidate;  // see contact_callbacks.h
@@ -315,6 +331,10 @@ class World {
 
   /// After a step: islands whose contacts were not left to the sweeps of the settings, in order of their lowest bodies.
   std::span<const SelectedSolve> selected_solves() const;
+
+  /// After a step: islands with an error beyond its target, in order of their lowest bodies and of errors. Empty where
+  /// Settings::target asks for nothing.
+  std::span<const UnheldIsland> unheld_islands() const;
 
   /// What of this world's memory is for what, in a fixed order. What bodies share, as hulls and meshes, is not in it.
   std::vector<MemoryUse> memory() const;

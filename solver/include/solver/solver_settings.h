@@ -11,7 +11,8 @@ enum class Stabilisation { Soft, Baumgarte, SplitImpulse };
 /// How islands are solved. Ranges and meanings as in atoll/settings.h.
 struct SolverSettings {
   int substeps = 4;
-  int refinement = 1;  ///< substeps for each of those that were asked for, a power of two; `substeps` counts them all
+  double refinement = 1;  ///< substeps for each of those that were asked for; `substeps` counts them all
+  bool refined = false;   ///< it is in more of them that what sags, or lands, is held
   int iterations = 1;
   int relax_iterations = 1;
   bool pyramid = false;
@@ -64,7 +65,7 @@ struct Stiffening {
   /// it fall.
   static Stiffening of(const SolverSettings& settings, double hertz, double h) {
     const double omega = 2 * 3.14159265358979323846 * hertz;
-    const bool stiffens = settings.contact_hertz == 0 && settings.refinement == 1;
+    const bool stiffens = settings.contact_hertz == 0 && !settings.refined;
     return {stiffens ? tuning::most_stiffening : 1, static_cast<float>(1 / (h * omega * omega)),
             static_cast<float>(h * omega * (2 * settings.contact_damping_ratio + h * omega))};
   }

@@ -167,6 +167,25 @@ inline constexpr double most_left = 0.76;
 /// Joints, of the longest way through them that joints solved one by one hold. 3 or 48 moved nothing.
 inline constexpr std::size_t long_chain = 12;
 
+// --- Targets of errors
+
+/// m: what overlaps by less does not count, as for the audit.
+inline constexpr double least_overlap = 1e-5;
+/// Of a target, that what is chosen aims at.
+inline constexpr double target_margin = 0.95;
+/// Of what the load of a contact or joint explains.
+inline constexpr double explained_error = 1.2;
+/// Times its weight, that each body of an island that has no past is taken to carry.
+inline constexpr double first_load = 10;
+/// s, without need of as many substeps, after which an island gets fewer; and the longest, where it needed them again
+/// each time.
+inline constexpr double target_hold = 0.25;
+inline constexpr double most_target_hold = 16;
+/// Residuals are measured in one step of so many: it takes about the time of a step.
+inline constexpr int residual_interval = 8;
+/// Of the substep's square times the change of acceleration a second.
+inline constexpr double motion_error_share = 1.0 / 12;
+
 // --- At once: the problem and its matrix
 
 /// Of an effective mass's inverse, that contacts and locks give: an overlap of 5 compliance g dt^2 by own weights

@@ -130,7 +130,7 @@ Build build_of(const Islands& islands, std::size_t island) {
   return columns ? Build::Columns : Build::Any;
 }
 
-void pack_groups(const Islands& islands, bool one_each, std::span<const std::uint8_t> alone,
+void pack_groups(const Islands& islands, bool one_each, std::span<const std::uint32_t> company,
                  std::vector<IslandGroup>& groups) {
   groups.clear();
   std::size_t begin = 0;
@@ -142,12 +142,13 @@ void pack_groups(const Islands& islands, bool one_each, std::span<const std::uin
   };
   for (std::size_t island = 0; island < islands.count(); ++island) {
     const std::size_t here = islands.contact_count(island) + islands.joint_count(island);
-    if (here >= large_contacts || (!alone.empty() && alone[island] != 0)) {
+    if (here >= large_contacts || (!company.empty() && company[island] == Islands::none)) {
       close(island);
       groups.push_back({island, island + 1, here >= large_contacts});
       begin = island + 1;
     } else {
-      if (one_each || contacts + here > group_contacts) close(island);
+      const bool parts = !company.empty() && begin < island && company[island] != company[begin];
+      if (one_each || parts || contacts + here > group_contacts) close(island);
       contacts += here;
     }
   }

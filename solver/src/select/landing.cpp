@@ -11,11 +11,6 @@ bool is_fast(const BodyTable& bodies, std::uint32_t body, double least) {
   return bodies.velocity(body).squaredNorm() + spin > least * least;
 }
 
-// m/s, of a point of a body, from its centre of mass.
-Vector3 velocity_at(const BodyTable& bodies, std::uint32_t body, const Vector3& from_centre) {
-  return bodies.velocity(body) + bodies.angular_velocity(body).cross(from_centre);
-}
-
 }  // namespace
 
 bool lands(const LoadInput& input, std::size_t island) {
@@ -36,8 +31,8 @@ bool lands(const LoadInput& input, std::size_t island) {
       const double gap = manifold.separation[i];
       if (reaches || gap <= 0 || gap >= collision::no_point) continue;
       const Vector3 off = manifold.x[i] * get3(tangents.first) + manifold.y[i] * get3(tangents.second);
-      const Vector3 first = velocity_at(bodies, pair.first, get3(manifold.anchor_first) + off);
-      const Vector3 second = velocity_at(bodies, pair.second, get3(manifold.anchor_second) + off);
+      const Vector3 first = bodies.velocity_at(pair.first, get3(manifold.anchor_first) + off);
+      const Vector3 second = bodies.velocity_at(pair.second, get3(manifold.anchor_second) + off);
       const double closing = normal.dot(first - second);
       reaches = closing > least && gap < (closing + gained) * input.dt;
     }

@@ -105,7 +105,7 @@ std::span<const SolveMode> SolverSelection::choose(const LoadInput& input) {
     } else if (has.lasts && has.sags && build == Build::Any) {
       modes_[island] = SolveMode::Refined;
     }
-    const bool as_fine = refinement_of(input.settings, input.dt) == 1;
+    const bool as_fine = !input.refines || refinement_of(input.settings, input.dt) == 1;
     if (modes_[island] == SolveMode::Refined && as_fine) modes_[island] = SolveMode::Sweep;
     any |= modes_[island] != SolveMode::Sweep;
   }

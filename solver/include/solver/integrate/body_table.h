@@ -79,6 +79,10 @@ struct BodyTable {
   auto angular_velocity(std::size_t body) const {
     return Eigen::Map<const Vector3>(angular_velocities.data() + 3 * body);
   }
+  /// m/s, of a point at an arm from the centre of mass.
+  Vector3 velocity_at(std::size_t body, const Vector3& arm) const {
+    return velocity(body) + angular_velocity(body).cross(arm);
+  }
   auto force(std::size_t body) { return Eigen::Map<Vector3>(forces.data() + 3 * body); }
   auto force(std::size_t body) const { return Eigen::Map<const Vector3>(forces.data() + 3 * body); }
   auto torque(std::size_t body) { return Eigen::Map<Vector3>(torques.data() + 3 * body); }

@@ -86,9 +86,9 @@ struct IslandGroup {
   bool large;  ///< a single island, worth all workers at once
 };
 
-/// Packs islands into groups whose working set stays in a core's cache, or gives each a group of its own. `alone` by
-/// island, or empty: 1 for those that share no group in any case.
-void pack_groups(const Islands& islands, bool one_each, std::span<const std::uint8_t> alone,
+/// Packs islands into groups whose working set stays in a core's cache, or gives each a group of its own. `company` by
+/// island, or empty: those with the same number may share a group, those with Islands::none share none.
+void pack_groups(const Islands& islands, bool one_each, std::span<const std::uint32_t> company,
                  std::vector<IslandGroup>& groups);
 
 }  // namespace atl::solver

@@ -23,6 +23,7 @@ struct LoadInput {
   const SolverSettings& settings;
   const JointGraph* joint_graph = nullptr;      ///< null where there are no joints
   const JointSystems* joint_systems = nullptr;  ///< likewise
+  bool refines = true;                          ///< what sags; else targets say how many substeps it gets
 };
 
 /// What the contacts of an island carry if all stands: from the top down, each body hands its weight and what it

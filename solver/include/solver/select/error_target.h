@@ -1,0 +1,63 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+namespace atl::solver {
+
+/// Errors that islands are to stay below, infinite where one is not asked for, and how many substeps a step of an
+/// island may get for it. Meanings as in atoll/settings.h.
+struct ErrorTarget {
+  static constexpr double none = std::numeric_limits<double>::infinity();
+
+  double penetration = none;  ///< m
+  double joint_gap = none;    ///< m
+  double residual = none;     ///< relative
+  double motion = none;       ///< m/s
+  int least_substeps = 1;
+  int most_substeps = 1024;
+};
+
+/// Numbers of substeps that islands get: few enough that islands alike share lanes, near enough to each other that none
+/// takes much more than it needs.
+inline constexpr std::array<std::uint16_t, 35> substep_rungs = {
+    1,  2,  3,  4,  5,   6,   7,   8,   10,  12,  14,  16,  20,  24,  28,  32,  40,  48,
+    56, 64, 80, 96, 112, 128, 160, 192, 224, 256, 320, 384, 448, 512, 640, 768, 1024};
+
+/// What an error of an island asks for.
+struct ErrorNeed {
+  int substeps = 1;      ///< with which it would be held; most_needed if with none
+  bool missed = false;   ///< it is larger than its target
+  bool follows = false;  ///< so is the part of it that more substeps make less at once
+  bool rests = false;    ///< so is that of what hardly moves, and may be left as it is for long
+};
+inline constexpr int most_needed = 2048;
+/// The least number of substeps whose square is so large; most_needed if there is none.
+int rung_of(double square);
+
+/// How many things of an island have errors of which size. What more than one in a hundred exceeds is the error, as in
+/// `PenetrationReport::p99`: of few things the largest. Counts add up in any order.
+class ErrorCounts {
+ public:
+  struct Missed {
+    double following;  ///< the part of an error that falls with the square of the substeps
+    bool rests;
+  };
+  /// An error within the target, that was made in so many substeps.
+  void add(double error, double substeps, double target);
+  /// One beyond it.
+  void add_missed(const Missed& missed, double substeps, double target);
+  void operator+=(const ErrorCounts& other);
+  ErrorNeed need() const;
+
+ private:
+  std::array<std::uint32_t, substep_rungs.size() + 1> by_rung_ = {};  // that would hold it
+  std::uint32_t counted_ = 0;
+  std::uint32_t missed_ = 0;
+  std::uint32_t follow_ = 0;
+  std::uint32_t rest_ = 0;
+};
+
+}  // namespace atl::solver

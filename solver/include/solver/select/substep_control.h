@@ -1,0 +1,104 @@
+#pragma once
+
+#include <jobs/arena.h>
+#include <jobs/arrays.h>
+#include <solver/select/error_target.h>
+#include <solver/select/island_errors.h>
+#include <solver/select/motion_error.h>
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace atl::solver {
+
+/// Gives each island the fewest substeps that hold its errors within targets, from what the last step left: more at
+/// once, where an error is beyond its target; fewer once nothing has needed as many for tuning::target_hold, or for
+/// longer where that was too few before.
+///
+/// Errors of soft contacts and joints fall with the square of the substeps (see tests/law), so one look tells how many
+/// it takes, with tuning::target_margin to spare, and what was chosen stays: the rule of step size control (Hairer,
+/// Norsett and Wanner, "Solving Ordinary Differential Equations I", II.4). What lies, and is beyond its target for long
+/// all the same, gets one rung more after the other. For contacts by an embedded error estimate see "CENIC" (Castro et
+/// al., arXiv 2511.08771, 2025).
+///
+/// A body carries what its island was given. Islands that merge get the most of theirs, those that part keep it.
+class SubstepControl {
+ public:
+  /// What lasts from step to step, by body.
+  struct History {
+    std::uint16_t substeps = 0;  ///< of the last step that its island took; 0: none yet
+    std::uint16_t most = 0;      ///< that it needed since they were last looked at
+    std::uint16_t asked = 0;     ///< by what the last step's end told of
+    float since = 0;             ///< s
+    float hold = 0;              ///< s, without need of as many, until it gets fewer
+    bool lowered = false;        ///< as it was last changed
+    bool operator==(const History&) const = default;
+  };
+
+  enum class Error : std::uint8_t { Penetration, JointGap, Residual, Motion };
+  static constexpr std::size_t error_count = 4;
+
+  /// Of an island, in the last step.
+  struct Island {
+    int substeps = 0;                               ///< that it got, of all of a step
+    int needed = 0;                                 ///< that would hold it, as far as substeps do; more at the cap
+    std::array<bool, error_count> missed = {};      ///< by Error: beyond the target
+    std::array<double, error_count> measured = {};  ///< of what is missed
+
+    void miss(Error error, double found) {
+      missed[static_cast<std::size_t>(error)] = true;
+      measured[static_cast<std::size_t>(error)] = found;
+    }
+  };
+
+  bool is_empty() const { return history_.empty(); }
+  /// Where nothing is to be held.
+  void forget_all();
+  void forget(std::uint32_t body) {
+    if (body < history_.size()) history_[body] = {};
+    motion_.forget(body);
+  }
+
+  /// By island of the step that begins; see Island::substeps.
+  std::span<const Island> choose(const ErrorInput& input, const ErrorTarget& target, jobs::Arena& arena);
+  /// As it ends. `residuals` by island, or empty where they were not measured.
+  void note(const ErrorInput& input, const ErrorTarget& target, std::span<const double> residuals);
+
+  std::span<const Island> islands() const { return islands_; }
+
+  const History& history(std::uint32_t body) const;
+  /// Of a state that is restored.
+  void restore_history(std::uint32_t body, std::size_t bodies, const History& history);
+  MotionError& motion() { return motion_; }
+  const MotionError& motion() const { return motion_; }
+
+  /// See jobs/arrays.h.
+  auto arrays() const { return std::tie(history_, substeps_, islands_, needs_, counts_, motion_); }
+
+ private:
+  struct Needs {
+    ErrorNeed overlap, gap;
+  };
+
+  void measure(const ErrorInput& input, const ErrorTarget& target, jobs::Arena& arena);
+  ErrorNeed overlap_of_large(const ErrorInput& input, const ErrorTarget& target, std::size_t island,
+                             jobs::Arena& arena);
+  void decide(const ErrorInput& input, const ErrorTarget& target, std::size_t island);
+
+  // What lasts from step to step, and what is made anew. Whoever adds a member says which it is, or this won't compile.
+  static void check_members(SubstepControl& control) {
+    auto& [history, motion, /**/ substeps, islands, needs, counts] = control;
+    static_cast<void>(history);
+  }
+
+  std::vector<History> history_;  // by body; empty while there is no target
+  MotionError motion_;
+  std::vector<std::uint16_t> substeps_;  // by body: of the last step
+  std::vector<Island> islands_;
+  std::vector<Needs> needs_;         // by island
+  std::vector<ErrorCounts> counts_;  // of the parts of a large island
+};
+
+}  // namespace atl::solver

@@ -1,0 +1,188 @@
+#include <solver/select/substep_control.h>
+#include <solver/tuning.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace atl::solver {
+namespace {
+
+// Contacts of an island that is looked at in parts, by all workers.
+constexpr std::size_t part = 1024;
+constexpr std::size_t large = 4 * part;
+constexpr std::size_t island_grain = 32;
+
+std::uint16_t rung_above(int substeps) {
+  const auto above = std::upper_bound(substep_rungs.begin(), substep_rungs.end(), substeps);
+  return above == substep_rungs.end() ? substep_rungs.back() : *above;
+}
+
+}  // namespace
+
+void SubstepControl::forget_all() {
+  history_.clear();
+  islands_.clear();
+  motion_.forget_all();
+}
+
+const SubstepControl::History& SubstepControl::history(std::uint32_t body) const {
+  static constexpr History none = {};
+  return body < history_.size() ? history_[body] : none;
+}
+
+void SubstepControl::restore_history(std::uint32_t body, std::size_t bodies, const History& history) {
+  history_.resize(bodies);
+  history_[body] = history;
+}
+
+std::span<const SubstepControl::Island> SubstepControl::choose(const ErrorInput& input, const ErrorTarget& target,
+                                                               jobs::Arena& arena) {
+  history_.resize(input.bodies.size());
+  substeps_.resize(input.bodies.size());
+  const Islands& islands = input.islands;
+  islands_.assign(islands.count(), {});
+  needs_.assign(islands.count(), {});
+  const std::span<const std::uint32_t> members = islands.bodies(0, islands.count());
+  for (const std::uint32_t body : members) substeps_[body] = history_[body].substeps;
+  measure(input, target, arena);
+  for (std::size_t island = 0; island < islands.count(); ++island) decide(input, target, island);
+  if (target.motion < ErrorTarget::none) {
+    motion_.begin(input.bodies, members);
+    motion_.begin(input.bodies, islands.free_bodies());
+  } else if (!motion_.is_empty()) {
+    motion_.forget_all();
+  }
+  return islands_;
+}
+
+void SubstepControl::measure(const ErrorInput& input, const ErrorTarget& target, jobs::Arena& arena) {
+  const Islands& islands = input.islands;
+  const bool overlaps = target.penetration < ErrorTarget::none;
+  const bool gaps = target.joint_gap < ErrorTarget::none;
+  arena.parallel_for(islands.count(), island_grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t island = begin; island < end; ++island) {
+      if (overlaps && islands.contact_count(island) < large) {
+        ErrorCounts counts;
+        add_overlaps(input, islands.contacts(island, island + 1), substeps_, target.penetration, counts);
+        needs_[island].overlap = counts.need();
+      }
+      if (gaps && islands.joint_count(island) > 0) {
+        ErrorCounts counts;
+        add_gaps(input, islands.joints(island, island + 1), substeps_, target.joint_gap, counts);
+        needs_[island].gap = counts.need();
+      }
+    }
+  });
+  for (std::size_t island = 0; overlaps && island < islands.count(); ++island) {
+    if (islands.contact_count(island) >= large) {
+      needs_[island].overlap = overlap_of_large(input, target, island, arena);
+    }
+  }
+}
+
+ErrorNeed SubstepControl::overlap_of_large(const ErrorInput& input, const ErrorTarget& target, std::size_t island,
+                                           jobs::Arena& arena) {
+  const std::span<const TouchingPair> contacts = input.islands.contacts(island, island + 1);
+  counts_.assign(jobs::Arena::chunk_count(contacts.size(), part), {});
+  arena.parallel_for(contacts.size(), part, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t at = begin; at < end; at += part) {
+      const std::size_t count = std::min(part, end - at);
+      add_overlaps(input, contacts.subspan(at, count), substeps_, target.penetration, counts_[at / part]);
+    }
+  });
+  ErrorCounts all;
+  for (const ErrorCounts& counts : counts_) all += counts;
+  return all.need();
+}
+
+void SubstepControl::decide(const ErrorInput& input, const ErrorTarget& target, std::size_t island) {
+  const std::span<const std::uint32_t> members = input.islands.bodies(island, island + 1);
+  History now = {.since = static_cast<float>(tuning::most_target_hold)};
+  for (const std::uint32_t body : members) {
+    const History& one = history_[body];
+    if (one.substeps == 0) continue;
+    now.substeps = std::max(now.substeps, one.substeps);
+    now.most = std::max(now.most, one.most);
+    now.asked = std::max(now.asked, one.asked);
+    now.since = std::min(now.since, one.since);
+    now.hold = std::max(now.hold, one.hold);
+    now.lowered |= one.lowered;
+  }
+  const auto allowed = [&target](int substeps) {
+    return static_cast<std::uint16_t>(std::clamp(substeps, target.least_substeps, target.most_substeps));
+  };
+  if (now.substeps == 0) {
+    now = {.substeps = allowed(substeps_at_first(input, target)), .hold = static_cast<float>(tuning::target_hold)};
+  }
+  now.substeps = allowed(now.substeps);
+
+  const Needs& needs = needs_[island];
+  Island& result = islands_[island];
+  result.needed = std::max({needs.overlap.substeps, needs.gap.substeps, static_cast<int>(now.asked)});
+  std::uint16_t needed = allowed(result.needed);
+  now.since += static_cast<float>(input.dt);
+  bool raises = (needs.overlap.follows || needs.gap.follows || now.asked > now.substeps) && needed > now.substeps;
+  if (!raises && needs.overlap.rests && now.since > tuning::target_hold) {
+    needed = allowed(rung_above(now.substeps));
+    raises = needed > now.substeps;
+  }
+  now.most = std::max(now.most, needed);
+  if (raises) {
+    // To have fewer was too few: that is not tried again as soon. Something else happened if it takes many more.
+    const bool again = now.lowered && needed <= 2 * now.substeps;
+    const float hold = again ? 2 * now.hold : static_cast<float>(tuning::target_hold);
+    now = {.substeps = needed, .most = needed, .hold = std::min(hold, static_cast<float>(tuning::most_target_hold))};
+  } else if (now.since > now.hold) {
+    now.lowered |= now.most < now.substeps;
+    now.substeps = std::min(now.substeps, now.most);
+    now.most = needed;
+    now.since = 0;
+  }
+  now.asked = 0;
+  for (const std::uint32_t body : members) history_[body] = now;
+
+  result.substeps = now.substeps;
+  if (needs.overlap.missed) {
+    result.miss(Error::Penetration, overlap_of(input, input.islands.contacts(island, island + 1)));
+  }
+  if (needs.gap.missed) result.miss(Error::JointGap, gap_of(input, input.islands.joints(island, island + 1)));
+}
+
+void SubstepControl::note(const ErrorInput& input, const ErrorTarget& target, std::span<const double> residuals) {
+  const Islands& islands = input.islands;
+  for (std::size_t island = 0; island < islands.count() && !residuals.empty(); ++island) {
+    if (!(residuals[island] > target.residual)) continue;
+    Island& result = islands_[island];
+    result.miss(Error::Residual, residuals[island]);
+    // What is in motion need not follow at all: one rung after the other.
+    const std::uint16_t asked = rung_above(result.substeps);
+    for (const std::uint32_t body : islands.bodies(island, island + 1)) history_[body].asked = asked;
+  }
+  if (!(target.motion < ErrorTarget::none)) return;
+  const double step = input.dt * input.parts;
+  for (std::size_t island = 0; island < islands.count(); ++island) {
+    Island& result = islands_[island];
+    ErrorCounts counts;
+    double largest = 0;
+    for (const std::uint32_t body : islands.bodies(island, island + 1)) {
+      const double error = motion_.end(input.bodies, body, input.dt, step / result.substeps);
+      if (error > target.motion) {
+        counts.add_missed({.following = error, .rests = false}, result.substeps, target.motion);
+      } else {
+        counts.add(error, result.substeps, target.motion);
+      }
+      largest = std::max(largest, error);
+    }
+    const ErrorNeed need = counts.need();
+    if (need.missed) result.miss(Error::Motion, largest);
+    const auto asked = static_cast<std::uint16_t>(std::min<int>(need.substeps, substep_rungs.back()));
+    for (const std::uint32_t body : islands.bodies(island, island + 1)) {
+      history_[body].asked = std::max(history_[body].asked, asked);
+    }
+  }
+  for (const std::uint32_t body : islands.free_bodies()) {
+    motion_.end(input.bodies, body, input.dt, input.dt / input.asked);
+  }
+}
+
+}  // namespace atl::solver
