@@ -155,7 +155,10 @@ void visit_control(Archive& archive, AnyWorld& world) {
   auto& control = world.control;
   if (Archive::hashes && !settings.target.is_set()) return;
   // Steps take turns to measure residuals. Their number is part of a state, if not of its hash.
-  if (Archive::hashes && settings.target.residual) archive.value(world.clock.steps % solver::tuning::residual_interval);
+  if (Archive::hashes && settings.target.residual) {
+    std::int64_t turn = world.clock.steps % solver::tuning::residual_interval;
+    archive.value(turn);
+  }
   if constexpr (Archive::reads) control.forget_all();
   const std::size_t bodies = world.bodies.size();
   const auto check_body = [&](std::uint32_t body) {
