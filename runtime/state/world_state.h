@@ -45,12 +45,14 @@ void visit_history(Archive& archive, solver::SubstepControl::History& history) {
   archive.value(history.substeps);
   archive.value(history.most);
   archive.value(history.asked);
-  archive.value(history.since);
+  archive.value(history.looked_at);
   archive.value(history.hold);
+  archive.value(history.unchanged);
   archive.value(history.lowered);
   constexpr int most = 1024;
-  archive.check(history.substeps <= most && history.most <= most && history.asked <= most && history.since >= 0 &&
-                    history.hold >= 0 && std::isfinite(history.hold),
+  const auto is_time = [](float time) { return time >= 0 && std::isfinite(time); };
+  archive.check(history.substeps <= most && history.most <= most && history.asked <= most &&
+                    is_time(history.looked_at) && is_time(history.hold) && is_time(history.unchanged),
                 "substeps of an island that can't be");
 }
 

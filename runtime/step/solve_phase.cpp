@@ -137,6 +137,7 @@ void SolvePhase::choose_modes(Stores& world, const StepContext& step, IslandPhas
     changed |= choose_substeps(world, step, islands.islands());
   } else if (!substeps_.empty() || !world.control.is_empty()) {
     world.control.forget_all();
+    world.results.unheld_islands.clear();
     substeps_.clear();
     changed = true;
   }

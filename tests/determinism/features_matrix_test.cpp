@@ -158,12 +158,13 @@ std::string name_of(const World& world, BodyId id) {
   return std::string(world.name(id)) + "/" + std::to_string(world.user_data(id));
 }
 
-using Case = std::tuple<std::size_t, JointSolver, ContactSolver>;
+using Case = std::tuple<std::size_t, JointSolver, ContactSolver, bool>;
 
 class FeatureIn : public testing::TestWithParam<Case> {
  protected:
   const Feature& feature = features()[std::get<0>(GetParam())];
-  Settings settings = {.contact_solver = std::get<2>(GetParam()),
+  Settings settings = {.target = std::get<3>(GetParam()) ? all_targets() : ErrorTarget{},
+                       .contact_solver = std::get<2>(GetParam()),
                        .joint_solver = std::get<1>(GetParam()),
                        .sleeping = true,
                        .contact_events = true};
@@ -247,7 +248,8 @@ INSTANTIATE_TEST_SUITE_P(
     Modes, FeatureIn,
     testing::Combine(testing::Range<std::size_t>(0, 9),
                      testing::Values(JointSolver::Auto, JointSolver::Direct, JointSolver::Iterative),
-                     testing::Values(ContactSolver::Auto, ContactSolver::Direct, ContactSolver::Iterative)),
+                     testing::Values(ContactSolver::Auto, ContactSolver::Direct, ContactSolver::Iterative),
+                     testing::Bool()),
     [](const auto& test) {
       return std::string(features()[std::get<0>(test.param)].name) + "_" + std::to_string(test.index);
     });

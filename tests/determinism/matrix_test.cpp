@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "support/bodies.h"
@@ -113,12 +114,16 @@ class Playground {
 
 int steps() { return long_tests() ? 900 : 150; }
 
-class Matrix : public testing::TestWithParam<JointSolver> {};
+class Matrix : public testing::TestWithParam<std::tuple<JointSolver, bool>> {};
 
 TEST_P(Matrix, NeitherThreadsNorVectorsChangeABit) {
   const auto settings = [](Simd simd) {
-    return Settings{
-        .joint_solver = GetParam(), .sleeping = true, .time_to_sleep = 0.2, .contact_events = true, .simd = simd};
+    return Settings{.target = std::get<1>(GetParam()) ? all_targets() : ErrorTarget{},
+                    .joint_solver = std::get<0>(GetParam()),
+                    .sleeping = true,
+                    .time_to_sleep = 0.2,
+                    .contact_events = true,
+                    .simd = simd};
   };
   Playground first({.settings = settings(Simd::Auto)});
   const std::vector<std::uint64_t> expected = first.run(steps());
@@ -132,10 +137,12 @@ TEST_P(Matrix, NeitherThreadsNorVectorsChangeABit) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Joints, Matrix, testing::Values(JointSolver::Iterative, JointSolver::Direct),
-                         [](const auto& solver) {
-                           return std::string(solver.param == JointSolver::Direct ? "Direct" : "Iterative");
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    Joints, Matrix, testing::Combine(testing::Values(JointSolver::Iterative, JointSolver::Direct), testing::Bool()),
+    [](const auto& of) {
+      const bool direct = std::get<0>(of.param) == JointSolver::Direct;
+      return std::string(direct ? "Direct" : "Iterative") + (std::get<1>(of.param) ? "ToTargets" : "");
+    });
 
 }  // namespace
 }  // namespace atl::test

@@ -40,13 +40,16 @@ class Choices {
 struct Run {
   SceneRun scene;
 
-  Run(const std::string& text, bool all_features, int threads, Simd simd = Simd::Auto)
-      : scene(text, {.threads = threads, .settings = settings_of(text, all_features, simd)}) {}
+  enum class Features { Plain, All, Targets };
 
-  static Settings settings_of(const std::string& text, bool all_features, Simd simd) {
+  Run(const std::string& text, Features features, int threads, Simd simd = Simd::Auto)
+      : scene(text, {.threads = threads, .settings = settings_of(text, features, simd)}) {}
+
+  static Settings settings_of(const std::string& text, Features features, Simd simd) {
     Settings settings = load_scene(text).settings;
     settings.simd = simd;
-    if (all_features) {
+    if (features == Features::Targets) settings.target = all_targets();
+    if (features != Features::Plain) {
       settings.sleeping = true;
       settings.time_to_sleep = 0.1;
       settings.contact_events = true;
@@ -115,10 +118,10 @@ std::filesystem::path file_of(const std::string& text, std::uint64_t seed) {
 /// Saves at a step and goes on; goes on again from the snapshot, in one of several ways.
 void roll_back(const std::string& text, std::uint64_t seed) {
   Choices choices(seed);
-  const bool all_features = choices.below(2) == 1;
+  const auto features = static_cast<Run::Features>(choices.below(3));
   const int before = choices.below(60);
   SCOPED_TRACE(text + ", seed " + std::to_string(seed) + ", step " + std::to_string(before));
-  Run run(text, all_features, 1 + choices.below(3));
+  Run run(text, features, 1 + choices.below(3));
   for (int i = 0; i < before; ++i) run.step();
   Snapshot snapshot;
   run.world().save(snapshot);
@@ -134,7 +137,7 @@ void roll_back(const std::string& text, std::uint64_t seed) {
       break;
     }
     case 1: {
-      Run fresh(text, all_features, 1 + choices.below(3), choices.below(2) == 0 ? Simd::Auto : Simd::Portable);
+      Run fresh(text, features, 1 + choices.below(3), choices.below(2) == 0 ? Simd::Auto : Simd::Portable);
       for (int i = choices.below(20); i > 0; --i) fresh.step();
       fresh.world().restore(snapshot);
       EXPECT_EQ(trail(fresh), expected) << "another world";
@@ -143,7 +146,7 @@ void roll_back(const std::string& text, std::uint64_t seed) {
     default: {
       const std::filesystem::path file = file_of(text, seed);
       snapshot.write(file);
-      Run fresh(text, all_features, 1 + choices.below(3), choices.below(2) == 0 ? Simd::Auto : Simd::Portable);
+      Run fresh(text, features, 1 + choices.below(3), choices.below(2) == 0 ? Simd::Auto : Simd::Portable);
       if (choices.below(2) == 1) fresh.world().remove_body(fresh.scene.ids.back());
       fresh.world().restore(Snapshot::read(file));
       std::filesystem::remove(file);

@@ -17,6 +17,11 @@ std::uint16_t rung_above(int substeps) {
   return above == substep_rungs.end() ? substep_rungs.back() : *above;
 }
 
+std::uint16_t rung_below(int substeps) {
+  const auto here = std::lower_bound(substep_rungs.begin(), substep_rungs.end(), substeps);
+  return here == substep_rungs.begin() ? substep_rungs.front() : *(here - 1);
+}
+
 }  // namespace
 
 void SubstepControl::forget_all() {
@@ -97,14 +102,17 @@ ErrorNeed SubstepControl::overlap_of_large(const ErrorInput& input, const ErrorT
 
 void SubstepControl::decide(const ErrorInput& input, const ErrorTarget& target, std::size_t island) {
   const std::span<const std::uint32_t> members = input.islands.bodies(island, island + 1);
-  History now = {.since = static_cast<float>(tuning::most_target_hold)};
+  constexpr auto hold = static_cast<float>(tuning::target_hold);
+  constexpr auto longest = static_cast<float>(tuning::most_target_hold);
+  History now = {.looked_at = longest, .unchanged = longest};
   for (const std::uint32_t body : members) {
     const History& one = history_[body];
     if (one.substeps == 0) continue;
     now.substeps = std::max(now.substeps, one.substeps);
     now.most = std::max(now.most, one.most);
     now.asked = std::max(now.asked, one.asked);
-    now.since = std::min(now.since, one.since);
+    now.looked_at = std::min(now.looked_at, one.looked_at);
+    now.unchanged = std::min(now.unchanged, one.unchanged);
     now.hold = std::max(now.hold, one.hold);
     now.lowered |= one.lowered;
   }
@@ -112,17 +120,21 @@ void SubstepControl::decide(const ErrorInput& input, const ErrorTarget& target, 
     return static_cast<std::uint16_t>(std::clamp(substeps, target.least_substeps, target.most_substeps));
   };
   if (now.substeps == 0) {
-    now = {.substeps = allowed(substeps_at_first(input, target)), .hold = static_cast<float>(tuning::target_hold)};
+    now = {.substeps = allowed(substeps_at_first(input, target)), .hold = hold};
   }
   now.substeps = allowed(now.substeps);
 
   const Needs& needs = needs_[island];
   Island& result = islands_[island];
   result.needed = std::max({needs.overlap.substeps, needs.gap.substeps, static_cast<int>(now.asked)});
+  // Each change disturbs a residual: fewer are tried seldom, and one rung after the other.
+  const bool for_residual = target.residual < ErrorTarget::none;
+  if (for_residual) result.needed = std::max<int>(result.needed, rung_below(now.substeps));
   std::uint16_t needed = allowed(result.needed);
-  now.since += static_cast<float>(input.dt);
+  now.looked_at += static_cast<float>(input.dt);
+  now.unchanged = std::min(longest, now.unchanged + static_cast<float>(input.dt));
   bool raises = (needs.overlap.follows || needs.gap.follows || now.asked > now.substeps) && needed > now.substeps;
-  if (!raises && needs.overlap.rests && now.since > tuning::target_hold) {
+  if (!raises && needs.overlap.rests && now.unchanged > hold) {
     needed = allowed(rung_above(now.substeps));
     raises = needed > now.substeps;
   }
@@ -130,13 +142,15 @@ void SubstepControl::decide(const ErrorInput& input, const ErrorTarget& target, 
   if (raises) {
     // To have fewer was too few: that is not tried again as soon. Something else happened if it takes many more.
     const bool again = now.lowered && needed <= 2 * now.substeps;
-    const float hold = again ? 2 * now.hold : static_cast<float>(tuning::target_hold);
-    now = {.substeps = needed, .most = needed, .hold = std::min(hold, static_cast<float>(tuning::most_target_hold))};
-  } else if (now.since > now.hold) {
-    now.lowered |= now.most < now.substeps;
-    now.substeps = std::min(now.substeps, now.most);
+    now = {.substeps = needed, .most = needed, .hold = again ? std::min(2 * now.hold, longest) : hold};
+  } else if (now.looked_at > (for_residual ? longest : now.hold)) {
+    if (now.most < now.substeps) {
+      now.substeps = now.most;
+      now.lowered = true;
+      now.unchanged = 0;
+    }
     now.most = needed;
-    now.since = 0;
+    now.looked_at = 0;
   }
   now.asked = 0;
   for (const std::uint32_t body : members) history_[body] = now;
@@ -154,9 +168,10 @@ void SubstepControl::note(const ErrorInput& input, const ErrorTarget& target, st
     if (!(residuals[island] > target.residual)) continue;
     Island& result = islands_[island];
     result.miss(Error::Residual, residuals[island]);
-    // What is in motion need not follow at all: one rung after the other.
-    const std::uint16_t asked = rung_above(result.substeps);
-    for (const std::uint32_t body : islands.bodies(island, island + 1)) history_[body].asked = asked;
+    // Other substeps disturb it for a while, and nothing tells how many it takes: one rung after the other.
+    const std::span<const std::uint32_t> members = islands.bodies(island, island + 1);
+    if (history_[members.front()].unchanged < tuning::target_hold) continue;
+    for (const std::uint32_t body : members) history_[body].asked = rung_above(result.substeps);
   }
   if (!(target.motion < ErrorTarget::none)) return;
   const double step = input.dt * input.parts;

@@ -29,10 +29,11 @@ class SubstepControl {
   /// What lasts from step to step, by body.
   struct History {
     std::uint16_t substeps = 0;  ///< of the last step that its island took; 0: none yet
-    std::uint16_t most = 0;      ///< that it needed since they were last looked at
+    std::uint16_t most = 0;      ///< that it needed in the time that it is looked at
     std::uint16_t asked = 0;     ///< by what the last step's end told of
-    float since = 0;             ///< s
-    float hold = 0;              ///< s, without need of as many, until it gets fewer
+    float looked_at = 0;         ///< s
+    float hold = 0;              ///< s, for which it has to need fewer until it gets them
+    float unchanged = 0;         ///< s
     bool lowered = false;        ///< as it was last changed
     bool operator==(const History&) const = default;
   };
