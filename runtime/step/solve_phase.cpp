@@ -103,8 +103,8 @@ bool SolvePhase::choose_substeps(Stores& world, const StepContext& step, const s
   substeps_.resize(chosen.size());
   const int parts = parts_of_step(world, step);
   for (std::size_t island = 0; island < chosen.size(); ++island) {
-    // Of a part of a step that part.
-    const auto substeps = static_cast<std::uint16_t>((chosen[island].substeps + parts - 1) / parts);
+    std::uint16_t substeps = chosen[island].substeps;
+    if (parts > 1) substeps = static_cast<std::uint16_t>((substeps + parts - 1) / parts);
     changed |= substeps_[island] != substeps;
     substeps_[island] = substeps;
   }
@@ -344,27 +344,26 @@ void SolvePhase::note_errors(Stores& world, const StepContext& step, std::span<c
   }
   world.control.note(error_input(world, step, islands), error_target(world.settings.target), residuals);
   StepCounts& counts = step.report.counts;
-  world.results.unheld_islands.clear();
   const auto controlled = world.control.islands();
   for (std::size_t i = 0; i < controlled.size(); ++i) {
-    const solver::SubstepControl::Island& island = controlled[i];
-    const std::span<const std::uint32_t> members = islands.bodies(i, i + 1);
-    counts.most_substeps = std::max<std::int64_t>(counts.most_substeps, island.substeps);
-    counts.body_substeps += static_cast<std::int64_t>(members.size()) * substeps_[i];
-    for (std::size_t error = 0; error < island.missed.size(); ++error) {
-      if (!island.missed[error]) continue;
-      const auto which = static_cast<TargetError>(error);
-      world.results.unheld_islands.push_back({.lowest = {members.front(), world.records.generation[members.front()]},
-                                              .bodies = members.size(),
-                                              .contacts = islands.contact_count(i),
-                                              .joints = islands.joint_count(i),
-                                              .error = which,
-                                              .measured = island.measured[error],
-                                              .substeps = island.substeps,
-                                              .why = why_unheld(island, world.settings.target, which)});
-    }
-    const bool missed = std::find(island.missed.begin(), island.missed.end(), true) != island.missed.end();
-    counts.unheld_islands += missed;
+    counts.most_substeps = std::max<std::int64_t>(counts.most_substeps, controlled[i].substeps);
+    counts.body_substeps += static_cast<std::int64_t>(islands.body_count(i) * substeps_[i]);
+  }
+  world.results.unheld_islands.clear();
+  std::uint32_t before = solver::Islands::none;
+  for (const solver::SubstepControl::Miss& miss : world.control.misses()) {
+    const std::span<const std::uint32_t> members = islands.bodies(miss.island, miss.island + 1);
+    const auto error = static_cast<TargetError>(miss.error);
+    world.results.unheld_islands.push_back({.lowest = {members.front(), world.records.generation[members.front()]},
+                                            .bodies = members.size(),
+                                            .contacts = islands.contact_count(miss.island),
+                                            .joints = islands.joint_count(miss.island),
+                                            .error = error,
+                                            .measured = miss.measured,
+                                            .substeps = controlled[miss.island].substeps,
+                                            .why = why_unheld(controlled[miss.island], world.settings.target, error)});
+    counts.unheld_islands += miss.island != before;
+    before = miss.island;
   }
 }
 

@@ -59,7 +59,7 @@ struct ErrorTarget {
   /// m/s, > 0: how far bodies get from their paths in a second, by an estimate: see solver/select/motion_error.h.
   /// Bodies that touch nothing, and are not joined, move exactly or by Settings::substeps.
   std::optional<double> motion = {};
-  int least_substeps = 2;   ///< in [1, 1024]
+  int least_substeps = 1;   ///< in [1, 1024]
   int most_substeps = 128;  ///< the most that a step of an island may cost, in [least_substeps, 1024]
 
   bool is_set() const { return penetration || joint_gap || residual || motion; }

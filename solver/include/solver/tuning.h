@@ -173,6 +173,9 @@ inline constexpr std::size_t long_chain = 12;
 inline constexpr double least_overlap = 1e-5;
 /// Of a target, that what is chosen aims at.
 inline constexpr double target_margin = 0.95;
+/// Of what the square law leaves to an island in one substep: pyramids then overlap by a third more than that says, and
+/// would get one and two in turn.
+inline constexpr double one_substep_share = 0.5;
 /// Of what the load of a contact or joint explains.
 inline constexpr double explained_error = 1.2;
 /// Times its weight, that each body of an island that has no past is taken to carry.

@@ -8,7 +8,9 @@ namespace atl::solver {
 namespace {
 
 std::size_t place_of_rung(double square) {
-  const auto holds = [square](double rung) { return square <= rung * rung; };
+  const auto holds = [square](double rung) {
+    return square <= (rung == 1 ? tuning::one_substep_share : 1) * rung * rung;
+  };
   return static_cast<std::size_t>(std::find_if(substep_rungs.begin(), substep_rungs.end(), holds) -
                                   substep_rungs.begin());
 }
@@ -21,7 +23,9 @@ int rung_of(double square) { return rung_at(place_of_rung(square)); }
 
 void ErrorCounts::add(double error, double substeps, double target) {
   ++counted_;
-  ++by_rung_[place_of_rung(error * substeps * substeps / (tuning::target_margin * target))];
+  const std::size_t place = place_of_rung(error * substeps * substeps / (tuning::target_margin * target));
+  ++by_rung_[place];
+  highest_ = std::max(highest_, place);
 }
 
 void ErrorCounts::add_missed(const Missed& missed, double substeps, double target) {
@@ -33,6 +37,7 @@ void ErrorCounts::add_missed(const Missed& missed, double substeps, double targe
 
 void ErrorCounts::operator+=(const ErrorCounts& other) {
   for (std::size_t i = 0; i < by_rung_.size(); ++i) by_rung_[i] += other.by_rung_[i];
+  highest_ = std::max(highest_, other.highest_);
   counted_ += other.counted_;
   missed_ += other.missed_;
   follow_ += other.follow_;
@@ -42,7 +47,7 @@ void ErrorCounts::operator+=(const ErrorCounts& other) {
 ErrorNeed ErrorCounts::need() const {
   constexpr std::uint32_t one_in = 100;
   const std::uint32_t beyond = counted_ / one_in;
-  std::size_t rung = by_rung_.size() - 1;
+  std::size_t rung = highest_;
   for (std::uint32_t above = by_rung_[rung]; rung > 0 && above <= beyond; above += by_rung_[rung]) --rung;
   return {rung_at(rung), missed_ > beyond, follow_ > beyond, rest_ > beyond};
 }

@@ -27,6 +27,7 @@ std::uint16_t rung_below(int substeps) {
 void SubstepControl::forget_all() {
   history_.clear();
   islands_.clear();
+  misses_.clear();
   motion_.forget_all();
 }
 
@@ -45,7 +46,8 @@ std::span<const SubstepControl::Island> SubstepControl::choose(const ErrorInput&
   history_.resize(input.bodies.size());
   substeps_.resize(input.bodies.size());
   const Islands& islands = input.islands;
-  islands_.assign(islands.count(), {});
+  islands_.resize(islands.count());
+  misses_.clear();
   needs_.assign(islands.count(), {});
   const std::span<const std::uint32_t> members = islands.bodies(0, islands.count());
   for (const std::uint32_t body : members) substeps_[body] = history_[body].substeps;
@@ -125,12 +127,11 @@ void SubstepControl::decide(const ErrorInput& input, const ErrorTarget& target, 
   now.substeps = allowed(now.substeps);
 
   const Needs& needs = needs_[island];
-  Island& result = islands_[island];
-  result.needed = std::max({needs.overlap.substeps, needs.gap.substeps, static_cast<int>(now.asked)});
+  int held_by = std::max({needs.overlap.substeps, needs.gap.substeps, static_cast<int>(now.asked)});
   // Each change disturbs a residual: fewer are tried seldom, and one rung after the other.
   const bool for_residual = target.residual < ErrorTarget::none;
-  if (for_residual) result.needed = std::max<int>(result.needed, rung_below(now.substeps));
-  std::uint16_t needed = allowed(result.needed);
+  if (for_residual) held_by = std::max<int>(held_by, rung_below(now.substeps));
+  std::uint16_t needed = allowed(held_by);
   now.looked_at += static_cast<float>(input.dt);
   now.unchanged = std::min(longest, now.unchanged + static_cast<float>(input.dt));
   bool raises = (needs.overlap.follows || needs.gap.follows || now.asked > now.substeps) && needed > now.substeps;
@@ -155,41 +156,53 @@ void SubstepControl::decide(const ErrorInput& input, const ErrorTarget& target, 
   now.asked = 0;
   for (const std::uint32_t body : members) history_[body] = now;
 
-  result.substeps = now.substeps;
+  islands_[island] = {now.substeps, static_cast<std::uint16_t>(held_by)};
+  const auto number = static_cast<std::uint32_t>(island);
   if (needs.overlap.missed) {
-    result.miss(Error::Penetration, overlap_of(input, input.islands.contacts(island, island + 1)));
+    misses_.push_back({number, Error::Penetration, overlap_of(input, input.islands.contacts(island, island + 1))});
   }
-  if (needs.gap.missed) result.miss(Error::JointGap, gap_of(input, input.islands.joints(island, island + 1)));
+  if (needs.gap.missed) {
+    misses_.push_back({number, Error::JointGap, gap_of(input, input.islands.joints(island, island + 1))});
+  }
 }
 
 void SubstepControl::note(const ErrorInput& input, const ErrorTarget& target, std::span<const double> residuals) {
+  note_residuals(input, target, residuals);
+  if (target.motion < ErrorTarget::none) note_motion(input, target);
+  std::stable_sort(misses_.begin(), misses_.end(), [](const Miss& a, const Miss& b) { return a.island < b.island; });
+}
+
+void SubstepControl::note_residuals(const ErrorInput& input, const ErrorTarget& target,
+                                    std::span<const double> residuals) {
   const Islands& islands = input.islands;
   for (std::size_t island = 0; island < islands.count() && !residuals.empty(); ++island) {
     if (!(residuals[island] > target.residual)) continue;
-    Island& result = islands_[island];
-    result.miss(Error::Residual, residuals[island]);
+    misses_.push_back({static_cast<std::uint32_t>(island), Error::Residual, residuals[island]});
     // Other substeps disturb it for a while, and nothing tells how many it takes: one rung after the other.
     const std::span<const std::uint32_t> members = islands.bodies(island, island + 1);
     if (history_[members.front()].unchanged < tuning::target_hold) continue;
-    for (const std::uint32_t body : members) history_[body].asked = rung_above(result.substeps);
+    for (const std::uint32_t body : members) history_[body].asked = rung_above(islands_[island].substeps);
   }
-  if (!(target.motion < ErrorTarget::none)) return;
+}
+
+void SubstepControl::note_motion(const ErrorInput& input, const ErrorTarget& target) {
+  const Islands& islands = input.islands;
   const double step = input.dt * input.parts;
   for (std::size_t island = 0; island < islands.count(); ++island) {
-    Island& result = islands_[island];
+    const int substeps = islands_[island].substeps;
     ErrorCounts counts;
     double largest = 0;
     for (const std::uint32_t body : islands.bodies(island, island + 1)) {
-      const double error = motion_.end(input.bodies, body, input.dt, step / result.substeps);
+      const double error = motion_.end(input.bodies, body, input.dt, step / substeps);
       if (error > target.motion) {
-        counts.add_missed({.following = error, .rests = false}, result.substeps, target.motion);
+        counts.add_missed({.following = error, .rests = false}, substeps, target.motion);
       } else {
-        counts.add(error, result.substeps, target.motion);
+        counts.add(error, substeps, target.motion);
       }
       largest = std::max(largest, error);
     }
     const ErrorNeed need = counts.need();
-    if (need.missed) result.miss(Error::Motion, largest);
+    if (need.missed) misses_.push_back({static_cast<std::uint32_t>(island), Error::Motion, largest});
     const auto asked = static_cast<std::uint16_t>(std::min<int>(need.substeps, substep_rungs.back()));
     for (const std::uint32_t body : islands.bodies(island, island + 1)) {
       history_[body].asked = std::max(history_[body].asked, asked);

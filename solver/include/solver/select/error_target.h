@@ -54,6 +54,7 @@ class ErrorCounts {
 
  private:
   std::array<std::uint32_t, substep_rungs.size() + 1> by_rung_ = {};  // that would hold it
+  std::size_t highest_ = 0;                                           // place of a rung that holds all
   std::uint32_t counted_ = 0;
   std::uint32_t missed_ = 0;
   std::uint32_t follow_ = 0;

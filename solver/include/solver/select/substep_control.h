@@ -6,7 +6,6 @@
 #include <solver/select/island_errors.h>
 #include <solver/select/motion_error.h>
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -39,19 +38,18 @@ class SubstepControl {
   };
 
   enum class Error : std::uint8_t { Penetration, JointGap, Residual, Motion };
-  static constexpr std::size_t error_count = 4;
 
   /// Of an island, in the last step.
   struct Island {
-    int substeps = 0;                               ///< that it got, of all of a step
-    int needed = 0;                                 ///< that would hold it, as far as substeps do; more at the cap
-    std::array<bool, error_count> missed = {};      ///< by Error: beyond the target
-    std::array<double, error_count> measured = {};  ///< of what is missed
+    std::uint16_t substeps = 0;  ///< that it got, of all of a step
+    std::uint16_t needed = 0;    ///< that would hold it, as far as substeps do; more than it got at the cap
+  };
 
-    void miss(Error error, double found) {
-      missed[static_cast<std::size_t>(error)] = true;
-      measured[static_cast<std::size_t>(error)] = found;
-    }
+  /// An error of an island beyond its target.
+  struct Miss {
+    std::uint32_t island;
+    Error error;
+    double measured;
   };
 
   bool is_empty() const { return history_.empty(); }
@@ -68,6 +66,7 @@ class SubstepControl {
   void note(const ErrorInput& input, const ErrorTarget& target, std::span<const double> residuals);
 
   std::span<const Island> islands() const { return islands_; }
+  std::span<const Miss> misses() const { return misses_; }  ///< of the last step, by island and error
 
   const History& history(std::uint32_t body) const;
   /// Of a state that is restored.
@@ -76,7 +75,7 @@ class SubstepControl {
   const MotionError& motion() const { return motion_; }
 
   /// See jobs/arrays.h.
-  auto arrays() const { return std::tie(history_, substeps_, islands_, needs_, counts_, motion_); }
+  auto arrays() const { return std::tie(history_, substeps_, islands_, misses_, needs_, counts_, motion_); }
 
  private:
   struct Needs {
@@ -87,10 +86,12 @@ class SubstepControl {
   ErrorNeed overlap_of_large(const ErrorInput& input, const ErrorTarget& target, std::size_t island,
                              jobs::Arena& arena);
   void decide(const ErrorInput& input, const ErrorTarget& target, std::size_t island);
+  void note_residuals(const ErrorInput& input, const ErrorTarget& target, std::span<const double> residuals);
+  void note_motion(const ErrorInput& input, const ErrorTarget& target);
 
   // What lasts from step to step, and what is made anew. Whoever adds a member says which it is, or this won't compile.
   static void check_members(SubstepControl& control) {
-    auto& [history, motion, /**/ substeps, islands, needs, counts] = control;
+    auto& [history, motion, /**/ substeps, islands, misses, needs, counts] = control;
     static_cast<void>(history);
   }
 
@@ -98,6 +99,7 @@ class SubstepControl {
   MotionError motion_;
   std::vector<std::uint16_t> substeps_;  // by body: of the last step
   std::vector<Island> islands_;
+  std::vector<Miss> misses_;
   std::vector<Needs> needs_;         // by island
   std::vector<ErrorCounts> counts_;  // of the parts of a large island
 };
