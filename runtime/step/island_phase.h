@@ -28,6 +28,7 @@ class IslandPhase {
   bool one_each() const { return one_each_; }  ///< a group for each island, that stops sweeping when it is done
   const solver::JointGraph& joint_graph() const { return joint_graph_; }
   solver::JointSystems& joint_systems() { return joint_systems_; }
+  const solver::JointSystems& joint_systems() const { return joint_systems_; }
   /// By number, what joints connect a body to that some act on.
   std::uint32_t assembly_of(std::uint32_t joined_body) const { return assembly_[joined_body]; }
   std::span<const std::uint32_t> assemblies() const { return assembly_; }

@@ -89,7 +89,7 @@ void StepPipeline::build_islands(Stores& world, const StepContext& step) {
 void StepPipeline::solve_islands(Stores& world, const StepContext& step) {
   if constexpr (with_continuous) continuous_.watch_pressed(world, contacts_);
   solve_.solve(world, step, contacts_.added_slips(), islands_);
-  if (world.settings.target.is_set()) solve_.note_errors(world, step, contacts_.touching(), islands_.islands());
+  if (world.settings.target.is_set()) solve_.note_errors(world, step, contacts_.touching(), islands_);
 }
 
 void StepPipeline::follow_fast_bodies(Stores& world, const StepContext& step) {

@@ -76,11 +76,13 @@ bool measures_residual(const Stores& world) {
   return world.settings.target.residual && world.clock.steps % solver::tuning::residual_interval == 0;
 }
 
-solver::ErrorInput error_input(const Stores& world, const StepContext& step, const solver::Islands& islands) {
-  return {.islands = islands,
+solver::ErrorInput error_input(const Stores& world, const StepContext& step, const IslandPhase& islands) {
+  return {.islands = islands.islands(),
           .bodies = world.bodies,
           .manifolds = world.cache.manifolds.data(),
           .joints = world.joints.joints.data(),
+          .joint_graph = &islands.joint_graph(),
+          .joint_systems = &islands.joint_systems(),
           .gravity = world.gravity.norm(),
           .dt = world.clock.dt,
           .asked = step.substeps,
@@ -96,7 +98,7 @@ void SolvePhase::solve(Stores& world, const StepContext& step, const solver::Add
 }
 
 // Whether some island got another number, or there are other islands.
-bool SolvePhase::choose_substeps(Stores& world, const StepContext& step, const solver::Islands& islands) {
+bool SolvePhase::choose_substeps(Stores& world, const StepContext& step, const IslandPhase& islands) {
   const auto chosen =
       world.control.choose(error_input(world, step, islands), error_target(world.settings.target), step.arena);
   bool changed = substeps_.size() != chosen.size();
@@ -134,7 +136,7 @@ void SolvePhase::choose_modes(Stores& world, const StepContext& step, IslandPhas
   }
   bool changed = !std::equal(modes.begin(), modes.end(), modes_.begin(), modes_.end());
   if (world.settings.target.is_set()) {
-    changed |= choose_substeps(world, step, islands.islands());
+    changed |= choose_substeps(world, step, islands);
   } else if (!substeps_.empty() || !world.control.is_empty()) {
     world.control.forget_all();
     world.results.unheld_islands.clear();
@@ -336,13 +338,14 @@ const char* why_unheld(const solver::SubstepControl::Island& island, const Error
 }  // namespace
 
 void SolvePhase::note_errors(Stores& world, const StepContext& step, std::span<const solver::TouchingPair> touching,
-                             const solver::Islands& islands) {
+                             const IslandPhase& phase) {
+  const solver::Islands& islands = phase.islands();
   std::vector<double> residuals;
   if (measures_residual(world)) {
     const double substep = world.clock.dt / step.substeps;
     residuals = island_residuals(contact_problem(world, touching, capture_, substep), islands);
   }
-  world.control.note(error_input(world, step, islands), error_target(world.settings.target), residuals);
+  world.control.note(error_input(world, step, phase), error_target(world.settings.target), residuals);
   StepCounts& counts = step.report.counts;
   const auto controlled = world.control.islands();
   for (std::size_t i = 0; i < controlled.size(); ++i) {

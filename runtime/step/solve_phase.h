@@ -31,7 +31,7 @@ class SolvePhase {
   void solve(Stores& world, const StepContext& step, const solver::AddedSlip* added_slips, IslandPhase& islands);
   /// Errors of the step that count for the next one, and which islands have some beyond its target.
   void note_errors(Stores& world, const StepContext& step, std::span<const solver::TouchingPair> touching,
-                   const solver::Islands& islands);
+                   const IslandPhase& islands);
 
   std::span<const solver::IslandGroup> groups() const { return groups_; }
   std::span<const solver::GroupReport> group_reports() const { return group_reports_; }
@@ -62,7 +62,7 @@ class SolvePhase {
     solver::SolverSettings settings;
   };
 
-  bool choose_substeps(Stores& world, const StepContext& step, const solver::Islands& islands);
+  bool choose_substeps(Stores& world, const StepContext& step, const IslandPhase& islands);
   void choose_settings(const Stores& world, int asked);
   const solver::SolverSettings& settings_for(const solver::IslandGroup& group) const;
   void solve_groups(Stores& world, const StepContext& step, const solver::AddedSlip* added_slips, IslandPhase& islands);

@@ -58,38 +58,54 @@ int made_in(std::span<const std::uint16_t> substeps, std::uint32_t first, std::u
   return made > 0 ? made : otherwise;
 }
 
-// m, of the locked offsets of a joint; and the part of it that the force in the joint explains, where it is solved by
-// sweeps: `by_impulse` as above.
-struct Gap {
-  double error, explained;
-};
-Gap gap(const BodyTable& bodies, const Joint& joint, double by_impulse) {
-  const JointFrames frames = joint_frames(joint, bodies.position(joint.first), bodies.orientation(joint.first),
-                                          bodies.position(joint.second), bodies.orientation(joint.second));
-  double square = 0, explained = 0;
-  const auto add = [&](const JointRow& row, double off, double impulse) {
-    square += off * off;
+JointFrames frames_of(const BodyTable& bodies, const Joint& joint) {
+  return joint_frames(joint, bodies.position(joint.first), bodies.orientation(joint.first),
+                      bodies.position(joint.second), bodies.orientation(joint.second));
+}
+
+// Calls visit(row, off, impulse) for the offsets that a joint locks: m, and N s.
+template <typename Visit>
+void for_each_locked_offset(const BodyTable& bodies, const Joint& joint, const Visit& visit) {
+  const JointFrames frames = frames_of(bodies, joint);
+  for (int axis = 0; joint.point && axis < 3; ++axis) {
+    const JointRow row = offset_along(frames, axis);
+    visit(row, row.value, row.linear.dot(joint.point_impulse));
+  }
+  for (std::size_t row = 0; row < joint.rows; ++row) {
+    if (joint.coordinate[row] > Coordinate::Distance || !joint.law[row].locked()) continue;
+    const JointRow at = joint_row(joint, row, frames);
+    visit(at, at.value - joint.law[row].lower, joint.impulse[row]);
+  }
+}
+
+// m, of the locked offsets of a joint.
+double gap(const BodyTable& bodies, const Joint& joint) {
+  if (joint.point) {
+    return (bodies.position(joint.second) + bodies.orientation(joint.second) * joint.anchor_second -
+            bodies.position(joint.first) - bodies.orientation(joint.first) * joint.anchor_first)
+        .norm();
+  }
+  double square = 0;
+  for_each_locked_offset(bodies, joint, [&](const JointRow&, double off, double) { square += off * off; });
+  return std::sqrt(square);
+}
+
+// m, of that the part which the force in the joint explains where it is solved by sweeps. `by_impulse` is m by N s and
+// 1/kg.
+double explained_gap(const BodyTable& bodies, const Joint& joint, double by_impulse) {
+  double square = 0;
+  for_each_locked_offset(bodies, joint, [&](const JointRow& row, double, double impulse) {
     const auto turned = [&](std::uint32_t body, const Vector3& moment) -> double {
       if (!(bodies.inverse_mass[body] > 0)) return 0;
       const Vector3 own = bodies.orientation(body).conjugate() * moment;
       return own.dot(bodies.inverse_inertia[body] * own);
     };
-    const double response =
-        (bodies.inverse_mass[joint.first] + bodies.inverse_mass[joint.second]) * row.linear.squaredNorm() +
-        turned(joint.first, row.angular_first) + turned(joint.second, row.angular_second);
-    const double by_load = std::abs(impulse) * response * by_impulse;
-    explained += by_load * by_load;
-  };
-  for (int axis = 0; joint.point && axis < 3; ++axis) {
-    const JointRow row = offset_along(frames, axis);
-    add(row, row.value, row.linear.dot(joint.point_impulse));
-  }
-  for (std::size_t row = 0; row < joint.rows; ++row) {
-    if (joint.coordinate[row] > Coordinate::Distance || !joint.law[row].locked()) continue;
-    const JointRow at = joint_row(joint, row, frames);
-    add(at, at.value - joint.law[row].lower, joint.impulse[row]);
-  }
-  return {std::sqrt(square), std::sqrt(explained)};
+    const double mass = bodies.inverse_mass[joint.first] + bodies.inverse_mass[joint.second];
+    const double response = mass * row.linear.squaredNorm() + turned(joint.first, row.angular_first) +
+                            turned(joint.second, row.angular_second);
+    square += std::pow(impulse * response * by_impulse, 2);
+  });
+  return std::sqrt(square);
 }
 
 // Of what is more than `least`: nearest rank.
@@ -136,21 +152,31 @@ void add_gaps(const ErrorInput& input, std::span<const JointLink> links, std::sp
   const double by_impulse = softness(input, tuning::joint_hertz_limit);
   for (const JointLink& link : links) {
     const double made = made_in(substeps, link.first, link.second, input.asked * input.parts);
-    const Gap of_joint = gap(input.bodies, input.joints[link.joint], by_impulse / (made * made));
-    if (of_joint.error > target) {
-      counts.add_missed({.following = std::min(of_joint.error, of_joint.explained), .rests = false}, made, target);
+    const Joint& joint = input.joints[link.joint];
+    const double error = gap(input.bodies, joint);
+    if (error > target) {
+      const double explained = explained_gap(input.bodies, joint, by_impulse / (made * made));
+      counts.add_missed({.following = std::min(error, explained), .rests = false}, made, target);
     } else {
-      counts.add(of_joint.error, made, target);
+      counts.add(error, made, target);
     }
   }
 }
 
-int substeps_at_first(const ErrorInput& input, const ErrorTarget& target) {
+int substeps_at_first(const ErrorInput& input, const ErrorTarget& target, std::size_t island) {
+  const std::span<const JointLink> links = input.islands.joints(island, island + 1);
+  const bool sweeps_joints = std::any_of(links.begin(), links.end(), [&](const JointLink& link) {
+    return !input.joint_systems->is_direct(input.joint_graph->component_of(link.joint));
+  });
   const double force = tuning::first_load * input.gravity;  // N/kg
-  const double square = std::max(force / stiffness(input, tuning::contact_hertz_share) / target.penetration,
-                                 force / stiffness(input, tuning::joint_hertz_limit) / target.joint_gap);
-  if (!(square > 0)) return input.asked * input.parts;
-  return rung_of(square);
+  double square = 0;
+  if (input.islands.contact_count(island) > 0) {
+    square = force / stiffness(input, tuning::contact_hertz_share) / target.penetration;
+  }
+  if (sweeps_joints) square = std::max(square, force / stiffness(input, tuning::joint_hertz_limit) / target.joint_gap);
+  // Of the others nothing is known beforehand.
+  const bool others = target.residual < ErrorTarget::none || target.motion < ErrorTarget::none;
+  return std::max(rung_of(square), others ? input.asked * input.parts : 1);
 }
 
 double overlap_of(const ErrorInput& input, std::span<const TouchingPair> contacts) {
@@ -164,7 +190,7 @@ double overlap_of(const ErrorInput& input, std::span<const TouchingPair> contact
 
 double gap_of(const ErrorInput& input, std::span<const JointLink> links) {
   std::vector<double> gaps;
-  for (const JointLink& link : links) gaps.push_back(gap(input.bodies, input.joints[link.joint], 0).error);
+  for (const JointLink& link : links) gaps.push_back(gap(input.bodies, input.joints[link.joint]));
   return exceeded_by_one_in_a_hundred(gaps);
 }
 

@@ -122,7 +122,7 @@ void SubstepControl::decide(const ErrorInput& input, const ErrorTarget& target, 
     return static_cast<std::uint16_t>(std::clamp(substeps, target.least_substeps, target.most_substeps));
   };
   if (now.substeps == 0) {
-    now = {.substeps = allowed(substeps_at_first(input, target)), .hold = hold};
+    now = {.substeps = allowed(substeps_at_first(input, target, island)), .hold = hold};
   }
   now.substeps = allowed(now.substeps);
 

@@ -48,10 +48,6 @@ void GroupBodies::collect(const SolveInput& input, const IslandGroup& group) {
   count_ = first_dynamic_ + static_cast<std::uint32_t>(input.islands.bodies(group.begin, group.end).size());
 }
 
-bool turns_in_step(const SolveInput& input, std::uint32_t body) {
-  return input.dt * input.bodies.angular_velocity(body).norm() > tuning::least_turn && !input.bodies.ball[body];
-}
-
 void set_inverse_inertia(SolverBodies& rows, std::size_t local, const Matrix3& inverse) {
   rows.velocity[local].inertia_xx = static_cast<float>(inverse(0, 0));
   rows.velocity[local].inertia_yy = static_cast<float>(inverse(1, 1));

@@ -2,10 +2,13 @@
 
 #include <collision/contacts/contact.h>
 #include <solver/constraints/joint.h>
+#include <solver/direct/joint_systems.h>
 #include <solver/integrate/body_table.h>
 #include <solver/islands/islands.h>
+#include <solver/islands/joint_graph.h>
 #include <solver/select/error_target.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -17,6 +20,8 @@ struct ErrorInput {
   const BodyTable& bodies;
   const collision::ContactManifold* manifolds;  ///< by slot
   const Joint* joints;                          ///< by index of joint
+  const JointGraph* joint_graph;                ///< null where there are no joints
+  const JointSystems* joint_systems;            ///< likewise
   double gravity;                               ///< m/s^2
   double dt;                                    ///< s, of what is solved now: a step, or under a force law a part of it
   int asked;                                    ///< substeps of it, by which impulses are kept
@@ -34,9 +39,9 @@ void add_overlaps(const ErrorInput& input, std::span<const TouchingPair> contact
 void add_gaps(const ErrorInput& input, std::span<const JointLink> links, std::span<const std::uint16_t> substeps,
               double target, ErrorCounts& counts);
 
-/// With how many substeps islands start that have no past: tuning::first_load times the weight of a body is held by
-/// them.
-int substeps_at_first(const ErrorInput& input, const ErrorTarget& target);
+/// With how many substeps an island starts that has no past: its contacts and swept joints hold tuning::first_load
+/// times the weight of a body by them.
+int substeps_at_first(const ErrorInput& input, const ErrorTarget& target, std::size_t island);
 
 /// m, the overlap that one in a hundred of these contacts exceeds, and the gap that one in a hundred of these joints
 /// does.

@@ -2,6 +2,7 @@
 
 #include <jobs/arrays.h>
 #include <solver/solve_input.h>
+#include <solver/tuning.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -47,7 +48,9 @@ inline std::uint32_t GroupBodies::local(const SolveInput& input, const IslandGro
 }
 
 /// Whether contacts move with a body that turns in the step, by what counts.
-bool turns_in_step(const SolveInput& input, std::uint32_t body);
+inline bool turns_in_step(const SolveInput& input, std::uint32_t body) {
+  return input.dt * input.bodies.angular_velocity(body).norm() > tuning::least_turn && !input.bodies.ball[body];
+}
 
 // Rows of SolverBodies, which were reset, as the step begins.
 
