@@ -116,7 +116,7 @@ TEST(SceneFileErrors, World) {
 
 TEST(SceneFileErrors, Settings) {
   const Refused cases[] = {
-      {settings(R"("substep": 1)"), "2: /settings/substep: found the unknown key", "substeps, iterations"},
+      {settings(R"("substep": 1)"), "2: /settings/substep: found the unknown key", "substeps, target, iterations"},
       {settings(R"("simd": "avx2")"), "2: /settings/simd: found the unknown key", ""},
       {settings(R"("substeps": 0)"), "2: /settings/substeps: found 0", "an integer in [1, 1024]"},
       {settings(R"("iterations": 1025)"), "2: /settings/iterations: found 1025", "an integer in [1, 1024]"},
@@ -143,6 +143,36 @@ TEST(SceneFileErrors, Settings) {
       {settings(R"("time_to_sleep": -1)"), "2: /settings/time_to_sleep: found -1", "a number >= 0"},
   };
   for (const Refused& refused : cases) expect_refused(refused);
+}
+
+TEST(SceneFileErrors, Targets) {
+  const auto target = [](const std::string& members, const std::string& others = "") {
+    return settings("\"target\": {\n" + members + "}" + others);
+  };
+  const Refused cases[] = {
+      {settings(R"("target": 0.001)"), "2: /settings/target: found 0.001", "an object"},
+      {target(R"("penetrations": 1)"), "3: /settings/target/penetrations: found the unknown key", "penetration"},
+      {target(R"("penetration": 0)"), "3: /settings/target/penetration: found 0", "a number > 0"},
+      {target(R"("joint_gap": -1)"), "3: /settings/target/joint_gap: found -1", "a number > 0"},
+      {target(R"("residual": "1 %")"), "3: /settings/target/residual: found \"1 %\"", "a number > 0"},
+      {target(R"("motion": 0)"), "3: /settings/target/motion: found 0", "a number > 0"},
+      {target(R"("least_substeps": 0)"), "3: /settings/target/least_substeps: found 0", "an integer in [1, 1024]"},
+      {target(R"("most_substeps": 1025)"), "3: /settings/target/most_substeps: found 1025", "an integer in [1, 1024]"},
+      {target(R"("least_substeps": 8, "most_substeps": 4)"), "3: /settings/target/most_substeps: found 4",
+       "least_substeps, 8, or more"},
+      {target(R"("least_substeps": 200)"), "2: /settings/target/most_substeps: found 128, the default,",
+       "least_substeps, 200, or more"},
+      {target(R"("motion": 1)", R"(, "stabilisation": "baumgarte")"),
+       "2: /settings/target: found it with rigid stabilisation", "it with \"soft\" only"},
+      {target(R"("penetration": 1)", R"(, "contact_hertz": 30)"),
+       "3: /settings/target/penetration: found it and contact_hertz", "one of them"},
+      {target(R"("joint_gap": 1)", R"(, "joint_hertz": 30)"), "3: /settings/target/joint_gap: found it and joint_hertz",
+       "one of them"},
+  };
+  for (const Refused& refused : cases) expect_refused(refused);
+  // What nothing is asked of is refused nowhere.
+  const std::string unset = target(R"("least_substeps": 4)", R"(, "stabilisation": "baumgarte")");
+  EXPECT_NE(message_for(unset).find("/bodies"), std::string::npos) << message_for(unset);
 }
 
 TEST(SceneFileErrors, ShapesAndMaterials) {

@@ -90,6 +90,19 @@ TEST(SceneWriting, AWorldIsTakenAsItIsNow) {
   }
 }
 
+TEST(SceneWriting, ATargetIsWrittenWhereOneIsSet) {
+  Scene scene = load_scene("stack:height=2");
+  const std::string without = scene_text(scene);
+  EXPECT_EQ(without.find("target"), std::string::npos);
+  scene.settings.target = {.penetration = 1e-4, .motion = 0.1, .least_substeps = 3, .most_substeps = 77};
+  const ErrorTarget read = parse_scene(scene_text(scene), "again.json").settings.target;
+  EXPECT_EQ(read.penetration, 1e-4);
+  EXPECT_FALSE(read.joint_gap || read.residual);
+  EXPECT_EQ(read.motion, 0.1);
+  EXPECT_EQ(read.least_substeps, 3);
+  EXPECT_EQ(read.most_substeps, 77);
+}
+
 TEST(SceneWriting, NothingOfADefinitionIsLost) {
   World world({.settings = {.substeps = 7, .contact_hertz = 25, .contact_solver = ContactSolver::Direct}});
   const BodyId ground = world.add_body({.type = BodyType::Static,

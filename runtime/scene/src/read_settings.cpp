@@ -1,4 +1,5 @@
 #include <array>
+#include <string>
 
 #include "schema.h"
 
@@ -20,31 +21,52 @@ JointSolver read_joint_solver(const Reader& in) {
   return solvers[in.choice({"auto", "iterative", "direct"})];
 }
 
+ErrorTarget read_target(const Reader& in) {
+  in.only_keys({"penetration", "joint_gap", "residual", "motion", "least_substeps", "most_substeps"});
+  ErrorTarget target;
+  get(in, "penetration", target.penetration, above(0));
+  get(in, "joint_gap", target.joint_gap, above(0));
+  get(in, "residual", target.residual, above(0));
+  get(in, "motion", target.motion, above(0));
+  get(in, "least_substeps", target.least_substeps, 1, 1024);
+  get(in, "most_substeps", target.most_substeps, 1, 1024);
+  if (target.most_substeps < target.least_substeps) {
+    in.fail_at("most_substeps",
+               std::to_string(target.most_substeps) + (in.has("most_substeps") ? "" : ", the default,"),
+               "least_substeps, " + std::to_string(target.least_substeps) + ", or more");
+  }
+  return target;
+}
+
+// As a world would, but with the place in the file.
+void check_target(const Reader& in, const Settings& settings) {
+  const ErrorTarget& target = settings.target;
+  if (!target.is_set()) return;
+  if (settings.stabilisation != Stabilisation::Soft) {
+    in.fail_at("target", "it with rigid stabilisation, whose overlap is its slop", "it with \"soft\" only");
+  }
+  const Reader its = *in.find("target");
+  if (target.penetration && settings.contact_hertz) its.fail_at("penetration", "it and contact_hertz", "one of them");
+  if (target.joint_gap && settings.joint_hertz) its.fail_at("joint_gap", "it and joint_hertz", "one of them");
+}
+
 }  // namespace
 
 Settings read_settings(const Reader& in) {
-  in.only_keys({"substeps",
-                "iterations",
-                "relax_iterations",
-                "tolerance",
-                "friction",
-                "warm_starting",
-                "stabilisation",
-                "correction",
-                "slop",
-                "contact_hertz",
-                "contact_damping_ratio",
-                "contact_push_speed",
-                "restitution_threshold",
-                "contact_solver",
-                "joint_solver",
-                "joint_hertz",
-                "joint_damping_ratio",
-                "sleeping",
-                "sleep_speed",
+  in.only_keys({"substeps",           "target",
+                "iterations",         "relax_iterations",
+                "tolerance",          "friction",
+                "warm_starting",      "stabilisation",
+                "correction",         "slop",
+                "contact_hertz",      "contact_damping_ratio",
+                "contact_push_speed", "restitution_threshold",
+                "contact_solver",     "joint_solver",
+                "joint_hertz",        "joint_damping_ratio",
+                "sleeping",           "sleep_speed",
                 "time_to_sleep"});
   Settings settings;
   get(in, "substeps", settings.substeps, 1, 1024);
+  if (const auto target = in.find("target")) settings.target = read_target(*target);
   get(in, "iterations", settings.iterations, 1, 1024);
   get(in, "relax_iterations", settings.relax_iterations, 0, 1024);
   get(in, "tolerance", settings.tolerance, at_least(0));
@@ -55,19 +77,18 @@ Settings read_settings(const Reader& in) {
   if (const auto stabilisation = in.find("stabilisation")) settings.stabilisation = read_stabilisation(*stabilisation);
   get(in, "correction", settings.correction, above_up_to(0, 1));
   get(in, "slop", settings.slop, at_least(0));
-  if (in.find("contact_hertz")) get(in, "contact_hertz", settings.contact_hertz.emplace(), above(0));
+  get(in, "contact_hertz", settings.contact_hertz, above(0));
   get(in, "contact_damping_ratio", settings.contact_damping_ratio, at_least(0));
   get(in, "contact_push_speed", settings.contact_push_speed, above(0));
-  if (in.find("restitution_threshold")) {
-    get(in, "restitution_threshold", settings.restitution_threshold.emplace(), at_least(0));
-  }
+  get(in, "restitution_threshold", settings.restitution_threshold, at_least(0));
   if (const auto solver = in.find("contact_solver")) settings.contact_solver = read_contact_solver(*solver);
   if (const auto solver = in.find("joint_solver")) settings.joint_solver = read_joint_solver(*solver);
-  if (in.find("joint_hertz")) get(in, "joint_hertz", settings.joint_hertz.emplace(), above(0));
+  get(in, "joint_hertz", settings.joint_hertz, above(0));
   get(in, "joint_damping_ratio", settings.joint_damping_ratio, at_least(0));
   get(in, "sleeping", settings.sleeping);
   get(in, "sleep_speed", settings.sleep_speed, at_least(0));
   get(in, "time_to_sleep", settings.time_to_sleep, at_least(0));
+  check_target(in, settings);
   return settings;
 }
 

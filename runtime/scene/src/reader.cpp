@@ -168,6 +168,10 @@ void get(const Reader& in, std::string_view key, double& target, const Range& ra
   if (const auto found = in.find(key)) target = found->number(range);
 }
 
+void get(const Reader& in, std::string_view key, std::optional<double>& target, const Range& range) {
+  if (const auto found = in.find(key)) target = found->number(range);
+}
+
 void get(const Reader& in, std::string_view key, int& target, int min, int max) {
   if (const auto found = in.find(key)) target = found->integer(min, max);
 }

@@ -100,6 +100,7 @@ std::uint64_t read_unsigned(const Reader& in);
 
 // Overwrite the target with a member where the key is there, and leave its default where it isn't.
 void get(const Reader& in, std::string_view key, double& target, const Range& range = any_number);
+void get(const Reader& in, std::string_view key, std::optional<double>& target, const Range& range = any_number);
 void get(const Reader& in, std::string_view key, int& target, int min, int max);
 void get(const Reader& in, std::string_view key, bool& target);
 void get(const Reader& in, std::string_view key, std::string& target);

@@ -39,6 +39,17 @@ const char* name(Enum value, const std::array<const char*, count>& names) {
   return names[static_cast<std::size_t>(value)];
 }
 
+Json json(const ErrorTarget& target) {
+  Json out = Json::object();
+  put(out, "penetration", target.penetration);
+  put(out, "joint_gap", target.joint_gap);
+  put(out, "residual", target.residual);
+  put(out, "motion", target.motion);
+  out["least_substeps"] = target.least_substeps;
+  out["most_substeps"] = target.most_substeps;
+  return out;
+}
+
 Json json(const Settings& settings) {
   constexpr std::array solvers = {"auto", "iterative", "direct"};
   Json out = {{"substeps", settings.substeps},
@@ -50,6 +61,7 @@ Json json(const Settings& settings) {
               {"stabilisation", name(settings.stabilisation, std::array{"soft", "baumgarte", "split_impulse"})},
               {"correction", settings.correction},
               {"slop", settings.slop}};
+  if (settings.target.is_set()) out["target"] = json(settings.target);
   put(out, "contact_hertz", settings.contact_hertz);
   out["contact_damping_ratio"] = settings.contact_damping_ratio;
   out["contact_push_speed"] = settings.contact_push_speed;
