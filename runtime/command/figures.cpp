@@ -1,5 +1,7 @@
 #include "figures.h"
 
+#include <array>
+
 namespace atl::command {
 
 std::vector<Count> named_counts(const StepCounts& c) {
@@ -26,9 +28,25 @@ std::vector<Count> named_counts(const StepCounts& c) {
           {"unsolved_islands", c.unsolved_islands},
           {"unheld_islands", c.unheld_islands},
           {"body_substeps", c.body_substeps},
+          {"island_bodies", c.island_bodies},
           {"most_substeps", c.most_substeps},
           {"newton_iterations", c.newton_iterations},
           {"aabb_updates", c.aabb_updates}};
+}
+
+const char* name_of(TargetError error) {
+  constexpr std::array names = {"penetration", "joint_gap", "residual", "motion"};
+  return names[static_cast<std::size_t>(error)];
+}
+
+const char* unit_of(TargetError error) {
+  constexpr std::array units = {"m", "m", "", "m/s"};
+  return units[static_cast<std::size_t>(error)];
+}
+
+double limit_of(const ErrorTarget& target, TargetError error) {
+  const std::array limits = {target.penetration, target.joint_gap, target.residual, target.motion};
+  return limits[static_cast<std::size_t>(error)].value_or(0);
 }
 
 BodyCounts body_counts(const Scene& scene) {

@@ -16,6 +16,12 @@ struct Count {
 };
 std::vector<Count> named_counts(const StepCounts& counts);
 
+/// "penetration", "joint_gap", "residual", "motion".
+const char* name_of(TargetError error);
+/// "m", "m/s" or "".
+const char* unit_of(TargetError error);
+double limit_of(const ErrorTarget& target, TargetError error);
+
 struct BodyCounts {
   std::int64_t dynamic = 0;
   std::int64_t fixed = 0;

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <sstream>
 
+#include "checks/tradeoff/target_text.h"
+
 namespace atl::command {
 
 CLI::Validator integer_in(int min, int max) {
@@ -54,6 +56,14 @@ CLI::Validator seconds_a_step() {
     return "";
   };
   return {check, "(0, 1]", "seconds"};
+}
+
+CLI::Validator error_target() {
+  const auto check = [](std::string& text) -> std::string {
+    ErrorTarget target;
+    return tradeoff::read_target(text, target);
+  };
+  return {check, "", "target"};
 }
 
 CLI::Validator seed_number() {

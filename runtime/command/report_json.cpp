@@ -12,8 +12,20 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+Json target_json(const ErrorTarget& target) {
+  Json object = Json::object();
+  for (const TargetError error :
+       {TargetError::Penetration, TargetError::JointGap, TargetError::Residual, TargetError::Motion}) {
+    if (const double limit = limit_of(target, error); limit > 0) object[name_of(error)] = limit;
+  }
+  object["least_substeps"] = target.least_substeps;
+  object["most_substeps"] = target.most_substeps;
+  return object;
+}
+
 Json settings_json(const Settings& s) {
   return {{"substeps", s.substeps},
+          {"target", s.target.is_set() ? target_json(s.target) : Json("off")},
           {"iterations", s.iterations},
           {"relax_iterations", s.relax_iterations},
           {"tolerance", s.tolerance},
@@ -83,6 +95,31 @@ Json selected_solves_json(const RunResult& result) {
   return array;
 }
 
+// What was given for the target in the whole run.
+Json tally_json(const TargetTally& tally) {
+  return {{"mean_substeps", tally.mean_substeps()},
+          {"most_substeps", tally.most_substeps},
+          {"unheld_steps", tally.unheld_steps},
+          {"unheld_islands", tally.unheld_islands}};
+}
+
+Json unheld_islands_json(const RunResult& result, const ErrorTarget& target) {
+  Json array = Json::array();
+  for (const auto& [body, island] : result.unheld_islands) {
+    array.push_back({{"lowest_body", body},
+                     {"bodies", island.bodies},
+                     {"contacts", island.contacts},
+                     {"joints", island.joints},
+                     {"error", name_of(island.error)},
+                     {"measured", island.measured},
+                     {"target", limit_of(target, island.error)},
+                     {"unit", unit_of(island.error)},
+                     {"substeps", island.substeps},
+                     {"why", island.why}});
+  }
+  return array;
+}
+
 Json features_json(const std::array<FeatureReport, feature_count>& features) {
   Json array = Json::array();
   for (const FeatureReport& feature : features) {
@@ -121,6 +158,10 @@ void write_json(std::ostream& out, const Scene& scene, const World& world, const
   object["errors"] = errors_json(result);
   object["features"] = features_json(result.last.features);
   if (!result.selected_solves.empty()) object["selected_solves"] = selected_solves_json(result);
+  if (scene.settings.target.is_set()) {
+    object["target"] = tally_json(result.target);
+    object["unheld_islands"] = unheld_islands_json(result, scene.settings.target);
+  }
   if (!result.lost.empty()) object["quarantined"] = lost_json(result);
   if (result.interrupted) object["interrupted"] = {{"by", interrupt_name()}, {"steps_asked", scene.steps}};
   object["hash"] = hash_text(result.hash);

@@ -3,6 +3,7 @@
 #include <numeric>
 #include <ostream>
 
+#include "checks/tradeoff/target_text.h"
 #include "figures.h"
 #include "interrupt.h"
 #include "measure_words.h"
@@ -43,12 +44,17 @@ void write_head(std::ostream& out, const Scene& scene, const World& world, const
       << significant(result.steps * scene.dt, 4) << " s in all; " << plural(world.threads(), "thread") << ", "
       << name_of(world.simd()) << "\n"
       << (result.interrupted ? std::string("ended     by ") + interrupt_name() + ", ahead of its last step\n" : "")
-      << "settings  " << plural(s.substeps, "substep") << ", " << plural(s.iterations, "iteration") << ", "
-      << s.relax_iterations << " to relax, friction " << name_of(s.friction) << ", warm starting "
-      << (s.warm_starting ? "on" : "off") << ", sleeping " << (s.sleeping ? "on" : "off") << ",\n          "
-      << stabilisation_words(s) << (s.tolerance > 0 ? ", tolerance " + significant(s.tolerance, 4) + " m/s" : "")
+      << "settings  " << (s.target.is_set() ? "substeps by target" : plural(s.substeps, "substep")) << ", "
+      << plural(s.iterations, "iteration") << ", " << s.relax_iterations << " to relax, friction "
+      << name_of(s.friction) << ", warm starting " << (s.warm_starting ? "on" : "off") << ", sleeping "
+      << (s.sleeping ? "on" : "off") << ",\n          " << stabilisation_words(s)
+      << (s.tolerance > 0 ? ", tolerance " + significant(s.tolerance, 4) + " m/s" : "")
       << (s.contact_solver == ContactSolver::Auto ? "" : std::string(", contacts ") + name_of(s.contact_solver))
       << (scene.joints.empty() ? "" : std::string(", joints ") + name_of(s.joint_solver)) << "\n";
+  if (s.target.is_set()) {
+    out << "target    " << tradeoff::target_words(s.target) << ", with " << s.target.least_substeps << " to "
+        << s.target.most_substeps << " substeps an island\n";
+  }
 }
 
 void write_times(std::ostream& out, const RunResult& result) {
@@ -73,7 +79,10 @@ bool sweeps_points(SolverPhase phase) { return phase == SolverPhase::Solve || ph
 
 void write_solver_times(std::ostream& out, const Scene& scene, const RunResult& result) {
   const double all = std::accumulate(result.solver_ms.begin(), result.solver_ms.end(), 0.0);
-  const double points = result.points * scene.settings.substeps;
+  // With a target each island has its own.
+  const double substeps =
+      scene.settings.target.is_set() ? result.target.mean_substeps() : static_cast<double>(scene.settings.substeps);
+  const double points = result.points * substeps;
   out << "\n" << std::left << std::setw(name_width + 2) << "solver, all groups";
   write_number(out, "ms");
   out << std::setw(share_width) << "%"
@@ -125,6 +134,40 @@ void write_selected_solves(std::ostream& out, const Scene& scene, const RunResul
     out << "\n";
   }
   if (result.selected_solves.size() > most) out << "  and " << result.selected_solves.size() - most << " more\n";
+}
+
+// In mm and mm/s, which targets are about.
+std::string target_value(double value, TargetError error) {
+  const std::string unit = unit_of(error);
+  return unit.empty() ? significant(value, 3) : significant(1000 * value, 3) + " m" + unit;
+}
+
+std::string words_of(TargetError error) { return error == TargetError::JointGap ? "joint gap" : name_of(error); }
+
+void write_target(std::ostream& out, const Scene& scene, const RunResult& result) {
+  const ErrorTarget& target = scene.settings.target;
+  if (!target.is_set()) return;
+  constexpr std::size_t most = 5;
+  const TargetTally& tally = result.target;
+  out << "\nsubsteps for the target\n  a body of an island got " << significant(tally.mean_substeps(), 3)
+      << " a step in the mean, and " << tally.most_substeps << " at most;\n  "
+      << (tally.unheld_steps == 0
+              ? "all islands were held in all steps"
+              : plural(tally.unheld_steps, "step") + " of " + std::to_string(result.steps) +
+                    " ended with an island not held, " + std::to_string(tally.unheld_islands) + " islands in all")
+      << "\n";
+  if (!result.unheld_islands.empty()) out << "  not held in the last step\n";
+  for (std::size_t i = 0; i < std::min(most, result.unheld_islands.size()); ++i) {
+    const UnheldIsland& island = result.unheld_islands[i].island;
+    out << "    of " << body_words(scene, result.unheld_islands[i].body) << ", "
+        << plural(static_cast<std::int64_t>(island.bodies), "dynamic body", "dynamic bodies") << ", "
+        << plural(static_cast<std::int64_t>(island.contacts), "contact") << ", "
+        << plural(static_cast<std::int64_t>(island.joints), "joint") << ": " << words_of(island.error) << " "
+        << target_value(island.measured, island.error) << ", target "
+        << target_value(limit_of(target, island.error), island.error) << ", in " << plural(island.substeps, "substep")
+        << ": " << island.why << "\n";
+  }
+  if (result.unheld_islands.size() > most) out << "    and " << result.unheld_islands.size() - most << " more\n";
 }
 
 void write_errors(std::ostream& out, const Scene& scene, const RunResult& result) {
@@ -181,6 +224,7 @@ void write_text(std::ostream& out, const Scene& scene, const World& world, const
     write_solver_times(out, scene, result);
   }
   write_selected_solves(out, scene, result);
+  write_target(out, scene, result);
   write_times(out, result);
   write_errors(out, scene, result);
   write_lost(out, scene, result);

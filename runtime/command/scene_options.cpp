@@ -1,12 +1,30 @@
 #include "scene_options.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 
+#include "checks/tradeoff/target_text.h"
+#include "failure.h"
 #include "names.h"
 #include "option_checks.h"
 
 namespace atl::command {
 namespace {
+
+void apply_target(const SceneOptions& options, ErrorTarget& target) {
+  if (options.target) {
+    const ErrorTarget before = target;
+    target = *options.target;
+    target.least_substeps = before.least_substeps;
+    target.most_substeps = before.most_substeps;
+  }
+  if (!options.most_substeps) return;
+  if (!target.is_set()) {
+    throw Failure(Status::Usage, "--most-substeps: found no target, expected --target or a scene that has one");
+  }
+  target.most_substeps = *options.most_substeps;
+  target.least_substeps = std::min(target.least_substeps, target.most_substeps);
+}
 
 void apply(const SceneOptions& options, Scene& scene) {
   const auto override_by = [](const auto& option, auto& value) {
@@ -15,6 +33,7 @@ void apply(const SceneOptions& options, Scene& scene) {
   override_by(options.steps, scene.steps);
   override_by(options.dt, scene.dt);
   override_by(options.substeps, scene.settings.substeps);
+  apply_target(options, scene.settings.target);
   override_by(options.iterations, scene.settings.iterations);
   override_by(options.relax_iterations, scene.settings.relax_iterations);
   override_by(options.friction, scene.settings.friction);
@@ -48,6 +67,17 @@ CLI::Option* add_scene_options(CLI::App& command, SceneOptions& options) {
 
   const char* solver = "Solver (default: the scene's settings)";
   command.add_option("--substeps", options.substeps, "substeps a step; error falls with their square")
+      ->check(integer_in(1, 1024))
+      ->group(solver);
+  command
+      .add_option_function<std::string>(
+          "--target", [&options](const std::string& text) { tradeoff::read_target(text, options.target.emplace()); },
+          "each island gets the fewest substeps that hold its errors below this: 1mm, of penetrations and gaps of "
+          "joints; or a list as penetration=1mm,joint_gap=0.1mm,residual=0.01,motion=1mm/s; or off")
+      ->check(error_target())
+      ->type_name("ERROR")
+      ->group(solver);
+  command.add_option("--most-substeps", options.most_substeps, "with a target: the most that an island may get")
       ->check(integer_in(1, 1024))
       ->group(solver);
   command.add_option("--iterations", options.iterations, "sweeps over the contacts and joints a substep")

@@ -20,6 +20,8 @@ struct SceneOptions {
   std::optional<int> steps;
   std::optional<double> dt;  ///< s
   std::optional<int> substeps;
+  std::optional<ErrorTarget> target;  ///< its errors
+  std::optional<int> most_substeps;   ///< of a target
   std::optional<int> iterations;
   std::optional<int> relax_iterations;
   std::optional<FrictionModel> friction;
@@ -38,7 +40,8 @@ struct SceneOptions {
 /// which may be left out unless it is made to be required.
 CLI::Option* add_scene_options(CLI::App& command, SceneOptions& options);
 
-/// The scene, with what it says overridden by what the options say. Throws SceneError.
+/// The scene, with what it says overridden by what the options say. Throws SceneError, and Failure on
+/// options that don't go together.
 Scene load(const SceneOptions& options);
 
 }  // namespace atl::command

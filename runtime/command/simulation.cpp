@@ -33,6 +33,18 @@ std::size_t place_of(BodyId id, const std::vector<BodyId>& ids) {
 
 }  // namespace
 
+void TargetTally::add(const StepCounts& counts) {
+  bodies += counts.island_bodies;
+  body_substeps += counts.body_substeps;
+  most_substeps = std::max(most_substeps, counts.most_substeps);
+  unheld_steps += counts.unheld_islands > 0;
+  unheld_islands += counts.unheld_islands;
+}
+
+double TargetTally::mean_substeps() const {
+  return bodies > 0 ? static_cast<double>(body_substeps) / static_cast<double>(bodies) : 0;
+}
+
 World make_world(const Scene& scene, int threads) {
   try {
     return World({.gravity = scene.gravity, .threads = threads, .settings = scene.settings});
@@ -61,6 +73,7 @@ RunResult simulate(const Scene& scene, World& world, const std::vector<BodyId>& 
     for (int phase = 0; phase < phase_count; ++phase) result.phase_ms[phase] += result.last.phase_ms[phase];
     for (std::size_t phase = 0; phase < solver_phase_count; ++phase)
       result.solver_ms[phase] += result.last.solver_ms[phase];
+    result.target.add(result.last.counts);
     result.points += static_cast<double>(result.last.counts.points);
     for (view::Watcher* watcher : keep.watchers) watcher->add(world, result.last, scene.dt);
     if (result.last.quarantined > 0 && !keep.going) {
@@ -76,6 +89,9 @@ RunResult simulate(const Scene& scene, World& world, const std::vector<BodyId>& 
   const auto steps = static_cast<double>(ms.size());
   for (const SelectedSolve& island : world.selected_solves()) {
     result.selected_solves.push_back({place_of(island.lowest, ids), island});
+  }
+  for (const UnheldIsland& island : world.unheld_islands()) {
+    result.unheld_islands.push_back({place_of(island.lowest, ids), island});
   }
   for (double& phase : result.phase_ms) phase /= steps;
   for (double& phase : result.solver_ms) phase /= steps;

@@ -37,6 +37,24 @@ struct SolveOfBody {
   SelectedSolve island;
 };
 
+/// With a target: what islands got for it over the steps of a run, and whether that held their errors.
+struct TargetTally {
+  std::int64_t bodies = 0;         ///< of islands, of all steps
+  std::int64_t body_substeps = 0;  ///< that these got
+  std::int64_t most_substeps = 0;  ///< that an island got in a step
+  std::int64_t unheld_steps = 0;   ///< with an island beyond its target
+  std::int64_t unheld_islands = 0;
+
+  void add(const StepCounts& counts);
+  double mean_substeps() const;  ///< that a body got in a step
+};
+
+/// An error beyond its target: see World::unheld_islands().
+struct UnheldOfBody {
+  std::size_t body;  ///< the lowest of the island: place in the scene's list
+  UnheldIsland island;
+};
+
 /// What a run of a scene gave.
 struct RunResult {
   int steps = 0;             ///< that were done: all of the scene's, unless broken or interrupted
@@ -48,6 +66,8 @@ struct RunResult {
   double points = 0;                         ///< mean, of manifolds
   StepReport last;                           ///< of the last step
   std::vector<SolveOfBody> selected_solves;  ///< likewise
+  TargetTally target;
+  std::vector<UnheldOfBody> unheld_islands;  ///< of the last step
   std::vector<LostBody> lost;                ///< in order of ids
   bool broken = false;                       ///< ended by a body that was lost: the measures below are not set
   std::vector<ErrorMeasure> errors;

@@ -350,6 +350,7 @@ void SolvePhase::note_errors(Stores& world, const StepContext& step, std::span<c
   const auto controlled = world.control.islands();
   for (std::size_t i = 0; i < controlled.size(); ++i) {
     counts.most_substeps = std::max<std::int64_t>(counts.most_substeps, controlled[i].substeps);
+    counts.island_bodies += static_cast<std::int64_t>(islands.body_count(i));
     counts.body_substeps += static_cast<std::int64_t>(islands.body_count(i) * substeps_[i]);
   }
   world.results.unheld_islands.clear();

@@ -82,6 +82,7 @@ TEST(CommandRun, JsonHasTheKeysInTheirOrder) {
                                            "unsolved_islands",
                                            "unheld_islands",
                                            "body_substeps",
+                                           "island_bodies",
                                            "most_substeps",
                                            "newton_iterations",
                                            "aabb_updates"}));

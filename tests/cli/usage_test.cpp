@@ -28,6 +28,8 @@ TEST(CommandUsage, HelpOfRunHasEveryOption) {
                            "--dt",
                            "--threads",
                            "--substeps",
+                           "--target ERROR",
+                           "--most-substeps",
                            "--iterations",
                            "--relax-iterations",
                            "--friction cone|pyramid",

@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <system_error>
 
 namespace atl::tradeoff {
@@ -16,6 +17,10 @@ bool parse_whole(const std::string& text, Number& value) {
 
 /// A number of seconds, or a fraction, as 1/60; NaN if it is neither.
 double parse_seconds(const std::string& text);
+
+/// A length with or without its unit, as "1mm", "5um", "0.1 m" or "0.001", in m; of a speed `per` is "/s". NaN if it is
+/// none.
+double parse_metres(const std::string& text, std::string_view per = "");
 
 /// The shortest text that reads back as the same number.
 std::string shortest(double value);

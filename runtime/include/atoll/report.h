@@ -104,6 +104,7 @@ struct StepCounts {
   std::int64_t refined_islands = 0;       ///< that get more substeps: they sag, or a body lands that leans
   std::int64_t unheld_islands = 0;        ///< with an error beyond its target: see World::unheld_islands()
   std::int64_t body_substeps = 0;         ///< with a target: substeps that islands got, times their bodies
+  std::int64_t island_bodies = 0;         ///< with a target: bodies of these islands
   std::int64_t most_substeps = 0;         ///< with a target: that an island got
   std::int64_t newton_iterations = 0;     ///< of what is solved at once, beyond the first solve
   std::int64_t islands = 0;               ///< awake islands with at least one contact or joint

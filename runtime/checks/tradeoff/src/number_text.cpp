@@ -15,6 +15,26 @@ double parse_seconds(const std::string& text) {
   return whole ? value / divisor : std::nan("");
 }
 
+double parse_metres(const std::string& text, std::string_view per) {
+  struct Unit {
+    std::string_view name;
+    double of_metre;  // so many
+  };
+  constexpr std::array units = {Unit{"m", 1}, Unit{"mm", 1e3}, Unit{"um", 1e6}};
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{}) return std::nan("");
+  std::string_view unit(end, static_cast<std::size_t>(text.data() + text.size() - end));
+  if (unit.empty()) return value;
+  if (unit.starts_with(' ')) unit.remove_prefix(1);
+  if (!unit.ends_with(per)) return std::nan("");
+  unit.remove_suffix(per.size());
+  for (const auto& [name, of_metre] : units) {
+    if (unit == name) return value / of_metre;
+  }
+  return std::nan("");
+}
+
 std::string shortest(double value) {
   std::array<char, 32> text;
   const auto end = std::to_chars(text.data(), text.data() + text.size(), value);
