@@ -144,6 +144,10 @@ void check_world(const World& world) {
   for (const Quarantined& out : world.quarantined()) {
     require(world.contains(out.id) && world.is_quarantined(out.id), "quarantined() tells of a body that is not");
   }
+  for (const UnheldIsland& island : world.unheld_islands()) {
+    require(island.measured > 0 && island.substeps >= 1 && island.substeps <= 1024, "an island is unheld by no error");
+    require(island.bodies > 0 && island.contacts + island.joints > 0, "an unheld island is none");
+  }
   if (world.settings().keep_contact_problem) check_contact_problem(world);
   for (const MemoryUse& use : world.memory()) require(use.bytes < (std::size_t{1} << 40), "absurd memory");
 }
@@ -218,6 +222,7 @@ void check_same_reports(const StepReport& a, const StepReport& b) {
   require_same(a.counts.unsolved_islands, b.counts.unsolved_islands, "unsolved_islands");
   require_same(a.counts.unheld_islands, b.counts.unheld_islands, "unheld_islands");
   require_same(a.counts.body_substeps, b.counts.body_substeps, "body_substeps");
+  require_same(a.counts.island_bodies, b.counts.island_bodies, "island_bodies");
   require_same(a.counts.most_substeps, b.counts.most_substeps, "most_substeps");
   require_same(a.counts.newton_iterations, b.counts.newton_iterations, "newton_iterations");
   require_same(a.counts.fcl_calls, b.counts.fcl_calls, "fcl_calls");

@@ -157,6 +157,18 @@ CollisionFilter Definitions::filter() {
           .group = bytes_.flag() ? 0 : static_cast<std::int32_t>(bytes_.below(5)) - 2};
 }
 
+namespace {
+
+// What a target may not be set with.
+void give_way_to_target(Settings& settings) {
+  if (!settings.target.is_set()) return;
+  settings.stabilisation = Stabilisation::Soft;
+  if (settings.target.penetration) settings.contact_hertz.reset();
+  if (settings.target.joint_gap) settings.joint_hertz.reset();
+}
+
+}  // namespace
+
 BodyDef Definitions::body() {
   BodyDef def;
   const std::uint32_t type = bytes_.below(8);
@@ -287,6 +299,20 @@ JointDef Definitions::joint(const World& world, BodyId first, BodyId second) {
   return def;
 }
 
+Settings Definitions::with_target(Settings settings) {
+  ErrorTarget& target = settings.target;
+  target = {};
+  const std::uint32_t limited = bytes_.below(16);  // a bit an error
+  if (limited & 1) target.penetration = number(1e-5, 0.01);
+  if (limited & 2) target.joint_gap = number(1e-5, 0.01);
+  if (limited & 4) target.residual = number(1e-3, 0.1);
+  if (limited & 8) target.motion = number(1e-4, 0.1);
+  target.least_substeps = integer(1, 4);
+  target.most_substeps = integer(4, 24);
+  if (usual() || !bytes_.one_in(8)) give_way_to_target(settings);
+  return settings;
+}
+
 Settings Definitions::settings(Settings settings) {
   for (std::uint32_t changes = 1 + bytes_.below(3); changes > 0; --changes) {
     switch (bytes_.below(20)) {
@@ -357,6 +383,7 @@ Settings Definitions::settings(Settings settings) {
         settings.profile = bytes_.flag();
     }
   }
+  give_way_to_target(settings);
   return settings;
 }
 

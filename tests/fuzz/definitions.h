@@ -45,6 +45,8 @@ class Definitions {
 
   /// Changed here and there from those given.
   Settings settings(Settings settings);
+  /// The same with a target, or without one.
+  Settings with_target(Settings settings);
   QueryShape query_shape();
   ShapeCast shape_cast();
   Ray ray();

@@ -269,4 +269,15 @@ void overstep(Run& run) {
   run.call("set_contact_modifier", [](World& world, std::size_t) { world.set_contact_modifier({}); });
 }
 
+// And a step, in which islands start from what their bodies had, if they had something.
+void change_target(Run& run) {
+  const Settings settings = run.definitions.with_target(run.worlds.first().settings());
+  run.call("set_settings", [&](World& world, std::size_t) {
+    Settings its = settings;
+    its.simd = world.settings().simd;
+    world.set_settings(its);
+  });
+  run.step("step", [](World& world) { return world.step(1.0 / 60); });
+}
+
 }  // namespace atl::fuzz

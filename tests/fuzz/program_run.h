@@ -82,5 +82,6 @@ void switch_joints(Run& run);
 void define_what_cannot_be(Run& run);
 void break_and_release(Run& run);
 void overstep(Run& run);
+void change_target(Run& run);
 
 }  // namespace atl::fuzz
