@@ -109,6 +109,11 @@ def test_definitions_and_snapshots_are_pickled(world: atoll.World) -> None:
     assert pickle.loads(pickle.dumps(atoll.FixedJoint())) is not None
     settings = atoll.Settings(substeps=7, contact_hertz=20)
     assert repr(pickle.loads(pickle.dumps(settings))) == repr(settings)
+    settings.contact_hertz = None
+    settings.target = atoll.ErrorTarget(penetration=1e-3, motion=0.5, most_substeps=9)
+    assert "target=ErrorTarget(penetration=0.001, motion=0.5, most_substeps=9)" in repr(settings)
+    for copied_settings in (pickle.loads(pickle.dumps(settings)), copy.deepcopy(settings), copy.copy(settings)):
+        assert repr(copied_settings) == repr(settings)
 
     before = world.save()
     world.steps(20, DT)
@@ -181,6 +186,35 @@ def test_settings_and_gravity_are_set_as_a_whole(world: atoll.World) -> None:
     world.settings = settings
     world.gravity = [0, 0, 0]
     assert world.settings.substeps == 9 and not world.gravity.any()
+
+
+def test_targets_are_held_or_told() -> None:
+    assert not atoll.ErrorTarget().is_set() and atoll.ErrorTarget().most_substeps == 128
+    world = atoll.load_scene("stack:height=5").build()
+    assert world.step(DT).counts.body_substeps == 0 and world.unheld_islands() == []
+    settings = world.settings
+    settings.target = atoll.ErrorTarget(penetration=1e-4)
+    world.settings = settings
+    world.steps(60, DT)
+    counts = world.step(DT).counts
+    assert counts.island_bodies == 5 and counts.body_substeps == 5 * counts.most_substeps
+    assert world.unheld_islands() == [] and counts.unheld_islands == 0
+    assert counts.most_substeps > 4
+
+    settings.target = atoll.ErrorTarget(penetration=1e-7, least_substeps=1, most_substeps=3)
+    world.settings = settings
+    assert world.settings.target.most_substeps == 3
+    world.steps(3, DT)
+    (island,) = world.unheld_islands()
+    assert island.error == atoll.TargetError.PENETRATION and island.measured > 1e-7
+    assert island.lowest == world.bodies[1] and (island.bodies, island.contacts, island.joints) == (5, 5, 0)
+    assert island.substeps == 3 and "most substeps" in island.why and "why=" in repr(island)
+
+    settings.stabilisation = atoll.Stabilisation.BAUMGARTE
+    with pytest.raises(atoll.Error, match="target"):
+        world.settings = settings
+    with pytest.raises(atoll.Error, match="most_substeps is 1; expected least_substeps, 2, or more"):
+        atoll.World(settings=atoll.Settings(target=atoll.ErrorTarget(motion=1, most_substeps=1)))
 
 
 def test_reports_tell_phases_and_features(world: atoll.World) -> None:

@@ -26,6 +26,7 @@ void bind_counts(nb::module_& module) {
               Field{"unsolved_islands", &StepCounts::unsolved_islands, "which that was tried for in vain"},
               Field{"unheld_islands", &StepCounts::unheld_islands, "with an error beyond its target"},
               Field{"body_substeps", &StepCounts::body_substeps, "with a target: substeps of islands, times bodies"},
+              Field{"island_bodies", &StepCounts::island_bodies, "with a target: bodies of these islands"},
               Field{"most_substeps", &StepCounts::most_substeps, "with a target: that an island got"},
               Field{"refined_islands", &StepCounts::refined_islands, "that get more substeps"},
               Field{"newton_iterations", &StepCounts::newton_iterations, "of what is solved at once"},
@@ -44,10 +45,29 @@ void bind_counts(nb::module_& module) {
               Field{"stopped", &StepCounts::stopped, "bodies that met something and were put back"});
 }
 
+void bind_unheld(nb::module_& module) {
+  nb::enum_<TargetError>(module, "TargetError", "What Settings.target sets a limit to.")
+      .value("PENETRATION", TargetError::Penetration, "m")
+      .value("JOINT_GAP", TargetError::JointGap, "m")
+      .value("RESIDUAL", TargetError::Residual, "Relative.")
+      .value("MOTION", TargetError::Motion, "m/s");
+  nb::class_<UnheldIsland> island(
+      module, "UnheldIsland",
+      "An error of an island beyond its target. Penetrations and gaps are those with which the step began.");
+  bind_result(island, Field{"lowest", &UnheldIsland::lowest, "of its bodies"},
+              Field{"bodies", &UnheldIsland::bodies, "how many"},
+              Field{"contacts", &UnheldIsland::contacts, "how many"},
+              Field{"joints", &UnheldIsland::joints, "how many"}, Field{"error", &UnheldIsland::error, ""},
+              Field{"measured", &UnheldIsland::measured, "in the target's unit"},
+              Field{"substeps", &UnheldIsland::substeps, "that it got in this step"},
+              Field{"why", &UnheldIsland::why, "what keeps it beyond"});
+}
+
 }  // namespace
 
 void bind_reports(nb::module_& module) {
   bind_counts(module);
+  bind_unheld(module);
   nb::class_<FeatureReport> feature(module, "FeatureReport", "A feature of the step plan: whether it ran, and why.");
   bind_result(feature, Field{"name", &FeatureReport::name, ""}, Field{"run", &FeatureReport::run, ""},
               Field{"why", &FeatureReport::why, "or why not"}, Field{"items", &FeatureReport::items, "it was run on"},

@@ -31,10 +31,28 @@ void bind_settings(nb::module_& module) {
       .value("AVX512", Simd::Avx512)
       .value("NEON", Simd::Neon);
 
+  nb::class_<ErrorTarget> target(
+      module, "ErrorTarget",
+      "Errors that islands are held below: each gets the fewest substeps that do it, as the last steps measured. With "
+      "Stabilisation.SOFT. What could not be held is told: World.unheld_islands().");
+  bind_definition(
+      target,
+      Field{"penetration", &ErrorTarget::penetration, "m, > 0: overlap after a step; not with Settings.contact_hertz"},
+      Field{"joint_gap", &ErrorTarget::joint_gap,
+            "m, > 0: what locked offsets of joints are open by after a step; not with Settings.joint_hertz"},
+      Field{"residual", &ErrorTarget::residual, "> 0, relative: how far contacts are from solved"},
+      Field{"motion", &ErrorTarget::motion,
+            "m/s, > 0: how far bodies get from their paths in a second, by an estimate"},
+      Field{"least_substeps", &ErrorTarget::least_substeps, "in [1, 1024]"},
+      Field{"most_substeps", &ErrorTarget::most_substeps,
+            "the most that a step of an island may cost, in [least_substeps, 1024]"});
+  target.def("is_set", &ErrorTarget::is_set, "Whether it asks for anything.");
+
   nb::class_<Settings> settings(module, "Settings",
                                 "How a step is solved. The defaults suit 60 Hz and metre-sized bodies.");
   bind_definition(
       settings, Field{"substeps", &Settings::substeps, "in [1, 1024]; overlap falls with its square"},
+      Field{"target", &Settings::target, "in place of substeps, from which islands then start"},
       Field{"iterations", &Settings::iterations, "sweeps with the position bias, a substep; in [1, 1024]"},
       Field{"relax_iterations", &Settings::relax_iterations, "sweeps without it; in [0, 1024]"},
       Field{"tolerance", &Settings::tolerance, "m/s, >= 0: ends an island's sweeps; 0 never"},

@@ -238,6 +238,13 @@ void bind_results(Class& world) {
             return std::vector<Quarantined>(all.begin(), all.end());
           },
           "Bodies that are out of the world because their state was not finite, or absurd.")
+      .def(
+          "unheld_islands",
+          [](const World& self) {
+            const auto all = self.unheld_islands();
+            return std::vector<UnheldIsland>(all.begin(), all.end());
+          },
+          "With Settings.target, islands with an error beyond it after the last step, by their lowest bodies.")
       .def("is_quarantined", &World::is_quarantined, nb::arg("body"))
       .def("release", &World::release, nb::arg("body"), "Lets it take part again.")
       .def(
