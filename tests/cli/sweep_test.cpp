@@ -22,10 +22,11 @@ Words sweep_of(const Words& scenes, const std::string& out, const Words& more = 
   Words words = {"sweep"};
   words.insert(words.end(), scenes.begin(), scenes.end());
   const std::pair<const char*, const char*> single[] = {
-      {"--substeps", "4"},    {"--iterations", "1"},       {"--dt", "1/60"},   {"--friction", "cone"},
-      {"--warm-start", "on"}, {"--relax-iterations", "1"}, {"--threads", "1"}, {"--simd", "auto"},
-      {"--tolerance", "0"},   {"--stabilisation", "soft"}, {"--steps", "12"},  {"--repeats", "2"},
-      {"--time", "1e-6"}};
+      {"--substeps", "4"},    {"--iterations", "1"},       {"--dt", "1/60"},
+      {"--friction", "cone"}, {"--warm-start", "on"},      {"--relax-iterations", "1"},
+      {"--threads", "1"},     {"--simd", "auto"},          {"--tolerance", "0"},
+      {"--target", "off"},    {"--stabilisation", "soft"}, {"--steps", "12"},
+      {"--repeats", "2"},     {"--time", "1e-6"}};
   for (const auto& [option, value] : single) {
     if (std::find(more.begin(), more.end(), option) == more.end()) words.insert(words.end(), {option, value});
   }
@@ -124,6 +125,8 @@ TEST(CommandSweep, JointsHaveSolversAndNoAxesOfContactsWhereNothingTouches) {
                                           "chain:links=3,ratio=2",
                                           "--joint-solver",
                                           "auto,iterative,direct",
+                                          "--target",
+                                          "off",
                                           "--substeps",
                                           "2,4",
                                           "--dt",
@@ -164,9 +167,10 @@ TEST(CommandSweep, JointsHaveSolversAndNoAxesOfContactsWhereNothingTouches) {
 TEST(CommandSweep, WhatMakesNoDifferenceIsLeftOut) {
   const ScratchDirectory scratch;
   const auto labels_of = [&](const char* scene) {
-    const CommandResult result =
-        run_atoll({"sweep", scene, "--substeps", "4,8", "--dt", "1/60", "--threads", "1", "--simd", "auto", "--steps",
-                   "3", "--repeats", "1", "--time", "1e-6", "--out", scratch.path("out")});
+    const CommandResult result = run_atoll({"sweep",  scene,    "--substeps", "4,8",       "--target",
+                                            "off",    "--dt",   "1/60",       "--threads", "1",
+                                            "--simd", "auto",   "--steps",    "3",         "--repeats",
+                                            "1",      "--time", "1e-6",       "--out",     scratch.path("out")});
     EXPECT_EQ(result.status, 0) << result.err;
     const Json scene_results = results_in(scratch.path("out"))["scenes"][0];
     Words labels;
@@ -179,6 +183,43 @@ TEST(CommandSweep, WhatMakesNoDifferenceIsLeftOut) {
   // So many loops are not solved at once.
   EXPECT_EQ(labels_of("joint-grid:n=20"), (Words{"default", "4 iterations", "8 substeps", "8 substeps, 4 iterations",
                                                  "warm start off", "0 relax iterations", "2 relax iterations"}));
+}
+
+TEST(CommandSweep, TargetsAreALineOfTheirOwn) {
+  const ScratchDirectory scratch;
+  ASSERT_EQ(run_atoll(sweep_of({"stack:height=4"}, scratch.path("out"),
+                               {"--substeps", "1,16", "--target", "off,10mm,1e-3,0.0001", "--steps", "40"}))
+                .status,
+            0);
+  const Json scene = results_in(scratch.path("out"))["scenes"][0];
+  Words labels;
+  for (const Json& run : scene["runs"]) labels.push_back(run["label"]);
+  EXPECT_EQ(labels, (Words{"default", "1 substep", "16 substeps", "target 10 mm", "target 1 mm", "target 0.1 mm"}));
+  EXPECT_EQ(scene["runs"][0]["options"]["target"], "off");
+  const Json& finest = run_named(scene, "Atoll", "target 0.1 mm");
+  EXPECT_EQ(finest["options"]["target"], "1e-04");
+  EXPECT_FALSE(finest["same_bits"]);
+  EXPECT_LE(finest["errors"]["penetration_p99"], 1e-4);
+  EXPECT_LT(finest["errors"]["penetration_mean"],
+            run_named(scene, "Atoll", "target 10 mm")["errors"]["penetration_mean"]);
+  const CommandResult refused = run_atoll({"sweep", "stack", "--target", "1mm,fine"});
+  expect_refused(refused, 2, {"--target", "found \"fine\"", "a length above 0, as 1mm or 0.001, or off"});
+}
+
+// Where a scene says itself how far contacts give, there is nothing for a target to decide.
+TEST(CommandSweep, TargetsAreLeftOutWhereAScenesSettingsContradict) {
+  const ScratchDirectory scratch;
+  const std::string scene = scratch.write("stiff.json", R"({"format": "atoll-scene", "version": 1,
+    "settings": {"contact_hertz": 30}, "bodies": [{"shape": {"type": "sphere", "radius": 1}},
+    {"type": "static", "shape": {"type": "half_space", "offset": -1}}]})");
+  for (const std::string& each : {scene, std::string("stack:height=1")}) {
+    ASSERT_EQ(
+        run_atoll({"sweep", each, "--quick", "--simd", "auto", "--steps", "3", "--out", scratch.path("out")}).status,
+        0);
+    const Json results = results_in(scratch.path("out"))["scenes"][0];
+    const auto has_target = [](const Json& run) { return run["options"]["target"] != "off"; };
+    EXPECT_EQ(std::count_if(results["runs"].begin(), results["runs"].end(), has_target), each == scene ? 0 : 1) << each;
+  }
 }
 
 TEST(CommandSweep, JointsThatOpenByMoreThanAMetreBreakARun) {
@@ -471,9 +512,8 @@ TEST(CommandSweep, LargeScenesThatFallRunUntilTheyHaveLanded) {
 TEST(CommandSweep, OverlapsOfWhatStillFallsAreNotJudged) {
   const ScratchDirectory scratch;
   const std::string driver = write_driver(scratch, "Mock");
-  const CommandResult result =
-      run_atoll(sweep_of({"hopper:bodies=20"}, scratch.path("out"),
-                         {"--steps", "10", "--peer", driver, "--peer-limit", "1"}));
+  const CommandResult result = run_atoll(
+      sweep_of({"hopper:bodies=20"}, scratch.path("out"), {"--steps", "10", "--peer", driver, "--peer-limit", "1"}));
   ASSERT_EQ(result.status, 0) << result.err;
   const Json scene = results_in(scratch.path("out"))["scenes"][0];
   const Json& overlaps = scene["comparisons"][0];

@@ -20,7 +20,7 @@ from atoll import _sweep
 
 # As the command's results.csv begins: see tests/cli/sweep_test.cpp.
 FIRST_COLUMNS = (
-    "scene,engine,label,default,outcome,why,steps,dt,substeps,iterations,friction,warm_start,relax_iterations,"
+    "scene,engine,label,default,outcome,why,steps,dt,substeps,target,iterations,friction,warm_start,relax_iterations,"
     "stabilisation,contact_solver,joint_solver,tolerance,threads,simd,options,cpu_s_per_simulated_s,cpu_min,cpu_max,"
     "ms_per_step,ms_min,ms_max"
 ).split(",")
@@ -66,6 +66,7 @@ def test_settings_are_taken_in_any_form() -> None:
     table = atoll.sweep(
         "stack:height=2",
         dt=[1 / 30, "1/120"],
+        target=[1e-3, "off"],
         friction=[atoll.FrictionModel.PYRAMID],
         stabilisation=[atoll.Stabilisation.SPLIT_IMPULSE],
         warm_start=[True, False],
@@ -76,7 +77,7 @@ def test_settings_are_taken_in_any_form() -> None:
     )
     labels = list(table["label"])
     assert labels[0] == "default" and len(labels) == len(set(labels))
-    for label in ("dt 1/30 s", "dt 1/120 s", "friction pyramid", "warm start off", "0 relax iterations", "2 threads"):
+    for label in ("dt 1/30 s", "dt 1/120 s", "target 1 mm", "friction pyramid", "warm start off", "0 relax iterations", "2 threads"):
         assert label in labels
     assert "split_impulse" in table["stabilisation"]
     assert set(table["steps"][table["dt"] == 1 / 30]) == {10}

@@ -83,6 +83,7 @@ def sweep(
     scenes: str | _core.Scene | Sequence[str | _core.Scene],
     *,
     substeps: Values[int] | None = None,
+    target: Values[float | str] | None = None,
     iterations: Values[int] | None = None,
     dt: Values[float | str] | None = None,
     friction: Values[_core.FrictionModel | str] | None = None,
@@ -107,8 +108,9 @@ def sweep(
 
     `scenes`: a Scene, or one as load_scene() takes it, or several. Of each first its own settings, then all pairs of
     `substeps` and `iterations`, and every other setting for itself, as the command does: `dt` in s (or "1/60"),
-    `warm_start` whether impulses are those of the step before, `tolerance` in m/s with the most iterations. Where none
-    are given, those are tried that make a difference in the scene. Each run is made once for its errors, and at least
+    `target` in m, of penetrations and gaps of joints (or "off"), `warm_start` whether impulses are those of the step
+    before, `tolerance` in m/s with the most iterations. Where none are given, those are tried that make a difference in
+    the scene. Each run is made once for its errors, and at least
     `repeats` times (3, or 1 if `quick`) for its time, each of `time` s of stepping or more (0.03, or 0.02 if `quick`).
     `quick`: a coarse grid. `steps`: at the scene's own dt, by default the scene's, or fewer of large ones. `peers`:
     programs that drive other engines, of which a run is stopped after `peer_limit` s (25, or 6 if `quick`).
@@ -118,6 +120,7 @@ def sweep(
     """
     given: dict[str, object] = {
         "substeps": substeps,
+        "target": target,
         "iterations": iterations,
         "dt": dt,
         "friction": friction,

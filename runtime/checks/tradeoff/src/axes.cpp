@@ -10,6 +10,7 @@
 
 #include "checks/tradeoff/number_text.h"
 #include "checks/tradeoff/setting_names.h"
+#include "checks/tradeoff/target_text.h"
 
 namespace atl::tradeoff {
 namespace {
@@ -48,6 +49,19 @@ std::string step_label(const Configuration& c) {
 std::string joint_solver_name(const Configuration& c) { return name_of(c.settings.joint_solver); }
 std::string contact_solver_name(const Configuration& c) { return name_of(c.settings.contact_solver); }
 
+bool accepts_target(const std::string& value) {
+  ErrorTarget target;
+  return value.find('=') == std::string::npos && read_target(value, target).empty();
+}
+
+// A length where that is all it is, as the option has it, to the last digit.
+std::string target_value(const Configuration& c) {
+  const ErrorTarget& target = c.settings.target;
+  const bool length =
+      target.penetration && target.penetration == target.joint_gap && !target.residual && !target.motion;
+  return length ? shortest(*target.penetration) : target_words(target);
+}
+
 const char* on_off(bool on) { return on ? "on" : "off"; }
 
 constexpr std::array table = {
@@ -60,6 +74,16 @@ constexpr std::array table = {
          .apply = [](const std::string& value, Configuration& c) { c.settings.substeps = integer(value); },
          .value = [](const Configuration& c) { return std::to_string(c.settings.substeps); },
          .label = [](const Configuration& c) { return plural(c.settings.substeps, "substep"); }},
+    Axis{.name = "target",
+         .help = "m that penetrations and gaps of joints are held below, each island in the fewest substeps, as 1mm or "
+                 "0.001; off: all get the same",
+         .numeric = false,
+         .changes_result = true,
+         .expected = "a length above 0, as 1mm or 0.001, or off",
+         .accepts = accepts_target,
+         .apply = [](const std::string& value, Configuration& c) { read_target(value, c.settings.target); },
+         .value = target_value,
+         .label = [](const Configuration& c) { return "target " + target_words(c.settings.target); }},
     Axis{.name = "iterations",
          .help = "sweeps over the contacts and joints a substep",
          .numeric = true,

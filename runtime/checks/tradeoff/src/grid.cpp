@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "checks/tradeoff/setting_names.h"
+#include "scene_traits.h"
 
 namespace atl::tradeoff {
 namespace {
@@ -16,46 +17,25 @@ Configuration own_configuration(const Scene& scene) {
   return {.settings = scene.settings, .dt = scene.dt, .threads = 1};
 }
 
-// Of joints alone, as all bodies share one group of those that pass each other.
-bool nothing_touches(const Scene& scene) {
-  const auto passes = [&](const SceneBody& body) {
-    const int group = body.def.filter.group;
-    return group < 0 && group == scene.bodies.front().def.filter.group;
-  };
-  return std::all_of(scene.bodies.begin(), scene.bodies.end(), passes);
-}
-
-// How many joints a solver of joints takes at once in a scene.
-std::int64_t direct_joints(const Scene& scene, const std::string& solver) {
-  Configuration configuration = own_configuration(scene);
-  find_axis("joint_solver").apply(solver, configuration);
-  World world({.gravity = scene.gravity, .settings = configuration.settings});
-  build_scene(scene, world);
-  return world.step(scene.dt).counts.direct_joints;
-}
-
 // What decides which axes are worth a sweep.
 struct Traits {
   bool large = false;
   bool quick = false;
   bool joints = false;
   bool contacts = true;       // bodies may touch
+  bool targets = true;        // the settings leave it to a target how far contacts and joints give
   bool sweeps = true;         // there are contacts, or joints that are solved one by one
   Values joint_solvers = {};  // that do different things, the scene's own first
 
   Traits(const Scene& scene, bool is_large, bool is_quick)
       : large(is_large), quick(is_quick), joints(!scene.joints.empty()), contacts(!nothing_touches(scene)) {
+    const Settings& own_settings = scene.settings;
+    targets = (contacts || joints) && own_settings.stabilisation == Stabilisation::Soft &&
+              !own_settings.contact_hertz && !own_settings.joint_hertz;
     if (!joints) return;
-    const std::string own = find_axis("joint_solver").value(own_configuration(scene));
-    std::vector<std::int64_t> counts;
-    for (const std::string& solver : {own, std::string("auto"), std::string("iterative"), std::string("direct")}) {
-      const std::int64_t count = direct_joints(scene, solver);
-      // Of two solvers one takes all joints at once that the other does: if as many, the same.
-      if (std::find(counts.begin(), counts.end(), count) != counts.end()) continue;
-      joint_solvers.push_back(solver);
-      counts.push_back(count);
-    }
-    sweeps = contacts || counts.front() < static_cast<std::int64_t>(scene.joints.size());
+    std::vector<std::int64_t> at_once;
+    joint_solvers = different_joint_solvers(scene, &at_once);
+    sweeps = contacts || at_once.front() < static_cast<std::int64_t>(scene.joints.size());
   }
 };
 
@@ -91,6 +71,10 @@ Values default_values(const Axis& axis, const Traits& scene) {
   }
   if (name == "joint_solver") return scene.joint_solvers;
   if (quick && large) return {};
+  if (name == "target") {
+    if (!scene.targets) return {};
+    return quick ? Values{"0.001"} : large ? Values{"0.01", "0.001"} : Values{"0.01", "0.001", "0.0001"};
+  }
   if (name == "dt") return large ? Values{"1/30", "1/60", "1/120"} : Values{"1/30", "1/60", "1/120", "1/240"};
   if (name == "friction") return {"cone", "pyramid"};
   if (name == "warm_start") return {"on", "off"};

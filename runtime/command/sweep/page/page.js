@@ -102,6 +102,9 @@ function legend(scene) {
   list.push(item(svg('path', {d: 'M-11 0H11', class: 'front atoll'}), 'front of Atoll'));
   if (present.length > 1) list.push(item(svg('path', {d: 'M-11 0H11', class: 'front peers'}), 'front of the others'));
   list.push(item(svg('circle', {r: 5.5, class: 'ring', stroke: 'var(--soft-ink)'}), 'ringed: a default'));
+  if (scene.runs.some(hasTarget)) {
+    list.push(item(svg('g', {}, marker(0, 5), targetHole(5)), 'with a hole: substeps by an error target'));
+  }
   const hollow = (extra) => svg('g', {class: 'point hollow'}, svg('path', {d: markerPath(0, 5), style: grey}), extra);
   const grey = 'stroke: var(--soft-ink)';
   const some = (outcome) => scene.runs.some((run) => run.outcome === outcome);

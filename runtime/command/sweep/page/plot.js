@@ -37,6 +37,11 @@ function crossOut(engine, radius) {
     style: 'stroke: ' + engineColour(engine)});
 }
 
+/** Whether islands of a run of Atoll got the substeps that an error target asks for, in place of a fixed number. */
+const hasTarget = (run) => (run.options.target ?? 'off') !== 'off';
+
+const targetHole = (radius) => svg('circle', {r: 0.42 * radius, class: 'hole'});
+
 const brokenOutcomes = ['fell', 'came_apart', 'non_finite'];
 
 /**
@@ -167,6 +172,7 @@ function drawPoint(r, comparison, noError) {
   const group = svg('g', {class: 'point', 'data-run': r.index,
     transform: `translate(${r.x.toFixed(1)} ${r.y.toFixed(1)})`, role: 'img',
     'aria-label': runWords(r, comparison, noError).join('; ')}, path);
+  if (hasTarget(r.run)) group.append(targetHole(radius));
   if (r.zone === 'broken') {
     group.classList.add('hollow');
     path.style.stroke = engineColour(r.engine);
