@@ -21,6 +21,7 @@
 #include "soak.h"
 #include "standard_streams.h"
 #include "sweep/sweep.h"
+#include "tune.h"
 #include "verify/verify.h"
 #include "view.h"
 
@@ -54,7 +55,7 @@ std::string words_of_extra(const CLI::App& app, std::span<const char* const> arg
   if (!parsed.empty()) return "unexpected argument \"" + extra + "\"";
   for (const CLI::App* each : app.get_subcommands({})) names.push_back(each->get_name());
   return "unknown command \"" + extra +
-         "\", expected run, view, explain, replay, bisect, soak, sweep, verify or scenes" +
+         "\", expected run, view, explain, replay, bisect, soak, sweep, tune, verify or scenes" +
          scene::suggestion(extra, views(names));
 }
 
@@ -105,6 +106,9 @@ int run_parsed(int argc, char** argv) {
   CLI::App* sweep = app.add_subcommand("sweep", "run scenes over many settings and draw error against run time");
   SweepOptions sweep_options;
   add_sweep_options(*sweep, sweep_options);
+  CLI::App* tuning = app.add_subcommand("tune", "find the cheapest fixed settings that hold a scene's errors");
+  TuneOptions tune_options;
+  add_tune_options(*tuning, tune_options);
   CLI::App* verification = app.add_subcommand("verify", "run checks of the simulation and tell what fails");
   VerifyOptions verify_options;
   add_verify_options(*verification, verify_options);
@@ -128,6 +132,7 @@ int run_parsed(int argc, char** argv) {
     if (bisecting->parsed()) bisect(bisect_options);
     if (soaking->parsed()) command::soak(soak_options);
     if (sweep->parsed()) command::sweep(sweep_options);
+    if (tuning->parsed()) command::tune(tune_options);
     if (verification->parsed()) verify(verify_options);
     if (scenes->parsed() && scene_to_write.empty()) list_scenes(std::cout);
     if (!scene_to_write.empty()) std::cout << scene_text(load_scene(scene_to_write));

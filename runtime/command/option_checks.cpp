@@ -48,6 +48,15 @@ CLI::Validator number_not_below_zero() {
   return {check, ">= 0", "number not below zero"};
 }
 
+CLI::Validator length_above_zero() {
+  const auto check = [](std::string& text) -> std::string {
+    const double value = tradeoff::parse_metres(text);
+    if (value > 0 && std::isfinite(value)) return "";
+    return "found \"" + text + "\", expected a length above 0, as 1mm or 0.001";
+  };
+  return {check, "", "length"};
+}
+
 CLI::Validator seconds_a_step() {
   const auto check = [](std::string& text) -> std::string {
     const double value = parse_seconds(text);

@@ -19,8 +19,9 @@ CLI::Validator integer_in(int min, int max);
 CLI::Validator number_above_zero(double max);
 CLI::Validator number_above_zero();
 CLI::Validator number_not_below_zero();
-CLI::Validator seconds_a_step();  ///< turns a fraction into a number
-CLI::Validator error_target();    ///< see tradeoff::read_target()
+CLI::Validator length_above_zero();  ///< in m, or with a unit
+CLI::Validator seconds_a_step();     ///< turns a fraction into a number
+CLI::Validator error_target();       ///< see tradeoff::read_target()
 CLI::Validator seed_number();
 CLI::Validator file_name();
 

@@ -93,7 +93,7 @@ TEST(CommandUsage, ScenesListsAllWithParameters) {
 TEST(CommandUsage, RefusesBadArguments) {
   expect_refused(
       run_atoll({"walk"}), 2,
-      {"unknown command \"walk\", expected run, view, explain, replay, bisect, soak, sweep, verify or scenes"});
+      {"unknown command \"walk\", expected run, view, explain, replay, bisect, soak, sweep, tune, verify or scenes"});
   expect_refused(run_atoll({"rnu", "pile"}), 2, {"unknown command \"rnu\"", "did you mean \"run\"?"});
   expect_refused(run_atoll({"run"}), 2, {"SCENE"});
   expect_refused(run_atoll({"run", "stack", "wall"}), 2, {"wall"});
@@ -107,7 +107,7 @@ TEST(CommandUsage, HelpIsWhatNoCommandAsksFor) {
   const CommandResult nothing = run_atoll({});
   EXPECT_EQ(nothing.status, 0);
   EXPECT_EQ(nothing.out, run_atoll({"--help"}).out);
-  for (const char* command : {"run", "explain", "replay", "soak", "sweep", "verify"}) {
+  for (const char* command : {"run", "explain", "replay", "soak", "sweep", "tune", "verify"}) {
     EXPECT_NE(run_atoll({command, "--help"}).out.find(std::string("atoll ") + command + " "), std::string::npos)
         << "an example of " << command;
   }

@@ -99,6 +99,8 @@ Scene scene_of(const World& world);
 std::string scene_text(const Scene& scene);
 /// The same as a file, which is whole or not there. Throws SceneError if it can't be written.
 void write_scene(const Scene& scene, const std::string& path);
+/// What a scene file has as its "settings".
+std::string settings_text(const Settings& settings);
 
 /// Adds all bodies and then all joints in order; returns the ids of the bodies. Throws SceneError naming the body or
 /// the joint.

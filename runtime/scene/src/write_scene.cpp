@@ -303,6 +303,12 @@ void check_finite(const Json& value, const std::string& pointer) {
 }  // namespace
 }  // namespace scene
 
+std::string settings_text(const Settings& settings) {
+  const scene::Json out = scene::json(settings);
+  scene::check_finite(out, "/settings");
+  return out.dump(2);
+}
+
 std::string scene_text(const Scene& scene) {
   using namespace scene;
   Json out = {{"format", "atoll-scene"}, {"version", 1}};

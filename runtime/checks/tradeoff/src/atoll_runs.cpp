@@ -11,16 +11,6 @@
 namespace atl::tradeoff {
 namespace {
 
-World make_world(const ScenePlan& plan, const Configuration& configuration, bool diagnostics) {
-  WorldDef def = {.gravity = plan.scene.gravity, .threads = configuration.threads, .settings = configuration.settings};
-  def.settings.keep_contact_problem = diagnostics;
-  try {
-    return World(def);
-  } catch (const Error& error) {
-    throw SceneError(plan.scene.name + ": " + error.what());
-  }
-}
-
 struct Spent {
   double cpu = 0;   ///< s
   double wall = 0;  ///< s
@@ -45,6 +35,16 @@ std::uint64_t time_run(const ScenePlan& plan, const Configuration& configuration
 }
 
 }  // namespace
+
+World make_world(const ScenePlan& plan, const Configuration& configuration, bool diagnostics) {
+  WorldDef def = {.gravity = plan.scene.gravity, .threads = configuration.threads, .settings = configuration.settings};
+  def.settings.keep_contact_problem = diagnostics;
+  try {
+    return World(def);
+  } catch (const Error& error) {
+    throw SceneError(plan.scene.name + ": " + error.what());
+  }
+}
 
 double process_time() {
   timespec now = {};

@@ -6,6 +6,9 @@
 
 namespace atl::tradeoff {
 
+/// Empty. With `diagnostics` it keeps its contact problems. Throws SceneError on settings that this machine lacks.
+World make_world(const ScenePlan& plan, const Configuration& configuration, bool diagnostics);
+
 /// What a configuration is called and where it lies, with nothing measured yet.
 Record describe(const ScenePlan& plan, const Configuration& configuration);
 
