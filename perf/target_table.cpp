@@ -181,9 +181,9 @@ int main(int count, char** words) {
     for (const BuiltinScene& scene : builtin_scenes()) {
       if (load_scene(scene.name).closed_form) names.push_back(scene.name);
     }
-    for (const char* name :
-         {"pyramid3d@300", "wall@300", "islands@200", "pile@600", "hopper@400", "rocks@600", "joint-grid@300",
-          "chain@300", "ragdolls@600", "tower_among_boxes", "swept_tower_among_boxes", "wall_among_boxes"}) {
+    for (const char* name : {"pyramid3d@300", "wall@300", "islands@200", "pile:bodies=2000@500", "hopper@300",
+                             "rocks:bodies=2000@500", "joint-grid@300", "chain@300", "ragdolls@400",
+                             "tower_among_boxes", "swept_tower_among_boxes", "wall_among_boxes"}) {
       names.emplace_back(name);
     }
   }

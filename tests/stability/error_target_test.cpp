@@ -154,6 +154,19 @@ TEST(ErrorTargets, WhatWasPutIntoEachOtherIsNoLoad) {
   EXPECT_TRUE(told);
 }
 
+// Which is asked in each substep of the settings: these are solved in as many as the target takes.
+TEST(ErrorTargets, AreHeldUnderAForceLaw) {
+  constexpr double target = 1e-4;
+  SceneRun run = run_to("pyramid3d:layers=6", {.penetration = target});
+  StepReport report;
+  for (int step = 0; step < 180; ++step) report = run.world.step(run.scene.dt, [](Forces&) {});
+  EXPECT_LE(run.penetration().p99, target);
+  EXPECT_EQ(report.counts.unheld_islands, 0);
+  const auto bodies = static_cast<std::int64_t>(run.scene.bodies.size()) - 1;
+  EXPECT_GE(report.counts.body_substeps, 8 * bodies);
+  EXPECT_LE(report.counts.body_substeps, 20 * bodies);
+}
+
 // Two substeps leave a wall chattering.
 TEST(ResidualTarget, IsHeldAtRest) {
   const auto residual_of_wall = [](std::optional<double> target) {

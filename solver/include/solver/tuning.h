@@ -171,22 +171,26 @@ inline constexpr std::size_t long_chain = 12;
 
 /// m: what overlaps by less does not count, as for the audit.
 inline constexpr double least_overlap = 1e-5;
-/// Of a target, that what is chosen aims at.
+/// Of a target, that what is chosen aims at. With 0.8 islands at rest take 24 substeps for 16 to hold 0.1 mm, and 1.4
+/// times as long; what is chosen now is off by less than the rest.
 inline constexpr double target_margin = 0.95;
 /// Of what the square law leaves to an island in one substep: pyramids then overlap by a third more than that says, and
 /// would get one and two in turn.
 inline constexpr double one_substep_share = 0.5;
-/// Of what the load of a contact or joint explains.
+/// Of what the load of a contact or joint explains. By masses alone and times 4, ragdolls that land take 3 times as long
+/// to hold 1 mm, and lie no better.
 inline constexpr double explained_error = 1.2;
-/// Times its weight, that each body of an island that has no past is taken to carry.
+/// Times its weight, that each body of an island that has no past is taken to carry. From four substeps on, a wall
+/// overlaps by 0.2 mm at first where 0.1 is asked for, part of which stays wedged: it takes 40 substeps then for 32.
 inline constexpr double first_load = 10;
 /// s, without need of as many substeps, after which an island gets fewer; and the longest, where it needed them again
-/// each time.
+/// each time. Not tried otherwise.
 inline constexpr double target_hold = 0.25;
 inline constexpr double most_target_hold = 16;
 /// Residuals are measured in one step of so many: it takes about the time of a step.
 inline constexpr int residual_interval = 8;
-/// Of the substep's square times the change of acceleration a second.
+/// Of the substep's square times the change of acceleration a second, as of the trapezoidal rule. Pendulums are then off
+/// by 0.3 to 1.1 of what was asked for.
 inline constexpr double motion_error_share = 1.0 / 12;
 
 // --- At once: the problem and its matrix

@@ -1,5 +1,6 @@
 #include "checks/tradeoff/target_text.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
