@@ -214,7 +214,7 @@ def test_targets_are_held_or_told() -> None:
     with pytest.raises(atoll.Error, match="target"):
         world.settings = settings
     with pytest.raises(atoll.Error, match="most_substeps is 1; expected least_substeps, 2, or more"):
-        atoll.World(settings=atoll.Settings(target=atoll.ErrorTarget(motion=1, most_substeps=1)))
+        atoll.World(settings=atoll.Settings(target=atoll.ErrorTarget(motion=1, least_substeps=2, most_substeps=1)))
 
 
 def test_reports_tell_phases_and_features(world: atoll.World) -> None:
