@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "narrowphase/point_distance.h"
 
@@ -158,16 +159,28 @@ double MovingCore::reach(const Pose& pose, const Vector3& direction) const {
   return pose.position.dot(direction) + core.support(seen).dot(seen) + core.radius;
 }
 
-bool stay_parted(const MovingCore& first, const MovingCore& second, const SweepGoal& goal, const Vector3& direction,
-                 double t_limit) {
+double parted_until(const MovingCore& first, const MovingCore& second, const SweepGoal& goal,
+                    const Vector3& direction) {
   const double length = direction.norm();
-  if (!(length > 0)) return false;
+  if (!(length > 0)) return 0;
   const Vector3 unit = direction / length;
   const double separation = -second.reach(second.motion.start, -unit) - first.reach(first.motion.start, unit);
   const double room = separation - (goal.separation + goal.tolerance);
-  if (!(room > 0)) return false;
+  if (!(room > 0)) return 0;
   const double closing = first.advance_along(unit) + second.advance_along(-unit);
-  return !(closing > 0) || room > closing * t_limit;
+  return closing > 0 ? room / closing : std::numeric_limits<double>::infinity();
+}
+
+bool stay_parted(const MovingCore& first, const MovingCore& second, const SweepGoal& goal, const Vector3& direction,
+                 double t_limit) {
+  return parted_until(first, second, goal, direction) > t_limit;
+}
+
+Vector3 first_guess(const MovingCore& first, const MovingCore& second) {
+  const Pose& pose = second.motion.start;
+  Vector3 guess = pose.position - first.motion.start.position;
+  if (second.core.kind == ConvexCore::Kind::Triangle) guess += pose.orientation * second.core.triangle[0];
+  return guess;
 }
 
 bool advance(const MovingCore& first, const MovingCore& second, const SweepGoal& goal, double t_limit, SweepHit& hit) {
@@ -176,8 +189,7 @@ bool advance(const MovingCore& first, const MovingCore& second, const SweepGoal&
   const double near = goal.separation + goal.tolerance;
   Pose pose_first = first.motion.start;
   Pose pose_second = second.motion.start;
-  Vector3 guess = pose_second.position - pose_first.position;
-  if (second.core.kind == ConvexCore::Kind::Triangle) guess += pose_second.orientation * second.core.triangle[0];
+  Vector3 guess = first_guess(first, second);
   if (stay_parted(first, second, goal, guess, t_limit)) return false;
   if (boxes_stay_parted(first, second, goal, t_limit)) return false;
   double t = 0;

@@ -29,6 +29,12 @@ struct MovingCore {
 bool stay_parted(const MovingCore& first, const MovingCore& second, const SweepGoal& goal, const Vector3& direction,
                  double t_limit);
 
+/// Until when it does; 0 where it doesn't at the start, infinite if for ever.
+double parted_until(const MovingCore& first, const MovingCore& second, const SweepGoal& goal, const Vector3& direction);
+
+/// A direction from the first to the second at the start, world; of any length.
+Vector3 first_guess(const MovingCore& first, const MovingCore& second);
+
 /// Conservative advancement of two convex cores; see sweep().
 bool advance(const MovingCore& first, const MovingCore& second, const SweepGoal& goal, double t_limit, SweepHit& hit);
 

@@ -118,6 +118,10 @@ class SurfaceSweep {
     if (stay_parted(solid_, moving, goal_, surface_.start.orientation * -triangle.normal, t_limit_)) return;
     SweepHit fresh;
     if (!advance(solid_, moving, goal_, t_limit_, fresh)) return;
+    if (const Parted parted = parted_by_planes(moving, triangle); fresh.t < parted.until) {
+      if (parted.until > t_limit_) return;
+      fresh = {.t = parted.until, .normal = parted.across, .point = fresh.point, .converged = false};
+    }
     if (fresh.t == 0 && triangle.normal.dot(shift_) >= 0) return;
     if (found_ && fresh.t == hit_.t && number > hit_.triangle) return;
     hit_ = fresh;
@@ -132,6 +136,31 @@ class SurfaceSweep {
   }
 
  private:
+  struct Parted {
+    double until = 0;
+    Vector3 across = Vector3::Zero();
+  };
+
+  // A distance to a triangle that is huge may come out as too small, even as none. What a plane keeps apart from it is
+  // not met before that ends: its own plane, those across axes, by which triangles are looked up, and the one by which
+  // advance() begins. Whatever the limit, as who is met first may not depend on that.
+  Parted parted_by_planes(const MovingCore& moving, const Triangle& triangle) const {
+    Parted longest;
+    const SweepGoal goal = {goal_.separation, 2 * goal_.tolerance};  // not by rounding
+    const auto look_along = [&](const Vector3& across) {
+      const double until = parted_until(solid_, moving, goal, across);
+      if (until > longest.until) longest = {until, across.normalized()};
+    };
+    const Quaternion& turned = surface_.start.orientation;
+    look_along(turned * -triangle.normal);
+    for (int axis = 0; axis < 3; ++axis) {
+      look_along(turned * Vector3::Unit(axis));
+      look_along(turned * -Vector3::Unit(axis));
+    }
+    look_along(first_guess(solid_, moving));
+    return longest;
+  }
+
   const MovingCore& solid_;
   const Motion& surface_;
   SweepGoal goal_;
