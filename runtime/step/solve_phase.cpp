@@ -331,8 +331,19 @@ const char* why_unheld(const solver::SubstepControl::Island& island, const Error
   if (island.needed > island.substeps && island.substeps >= target.most_substeps) {
     return "it has the most substeps that it may get";
   }
-  if (error == TargetError::Penetration) return "bodies overlapped as they met, and more substeps don't part them";
-  return "it gets more substeps from the next step on, or has just got them";
+  switch (error) {
+    case TargetError::Penetration:
+      return island.settles ? "its substeps have just changed, which takes a moment to show"
+                            : "bodies overlapped as they met, and more substeps don't part them";
+    case TargetError::JointGap:
+      return island.settles ? "its substeps have just changed, which takes a moment to show"
+                            : "no load holds its joints open, and more substeps don't close them";
+    case TargetError::Residual:
+      return "it gets more substeps, a few at a time";
+    case TargetError::Motion:
+      break;
+  }
+  return "its motion changed in this step, and it gets more substeps from the next one on";
 }
 
 }  // namespace

@@ -156,7 +156,7 @@ void SubstepControl::decide(const ErrorInput& input, const ErrorTarget& target, 
   now.asked = 0;
   for (const std::uint32_t body : members) history_[body] = now;
 
-  islands_[island] = {now.substeps, static_cast<std::uint16_t>(held_by)};
+  islands_[island] = {now.substeps, static_cast<std::uint16_t>(held_by), now.unchanged < hold};
   const auto number = static_cast<std::uint32_t>(island);
   if (needs.overlap.missed) {
     misses_.push_back({number, Error::Penetration, overlap_of(input, input.islands.contacts(island, island + 1))});

@@ -43,6 +43,7 @@ class SubstepControl {
   struct Island {
     std::uint16_t substeps = 0;  ///< that it got, of all of a step
     std::uint16_t needed = 0;    ///< that would hold it, as far as substeps do; more than it got at the cap
+    bool settles = false;        ///< these have just changed
   };
 
   /// An error of an island beyond its target.
