@@ -50,8 +50,8 @@ struct Run {
   double told = 1;  // of those that are not, those of which the world tells
   double substeps = 0;
   int last_change = 0;  // the step in which a body got another number of substeps for the last time
-  std::vector<double> seconds;
-  std::vector<double> errors;  // m, by state
+  std::vector<double> seconds = {};
+  std::vector<double> errors = {};  // m, by state
 
   double share_within(double target) const {
     const auto within = std::count_if(errors.begin(), errors.end(), [=](double error) { return error <= target; });
