@@ -146,7 +146,10 @@ TEST_P(ViewPage, BeginsWhereItsAddressSays) {
 TEST_P(ViewPage, Plays) {
   const LoadedPage loaded = ask(R"({
     atoll.player.play();
-    await new Promise((done) => setTimeout(done, 1000));
+    // Without a graphics card a frame may take long.
+    for (let i = 0; i < 200 && !(document.body.dataset.step >= 1); ++i) {
+      await new Promise((done) => setTimeout(done, 100));
+    }
     atoll.player.pause();
     return document.body.dataset.step;
   })");
