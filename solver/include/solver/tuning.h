@@ -180,7 +180,7 @@ inline constexpr double one_substep_share = 0.5;
 /// Of what the load of a contact or joint explains. By masses alone and times 4, ragdolls that land take 3 times as long
 /// to hold 1 mm, and lie no better.
 inline constexpr double explained_error = 1.2;
-/// Times its weight, that each body of an island that has no past is taken to carry. From four substeps on, a wall
+/// Times its weight, that each body of an island that has no past is taken to lie under. From four substeps on, a wall
 /// overlaps by 0.2 mm at first where 0.1 is asked for, part of which stays wedged: it takes 40 substeps then for 32.
 inline constexpr double first_load = 10;
 /// s, without need of as many substeps, after which an island gets fewer; and the longest, where it needed them again

@@ -169,11 +169,13 @@ int substeps_at_first(const ErrorInput& input, const ErrorTarget& target, std::s
     return !input.joint_systems->is_direct(input.joint_graph->component_of(link.joint));
   });
   const double force = tuning::first_load * input.gravity;  // N/kg
+  const double all = static_cast<double>(input.islands.body_count(island)) * input.gravity;
   double square = 0;
   if (input.islands.contact_count(island) > 0) {
     square = force / stiffness(input, tuning::contact_hertz_share) / target.penetration;
   }
-  if (sweeps_joints) square = std::max(square, force / stiffness(input, tuning::joint_hertz_limit) / target.joint_gap);
+  // All of it may hang on one joint.
+  if (sweeps_joints) square = std::max(square, all / stiffness(input, tuning::joint_hertz_limit) / target.joint_gap);
   // Of the others nothing is known beforehand.
   const bool others = target.residual < ErrorTarget::none || target.motion < ErrorTarget::none;
   return std::max(rung_of(square), others ? input.asked * input.parts : 1);
