@@ -167,8 +167,7 @@ void resume_joints_of(Stores& world, std::uint32_t body) {
 }
 
 solver::JointFrames frames_of(const Stores& world, const solver::Joint& joint) {
-  return solver::joint_frames(joint, world.bodies.position(joint.first), world.bodies.orientation(joint.first),
-                              world.bodies.position(joint.second), world.bodies.orientation(joint.second));
+  return solver::joint_frames(joint, world.bodies);
 }
 
 JointState joint_state(const Stores& world, std::uint32_t index) {

@@ -105,4 +105,9 @@ JointFrames joint_frames(const Joint& joint, const Vector3& position_first, cons
   return frames;
 }
 
+JointFrames joint_frames(const Joint& joint, const BodyTable& bodies) {
+  return joint_frames(joint, bodies.position(joint.first), bodies.orientation(joint.first),
+                      bodies.position(joint.second), bodies.orientation(joint.second));
+}
+
 }  // namespace atl::solver

@@ -1,3 +1,4 @@
+#include <solver/integrate/motion_locks.h>
 #include <solver/select/island_errors.h>
 #include <solver/tuning.h>
 
@@ -15,12 +16,17 @@ double overlap(const collision::ContactManifold& manifold) {
   return -static_cast<double>(*std::min_element(std::begin(manifold.separation), std::end(manifold.separation)));
 }
 
-// 1/kg, of an impulse along a direction at an arm from the centre of mass.
-double response(const BodyTable& bodies, std::uint32_t body, const Vector3& arm, const Vector3& direction) {
-  if (!(bodies.inverse_mass[body] > 0)) return 0;
-  const Vector3 moment = bodies.orientation(body).conjugate() * arm.cross(direction);
-  return bodies.inverse_mass[body] * direction.squaredNorm() + moment.dot(bodies.inverse_inertia[body] * moment);
-}
+// How two bodies answer to impulses.
+struct Pair {
+  double inverse_mass;
+  Matrix3 first, second;  // inverse inertia, world
+
+  Pair(const BodyTable& bodies, std::uint32_t a, std::uint32_t b)
+      : inverse_mass(bodies.inverse_mass[a] + bodies.inverse_mass[b]),
+        first(world_inverse_inertia(bodies, a)),
+        second(world_inverse_inertia(bodies, b)) {}
+  double response(const JointRow& row) const { return row.response(inverse_mass, first, second); }
+};
 
 // What is to be known of an overlap that is too large.
 struct Overlap {
@@ -36,14 +42,14 @@ Overlap look_at(const ErrorInput& input, const TouchingPair& pair, double by_imp
   const collision::Tangents tangents = collision::tangents(manifold.normal);
   const bool both_move = bodies.inverse_mass[pair.first] > 0 && bodies.inverse_mass[pair.second] > 0;
   const double scale = both_move ? by_impulse : by_impulse / 4;  // at twice the frequency
+  const Pair answers(bodies, pair.first, pair.second);
   Overlap found;
   for (std::size_t i = 0; i < collision::max_points; ++i) {
     if (!(manifold.separation[i] < 0)) continue;
     const Vector3 off = manifold.x[i] * get3(tangents.first) + manifold.y[i] * get3(tangents.second);
     const Vector3 first = get3(manifold.anchor_first) + off, second = get3(manifold.anchor_second) + off;
-    const double by_load =
-        manifold.normal_impulse[i] * scale *
-        (response(bodies, pair.first, first, normal) + response(bodies, pair.second, second, normal));
+    const JointRow row{.linear = normal, .angular_first = first.cross(normal), .angular_second = second.cross(normal)};
+    const double by_load = manifold.normal_impulse[i] * scale * answers.response(row);
     const double overlap = -manifold.separation[i];
     const double passed =
         input.dt * (bodies.velocity_at(pair.second, second) - bodies.velocity_at(pair.first, first)).norm();
@@ -58,15 +64,10 @@ int made_in(std::span<const std::uint16_t> substeps, std::uint32_t first, std::u
   return made > 0 ? made : otherwise;
 }
 
-JointFrames frames_of(const BodyTable& bodies, const Joint& joint) {
-  return joint_frames(joint, bodies.position(joint.first), bodies.orientation(joint.first),
-                      bodies.position(joint.second), bodies.orientation(joint.second));
-}
-
 // Calls visit(row, off, impulse) for the offsets that a joint locks: m, and N s.
 template <typename Visit>
 void for_each_locked_offset(const BodyTable& bodies, const Joint& joint, const Visit& visit) {
-  const JointFrames frames = frames_of(bodies, joint);
+  const JointFrames frames = joint_frames(joint, bodies);
   for (int axis = 0; joint.point && axis < 3; ++axis) {
     const JointRow row = offset_along(frames, axis);
     visit(row, row.value, row.linear.dot(joint.point_impulse));
@@ -93,22 +94,15 @@ double gap(const BodyTable& bodies, const Joint& joint) {
 // m, of that the part which the force in the joint explains where it is solved by sweeps. `by_impulse` is m by N s and
 // 1/kg.
 double explained_gap(const BodyTable& bodies, const Joint& joint, double by_impulse) {
+  const Pair answers(bodies, joint.first, joint.second);
   double square = 0;
   for_each_locked_offset(bodies, joint, [&](const JointRow& row, double, double impulse) {
-    const auto turned = [&](std::uint32_t body, const Vector3& moment) -> double {
-      if (!(bodies.inverse_mass[body] > 0)) return 0;
-      const Vector3 own = bodies.orientation(body).conjugate() * moment;
-      return own.dot(bodies.inverse_inertia[body] * own);
-    };
-    const double mass = bodies.inverse_mass[joint.first] + bodies.inverse_mass[joint.second];
-    const double response = mass * row.linear.squaredNorm() + turned(joint.first, row.angular_first) +
-                            turned(joint.second, row.angular_second);
-    square += std::pow(impulse * response * by_impulse, 2);
+    square += std::pow(impulse * answers.response(row) * by_impulse, 2);
   });
   return std::sqrt(square);
 }
 
-// Of what is more than `least`: nearest rank.
+// Nearest rank.
 double exceeded_by_one_in_a_hundred(std::vector<double>& values) {
   if (values.empty()) return 0;
   const auto rank = values.end() - static_cast<std::ptrdiff_t>(values.size() / 100) - 1;

@@ -128,5 +128,7 @@ LawRow law_row(const Joint& joint, std::size_t row, const JointFrames& frames, d
 /// Where the frames of a joint are, of bodies whose centres of mass are at these places. Unit quaternions.
 JointFrames joint_frames(const Joint& joint, const Vector3& position_first, const Quaternion& orientation_first,
                          const Vector3& position_second, const Quaternion& orientation_second);
+/// As the bodies are now.
+JointFrames joint_frames(const Joint& joint, const BodyTable& bodies);
 
 }  // namespace atl::solver
