@@ -45,6 +45,7 @@ void visit_history(Archive& archive, solver::SubstepControl::History& history) {
   archive.value(history.substeps);
   archive.value(history.most);
   archive.value(history.asked);
+  archive.value(history.needed);
   archive.value(history.looked_at);
   archive.value(history.hold);
   archive.value(history.unchanged);
@@ -52,7 +53,8 @@ void visit_history(Archive& archive, solver::SubstepControl::History& history) {
   constexpr int most = 1024;
   const auto is_time = [](float time) { return time >= 0 && std::isfinite(time); };
   archive.check(history.substeps <= most && history.most <= most && history.asked <= most &&
-                    is_time(history.looked_at) && is_time(history.hold) && is_time(history.unchanged),
+                    history.needed <= solver::most_needed && is_time(history.looked_at) && is_time(history.hold) &&
+                    is_time(history.unchanged),
                 "substeps of an island that can't be");
 }
 

@@ -17,6 +17,14 @@ std::size_t place_of_rung(double square) {
 
 int rung_at(std::size_t place) { return place < substep_rungs.size() ? substep_rungs[place] : most_needed; }
 
+// Place of the lowest rung that no more than `beyond` lie above.
+template <typename ByRung>
+std::size_t place_exceeded_by(std::uint32_t beyond, const ByRung& by_rung, std::size_t highest) {
+  std::size_t place = highest;
+  for (std::uint32_t above = by_rung[place]; place > 0 && above <= beyond; above += by_rung[place]) --place;
+  return place;
+}
+
 }  // namespace
 
 int rung_of(double square) { return rung_at(place_of_rung(square)); }
@@ -30,13 +38,17 @@ void ErrorCounts::add(double error, double substeps, double target) {
 
 void ErrorCounts::add_missed(const Missed& missed, double substeps, double target) {
   add(missed.following, substeps, target);
+  ++left_[place_of_rung((missed.error - missed.following) / target)];
   ++missed_;
   follow_ += missed.following > target;
   rest_ += missed.rests;
 }
 
 void ErrorCounts::operator+=(const ErrorCounts& other) {
-  for (std::size_t i = 0; i < by_rung_.size(); ++i) by_rung_[i] += other.by_rung_[i];
+  for (std::size_t i = 0; i < by_rung_.size(); ++i) {
+    by_rung_[i] += other.by_rung_[i];
+    left_[i] += other.left_[i];
+  }
   highest_ = std::max(highest_, other.highest_);
   counted_ += other.counted_;
   missed_ += other.missed_;
@@ -47,9 +59,13 @@ void ErrorCounts::operator+=(const ErrorCounts& other) {
 ErrorNeed ErrorCounts::need() const {
   constexpr std::uint32_t one_in = 100;
   const std::uint32_t beyond = counted_ / one_in;
-  std::size_t rung = highest_;
-  for (std::uint32_t above = by_rung_[rung]; rung > 0 && above <= beyond; above += by_rung_[rung]) --rung;
-  return {rung_at(rung), missed_ > beyond, follow_ > beyond, rest_ > beyond};
+  int substeps = rung_at(place_exceeded_by(beyond, by_rung_, highest_));
+  const std::size_t left = missed_ > beyond ? place_exceeded_by(beyond, left_, left_.size() - 1) : 0;
+  if (left > 1) {
+    const double share = static_cast<double>(substeps) / rung_at(left - 1);
+    substeps = rung_of(share * share);
+  }
+  return {substeps, missed_ > beyond, follow_ > beyond, rest_ > beyond};
 }
 
 }  // namespace atl::solver

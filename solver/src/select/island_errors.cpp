@@ -134,7 +134,7 @@ void add_overlaps(const ErrorInput& input, std::span<const TouchingPair> contact
     const double made = made_in(substeps, pair.first, pair.second, input.asked * input.parts);
     if (error > target) {
       const Overlap found = look_at(input, pair, by_impulse / (made * made));
-      counts.add_missed({.following = found.explained, .rests = found.rests}, made, target);
+      counts.add_missed({.error = error, .following = found.explained, .rests = found.rests}, made, target);
     } else {
       counts.add(error, made, target);
     }
@@ -150,7 +150,7 @@ void add_gaps(const ErrorInput& input, std::span<const JointLink> links, std::sp
     const double error = gap(input.bodies, joint);
     if (error > target) {
       const double explained = explained_gap(input.bodies, joint, by_impulse / (made * made));
-      counts.add_missed({.following = std::min(error, explained), .rests = false}, made, target);
+      counts.add_missed({.error = error, .following = std::min(error, explained), .rests = false}, made, target);
     } else {
       counts.add(error, made, target);
     }

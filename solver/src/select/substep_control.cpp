@@ -24,6 +24,17 @@ std::uint16_t rung_below(int substeps) {
 
 }  // namespace
 
+void SubstepControl::History::join(const History& other) {
+  substeps = std::max(substeps, other.substeps);
+  most = std::max(most, other.most);
+  asked = std::max(asked, other.asked);
+  needed = std::max(needed, other.needed);
+  looked_at = std::max(looked_at, other.looked_at);
+  hold = std::min(hold, other.hold);
+  unchanged = std::min(unchanged, other.unchanged);
+  lowered &= other.lowered;
+}
+
 void SubstepControl::forget_all() {
   history_.clear();
   islands_.clear();
@@ -106,17 +117,9 @@ void SubstepControl::decide(const ErrorInput& input, const ErrorTarget& target, 
   const std::span<const std::uint32_t> members = input.islands.bodies(island, island + 1);
   constexpr auto hold = static_cast<float>(tuning::target_hold);
   constexpr auto longest = static_cast<float>(tuning::most_target_hold);
-  History now = {.looked_at = longest, .unchanged = longest};
+  History now = {.hold = longest, .unchanged = longest, .lowered = true};
   for (const std::uint32_t body : members) {
-    const History& one = history_[body];
-    if (one.substeps == 0) continue;
-    now.substeps = std::max(now.substeps, one.substeps);
-    now.most = std::max(now.most, one.most);
-    now.asked = std::max(now.asked, one.asked);
-    now.looked_at = std::min(now.looked_at, one.looked_at);
-    now.unchanged = std::min(now.unchanged, one.unchanged);
-    now.hold = std::max(now.hold, one.hold);
-    now.lowered |= one.lowered;
+    if (history_[body].substeps > 0) now.join(history_[body]);
   }
   const auto allowed = [&target](int substeps) {
     return static_cast<std::uint16_t>(std::clamp(substeps, target.least_substeps, target.most_substeps));
@@ -127,11 +130,12 @@ void SubstepControl::decide(const ErrorInput& input, const ErrorTarget& target, 
   now.substeps = allowed(now.substeps);
 
   const Needs& needs = needs_[island];
-  int held_by = std::max({needs.overlap.substeps, needs.gap.substeps, static_cast<int>(now.asked)});
+  const int found = std::max(needs.overlap.substeps, needs.gap.substeps);
   // Each change disturbs a residual: fewer are tried seldom, and one rung after the other.
   const bool for_residual = target.residual < ErrorTarget::none;
-  if (for_residual) held_by = std::max<int>(held_by, rung_below(now.substeps));
-  std::uint16_t needed = allowed(held_by);
+  const int others = std::max<int>(now.asked, for_residual ? rung_below(now.substeps) : 1);
+  // What bodies ask for in the one step in which they meet would come too late.
+  std::uint16_t needed = allowed(std::max(std::min<int>(found, now.needed), others));
   now.looked_at += static_cast<float>(input.dt);
   now.unchanged = std::min(longest, now.unchanged + static_cast<float>(input.dt));
   bool raises = (needs.overlap.follows || needs.gap.follows || now.asked > now.substeps) && needed > now.substeps;
@@ -154,9 +158,10 @@ void SubstepControl::decide(const ErrorInput& input, const ErrorTarget& target, 
     now.looked_at = 0;
   }
   now.asked = 0;
+  now.needed = static_cast<std::uint16_t>(found);
   for (const std::uint32_t body : members) history_[body] = now;
 
-  islands_[island] = {now.substeps, static_cast<std::uint16_t>(held_by), now.unchanged < hold};
+  islands_[island] = {now.substeps, static_cast<std::uint16_t>(std::max(found, others)), now.unchanged < hold};
   const auto number = static_cast<std::uint32_t>(island);
   if (needs.overlap.missed) {
     misses_.push_back({number, Error::Penetration, overlap_of(input, input.islands.contacts(island, island + 1))});
@@ -195,7 +200,7 @@ void SubstepControl::note_motion(const ErrorInput& input, const ErrorTarget& tar
     for (const std::uint32_t body : islands.bodies(island, island + 1)) {
       const double error = motion_.end(input.bodies, body, input.dt, step / substeps);
       if (error > target.motion) {
-        counts.add_missed({.following = error, .rests = false}, substeps, target.motion);
+        counts.add_missed({.error = error, .following = error, .rests = false}, substeps, target.motion);
       } else {
         counts.add(error, substeps, target.motion);
       }

@@ -39,10 +39,14 @@ int rung_of(double square);
 
 /// How many things of an island have errors of which size. What more than one in a hundred exceeds is the error, as in
 /// `PenetrationReport::p99`: of few things the largest. Counts add up in any order.
+///
+/// Where that stays beyond the target whatever the substeps, as bodies have just met, what follows them is held to as
+/// much, and not to less: it would cost time, and the error would be as large.
 class ErrorCounts {
  public:
   struct Missed {
-    double following;  ///< the part of an error that falls with the square of the substeps
+    double error;
+    double following;  ///< the part of it that falls with the square of the substeps
     bool rests;
   };
   /// An error within the target, that was made in so many substeps.
@@ -53,8 +57,11 @@ class ErrorCounts {
   ErrorNeed need() const;
 
  private:
-  std::array<std::uint32_t, substep_rungs.size() + 1> by_rung_ = {};  // that would hold it
-  std::size_t highest_ = 0;                                           // place of a rung that holds all
+  using ByRung = std::array<std::uint32_t, substep_rungs.size() + 1>;
+
+  ByRung by_rung_ = {};      // that would hold it
+  ByRung left_ = {};         // of those beyond the target: that would hold the rest if it followed
+  std::size_t highest_ = 0;  // place of a rung that holds all
   std::uint32_t counted_ = 0;
   std::uint32_t missed_ = 0;
   std::uint32_t follow_ = 0;

@@ -13,8 +13,8 @@
 namespace atl::solver {
 
 /// Gives each island the fewest substeps that hold its errors within targets, from what the last step left: more at
-/// once, where an error is beyond its target; fewer once nothing has needed as many for tuning::target_hold, or for
-/// longer where that was too few before.
+/// once, where an error is beyond its target for two steps; fewer once nothing has needed as many for
+/// tuning::target_hold, or for longer where that was too few before.
 ///
 /// Errors of soft contacts and joints fall with the square of the substeps (see tests/law), so one look tells how many
 /// it takes, with tuning::target_margin to spare, and what was chosen stays: the rule of step size control (Hairer,
@@ -30,11 +30,14 @@ class SubstepControl {
     std::uint16_t substeps = 0;  ///< of the last step that its island took; 0: none yet
     std::uint16_t most = 0;      ///< that it needed in the time that it is looked at
     std::uint16_t asked = 0;     ///< by what the last step's end told of
+    std::uint16_t needed = 0;    ///< as that step began
     float looked_at = 0;         ///< s
     float hold = 0;              ///< s, for which it has to need fewer until it gets them
     float unchanged = 0;         ///< s
     bool lowered = false;        ///< as it was last changed
     bool operator==(const History&) const = default;
+    /// With that of an island that this one merges with: what was tried of each tells nothing of both.
+    void join(const History& other);
   };
 
   enum class Error : std::uint8_t { Penetration, JointGap, Residual, Motion };
