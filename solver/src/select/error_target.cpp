@@ -36,12 +36,11 @@ void ErrorCounts::add(double error, double substeps, double target) {
   highest_ = std::max(highest_, place);
 }
 
-void ErrorCounts::add_missed(const Missed& missed, double substeps, double target) {
-  add(missed.following, substeps, target);
-  ++left_[place_of_rung((missed.error - missed.following) / target)];
+void ErrorCounts::add_missed(double error, double following, double substeps, double target) {
+  add(following, substeps, target);
+  ++left_[place_of_rung((error - following) / target)];
   ++missed_;
-  follow_ += missed.following > target;
-  rest_ += missed.rests;
+  follow_ += following > target;
 }
 
 void ErrorCounts::operator+=(const ErrorCounts& other) {
@@ -53,7 +52,6 @@ void ErrorCounts::operator+=(const ErrorCounts& other) {
   counted_ += other.counted_;
   missed_ += other.missed_;
   follow_ += other.follow_;
-  rest_ += other.rest_;
 }
 
 ErrorNeed ErrorCounts::need() const {
@@ -65,7 +63,7 @@ ErrorNeed ErrorCounts::need() const {
     const double share = static_cast<double>(substeps) / rung_at(left - 1);
     substeps = rung_of(share * share);
   }
-  return {substeps, missed_ > beyond, follow_ > beyond, rest_ > beyond};
+  return {substeps, missed_ > beyond, follow_ > beyond};
 }
 
 }  // namespace atl::solver

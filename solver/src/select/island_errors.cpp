@@ -28,14 +28,9 @@ struct Pair {
   double response(const JointRow& row) const { return row.response(inverse_mass, first, second); }
 };
 
-// What is to be known of an overlap that is too large.
-struct Overlap {
-  double explained = 0;  // m, by the load, of the point where that is most
-  bool rests = false;    // the bodies move less against each other in a step than they overlap
-};
-
-// `by_impulse` is m by N s and 1/kg, of contacts between bodies that move.
-Overlap look_at(const ErrorInput& input, const TouchingPair& pair, double by_impulse) {
+// m, by the load, of the point where that is most. What moves by more in a step than it overlaps has just met, or is on
+// its way out. `by_impulse` is m by N s and 1/kg, of contacts between bodies that move.
+double explained_overlap(const ErrorInput& input, const TouchingPair& pair, double by_impulse) {
   const BodyTable& bodies = input.bodies;
   const collision::ContactManifold& manifold = input.manifolds[pair.slot];
   const Vector3 normal = get3(manifold.normal);
@@ -43,7 +38,7 @@ Overlap look_at(const ErrorInput& input, const TouchingPair& pair, double by_imp
   const bool both_move = bodies.inverse_mass[pair.first] > 0 && bodies.inverse_mass[pair.second] > 0;
   const double scale = both_move ? by_impulse : by_impulse / 4;  // at twice the frequency
   const Pair answers(bodies, pair.first, pair.second);
-  Overlap found;
+  double explained = 0;
   for (std::size_t i = 0; i < collision::max_points; ++i) {
     if (!(manifold.separation[i] < 0)) continue;
     const Vector3 off = manifold.x[i] * get3(tangents.first) + manifold.y[i] * get3(tangents.second);
@@ -53,10 +48,10 @@ Overlap look_at(const ErrorInput& input, const TouchingPair& pair, double by_imp
     const double overlap = -manifold.separation[i];
     const double passed =
         input.dt * (bodies.velocity_at(pair.second, second) - bodies.velocity_at(pair.first, first)).norm();
-    found.rests |= passed < overlap;
-    if (passed < std::min(overlap, by_load)) found.explained = std::max(found.explained, std::min(overlap, by_load));
+    const double here = std::min(overlap, by_load);
+    if (passed < here) explained = std::max(explained, here);
   }
-  return found;
+  return explained;
 }
 
 int made_in(std::span<const std::uint16_t> substeps, std::uint32_t first, std::uint32_t second, int otherwise) {
@@ -133,8 +128,8 @@ void add_overlaps(const ErrorInput& input, std::span<const TouchingPair> contact
     if (!(error > least)) continue;
     const double made = made_in(substeps, pair.first, pair.second, input.asked * input.parts);
     if (error > target) {
-      const Overlap found = look_at(input, pair, by_impulse / (made * made));
-      counts.add_missed({.error = error, .following = found.explained, .rests = found.rests}, made, target);
+      const double explained = explained_overlap(input, pair, by_impulse / (made * made));
+      counts.add_missed(error, explained, made, target);
     } else {
       counts.add(error, made, target);
     }
@@ -150,7 +145,7 @@ void add_gaps(const ErrorInput& input, std::span<const JointLink> links, std::sp
     const double error = gap(input.bodies, joint);
     if (error > target) {
       const double explained = explained_gap(input.bodies, joint, by_impulse / (made * made));
-      counts.add_missed({.error = error, .following = std::min(error, explained), .rests = false}, made, target);
+      counts.add_missed(error, std::min(error, explained), made, target);
     } else {
       counts.add(error, made, target);
     }

@@ -135,14 +135,10 @@ void SubstepControl::decide(const ErrorInput& input, const ErrorTarget& target, 
   const bool for_residual = target.residual < ErrorTarget::none;
   const int others = std::max<int>(now.asked, for_residual ? rung_below(now.substeps) : 1);
   // What bodies ask for in the one step in which they meet would come too late.
-  std::uint16_t needed = allowed(std::max(std::min<int>(found, now.needed), others));
+  const std::uint16_t needed = allowed(std::max(std::min<int>(found, now.needed), others));
   now.looked_at += static_cast<float>(input.dt);
   now.unchanged = std::min(longest, now.unchanged + static_cast<float>(input.dt));
-  bool raises = (needs.overlap.follows || needs.gap.follows || now.asked > now.substeps) && needed > now.substeps;
-  if (!raises && needs.overlap.rests && now.unchanged > hold) {
-    needed = allowed(rung_above(now.substeps));
-    raises = needed > now.substeps;
-  }
+  const bool raises = (needs.overlap.follows || needs.gap.follows || now.asked > now.substeps) && needed > now.substeps;
   now.most = std::max(now.most, needed);
   if (raises) {
     // To have fewer was too few: that is not tried again as soon. Something else happened if it takes many more.
@@ -200,7 +196,7 @@ void SubstepControl::note_motion(const ErrorInput& input, const ErrorTarget& tar
     for (const std::uint32_t body : islands.bodies(island, island + 1)) {
       const double error = motion_.end(input.bodies, body, input.dt, step / substeps);
       if (error > target.motion) {
-        counts.add_missed({.error = error, .following = error, .rests = false}, substeps, target.motion);
+        counts.add_missed(error, error, substeps, target.motion);
       } else {
         counts.add(error, substeps, target.motion);
       }

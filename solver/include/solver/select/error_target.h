@@ -31,7 +31,6 @@ struct ErrorNeed {
   int substeps = 1;      ///< with which it would be held; most_needed if with none
   bool missed = false;   ///< it is larger than its target
   bool follows = false;  ///< so is the part of it that more substeps make less at once
-  bool rests = false;    ///< so is that of what hardly moves, and may be left as it is for long
 };
 inline constexpr int most_needed = 2048;
 /// The least number of substeps whose square is so large; most_needed if there is none.
@@ -40,19 +39,15 @@ int rung_of(double square);
 /// How many things of an island have errors of which size. What more than one in a hundred exceeds is the error, as in
 /// `PenetrationReport::p99`: of few things the largest. Counts add up in any order.
 ///
-/// Where that stays beyond the target whatever the substeps, as bodies have just met, what follows them is held to as
-/// much, and not to less: it would cost time, and the error would be as large.
+/// Where bodies have just met, errors can stay beyond the target whatever the substeps. The part of errors that does
+/// fall with the substeps is then only held to the size of those: less of it would cost time, and the island's error
+/// would be as large.
 class ErrorCounts {
  public:
-  struct Missed {
-    double error;
-    double following;  ///< the part of it that falls with the square of the substeps
-    bool rests;
-  };
   /// An error within the target, that was made in so many substeps.
   void add(double error, double substeps, double target);
-  /// One beyond it.
-  void add_missed(const Missed& missed, double substeps, double target);
+  /// One beyond it, of which `following` falls with the square of the substeps.
+  void add_missed(double error, double following, double substeps, double target);
   void operator+=(const ErrorCounts& other);
   ErrorNeed need() const;
 
@@ -65,7 +60,6 @@ class ErrorCounts {
   std::uint32_t counted_ = 0;
   std::uint32_t missed_ = 0;
   std::uint32_t follow_ = 0;
-  std::uint32_t rest_ = 0;
 };
 
 }  // namespace atl::solver

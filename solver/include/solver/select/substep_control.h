@@ -18,9 +18,8 @@ namespace atl::solver {
 ///
 /// Errors of soft contacts and joints fall with the square of the substeps (see tests/law), so one look tells how many
 /// it takes, with tuning::target_margin to spare, and what was chosen stays: the rule of step size control (Hairer,
-/// Norsett and Wanner, "Solving Ordinary Differential Equations I", II.4). What lies, and is beyond its target for long
-/// all the same, gets one rung more after the other. For contacts by an embedded error estimate see "CENIC" (Castro et
-/// al., arXiv 2511.08771, 2025).
+/// Norsett and Wanner, "Solving Ordinary Differential Equations I", II.4). For contacts by an embedded error estimate
+/// see "CENIC" (Castro et al., arXiv 2511.08771, 2025).
 ///
 /// A body carries what its island was given. Islands that merge get the most of theirs, those that part keep it.
 class SubstepControl {
