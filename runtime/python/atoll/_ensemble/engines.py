@@ -1,0 +1,177 @@
+"""What calls functions on workers: here the processes of one machine, in `ray_engine` those of a cluster.
+
+An engine knows nothing of jobs and snapshots. It takes calls, and gives an answer for each: a value, what the function
+raised, or that the worker was lost. Whoever calls decides what to do then.
+"""
+
+from __future__ import annotations
+
+import multiprocessing.connection
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Protocol
+
+#: s, within which workers that are asked to stop have to.
+STOP_WITHIN = 10.0
+
+
+@dataclass(frozen=True)
+class Call:
+    """Of a function of a module, with arguments that can be pickled."""
+
+    ticket: int  #: by which its answer is known
+    function: Callable[..., Any]
+    arguments: tuple[Any, ...] = ()
+    avoid: frozenset[str] = frozenset()  #: names of workers that may not answer it
+
+
+@dataclass(frozen=True)
+class Answer:
+    """To a call. One of `error` and `lost` is set where there is no value."""
+
+    ticket: int
+    worker: str  #: its name, which stays the same for what may compute the same wrong bits: a place on a machine
+    value: Any = None
+    error: Exception | None = None  #: what the function raised
+    lost: str = ""  #: why the worker is gone
+    seconds: float = 0.0  #: wall time in the function
+
+
+class Engine(Protocol):
+    """How calls get to workers."""
+
+    def places(self) -> int:
+        """How many calls it works on at a time. More may be submitted; they wait."""
+
+    def submit(self, call: Call) -> None: ...
+
+    def wait(self, timeout: float) -> list[Answer]:
+        """Answers that have come, in any order; none after `timeout` s without one."""
+
+    def stop(self) -> list[Answer]:
+        """Asks what is under way to come to an end, and gives the answers. Calls that had not begun get none."""
+
+    def close(self) -> None:
+        """Ends all workers, whatever they do."""
+
+
+class EngineError(Exception):
+    """An engine can't be used as it was asked for."""
+
+
+class LocalEngine:
+    """Processes of this machine, a call at a time each."""
+
+    def __init__(self, workers: int | None = None) -> None:
+        count = workers if workers is not None else len(os.sched_getaffinity(0))
+        self._waiting: list[Call] = []
+        self._workers = [_Worker(f"{socket.gethostname()}/{place}") for place in range(count)]
+
+    def places(self) -> int:
+        return len(self._workers)
+
+    def submit(self, call: Call) -> None:
+        self._waiting.append(call)
+        self._hand_out()
+
+    def wait(self, timeout: float) -> list[Answer]:
+        self._hand_out()
+        answers = [worker.answer() for worker in self._ready(timeout)]
+        self._hand_out()
+        return answers
+
+    def stop(self) -> list[Answer]:
+        self._waiting.clear()
+        for worker in self._busy():
+            worker.process.send_signal(signal.SIGTERM)
+        answers = []
+        end = time.monotonic() + STOP_WITHIN
+        while self._busy() and time.monotonic() < end:
+            answers += [worker.answer() for worker in self._ready(end - time.monotonic())]
+        return answers
+
+    def close(self) -> None:
+        for worker in self._workers:
+            worker.end()
+
+    def process_ids(self) -> list[int]:
+        """Of the workers, by place."""
+        return [worker.process.pid for worker in self._workers]
+
+    def _busy(self) -> list[_Worker]:
+        return [worker for worker in self._workers if worker.call is not None]
+
+    def _ready(self, timeout: float) -> list[_Worker]:
+        busy = {worker.connection: worker for worker in self._busy()}
+        ready = multiprocessing.connection.wait(list(busy), max(0.0, timeout))
+        return [worker for connection, worker in busy.items() if connection in ready]
+
+    def _hand_out(self) -> None:
+        for worker in self._workers:
+            if worker.call is not None:
+                continue
+            call = next((call for call in self._waiting if worker.name not in call.avoid), None)
+            if call is not None:
+                self._waiting.remove(call)
+                worker.begin(call)
+
+
+@dataclass
+class _Worker:
+    """A process that `worker.py` runs in, and the call that it works on."""
+
+    name: str
+    call: Call | None = None
+    process: subprocess.Popen[bytes] = field(init=False)
+    connection: multiprocessing.connection.Connection[Any, Any] = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._start()
+
+    def begin(self, call: Call) -> None:
+        self.call = call
+        try:
+            self.connection.send((call.function, call.arguments))
+        except OSError:  # it was killed while it had nothing to do
+            self._start()
+            self.connection.send((call.function, call.arguments))
+
+    def answer(self) -> Answer:
+        assert self.call is not None
+        ticket, self.call = self.call.ticket, None
+        try:
+            value, error, seconds = self.connection.recv()
+            return Answer(ticket, self.name, value, error, seconds=seconds)
+        except (EOFError, OSError):
+            self.process.wait()
+            status = self.process.returncode
+            self._start()
+            why = f"killed by signal {-status}" if status < 0 else f"ended with status {status}"
+            return Answer(ticket, self.name, lost=f"{self.name} was {why}" if status < 0 else f"{self.name} {why}")
+
+    def end(self) -> None:
+        self.connection.close()
+        self.process.kill()
+        self.process.wait()
+
+    def _start(self) -> None:
+        ours, its = socket.socketpair()
+        package = Path(__file__).parents[2]
+        path = os.pathsep.join([str(package), *filter(None, [os.environ.get("PYTHONPATH")])])
+        # In a session of its own, so that a Ctrl-C at the terminal comes to whoever started it alone.
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", "atoll._ensemble.worker", str(its.fileno())],
+            pass_fds=[its.fileno()],
+            stdin=subprocess.DEVNULL,
+            start_new_session=True,
+            env={**os.environ, "PYTHONPATH": path},
+        )
+        its.close()
+        self.connection = multiprocessing.connection.Connection(ours.detach())
