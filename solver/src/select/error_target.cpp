@@ -49,12 +49,13 @@ void ErrorCounts::operator+=(const ErrorCounts& other) {
     left_[i] += other.left_[i];
   }
   highest_ = std::max(highest_, other.highest_);
+  small_ = std::max(small_, other.small_);
   counted_ += other.counted_;
   missed_ += other.missed_;
   follow_ += other.follow_;
 }
 
-ErrorNeed ErrorCounts::need() const {
+ErrorNeed ErrorCounts::need(double target) const {
   constexpr std::uint32_t one_in = 100;
   const std::uint32_t beyond = counted_ / one_in;
   int substeps = rung_at(place_exceeded_by(beyond, by_rung_, highest_));
@@ -63,6 +64,7 @@ ErrorNeed ErrorCounts::need() const {
     const double share = static_cast<double>(substeps) / rung_at(left - 1);
     substeps = rung_of(share * share);
   }
+  substeps = std::max(substeps, rung_of(small_ / (tuning::target_margin * target)));
   return {substeps, missed_ > beyond, follow_ > beyond};
 }
 

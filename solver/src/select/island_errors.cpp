@@ -47,7 +47,8 @@ double explained_overlap(const ErrorInput& input, const TouchingPair& pair, doub
     const double by_load = manifold.normal_impulse[i] * scale * answers.response(row);
     const double overlap = -manifold.separation[i];
     const double passed =
-        input.dt * (bodies.velocity_at(pair.second, second) - bodies.velocity_at(pair.first, first)).norm();
+        input.dt *
+        std::abs(normal.dot(bodies.velocity_at(pair.second, second) - bodies.velocity_at(pair.first, first)));
     const double here = std::min(overlap, by_load);
     if (passed < here) explained = std::max(explained, here);
   }
@@ -125,9 +126,11 @@ void add_overlaps(const ErrorInput& input, std::span<const TouchingPair> contact
   for (const TouchingPair& pair : contacts) {
     const collision::ContactManifold& manifold = input.manifolds[pair.slot];
     const double error = overlap(manifold);
-    if (!(error > least)) continue;
+    if (!(error > 0)) continue;
     const double made = made_in(substeps, pair.first, pair.second, input.asked * input.parts);
-    if (error > target) {
+    if (error <= least) {
+      counts.add_small(error, made);
+    } else if (error > target) {
       const double explained = explained_overlap(input, pair, by_impulse / (made * made));
       counts.add_missed(error, explained, made, target);
     } else {

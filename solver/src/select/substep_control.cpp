@@ -82,12 +82,12 @@ void SubstepControl::measure(const ErrorInput& input, const ErrorTarget& target,
       if (overlaps && islands.contact_count(island) < large) {
         ErrorCounts counts;
         add_overlaps(input, islands.contacts(island, island + 1), substeps_, target.penetration, counts);
-        needs_[island].overlap = counts.need();
+        needs_[island].overlap = counts.need(target.penetration);
       }
       if (gaps && islands.joint_count(island) > 0) {
         ErrorCounts counts;
         add_gaps(input, islands.joints(island, island + 1), substeps_, target.joint_gap, counts);
-        needs_[island].gap = counts.need();
+        needs_[island].gap = counts.need(target.joint_gap);
       }
     }
   });
@@ -110,7 +110,7 @@ ErrorNeed SubstepControl::overlap_of_large(const ErrorInput& input, const ErrorT
   });
   ErrorCounts all;
   for (const ErrorCounts& counts : counts_) all += counts;
-  return all.need();
+  return all.need(target.penetration);
 }
 
 void SubstepControl::decide(const ErrorInput& input, const ErrorTarget& target, std::size_t island) {
@@ -125,7 +125,9 @@ void SubstepControl::decide(const ErrorInput& input, const ErrorTarget& target, 
     return static_cast<std::uint16_t>(std::clamp(substeps, target.least_substeps, target.most_substeps));
   };
   if (now.substeps == 0) {
-    now = {.substeps = allowed(substeps_at_first(input, target, island)), .hold = hold};
+    now = {.substeps = allowed(substeps_at_first(input, target, island)),
+           .looked_at = hold - static_cast<float>(tuning::first_target_hold),
+           .hold = hold};
   }
   now.substeps = allowed(now.substeps);
 
@@ -202,7 +204,7 @@ void SubstepControl::note_motion(const ErrorInput& input, const ErrorTarget& tar
       }
       largest = std::max(largest, error);
     }
-    const ErrorNeed need = counts.need();
+    const ErrorNeed need = counts.need(target.motion);
     if (need.missed) misses_.push_back({static_cast<std::uint32_t>(island), Error::Motion, largest});
     const auto asked = static_cast<std::uint16_t>(std::min<int>(need.substeps, substep_rungs.back()));
     for (const std::uint32_t body : islands.bodies(island, island + 1)) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -48,8 +49,10 @@ class ErrorCounts {
   void add(double error, double substeps, double target);
   /// One beyond it, of which `following` falls with the square of the substeps.
   void add_missed(double error, double following, double substeps, double target);
+  /// One that is too small to count. With fewer substeps it might: no more than in proportion to it are taken away.
+  void add_small(double error, double substeps) { small_ = std::max(small_, error * substeps * substeps); }
   void operator+=(const ErrorCounts& other);
-  ErrorNeed need() const;
+  ErrorNeed need(double target) const;
 
  private:
   using ByRung = std::array<std::uint32_t, substep_rungs.size() + 1>;
@@ -57,6 +60,7 @@ class ErrorCounts {
   ByRung by_rung_ = {};      // that would hold it
   ByRung left_ = {};         // of those beyond the target: that would hold the rest if it followed
   std::size_t highest_ = 0;  // place of a rung that holds all
+  double small_ = 0;         // m, of the largest of those, in one substep
   std::uint32_t counted_ = 0;
   std::uint32_t missed_ = 0;
   std::uint32_t follow_ = 0;
