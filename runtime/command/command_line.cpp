@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "bisect.h"
+#include "ensemble.h"
 #include "explain.h"
 #include "failure.h"
 #include "interrupt.h"
@@ -55,7 +56,7 @@ std::string words_of_extra(const CLI::App& app, std::span<const char* const> arg
   if (!parsed.empty()) return "unexpected argument \"" + extra + "\"";
   for (const CLI::App* each : app.get_subcommands({})) names.push_back(each->get_name());
   return "unknown command \"" + extra +
-         "\", expected run, view, explain, replay, bisect, soak, sweep, tune, verify or scenes" +
+         "\", expected run, view, explain, replay, bisect, soak, sweep, tune, ensemble, verify or scenes" +
          scene::suggestion(extra, views(names));
 }
 
@@ -109,6 +110,8 @@ int run_parsed(int argc, char** argv) {
   CLI::App* tuning = app.add_subcommand("tune", "find the cheapest fixed settings that hold a scene's errors");
   TuneOptions tune_options;
   add_tune_options(*tuning, tune_options);
+  // For the list of commands: what follows it is for Python, see run_command_line().
+  app.add_subcommand("ensemble", "run thousands of simulations of a plan, on one machine, with Ray or with Slurm");
   CLI::App* verification = app.add_subcommand("verify", "run checks of the simulation and tell what fails");
   VerifyOptions verify_options;
   add_verify_options(*verification, verify_options);
@@ -147,9 +150,10 @@ int run_parsed(int argc, char** argv) {
 }  // namespace
 
 int run_command_line(int argc, char** argv) {
-  prepare_standard_streams();
-  catch_interrupts();
   try {
+    if (is_ensemble(argc, argv)) run_ensemble(argv);
+    prepare_standard_streams();
+    catch_interrupts();
     return run_parsed(argc, argv);
   } catch (const ReaderGone&) {
     return end_by_closed_pipe();
