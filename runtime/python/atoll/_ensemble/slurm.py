@@ -12,7 +12,8 @@ What it uses of Slurm, where `man sbatch` tells more:
 - `--requeue`: Slurm itself queues a task again that a job of higher priority preempted or whose node failed.
 - `--dependency=afterany`: the job that gathers waits for all tasks to end for good, and tells what they left undone.
 
-A task that is queued again runs the same command, which goes on from what the part's file has.
+A task that is queued again runs the same command, which goes on from what the part's file has. So does the whole when
+it is submitted again: by the user after `scancel`, or where a site cancels what it preempts instead of queueing it.
 """
 
 from __future__ import annotations
