@@ -120,6 +120,7 @@ from ._core import (
     version as __version__,
     view as view,
 )
+from ._ensemble import EnsembleError as EnsembleError, ensemble as ensemble
 from ._sweep import SweepTable as SweepTable, sweep as sweep
 
 #: What numbers of Batch.rollout() act on.

@@ -18,6 +18,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
 
+from . import EnsembleError
+
 #: s, within which workers that are asked to stop have to.
 STOP_WITHIN = 10.0
 
@@ -62,17 +64,17 @@ class Engine(Protocol):
         """Ends all workers, whatever they do."""
 
 
-class EngineError(Exception):
+class EngineError(EnsembleError):
     """An engine can't be used as it was asked for."""
 
 
 class LocalEngine:
     """Processes of this machine, a call at a time each."""
 
-    def __init__(self, workers: int | None = None) -> None:
+    def __init__(self, workers: int | None = None, label: str = "") -> None:
         count = workers if workers is not None else len(os.sched_getaffinity(0))
         self._waiting: list[Call] = []
-        self._workers = [_Worker(f"{socket.gethostname()}/{place}") for place in range(count)]
+        self._workers = [_Worker(f"{socket.gethostname()}/{label}{place}") for place in range(count)]
 
     def places(self) -> int:
         return len(self._workers)
@@ -82,8 +84,9 @@ class LocalEngine:
         self._hand_out()
 
     def wait(self, timeout: float) -> list[Answer]:
+        answers = self._refuse()
         self._hand_out()
-        answers = [worker.answer() for worker in self._ready(timeout)]
+        answers += [worker.answer() for worker in self._ready(0.0 if answers else timeout)]
         self._hand_out()
         return answers
 
@@ -104,6 +107,12 @@ class LocalEngine:
     def process_ids(self) -> list[int]:
         """Of the workers, by place."""
         return [worker.process.pid for worker in self._workers]
+
+    def _refuse(self) -> list[Answer]:
+        names = {worker.name for worker in self._workers}
+        refused = [call for call in self._waiting if names <= call.avoid]
+        self._waiting = [call for call in self._waiting if call not in refused]
+        return [Answer(call.ticket, "", lost="no worker is left that may answer it") for call in refused]
 
     def _busy(self) -> list[_Worker]:
         return [worker for worker in self._workers if worker.call is not None]

@@ -10,5 +10,11 @@ def ask() -> None:
     _asked = True
 
 
+def forget() -> None:
+    """As something new begins."""
+    global _asked
+    _asked = False
+
+
 def asked() -> bool:
     return _asked

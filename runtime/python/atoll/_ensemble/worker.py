@@ -25,6 +25,7 @@ def serve(descriptor: int) -> None:
             function, arguments = connection.recv()
         except EOFError:
             return
+        stopping.forget()
         begin = time.perf_counter()
         value, error = None, None
         try:

@@ -1,0 +1,288 @@
+"""Runs the jobs of an ensemble on an engine: what is left of a plan, part by part, until all are done.
+
+A part of a job that is lost is run again from the last snapshot, and comes to the same bits. All attempts are held to
+each other by the hashes that they tell of the same steps, and some jobs are run once more by other workers. Where two
+differ a third one decides; whoever is wrong is named and asked no more, and what it computed alone is set aside.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections import deque
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Protocol
+
+from .. import _core
+from . import EnsembleError
+from .engines import Answer, Call, Engine, LocalEngine
+from .job import FunctionError, Part, Point, read_if_there, run_part, snapshot_path, state_path, write_whole
+from .plan import Job
+from .store import Progress, Result, Store
+from .table import row_of
+
+#: Times in a row that a job's workers may be lost at the same step until it is given up.
+MOST_LOSSES = 10
+#: s, in which results are committed at least.
+COMMIT_EVERY = 0.5
+
+
+@dataclass(frozen=True)
+class Options:
+    interval: float = 10.0  #: s, after which a job's snapshot is saved: what may be lost of it
+    verify: float = 0.01  #: the share of jobs that are run once more; of each worker the first one is as well
+    shared: bool = True  #: workers read and write the folder themselves
+
+
+@dataclass
+class Tally:
+    """Of a run, for its report."""
+
+    jobs: int = 0
+    done_before: int = 0
+    done: int = 0
+    lost_parts: int = 0
+    begun_anew: int = 0
+    compared: int = 0  #: jobs that two workers came to the same bits of
+    set_aside: int = 0
+    steps: int = 0
+    step_seconds: float = 0.0
+    call_seconds: float = 0.0  #: of workers, with scenes, errors and snapshots
+    snapshot_seconds: float = 0.0
+    snapshots: int = 0
+    snapshot_bytes: int = 0
+
+
+class Watcher(Protocol):
+    def __call__(self, tally: Tally, under_way: int) -> None: ...
+
+
+class DriverError(EnsembleError):
+    """An ensemble that can't go on; what is done is kept."""
+
+
+@dataclass(frozen=True)
+class _Attempt:
+    """At a job: the one that makes its result, or one after it that is to come to the same."""
+
+    job: Job
+    key: str
+    at: Point | None = None  #: where it goes on
+    workers: tuple[str, ...] = ()  #: that got it there
+    seconds: float = 0.0
+    losses: int = 0  #: in a row, at this point
+    verifies: tuple[str, ...] = ()  #: who computed the result that it is held to
+
+    @property
+    def name(self) -> str:
+        """Of its snapshots."""
+        return f"{self.key}.check" if self.verifies else self.key
+
+
+class Driver:
+    """`jobs` are those of the plan, `store` knows which are done or begun."""
+
+    def __init__(self, jobs: Iterable[Job], store: Store, engine: Engine, options: Options) -> None:
+        self._store = store
+        self._engine = engine
+        self._options = options
+        self._distrusted = store.distrusted()
+        self._met: set[str] = set()  # workers of which a job was verified, or is being
+        self._waiting: deque[_Attempt] = deque()
+        self._under_way: dict[int, _Attempt] = {}
+        self._tickets = 0
+        self._committed = time.monotonic()
+        self._decider: LocalEngine | None = None
+        self.tally = Tally()
+        self.given_up: list[str] = []
+        self._jobs = {job.key: job for job in jobs}
+        results, progress = store.results(), store.progress()
+        self._finished = {key for key in self._jobs if key in results}
+        for key, job in self._jobs.items():
+            if key not in results:
+                begun = progress.get(key, Progress(None, (), 0.0))
+                self._waiting.append(_Attempt(job, key, begun.point, begun.workers, begun.seconds))
+        self.tally.jobs = len(self._jobs)
+        self.tally.done_before = len(self._finished)
+
+    def keys(self) -> Iterable[str]:
+        """Of all jobs."""
+        return self._jobs
+
+    def run(self, watch: Watcher, stop: Callable[[], bool]) -> bool:
+        """Whether all was done: else `stop` told to end. Raises DriverError and StoreError."""
+        try:
+            while (self._waiting or self._under_way) and not stop():
+                self._hand_out()
+                self._take(self._engine.wait(0.2))
+                if time.monotonic() - self._committed > min(COMMIT_EVERY, self._options.interval):
+                    self._commit()
+                watch(self.tally, len(self._under_way))
+            stopped = bool(self._waiting or self._under_way)
+            if stopped:
+                self._take(self._engine.stop())
+            return not stopped
+        finally:
+            if self._decider is not None:
+                self._decider.close()
+            self._commit()
+
+    def _hand_out(self) -> None:
+        while self._waiting and len(self._under_way) < self._engine.places():
+            attempt = self._trusted(self._waiting.popleft())
+            if attempt is None:
+                continue
+            self._tickets += 1
+            self._under_way[self._tickets] = attempt
+            avoid = self._distrusted | set(attempt.verifies)
+            folder, snapshot = self._store.folder, None
+            if not self._options.shared and attempt.at is not None:
+                snapshot = read_if_there(snapshot_path(folder, attempt.name))
+            arguments = (attempt.job, attempt.at, self._options.interval, str(folder) if self._options.shared else None,
+                         snapshot, attempt.name)  # fmt: skip
+            self._engine.submit(Call(self._tickets, run_part, arguments, frozenset(avoid)))
+
+    def _take(self, answers: Iterable[Answer]) -> None:
+        for answer in answers:
+            attempt = self._under_way.pop(answer.ticket)
+            if answer.lost:
+                self._lose(attempt, answer)
+            elif answer.worker in self._distrusted or self._trusted(attempt) != attempt:
+                self._waiting.appendleft(attempt)
+            elif answer.error is not None:
+                self._fail(attempt, answer)
+            else:
+                self._go_on(attempt, answer, answer.value)
+
+    def _trusted(self, attempt: _Attempt) -> _Attempt | None:
+        """From the beginning, where a worker that is distrusted got it to where it is."""
+        if attempt.verifies and (self._distrusted & set(attempt.verifies) or attempt.key not in self._finished):
+            return None
+        if self._distrusted & set(attempt.workers):
+            return replace(attempt, at=None, workers=(), seconds=0.0)
+        return attempt
+
+    def _lose(self, attempt: _Attempt, answer: Answer) -> None:
+        self.tally.lost_parts += 1
+        step = attempt.at.step if attempt.at else 0
+        self._store.note("lost", f"{attempt.key} from step {step}: {answer.lost}")
+        if attempt.losses + 1 < MOST_LOSSES:
+            self._waiting.appendleft(replace(attempt, losses=attempt.losses + 1))
+        elif not attempt.verifies:
+            self.given_up.append(f"{attempt.key}: lost {MOST_LOSSES} times in a row from step {step}: {answer.lost}")
+
+    def _fail(self, attempt: _Attempt, answer: Answer) -> None:
+        error = answer.error
+        if not isinstance(error, (_core.Error, FunctionError)):
+            what = error if isinstance(error, OSError) else f"{type(error).__name__}: {error}"
+            raise DriverError(f"{attempt.key} on {answer.worker}: {what}")
+        # What comes of the job's inputs: it would be the same again.
+        if not attempt.verifies:
+            self._finish(attempt, (answer.worker,), row_of(attempt.job, "failed", str(error), {}))
+
+    def _go_on(self, attempt: _Attempt, answer: Answer, part: Part) -> None:
+        self._count(answer, part)
+        for text in part.notes:
+            self._store.note("snapshot", text)
+        if attempt.at is not None and part.first < attempt.at.step:
+            self.tally.begun_anew += 1
+            attempt = replace(attempt, workers=(), seconds=0.0)
+        workers = tuple(dict.fromkeys([*attempt.workers, answer.worker]))
+        moved = replace(attempt, at=part.last, workers=workers, losses=0, seconds=attempt.seconds + answer.seconds)
+        differing = self._store.differing(attempt.key, part.checks, answer.worker)
+        if differing is not None:
+            self._decide(moved, answer.worker, *differing)
+        elif part.result is None:
+            self._keep_snapshot(snapshot_path(self._store.folder, attempt.name), part)
+            if not attempt.verifies:
+                self._store.put_progress(attempt.key, Progress(part.last, workers, moved.seconds))
+            self._waiting.appendleft(moved)
+        else:
+            snapshot_path(self._store.folder, attempt.name).unlink(missing_ok=True)
+            if attempt.verifies:
+                self.tally.compared += 1
+                self._store.mark_checked(attempt.key, ", ".join(workers))
+                return
+            self._keep_snapshot(state_path(self._store.folder, attempt.key), part)
+            self._finish(moved, workers, row_of(attempt.job, "done", "", part.result))
+            self._verify(moved)
+
+    def _keep_snapshot(self, path: Path, part: Part) -> None:
+        if part.snapshot is not None:
+            try:
+                write_whole(path, part.snapshot)
+            except OSError as error:
+                raise DriverError(f"{path}: can't be written: {error.strerror}") from None
+
+    def _finish(self, attempt: _Attempt, workers: tuple[str, ...], row: dict[str, Any]) -> None:
+        self._store.put_result(attempt.key, Result(", ".join(workers), "", attempt.seconds, row))
+        self._finished.add(attempt.key)
+        self.tally.done += 1
+
+    def _verify(self, attempt: _Attempt) -> None:
+        share = self._options.verify
+        new = not set(attempt.workers) <= self._met
+        if share > 0 and self._engine.places() > 1 and (new or int(attempt.key[:8], 16) < share * 2**32):
+            self._met |= set(attempt.workers)
+            self._waiting.append(_Attempt(attempt.job, attempt.key, verifies=attempt.workers))
+
+    def _decide(self, attempt: _Attempt, worker: str, point: Point, other: str) -> None:
+        """Finds out who is wrong, of two workers that came to different states, by a new process of this machine."""
+        key = attempt.key
+        self._store.note("differ", f"{key}: {worker} and {other} differ in the state after step {point.step}")
+        wrong = {worker, other}
+        if worker != other:
+            hashes = {check.step: check.hash for check in self._decided(attempt)}
+            if hashes.get(point.step) == point.hash:
+                wrong = {other}
+            elif hashes.get(point.step) == self._store.hash_of(key, point.step):
+                wrong = {worker}
+        for name in sorted(wrong):
+            self._distrust(name, f"{key}: came to another state after step {point.step}")
+        if key not in self._finished:
+            self._begin_anew(key)
+
+    def _decided(self, attempt: _Attempt) -> list[Point]:
+        if self._decider is None:
+            self._decider = LocalEngine(1, "decider")
+        self._decider.submit(Call(0, run_part, (attempt.job, None, math.inf, None, None, f"{attempt.key}.decide")))
+        answers: list[Answer] = []
+        while not answers:
+            answers = self._decider.wait(1.0)
+        if isinstance(answers[0].value, Part):
+            return answers[0].value.checks
+        raise DriverError(f"{attempt.key}: who is wrong can't be decided: {answers[0].lost or answers[0].error}")
+
+    def _distrust(self, worker: str, why: str) -> None:
+        self._distrusted.add(worker)
+        self._store.distrust(worker, why)
+        self._store.note("distrusted", f"{worker}: {why}")
+        for key, result in self._store.results().items():
+            if worker in result.worker.split(", ") and not result.checked_by:
+                self.tally.set_aside += 1
+                self._begin_anew(key)
+        for key, progress in self._store.progress().items():
+            if worker in progress.workers:
+                self._store.drop(key)
+
+    def _begin_anew(self, key: str) -> None:
+        self._store.drop(key)
+        self._finished.discard(key)
+        at_work = [attempt for attempt in (*self._waiting, *self._under_way.values()) if not attempt.verifies]
+        if key in self._jobs and all(attempt.key != key for attempt in at_work):
+            self._waiting.append(_Attempt(self._jobs[key], key))
+
+    def _count(self, answer: Answer, part: Part) -> None:
+        tally = self.tally
+        tally.steps += part.last.step - part.first
+        tally.step_seconds += part.seconds
+        tally.call_seconds += answer.seconds
+        tally.snapshot_seconds += part.snapshot_seconds
+        tally.snapshots += part.snapshot_bytes > 0
+        tally.snapshot_bytes += part.snapshot_bytes
+
+    def _commit(self) -> None:
+        self._store.commit()
+        self._committed = time.monotonic()

@@ -1,0 +1,100 @@
+"""The table of an ensemble, as CSV and Parquet: a row a job, in the order of the plan.
+
+It holds only what a job determines, so it is the same to the byte however the jobs were run.
+"""
+
+from __future__ import annotations
+
+import csv
+import importlib
+import importlib.util
+import io
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from .plan import Job, Plan
+
+_FIRST = ("job", "outcome", "why", "scene", "seed")
+
+
+@dataclass(frozen=True)
+class Table:
+    columns: list[str]
+    rows: list[dict[str, Any]]
+
+    def write(self, folder: Path, parquet: bool) -> list[Path]:
+        """results.csv and, if asked for, results.parquet, each whole or as it was. Raises OSError."""
+        files = {folder / "results.csv": self._csv()}
+        if parquet:
+            files[folder / "results.parquet"] = self._parquet()
+        for path, content in files.items():
+            part = path.with_name(path.name + ".part")
+            try:
+                with open(part, "wb") as file:
+                    file.write(content)
+                    file.flush()
+                    os.fsync(file.fileno())
+                os.replace(part, path)
+            except OSError:
+                part.unlink(missing_ok=True)
+                raise
+        return list(files)
+
+    def frame(self) -> Any:
+        """A pandas.DataFrame. Raises ImportError where pandas is not installed."""
+        return importlib.import_module("pandas").DataFrame(self.rows, columns=self.columns)
+
+    def _csv(self) -> bytes:
+        text = io.StringIO(newline="")
+        writer = csv.DictWriter(text, self.columns, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows({name: _cell(value) for name, value in row.items()} for row in self.rows)
+        return text.getvalue().encode()
+
+    def _parquet(self) -> bytes:
+        pa: Any = importlib.import_module("pyarrow")
+        parquet: Any = importlib.import_module("pyarrow.parquet")
+        columns = {name: _column([row[name] for row in self.rows]) for name in self.columns}
+        sink = pa.BufferOutputStream()
+        parquet.write_table(pa.table(columns), sink)
+        content: bytes = sink.getvalue().to_pybytes()
+        return content
+
+
+def make_table(plan: Plan, results: Mapping[str, Mapping[str, Any]]) -> Table:
+    """Of those jobs that are done: rows by key, as `row_of` makes them."""
+    keys = list(dict.fromkeys(job.key for job in plan.jobs()))
+    found = {key: results[key] for key in keys if key in results}
+    told = dict.fromkeys(name for row in found.values() for name in row)
+    columns = list(dict.fromkeys([*_FIRST, *plan.parameters(), *(name for name in told if name not in _FIRST)]))
+    return Table(columns, [{name: found[key].get(name) for name in columns} for key in keys if key in found])
+
+
+def row_of(job: Job, outcome: str, why: str, told: Mapping[str, Any]) -> dict[str, Any]:
+    first = dict(zip(_FIRST, (job.key, outcome, why, job.source.name, job.seed), strict=True))
+    return {**first, **job.parameters, **told}
+
+
+def has_parquet() -> bool:
+    return importlib.util.find_spec("pyarrow") is not None
+
+
+def _cell(value: Any) -> str:
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return repr(value) if isinstance(value, (int, float, list, dict)) else str(value)
+
+
+def _column(values: list[Any]) -> list[Any]:
+    """Of one type: numbers of both kinds as floats, what mixes with text as text."""
+    kinds = {type(value) for value in values if value is not None}
+    if kinds <= {int, float} and float in kinds:
+        return [None if value is None else float(value) for value in values]
+    if len(kinds) > 1 or kinds & {dict}:
+        return [None if value is None else _cell(value) for value in values]
+    return values

@@ -1,0 +1,524 @@
+"""Ensembles come to the same table whatever happens to those who compute them."""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import math
+import os
+import random
+import resource
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import atoll
+from atoll._ensemble import EnsembleError
+from atoll._ensemble.driver import MOST_LOSSES, Options
+from atoll._ensemble.engines import Answer, Call, LocalEngine
+from atoll._ensemble.job import make_scene
+from atoll._ensemble.plan import PlanError, read_plan
+from atoll._ensemble.run import Outcome, gather, run_ensemble
+from atoll._ensemble.store import Store
+
+PLAN: dict[str, Any] = {
+    "studies": [
+        {
+            "scene": "pile:bodies=100",
+            "steps": 150,
+            "parameters": {"material.friction": {"uniform": [0.2, 0.8]}, "mass": [0.5, 2]},
+            "sample": {"count": 4, "seed": 3},
+        },
+        {"scene": "ragdolls:count=3", "steps": 100, "seeds": 4, "parameters": {"settings.substeps": [2, 4]}},
+    ],
+    "keep": {"observables": ["max_height", "mean_speed"]},
+}
+JOBS = 16
+
+
+def run(out: Path, plan: dict[str, Any] = PLAN, **options: Any) -> Outcome:
+    engine = options.pop("engine", "local")
+    stop = options.pop("stop", lambda: False)
+    return run_ensemble(plan, out, engine=engine, workers=2, parquet=False, stop=stop, options=Options(**options))
+
+
+def table(out: Path) -> bytes:
+    return (out / "results.csv").read_bytes()
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    out = tmp_path_factory.mktemp("undisturbed")
+    outcome = run(out)
+    assert (outcome.done, outcome.failed, outcome.finished) == (JOBS, 0, True)
+    return table(out)
+
+
+# --- What is computed
+
+
+def test_rows_are_what_the_runs_come_to(undisturbed: bytes) -> None:
+    head, *lines = undisturbed.decode().splitlines()
+    columns = head.split(",")
+    rows = [dict(zip(columns, line.split(","), strict=True)) for line in lines]
+    jobs = list(read_plan(PLAN).jobs())
+    assert [row["job"] for row in rows] == [job.key for job in jobs]
+    for job, row in zip(jobs, rows, strict=True):
+        scene = make_scene(job)
+        world = scene.build()
+        for _ in range(job.steps):
+            world.step(scene.dt)
+        assert row["state_hash"] == f"{world.state_hash():016x}"
+        assert float(row["max_height"]) == max(
+            world.positions[body.index][2] for body in world.bodies if world.type(body) == atoll.BodyType.DYNAMIC
+        )
+    assert len({row["state_hash"] for row in rows}) == JOBS
+
+
+def test_frame_has_a_row_a_job_in_the_order_of_the_plan(undisturbed: bytes) -> None:
+    pytest.importorskip("pandas")
+    frame = atoll.ensemble(PLAN, workers=2, verify=0)
+    assert list(frame["job"]) == [job.key for job in read_plan(PLAN).jobs()]
+    assert frame["penetration_max"].max() < 0.1
+
+
+def test_parameters_change_what_they_name() -> None:
+    parameters = {
+        "scene.bodies": 3,
+        "settings.joint_solver": "direct",
+        "material.restitution": 0.5,
+        "mass": 2,
+        "gravity": [0, 0, -1],
+        "dt": 0.01,
+    }
+    [job] = read_plan({"scene": "pile", "steps": 5, "parameters": parameters}).jobs()
+    scene, plain = make_scene(job), atoll.load_scene("pile:bodies=3")
+    assert len(scene.bodies) == len(plain.bodies)
+    assert scene.settings.joint_solver == atoll.JointSolver.DIRECT
+    assert (scene.dt, list(scene.gravity)) == (0.01, [0, 0, -1])
+    moving = [
+        (body.definition, before.definition)
+        for body, before in zip(scene.bodies, plain.bodies, strict=True)
+        if body.definition.type == atoll.BodyType.DYNAMIC
+    ]
+    assert all(body.density == 2 * before.density and body.material.restitution == 0.5 for body, before in moving)
+
+
+def halve_friction(scene: atoll.Scene, parameters: dict[str, Any]) -> None:
+    """A "setup" of a plan."""
+    bodies = scene.bodies
+    for body in bodies:
+        definition = body.definition
+        definition.material = atoll.Material(friction=parameters["user.friction"] / 2)
+        body.definition = definition
+    scene.bodies = bodies
+
+
+def count_bodies(world: atoll.World, scene: atoll.Scene) -> dict[str, float]:
+    """An "observe" of a plan."""
+    return {"bodies": len(world.bodies), "scene_bodies": len(scene.bodies)}
+
+
+def raise_always(world: atoll.World, scene: atoll.Scene) -> dict[str, float]:
+    raise RuntimeError("this one never works")
+
+
+@pytest.fixture
+def this_module(monkeypatch: pytest.MonkeyPatch) -> str:
+    """Its name, by which workers can import it."""
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(Path(__file__).parent), os.environ.get("PYTHONPATH", "")]))
+    monkeypatch.syspath_prepend(str(Path(__file__).parent))
+    return Path(__file__).stem
+
+
+def test_functions_of_the_plan_are_called(tmp_path: Path, this_module: str) -> None:
+    plan = {
+        "scene": "pile:bodies=3",
+        "steps": 20,
+        "setup": f"{this_module}:halve_friction",
+        "observe": f"{this_module}:count_bodies",
+        "parameters": {"user.friction": [0.1, 0.9]},
+    }
+    outcome = run(tmp_path, plan)
+    assert outcome.table is not None
+    assert [row["bodies"] for row in outcome.table.rows] == [8, 8]
+    failing = run(tmp_path, plan | {"observe": f"{this_module}:raise_always"})
+    assert failing.failed == 2 and failing.table is not None
+    assert "raise_always: RuntimeError: this one never works" in failing.table.rows[0]["why"]
+
+
+def test_states_and_recordings_are_kept(tmp_path: Path, undisturbed: bytes) -> None:
+    plan = {"scene": "pile:bodies=5", "steps": 60, "keep": {"state": True, "recording": True}}
+    run(tmp_path, plan, interval=0.001)
+    [job] = read_plan(plan).jobs()
+    recordings = sorted((tmp_path / "recordings" / job.key).iterdir())
+    assert len(recordings) > 1
+    results = [atoll.replay(str(path)) for path in recordings]
+    assert sum(result.steps for result in results) == 60
+    assert all(result.divergence is None for result in results)
+    stored = (tmp_path / "states" / f"{job.key}.snapshot").read_bytes()
+    assert f"{results[-1].hash:016x}".encode() in table(tmp_path)
+    assert str(results[-1].hash).encode() in stored.partition(b"\n")[0]
+
+
+# --- What happens to those who compute
+
+
+def test_a_second_run_computes_nothing(tmp_path: Path, undisturbed: bytes) -> None:
+    run(tmp_path)
+    again = run(tmp_path)
+    assert (again.tally.done_before, again.tally.done, again.tally.steps) == (JOBS, 0, 0)
+    assert table(tmp_path) == undisturbed
+
+
+@pytest.mark.parametrize("shared", [True, False])
+@pytest.mark.parametrize("interval", [0.001, 0.02])
+def test_parts_come_to_the_same(tmp_path: Path, undisturbed: bytes, shared: bool, interval: float) -> None:
+    outcome = run(tmp_path, shared=shared, interval=interval)
+    assert outcome.tally.snapshots > JOBS
+    assert table(tmp_path) == undisturbed
+
+
+def test_shares_of_a_plan_make_one_table(tmp_path: Path, undisturbed: bytes) -> None:
+    for share in range(2):
+        run_ensemble(PLAN, tmp_path, workers=1, parquet=False, options=Options(), part=(share, 3))
+    assert gather(PLAN, tmp_path, parquet=False)[2] == 5
+    run_ensemble(PLAN, tmp_path, workers=1, parquet=False, options=Options(), part=(2, 3))
+    assert gather(PLAN, tmp_path, parquet=False)[2] == 0
+    assert table(tmp_path) == undisturbed
+
+
+class Killer:
+    """Kills workers of an engine at random times."""
+
+    def __init__(self, engine: LocalEngine, every: float) -> None:
+        self._engine = engine
+        self._every = every
+        self._end = threading.Event()
+        self._thread = threading.Thread(target=self._run)
+        self.killed = 0
+
+    def __enter__(self) -> Killer:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *reason: object) -> None:
+        self._end.set()
+        self._thread.join()
+
+    def _run(self) -> None:
+        chance = random.Random(1)
+        while not self._end.wait(chance.expovariate(1 / self._every)):
+            try:
+                os.kill(chance.choice(self._engine.process_ids()), signal.SIGKILL)
+                self.killed += 1
+            except ProcessLookupError:
+                pass
+
+
+def test_workers_may_be_killed(tmp_path: Path, undisturbed: bytes) -> None:
+    engine = LocalEngine(2)
+    try:
+        with Killer(engine, 0.7) as killer:
+            outcome = run(tmp_path, engine=engine, interval=0.02)
+    finally:
+        engine.close()
+    assert killer.killed > 0 and outcome.done == JOBS and not outcome.given_up
+    assert table(tmp_path) == undisturbed
+
+
+def command(*words: object) -> list[str]:
+    return [sys.executable, "-m", "atoll", "ensemble", *map(str, words)]
+
+
+def test_the_driver_may_be_killed_and_stopped(tmp_path: Path, undisturbed: bytes) -> None:
+    plan = tmp_path / "plan.json"
+    plan.write_text(json.dumps(PLAN))
+    words = command(plan, "--out", tmp_path, "--workers", 2, "--interval", 0.02, "--csv-only")
+    for number in (signal.SIGKILL, signal.SIGTERM, signal.SIGINT):
+        process = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+        time.sleep(1.2)
+        process.send_signal(number)
+        _, said = process.communicate(timeout=30)
+        if number != signal.SIGKILL and process.returncode != 0:
+            assert process.returncode == 128 + number
+            assert b"the same command goes on" in said
+    done = subprocess.run(words, check=True, capture_output=True, text=True)
+    assert f"{JOBS} of {JOBS} jobs done" in done.stdout
+    assert table(tmp_path) == undisturbed
+
+
+def test_a_job_whose_workers_always_die_is_given_up(tmp_path: Path, this_module: str) -> None:
+    plan = {"scene": "pile:bodies=3", "steps": 20, "observe": f"{this_module}:die"}
+    outcome = run(tmp_path, plan)
+    assert outcome.done == 0 and outcome.tally.lost_parts == MOST_LOSSES
+    assert "was killed by signal 9" in outcome.given_up[0]
+
+
+def die(world: atoll.World, scene: atoll.Scene) -> dict[str, float]:
+    os.kill(os.getpid(), signal.SIGKILL)
+    return {}
+
+
+def test_two_can_not_run_it_at_once(tmp_path: Path) -> None:
+    store = Store(tmp_path)
+    with pytest.raises(EnsembleError, match="another process runs this ensemble"):
+        run(tmp_path)
+    store.close()
+
+
+# --- What happens to files
+
+
+def stopped_midway(out: Path) -> None:
+    """An ensemble of which some jobs are done, and some have snapshots."""
+    asked = iter(range(40))
+    outcome = run(out, interval=0.01, stop=lambda: next(asked, None) is None)
+    assert not outcome.finished
+
+
+@pytest.mark.parametrize("harm", ["flip", "cut", "empty", "remove"])
+def test_a_snapshot_that_is_corrupt_costs_its_job_alone(tmp_path: Path, undisturbed: bytes, harm: str) -> None:
+    stopped_midway(tmp_path)
+    snapshots = sorted((tmp_path / "snapshots").glob("*.snapshot"))
+    assert snapshots
+    for path in snapshots:
+        content = bytearray(path.read_bytes())
+        content[-5] ^= 1
+        if harm == "remove":
+            path.unlink()
+        else:
+            path.write_bytes({"flip": bytes(content), "cut": bytes(content[:-100]), "empty": b""}[harm])
+    outcome = run(tmp_path)
+    assert 0 < outcome.tally.begun_anew <= len(snapshots)
+    store = Store(tmp_path)
+    assert any(kind == "snapshot" and "begins anew" in what for kind, what in store.events())
+    store.close()
+    assert table(tmp_path) == undisturbed
+
+
+def test_a_full_disk_loses_nothing(tmp_path: Path, undisturbed: bytes) -> None:
+    plan = tmp_path / "plan.json"
+    plan.write_text(json.dumps(PLAN))
+    words = command(plan, "--out", tmp_path / "out", "--workers", 2, "--interval", 0.02, "--csv-only")
+    # No file may become larger: as on a disk that is full, writes fail in the middle.
+    limit = 16 * 1024
+    process = subprocess.run(
+        words, capture_output=True, text=True, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+    )
+    assert process.returncode == 1 and len(process.stderr.splitlines()) == 1, process.stderr
+    assert "File too large" in process.stderr or "can't be written" in process.stderr or "can't be opened" in process.stderr
+    subprocess.run(words, check=True, capture_output=True)
+    assert table(tmp_path / "out") == undisturbed
+
+
+def test_a_table_that_can_not_be_written_is_told_and_written_later(tmp_path: Path, undisturbed: bytes) -> None:
+    (tmp_path / "results.csv").mkdir()
+    with pytest.raises(EnsembleError, match="the table can't be written: .*; results are kept"):
+        run(tmp_path)
+    (tmp_path / "results.csv").rmdir()
+    assert run(tmp_path).tally.done == 0
+    assert table(tmp_path) == undisturbed
+    with pytest.raises(EnsembleError, match="can't be written"):
+        run(Path("/proc/none"))
+
+
+# --- Who computes other bits
+
+
+def turn_one_bit(scene: atoll.Scene, parameters: dict[str, Any]) -> None:
+    """In one of the processes that call it, for as long as that lives: a body lies one bit off."""
+    global _held
+    if _held is None:
+        _held = open(os.environ["ATOLL_TEST_BAD_WORKER"], "a")
+    try:
+        fcntl.flock(_held, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        return
+    bodies = scene.bodies
+    definition = bodies[-1].definition
+    definition.position = np.nextafter(definition.position, math.inf)
+    bodies[-1].definition = definition
+    scene.bodies = bodies
+
+
+_held: Any = None
+
+
+def test_a_worker_with_wrong_bits_is_named_and_set_aside(
+    tmp_path: Path, this_module: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plan = {"scene": "pile:bodies=10", "steps": 60, "seeds": 12, "setup": f"{this_module}:turn_one_bit"}
+    (tmp_path / "lock").touch()
+    with open(tmp_path / "lock") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        monkeypatch.setenv("ATOLL_TEST_BAD_WORKER", str(tmp_path / "lock"))
+        run(tmp_path / "right", plan)
+    wrong = run(tmp_path / "wrong", plan, verify=0.2)
+    assert len(wrong.distrusted) == 1, wrong
+    worker, why = wrong.distrusted[0]
+    assert "/" in worker and "came to another state after step" in why
+    assert wrong.tally.set_aside > 0 or wrong.tally.done == 12
+    assert table(tmp_path / "wrong") == table(tmp_path / "right")
+
+
+class Forger(LocalEngine):
+    """Of whose two workers one turns a bit of all hashes that it tells."""
+
+    def wait(self, timeout: float) -> list[Answer]:
+        answers = super().wait(timeout)
+        for answer in answers:
+            if answer.worker.endswith("/1") and answer.value is not None:
+                for number, check in enumerate(answer.value.checks):
+                    answer.value.checks[number] = type(check)(check.step, check.hash ^ 1)
+        return answers
+
+
+def test_all_that_a_distrusted_worker_computed_is_computed_again(tmp_path: Path, undisturbed: bytes) -> None:
+    engine = Forger(2)
+    try:
+        outcome = run(tmp_path, engine=engine, verify=0.3)
+    finally:
+        engine.close()
+    assert [worker.rpartition("/")[2] for worker, _ in outcome.distrusted] == ["1"]
+    store = Store(tmp_path)
+    assert all("/1" not in result.worker for result in store.results().values())
+    store.close()
+    assert table(tmp_path) == undisturbed
+
+
+# --- Plans
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"scene": "pyle"}, "pyle"),
+        ({"scene": 3}, "scene: found 3; expected a scene's name"),
+        ({"steps": 0}, "steps: found 0; expected an integer"),
+        ({"stepps": 3}, 'found "stepps"; expected'),
+        ({"seeds": [1, 1]}, "seeds: found .*; expected how many, or a list of different"),
+        ({"parameters": {"frictoin": 1}}, "parameters: frictoin: no such parameter; expected"),
+        ({"parameters": {"mass": -1}}, "parameters: mass: found -1; expected a number above 0"),
+        ({"parameters": {"mass": {"uniform": [2, 1]}}, "sample": {"count": 2}}, "uniform: found 2 and 1"),
+        ({"parameters": {"mass": {"uniform": [1, 2]}}}, 'sample: found nothing; expected an object with a "count"'),
+        ({"parameters": {"mass": {"from": 1, "to": 2, "count": 1}}}, "count: found 1; expected an integer, 2 or more"),
+        ({"parameters": {"mass": []}}, "mass: found an empty list"),
+        ({"parameters": {"gravity": [1, 2]}}, "gravity: found .*; expected three numbers"),
+        ({"parameters": {"user.x": 1}}, 'found user.x; expected it beside a "setup"'),
+        ({"setup": "nothing:here"}, "setup: nothing:here can't be imported"),
+        ({"keep": {"observables": ["hight"]}}, 'observables: found "hight"; expected some of max_height'),
+        ({"sample": {"count": 3}}, "no parameter is drawn"),
+    ],
+)
+def test_mistakes_in_a_plan_are_told(change: dict[str, Any], said: str) -> None:
+    plan: dict[str, Any] = {"scene": "pile:bodies=2", "steps": 5}
+    with pytest.raises(atoll.Error, match=said):
+        read_plan(plan | change)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ('{"scene": "pile",}', r"plan\.json:1:18: "),
+        ('{"scene": "pile", "scene": "stack"}', 'found "scene" twice'),
+        ("[]", r"found \[\]; expected an object"),
+        (None, "can't be read: No such file"),
+    ],
+)
+def test_plans_that_are_no_plans_are_told(tmp_path: Path, text: str | None, said: str) -> None:
+    path = tmp_path / "plan.json"
+    if text is not None:
+        path.write_text(text)
+    with pytest.raises(PlanError, match=said):
+        read_plan(path)
+    process = subprocess.run(command(path, "--out", tmp_path / "out"), capture_output=True, text=True)
+    assert process.returncode == 3 and "plan.json" in process.stderr
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_job_of_bad_inputs_is_a_row_that_says_why(tmp_path: Path) -> None:
+    outcome = run(tmp_path, {"scene": "pile:bodies=2", "steps": 5, "parameters": {"settings.substeps": [2, -1]}})
+    assert outcome.table is not None and outcome.failed == 1
+    good, bad = outcome.table.rows
+    assert (good["outcome"], bad["outcome"]) == ("done", "failed")
+    assert "substeps" in bad["why"] and "-1" in bad["why"]
+
+
+def samples(method: str, count: int, seed: int = 1) -> np.ndarray[Any, np.dtype[np.float64]]:
+    parameters = {"mass": {"uniform": [1, 2]}, "material.friction": {"log_uniform": [0.1, 1]}}
+    plan = {"scene": "stack", "parameters": parameters, "sample": {"count": count, "method": method, "seed": seed}}
+    return np.array([list(job.parameters.values()) for job in read_plan(plan).jobs()], dtype=np.float64)
+
+
+def test_a_latin_hypercube_has_one_sample_in_each_row_and_column() -> None:
+    pytest.importorskip("scipy")
+    found = samples("latin-hypercube", 20)
+    unit = np.stack([found[:, 0] - 1, np.log10(found[:, 1]) + 1], axis=1)
+    for column in np.floor(unit * 20).astype(int).T:
+        assert sorted(column) == list(range(20))
+
+
+def test_samples_are_those_of_their_seed() -> None:
+    assert np.array_equal(samples("random", 9), samples("random", 9))
+    assert not np.array_equal(samples("random", 9), samples("random", 9, seed=2))
+
+
+def test_keys_tell_jobs_apart() -> None:
+    plan = {"scene": "pile:bodies=2", "steps": 5, "seeds": 3, "parameters": {"mass": [1, 2], "dt": [0.01, 0.02]}}
+    keys = [job.key for job in read_plan(plan).jobs()]
+    assert len(set(keys)) == 12
+    assert keys == [job.key for job in read_plan(json.loads(json.dumps(plan))).jobs()]
+
+
+# --- Engines
+
+
+def double(number: int) -> int:
+    return 2 * number
+
+
+@pytest.fixture
+def engine() -> Iterator[LocalEngine]:
+    made = LocalEngine(2)
+    yield made
+    made.close()
+
+
+def answers_of(engine: LocalEngine, count: int) -> list[Answer]:
+    found: list[Answer] = []
+    end = time.monotonic() + 20
+    while len(found) < count and time.monotonic() < end:
+        found += engine.wait(0.5)
+    return found
+
+
+def test_calls_get_answers(engine: LocalEngine) -> None:
+    numbers: list[Callable[..., Any]] = [math.sqrt, math.log]
+    for ticket in range(10):
+        engine.submit(Call(ticket, numbers[ticket % 2], (float(ticket),)))
+    found = sorted(answers_of(engine, 10), key=lambda answer: answer.ticket)
+    assert [answer.value for answer in found[::2]] == [math.sqrt(number) for number in range(0, 10, 2)]
+    engine.submit(Call(10, math.sqrt, (-1.0,)))
+    assert isinstance(answers_of(engine, 1)[0].error, ValueError)
+
+
+def test_calls_avoid_workers(engine: LocalEngine) -> None:
+    engine.submit(Call(0, os.getpid))
+    engine.submit(Call(1, time.sleep, (0.1,)))
+    names = frozenset(answer.worker for answer in answers_of(engine, 2))
+    assert len(names) == 2
+    one = next(iter(names))
+    for ticket in range(4):
+        engine.submit(Call(ticket, os.getpid, (), frozenset([one])))
+    assert {answer.worker for answer in answers_of(engine, 4)} == names - {one}
+    engine.submit(Call(5, os.getpid, (), names))
+    assert "no worker is left" in answers_of(engine, 1)[0].lost
