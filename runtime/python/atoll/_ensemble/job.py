@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -155,7 +156,7 @@ def run_part(job: Job, start: Point | None, seconds: float, folder: str | None, 
     every = max(1, steps // CHECKS)
     first = step = running.point.step
     checks: list[Point] = []
-    recording = _begin_recording(job, world, folder, key, first)
+    recording = _begin_recording(job, world, folder, first) if name == key else None
     begin = time.perf_counter()
     end = begin + seconds
     forced = any(body.force.any() for body in scene.bodies)
@@ -201,10 +202,12 @@ def _restore(running: _Running, stored: SnapshotBytes, start: Point) -> None:
     running.point = start
 
 
-def _begin_recording(job: Job, world: _core.World, folder: str | None, key: str, first: int) -> Path | None:
+def _begin_recording(job: Job, world: _core.World, folder: str | None, first: int) -> Path | None:
     if not job.keep.recording or folder is None:
         return None
-    path = Path(folder) / "recordings" / key / f"{first:09}.recording.part"
+    path = Path(folder) / "recordings" / job.key / f"{first:09}.recording.part"
+    if first == 0:  # of attempts that ended elsewhere
+        shutil.rmtree(path.parent, ignore_errors=True)
     path.parent.mkdir(parents=True, exist_ok=True)
     world.record(str(path))
     return path
