@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import fcntl
+import importlib
 import json
 import math
 import os
@@ -28,6 +29,7 @@ from atoll._ensemble.job import make_scene
 from atoll._ensemble.plan import PlanError, read_plan
 from atoll._ensemble.run import Outcome, gather, run_ensemble
 from atoll._ensemble.store import Store
+from atoll._ensemble.table import has_parquet
 
 PLAN: dict[str, Any] = {
     "studies": [
@@ -88,6 +90,18 @@ def test_frame_has_a_row_a_job_in_the_order_of_the_plan(undisturbed: bytes) -> N
     frame = atoll.ensemble(PLAN, workers=2, verify=0)
     assert list(frame["job"]) == [job.key for job in read_plan(PLAN).jobs()]
     assert frame["penetration_max"].max() < 0.1
+
+
+def test_parquet_is_the_same_to_the_byte_and_tells_the_same(tmp_path: Path) -> None:
+    parquet = importlib.import_module("pyarrow.parquet") if has_parquet() else pytest.skip("without PyArrow")
+    for name, interval in (("whole", 10.0), ("parts", 0.005)):
+        run_ensemble(PLAN, tmp_path / name, workers=2, parquet=True, options=Options(interval))
+    whole, parts = (tmp_path / name / "results.parquet" for name in ("whole", "parts"))
+    assert whole.read_bytes() == parts.read_bytes()
+    rows = parquet.read_table(whole).to_pylist()
+    written = table(tmp_path / "whole").decode().splitlines()
+    assert ",".join(rows[0]) == written[0] and len(rows) == JOBS
+    assert [f"{row['max_height']!r}" in line for row, line in zip(rows, written[1:], strict=True)] == [True] * JOBS
 
 
 def test_parameters_change_what_they_name() -> None:

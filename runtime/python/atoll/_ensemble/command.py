@@ -115,7 +115,7 @@ def _report(outcome: Outcome) -> None:
         print(f"{tally.done} in {outcome.seconds:.1f} s: {tally.done / outcome.seconds:.3g} a second; of the workers' time "
               f"{100 * tally.step_seconds / busy:.1f}% steps, {100 * tally.snapshot_seconds / busy:.2f}% snapshots")
     if tally.lost_parts or tally.begun_anew or tally.compared:
-        print(f"{tally.lost_parts} parts lost and run again, {tally.begun_anew} jobs begun anew, {tally.compared} held to a second run")
+        print(f"{tally.lost_parts} parts lost and run again, of {tally.longest_lost:.2f} s at most; {tally.begun_anew} jobs begun anew, {tally.compared} held to a second run")
     for worker, why in outcome.distrusted:
         _say(f"{worker} computes other bits and is not asked any more: {why}", 0)
     for why in outcome.given_up:

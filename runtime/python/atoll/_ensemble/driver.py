@@ -44,6 +44,8 @@ class Tally:
     done_before: int = 0
     done: int = 0
     lost_parts: int = 0
+    lost_seconds: float = 0.0  #: at most, that workers had spent on these
+    longest_lost: float = 0.0  #: of these, on one
     begun_anew: int = 0
     compared: int = 0  #: jobs that two workers came to the same bits of
     set_aside: int = 0
@@ -78,7 +80,7 @@ class _Attempt:
     @property
     def name(self) -> str:
         """Of its snapshots."""
-        return f"{self.key}.check" if self.verifies else self.key
+        return f"{self.key}-check" if self.verifies else self.key
 
 
 class Driver:
@@ -92,9 +94,11 @@ class Driver:
         self._met: set[str] = set()  # workers of which a job was verified, or is being
         self._waiting: deque[_Attempt] = deque()
         self._under_way: dict[int, _Attempt] = {}
+        self._begun: dict[int, float] = {}  # s, of the clock, by ticket
         self._tickets = 0
         self._committed = time.monotonic()
         self._decider: LocalEngine | None = None
+        self._obsolete: list[Path] = []  # snapshots, once what came after them is committed
         self.tally = Tally()
         self.given_up: list[str] = []
         self._jobs = {job.key: job for job in jobs}
@@ -130,16 +134,17 @@ class Driver:
             self._commit()
 
     def _hand_out(self) -> None:
-        while self._waiting and len(self._under_way) < self._engine.places():
+        while self._waiting and len(self._under_way) < self._engine.depth * self._engine.places():
             attempt = self._trusted(self._waiting.popleft())
             if attempt is None:
                 continue
             self._tickets += 1
             self._under_way[self._tickets] = attempt
+            self._begun[self._tickets] = time.monotonic()
             avoid = self._distrusted | set(attempt.verifies)
             folder, snapshot = self._store.folder, None
             if not self._options.shared and attempt.at is not None:
-                snapshot = read_if_there(snapshot_path(folder, attempt.name))
+                snapshot = read_if_there(snapshot_path(folder, attempt.name, attempt.at.step))
             arguments = (attempt.job, attempt.at, self._options.interval, str(folder) if self._options.shared else None,
                          snapshot, attempt.name)  # fmt: skip
             self._engine.submit(Call(self._tickets, run_part, arguments, frozenset(avoid)))
@@ -147,8 +152,9 @@ class Driver:
     def _take(self, answers: Iterable[Answer]) -> None:
         for answer in answers:
             attempt = self._under_way.pop(answer.ticket)
+            spent = time.monotonic() - self._begun.pop(answer.ticket)
             if answer.lost:
-                self._lose(attempt, answer)
+                self._lose(attempt, answer, spent)
             elif answer.worker in self._distrusted or self._trusted(attempt) != attempt:
                 self._waiting.appendleft(attempt)
             elif answer.error is not None:
@@ -164,10 +170,14 @@ class Driver:
             return replace(attempt, at=None, workers=(), seconds=0.0)
         return attempt
 
-    def _lose(self, attempt: _Attempt, answer: Answer) -> None:
+    def _lose(self, attempt: _Attempt, answer: Answer, spent: float) -> None:
+        if attempt.verifies and not answer.worker:  # nobody else is there to do it
+            return
         self.tally.lost_parts += 1
+        self.tally.lost_seconds += spent
+        self.tally.longest_lost = max(self.tally.longest_lost, spent)
         step = attempt.at.step if attempt.at else 0
-        self._store.note("lost", f"{attempt.key} from step {step}: {answer.lost}")
+        self._store.note("lost", f"{attempt.key} from step {step}, {spent:.2f} s: {answer.lost}")
         if attempt.losses + 1 < MOST_LOSSES:
             self._waiting.appendleft(replace(attempt, losses=attempt.losses + 1))
         elif not attempt.verifies:
@@ -195,12 +205,15 @@ class Driver:
         if differing is not None:
             self._decide(moved, answer.worker, *differing)
         elif part.result is None:
-            self._keep_snapshot(snapshot_path(self._store.folder, attempt.name), part)
+            self._keep_snapshot(snapshot_path(self._store.folder, attempt.name, part.last.step), part)
+            if attempt.at is not None:
+                self._obsolete.append(snapshot_path(self._store.folder, attempt.name, attempt.at.step))
             if not attempt.verifies:
                 self._store.put_progress(attempt.key, Progress(part.last, workers, moved.seconds))
             self._waiting.appendleft(moved)
         else:
-            snapshot_path(self._store.folder, attempt.name).unlink(missing_ok=True)
+            if attempt.at is not None:
+                self._obsolete += (self._store.folder / "snapshots").glob(f"{attempt.name}.*")
             if attempt.verifies:
                 self.tally.compared += 1
                 self._store.mark_checked(attempt.key, ", ".join(workers))
@@ -247,7 +260,7 @@ class Driver:
     def _decided(self, attempt: _Attempt) -> list[Point]:
         if self._decider is None:
             self._decider = LocalEngine(1, "decider")
-        self._decider.submit(Call(0, run_part, (attempt.job, None, math.inf, None, None, f"{attempt.key}.decide")))
+        self._decider.submit(Call(0, run_part, (attempt.job, None, math.inf, None, None, f"{attempt.key}-decide")))
         answers: list[Answer] = []
         while not answers:
             answers = self._decider.wait(1.0)
@@ -285,4 +298,7 @@ class Driver:
 
     def _commit(self) -> None:
         self._store.commit()
+        for path in self._obsolete:
+            path.unlink(missing_ok=True)
+        self._obsolete.clear()
         self._committed = time.monotonic()

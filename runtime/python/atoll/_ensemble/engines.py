@@ -49,6 +49,9 @@ class Answer:
 class Engine(Protocol):
     """How calls get to workers."""
 
+    #: Of calls for a place, that are best submitted at a time.
+    depth: int
+
     def places(self) -> int:
         """How many calls it works on at a time. More may be submitted; they wait."""
 
@@ -70,6 +73,8 @@ class EngineError(EnsembleError):
 
 class LocalEngine:
     """Processes of this machine, a call at a time each."""
+
+    depth = 1  # what a worker goes on with next depends on its answer
 
     def __init__(self, workers: int | None = None, label: str = "") -> None:
         count = workers if workers is not None else len(os.sched_getaffinity(0))

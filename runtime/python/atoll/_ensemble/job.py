@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import os
 import shutil
+import socket
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -136,16 +137,16 @@ def run_part(job: Job, start: Point | None, seconds: float, folder: str | None, 
     notes: list[str] = []
     begin = time.perf_counter()
     running, _running = _running, None
-    path = snapshot_path(Path(folder), name) if folder else None
     moved_bytes = 0
     if running is None or start is None or (running.key, running.point) != (key, start):
         scene = make_scene(job)
         running = _Running(key, Point(0, 0), scene, scene.build())
         if start is not None:
             try:
-                stored = path.read_bytes() if path else snapshot
-                moved_bytes = len(stored or b"")
-                _restore(running, SnapshotBytes(stored or b"", str(path or "snapshot")), start)
+                path = snapshot_path(Path(folder), name, start.step) if folder else None
+                stored = path.read_bytes() if path else snapshot or b""
+                moved_bytes = len(stored)
+                _restore(running, SnapshotBytes(stored, str(path or "snapshot")), start)
             except (OSError, BadSnapshot) as error:
                 notes.append(f"{key}: {error}; begins anew")
                 running = _Running(key, Point(0, 0), scene, scene.build())
@@ -180,13 +181,13 @@ def run_part(job: Job, start: Point | None, seconds: float, folder: str | None, 
     if step < steps or job.keep.state:
         packed = pack(key, last.step, last.hash, world.save())
         moved_bytes += len(packed)
-    if path is not None and packed is not None:
-        write_whole(path if step < steps else state_path(Path(str(folder)), key), packed)
+    if folder is not None and packed is not None:
+        write_whole(snapshot_path(Path(folder), name, step) if step < steps else state_path(Path(folder), key), packed)
     snapshot_seconds += time.perf_counter() - begin
     result = _result(job, scene, world, last) if step == steps else None
     if result is None:
         _running = _Running(key, last, scene, world)
-    return Part(first, last, checks, result, None if path else packed, notes, stepped, snapshot_seconds, moved_bytes)
+    return Part(first, last, checks, result, None if folder else packed, notes, stepped, snapshot_seconds, moved_bytes)
 
 
 def _restore(running: _Running, stored: SnapshotBytes, start: Point) -> None:
@@ -225,8 +226,9 @@ def _result(job: Job, scene: _core.Scene, world: _core.World, last: Point) -> di
     return result
 
 
-def snapshot_path(folder: Path, name: str) -> Path:
-    return folder / "snapshots" / f"{name}.snapshot"
+def snapshot_path(folder: Path, name: str, step: int) -> Path:
+    """Of a step of its own: who is late with another one, as a machine that was given up, overwrites nothing."""
+    return folder / "snapshots" / f"{name}.{step}.snapshot"
 
 
 def state_path(folder: Path, key: str) -> Path:
@@ -239,7 +241,7 @@ def read_if_there(path: Path) -> bytes | None:
 
 def write_whole(path: Path, content: bytes) -> None:
     """So that the file is as it was, or holds all. What a machine that fails makes of it, its checksum tells."""
-    part = path.with_name(f"{path.name}.{os.getpid()}.part")
+    part = path.with_name(f"{path.name}.{socket.gethostname()}-{os.getpid()}.part")
     try:
         part.write_bytes(content)
         os.replace(part, path)

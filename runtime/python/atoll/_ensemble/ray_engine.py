@@ -77,6 +77,8 @@ class RayEngine:
     as lost, and a call that is not known to have begun when a node goes is submitted again. One answer is given.
     """
 
+    depth = TASKS_A_PLACE
+
     def __init__(self, address: str | None = None, workers: int | None = None) -> None:
         self._ray = _import_ray()
         self._ours = _connect(self._ray, address)
