@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import inspect
+import itertools
+import os
 import signal
 import stat
 import sys
@@ -16,7 +18,8 @@ import numpy as np
 import pytest
 
 import atoll
-from atoll import _sweep
+from atoll import _core, _sweep, _sweep_parts
+from atoll._ensemble.engines import Answer, Call, LocalEngine
 
 # As the command's results.csv begins: see tests/cli/sweep_test.cpp.
 FIRST_COLUMNS = (
@@ -153,6 +156,169 @@ def test_ctrl_c_ends_it() -> None:
     thread.join()
 
 
+TIMES = {"cpu_s_per_simulated_s", "cpu_min", "cpu_max", "ms_per_step", "ms_min", "ms_max"}
+GRID: dict[str, Any] = {"quick": True, "steps": 20, "repeats": 1, "time": 1e-6, "progress": False}
+
+
+def assert_same_but_times(table: atoll.SweepTable, undivided: atoll.SweepTable) -> None:
+    assert table.columns == [*undivided.columns, "worker"]
+    for name in undivided.columns:
+        if name not in TIMES:
+            assert [row[name] for row in table] == [row[name] for row in undivided], name
+        else:
+            assert [row[name] is None for row in table] == [row[name] is None for row in undivided]
+
+
+def test_parts_on_workers_make_the_same_table(monkeypatch: pytest.MonkeyPatch) -> None:
+    scenes = ["stack:height=3", "pendulum"]
+    undivided = atoll.sweep(scenes, **GRID)
+    assert len(undivided) > 4 * _sweep_parts.PART_SIZE
+    table = atoll.sweep(scenes, engine="local", workers=2, **GRID)
+    assert_same_but_times(table, undivided)
+    assert len(set(table["worker"])) == 2 and table["worker"].dtype.kind == "U"
+    for size in (1, 3, len(undivided)):
+        monkeypatch.setattr(_sweep_parts, "PART_SIZE", size)
+        assert_same_but_times(atoll.sweep(scenes, engine=InPlace(), **GRID), undivided)
+
+
+def test_parts_whose_runs_broke_have_no_errors() -> None:
+    scene = atoll.load_scene("stack:height=2")
+    scene.gravity = [0, 0, -1e8]  # breaks at the scene's own dt, and not at smaller ones
+    undivided = atoll.sweep([scene, "pendulum"], **GRID)
+    assert undivided.rows[0]["outcome"] == "non_finite" and undivided.rows[0]["penetration_mean"] is None
+    assert any(row["outcome"] == "done" for row in undivided if row["scene"] == scene.name)
+    assert_same_but_times(atoll.sweep([scene, "pendulum"], engine=InPlace(), **GRID), undivided)
+
+
+def test_parts_of_what_others_can_not_read(tmp_path: Path) -> None:
+    scene = atoll.load_scene("stack:height=2")
+    scene.name = "of a script"
+    scene.write(str(tmp_path / "scene.json"))
+    given: list[str | atoll.Scene] = [scene, str(tmp_path / "scene.json"), "stack:height=2"]
+    few: dict[str, Any] = {**ONE, "substeps": 4, "iterations": [1, 2]}
+    engine = InPlace()
+    assert_same_but_times(atoll.sweep(given, engine=engine, **few), atoll.sweep(given, **few))
+    assert [isinstance(call.arguments[0], atoll.Scene) for call in engine.calls[:1] + engine.calls[-1:]] == [True, False]
+    assert not any(str(tmp_path) in str(call.arguments) for call in engine.calls)
+    with pytest.raises(atoll.Error, match="sweep: found the Scene pendulum.*, whose known motion can't be sent"):
+        atoll.sweep(atoll.load_scene("pendulum"), engine=engine, **ONE)
+
+
+def test_lost_parts_are_run_again() -> None:
+    class Killing(LocalEngine):
+        lost = 0
+
+        def wait(self, timeout: float) -> list[Answer]:
+            if self.lost == 0:
+                os.kill(self.process_ids()[0], signal.SIGKILL)
+            answers = super().wait(timeout)
+            self.lost += sum(bool(answer.lost) for answer in answers)
+            return answers
+
+    scenes = ["stack:height=3", "pendulum"]
+    engine = Killing(2)
+    try:
+        table = atoll.sweep(scenes, engine=engine, **GRID)
+        assert engine.lost > 0
+        assert_same_but_times(table, atoll.sweep(scenes, **GRID))
+        assert_same_but_times(atoll.sweep(scenes[0], engine=engine, **ONE), atoll.sweep(scenes[0], **ONE))
+    finally:
+        engine.close()
+
+
+class InPlace:
+    """An engine that answers here, after some losses."""
+
+    depth = 2
+
+    def __init__(self, losses: int = 0) -> None:
+        self.losses = losses
+        self.calls: list[Call] = []
+        self.waiting: list[Call] = []
+        self.stopped = self.closed = False
+
+    def places(self) -> int:
+        return 1
+
+    def submit(self, call: Call) -> None:
+        self.calls.append(call)
+        self.waiting.append(call)
+
+    def wait(self, timeout: float) -> list[Answer]:
+        call = self.waiting.pop()
+        if self.losses > 0:
+            self.losses -= 1
+            return [Answer(call.ticket, "here", lost="here was unplugged")]
+        try:
+            return [Answer(-1, "of another sweep"), Answer(call.ticket, "here", call.function(*call.arguments))]
+        except Exception as error:
+            return [Answer(call.ticket, "here", error=error)]
+
+    def stop(self) -> list[Answer]:
+        self.stopped = True
+        self.waiting.clear()
+        return []
+
+    def close(self) -> None:
+        self.closed = True
+
+
+def test_a_part_is_given_up_after_ten_retries() -> None:
+    engine = InPlace(losses=10)
+    assert len(atoll.sweep("stack:height=2", engine=engine, **ONE)) == len(atoll.sweep("stack:height=2", **ONE))
+    assert len({call.ticket for call in engine.calls}) == len(engine.calls) and not engine.stopped and not engine.closed
+    engine = InPlace(losses=11)
+    words = "sweep: stack:height=2, settings .* workers were lost 11 times, at last: here was unplugged"
+    with pytest.raises(atoll.Error, match=words):
+        atoll.sweep("stack:height=2", engine=engine, **ONE)
+    assert engine.stopped and not engine.closed
+
+
+def test_what_a_sweep_on_workers_does_not_take_is_told() -> None:
+    cases: list[tuple[dict[str, Any], str]] = [
+        ({"substeps": [0]}, r'sweep: substeps: found "0", expected an integer'),
+        ({"steps": 0}, r"sweep: steps is 0"),
+        ({"repeats": -1}, r"sweep: repeats is -1"),  # which a worker raises
+        ({"peers": ["driver"]}, r"sweep: found peers with an engine of workers; expected them on one machine"),
+        ({"engine": None, "workers": 2}, r"sweep: found workers or an address without an engine"),
+    ]
+    for options, words in cases:
+        with pytest.raises(atoll.Error, match=words):
+            atoll.sweep("stack:height=2", **{**ONE, "engine": "local", "workers": 1, **options})
+    with pytest.raises(atoll.SceneError, match="stak"):
+        atoll.sweep("stak", engine="local", workers=1, **ONE)
+    with pytest.raises(atoll.EnsembleError, match='found the engine "loacl"; expected one of local, ray'):
+        atoll.sweep("stack:height=2", engine="loacl", **ONE)
+    with pytest.raises(atoll.EnsembleError, match="workers is 0; expected 1 or more"):
+        atoll.sweep("stack:height=2", engine="local", workers=0, **ONE)
+
+
+def measure_part(part: tuple[int, int, int], scenes: list[str]) -> list[list[str]]:
+    options: dict[str, Any] = {"quick": True, "steps": 2, "repeats": 1, "time": 1e-6, "seed": 1}
+    lists = {name: ["1"] for name in ("substeps", "iterations")}
+    return _core.measure_sweep(scenes, lists, **options, peers=[], peer_limit=None, on_work=print, part=part)[1]
+
+
+def test_a_part_that_a_scene_has_not_is_told() -> None:
+    (size,) = _core.sweep_sizes(["pendulum"], {"substeps": ["1"], "iterations": ["1"]}, quick=True, steps=2, seed=1)
+    assert [row[0] for row in measure_part((1, 2, size), ["pendulum"])] == ["0", "1"]
+    for begin, end in itertools.permutations((0, 2, -1, size + 1), 2):
+        if (begin, end) != (0, 2):
+            with pytest.raises(atoll.Error, match=f"found the part {begin} to {end}; expected a range in 0 to {size}"):
+                measure_part((begin, end, size), ["pendulum"])
+    with pytest.raises(atoll.Error, match=f"found {size} settings to try in pendulum.*, expected {size + 1} as on the machine"):
+        measure_part((0, 1, size + 1), ["pendulum"])
+    with pytest.raises(atoll.Error, match="found a part of 2 scenes and 0 peers; expected one scene"):
+        measure_part((0, 1, size), ["pendulum"] * 2)
+
+
+def test_columns_of_parts_whose_runs_broke_come_where_others_have_them() -> None:
+    known: list[tuple[str, str]] = []
+    for names in ("ac", "ac", "abc", "acd", "xacd"):
+        _sweep_parts._add_columns(known, [(name, "number") for name in names])
+    assert "".join(name for name, _ in known) == "xabcd"
+
+
 class FakeBar:
     """As much of tqdm's as is asked of it."""
 
@@ -176,6 +342,8 @@ def test_a_bar_of_tqdms_shows_how_far_it_is(monkeypatch: pytest.MonkeyPatch) -> 
     atoll.sweep("stack:height=2", **{**ONE, "substeps": [1, 4], "progress": True})
     (bar,) = FakeBar.made
     assert bar.n == bar.total > 0 and bar.closed and bar.options["disable"] is None
+    atoll.sweep("stack:height=2", engine=InPlace(), **{**ONE, "substeps": [1, 4], "progress": True})
+    assert FakeBar.made[1].n == FakeBar.made[1].total > 0 and FakeBar.made[1].closed
 
 
 def test_tqdm_is_no_requirement(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -9,12 +9,15 @@ import importlib
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import Any, TypeVar, Union
+from typing import TYPE_CHECKING, Any, TypeVar, Union
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _core
+
+if TYPE_CHECKING:
+    from ._ensemble.engines import Engine
 
 _T = TypeVar("_T")
 Values = Union[_T, Sequence[_T], NDArray[Any]]  #: of a setting: one, or several
@@ -25,7 +28,8 @@ class SweepTable:
     """What a sweep measured, a row a run. Its columns are those of the command's results.csv: `scene`, `engine`, `label`
     (what differs from the scene's own settings), `default`, `outcome` ("done", or how it ended otherwise), `why`, `steps`,
     `dt` (s), a column a setting, `options` (of other engines), `cpu_s_per_simulated_s` (the median; `cpu_min`, `cpu_max`),
-    `ms_per_step` (wall time; `ms_min`, `ms_max`), and the errors of all runs, in SI units.
+    `ms_per_step` (wall time; `ms_min`, `ms_max`), and the errors of all runs, in SI units. With an engine of workers there
+    is a last one, `worker`: who ran it.
     """
 
     def __init__(self, columns: Sequence[tuple[str, str]], cells: Sequence[Sequence[str]]) -> None:
@@ -103,6 +107,9 @@ def sweep(
     peers: Sequence[str] = (),
     peer_limit: float | None = None,
     progress: bool = True,
+    engine: str | Engine | None = None,
+    workers: int | None = None,
+    address: str | None = None,
 ) -> SweepTable:
     """Runs scenes over settings, and measures what error each comes to in what time.
 
@@ -116,7 +123,13 @@ def sweep(
     programs that drive other engines, of which a run is stopped after `peer_limit` s (25, or 6 if `quick`).
     `progress`: a bar, where tqdm is installed and there is a terminal or notebook to show it in.
 
-    Errors are the same on every machine. Raises Error on a value that a setting doesn't take, and SceneError.
+    `engine`: spreads the runs over workers, as `atoll.sweep("pile", engine="local", workers=4)`: "local", processes of
+    this machine, "ray", a cluster at `address`, or an engine that there is. The column `worker` tells who ran what, and
+    times are those of the machine that it is on: workers that share one slow each other down. Parts of the sweep whose
+    workers are lost are run again.
+
+    Errors are the same on every machine. Raises Error on a value that a setting doesn't take, SceneError, and
+    EnsembleError where an engine can't be used.
     """
     given: dict[str, object] = {
         "substeps": substeps,
@@ -133,19 +146,22 @@ def sweep(
         "threads": threads,
         "simd": simd,
     }
+    sources = [scenes] if isinstance(scenes, (str, _core.Scene)) else list(scenes)
+    lists = {name: _texts(values) for name, values in given.items() if values is not None}
+    options: dict[str, Any] = {"quick": quick, "steps": steps, "repeats": repeats, "time": time, "seed": seed}
+    if engine is None and (workers is not None or address is not None):
+        raise _core.Error("sweep: found workers or an address without an engine; expected one that has them")
+    if engine is not None and (peers or peer_limit is not None):
+        raise _core.Error("sweep: found peers with an engine of workers; expected them on one machine, without an engine")
     with _Bar(progress) as bar:
-        columns, cells = _core.measure_sweep(
-            [scenes] if isinstance(scenes, (str, _core.Scene)) else list(scenes),
-            {name: _texts(values) for name, values in given.items() if values is not None},
-            quick=quick,
-            steps=steps,
-            repeats=repeats,
-            time=time,
-            seed=seed,
-            peers=list(peers),
-            peer_limit=peer_limit,
-            on_work=bar.update,
-        )
+        if engine is None:
+            columns, cells = _core.measure_sweep(
+                sources, lists, **options, peers=list(peers), peer_limit=peer_limit, on_work=bar.update
+            )
+        else:
+            from ._sweep_parts import measure_on
+
+            columns, cells = measure_on(engine, workers, address, sources, lists, options, bar.update)
     return SweepTable(columns, cells)
 
 
