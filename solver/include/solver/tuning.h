@@ -183,8 +183,8 @@ inline constexpr double explained_error = 1.2;
 /// Times its weight, that each body of an island that has no past is taken to lie under. From four substeps on, a wall
 /// overlaps by 0.2 mm at first where 0.1 is asked for, part of which stays wedged: it takes 40 substeps then for 32.
 inline constexpr double first_load = 10;
-/// s, without need of as many substeps, after which an island gets fewer: at first, and later; and the longest, where it
-/// needed them again each time. With 0.25 at first balls that roll for two seconds take 1.3 to 1.5 times as long as with
+/// s, without need of as many substeps, after which an island gets fewer: at first, if it has no joints, and later; and the
+/// longest, where it needed them again each time. With 0.25 at first balls that roll for two seconds take 1.3 to 1.5 times as long as with
 /// a fixed number, now 1.1 to 1.2; the others were not tried otherwise.
 inline constexpr double first_target_hold = 0.1;
 inline constexpr double target_hold = 0.25;

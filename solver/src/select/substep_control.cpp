@@ -125,9 +125,9 @@ void SubstepControl::decide(const ErrorInput& input, const ErrorTarget& target, 
     return static_cast<std::uint16_t>(std::clamp(substeps, target.least_substeps, target.most_substeps));
   };
   if (now.substeps == 0) {
-    now = {.substeps = allowed(substeps_at_first(input, target, island)),
-           .looked_at = hold - static_cast<float>(tuning::first_target_hold),
-           .hold = hold};
+    now = {.substeps = allowed(substeps_at_first(input, target, island)), .hold = hold};
+    // Nets and chains come under load as they fall.
+    if (input.islands.joint_count(island) == 0) now.looked_at = hold - static_cast<float>(tuning::first_target_hold);
   }
   now.substeps = allowed(now.substeps);
 

@@ -72,6 +72,7 @@ def run_ensemble(
     parquet = _wants_parquet(parquet)
     if (read.keep.state or read.keep.recording) and not options.shared:
         raise PlanError("keep: states and recordings are written by workers; expected a folder that is shared with them")
+    out = out.absolute()  # workers may be in other folders
     store = Store(out, f"{part[0]}" if part else "")
     try:
         jobs = (job for number, job in enumerate(read.jobs()) if part is None or number % part[1] == part[0])
