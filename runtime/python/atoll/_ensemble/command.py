@@ -112,8 +112,11 @@ def _report(outcome: Outcome) -> None:
     print(f"{outcome.done} of {outcome.jobs} jobs done{before}; {outcome.failed} failed")
     if tally.done:
         busy = max(tally.call_seconds, 1e-9)
-        print(f"{tally.done} in {outcome.seconds:.1f} s: {tally.done / outcome.seconds:.3g} a second; of the workers' time "
-              f"{100 * tally.step_seconds / busy:.1f}% steps, {100 * tally.snapshot_seconds / busy:.2f}% snapshots")
+        print(
+            f"{tally.done} in {outcome.seconds:.1f} s: {tally.done / outcome.seconds:.3g} a second; workers were busy for "
+            f"{busy:.1f} s, {100 * tally.step_seconds / busy:.1f}% of it with steps, {100 * tally.snapshot_seconds / busy:.2f}% "
+            f"with snapshots"
+        )
     if tally.lost_parts or tally.begun_anew or tally.compared:
         print(f"{tally.lost_parts} parts lost and run again, of {tally.longest_lost:.2f} s at most; {tally.begun_anew} jobs begun anew, {tally.compared} held to a second run")
     for worker, why in outcome.distrusted:
