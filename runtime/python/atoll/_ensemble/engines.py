@@ -43,7 +43,7 @@ class Answer:
     value: Any = None
     error: Exception | None = None  #: what the function raised
     lost: str = ""  #: why the worker is gone
-    seconds: float = 0.0  #: wall time in the function
+    seconds: float = 0.0  #: wall time in the function; of a lost one since it was handed out, or 0 if nobody knows
 
 
 class Engine(Protocol):
@@ -74,7 +74,7 @@ class EngineError(EnsembleError):
 class LocalEngine:
     """Processes of this machine, a call at a time each."""
 
-    depth = 1  # what a worker goes on with next depends on its answer
+    depth = 2  # so that a worker goes on while its answer is looked at
 
     def __init__(self, workers: int | None = None, label: str = "") -> None:
         count = workers if workers is not None else len(os.sched_getaffinity(0))
@@ -143,6 +143,7 @@ class _Worker:
 
     name: str
     call: Call | None = None
+    begun: float = 0.0  #: s, of the clock
     process: subprocess.Popen[bytes] = field(init=False)
     connection: multiprocessing.connection.Connection[Any, Any] = field(init=False)
 
@@ -150,7 +151,7 @@ class _Worker:
         self._start()
 
     def begin(self, call: Call) -> None:
-        self.call = call
+        self.call, self.begun = call, time.monotonic()
         try:
             self.connection.send((call.function, call.arguments))
         except OSError:  # it was killed while it had nothing to do
@@ -164,11 +165,12 @@ class _Worker:
             value, error, seconds = self.connection.recv()
             return Answer(ticket, self.name, value, error, seconds=seconds)
         except (EOFError, OSError):
+            spent = time.monotonic() - self.begun
             self.process.wait()
             status = self.process.returncode
             self._start()
-            why = f"killed by signal {-status}" if status < 0 else f"ended with status {status}"
-            return Answer(ticket, self.name, lost=f"{self.name} was {why}" if status < 0 else f"{self.name} {why}")
+            why = f"was killed by signal {-status}" if status < 0 else f"ended with status {status}"
+            return Answer(ticket, self.name, lost=f"{self.name} {why}", seconds=spent)
 
     def end(self) -> None:
         self.connection.close()
