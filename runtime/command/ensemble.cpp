@@ -23,7 +23,7 @@ constexpr int without_package = 64;  // an exit status that Python has no meanin
 // All that a broken package raises is left to the run itself, whose traceback tells more.
 constexpr const char* import_package =
     "try: import atoll\n"
-    "except ModuleNotFoundError as error: exit(64 if error.name in ('atoll', 'atoll._core') else 0)\n"
+    "except ModuleNotFoundError as error: exit(64 if error.name in ('atoll', 'atoll._core', 'numpy') else 0)\n"
     "except Exception: pass";
 
 std::string interpreter() {

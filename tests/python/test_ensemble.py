@@ -126,6 +126,27 @@ def test_parameters_change_what_they_name() -> None:
     assert all(body.density == 2 * before.density and body.material.restitution == 0.5 for body, before in moving)
 
 
+def test_scenes_of_files_are_run_as_they_are_written(tmp_path: Path) -> None:
+    scene = atoll.load_scene("stack:height=3")
+    bodies = scene.bodies
+    definition = bodies[-1].definition
+    definition.mass, definition.inertia = 2.0, np.eye(3)
+    bodies[-1].definition = definition
+    scene.bodies = bodies
+    scene.write(str(tmp_path / "tower.json"))
+    plan = {"scene": "tower.json", "steps": 30, "parameters": {"mass": [1, 3]}}
+    (tmp_path / "plan.json").write_text(json.dumps(plan))
+    plain, heavy = read_plan(tmp_path / "plan.json").jobs()
+    made = [make_scene(job).bodies[-1].definition for job in (plain, heavy)]
+    assert [one.mass for one in made] == [2, 6]
+    assert [one.inertia[0][0] for one in made if one.inertia is not None] == [1, 3]
+    (tmp_path / "tower.json").write_text(scene.text().replace("-9.81", "-9.8"))
+    assert next(iter(read_plan(tmp_path / "plan.json").jobs())).key != plain.key
+    (tmp_path / "plan.json").write_text(json.dumps(plan | {"parameters": {"scene.height": 4}}))
+    with pytest.raises(PlanError, match="found scene.height for a file; expected a built-in scene"):
+        read_plan(tmp_path / "plan.json")
+
+
 def halve_friction(scene: atoll.Scene, parameters: dict[str, Any]) -> None:
     """A "setup" of a plan."""
     bodies = scene.bodies

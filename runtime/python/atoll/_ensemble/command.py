@@ -46,8 +46,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--out", metavar="DIR", type=Path, required=True, help="folder of results, made if missing")
     parser.add_argument("--engine", choices=[*ENGINES, "slurm"], default="local",
                         help="processes of this machine; a Ray cluster; or a script for Slurm is written (default local)")
-    parser.add_argument("--workers", metavar="N", type=_count, help="jobs at a time (default: one a core; of Slurm: a task)")
-    parser.add_argument("--address", metavar="HOST:PORT", help="of the Ray cluster (default: the one this machine is in)")
+    parser.add_argument("--workers", metavar="N", type=_count, help="jobs at a time (default: one a core, with Slurm one a task)")
+    parser.add_argument("--address", metavar="HOST:PORT", help="of the Ray cluster (default: RAY_ADDRESS, or this machine alone)")
     parser.add_argument("--interval", metavar="S", type=_seconds, default=10.0,
                         help="seconds until a job's snapshot is saved: what may be lost of it (default 10)")
     parser.add_argument("--verify", metavar="SHARE", type=_share, default=0.01,

@@ -122,6 +122,8 @@ def _change_bodies(scene: _core.Scene, parameters: dict[str, Any]) -> None:
             definition.density *= factor
             if definition.mass is not None:
                 definition.mass *= factor
+            if definition.inertia is not None:
+                definition.inertia = factor * definition.inertia
         body.definition = definition
     scene.bodies = bodies
 

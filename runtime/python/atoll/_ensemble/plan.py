@@ -201,6 +201,9 @@ def _study(document: dict[str, Any], at: str, folder: Path) -> Study:
     steps = document.get("steps", 0)
     if type(steps) is not int or not (0 < steps <= 1_000_000_000 or "steps" not in document):
         raise PlanError(f"{at}: steps: found {_found(steps)}; expected an integer from 1 to 1000000000")
+    inner = next((name for name in parameters if name.startswith("scene.")), None)
+    if inner and source.text is not None:
+        raise PlanError(f"{at}: parameters: found {inner} for a file; expected a built-in scene")
     setup, observe = document.get("setup", ""), document.get("observe", "")
     code = _code_hash([(setup, f"{at}: setup"), (observe, f"{at}: observe")])
     if not setup:
