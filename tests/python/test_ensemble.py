@@ -428,6 +428,8 @@ def test_all_that_a_distrusted_worker_computed_is_computed_again(tmp_path: Path,
     assert all("/1" not in result.worker for result in store.results().values())
     store.close()
     assert table(tmp_path) == undisturbed
+    assert len(run(tmp_path).distrusted) == 1
+    assert not run(tmp_path, trust_all=True).distrusted
 
 
 # --- Plans

@@ -52,6 +52,8 @@ def _parser() -> argparse.ArgumentParser:
                         help="seconds until a job's snapshot is saved: what may be lost of it (default 10)")
     parser.add_argument("--verify", metavar="SHARE", type=_share, default=0.01,
                         help="of jobs that are run once more by another worker (default 0.01; the first of each is as well)")
+    parser.add_argument("--trust-all", action="store_true",
+                        help="ask workers again that computed other bits before: what was wrong is mended")
     parser.add_argument("--not-shared", action="store_true",
                         help="DIR is not on a folder that all workers share: snapshots go through the engine")
     parser.add_argument("--slurm-option", metavar="OPTION", action="append", default=[],
@@ -79,7 +81,7 @@ def _run(parser: argparse.ArgumentParser, given: argparse.Namespace, signals: li
             engine=given.engine,
             workers=given.workers,
             address=given.address,
-            options=Options(given.interval, given.verify, not given.not_shared),
+            options=Options(given.interval, given.verify, not given.not_shared, given.trust_all),
             parquet=parquet,
             part=given.part,
             watch=progress,

@@ -34,6 +34,7 @@ class Options:
     interval: float = 10.0  #: s, after which a job's snapshot is saved: what may be lost of it
     verify: float = 0.01  #: the share of jobs that are run once more; of each worker the first one is as well
     shared: bool = True  #: workers read and write the folder themselves
+    trust_all: bool = False  #: also those that computed other bits before
 
 
 @dataclass
@@ -90,6 +91,8 @@ class Driver:
         self._store = store
         self._engine = engine
         self._options = options
+        if options.trust_all:
+            store.trust_all()
         self._distrusted = store.distrusted()
         self._met: set[str] = set()  # workers of which a job was verified, or is being
         self._waiting: deque[_Attempt] = deque()
@@ -147,7 +150,8 @@ class Driver:
                 snapshot = read_if_there(snapshot_path(folder, attempt.name, attempt.at.step))
             arguments = (attempt.job, attempt.at, self._options.interval, str(folder) if self._options.shared else None,
                          snapshot, attempt.name)  # fmt: skip
-            self._engine.submit(Call(self._tickets, run_part, arguments, frozenset(avoid)))
+            prefer = attempt.workers[-1] if attempt.workers else ""
+            self._engine.submit(Call(self._tickets, run_part, arguments, frozenset(avoid), prefer))
 
     def _take(self, answers: Iterable[Answer]) -> None:
         for answer in answers:
@@ -155,7 +159,7 @@ class Driver:
             since_submitted = time.monotonic() - self._begun.pop(answer.ticket)
             if answer.lost:
                 self._lose(attempt, answer, answer.seconds or since_submitted)
-            elif answer.worker in self._distrusted or self._trusted(attempt) != attempt:
+            elif answer.worker in self._distrusted or self._trusted(attempt) is not attempt:
                 self._waiting.appendleft(attempt)
             elif answer.error is not None:
                 self._fail(attempt, answer)

@@ -32,6 +32,7 @@ class Call:
     function: Callable[..., Any]
     arguments: tuple[Any, ...] = ()
     avoid: frozenset[str] = frozenset()  #: names of workers that may not answer it
+    prefer: str = ""  #: name of the worker that is best to; others may, rather than do nothing
 
 
 @dataclass(frozen=True)
@@ -131,8 +132,9 @@ class LocalEngine:
         for worker in self._workers:
             if worker.call is not None:
                 continue
-            call = next((call for call in self._waiting if worker.name not in call.avoid), None)
-            if call is not None:
+            mine = [call for call in self._waiting if worker.name not in call.avoid]
+            if mine:
+                call = min(mine, key=lambda call: (call.prefer != worker.name, call.prefer != ""))
                 self._waiting.remove(call)
                 worker.begin(call)
 

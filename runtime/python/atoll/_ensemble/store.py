@@ -144,6 +144,10 @@ class Store:
         self._write("INSERT OR REPLACE INTO distrusted VALUES (?, ?)", (worker, why))
         self._write("DELETE FROM checks WHERE worker = ?", (worker,))
 
+    def trust_all(self) -> None:
+        self._write("DELETE FROM distrusted", ())
+        self._write("DELETE FROM events WHERE kind = 'distrusted'", ())
+
     def _write(self, statement: str, values: tuple[object, ...]) -> None:
         try:
             self._database.execute(statement, values)
