@@ -55,7 +55,7 @@ void SubstepControl::restore_history(std::uint32_t body, std::size_t bodies, con
 std::span<const SubstepControl::Island> SubstepControl::choose(const ErrorInput& input, const ErrorTarget& target,
                                                                jobs::Arena& arena) {
   history_.resize(input.bodies.size());
-  substeps_.resize(input.bodies.size());
+  substeps_.assign(input.bodies.size(), 0);
   const Islands& islands = input.islands;
   islands_.resize(islands.count());
   misses_.clear();
