@@ -18,10 +18,11 @@ from typing import Any, Protocol
 from .. import _core
 from . import EnsembleError
 from .engines import Answer, Call, Engine, LocalEngine
-from .job import FunctionError, Part, Point, read_if_there, run_part, snapshot_path, state_path, write_whole
+from .job import FunctionError, Part, Point, read_if_there, run_part, snapshot_path, state_path
 from .plan import Job
 from .store import Progress, Result, Store
 from .table import row_of
+from .whole_file import write_whole
 
 #: Times in a row that a job's workers may be lost at the same step until it is given up.
 MOST_LOSSES = 10

@@ -9,7 +9,6 @@ from __future__ import annotations
 import json
 import os
 import shutil
-import socket
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -20,6 +19,7 @@ from . import stopping
 from .observables import observe
 from .plan import Job, function_of
 from .snapshot_file import BadSnapshot, SnapshotBytes, pack, unpack
+from .whole_file import write_whole
 
 #: Of a job's steps, after which its state's hash is told: where two attempts are compared.
 CHECKS = 8
@@ -184,6 +184,7 @@ def run_part(job: Job, start: Point | None, seconds: float, folder: str | None, 
         packed = pack(key, last.step, last.hash, world.save())
         moved_bytes += len(packed)
     if folder is not None and packed is not None:
+        # Not lasting: what a machine that fails makes of it, its checksum tells.
         write_whole(snapshot_path(Path(folder), name, step) if step < steps else state_path(Path(folder), key), packed)
     snapshot_seconds += time.perf_counter() - begin
     result = _result(job, scene, world, last) if step == steps else None
@@ -239,14 +240,3 @@ def state_path(folder: Path, key: str) -> Path:
 
 def read_if_there(path: Path) -> bytes | None:
     return path.read_bytes() if path.exists() else None
-
-
-def write_whole(path: Path, content: bytes) -> None:
-    """So that the file is as it was, or holds all. What a machine that fails makes of it, its checksum tells."""
-    part = path.with_name(f"{path.name}.{socket.gethostname()}-{os.getpid()}.part")
-    try:
-        part.write_bytes(content)
-        os.replace(part, path)
-    except OSError as error:
-        part.unlink(missing_ok=True)
-        raise OSError(error.errno, error.strerror, str(path)) from None

@@ -18,12 +18,12 @@ it is submitted again: by the user after `scancel`, or where a site cancels what
 
 from __future__ import annotations
 
-import os
 import shlex
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from .engines import EngineError
+from .whole_file import write_whole
 
 #: s, before a task's time limit, at which it is stopped. Slurm may do so up to a minute earlier.
 STOP_BEFORE = 60
@@ -97,6 +97,4 @@ def _output(logs: Path, name: str) -> str:
 def _write(path: Path, options: Iterable[str], body: str) -> None:
     """So that whoever submits it meanwhile reads the old script or the new one."""
     lines = "".join(f"#SBATCH {option}\n" for option in options)
-    partial = path.with_suffix(f".partial{os.getpid()}")
-    partial.write_text(f"#!/bin/bash\n{lines}\n{body}", encoding="utf-8")
-    os.replace(partial, path)
+    write_whole(path, f"#!/bin/bash\n{lines}\n{body}".encode())

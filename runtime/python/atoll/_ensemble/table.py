@@ -9,13 +9,13 @@ import csv
 import importlib
 import importlib.util
 import io
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from .plan import Job, Plan
+from .whole_file import write_whole
 
 _FIRST = ("job", "outcome", "why", "scene", "seed")
 
@@ -31,16 +31,7 @@ class Table:
         if parquet:
             files[folder / "results.parquet"] = self._parquet()
         for path, content in files.items():
-            part = path.with_name(path.name + ".part")
-            try:
-                with open(part, "wb") as file:
-                    file.write(content)
-                    file.flush()
-                    os.fsync(file.fileno())
-                os.replace(part, path)
-            except OSError:
-                part.unlink(missing_ok=True)
-                raise
+            write_whole(path, content, lasting=True)
         return list(files)
 
     def frame(self) -> Any:
