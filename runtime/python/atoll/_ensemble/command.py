@@ -8,7 +8,7 @@ import shutil
 import signal
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from .. import _core
@@ -18,18 +18,17 @@ from .plan import PlanError, read_plan
 from .run import ENGINES, Outcome, gather, run_ensemble
 from .slurm import how_to_submit, write_script
 
-_DONE, _FAILED, _USAGE, _BAD_PLAN = 0, 1, 2, 3
+_DONE, _FAILED, _BAD_PLAN = 0, 1, 3
 
 
 def main(words: Sequence[str]) -> int:
-    parser = _parser()
-    given = parser.parse_args(words)
+    given = _parser().parse_args(words)
     signals: list[int] = []
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         if signal.getsignal(number) is not signal.SIG_IGN:
             signal.signal(number, lambda came, _: _note(signals, came))
     try:
-        return _run(parser, given, signals)
+        return _run(given, signals)
     except (PlanError, _core.SceneError) as error:
         return _say(error, _BAD_PLAN)
     except EnsembleError as error:
@@ -66,7 +65,7 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _run(parser: argparse.ArgumentParser, given: argparse.Namespace, signals: list[int]) -> int:
+def _run(given: argparse.Namespace, signals: list[int]) -> int:
     parquet = False if given.csv_only else None
     if given.gather:
         table, files, missing = gather(given.plan, given.out, parquet)
@@ -174,25 +173,21 @@ def _say(what: object, status: int) -> int:
     return status
 
 
-def _count(text: str) -> int:
-    value = int(text)
-    if not 1 <= value <= 100_000:
-        raise argparse.ArgumentTypeError(f"found {text}; expected an integer from 1 to 100000")
-    return value
+def _number(kind: type[int] | type[float], least: float, most: float, expected: str) -> Callable[[str], float]:
+    """A type of argparse's, for numbers of a range."""
+
+    def number(text: str) -> float:
+        value = kind(text)
+        if not least <= value <= most:
+            raise argparse.ArgumentTypeError(f"found {text}; expected {expected}")
+        return value
+
+    return number
 
 
-def _seconds(text: str) -> float:
-    value = float(text)
-    if not 0.01 <= value <= 86400:
-        raise argparse.ArgumentTypeError(f"found {text}; expected 0.01 to 86400")
-    return value
-
-
-def _share(text: str) -> float:
-    value = float(text)
-    if not 0 <= value <= 1:
-        raise argparse.ArgumentTypeError(f"found {text}; expected 0 to 1")
-    return value
+_count = _number(int, 1, 100_000, "an integer from 1 to 100000")
+_seconds = _number(float, 0.01, 86400, "0.01 to 86400")
+_share = _number(float, 0, 1, "0 to 1")
 
 
 def _part(text: str) -> tuple[int, int]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import time
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Protocol
@@ -94,7 +94,7 @@ class Driver:
         self._options = options
         if options.trust_all:
             store.trust_all()
-        self._distrusted = store.distrusted()
+        self._distrusted = set(store.distrusted())
         self._met: set[str] = set()  # workers of which a job was verified, or is being
         self._waiting: deque[_Attempt] = deque()
         self._under_way: dict[int, _Attempt] = {}
@@ -106,17 +106,17 @@ class Driver:
         self.tally = Tally()
         self.given_up: list[str] = []
         self._jobs = {job.key: job for job in jobs}
-        results, progress = store.results(), store.progress()
-        self._finished = {key for key in self._jobs if key in results}
+        finished, progress = store.finished(), store.progress()
+        self._finished = self._jobs.keys() & finished
         for key, job in self._jobs.items():
-            if key not in results:
+            if key not in finished:
                 begun = progress.get(key, Progress(None, (), 0.0))
                 self._waiting.append(_Attempt(job, key, begun.point, begun.workers, begun.seconds))
         self.tally.jobs = len(self._jobs)
         self.tally.done_before = len(self._finished)
 
-    def keys(self) -> Iterable[str]:
-        """Of all jobs."""
+    def keys(self) -> Collection[str]:
+        """Of all jobs, in order."""
         return self._jobs
 
     def run(self, watch: Watcher, stop: Callable[[], bool]) -> bool:

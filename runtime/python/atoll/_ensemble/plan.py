@@ -183,7 +183,7 @@ def _study(document: dict[str, Any], at: str, folder: Path) -> Study:
             drawn[name] = _distribution(given, here)
         elif isinstance(given, dict) and "from" in given:
             lists[name] = _spread(given, here)
-        elif isinstance(given, list) and name != "gravity" or isinstance(given, list) and _is_nested(given):
+        elif isinstance(given, list) and (name != "gravity" or _is_nested(given)):
             if not given:
                 raise PlanError(f"{here}: found an empty list; expected values")
             lists[name] = given

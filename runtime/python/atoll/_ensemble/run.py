@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from .. import _core
 from .driver import Driver, Options, Tally, Watcher
 from .engines import Engine, EngineError, LocalEngine
-from .plan import Plan, PlanError, read_plan
+from .plan import PlanError, read_plan
 from .store import Store, StoreError, read_results
 from .table import Table, has_parquet, make_table
 
@@ -30,8 +29,8 @@ class Outcome:
     given_up: list[str]  #: why there is no result of a job, in this run
     distrusted: list[tuple[str, str]]  #: workers that computed other bits, and what
     seconds: float
-    files: list[Path] = field(default_factory=list)
-    table: Table | None = None
+    files: list[Path]
+    table: Table | None  #: of a whole plan
 
 
 def make_engine(engine: str | Engine, workers: int | None, address: str | None) -> Engine:
@@ -84,9 +83,20 @@ def run_ensemble(
             if used is not engine:
                 used.close()
         results = {key: result.row for key, result in store.results().items()}
-        distrusted = [(what.partition(": ")[0], what.partition(": ")[2]) for kind, what in store.events() if kind == "distrusted"]
-        outcome = _outcome(read if part is None else None, driver, finished, results, distrusted, time.perf_counter() - begin)
-        return outcome if part else _written(outcome, out, parquet)
+        done = [results[key] for key in driver.keys() if key in results]
+        table = make_table(read, driver.keys(), results) if part is None else None
+        return Outcome(
+            tally=driver.tally,
+            finished=finished,
+            jobs=len(driver.keys()),
+            done=len(done),
+            failed=sum(row["outcome"] != "done" for row in done),
+            given_up=driver.given_up,
+            distrusted=list(store.distrusted().items()),
+            seconds=time.perf_counter() - begin,
+            files=_write(table, out, parquet) if table is not None else [],
+            table=table,
+        )
     finally:
         store.close()
 
@@ -99,23 +109,9 @@ def gather(plan: str | Path | Mapping[str, Any], out: Path, parquet: bool | None
         for key, result in read_results(path).items():
             if rows.setdefault(key, result.row) != result.row:
                 raise StoreError(f"{path}: tells of job {key} what another share doesn't; expected the same of all")
-    table = make_table(read, rows)
-    missing = len({job.key for job in read.jobs()}) - len(table.rows)
-    return table, _write(table, out, _wants_parquet(parquet)), missing
-
-
-def _outcome(plan: Plan | None, driver: Driver, finished: bool, results: Mapping[str, Mapping[str, Any]],
-             distrusted: list[tuple[str, str]], seconds: float) -> Outcome:
-    mine = [results[key] for key in driver.keys() if key in results]
-    failed = sum(row["outcome"] != "done" for row in mine)
-    table = make_table(plan, results) if plan is not None else None
-    return Outcome(driver.tally, finished, driver.tally.jobs, len(mine), failed, driver.given_up, distrusted, seconds, [], table)
-
-
-def _written(outcome: Outcome, out: Path, parquet: bool) -> Outcome:
-    assert outcome.table is not None
-    outcome.files.extend(_write(outcome.table, out, parquet))
-    return outcome
+    keys = dict.fromkeys(job.key for job in read.jobs())
+    table = make_table(read, keys, rows)
+    return table, _write(table, out, _wants_parquet(parquet)), len(keys) - len(table.rows)
 
 
 def _write(table: Table, out: Path, parquet: bool) -> list[Path]:

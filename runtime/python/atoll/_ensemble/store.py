@@ -97,6 +97,10 @@ class Store:
     def results(self) -> dict[str, Result]:
         return dict(_results(self._database))
 
+    def finished(self) -> set[str]:
+        """Keys of jobs with a result."""
+        return {key for (key,) in self._database.execute("SELECT key FROM results")}
+
     def put_result(self, key: str, result: Result) -> None:
         row = json.dumps(result.row)
         self._write("INSERT INTO results VALUES (?, ?, ?, ?, ?)", (key, result.worker, result.checked_by, result.seconds, row))
@@ -137,8 +141,9 @@ class Store:
         found = self._database.execute("SELECT hash FROM checks WHERE key = ? AND step = ?", (key, step)).fetchone()
         return None if found is None else int(found[0], 16)
 
-    def distrusted(self) -> set[str]:
-        return {worker for (worker,) in self._database.execute("SELECT worker FROM distrusted")}
+    def distrusted(self) -> dict[str, str]:
+        """Why, by worker."""
+        return dict(self._database.execute("SELECT worker, why FROM distrusted"))
 
     def distrust(self, worker: str, why: str) -> None:
         self._write("INSERT OR REPLACE INTO distrusted VALUES (?, ?)", (worker, why))
@@ -146,7 +151,6 @@ class Store:
 
     def trust_all(self) -> None:
         self._write("DELETE FROM distrusted", ())
-        self._write("DELETE FROM events WHERE kind = 'distrusted'", ())
 
     def _write(self, statement: str, values: tuple[object, ...]) -> None:
         try:

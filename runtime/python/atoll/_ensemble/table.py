@@ -9,7 +9,7 @@ import csv
 import importlib
 import importlib.util
 import io
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -55,9 +55,8 @@ class Table:
         return content
 
 
-def make_table(plan: Plan, results: Mapping[str, Mapping[str, Any]]) -> Table:
-    """Of those jobs that are done: rows by key, as `row_of` makes them."""
-    keys = list(dict.fromkeys(job.key for job in plan.jobs()))
+def make_table(plan: Plan, keys: Collection[str], results: Mapping[str, Mapping[str, Any]]) -> Table:
+    """Of those jobs of a plan, whose keys come in its order, that are done: rows by key, as `row_of` makes them."""
     found = {key: results[key] for key in keys if key in results}
     told = dict.fromkeys(name for row in found.values() for name in row)
     columns = list(dict.fromkeys([*_FIRST, *plan.parameters(), *(name for name in told if name not in _FIRST)]))
