@@ -19,6 +19,7 @@ ray: Any = pytest.importorskip("ray", reason="Ray is not installed: the engine t
 from atoll._ensemble import stopping  # noqa: E402
 from atoll._ensemble.engines import Answer, Call, EngineError  # noqa: E402
 from atoll._ensemble.ray_engine import RayEngine  # noqa: E402
+from atoll._ensemble.whole_file import write_whole  # noqa: E402
 
 PLACES = 3
 
@@ -49,6 +50,7 @@ def cluster() -> Iterator[Any]:
 @pytest.fixture
 def engine(cluster: Any) -> Iterator[RayEngine]:
     made = RayEngine(None, None)
+    wait_for_workers(made)
     yield made
     made.close()
     assert ray.is_initialized()  # for it was not the engine's
@@ -79,7 +81,16 @@ def wait_for(path: Path) -> None:
 
 
 def names() -> set[str]:
-    return {f"{socket.gethostname()}/{node['NodeID'][:8]}" for node in ray.nodes()}
+    return {f"{socket.gethostname()}/{node['NodeID'][:8]}" for node in ray.nodes() if node["Alive"]}
+
+
+def wait_for_workers(engine: RayEngine) -> None:
+    """Until each node has answered."""
+    found: set[str] = set()
+    end = time.monotonic() + 30
+    while found != names():
+        assert time.monotonic() < end
+        found |= {answer.worker for answer in answers_of(engine, [Call(i, time.sleep, (0.1,)) for i in range(9)]).values()}
 
 
 def square(number: int) -> int:
@@ -112,7 +123,7 @@ def die() -> None:
 
 
 def hang(mark: Path) -> None:
-    mark.write_text(str(os.getpid()))
+    write_whole(mark, str(os.getpid()).encode())
     time.sleep(60)
 
 
@@ -161,13 +172,12 @@ def test_a_process_that_is_killed_loses_its_call_alone(engine: RayEngine, tmp_pa
         engine.submit(Call(i, square, (i,)))
     engine.submit(Call(9, die))
     wait_for(mark)
-    while not mark.read_text():
-        time.sleep(0.01)
     os.kill(int(mark.read_text()), signal.SIGKILL)
     answers = rest_of(engine, 10)
     for ticket in (0, 9):
         assert answers[ticket].worker in names()
-        assert answers[ticket].lost == f"a process of {answers[ticket].worker} died"
+        assert answers[ticket].lost.startswith(f"{answers[ticket].worker} was lost: The actor is dead because its worker")
+        assert not answers[ticket].refused
     assert [answers[i].value for i in range(1, 9)] == [i * i for i in range(1, 9)]
 
 
@@ -180,6 +190,7 @@ def test_nodes_to_avoid(engine: RayEngine) -> None:
     answers = answers_of(engine, calls)
     assert {answers[i].worker for i in range(6)} <= {two, three}
     assert {answers[i].worker for i in range(6, 12)} == {two}
+    assert answers[12].refused
     assert answers[12].lost == f"no node is left but those to avoid: {one}, {two}, {three}"
     assert answers[13].value == 49
 
@@ -253,6 +264,32 @@ def test_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
         RayEngine(None, None)
 
 
+def test_a_node_that_drains_is_emptied(cluster: Any, engine: RayEngine, tmp_path: Path) -> None:
+    before = names()
+    node = cluster.add_node(num_cpus=1, object_store_memory=80 << 20)
+    wait_for_workers(engine)
+    assert engine.places() == PLACES + 1
+    (new,) = names() - before
+    mark = tmp_path / "mark"
+    engine.submit(Call(0, work_until_asked, (mark,), frozenset(before)))
+    wait_for(mark)
+    engine.submit(Call(1, square, (1,), frozenset(before)))
+    reason = importlib.import_module("ray.core.generated.autoscaler_pb2").DRAIN_NODE_REASON_PREEMPTION
+    head = importlib.import_module("ray._raylet").GcsClient(address=cluster.address)
+    accepted, why = head.drain_node(node.node_id, reason, "test", int(1000 * (time.time() + 60)))
+    assert accepted, why
+    answers = rest_of(engine, 2)
+    assert (answers[0].worker, answers[0].value, answers[0].lost) == (new, "asked", "")
+    assert answers[1].refused
+    assert engine.places() == PLACES
+    answers = answers_of(engine, [Call(i, square, (i,)) for i in range(20)])
+    assert {answer.worker for answer in answers.values()} <= before
+    end = time.monotonic() + 20
+    while new in names():  # its actor has ended, so it may leave
+        assert time.monotonic() < end
+        assert engine.wait(0.2) == []
+
+
 def test_a_node_that_dies_loses_its_call_and_gets_no_more(cluster: Any, engine: RayEngine, tmp_path: Path) -> None:
     """The last one: the cluster has one node less."""
     marks = [tmp_path / str(i) for i in range(PLACES)]
@@ -267,12 +304,13 @@ def test_a_node_that_dies_loses_its_call_and_gets_no_more(cluster: Any, engine: 
     engine.submit(Call(8, square, (8,), frozenset(rest)))
     cluster.remove_node(cluster.spare, allow_graceful=False)
     answers = rest_of(engine, 2)
-    assert answers[0].worker == spare and answers[0].lost == f"{spare} died, or can't be reached"
+    assert answers[0].worker == spare and answers[0].lost.startswith(f"{spare} was lost: ")
     assert answers[8].lost == f"no node is left but those to avoid: {', '.join(sorted(rest))}"
     assert engine.places() == PLACES - 1
     for mark in marks[1:]:
         os.kill(int(mark.read_text()), signal.SIGKILL)
     answers = rest_of(engine, 7)
-    assert {answers[i].lost for i in range(1, PLACES)} == {f"a process of {name} died" for name in rest}
+    assert all(answers[i].lost.startswith(f"{answers[i].worker} was lost: ") for i in range(1, PLACES))
+    assert {answers[i].worker for i in range(1, PLACES)} == rest
     assert {answers[i].value for i in range(PLACES, 8)} == {i * i for i in range(PLACES, 8)}
     assert {answers[i].worker for i in range(PLACES, 8)} <= rest

@@ -11,7 +11,7 @@ from typing import Any
 
 from . import _core
 from ._ensemble import stopping
-from ._ensemble.engines import Answer, Call, Engine
+from ._ensemble.engines import Answer, Call, Engine, calls_at_a_time
 from ._ensemble.run import make_engine
 
 Column = tuple[str, str]  #: its name, and what its texts stand for
@@ -110,8 +110,7 @@ def _measure(
     waiting = deque(range(len(parts)))
     under_way: dict[int, int] = {}  # parts by ticket
     while waiting or under_way:
-        # One at least, for a cluster that grows once it is asked for something.
-        while waiting and len(under_way) < engine.depth * max(1, engine.places()):
+        while waiting and len(under_way) < calls_at_a_time(engine):
             index, ticket = waiting.popleft(), next(_tickets)
             under_way[ticket], part = index, parts[index]
             engine.submit(Call(ticket, run_part, (part.scene, lists, options, (part.begin, part.end, part.size))))

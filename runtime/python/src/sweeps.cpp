@@ -205,9 +205,8 @@ void bind_sweeps(nb::module_& module) {
       nb::arg("peer_limit").none(), nb::arg("on_work"), nb::arg("part").none() = nb::none(),
       "What atoll.sweep() hands on. Columns, with what their texts stand for (\"text\", \"flag\", \"integer\" or "
       "\"number\"), and rows. on_work(done, of) is called as work gets done; what it raises ends all. part: of a "
-      "single "
-      "scene, the scene's own configuration and those from begin to end, of so many that sweep_sizes() has; a first "
-      "column tells their indices.",
+      "single scene, the scene's own configuration and those from begin to end, of so many that sweep_sizes() has; a "
+      "first column tells their indices.",
       nb::sig("def measure_sweep(scenes: collections.abc.Sequence[Scene | str], lists: collections.abc.Mapping[str, "
               "collections.abc.Sequence[str]], *, quick: bool, steps: int | None, repeats: int | None, time: float | "
               "None, seed: int, peers: collections.abc.Sequence[str], peer_limit: float | None, on_work: "

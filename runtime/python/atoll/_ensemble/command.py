@@ -119,7 +119,10 @@ def _report(outcome: Outcome) -> None:
             f"with snapshots"
         )
     if tally.lost_parts or tally.begun_anew or tally.compared:
-        print(f"{tally.lost_parts} parts lost and run again, of {tally.longest_lost:.2f} s at most; {tally.begun_anew} jobs begun anew, {tally.compared} held to a second run")
+        print(
+            f"{tally.lost_parts} parts of {tally.lost_seconds:.1f} s lost and run again, {tally.longest_lost:.2f} s at most; "
+            f"{tally.begun_anew} jobs begun anew, {tally.compared} held to a second run"
+        )
     for worker, why in outcome.distrusted:
         _say(f"{worker} computes other bits and is not asked any more: {why}", 0)
     for why in outcome.given_up:

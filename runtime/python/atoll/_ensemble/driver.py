@@ -17,7 +17,7 @@ from typing import Any, Protocol
 
 from .. import _core
 from . import EnsembleError
-from .engines import Answer, Call, Engine, LocalEngine
+from .engines import Answer, Call, Engine, LocalEngine, calls_at_a_time
 from .job import FunctionError, Part, Point, read_if_there, run_part, snapshot_path, state_path
 from .plan import Job
 from .store import Progress, Result, Store
@@ -138,7 +138,7 @@ class Driver:
             self._commit()
 
     def _hand_out(self) -> None:
-        while self._waiting and len(self._under_way) < self._engine.depth * self._engine.places():
+        while self._waiting and len(self._under_way) < calls_at_a_time(self._engine):
             attempt = self._trusted(self._waiting.popleft())
             if attempt is None:
                 continue
@@ -176,7 +176,7 @@ class Driver:
         return attempt
 
     def _lose(self, attempt: _Attempt, answer: Answer, spent: float) -> None:
-        if attempt.verifies and not answer.worker:  # nobody else is there to do it
+        if attempt.verifies and answer.refused:
             return
         self.tally.lost_parts += 1
         self.tally.lost_seconds += spent

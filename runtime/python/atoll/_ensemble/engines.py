@@ -13,7 +13,7 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
@@ -44,6 +44,7 @@ class Answer:
     value: Any = None
     error: Exception | None = None  #: what the function raised
     lost: str = ""  #: why the worker is gone
+    refused: bool = False  #: lost because no worker is left that may answer it
     seconds: float = 0.0  #: wall time in the function; of a lost one since it was handed out, or 0 if nobody knows
 
 
@@ -66,6 +67,17 @@ class Engine(Protocol):
 
     def close(self) -> None:
         """Ends all workers, whatever they do."""
+
+
+def calls_at_a_time(engine: Engine) -> int:
+    """That are best submitted. Some even where there is no place, for a cluster that grows once it is asked."""
+    return engine.depth * max(1, engine.places())
+
+
+def best_for(worker: str, calls: Sequence[Call]) -> int | None:
+    """Index of the call that a worker should answer: one that prefers it, else one that prefers none, else any."""
+    mine = (index for index, call in enumerate(calls) if worker not in call.avoid)
+    return min(mine, key=lambda index: (calls[index].prefer != worker, calls[index].prefer != ""), default=None)
 
 
 class EngineError(EnsembleError):
@@ -118,7 +130,7 @@ class LocalEngine:
         names = {worker.name for worker in self._workers}
         refused = [call for call in self._waiting if names <= call.avoid]
         self._waiting = [call for call in self._waiting if call not in refused]
-        return [Answer(call.ticket, "", lost="no worker is left that may answer it") for call in refused]
+        return [Answer(call.ticket, "", lost="no worker is left that may answer it", refused=True) for call in refused]
 
     def _busy(self) -> list[_Worker]:
         return [worker for worker in self._workers if worker.call is not None]
@@ -132,11 +144,9 @@ class LocalEngine:
         for worker in self._workers:
             if worker.call is not None:
                 continue
-            mine = [call for call in self._waiting if worker.name not in call.avoid]
-            if mine:
-                call = min(mine, key=lambda call: (call.prefer != worker.name, call.prefer != ""))
-                self._waiting.remove(call)
-                worker.begin(call)
+            index = best_for(worker.name, self._waiting)
+            if index is not None:
+                worker.begin(self._waiting.pop(index))
 
 
 @dataclass

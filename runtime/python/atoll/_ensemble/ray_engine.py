@@ -1,26 +1,25 @@
-"""Calls functions on the nodes of a Ray cluster: a Ray task a call, of one CPU.
+"""Calls functions on the nodes of a Ray cluster: by actors, each a process with a CPU of its own.
 
-Ray finds a node for each task, starts processes there, and finds out when a node is gone. It retries nothing: whoever
-uses the engine gets an answer that says that the worker was lost.
+Ray finds nodes for them, starts them, and finds out when one or its node is gone. It restarts and retries nothing:
+whoever uses the engine gets an answer that says that the worker was lost.
 
-What Ray has no word for:
-
-- Where a task has begun. A task notes its node in the cluster's key-value store while it runs.
-- How a task is asked to end soon. `ray.cancel` interrupts a task that runs, as a Ctrl-C would; the handler for that is
-  replaced by one that asks (`stopping.py`), and the task ends as any other. One that has not begun is cancelled.
+Actors, not tasks. Nodes pass tasks that wait for a CPU on to each other: with two running and two waiting on two nodes,
+of 0.25 s each, Ray took 0.6 of a core for that, and the calls a quarter more time; with actors it took nothing that could
+be measured. Tasks that are at a node that can't be reached may hang for good (ray-project/ray, issue 63405). And of a
+task nobody knows where it runs.
 
 Nodes need the same versions of Python, of Ray and of atoll as the driver. A driver whose atoll lies elsewhere than in
 site-packages has nodes look for it under the same path. The driver has to run on a node too, which may be one that takes
 no calls (`ray start --num-cpus=0`).
 
 To empty a node, drain it (an autoscaler does, or `ray drain-node --node-id ... --deadline-remaining-seconds ...`): it
-gets no more calls, ends those that it has, and leaves the cluster. Calls should be short against the time it is given.
+gets no more calls, those that it has are asked to end, and its actors end then.
 
 A node that hangs or can't be reached is found by the head's health checks. It takes them 65 s; with
 RAY_health_check_period_ms=1000, RAY_health_check_timeout_ms=1000 and RAY_health_check_failure_threshold=3 in the
-environment of `ray start --head`, 7 s. Until then calls may wait although other nodes are free. A node that was given up
-ends itself when it is reached again, and is to be started anew. Ray's own keep-alive can't be used for this: with
-RAY_grpc_client_keepalive_time_ms below its 5 minutes, nodes break off calls of more than a few such times.
+environment of `ray start --head`, 7 s. A node that was given up ends itself when it is reached again, and is to be
+started anew. Ray's own keep-alive can't be used for this: with RAY_grpc_client_keepalive_time_ms below its 5 minutes,
+nodes break off calls of more than a few such times.
 
 A driver ends with the head, as a process and without an exception, after RAY_gcs_rpc_server_reconnect_timeout_s (60 s).
 """
@@ -30,18 +29,17 @@ from __future__ import annotations
 import importlib
 import logging
 import os
-import signal
 import socket
+import textwrap
 import time
-import uuid
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from . import stopping
-from .engines import STOP_WITHIN, Answer, Call, EngineError
+from .engines import STOP_WITHIN, Answer, Call, EngineError, best_for, calls_at_a_time
 
 #: s, for which what is known of nodes is taken to hold.
 NODES_HOLD = 2.0
@@ -49,87 +47,88 @@ NODES_HOLD = 2.0
 #: s, within which the head has to take a connection.
 CONNECT_WITHIN = 5.0
 
-#: Of tasks that Ray has for a place: the one that runs, and one that follows without a round trip to the driver.
-TASKS_A_PLACE = 2
+#: Of calls that an actor has: the one that runs, and where they are quick one that follows without a round trip to the
+#: driver, which takes 1 to 3 ms.
+CALLS_A_WORKER = 2
+QUICK = 0.5  # s
+
+#: Of actors in a row that ended before they had begun, until the engine gives up.
+MOST_FAILED_STARTS = 20
 
 #: By which a server of gRPC, as the head is, begins: a frame with settings (RFC 9113, 4.1 and 6.5).
 HTTP2_FRAME_HEADER = 9  # bytes; the fourth is the frame's type
 HTTP2_SETTINGS = 4
 
-#: Of nodes that left the cluster, which no call is sent to although Ray may believe that they have room.
-GONE_KEPT = 32
-
-_STORE = "atoll"  #: the namespace in Ray's key-value store
-
 
 class RayEngine:
-    """Nodes of a Ray cluster, a call at a time on each of their CPUs.
+    """Actors on the nodes of a Ray cluster, a call at a time each.
 
     `address`: of the head, as "10.0.0.1:6379", or "auto" for the cluster that this machine is part of. None: as
     ray.init() has it, a cluster of this machine alone, unless the environment variable RAY_ADDRESS says otherwise. If Ray
-    runs in this process already, it is used as it is. `workers`: how many calls at a time; None: as many as there are
-    CPUs, also of nodes that come later.
+    runs in this process already, it is used as it is. `workers`: how many actors; an autoscaler sees those that find no
+    place yet. None: as many as there are CPUs, also of nodes that come later.
 
-    A worker is called `host name/first 8 digits of the node's id`, the same for all processes of a node. A node that is
-    started anew has a new name. Raises EngineError where there is no cluster.
+    A worker is called `host name/first 8 digits of the node's id`, the same for all actors of a node. A node that is
+    started anew has a new name. Raises EngineError where there is no cluster, and later where no actor can be started.
 
     A call may run twice, even at a time: a node that can't be reached goes on for a while with a call that is answered
-    as lost, and a call that is not known to have begun when a node goes is submitted again. One answer is given.
+    as lost. One answer is given.
     """
 
-    depth = TASKS_A_PLACE
+    depth = CALLS_A_WORKER
 
     def __init__(self, address: str | None = None, workers: int | None = None) -> None:
         self._ray = _import_ray()
         self._ours = _connect(self._ray, address)
-        self._workers = workers
-        self._nodes: list[_Node] = []  # that live and can take a call
-        self._gone: deque[str] = deque(maxlen=GONE_KEPT)  # ids of nodes
-        self._nodes_read = -NODES_HOLD
-        self._waiting: deque[_Task] = deque()
-        self._under_way: dict[Any, _Task] = {}  # by Ray's reference
-        self._refused: list[Answer] = []
-        self._remote = self._ray.remote(_answer)
+        self._asked_for = workers
+        self._actor = self._ray.remote(num_cpus=1, max_restarts=0, concurrency_groups={_CONTROL: 1})(_Process)
         self._pickle: Callable[[Any], bytes] = importlib.import_module("ray.cloudpickle").dumps
         self._unpickle: Callable[[bytes], Any] = importlib.import_module("ray.cloudpickle").loads
+        self._nodes: list[_Node] = []  # that live and can take a call
+        self._nodes_read = -NODES_HOLD
+        self._workers: list[_Worker] = []
+        self._failed_starts = 0
+        self._waiting: list[_Task] = []
+        self._answers: list[Answer] = []  # to be given
 
     def places(self) -> int:
         self._read_nodes()
-        return self._workers if self._workers is not None else sum(node.cpus for node in self._nodes)
+        return self._asked_for if self._asked_for is not None else sum(node.cpus for node in self._nodes)
 
     def submit(self, call: Call) -> None:
-        self._waiting.append(_Task(call, self._pickle((call.function, call.arguments)), uuid.uuid4().hex))
+        self._waiting.append(_Task(call, self._pickle((call.function, call.arguments))))
         self._hand_out()
 
     def wait(self, timeout: float) -> list[Answer]:
         end = time.monotonic() + timeout
         while True:
             self._hand_out()
-            answers, self._refused = self._refused, []
-            left = 0.0 if answers else max(0.0, end - time.monotonic())
-            answers += self._ready(min(left, NODES_HOLD))
-            if answers or left == 0.0:
+            left = 0.0 if self._answers else max(0.0, end - time.monotonic())
+            self._take_ready(min(left, NODES_HOLD))
+            if self._answers or left == 0.0:
                 self._hand_out()
+                answers, self._answers = self._answers, []
                 return answers
 
     def stop(self) -> list[Answer]:
         """Calls that don't look at `stopping.asked()` are waited for, for STOP_WITHIN, then their processes are killed."""
-        self._waiting.clear()
-        self._refused.clear()
-        for reference in self._under_way:
-            self._ray.cancel(reference)
-        answers = []
+        self._answers.clear()
+        for worker in self._busy():
+            worker.ask()
         end = time.monotonic() + STOP_WITHIN
-        while self._under_way and time.monotonic() < end:
-            answers += self._ready(end - time.monotonic(), stopped=True)
-        self._kill()
+        while self._busy() and time.monotonic() < end:
+            self._take_ready(end - time.monotonic())
+        for worker in self._busy():
+            self._end(worker)
+        self._waiting.clear()
+        answers, self._answers = self._answers, []
         return answers
 
     def close(self) -> None:
         self._waiting.clear()
-        self._refused.clear()
         if self._ray.is_initialized():
-            self._kill()
+            for worker in list(self._workers):
+                self._end(worker)
             if self._ours:
                 self._ray.shutdown()
 
@@ -137,108 +136,148 @@ class RayEngine:
         if time.monotonic() - self._nodes_read < NODES_HOLD:
             return
         self._nodes_read = time.monotonic()
-        before, self._nodes = self._nodes, [
+        living = [node for node in self._ray.nodes() if node["Alive"]]
+        draining = _draining_nodes()
+        self._nodes = [
             _Node(node["NodeID"], int(node["Resources"]["CPU"]))
-            for node in self._ray.nodes()
-            if node["Alive"] and node["Resources"].get("CPU", 0) >= 1
+            for node in living
+            if node["Resources"].get("CPU", 0) >= 1 and node["NodeID"] not in draining
         ]
-        gone = {node.id for node in before} - {node.id for node in self._nodes}
-        if gone:
-            self._gone.extend(sorted(gone))
-            self._give_up_on(gone)
-            self._refuse_where_no_node_is_left()
+        # Ray may not say so for as long as a connection to the node is taken for good, 5 minutes or more.
+        ids = {node["NodeID"] for node in living}
+        for worker in [worker for worker in self._workers if worker.node and worker.node not in ids]:
+            self._lose(worker, f"{worker.name} was lost: its node died, or can't be reached")
+        for worker in [worker for worker in self._workers if worker.node in draining]:
+            worker.is_leaving = True
+            worker.ask()
+            if not worker.calls:
+                self._end(worker)
+        self._fit_workers()
 
-    def _give_up_on(self, gone: set[str]) -> None:
-        """Calls that are at nodes which left the cluster are lost, and those that have not begun are submitted again.
-
-        Ray may hang on both for as long as a connection to the node is taken for good, 5 minutes or more, although it knows
-        that the node is gone: on an answer, and on asking the node for a process that a call can run in.
-        """
-        for reference, task in list(self._under_way.items()):
-            worker = _noted(task.key)
-            is_elsewhere = worker and not any(_short(node) == worker.rpartition("/")[2] for node in gone)
-            if is_elsewhere or self._has_ended(reference):
-                continue
-            del self._under_way[reference]
-            self._ray.cancel(reference)
-            if worker:
-                _note(task.key, None)
-                self._refused.append(Answer(task.call.ticket, worker, lost=f"{worker} died, or can't be reached"))
-            else:
-                self._waiting.appendleft(replace(task, key=uuid.uuid4().hex))
-
-    def _limit(self) -> int:
-        """On tasks that Ray has. Some even where there is no node, for an autoscaler to see."""
-        return self._workers if self._workers is not None else TASKS_A_PLACE * max(1, self.places())
+    def _fit_workers(self) -> None:
+        # One where there is no node, for an autoscaler to see.
+        wanted = self._asked_for if self._asked_for is not None else max(1, sum(node.cpus for node in self._nodes))
+        self._workers += [_Worker(self._actor.remote()) for _ in range(wanted - len(self._workers))]
+        idle = sorted((worker for worker in self._workers if not worker.calls), key=lambda worker: worker.name != "")
+        for worker in idle[: max(0, len(self._workers) - wanted)]:
+            self._end(worker)
 
     def _hand_out(self) -> None:
         self._read_nodes()
-        while self._waiting and len(self._under_way) < self._limit():
-            task = self._waiting.popleft()
-            if self._has_no_node(task):
-                self._refuse(task)
-                continue
-            avoided = [*self._gone, *(node.id for node in self._nodes if node.is_one_of(task.call.avoid))]
-            # Without blanks, which Ray takes for a part of the id.
-            where = {"ray.io/node-id": f"!in({','.join(avoided)})"} if avoided else None
-            remote = self._remote.options(num_cpus=1, max_retries=0, label_selector=where)
-            self._under_way[remote.remote(task.key, task.pickled)] = task
-
-    def _has_ended(self, reference: Any) -> bool:
-        return bool(self._ray.wait([reference], timeout=0)[0])
-
-    def _refuse_where_no_node_is_left(self) -> None:
-        for reference, task in list(self._under_way.items()):
-            if self._has_no_node(task) and not self._has_ended(reference):
-                self._ray.cancel(reference)
-                self._refuse(self._under_way.pop(reference))
-        for task in [task for task in self._waiting if self._has_no_node(task)]:
+        for task in [task for task in self._waiting if self._has_no_node(task.call)]:
             self._waiting.remove(task)
-            self._refuse(task)
+            why = f"no node is left but those to avoid: {', '.join(sorted(task.call.avoid))}"
+            self._answers.append(Answer(task.call.ticket, "", lost=why, refused=True))
+        for had in range(CALLS_A_WORKER):
+            for worker in self._workers:
+                if not self._waiting:
+                    return
+                if worker.can_take(had):
+                    index = best_for(worker.name, [task.call for task in self._waiting])
+                    if index is not None:
+                        worker.begin(self._waiting.pop(index))
 
-    def _has_no_node(self, task: _Task) -> bool:
-        return bool(task.call.avoid) and all(node.is_one_of(task.call.avoid) for node in self._nodes)
+    def _has_no_node(self, call: Call) -> bool:
+        return bool(call.avoid) and all(node.is_one_of(call.avoid) for node in self._nodes)
 
-    def _refuse(self, task: _Task) -> None:
-        why = f"no node is left but those to avoid: {', '.join(sorted(task.call.avoid))}"
-        self._refused.append(Answer(task.call.ticket, "", lost=why))
+    def _busy(self) -> list[_Worker]:
+        return [worker for worker in self._workers if worker.calls]
 
-    def _ready(self, timeout: float, stopped: bool = False) -> list[Answer]:
-        if not self._under_way:
+    def _take_ready(self, timeout: float) -> None:
+        awaited = {worker.awaited: worker for worker in self._workers if worker.awaited is not None}
+        if not awaited:
             time.sleep(timeout)
-            return []
-        references = list(self._under_way)
-        if not self._ray.wait(references, timeout=timeout)[0]:
-            return []
-        ready, _ = self._ray.wait(references, num_returns=len(references), timeout=0)
-        answers = [self._take(reference, stopped) for reference in ready]
-        return [answer for answer in answers if answer is not None]
+            return
+        if not self._ray.wait(list(awaited), timeout=timeout)[0]:
+            return
+        for reference in self._ray.wait(list(awaited), num_returns=len(awaited), timeout=0)[0]:
+            self._take(awaited[reference], reference)
 
-    def _take(self, reference: Any, stopped: bool) -> Answer | None:
-        """The answer of a task that has ended, if it was not cancelled."""
-        task = self._under_way.pop(reference)
+    def _take(self, worker: _Worker, reference: Any) -> None:
         errors = self._ray.exceptions
         try:
-            worker, pickled, seconds = self._ray.get(reference)
+            said = self._ray.get(reference)
+        except errors.RayTaskError as raised:  # not by the function
+            said = (self._pickle((None, EngineError(f"a node can't run calls: {raised}"))), 0.0)
         except errors.RayError as raised:
-            worker = _noted(task.key)
-            _note(task.key, None)
-            if isinstance(raised, errors.TaskCancelledError):
-                return None if stopped else Answer(task.call.ticket, worker, lost=_why(raised, worker))
-            if isinstance(raised, (errors.RayTaskError, errors.RuntimeEnvSetupError)):  # not by the function
-                return Answer(task.call.ticket, worker, error=EngineError(f"a node can't run calls: {raised}"))
-            return Answer(task.call.ticket, worker, lost=_why(raised, worker))
+            self._lose(worker, _why(raised, worker.name))
+            self._note_start(worker, raised)
+            return
+        if not worker.name:
+            worker.is_at(*said)
+            self._note_start(worker, None)
+            return
+        task = worker.took()
+        if said is None:
+            self._waiting.insert(0, task)
+            return
+        pickled, seconds = said
         try:
             value, error = self._unpickle(pickled)
         except Exception as raised:
-            value, error = None, RuntimeError(f"what {worker} answered can't be read: {raised!r}")
-        return Answer(task.call.ticket, worker, value, error, seconds=seconds)
+            value, error = None, RuntimeError(f"what {worker.name} answered can't be read: {raised!r}")
+        worker.is_quick = seconds < QUICK
+        self._answers.append(Answer(task.call.ticket, worker.name, value, error, seconds=seconds))
 
-    def _kill(self) -> None:
-        for reference, task in self._under_way.items():
-            self._ray.cancel(reference, force=True)
-            _note(task.key, None)
-        self._under_way.clear()
+    def _note_start(self, worker: _Worker, failure: Any) -> None:
+        if failure is None:
+            self._failed_starts = 0
+        elif not worker.name:
+            self._failed_starts += 1
+            if getattr(failure, "actor_init_failed", False) or self._failed_starts == MOST_FAILED_STARTS:
+                raise EngineError(f"nodes can't run calls: {failure}")
+
+    def _lose(self, worker: _Worker, why: str) -> None:
+        """What ran there is lost, and what had not begun goes elsewhere."""
+        if worker.calls:
+            spent = time.monotonic() - worker.begun
+            self._answers.append(Answer(worker.calls[0].task.call.ticket, worker.name, lost=why, seconds=spent))
+            self._waiting[:0] = [sent.task for sent in list(worker.calls)[1:]]
+        self._end(worker)
+
+    def _end(self, worker: _Worker) -> None:
+        self._workers.remove(worker)
+        self._ray.kill(worker.actor)
+        self._nodes_read = -NODES_HOLD  # another may be wanted
+
+
+_CONTROL = "control"  #: methods of an actor that run beside its calls
+
+
+class _Process:
+    """What is in the process of an actor."""
+
+    def __init__(self) -> None:
+        self._ended = 0
+
+    def where(self) -> tuple[str, str]:
+        """The name of the host, and the node's id."""
+        return socket.gethostname(), _import_ray().get_runtime_context().get_node_id()
+
+    def answer(self, number: int, pickled: bytes) -> tuple[bytes, float] | None:
+        """A value and an error, pickled, and seconds; None if the call was asked to end before it began."""
+        stopping.forget()
+        if number <= self._ended:
+            return None
+        cloudpickle = importlib.import_module("ray.cloudpickle")
+        begin = time.perf_counter()
+        value, error = None, None
+        try:
+            function, arguments = cloudpickle.loads(pickled)
+            begin = time.perf_counter()
+            value = function(*arguments)
+        except Exception as raised:
+            error = raised
+        seconds = time.perf_counter() - begin
+        try:
+            return cloudpickle.dumps((value, error)), seconds
+        except Exception as raised:
+            return cloudpickle.dumps((None, RuntimeError(f"{error or value!r}: {raised}"))), seconds
+
+    def end(self, number: int) -> None:
+        """Asks calls up to this one to come to an end soon."""
+        self._ended = number
+        stopping.ask()
 
 
 @dataclass(frozen=True)
@@ -258,69 +297,72 @@ def _short(node_id: str) -> str:
 class _Task:
     call: Call
     pickled: bytes  #: its function and arguments
-    key: str  #: in Ray's key-value store, of the worker on which it has begun
 
 
-def _answer(key: str, pickled: bytes) -> tuple[str, bytes, float]:
-    """What a task does: the worker's name, a value and an error pickled, and seconds."""
-    worker = f"{socket.gethostname()}/{_short(_import_ray().get_runtime_context().get_node_id())}"
-    _note(key, worker)
-    cloudpickle = importlib.import_module("ray.cloudpickle")
-    stopping.forget()
-    interrupt = signal.signal(signal.SIGINT, lambda *_: stopping.ask())
-    begin = time.perf_counter()
-    value, error = None, None
+@dataclass(frozen=True)
+class _Sent:
+    task: _Task
+    reference: Any  #: Ray's, of the answer
+
+
+@dataclass(eq=False)
+class _Worker:
+    """An actor, and its calls, which it runs in order."""
+
+    actor: Any
+    started: Any = field(init=False)  #: Ray's reference of where it is
+    name: str = ""  #: none yet while Ray finds it a node
+    node: str = ""
+    calls: deque[_Sent] = field(default_factory=deque)
+    numbers: int = 0  #: of calls that it was ever sent
+    begun: float = 0.0  #: s, of the clock: the first of its calls
+    is_quick: bool = False  #: its last call was
+    is_leaving: bool = False  #: and gets no more
+
+    def __post_init__(self) -> None:
+        self.started = self.actor.where.remote()
+
+    @property
+    def awaited(self) -> Any:
+        """Ray's reference of what it says next."""
+        if not self.name:
+            return self.started
+        return self.calls[0].reference if self.calls else None
+
+    def is_at(self, host: str, node: str) -> None:
+        self.name, self.node = f"{host}/{_short(node)}", node
+
+    def can_take(self, had: int) -> bool:
+        """One more call than these."""
+        return self.name != "" and not self.is_leaving and len(self.calls) == had and (had == 0 or self.is_quick)
+
+    def begin(self, task: _Task) -> None:
+        if not self.calls:
+            self.begun = time.monotonic()
+        self.numbers += 1
+        self.calls.append(_Sent(task, self.actor.answer.remote(self.numbers, task.pickled)))
+
+    def took(self) -> _Task:
+        """The answer of its first call."""
+        self.begun = time.monotonic()
+        return self.calls.popleft().task
+
+    def ask(self) -> None:
+        """Its calls to come to an end."""
+        self.actor.end.options(concurrency_group=_CONTROL).remote(self.numbers)
+
+
+def _draining_nodes() -> set[str]:
+    """Their ids."""
     try:
-        function, arguments = cloudpickle.loads(pickled)
-        begin = time.perf_counter()
-        value = function(*arguments)
-    except Exception as raised:
-        error = raised
-    finally:
-        signal.signal(signal.SIGINT, interrupt)
-    seconds = time.perf_counter() - begin
-    try:
-        answer = cloudpickle.dumps((value, error))
-    except Exception as raised:
-        answer = cloudpickle.dumps((None, RuntimeError(f"{error or value!r}: {raised}")))
-    _note(key, None)
-    return worker, answer, seconds
-
-
-def _note(key: str, worker: str | None) -> None:
-    """Where a task is; None: nowhere any more."""
-    try:
-        store = importlib.import_module("ray.experimental.internal_kv")
-        if worker is not None:
-            store._internal_kv_put(key, worker, namespace=_STORE)
-        else:
-            store._internal_kv_del(key, namespace=_STORE)
-    except Exception:  # it only says more of what is lost
-        pass
-
-
-def _noted(key: str) -> str:
-    """Where a task has begun and not come to an end, or nothing."""
-    try:
-        worker = importlib.import_module("ray.experimental.internal_kv")._internal_kv_get(key, namespace=_STORE)
-    except Exception:
-        return ""
-    return worker.decode() if worker else ""
+        return set(importlib.import_module("ray._private.state").state.get_draining_nodes())
+    except Exception:  # no part of Ray's documented interface, so it may go; calls are lost with the node then
+        return set()
 
 
 def _why(lost: Exception, worker: str) -> str:
-    name = worker or "a node"
-    kind = type(lost).__name__
-    what = {
-        "WorkerCrashedError": f"a process of {name} died",
-        "NodeDiedError": f"{name} died, or can't be reached",
-        "OutOfMemoryError": f"{name} had no memory left",
-        "LocalRayletDiedError": f"{name}: its Ray ended",
-        "OwnerDiedError": f"{name}: the driver was taken for dead",
-        "TaskCancelledError": f"{name}: the call was cancelled",
-    }
-    said = str(lost).strip().split("\n")[0]
-    return what.get(kind, f"{name} lost the answer: {kind}: {said}")
+    said = str(lost).strip().splitlines()
+    return f"{worker or 'a node'} was lost: {textwrap.shorten(said[-1] if said else type(lost).__name__, 200)}"
 
 
 def _import_ray() -> Any:
