@@ -166,21 +166,20 @@ int SolvePhase::substeps_of(const solver::IslandGroup& group, int asked) const {
 void SolvePhase::choose_settings(const Stores& world, int asked) {
   settings_.clear();
   for (const solver::IslandGroup& group : groups_) {
+    if (find_settings(group, asked) != nullptr) continue;
     const SolveMode mode = mode_of(group);
     const int substeps = substeps_of(group, asked);
-    const auto is_it = [&](const GroupSettings& one) { return one.mode == mode && one.substeps == substeps; };
-    if (std::any_of(settings_.begin(), settings_.end(), is_it)) continue;
     settings_.push_back({mode, substeps, settings_of(world, asked, substeps, mode)});
     if (modes_.empty() && substeps_.empty()) return;
   }
 }
 
-const solver::SolverSettings& SolvePhase::settings_for(const solver::IslandGroup& group) const {
+const SolvePhase::GroupSettings* SolvePhase::find_settings(const solver::IslandGroup& group, int asked) const {
   const SolveMode mode = mode_of(group);
-  const auto is_it = [&](const GroupSettings& one) {
-    return one.mode == mode && (substeps_.empty() || one.substeps == substeps_[group.begin]);
-  };
-  return std::find_if(settings_.begin(), settings_.end(), is_it)->settings;
+  const int substeps = substeps_of(group, asked);
+  const auto is_it = [&](const GroupSettings& one) { return one.mode == mode && one.substeps == substeps; };
+  const auto found = std::find_if(settings_.begin(), settings_.end(), is_it);
+  return found == settings_.end() ? nullptr : &*found;
 }
 
 namespace {
@@ -216,7 +215,7 @@ void SolvePhase::solve_groups(Stores& world, const StepContext& step, const solv
                               .manifolds = world.cache.manifolds.data(),
                               .gravity = world.gravity,
                               .dt = world.clock.dt,
-                              .settings = settings_for(group),
+                              .settings = find_settings(group, step.substeps)->settings,
                               .kernels = step.kernels,
                               .bounds = world.aabbs.bounds,
                               .fast = moved_,

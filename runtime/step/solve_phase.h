@@ -64,7 +64,7 @@ class SolvePhase {
 
   bool choose_substeps(Stores& world, const StepContext& step, const IslandPhase& islands);
   void choose_settings(const Stores& world, int asked);
-  const solver::SolverSettings& settings_for(const solver::IslandGroup& group) const;
+  const GroupSettings* find_settings(const solver::IslandGroup& group, int asked) const;
   void solve_groups(Stores& world, const StepContext& step, const solver::AddedSlip* added_slips, IslandPhase& islands);
   solver::SolveMode mode_of(const solver::IslandGroup& group) const;
   int substeps_of(const solver::IslandGroup& group, int asked) const;

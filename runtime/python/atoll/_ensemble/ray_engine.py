@@ -112,7 +112,6 @@ class RayEngine:
 
     def stop(self) -> list[Answer]:
         """Calls that don't look at `stopping.asked()` are waited for, for STOP_WITHIN, then their processes are killed."""
-        self._answers.clear()
         for worker in self._busy():
             worker.ask()
         end = time.monotonic() + STOP_WITHIN
