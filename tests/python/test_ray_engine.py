@@ -18,7 +18,7 @@ ray: Any = pytest.importorskip("ray", reason="Ray is not installed: the engine t
 
 from atoll._ensemble import stopping  # noqa: E402
 from atoll._ensemble.engines import Answer, Call, EngineError  # noqa: E402
-from atoll._ensemble.ray_engine import RayEngine  # noqa: E402
+from atoll._ensemble.ray_engine import RayEngine, _Process  # noqa: E402
 from atoll._ensemble.whole_file import write_whole  # noqa: E402
 
 PLACES = 3
@@ -179,6 +179,20 @@ def test_a_process_that_is_killed_loses_its_call_alone(engine: RayEngine, tmp_pa
         assert answers[ticket].lost.startswith(f"{answers[ticket].worker} was lost: The actor is dead because its worker")
         assert not answers[ticket].refused
     assert [answers[i].value for i in range(1, 9)] == [i * i for i in range(1, 9)]
+
+
+class Broken(_Process):
+    def __init__(self) -> None:
+        raise ImportError("no such package here")
+
+
+def test_nodes_that_can_not_run_calls(engine: RayEngine) -> None:
+    broken = RayEngine(None, None)
+    broken._actor = ray.remote(num_cpus=0)(Broken)
+    broken.submit(Call(0, square, (3,)))
+    with pytest.raises(EngineError, match=r"nodes can't run calls: (.|\n)*no such package here"):
+        rest_of(broken, 1)
+    broken.close()
 
 
 def test_nodes_to_avoid(engine: RayEngine) -> None:

@@ -196,12 +196,12 @@ class RayEngine:
         errors = self._ray.exceptions
         try:
             said = self._ray.get(reference)
-        except errors.RayTaskError as raised:  # not by the function
-            said = (self._pickle((None, EngineError(f"a node can't run calls: {raised}"))), 0.0)
         except errors.RayError as raised:
-            self._lose(worker, _why(raised, worker.name))
-            self._note_start(worker, raised)
-            return
+            if not worker.name or not isinstance(raised, errors.RayTaskError):
+                self._lose(worker, _why(raised, worker.name))
+                self._note_start(worker, raised)
+                return
+            said = (self._pickle((None, EngineError(f"{worker.name} can't run calls: {raised}"))), 0.0)
         if not worker.name:
             worker.is_at(*said)
             self._note_start(worker, None)
