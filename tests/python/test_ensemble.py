@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import fcntl
 import importlib
 import json
@@ -16,7 +17,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -41,9 +42,14 @@ PLAN: dict[str, Any] = {
         },
         {"scene": "ragdolls:count=3", "steps": 100, "seeds": 4, "parameters": {"settings.substeps": [2, 4]}},
     ],
-    "keep": {"observables": ["max_height", "mean_speed"]},
+    "keep": {"observables": ["max_height", "mean_speed"], "series": 30},
 }
 JOBS = 16
+
+
+class Tables(NamedTuple):
+    results: bytes
+    series: bytes
 
 
 def run(out: Path, plan: dict[str, Any] = PLAN, **options: Any) -> Outcome:
@@ -52,40 +58,54 @@ def run(out: Path, plan: dict[str, Any] = PLAN, **options: Any) -> Outcome:
     return run_ensemble(plan, out, engine=engine, workers=2, parquet=False, stop=stop, options=Options(**options))
 
 
-def table(out: Path) -> bytes:
-    return (out / "results.csv").read_bytes()
+def tables(out: Path) -> Tables:
+    series = out / "series.csv"
+    return Tables((out / "results.csv").read_bytes(), series.read_bytes() if series.exists() else b"")
+
+
+def rows_of(written: bytes) -> list[dict[str, str]]:
+    return list(csv.DictReader(written.decode().splitlines()))
 
 
 @pytest.fixture(scope="module")
-def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Tables:
     out = tmp_path_factory.mktemp("undisturbed")
     outcome = run(out)
     assert (outcome.done, outcome.failed, outcome.finished) == (JOBS, 0, True)
-    return table(out)
+    return tables(out)
 
 
 # --- What is computed
 
 
-def test_rows_are_what_the_runs_come_to(undisturbed: bytes) -> None:
-    head, *lines = undisturbed.decode().splitlines()
-    columns = head.split(",")
-    rows = [dict(zip(columns, line.split(","), strict=True)) for line in lines]
+def max_height(world: atoll.World) -> float:
+    return max(float(world.positions[body.index][2]) for body in world.bodies if world.type(body) == atoll.BodyType.DYNAMIC)
+
+
+def test_rows_are_what_the_runs_come_to(undisturbed: Tables) -> None:
+    rows = rows_of(undisturbed.results)
+    moments = {(row["job"], int(row["step"])): row for row in rows_of(undisturbed.series)}
+    told = 0
     jobs = list(read_plan(PLAN).jobs())
     assert [row["job"] for row in rows] == [job.key for job in jobs]
     for job, row in zip(jobs, rows, strict=True):
         scene = make_scene(job)
         world = scene.build()
-        for _ in range(job.steps):
-            world.step(scene.dt)
+        for step in range(job.steps + 1):
+            if step > 0:
+                world.step(scene.dt)
+            if step % 30 == 0:
+                moment = moments[job.key, step]
+                assert float(moment["time"]) == step * scene.dt
+                assert float(moment["max_height"]) == max_height(world)
+                told += 1
         assert row["state_hash"] == f"{world.state_hash():016x}"
-        assert float(row["max_height"]) == max(
-            world.positions[body.index][2] for body in world.bodies if world.type(body) == atoll.BodyType.DYNAMIC
-        )
+        assert float(row["max_height"]) == max_height(world)
     assert len({row["state_hash"] for row in rows}) == JOBS
+    assert told == len(moments) == 8 * 6 + 8 * 4
 
 
-def test_frame_has_a_row_a_job_in_the_order_of_the_plan(undisturbed: bytes) -> None:
+def test_frame_has_a_row_a_job_in_the_order_of_the_plan(undisturbed: Tables) -> None:
     pytest.importorskip("pandas")
     frame = atoll.ensemble(PLAN, workers=2, verify=0)
     assert list(frame["job"]) == [job.key for job in read_plan(PLAN).jobs()]
@@ -98,8 +118,11 @@ def test_parquet_is_the_same_to_the_byte_and_tells_the_same(tmp_path: Path) -> N
         run_ensemble(PLAN, tmp_path / name, workers=2, parquet=True, options=Options(interval))
     whole, parts = (tmp_path / name / "results.parquet" for name in ("whole", "parts"))
     assert whole.read_bytes() == parts.read_bytes()
+    whole_series, parts_series = (tmp_path / name / "series.parquet" for name in ("whole", "parts"))
+    assert whole_series.read_bytes() == parts_series.read_bytes()
+    assert parquet.read_table(whole_series).schema.names == ["job", "step", "time", "max_height", "mean_speed"]
     rows = parquet.read_table(whole).to_pylist()
-    written = table(tmp_path / "whole").decode().splitlines()
+    written = tables(tmp_path / "whole").results.decode().splitlines()
     assert ",".join(rows[0]) == written[0] and len(rows) == JOBS
     assert [f"{row['max_height']!r}" in line for row, line in zip(rows, written[1:], strict=True)] == [True] * JOBS
 
@@ -185,12 +208,15 @@ def test_functions_of_the_plan_are_called(tmp_path: Path, this_module: str) -> N
     outcome = run(tmp_path, plan)
     assert outcome.table is not None
     assert [row["bodies"] for row in outcome.table.rows] == [8, 8]
+    told = run(tmp_path / "series", plan | {"keep": {"series": 10}})
+    assert told.done == 2
+    assert [row["bodies"] for row in rows_of(tables(tmp_path / "series").series)] == ["8.0"] * 6
     failing = run(tmp_path, plan | {"observe": f"{this_module}:raise_always"})
     assert failing.failed == 2 and failing.table is not None
     assert "raise_always: RuntimeError: this one never works" in failing.table.rows[0]["why"]
 
 
-def test_states_and_recordings_are_kept(tmp_path: Path, undisturbed: bytes) -> None:
+def test_states_and_recordings_are_kept(tmp_path: Path, undisturbed: Tables) -> None:
     plan = {"scene": "pile:bodies=5", "steps": 60, "keep": {"state": True, "recording": True}}
     run(tmp_path, plan, interval=0.001)
     [job] = read_plan(plan).jobs()
@@ -200,35 +226,35 @@ def test_states_and_recordings_are_kept(tmp_path: Path, undisturbed: bytes) -> N
     assert sum(result.steps for result in results) == 60
     assert all(result.divergence is None for result in results)
     stored = (tmp_path / "states" / f"{job.key}.snapshot").read_bytes()
-    assert f"{results[-1].hash:016x}".encode() in table(tmp_path)
+    assert f"{results[-1].hash:016x}".encode() in tables(tmp_path).results
     assert str(results[-1].hash).encode() in stored.partition(b"\n")[0]
 
 
 # --- What happens to those who compute
 
 
-def test_a_second_run_computes_nothing(tmp_path: Path, undisturbed: bytes) -> None:
+def test_a_second_run_computes_nothing(tmp_path: Path, undisturbed: Tables) -> None:
     run(tmp_path)
     again = run(tmp_path)
     assert (again.tally.done_before, again.tally.done, again.tally.steps) == (JOBS, 0, 0)
-    assert table(tmp_path) == undisturbed
+    assert tables(tmp_path) == undisturbed
 
 
 @pytest.mark.parametrize("shared", [True, False])
 @pytest.mark.parametrize("interval", [0.001, 0.02])
-def test_parts_come_to_the_same(tmp_path: Path, undisturbed: bytes, shared: bool, interval: float) -> None:
+def test_parts_come_to_the_same(tmp_path: Path, undisturbed: Tables, shared: bool, interval: float) -> None:
     outcome = run(tmp_path, shared=shared, interval=interval)
     assert outcome.tally.snapshots > JOBS
-    assert table(tmp_path) == undisturbed
+    assert tables(tmp_path) == undisturbed
 
 
-def test_shares_of_a_plan_make_one_table(tmp_path: Path, undisturbed: bytes) -> None:
+def test_shares_of_a_plan_make_one_table(tmp_path: Path, undisturbed: Tables) -> None:
     for share in range(2):
         run_ensemble(PLAN, tmp_path, workers=1, parquet=False, options=Options(), part=(share, 3))
     assert gather(PLAN, tmp_path, parquet=False)[2] == 5
     run_ensemble(PLAN, tmp_path, workers=1, parquet=False, options=Options(), part=(2, 3))
     assert gather(PLAN, tmp_path, parquet=False)[2] == 0
-    assert table(tmp_path) == undisturbed
+    assert tables(tmp_path) == undisturbed
 
 
 class Killer:
@@ -259,7 +285,7 @@ class Killer:
                 pass
 
 
-def test_workers_may_be_killed(tmp_path: Path, undisturbed: bytes) -> None:
+def test_workers_may_be_killed(tmp_path: Path, undisturbed: Tables) -> None:
     engine = LocalEngine(2)
     try:
         with Killer(engine, 0.7) as killer:
@@ -267,14 +293,14 @@ def test_workers_may_be_killed(tmp_path: Path, undisturbed: bytes) -> None:
     finally:
         engine.close()
     assert killer.killed > 0 and outcome.done == JOBS and not outcome.given_up
-    assert table(tmp_path) == undisturbed
+    assert tables(tmp_path) == undisturbed
 
 
 def command(*words: object) -> list[str]:
     return [sys.executable, "-m", "atoll", "ensemble", *map(str, words)]
 
 
-def test_the_driver_may_be_killed_and_stopped(tmp_path: Path, undisturbed: bytes) -> None:
+def test_the_driver_may_be_killed_and_stopped(tmp_path: Path, undisturbed: Tables) -> None:
     plan = tmp_path / "plan.json"
     plan.write_text(json.dumps(PLAN))
     words = command(plan, "--out", tmp_path, "--workers", 2, "--interval", 0.02, "--csv-only")
@@ -288,7 +314,7 @@ def test_the_driver_may_be_killed_and_stopped(tmp_path: Path, undisturbed: bytes
             assert b"the same command goes on" in said
     done = subprocess.run(words, check=True, capture_output=True, text=True)
     assert f"{JOBS} of {JOBS} jobs done" in done.stdout
-    assert table(tmp_path) == undisturbed
+    assert tables(tmp_path) == undisturbed
 
 
 def test_a_job_whose_workers_always_die_is_given_up(tmp_path: Path, this_module: str) -> None:
@@ -321,7 +347,7 @@ def stopped_midway(out: Path) -> None:
 
 
 @pytest.mark.parametrize("harm", ["flip", "cut", "empty", "remove"])
-def test_a_snapshot_that_is_corrupt_costs_its_job_alone(tmp_path: Path, undisturbed: bytes, harm: str) -> None:
+def test_a_snapshot_that_is_corrupt_costs_its_job_alone(tmp_path: Path, undisturbed: Tables, harm: str) -> None:
     stopped_midway(tmp_path)
     snapshots = sorted((tmp_path / "snapshots").glob("*.snapshot"))
     assert snapshots
@@ -337,10 +363,10 @@ def test_a_snapshot_that_is_corrupt_costs_its_job_alone(tmp_path: Path, undistur
     store = Store(tmp_path)
     assert any(kind == "snapshot" and "begins anew" in what for kind, what in store.events())
     store.close()
-    assert table(tmp_path) == undisturbed
+    assert tables(tmp_path) == undisturbed
 
 
-def test_a_full_disk_loses_nothing(tmp_path: Path, undisturbed: bytes) -> None:
+def test_a_full_disk_loses_nothing(tmp_path: Path, undisturbed: Tables) -> None:
     plan = tmp_path / "plan.json"
     plan.write_text(json.dumps(PLAN))
     words = command(plan, "--out", tmp_path / "out", "--workers", 2, "--interval", 0.02, "--csv-only")
@@ -352,16 +378,16 @@ def test_a_full_disk_loses_nothing(tmp_path: Path, undisturbed: bytes) -> None:
     assert process.returncode == 1 and len(process.stderr.splitlines()) == 1, process.stderr
     assert "File too large" in process.stderr or "can't be written" in process.stderr or "can't be opened" in process.stderr
     subprocess.run(words, check=True, capture_output=True)
-    assert table(tmp_path / "out") == undisturbed
+    assert tables(tmp_path / "out") == undisturbed
 
 
-def test_a_table_that_can_not_be_written_is_told_and_written_later(tmp_path: Path, undisturbed: bytes) -> None:
+def test_a_table_that_can_not_be_written_is_told_and_written_later(tmp_path: Path, undisturbed: Tables) -> None:
     (tmp_path / "results.csv").mkdir()
     with pytest.raises(EnsembleError, match="the table can't be written: .*; results are kept"):
         run(tmp_path)
     (tmp_path / "results.csv").rmdir()
     assert run(tmp_path).tally.done == 0
-    assert table(tmp_path) == undisturbed
+    assert tables(tmp_path) == undisturbed
     with pytest.raises(EnsembleError, match="can't be written"):
         run(Path("/proc/none"))
 
@@ -402,7 +428,7 @@ def test_a_worker_with_wrong_bits_is_named_and_set_aside(
     worker, why = wrong.distrusted[0]
     assert "/" in worker and "came to another state after step" in why
     assert wrong.tally.set_aside > 0 or wrong.tally.done == 12
-    assert table(tmp_path / "wrong") == table(tmp_path / "right")
+    assert tables(tmp_path / "wrong") == tables(tmp_path / "right")
 
 
 class Forger(LocalEngine):
@@ -417,7 +443,7 @@ class Forger(LocalEngine):
         return answers
 
 
-def test_all_that_a_distrusted_worker_computed_is_computed_again(tmp_path: Path, undisturbed: bytes) -> None:
+def test_all_that_a_distrusted_worker_computed_is_computed_again(tmp_path: Path, undisturbed: Tables) -> None:
     engine = Forger(2)
     try:
         outcome = run(tmp_path, engine=engine, verify=0.3)
@@ -427,7 +453,7 @@ def test_all_that_a_distrusted_worker_computed_is_computed_again(tmp_path: Path,
     store = Store(tmp_path)
     assert all("/1" not in result.worker for result in store.results().values())
     store.close()
-    assert table(tmp_path) == undisturbed
+    assert tables(tmp_path) == undisturbed
     assert len(run(tmp_path).distrusted) == 1
     assert not run(tmp_path, trust_all=True).distrusted
 
@@ -453,6 +479,8 @@ def test_all_that_a_distrusted_worker_computed_is_computed_again(tmp_path: Path,
         ({"parameters": {"user.x": 1}}, 'found user.x; expected it beside a "setup"'),
         ({"setup": "nothing:here"}, "setup: nothing:here can't be imported"),
         ({"keep": {"observables": ["hight"]}}, 'observables: found "hight"; expected some of max_height'),
+        ({"keep": {"series": 2.5}}, "series: found 2.5; expected a number of steps, or 0"),
+        ({"keep": {"series": 10}}, 'series: found nothing to tell; expected "observables", or "observe" in all studies'),
         ({"sample": {"count": 3}}, "no parameter is drawn"),
     ],
 )

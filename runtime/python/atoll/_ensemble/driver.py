@@ -214,6 +214,7 @@ class Driver:
             if attempt.at is not None:
                 self._obsolete.append(snapshot_path(self._store.folder, attempt.name, attempt.at.step))
             if not attempt.verifies:
+                self._store.put_series(attempt.key, part.series)
                 self._store.put_progress(attempt.key, Progress(part.last, workers, moved.seconds))
             self._waiting.appendleft(moved)
         else:
@@ -224,6 +225,7 @@ class Driver:
                 self._store.mark_checked(attempt.key, ", ".join(workers))
                 return
             self._keep_snapshot(state_path(self._store.folder, attempt.key), part)
+            self._store.put_series(attempt.key, part.series)
             self._finish(moved, workers, row_of(attempt.job, "done", "", part.result))
             self._verify(moved)
 

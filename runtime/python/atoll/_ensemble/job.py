@@ -38,12 +38,21 @@ class Point:
 
 
 @dataclass(frozen=True)
+class Moment:
+    """Of a job's series."""
+
+    step: int
+    told: dict[str, float]  #: observables by name, and the time in s
+
+
+@dataclass(frozen=True)
 class Part:
     """Of a job, that was run at a time."""
 
     first: int  #: the step that it began after
     last: Point
     checks: list[Point]
+    series: list[Moment]
     result: dict[str, Any] | None  #: of a job that is done
     snapshot: bytes | None  #: of its last point, where there is no folder
     notes: list[str] = field(default_factory=list)
@@ -159,6 +168,7 @@ def run_part(job: Job, start: Point | None, seconds: float, folder: str | None, 
     every = max(1, steps // CHECKS)
     first = step = running.point.step
     checks: list[Point] = []
+    series = [_moment(job, scene, world, 0)] if job.keep.series and first == 0 else []
     recording = _begin_recording(job, world, folder, first) if name == key else None
     begin = time.perf_counter()
     end = begin + seconds
@@ -170,6 +180,8 @@ def run_part(job: Job, start: Point | None, seconds: float, folder: str | None, 
         step += 1
         if step % every == 0 or step == steps:
             checks.append(Point(step, world.state_hash()))
+        if job.keep.series and step % job.keep.series == 0:
+            series.append(_moment(job, scene, world, step))
         if time.perf_counter() >= end or stopping.asked():
             break
     stepped = time.perf_counter() - begin
@@ -190,7 +202,7 @@ def run_part(job: Job, start: Point | None, seconds: float, folder: str | None, 
     result = _result(job, scene, world, last) if step == steps else None
     if result is None:
         _running = _Running(key, last, scene, world)
-    return Part(first, last, checks, result, None if folder else packed, notes, stepped, snapshot_seconds, moved_bytes)
+    return Part(first, last, checks, series, result, None if folder else packed, notes, stepped, snapshot_seconds, moved_bytes)
 
 
 def _restore(running: _Running, stored: SnapshotBytes, start: Point) -> None:
@@ -223,10 +235,18 @@ def _result(job: Job, scene: _core.Scene, world: _core.World, last: Point) -> di
         meter = _core.ErrorMeter(scene, every_step=False)
         meter.observe(last.step * scene.dt, world)
         result |= meter.errors()
-    result |= observe(world, job.keep.observables)
+    return result | _observe(job, scene, world)
+
+
+def _moment(job: Job, scene: _core.Scene, world: _core.World, step: int) -> Moment:
+    return Moment(step, {"time": step * scene.dt, **_observe(job, scene, world)})
+
+
+def _observe(job: Job, scene: _core.Scene, world: _core.World) -> dict[str, float]:
+    told = observe(world, job.keep.observables)
     if job.observe:
-        result |= {name: float(value) for name, value in _call(job.observe, world, scene).items()}
-    return result
+        told |= {name: float(value) for name, value in _call(job.observe, world, scene).items()}
+    return told
 
 
 def snapshot_path(folder: Path, name: str, step: int) -> Path:

@@ -1,4 +1,4 @@
-"""What a job's world looks like at its end, in numbers: SI units, of dynamic bodies."""
+"""What a job's world looks like, in numbers: SI units, of dynamic bodies."""
 
 from __future__ import annotations
 

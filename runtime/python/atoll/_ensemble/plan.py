@@ -5,7 +5,7 @@ A plan has one study, or a list of them as "studies", for which what stands besi
     {"studies": [{"scene": "pile:bodies=200", "steps": 240,
                   "parameters": {"material.friction": {"uniform": [0.2, 0.8]}, "mass": [0.5, 1, 2]},
                   "sample": {"count": 100, "seed": 1, "method": "latin-hypercube"}, "seeds": 2}],
-     "keep": {"errors": true, "observables": ["max_height"], "state": false, "recording": false}}
+     "keep": {"errors": true, "observables": ["max_height"], "series": 10, "state": false, "recording": false}}
 
 Jobs are all combinations of the values that are listed, times the samples, times the seeds.
 """
@@ -49,6 +49,7 @@ class Keep:
 
     errors: bool = True
     observables: tuple[str, ...] = ()
+    series: int = 0  #: steps after which observables are told each time, from the start on; 0: only of the end
     state: bool = False  #: the snapshot of its end, as states/KEY.snapshot
     recording: bool = False  #: as recordings/KEY/STEP.recording, a file for each part that was run at a time
 
@@ -71,7 +72,7 @@ class Job:
     parameters: dict[str, Value] = field(hash=False)
     keep: Keep
     setup: str = ""  #: "module:function", called with the scene and the parameters
-    observe: str = ""  #: "module:function", called with the world and the scene as they end; gives numbers by name
+    observe: str = ""  #: "module:function", called with the world and the scene when observables are told; gives numbers by name
     code: str = ""  #: a hash of the files of these modules
 
     @property
@@ -162,6 +163,8 @@ def _plan(document: dict[str, Any], at: str, folder: Path) -> Plan:
         merged = {**common, **study}
         merged["parameters"] = {**_object(common, "parameters", at), **_object(study, "parameters", here)}
         studies.append(_study(merged, here, folder))
+    if keep.series and not keep.observables and not all(study.observe for study in studies):
+        raise PlanError(f'{at}: keep: series: found nothing to tell; expected "observables", or "observe" in all studies')
     plan = Plan(tuple(studies), keep)
     if len(plan) > _MOST_JOBS:
         raise PlanError(f"{at}: found {len(plan)} jobs; expected at most {_MOST_JOBS}")
@@ -340,7 +343,7 @@ def _unit_samples(given: object, dimensions: int, at: str) -> NDArray[np.float64
 def _keep(given: object, at: str) -> Keep:
     if not isinstance(given, dict):
         raise PlanError(f"{at}: found {_found(given)}; expected an object")
-    _check_fields(given, ("errors", "observables", "state", "recording"), at)
+    _check_fields(given, ("errors", "observables", "series", "state", "recording"), at)
     for name in ("errors", "state", "recording"):
         if type(given.get(name, False)) is not bool:
             raise PlanError(f"{at}: {name}: found {_found(given[name])}; expected true or false")
@@ -350,7 +353,12 @@ def _keep(given: object, at: str) -> Keep:
     unknown = next((name for name in observables if name not in OBSERVABLES), None)
     if unknown is not None:
         raise PlanError(f"{at}: observables: found {_found(unknown)}; expected some of {', '.join(OBSERVABLES)}")
-    return Keep(given.get("errors", True), tuple(observables), given.get("state", False), given.get("recording", False))
+    series = given.get("series", 0)
+    if type(series) is not int or series < 0:
+        raise PlanError(f"{at}: series: found {_found(series)}; expected a number of steps, or 0 for none")
+    return Keep(
+        given.get("errors", True), tuple(observables), series, given.get("state", False), given.get("recording", False)
+    )
 
 
 def function_of(address: str) -> Callable[..., Any]:

@@ -10,9 +10,10 @@ from typing import Any
 
 from .driver import Driver, Options, Tally, Watcher
 from .engines import Engine, EngineError, LocalEngine
+from .job import Moment
 from .plan import PlanError, read_plan
-from .store import Store, StoreError, read_results
-from .table import Table, has_parquet, make_table
+from .store import Store, StoreError, read_results, read_series
+from .table import Table, has_parquet, make_series, make_table
 
 ENGINES = ("local", "ray")
 
@@ -84,7 +85,11 @@ def run_ensemble(
                 used.close()
         results = {key: result.row for key, result in store.results().items()}
         done = [results[key] for key in driver.keys() if key in results]
-        table = make_table(read, driver.keys(), results) if part is None else None
+        tables = {}
+        if part is None:
+            tables["results.csv"] = make_table(read, driver.keys(), results)
+            if read.keep.series:
+                tables["series.csv"] = make_series(driver.keys(), results, dict(store.series(driver.keys())))
         return Outcome(
             tally=driver.tally,
             finished=finished,
@@ -94,8 +99,8 @@ def run_ensemble(
             given_up=driver.given_up,
             distrusted=list(store.distrusted().items()),
             seconds=time.perf_counter() - begin,
-            files=_write(table, out, parquet) if table is not None else [],
-            table=table,
+            files=_write(tables, out, parquet),
+            table=tables.get("results.csv"),
         )
     finally:
         store.close()
@@ -105,18 +110,25 @@ def gather(plan: str | Path | Mapping[str, Any], out: Path, parquet: bool | None
     """Writes the table of all shares of a plan that were run; how many jobs have none yet. Raises PlanError, StoreError."""
     read = read_plan(plan)
     rows: dict[str, Mapping[str, Any]] = {}
+    series: dict[str, list[Moment]] = {}
     for path in [*sorted((out / "parts").glob("*.db")), *filter(Path.exists, [out / "ensemble.db"])]:
-        for key, result in read_results(path).items():
+        found = read_results(path)
+        for key, result in found.items():
             if rows.setdefault(key, result.row) != result.row:
                 raise StoreError(f"{path}: tells of job {key} what another share doesn't; expected the same of all")
+        if read.keep.series:
+            series |= read_series(path, found)
     keys = dict.fromkeys(job.key for job in read.jobs())
     table = make_table(read, keys, rows)
-    return table, _write(table, out, _wants_parquet(parquet)), len(keys) - len(table.rows)
+    tables = {"results.csv": table}
+    if read.keep.series:
+        tables["series.csv"] = make_series(keys, rows, series)
+    return table, _write(tables, out, _wants_parquet(parquet)), len(keys) - len(table.rows)
 
 
-def _write(table: Table, out: Path, parquet: bool) -> list[Path]:
+def _write(tables: Mapping[str, Table], out: Path, parquet: bool) -> list[Path]:
     try:
-        return table.write(out, parquet)
+        return [path for name, table in tables.items() for path in table.write(out / name, parquet)]
     except OSError as error:
         raise StoreError(f"{error.filename or out}: the table can't be written: {error.strerror}; results are kept") from None
 

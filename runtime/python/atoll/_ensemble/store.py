@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from . import EnsembleError
-from .job import Point
+from .job import Moment, Point
 
 _VERSION = 1
 _SCHEMA = """
@@ -29,6 +29,9 @@ CREATE TABLE IF NOT EXISTS progress (
 ) WITHOUT ROWID;
 CREATE TABLE IF NOT EXISTS checks (
   key TEXT NOT NULL, step INTEGER NOT NULL, hash TEXT NOT NULL, worker TEXT NOT NULL, PRIMARY KEY (key, step)
+) WITHOUT ROWID;
+CREATE TABLE IF NOT EXISTS series (
+  key TEXT NOT NULL, step INTEGER NOT NULL, row TEXT NOT NULL, PRIMARY KEY (key, step)
 ) WITHOUT ROWID;
 CREATE TABLE IF NOT EXISTS distrusted (worker TEXT PRIMARY KEY, why TEXT NOT NULL) WITHOUT ROWID;
 CREATE TABLE IF NOT EXISTS events (time REAL NOT NULL, kind TEXT NOT NULL, what TEXT NOT NULL);
@@ -111,7 +114,7 @@ class Store:
 
     def drop(self, key: str) -> None:
         """All that is known of a job: it begins anew."""
-        for table in ("results", "progress", "checks"):
+        for table in ("results", "progress", "checks", "series"):
             self._write(f"DELETE FROM {table} WHERE key = ?", (key,))
 
     def progress(self) -> dict[str, Progress]:
@@ -125,6 +128,15 @@ class Store:
         point = progress.point or Point(0, 0)
         values = (key, point.step, f"{point.hash:016x}", json.dumps(progress.workers), progress.seconds)
         self._write("INSERT OR REPLACE INTO progress VALUES (?, ?, ?, ?, ?)", values)
+
+    def put_series(self, key: str, series: Iterable[Moment]) -> None:
+        """Some of a job's moments, which may be known."""
+        for moment in series:
+            self._write("INSERT OR REPLACE INTO series VALUES (?, ?, ?)", (key, moment.step, json.dumps(moment.told)))
+
+    def series(self, keys: Iterable[str]) -> Iterator[tuple[str, list[Moment]]]:
+        """Of each of these jobs."""
+        return _series(self._database, keys)
 
     def differing(self, key: str, points: Iterable[Point], worker: str) -> tuple[Point, str] | None:
         """Keeps the hashes that a worker came to; the first that another one had come to otherwise, and which that is."""
@@ -171,6 +183,21 @@ def read_results(path: Path) -> dict[str, Result]:
 def _results(database: sqlite3.Connection) -> Iterator[tuple[str, Result]]:
     for key, worker, checked_by, seconds, row in database.execute("SELECT * FROM results"):
         yield key, Result(worker, checked_by, seconds, json.loads(row))
+
+
+def read_series(path: Path, keys: Iterable[str]) -> dict[str, list[Moment]]:
+    """Of a store that may be written to at the same time."""
+    try:
+        with sqlite3.connect(f"{path.absolute().as_uri()}?mode=ro", uri=True) as database:
+            return dict(_series(database, keys))
+    except sqlite3.Error as error:
+        raise StoreError(f"{path}: can't be read: {error}") from None
+
+
+def _series(database: sqlite3.Connection, keys: Iterable[str]) -> Iterator[tuple[str, list[Moment]]]:
+    for key in keys:
+        rows = database.execute("SELECT step, row FROM series WHERE key = ? ORDER BY step", (key,))
+        yield key, [Moment(step, json.loads(row)) for step, row in rows]
 
 
 def _open(path: Path) -> sqlite3.Connection:

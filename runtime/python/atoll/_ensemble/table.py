@@ -1,6 +1,6 @@
-"""The table of an ensemble, as CSV and Parquet: a row a job, in the order of the plan.
+"""The tables of an ensemble, as CSV and Parquet: a row a job in the order of the plan, and a row a moment of each.
 
-It holds only what a job determines, so it is the same to the byte however the jobs were run.
+They hold only what a job determines, so they are the same to the byte however the jobs were run.
 """
 
 from __future__ import annotations
@@ -9,11 +9,12 @@ import csv
 import importlib
 import importlib.util
 import io
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from .job import Moment
 from .plan import Job, Plan
 from .whole_file import write_whole
 
@@ -25,11 +26,11 @@ class Table:
     columns: list[str]
     rows: list[dict[str, Any]]
 
-    def write(self, folder: Path, parquet: bool) -> list[Path]:
-        """results.csv and, if asked for, results.parquet, each whole or as it was. Raises OSError."""
-        files = {folder / "results.csv": self._csv()}
+    def write(self, path: Path, parquet: bool) -> list[Path]:
+        """As CSV under this path and, if asked for, as Parquet beside it, each whole or as it was. Raises OSError."""
+        files = {path: self._csv()}
         if parquet:
-            files[folder / "results.parquet"] = self._parquet()
+            files[path.with_suffix(".parquet")] = self._parquet()
         for path, content in files.items():
             write_whole(path, content, lasting=True)
         return list(files)
@@ -61,6 +62,14 @@ def make_table(plan: Plan, keys: Collection[str], results: Mapping[str, Mapping[
     told = dict.fromkeys(name for row in found.values() for name in row)
     columns = list(dict.fromkeys([*_FIRST, *plan.parameters(), *(name for name in told if name not in _FIRST)]))
     return Table(columns, [{name: found[key].get(name) for name in columns} for key in keys if key in found])
+
+
+def make_series(keys: Iterable[str], results: Mapping[str, Mapping[str, Any]], series: Mapping[str, list[Moment]]) -> Table:
+    """Of jobs that came to their end."""
+    whole = [key for key in keys if key in results and results[key]["outcome"] == "done"]
+    rows = [{"job": key, "step": moment.step, **moment.told} for key in whole for moment in series[key]]
+    columns = list(dict.fromkeys(["job", "step", "time", *(name for row in rows for name in row)]))
+    return Table(columns, [{name: row.get(name) for name in columns} for row in rows])
 
 
 def row_of(job: Job, outcome: str, why: str, told: Mapping[str, Any]) -> dict[str, Any]:
