@@ -48,7 +48,7 @@ NODES_HOLD = 2.0
 CONNECT_WITHIN = 5.0
 
 #: Of calls that an actor has: the one that runs, and where they are quick one that follows without a round trip to the
-#: driver, which takes 1 to 3 ms.
+#: driver, which takes 1 to 3 ms. That one waits should the other take long after all.
 CALLS_A_WORKER = 2
 QUICK = 0.5  # s
 
@@ -72,7 +72,7 @@ class RayEngine:
     started anew has a new name. Raises EngineError where there is no cluster, and later where no actor can be started.
 
     A call may run twice, even at a time: a node that can't be reached goes on for a while with a call that is answered
-    as lost. One answer is given.
+    as lost, and one whose process dies at once as it begins may be taken for one that had not begun. One answer is given.
     """
 
     depth = CALLS_A_WORKER

@@ -28,12 +28,14 @@ from .whole_file import write_whole
 #: s, before a task's time limit, at which it is stopped. Slurm may do so up to a minute earlier.
 STOP_BEFORE = 60
 
-# `kill -0` tells whether `wait` came back because of a signal: then the command still runs.
+# `kill -0` tells whether `wait` came back because of a signal: then the command still runs. SIGTERM comes to the command as
+# well, and is ignored by the shell, once that has started it: with a trap bash 5.2 ended with 255 once in 200 times when a
+# second one came, on a busy machine.
 _TASK = """\
 warned=
 trap 'warned=yes; kill -TERM "$!"' USR1
-trap : TERM
 {command} --engine local --workers "$SLURM_CPUS_PER_TASK" --part "$SLURM_ARRAY_TASK_ID/{tasks}" &
+trap '' TERM
 while wait "$!"; kill -0 "$!" 2>/dev/null; do :; done
 wait "$!"
 status=$?
