@@ -13,7 +13,7 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
@@ -74,10 +74,11 @@ def calls_at_a_time(engine: Engine) -> int:
     return engine.depth * max(1, engine.places())
 
 
-def best_for(worker: str, calls: Sequence[Call]) -> int | None:
+def best_for(worker: str, calls: Iterable[Call]) -> int | None:
     """Index of the call that a worker should answer: one that prefers it, else one that prefers none, else any."""
-    mine = (index for index, call in enumerate(calls) if worker not in call.avoid)
-    return min(mine, key=lambda index: (calls[index].prefer != worker, calls[index].prefer != ""), default=None)
+    mine = ((call.prefer != worker, call.prefer != "", i) for i, call in enumerate(calls) if worker not in call.avoid)
+    best = min(mine, default=None)
+    return None if best is None else best[-1]
 
 
 class EngineError(EnsembleError):

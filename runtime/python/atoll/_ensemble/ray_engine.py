@@ -39,7 +39,8 @@ from pathlib import Path
 from typing import Any
 
 from . import stopping
-from .engines import STOP_WITHIN, Answer, Call, EngineError, best_for, calls_at_a_time
+from .engines import STOP_WITHIN, Answer, Call, EngineError, best_for
+from .worker import answer, unsendable
 
 #: s, for which what is known of nodes is taken to hold.
 NODES_HOLD = 2.0
@@ -93,6 +94,9 @@ class RayEngine:
 
     def places(self) -> int:
         self._read_nodes()
+        return self._known_places()
+
+    def _known_places(self) -> int:
         return self._asked_for if self._asked_for is not None else sum(node.cpus for node in self._nodes)
 
     def submit(self, call: Call) -> None:
@@ -145,7 +149,7 @@ class RayEngine:
         # Ray may not say so for as long as a connection to the node is taken for good, 5 minutes or more.
         ids = {node["NodeID"] for node in living}
         for worker in [worker for worker in self._workers if worker.node and worker.node not in ids]:
-            self._lose(worker, f"{worker.name} was lost: its node died, or can't be reached")
+            self._lose(worker, "its node died, or can't be reached")
         for worker in [worker for worker in self._workers if worker.node in draining]:
             worker.is_leaving = True
             worker.ask()
@@ -155,7 +159,7 @@ class RayEngine:
 
     def _fit_workers(self) -> None:
         # One where there is no node, for an autoscaler to see.
-        wanted = self._asked_for if self._asked_for is not None else max(1, sum(node.cpus for node in self._nodes))
+        wanted = max(1, self._known_places())
         self._workers += [_Worker(self._actor.remote()) for _ in range(wanted - len(self._workers))]
         idle = sorted((worker for worker in self._workers if not worker.calls), key=lambda worker: worker.name != "")
         for worker in idle[: max(0, len(self._workers) - wanted)]:
@@ -172,7 +176,7 @@ class RayEngine:
                 if not self._waiting:
                     return
                 if worker.can_take(had):
-                    index = best_for(worker.name, [task.call for task in self._waiting])
+                    index = best_for(worker.name, (task.call for task in self._waiting))
                     if index is not None:
                         worker.begin(self._waiting.pop(index))
 
@@ -197,40 +201,42 @@ class RayEngine:
         try:
             said = self._ray.get(reference)
         except errors.RayError as raised:
-            if not worker.name or not isinstance(raised, errors.RayTaskError):
-                self._lose(worker, _why(raised, worker.name))
-                self._note_start(worker, raised)
-                return
-            said = (self._pickle((None, EngineError(f"{worker.name} can't run calls: {raised}"))), 0.0)
+            if not worker.name:
+                self._end(worker)
+                self._note_failed_start(raised)
+            elif isinstance(raised, errors.RayTaskError):
+                error = EngineError(f"{worker.name} can't run calls: {raised}")
+                self._answers.append(Answer(worker.took().call.ticket, worker.name, error=error))
+            else:
+                self._lose(worker, _why(raised))
+            return
         if not worker.name:
             worker.is_at(*said)
-            self._note_start(worker, None)
-            return
-        task = worker.took()
-        if said is None:
-            self._waiting.insert(0, task)
-            return
-        pickled, seconds = said
+            self._failed_starts = 0
+        elif said is None:
+            self._waiting.insert(0, worker.took())
+        else:
+            self._answer(worker, *said)
+
+    def _answer(self, worker: _Worker, pickled: bytes, seconds: float) -> None:
         try:
             value, error = self._unpickle(pickled)
         except Exception as raised:
             value, error = None, RuntimeError(f"what {worker.name} answered can't be read: {raised!r}")
         worker.is_quick = seconds < QUICK
-        self._answers.append(Answer(task.call.ticket, worker.name, value, error, seconds=seconds))
+        self._answers.append(Answer(worker.took().call.ticket, worker.name, value, error, seconds=seconds))
 
-    def _note_start(self, worker: _Worker, failure: Any) -> None:
-        if failure is None:
-            self._failed_starts = 0
-        elif not worker.name:
-            self._failed_starts += 1
-            if getattr(failure, "actor_init_failed", False) or self._failed_starts == MOST_FAILED_STARTS:
-                raise EngineError(f"nodes can't run calls: {failure}")
+    def _note_failed_start(self, failure: Exception) -> None:
+        self._failed_starts += 1
+        if getattr(failure, "actor_init_failed", False) or self._failed_starts == MOST_FAILED_STARTS:
+            raise EngineError(f"nodes can't run calls: {failure}")
 
     def _lose(self, worker: _Worker, why: str) -> None:
         """What ran there is lost, and what had not begun goes elsewhere."""
         if worker.calls:
             spent = time.monotonic() - worker.begun
-            self._answers.append(Answer(worker.calls[0].task.call.ticket, worker.name, lost=why, seconds=spent))
+            lost = f"{worker.name} was lost: {why}"
+            self._answers.append(Answer(worker.calls[0].task.call.ticket, worker.name, lost=lost, seconds=spent))
             self._waiting[:0] = [sent.task for sent in list(worker.calls)[1:]]
         self._end(worker)
 
@@ -259,19 +265,14 @@ class _Process:
         if number <= self._ended:
             return None
         cloudpickle = importlib.import_module("ray.cloudpickle")
-        begin = time.perf_counter()
-        value, error = None, None
         try:
-            function, arguments = cloudpickle.loads(pickled)
-            begin = time.perf_counter()
-            value = function(*arguments)
+            value, error, seconds = answer(*cloudpickle.loads(pickled))
         except Exception as raised:
-            error = raised
-        seconds = time.perf_counter() - begin
+            value, error, seconds = None, raised, 0.0
         try:
             return cloudpickle.dumps((value, error)), seconds
         except Exception as raised:
-            return cloudpickle.dumps((None, RuntimeError(f"{error or value!r}: {raised}"))), seconds
+            return cloudpickle.dumps((None, unsendable(value, error, raised))), seconds
 
     def end(self, number: int) -> None:
         """Asks calls up to this one to come to an end soon."""
@@ -359,9 +360,9 @@ def _draining_nodes() -> set[str]:
         return set()
 
 
-def _why(lost: Exception, worker: str) -> str:
+def _why(lost: Exception) -> str:
     said = str(lost).strip().splitlines()
-    return f"{worker or 'a node'} was lost: {textwrap.shorten(said[-1] if said else type(lost).__name__, 200)}"
+    return textwrap.shorten(said[-1] if said else type(lost).__name__, 200)
 
 
 def _import_ray() -> Any:

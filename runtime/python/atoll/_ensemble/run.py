@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,7 +11,7 @@ from typing import Any
 from .driver import Driver, Options, Tally, Watcher
 from .engines import Engine, EngineError, LocalEngine
 from .job import Moment
-from .plan import PlanError, read_plan
+from .plan import Plan, PlanError, read_plan
 from .store import Store, StoreError, read_results, read_series
 from .table import Table, has_parquet, make_series, make_table
 
@@ -85,11 +85,10 @@ def run_ensemble(
                 used.close()
         results = {key: result.row for key, result in store.results().items()}
         done = [results[key] for key in driver.keys() if key in results]
-        tables = {}
+        tables: dict[str, Table] = {}
         if part is None:
-            tables["results.csv"] = make_table(read, driver.keys(), results)
-            if read.keep.series:
-                tables["series.csv"] = make_series(driver.keys(), results, dict(store.series(driver.keys())))
+            series = dict(store.series(driver.keys())) if read.keep.series else {}
+            tables = _tables(read, driver.keys(), results, series)
         return Outcome(
             tally=driver.tally,
             finished=finished,
@@ -119,11 +118,19 @@ def gather(plan: str | Path | Mapping[str, Any], out: Path, parquet: bool | None
         if read.keep.series:
             series |= read_series(path, found)
     keys = dict.fromkeys(job.key for job in read.jobs())
-    table = make_table(read, keys, rows)
-    tables = {"results.csv": table}
-    if read.keep.series:
-        tables["series.csv"] = make_series(keys, rows, series)
+    tables = _tables(read, keys, rows, series)
+    table = tables["results.csv"]
     return table, _write(tables, out, _wants_parquet(parquet)), len(keys) - len(table.rows)
+
+
+def _tables(
+    plan: Plan, keys: Collection[str], results: Mapping[str, Mapping[str, Any]], series: Mapping[str, list[Moment]]
+) -> dict[str, Table]:
+    """By the names of their files."""
+    tables = {"results.csv": make_table(plan, keys, results)}
+    if plan.keep.series:
+        tables["series.csv"] = make_series(keys, results, series)
+    return tables
 
 
 def _write(tables: Mapping[str, Table], out: Path, parquet: bool) -> list[Path]:

@@ -7,6 +7,7 @@ import multiprocessing.connection
 import signal
 import sys
 import time
+from collections.abc import Callable
 from typing import Any
 
 from . import stopping
@@ -26,19 +27,29 @@ def serve(descriptor: int) -> None:
         except EOFError:
             return
         stopping.forget()
-        begin = time.perf_counter()
-        value, error = None, None
-        try:
-            value = function(*arguments)
-        except Exception as raised:
-            error = raised
-        seconds = time.perf_counter() - begin
+        value, error, seconds = answer(function, arguments)
         try:
             connection.send((value, error, seconds))
         except OSError:
             return
         except Exception as raised:  # that can't be pickled
-            connection.send((None, RuntimeError(f"{error or value!r}: {raised}"), seconds))
+            connection.send((None, unsendable(value, error, raised), seconds))
+
+
+def answer(function: Callable[..., Any], arguments: tuple[Any, ...]) -> tuple[Any, Exception | None, float]:
+    """A value, or what the function raised, and the seconds that it took."""
+    begin = time.perf_counter()
+    value, error = None, None
+    try:
+        value = function(*arguments)
+    except Exception as raised:
+        error = raised
+    return value, error, time.perf_counter() - begin
+
+
+def unsendable(value: Any, error: Exception | None, why: Exception) -> RuntimeError:
+    """What is told instead of an answer that can't be pickled."""
+    return RuntimeError(f"{error or value!r}: {why}")
 
 
 if __name__ == "__main__":
