@@ -342,7 +342,8 @@ def test_two_can_not_run_it_at_once(tmp_path: Path) -> None:
 def stopped_midway(out: Path) -> None:
     """An ensemble of which some jobs are done, and some have snapshots."""
     asked = iter(range(40))
-    outcome = run(out, interval=0.01, stop=lambda: next(asked, None) is None)
+    # Without second runs, which have snapshots of their own: all that is under way is of jobs that aren't done.
+    outcome = run(out, interval=0.01, verify=0, stop=lambda: next(asked, None) is None)
     assert not outcome.finished
 
 
