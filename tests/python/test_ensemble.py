@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import fcntl
 import importlib
+import itertools
 import json
 import math
 import os
@@ -13,20 +14,21 @@ import resource
 import signal
 import subprocess
 import sys
-import threading
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
+from unittest import mock
 
 import numpy as np
 import pytest
 
 import atoll
-from atoll._ensemble import EnsembleError
-from atoll._ensemble.driver import MOST_LOSSES, Options
+from atoll._ensemble import EnsembleError, stopping
+from atoll._ensemble.driver import MOST_LOSSES, Options, Tally
 from atoll._ensemble.engines import Answer, Call, LocalEngine
-from atoll._ensemble.job import make_scene
+from atoll._ensemble.job import Part, make_scene, run_part
 from atoll._ensemble.plan import PlanError, read_plan
 from atoll._ensemble.run import Outcome, gather, run_ensemble
 from atoll._ensemble.store import Store
@@ -45,6 +47,7 @@ PLAN: dict[str, Any] = {
     "keep": {"observables": ["max_height", "mean_speed"], "series": 30},
 }
 JOBS = 16
+HANGS = 600  #: s, after which what should have ended is taken to hang
 
 
 class Tables(NamedTuple):
@@ -54,8 +57,7 @@ class Tables(NamedTuple):
 
 def run(out: Path, plan: dict[str, Any] = PLAN, **options: Any) -> Outcome:
     engine = options.pop("engine", "local")
-    stop = options.pop("stop", lambda: False)
-    return run_ensemble(plan, out, engine=engine, workers=2, parquet=False, stop=stop, options=Options(**options))
+    return run_ensemble(plan, out, engine=engine, workers=2, parquet=False, options=Options(**options))
 
 
 def tables(out: Path) -> Tables:
@@ -197,6 +199,27 @@ def this_module(monkeypatch: pytest.MonkeyPatch) -> str:
     return Path(__file__).stem
 
 
+def run_steps(*arguments: Any) -> Part:
+    """run_part() by a clock that goes on by 1 s with each step, so that no part's length depends on the machine."""
+    clock = itertools.count()
+    with mock.patch("time.perf_counter", lambda: float(next(clock))):
+        return run_part(*arguments)
+
+
+class StepEngine(LocalEngine):
+    """An ensemble's `interval` is a number of steps here."""
+
+    def submit(self, call: Call) -> None:
+        super().submit(replace(call, function=run_steps))
+
+
+@pytest.fixture
+def step_engine(this_module: str) -> Iterator[StepEngine]:
+    made = StepEngine(2)
+    yield made
+    made.close()
+
+
 def test_functions_of_the_plan_are_called(tmp_path: Path, this_module: str) -> None:
     plan = {
         "scene": "pile:bodies=3",
@@ -216,12 +239,12 @@ def test_functions_of_the_plan_are_called(tmp_path: Path, this_module: str) -> N
     assert "raise_always: RuntimeError: this one never works" in failing.table.rows[0]["why"]
 
 
-def test_states_and_recordings_are_kept(tmp_path: Path, undisturbed: Tables) -> None:
+def test_states_and_recordings_are_kept(tmp_path: Path, step_engine: StepEngine) -> None:
     plan = {"scene": "pile:bodies=5", "steps": 60, "keep": {"state": True, "recording": True}}
-    run(tmp_path, plan, interval=0.001)
+    run(tmp_path, plan, engine=step_engine, interval=20)
     [job] = read_plan(plan).jobs()
     recordings = sorted((tmp_path / "recordings" / job.key).iterdir())
-    assert len(recordings) > 1
+    assert len(recordings) == 3
     results = [atoll.replay(str(path)) for path in recordings]
     assert sum(result.steps for result in results) == 60
     assert all(result.divergence is None for result in results)
@@ -241,9 +264,11 @@ def test_a_second_run_computes_nothing(tmp_path: Path, undisturbed: Tables) -> N
 
 
 @pytest.mark.parametrize("shared", [True, False])
-@pytest.mark.parametrize("interval", [0.001, 0.02])
-def test_parts_come_to_the_same(tmp_path: Path, undisturbed: Tables, shared: bool, interval: float) -> None:
-    outcome = run(tmp_path, shared=shared, interval=interval)
+@pytest.mark.parametrize("steps", [1, 20])
+def test_parts_come_to_the_same(
+    tmp_path: Path, undisturbed: Tables, step_engine: StepEngine, shared: bool, steps: int
+) -> None:
+    outcome = run(tmp_path, engine=step_engine, shared=shared, interval=steps)
     assert outcome.tally.snapshots > JOBS
     assert tables(tmp_path) == undisturbed
 
@@ -257,42 +282,43 @@ def test_shares_of_a_plan_make_one_table(tmp_path: Path, undisturbed: Tables) ->
     assert tables(tmp_path) == undisturbed
 
 
-class Killer:
-    """Kills workers of an engine at random times."""
+class Killing(LocalEngine):
+    """Kills workers as calls come and go. One that was killed is let alone until it has answered a call, so that all
+    get on, however long they take to start.
+    """
 
-    def __init__(self, engine: LocalEngine, every: float) -> None:
-        self._engine = engine
-        self._every = every
-        self._end = threading.Event()
-        self._thread = threading.Thread(target=self._run)
+    def __init__(self) -> None:
+        super().__init__(2)
+        self._chance = random.Random(1)
+        self._at_work: set[int] = set()  # places that answered since they were started
         self.killed = 0
 
-    def __enter__(self) -> Killer:
-        self._thread.start()
-        return self
+    def submit(self, call: Call) -> None:
+        self._kill()
+        super().submit(call)
 
-    def __exit__(self, *reason: object) -> None:
-        self._end.set()
-        self._thread.join()
+    def wait(self, timeout: float) -> list[Answer]:
+        answers = super().wait(timeout)
+        self._at_work |= {int(answer.worker.rpartition("/")[2]) for answer in answers if not answer.lost}
+        self._kill()
+        return answers
 
-    def _run(self) -> None:
-        chance = random.Random(1)
-        while not self._end.wait(chance.expovariate(1 / self._every)):
-            try:
-                os.kill(chance.choice(self._engine.process_ids()), signal.SIGKILL)
+    def _kill(self) -> None:
+        for place in sorted(self._at_work):
+            if self._chance.random() < 0.2:
+                time.sleep(self._chance.uniform(0, 0.02))  # into a part
+                os.kill(self.process_ids()[place], signal.SIGKILL)
+                self._at_work.discard(place)
                 self.killed += 1
-            except ProcessLookupError:
-                pass
 
 
 def test_workers_may_be_killed(tmp_path: Path, undisturbed: Tables) -> None:
-    engine = LocalEngine(2)
+    engine = Killing()
     try:
-        with Killer(engine, 0.7) as killer:
-            outcome = run(tmp_path, engine=engine, interval=0.02)
+        outcome = run(tmp_path, engine=engine, interval=0.02)
     finally:
         engine.close()
-    assert killer.killed > 0 and outcome.done == JOBS and not outcome.given_up
+    assert engine.killed > 0 and outcome.done == JOBS and not outcome.given_up
     assert tables(tmp_path) == undisturbed
 
 
@@ -300,21 +326,51 @@ def command(*words: object) -> list[str]:
     return [sys.executable, "-m", "atoll", "ensemble", *map(str, words)]
 
 
-def test_the_driver_may_be_killed_and_stopped(tmp_path: Path, undisturbed: Tables) -> None:
-    plan = tmp_path / "plan.json"
-    plan.write_text(json.dumps(PLAN))
-    words = command(plan, "--out", tmp_path, "--workers", 2, "--interval", 0.02, "--csv-only")
-    for number in (signal.SIGKILL, signal.SIGTERM, signal.SIGINT):
-        process = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
-        time.sleep(1.2)
+def wait_at_a_gate(scene: atoll.Scene, parameters: dict[str, Any]) -> None:
+    """A "setup" that lets no job go on before the gate's file is there."""
+    gate = Path(os.environ["ATOLL_TEST_GATES"]) / str(parameters["user.gate"])
+    gate.with_suffix(".reached").touch()
+    while not gate.exists() and not stopping.asked():
+        time.sleep(0.01)
+
+
+def test_the_driver_may_be_killed_and_stopped(tmp_path: Path, this_module: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ATOLL_TEST_GATES", str(tmp_path))
+    signals = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
+    gates = [
+        {"scene": "pile:bodies=3", "steps": 20, "setup": f"{this_module}:wait_at_a_gate", "parameters": {"user.gate": [gate]}}
+        for gate in range(len(signals))
+    ]
+    first, second = PLAN["studies"]
+    gated = {**PLAN, "studies": [first, gates[0], second, gates[1], {"scene": "pile:bodies=20", "seeds": 4}, gates[2]]}
+    jobs = JOBS + 4 + len(gates)
+    plan, out = tmp_path / "plan.json", tmp_path / "out"
+    plan.write_text(json.dumps(gated))
+    words = command(plan, "--out", out, "--workers", 2, "--interval", 0.02, "--csv-only")
+    for gate, number in enumerate(signals):
+        reached = tmp_path / f"{gate}.reached"
+        reached.unlink(missing_ok=True)  # by the worker that the gate did not hold back
+        process = subprocess.Popen(
+            words,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # which a shell's background ignores
+        )
+        while not reached.exists():
+            assert process.poll() is None
+            time.sleep(0.01)
         process.send_signal(number)
-        _, said = process.communicate(timeout=30)
-        if number != signal.SIGKILL and process.returncode != 0:
+        _, said = process.communicate(timeout=HANGS)
+        if number == signal.SIGKILL:
+            assert process.returncode == -signal.SIGKILL
+        else:
             assert process.returncode == 128 + number
             assert b"the same command goes on" in said
+        (tmp_path / str(gate)).touch()
     done = subprocess.run(words, check=True, capture_output=True, text=True)
-    assert f"{JOBS} of {JOBS} jobs done" in done.stdout
-    assert tables(tmp_path) == undisturbed
+    assert f"{jobs} of {jobs} jobs done" in done.stdout
+    run(tmp_path / "at once", gated)
+    assert tables(out) == tables(tmp_path / "at once")
 
 
 def test_a_job_whose_workers_always_die_is_given_up(tmp_path: Path, this_module: str) -> None:
@@ -339,12 +395,28 @@ def test_two_can_not_run_it_at_once(tmp_path: Path) -> None:
 # --- What happens to files
 
 
+def stop_once(out: Path, enough: Callable[[Tally], bool], **options: Any) -> None:
+    """Stops an ensemble as soon as enough is done. Without second runs, which have snapshots of their own: all that is
+    under way is of jobs that aren't done.
+    """
+    told: list[bool] = []
+    outcome = run_ensemble(
+        PLAN,
+        out,
+        workers=2,
+        parquet=False,
+        options=Options(verify=0, **options),
+        watch=lambda tally, under_way: told.append(enough(tally)),
+        stop=lambda: any(told),
+    )
+    assert not outcome.finished
+
+
 def stopped_midway(out: Path) -> None:
     """An ensemble of which some jobs are done, and some have snapshots."""
-    asked = iter(range(40))
-    # Without second runs, which have snapshots of their own: all that is under way is of jobs that aren't done.
-    outcome = run(out, interval=0.01, verify=0, stop=lambda: next(asked, None) is None)
-    assert not outcome.finished
+    stop_once(out, lambda tally: tally.done > 0)
+    # Each part is one step: no job can be done by then.
+    stop_once(out, lambda tally: tally.snapshots > 8, interval=0)
 
 
 @pytest.mark.parametrize("harm", ["flip", "cut", "empty", "remove"])
@@ -561,7 +633,7 @@ def engine() -> Iterator[LocalEngine]:
 
 def answers_of(engine: LocalEngine, count: int) -> list[Answer]:
     found: list[Answer] = []
-    end = time.monotonic() + 20
+    end = time.monotonic() + HANGS
     while len(found) < count and time.monotonic() < end:
         found += engine.wait(0.5)
     return found

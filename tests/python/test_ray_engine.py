@@ -22,6 +22,7 @@ from atoll._ensemble.ray_engine import RayEngine, _Process  # noqa: E402
 from atoll._ensemble.whole_file import write_whole  # noqa: E402
 
 PLACES = 3
+HANGS = 600  #: s, after which what should have come is taken to hang
 
 
 @pytest.fixture(scope="module")
@@ -31,7 +32,7 @@ def cluster() -> Iterator[Any]:
         patch.setenv("RAY_AUTH_MODE", "disabled")  # else Ray writes a token into the home directory
         patch.setenv("RAY_USAGE_STATS_ENABLED", "0")
         patch.delenv("RAY_ADDRESS", raising=False)
-        for setting, value in (("initial_delay_ms", 500), ("period_ms", 500), ("failure_threshold", 3)):
+        for setting, value in (("initial_delay_ms", 500), ("period_ms", 500), ("failure_threshold", 20)):
             patch.setenv(f"RAY_health_check_{setting}", str(value))
         paths = [str(Path(__file__).parent), *filter(None, [os.environ.get("PYTHONPATH")])]
         patch.setenv("PYTHONPATH", os.pathsep.join(paths))  # of processes that import this module
@@ -56,15 +57,15 @@ def engine(cluster: Any) -> Iterator[RayEngine]:
     assert ray.is_initialized()  # for it was not the engine's
 
 
-def answers_of(engine: RayEngine, calls: list[Call], within: float = 20) -> dict[int, Answer]:
+def answers_of(engine: RayEngine, calls: list[Call]) -> dict[int, Answer]:
     for call in calls:
         engine.submit(call)
-    return rest_of(engine, len(calls), within)
+    return rest_of(engine, len(calls))
 
 
-def rest_of(engine: RayEngine, count: int, within: float = 20) -> dict[int, Answer]:
+def rest_of(engine: RayEngine, count: int) -> dict[int, Answer]:
     found: dict[int, Answer] = {}
-    end = time.monotonic() + within
+    end = time.monotonic() + HANGS
     while len(found) < count and time.monotonic() < end:
         for answer in engine.wait(0.5):
             assert answer.ticket not in found
@@ -74,7 +75,7 @@ def rest_of(engine: RayEngine, count: int, within: float = 20) -> dict[int, Answ
 
 
 def wait_for(path: Path) -> None:
-    end = time.monotonic() + 20
+    end = time.monotonic() + HANGS
     while not path.exists():
         assert time.monotonic() < end
         time.sleep(0.02)
@@ -87,7 +88,7 @@ def names() -> set[str]:
 def wait_for_workers(engine: RayEngine) -> None:
     """Until each node has answered."""
     found: set[str] = set()
-    end = time.monotonic() + 30
+    end = time.monotonic() + HANGS
     while found != names():
         assert time.monotonic() < end
         found |= {answer.worker for answer in answers_of(engine, [Call(i, time.sleep, (0.1,)) for i in range(9)]).values()}
@@ -118,19 +119,19 @@ def answer_function() -> Any:
     return sys._getframe()
 
 
-def die() -> None:
-    time.sleep(0.5)  # until the answer before has been sent
+def die(told: Path) -> None:
+    wait_for(told)
     os.kill(os.getpid(), signal.SIGKILL)
 
 
 def hang(mark: Path) -> None:
     write_whole(mark, str(os.getpid()).encode())
-    time.sleep(60)
+    time.sleep(HANGS)
 
 
 def work_until_asked(mark: Path) -> str:
     mark.touch()
-    end = time.monotonic() + 30
+    end = time.monotonic() + HANGS
     while not stopping.asked() and time.monotonic() < end:
         time.sleep(0.02)
     return "asked" if stopping.asked() else "never asked"
@@ -142,10 +143,12 @@ def is_asked() -> bool:
 
 def test_each_call_has_one_answer(engine: RayEngine) -> None:
     assert engine.places() == PLACES
+    begin = time.monotonic()
     answers = answers_of(engine, [Call(i, square, (i,)) for i in range(20)])
+    taken = time.monotonic() - begin
     assert {ticket: answer.value for ticket, answer in answers.items()} == {i: i * i for i in range(20)}
     assert {answer.worker for answer in answers.values()} <= names()
-    assert all(answer.error is None and not answer.lost and answer.seconds < 1 for answer in answers.values())
+    assert all(answer.error is None and not answer.lost and 0 < answer.seconds < taken for answer in answers.values())
     assert engine.wait(0.1) == []
 
 
@@ -167,14 +170,16 @@ def test_what_a_function_raises(engine: RayEngine) -> None:
 
 
 def test_a_process_that_is_killed_loses_its_call_alone(engine: RayEngine, tmp_path: Path) -> None:
-    mark = tmp_path / "mark"
+    mark, told = tmp_path / "mark", tmp_path / "told"
     engine.submit(Call(0, hang, (mark,)))
     for i in range(1, 9):
         engine.submit(Call(i, square, (i,)))
-    engine.submit(Call(9, die))
+    engine.submit(Call(9, die, (told,)))
     wait_for(mark)
     os.kill(int(mark.read_text()), signal.SIGKILL)
-    answers = rest_of(engine, 10)
+    answers = rest_of(engine, 9)
+    told.touch()  # all answers before it have been sent
+    answers |= rest_of(engine, 1)
     for ticket in (0, 9):
         assert answers[ticket].worker in names()
         assert answers[ticket].lost.startswith(f"{answers[ticket].worker} was lost: The actor is dead because its worker")
@@ -225,9 +230,8 @@ def test_stop_asks_what_is_under_way_and_drops_the_rest(engine: RayEngine, tmp_p
         engine.submit(Call(i, work_until_asked, (mark,)))
     for mark in marks[:PLACES]:
         wait_for(mark)
-    begin = time.monotonic()
     answers = engine.stop()
-    assert time.monotonic() - begin < 5
+    # Nothing ends by itself before it is taken to hang.
     assert {answer.ticket: answer.value for answer in answers} == {i: "asked" for i in range(PLACES)}
     assert engine.wait(0.2) == []
     assert not any(mark.exists() for mark in marks[PLACES:])
@@ -242,7 +246,7 @@ def test_stop_kills_what_does_not_listen(engine: RayEngine, tmp_path: Path, monk
     wait_for(mark)
     begin = time.monotonic()
     assert engine.stop() == []
-    assert 0.5 <= time.monotonic() - begin < 3
+    assert 0.5 <= time.monotonic() - begin < HANGS
     assert answers_of(engine, [Call(1, square, (2,))])[1].value == 4
 
 
@@ -299,7 +303,7 @@ def test_a_node_that_drains_is_emptied(cluster: Any, engine: RayEngine, tmp_path
     assert engine.places() == PLACES
     answers = answers_of(engine, [Call(i, square, (i,)) for i in range(20)])
     assert {answer.worker for answer in answers.values()} <= before
-    end = time.monotonic() + 20
+    end = time.monotonic() + HANGS
     while new in names():  # its actor has ended, so it may leave
         assert time.monotonic() < end
         assert engine.wait(0.2) == []

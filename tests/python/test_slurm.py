@@ -25,7 +25,7 @@ def stop(*_):
 signal.signal(signal.SIGTERM, stop)
 print(words, flush=True)
 if when == "stopped":
-    time.sleep(60)
+    time.sleep(600)
 sys.exit(int(status))
 """
 
@@ -102,7 +102,7 @@ def test_scripts_ask_for_an_array_and_a_job_that_gathers(directory: Path) -> Non
 @pytest.mark.parametrize("status", [0, 1, 143])
 def test_a_task_runs_its_part_and_ends_as_that_does(directory: Path, status: int) -> None:
     task = start_task(write(directory, status=status))
-    out, _ = task.communicate(timeout=60)
+    out, _ = task.communicate(timeout=600)
     assert out == f"{[*words(directory), '--engine', 'local', '--workers', '3', '--part', '5/8']}\n"
     assert task.returncode == status
 
@@ -112,7 +112,7 @@ def test_near_its_time_limit_a_task_is_stopped_and_queued_again_if_it_has_more_t
     task = start_task(write(directory, status=status, when="stopped"))
     first_line(task)
     os.kill(task.pid, signal.SIGUSR1)
-    out, _ = task.communicate(timeout=60)
+    out, _ = task.communicate(timeout=600)
     assert out == "stopped\n" + ("scontrol requeue 70_5\n" if status == 143 else "")
     assert task.returncode == status
 
@@ -124,7 +124,7 @@ def test_a_task_that_slurm_ends_stops_once_and_is_not_queued_again(directory: Pa
     time.sleep(0.2)
     assert task.poll() is None
     os.killpg(task.pid, signal.SIGTERM)
-    out, _ = task.communicate(timeout=60)
+    out, _ = task.communicate(timeout=600)
     assert out == "stopped\n"
     assert task.returncode == 143
 
