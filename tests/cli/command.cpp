@@ -64,12 +64,18 @@ RunningProgram::~RunningProgram() {
 void RunningProgram::send(int signal) const { kill(child_, signal); }
 
 bool RunningProgram::catches(int signal) const {
+  const std::string caught = value_of("SigCgt:");
+  return !caught.empty() && (std::stoull(caught, nullptr, 16) >> (signal - 1) & 1) != 0;
+}
+
+bool RunningProgram::has_ended() const { return value_of("State:").starts_with("\tZ"); }
+
+std::string RunningProgram::value_of(const std::string& name) const {
   std::istringstream status(read_text("/proc/" + std::to_string(child_) + "/status"));
-  const std::string name = "SigCgt:";
   for (std::string line; std::getline(status, line);) {
-    if (line.starts_with(name)) return (std::stoull(line.substr(name.size()), nullptr, 16) >> (signal - 1) & 1) != 0;
+    if (line.starts_with(name)) return line.substr(name.size());
   }
-  return false;
+  return "";
 }
 
 std::string RunningProgram::err() const { return read_text(scratch_.path("err")); }
@@ -84,7 +90,7 @@ CommandResult RunningProgram::finish() {
 
 void wait_until(const std::function<bool()>& holds) {
   using Clock = std::chrono::steady_clock;
-  const Clock::time_point end = Clock::now() + std::chrono::minutes(1);
+  const Clock::time_point end = Clock::now() + std::chrono::minutes(10);
   while (!holds()) {
     ASSERT_LT(Clock::now(), end) << "waited for too long";
     std::this_thread::sleep_for(std::chrono::milliseconds(1));

@@ -50,16 +50,20 @@ class RunningProgram {
   void send(int signal) const;
   /// Whether it has a handler for the signal by now.
   bool catches(int signal) const;
+  bool has_ended() const;
   std::string err() const;  ///< so far
   CommandResult finish();   ///< waits for its end
 
  private:
+  /// Of its status, as /proc has it; "" where there is no such line.
+  std::string value_of(const std::string& name) const;
+
   ScratchDirectory scratch_;
   pid_t child_ = 0;
 };
 
 RunningProgram start_atoll(const std::vector<std::string>& arguments);
-/// Waits for something that a program does; fails the test if it takes more than a minute.
+/// Waits for something that a program does; fails the test if it takes more than ten minutes.
 void wait_until(const std::function<bool()>& holds);
 
 std::string read_text(const std::string& path);

@@ -22,12 +22,15 @@ CommandResult shell(const std::string& script, const std::vector<std::string>& a
   return run_program(words);
 }
 
+// What makes a pipe's writer wait until its reader has gone.
+const std::string wait_for_its_end = "(trap '' PIPE; while echo; do :; done 2>/dev/null); ";
+
 TEST(CommandFiles, AClosedPipeEndsItWithoutAWord) {
   for (const std::string command : {"scenes", "run stack --steps 1", "run stack --steps 1 --format json --profile",
                                     "explain stack --steps 1", "verify stack --steps 1", "--help", "run --help"}) {
     SCOPED_TRACE(command);
-    // The reader has gone by the time that something is written.
-    const CommandResult result = shell("{ sleep 0.2; exec \"$0\" " + command + "; } | true; echo ${PIPESTATUS[0]}");
+    const CommandResult result =
+        shell("{ " + wait_for_its_end + "exec \"$0\" " + command + "; } | true; echo ${PIPESTATUS[0]}");
     EXPECT_EQ(result.out, "141\n") << "128 + SIGPIPE";
     EXPECT_EQ(result.err, "");
   }
@@ -36,8 +39,9 @@ TEST(CommandFiles, AClosedPipeEndsItWithoutAWord) {
 TEST(CommandFiles, AClosedPipeCostsNoFile) {
   const ScratchDirectory scratch;
   const CommandResult result = shell(
-      "{ sleep 0.2; exec \"$0\" run stack --steps 3 --record $1/rec --out $1/out --final-state $1/state; } | true; "
-      "echo ${PIPESTATUS[0]}",
+      "{ " + wait_for_its_end +
+          "exec \"$0\" run stack --steps 3 --record $1/rec --out $1/out --final-state $1/state; } | true; "
+          "echo ${PIPESTATUS[0]}",
       {scratch.path("")});
   EXPECT_EQ(result.out, "141\n");
   EXPECT_EQ(scratch.files(), (std::vector<std::string>{"out", "rec", "state"}));
@@ -46,7 +50,7 @@ TEST(CommandFiles, AClosedPipeCostsNoFile) {
 
 TEST(CommandFiles, WhereSigpipeIsIgnoredAClosedPipeIsAnError) {
   const CommandResult result =
-      shell("trap '' PIPE; { sleep 0.2; exec \"$0\" run stack --steps 1; } | true; echo ${PIPESTATUS[0]}");
+      shell("trap '' PIPE; { " + wait_for_its_end + "exec \"$0\" run stack --steps 1; } | true; echo ${PIPESTATUS[0]}");
   EXPECT_EQ(result.out, "2\n");
   EXPECT_EQ(lines_of(result.err).size(), 1u) << result.err;
   EXPECT_NE(result.err.find("Broken pipe"), std::string::npos) << result.err;
@@ -55,9 +59,9 @@ TEST(CommandFiles, WhereSigpipeIsIgnoredAClosedPipeIsAnError) {
 TEST(CommandFiles, ALostReaderOfMessagesChangesNothing) {
   const ScratchDirectory scratch;
   const CommandResult result = shell(
-      "{ sleep 0.2; \"$0\" sweep stack:height=2 stack:height=3 --substeps 1 --iterations 1 --steps 2 --repeats 1 "
-      "--time 1e-6 "
-      "--out $1/sweep 2>&1 >$1/text; echo $? >$1/status; } | true",
+      "{ " + wait_for_its_end +
+          "\"$0\" sweep stack:height=2 stack:height=3 --substeps 1 --iterations 1 --steps 2 --repeats 1 --time 1e-6 "
+          "--out $1/sweep 2>&1 >$1/text; echo $? >$1/status; } | true",
       {scratch.path("")});
   EXPECT_EQ(read_text(scratch.path("status")), "0\n");
   EXPECT_GT(size_of(scratch.path("sweep/index.html")), 0u);
