@@ -19,6 +19,7 @@
 #include "state/checksum.h"
 #include "support/bodies.h"
 #include "support/expect_error.h"
+#include "support/long_tests.h"
 #include "support/temporary_file.h"
 
 namespace atl::test {
@@ -453,6 +454,7 @@ TEST(SnapshotFile, SaysWhyItCannotBeReadOrWritten) {
   expect_refusal(whole.size() - 1, static_cast<char>(whole.back() + 1), {"checksum", "expected", "damaged"});
 }
 
+// Some of them; each in long tests.
 TEST(SnapshotFile, RefusesEveryCutAndEveryFlippedByte) {
   const TemporaryFile file(".snapshot");
   World world;
@@ -464,11 +466,11 @@ TEST(SnapshotFile, RefusesEveryCutAndEveryFlippedByte) {
   snapshot.write(file.path());
   const std::string whole = file.content();
   ASSERT_LT(whole.size(), 20'000u);
-  for (std::size_t length = 0; length < whole.size(); ++length) {
+  for (const std::size_t length : bytes_to_try(whole.size())) {
     file.set_content(whole.substr(0, length));
     EXPECT_THROW(Snapshot::read(file.path()), Error) << length << " of " << whole.size() << " bytes";
   }
-  for (std::size_t at = 0; at < whole.size(); ++at) {
+  for (const std::size_t at : bytes_to_try(whole.size())) {
     std::string bytes = whole;
     bytes[at] = static_cast<char>(bytes[at] ^ (1 << at % 8));
     file.set_content(bytes);
