@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "support/colliding.h"
+#include "support/least_turn.h"
 #include "support/placing.h"
 
 namespace atl::test {
@@ -153,7 +154,7 @@ TEST_P(ManifoldsOfFaces, HaveThreePointsOrFour) {
     const double depth = size * std::pow(10, random.between(-5, -2));
     a.pose = {random.vector(-1, 1), random.orientation()};
     const Vector3 normal = a.pose.orientation * on_a.face.normal;
-    const Quaternion facing(Eigen::Quaterniond::FromTwoVectors(b.pose.orientation * on_b.face.normal, -normal));
+    const Quaternion facing(least_turn(b.pose.orientation * on_b.face.normal, -normal));
     b.pose.orientation = turn(random.between(0, 2 * pi), normal) * facing;
     b.pose.position = random.vector(-1, 1);
 

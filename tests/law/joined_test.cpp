@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "support/joined_run.h"
+#include "support/least_turn.h"
 
 namespace atl::test {
 namespace {
@@ -128,7 +129,7 @@ TEST(Joined, AHingedRodLeansOnAWall) {
   const BodyId id = world.add_body(rod);
   const Vector3 tip = 2 * half * up;
   const BodyId wall = world.add_body(static_box({tip.x() - 0.05 - 0.5, 0, tip.z()}, {0.5, 1, 1}));
-  const Quaternion about_y = Quaternion::FromTwoVectors(Vector3::UnitX(), Vector3::UnitY());
+  const Quaternion about_y = least_turn(Vector3::UnitX(), Vector3::UnitY());
   const JointId hinge = world.add_joint({.kind = HingeJoint{},
                                          .first = foot,
                                          .second = id,

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "support/closed_form_run.h"
+#include "support/least_turn.h"
 
 namespace atl::test {
 namespace {
@@ -111,7 +112,7 @@ class CarriedTop {
     BodyState state;
     Vector3 place = centre_ - arm() * axis_;
     place.z() = radius;
-    state.pose = {place, Quaternion::FromTwoVectors(Vector3::UnitZ(), axis_)};
+    state.pose = {place, least_turn(Vector3::UnitZ(), axis_)};
     state.angular_velocity = spin_;
     return state;
   }

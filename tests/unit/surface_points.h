@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "support/least_turn.h"
 #include "support/random.h"
 
 namespace atl::test {
@@ -115,7 +116,7 @@ inline SurfacePoint random_surface_point(const Shape& shape, Random& random) {
 /// The pose of the second shape in the frame of the first that lays the points a gap apart, turned at random
 /// about the line between them.
 inline Pose facing(const SurfacePoint& first, const SurfacePoint& second, double gap, Random& random) {
-  const auto turn = Eigen::Quaterniond::FromTwoVectors(second.normal, -first.normal).normalized();
+  const auto turn = least_turn(second.normal, -first.normal).normalized();
   const Eigen::AngleAxisd twist(random.real(-3, 3), first.normal);
   const Quaternion orientation((Eigen::Quaterniond(twist) * turn).normalized());
   return {first.point + gap * first.normal - orientation * second.point, orientation};
