@@ -5,11 +5,8 @@
 
 #include "support/closed_form_run.h"
 
-namespace atl::test {
+namespace atl::test::analytic_joint_test {
 namespace {
-
-constexpr double dt = 1.0 / 60;  // s
-constexpr double g = 9.81;       // m/s^2
 
 Errors direct(std::string_view scene, double step = dt) {
   return run_closed_form(scene, {.joint_solver = JointSolver::Direct}, step);
@@ -105,4 +102,4 @@ TEST(AnalyticJoint, ChainCarriesWhatHangsOnIt) {
 }
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::analytic_joint_test

@@ -5,10 +5,8 @@
 
 #include "support/closed_form_run.h"
 
-namespace atl::test {
+namespace atl::test::analytic_scene_test {
 namespace {
-
-constexpr double dt = 1.0 / 60;  // s
 
 Settings substeps(int count) { return {.substeps = count}; }
 
@@ -140,4 +138,4 @@ TEST(AnalyticScene, TowerCarriesItsWeight) {
 }
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::analytic_scene_test

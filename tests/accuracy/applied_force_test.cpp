@@ -4,7 +4,7 @@
 
 #include "support/bodies.h"
 
-namespace atl::test {
+namespace atl::test::applied_force_test {
 namespace {
 
 constexpr double rounding = 1e-12;
@@ -61,4 +61,4 @@ TEST(AppliedForce, GivenInertiaReplacesTheShapes) {
 }
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::applied_force_test

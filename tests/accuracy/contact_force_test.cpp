@@ -7,7 +7,7 @@
 
 #include "support/bodies.h"
 
-namespace atl::test {
+namespace atl::test::contact_force_test {
 namespace {
 
 constexpr double share = 0.005;  ///< of the force expected: what a stack still moves after two seconds
@@ -106,4 +106,4 @@ TEST(ContactForces, NoneInFreeFallAndNoneAfterParting) {
 }
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::contact_force_test

@@ -12,7 +12,7 @@
 #include "support/bodies.h"
 #include "support/scene_run.h"
 
-namespace atl {
+namespace atl::contact_problem_test {
 namespace {
 
 constexpr Settings keeping{.keep_contact_problem = true};
@@ -129,4 +129,4 @@ TEST(ContactProblem, MoreSweepsComeNearer) {
 }
 
 }  // namespace
-}  // namespace atl
+}  // namespace atl::contact_problem_test

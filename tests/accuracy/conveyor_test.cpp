@@ -8,7 +8,7 @@
 
 #include "support/scene_run.h"
 
-namespace atl::test {
+namespace atl::test::conveyor_test {
 namespace {
 
 constexpr double friction = 0.5;
@@ -245,4 +245,4 @@ TEST(Conveyor, StartsAndStopsWhatSleepsOnIt) {
 }
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::conveyor_test

@@ -7,7 +7,7 @@
 
 #include "support/bodies.h"
 
-namespace atl::test {
+namespace atl::test::damping_test {
 namespace {
 
 constexpr double damping = 0.5;
@@ -63,4 +63,4 @@ TEST(Damping, LeavesTheOtherKindOfMotionAlone) {
 }
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::damping_test

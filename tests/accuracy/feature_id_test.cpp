@@ -8,7 +8,7 @@
 
 #include "support/scene_run.h"
 
-namespace atl::test {
+namespace atl::test::feature_id_test {
 namespace {
 
 // Share of points that had their id in the step before. Points of manifolds that were kept have theirs by
@@ -92,4 +92,4 @@ TEST(FeatureId, PersistsWhereFacesAreFlush) {
 }
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::feature_id_test

@@ -11,7 +11,7 @@
 #include "support/bodies.h"
 #include "support/least_turn.h"
 
-namespace atl::test {
+namespace atl::test::force_law_test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -184,4 +184,4 @@ TEST(ForceLaw, WhatRestsStaysAtRestUnderAForceThatChanges) {
 }
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::force_law_test

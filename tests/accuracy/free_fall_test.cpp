@@ -7,7 +7,7 @@
 
 #include "support/bodies.h"
 
-namespace atl::test {
+namespace atl::test::free_fall_test {
 namespace {
 
 constexpr int steps = 300;
@@ -84,4 +84,4 @@ TEST(FreeFall, OrientationStaysAUnitQuaternion) {
 }
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::free_fall_test

@@ -6,7 +6,7 @@
 
 #include "support/joined_run.h"
 
-namespace atl::test {
+namespace atl::test::hinge_motor_test {
 namespace {
 
 constexpr double torque = 10;  // N m, of the motor
@@ -84,4 +84,4 @@ INSTANTIATE_TEST_SUITE_P(Solvers, HingeMotorTest, testing::Values(JointSolver::I
                          [](const auto& solver) { return solver_name(solver.param); });
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::hinge_motor_test

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-namespace atl::test {
+namespace atl::test::incline_test {
 namespace {
 
 constexpr double friction = 0.5;
@@ -53,4 +53,4 @@ TEST_P(InclineTest, ContactForceBalancesTheWeight) {
 INSTANTIATE_TEST_SUITE_P(Tilts, InclineTest, testing::Values(Tilt::Gravity, Tilt::Ground), tilt_name);
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::incline_test

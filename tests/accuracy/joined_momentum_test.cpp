@@ -10,7 +10,7 @@
 
 #include "support/joined_run.h"
 
-namespace atl::test {
+namespace atl::test::joined_momentum_test {
 namespace {
 
 // Parts pass each other: contacts have levers of their own.
@@ -61,4 +61,4 @@ INSTANTIATE_TEST_SUITE_P(Solvers, JoinedMomentumTest, testing::Values(JointSolve
                          [](const auto& solver) { return solver_name(solver.param); });
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::joined_momentum_test

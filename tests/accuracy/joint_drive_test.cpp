@@ -10,7 +10,7 @@
 #include "support/joined_run.h"
 #include "support/least_turn.h"
 
-namespace atl::test {
+namespace atl::test::joint_drive_test {
 namespace {
 
 constexpr double mass = 2;  // kg
@@ -240,4 +240,4 @@ TEST(JointDrives, ABounceWithinAChainKeepsItTogether) {
 }
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::joint_drive_test

@@ -6,7 +6,7 @@
 
 #include "support/joined_run.h"
 
-namespace atl::test {
+namespace atl::test::joint_friction_test {
 namespace {
 
 constexpr double torque = 2;  // N m
@@ -55,4 +55,4 @@ INSTANTIATE_TEST_SUITE_P(Solvers, JointFrictionTest, testing::Values(JointSolver
                          [](const auto& solver) { return solver_name(solver.param); });
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::joint_friction_test

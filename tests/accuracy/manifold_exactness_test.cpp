@@ -28,7 +28,7 @@
 #include "support/colliding.h"
 #include "support/placing.h"
 
-namespace atl::test {
+namespace atl::test::manifold_exactness_test {
 namespace {
 
 using audit::Penetration;
@@ -271,4 +271,4 @@ INSTANTIATE_TEST_SUITE_P(All, ManifoldExactness, testing::ValuesIn(all_combinati
 });
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::manifold_exactness_test

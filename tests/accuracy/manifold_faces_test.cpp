@@ -17,7 +17,7 @@
 #include "support/least_turn.h"
 #include "support/placing.h"
 
-namespace atl::test {
+namespace atl::test::manifold_faces_test {
 namespace {
 
 using std::numbers::pi;
@@ -239,4 +239,4 @@ INSTANTIATE_TEST_SUITE_P(All, ManifoldsOfFaces, testing::ValuesIn(all_combinatio
 });
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::manifold_faces_test

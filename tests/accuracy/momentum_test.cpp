@@ -9,7 +9,7 @@
 
 #include "support/bodies.h"
 
-namespace atl::test {
+namespace atl::test::momentum_test {
 namespace {
 
 struct Motion {
@@ -92,4 +92,4 @@ TEST(Momentum, DraggedSlabTakesWhatTheBoxOnItLoses) {
 }
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::momentum_test

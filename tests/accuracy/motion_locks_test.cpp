@@ -9,7 +9,7 @@
 #include "support/bodies.h"
 #include "support/expect_error.h"
 
-namespace atl::test {
+namespace atl::test::motion_locks_test {
 namespace {
 
 constexpr MotionLocks in_plane = MotionLocks::plane(Axis::Y);
@@ -408,4 +408,4 @@ TEST(MotionLocks, JointsAreRefused) {
 }
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::motion_locks_test

@@ -9,7 +9,7 @@
 
 #include "support/joined_run.h"
 
-namespace atl::test {
+namespace atl::test::parked_vehicle_test {
 namespace {
 
 constexpr double friction = 0.6;
@@ -79,4 +79,4 @@ INSTANTIATE_TEST_SUITE_P(Solvers, ParkedVehicleTest, testing::Values(JointSolver
                          [](const auto& solver) { return solver_name(solver.param); });
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::parked_vehicle_test

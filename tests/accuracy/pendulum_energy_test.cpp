@@ -10,7 +10,7 @@
 #include "support/joined_run.h"
 #include "support/least_turn.h"
 
-namespace atl::test {
+namespace atl::test::pendulum_energy_test {
 namespace {
 
 constexpr int links = 10;
@@ -79,4 +79,4 @@ TEST(PendulumEnergy, IsBoundedHoweverItWhips) {
 }
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::pendulum_energy_test

@@ -15,7 +15,7 @@ void PrintTo(const PhysicsCase& test, std::ostream* out) { *out << test.name; }
 
 }  // namespace atl::physics
 
-namespace atl::test {
+namespace atl::test::physics_suite_test {
 namespace {
 
 using physics::PhysicsCase;
@@ -51,4 +51,4 @@ TEST(PhysicsCases, HaveNamesSourcesAndLimits) {
 }
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::physics_suite_test

@@ -16,7 +16,7 @@
 #include "support/random.h"
 #include "support/scene_run.h"
 
-namespace atl {
+namespace atl::reference_solver_test {
 namespace {
 
 using reference::ReferenceSolution;
@@ -230,4 +230,4 @@ TEST(ReferenceSolver, AtASolutionThereIsNoVelocityErrorAndNothingToDo) {
 }
 
 }  // namespace
-}  // namespace atl
+}  // namespace atl::reference_solver_test

@@ -11,7 +11,7 @@
 
 #include "support/bodies.h"
 
-namespace atl::test {
+namespace atl::test::restitution_test {
 namespace {
 
 constexpr double height = 2;  ///< m, the drop
@@ -164,4 +164,4 @@ TEST(Restitution, SpheresThatMissEachOtherKeepTheirVelocities) {
 }
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::restitution_test

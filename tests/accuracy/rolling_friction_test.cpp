@@ -7,7 +7,7 @@
 
 #include "support/bodies.h"
 
-namespace atl::test {
+namespace atl::test::rolling_friction_test {
 namespace {
 
 constexpr double radius = 0.5;
@@ -110,4 +110,4 @@ TEST(RollingFriction, BetweenTwoBallsMovesMomentumBetweenThemOnly) {
 }
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::rolling_friction_test

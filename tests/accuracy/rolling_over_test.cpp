@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace atl {
+namespace atl::rolling_over_test {
 namespace {
 
 // m: the most that a bar overlaps a block which it lies on with an edge, across the block's rim, as it spins down onto
@@ -43,4 +43,4 @@ TEST(RollingOver, StopsWhereACornerGetsThere) {
 }
 
 }  // namespace
-}  // namespace atl
+}  // namespace atl::rolling_over_test

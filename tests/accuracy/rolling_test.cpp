@@ -9,7 +9,7 @@
 
 #include "support/bodies.h"
 
-namespace atl::test {
+namespace atl::test::rolling_test {
 namespace {
 
 constexpr double radius = 0.5;
@@ -85,4 +85,4 @@ TEST(Rolling, DownASlopeWithFiveSeventhsOfTheFreeAcceleration) {
 }
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::rolling_test

@@ -11,7 +11,7 @@
 
 #include "support/bodies.h"
 
-namespace atl::test {
+namespace atl::test::sliding_test {
 namespace {
 
 constexpr double friction = 0.5;
@@ -100,4 +100,4 @@ TEST(Sliding, FrictionOfAPairIsTheGeometricMean) {
 }
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::sliding_test

@@ -10,7 +10,7 @@
 
 #include "support/joined_run.h"
 
-namespace atl::test {
+namespace atl::test::stiff_spring_test {
 namespace {
 
 struct StiffSpring {
@@ -101,4 +101,4 @@ INSTANTIATE_TEST_SUITE_P(
     name_of);
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::stiff_spring_test

@@ -13,7 +13,7 @@
 
 #include "support/bodies.h"
 
-namespace atl::test {
+namespace atl::test::surface_sliding_test {
 namespace {
 
 using Height = std::function<double(double, double)>;
@@ -182,4 +182,4 @@ TEST(SurfaceSliding, SolidsComeToRestOnRoughGround) {
 }
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::surface_sliding_test

@@ -7,7 +7,7 @@
 
 #include "support/incline.h"
 
-namespace atl::test {
+namespace atl::test::tipping_test {
 namespace {
 
 const Vector3 half_extents(0.5, 0.5, 1.5);
@@ -37,4 +37,4 @@ TEST_P(TippingTest, TallBlockTipsBeyond) {
 INSTANTIATE_TEST_SUITE_P(Tilts, TippingTest, testing::Values(Tilt::Gravity, Tilt::Ground), tilt_name);
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::tipping_test

@@ -7,7 +7,7 @@
 
 #include "support/bodies.h"
 
-namespace atl::test {
+namespace atl::test::torque_free_test {
 namespace {
 
 constexpr double mass = 3;
@@ -79,4 +79,4 @@ TEST(TorqueFree, SymmetricTopPrecessesAboutItsAngularMomentum) {
 }
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::torque_free_test

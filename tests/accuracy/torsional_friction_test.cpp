@@ -6,7 +6,7 @@
 
 #include "support/bodies.h"
 
-namespace atl::test {
+namespace atl::test::torsional_friction_test {
 namespace {
 
 constexpr double radius = 0.5;
@@ -77,4 +77,4 @@ TEST(TorsionalFriction, DoesNotBrakeRolling) {
 }
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::torsional_friction_test

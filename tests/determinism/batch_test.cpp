@@ -13,7 +13,7 @@
 #include "checks/divergence/variant_run.h"
 #include "world/simd_names.h"
 
-namespace atl::test {
+namespace atl::test::batch_test {
 namespace {
 
 constexpr double dt = 1.0 / 60;
@@ -90,4 +90,4 @@ TEST(BatchIndependence, WorldsOfManyBodies) {
 TEST(BatchIndependence, ThousandsOfSmallWorlds) { expect_own_bits("stack:height=2", {4096}, 2); }
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::batch_test

@@ -10,7 +10,7 @@
 #include "support/expect_error.h"
 #include "support/scene_run.h"
 
-namespace atl::test {
+namespace atl::test::body_hash_test {
 namespace {
 
 double next(double value) { return std::nextafter(value, std::numeric_limits<double>::infinity()); }
@@ -137,4 +137,4 @@ TEST(BodyHash, RemovedBodiesHaveNone) {
 }
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::body_hash_test

@@ -11,7 +11,7 @@
 #include "support/planted_fault.h"
 #include "support/scene_run.h"
 
-namespace atl::test {
+namespace atl::test::divergence_test {
 namespace {
 
 using divergence::BodyDifference;
@@ -169,4 +169,4 @@ TEST(Divergence, WhatIsNoBodysIsToldApart) {
 }
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::divergence_test

@@ -8,7 +8,7 @@
 
 #include "support/bodies.h"
 
-namespace atl::test {
+namespace atl::test::equivalent_calls_test {
 namespace {
 
 constexpr int steps = 120;
@@ -186,4 +186,4 @@ TEST(EquivalentCalls, AWorldThatHasRunBeforeAndIsPutBack) {
 }
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::equivalent_calls_test

@@ -15,7 +15,7 @@
 #include "support/scene_run.h"
 #include "support/temporary_file.h"
 
-namespace atl::test {
+namespace atl::test::features_matrix_test {
 namespace {
 
 constexpr int steps = 36;
@@ -255,4 +255,4 @@ INSTANTIATE_TEST_SUITE_P(
     });
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::features_matrix_test

@@ -16,7 +16,7 @@
 #include "support/scenes.h"
 #include "support/temporary_file.h"
 
-namespace atl::test {
+namespace atl::test::force_law_test {
 namespace {
 
 constexpr int steps = 8;
@@ -127,4 +127,4 @@ TEST(ForceLaw, WithoutForcesItIsAsManyShorterSteps) {
 }
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::force_law_test

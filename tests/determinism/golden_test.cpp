@@ -14,7 +14,7 @@
 #include "state/hex.h"
 #include "support/variants.h"
 
-namespace atl::test {
+namespace atl::test::golden_test {
 namespace {
 
 const char* compiler() {
@@ -91,4 +91,4 @@ TEST(GoldenFile, HasEveryBuiltInSceneAndNothingElse) {
 }
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::golden_test

@@ -11,7 +11,7 @@
 
 #include "support/scene_run.h"
 
-namespace atl::test {
+namespace atl::test::independence_test {
 namespace {
 
 constexpr std::string_view scene = "islands:count=8,base=5";
@@ -175,4 +175,4 @@ TEST(Independence, ABallThatIsNoLongerHeldFromRollingHasNothingLeftOfIt) {
 }
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::independence_test

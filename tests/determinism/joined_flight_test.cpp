@@ -8,7 +8,7 @@
 #include "support/thrown.h"
 #include "support/variants.h"
 
-namespace atl::test {
+namespace atl::test::joined_flight_test {
 namespace {
 
 class JoinedFlight : public testing::TestWithParam<JointSolver> {
@@ -66,4 +66,4 @@ INSTANTIATE_TEST_SUITE_P(Solvers, JoinedFlight, testing::Values(JointSolver::Ite
                          [](const auto& test) { return test.param == JointSolver::Direct ? "Direct" : "Iterative"; });
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::joined_flight_test

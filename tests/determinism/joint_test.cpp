@@ -12,7 +12,7 @@
 #include "support/bodies.h"
 #include "support/variants.h"
 
-namespace atl::test {
+namespace atl::test::joint_test {
 namespace {
 
 constexpr int steps = 90;
@@ -154,4 +154,4 @@ INSTANTIATE_TEST_SUITE_P(Solvers, JointBits,
                          testing::Values(JointSolver::Auto, JointSolver::Iterative, JointSolver::Direct), solver_name);
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::joint_test

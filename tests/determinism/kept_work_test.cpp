@@ -9,7 +9,7 @@
 
 #include "support/scene_run.h"
 
-namespace atl::test {
+namespace atl::test::kept_work_test {
 namespace {
 
 void add_static_and_remove_it(World& world) { world.remove_body(world.add_body(static_box({0, 0, -1000}, {1, 1, 1}))); }
@@ -74,4 +74,4 @@ TEST(KeptWork, SleepersAreTheSameOnAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::kept_work_test

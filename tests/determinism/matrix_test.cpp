@@ -13,7 +13,7 @@
 #include "support/long_tests.h"
 #include "support/variants.h"
 
-namespace atl::test {
+namespace atl::test::matrix_test {
 namespace {
 
 class Playground {
@@ -145,4 +145,4 @@ INSTANTIATE_TEST_SUITE_P(
     });
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::matrix_test

@@ -11,7 +11,7 @@
 #include "support/scene_run.h"
 #include "support/variants.h"
 
-namespace atl::test {
+namespace atl::test::motion_locks_test {
 namespace {
 
 // Heaps in a plane, along rails, of bodies that don't turn, and of free ones; of balls that roll hard, too.
@@ -84,4 +84,4 @@ TEST(MotionLocksBits, NeighboursDontShow) {
 }
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::motion_locks_test

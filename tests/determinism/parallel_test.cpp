@@ -12,7 +12,7 @@
 #include "support/long_tests.h"
 #include "support/variants.h"
 
-namespace atl::test {
+namespace atl::test::parallel_test {
 namespace {
 
 using divergence::Variant;
@@ -150,4 +150,4 @@ TEST(Simd, AutoIsOneOfTheSupportedSets) {
 }
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::parallel_test

@@ -10,7 +10,7 @@
 #include "support/scenes.h"
 #include "support/temporary_file.h"
 
-namespace atl::test {
+namespace atl::test::replay_test {
 namespace {
 
 constexpr int steps = 12;
@@ -54,4 +54,4 @@ INSTANTIATE_TEST_SUITE_P(Small, ReplayOfScene, testing::ValuesIn(small_scenes())
                          [](const auto& test) { return case_name(test.param); });
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::replay_test

@@ -14,7 +14,7 @@
 #include "support/scene_run.h"
 #include "support/scenes.h"
 
-namespace atl::test {
+namespace atl::test::rollback_test {
 namespace {
 
 constexpr int steps_after = 12;
@@ -182,4 +182,4 @@ TEST(Rollback, ManyAtRandom) {
 }
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::rollback_test

@@ -7,7 +7,7 @@
 
 #include "support/variants.h"
 
-namespace atl::test {
+namespace atl::test::smooth_surface_test {
 namespace {
 
 // Balls, boxes and a hung ball in a bowl, which stands or moves.
@@ -56,4 +56,4 @@ INSTANTIATE_TEST_SUITE_P(Solvers, SmoothSurfaceBits,
                          [](const auto& test) { return std::to_string(test.index); });
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::smooth_surface_test

@@ -12,7 +12,7 @@
 
 #include "support/bodies.h"
 
-namespace atl::test {
+namespace atl::test::state_hash_test {
 namespace {
 
 double next(double value) { return std::nextafter(value, std::numeric_limits<double>::infinity()); }
@@ -221,4 +221,4 @@ TEST(StateHash, OneUlpOfVelocityTellsInEveryFollowingStep) {
 }
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::state_hash_test

@@ -11,9 +11,9 @@
 #include <string_view>
 #include <vector>
 
-namespace atl::test {
+#include "support/bodies.h"
 
-inline constexpr double g = 9.81;  ///< m/s^2
+namespace atl::test {
 
 using Errors = std::map<std::string, double>;
 
