@@ -11,10 +11,10 @@
 #include <tuple>
 #include <vector>
 
-#include "checks/divergence/variant_run.h"
 #include "support/scene_run.h"
 #include "support/scenes.h"
 #include "support/temporary_file.h"
+#include "support/variants.h"
 
 namespace atl::test::force_law_test {
 namespace {
@@ -59,13 +59,11 @@ TEST_P(ForceLawOn, IsTheSameWhateverTheThreadsAndVectors) {
     ASSERT_EQ(first.world.step(scene.dt, blow).first_quarantined, -1);
     trail.push_back(first.world.state_hash());
   }
-  for (const int threads : {1, 4}) {
-    for (const Simd simd : divergence::supported_simds()) {
-      SceneRun other = start(threads, simd);
-      for (int i = 0; i < steps; ++i) {
-        other.world.step(scene.dt, blow);
-        ASSERT_EQ(other.world.state_hash(), trail[static_cast<std::size_t>(i)]) << "step " << i;
-      }
+  for (const divergence::Variant& variant : variants_of({4, 1})) {
+    SceneRun other = start(variant.threads, variant.simd);
+    for (int i = 0; i < steps; ++i) {
+      other.world.step(scene.dt, blow);
+      ASSERT_EQ(other.world.state_hash(), trail[static_cast<std::size_t>(i)]) << "step " << i;
     }
   }
 }

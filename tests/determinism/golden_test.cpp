@@ -10,6 +10,7 @@
 #include <iterator>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "state/hex.h"
 #include "support/variants.h"
@@ -28,10 +29,10 @@ const char* compiler() {
 // Without optimisation a step takes a hundred times as long, so the first steps have to do.
 #ifdef __OPTIMIZE__
 constexpr std::size_t step_count = std::size(golden_steps);
-constexpr int thread_counts[] = {1, 2};
+const std::vector<int> thread_counts = {2, 1};
 #else
 constexpr std::size_t step_count = std::size(golden_steps) - 1;
-constexpr int thread_counts[] = {2};
+const std::vector<int> thread_counts = {2};
 #endif
 
 class Golden : public testing::TestWithParam<GoldenCase> {};
@@ -39,20 +40,18 @@ class Golden : public testing::TestWithParam<GoldenCase> {};
 TEST_P(Golden, HashesAreThoseOfTheFile) {
   const GoldenHashes expected = read_golden_hashes(golden_path());
   const Scene scene = golden_scene(GetParam());
-  for (const Simd simd : divergence::supported_simds()) {
-    for (const int threads : thread_counts) {
-      divergence::VariantRun run(scene, {threads, simd});
-      for (std::size_t i = 0; i < step_count; ++i) {
-        while (run.steps() < golden_steps[i]) run.step();
-        const std::string key = golden_key(GetParam(), golden_steps[i]);
-        ASSERT_TRUE(expected.contains(key)) << golden_path() << " has no line for \"" << key << "\"";
-        ASSERT_EQ(hash_text(run.hash()), hash_text(expected.at(key)))
-            << "step " << golden_steps[i] << " of " << GetParam().scene << ", settings \"" << GetParam().settings
-            << "\", differs from " << golden_path() << "\nwith " << threads << " threads on " << name_of(simd)
-            << ", built by " << compiler()
-            << ".\nIf results are meant to change, build and run atoll_write_golden; if not, something depends on "
-               "threads, vectors or the compiler: atoll verify tells where.";
-      }
+  for (const divergence::Variant& variant : variants_of(thread_counts)) {
+    divergence::VariantRun run(scene, variant);
+    for (std::size_t i = 0; i < step_count; ++i) {
+      while (run.steps() < golden_steps[i]) run.step();
+      const std::string key = golden_key(GetParam(), golden_steps[i]);
+      ASSERT_TRUE(expected.contains(key)) << golden_path() << " has no line for \"" << key << "\"";
+      ASSERT_EQ(hash_text(run.hash()), hash_text(expected.at(key)))
+          << "step " << golden_steps[i] << " of " << GetParam().scene << ", settings \"" << GetParam().settings
+          << "\", differs from " << golden_path() << "\nwith " << variant.threads << " threads on "
+          << name_of(variant.simd) << ", built by " << compiler()
+          << ".\nIf results are meant to change, build and run atoll_write_golden; if not, something depends on "
+             "threads, vectors or the compiler: atoll verify tells where.";
     }
   }
 }
@@ -62,7 +61,7 @@ TEST_P(Golden, HashesAreTheSameIfNothingIsLeftOut) {
   const GoldenHashes expected = read_golden_hashes(golden_path());
   Scene scene = golden_scene(GetParam());
   scene.settings.run_everything = true;
-  for (const Simd simd : divergence::supported_simds()) {
+  for (const Simd simd : simds_to_try()) {
     divergence::VariantRun run(scene, {2, simd});
     for (std::size_t i = 0; i < step_count; ++i) {
       while (run.steps() < golden_steps[i]) run.step();

@@ -1,5 +1,5 @@
 // Same bits, always: every built-in scene has the same state hash after every step, whatever the number of threads and
-// the width of the vectors. ATOLL_LONG_TESTS=1 runs the scenes at their full size.
+// the width of the vectors. ATOLL_LONG_TESTS=1 runs the scenes at their full size, with all pairs of the two.
 
 #include <gtest/gtest.h>
 
@@ -75,9 +75,7 @@ TEST_P(ParallelTest, ThreadsAndVectorWidthDoNotChangeABit) {
   const std::vector<std::uint64_t> expected = divergence::follow(scene, one_thread);
   ASSERT_NE(expected.front(), expected.back());
   expect_same(expected, scene, one_thread, one_thread);
-  for (const Simd simd : divergence::supported_simds()) {
-    for (const int threads : {1, 2, 4}) expect_same(expected, scene, one_thread, {threads, simd});
-  }
+  for (const Variant& other : variants_of({2, 1, 4})) expect_same(expected, scene, one_thread, other);
 }
 
 TEST_P(ParallelTest, NorWithAnyStabilisationAndSweepsThatEndEarly) {
@@ -86,7 +84,7 @@ TEST_P(ParallelTest, NorWithAnyStabilisationAndSweepsThatEndEarly) {
     Scene scene = scene_with({.iterations = 6, .tolerance = 1e-3, .stabilisation = stabilisation, .correction = 0.3});
     const std::vector<std::uint64_t> expected = divergence::follow(scene, one_thread);
     scene.settings.profile = true;
-    for (const Simd simd : divergence::supported_simds()) expect_same(expected, scene, one_thread, {4, simd});
+    for (const Simd simd : simds_to_try()) expect_same(expected, scene, one_thread, {4, simd});
   }
 }
 
@@ -98,7 +96,7 @@ TEST_P(ParallelTest, NorWithSleepingAndEveryOtherSettingTurned) {
                                   .warm_starting = false,
                                   .sleeping = true});
   const std::vector<std::uint64_t> expected = divergence::follow(scene, one_thread);
-  for (const Simd simd : divergence::supported_simds()) expect_same(expected, scene, one_thread, {2, simd});
+  for (const Simd simd : simds_to_try()) expect_same(expected, scene, one_thread, {2, simd});
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, ParallelTest, testing::ValuesIn(scenes()), [](const auto& scene) {
@@ -134,11 +132,10 @@ TEST(Parallel, SweepsAndEventsDoNotDependOnThreads) {
     return trail;
   };
   const std::vector<std::uint64_t> expected = run_bullets({.settings = {.contact_events = true}});
-  for (const Simd simd : divergence::supported_simds()) {
-    for (const int threads : {1, 2, 4}) {
-      EXPECT_EQ(run_bullets({.threads = threads, .settings = {.contact_events = true, .simd = simd}}), expected)
-          << threads << " threads on " << name_of(simd);
-    }
+  for (const Variant& variant : variants_of({2, 1, 4})) {
+    const Settings settings = {.contact_events = true, .simd = variant.simd};
+    EXPECT_EQ(run_bullets({.threads = variant.threads, .settings = settings}), expected)
+        << variant.threads << " threads on " << name_of(variant.simd);
   }
 }
 

@@ -5,10 +5,10 @@
 
 #include <string>
 
-#include "checks/divergence/variant_run.h"
 #include "support/scene_run.h"
 #include "support/scenes.h"
 #include "support/temporary_file.h"
+#include "support/variants.h"
 
 namespace atl::test::replay_test {
 namespace {
@@ -38,14 +38,12 @@ TEST_P(ReplayOfScene, IsTheSameOnAnyMachine) {
   const TemporaryFile file("." + case_name(GetParam()));
   for (const int steps_before : {0, 20}) {
     const std::uint64_t hash = record(GetParam(), steps_before, file.path());
-    for (const int threads : {1, 4}) {
-      for (const Simd simd : divergence::supported_simds()) {
-        const ReplayResult result = replay(file.path(), {.threads = threads, .simd = simd});
-        ASSERT_FALSE(result.divergence.has_value())
-            << "step " << result.divergence->step << ", " << threads << " threads";
-        EXPECT_EQ(result.steps, steps);
-        EXPECT_EQ(result.hash, hash);
-      }
+    for (const divergence::Variant& variant : variants_of({4, 1})) {
+      const ReplayResult result = replay(file.path(), {.threads = variant.threads, .simd = variant.simd});
+      ASSERT_FALSE(result.divergence.has_value())
+          << "step " << result.divergence->step << ", " << variant.threads << " threads";
+      EXPECT_EQ(result.steps, steps);
+      EXPECT_EQ(result.hash, hash);
     }
   }
 }
