@@ -17,7 +17,9 @@ usage: bash tests/run.sh [--label LABEL] [--preset PRESET] [--long]
   --label LABEL    only these: unit, accuracy, law, stability, determinism, cli, faults, fuzz, layers, package,
                    examples, python or docs
   --preset PRESET  release (the default), apart, clang, debug, asan or tsan
-  --long           the heavier matrix of scenes, threads and settings, and Atoll built as a part of another project
+  --long           also what takes long or rarely fails: the heavier matrix of scenes, threads and settings, pages in
+                   Chromium, ensembles on Ray and by Slurm's scripts, and Atoll built as a part of another project; with
+                   CI=true the benchmarks are built
   --fuzz MINUTES   libFuzzer on each of these, or those given, for so long: api, scene, snapshot, recording
   --aarch64        golden hashes and the layers' unit tests on 64-bit ARM, emulated; takes an hour
   --wheel          a wheel of the Python package for other machines, built and tried where there is nothing but Python;
@@ -50,15 +52,21 @@ done
 
 # What the Python package is built and tested with, in an environment of its own.
 python_environment() {
-  local wanted=$root/tests/python/requirements.txt
-  cmp --silent "$wanted" "$root/build/python/requirements.txt" && return
-  say "installing $(paste --serial --delimiters=' ' "$wanted") into build/python"
+  local lists=("$root/tests/python/requirements.txt") installed=$root/build/python/requirements.txt
+  ((!long)) || lists+=("$root/tests/python/requirements_long.txt")
+  # One that has more than is asked for will do.
+  if [[ -f $installed ]] && ! cat "${lists[@]}" | grep --quiet --invert-match --line-regexp --fixed-strings --file="$installed"; then
+    return
+  fi
+  say "installing $(cat "${lists[@]}" | paste --serial --delimiters=" ") into build/python"
   python3 -m venv --clear "$root/build/python"
-  "$root/build/python/bin/pip" install --quiet --disable-pip-version-check --requirement "$wanted" >&2
-  cp "$wanted" "$root/build/python/requirements.txt"
+  "$root/build/python/bin/pip" install --quiet --disable-pip-version-check "${lists[@]/#/--requirement=}" >&2
+  cat "${lists[@]}" >"$installed"
 }
 
-packages+=(libgtest-dev chromium pkgconf python3) # the browser looks at the page that atoll sweep writes
+long=$((${ATOLL_LONG_TESTS:-0}))
+packages+=(libgtest-dev pkgconf python3)
+((!long)) || packages+=(chromium) # which looks at the pages that atoll sweep and atoll view write
 [[ $preset != clang ]] || packages+=(clang)
 if [[ $preset == fuzz ]]; then
   packages+=(clang libclang-rt-14-dev llvm)
@@ -67,9 +75,10 @@ if [[ $preset == fuzz ]]; then
   exec bash "$root/tests/fuzz/run.sh" "${fuzz[@]}"
 fi
 options=(-DATOLL_BUILD_TESTS=ON -DATOLL_LONG_TESTS="${ATOLL_LONG_TESTS:-0}")
-if [[ ${CI:-} == true ]]; then
+[[ ${CI:-} != true ]] || options+=(-DATOLL_WERROR=ON)
+if ((long)) && [[ ${CI:-} == true ]]; then
   packages+=(libbenchmark-dev)
-  options+=(-DATOLL_WERROR=ON -DATOLL_BUILD_PERF=ON)
+  options+=(-DATOLL_BUILD_PERF=ON)
 elif ! is_configured "$preset"; then
   options+=(-DATOLL_BUILD_PERF=OFF)
 fi

@@ -7,10 +7,12 @@
 #include <sstream>
 
 #include "cli/command.h"
+#include "support/long_tests.h"
 
 namespace atl::test {
 
 std::optional<std::string> find_browser() {
+  if (!long_tests()) return std::nullopt;
   const char* path = std::getenv("PATH");
   for (const char* name : {"chromium-headless-shell", "chromium", "chromium-browser", "google-chrome"}) {
     std::istringstream directories(path != nullptr ? path : "");

@@ -12,7 +12,7 @@ struct LoadedPage {
   std::string console;   ///< lines that scripts or the browser wrote to the page's console
 };
 
-/// The program, or nothing where none is installed.
+/// The program, or nothing where none is installed or long tests weren't asked for.
 std::optional<std::string> find_browser();
 
 /// `place` is what follows the # of its address. Scripts have so many seconds, which pass as fast as they can.

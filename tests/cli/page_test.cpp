@@ -10,6 +10,7 @@
 #include "cli/browser.h"
 #include "cli/command.h"
 #include "cli/driver_script.h"
+#include "support/long_tests.h"
 
 namespace atl::test {
 namespace {
@@ -103,7 +104,7 @@ TEST(Frontier, IsClimbedToTheEndAndShown) {
     EXPECT_GT(reach["ms_per_step"], 0);
   }
   const std::optional<std::string> browser = find_browser();
-  if (!browser) GTEST_SKIP() << "no Chromium was found: the page is not looked at";
+  if (!browser) GTEST_SKIP() << "no Chromium, or no long tests: the page is not looked at";
   const LoadedPage loaded = load_page(*browser, scratch.path("out") + "/index.html", 900);
   EXPECT_EQ(loaded.console, "");
   EXPECT_EQ(count(loaded.document, "all: "), 5u + 1u);  // and once in the script
@@ -130,7 +131,7 @@ std::string page_on_screen(const std::string& page, int width) {
 
 TEST_F(SweepPage, FitsAPhonesScreen) {
   const std::optional<std::string> browser = find_browser();
-  if (!browser) GTEST_SKIP() << "no Chromium was found: the page is not looked at";
+  if (!browser) GTEST_SKIP() << "no Chromium, or no long tests: the page is not looked at";
   const std::regex told(R"re(data-screen="(\d+)" data-page="(\d+)" data-beyond="([^"]*)")re");
   for (const int width : {390, 1280}) {
     SCOPED_TRACE(width);
@@ -158,7 +159,7 @@ TEST_F(SweepPage, NamesNothingOutsideItself) {
 // And each of these with the place that it came from.
 TEST_F(SweepPage, IsLinkedWithAPageThatPlaysEachScene) {
   const std::optional<std::string> browser = find_browser();
-  if (!browser) GTEST_SKIP() << "no Chromium was found: the page is not looked at";
+  if (!browser) GTEST_SKIP() << "no Chromium, or no long tests: the page is not looked at";
   const std::string document = load_page(*browser, page(), 1200).document;
   for (std::size_t scene = 0; scene < results_["scenes"].size(); ++scene) {
     const std::string name = "view-" + std::to_string(scene) + ".html", place = "scene-" + std::to_string(scene);
@@ -175,8 +176,8 @@ TEST_F(SweepPage, DrawsEveryRunWithoutAConsoleMessage) {
   const std::optional<std::string> browser = find_browser();
   if (!browser) {
     const char* ci = std::getenv("CI");
-    if (ci != nullptr && std::string(ci) == "true") FAIL() << "no Chromium was found, expected one where CI=true";
-    GTEST_SKIP() << "no Chromium was found: the page is not looked at";
+    if (long_tests() && ci != nullptr && std::string(ci) == "true") FAIL() << "no Chromium was found where CI=true";
+    GTEST_SKIP() << "no Chromium, or no long tests: the page is not looked at";
   }
   for (const int width : {1200, 390}) {
     SCOPED_TRACE(width);

@@ -42,7 +42,7 @@ class ViewPage : public testing::TestWithParam<const char*> {
     const CommandResult made =
         run_atoll({"run", GetParam(), "--steps", "130", "--record", recording(), "--view", page()});
     ASSERT_EQ(made.status, 0) << made.err;
-    if (!browser_) GTEST_SKIP() << "no Chromium was found: the page is not looked at";
+    if (!browser_) GTEST_SKIP() << "no Chromium, or no long tests: the page is not looked at";
   }
 
   std::string page() const { return scratch_.path("page.html"); }

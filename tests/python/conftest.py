@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,9 @@ import atoll
 
 ROOT = Path(__file__).resolve().parents[2]
 DT = 1 / 60
+LONG_TESTS = os.environ.get("ATOLL_LONG_TESTS") == "1"
+#: What is slow, or takes what not every machine has.
+long_test = pytest.mark.skipif(not LONG_TESTS, reason="a matter of ATOLL_LONG_TESTS=1, or tests/run.sh --long")
 
 
 @pytest.fixture

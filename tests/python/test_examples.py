@@ -32,7 +32,7 @@ WORDS = {
 
 
 def output_of(*arguments: str, folder: Path | None = None) -> str:
-    done = subprocess.run([sys.executable, *arguments], capture_output=True, text=True, timeout=300, cwd=folder, env=os.environ)
+    done = subprocess.run([sys.executable, *arguments], capture_output=True, text=True, timeout=3600, cwd=folder, env=os.environ)
     assert done.returncode == 0, done.stderr
     return done.stdout
 

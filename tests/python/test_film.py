@@ -206,7 +206,7 @@ def test_a_notebook_has_room_for_it(world: atoll.World) -> None:
 
 
 @with_page
-@pytest.mark.skipif(browser.PROGRAM is None, reason="no Chromium was found: the page is not looked at")
+@pytest.mark.skipif(browser.PROGRAM is None, reason="no Chromium, or no long tests: the page is not looked at")
 def test_a_notebook_plays_it(tmp_path: Path, world: atoll.World) -> None:
     with world.film(show="step=7") as film:
         world.steps(9, DT)

@@ -14,6 +14,9 @@ from typing import Any
 
 import pytest
 
+from conftest import long_test
+
+pytestmark = long_test
 ray: Any = pytest.importorskip("ray", reason="Ray is not installed: the engine takes it as an extra")
 
 from atoll._ensemble import stopping  # noqa: E402

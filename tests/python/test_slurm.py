@@ -15,6 +15,10 @@ import pytest
 from atoll._ensemble.engines import EngineError
 from atoll._ensemble.slurm import how_to_submit, write_script
 
+from conftest import long_test
+
+pytestmark = long_test
+
 # Tells its words but the first two, and ends with the status that is the first: at once, or by SIGTERM.
 STAND_IN = """\
 import signal, sys, time
