@@ -34,6 +34,8 @@ from atoll._ensemble.run import Outcome, gather, run_ensemble
 from atoll._ensemble.store import Store
 from atoll._ensemble.table import has_parquet
 
+from conftest import long_test
+
 PLAN: dict[str, Any] = {
     "studies": [
         {
@@ -264,7 +266,7 @@ def test_a_second_run_computes_nothing(tmp_path: Path, undisturbed: Tables) -> N
 
 
 @pytest.mark.parametrize("shared", [True, False])
-@pytest.mark.parametrize("steps", [1, 20])
+@pytest.mark.parametrize("steps", [pytest.param(1, marks=long_test), 20])
 def test_parts_come_to_the_same(
     tmp_path: Path, undisturbed: Tables, step_engine: StepEngine, shared: bool, steps: int
 ) -> None:
