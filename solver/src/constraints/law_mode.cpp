@@ -29,6 +29,13 @@ void LawMode::begin(const Law& law, const JointRow& at, double effective_mass, d
   go_to(piece_ == Piece::Locked ? Piece::Between : piece_);
 }
 
+void LawMode::begin_kick(const Law& law, const JointRow& at, double effective_mass, double h, int sign, double rate,
+                          double end_rate) {
+  if (law.locked()) return begin(law, at, effective_mass, h);
+  row_ = RowLaw::of_kick(law, at, effective_mass, h, sign, rate, end_rate, limit(), motor_bound());
+  go_to(piece_);
+}
+
 void LawMode::start_at(double rate) {
   if (row_.spring_slope == 0 && row_.motor_slope == 0) return;
   row_.start_at(rate);

@@ -7,6 +7,11 @@
 #include <numbers>
 
 namespace atl::solver {
+namespace {
+
+constexpr double least_hold = 1e-12;  // of what rounding leaves of a very soft spring
+
+}  // namespace
 
 LinearForce LinearForce::of_spring(const Law& law, double mass, double share) {
   const double omega = 2 * std::numbers::pi * law.spring_hertz;
@@ -29,6 +34,10 @@ void LinearForce::add(const LinearForce& other) {
   square_of_omega = both;
   decay += other.decay;
   beside += other.beside;
+}
+
+bool LinearForce::is_stiff(double h) const {
+  return std::sqrt(square_of_omega) * h > SpringStep::most_phase || decay * h > SpringStep::most_phase;
 }
 
 LinearStep LinearStep::of_spring(const Law& law, const JointRow& at, double mass, double h) {
@@ -59,21 +68,63 @@ RowLaw RowLaw::of(const Law& law, const JointRow& at, double effective_mass, dou
   row.motor_speed = at.share * law.motor_speed;
   row.motor_impulse = h * law.motor_force;
   if (!(effective_mass > 0)) return row;
-  constexpr double least = 1e-12;  // of what rounding leaves of a very soft one
   if (law.springs() || law.armature > 0) {
     const LinearStep spring = LinearStep::of_spring(law, at, effective_mass, h);
-    const double hold = std::max(spring.hold, least);
+    const double hold = std::max(spring.hold, least_hold);
     row.spring_slope = effective_mass * hold;
     row.spring_rate = spring.shift / hold;
     row.spring_keeps = spring.keep / hold;
   }
   if (law.is_servo()) {
     const LinearStep servo = LinearStep::of_servo(law, at, effective_mass, h);
-    const double hold = std::max(servo.hold, least);
+    const double hold = std::max(servo.hold, least_hold);
     row.motor_slope = effective_mass * hold;
     row.motor_speed = servo.shift / hold;
     row.motor_keeps = servo.keep / hold;
   }
+  return row;
+}
+
+RowLaw RowLaw::of_kick(const Law& law, const JointRow& at, double effective_mass, double h, int sign, double rate,
+                       double end_rate, int limit, int motor_bound) {
+  RowLaw row;
+  row.locked = law.locked();
+  if (row.locked) return row;
+  if (limit < 0) row.lower_rate = end_rate;
+  if (limit > 0) row.upper_rate = end_rate;
+  const double time = 0.5 * h;
+  const double moved = effective_mass + law.armature;
+  const bool turns = effective_mass > 0;
+  const LinearForce spring = turns && law.springs() ? LinearForce::of_spring(law, moved, at.share) : LinearForce{};
+  const LinearForce servo = turns && law.is_servo() ? LinearForce::of_servo(law, moved) : LinearForce{};
+  LinearForce both = spring;
+  both.add(servo);
+  const bool stiff = both.is_stiff(h);
+  // The impulse is `given`, less the slope times the rate after the kick.
+  double given = law.armature * rate, slope = law.armature;
+  const auto add = [&](const LinearForce& force) {
+    given += sign * time * moved * force.at(at.value, sign < 0 ? rate : 0);
+    if (sign > 0) slope += time * moved * force.decay;
+  };
+  row.motor_impulse = time * law.motor_force;
+  row.motor_speed = at.share * law.motor_speed;
+  if (law.drives() && sign < 0 && motor_bound != 0) {
+    given -= motor_bound * row.motor_impulse;
+    row.motor_impulse = 0;
+  } else if (stiff) {
+    row.motor_speed = rate;
+    if (law.springs()) row.motor_impulse = Law::unlimited;
+  } else if (law.is_servo() && sign < 0) {
+    given -= std::clamp(time * moved * servo.at(at.value, rate), -row.motor_impulse, row.motor_impulse);
+    row.motor_impulse = 0;
+  } else if (law.is_servo() && turns) {
+    row.motor_slope = std::max(time * moved * servo.decay, least_hold * effective_mass);
+    row.motor_speed = time * moved * servo.at(at.value, 0) / row.motor_slope;
+  }
+  if (!stiff) add(spring);
+  if (given == 0 && slope == 0) return row;
+  row.spring_slope = std::max(slope, least_hold * effective_mass);
+  row.spring_rate = given / row.spring_slope;
   return row;
 }
 

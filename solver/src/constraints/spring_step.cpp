@@ -30,22 +30,4 @@ SpringStep SpringStep::of(double omega, double decay, double h) {
   return {hold, hold - lost * (1 + hold), omega * phase};
 }
 
-// (x(0) - x(-h)) / h by Taylor's series, the derivatives of x as sums of x, u and a.
-LateRate LateRate::of(double omega, double decay, double h) {
-  constexpr int terms = 14;
-  LateRate late;
-  double of_position = 0, of_rate = 1, of_acceleration = 0, power = 1;
-  for (int n = 2; n <= terms; ++n) {
-    of_acceleration = of_rate;
-    const double next = of_position - decay * of_rate;
-    of_position = -omega * omega * of_rate;
-    of_rate = next;
-    power *= -h / n;
-    late.of_position += power * of_position;
-    late.of_rate += power * of_rate;
-    late.of_acceleration += power * of_acceleration;
-  }
-  return late;
-}
-
 }  // namespace atl::solver

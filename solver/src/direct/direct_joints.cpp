@@ -1,4 +1,5 @@
 #include <solver/direct/direct_joints.h>
+#include <solver/integrate/free_flight.h>
 #include <solver/tuning.h>
 
 #include <algorithm>
@@ -121,22 +122,36 @@ void DirectJoints::begin_step(const DirectInput& input) {
 void DirectJoints::prepare(const DirectInput& input) {
   assembly_.place_members(input.bodies);
   assembly_.place_joints(input.joints, input.table, input.h);
+  weigh_rows(assembly_);
   begin_laws(assembly_, input.joints, input.h);
   matrix_.factor(assembly_);
 }
 
-void DirectJoints::note_rates(const DirectInput& input) {
+void DirectJoints::start_laws(const DirectInput& input) {
   if (!looks_back_ && !bounces_) return;
   assembly_.load_velocities(input.bodies);
-  solver::note_rates(assembly_, input.joints);
+  solver::start_laws(assembly_, input.joints);
 }
 
-void DirectJoints::kick_springs(const DirectInput& input, int sign) {
-  late_ = sign < 0;
-  if (!looks_back_) return;
+void DirectJoints::note_rates(const DirectInput& input) {
   assembly_.load_velocities(input.bodies);
-  const bool kicks = solver::kick_springs(assembly_, input.joints, input.bodies, input.h, sign);
-  if (kicks) assembly_.store_velocities(input.bodies);
+  solver::note_rates(assembly_);
+}
+
+// Springs and servos have their half of the substep's forces with all others, and joints answer to them together: a
+// spring that bears a load is in balance with it at every instant.
+void DirectJoints::kick(const DirectInput& input, int sign) {
+  late_ = sign < 0;
+  if (late_ && !looks_back_) return;  // the first solve holds the joints
+  begin_kick(assembly_, input.joints, input.h, sign);
+  matrix_.factor(assembly_);
+  begin_substep();
+  assembly_.load_velocities(input.bodies);
+  solve_laws(sign < 0 ? 1 : tuning::mode_rounds, nullptr);
+  assembly_.store_velocities(input.bodies);
+  if (!late_) return;
+  begin_laws(assembly_, input.joints, input.h);
+  matrix_.factor(assembly_);
 }
 
 // An armature has momentum of its own. It pays for every change of its coordinate's rate with an impulse: also for
@@ -164,6 +179,20 @@ bool DirectJoints::solve_within(double far, double h) {
   return false;
 }
 
+// Finds the impulses of rows, and which pieces of their laws these belong on. Where coordinates may bounce, `impacts` is
+// told how fast they would come to the ends of their ranges by the first of these.
+void DirectJoints::solve_laws(int rounds, const DirectInput* impacts) {
+  for (int round = 0; round < rounds; ++round) {
+    apply_given_impulses(assembly_);
+    set_velocity_targets(assembly_, matrix_, b_);
+    solve_and_apply();
+    if (impacts != nullptr && round == 0) note_impacts(assembly_, impacts->joints, impacts->h);
+    // The system must be that of the pieces the rows are on.
+    if (assembly_.rows.empty() || round + 1 == rounds || !update_laws(assembly_)) break;
+    matrix_.factor(assembly_);
+  }
+}
+
 void DirectJoints::begin_substep() {
   for (JointNode& node : assembly_.nodes) node.impulse.setZero();
   for (AssemblyRow& row : assembly_.rows) row.impulse = 0;
@@ -172,15 +201,7 @@ void DirectJoints::begin_substep() {
 void DirectJoints::solve_velocities(const DirectInput& input) {
   assembly_.load_velocities(input.bodies);
   note_bends(assembly_, input.joints, input.table, input.h);
-  for (int round = 0; round < tuning::mode_rounds; ++round) {
-    apply_given_impulses(assembly_);
-    set_velocity_targets(assembly_, matrix_, b_);
-    solve_and_apply();
-    if (bounces_ && round == 0) note_impacts(assembly_, input.joints, input.h);
-    // The system must be that of the pieces the rows are on.
-    if (assembly_.rows.empty() || round + 1 == tuning::mode_rounds || !update_laws(assembly_)) break;
-    matrix_.factor(assembly_);
-  }
+  solve_laws(tuning::mode_rounds, bounces_ ? &input : nullptr);
   for (AssemblyRow& row : assembly_.rows) row.unpaid = 0;  // sweeps may follow one another
   note_armature(input, 1);
   assembly_.store_velocities(input.bodies);
@@ -220,7 +241,7 @@ void DirectJoints::relax(const DirectInput& input) {
   note_armature(input, -1);
   project(input);
   for (AssemblyRow& row : assembly_.rows) row.unpaid = 0;  // bounces are projected, too
-  note_rates(input);
+  start_laws(input);
 }
 
 // One round of Newton's method is all that positions get where bodies turn by little in a substep. After an impact it
@@ -269,8 +290,13 @@ void DirectJoints::end_step(const DirectInput& input) {
 void DirectJoints::settle(const DirectInput& input, BodyTable& table, collision::MotionBounds& bounds, double dt,
                           FastBodies& fast) {
   for (JointMember& member : assembly_.members) {
+    // Kinematic bodies move after all groups.
     member.position = table.position(member.body);
     member.turn = table.orientation(member.body);
+    if (member.dynamic) continue;
+    const BodyPose end = pose_after(table, member.body, dt);
+    member.position = end.position;
+    member.turn = end.orientation;
   }
   assembly_.load_no_velocities();
   set_position_targets(assembly_, matrix_, input.joints, 1, b_);

@@ -1,31 +1,14 @@
 #include "direct/joint_laws.h"
 
-#include <solver/constraints/spring_step.h>
 #include <solver/integrate/motion.h>
 #include <solver/tuning.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "integrate/rows3.h"
 
 namespace atl::solver {
 namespace {
-
-// The spring and servo of a law, that moves `mass`.
-LinearForce linear_force(const Law& law, double mass, const JointRow& at, double rate) {
-  LinearForce force = LinearForce::of_spring(law, mass, at.share);
-  if (!law.is_servo()) return force;
-  const LinearForce servo = LinearForce::of_servo(law, mass);
-  const double most = law.motor_force / mass;
-  const double pull = servo.at(at.value, rate);
-  if (std::abs(pull) < most) {
-    force.add(servo);
-  } else {
-    force.beside += std::copysign(most, pull);
-  }
-  return force;
-}
 
 // Where bodies would turn to in the substep.
 void turn_on(std::vector<JointMember>& members, const BodyTable& table, double h) {
@@ -53,26 +36,52 @@ bool has_limits(const Joint& joint) {
 
 }  // namespace
 
-void begin_laws(JointAssembly& assembly, const Joint* joints, double h) {
-  if (assembly.rows.empty()) return;
+void weigh_rows(JointAssembly& assembly) {
   for (const JointNode& node : assembly.nodes) {
-    const Joint& joint = joints[node.joint];
     const JointMember& a = assembly.members[node.first];
     const JointMember& b = assembly.members[node.second];
     for (std::uint32_t r = node.begin; r < node.end; ++r) {
       AssemblyRow& row = assembly.rows[r];
       const double response = row.at.response(a.inverse_mass + b.inverse_mass, a.inverse_inertia, b.inverse_inertia);
       row.mass = response > 0 ? 1 / response : 0;
-      row.mode.begin(joint.law[r - node.begin], row.at, row.mass, h);
     }
   }
 }
 
-void note_rates(JointAssembly& assembly, const Joint* joints) {
+void begin_laws(JointAssembly& assembly, const Joint* joints, double h) {
   for (const JointNode& node : assembly.nodes) {
     for (std::uint32_t r = node.begin; r < node.end; ++r) {
       AssemblyRow& row = assembly.rows[r];
-      row.rate_before = assembly.row_speed(node, row);
+      row.mode.begin(joints[node.joint].law[r - node.begin], row.at, row.mass, h);
+    }
+  }
+}
+
+void begin_kick(JointAssembly& assembly, const Joint* joints, double h, int sign) {
+  for (JointNode& node : assembly.nodes) {
+    node.bend.setZero();
+    for (std::uint32_t r = node.begin; r < node.end; ++r) {
+      AssemblyRow& row = assembly.rows[r];
+      row.bend = 0;
+      const double end_rate = row.bounces ? row.impact.leaving : 0;
+      row.mode.begin_kick(joints[node.joint].law[r - node.begin], row.at, row.mass, h, sign, row.rate_before, end_rate);
+    }
+  }
+}
+
+void note_rates(JointAssembly& assembly) {
+  for (const JointNode& node : assembly.nodes) {
+    for (std::uint32_t r = node.begin; r < node.end; ++r) {
+      assembly.rows[r].rate_before = assembly.row_speed(node, assembly.rows[r]);
+    }
+  }
+}
+
+void start_laws(JointAssembly& assembly, const Joint* joints) {
+  note_rates(assembly);
+  for (const JointNode& node : assembly.nodes) {
+    for (std::uint32_t r = node.begin; r < node.end; ++r) {
+      AssemblyRow& row = assembly.rows[r];
       if (joints[node.joint].law[r - node.begin].looks_back()) row.mode.start_at(row.rate_before);
     }
   }
@@ -167,36 +176,6 @@ bool catch_limits_here(JointAssembly& assembly, const Joint* joints) {
     }
   }
   return caught;
-}
-
-// Where substeps can't follow a spring there is no half of one. Called between the half kicks of other forces.
-bool kick_springs(JointAssembly& assembly, const Joint* joints, const SolverBodies& bodies, double h, int sign) {
-  bool kicks = false;
-  for (const JointNode& node : assembly.nodes) {
-    const AccelerationRows& of_first = bodies.acceleration[assembly.members[node.first].local];
-    const AccelerationRows& of_second = bodies.acceleration[assembly.members[node.second].local];
-    for (std::uint32_t r = node.begin; r < node.end; ++r) {
-      const AssemblyRow& row = assembly.rows[r];
-      const Law& law = joints[node.joint].law[r - node.begin];
-      if (!law.looks_back() || law.locked() || !(row.mass > 0)) continue;
-      const double moved = row.mass + law.armature;
-      const double rate = assembly.row_speed(node, row);
-      const LinearForce force = linear_force(law, moved, row.at, rate);
-      const double omega = std::sqrt(force.square_of_omega);
-      if (omega * h > SpringStep::most_phase || force.decay * h > SpringStep::most_phase) continue;
-      const LateRate late = LateRate::of(omega, force.decay, h);
-      const double acceleration =
-          row.at.rate(get3(of_first.linear), get3(of_first.angular), get3(of_second.linear), get3(of_second.angular));
-      const double of_force = 0.5 * h * acceleration;  // half a kick of everything else, which it has
-      const double beside = late.of_position * (row.at.value - force.rest) +
-                            late.of_acceleration * (row.mass / moved * acceleration + force.beside);
-      const double kicked =
-          sign < 0 ? beside + late.of_rate * (rate + of_force) : (rate - beside) / late.of_rate - of_force;
-      assembly.apply(node, row.at, row.mass * (kicked - rate));
-      kicks = true;
-    }
-  }
-  return kicks;
 }
 
 double position_of(const JointAssembly& assembly, const JointNode& node, std::uint32_t r, const Joint& joint,

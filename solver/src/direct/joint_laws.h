@@ -5,11 +5,20 @@
 
 namespace atl::solver {
 
+/// Finds the effective masses along rows.
+void weigh_rows(JointAssembly& assembly);
+
 /// Starts the laws where rows are. The pieces of their laws that rows were on still hold as a guess.
 void begin_laws(JointAssembly& assembly, const Joint* joints, double h);
 
-/// The rates before the substep's forces, of which springs, servos and bounces are, at the velocities that are loaded.
-void note_rates(JointAssembly& assembly, const Joint* joints);
+/// Starts a kick: half a substep in which positions stay. `sign` as RowLaw::of_kick() has it.
+void begin_kick(JointAssembly& assembly, const Joint* joints, double h, int sign);
+
+/// Keeps the rates at the velocities that are loaded, before forces change them.
+void note_rates(JointAssembly& assembly);
+
+/// Gives springs, servos and bounces the rates before the substep's forces, at the velocities that are loaded.
+void start_laws(JointAssembly& assembly, const Joint* joints);
 
 /// Adds so many times the momentum of armatures at the velocities that are loaded to AssemblyRow::unpaid.
 void add_armature(JointAssembly& assembly, const Joint* joints, double times);
@@ -33,10 +42,6 @@ bool catch_limits(JointAssembly& assembly, const Joint* joints, double h);
 
 /// The same of what closing other gaps has turned beyond its range, where bodies are now.
 bool catch_limits_here(JointAssembly& assembly, const Joint* joints);
-
-/// Springs' share of the half substep by which velocities are behind positions: takes it away (-1) or gives it back
-/// (1), in the velocities that are loaded. Returns whether there is any.
-bool kick_springs(JointAssembly& assembly, const Joint* joints, const SolverBodies& bodies, double h, int sign);
 
 /// The position of a row's coordinate at the frames, after h seconds at the velocities that are loaded.
 double position_of(const JointAssembly& assembly, const JointNode& node, std::uint32_t row, const Joint& joint,

@@ -180,11 +180,18 @@ void move_free_body(BodyTable& bodies, std::uint32_t body, const Vector3& gravit
   note_motion(bodies, bounds, body, start, dt, fast.local());
 }
 
+BodyPose pose_after(const BodyTable& bodies, std::uint32_t body, double time) {
+  if (bodies.mobility[body] == Mobility::Fixed) return {bodies.position(body), bodies.orientation(body)};
+  const Quaternion turn = rotation_by(time * bodies.angular_velocity(body));
+  return {bodies.position(body) + time * bodies.velocity(body), (turn * bodies.orientation(body)).normalized()};
+}
+
 void move_kinematic_body(BodyTable& bodies, std::uint32_t body, double dt, collision::MotionBounds& bounds,
                          FastBodies& fast) {
   const BodyPose start{bodies.position(body), bodies.orientation(body)};
-  bodies.position(body) += dt * bodies.velocity(body);
-  turn_by(bodies, body, dt * bodies.angular_velocity(body));
+  const BodyPose end = pose_after(bodies, body, dt);
+  bodies.position(body) = end.position;
+  bodies.set_orientation(body, end.orientation);
   note_motion(bodies, bounds, body, start, dt, fast.local());
 }
 

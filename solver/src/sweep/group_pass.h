@@ -30,6 +30,7 @@ class GroupPass {
   void prepare_joints();
   void complete_joints();
   void prepare_systems();
+  void kick_systems(int sign);
   void note_speeds(int number);
   void integrate_velocities(bool carries);
   void warm_start(int number);
@@ -131,16 +132,25 @@ void GroupPass<Executor>::complete_joints() {
 template <typename Executor>
 void GroupPass<Executor>::prepare_systems() {
   JoinedMotion& joined = parts_.joined_motion;
-  const std::uint32_t first_dynamic = parts_.numbers.first_dynamic();
-  if (setup_.leapfrogs) joined.kick_leapfrogs(parts_.bodies, first_dynamic, -0.5f * setup_.constants.h);
   joined.note_forces(setup_.body_ids, setup_.input.bodies, setup_.input.gravity);
   loops_.each_system([&](DirectJoints& system) {
     system.locate([&](std::uint32_t body) { return parts_.numbers.local(setup_.input, setup_.group, body); });
     system.begin_step(setup_.direct_input);
   });
-  loops_.each_system_of(joined.untouched_direct(),
-                        [&](DirectJoints& system) { system.kick_springs(setup_.direct_input, -1); });
-  loops_.each_system([&](DirectJoints& system) { system.note_rates(setup_.direct_input); });
+  kick_systems(-1);
+  loops_.each_system([&](DirectJoints& system) { system.start_laws(setup_.direct_input); });
+}
+
+// Takes systems that nothing touches half a substep's forces back (-1), or on (1): velocities are as far behind positions
+// in the substeps as leapfrogs have them.
+template <typename Executor>
+void GroupPass<Executor>::kick_systems(int sign) {
+  if (!setup_.leapfrogs) return;
+  const JoinedMotion& joined = parts_.joined_motion;
+  loops_.each_system_of(joined.untouched_direct(), [&](DirectJoints& system) { system.note_rates(setup_.direct_input); });
+  const float time = 0.5f * setup_.constants.h;
+  joined.kick_leapfrogs(parts_.bodies, parts_.numbers.first_dynamic(), sign < 0 ? -time : time);
+  loops_.each_system_of(joined.untouched_direct(), [&](DirectJoints& system) { system.kick(setup_.direct_input, sign); });
 }
 
 // Before the forces of a substep: springs and bounces go by the speeds that there are now. Preparing has noted those
@@ -281,14 +291,8 @@ void GroupPass<Executor>::finish_contacts() {
 
 template <typename Executor>
 void GroupPass<Executor>::finish_systems() {
-  const JoinedMotion& joined = parts_.joined_motion;
-  const std::span<const std::uint32_t> untouched = joined.untouched_direct();
   loops_.each_system([&](DirectJoints& system) { system.end_step(setup_.direct_input); });
-  loops_.each_system_of(untouched, [&](DirectJoints& system) { system.kick_springs(setup_.direct_input, 1); });
-  if (setup_.leapfrogs) {
-    joined.kick_leapfrogs(parts_.bodies, parts_.numbers.first_dynamic(), 0.5f * setup_.constants.h);
-  }
-  loops_.each_system_of(untouched, [&](DirectJoints& system) { system.project(setup_.direct_input); });
+  kick_systems(1);
 }
 
 // Sweeps until the residual is small, or for as often as is asked for. Joints first: contacts are what may not give.

@@ -16,7 +16,11 @@ class LawMode {
   /// Starts a substep of h seconds. `effective_mass` along the row, kg or kg m^2.
   void begin(const Law& law, const JointRow& at, double effective_mass, double h);
 
-  /// Likewise, at a rate before the substep's forces, once; without it, at rest.
+  /// Starts a kick, which is half a step of h seconds: see RowLaw::of_kick().
+  void begin_kick(const Law& law, const JointRow& at, double effective_mass, double h, int sign, double rate,
+                    double end_rate);
+
+  /// Gives a substep's law the rate before its forces, once; without it, the row was at rest.
   void start_at(double rate);
 
   bool is_solved() const { return solved_; }  ///< else the impulse is given

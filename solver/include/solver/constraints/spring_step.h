@@ -18,16 +18,4 @@ struct SpringStep {
   static SpringStep of(double omega, double decay, double h);
 };
 
-/// The rate of that leapfrog, half a step behind the position x, as that with which a body alone on the spring has come
-/// to x in the last step, where its velocity is u and something else accelerates it by a: of_position * x + of_rate * u
-/// + of_acceleration * a.
-struct LateRate {
-  double of_position = 0;  ///< 1/s
-  double of_rate = 1;
-  double of_acceleration = 0;  ///< s
-
-  /// As above, with `omega` h and `decay` h up to 1.
-  static LateRate of(double omega, double decay, double h);
-};
-
 }  // namespace atl::solver

@@ -44,11 +44,13 @@ class DirectJoints {
   }
   void begin_step(const DirectInput& input);
 
-  /// Springs' share of the half substep by which velocities are behind positions in the substeps of a step: takes it
-  /// away before (-1), gives it back after (1).
-  void kick_springs(const DirectInput& input, int sign);
-  /// Once the velocities that a substep starts with are there.
+  /// Before the half of a substep's forces is taken away or given back, by which velocities in a step are behind
+  /// positions.
   void note_rates(const DirectInput& input);
+  /// After that: what springs, servos, motors and joints do in that half. -1 as the step begins, 1 as it ends.
+  void kick(const DirectInput& input, int sign);
+  /// Once the velocities that a substep starts with are there.
+  void start_laws(const DirectInput& input);
   void begin_substep();
   /// After forces: velocities that keep the joints at the present poses, springs, motors and limits.
   void solve_velocities(const DirectInput& input);
@@ -71,6 +73,7 @@ class DirectJoints {
   void prepare(const DirectInput& input);
   void close_gaps(const DirectInput& input);
   void note_armature(const DirectInput& input, double times);
+  void solve_laws(int rounds, const DirectInput* impacts);
   void solve_and_apply();
   bool solve_within(double far, double h);
 

@@ -3,6 +3,7 @@
 #include <solver/direct/direct_island_input.h>
 #include <solver/direct/island_members.h>
 #include <solver/direct/island_problem.h>
+#include <solver/integrate/free_flight.h>
 
 #include <cstdint>
 #include <span>
@@ -39,10 +40,7 @@ struct IslandPoses {
 
   /// Of a body by its number in the problem, if it has one, and in the world.
   BodyPose of(std::uint32_t local, std::uint32_t body) const {
-    if (local != no_body) return bodies[local].now;
-    if (table.mobility[body] == Mobility::Fixed) return {table.position(body), table.orientation(body)};
-    return {table.position(body) + time * table.velocity(body),
-            turned(time * table.angular_velocity(body), table.orientation(body))};
+    return local != no_body ? bodies[local].now : pose_after(table, body, time);
   }
 };
 

@@ -14,6 +14,9 @@ namespace atl::solver {
 void move_free_body(BodyTable& bodies, std::uint32_t body, const Vector3& gravity, double dt, int substeps,
                     collision::MotionBounds& bounds, FastBodies& fast);
 
+/// Where a body that nothing moves but its own velocities is after `time` seconds: a kinematic one, or a static one.
+BodyPose pose_after(const BodyTable& bodies, std::uint32_t body, double time);
+
 /// Moves a kinematic body at its velocities.
 void move_kinematic_body(BodyTable& bodies, std::uint32_t body, double dt, collision::MotionBounds& bounds,
                          FastBodies& fast);
