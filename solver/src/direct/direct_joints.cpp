@@ -198,10 +198,26 @@ void DirectJoints::begin_substep() {
   for (AssemblyRow& row : assembly_.rows) row.impulse = 0;
 }
 
+// Impulses along rows that ask for no rate of their own only take energy from bodies of the inertia that they have.
+template <typename Solve>
+void DirectJoints::solve_passively(const Solve& solve) {
+  ++passive_solves_;
+  assembly_.take_back();
+  assembly_.leave_out_tension();
+  matrix_.factor(assembly_);
+  solve();
+}
+
 void DirectJoints::solve_velocities(const DirectInput& input) {
   assembly_.load_velocities(input.bodies);
   note_bends(assembly_, input.joints, input.table, input.h);
   solve_laws(tuning::mode_rounds, bounces_ ? &input : nullptr);
+  if (assembly_.energy_made(input.joints) > 0) {
+    solve_passively([&] {
+      forget_bends(assembly_);
+      solve_laws(tuning::mode_rounds, nullptr);
+    });
+  }
   for (AssemblyRow& row : assembly_.rows) row.unpaid = 0;  // sweeps may follow one another
   note_armature(input, 1);
   assembly_.store_velocities(input.bodies);
@@ -216,6 +232,10 @@ void DirectJoints::solve_positions(const DirectInput& input) {
   torn_ = set_tears_aside(assembly_, matrix_, input.joints, input.h, b_, tears_);
   if (solve_within(tuning::far_in_motion, input.h)) note_impulses(assembly_, matrix_, b_);
   assembly_.move_bodies(input.bodies, input.h);
+  if (assembly_.energy_made(input.joints) > 0) {
+    ++passive_solves_;
+    assembly_.take_back();
+  }
   note_armature(input, 1);
   assembly_.store_velocities(input.bodies);
   if (!torn_) return;
@@ -263,6 +283,13 @@ void DirectJoints::project(const DirectInput& input) {
   assembly_.load_velocities(input.bodies);
   set_projection_targets(assembly_, matrix_, late_, b_);
   solve_and_apply();
+  const bool leaves = std::any_of(assembly_.rows.begin(), assembly_.rows.end(), [](const auto& row) { return row.bounces; });
+  if (!leaves && assembly_.energy_made(input.joints) > 0) {
+    solve_passively([&] {
+      set_projection_targets(assembly_, matrix_, late_, b_);
+      solve_and_apply();
+    });
+  }
   assembly_.store_velocities(input.bodies);
 }
 

@@ -1,6 +1,7 @@
 #include <solver/constraints/arm_stiffness.h>
 #include <solver/direct/joint_assembly.h>
 #include <solver/integrate/motion.h>
+#include <solver/tuning.h>
 
 #include <algorithm>
 
@@ -32,9 +33,10 @@ void place_member_inertia(JointAssembly& assembly, const BodyTable& table, doubl
   for (JointMember& member : assembly.members) {
     if (!member.dynamic) continue;
     const Matrix3 rotation = member.turn.toRotationMatrix();
-    Matrix3 inertia = symmetric_product(product(rotation, table.inertia[member.body]), rotation);
-    add_scaled(inertia, h * h, member.stiffness);
-    member.inverse_inertia = symmetric_inverse(inertia);
+    member.inertia = symmetric_product(product(rotation, table.inertia[member.body]), rotation);
+    Matrix3 stiffened = member.inertia;
+    add_scaled(stiffened, h * h, member.stiffness);
+    member.inverse_inertia = symmetric_inverse(stiffened);
   }
 }
 
@@ -87,6 +89,8 @@ void JointAssembly::load_velocities(const SolverBodies& bodies) {
     member.velocity = member.velocity_before = get3(bodies.velocity[member.local].linear);
     member.spin = member.spin_before = get3(bodies.velocity[member.local].angular);
   }
+  for (JointNode& node : nodes) node.impulse_before = node.impulse;
+  for (AssemblyRow& row : rows) row.impulse_before = row.impulse;
 }
 
 void JointAssembly::load_no_velocities() {
@@ -117,6 +121,42 @@ void JointAssembly::take_back() {
   for (JointMember& member : members) {
     member.velocity = member.velocity_before;
     member.spin = member.spin_before;
+  }
+  for (JointNode& node : nodes) node.impulse = node.impulse_before;
+  for (AssemblyRow& row : rows) row.impulse = row.impulse_before;
+}
+
+double JointAssembly::energy_made(const Joint* joints) const {
+  double made = 0, there = 0;
+  for (const JointMember& member : members) {
+    if (!member.dynamic) continue;
+    const auto energy = [&](const Vector3& velocity, const Vector3& spin) {
+      return 0.5 * (velocity.squaredNorm() / member.inverse_mass + spin.dot(product(member.inertia, spin)));
+    };
+    const double before = energy(member.velocity_before, member.spin_before);
+    made += energy(member.velocity, member.spin) - before;
+    there += before + tuning::least_energy / member.inverse_mass;
+  }
+  for (const JointNode& node : nodes) {
+    const JointMember& a = members[node.first];
+    const JointMember& b = members[node.second];
+    for (std::uint32_t r = node.begin; r < node.end; ++r) {
+      const AssemblyRow& row = rows[r];
+      const Law& law = joints[node.joint].law[r - node.begin];
+      if (!law.drives() && !law.springs() && law.armature == 0) continue;
+      const double rate = row_speed(node, row);
+      const double before = row.at.rate(a.velocity_before, a.spin_before, b.velocity_before, b.spin_before);
+      made -= std::max(0.5 * (row.impulse - row.impulse_before) * (rate + before), 0.0);
+      made += 0.5 * law.armature * (rate * rate - before * before);
+      there += 0.5 * law.armature * before * before;
+    }
+  }
+  return made - tuning::energy_tolerance * there;
+}
+
+void JointAssembly::leave_out_tension() {
+  for (JointMember& member : members) {
+    if (member.dynamic) member.inverse_inertia = symmetric_inverse(member.inertia);
   }
 }
 

@@ -57,12 +57,16 @@ void begin_laws(JointAssembly& assembly, const Joint* joints, double h) {
   }
 }
 
+void forget_bends(JointAssembly& assembly) {
+  for (JointNode& node : assembly.nodes) node.bend.setZero();
+  for (AssemblyRow& row : assembly.rows) row.bend = 0;
+}
+
 void begin_kick(JointAssembly& assembly, const Joint* joints, double h, int sign) {
-  for (JointNode& node : assembly.nodes) {
-    node.bend.setZero();
+  forget_bends(assembly);
+  for (const JointNode& node : assembly.nodes) {
     for (std::uint32_t r = node.begin; r < node.end; ++r) {
       AssemblyRow& row = assembly.rows[r];
-      row.bend = 0;
       const double end_rate = row.bounces ? row.impact.leaving : 0;
       row.mode.begin_kick(joints[node.joint].law[r - node.begin], row.at, row.mass, h, sign, row.rate_before, end_rate);
     }
@@ -134,9 +138,7 @@ void note_bends(JointAssembly& assembly, const Joint* joints, const BodyTable& t
       row.bend = (there.at.value - (row.at.value + change)) / h;
     }
   }
-  if (!goes_far) return;
-  for (JointNode& node : assembly.nodes) node.bend.setZero();
-  for (AssemblyRow& row : assembly.rows) row.bend = 0;
+  if (goes_far) forget_bends(assembly);
 }
 
 bool update_laws(JointAssembly& assembly) {

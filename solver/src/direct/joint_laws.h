@@ -33,6 +33,9 @@ void note_impacts(JointAssembly& assembly, const Joint* joints, double h);
 /// way. Not where arms swing farther in a substep than that is true for.
 void note_bends(JointAssembly& assembly, const Joint* joints, const BodyTable& table, double h);
 
+/// Asks for no rates beside those of the laws.
+void forget_bends(JointAssembly& assembly);
+
 /// Moves rows to the pieces of their laws that a solution belongs on. Returns whether any has moved.
 bool update_laws(JointAssembly& assembly);
 

@@ -21,6 +21,7 @@ struct JointMember {
   bool dynamic;
   Vector3 start, position;                    ///< m
   Quaternion start_turn, turn;                ///< orientations
+  Matrix3 inertia;                            ///< kg m^2, world frame
   Matrix3 stiffness;                          ///< N m, geometric
   Matrix3 inverse_inertia = Matrix3::Zero();  ///< 1/(kg m^2), world frame, with a share of the stiffness
   Vector3 velocity, spin;                     ///< m/s, rad/s
@@ -34,6 +35,7 @@ struct AssemblyRow {
   JointRow at;
   LawMode mode;
   double impulse;          ///< N s or N m s, in this substep
+  double impulse_before;   ///< likewise, as velocities were loaded
   double position;         ///< m or rad
   double mass;             ///< kg or kg m^2, effective
   double bend;             ///< m/s or rad/s, see note_bends()
@@ -56,6 +58,7 @@ struct JointNode {
   Vector3 bend;     ///< m/s, see note_bends()
   Vector3 offset;   ///< m, of the origins, as the substep begins
   Vector3 impulse;  ///< of the point, in this substep
+  Vector3 impulse_before;  ///< likewise, as velocities were loaded
   Vector3 tension;  ///< N, followed over some substeps
 
   bool is_point_only() const { return point && begin == end; }
@@ -99,6 +102,11 @@ struct JointAssembly {
   bool moves_far(double h, double far) const;
   /// Takes back what was gained since velocities were loaded.
   void take_back();
+  /// J: by which the bodies' kinetic energy, with that of armatures, has grown since velocities were loaded beyond what
+  /// springs, servos and motors have done. Not positive but for rounding where nothing is made up.
+  double energy_made(const Joint* joints) const;
+  /// Leaves out what tension adds to inertia.
+  void leave_out_tension();
   /// Moves bodies by what was gained since velocities were loaded.
   void move_bodies(SolverBodies& bodies, double h) const;
 
