@@ -15,7 +15,8 @@ namespace {
 const CollisionFilter nothing = {.mask = 0};
 
 HingeJoint servo_hinge(double stiffness, double damping, double limit, double range = 0) {
-  HingeJoint hinge{{.motor = JointMotor{.max_force = limit, .servo = JointServo{.stiffness = stiffness, .damping = damping}}}};
+  HingeJoint hinge{
+      {.motor = JointMotor{.max_force = limit, .servo = JointServo{.stiffness = stiffness, .damping = damping}}}};
   if (range > 0) hinge.angle.range = {-range, range};
   return hinge;
 }
@@ -34,8 +35,8 @@ TEST_P(ServoLaw, BearsALoadAtItsBalanceAndTellsThatItRests) {
     for (const bool by_law : {false, true}) {
       World world = world_with(substeps);
       const BodyId base = world.add_body({.type = BodyType::Static, .shape = Sphere{0.05}, .filter = nothing});
-      const BodyId link = world.add_body(
-          {.shape = Box{{0.2, 0.03, 0.03}}, .position = {0.2, 0, 0}, .mass = 2.0, .filter = nothing});
+      const BodyId link =
+          world.add_body({.shape = Box{{0.2, 0.03, 0.03}}, .position = {0.2, 0, 0}, .mass = 2.0, .filter = nothing});
       const JointId hinge =
           world.add_joint(joint_at(world, servo_hinge(stiffness, 20, unlimited), base, link, {0, 0, 0}, {0, 0, 1}));
       for (int i = 0; i < 600; ++i) {
@@ -61,9 +62,9 @@ TEST_P(ServoLaw, AWeightOffTheAxisHangsWhereItsSpringBearsIt) {
     const BodyId base = world.add_body({.type = BodyType::Static, .shape = Sphere{0.01}, .filter = nothing});
     const BodyId rod =
         world.add_body({.shape = Sphere{0.05}, .position = {arm, 0, 0}, .mass = mass, .filter = nothing});
-    const JointId hinge = world.add_joint(
-        joint_at(world, HingeJoint{{.spring = JointSpring{.stiffness = stiffness, .damping = 60}}}, base, rod,
-                 {0, 0, 0}, {0, -1, 0}));
+    const JointId hinge =
+        world.add_joint(joint_at(world, HingeJoint{{.spring = JointSpring{.stiffness = stiffness, .damping = 60}}},
+                                 base, rod, {0, 0, 0}, {0, -1, 0}));
     run(world, 600);
     const double angle = world.joint_state(hinge).position[0];
     EXPECT_NEAR(stiffness * angle, -mass * g * arm * std::cos(angle), 2e-3 * mass * g * arm) << substeps;
@@ -71,7 +72,8 @@ TEST_P(ServoLaw, AWeightOffTheAxisHangsWhereItsSpringBearsIt) {
   }
 }
 
-// A damper turns at torque over damping, wherever the centre of mass is and whatever makes the torque; and it is told so.
+// A damper turns at torque over damping, wherever the centre of mass is and whatever makes the torque; and it is told
+// so.
 TEST_P(ServoLaw, ADamperTurnsAtTorqueOverDamping) {
   constexpr double damping = 200, torque = 20, arm = 0.3, mass = 5;
   for (const int substeps : {1, 4, 16}) {
@@ -83,8 +85,9 @@ TEST_P(ServoLaw, ADamperTurnsAtTorqueOverDamping) {
                                          .mass = mass,
                                          .inertia = Matrix3(1.3 * Matrix3::Identity()),
                                          .filter = nothing});
-      const JointId hinge = world.add_joint(joint_at(
-          world, HingeJoint{{.spring = JointSpring{.stiffness = 0, .damping = damping}}}, base, rod, {0, 0, 0}, {0, 0, 1}));
+      const JointId hinge =
+          world.add_joint(joint_at(world, HingeJoint{{.spring = JointSpring{.stiffness = 0, .damping = damping}}}, base,
+                                   rod, {0, 0, 0}, {0, 0, 1}));
       double at_half = 0;
       for (int i = 0; i < 120; ++i) {
         if (i == 60) at_half = world.joint_state(hinge).position[0];
@@ -113,8 +116,8 @@ double momentum_about_z(const World& world, const std::vector<BodyId>& ids) {
   return sum;
 }
 
-// Four links on a pan hinge that needs more than its limit to follow its target. Nothing else changes the momentum about
-// its axis.
+// Four links on a pan hinge that needs more than its limit to follow its target. Nothing else changes the momentum
+// about its axis.
 TEST_P(ServoLaw, AServoGivesNoMoreThanItsLimit) {
   for (const double limit : {50.0, 150.0}) {
     World world = world_with(4);

@@ -11,7 +11,7 @@
 #include "support/long_tests.h"
 #include "support/random.h"
 
-namespace atl::test {
+namespace atl::test::robots_test {
 namespace {
 
 constexpr double fall = 0.3;  // m, that what is dropped falls
@@ -26,8 +26,7 @@ struct Robot {
   double reach = 0;  ///< m, of the last link from the first
 
   BodyId link(const Vector3& position, const Vector3& half_extents, double mass) {
-    links.push_back(
-        world.add_body({.shape = Box{half_extents}, .position = position, .mass = mass, .filter = robots}));
+    links.push_back(world.add_body({.shape = Box{half_extents}, .position = position, .mass = mass, .filter = robots}));
     reach = std::max(reach, (position - world.pose(links.front()).position).norm());
     return links.back();
   }
@@ -174,7 +173,8 @@ double fastest(const World& world, const Robot& robot) {
   return most;
 }
 
-// Servos reach their speed by their force within their range, and what falls by its weight; no link is faster than both.
+// Servos reach their speed by their force within their range, and what falls by its weight; no link is faster than
+// both.
 TEST(Robots, StayWholeAndComeToRest) {
   std::vector<Case> cases;
   for (const Machine machine : {Machine::Arm, Machine::Quadruped, Machine::Humanoid, Machine::Hand}) {
@@ -217,11 +217,12 @@ TEST(Robots, StayWholeAndComeToRest) {
         if (i * step > all - 0.25) at_end = std::max(at_end, fastest(world, robot));
       }
       EXPECT_TRUE(world.quarantined().empty()) << of << ", " << seed;
-      EXPECT_LT(most, of.driven ? 20 : 1.5 * (std::sqrt(2 * g * fall) + std::sqrt(2 * g * robot.reach))) << of << ", " << seed;
+      EXPECT_LT(most, of.driven ? 20 : 1.5 * (std::sqrt(2 * g * fall) + std::sqrt(2 * g * robot.reach)))
+          << of << ", " << seed;
       EXPECT_LT(at_end, 0.02) << of << ", " << seed;
     }
   }
 }
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::robots_test

@@ -30,7 +30,7 @@ void LawMode::begin(const Law& law, const JointRow& at, double effective_mass, d
 }
 
 void LawMode::begin_kick(const Law& law, const JointRow& at, double effective_mass, double h, int sign, double rate,
-                          double end_rate) {
+                         double end_rate) {
   if (law.locked()) return begin(law, at, effective_mass, h);
   row_ = RowLaw::of_kick(law, at, effective_mass, h, sign, rate, end_rate, limit(), motor_bound());
   go_to(piece_);

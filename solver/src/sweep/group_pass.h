@@ -141,16 +141,18 @@ void GroupPass<Executor>::prepare_systems() {
   loops_.each_system([&](DirectJoints& system) { system.start_laws(setup_.direct_input); });
 }
 
-// Takes systems that nothing touches half a substep's forces back (-1), or on (1): velocities are as far behind positions
-// in the substeps as leapfrogs have them.
+// Takes systems that nothing touches half a substep's forces back (-1), or on (1): velocities are as far behind
+// positions in the substeps as leapfrogs have them.
 template <typename Executor>
 void GroupPass<Executor>::kick_systems(int sign) {
   if (!setup_.leapfrogs) return;
   const JoinedMotion& joined = parts_.joined_motion;
-  loops_.each_system_of(joined.untouched_direct(), [&](DirectJoints& system) { system.note_rates(setup_.direct_input); });
+  loops_.each_system_of(joined.untouched_direct(),
+                        [&](DirectJoints& system) { system.note_rates(setup_.direct_input); });
   const float time = 0.5f * setup_.constants.h;
   joined.kick_leapfrogs(parts_.bodies, parts_.numbers.first_dynamic(), sign < 0 ? -time : time);
-  loops_.each_system_of(joined.untouched_direct(), [&](DirectJoints& system) { system.kick(setup_.direct_input, sign); });
+  loops_.each_system_of(joined.untouched_direct(),
+                        [&](DirectJoints& system) { system.kick(setup_.direct_input, sign); });
 }
 
 // Before the forces of a substep: springs and bounces go by the speeds that there are now. Preparing has noted those

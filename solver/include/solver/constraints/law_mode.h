@@ -18,7 +18,7 @@ class LawMode {
 
   /// Starts a kick, which is half a step of h seconds: see RowLaw::of_kick().
   void begin_kick(const Law& law, const JointRow& at, double effective_mass, double h, int sign, double rate,
-                    double end_rate);
+                  double end_rate);
 
   /// Gives a substep's law the rate before its forces, once; without it, the row was at rest.
   void start_at(double rate);

@@ -55,11 +55,11 @@ struct JointNode {
   bool point;
   std::uint32_t begin, end;  ///< rows beside the point
   Vector3 arm_first, arm_second;
-  Vector3 bend;     ///< m/s, see note_bends()
-  Vector3 offset;   ///< m, of the origins, as the substep begins
-  Vector3 impulse;  ///< of the point, in this substep
+  Vector3 bend;            ///< m/s, see note_bends()
+  Vector3 offset;          ///< m, of the origins, as the substep begins
+  Vector3 impulse;         ///< of the point, in this substep
   Vector3 impulse_before;  ///< likewise, as velocities were loaded
-  Vector3 tension;  ///< N, followed over some substeps
+  Vector3 tension;         ///< N, followed over some substeps
 
   bool is_point_only() const { return point && begin == end; }
 };
