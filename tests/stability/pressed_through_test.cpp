@@ -10,7 +10,7 @@
 
 #include "support/bodies.h"
 
-namespace atl::test {
+namespace atl::test::pressed_through_test {
 namespace {
 
 struct Random {
@@ -83,4 +83,4 @@ TEST(PressedThrough, NoColumnThatLandsOnHills) {
 }
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::pressed_through_test

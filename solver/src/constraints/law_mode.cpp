@@ -36,6 +36,15 @@ void LawMode::begin_kick(const Law& law, const JointRow& at, double effective_ma
   go_to(piece_);
 }
 
+void LawMode::add_impulse(double impulse) {
+  if (row_.motor_slope > 0) {
+    row_.motor_speed += impulse / row_.motor_slope;
+  } else if (row_.spring_slope > 0) {
+    row_.spring_rate += impulse / row_.spring_slope;
+  }
+  go_to(piece_);
+}
+
 void LawMode::start_at(double rate) {
   if (row_.spring_slope == 0 && row_.motor_slope == 0) return;
   row_.start_at(rate);

@@ -9,7 +9,8 @@
 namespace atl::solver {
 namespace {
 
-constexpr double least_hold = 1e-12;  // of what rounding leaves of a very soft spring
+constexpr double least_hold = 1e-12;   // of what rounding leaves of a very soft spring
+constexpr double least_behind = 1e-5;  // of rates, which are in single precision within a step
 
 }  // namespace
 
@@ -108,6 +109,11 @@ RowLaw RowLaw::of_kick(const Law& law, const JointRow& at, double effective_mass
   };
   row.motor_impulse = time * law.motor_force;
   row.motor_speed = at.share * law.motor_speed;
+  // A motor that is not at its speed has been pulling with all it has.
+  const double behind = row.motor_speed - rate;
+  if (sign < 0 && law.drives() && !law.is_servo() && std::abs(behind) > least_behind * (1 + std::abs(rate))) {
+    motor_bound = behind > 0 ? 1 : -1;
+  }
   if (law.drives() && sign < 0 && motor_bound != 0) {
     given -= motor_bound * row.motor_impulse;
     row.motor_impulse = 0;
@@ -126,6 +132,20 @@ RowLaw RowLaw::of_kick(const Law& law, const JointRow& at, double effective_mass
   row.spring_slope = std::max(slope, least_hold * effective_mass);
   row.spring_rate = given / row.spring_slope;
   return row;
+}
+
+double kick_correction(const Law& law, const JointRow& at, double effective_mass, double h, double rate,
+                       double acceleration) {
+  const double moved = effective_mass + law.armature;
+  if (!(effective_mass > 0)) return 0;
+  LinearForce force = LinearForce::of_spring(law, moved, at.share);
+  if (law.is_servo()) {
+    const LinearForce servo = LinearForce::of_servo(law, moved);
+    if (moved * std::abs(servo.at(at.value, rate)) < law.motor_force) force.add(servo);
+  }
+  const double by_rate = h * h / 6 * force.square_of_omega, by_acceleration = h * h / 6 * force.decay;
+  if (force.is_stiff(h) || by_rate > 0.5 * h * force.decay) return 0;
+  return moved * (by_rate * rate + by_acceleration * acceleration);
 }
 
 double RowLaw::motor_impulse_at(double rate) const {

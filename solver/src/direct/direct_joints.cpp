@@ -99,7 +99,7 @@ void DirectJoints::begin_step(const DirectInput& input) {
     member.start = input.table.position(member.body);
     member.start_turn = input.table.orientation(member.body);
   }
-  looks_back_ = rotors_ = bounces_ = false;
+  acts_ = looks_back_ = rotors_ = bounces_ = false;
   late_ = true;
   for (JointNode& node : assembly_.nodes) {
     const Joint& joint = input.joints[node.joint];
@@ -107,6 +107,7 @@ void DirectJoints::begin_step(const DirectInput& input) {
     for (std::uint32_t r = node.begin; r < node.end; ++r) {
       const std::uint32_t k = r - node.begin;
       AssemblyRow& row = assembly_.rows[r];
+      acts_ |= joint.law[k].looks_back() || joint.law[k].drives();
       looks_back_ |= joint.law[k].looks_back();
       rotors_ |= joint.law[k].armature > 0;
       bounces_ |= joint.law[k].restitution > 0;
@@ -142,12 +143,17 @@ void DirectJoints::note_rates(const DirectInput& input) {
 // spring that bears a load is in balance with it at every instant.
 void DirectJoints::kick(const DirectInput& input, int sign) {
   late_ = sign < 0;
-  if (late_ && !looks_back_) return;  // the first solve holds the joints
+  if (late_ && !acts_) return;  // the first solve holds the joints
   begin_kick(assembly_, input.joints, input.h, sign);
   matrix_.factor(assembly_);
   begin_substep();
   assembly_.load_velocities(input.bodies);
-  solve_laws(sign < 0 ? 1 : tuning::mode_rounds, nullptr);
+  const int rounds = late_ ? 1 : tuning::mode_rounds;
+  solve_laws(rounds, nullptr);
+  if (looks_back_) {
+    correct_kick(assembly_, input.joints, input.h, sign);
+    solve_laws(rounds, nullptr);
+  }
   assembly_.store_velocities(input.bodies);
   if (!late_) return;
   begin_laws(assembly_, input.joints, input.h);

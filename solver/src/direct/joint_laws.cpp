@@ -72,6 +72,20 @@ void begin_kick(JointAssembly& assembly, const Joint* joints, double h, int sign
   }
 }
 
+void correct_kick(JointAssembly& assembly, const Joint* joints, double h, int sign) {
+  for (const JointNode& node : assembly.nodes) {
+    for (std::uint32_t r = node.begin; r < node.end; ++r) {
+      AssemblyRow& row = assembly.rows[r];
+      const Law& law = joints[node.joint].law[r - node.begin];
+      if (!law.looks_back() || law.locked()) continue;
+      const double rate = assembly.row_speed(node, row);
+      const double acceleration = sign * (rate - row.rate_before) / (0.5 * h);
+      row.mode.add_impulse(sign *
+                           kick_correction(law, row.at, row.mass, h, sign < 0 ? row.rate_before : rate, acceleration));
+    }
+  }
+}
+
 void note_rates(JointAssembly& assembly) {
   for (const JointNode& node : assembly.nodes) {
     for (std::uint32_t r = node.begin; r < node.end; ++r) {

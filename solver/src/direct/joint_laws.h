@@ -14,6 +14,9 @@ void begin_laws(JointAssembly& assembly, const Joint* joints, double h);
 /// Starts a kick: half a substep in which positions stay. `sign` as RowLaw::of_kick() has it.
 void begin_kick(JointAssembly& assembly, const Joint* joints, double h, int sign);
 
+/// Once a kick has been solved: makes springs' part of it exact to the next order, by the accelerations that it made.
+void correct_kick(JointAssembly& assembly, const Joint* joints, double h, int sign);
+
 /// Keeps the rates at the velocities that are loaded, before forces change them.
 void note_rates(JointAssembly& assembly);
 

@@ -23,6 +23,9 @@ class LawMode {
   /// Gives a substep's law the rate before its forces, once; without it, the row was at rest.
   void start_at(double rate);
 
+  /// Adds an impulse to that of the spring or servo.
+  void add_impulse(double impulse);
+
   bool is_solved() const { return solved_; }  ///< else the impulse is given
   double target() const { return target_; }
   double compliance() const { return compliance_; }

@@ -83,6 +83,13 @@ struct RowLaw {
   double drive() const { return motor_slope > 0 ? motor_slope : stiffness; }
 };
 
+/// N s or N m s: by how much the impulse of a damped spring or servo over half a step of h seconds is more than that of
+/// a force which stays what it is at the step's whole end: h^2 / 6 of the force's rate of change, at the coordinate's
+/// rate and acceleration there. None of a spring with less damping than that, for which the leapfrog has to be
+/// reversible.
+double kick_correction(const Law& law, const JointRow& at, double effective_mass, double h, double rate,
+                       double acceleration);
+
 /// How a coordinate would bounce at an end of its range within a step.
 struct LimitImpact {
   int end = 0;              ///< -1 the lower, 1 the upper; 0 if there is none

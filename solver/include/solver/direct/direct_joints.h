@@ -87,6 +87,7 @@ class DirectJoints {
   std::vector<double> b_;            // m/s or rad/s that rates are to change by, and then N s or N m s
   std::vector<double> tears_;        // likewise, of what was apart as the substep began
   std::int64_t passive_solves_ = 0;  // made again, since they made energy
+  bool acts_ = false;                // some row has a spring, a motor or an armature
   bool looks_back_ = false;          // some row's impulse depends on the rate before
   bool rotors_ = false;              // some row has an armature
   bool bounces_ = false;             // some row may, at an end of its range
