@@ -110,9 +110,11 @@ RowLaw RowLaw::of_kick(const Law& law, const JointRow& at, double effective_mass
   row.motor_impulse = time * law.motor_force;
   row.motor_speed = at.share * law.motor_speed;
   // A motor that is not at its speed has been pulling with all it has.
-  const double behind = row.motor_speed - rate;
-  if (sign < 0 && law.drives() && !law.is_servo() && std::abs(behind) > least_behind * (1 + std::abs(rate))) {
-    motor_bound = behind > 0 ? 1 : -1;
+  if (sign < 0 && !law.is_servo()) {
+    const double behind = row.motor_speed - rate;
+    const bool pulls = law.motor_force < Law::unlimited && std::abs(behind) > least_behind * (1 + std::abs(rate));
+    if (pulls) motor_bound = behind > 0 ? 1 : -1;
+    row.motor_speed = rate;
   }
   if (law.drives() && sign < 0 && motor_bound != 0) {
     given -= motor_bound * row.motor_impulse;

@@ -175,8 +175,9 @@ void DirectJoints::solve_and_apply() {
   note_impulses(assembly_, matrix_, b_);
 }
 
-// Gives members what changes the rates of all rows by b; or nothing, and returns false, if there is no solution or bodies
-// move far with it in h seconds. It is of the joints' impulses only where bodies keep the velocities they gain by it.
+// Gives members what changes the rates of all rows by b; or nothing, and returns false, if there is no solution or
+// bodies move far with it in h seconds. It is of the joints' impulses only where bodies keep the velocities they gain
+// by it.
 bool DirectJoints::solve_within(double far, double h) {
   if (!matrix_.solve(b_)) return false;
   apply_impulses(assembly_, matrix_, b_);
@@ -185,8 +186,8 @@ bool DirectJoints::solve_within(double far, double h) {
   return false;
 }
 
-// Finds the impulses of rows, and which pieces of their laws these belong on. Where coordinates may bounce, `impacts` is
-// told how fast they would come to the ends of their ranges by the first of these.
+// Finds the impulses of rows, and which pieces of their laws these belong on. Where coordinates may bounce, `impacts`
+// is told how fast they would come to the ends of their ranges by the first of these.
 void DirectJoints::solve_laws(int rounds, const DirectInput* impacts) {
   for (int round = 0; round < rounds; ++round) {
     apply_given_impulses(assembly_);
@@ -218,7 +219,7 @@ void DirectJoints::solve_velocities(const DirectInput& input) {
   assembly_.load_velocities(input.bodies);
   note_bends(assembly_, input.joints, input.table, input.h);
   solve_laws(tuning::mode_rounds, bounces_ ? &input : nullptr);
-  if (assembly_.energy_made(input.joints) > 0) {
+  if (assembly_.energy_made(input.joints, false, false) > 0) {
     solve_passively([&] {
       forget_bends(assembly_);
       solve_laws(tuning::mode_rounds, nullptr);
@@ -238,7 +239,7 @@ void DirectJoints::solve_positions(const DirectInput& input) {
   torn_ = set_tears_aside(assembly_, matrix_, input.joints, input.h, b_, tears_);
   if (solve_within(tuning::far_in_motion, input.h)) note_impulses(assembly_, matrix_, b_);
   assembly_.move_bodies(input.bodies, input.h);
-  if (assembly_.energy_made(input.joints) > 0) {
+  if (assembly_.energy_made(input.joints, true, true) > 0) {
     ++passive_solves_;
     assembly_.take_back();
   }
@@ -289,8 +290,9 @@ void DirectJoints::project(const DirectInput& input) {
   assembly_.load_velocities(input.bodies);
   set_projection_targets(assembly_, matrix_, late_, b_);
   solve_and_apply();
-  const bool leaves = std::any_of(assembly_.rows.begin(), assembly_.rows.end(), [](const auto& row) { return row.bounces; });
-  if (!leaves && assembly_.energy_made(input.joints) > 0) {
+  const bool leaves =
+      std::any_of(assembly_.rows.begin(), assembly_.rows.end(), [](const auto& row) { return row.bounces; });
+  if (!leaves && assembly_.energy_made(input.joints, true, false) > 0) {
     solve_passively([&] {
       set_projection_targets(assembly_, matrix_, late_, b_);
       solve_and_apply();

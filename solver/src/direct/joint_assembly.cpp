@@ -126,7 +126,7 @@ void JointAssembly::take_back() {
   for (AssemblyRow& row : rows) row.impulse = row.impulse_before;
 }
 
-double JointAssembly::energy_made(const Joint* joints) const {
+double JointAssembly::energy_made(const Joint* joints, bool owes_before, bool owes_after) const {
   double made = 0, there = 0;
   for (const JointMember& member : members) {
     if (!member.dynamic) continue;
@@ -147,8 +147,11 @@ double JointAssembly::energy_made(const Joint* joints) const {
       const double rate = row_speed(node, row);
       const double before = row.at.rate(a.velocity_before, a.spin_before, b.velocity_before, b.spin_before);
       made -= std::max(0.5 * (row.impulse - row.impulse_before) * (rate + before), 0.0);
-      made += 0.5 * law.armature * (rate * rate - before * before);
-      there += 0.5 * law.armature * before * before;
+      if (law.armature == 0) continue;
+      const double owed = row.unpaid / law.armature;
+      const double turned = before + (owes_before ? owed : 0), turns = rate + (owes_after ? owed : 0);
+      made += 0.5 * law.armature * (turns * turns - turned * turned);
+      there += 0.5 * law.armature * turned * turned;
     }
   }
   return made - tuning::energy_tolerance * there;

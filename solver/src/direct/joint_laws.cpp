@@ -66,7 +66,7 @@ void begin_kick(JointAssembly& assembly, const Joint* joints, double h, int sign
   for (const JointNode& node : assembly.nodes) {
     for (std::uint32_t r = node.begin; r < node.end; ++r) {
       AssemblyRow& row = assembly.rows[r];
-      const double end_rate = row.bounces ? row.impact.leaving : 0;
+      const double end_rate = sign < 0 ? row.rate_before : row.bounces ? row.impact.leaving : 0;
       row.mode.begin_kick(joints[node.joint].law[r - node.begin], row.at, row.mass, h, sign, row.rate_before, end_rate);
     }
   }
