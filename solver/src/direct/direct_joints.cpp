@@ -208,7 +208,6 @@ void DirectJoints::begin_substep() {
 // Impulses along rows that ask for no rate of their own only take energy from bodies of the inertia that they have.
 template <typename Solve>
 void DirectJoints::solve_passively(const Solve& solve) {
-  ++passive_solves_;
   assembly_.take_back();
   assembly_.leave_out_tension();
   matrix_.factor(assembly_);
@@ -239,10 +238,7 @@ void DirectJoints::solve_positions(const DirectInput& input) {
   torn_ = set_tears_aside(assembly_, matrix_, input.joints, input.h, b_, tears_);
   if (solve_within(tuning::far_in_motion, input.h)) note_impulses(assembly_, matrix_, b_);
   assembly_.move_bodies(input.bodies, input.h);
-  if (assembly_.energy_made(input.joints, true, true) > 0) {
-    ++passive_solves_;
-    assembly_.take_back();
-  }
+  if (assembly_.energy_made(input.joints, true, true) > 0) assembly_.take_back();
   note_armature(input, 1);
   assembly_.store_velocities(input.bodies);
   if (!torn_) return;

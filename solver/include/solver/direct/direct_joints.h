@@ -66,9 +66,6 @@ class DirectJoints {
   /// in the step, of dt seconds.
   void settle(const DirectInput& input, BodyTable& table, collision::MotionBounds& bounds, double dt, FastBodies& fast);
 
-  /// How often a solve made energy, and was made again such that it can't.
-  std::int64_t passive_solves() const { return passive_solves_; }
-
   /// See jobs/arrays.h.
   auto arrays() const { return std::tie(assembly_, matrix_, b_, tears_); }
 
@@ -84,15 +81,14 @@ class DirectJoints {
 
   JointAssembly assembly_;
   JointMatrix matrix_;
-  std::vector<double> b_;            // m/s or rad/s that rates are to change by, and then N s or N m s
-  std::vector<double> tears_;        // likewise, of what was apart as the substep began
-  std::int64_t passive_solves_ = 0;  // made again, since they made energy
-  bool acts_ = false;                // some row has a spring, a motor or an armature
-  bool looks_back_ = false;          // some row's impulse depends on the rate before
-  bool rotors_ = false;              // some row has an armature
-  bool bounces_ = false;             // some row may, at an end of its range
-  bool late_ = false;                // velocities are half a substep behind positions
-  bool torn_ = false;                // something was apart as the substep began
+  std::vector<double> b_;      // m/s or rad/s that rates are to change by, and then N s or N m s
+  std::vector<double> tears_;  // likewise, of what was apart as the substep began
+  bool acts_ = false;          // some row has a spring, a motor or an armature
+  bool looks_back_ = false;    // some row's impulse depends on the rate before
+  bool rotors_ = false;        // some row has an armature
+  bool bounces_ = false;       // some row may, at an end of its range
+  bool late_ = false;          // velocities are half a substep behind positions
+  bool torn_ = false;          // something was apart as the substep began
 };
 
 }  // namespace atl::solver
