@@ -116,16 +116,24 @@ void DirectJoints::begin_step(const DirectInput& input) {
       row.mode.resume(joint.law[k], joint.limit[k], joint.motor_bound[k]);
     }
   }
-  prepare(input);
+  place(input);
 }
 
-// For the poses that bodies have now.
-void DirectJoints::prepare(const DirectInput& input) {
+// At the poses that bodies have now.
+void DirectJoints::place(const DirectInput& input) {
   assembly_.place_members(input.bodies);
   assembly_.place_joints(input.joints, input.table, input.h);
   weigh_rows(assembly_);
+}
+
+void DirectJoints::factor_laws(const DirectInput& input) {
   begin_laws(assembly_, input.joints, input.h);
   matrix_.factor(assembly_);
+}
+
+void DirectJoints::start(const DirectInput& input) {
+  factor_laws(input);
+  start_laws(input);
 }
 
 void DirectJoints::start_laws(const DirectInput& input) {
@@ -135,6 +143,7 @@ void DirectJoints::start_laws(const DirectInput& input) {
 }
 
 void DirectJoints::note_rates(const DirectInput& input) {
+  if (!acts_) return;
   assembly_.load_velocities(input.bodies);
   solver::note_rates(assembly_);
 }
@@ -143,7 +152,11 @@ void DirectJoints::note_rates(const DirectInput& input) {
 // spring that bears a load is in balance with it at every instant.
 void DirectJoints::kick(const DirectInput& input, int sign) {
   late_ = sign < 0;
-  if (late_ && !acts_) return;  // the first solve holds the joints
+  if (!acts_) {
+    // The first substep's solve holds the joints as the step begins, and the last one's system as it ends.
+    if (!late_) project(input);
+    return;
+  }
   begin_kick(assembly_, input.joints, input.h, sign);
   matrix_.factor(assembly_);
   begin_substep();
@@ -155,9 +168,6 @@ void DirectJoints::kick(const DirectInput& input, int sign) {
     solve_laws(rounds, nullptr);
   }
   assembly_.store_velocities(input.bodies);
-  if (!late_) return;
-  begin_laws(assembly_, input.joints, input.h);
-  matrix_.factor(assembly_);
 }
 
 // An armature has momentum of its own. It pays for every change of its coordinate's rate with an impulse: also for
@@ -258,7 +268,8 @@ void DirectJoints::relax(const DirectInput& input) {
   if (bounces_) {
     for (AssemblyRow& row : assembly_.rows) row.bounces = row.mode.limit() * row.impact.end > 0;
   }
-  prepare(input);
+  place(input);
+  factor_laws(input);
   close_gaps(input);
   assembly_.load_velocities(input.bodies);
   note_armature(input, -1);
@@ -278,7 +289,8 @@ void DirectJoints::close_gaps(const DirectInput& input) {
     if (closed && !caught) return;
     if (!solve_within(tuning::far_at_rest, input.h)) return;
     assembly_.move_bodies(input.bodies, input.h);
-    prepare(input);
+    place(input);
+    factor_laws(input);
   }
 }
 
@@ -286,8 +298,8 @@ void DirectJoints::project(const DirectInput& input) {
   assembly_.load_velocities(input.bodies);
   set_projection_targets(assembly_, matrix_, late_, b_);
   solve_and_apply();
-  const bool leaves =
-      std::any_of(assembly_.rows.begin(), assembly_.rows.end(), [](const auto& row) { return row.bounces; });
+  const bool leaves = bounces_ && std::any_of(assembly_.rows.begin(), assembly_.rows.end(),
+                                              [](const auto& row) { return row.bounces; });
   if (!leaves && assembly_.energy_made(input.joints, true, false) > 0) {
     solve_passively([&] {
       set_projection_targets(assembly_, matrix_, late_, b_);

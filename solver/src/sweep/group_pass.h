@@ -138,7 +138,7 @@ void GroupPass<Executor>::prepare_systems() {
     system.begin_step(setup_.direct_input);
   });
   kick_systems(-1);
-  loops_.each_system([&](DirectJoints& system) { system.start_laws(setup_.direct_input); });
+  loops_.each_system([&](DirectJoints& system) { system.start(setup_.direct_input); });
 }
 
 // Takes systems that nothing touches half a substep's forces back (-1), or on (1): velocities are as far behind

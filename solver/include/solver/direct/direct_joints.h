@@ -49,8 +49,8 @@ class DirectJoints {
   void note_rates(const DirectInput& input);
   /// After that: what springs, servos, motors and joints do in that half. -1 as the step begins, 1 as it ends.
   void kick(const DirectInput& input, int sign);
-  /// Once the velocities that a substep starts with are there.
-  void start_laws(const DirectInput& input);
+  /// Once the velocities that the first substep starts with are there.
+  void start(const DirectInput& input);
   void begin_substep();
   /// After forces: velocities that keep the joints at the present poses, springs, motors and limits.
   void solve_velocities(const DirectInput& input);
@@ -70,7 +70,9 @@ class DirectJoints {
   auto arrays() const { return std::tie(assembly_, matrix_, b_, tears_); }
 
  private:
-  void prepare(const DirectInput& input);
+  void place(const DirectInput& input);
+  void factor_laws(const DirectInput& input);
+  void start_laws(const DirectInput& input);
   void close_gaps(const DirectInput& input);
   void note_armature(const DirectInput& input, double times);
   void solve_laws(int rounds, const DirectInput* impacts);
