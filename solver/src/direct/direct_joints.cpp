@@ -228,7 +228,7 @@ void DirectJoints::solve_velocities(const DirectInput& input) {
   assembly_.load_velocities(input.bodies);
   note_bends(assembly_, input.joints, input.table, input.h);
   solve_laws(tuning::mode_rounds, bounces_ ? &input : nullptr);
-  if (assembly_.energy_made(input.joints, false, false) > 0) {
+  if (assembly_.makes_energy(input.joints, false, false)) {
     solve_passively([&] {
       forget_bends(assembly_);
       solve_laws(tuning::mode_rounds, nullptr);
@@ -248,7 +248,7 @@ void DirectJoints::solve_positions(const DirectInput& input) {
   torn_ = set_tears_aside(assembly_, matrix_, input.joints, input.h, b_, tears_);
   if (solve_within(tuning::far_in_motion, input.h)) note_impulses(assembly_, matrix_, b_);
   assembly_.move_bodies(input.bodies, input.h);
-  if (assembly_.energy_made(input.joints, true, true) > 0) assembly_.take_back();
+  if (assembly_.makes_energy(input.joints, true, true)) assembly_.take_back();
   note_armature(input, 1);
   assembly_.store_velocities(input.bodies);
   if (!torn_) return;
@@ -300,7 +300,7 @@ void DirectJoints::project(const DirectInput& input) {
   solve_and_apply();
   const bool leaves = bounces_ && std::any_of(assembly_.rows.begin(), assembly_.rows.end(),
                                               [](const auto& row) { return row.bounces; });
-  if (!leaves && assembly_.energy_made(input.joints, true, false) > 0) {
+  if (!leaves && assembly_.makes_energy(input.joints, true, false)) {
     solve_passively([&] {
       set_projection_targets(assembly_, matrix_, late_, b_);
       solve_and_apply();

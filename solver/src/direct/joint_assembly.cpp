@@ -126,24 +126,25 @@ void JointAssembly::take_back() {
   for (AssemblyRow& row : rows) row.impulse = row.impulse_before;
 }
 
-double JointAssembly::energy_made(const Joint* joints, bool owes_before, bool owes_after) const {
-  double made = 0, there = 0;
+bool JointAssembly::makes_energy(const Joint* joints, bool owes_before, bool owes_after) const {
+  // J, from differences: most solves take energy, and no more is asked of these.
+  double made = 0;
   for (const JointMember& member : members) {
     if (!member.dynamic) continue;
-    const auto energy = [&](const Vector3& velocity, const Vector3& spin) {
-      return 0.5 * (velocity.squaredNorm() / member.inverse_mass + spin.dot(product(member.inertia, spin)));
-    };
-    const double before = energy(member.velocity_before, member.spin_before);
-    made += energy(member.velocity, member.spin) - before;
-    there += before + tuning::least_energy / member.inverse_mass;
+    made +=
+        0.5 * (member.velocity - member.velocity_before).dot(member.velocity + member.velocity_before) /
+            member.inverse_mass +
+        0.5 *
+            (member.spin - member.spin_before).dot(product(member.inertia, Vector3(member.spin + member.spin_before)));
   }
+  double of_rotors = 0;
   for (const JointNode& node : nodes) {
     const JointMember& a = members[node.first];
     const JointMember& b = members[node.second];
     for (std::uint32_t r = node.begin; r < node.end; ++r) {
       const AssemblyRow& row = rows[r];
       const Law& law = joints[node.joint].law[r - node.begin];
-      if (!law.drives() && !law.springs() && law.armature == 0) continue;
+      if (!law.drives() && !law.looks_back()) continue;
       const double rate = row_speed(node, row);
       const double before = row.at.rate(a.velocity_before, a.spin_before, b.velocity_before, b.spin_before);
       made -= std::max(0.5 * (row.impulse - row.impulse_before) * (rate + before), 0.0);
@@ -151,10 +152,18 @@ double JointAssembly::energy_made(const Joint* joints, bool owes_before, bool ow
       const double owed = row.unpaid / law.armature;
       const double turned = before + (owes_before ? owed : 0), turns = rate + (owes_after ? owed : 0);
       made += 0.5 * law.armature * (turns * turns - turned * turned);
-      there += 0.5 * law.armature * turned * turned;
+      of_rotors += 0.5 * law.armature * turned * turned;
     }
   }
-  return made - tuning::energy_tolerance * there;
+  if (made <= 0) return false;
+  double there = of_rotors;
+  for (const JointMember& member : members) {
+    if (!member.dynamic) continue;
+    there += 0.5 * member.velocity_before.squaredNorm() / member.inverse_mass +
+             0.5 * member.spin_before.dot(product(member.inertia, member.spin_before)) +
+             tuning::least_energy / member.inverse_mass;
+  }
+  return made > tuning::energy_tolerance * there;
 }
 
 void JointAssembly::leave_out_tension() {

@@ -102,10 +102,10 @@ struct JointAssembly {
   bool moves_far(double h, double far) const;
   /// Takes back what was gained since velocities were loaded.
   void take_back();
-  /// J: by which the bodies' kinetic energy, with that of armatures, has grown since velocities were loaded beyond what
-  /// springs, servos and motors have done. Not positive but for rounding where nothing is made up. Armatures turn at
-  /// the rates of their rows and what they have not yet paid for, where they `owe` it before or after.
-  double energy_made(const Joint* joints, bool owes_before, bool owes_after) const;
+  /// Whether the kinetic energy of bodies and armatures has grown since velocities were loaded by more than springs,
+  /// servos and motors have done, and tuning::energy_tolerance of it. Armatures turn at the rates of their rows, and by
+  /// what they have not yet paid for where they `owe` it before or after.
+  bool makes_energy(const Joint* joints, bool owes_before, bool owes_after) const;
   /// Leaves out what tension adds to inertia.
   void leave_out_tension();
   /// Moves bodies by what was gained since velocities were loaded.
