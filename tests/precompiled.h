@@ -1,6 +1,6 @@
 #pragma once
 
-/// What most tests include, compiled once for all labels. A test names what it uses all the same.
+/// Includes of most tests, compiled once for all labels. A test names what it uses all the same.
 
 #include <atoll/atoll.h>
 #include <gtest/gtest.h>

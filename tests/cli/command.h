@@ -55,7 +55,7 @@ class RunningProgram {
   CommandResult finish();   ///< waits for its end
 
  private:
-  /// Of its status, as /proc has it; "" where there is no such line.
+  /// A line of the status that /proc has of it; "" where there is none of that name.
   std::string value_of(const std::string& name) const;
 
   ScratchDirectory scratch_;

@@ -22,7 +22,7 @@ CommandResult shell(const std::string& script, const std::vector<std::string>& a
   return run_program(words);
 }
 
-// What makes a pipe's writer wait until its reader has gone.
+// Words for the shell that make a pipe's writer wait until its reader has gone.
 const std::string wait_for_its_end = "(trap '' PIPE; while echo; do :; done 2>/dev/null); ";
 
 TEST(CommandFiles, AClosedPipeEndsItWithoutAWord) {

@@ -54,8 +54,8 @@ TEST_P(ServoLaw, BearsALoadAtItsBalanceAndTellsThatItRests) {
   }
 }
 
-// Likewise a weight off the axis. Swept joints don't come to rest so: a row takes its bodies for free, and turns this
-// one 90 times as easily as its point lets it turn.
+// A weight off the axis rests at the balance of its spring. Swept joints don't come to rest so: a row takes its bodies
+// for free, and turns this one 90 times as easily as its point lets it turn.
 TEST_P(ServoLaw, AWeightOffTheAxisHangsWhereItsSpringBearsIt) {
   const bool swept = GetParam() == JointSolver::Iterative;
   constexpr double arm = 0.3, mass = 5, stiffness = 2000;

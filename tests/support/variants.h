@@ -13,7 +13,7 @@
 
 namespace atl::test {
 
-/// What must come to the same bits: each set of instructions of the machine with the first of these numbers of threads,
+/// Runs that must come to the same bits: each set of instructions of the machine with the first of these numbers of threads,
 /// and the best set with the others. In long tests each set with each number.
 inline std::vector<divergence::Variant> variants_of(const std::vector<int>& threads) {
   std::vector<divergence::Variant> variants;

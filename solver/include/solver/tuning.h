@@ -100,12 +100,15 @@ inline constexpr double redundancy_of_loops = 1e-6;
 /// Loops fill the factor in. A net of 32 x 32 would take 20 blocks a joint, and 31 ms a step instead of 0.55.
 inline constexpr std::size_t factor_blocks_per_joint = 6;
 
-/// Of a kinetic energy: by more than this no solve of joints may add to it beyond what springs and motors do, or it is
-/// made again such that it can't. Without it 2 of 400 random mechanisms gain a twentieth of their energy, with it none;
-/// the scenes of the suites for stability and physics come to it 10 times in all.
+/// No solve of joints adds more than this part to the kinetic energy, beyond what springs and motors do, or it is made
+/// again such that it can't. Without it 2 of 400 random mechanisms gain a twentieth of their energy, with it none; the
+/// scenes of the suites for stability and physics come to it 10 times in all.
 inline constexpr double energy_tolerance = 1e-3;
 /// J/kg: less is rounding.
 inline constexpr double least_energy = 1e-12;
+/// m/s or rad/s, and of the rate: a motor that is farther from its speed as a step begins has been pulling with all it
+/// has. Rates are in single precision within a step. Not tried otherwise.
+inline constexpr double motor_behind = 1e-5;
 
 /// Cosine of half the swing, from which on a twist fades: it is that of 120 degrees. Not tried otherwise.
 inline constexpr double fading_twist = 0.5;

@@ -9,8 +9,7 @@
 namespace atl::solver {
 namespace {
 
-constexpr double least_hold = 1e-12;   // of what rounding leaves of a very soft spring
-constexpr double least_behind = 1e-5;  // of rates, which are in single precision within a step
+constexpr double least_hold = 1e-12;  // of what rounding leaves of a very soft spring
 
 }  // namespace
 
@@ -112,7 +111,8 @@ RowLaw RowLaw::of_kick(const Law& law, const JointRow& at, double effective_mass
   // A motor that is not at its speed has been pulling with all it has.
   if (sign < 0 && !law.is_servo()) {
     const double behind = row.motor_speed - rate;
-    const bool pulls = law.motor_force < Law::unlimited && std::abs(behind) > least_behind * (1 + std::abs(rate));
+    const bool pulls =
+        law.motor_force < Law::unlimited && std::abs(behind) > tuning::motor_behind * (1 + std::abs(rate));
     if (pulls) motor_bound = behind > 0 ? 1 : -1;
     row.motor_speed = rate;
   }

@@ -18,7 +18,7 @@ struct LinearForce {
   static LinearForce of_spring(const Law& law, double mass, double share = 1);
   static LinearForce of_servo(const Law& law, double mass);
   void add(const LinearForce& other);
-  /// Whether steps of h seconds are too long to follow it: see SpringStep::most_phase.
+  /// Tells if steps of h seconds are too long to follow it: see SpringStep::most_phase.
   bool is_stiff(double h) const;
   double at(double position, double rate) const { return beside - square_of_omega * (position - rest) - decay * rate; }
 };
@@ -61,10 +61,10 @@ struct RowLaw {
   }
 
   /// The law over a kick: half a step in which velocities change and positions stay, by which a leapfrog's rates come
-  /// level with its positions (`sign` 1) or fall behind them (-1, its exact inverse). `rate` before the kick's forces;
-  /// At an end of the range, which `limit` tells, it is `end_rate`; `limit` and `motor_bound` as Joint has them. A
-  /// stiff spring's coordinate keeps its rate: the forces on it are in balance over a step, or steps don't see what
-  /// they do.
+  /// level with its positions (`sign` 1) or fall behind them (-1, its exact inverse). `rate` before the kick's forces,
+  /// and `end_rate` after them at an end of the range, which `limit` tells; `limit` and `motor_bound` as Joint has
+  /// them. A stiff spring's coordinate keeps its rate: the forces on it are in balance over a step, or steps don't see
+  /// what they do.
   static RowLaw of_kick(const Law& law, const JointRow& at, double effective_mass, double h, int sign, double rate,
                         double end_rate, int limit, int motor_bound);
 

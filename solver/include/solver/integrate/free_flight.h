@@ -14,7 +14,7 @@ namespace atl::solver {
 void move_free_body(BodyTable& bodies, std::uint32_t body, const Vector3& gravity, double dt, int substeps,
                     collision::MotionBounds& bounds, FastBodies& fast);
 
-/// Where a body that nothing moves but its own velocities is after `time` seconds: a kinematic one, or a static one.
+/// The pose that a kinematic body, or a static one, has after `time` seconds at its velocities.
 BodyPose pose_after(const BodyTable& bodies, std::uint32_t body, double time);
 
 /// Moves a kinematic body at its velocities.
