@@ -153,10 +153,10 @@ TEST_P(ServoLaw, AServoGivesNoMoreThanItsLimit) {
 
 INSTANTIATE_TEST_SUITE_P(Solvers, ServoLaw,
                          testing::Values(JointSolver::Auto, JointSolver::Direct, JointSolver::Iterative),
-                         [](const auto& info) {
-                           return std::string(info.param == JointSolver::Auto     ? "Auto"
-                                              : info.param == JointSolver::Direct ? "Direct"
-                                                                                  : "Iterative");
+                         [](const auto& of) {
+                           return std::string(of.param == JointSolver::Auto     ? "Auto"
+                                              : of.param == JointSolver::Direct ? "Direct"
+                                                                                : "Iterative");
                          });
 
 }  // namespace
