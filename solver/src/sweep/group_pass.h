@@ -193,7 +193,8 @@ void GroupPass<Executor>::warm_start(int number) {
 
 template <typename Executor>
 void GroupPass<Executor>::solve_velocities(int number, bool carries) {
-  // The relaxing sweeps' friction is carried over; a contact that has just begun has none yet to carry.
+  // The first sweep keeps the relaxing sweeps' friction, which is carried over; a contact that has just begun has none
+  // yet to carry.
   const Friction friction = setup_.relaxes && carries ? Friction::None : setup_.friction;
   // Where sweeps relax they have seen the positions that the last substep ended with.
   const bool refresh = !setup_.relaxes && number > 0;
@@ -316,6 +317,11 @@ void GroupPass<Executor>::sweep(Sweep how, JointSweep joints, int iterations, in
     ++report_.sweeps;
     if (how.measures && static_cast<double>(residual.value()) <= setup_.settings.tolerance) return;
     how.refresh = joints.refresh = joints.carries = false;  // nothing moves between sweeps
+    if (how.push != Push::Bias) continue;
+    // Normal impulses that sweep after sweep has found for the friction of the substep before would push bodies over
+    // where nothing holds them: a wall trembles from eight such sweeps on.
+    how.friction = setup_.friction;
+    how.twice = true;
   }
 }
 
