@@ -81,6 +81,7 @@ struct SubstepConstants {
   Softness fixed_contact;  ///< against a body of infinite mass
   Stiffening stiffening;   ///< of contacts between bodies that move
   Softness joint;          ///< of joints that are solved one by one
+  float joint_carried = 1;  ///< of their impulses, that the next substep starts with
   float push_speed;        ///< m/s, of contacts of what isn't large
   float gravity = 0;       ///< m/s^2: what is large under it is pushed apart faster
   float slop;              ///< m, overlap that is left alone
@@ -103,15 +104,21 @@ struct SubstepConstants {
       c.dynamic_contact = Softness::of(hertz, settings.contact_damping_ratio, h);
       c.fixed_contact = Softness::of(2 * hertz, settings.contact_damping_ratio, h);
       c.stiffening = Stiffening::of(settings, hertz, h);
+      // A net of joints that are swept once a substep rings up from 0.4 / h on.
+      const double joint_limit = tuning::joint_hertz_limit / h;
+      const double joint_hertz =
+          settings.joint_hertz > 0 && settings.joint_hertz < joint_limit ? settings.joint_hertz : joint_limit;
+      c.joint = Softness::of(joint_hertz, settings.joint_damping_ratio, h);
     } else {
-      c.dynamic_contact = c.fixed_contact = Softness::rigid(settings.correction, h);
+      c.dynamic_contact = c.fixed_contact = c.joint = Softness::rigid(settings.correction, h);
+      // Let sweeps take away a part e of an error, b of which is asked back as speed, and carry 1 - k of the impulses.
+      // Errors for which e is small then go by s^3 + (2 e + k) s^2 + e (1 + b) s + e b = 0, s in 1/h, and ring up
+      // unless (2 e + k) (1 + b) > b.
+      if (settings.stabilisation == Stabilisation::Baumgarte) {
+        c.joint_carried = static_cast<float>(1 / (1 + settings.correction));
+      }
       c.slop = static_cast<float>(settings.slop);
     }
-    // A net of joints that are swept once a substep rings up from 0.4 / h on.
-    const double joint_limit = tuning::joint_hertz_limit / h;
-    const double joint_hertz =
-        settings.joint_hertz > 0 && settings.joint_hertz < joint_limit ? settings.joint_hertz : joint_limit;
-    c.joint = Softness::of(joint_hertz, settings.joint_damping_ratio, h);
     c.refinement = static_cast<float>(settings.refinement);
     const bool soft = settings.stabilisation == Stabilisation::Soft;
     const double penetration = soft ? settings.refinement * penetration_by_impulse(settings, dt) : 0;

@@ -80,17 +80,17 @@ void set_idle(JointRowBlock& row, std::size_t lane) {
 void set_law(JointRowBlock& row, std::size_t lane, const Law& law, const JointRow& at, double w,
              const JointStep& step) {
   const double value = at.value;
-  const Softness& soft = step.constants.joint;
-  // Softness leaks 1 / (1 + stiffness) of the impulse: it is an implicit spring with this q.
-  const double stiffness = static_cast<double>(soft.mass_scale) / static_cast<double>(soft.impulse_scale);
-  const double bias_rate = soft.bias_rate;
+  // Softness is an implicit spring: 1 / (1 + stiffness) of the impulse leaks.
+  const double leak = step.constants.joint.impulse_scale;
+  const double held = step.constants.joint.mass_scale;
+  const double bias_rate = step.constants.joint.bias_rate;
   row.mass[lane] = static_cast<float>(1 / w);
   row.inverse_mass[lane] = static_cast<float>(w);
   if (law.locked()) {
     row.lower_speed[lane] = row.upper_speed[lane] = 0;
     row.soft_lower[lane] = row.soft_upper[lane] = 1;
-    row.soft_scale[lane] = static_cast<float>(1 / (1 + stiffness));
-    row.soft_shift[lane] = static_cast<float>(-stiffness * bias_rate * (value - law.lower) / (1 + stiffness));
+    row.soft_scale[lane] = static_cast<float>(leak);
+    row.soft_shift[lane] = static_cast<float>(-held * bias_rate * (value - law.lower));
     return;
   }
   const LinearStep spring =
@@ -103,10 +103,11 @@ void set_law(JointRowBlock& row, std::size_t lane, const Law& law, const JointRo
   const double motor_change = law.drives() ? law.motor_force * step.h * w : 0;
   const LinearStep servo = law.is_servo() ? LinearStep::of_servo(law, at, 1 / w, step.h) : LinearStep{};
   const bool holds = servo.hold > 0;
-  const auto motor_part = [&](double with_spring) {
-    return static_cast<float>(holds ? servo.hold / (with_spring + servo.hold) : 1);
+  // Of the rest of a spring, that leaves `part` of a rate.
+  const auto motor_part = [&](double part) {
+    return static_cast<float>(holds ? servo.hold * part / (1 + servo.hold * part) : 1);
   };
-  row.motor_part[lane] = motor_part(1 + spring.hold);
+  row.motor_part[lane] = motor_part(share);
   row.motor_keep[lane] = static_cast<float>(holds ? servo.keep / servo.hold : 0);
   const double room_below = value - law.lower;
   const double room_above = law.upper - value;
@@ -125,11 +126,11 @@ void set_law(JointRowBlock& row, std::size_t lane, const Law& law, const JointRo
   const double push =
       std::min(-bias_rate * std::min(room_below, room_above), static_cast<double>(step.constants.push_speed));
   const double target = room_below < 0 ? push : -push;
-  const double all = 1 + spring.hold + stiffness;
-  row.soft_scale[lane] = static_cast<float>(1 / all);
-  row.soft_shift[lane] = static_cast<float>((stiffness * target + spring.shift) / all);
-  row.soft_motor_part[lane] = motor_part(all);
-  row.soft_motor_change[lane] = speed(motor_change / all);
+  const double soft_share = leak / (1 + spring.hold * leak);  // 1 / (1 + hold + stiffness)
+  row.soft_scale[lane] = static_cast<float>(soft_share);
+  row.soft_shift[lane] = static_cast<float>(held / (1 + spring.hold * leak) * target + soft_share * spring.shift);
+  row.soft_motor_part[lane] = motor_part(soft_share);
+  row.soft_motor_change[lane] = static_cast<float>(soft_share * std::min(motor_change, unlimited_speed));
 }
 
 // A lane of a block's rows, as its bodies are now.

@@ -181,11 +181,19 @@ void GroupPass<Executor>::warm_start(int number) {
   if (!setup_.settings.warm_starting) {
     parts_.contacts.clear_impulses(report_);
     if (setup_.sweeps_joints) parts_.joints.clear_impulses(0, parts_.joints.block_count());
-  } else if (number == 0) {
-    loops_.each_joint_colour(
-        [&](std::size_t begin, std::size_t end) { setup_.kernels.warm_start_joints(setup_.joint_data, begin, end); });
-    loops_.each_contact_colour(
-        [&](std::size_t begin, std::size_t end) { setup_.kernels.warm_start(setup_.contact_data, begin, end); });
+  } else {
+    // Later substeps have begun with all that the one before has changed.
+    const float kept = setup_.constants.joint_carried;
+    const float applied = number == 0 ? kept : kept - 1;
+    if (applied != 0) {
+      loops_.each_joint_colour([&](std::size_t begin, std::size_t end) {
+        setup_.kernels.warm_start_joints(setup_.joint_data, applied, kept, begin, end);
+      });
+    }
+    if (number == 0) {
+      loops_.each_contact_colour(
+          [&](std::size_t begin, std::size_t end) { setup_.kernels.warm_start(setup_.contact_data, begin, end); });
+    }
   }
   loops_.each_system([&](DirectJoints& system) { system.begin_substep(); });
   if (setup_.sweeps_joints && parts_.joints.may_bounce()) note_joint_impacts();
@@ -201,7 +209,7 @@ void GroupPass<Executor>::solve_velocities(int number, bool carries) {
   const bool twice = !(setup_.relaxes && carries);
   Sweep how = {setup_.splits ? Push::None : Push::Bias, refresh, friction, twice};
   rise(how, number + 0.5, number);
-  sweep(how, {.bias = true, .refresh = refresh, .carries = carries}, setup_.settings.iterations, number);
+  sweep(how, {.push = how.push, .refresh = refresh, .carries = carries}, setup_.settings.iterations, number);
   if (setup_.splits) split_off_corrections(number);
   // What contacts have done to one link is not to turn it far out of its joints before these see it.
   if (!setup_.joined) return;
@@ -215,9 +223,10 @@ void GroupPass<Executor>::split_off_corrections(int number) {
   loops_.each_body_block(
       [&](std::size_t begin, std::size_t end) { setup_.kernels.clear_corrections(parts_.bodies, begin, end); });
   parts_.contacts.clear_split_impulses();
+  parts_.joints.clear_split_impulses();
   parts_.bodies.velocity.swap(parts_.bodies.correction);
   // Rigid contacts have no softness to forgive what a round over the points leaves.
-  sweep({Push::Split, false, Friction::None, true}, {}, setup_.settings.iterations, number);
+  sweep({Push::Split, false, Friction::None, true}, {.push = Push::Split}, setup_.settings.iterations, number);
   parts_.bodies.velocity.swap(parts_.bodies.correction);
 }
 
@@ -238,7 +247,7 @@ void GroupPass<Executor>::relax(int number) {
   if (setup_.relaxes) {
     Sweep how = {.push = Push::None, .refresh = true, .friction = setup_.friction, .relaxes = true};
     rise(how, number + 1, number + 1);
-    sweep(how, {.bias = false, .refresh = true, .carries = false}, setup_.settings.relax_iterations, number);
+    sweep(how, {.refresh = true, .moved = true}, setup_.settings.relax_iterations, number);
   }
   loops_.each_system([&](DirectJoints& system) { system.relax(setup_.direct_input); });
 }
@@ -270,7 +279,7 @@ void GroupPass<Executor>::bounce_joints() {
   parts_.joints.begin_bounces();
   for (int i = 0; i < tuning::joint_bounce_sweeps; ++i) {
     loops_.each_joint_colour([&](std::size_t begin, std::size_t end) {
-      setup_.kernels.sweep_joints(setup_.joint_data, {.bias = false, .refresh = false, .carries = false}, begin, end);
+      setup_.kernels.sweep_joints(setup_.joint_data, {.moved = true}, begin, end);
     });
   }
   parts_.joints.end_bounces();
@@ -305,12 +314,12 @@ void GroupPass<Executor>::sweep(Sweep how, JointSweep joints, int iterations, in
   for (int i = 0; i < iterations; ++i) {
     LargestOf residual;
     how.backwards = setup_.relaxes && (number + i) % 2 == 1;
-    if (how.push != Push::Split) {
-      if (joints.bias) loops_.each_system([&](DirectJoints& system) { system.solve_velocities(setup_.direct_input); });
-      loops_.each_joint_colour([&](std::size_t begin, std::size_t end) {
-        residual.add(setup_.kernels.sweep_joints(setup_.joint_data, joints, begin, end));
-      });
+    if (how.push != Push::Split && !how.relaxes) {
+      loops_.each_system([&](DirectJoints& system) { system.solve_velocities(setup_.direct_input); });
     }
+    loops_.each_joint_colour([&](std::size_t begin, std::size_t end) {
+      residual.add(setup_.kernels.sweep_joints(setup_.joint_data, joints, begin, end));
+    });
     loops_.each_contact_colour([&](std::size_t begin, std::size_t end) {
       residual.add(setup_.kernels.sweep(setup_.contact_data, how, begin, end));
     });

@@ -34,7 +34,7 @@ struct GroupSetup {
         joint_step{of.joints, of.bodies, parts.bodies, constants, of.dt / settings.substeps},
         direct_input{of.joints, of.bodies, parts.bodies, of.dt / settings.substeps},
         contact_data(parts.contacts.kernel_data(of, report, constants, splits, parts.bodies, parts.joined)),
-        joint_data(parts.joints.kernel_data(parts.bodies, constants)) {}
+        joint_data(parts.joints.kernel_data(parts.bodies, constants, splits)) {}
 
   const SolveInput& input;
   const IslandGroup& group;

@@ -42,9 +42,10 @@ inline void prepare_joints(const JointKernelData& data, std::size_t begin, std::
   }
 }
 
-inline void warm_start_joints(const JointKernelData& data, std::size_t begin, std::size_t end) {
+inline void warm_start_joints(const JointKernelData& data, float applied, float kept, std::size_t begin,
+                              std::size_t end) {
   for (std::size_t b = begin; b < end; ++b) {
-    const JointBlock& block = data.blocks[b];
+    JointBlock& block = data.blocks[b];
     for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
       JointLanes c = load_joints(data, block, lane);
       V3 linear{zero(), zero(), zero()};
@@ -52,15 +53,19 @@ inline void warm_start_joints(const JointKernelData& data, std::size_t begin, st
       V3 second = linear;
       // Sums that begin with zero never are -0, so idle rows change no bit.
       for (std::size_t r = 0; r < block.rows; ++r) {
-        const JointRowBlock& row = data.rows[block.first_row + r];
-        const V impulse = load(row.impulse + lane);
+        JointRowBlock& row = data.rows[block.first_row + r];
+        const V carried = load(row.impulse + lane);
+        const V impulse = hn::Mul(splat(applied), carried);
+        store(hn::Mul(splat(kept), carried), row.impulse + lane);
         linear = linear + impulse * load3(row.linear, lane);
         first = first + impulse * load3(row.angular_first, lane);
         second = second + impulse * load3(row.angular_second, lane);
       }
       if (block.point != 0) {
         const PointLanes point = PointLanes::load_from(block, lane);
-        const V3 impulse = load3(block.impulse, lane);
+        const V3 carried = load3(block.impulse, lane);
+        const V3 impulse = splat(applied) * carried;
+        store3(splat(kept) * carried, block.impulse, lane);
         linear = linear + impulse;
         first = first + cross(point.arm_first, impulse);
         second = second + cross(point.arm_second, impulse);
@@ -72,24 +77,32 @@ inline void warm_start_joints(const JointKernelData& data, std::size_t begin, st
 }
 
 // The rate that a row's law makes of the rate without its impulse: see JointRowBlock. Monotone in it, so a motor never
-// drives beyond its speed, and a limit only stops what would pass it.
-template <bool bias>
-HWY_INLINE V lawful_rate(const JointRowBlock& row, std::size_t lane, V free) {
-  const V motor_speed = load((bias ? row.next_motor_speed : row.motor_speed) + lane);
+// drives beyond its speed, and a limit only stops what would pass it. A split sweep sees what is locked, and limits.
+template <Push push>
+HWY_INLINE V lawful_rate(const JointRowBlock& row, std::size_t lane, bool moved, V free) {
+  V lower = load(row.lower_speed + lane);
+  V upper = load(row.upper_speed + lane);
+  const M soft_lower = hn::Gt(load(row.soft_lower + lane), zero());
+  const M soft_upper = hn::Gt(load(row.soft_upper + lane), zero());
+  if constexpr (push == Push::Split) {
+    const V shift = load(row.soft_shift + lane);
+    lower = hn::IfThenElse(soft_lower, shift, lower);
+    upper = hn::IfThenElse(soft_upper, shift, upper);
+    return hn::Min(hn::Max(free, lower), upper);
+  }
+  const V motor_speed = load((moved ? row.motor_speed : row.next_motor_speed) + lane);
   const auto driven = [&](V rate, const float* part, const float* change) {
     return hn::Add(rate, clamp_to(hn::Mul(load(part + lane), hn::Sub(motor_speed, rate)), load(change + lane)));
   };
-  const float* shift = bias ? row.next_spring_shift : row.spring_shift;
+  const float* shift = moved ? row.spring_shift : row.next_spring_shift;
   const V sprung = hn::Add(hn::Mul(load(row.spring_scale + lane), free), load(shift + lane));
   const V rate = driven(sprung, row.motor_part, row.motor_change);
-  V lower = load(row.lower_speed + lane);
-  V upper = load(row.upper_speed + lane);
-  if constexpr (bias) {
+  if constexpr (push == Push::Bias) {
     const V soft = driven(hn::Add(hn::Mul(load(row.soft_scale + lane), free), load(row.soft_shift + lane)),
                           row.soft_motor_part, row.soft_motor_change);
-    lower = hn::IfThenElse(hn::Gt(load(row.soft_lower + lane), zero()), soft, lower);
-    upper = hn::IfThenElse(hn::Gt(load(row.soft_upper + lane), zero()), soft, upper);
-  } else {
+    lower = hn::IfThenElse(soft_lower, soft, lower);
+    upper = hn::IfThenElse(soft_upper, soft, upper);
+  } else if (moved) {
     const M open = hn::Gt(load(row.open_ends + lane), zero());
     lower = hn::IfThenElse(open, rate, lower);
     upper = hn::IfThenElse(open, rate, upper);
@@ -97,17 +110,18 @@ HWY_INLINE V lawful_rate(const JointRowBlock& row, std::size_t lane, V free) {
   return hn::Min(hn::Max(rate, lower), upper);
 }
 
-template <bool bias>
-HWY_INLINE void solve_row(JointRowBlock& row, std::size_t lane, bool measures, JointLanes& c, Residual& residual) {
+template <Push push>
+HWY_INLINE void solve_row(const JointRowBlock& row, float* accumulated, std::size_t lane, const JointSweep& sweep,
+                          JointLanes& c, Residual& residual) {
   const V3 linear = load3(row.linear, lane);
   const V3 angular_first = load3(row.angular_first, lane);
   const V3 angular_second = load3(row.angular_second, lane);
   const V mass = load(row.mass + lane);
-  const V old_impulse = load(row.impulse + lane);
+  const V old_impulse = load(accumulated + lane);
   const V rate = hn::Add(dot(linear, c.second.v - c.first.v),
                          hn::Sub(dot(angular_second, c.second.w), dot(angular_first, c.first.w)));
   const V free = hn::Sub(rate, hn::Mul(load(row.inverse_mass + lane), old_impulse));
-  const V change = hn::Sub(lawful_rate<bias>(row, lane, free), rate);
+  const V change = hn::Sub(lawful_rate<push>(row, lane, sweep.moved, free), rate);
   const V impulse = hn::Mul(mass, change);
   JointLanes solved = c;
   apply(solved, impulse * linear, impulse * angular_first, impulse * angular_second);
@@ -117,33 +131,36 @@ HWY_INLINE void solve_row(JointRowBlock& row, std::size_t lane, bool measures, J
   c.first.w = select(active, solved.first.w, c.first.w);
   c.second.v = select(active, solved.second.v, c.second.v);
   c.second.w = select(active, solved.second.w, c.second.w);
-  store(hn::IfThenElse(active, hn::Add(old_impulse, impulse), old_impulse), row.impulse + lane);
-  if (measures) residual.add(hn::IfThenElse(active, change, zero()));
+  store(hn::IfThenElse(active, hn::Add(old_impulse, impulse), old_impulse), accumulated + lane);
+  if (sweep.measures) residual.add(hn::IfThenElse(active, change, zero()));
 }
 
-template <bool bias>
+template <Push push>
 HWY_INLINE void solve_point(const JointKernelData& data, JointBlock& block, std::size_t lane, bool measures,
                             JointLanes& c, Residual& residual) {
   const PointLanes point = PointLanes::load_from(block, lane);
   const SymmetricMatrix mass = load_matrix(block.mass, lane);
-  const V3 old_impulse = load3(block.impulse, lane);
   const V3 rate = point.rate(c);
+  const Softness& soft = data.constants.joint;
   V3 impulse;
-  if constexpr (bias) {
-    const Softness& soft = data.constants.joint;
-    const V3 push = splat(-soft.mass_scale) * (mass * (rate + splat(soft.bias_rate) * load3(block.offset, lane)));
-    impulse = push - splat(soft.impulse_scale) * old_impulse;
-  } else {
+  if constexpr (push == Push::None) {
     impulse = splat(-1) * (mass * rate);
+  } else {
+    impulse = splat(-soft.mass_scale) * (mass * (rate + splat(soft.bias_rate) * load3(block.offset, lane)));
   }
-  store3(old_impulse + impulse, block.impulse, lane);
+  // It holds either way: only what leaks, or is carried over, has to be known.
+  if constexpr (push != Push::Split) {
+    const V3 old_impulse = load3(block.impulse, lane);
+    if constexpr (push == Push::Bias) impulse = impulse - splat(soft.impulse_scale) * old_impulse;
+    store3(old_impulse + impulse, block.impulse, lane);
+  }
   point.apply_to(c, impulse);
   if (!measures) return;
   const V3 change = point.rate(c) - rate;
   residual.add(hn::Sqrt(dot(change, change)));
 }
 
-template <bool bias, bool refresh, bool carries>
+template <Push push, bool refresh, bool carries>
 float sweep_joint_blocks(const JointKernelData& data, const JointSweep& sweep, std::size_t begin, std::size_t end) {
   Residual residual;
   for (std::size_t b = begin; b < end; ++b) {
@@ -162,27 +179,37 @@ float sweep_joint_blocks(const JointKernelData& data, const JointSweep& sweep, s
         }
       }
       // The point last: of what is left over it shows most.
-      for (std::size_t r = 0; r < block.rows; ++r) {
-        solve_row<bias>(data.rows[block.first_row + r], lane, sweep.measures, c, residual);
+      for (std::size_t r = block.first_row; r < block.first_row + block.rows; ++r) {
+        float* impulse = push == Push::Split ? data.split_rows[r].impulse : data.rows[r].impulse;
+        solve_row<push>(data.rows[r], impulse, lane, sweep, c, residual);
       }
-      if (block.point != 0) solve_point<bias>(data, block, lane, sweep.measures, c, residual);
+      if (block.point != 0) solve_point<push>(data, block, lane, sweep.measures, c, residual);
       store_joint_bodies(c, data, block, lane);
     }
   }
   return sweep.measures ? hn::GetLane(hn::MaxOfLanes(D(), residual.most)) : 0;
 }
 
-inline float sweep_joints(const JointKernelData& data, const JointSweep& sweep, std::size_t begin, std::size_t end) {
-  if (!sweep.bias) {
-    return sweep.refresh ? sweep_joint_blocks<false, true, false>(data, sweep, begin, end)
-                         : sweep_joint_blocks<false, false, false>(data, sweep, begin, end);
-  }
+template <Push push>
+float sweep_joints_with_push(const JointKernelData& data, const JointSweep& sweep, std::size_t begin, std::size_t end) {
   if (sweep.refresh) {
-    return sweep.carries ? sweep_joint_blocks<true, true, true>(data, sweep, begin, end)
-                         : sweep_joint_blocks<true, true, false>(data, sweep, begin, end);
+    return sweep.carries ? sweep_joint_blocks<push, true, true>(data, sweep, begin, end)
+                         : sweep_joint_blocks<push, true, false>(data, sweep, begin, end);
   }
-  return sweep.carries ? sweep_joint_blocks<true, false, true>(data, sweep, begin, end)
-                       : sweep_joint_blocks<true, false, false>(data, sweep, begin, end);
+  return sweep.carries ? sweep_joint_blocks<push, false, true>(data, sweep, begin, end)
+                       : sweep_joint_blocks<push, false, false>(data, sweep, begin, end);
+}
+
+inline float sweep_joints(const JointKernelData& data, const JointSweep& sweep, std::size_t begin, std::size_t end) {
+  switch (sweep.push) {
+    case Push::None:
+      return sweep_joints_with_push<Push::None>(data, sweep, begin, end);
+    case Push::Bias:
+      return sweep_joints_with_push<Push::Bias>(data, sweep, begin, end);
+    case Push::Split:
+      return sweep_joint_blocks<Push::Split, false, false>(data, sweep, begin, end);
+  }
+  return 0;
 }
 
 }  // namespace HWY_NAMESPACE

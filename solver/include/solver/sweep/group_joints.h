@@ -8,6 +8,7 @@
 #include <solver/sweep/joint_block.h>
 #include <solver/sweep/kernels.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -42,8 +43,14 @@ class GroupJoints {
   bool has_rows() const { return !rows_.empty(); }
   std::span<const Colour> colours() const { return colouring_.colours(); }
   std::size_t block_count() const { return empty() ? 0 : colouring_.block_count(); }
-  JointKernelData kernel_data(SolverBodies& bodies, const SubstepConstants& constants) {
-    return {.bodies = bodies, .blocks = blocks_.data(), .rows = rows_.data(), .constants = constants};
+  /// With `splits` impulses that close joints are kept from those that last.
+  JointKernelData kernel_data(SolverBodies& bodies, const SubstepConstants& constants, bool splits) {
+    split_rows_.resize(splits ? rows_.size() : 0);
+    return {.bodies = bodies,
+            .blocks = blocks_.data(),
+            .rows = rows_.data(),
+            .split_rows = split_rows_.data(),
+            .constants = constants};
   }
 
   // Over blocks [begin, end), several workers at once.
@@ -66,12 +73,13 @@ class GroupJoints {
   void begin_bounces();
   void end_bounces();
   void clear_impulses(std::size_t begin, std::size_t end);
+  void clear_split_impulses() { std::ranges::fill(split_rows_, SplitRowBlock{}); }
   /// Impulses, coordinates and what holds the joints, back to them. Bodies have their new poses.
   void store(const JointStep& step, std::size_t begin, std::size_t end) const;
 
   /// See jobs/arrays.h.
   auto arrays() const {
-    return std::tie(joints_, blocks_, rows_, row_rates_, blocks_before_, rows_before_, colouring_);
+    return std::tie(joints_, blocks_, rows_, split_rows_, row_rates_, blocks_before_, rows_before_, colouring_);
   }
 
  private:
@@ -81,6 +89,7 @@ class GroupJoints {
   Colouring colouring_;
   std::vector<JointBlock> blocks_;
   std::vector<JointRowBlock> rows_;
+  std::vector<SplitRowBlock> split_rows_;  // one a row, where the group needs them
 
   // A coordinate that may bounce: m/s or rad/s.
   struct RowRate {

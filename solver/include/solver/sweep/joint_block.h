@@ -84,4 +84,9 @@ struct alignas(64) JointRowBlock {
   float soft_motor_change[block_lanes];
 };
 
+/// What a row needs beside, if joints are closed by velocities of their own.
+struct alignas(64) SplitRowBlock {
+  float impulse[block_lanes];  ///< N s or N m s, of this substep
+};
+
 }  // namespace atl::solver

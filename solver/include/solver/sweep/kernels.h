@@ -58,15 +58,17 @@ struct JointKernelData {
   SolverBodies& bodies;
   JointBlock* blocks;
   JointRowBlock* rows;
+  SplitRowBlock* split_rows;  ///< one a row, or null where nothing asks
   const SubstepConstants& constants;
 };
 
 /// A sweep over the blocks of joints.
 struct JointSweep {
-  bool bias;     ///< asks for speeds that take errors back, softly; else joints are rigid and look at rates alone
-  bool refresh;  ///< recompute arms, offsets and masses from the bodies' displacements first
-  bool carries;  ///< the first sweep after impulses were carried over from the substep before
-  bool measures = false;  ///< tell the residual
+  Push push = Push::None;  ///< of what joints are off by; without, they are rigid and look at rates alone
+  bool refresh = false;    ///< recompute arms, offsets and masses from the bodies' displacements first
+  bool carries = false;    ///< the first sweep after impulses were carried over from the substep before
+  bool moved = false;      ///< positions have moved by the velocities: springs pull from where they did before
+  bool measures = false;   ///< tell the residual
 };
 
 /// The wide kernels for one instruction set. Each runs over [begin, end): of blocks, or of body indices in
@@ -105,8 +107,8 @@ struct Kernels {
 
   /// Completes blocks of joints whose start of the step, impulses and rows are filled in.
   void (*prepare_joints)(const JointKernelData& data, std::size_t begin, std::size_t end);
-  /// Applies the accumulated impulses.
-  void (*warm_start_joints)(const JointKernelData& data, std::size_t begin, std::size_t end);
+  /// Applies a part of the accumulated impulses, and keeps a part.
+  void (*warm_start_joints)(const JointKernelData& data, float applied, float kept, std::size_t begin, std::size_t end);
   /// Returns, if the sweep measures, its residual as that over contacts does. Spins count with a friction_radius of 1
   /// m.
   float (*sweep_joints)(const JointKernelData& data, const JointSweep& sweep, std::size_t begin, std::size_t end);
