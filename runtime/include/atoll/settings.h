@@ -9,12 +9,12 @@ enum class FrictionModel {
   Pyramid,  ///< each of two tangential components clamped alone: cheaper in theory, wrong off the axes
 };
 
-/// How contacts get bodies out of each other. Rigid ones, the last two, want four iterations or more where bodies are
-/// stacked.
+/// How contacts get bodies out of each other, and iterative joints close. Rigid ones, the last two, want four
+/// iterations or more where bodies are stacked.
 enum class Stabilisation {
-  /// A contact is a stiff damped spring, and sweeps without it take the speed back with which it pushed.
+  /// Each is a stiff damped spring, and sweeps without it take the speed back with which it pushed.
   Soft,
-  /// A contact is rigid and asks for a part of the overlap as speed, which bodies keep: it adds energy (Baumgarte,
+  /// Each is rigid and asks for a part of the overlap or gap as speed, which bodies keep: it adds energy (Baumgarte,
   /// "Stabilization of constraints and integrals of motion in dynamical systems", 1972).
   Baumgarte,
   /// The same part, in velocities of their own that only move bodies and are then forgotten (Catto, "Modeling and
@@ -80,7 +80,8 @@ struct Settings {
   bool warm_starting = true;
 
   Stabilisation stabilisation = Stabilisation::Soft;
-  double correction = 0.2;  ///< of the overlap that Baumgarte and SplitImpulse remove a substep, in (0, 1]
+  /// Of the overlap, or the gap of an iterative joint, that Baumgarte and SplitImpulse remove a substep, in (0, 1].
+  double correction = 0.2;
   /// m, >= 0: overlap that these leave alone, so that points at rest neither come nor go. Far below the size of bodies,
   /// and some times what falls in a substep: g h^2 is 0.17 mm at the defaults.
   double slop = 5e-4;
@@ -102,8 +103,8 @@ struct Settings {
   ContactSolver contact_solver = ContactSolver::Auto;
 
   JointSolver joint_solver = JointSolver::Auto;
-  /// With iterative joints: stiffness as a damped spring, Hz, > 0. Limited to, and if left out, 0.3 of the substep
-  /// rate.
+  /// With iterative joints and Soft: stiffness as a damped spring, Hz, > 0. Limited to, and if left out, 0.3 of the
+  /// substep rate.
   std::optional<double> joint_hertz = {};
   double joint_damping_ratio = 2;  ///< >= 0
 
