@@ -135,10 +135,10 @@ class Holds {
   std::vector<Hold> holds_;
 };
 
-// Whether anything pushes along the joint, or stops it.
-bool acts(const Joint& joint) {
+// Whether a joint is a machine's: it holds its place by a servo, or has a rotor to turn.
+bool holds_itself(const Joint& joint) {
   return std::any_of(joint.law.begin(), joint.law.begin() + joint.rows,
-                     [](const Law& law) { return law.acts() && !law.locked(); });
+                     [](const Law& law) { return law.is_servo() || law.armature > 0; });
 }
 
 // Whether solving joint by joint would not do: what hangs on something swings for long, and machines stand on
@@ -146,8 +146,7 @@ bool acts(const Joint& joint) {
 bool asks_for_direct(std::span<const JointLink> links, std::span<const Joint> joints, const BodyTable& bodies) {
   for (const JointLink& link : links) {
     const double a = bodies.inverse_mass[link.first], b = bodies.inverse_mass[link.second];
-    if (a == 0 || b == 0 || acts(joints[link.joint])) return true;
-    if (std::max(a, b) > tuning::light_ratio * std::min(a, b)) return true;
+    if (a == 0 || b == 0 || holds_itself(joints[link.joint])) return true;
   }
   if (Holds(links, joints, bodies).fight()) return true;
   if (links.size() <= tuning::long_chain) return false;
