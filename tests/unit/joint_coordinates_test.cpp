@@ -177,7 +177,9 @@ TEST_P(JointCoordinates, RatesOnlyHaveNoValue) {
 INSTANTIATE_TEST_SUITE_P(All, JointCoordinates, testing::ValuesIn(test::all_coordinates));
 
 JointFrames frames_of(const Eigen::Matrix3d& first, const Eigen::Matrix3d& relative) {
-  return {Vector3::Zero(), Vector3::Zero(), Vector3::Zero(), first, first * relative};
+  JointFrames frames{Vector3::Zero(), Vector3::Zero(), Vector3::Zero(), first, first * relative, {}};
+  frames.set_turn();
+  return frames;
 }
 
 Eigen::Matrix3d about(const Vector3& axis, double angle) { return Eigen::AngleAxisd(angle, axis).toRotationMatrix(); }
@@ -317,6 +319,7 @@ TEST(JointCoordinate, AreDefinedWhereTheyHaveNoDirection) {
 
   // Half a turn about y: x axes opposite.
   frames.axes_second = Eigen::Vector3d(-1, 1, -1).asDiagonal();
+  frames.set_turn();
   EXPECT_EQ(swing(frames).value, pi);
   EXPECT_EQ(swing(frames).angular_first, Vector3::UnitY());
   EXPECT_EQ(twist(frames).angular_first, Vector3::UnitX());

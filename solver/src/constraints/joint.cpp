@@ -3,6 +3,18 @@
 #include <cmath>
 
 namespace atl::solver {
+namespace {
+
+// Whether some coordinate is told by the relative quaternion.
+bool asks_for_turn(const Joint& joint) {
+  for (std::size_t row = 0; row < joint.rows; ++row) {
+    const Coordinate of = joint.coordinate[row];
+    if (of == Coordinate::Twist || (of >= Coordinate::TurnX && of <= Coordinate::TurnZ)) return true;
+  }
+  return false;
+}
+
+}  // namespace
 
 JointRow joint_row(const Joint& joint, std::size_t row, const JointFrames& frames) {
   switch (joint.coordinate[row]) {
@@ -102,6 +114,7 @@ JointFrames joint_frames(const Joint& joint, const Vector3& position_first, cons
   frames.offset = (position_second - position_first) + (frames.arm_second - frames.arm_first);
   frames.axes_first = (orientation_first * joint.axes_first).toRotationMatrix();
   frames.axes_second = (orientation_second * joint.axes_second).toRotationMatrix();
+  if (asks_for_turn(joint)) frames.set_turn();
   return frames;
 }
 

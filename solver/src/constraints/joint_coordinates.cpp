@@ -12,13 +12,6 @@ using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-// Orientation of the second frame in the first, of the shorter way round.
-Quaterniond relative_turn(const JointFrames& frames) {
-  Quaterniond turn(Matrix3d(frames.axes_first.transpose() * frames.axes_second));
-  if (turn.w() < 0) turn.coeffs() = -turn.coeffs();
-  return turn;
-}
-
 // A coordinate that changes at axis . (w_B - w_A).
 JointRow angular_row(const Vector3d& axis, double value) {
   return {.linear = Vector3d::Zero(), .angular_first = axis, .angular_second = axis, .value = value};
@@ -32,6 +25,11 @@ Vector3d swing_axis(const JointFrames& frames) {
 }
 
 }  // namespace
+
+void JointFrames::set_turn() {
+  turn = Quaterniond(Matrix3d(axes_first.transpose() * axes_second));
+  if (turn.w() < 0) turn.coeffs() = -turn.coeffs();
+}
 
 // d/dt (a . offset), with a fixed to the first body: its turning adds (w_A x a) . offset = w_A . (a x offset).
 JointRow offset_along(const JointFrames& frames, int axis) {
@@ -54,7 +52,7 @@ JointRow distance(const JointFrames& frames) {
 // For q = (s, v), q' = (0, w) q / 2 with w the relative spin in the first frame, so (2 v)' = s w + w x v, of which row
 // k is (s e_k + v x e_k) . w.
 JointRow turn_about(const JointFrames& frames, int axis) {
-  const Quaterniond turn = relative_turn(frames);
+  const Quaterniond& turn = frames.turn;
   const Vector3d unit = Vector3d::Unit(axis);
   return angular_row(frames.axes_first * (turn.w() * unit + turn.vec().cross(unit)), 2 * turn.vec()[axis]);
 }
@@ -90,7 +88,7 @@ JointRow skew_between(const JointFrames& frames, int axis_first, int axis_second
 // Of q = (s, v) the twist is 2 atan2(v_x, s). Its rate in terms of the relative spin is that about the direction
 // halfway between the two x axes, over the cosine of half the swing: (a + b) . w / (1 + a . b).
 JointRow twist(const JointFrames& frames) {
-  const Quaterniond turn = relative_turn(frames);
+  const Quaterniond& turn = frames.turn;
   const Vector3d a = frames.axes_first.col(0);
   const Vector3d b = frames.axes_second.col(0);
   const double both = 1 + a.dot(b);
@@ -132,7 +130,7 @@ void fade_twist(const JointFrames& frames, JointRow& twist) {
 
 // Of q = (s, v), s' = -v . w / 2 in the first frame.
 void fade_turn(const JointFrames& frames, int axis, JointRow& turn) {
-  const Quaterniond relative = relative_turn(frames);
+  const Quaterniond& relative = frames.turn;
   const Fading fading(relative.w(), tuning::fading_turn);
   const Vector3d row =
       fading.part * turn.angular_first - 0.5 * turn.value * fading.slope * (frames.axes_first * relative.vec());

@@ -39,6 +39,9 @@ struct JointFrames {
   Eigen::Vector3d offset;      ///< m, from the first frame's origin to the second's
   Eigen::Matrix3d axes_first;  ///< columns: the frame's x, y, z
   Eigen::Matrix3d axes_second;
+  Eigen::Quaterniond turn;     ///< orientation of the second frame in the first, w >= 0: for turn_about() and twist()
+
+  void set_turn();  ///< from the axes
 };
 
 /// The offset along axis `axis` of the first frame, m.
