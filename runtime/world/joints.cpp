@@ -177,9 +177,10 @@ JointState joint_state(const Stores& world, std::uint32_t index) {
                    .force = joint.force,
                    .torque = joint.torque};
   const std::span<const solver::Coordinate> names = named_coordinates(world.joints.def[index].kind);
-  const solver::JointFrames frames = frames_of(world, joint);
   solver::Joint named = joint;
+  named.rows = static_cast<std::uint8_t>(names.size());
   std::copy(names.begin(), names.end(), named.coordinate.begin());
+  const solver::JointFrames frames = frames_of(world, named);
   for (std::size_t i = 0; i < names.size(); ++i) {
     const solver::JointRow row = joint_row(named, i, frames);
     const std::size_t kept = row_along(joint, names[i]);

@@ -135,18 +135,12 @@ class Holds {
   std::vector<Hold> holds_;
 };
 
-// Whether a joint is a machine's: it holds its place by a servo, or has a rotor to turn.
-bool holds_itself(const Joint& joint) {
-  return std::any_of(joint.law.begin(), joint.law.begin() + joint.rows,
-                     [](const Law& law) { return law.is_servo() || law.armature > 0; });
-}
-
 // Whether solving joint by joint would not do: what hangs on something swings for long, and machines stand on
 // something; there errors add up. Springs, motors and ends of ranges between bodies that tumble get energy from it.
 bool asks_for_direct(std::span<const JointLink> links, std::span<const Joint> joints, const BodyTable& bodies) {
   for (const JointLink& link : links) {
     const double a = bodies.inverse_mass[link.first], b = bodies.inverse_mass[link.second];
-    if (a == 0 || b == 0 || holds_itself(joints[link.joint])) return true;
+    if (a == 0 || b == 0 || joints[link.joint].is_actuated()) return true;
   }
   if (Holds(links, joints, bodies).fight()) return true;
   if (links.size() <= tuning::long_chain) return false;

@@ -128,9 +128,25 @@ void SolverSelection::find_pressed(const LoadInput& input) {
   for (std::size_t island = 0; island < islands.count(); ++island) {
     if (islands.joint_count(island) == 0 || islands.contact_count(island) == 0) continue;
     if (islands.body_count(island) > tuning::most_bodies || has_locks(input, island)) continue;
-    if (!is_pressed(input, island)) continue;
-    pressed_.push_back(island);
+    if (is_machine(input, island) || is_pressed(input, island)) pressed_.push_back(island);
   }
+}
+
+// Whether an island is one machine, which touches only itself and what can't move. In one system with its joints its
+// contacts come to rest, which taking turns with them keeps robots from.
+bool SolverSelection::is_machine(const LoadInput& input, std::size_t island) {
+  const std::span<const JointLink> joints = input.islands.joints(island, island + 1);
+  const std::uint32_t component = input.joint_graph->component_of(joints.front().joint);
+  if (!input.joint_systems->is_machine(component)) return false;
+  on_system_.assign(input.islands.body_count(island), 0);
+  for (const JointLink& link : joints) {
+    if (input.joint_graph->component_of(link.joint) != component) return false;
+    for (const std::uint32_t body : {link.first, link.second}) {
+      if (input.bodies.mobility[body] != Mobility::Dynamic) continue;
+      on_system_[input.islands.rank(body) - input.islands.first_rank(island)] = 1;
+    }
+  }
+  return std::find(on_system_.begin(), on_system_.end(), 0) == on_system_.end();
 }
 
 bool SolverSelection::is_pressed(const LoadInput& input, std::size_t island) {
@@ -182,7 +198,7 @@ std::span<const SolveMode> SolverSelection::choose_direct(const LoadInput& input
 
 const char* SolverSelection::why(std::size_t island) const {
   const bool pressed = std::binary_search(pressed_.begin(), pressed_.end(), island);
-  if (pressed) return "a body carries one many times as heavy, and there are joints";
+  if (pressed) return "joints that are solved at once and contacts push on each other";
   if (modes_[island] == SolveMode::Landing) return "something lands in it that leans on something else";
   if (symptoms_[island].deep) return "a body carries many times what its contacts are made for";
   return modes_[island] == SolveMode::Refined ? "it sags under its own weight"

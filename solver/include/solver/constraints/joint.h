@@ -3,6 +3,7 @@
 #include <solver/constraints/joint_coordinates.h>
 #include <solver/integrate/body_table.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
@@ -102,6 +103,11 @@ struct alignas(64) Joint {
   std::array<std::int8_t, max_joint_rows> motor_bound = {};
 
   std::size_t row_count() const { return rows + (point ? 3u : 0u); }
+  /// Whether it is a machine's: it holds its place by a servo, or has a rotor.
+  bool is_actuated() const {
+    return std::any_of(law.begin(), law.begin() + rows,
+                       [](const Law& of) { return of.is_servo() || of.armature > 0; });
+  }
 };
 
 /// One coordinate of a joint at the given frames. The value of a rate only is 0, that of an angle within half a turn of

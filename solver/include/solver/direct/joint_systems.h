@@ -19,22 +19,27 @@ class JointSystems {
   void build(const JointGraph& graph, std::span<const Joint> joints, const BodyTable& bodies, const Wanted& wanted) {
     systems_.clear();
     systems_.resize(graph.component_count());
+    actuated_.assign(graph.component_count(), 0);
     for (std::uint32_t component = 0; component < systems_.size(); ++component) {
       if (!wanted(component)) continue;
+      for (const JointLink& link : graph.links_of(component)) actuated_[component] |= joints[link.joint].is_actuated();
       auto system = std::make_unique<DirectJoints>();
       if (system->analyse(graph.links_of(component), joints, bodies)) systems_[component] = std::move(system);
     }
   }
 
   bool is_direct(std::uint32_t component) const { return systems_[component] != nullptr; }
+  /// Whether it is, and has servos or rotors.
+  bool is_machine(std::uint32_t component) const { return is_direct(component) && actuated_[component] != 0; }
   /// Of a component that is.
   DirectJoints& of(std::uint32_t component) { return *systems_[component]; }
 
   /// Memory held.
-  auto arrays() const { return std::tie(systems_); }
+  auto arrays() const { return std::tie(systems_, actuated_); }
 
  private:
   std::vector<std::unique_ptr<DirectJoints>> systems_;  // by component; null where it is solved joint by joint
+  std::vector<std::uint8_t> actuated_;                  // likewise; of those that are solved at once
 };
 
 }  // namespace atl::solver

@@ -82,6 +82,7 @@ class SolverSelection {
   void estimate_arrived(const LoadInput& input);
   void find_landings(const LoadInput& input);
   void find_pressed(const LoadInput& input);
+  bool is_machine(const LoadInput& input, std::size_t island);
   bool is_pressed(const LoadInput& input, std::size_t island);
 
   // What is known of an island by its loaded bodies.
