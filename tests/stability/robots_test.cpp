@@ -219,10 +219,7 @@ TEST(Robots, StayWholeAndComeToRest) {
       EXPECT_TRUE(world.quarantined().empty()) << of << ", " << seed;
       EXPECT_LT(most, of.driven ? 20 : 1.5 * (std::sqrt(2 * g * fall) + std::sqrt(2 * g * robot.reach)))
           << of << ", " << seed;
-      // On the ground joints that are solved at once take turns with contacts, which keeps robots from coming to rest.
-      if (of.machine == Machine::Arm) {
-        EXPECT_LT(at_end, 0.02) << of << ", " << seed;
-      }
+      EXPECT_LT(at_end, 0.01) << of << ", " << seed;
     }
   }
 }

@@ -136,13 +136,13 @@ class Holds {
 };
 
 // Whether solving joint by joint would not do: what hangs on something swings for long, and machines stand on
-// something; there errors add up. Springs, motors and ends of ranges between bodies that tumble get energy from it.
+// something, or hold their pose by servos; there errors add up.
 bool asks_for_direct(std::span<const JointLink> links, std::span<const Joint> joints, const BodyTable& bodies) {
-  for (const JointLink& link : links) {
-    const double a = bodies.inverse_mass[link.first], b = bodies.inverse_mass[link.second];
-    if (a == 0 || b == 0 || joints[link.joint].is_actuated()) return true;
-  }
-  if (Holds(links, joints, bodies).fight()) return true;
+  const auto asks = [&](const JointLink& link) {
+    return bodies.inverse_mass[link.first] == 0 || bodies.inverse_mass[link.second] == 0 ||
+           joints[link.joint].is_actuated();
+  };
+  if (std::any_of(links.begin(), links.end(), asks) || Holds(links, joints, bodies).fight()) return true;
   if (links.size() <= tuning::long_chain) return false;
   const Neighbours neighbours(links, bodies);
   return neighbours.farthest(neighbours.farthest(0).first).second > tuning::long_chain;
