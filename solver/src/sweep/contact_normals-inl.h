@@ -18,11 +18,17 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 using namespace jobs::HWY_NAMESPACE;
 
+// How a sweep changes normal impulses: all that its points depend on.
+template <Push push_, bool special_>
+struct NormalLaw {
+  static constexpr Push push = push_;
+  static constexpr bool special = special_;
+};
+
 // What is known of a sweep when it is compiled.
 template <Push push_, bool refresh_, bool rubs_, int rounds_>
-struct Common {
-  static constexpr Push push = push_;
-  static constexpr bool special = false;
+struct Common : NormalLaw<push_, false> {
+  using normals = NormalLaw<push_, false>;
   static HWY_INLINE bool refresh(const Sweep&) { return refresh_; }
   static HWY_INLINE bool rubs(const Sweep&) { return rubs_; }
   static HWY_INLINE int rounds(const Sweep&) { return rounds_; }
@@ -31,9 +37,8 @@ struct Common {
 // Whatever a sweep asks for, and what few scenes need and costs something: running surfaces, rolling and torsional
 // friction, the pyramid, locks, slop, and a residual.
 template <Push push_>
-struct Special {
-  static constexpr Push push = push_;
-  static constexpr bool special = true;
+struct Special : NormalLaw<push_, true> {
+  using normals = NormalLaw<push_, true>;
   static HWY_INLINE bool refresh(const Sweep& sweep) { return sweep.refresh; }
   static HWY_INLINE bool rubs(const Sweep& sweep) { return sweep.friction != Friction::None; }
   static HWY_INLINE int rounds(const Sweep& sweep) { return sweep.twice ? 2 : 1; }
@@ -59,7 +64,7 @@ struct PointTarget {
   V offset, mass;
 };
 
-template <typename how, typename what>
+template <typename normals>
 struct PointTargets {
   const ContactKernelData& data;
   const ContactBlock& block;
@@ -83,13 +88,13 @@ struct PointTargets {
     V speed_bias = hn::Mul(separation, splat(constants.inverse_h));
     V mass = rigid_mass;
     V leak = zero();
-    if constexpr (how::push == Push::None) {
+    if constexpr (normals::push == Push::None) {
       speed_bias = hn::IfThenElse(apart, speed_bias, zero());
     } else {
       V overlap = separation;
-      if constexpr (how::special) overlap = hn::Min(hn::Add(separation, splat(constants.slop)), zero());
+      if constexpr (normals::special) overlap = hn::Min(hn::Add(separation, splat(constants.slop)), zero());
       const V push = hn::Max(hn::Mul(soft_rate, overlap), hn::Neg(load(block.push_speed + lane)));
-      speed_bias = hn::IfThenElse(apart, how::push == Push::Split ? zero() : speed_bias, push);
+      speed_bias = hn::IfThenElse(apart, normals::push == Push::Split ? zero() : speed_bias, push);
       mass = hn::IfThenElse(apart, mass, hn::Mul(mass, soft_mass));
       leak = hn::IfThenElse(apart, zero(), hn::Mul(soft_impulse, old_impulse));
     }
@@ -98,12 +103,12 @@ struct PointTargets {
 };
 
 // One round over the points of each contact.
-template <typename how, typename what>
+template <typename normals, std::size_t points>
 HWY_INLINE void solve_points(const ContactKernelData& data, ContactBlock& block, float (*impulses)[block_lanes],
                              std::size_t lane, NormalSolve& solve, Residual& residual, bool backwards) {
-  const PointTargets<how, what> targets(data, block, lane);
-  for (std::size_t n = 0; n < what::points; ++n) {
-    const std::size_t i = backwards ? what::points - 1 - n : n;
+  const PointTargets<normals> targets(data, block, lane);
+  for (std::size_t n = 0; n < points; ++n) {
+    const std::size_t i = backwards ? points - 1 - n : n;
     const V x = load(block.x[i] + lane);
     const V y = load(block.y[i] + lane);
     const V old_impulse = load(impulses[i] + lane);
@@ -114,21 +119,21 @@ HWY_INLINE void solve_points(const ContactKernelData& data, ContactBlock& block,
     const V impulse = hn::Max(wanted, hn::Neg(old_impulse));
     store(hn::Add(old_impulse, impulse), impulses[i] + lane);
     response.apply(impulse, x, y, solve);
-    if constexpr (how::special) residual.add(hn::Mul(impulse, response.own));
+    if constexpr (normals::special) residual.add(hn::Mul(impulse, response.own));
   }
 }
 
 // What all points together do first about an impact, in lanes that land: a step down the gradient, as far as it is
 // best. Whatever order of the points follows, what lands flat stays so.
-template <typename how, typename what>
+template <typename normals, std::size_t points>
 HWY_NOINLINE void spread_impact(const ContactKernelData& data, const ContactBlock& block,
                                 float (*impulses)[block_lanes], std::size_t lane, const M& lands, NormalSolve& solve) {
-  const PointTargets<how, what> targets(data, block, lane);
-  V change[what::points];
+  const PointTargets<normals> targets(data, block, lane);
+  V change[points];
   NormalSolve along = solve;
   along.u = along.w1 = along.w2 = zero();
   V gained = zero();
-  for (std::size_t i = 0; i < what::points; ++i) {
+  for (std::size_t i = 0; i < points; ++i) {
     const V x = load(block.x[i] + lane);
     const V y = load(block.y[i] + lane);
     const V old_impulse = load(impulses[i] + lane);
@@ -140,7 +145,7 @@ HWY_NOINLINE void spread_impact(const ContactKernelData& data, const ContactBloc
     response.apply(change[i], x, y, along);
   }
   V curvature = zero();
-  for (std::size_t i = 0; i < what::points; ++i) {
+  for (std::size_t i = 0; i < points; ++i) {
     const V speed = along.speed(load(block.x[i] + lane), load(block.y[i] + lane));
     curvature = hn::Add(curvature, hn::Mul(change[i], speed));
   }
@@ -148,7 +153,7 @@ HWY_NOINLINE void spread_impact(const ContactKernelData& data, const ContactBloc
   const V part = hn::Min(hn::Div(gained, hn::IfThenElse(steps, curvature, splat(1))), splat(1));
   const V taken = hn::IfThenElseZero(steps, part);
   NormalSolve after = solve;
-  for (std::size_t i = 0; i < what::points; ++i) {
+  for (std::size_t i = 0; i < points; ++i) {
     const V x = load(block.x[i] + lane);
     const V y = load(block.y[i] + lane);
     const V old_impulse = load(impulses[i] + lane);
@@ -163,32 +168,18 @@ HWY_NOINLINE void spread_impact(const ContactKernelData& data, const ContactBloc
 }
 
 // For the lanes that land, and for them alone: whether others of their block do must not show.
-template <typename how, typename what>
-HWY_NOINLINE void share_impact(const ContactKernelData& data, ContactBlock& block, float (*impulses)[block_lanes],
-                               std::size_t lane, const M& lands, ContactLanes<what::movable>& c, Residual& residual,
-                               bool backwards, const V& rise) {
-  V before[what::points];
-  for (std::size_t i = 0; i < what::points; ++i) before[i] = load(impulses[i] + lane);
-  ContactLanes<what::movable> landed = c;
-  Residual of_landed = residual;
-  NormalSolve solve(landed);
-  if constexpr (how::special) solve.u = hn::Sub(solve.u, rise);
+template <typename normals, std::size_t points>
+HWY_NOINLINE void solve_impact(const ContactKernelData& data, ContactBlock& block, float (*impulses)[block_lanes],
+                               std::size_t lane, const M& lands, NormalSolve& solve, Residual& residual,
+                               bool backwards) {
+  V before[points];
+  for (std::size_t i = 0; i < points; ++i) before[i] = load(impulses[i] + lane);
   for (int round = 0; round < tuning::landing_rounds; ++round) {
-    solve_points<how, what>(data, block, impulses, lane, solve, of_landed, backwards);
+    solve_points<normals, points>(data, block, impulses, lane, solve, residual, backwards);
   }
-  solve.finish(landed);
-  for (std::size_t i = 0; i < what::points; ++i) {
+  for (std::size_t i = 0; i < points; ++i) {
     store(hn::IfThenElse(lands, load(impulses[i] + lane), before[i]), impulses[i] + lane);
   }
-  if constexpr (first_moves<what::movable>) {
-    c.first.v = select(lands, landed.first.v, c.first.v);
-    c.first.w = select(lands, landed.first.w, c.first.w);
-  }
-  if constexpr (second_moves<what::movable>) {
-    c.second.v = select(lands, landed.second.v, c.second.v);
-    c.second.w = select(lands, landed.second.w, c.second.w);
-  }
-  residual.most = hn::IfThenElse(lands, of_landed.most, residual.most);
 }
 
 template <typename how, typename what>
@@ -212,18 +203,28 @@ HWY_INLINE void solve_normals(const ContactKernelData& data, ContactBlock& block
       const V none = splat(collision::no_point);
       const M several =
           hn::And(hn::Lt(load(block.start_separation[1] + lane), none), hn::Lt(load(block.separation[1] + lane), none));
-      spread_impact<how, what>(data, block, impulses, lane, hn::And(hits, several), spread);
+      spread_impact<typename how::normals, what::points>(data, block, impulses, lane, hn::And(hits, several), spread);
       solve = spread;
     }
   }
-  solve_points<how, what>(data, block, impulses, lane, solve, residual, backwards);
+  solve_points<typename how::normals, what::points>(data, block, impulses, lane, solve, residual, backwards);
   solve.finish(c);
   if (!any_lands) return;
-  ContactLanes<what::movable> landing = c;
-  Residual landing_residual = residual;
-  share_impact<how, what>(data, block, impulses, lane, lands, landing, landing_residual, backwards, rise);
-  c = landing;
-  residual = landing_residual;
+  ContactLanes<what::movable> landed = c;
+  Residual of_landed = residual;
+  NormalSolve impact(landed);
+  if constexpr (how::special) impact.u = hn::Sub(impact.u, rise);
+  solve_impact<typename how::normals, what::points>(data, block, impulses, lane, lands, impact, of_landed, backwards);
+  impact.finish(landed);
+  if constexpr (first_moves<what::movable>) {
+    c.first.v = select(lands, landed.first.v, c.first.v);
+    c.first.w = select(lands, landed.first.w, c.first.w);
+  }
+  if constexpr (second_moves<what::movable>) {
+    c.second.v = select(lands, landed.second.v, c.second.v);
+    c.second.w = select(lands, landed.second.w, c.second.w);
+  }
+  residual.most = hn::IfThenElse(lands, of_landed.most, residual.most);
 }
 
 }  // namespace HWY_NAMESPACE
