@@ -39,7 +39,8 @@ bool JointMatrix::analyse(const JointAssembly& assembly) {
     }
     sizes.push_back(static_cast<std::uint8_t>((node.point ? 3 : 0) + node.end - node.begin));
   }
-  if (!system_.analyse(sizes, pairs, tuning::factor_blocks_per_joint * nodes.size())) return false;
+  const std::size_t most_blocks = std::max(tuning::factor_blocks_per_joint * nodes.size(), tuning::small_factor);
+  if (!system_.analyse(sizes, pairs, most_blocks)) return false;
   for (Coupling& coupling : couplings_) {
     coupling.block = system_.block_index(coupling.row, coupling.column);
     coupling.transposed = system_.is_earlier(coupling.row, coupling.column);
