@@ -135,12 +135,17 @@ class Holds {
   std::vector<Hold> holds_;
 };
 
+// Whether it has a spring: swept, springs and ranges between bodies that tumble get energy from each other.
+bool is_sprung(const Joint& joint) {
+  return std::any_of(joint.law.begin(), joint.law.begin() + joint.rows, [](const Law& law) { return law.springs(); });
+}
+
 // Whether solving joint by joint would not do: what hangs on something swings for long, and machines stand on
 // something, or hold their pose by servos; there errors add up.
 bool asks_for_direct(std::span<const JointLink> links, std::span<const Joint> joints, const BodyTable& bodies) {
   const auto asks = [&](const JointLink& link) {
     return bodies.inverse_mass[link.first] == 0 || bodies.inverse_mass[link.second] == 0 ||
-           joints[link.joint].is_actuated();
+           joints[link.joint].is_actuated() || is_sprung(joints[link.joint]);
   };
   if (std::any_of(links.begin(), links.end(), asks) || Holds(links, joints, bodies).fight()) return true;
   if (links.size() <= tuning::long_chain) return false;

@@ -10,7 +10,7 @@
 namespace atl::solver {
 
 /// Whether joints that hang together are to be solved at once. `Auto`: where they are joined to something fixed or
-/// kinematic, where one is actuated, where a body is light, or turns easily, between others that its joints hold to it,
+/// kinematic, where one is actuated or sprung, where a body is light, or turns easily, between others that its joints hold to it,
 /// and in long chains. `joints` are all.
 bool joins_directly(std::span<const JointLink> links, std::span<const Joint> joints, const BodyTable& bodies,
                     JointMethod method);
