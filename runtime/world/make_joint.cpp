@@ -81,7 +81,12 @@ struct Rows {
     lock({Coordinate::TurnX, Coordinate::TurnY, Coordinate::TurnZ});
   }
 
-  void operator()(const DistanceJoint& rod) const { add(Coordinate::Distance, rod.distance); }
+  void operator()(const DistanceJoint& rod) const {
+    Law law = law_of(rod.distance);
+    // No distance is less: what a rope holds passes through its anchor.
+    if (law.lower == 0) law.lower = -Law::unlimited;
+    add(Coordinate::Distance, law);
+  }
 
   void operator()(const UniversalJoint& cross) const {
     joint.point = true;

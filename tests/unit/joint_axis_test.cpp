@@ -83,6 +83,40 @@ TEST(JointAxes, AMotorWithoutABoundKeepsToItsRange) {
   }
 }
 
+// Half a turn is where the coordinate ends, not the turning. Where it fades the servo has little to hold by.
+TEST(JointAxes, ASixAxisServoOfDampingAloneTurnsOn) {
+  for (const JointSolver solver : {JointSolver::Iterative, JointSolver::Direct}) {
+    World world({.gravity = Vector3::Zero(), .settings = {.joint_solver = solver}});
+    const BodyId base = world.add_body({.type = BodyType::Static, .filter = {.mask = 0}});
+    const BodyId arm = world.add_body({.filter = {.mask = 0}});
+    SixDofJoint six;
+    for (JointAxis& axis : six.offset) axis.range = {0, 0};
+    for (JointAxis& axis : six.turn) axis.range = {0, 0};
+    six.turn[0] = {.motor = JointMotor{.speed = 2, .max_force = 1e3, .servo = JointServo{.damping = 1e3}}};
+    world.add_joint({.kind = six, .first = base, .second = arm});
+    for (int i = 0; i < 600; ++i) {
+      world.step(dt);
+      // A sixth of a second is how long the damper takes to bring the box to its speed, but for 1/e.
+      if (i > 120) {
+        ASSERT_NEAR(world.angular_velocity(arm).x(), 2, 0.25) << "step " << i;
+      }
+    }
+  }
+}
+
+TEST(JointAxes, ARopeLetsPassWhatComesToItsAnchor) {
+  for (const JointSolver solver : {JointSolver::Iterative, JointSolver::Direct}) {
+    World world({.gravity = Vector3::Zero(), .settings = {.joint_solver = solver}});
+    const BodyId base = world.add_body({.type = BodyType::Static, .filter = {.mask = 0}});
+    const BodyId ball =
+        world.add_body({.shape = Sphere{0.1}, .position = {0.5, 0, 0}, .velocity = {-1, 0, 0}, .filter = {.mask = 0}});
+    world.add_joint({.kind = DistanceJoint{{.range = {0, 1}}}, .first = base, .second = ball});
+    for (int i = 0; i < 60; ++i) world.step(dt);
+    EXPECT_NEAR(world.pose(ball).position.x(), -0.5, 1e-3);
+    EXPECT_NEAR(world.velocity(ball).x(), -1, 1e-6);
+  }
+}
+
 TEST(JointAxes, OfEachKindAreThoseThatItsStateTellsOf) {
   Rig rig;
   const std::vector<std::pair<JointKind, std::vector<std::size_t>>> kinds = {

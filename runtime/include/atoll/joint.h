@@ -100,7 +100,8 @@ struct SliderJoint {
 struct FixedJoint {};
 
 /// The distance of the origins, which must be more than 1 nm to start with: 1 row. A rod with equal ends of the range,
-/// a rope with a lower end of 0. Neither end is negative, and the upper one is not 0: that is a BallJoint.
+/// a rope with a lower end of 0, at which nothing stops. Neither end is negative, and the upper one is not 0: that is a
+/// BallJoint.
 struct DistanceJoint {
   JointAxis distance = {.range = {1, 1}};
 };

@@ -21,11 +21,11 @@ LinearForce LinearForce::of_spring(const Law& law, double mass, double share) {
           .rest = law.rest};
 }
 
-LinearForce LinearForce::of_servo(const Law& law, double mass) {
+LinearForce LinearForce::of_servo(const Law& law, double mass, double share) {
   return {.square_of_omega = law.servo_stiffness / mass,
           .decay = law.servo_damping / mass,
           .rest = law.servo_target,
-          .beside = law.servo_damping * law.motor_speed / mass};
+          .beside = law.servo_damping * share * law.motor_speed / mass};
 }
 
 void LinearForce::add(const LinearForce& other) {
@@ -52,7 +52,7 @@ LinearStep LinearStep::of_spring(const Law& law, const JointRow& at, double mass
 
 LinearStep LinearStep::of_servo(const Law& law, const JointRow& at, double mass, double h) {
   const double moved = mass + law.armature, share = moved / mass;
-  const LinearForce force = LinearForce::of_servo(law, moved);
+  const LinearForce force = LinearForce::of_servo(law, moved, at.share);
   const SpringStep step = SpringStep::of(std::sqrt(force.square_of_omega), force.decay, h);
   return {share * step.hold, share * step.keep, share * (h * force.beside - step.pull * (at.value - force.rest))};
 }
@@ -96,7 +96,7 @@ RowLaw RowLaw::of_kick(const Law& law, const JointRow& at, double effective_mass
   const double moved = effective_mass + law.armature;
   const bool turns = effective_mass > 0;
   const LinearForce spring = turns && law.springs() ? LinearForce::of_spring(law, moved, at.share) : LinearForce{};
-  const LinearForce servo = turns && law.is_servo() ? LinearForce::of_servo(law, moved) : LinearForce{};
+  const LinearForce servo = turns && law.is_servo() ? LinearForce::of_servo(law, moved, at.share) : LinearForce{};
   LinearForce both = spring;
   both.add(servo);
   const bool stiff = both.is_stiff(h);
@@ -142,7 +142,7 @@ double kick_correction(const Law& law, const JointRow& at, double effective_mass
   if (!(effective_mass > 0)) return 0;
   LinearForce force = LinearForce::of_spring(law, moved, at.share);
   if (law.is_servo()) {
-    const LinearForce servo = LinearForce::of_servo(law, moved);
+    const LinearForce servo = LinearForce::of_servo(law, moved, at.share);
     if (moved * std::abs(servo.at(at.value, rate)) < law.motor_force) force.add(servo);
   }
   const double by_rate = h * h / 6 * force.square_of_omega, by_acceleration = h * h / 6 * force.decay;

@@ -14,9 +14,9 @@ struct LinearForce {
   double beside = 0;           ///< m/s^2 or rad/s^2, at rest
 
   /// Of the law's spring at a distance from zero, or of its servo; with a mass in kg or kg m^2 that is more than 0.
-  /// A frequency is that of turning about the axis where the coordinate has a share of it only.
+  /// A frequency, and a motor's speed, are those of turning about the axis where the coordinate has a share of it only.
   static LinearForce of_spring(const Law& law, double mass, double share = 1);
-  static LinearForce of_servo(const Law& law, double mass);
+  static LinearForce of_servo(const Law& law, double mass, double share = 1);
   void add(const LinearForce& other);
   /// Tells if steps of h seconds are too long to follow it: see SpringStep::most_phase.
   bool is_stiff(double h) const;
