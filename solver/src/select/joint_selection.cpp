@@ -135,9 +135,11 @@ class Holds {
   std::vector<Hold> holds_;
 };
 
-// Whether it has a spring: swept, springs and ranges between bodies that tumble get energy from each other.
-bool is_sprung(const Joint& joint) {
-  return std::any_of(joint.law.begin(), joint.law.begin() + joint.rows, [](const Law& law) { return law.springs(); });
+// Whether bodies that tumble get energy from a joint where it is swept: from springs and ranges together, and from arms
+// that change as the joint slides.
+bool feeds_sweeps(const Joint& joint) {
+  return !joint.point ||
+         std::any_of(joint.law.begin(), joint.law.begin() + joint.rows, [](const Law& law) { return law.springs(); });
 }
 
 // Whether solving joint by joint would not do: what hangs on something swings for long, and machines stand on
@@ -145,7 +147,7 @@ bool is_sprung(const Joint& joint) {
 bool asks_for_direct(std::span<const JointLink> links, std::span<const Joint> joints, const BodyTable& bodies) {
   const auto asks = [&](const JointLink& link) {
     return bodies.inverse_mass[link.first] == 0 || bodies.inverse_mass[link.second] == 0 ||
-           joints[link.joint].is_actuated() || is_sprung(joints[link.joint]);
+           joints[link.joint].is_actuated() || feeds_sweeps(joints[link.joint]);
   };
   if (std::any_of(links.begin(), links.end(), asks) || Holds(links, joints, bodies).fight()) return true;
   if (links.size() <= tuning::long_chain) return false;

@@ -10,8 +10,8 @@
 namespace atl::solver {
 
 /// Whether joints that hang together are to be solved at once. `Auto`: where they are joined to something fixed or
-/// kinematic, where one is actuated or sprung, where a body is light, or turns easily, between others that its joints
-/// hold to it, and in long chains. `joints` are all.
+/// kinematic, where one is actuated, sprung or without a fixed point, where a body is light, or turns easily, between
+/// others that its joints hold to it, and in long chains. `joints` are all.
 bool joins_directly(std::span<const JointLink> links, std::span<const Joint> joints, const BodyTable& bodies,
                     JointMethod method);
 
