@@ -148,7 +148,7 @@ TEST(Knob, MoreIterationsOpenNoSweptJointFarther) {
   }
 }
 
-// Where joints are rigid, what sweeps leave is all that opens them.
+// Rigid joints are open by what sweeps leave alone.
 TEST(Knob, RigidSweptJointsCloseAsIterationsGrow) {
   for (const Stabilisation stabilisation : {Stabilisation::Baumgarte, Stabilisation::SplitImpulse}) {
     const auto gap = [&](int iterations) {

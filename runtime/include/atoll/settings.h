@@ -80,7 +80,7 @@ struct Settings {
   bool warm_starting = true;
 
   Stabilisation stabilisation = Stabilisation::Soft;
-  /// Of the overlap, or the gap of an iterative joint, that Baumgarte and SplitImpulse remove a substep, in (0, 1].
+  /// Part of an overlap, or of an iterative joint's gap, that Baumgarte and SplitImpulse remove a substep, in (0, 1].
   double correction = 0.2;
   /// m, >= 0: overlap that these leave alone, so that points at rest neither come nor go. Far below the size of bodies,
   /// and some times what falls in a substep: g h^2 is 0.17 mm at the defaults.

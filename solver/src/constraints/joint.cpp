@@ -5,7 +5,7 @@
 namespace atl::solver {
 namespace {
 
-// Whether some coordinate is told by the relative quaternion.
+// Tells a joint of which some coordinate comes from the relative quaternion, so that others need not find it.
 bool asks_for_turn(const Joint& joint) {
   for (std::size_t row = 0; row < joint.rows; ++row) {
     const Coordinate of = joint.coordinate[row];

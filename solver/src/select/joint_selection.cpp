@@ -135,8 +135,8 @@ class Holds {
   std::vector<Hold> holds_;
 };
 
-// Whether bodies that tumble get energy from a joint where it is swept: from springs and ranges together, and from arms
-// that change as the joint slides.
+// Tells a joint that gives energy to tumbling bodies where it is swept: springs and ranges do so together, and arms
+// that change as a joint slides.
 bool feeds_sweeps(const Joint& joint) {
   return !joint.point ||
          std::any_of(joint.law.begin(), joint.law.begin() + joint.rows, [](const Law& law) { return law.springs(); });

@@ -132,8 +132,8 @@ void SolverSelection::find_pressed(const LoadInput& input) {
   }
 }
 
-// Whether an island is one machine, which touches only itself and what can't move. In one system with its joints its
-// contacts come to rest, which taking turns with them keeps robots from.
+// An island is a machine if its bodies are those of one actuated component: it touches only itself and what can't move.
+// In one system with its joints its contacts come to rest, which taking turns with them keeps robots from.
 bool SolverSelection::is_machine(const LoadInput& input, std::size_t island) {
   const std::span<const JointLink> joints = input.islands.joints(island, island + 1);
   const std::uint32_t component = input.joint_graph->component_of(joints.front().joint);

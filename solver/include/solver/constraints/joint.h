@@ -103,7 +103,7 @@ struct alignas(64) Joint {
   std::array<std::int8_t, max_joint_rows> motor_bound = {};
 
   std::size_t row_count() const { return rows + (point ? 3u : 0u); }
-  /// Whether it is a machine's: it holds its place by a servo, or has a rotor.
+  /// Tells a machine's joint, which holds its place by a servo or has a rotor.
   bool is_actuated() const {
     return std::any_of(law.begin(), law.begin() + rows,
                        [](const Law& of) { return of.is_servo() || of.armature > 0; });
