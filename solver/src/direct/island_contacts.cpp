@@ -123,10 +123,29 @@ void warm_start(const DirectIslandInput& input, double share, DirectContact& con
     answer.rolling = {rolling.dot(contact.axes[1]), rolling.dot(contact.axes[2])};
     answer.pieces.rolls = is_bound(rolling.norm(), contact.law.rolling_bound);
   }
-  if (load > 0) return;
-  // It has just begun.
-  for (int i = 0; i < contact.law.points; ++i) {
-    if (contact.separation[i] <= 0) answer.pieces.points |= static_cast<std::uint8_t>(1 << i);
+}
+
+// Contacts that carried nothing in the last step. A body that nothing carried has just been put or has just landed
+// where it is: all points that it touches with may come to push. Beside others such a contact is idle, as between the
+// boxes of a row, and pushes only where its bodies close.
+void guess_idle_contacts(double dt, IslandProblem& problem) {
+  std::vector<bool> carried(problem.bodies.size());
+  for (const DirectContact& contact : problem.contacts) {
+    if (!(contact.answer.load() > 0)) continue;
+    for (const std::uint32_t body : {contact.first, contact.second}) {
+      if (body != no_body) carried[body] = true;
+    }
+  }
+  const auto is_new = [&](std::uint32_t body) { return body != no_body && !carried[body]; };
+  for (DirectContact& contact : problem.contacts) {
+    if (contact.answer.load() > 0) continue;
+    const bool begins = is_new(contact.first) || is_new(contact.second);
+    const Six motion = contact.motion_at(problem.velocity);
+    for (int i = 0; i < contact.law.points; ++i) {
+      const double parts = contact.law.speed(i, motion) + std::max(contact.separation[i], 0.0) / dt;
+      const bool pushes = begins ? contact.separation[i] <= 0 : parts < -tuning::resting_speed;
+      if (pushes) contact.answer.pieces.points |= static_cast<std::uint8_t>(1 << i);
+    }
   }
 }
 
@@ -179,6 +198,7 @@ bool load_contacts(const DirectIslandInput& input, const IslandMembers& members,
     warm_start(input, share, contact);
     if (bounces(input, contact, problem.velocity)) return false;
   }
+  guess_idle_contacts(members.joints.empty() ? input.dt : input.substep(), problem);
   forget_factor(problem);
   return true;
 }

@@ -130,11 +130,12 @@ void IslandMatrix::add_stiffness(DirectJoint& joint) {
 }
 
 bool is_factored(const IslandProblem& problem) {
-  // Where something slides its stiffness is another at each motion.
+  // The stiffness of what slides is another at each motion, but for what nothing presses on.
   return std::all_of(problem.contacts.begin(), problem.contacts.end(),
                      [](const DirectContact& contact) {
                        const ContactPieces& pieces = contact.answer.pieces;
-                       const bool turns = (pieces.slides != 0 && !contact.law.pyramid) || pieces.rolls;
+                       const bool slides = pieces.slides != 0 && !contact.law.pyramid && contact.law.friction_bound > 0;
+                       const bool turns = slides || (pieces.rolls && contact.law.rolling_bound > 0);
                        return contact.factored == pieces && !turns;
                      }) &&
          std::all_of(problem.joints.begin(), problem.joints.end(), [](const DirectJoint& joint) {
