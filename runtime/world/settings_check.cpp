@@ -88,6 +88,7 @@ solver::SolverSettings solver_settings(const Settings& settings) {
   s.slop = settings.slop;
   s.profile = settings.profile;
   s.everything = settings.run_everything;
+  s.direct_only = settings.contact_solver == ContactSolver::Direct;
   s.contact_hertz = settings.contact_hertz.value_or(0);
   s.contact_damping_ratio = settings.contact_damping_ratio;
   s.contact_push_speed = settings.contact_push_speed;

@@ -23,6 +23,7 @@ struct SolverSettings {
   double slop = 5e-4;
   bool profile = false;
   bool everything = false;   ///< leave nothing out, for no other result
+  bool direct_only = false;  ///< what can be solved at once is to be, whatever it takes
   double contact_hertz = 0;  ///< 0: an eighth of the substep rate
   double contact_damping_ratio = 10;
   double contact_push_speed = 3;

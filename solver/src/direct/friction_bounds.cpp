@@ -48,8 +48,7 @@ bool settle_friction_bounds(IslandProblem& problem, BalanceSearch& search) {
   double before = std::numeric_limits<double>::infinity();
   for (int round = 0;; ++round) {
     const double error = friction_error(problem);
-    if (error <= tuning::friction_tolerance) return true;
-    if (round == tuning::friction_rounds) return !problem.joints.empty();
+    if (error <= tuning::friction_tolerance || round == tuning::friction_rounds) return true;
     const double share = error < 0.5 * before ? 1 : 0.5;
     before = error;
     for (DirectContact& contact : problem.contacts) {

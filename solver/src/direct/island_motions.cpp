@@ -2,6 +2,7 @@
 #include <solver/tuning.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace atl::solver {
 namespace {
@@ -60,9 +61,20 @@ bool overlaps_notably(const IslandProblem& problem, const SolverSettings& settin
   return false;
 }
 
-// Where Newton's method ends nowhere, an interior point method starts over, from the velocities that bodies came with.
-bool find_velocities(IslandMotions& motions, double from_outside) {
+// Whether a contact closes or parts fast, without joints.
+bool moves(const IslandProblem& problem) {
+  return problem.joints.empty() &&
+         std::any_of(problem.contacts.begin(), problem.contacts.end(), [&](const DirectContact& contact) {
+           return std::abs(contact.motion_at(problem.velocity)[0]) > tuning::spread_speed;
+         });
+}
+
+// Where Newton's method ends nowhere, an interior point method starts over, from the velocities that bodies came with,
+// unless they move so that many points come and go.
+bool find_velocities(IslandMotions& motions, bool patient, double from_outside) {
+  const bool starts_over = patient || !moves(motions.problem);
   if (!solve_by_newton(motions.problem, motions.search)) {
+    if (!starts_over) return false;
     motions.problem.velocity = motions.lasting;
     if (!solve_by_interior_point(motions.problem, motions.search)) return false;
   }
@@ -76,6 +88,14 @@ void keep_velocities(IslandMotions& motions) {
   for (DirectJoint& joint : motions.problem.joints) joint.lasting = joint.impulse;
 }
 
+// The velocities that bodies keep are right without those that part overlaps: where these aren't found at once, bodies
+// move by what they keep, and overlaps wait for a step in which they are.
+void part_later(IslandMotions& motions) {
+  motions.pushes = false;
+  motions.problem.velocity = motions.lasting;
+  for (DirectContact& contact : motions.problem.contacts) contact.answer = contact.lasting;
+}
+
 }  // namespace
 
 bool find_motions(IslandMotions& motions, const SolverSettings& settings, double dt, double from_outside) {
@@ -85,13 +105,20 @@ bool find_motions(IslandMotions& motions, const SolverSettings& settings, double
   } else {
     push_contacts_apart(motions.problem, settings, dt);
   }
-  if (!find_velocities(motions, from_outside)) return false;
+  const bool patient = settings.direct_only || !motions.problem.joints.empty();
+  motions.search.most_iterations = patient ? tuning::most_iterations_if_patient : tuning::most_iterations;
+  if (!find_velocities(motions, patient, from_outside)) return false;
   if (relaxes) take_back_compliance(motions.problem, motions.search, dt);
   keep_velocities(motions);
   motions.pushes = relaxes && overlaps_notably(motions.problem, settings, dt);
   if (!motions.pushes) return true;
   push_contacts_apart(motions.problem, settings, dt);
-  return solve_nearby(motions.problem, motions.search);
+  // Springs give by these velocities. And heavy boxes on light planks that are joined don't settle while they overlap.
+  const bool waits = !(settings.contact_hertz > 0) && motions.problem.joints.empty();
+  if (waits) motions.search.most_iterations = tuning::parting_iterations;
+  if (solve_nearby(motions.problem, motions.search)) return true;
+  if (waits) part_later(motions);
+  return waits;
 }
 
 void stop_contacts(std::vector<DirectContact>& contacts, double dt) {

@@ -91,12 +91,11 @@ bool solve_by_newton(IslandProblem& problem, BalanceSearch& search) {
 }
 
 bool minimise(IslandProblem& problem, BalanceSearch& search, int follows) {
-  const int most_iterations = problem.joints.empty() ? tuning::most_iterations : tuning::most_iterations_of_joints;
   for (int iteration = 0;; ++iteration) {
     balance(problem, search.gradient, [](const DirectContact& contact) { return contact.law.answer(contact.motion); });
     const double residual = unbalanced(problem, search.gradient);
     if (residual <= tuning::balance_tolerance) return true;
-    if (iteration == most_iterations || !std::isfinite(residual)) return false;
+    if (iteration == search.most_iterations || !std::isfinite(residual)) return false;
     ++search.iterations;
     if (!is_factored(problem) && !search.matrix.factor(problem)) return false;
     find_direction(problem, search);

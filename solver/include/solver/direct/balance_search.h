@@ -15,6 +15,7 @@ struct BalanceSearch {
   IslandMatrix matrix;
   std::vector<double> gradient;   ///< N s, N m s: of the function, see balance()
   std::vector<double> direction;  ///< m/s, rad/s: along which the velocities are to go
+  int most_iterations = 0;        ///< of Newton's method, in one search
   int iterations = 0;             ///< of Newton's or the interior point method, beyond the first solves
 
   /// Makes room for as many bodies.
