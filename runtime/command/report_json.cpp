@@ -87,8 +87,11 @@ Json selected_solves_json(const RunResult& result) {
                      {"bodies", island.bodies},
                      {"contacts", island.contacts},
                      {"why", island.why},
-                     {"solved", island.direct ? "direct" : "refined"},
+                     {"solved", island.direct          ? "direct"
+                                : *island.why_not != 0 ? "swept"
+                                                       : "refined"},
                      {"gave_up", island.gave_up},
+                     {"why_not", island.why_not},
                      {"iterations", island.iterations}});
     if (island.ms > 0) array.back()["ms"] = island.ms;
   }

@@ -128,8 +128,10 @@ void write_selected_solves(std::ostream& out, const Scene& scene, const RunResul
     out << "  of " << body_words(scene, result.selected_solves[i].body) << ", "
         << plural(static_cast<std::int64_t>(island.bodies), "dynamic body", "dynamic bodies") << ", "
         << plural(static_cast<std::int64_t>(island.contacts), "contact") << ": " << island.why << "; "
-        << (island.direct ? "solved at once" : "solved in finer substeps")
-        << (island.gave_up ? " (at once didn't do)" : "");
+        << (island.direct          ? "solved at once"
+            : *island.why_not != 0 ? "swept"
+                                   : "solved in finer substeps");
+    if (*island.why_not != 0) out << ", not at once: " << island.why_not;
     if (scene.settings.profile) out << ", " << fixed(island.ms, 4) << " ms";
     out << "\n";
   }

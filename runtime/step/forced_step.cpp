@@ -19,9 +19,10 @@ void add(StepReport& sum, const StepReport& last) {
   for (std::size_t i = 0; i < solver_phase_count; ++i) sum.solver_ms[i] += before.solver_ms[i];
   for (std::int64_t StepCounts::*count :
        {&StepCounts::aabb_updates, &StepCounts::filtered_pairs, &StepCounts::newton_iterations,
-        &StepCounts::unsolved_islands, &StepCounts::body_substeps, &StepCounts::recycled_manifolds,
-        &StepCounts::recomputed_manifolds, &StepCounts::fcl_calls, &StepCounts::fcl_repairs, &StepCounts::id_matches,
-        &StepCounts::id_misses, &StepCounts::sweeps, &StepCounts::swept, &StepCounts::stopped}) {
+        &StepCounts::unsolved_islands, &StepCounts::discarded_iterations, &StepCounts::body_substeps,
+        &StepCounts::recycled_manifolds, &StepCounts::recomputed_manifolds, &StepCounts::fcl_calls,
+        &StepCounts::fcl_repairs, &StepCounts::id_matches, &StepCounts::id_misses, &StepCounts::sweeps,
+        &StepCounts::swept, &StepCounts::stopped}) {
     sum.counts.*count += before.counts.*count;
   }
   sum.quarantined += before.quarantined;

@@ -275,7 +275,11 @@ bool SolvePhase::solve_directly(const solver::SolveInput& input, std::size_t gro
   solver::DirectIslandReport& report = direct_.reports[group];
   const auto begin = jobs::Clock::now();
   const solver::DirectIslandInput of_island = input.of_direct_islands();
-  if (direct.analyse(of_island, groups_[group])) report = direct.solve(of_island);
+  if (direct.analyse(of_island, groups_[group])) {
+    report = direct.solve(of_island);
+  } else {
+    report.why_not = solver::DirectIsland::too_large;
+  }
   if (profile) report.ms = jobs::ms_since(begin);
   if (!report.solved) return false;
   group_reports_[group].work = {.contacts = report.contacts,
@@ -296,27 +300,44 @@ void SolvePhase::note_modes(Stores& world, const solver::Islands& islands, StepC
   });
   failed_.clear();
   world.results.selected_solves.clear();
+  const auto describe = [&](std::size_t island, const char* why) {
+    const std::span<const std::uint32_t> members = islands.bodies(island, island + 1);
+    return SelectedSolve{.lowest = {members.front(), world.records.generation[members.front()]},
+                         .bodies = members.size(),
+                         .contacts = islands.contact_count(island),
+                         .why = why};
+  };
+  const bool all = world.settings.contact_solver == ContactSolver::Direct;
+  constexpr const char* asked_for = "the contact solver is to be direct";
+  for (const auto& [place, why_not] : world.selection.refused()) {
+    SelectedSolve island = describe(place, asked_for);
+    island.why_not = why_not;
+    ++counts.refused_islands;
+    world.results.selected_solves.push_back(island);
+  }
   for (std::size_t g = 0; g < groups_.size() && !modes_.empty(); ++g) {
     const solver::IslandGroup& group = groups_[g];
     const SolveMode mode = mode_of(group);
     if (mode == SolveMode::Sweep) continue;
-    const std::span<const std::uint32_t> members = islands.bodies(group.begin, group.end);
-    SelectedSolve island{.lowest = {members.front(), world.records.generation[members.front()]},
-                         .bodies = members.size(),
-                         .contacts = islands.contact_count(group.begin),
-                         .why = world.selection.why(group.begin)};
+    SelectedSolve island = describe(group.begin, all ? asked_for : world.selection.why(group.begin));
     const auto& phase_ms = group_reports_[g].phase_ms;
     island.ms = std::accumulate(phase_ms.begin(), phase_ms.end(), 0.0);
     if (mode == SolveMode::Direct) {
       const solver::DirectIslandReport& report = direct_.reports[g];
+      const bool refused = report.why_not == solver::DirectIsland::too_large;
+      const std::span<const std::uint32_t> members = islands.bodies(group.begin, group.end);
       island.direct = report.solved;
-      island.gave_up = !report.solved;
+      island.gave_up = !report.solved && !refused;
+      island.why_not = report.why_not;
       island.iterations = report.iterations;
       island.ms += report.ms;
-      counts.unsolved_islands += !report.solved;
+      counts.unsolved_islands += island.gave_up;
+      counts.refused_islands += refused;
+      counts.discarded_iterations += report.solved ? 0 : report.iterations;
       if (!report.solved) failed_.insert(failed_.end(), members.begin(), members.end());
     }
-    ++(island.direct ? counts.direct_islands : counts.refined_islands);
+    counts.direct_islands += island.direct;
+    counts.refined_islands += mode != SolveMode::Direct;
     counts.newton_iterations += island.iterations;
     world.results.selected_solves.push_back(island);
   }

@@ -246,7 +246,7 @@ void Film::note_forces(const World& world, FilmFrame& frame) {
   for (const auto& [id, place] : present_joints_) link(joints_[place].first, joints_[place].second);
   std::map<std::uint32_t, std::uint8_t> solves;
   for (const SelectedSolve& island : world.selected_solves()) {
-    if (!world.contains(island.lowest)) continue;
+    if (!world.contains(island.lowest) || *island.why_not != 0) continue;
     solves[numbers_[island.lowest.index]] = island.direct ? body_direct : body_refined;
   }
   for (std::uint32_t number = 0; number < bodies_.size(); ++number) {

@@ -82,11 +82,13 @@ TEST(CommandRun, JsonHasTheKeysInTheirOrder) {
                                            "direct_islands",
                                            "refined_islands",
                                            "unsolved_islands",
+                                           "refused_islands",
                                            "unheld_islands",
                                            "body_substeps",
                                            "island_bodies",
                                            "most_substeps",
                                            "newton_iterations",
+                                           "discarded_iterations",
                                            "aabb_updates"}));
   EXPECT_EQ(keys_of(json["errors"]),
             (Keys{"penetration_max", "penetration_p99", "penetration_mean", "penetration_max_relative", "sink_max",

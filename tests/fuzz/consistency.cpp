@@ -220,6 +220,8 @@ void check_same_reports(const StepReport& a, const StepReport& b) {
   require_same(a.counts.direct_islands, b.counts.direct_islands, "direct_islands");
   require_same(a.counts.refined_islands, b.counts.refined_islands, "refined_islands");
   require_same(a.counts.unsolved_islands, b.counts.unsolved_islands, "unsolved_islands");
+  require_same(a.counts.refused_islands, b.counts.refused_islands, "refused_islands");
+  require_same(a.counts.discarded_iterations, b.counts.discarded_iterations, "discarded_iterations");
   require_same(a.counts.unheld_islands, b.counts.unheld_islands, "unheld_islands");
   require_same(a.counts.body_substeps, b.counts.body_substeps, "body_substeps");
   require_same(a.counts.island_bodies, b.counts.island_bodies, "island_bodies");

@@ -47,8 +47,7 @@ struct Piles {
     const auto modes = selection.choose({islands, bodies, manifolds.data(), {0, 0, -9.81}, 1.0 / 60, settings});
     return {modes.begin(), modes.end()};
   }
-  void note(std::vector<OverloadedBody> overloaded, const std::vector<std::uint32_t>& failed = {},
-            double dt = 1.0 / 60) {
+  void note(std::vector<OverloadedBody> overloaded, std::vector<std::uint32_t> failed = {}, double dt = 1.0 / 60) {
     selection.note(overloaded, failed, awake, dt);
   }
 };
@@ -110,10 +109,29 @@ TEST(SolverSelection, WhatCanNotBeSolvedIsTriedAgainLater) {
   Piles piles({4});
   for (int step = 0; step < 10; ++step) piles.note({{2, false}});
   EXPECT_EQ(piles.choose(), std::vector<SolveMode>{SolveMode::Direct});
-  piles.note({{2, false}}, {1, 2, 3, 4});
+  piles.note({{2, true}}, {4, 3, 2, 1});
   EXPECT_EQ(piles.choose(), none);
+  for (int step = 0; step < 120; ++step) {
+    piles.note({{2, true}, {3, true}});
+    EXPECT_EQ(piles.choose(), none) << step;
+  }
   for (int step = 0; step < 3; ++step) piles.note({{2, false}});
   EXPECT_EQ(piles.choose(), std::vector<SolveMode>{SolveMode::Direct});
+}
+
+// What can't be solved at once, though it is asked for.
+TEST(SolverSelection, TellsWhatIsRefused) {
+  Piles piles({4});
+  const auto choose_direct = [&] {
+    return piles.selection.choose_direct(
+        {piles.islands, piles.bodies, piles.manifolds.data(), {0, 0, -9.81}, 1.0 / 60, piles.settings})[0];
+  };
+  EXPECT_EQ(choose_direct(), SolveMode::Direct);
+  EXPECT_TRUE(piles.selection.refused().empty());
+  piles.bodies.locks[3] = 1;
+  EXPECT_EQ(choose_direct(), SolveMode::Sweep);
+  ASSERT_EQ(piles.selection.refused().size(), 1u);
+  EXPECT_STREQ(piles.selection.refused()[0].why, "motions of its bodies are locked");
 }
 
 TEST(SolverSelection, SleepersKeepTheirStrain) {

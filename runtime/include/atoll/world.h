@@ -79,12 +79,12 @@ struct SelectedSolve {
   BodyId lowest;  ///< of its bodies
   std::size_t bodies = 0;
   std::size_t contacts = 0;
-  bool direct = false;  ///< solved at once; else in finer substeps
-  /// Whether that was tried, and given up for finer substeps in this step: it bounced, tumbled or didn't converge.
-  bool gave_up = false;
+  bool direct = false;   ///< solved at once; else swept, in finer substeps if that is what it was chosen for
+  bool gave_up = false;  ///< to solve it at once was tried in vain in this step: it bounced, tumbled or didn't converge
   int iterations = 0;    ///< of its method, beyond the first solve
-  const char* why = "";  ///< static storage
-  double ms = 0;         ///< with Settings::profile: on the worker that solved it
+  const char* why = "";  ///< it was chosen; static storage
+  const char* why_not = "";  ///< it was not solved at once, though it was to be; static storage
+  double ms = 0;             ///< with Settings::profile: on the worker that solved it
 };
 
 /// What Settings::target sets a limit to.

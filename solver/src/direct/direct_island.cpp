@@ -70,9 +70,15 @@ DirectIslandReport DirectIsland::solve(const DirectIslandInput& input) {
   problem.joints.resize(members_.joints.size());
   motions_.search.iterations = 0;
   DirectIslandReport report;
-  report.solved = load_bodies(input, members_, problem, bodies_) && load_contacts(input, members_, problem) &&
-                  (members_.joints.empty() ? solve_step(input, bodies_, motions_)
-                                           : solve_substeps(input, members_, bodies_, motions_));
+  if (!load_bodies(input, members_, problem, bodies_)) {
+    report.why_not = "a body tumbles too fast";
+  } else if (!load_contacts(input, members_, problem)) {
+    report.why_not = "something bounces";
+  } else {
+    report.solved = members_.joints.empty() ? solve_step(input, bodies_, motions_)
+                                            : solve_substeps(input, members_, bodies_, motions_);
+    if (!report.solved) report.why_not = "its search ended nowhere";
+  }
   report.iterations = motions_.search.iterations;
   if (!report.solved) return report;
   count_work(input, members_, problem, report);

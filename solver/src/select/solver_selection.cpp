@@ -4,6 +4,7 @@
 #include <solver/tuning.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 
 namespace atl::solver {
@@ -74,6 +75,7 @@ void SolverSelection::estimate_arrived(const LoadInput& input) {
 }
 
 std::span<const SolveMode> SolverSelection::choose(const LoadInput& input) {
+  refused_.clear();
   estimate_arrived(input);
   find_pressed(input);
   find_landings(input);
@@ -83,6 +85,7 @@ std::span<const SolveMode> SolverSelection::choose(const LoadInput& input) {
   for (const std::uint32_t body : loaded_) {
     const std::uint32_t island = islands.island_of(body);
     if (island == Islands::none) continue;
+    symptoms_[island].failed |= load_history_[body].overloaded < 0;
     symptoms_[island].lasts |= load_history_[body].overloaded > tuning::lasting;
     // What is joined leaps at once.
     const float lasts = islands.joint_count(island) > 0 ? 0 : tuning::lasting;
@@ -97,7 +100,7 @@ std::span<const SolveMode> SolverSelection::choose(const LoadInput& input) {
   bool any = !pressed_.empty() || !landings_.empty();
   for (std::size_t island = 0; island < islands.count(); ++island) {
     const Symptoms& has = symptoms_[island];
-    if (!(has.lasts || has.deep) || modes_[island] == SolveMode::Direct) continue;
+    if (!(has.lasts || has.deep) || has.failed || modes_[island] == SolveMode::Direct) continue;
     const bool small = islands.body_count(island) <= tuning::most_bodies;
     const Build build = build_of(islands, island);
     if (build == Build::Columns || (has.deep && small)) {
@@ -185,13 +188,19 @@ bool SolverSelection::is_pressed(const LoadInput& input, std::size_t island) {
 std::span<const SolveMode> SolverSelection::choose_direct(const LoadInput& input) {
   forget_all();
   landings_.clear();
+  refused_.clear();
   const Islands& islands = input.islands;
   symptoms_.assign(islands.count(), {});
   modes_.assign(islands.count(), SolveMode::Sweep);
   for (std::size_t island = 0; island < islands.count(); ++island) {
-    const bool can = islands.contact_count(island) > 0 && islands.body_count(island) <= tuning::most_bodies &&
-                     !has_locks(input, island);
-    if (can) modes_[island] = SolveMode::Direct;
+    if (islands.contact_count(island) == 0) continue;
+    if (islands.body_count(island) > tuning::most_bodies) {
+      refused_.push_back({island, "it has too many bodies"});
+    } else if (has_locks(input, island)) {
+      refused_.push_back({island, "motions of its bodies are locked"});
+    } else {
+      modes_[island] = SolveMode::Direct;
+    }
   }
   return modes_;
 }
@@ -205,13 +214,16 @@ const char* SolverSelection::why(std::size_t island) const {
                                               : "columns give way under what they carry";
 }
 
-void SolverSelection::note(std::vector<OverloadedBody>& overloaded, std::span<const std::uint32_t> failed,
+void SolverSelection::note(std::vector<OverloadedBody>& overloaded, std::vector<std::uint32_t>& failed,
                            std::span<const std::uint8_t> awake, double dt) {
-  if (overloaded.empty() && loaded_.empty()) return;
+  if (overloaded.empty() && loaded_.empty() && failed.empty()) return;
   const auto step = static_cast<float>(dt);
   order(overloaded);
   overloaded_now_.clear();
+  std::sort(failed.begin(), failed.end());
+  for (const std::uint32_t body : failed) load_history_[body] = {.overloaded = -tuning::failed_time - step};
   for (const OverloadedBody& one : overloaded) {
+    if (load_history_[one.body].overloaded < 0) continue;
     overloaded_now_.push_back(one.body);
     const auto grow = [step](float& time) { time = std::min(tuning::most_load_time, time + step) + step; };
     grow(load_history_[one.body].overloaded);
@@ -220,14 +232,18 @@ void SolverSelection::note(std::vector<OverloadedBody>& overloaded, std::span<co
   merged_.clear();
   std::set_union(loaded_.begin(), loaded_.end(), overloaded_now_.begin(), overloaded_now_.end(),
                  std::back_inserter(merged_));
+  overloaded_now_.clear();
+  std::set_union(merged_.begin(), merged_.end(), failed.begin(), failed.end(), std::back_inserter(overloaded_now_));
+  merged_.swap(overloaded_now_);
   for (const std::uint32_t body : merged_) {
     if (!awake[body]) continue;
     // But for rounding.
-    const auto wear_off = [step](float& time) { time = time < 1.5f * step ? 0 : time - step; };
+    const auto wear_off = [step](float& time) {
+      time = std::abs(time) < 1.5f * step ? 0 : time - std::copysign(step, time);
+    };
     wear_off(load_history_[body].overloaded);
     wear_off(load_history_[body].deep);
   }
-  for (const std::uint32_t body : failed) load_history_[body] = {};
   std::erase_if(merged_, [this](std::uint32_t body) {
     if (load_history_[body].overloaded == 0) load_history_[body] = {};
     return load_history_[body] == LoadHistory{};

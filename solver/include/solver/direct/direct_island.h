@@ -13,8 +13,9 @@ namespace atl::solver {
 
 /// What became of a direct solve.
 struct DirectIslandReport {
-  bool solved = false;  ///< if not, no state was changed
-  int iterations = 0;   ///< of Newton's method, beyond the first solves
+  bool solved = false;       ///< if not, no state was changed
+  const char* why_not = "";  ///< static storage
+  int iterations = 0;        ///< of Newton's method, beyond the first solves
   // Contacts, and those of them that have more than one point, two bodies that can move, or friction.
   std::int64_t contacts = 0, several_points = 0, two_movable = 0, friction = 0;
   std::int64_t gyroscopic_bodies = 0;  ///< whose moments of inertia differ
@@ -33,6 +34,7 @@ class DirectIsland {
  public:
   /// Takes in an island. Returns false if its factor would be too large.
   bool analyse(const DirectIslandInput& input, const IslandGroup& group);
+  static constexpr const char* too_large = "its factor would be too large";
   /// Solves the island that was taken in last. Not solved is what bounces, tumbles fast or didn't converge.
   DirectIslandReport solve(const DirectIslandInput& input);
 

@@ -45,15 +45,23 @@ class SolverSelection {
   /// Why an island got its mode, by the last choice; in words, static storage.
   const char* why(std::size_t island) const;
 
+  /// An island that choose_direct() left to sweeps, and why, likewise.
+  struct Refused {
+    std::size_t island;
+    const char* why;
+  };
+  std::span<const Refused> refused() const { return refused_; }
+
   /// After a step of dt seconds: overloaded bodies, in any order and any number of times each, and bodies of islands
-  /// that could not be solved at once, which will be tried again after some time. What sleeps stays as it is.
-  void note(std::vector<OverloadedBody>& overloaded, std::span<const std::uint32_t> failed,
+  /// that could not be solved at once, likewise, which are swept for tuning::failed_time, whatever they carry. What
+  /// sleeps stays as it is.
+  void note(std::vector<OverloadedBody>& overloaded, std::vector<std::uint32_t>& failed,
             std::span<const std::uint8_t> awake, double dt);
 
   /// For how long a body has been overloaded, and deep in what it presses on, more or less: what lasts from step to
   /// step.
   struct LoadHistory {
-    float overloaded = 0;  ///< s
+    float overloaded = 0;  ///< s; below 0 for how long it is swept yet, after it could not be solved at once
     float deep = 0;        ///< s
     bool sags = false;     ///< with a large part of its island
     bool operator==(const LoadHistory&) const = default;
@@ -75,7 +83,7 @@ class SolverSelection {
   /// See jobs/arrays.h.
   auto arrays() const {
     return std::tie(load_history_, loaded_, arrived_, overloaded_now_, merged_, symptoms_, modes_, estimated_, pressed_,
-                    landings_, on_system_);
+                    landings_, on_system_, refused_);
   }
 
  private:
@@ -87,6 +95,7 @@ class SolverSelection {
 
   // What is known of an island by its loaded bodies.
   struct Symptoms {
+    bool failed = false;  // to solve it at once was tried in vain, not long ago
     bool lasts = false;
     bool deep = false;
     bool sags = false;
@@ -94,8 +103,8 @@ class SolverSelection {
 
   // What lasts from step to step, and what is made anew. Whoever adds a member says which it is, or this won't compile.
   static void check_members(SolverSelection& selection) {
-    auto& [history, loaded, arrived, /**/ overloaded, merged, symptoms, landings, pressed, on_system, modes, estimated,
-           estimate] = selection;
+    auto& [history, loaded, arrived, /**/ overloaded, merged, symptoms, landings, pressed, on_system, modes, refused,
+           estimated, estimate] = selection;
     static_cast<void>(history);
   }
 
@@ -108,6 +117,7 @@ class SolverSelection {
   std::vector<std::size_t> pressed_;     // islands in which something heavy lies on joints that are solved at once
   std::vector<std::uint8_t> on_system_;  // by body of an island
   std::vector<SolveMode> modes_;         // by island
+  std::vector<Refused> refused_;
   std::vector<OverloadedBody> estimated_;
   LoadEstimate estimate_;
 };
