@@ -117,7 +117,7 @@ CLI::Option* add_scene_options(CLI::App& command, SceneOptions& options) {
       ->group(solver);
   command
       .add_option("--joint-hertz", options.joint_hertz,
-                  "Hz; stiffness of iterative joints, up to 0.3 of the substep rate, which is the default")
+                  "Hz; stiffness of iterative joints, up to 0.28 of the substep rate, which is the default")
       ->check(number_above_zero())
       ->group(solver);
   command.add_flag("--no-warm-start", options.no_warm_start, "start every step from zero impulses")->group(solver);

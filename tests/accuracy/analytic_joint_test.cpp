@@ -42,9 +42,10 @@ TEST(AnalyticJoint, CrankMovesTheSlider) {
   EXPECT_LT(direct("slider-crank").at("analytic_error"), 1e-5);
   EXPECT_LT(direct("slider-crank").at("closure_error"), 3e-6);
   const Errors coarse = iterative("slider-crank"), fine = iterative("slider-crank", dt / 4);
-  EXPECT_LT(coarse.at("analytic_error"), 0.15);
-  EXPECT_LT(coarse.at("closure_error"), 0.02);
-  EXPECT_LT(fine.at("analytic_error"), 0.1 * coarse.at("analytic_error")) << "second order";
+  EXPECT_LT(coarse.at("analytic_error"), 0.012);
+  EXPECT_LT(coarse.at("closure_error"), 0.005);
+  EXPECT_LT(fine.at("analytic_error"), 0.0015);
+  EXPECT_LT(fine.at("closure_error"), 0.1 * coarse.at("closure_error")) << "second order";
 }
 
 // Implicit Euler damps what has no damping of its own, the faster the more: w h / 2 of critical.

@@ -178,7 +178,7 @@ INSTANTIATE_TEST_SUITE_P(All, JointCoordinates, testing::ValuesIn(test::all_coor
 
 JointFrames frames_of(const Eigen::Matrix3d& first, const Eigen::Matrix3d& relative) {
   JointFrames frames{Vector3::Zero(), Vector3::Zero(), Vector3::Zero(), first, first * relative, {}};
-  frames.set_turn();
+  frames.set_turn(Eigen::Quaterniond(frames.axes_first), Eigen::Quaterniond(frames.axes_second));
   return frames;
 }
 
@@ -319,7 +319,7 @@ TEST(JointCoordinate, AreDefinedWhereTheyHaveNoDirection) {
 
   // Half a turn about y: x axes opposite.
   frames.axes_second = Eigen::Vector3d(-1, 1, -1).asDiagonal();
-  frames.set_turn();
+  frames.set_turn(Eigen::Quaterniond(frames.axes_first), Eigen::Quaterniond(frames.axes_second));
   EXPECT_EQ(swing(frames).value, pi);
   EXPECT_EQ(swing(frames).angular_first, Vector3::UnitY());
   EXPECT_EQ(twist(frames).angular_first, Vector3::UnitX());

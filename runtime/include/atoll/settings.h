@@ -105,7 +105,7 @@ struct Settings {
   ContactSolver contact_solver = ContactSolver::Auto;
 
   JointSolver joint_solver = JointSolver::Auto;
-  /// With iterative joints and Soft: stiffness as a damped spring, Hz, > 0. Limited to, and if left out, 0.3 of the
+  /// With iterative joints and Soft: stiffness as a damped spring, Hz, > 0. Limited to, and if left out, 0.28 of the
   /// substep rate.
   std::optional<double> joint_hertz = {};
   double joint_damping_ratio = 2;  ///< >= 0

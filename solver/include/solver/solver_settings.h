@@ -29,7 +29,7 @@ struct SolverSettings {
   double contact_push_speed = 3;
   double restitution_threshold = 0;  ///< m/s
   JointMethod joint_method = JointMethod::Auto;
-  double joint_hertz = 0;  ///< 0: 0.3 of the substep rate
+  double joint_hertz = 0;  ///< 0: 0.28 of the substep rate
   double joint_damping_ratio = 2;
 };
 
@@ -79,13 +79,13 @@ struct SubstepConstants {
   int substeps;
   float inverse_h;  ///< 1/s
   Softness dynamic_contact;
-  Softness fixed_contact;  ///< against a body of infinite mass
-  Stiffening stiffening;   ///< of contacts between bodies that move
-  Softness joint;          ///< of joints that are solved one by one
+  Softness fixed_contact;   ///< against a body of infinite mass
+  Stiffening stiffening;    ///< of contacts between bodies that move
+  Softness joint;           ///< of joints that are solved one by one
   float joint_carried = 1;  ///< of their impulses, that the next substep starts with
-  float push_speed;        ///< m/s, of contacts of what isn't large
-  float gravity = 0;       ///< m/s^2: what is large under it is pushed apart faster
-  float slop;              ///< m, overlap that is left alone
+  float push_speed;         ///< m/s, of contacts of what isn't large
+  float gravity = 0;        ///< m/s^2: what is large under it is pushed apart faster
+  float slop;               ///< m, overlap that is left alone
   float restitution_threshold;
   float refinement;           ///< as in SolverSettings: impulses are kept as those of so many substeps together
   float penetration_by_load;  ///< m by N s and 1/kg: of contacts between dynamic bodies under a lasting impulse, see

@@ -112,9 +112,11 @@ JointFrames joint_frames(const Joint& joint, const Vector3& position_first, cons
   frames.arm_first = orientation_first * joint.anchor_first;
   frames.arm_second = orientation_second * joint.anchor_second;
   frames.offset = (position_second - position_first) + (frames.arm_second - frames.arm_first);
-  frames.axes_first = (orientation_first * joint.axes_first).toRotationMatrix();
-  frames.axes_second = (orientation_second * joint.axes_second).toRotationMatrix();
-  if (asks_for_turn(joint)) frames.set_turn();
+  const Eigen::Quaterniond first(orientation_first * joint.axes_first);
+  const Eigen::Quaterniond second(orientation_second * joint.axes_second);
+  frames.axes_first = first.toRotationMatrix();
+  frames.axes_second = second.toRotationMatrix();
+  if (asks_for_turn(joint)) frames.set_turn(first, second);
   return frames;
 }
 

@@ -26,8 +26,8 @@ Vector3d swing_axis(const JointFrames& frames) {
 
 }  // namespace
 
-void JointFrames::set_turn() {
-  turn = Quaterniond(Matrix3d(axes_first.transpose() * axes_second));
+void JointFrames::set_turn(const Quaterniond& first, const Quaterniond& second) {
+  turn = first.conjugate() * second;
   if (turn.w() < 0) turn.coeffs() = -turn.coeffs();
 }
 

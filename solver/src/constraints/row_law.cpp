@@ -40,9 +40,11 @@ bool LinearForce::is_stiff(double h) const {
   return std::sqrt(square_of_omega) * h > SpringStep::most_phase || decay * h > SpringStep::most_phase;
 }
 
-LinearStep LinearStep::of_spring(const Law& law, const JointRow& at, double mass, double h) {
-  const double moved = mass + law.armature;
-  const LinearForce force = LinearForce::of_spring(law, moved, at.share);
+LinearStep LinearStep::of_spring(const Law& law, const JointRow& at, double mass, double alone, double h) {
+  const double moved = mass + law.armature, stiffened = (alone + law.armature) / moved;
+  LinearForce force = LinearForce::of_spring(law, alone + law.armature, at.share);
+  force.square_of_omega *= stiffened;
+  force.decay *= stiffened;
   const SpringStep step = SpringStep::of(std::sqrt(force.square_of_omega), force.decay, h);
   const double pull = step.pull * (at.value - law.rest);
   if (law.armature == 0) return {step.hold, step.keep, -pull};
@@ -69,7 +71,7 @@ RowLaw RowLaw::of(const Law& law, const JointRow& at, double effective_mass, dou
   row.motor_impulse = h * law.motor_force;
   if (!(effective_mass > 0)) return row;
   if (law.springs() || law.armature > 0) {
-    const LinearStep spring = LinearStep::of_spring(law, at, effective_mass, h);
+    const LinearStep spring = LinearStep::of_spring(law, at, effective_mass, effective_mass, h);
     const double hold = std::max(spring.hold, least_hold);
     row.spring_slope = effective_mass * hold;
     row.spring_rate = spring.shift / hold;

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "integrate/rows3.h"
+#include "sweep/held_rows.h"
 
 namespace atl::solver {
 namespace {
@@ -76,8 +77,8 @@ void set_idle(JointRowBlock& row, std::size_t lane) {
   row.upper_speed[lane] = speed(unlimited_speed);
 }
 
-// The numbers of JointRowBlock for a law; `w` is J M^-1 J^T.
-void set_law(JointRowBlock& row, std::size_t lane, const Law& law, const JointRow& at, double w,
+// The numbers of JointRowBlock for a law; `w` is J M^-1 J^T, and `free` what it were if the joint didn't hold.
+void set_law(JointRowBlock& row, std::size_t lane, const Law& law, const JointRow& at, double w, double free,
              const JointStep& step) {
   const double value = at.value;
   // Softness is an implicit spring: 1 / (1 + stiffness) of the impulse leaks.
@@ -90,11 +91,12 @@ void set_law(JointRowBlock& row, std::size_t lane, const Law& law, const JointRo
     row.lower_speed[lane] = row.upper_speed[lane] = 0;
     row.soft_lower[lane] = row.soft_upper[lane] = 1;
     row.soft_scale[lane] = static_cast<float>(leak);
-    row.soft_shift[lane] = static_cast<float>(-held * bias_rate * (value - law.lower));
+    const double most = tuning::most_closed / step.h;
+    row.soft_shift[lane] = static_cast<float>(-held * std::clamp(bias_rate * (value - law.lower), -most, most));
     return;
   }
   const LinearStep spring =
-      law.springs() || law.armature > 0 ? LinearStep::of_spring(law, at, 1 / w, step.h) : LinearStep{};
+      law.springs() || law.armature > 0 ? LinearStep::of_spring(law, at, 1 / w, 1 / free, step.h) : LinearStep{};
   const double share = 1 / (1 + spring.hold);
   row.spring_scale[lane] = static_cast<float>(share);
   row.spring_keep[lane] = static_cast<float>(share * spring.keep);
@@ -140,8 +142,7 @@ struct RowLane {
   JointRowBlock* rows;
   std::size_t lane;
   std::size_t first, second;  // in SolverBodies
-  Matrix3 inertia_first, inertia_second;
-  double inverse_mass;
+  JointBodies bodies;
 
   RowLane(const JointStep& at, JointBlock& of, JointRowBlock* all_rows, std::size_t of_lane)
       : step(at),
@@ -150,10 +151,19 @@ struct RowLane {
         lane(of_lane),
         first(static_cast<std::size_t>(of.first[of_lane])),
         second(static_cast<std::size_t>(of.second[of_lane])),
-        inertia_first(inverse_inertia_of(at.bodies, first)),
-        inertia_second(inverse_inertia_of(at.bodies, second)),
-        inverse_mass(static_cast<double>(at.bodies.free_velocity[first].inverse_mass) +
-                     static_cast<double>(at.bodies.free_velocity[second].inverse_mass)) {}
+        bodies{static_cast<double>(at.bodies.free_velocity[first].inverse_mass) +
+                   static_cast<double>(at.bodies.free_velocity[second].inverse_mass),
+               inverse_inertia_of(at.bodies, first), inverse_inertia_of(at.bodies, second), point_mass()} {}
+
+  Matrix3 point_mass() const {
+    if (block.point == 0) return Matrix3::Zero();
+    const auto& m = block.mass;
+    Matrix3 mass;
+    mass << m[0][lane], m[3][lane], m[4][lane],  //
+        m[3][lane], m[1][lane], m[5][lane],      //
+        m[4][lane], m[5][lane], m[2][lane];
+    return mass;
+  }
 
   Joint& joint() const { return step.joints[block.joint[lane]]; }
   JointFrames frames_now() const {
@@ -170,21 +180,39 @@ struct RowLane {
             get_lane(row.angular_first, lane).dot(a.angular));
   }
 
-  void set(std::size_t r, const JointFrames& frames) {
-    JointRowBlock& row = rows[r];
+  void set(const JointFrames& frames) {
     Joint& of = joint();
-    const auto [now, position] = law_row(of, r, frames, of.position[r]);
-    const double w = now.response(inverse_mass, inertia_first, inertia_second);
-    // Neither bodies that the row can't turn nor a place where the coordinate means nothing.
-    if (!(w > 0) || !std::isfinite(w) || !std::isfinite(now.value)) {
-      set_idle(row, lane);
-      return;
+    const HeldRows held(of, frames, bodies);
+    for (std::size_t r = 0; r < of.rows; ++r) {
+      const auto& [now, position] = held.row(r);
+      const double w = held.response(r);
+      JointRowBlock& row = rows[r];
+      // Neither bodies that the row can't turn nor a place where the coordinate means nothing.
+      if (!(w > 0) || !std::isfinite(w) || !std::isfinite(now.value)) {
+        set_idle(row, lane);
+        continue;
+      }
+      of.position[r] = position;
+      set_lane(row.linear, lane, now.linear);
+      set_lane(row.angular_first, lane, now.angular_first);
+      set_lane(row.angular_second, lane, now.angular_second);
+      set_law(row, lane, of.law[r], now, w, held.free_response(r), step);
     }
-    of.position[r] = position;
-    set_lane(row.linear, lane, now.linear);
-    set_lane(row.angular_first, lane, now.angular_first);
-    set_lane(row.angular_second, lane, now.angular_second);
-    set_law(row, lane, of.law[r], now, w, step);
+  }
+
+  // Of all rows' impulses together, along the rows as they are.
+  struct Impulse {
+    Vector3 linear = Vector3::Zero(), first = Vector3::Zero(), second = Vector3::Zero();
+  };
+  Impulse impulse() const {
+    Impulse sum;
+    for (std::size_t r = 0; r < joint().rows; ++r) {
+      const double impulse = rows[r].impulse[lane];
+      sum.linear += impulse * get_lane(rows[r].linear, lane);
+      sum.first += impulse * get_lane(rows[r].angular_first, lane);
+      sum.second += impulse * get_lane(rows[r].angular_second, lane);
+    }
+    return sum;
   }
 };
 
@@ -233,7 +261,6 @@ void GroupJoints::prepare(const JointStep& step, std::size_t begin, std::size_t 
       set_lane(block.start_offset, lane, offset);
       set_lane(block.impulse, lane, impulse);
     }
-    if (block.rows > 0) prepare_rows(step, block);
   }
 }
 
@@ -258,20 +285,24 @@ void GroupJoints::add_stiffness(const JointStep& step, std::span<Matrix3> stiffn
   }
 }
 
-void GroupJoints::prepare_rows(const JointStep& step, JointBlock& block) {
-  for (std::size_t lane = 0; lane < block_lanes; ++lane) {
-    for (std::size_t r = 0; r < block.rows; ++r) set_idle(rows_[block.first_row + r], lane);
-    for (Lanes<3>* carried : {&block.carried_linear, &block.carried_first, &block.carried_second}) {
-      set_lane(*carried, lane, Vector3::Zero());
-    }
-    if (block.joint[lane] < 0) continue;
-    RowLane row(step, block, rows_.data(), lane);
-    const Joint& joint = row.joint();
-    const JointFrames frames =
-        frames_of(joint, start_pose(step.table, joint.first), start_pose(step.table, joint.second));
-    for (std::size_t r = 0; r < joint.rows; ++r) {
-      row.rows[r].impulse[lane] = static_cast<float>(joint.impulse[r] / step.constants.refinement);
-      row.set(r, frames);
+void GroupJoints::prepare_rows(const JointStep& step, std::size_t begin, std::size_t end) {
+  for (std::size_t b = begin; b < end; ++b) {
+    JointBlock& block = blocks_[b];
+    if (block.rows == 0) continue;
+    for (std::size_t lane = 0; lane < block_lanes; ++lane) {
+      for (std::size_t r = 0; r < block.rows; ++r) set_idle(rows_[block.first_row + r], lane);
+      for (Lanes<3>* carried : {&block.carried_linear, &block.carried_first, &block.carried_second}) {
+        set_lane(*carried, lane, Vector3::Zero());
+      }
+      if (block.joint[lane] < 0) continue;
+      RowLane row(step, block, rows_.data(), lane);
+      const Joint& joint = row.joint();
+      const JointFrames frames =
+          frames_of(joint, start_pose(step.table, joint.first), start_pose(step.table, joint.second));
+      for (std::size_t r = 0; r < joint.rows; ++r) {
+        row.rows[r].impulse[lane] = static_cast<float>(joint.impulse[r] / step.constants.refinement);
+      }
+      row.set(frames);
     }
   }
 }
@@ -285,25 +316,17 @@ void GroupJoints::refresh_rows(const JointStep& step, std::size_t begin, std::si
       RowLane row(step, block, rows_.data(), lane);
       Joint& joint = row.joint();
       const JointFrames frames = row.frames_now();
-      Vector3 linear = Vector3::Zero();
-      Vector3 angular_first = Vector3::Zero();
-      Vector3 angular_second = Vector3::Zero();
       for (std::size_t r = 0; r < joint.rows; ++r) {
-        const JointRowBlock& lanes = row.rows[r];
         if (joint.coordinate[r] == Coordinate::Gear || joint.coordinate[r] == Coordinate::Rack) {
-          joint.position[r] += row.travel(lanes);
+          joint.position[r] += row.travel(row.rows[r]);
         }
-        const double impulse = lanes.impulse[lane];
-        const Vector3 before[3] = {get_lane(lanes.linear, lane), get_lane(lanes.angular_first, lane),
-                                   get_lane(lanes.angular_second, lane)};
-        row.set(r, frames);
-        linear += impulse * (get_lane(lanes.linear, lane) - before[0]);
-        angular_first += impulse * (get_lane(lanes.angular_first, lane) - before[1]);
-        angular_second += impulse * (get_lane(lanes.angular_second, lane) - before[2]);
       }
-      set_lane(block.carried_linear, lane, linear);
-      set_lane(block.carried_first, lane, angular_first);
-      set_lane(block.carried_second, lane, angular_second);
+      const RowLane::Impulse before = row.impulse();
+      row.set(frames);
+      const RowLane::Impulse now = row.impulse();
+      set_lane(block.carried_linear, lane, now.linear - before.linear);
+      set_lane(block.carried_first, lane, now.first - before.first);
+      set_lane(block.carried_second, lane, now.second - before.second);
     }
   }
 }

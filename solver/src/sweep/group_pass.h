@@ -127,6 +127,9 @@ template <typename Executor>
 void GroupPass<Executor>::complete_joints() {
   loops_.each_joint_block(
       [&](std::size_t begin, std::size_t end) { setup_.kernels.prepare_joints(setup_.joint_data, begin, end); });
+  if (!parts_.joints.has_rows()) return;
+  loops_.each_joint_row_block(
+      [&](std::size_t begin, std::size_t end) { parts_.joints.prepare_rows(setup_.joint_step, begin, end); });
 }
 
 template <typename Executor>
@@ -310,16 +313,22 @@ void GroupPass<Executor>::finish_systems() {
 // Sweeps until the residual is small, or for as often as is asked for. Joints first: contacts are what may not give.
 template <typename Executor>
 void GroupPass<Executor>::sweep(Sweep how, JointSweep joints, int iterations, int number) {
-  how.measures = joints.measures = setup_.settings.tolerance > 0;
+  how.measures = setup_.settings.tolerance > 0;
   for (int i = 0; i < iterations; ++i) {
     LargestOf residual;
     how.backwards = setup_.relaxes && (number + i) % 2 == 1;
     if (how.push != Push::Split && !how.relaxes) {
       loops_.each_system([&](DirectJoints& system) { system.solve_velocities(setup_.direct_input); });
     }
-    loops_.each_joint_colour([&](std::size_t begin, std::size_t end) {
-      residual.add(setup_.kernels.sweep_joints(setup_.joint_data, joints, begin, end));
-    });
+    const int rounds = joint_impacts_ ? tuning::joint_bounce_sweeps : how.relaxes ? tuning::joint_relaxations : 1;
+    for (int round = 1; round <= rounds; ++round) {
+      joints.refresh &= round == 1;
+      joints.carries &= round == 1;
+      joints.measures = how.measures && round == rounds;
+      loops_.each_joint_colour([&](std::size_t begin, std::size_t end) {
+        residual.add(setup_.kernels.sweep_joints(setup_.joint_data, joints, begin, end));
+      });
+    }
     loops_.each_contact_colour([&](std::size_t begin, std::size_t end) {
       residual.add(setup_.kernels.sweep(setup_.contact_data, how, begin, end));
     });

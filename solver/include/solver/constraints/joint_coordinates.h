@@ -39,9 +39,9 @@ struct JointFrames {
   Eigen::Vector3d offset;      ///< m, from the first frame's origin to the second's
   Eigen::Matrix3d axes_first;  ///< columns: the frame's x, y, z
   Eigen::Matrix3d axes_second;
-  Eigen::Quaterniond turn;     ///< orientation of the second frame in the first, w >= 0: for turn_about() and twist()
+  Eigen::Quaterniond turn;  ///< orientation of the second frame in the first, w >= 0: for turn_about() and twist()
 
-  void set_turn();  ///< from the axes
+  void set_turn(const Eigen::Quaterniond& first, const Eigen::Quaterniond& second);  ///< from the frames' orientations
 };
 
 /// The offset along axis `axis` of the first frame, m.

@@ -30,8 +30,9 @@ struct LinearStep {
   double keep = 0;
   double shift = 0;  ///< m/s or rad/s, to be added
 
-  /// With the inertia that the law adds to `mass`, which is the coordinate's without it.
-  static LinearStep of_spring(const Law& law, const JointRow& at, double mass, double h);
+  /// With the inertia that the law adds to `mass`, which is what the coordinate moves without it. A spring's frequency
+  /// is that with `alone`, the mass along the row where nothing else holds the bodies.
+  static LinearStep of_spring(const Law& law, const JointRow& at, double mass, double alone, double h);
   /// Without it: a servo goes with a spring, or with none.
   static LinearStep of_servo(const Law& law, const JointRow& at, double mass, double h);
 };

@@ -60,6 +60,8 @@ class GroupJoints {
   /// Adds what the tension in points makes of how bodies turn (arm_stiffness.h), by index into SolverBodies. Not for
   /// blocks of different colours at once.
   void add_stiffness(const JointStep& step, std::span<Matrix3> stiffness, std::size_t begin, std::size_t end) const;
+  /// Rows other than points, once bodies have their inertia of the step.
+  void prepare_rows(const JointStep& step, std::size_t begin, std::size_t end);
   /// After positions have moved by the velocities that the bodies have: coordinates and rows other than points.
   void refresh_rows(const JointStep& step, std::size_t begin, std::size_t end);
   /// Before the forces of a substep.
@@ -83,7 +85,6 @@ class GroupJoints {
   }
 
  private:
-  void prepare_rows(const JointStep& step, JointBlock& block);
 
   std::vector<LocalJoint> joints_;
   Colouring colouring_;
