@@ -136,12 +136,16 @@ class Holds {
 };
 
 // Whether solving joint by joint would not do: what hangs on something swings for long, and machines stand on
-// something, or hold their pose by servos; there errors add up. And what slides gives energy to tumbling bodies, as its
-// arms change: 2 of 2500 loops, and 7 of 2000 trees whose springs are stiff.
+// something, or hold their pose by servos; there errors add up. And springs of joints without a fixed point give energy
+// to tumbling bodies, in 7 of 2000 trees, where they are stiffer than substeps can follow.
 bool asks_for_direct(std::span<const JointLink> links, std::span<const Joint> joints, const BodyTable& bodies) {
+  const auto slides_on_springs = [](const Joint& joint) {
+    return !joint.point &&
+           std::any_of(joint.law.begin(), joint.law.begin() + joint.rows, [](const Law& law) { return law.springs(); });
+  };
   const auto asks = [&](const JointLink& link) {
     return bodies.inverse_mass[link.first] == 0 || bodies.inverse_mass[link.second] == 0 ||
-           joints[link.joint].is_actuated() || !joints[link.joint].point;
+           joints[link.joint].is_actuated() || slides_on_springs(joints[link.joint]);
   };
   if (std::any_of(links.begin(), links.end(), asks) || Holds(links, joints, bodies).fight()) return true;
   if (links.size() <= tuning::long_chain) return false;
