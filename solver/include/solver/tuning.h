@@ -16,16 +16,18 @@ inline constexpr double contact_hertz_share = 0.125;
 inline constexpr double contact_hertz_limit = 0.25;
 /// By the substep rate, of joints that are swept. Of an error, let a sweep take away a small part e, n sweeps with
 /// softness push and r relax: it rings up from x^2 = 1 + r / n on, with x the angular frequency by the substep rate, or
-/// from 0.28 on with one sweep and two (a net of balls from 0.4). Of 600 random mechanisms 11 gain energy; 25 with 0.3,
-/// and 6 with 0.225, that lets ragdolls open by 0.7 mm instead of 0.4.
+/// from 0.286 on with one sweep and two (a net of balls from 0.4). Of 300 random mechanisms 9 gain energy with 0.3, and
+/// 4 with 0.275 or 0.25; ragdolls are open by 0.38, 0.41 and 0.54 mm.
 inline constexpr double joint_hertz_limit = 0.28;
-/// Relaxing sweeps over joints, for each that is asked for. With one the limit is 0.225, and 17 of 300 gain energy.
+/// Relaxing sweeps over joints, for each that is asked for. With one 19 of these mechanisms gain energy at 0.275, with
+/// three as many as with two.
 inline constexpr int joint_relaxations = 2;
 /// Of a row's response, that is left of it while its joint holds; with less than this the rest is single precision's
 /// rounding.
 inline constexpr double least_held = 1e-5;
 /// m or rad: what a locked coordinate is brought back by in a substep at most. Without, hinges whose axes are put apart
-/// by half a turn close at 250 rad/s; with a tenth of it a servo's arm follows it with two thirds of the torque.
+/// close at 248 rad/s; with an eighth of it a servo's arm gets nine tenths of the torque. And how far a free coordinate
+/// is within its range where it needn't be ready to act.
 inline constexpr double most_closed = 0.1;
 
 /// How far soft contacts may give under what they carry, in parts of the smaller body's half thickness, before they
