@@ -30,8 +30,7 @@ enum class ContactSolver {
   /// Iterative.
   Auto,
   Iterative,  ///< by sweeps, whatever they carry
-  /// At once, in all islands of up to 400 bodies without motion locks whose factor is not too large, contacts and
-  /// joints
+  /// At once, in all islands of up to 400 bodies without motion locks whose factor is not too large, contacts and joints
   /// in one system, as long as nothing bounces or tumbles fast in them. Exact, for 1 to 50 times the time: least where
   /// things stand, most where heaps move. Others by sweeps: World::selected_solves() tells which, and why.
   Direct,
