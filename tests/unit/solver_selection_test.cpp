@@ -119,7 +119,7 @@ TEST(SolverSelection, WhatCanNotBeSolvedIsTriedAgainLater) {
   EXPECT_EQ(piles.choose(), std::vector<SolveMode>{SolveMode::Direct});
 }
 
-// What can't be solved at once, though it is asked for.
+// An island that is asked to be solved at once, and can't be.
 TEST(SolverSelection, TellsWhatIsRefused) {
   Piles piles({4});
   const auto choose_direct = [&] {

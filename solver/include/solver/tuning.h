@@ -22,8 +22,8 @@ inline constexpr double joint_hertz_limit = 0.28;
 /// Relaxing sweeps over joints, for each that is asked for. With one 19 of these mechanisms gain energy at 0.275, with
 /// three as many as with two.
 inline constexpr int joint_relaxations = 2;
-/// Of a row's response, that is left of it while its joint holds; with less than this the rest is single precision's
-/// rounding.
+/// The least part of a row's response J M^-1 J^T that is left while its joint holds. A row of which less is left would
+/// act by single precision's rounding, and stays as it is.
 inline constexpr double least_held = 1e-5;
 /// m or rad: what a locked coordinate is brought back by in a substep at most. Without, hinges whose axes are put apart
 /// close at 248 rad/s; with an eighth of it a servo's arm gets nine tenths of the torque. And how far a free coordinate

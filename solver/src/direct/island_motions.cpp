@@ -61,7 +61,7 @@ bool overlaps_notably(const IslandProblem& problem, const SolverSettings& settin
   return false;
 }
 
-// Whether a contact closes or parts fast, without joints.
+// Tells an island without joints in which some contact closes or parts fast.
 bool moves(const IslandProblem& problem) {
   return problem.joints.empty() &&
          std::any_of(problem.contacts.begin(), problem.contacts.end(), [&](const DirectContact& contact) {
@@ -69,7 +69,7 @@ bool moves(const IslandProblem& problem) {
          });
 }
 
-// Where Newton's method ends nowhere, an interior point method starts over, from the velocities that bodies came with,
+// Solves by Newton's method. Where that ends nowhere an interior point method starts over, from the velocities before,
 // unless they move so that many points come and go.
 bool find_velocities(IslandMotions& motions, bool patient, double from_outside) {
   const bool starts_over = patient || !moves(motions.problem);

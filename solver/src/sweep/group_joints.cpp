@@ -185,10 +185,8 @@ struct RowLane {
     const HeldRows held(of, frames, bodies);
     for (std::size_t r = 0; r < of.rows; ++r) {
       const auto& [now, position] = held.row(r);
-      const double w = held.response(r);
       JointRowBlock& row = rows[r];
-      // Neither bodies that the row can't turn nor a place where the coordinate means nothing.
-      if (!(w > 0) || !std::isfinite(w) || !std::isfinite(now.value)) {
+      if (!held.can_act(r)) {
         set_idle(row, lane);
         continue;
       }
@@ -196,11 +194,11 @@ struct RowLane {
       set_lane(row.linear, lane, now.linear);
       set_lane(row.angular_first, lane, now.angular_first);
       set_lane(row.angular_second, lane, now.angular_second);
-      set_law(row, lane, of.law[r], now, w, held.free_response(r), step);
+      set_law(row, lane, of.law[r], now, held.response(r), held.free_response(r), step);
     }
   }
 
-  // Of all rows' impulses together, along the rows as they are.
+  // The impulses of all rows together, along the rows as they are.
   struct Impulse {
     Vector3 linear = Vector3::Zero(), first = Vector3::Zero(), second = Vector3::Zero();
   };

@@ -27,7 +27,7 @@ HeldRows::HeldRows(const Joint& joint, const JointFrames& frames, const JointBod
   }
   if (joint.point) hold_point(frames);
   for (std::size_t held = 0; held < joint.rows; ++held) {
-    if (!joint.law[held].locked() || !means_something(held)) continue;
+    if (!joint.law[held].locked() || !can_act(held)) continue;
     for (std::size_t r = 0; r < joint.rows; ++r) {
       const bool before = r < held && joint.law[r].locked();
       if (r != held && !before && !is_idle(joint.law[r], rows_[r].at.value)) hold_locked(held, r);
@@ -35,7 +35,7 @@ HeldRows::HeldRows(const Joint& joint, const JointFrames& frames, const JointBod
   }
 }
 
-bool HeldRows::means_something(std::size_t r) const {
+bool HeldRows::can_act(std::size_t r) const {
   const double response = turned_[r].response;
   return response > 0 && std::isfinite(response) && std::isfinite(rows_[r].at.value);
 }

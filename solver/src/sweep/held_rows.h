@@ -7,7 +7,7 @@
 
 namespace atl::solver {
 
-/// What a joint's rows act on.
+/// The masses of a joint's two bodies, by which its rows act.
 struct JointBodies {
   double inverse_mass;                    ///< 1/kg, sum of both
   Matrix3 inertia_first, inertia_second;  ///< 1/(kg m^2), inverse, in world axes
@@ -24,13 +24,15 @@ class HeldRows {
   HeldRows(const Joint& joint, const JointFrames& frames, const JointBodies& bodies);
 
   const LawRow& row(std::size_t r) const { return rows_[r]; }
+  /// Whether it can act: not where bodies can't be turned, or where the coordinate means nothing.
+  bool can_act(std::size_t r) const;
   /// J M^-1 J^T.
   double response(std::size_t r) const { return turned_[r].response; }
   /// The same where the joint doesn't hold.
   double free_response(std::size_t r) const { return free_response_[r]; }
 
  private:
-  // What an impulse along a row makes of the spins.
+  // The spins that a unit of impulse along a row gives, and its response.
   struct Turned {
     Vector3 first, second;
     double response;
@@ -39,7 +41,6 @@ class HeldRows {
   Turned turned_by(const JointRow& row) const;
   void hold_point(const JointFrames& frames);
   void hold_locked(std::size_t held, std::size_t r);
-  bool means_something(std::size_t r) const;
 
   const Joint& joint_;
   const JointBodies& bodies_;

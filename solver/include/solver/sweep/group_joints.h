@@ -85,7 +85,6 @@ class GroupJoints {
   }
 
  private:
-
   std::vector<LocalJoint> joints_;
   Colouring colouring_;
   std::vector<JointBlock> blocks_;
