@@ -28,7 +28,9 @@ endforeach()
 
 foreach(path IN LISTS public_headers)
   cmake_path(GET path STEM name)
-  atoll_include_test(layers.public_${name}_stands_alone atoll atoll/${name}.h)
+  if(ATOLL_LONG_TESTS OR name STREQUAL "atoll")
+    atoll_include_test(layers.public_${name}_stands_alone atoll atoll/${name}.h)
+  endif()
 endforeach()
 
 # What lasts of a world is told in one place, which does not compile while a member of a store is missing there.

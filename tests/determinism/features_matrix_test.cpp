@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "support/bodies.h"
+#include "support/long_tests.h"
 #include "support/scene_run.h"
 #include "support/temporary_file.h"
 
@@ -244,15 +245,25 @@ TEST(ContactFilterInHeaps, IsAskedInOneOrderAndReplayed) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Modes, FeatureIn,
-    testing::Combine(testing::Range<std::size_t>(0, 9),
-                     testing::Values(JointSolver::Auto, JointSolver::Direct, JointSolver::Iterative),
-                     testing::Values(ContactSolver::Auto, ContactSolver::Direct, ContactSolver::Iterative),
-                     testing::Bool()),
-    [](const auto& test) {
-      return std::string(features()[std::get<0>(test.param)].name) + "_" + std::to_string(test.index);
-    });
+// All combinations in long tests, else half of them: still each two of feature, solvers and target together.
+std::vector<Case> cases() {
+  std::vector<Case> chosen;
+  for (std::size_t feature = 0; feature < features().size(); ++feature) {
+    for (int joints = 0; joints < 3; ++joints) {
+      for (int contacts = 0; contacts < 3; ++contacts) {
+        for (const bool target : {false, true}) {
+          if (!long_tests() && (feature + static_cast<std::size_t>(joints + contacts + target)) % 2 == 1) continue;
+          chosen.emplace_back(feature, static_cast<JointSolver>(joints), static_cast<ContactSolver>(contacts), target);
+        }
+      }
+    }
+  }
+  return chosen;
+}
+
+INSTANTIATE_TEST_SUITE_P(Modes, FeatureIn, testing::ValuesIn(cases()), [](const auto& test) {
+  return std::string(features()[std::get<0>(test.param)].name) + "_" + std::to_string(test.index);
+});
 
 }  // namespace
 }  // namespace atl::test::features_matrix_test

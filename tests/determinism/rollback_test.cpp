@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "support/long_tests.h"
 #include "support/scene_run.h"
 #include "support/scenes.h"
 
@@ -158,7 +159,8 @@ void roll_back(const std::string& text, std::uint64_t seed) {
 class RollbackTest : public testing::TestWithParam<std::string> {};
 
 TEST_P(RollbackTest, GoesOnAsSaved) {
-  for (std::uint64_t seed = 1; seed <= 25; ++seed) {
+  const std::uint64_t most = long_tests() ? 25 : 8;
+  for (std::uint64_t seed = 1; seed <= most; ++seed) {
     roll_back(GetParam(), seed);
     if (HasFatalFailure() || HasNonfatalFailure()) return;
   }
