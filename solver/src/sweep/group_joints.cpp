@@ -9,16 +9,12 @@
 #include <cmath>
 
 #include "integrate/rows3.h"
-#include "sweep/held_rows.h"
 
 namespace atl::solver {
 namespace {
 
 template <std::size_t n>
 using Lanes = float[n][block_lanes];
-
-// As good as unlimited, and its sums and differences are finite.
-constexpr double unlimited_speed = 1e30;
 
 void set_lane(Lanes<3>& rows, std::size_t lane, const Vector3& from) {
   for (int i = 0; i < 3; ++i) rows[i][lane] = static_cast<float>(from[i]);
@@ -38,6 +34,12 @@ BodyPose pose_now(const JointStep& step, std::uint32_t body, std::int32_t local)
 
 JointFrames frames_of(const Joint& joint, const BodyPose& first, const BodyPose& second) {
   return joint_frames(joint, first.position, first.orientation, second.position, second.orientation);
+}
+
+JointFrames frames_now(const JointStep& step, const JointBlock& block, std::size_t lane) {
+  const Joint& joint = step.joints[block.joint[lane]];
+  return frames_of(joint, pose_now(step, joint.first, block.first[lane]),
+                   pose_now(step, joint.second, block.second[lane]));
 }
 
 // The velocity by which a body has moved, with what removes overlap in it.
@@ -61,158 +63,108 @@ double rate_of(const SolverBodies& bodies, const JointBlock& block, const JointR
          get_lane(row.angular_first, lane).dot(get3(a.angular));
 }
 
-float speed(double value) { return static_cast<float>(std::clamp(value, -unlimited_speed, unlimited_speed)); }
-
-void set_idle(JointRowBlock& row, std::size_t lane) {
-  for (Lanes<3>* part : {&row.linear, &row.angular_first, &row.angular_second}) set_lane(*part, lane, Vector3::Zero());
-  for (float* number :
-       {row.impulse, row.mass, row.inverse_mass, row.spring_keep, row.spring_shift, row.next_spring_shift,
-        row.motor_part, row.motor_keep, row.motor_speed, row.next_motor_speed, row.motor_change, row.open_ends,
-        row.soft_lower, row.soft_upper, row.soft_shift, row.soft_motor_part, row.soft_motor_change}) {
-    number[lane] = 0;
-  }
-  row.spring_scale[lane] = 1;
-  row.soft_scale[lane] = 1;
-  row.lower_speed[lane] = speed(-unlimited_speed);
-  row.upper_speed[lane] = speed(unlimited_speed);
+float speed(double value) {
+  return static_cast<float>(std::clamp<double>(value, -unlimited_speed, unlimited_speed));
 }
 
-// The numbers of JointRowBlock for a law; `w` is J M^-1 J^T, and `free` what it were if the joint didn't hold.
-void set_law(JointRowBlock& row, std::size_t lane, const Law& law, const JointRow& at, double w, double free,
-             const JointStep& step) {
-  const double value = at.value;
+// A row that there isn't does nothing.
+void set_none(FreeRowBlock& row, std::size_t lane) {
+  for (Lanes<3>* part : {&row.linear, &row.angular_first, &row.angular_second}) set_lane(*part, lane, Vector3::Zero());
+  for (float* number : {row.gap, row.acts, row.locked, row.idle}) number[lane] = 0;
+}
+
+// A coordinate that is free, well within its range: it has no impulse in this substep, or a little of it.
+bool is_idle(const Law& law, double value) {
+  return !law.locked() && !law.drives() && !law.springs() && law.armature == 0 &&
+         std::min(value - law.lower, law.upper - value) > tuning::most_closed;
+}
+
+void set_free(FreeRowBlock& row, std::size_t lane, const Law& law, const JointRow& at) {
+  set_lane(row.linear, lane, at.linear);
+  set_lane(row.angular_first, lane, at.angular_first);
+  set_lane(row.angular_second, lane, at.angular_second);
+  row.gap[lane] = static_cast<float>(law.locked() ? at.value - law.lower : 0);
+  row.acts[lane] = 1;
+  row.locked[lane] = law.locked() ? 1 : 0;
+  row.idle[lane] = is_idle(law, at.value) ? 1 : 0;
+}
+
+// The numbers of JointRowBlock for a law, but for those that go by J M^-1 J^T. A motor's impulse is in place of what it
+// changes the rate by, and what locks has its shift yet to come.
+void set_law(JointRowBlock& row, std::size_t lane, const Law& law, const JointRow& at, const JointStep& step) {
   // Softness is an implicit spring: 1 / (1 + stiffness) of the impulse leaks.
   const double leak = step.constants.joint.impulse_scale;
-  const double held = step.constants.joint.mass_scale;
-  const double bias_rate = step.constants.joint.bias_rate;
-  row.mass[lane] = static_cast<float>(1 / w);
-  row.inverse_mass[lane] = static_cast<float>(w);
   if (law.locked()) {
     row.lower_speed[lane] = row.upper_speed[lane] = 0;
     row.soft_lower[lane] = row.soft_upper[lane] = 1;
     row.soft_scale[lane] = static_cast<float>(leak);
-    const double most = tuning::most_closed / step.h;
-    row.soft_shift[lane] = static_cast<float>(-held * std::clamp(bias_rate * (value - law.lower), -most, most));
     return;
   }
+  row.spring_scale[lane] = 1;
+  row.motor_part[lane] = row.soft_motor_part[lane] = 1;
+  row.motor_speed[lane] = row.next_motor_speed[lane];
+  const double room_below = at.value - law.lower;
+  const double room_above = law.upper - at.value;
+  double motor_speed = at.share * law.motor_speed;
+  const double motor_impulse = law.drives() ? law.motor_force * step.h : 0;
+  // No end of a range is stronger than a motor without a bound, which therefore stops there by itself.
+  if (motor_impulse == Law::unlimited) motor_speed = std::clamp(motor_speed, -room_below / step.h, room_above / step.h);
+  row.next_motor_speed[lane] = speed(motor_speed);
+  row.motor_change[lane] = speed(motor_impulse);
+  row.lower_speed[lane] = speed(-std::max(room_below, 0.0) / step.h);
+  row.upper_speed[lane] = speed(std::max(room_above, 0.0) / step.h);
+  row.soft_lower[lane] = room_below < 0 ? 1 : 0;
+  row.soft_upper[lane] = room_above < 0 ? 1 : 0;
+  row.soft_motor_change[lane] = 0;
+  if (room_below >= 0 && room_above >= 0) return;
+  const double push = std::min(-step.constants.joint.bias_rate * std::min(room_below, room_above),
+                               static_cast<double>(step.constants.push_speed));
+  row.soft_scale[lane] = static_cast<float>(leak);
+  row.soft_shift[lane] = static_cast<float>(step.constants.joint.mass_scale * (room_below < 0 ? push : -push));
+  row.soft_motor_change[lane] = speed(leak * motor_impulse);
+}
+
+// What springs, servos and armatures make of that, `free` being J M^-1 J^T if the joint didn't hold.
+void add_springs(JointRowBlock& row, std::size_t lane, const Law& law, const JointRow& at, double free,
+                 const JointStep& step) {
+  const double mass = row.mass[lane];
   const LinearStep spring =
-      law.springs() || law.armature > 0 ? LinearStep::of_spring(law, at, 1 / w, 1 / free, step.h) : LinearStep{};
+      law.springs() || law.armature > 0 ? LinearStep::of_spring(law, at, mass, 1 / free, step.h) : LinearStep{};
   const double share = 1 / (1 + spring.hold);
   row.spring_scale[lane] = static_cast<float>(share);
   row.spring_keep[lane] = static_cast<float>(share * spring.keep);
   row.spring_shift[lane] = row.next_spring_shift[lane];
   row.next_spring_shift[lane] = static_cast<float>(share * spring.shift);
-  const double motor_change = law.drives() ? law.motor_force * step.h * w : 0;
-  const LinearStep servo = law.is_servo() ? LinearStep::of_servo(law, at, 1 / w, step.h) : LinearStep{};
+  const LinearStep servo = law.is_servo() ? LinearStep::of_servo(law, at, mass, step.h) : LinearStep{};
   const bool holds = servo.hold > 0;
   // Of the rest of a spring, that leaves `part` of a rate.
   const auto motor_part = [&](double part) {
     return static_cast<float>(holds ? servo.hold * part / (1 + servo.hold * part) : 1);
   };
   row.motor_part[lane] = motor_part(share);
-  row.motor_keep[lane] = static_cast<float>(holds ? servo.keep / servo.hold : 0);
-  const double room_below = value - law.lower;
-  const double room_above = law.upper - value;
-  row.motor_speed[lane] = row.next_motor_speed[lane];
-  double motor_speed = holds ? servo.shift / servo.hold : at.share * law.motor_speed;
-  // No end of a range is stronger than a motor without a bound, which therefore stops there by itself.
-  if (motor_change == Law::unlimited) motor_speed = std::clamp(motor_speed, -room_below / step.h, room_above / step.h);
-  row.next_motor_speed[lane] = speed(motor_speed);
-  row.motor_change[lane] = speed(motor_change * share);
-
-  row.lower_speed[lane] = speed(-std::max(room_below, 0.0) / step.h);
-  row.upper_speed[lane] = speed(std::max(room_above, 0.0) / step.h);
-  row.soft_lower[lane] = room_below < 0 ? 1 : 0;
-  row.soft_upper[lane] = room_above < 0 ? 1 : 0;
-  if (room_below >= 0 && room_above >= 0) return;
-  const double push =
-      std::min(-bias_rate * std::min(room_below, room_above), static_cast<double>(step.constants.push_speed));
-  const double target = room_below < 0 ? push : -push;
+  if (holds) {
+    row.motor_keep[lane] = static_cast<float>(servo.keep / servo.hold);
+    row.next_motor_speed[lane] = speed(servo.shift / servo.hold);
+  }
+  row.motor_change[lane] = static_cast<float>(share * row.motor_change[lane]);
+  if (row.soft_lower[lane] == 0 && row.soft_upper[lane] == 0) return;
+  const double leak = step.constants.joint.impulse_scale;
   const double soft_share = leak / (1 + spring.hold * leak);  // 1 / (1 + hold + stiffness)
   row.soft_scale[lane] = static_cast<float>(soft_share);
-  row.soft_shift[lane] = static_cast<float>(held / (1 + spring.hold * leak) * target + soft_share * spring.shift);
+  row.soft_shift[lane] =
+      static_cast<float>(row.soft_shift[lane] / (1 + spring.hold * leak) + soft_share * spring.shift);
   row.soft_motor_part[lane] = motor_part(soft_share);
-  row.soft_motor_change[lane] = static_cast<float>(soft_share * std::min(motor_change, unlimited_speed));
+  row.soft_motor_change[lane] = static_cast<float>(soft_share / leak * row.soft_motor_change[lane]);
 }
 
-// A lane of a block's rows, as its bodies are now.
-struct RowLane {
-  const JointStep& step;
-  JointBlock& block;
-  JointRowBlock* rows;
-  std::size_t lane;
-  std::size_t first, second;  // in SolverBodies
-  JointBodies bodies;
-
-  RowLane(const JointStep& at, JointBlock& of, JointRowBlock* all_rows, std::size_t of_lane)
-      : step(at),
-        block(of),
-        rows(all_rows + of.first_row),
-        lane(of_lane),
-        first(static_cast<std::size_t>(of.first[of_lane])),
-        second(static_cast<std::size_t>(of.second[of_lane])),
-        bodies{static_cast<double>(at.bodies.free_velocity[first].inverse_mass) +
-                   static_cast<double>(at.bodies.free_velocity[second].inverse_mass),
-               inverse_inertia_of(at.bodies, first), inverse_inertia_of(at.bodies, second), point_mass()} {}
-
-  Matrix3 point_mass() const {
-    if (block.point == 0) return Matrix3::Zero();
-    const auto& m = block.mass;
-    Matrix3 mass;
-    mass << m[0][lane], m[3][lane], m[4][lane],  //
-        m[3][lane], m[1][lane], m[5][lane],      //
-        m[4][lane], m[5][lane], m[2][lane];
-    return mass;
-  }
-
-  Joint& joint() const { return step.joints[block.joint[lane]]; }
-  JointFrames frames_now() const {
-    const Joint& of = joint();
-    return frames_of(of, pose_now(step, of.first, block.first[lane]), pose_now(step, of.second, block.second[lane]));
-  }
-
-  // What a rate that has no position turned into one by.
-  double travel(const JointRowBlock& row) const {
-    const Motion a = motion_of(step.bodies, first);
-    const Motion b = motion_of(step.bodies, second);
-    return step.h *
-           (get_lane(row.linear, lane).dot(b.linear - a.linear) + get_lane(row.angular_second, lane).dot(b.angular) -
-            get_lane(row.angular_first, lane).dot(a.angular));
-  }
-
-  void set(const JointFrames& frames) {
-    Joint& of = joint();
-    const HeldRows held(of, frames, bodies);
-    for (std::size_t r = 0; r < of.rows; ++r) {
-      const auto& [now, position] = held.row(r);
-      JointRowBlock& row = rows[r];
-      if (!held.can_act(r)) {
-        set_idle(row, lane);
-        continue;
-      }
-      of.position[r] = position;
-      set_lane(row.linear, lane, now.linear);
-      set_lane(row.angular_first, lane, now.angular_first);
-      set_lane(row.angular_second, lane, now.angular_second);
-      set_law(row, lane, of.law[r], now, held.response(r), held.free_response(r), step);
-    }
-  }
-
-  // The impulses of all rows together, along the rows as they are.
-  struct Impulse {
-    Vector3 linear = Vector3::Zero(), first = Vector3::Zero(), second = Vector3::Zero();
-  };
-  Impulse impulse() const {
-    Impulse sum;
-    for (std::size_t r = 0; r < joint().rows; ++r) {
-      const double impulse = rows[r].impulse[lane];
-      sum.linear += impulse * get_lane(rows[r].linear, lane);
-      sum.first += impulse * get_lane(rows[r].angular_first, lane);
-      sum.second += impulse * get_lane(rows[r].angular_second, lane);
-    }
-    return sum;
-  }
-};
+// What a rate that has no position turned into one by.
+double travel(const JointStep& step, const JointBlock& block, const JointRowBlock& row, std::size_t lane) {
+  const Motion a = motion_of(step.bodies, static_cast<std::size_t>(block.first[lane]));
+  const Motion b = motion_of(step.bodies, static_cast<std::size_t>(block.second[lane]));
+  return step.h *
+         (get_lane(row.linear, lane).dot(b.linear - a.linear) + get_lane(row.angular_second, lane).dot(b.angular) -
+          get_lane(row.angular_first, lane).dot(a.angular));
+}
 
 }  // namespace
 
@@ -226,7 +178,7 @@ void GroupJoints::colour(std::uint32_t first_dynamic, std::uint32_t body_count) 
   if (empty()) return;
   colouring_.build(joints_, first_dynamic, body_count, blocks_);
   const JointBlock& last = blocks_[colouring_.block_count() - 1];
-  rows_.resize(last.first_row + last.rows);
+  rows_.assign(last.first_row + last.rows, {});
   row_rates_.assign(may_bounce_ ? rows_.size() * block_lanes : 0, {});
 }
 
@@ -283,48 +235,76 @@ void GroupJoints::add_stiffness(const JointStep& step, std::span<Matrix3> stiffn
   }
 }
 
-void GroupJoints::prepare_rows(const JointStep& step, std::size_t begin, std::size_t end) {
+void GroupJoints::prepare_rows(const JointStep& step, const HeldJoints& held, std::size_t begin, std::size_t end) {
   for (std::size_t b = begin; b < end; ++b) {
     JointBlock& block = blocks_[b];
     if (block.rows == 0) continue;
     for (std::size_t lane = 0; lane < block_lanes; ++lane) {
-      for (std::size_t r = 0; r < block.rows; ++r) set_idle(rows_[block.first_row + r], lane);
-      for (Lanes<3>* carried : {&block.carried_linear, &block.carried_first, &block.carried_second}) {
-        set_lane(*carried, lane, Vector3::Zero());
-      }
       if (block.joint[lane] < 0) continue;
-      RowLane row(step, block, rows_.data(), lane);
-      const Joint& joint = row.joint();
-      const JointFrames frames =
-          frames_of(joint, start_pose(step.table, joint.first), start_pose(step.table, joint.second));
+      const Joint& joint = step.joints[block.joint[lane]];
       for (std::size_t r = 0; r < joint.rows; ++r) {
-        row.rows[r].impulse[lane] = static_cast<float>(joint.impulse[r] / step.constants.refinement);
+        rows_[block.first_row + r].impulse[lane] = static_cast<float>(joint.impulse[r] / step.constants.refinement);
       }
-      row.set(frames);
+    }
+    set_rows(step, held, b, [&](const Joint& joint, std::size_t) {
+      return frames_of(joint, start_pose(step.table, joint.first), start_pose(step.table, joint.second));
+    });
+    for (Lanes<3>* carried : {&block.carried_linear, &block.carried_first, &block.carried_second}) {
+      std::fill_n(&(*carried)[0][0], 3 * block_lanes, 0.0f);
     }
   }
 }
 
-void GroupJoints::refresh_rows(const JointStep& step, std::size_t begin, std::size_t end) {
+void GroupJoints::refresh_rows(const JointStep& step, const HeldJoints& held, std::size_t begin, std::size_t end) {
   for (std::size_t b = begin; b < end; ++b) {
     JointBlock& block = blocks_[b];
     if (block.rows == 0) continue;
-    for (std::size_t lane = 0; lane < block_lanes; ++lane) {
-      if (block.joint[lane] < 0) continue;
-      RowLane row(step, block, rows_.data(), lane);
-      Joint& joint = row.joint();
-      const JointFrames frames = row.frames_now();
+    set_rows(step, held, b, [&](Joint& joint, std::size_t lane) {
       for (std::size_t r = 0; r < joint.rows; ++r) {
         if (joint.coordinate[r] == Coordinate::Gear || joint.coordinate[r] == Coordinate::Rack) {
-          joint.position[r] += row.travel(row.rows[r]);
+          joint.position[r] += travel(step, block, rows_[block.first_row + r], lane);
         }
       }
-      const RowLane::Impulse before = row.impulse();
-      row.set(frames);
-      const RowLane::Impulse now = row.impulse();
-      set_lane(block.carried_linear, lane, now.linear - before.linear);
-      set_lane(block.carried_first, lane, now.first - before.first);
-      set_lane(block.carried_second, lane, now.second - before.second);
+      return frames_now(step, block, lane);
+    });
+  }
+}
+
+template <typename FramesOf>
+void GroupJoints::set_rows(const JointStep& step, const HeldJoints& held, std::size_t b, const FramesOf& frames_of) {
+  const JointBlock& block = blocks_[b];
+  JointRowBlock* rows = &rows_[block.first_row];
+  FreeRowBlock free[max_joint_rows];
+  JointRow sprung[max_joint_rows][block_lanes];
+  std::uint8_t springs[max_joint_rows] = {};  // bit a lane
+  for (std::size_t lane = 0; lane < block_lanes; ++lane) {
+    std::size_t r = 0;
+    if (block.joint[lane] >= 0) {
+      Joint& joint = step.joints[block.joint[lane]];
+      const JointFrames frames = frames_of(joint, lane);
+      for (; r < joint.rows; ++r) {
+        const LawRow now = law_row(joint, r, frames, joint.position[r]);
+        if (!std::isfinite(now.at.value)) {
+          set_none(free[r], lane);
+          continue;
+        }
+        joint.position[r] = now.position;
+        const Law& law = joint.law[r];
+        set_free(free[r], lane, law, now.at);
+        set_law(rows[r], lane, law, now.at, step);
+        if (!law.springs() && !law.is_servo() && law.armature == 0) continue;
+        sprung[r][lane] = now.at;
+        springs[r] |= static_cast<std::uint8_t>(1u << lane);
+      }
+    }
+    for (; r < block.rows; ++r) set_none(free[r], lane);
+  }
+  held.kernels.hold_rows(held.data, free, b);
+  for (std::size_t r = 0; r < block.rows; ++r) {
+    for (std::size_t lane = 0; springs[r] >> lane != 0; ++lane) {
+      if ((springs[r] >> lane & 1) == 0 || !(rows[r].mass[lane] > 0)) continue;
+      const Law& law = step.joints[block.joint[lane]].law[r];
+      add_springs(rows[r], lane, law, sprung[r][lane], free[r].response[lane], step);
     }
   }
 }
@@ -355,7 +335,7 @@ bool GroupJoints::note_impacts(const JointStep& step, std::size_t begin, std::si
     for (std::size_t lane = 0; lane < block_lanes; ++lane) {
       if (block.joint[lane] < 0 || !step.joints[block.joint[lane]].bounces) continue;
       const Joint& joint = step.joints[block.joint[lane]];
-      const JointFrames frames = RowLane(step, block, rows_.data(), lane).frames_now();
+      const JointFrames frames = frames_now(step, block, lane);
       for (std::size_t r = 0; r < joint.rows; ++r) {
         JointRowBlock& row = rows_[block.first_row + r];
         RowRate& rate = row_rates_[(block.first_row + r) * block_lanes + lane];

@@ -128,8 +128,9 @@ void GroupPass<Executor>::complete_joints() {
   loops_.each_joint_block(
       [&](std::size_t begin, std::size_t end) { setup_.kernels.prepare_joints(setup_.joint_data, begin, end); });
   if (!parts_.joints.has_rows()) return;
+  const HeldJoints held = {setup_.kernels, setup_.joint_data};
   loops_.each_joint_row_block(
-      [&](std::size_t begin, std::size_t end) { parts_.joints.prepare_rows(setup_.joint_step, begin, end); });
+      [&](std::size_t begin, std::size_t end) { parts_.joints.prepare_rows(setup_.joint_step, held, begin, end); });
 }
 
 template <typename Executor>
@@ -240,8 +241,9 @@ void GroupPass<Executor>::integrate_positions() {
   });
   if (setup_.sweeps_joints) parts_.joint_inertia.follow(setup_.input, setup_.body_ids, parts_.bodies);
   if (!parts_.joints.has_rows()) return;
+  const HeldJoints held = {setup_.kernels, setup_.joint_data};
   loops_.each_joint_row_block(
-      [&](std::size_t begin, std::size_t end) { parts_.joints.refresh_rows(setup_.joint_step, begin, end); });
+      [&](std::size_t begin, std::size_t end) { parts_.joints.refresh_rows(setup_.joint_step, held, begin, end); });
 }
 
 template <typename Executor>

@@ -123,8 +123,13 @@ HWY_INLINE V3 turned_arm_change(const V4& q, const V3& a) {
   return change + change;
 }
 
-// Where the bodies' displacements have brought the point, and what K is there.
-HWY_INLINE void refresh_point(const JointKernelData& data, JointBlock& block, std::size_t lane, const JointLanes& c) {
+// Where the bodies' displacements have brought the point.
+struct PointMotion {
+  PointLanes point;
+  V3 offset;
+};
+HWY_INLINE PointMotion point_motion(const JointKernelData& data, const JointBlock& block, std::size_t lane,
+                                    const JointLanes& c) {
   const V3 start_first = load3(block.start_arm_first, lane);
   const V3 start_second = load3(block.start_arm_second, lane);
   const V3 change_first = turned_arm_change(load_rotation(data.bodies, c.first.index), start_first);
@@ -132,10 +137,15 @@ HWY_INLINE void refresh_point(const JointKernelData& data, JointBlock& block, st
   const V4 first = load_displacement(data.bodies, c.first.index);
   const V4 second = load_displacement(data.bodies, c.second.index);
   const V3 moved = V3{second.x, second.y, second.z} - V3{first.x, first.y, first.z};
-  store3(load3(block.start_offset, lane) + (moved + (change_second - change_first)), block.offset, lane);
+  return {{start_first + change_first, start_second + change_second},
+          load3(block.start_offset, lane) + (moved + (change_second - change_first))};
+}
 
+// The same for the sweeps, with what K is there.
+HWY_INLINE void refresh_point(const JointKernelData& data, JointBlock& block, std::size_t lane, const JointLanes& c) {
+  const auto [now, offset] = point_motion(data, block, lane, c);
+  store3(offset, block.offset, lane);
   const PointLanes before = PointLanes::load_from(block, lane);
-  const PointLanes now{start_first + change_first, start_second + change_second};
   const V3 impulse = load3(block.impulse, lane);
   V3 carried_first = cross(now.arm_first - before.arm_first, impulse);
   V3 carried_second = cross(now.arm_second - before.arm_second, impulse);

@@ -15,6 +15,7 @@
 #include "sweep/contact_impulses-inl.h"
 #include "sweep/contact_prepare-inl.h"
 #include "sweep/contact_sweep-inl.h"
+#include "sweep/joint_rows-inl.h"
 #include "sweep/joint_sweep-inl.h"
 #include "sweep/kernel_sets.h"
 
@@ -35,6 +36,7 @@ const Kernels& kernels() {
                                 &clear_corrections,
                                 &integrate_positions,
                                 with_joints ? &prepare_joints : nullptr,
+                                with_joints ? &hold_rows : nullptr,
                                 with_joints ? &warm_start_joints : nullptr,
                                 with_joints ? &sweep_joints : nullptr};
   return table;

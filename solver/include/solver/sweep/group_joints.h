@@ -25,6 +25,12 @@ struct JointStep {
   double h;  ///< s, of a substep
 };
 
+/// What rows are made by, of the blocks that a group has.
+struct HeldJoints {
+  const Kernels& kernels;
+  const JointKernelData& data;
+};
+
 /// The joints of an island group that are solved one after another, as contacts are: coloured blocks for the wide
 /// kernels, of which this makes those parts that are not wide. A point's motion is followed in the kernels; the
 /// coordinates of other rows, with their Jacobians, are taken anew in each substep in double. Memory is reused.
@@ -60,10 +66,10 @@ class GroupJoints {
   /// Adds what the tension in points makes of how bodies turn (arm_stiffness.h), by index into SolverBodies. Not for
   /// blocks of different colours at once.
   void add_stiffness(const JointStep& step, std::span<Matrix3> stiffness, std::size_t begin, std::size_t end) const;
-  /// Rows other than points, once bodies have their inertia of the step.
-  void prepare_rows(const JointStep& step, std::size_t begin, std::size_t end);
+  /// Rows other than points, once bodies have their inertia of the step, and points their masses.
+  void prepare_rows(const JointStep& step, const HeldJoints& held, std::size_t begin, std::size_t end);
   /// After positions have moved by the velocities that the bodies have: coordinates and rows other than points.
-  void refresh_rows(const JointStep& step, std::size_t begin, std::size_t end);
+  void refresh_rows(const JointStep& step, const HeldJoints& held, std::size_t begin, std::size_t end);
   /// Before the forces of a substep.
   void note_rates(const JointStep& step, std::size_t begin, std::size_t end);
   /// Whether some coordinate may bounce at the end of its range.
@@ -85,6 +91,9 @@ class GroupJoints {
   }
 
  private:
+  template <typename FramesOf>
+  void set_rows(const JointStep& step, const HeldJoints& held, std::size_t block, const FramesOf& frames_of);
+
   std::vector<LocalJoint> joints_;
   Colouring colouring_;
   std::vector<JointBlock> blocks_;

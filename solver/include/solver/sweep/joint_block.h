@@ -6,6 +6,9 @@
 
 namespace atl::solver {
 
+/// m/s or rad/s: as good as unlimited, and its sums and differences are finite.
+inline constexpr float unlimited_speed = 1e30f;
+
 /// Eight joints of one colour, one a lane, for the wide kernels: no two share a dynamic body. All of them hold the
 /// origins of their frames together, or none does; and all have rows beside (JointRowBlock), or none has. A lane
 /// without a joint holds zeros.
@@ -82,6 +85,21 @@ struct alignas(64) JointRowBlock {
   float soft_shift[block_lanes];
   float soft_motor_part[block_lanes];
   float soft_motor_change[block_lanes];
+};
+
+/// A row of each joint of a block as its coordinate gives it, before it is made to act as it does while the joint holds.
+struct alignas(64) FreeRowBlock {
+  template <std::size_t n>
+  using Lanes = float[n][block_lanes];
+
+  Lanes<3> linear;  ///< as JointRowBlock has them
+  Lanes<3> angular_first;
+  Lanes<3> angular_second;
+  float gap[block_lanes];       ///< m or rad, of what is locked
+  float acts[block_lanes];      ///< 1, or 0 where there is none, or none that means anything
+  float locked[block_lanes];    ///< 1
+  float idle[block_lanes];      ///< 1: it has no impulse in this substep, or a little of it
+  float response[block_lanes];  ///< J M^-1 J^T, found with the rest
 };
 
 /// What a row needs beside, if joints are closed by velocities of their own.

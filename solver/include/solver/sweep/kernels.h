@@ -107,6 +107,8 @@ struct Kernels {
 
   /// Completes blocks of joints whose start of the step, impulses and rows are filled in.
   void (*prepare_joints)(const JointKernelData& data, std::size_t begin, std::size_t end);
+  /// Makes the rows of a block of what their coordinates give now, one a row of the block: see joint_rows-inl.h.
+  void (*hold_rows)(const JointKernelData& data, FreeRowBlock* rows, std::size_t block);
   /// Applies a part of the accumulated impulses, and keeps a part.
   void (*warm_start_joints)(const JointKernelData& data, float applied, float kept, std::size_t begin, std::size_t end);
   /// Returns, if the sweep measures, its residual as that over contacts does. Spins count with a friction_radius of 1
