@@ -72,6 +72,30 @@ HWY_INLINE V3 select(M mask, const V3& yes, const V3& no) {
   return {hn::IfThenElse(mask, yes.x, no.x), hn::IfThenElse(mask, yes.y, no.y), hn::IfThenElse(mask, yes.z, no.z)};
 }
 
+// Quaternions.
+struct Q {
+  V3 vector;
+  V scalar;
+};
+
+HWY_INLINE Q operator*(const Q& a, const Q& b) {
+  return {(a.scalar * b.vector + b.scalar * a.vector) + cross(a.vector, b.vector),
+          hn::Sub(hn::Mul(a.scalar, b.scalar), dot(a.vector, b.vector))};
+}
+HWY_INLINE Q conjugate(const Q& q) {
+  return {{hn::Neg(q.vector.x), hn::Neg(q.vector.y), hn::Neg(q.vector.z)}, q.scalar};
+}
+HWY_INLINE Q normalized(const Q& q) {
+  const V norm = hn::Sqrt(hn::Add(dot(q.vector, q.vector), hn::Mul(q.scalar, q.scalar)));
+  const V scale = hn::Div(splat(1), norm);
+  return {scale * q.vector, hn::Mul(scale, q.scalar)};
+}
+// R(q) v.
+HWY_INLINE V3 turned(const Q& q, const V3& v) {
+  const V3 t = cross(q.vector, v);
+  const V3 twice = t + t;
+  return v + (q.scalar * twice + cross(q.vector, twice));
+}
 // Two unit vectors that make a right-handed frame with a unit vector. The same operations in the same order as in
 // collision::tangents(), which names the source.
 struct TangentLanes {

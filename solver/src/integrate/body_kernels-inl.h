@@ -55,29 +55,6 @@ inline void clear_corrections(SolverBodies& bodies, std::size_t begin, std::size
   }
 }
 
-struct Q {
-  V3 vector;
-  V scalar;
-};
-
-HWY_INLINE Q operator*(const Q& a, const Q& b) {
-  return {(a.scalar * b.vector + b.scalar * a.vector) + cross(a.vector, b.vector),
-          hn::Sub(hn::Mul(a.scalar, b.scalar), dot(a.vector, b.vector))};
-}
-HWY_INLINE Q conjugate(const Q& q) {
-  return {{hn::Neg(q.vector.x), hn::Neg(q.vector.y), hn::Neg(q.vector.z)}, q.scalar};
-}
-HWY_INLINE Q normalized(const Q& q) {
-  const V norm = hn::Sqrt(hn::Add(dot(q.vector, q.vector), hn::Mul(q.scalar, q.scalar)));
-  const V scale = hn::Div(splat(1), norm);
-  return {scale * q.vector, hn::Mul(scale, q.scalar)};
-}
-// R(q) v.
-HWY_INLINE V3 turned(const Q& q, const V3& v) {
-  const V3 t = cross(q.vector, v);
-  const V3 twice = t + t;
-  return v + (q.scalar * twice + cross(q.vector, twice));
-}
 // q' = w q / 2, one step of Euler's method.
 HWY_INLINE Q advanced(const Q& q, const V3& w, V half_h) {
   const V3 u = half_h * w;

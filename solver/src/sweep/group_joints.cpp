@@ -6,6 +6,7 @@
 #include <solver/tuning.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "integrate/rows3.h"
@@ -42,19 +43,6 @@ JointFrames frames_now(const JointStep& step, const JointBlock& block, std::size
                    pose_now(step, joint.second, block.second[lane]));
 }
 
-// The velocity by which a body has moved, with what removes overlap in it.
-struct Motion {
-  Vector3 linear;
-  Vector3 angular;
-};
-Motion motion_of(const SolverBodies& bodies, std::size_t local) {
-  Motion motion{get3(bodies.velocity[local].linear), get3(bodies.velocity[local].angular)};
-  if (bodies.correction.empty()) return motion;
-  motion.linear += get3(bodies.correction[local].linear);
-  motion.angular += get3(bodies.correction[local].angular);
-  return motion;
-}
-
 double rate_of(const SolverBodies& bodies, const JointBlock& block, const JointRowBlock& row, std::size_t lane) {
   const VelocityRows& a = bodies.velocity[static_cast<std::size_t>(block.first[lane])];
   const VelocityRows& c = bodies.velocity[static_cast<std::size_t>(block.second[lane])];
@@ -67,65 +55,65 @@ float speed(double value) {
   return static_cast<float>(std::clamp<double>(value, -unlimited_speed, unlimited_speed));
 }
 
-// A row that there isn't does nothing.
-void set_none(FreeRowBlock& row, std::size_t lane) {
-  for (Lanes<3>* part : {&row.linear, &row.angular_first, &row.angular_second}) set_lane(*part, lane, Vector3::Zero());
-  for (float* number : {row.gap, row.acts, row.locked, row.idle}) number[lane] = 0;
-}
-
-// A coordinate that is free, well within its range: it has no impulse in this substep, or a little of it.
-bool is_idle(const Law& law, double value) {
-  return !law.locked() && !law.drives() && !law.springs() && law.armature == 0 &&
-         std::min(value - law.lower, law.upper - value) > tuning::most_closed;
-}
-
-void set_free(FreeRowBlock& row, std::size_t lane, const Law& law, const JointRow& at) {
-  set_lane(row.linear, lane, at.linear);
-  set_lane(row.angular_first, lane, at.angular_first);
-  set_lane(row.angular_second, lane, at.angular_second);
-  row.gap[lane] = static_cast<float>(law.locked() ? at.value - law.lower : 0);
-  row.acts[lane] = 1;
-  row.locked[lane] = law.locked() ? 1 : 0;
-  row.idle[lane] = is_idle(law, at.value) ? 1 : 0;
-}
-
-// The numbers of JointRowBlock for a law, but for those that go by J M^-1 J^T. A motor's impulse is in place of what it
-// changes the rate by, and what locks has its shift yet to come.
-void set_law(JointRowBlock& row, std::size_t lane, const Law& law, const JointRow& at, const JointStep& step) {
-  // Softness is an implicit spring: 1 / (1 + stiffness) of the impulse leaks.
-  const double leak = step.constants.joint.impulse_scale;
-  if (law.locked()) {
-    row.lower_speed[lane] = row.upper_speed[lane] = 0;
-    row.soft_lower[lane] = row.soft_upper[lane] = 1;
-    row.soft_scale[lane] = static_cast<float>(leak);
-    return;
+// What positions of a step are told from.
+double base_of(Coordinate coordinate, double position) {
+  constexpr double turn = 2 * 3.14159265358979323846;
+  // As far as continued() tells turns apart.
+  if (!(std::abs(position) <= 1e15)) return 0;
+  switch (coordinate) {
+    case Coordinate::Twist:
+    case Coordinate::AngleX:
+    case Coordinate::AngleSecondY:
+    case Coordinate::Steer:
+    case Coordinate::Roll:
+      return turn * std::round(position / turn);
+    case Coordinate::SpinX:
+    case Coordinate::SpinY:
+    case Coordinate::SpinZ:
+    case Coordinate::Orbit:
+    case Coordinate::Gear:
+    case Coordinate::Rack:
+      return position;
+    default:
+      return 0;
   }
-  row.spring_scale[lane] = 1;
-  row.motor_part[lane] = row.soft_motor_part[lane] = 1;
-  row.motor_speed[lane] = row.next_motor_speed[lane];
-  const double room_below = at.value - law.lower;
-  const double room_above = law.upper - at.value;
-  double motor_speed = at.share * law.motor_speed;
-  const double motor_impulse = law.drives() ? law.motor_force * step.h : 0;
-  // No end of a range is stronger than a motor without a bound, which therefore stops there by itself.
-  if (motor_impulse == Law::unlimited) motor_speed = std::clamp(motor_speed, -room_below / step.h, room_above / step.h);
-  row.next_motor_speed[lane] = speed(motor_speed);
-  row.motor_change[lane] = speed(motor_impulse);
-  row.lower_speed[lane] = speed(-std::max(room_below, 0.0) / step.h);
-  row.upper_speed[lane] = speed(std::max(room_above, 0.0) / step.h);
-  row.soft_lower[lane] = room_below < 0 ? 1 : 0;
-  row.soft_upper[lane] = room_above < 0 ? 1 : 0;
-  row.soft_motor_change[lane] = 0;
-  if (room_below >= 0 && room_above >= 0) return;
-  const double push = std::min(-step.constants.joint.bias_rate * std::min(room_below, room_above),
-                               static_cast<double>(step.constants.push_speed));
-  row.soft_scale[lane] = static_cast<float>(leak);
-  row.soft_shift[lane] = static_cast<float>(step.constants.joint.mass_scale * (room_below < 0 ? push : -push));
-  row.soft_motor_change[lane] = speed(leak * motor_impulse);
+}
+
+bool is_turn(Coordinate coordinate) { return coordinate >= Coordinate::TurnX && coordinate <= Coordinate::TurnZ; }
+
+void set_coordinate(JointCoordinateBlock& of, std::size_t lane, const Joint& joint, std::size_t r, double base,
+                    double h) {
+  const Law& law = joint.law[r];
+  const Coordinate coordinate = joint.coordinate[r];
+  const bool springs = law.springs() || law.is_servo() || law.armature > 0;
+  of.coordinate[lane] = static_cast<float>(coordinate);
+  of.locked[lane] = law.locked() ? 1 : 0;
+  of.idles[lane] = !law.locked() && !law.drives() && !springs ? 1 : 0;
+  of.fades[lane] = is_turn(coordinate) && !(law.locked() && law.lower == 0) ? 1 : 0;
+  of.base[lane] = static_cast<float>(base);
+  of.lower[lane] = static_cast<float>(law.lower - base);
+  of.upper[lane] = static_cast<float>(law.upper - base);
+  of.motor_speed[lane] = speed(law.motor_speed);
+  of.motor_impulse[lane] = speed(law.drives() ? law.motor_force * h : 0);
+  of.position[lane] = static_cast<float>(joint.position[r] - base);
+  of.kinds |= 1u << static_cast<unsigned>(coordinate);
+  if (springs) of.springs |= static_cast<std::uint8_t>(1u << lane);
+}
+
+void set_frames(JointFrameBlock& of, std::size_t lane, const Joint& joint, const BodyTable& table) {
+  const Eigen::Quaterniond first(table.orientation(joint.first) * joint.axes_first);
+  const Eigen::Quaterniond second(table.orientation(joint.second) * joint.axes_second);
+  JointFrames frames;
+  frames.set_turn(first, second);
+  for (int i = 0; i < 4; ++i) {
+    of.axes_first[i][lane] = static_cast<float>(first.coeffs()[i]);
+    of.turn[i][lane] = static_cast<float>(frames.turn.coeffs()[i]);
+  }
+  of.ratio[lane] = static_cast<float>(joint.ratio);
 }
 
 // What springs, servos and armatures make of that, `free` being J M^-1 J^T if the joint didn't hold.
-void add_springs(JointRowBlock& row, std::size_t lane, const Law& law, const JointRow& at, double free,
+void set_springs(JointRowBlock& row, std::size_t lane, const Law& law, const JointRow& at, double free,
                  const JointStep& step) {
   const double mass = row.mass[lane];
   const LinearStep spring =
@@ -157,15 +145,6 @@ void add_springs(JointRowBlock& row, std::size_t lane, const Law& law, const Joi
   row.soft_motor_change[lane] = static_cast<float>(soft_share / leak * row.soft_motor_change[lane]);
 }
 
-// What a rate that has no position turned into one by.
-double travel(const JointStep& step, const JointBlock& block, const JointRowBlock& row, std::size_t lane) {
-  const Motion a = motion_of(step.bodies, static_cast<std::size_t>(block.first[lane]));
-  const Motion b = motion_of(step.bodies, static_cast<std::size_t>(block.second[lane]));
-  return step.h *
-         (get_lane(row.linear, lane).dot(b.linear - a.linear) + get_lane(row.angular_second, lane).dot(b.angular) -
-          get_lane(row.angular_first, lane).dot(a.angular));
-}
-
 }  // namespace
 
 void GroupJoints::clear() {
@@ -179,6 +158,8 @@ void GroupJoints::colour(std::uint32_t first_dynamic, std::uint32_t body_count) 
   colouring_.build(joints_, first_dynamic, body_count, blocks_);
   const JointBlock& last = blocks_[colouring_.block_count() - 1];
   rows_.assign(last.first_row + last.rows, {});
+  coordinates_.resize(rows_.size());
+  frames_.resize(rows_.empty() ? 0 : colouring_.block_count());
   row_rates_.assign(may_bounce_ ? rows_.size() * block_lanes : 0, {});
 }
 
@@ -235,78 +216,48 @@ void GroupJoints::add_stiffness(const JointStep& step, std::span<Matrix3> stiffn
   }
 }
 
-void GroupJoints::prepare_rows(const JointStep& step, const HeldJoints& held, std::size_t begin, std::size_t end) {
+void GroupJoints::prepare_rows(const JointStep& step, std::size_t begin, std::size_t end) {
   for (std::size_t b = begin; b < end; ++b) {
-    JointBlock& block = blocks_[b];
-    if (block.rows == 0) continue;
-    for (std::size_t lane = 0; lane < block_lanes; ++lane) {
+    const JointBlock& block = blocks_[b];
+    for (std::size_t r = 0; r < block.rows; ++r) {
+      JointCoordinateBlock& of = coordinates_[block.first_row + r] = {};
+      std::fill_n(of.coordinate, block_lanes, -1.0f);
+    }
+    for (std::size_t lane = 0; lane < block_lanes && block.rows > 0; ++lane) {
       if (block.joint[lane] < 0) continue;
       const Joint& joint = step.joints[block.joint[lane]];
+      set_frames(frames_[b], lane, joint, step.table);
       for (std::size_t r = 0; r < joint.rows; ++r) {
-        rows_[block.first_row + r].impulse[lane] = static_cast<float>(joint.impulse[r] / step.constants.refinement);
+        const std::size_t row = block.first_row + r;
+        set_coordinate(coordinates_[row], lane, joint, r, base_of(joint.coordinate[r], joint.position[r]), step.h);
+        rows_[row].impulse[lane] = static_cast<float>(joint.impulse[r] / step.constants.refinement);
       }
-    }
-    set_rows(step, held, b, [&](const Joint& joint, std::size_t) {
-      return frames_of(joint, start_pose(step.table, joint.first), start_pose(step.table, joint.second));
-    });
-    for (Lanes<3>* carried : {&block.carried_linear, &block.carried_first, &block.carried_second}) {
-      std::fill_n(&(*carried)[0][0], 3 * block_lanes, 0.0f);
     }
   }
 }
 
-void GroupJoints::refresh_rows(const JointStep& step, const HeldJoints& held, std::size_t begin, std::size_t end) {
+void GroupJoints::add_springs(const JointStep& step, std::size_t begin, std::size_t end) {
   for (std::size_t b = begin; b < end; ++b) {
-    JointBlock& block = blocks_[b];
-    if (block.rows == 0) continue;
-    set_rows(step, held, b, [&](Joint& joint, std::size_t lane) {
-      for (std::size_t r = 0; r < joint.rows; ++r) {
-        if (joint.coordinate[r] == Coordinate::Gear || joint.coordinate[r] == Coordinate::Rack) {
-          joint.position[r] += travel(step, block, rows_[block.first_row + r], lane);
-        }
+    const JointBlock& block = blocks_[b];
+    for (std::size_t r = 0; r < block.rows; ++r) {
+      const JointCoordinateBlock& of = coordinates_[block.first_row + r];
+      JointRowBlock& row = rows_[block.first_row + r];
+      for (unsigned rest = of.springs; rest != 0; rest &= rest - 1) {
+        const auto lane = static_cast<std::size_t>(std::countr_zero(rest));
+        if (!(row.mass[lane] > 0)) continue;
+        const Joint& joint = step.joints[block.joint[lane]];
+        JointRow at;
+        at.value = base_of(joint.coordinate[r], joint.position[r]) + of.value[lane];
+        at.share = of.share[lane];
+        set_springs(row, lane, joint.law[r], at, of.response[lane], step);
       }
-      return frames_now(step, block, lane);
-    });
+    }
   }
 }
 
-template <typename FramesOf>
-void GroupJoints::set_rows(const JointStep& step, const HeldJoints& held, std::size_t b, const FramesOf& frames_of) {
-  const JointBlock& block = blocks_[b];
-  JointRowBlock* rows = &rows_[block.first_row];
-  FreeRowBlock free[max_joint_rows];
-  JointRow sprung[max_joint_rows][block_lanes];
-  std::uint8_t springs[max_joint_rows] = {};  // bit a lane
-  for (std::size_t lane = 0; lane < block_lanes; ++lane) {
-    std::size_t r = 0;
-    if (block.joint[lane] >= 0) {
-      Joint& joint = step.joints[block.joint[lane]];
-      const JointFrames frames = frames_of(joint, lane);
-      for (; r < joint.rows; ++r) {
-        const LawRow now = law_row(joint, r, frames, joint.position[r]);
-        if (!std::isfinite(now.at.value)) {
-          set_none(free[r], lane);
-          continue;
-        }
-        joint.position[r] = now.position;
-        const Law& law = joint.law[r];
-        set_free(free[r], lane, law, now.at);
-        set_law(rows[r], lane, law, now.at, step);
-        if (!law.springs() && !law.is_servo() && law.armature == 0) continue;
-        sprung[r][lane] = now.at;
-        springs[r] |= static_cast<std::uint8_t>(1u << lane);
-      }
-    }
-    for (; r < block.rows; ++r) set_none(free[r], lane);
-  }
-  held.kernels.hold_rows(held.data, free, b);
-  for (std::size_t r = 0; r < block.rows; ++r) {
-    for (std::size_t lane = 0; springs[r] >> lane != 0; ++lane) {
-      if ((springs[r] >> lane & 1) == 0 || !(rows[r].mass[lane] > 0)) continue;
-      const Law& law = step.joints[block.joint[lane]].law[r];
-      add_springs(rows[r], lane, law, sprung[r][lane], free[r].response[lane], step);
-    }
-  }
+// As of the pose that bodies have now: a joint's own is that of the start of the step until results are stored.
+double GroupJoints::position_now(const Joint& joint, std::size_t r, std::size_t row, std::size_t lane) const {
+  return base_of(joint.coordinate[r], joint.position[r]) + coordinates_[row].position[lane];
 }
 
 // A spring's impulse goes by the rate before the forces of the substep, too.
@@ -344,7 +295,7 @@ bool GroupJoints::note_impacts(const JointStep& step, std::size_t begin, std::si
         if (law.restitution == 0 || !(row.mass[lane] > 0)) continue;
         const double free_rate = rate_of(step.bodies, block, row, lane);
         rate.impact =
-            LimitImpact::of(law, law_row(joint, r, frames, joint.position[r]).at.value, rate.before, free_rate, step.h);
+            LimitImpact::of(law, law_row(joint, r, frames, position_now(joint, r, block.first_row + r, lane)).at.value, rate.before, free_rate, step.h);
         row.open_ends[lane] = rate.impact.rests ? 0 : 1;
         any |= rate.impact.end != 0;
       }
@@ -410,7 +361,7 @@ void GroupJoints::store(const JointStep& step, std::size_t begin, std::size_t en
           linear += impulse * along;
           angular += impulse * (get_lane(row.angular_second, lane) - frames.arm_second.cross(along));
           joint.impulse[r] = together * impulse;
-          const LawRow now = law_row(joint, r, frames, joint.position[r]);
+          const LawRow now = law_row(joint, r, frames, position_now(joint, r, block.first_row + r, lane));
           if (std::isfinite(now.position)) joint.position[r] = now.position;
           joint.limit[r] = limit_reached(joint.law[r], now.at.value, joint.limit[r]);
         }

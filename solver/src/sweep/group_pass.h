@@ -29,6 +29,7 @@ class GroupPass {
   void prepare_contacts();
   void prepare_joints();
   void complete_joints();
+  void refresh_joint_rows(bool moved);
   void prepare_systems();
   void kick_systems(int sign);
   void note_speeds(int number);
@@ -127,10 +128,18 @@ template <typename Executor>
 void GroupPass<Executor>::complete_joints() {
   loops_.each_joint_block(
       [&](std::size_t begin, std::size_t end) { setup_.kernels.prepare_joints(setup_.joint_data, begin, end); });
+  refresh_joint_rows(false);
+}
+
+// Joints' coordinates and rows where bodies are now; once these have `moved`, impulses are carried over.
+template <typename Executor>
+void GroupPass<Executor>::refresh_joint_rows(bool moved) {
   if (!parts_.joints.has_rows()) return;
-  const HeldJoints held = {setup_.kernels, setup_.joint_data};
-  loops_.each_joint_row_block(
-      [&](std::size_t begin, std::size_t end) { parts_.joints.prepare_rows(setup_.joint_step, held, begin, end); });
+  loops_.each_joint_row_block([&](std::size_t begin, std::size_t end) {
+    if (!moved) parts_.joints.prepare_rows(setup_.joint_step, begin, end);
+    setup_.kernels.refresh_rows(setup_.joint_data, moved, begin, end);
+    parts_.joints.add_springs(setup_.joint_step, begin, end);
+  });
 }
 
 template <typename Executor>
@@ -240,10 +249,7 @@ void GroupPass<Executor>::integrate_positions() {
     setup_.kernels.integrate_positions(parts_.bodies, setup_.constants, begin, end);
   });
   if (setup_.sweeps_joints) parts_.joint_inertia.follow(setup_.input, setup_.body_ids, parts_.bodies);
-  if (!parts_.joints.has_rows()) return;
-  const HeldJoints held = {setup_.kernels, setup_.joint_data};
-  loops_.each_joint_row_block(
-      [&](std::size_t begin, std::size_t end) { parts_.joints.refresh_rows(setup_.joint_step, held, begin, end); });
+  refresh_joint_rows(true);
 }
 
 template <typename Executor>

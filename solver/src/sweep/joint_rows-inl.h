@@ -11,9 +11,9 @@
 #define ATOLL_SOLVER_JOINT_ROWS_INL_H_
 #endif
 
-#include <solver/constraints/joint.h>
+#include <bit>
 
-#include "sweep/joint_lanes-inl.h"
+#include "sweep/joint_coordinates-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace atl::solver {
@@ -52,8 +52,9 @@ HWY_INLINE M enough(V left, V response) {
 }
 
 // The mass of the point is that of where it was a substep ago: rows are nearly orthogonal to it then.
-HWY_INLINE void hold_point(const JointLanes& c, V inverse_mass, const PointLanes& point, const V3& offset,
-                           const SymmetricMatrix& mass, M acts, RowLanes& row) {
+HWY_INLINE void hold_point(const JointLanes& c, V inverse_mass, const FrameLanes& frames, const SymmetricMatrix& mass,
+                           M acts, RowLanes& row) {
+  const PointLanes& point = frames.point;
   const V3 rate = inverse_mass * row.linear +
                   (cross(row.turned_second, point.arm_second) + cross(row.turned_first, point.arm_first));
   const V3 hold = splat(-1) * (mass * rate);
@@ -61,7 +62,7 @@ HWY_INLINE void hold_point(const JointLanes& c, V inverse_mass, const PointLanes
   with.linear = row.linear + hold;
   with.first = row.first + cross(point.arm_first, hold);
   with.second = row.second + cross(point.arm_second, hold);
-  with.gap = hn::Add(row.gap, dot(hold, offset));
+  with.gap = hn::Add(row.gap, dot(hold, frames.offset));
   set_response(c, inverse_mass, with);
   keep(hn::And(acts, enough(with.response, row.response)), with, row);
 }
@@ -98,71 +99,221 @@ HWY_INLINE ImpulseLanes impulse_of(const JointKernelData& data, const JointBlock
   return sum;
 }
 
-HWY_INLINE void store_row(const SubstepConstants& constants, const RowLanes& row, M acts, M locked, std::size_t lane,
-                          JointRowBlock& to) {
+HWY_INLINE void turn_to_world(Coordinate coordinate, const FrameLanes& frames, CoordinateLanes& row) {
+  if (coordinate <= Coordinate::Distance) return;
+  const auto in_world = [&frames](const V3& v) {
+    return v.x * frames.axes[0] + (v.y * frames.axes[1] + v.z * frames.axes[2]);
+  };
+  const bool alike = coordinate < Coordinate::Gear;
+  row.first = in_world(row.first);
+  row.second = alike ? row.first : in_world(row.second);
+  if (!alike) row.linear = in_world(row.linear);
+}
+
+// A turn's position over full turns, that next to the one before; a rate's, which its travel adds to.
+HWY_INLINE V continued(Coordinate coordinate, V value, V before, V travel) {
+  constexpr float turn = 6.2831853f;
+  switch (coordinate) {
+    case Coordinate::Twist:
+    case Coordinate::AngleX:
+    case Coordinate::AngleSecondY:
+    case Coordinate::Steer:
+    case Coordinate::Roll:
+      return hn::Add(value, hn::Mul(splat(turn), hn::Round(hn::Mul(hn::Sub(before, value), splat(1 / turn)))));
+    case Coordinate::SpinX:
+    case Coordinate::SpinY:
+    case Coordinate::SpinZ:
+    case Coordinate::Orbit:
+      return before;
+    case Coordinate::Gear:
+    case Coordinate::Rack:
+      return hn::Add(before, travel);
+    default:
+      return value;
+  }
+}
+
+// How far a row has moved by the velocities that bodies have moved by.
+HWY_INLINE V travel_of(const JointKernelData& data, const JointRowBlock& row, std::size_t lane, const JointLanes& c) {
+  V3 v_first = c.first.v, w_first = c.first.w, v_second = c.second.v, w_second = c.second.w;
+  if (!data.bodies.correction.empty()) {
+    const VelocityRows* correction = data.bodies.correction.data();
+    const auto add = [=](const std::int32_t* index, V3& v, V3& w) {
+      const V4 linear = load_rows([=](std::size_t k) { return correction[index[k]].linear; });
+      const V4 angular = load_rows([=](std::size_t k) { return correction[index[k]].angular; });
+      v = v + V3{linear.x, linear.y, linear.z};
+      w = w + V3{angular.x, angular.y, angular.z};
+    };
+    add(c.first.index, v_first, w_first);
+    add(c.second.index, v_second, w_second);
+  }
+  const V rate =
+      hn::Add(dot(load3(row.linear, lane), v_second - v_first),
+              hn::Sub(dot(load3(row.angular_second, lane), w_second), dot(load3(row.angular_first, lane), w_first)));
+  return hn::Mul(splat(data.constants.h), rate);
+}
+
+// What a coordinate is now, with the value that the law sees.
+HWY_INLINE CoordinateLanes find_coordinate(const FrameLanes& frames, V ratio, V travel, std::size_t lane,
+                                           JointCoordinateBlock& of) {
+  const V coordinates = load(of.coordinate + lane), before = load(of.position + lane), base = load(of.base + lane);
   const V3 none{zero(), zero(), zero()};
-  const auto kept = [&](V value) { return hn::IfThenElseZero(acts, value); };
-  const auto keep_in = [&](float* numbers) { store(kept(load(numbers + lane)), numbers + lane); };
+  CoordinateLanes found = {none, none, none, zero(), splat(1)};
+  V position = before;
+  for (std::uint32_t rest = of.kinds; rest != 0; rest &= rest - 1) {
+    const int number = std::countr_zero(rest);
+    const auto coordinate = static_cast<Coordinate>(number);
+    const M is = hn::Eq(coordinates, splat(static_cast<float>(number)));
+    CoordinateLanes one = coordinate_in_lanes(coordinate, frames, ratio);
+    const V one_position = continued(coordinate, one.value, before, travel);
+    one.value = one_position;
+    if (coordinate == Coordinate::Twist) {
+      one.value = hn::Add(one_position, base);
+      fade_twist(frames, one);
+      one.value = hn::Sub(one.value, base);
+    }
+    if (coordinate >= Coordinate::TurnX && coordinate <= Coordinate::TurnZ) {
+      const int axis = static_cast<int>(coordinate) - static_cast<int>(Coordinate::TurnX);
+      fade_turn(frames, axis, hn::Gt(load(of.fades + lane), zero()), one);
+    }
+    turn_to_world(coordinate, frames, one);
+    position = hn::IfThenElse(is, one_position, position);
+    found.linear = select(is, one.linear, found.linear);
+    found.first = select(is, one.first, found.first);
+    found.second = select(is, one.second, found.second);
+    found.value = hn::IfThenElse(is, one.value, found.value);
+    found.share = hn::IfThenElse(is, one.share, found.share);
+  }
+  store(hn::IfThenElse(hn::IsFinite(position), position, before), of.position + lane);
+  store(found.value, of.value + lane);
+  store(found.share, of.share + lane);
+  return found;
+}
+
+HWY_INLINE V as_speed(V value) { return clamp_to(value, splat(unlimited_speed)); }
+HWY_INLINE V one_where(M mask) { return hn::IfThenElseZero(mask, splat(1)); }
+
+// The numbers of JointRowBlock for laws without springs. Softness is an implicit spring: 1 / (1 + stiffness) of the
+// impulse leaks.
+HWY_INLINE void set_law(const SubstepConstants& constants, const JointCoordinateBlock& of, const RowLanes& row,
+                        std::size_t lane, JointRowBlock& to) {
+  const V leak = splat(constants.joint.impulse_scale), held = splat(constants.joint.mass_scale);
+  const V bias_rate = splat(constants.joint.bias_rate), inverse_h = splat(constants.inverse_h);
+  const M locked = hn::Gt(load(of.locked + lane), zero());
+  const V value = load(of.value + lane);
+  const V room_below = hn::Sub(value, load(of.lower + lane));
+  const V room_above = hn::Sub(load(of.upper + lane), value);
+  const auto set = [lane](V number, float* numbers) { store(number, numbers + lane); };
+
+  // No end of a range is stronger than a motor without a bound, which therefore stops there by itself.
+  const V most = load(of.motor_impulse + lane);
+  const V speed = hn::Mul(load(of.share + lane), load(of.motor_speed + lane));
+  const V within = hn::Min(hn::Max(speed, hn::Neg(hn::Mul(room_below, inverse_h))), hn::Mul(room_above, inverse_h));
+  const M unbounded = hn::Ge(most, splat(unlimited_speed));
+  set(splat(1), to.spring_scale);
+  set(splat(1), to.motor_part);
+  set(load(to.next_motor_speed + lane), to.motor_speed);
+  set(as_speed(hn::IfThenElse(unbounded, within, speed)), to.next_motor_speed);
+  const V change = hn::Mul(most, row.response);
+  set(as_speed(change), to.motor_change);
+
+  const M below = hn::Lt(room_below, zero());
+  const auto free_speed = [&](V room) {
+    return hn::IfThenZeroElse(locked, as_speed(hn::Mul(hn::Max(room, zero()), inverse_h)));
+  };
+  set(hn::Neg(free_speed(room_below)), to.lower_speed);
+  set(free_speed(room_above), to.upper_speed);
+  set(one_where(hn::Or(locked, below)), to.soft_lower);
+  set(one_where(hn::Or(locked, hn::Lt(room_above, zero()))), to.soft_upper);
+  const V out = hn::Min(hn::Mul(bias_rate, hn::Neg(hn::Min(room_below, room_above))), splat(constants.push_speed));
+  const V closed = hn::Mul(splat(static_cast<float>(tuning::most_closed)), inverse_h);
+  const V closing = clamp_to(hn::Mul(bias_rate, row.gap), closed);
+  const V target = hn::IfThenElse(locked, hn::Neg(closing), hn::IfThenElse(below, out, hn::Neg(out)));
+  set(leak, to.soft_scale);
+  set(hn::Mul(held, target), to.soft_shift);
+  set(splat(1), to.soft_motor_part);
+  set(as_speed(hn::Mul(leak, change)), to.soft_motor_change);
+}
+
+HWY_INLINE void store_row(const RowLanes& row, M acts, std::size_t lane, JointRowBlock& to) {
+  const V3 none{zero(), zero(), zero()};
   store3(select(acts, row.linear, none), to.linear, lane);
   store3(select(acts, row.first, none), to.angular_first, lane);
   store3(select(acts, row.second, none), to.angular_second, lane);
-  store(kept(hn::Div(splat(1), row.response)), to.mass + lane);
-  store(kept(row.response), to.inverse_mass + lane);
-  keep_in(to.impulse);
-  // What the most of its impulse makes of the rate.
-  for (float* change : {to.motor_change, to.soft_motor_change}) {
-    store(kept(hn::Min(hn::Mul(load(change + lane), row.response), splat(unlimited_speed))), change + lane);
-  }
-  const V most = hn::Mul(splat(static_cast<float>(tuning::most_closed)), splat(constants.inverse_h));
-  const V closing = clamp_to(hn::Mul(splat(constants.joint.bias_rate), row.gap), most);
-  const V shift = hn::Mul(splat(-constants.joint.mass_scale), closing);
-  store(hn::IfThenElse(locked, shift, load(to.soft_shift + lane)), to.soft_shift + lane);
+  store(hn::IfThenElseZero(acts, hn::Div(splat(1), row.response)), to.mass + lane);
+  store(hn::IfThenElseZero(acts, row.response), to.inverse_mass + lane);
+  store(hn::IfThenElseZero(acts, load(to.impulse + lane)), to.impulse + lane);
 }
 
-inline void hold_rows(const JointKernelData& data, FreeRowBlock* of, std::size_t b) {
-  JointBlock& block = data.blocks[b];
-  for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
-    const JointLanes c = load_joints(data, block, lane);
-    const V inverse_mass = hn::Add(c.inverse_mass_first, c.inverse_mass_second);
-    const auto is = [lane](const float* flag) { return hn::Gt(load(flag + lane), zero()); };
-    // Rows that may bring something along.
-    const auto stirs = [&](std::size_t r) { return hn::And(is(of[r].acts), hn::Eq(load(of[r].idle + lane), zero())); };
-    RowLanes rows[max_joint_rows];
+HWY_INLINE void hold_rows(const JointBlock& block, const JointLanes& c, const FrameLanes& frames, std::size_t lane,
+                          const JointCoordinateBlock* of, const M (&acts)[max_joint_rows],
+                          RowLanes (&rows)[max_joint_rows]) {
+  const V inverse_mass = hn::Add(c.inverse_mass_first, c.inverse_mass_second);
+  const auto locked = [=](std::size_t r) { return hn::Gt(load(of[r].locked + lane), zero()); };
+  // A free coordinate well within its range has no impulse in this substep, or a little of it.
+  const V idle = splat(static_cast<float>(tuning::most_closed));
+  M stirs[max_joint_rows];
+  for (std::size_t r = 0; r < block.rows; ++r) {
+    const V value = load(of[r].value + lane);
+    const V room = hn::Min(hn::Sub(value, load(of[r].lower + lane)), hn::Sub(load(of[r].upper + lane), value));
+    stirs[r] = hn::And(acts[r], hn::Or(hn::Eq(load(of[r].idles + lane), zero()), hn::Le(room, idle)));
+  }
+  if (block.point != 0) {
+    const SymmetricMatrix mass = load_matrix(block.mass, lane);
+    for (std::size_t r = 0; r < block.rows; ++r) hold_point(c, inverse_mass, frames, mass, stirs[r], rows[r]);
+  }
+  for (std::size_t held = 0; held < block.rows; ++held) {
+    const M holds = hn::And(hn::And(locked(held), acts[held]), hn::Gt(rows[held].response, zero()));
+    if (hn::AllFalse(D(), holds)) continue;
     for (std::size_t r = 0; r < block.rows; ++r) {
-      rows[r].linear = load3(of[r].linear, lane);
-      rows[r].first = load3(of[r].angular_first, lane);
-      rows[r].second = load3(of[r].angular_second, lane);
-      rows[r].gap = load(of[r].gap + lane);
-      set_response(c, inverse_mass, rows[r]);
-      store(rows[r].response, of[r].response + lane);
+      if (r == held) continue;
+      M brings = hn::And(holds, stirs[r]);
+      if (r < held) brings = hn::AndNot(locked(r), brings);
+      hold_locked(inverse_mass, rows[held], brings, rows[r]);
     }
-    if (block.point != 0) {
-      const PointMotion now = point_motion(data, block, lane, c);
-      const SymmetricMatrix mass = load_matrix(block.mass, lane);
+  }
+}
+
+inline void refresh_rows(const JointKernelData& data, bool moved, std::size_t begin, std::size_t end) {
+  constexpr std::uint32_t geared =
+      1u << static_cast<unsigned>(Coordinate::Gear) | 1u << static_cast<unsigned>(Coordinate::Rack);
+  const V3 none{zero(), zero(), zero()};
+  for (std::size_t b = begin; b < end; ++b) {
+    JointBlock& block = data.blocks[b];
+    if (block.rows == 0) continue;
+    JointRowBlock* to = data.rows + block.first_row;
+    JointCoordinateBlock* of = data.coordinates + block.first_row;
+    for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
+      const JointLanes c = load_joints(data, block, lane);
+      const FrameLanes frames = frames_now(data, block, data.frames[b], lane, c);
+      const V inverse_mass = hn::Add(c.inverse_mass_first, c.inverse_mass_second);
+      const V ratio = load(data.frames[b].ratio + lane);
+      RowLanes rows[max_joint_rows];
+      M acts[max_joint_rows];
       for (std::size_t r = 0; r < block.rows; ++r) {
-        hold_point(c, inverse_mass, now.point, now.offset, mass, stirs(r), rows[r]);
+        const V travel = moved && (of[r].kinds & geared) != 0 ? travel_of(data, to[r], lane, c) : zero();
+        const CoordinateLanes found = find_coordinate(frames, ratio, travel, lane, of[r]);
+        rows[r].linear = found.linear;
+        rows[r].first = found.first;
+        rows[r].second = found.second;
+        set_response(c, inverse_mass, rows[r]);
+        store(rows[r].response, of[r].response + lane);
+        const M locked = hn::Gt(load(of[r].locked + lane), zero());
+        rows[r].gap = hn::IfThenElseZero(locked, hn::Sub(found.value, load(of[r].lower + lane)));
+        acts[r] = hn::And(hn::Ge(load(of[r].coordinate + lane), zero()), hn::IsFinite(found.value));
       }
-    }
-    for (std::size_t held = 0; held < block.rows; ++held) {
-      const M holds = hn::And(hn::And(is(of[held].locked), is(of[held].acts)), hn::Gt(rows[held].response, zero()));
-      if (hn::AllFalse(D(), holds)) continue;
+      hold_rows(block, c, frames, lane, of, acts, rows);
+      const ImpulseLanes before = impulse_of(data, block, lane);
       for (std::size_t r = 0; r < block.rows; ++r) {
-        if (r == held) continue;
-        M acts = hn::And(holds, stirs(r));
-        if (r < held) acts = hn::AndNot(is(of[r].locked), acts);
-        hold_locked(inverse_mass, rows[held], acts, rows[r]);
+        const V response = rows[r].response;
+        set_law(data.constants, of[r], rows[r], lane, to[r]);
+        store_row(rows[r], hn::And(acts[r], hn::And(hn::Gt(response, zero()), hn::IsFinite(response))), lane, to[r]);
       }
+      const ImpulseLanes now = impulse_of(data, block, lane);
+      store3(moved ? now.linear - before.linear : none, block.carried_linear, lane);
+      store3(moved ? now.first - before.first : none, block.carried_first, lane);
+      store3(moved ? now.second - before.second : none, block.carried_second, lane);
     }
-    const ImpulseLanes before = impulse_of(data, block, lane);
-    for (std::size_t r = 0; r < block.rows; ++r) {
-      const V response = rows[r].response;
-      const M acts = hn::And(is(of[r].acts), hn::And(hn::Gt(response, zero()), hn::IsFinite(response)));
-      store_row(data.constants, rows[r], acts, is(of[r].locked), lane, data.rows[block.first_row + r]);
-    }
-    const ImpulseLanes now = impulse_of(data, block, lane);
-    store3(now.linear - before.linear, block.carried_linear, lane);
-    store3(now.first - before.first, block.carried_first, lane);
-    store3(now.second - before.second, block.carried_second, lane);
   }
 }
 

@@ -36,7 +36,7 @@ const Kernels& kernels() {
                                 &clear_corrections,
                                 &integrate_positions,
                                 with_joints ? &prepare_joints : nullptr,
-                                with_joints ? &hold_rows : nullptr,
+                                with_joints ? &refresh_rows : nullptr,
                                 with_joints ? &warm_start_joints : nullptr,
                                 with_joints ? &sweep_joints : nullptr};
   return table;

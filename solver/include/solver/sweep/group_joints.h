@@ -25,12 +25,6 @@ struct JointStep {
   double h;  ///< s, of a substep
 };
 
-/// What rows are made by, of the blocks that a group has.
-struct HeldJoints {
-  const Kernels& kernels;
-  const JointKernelData& data;
-};
-
 /// The joints of an island group that are solved one after another, as contacts are: coloured blocks for the wide
 /// kernels, of which this makes those parts that are not wide. A point's motion is followed in the kernels; the
 /// coordinates of other rows, with their Jacobians, are taken anew in each substep in double. Memory is reused.
@@ -56,6 +50,8 @@ class GroupJoints {
             .blocks = blocks_.data(),
             .rows = rows_.data(),
             .split_rows = split_rows_.data(),
+            .frames = frames_.data(),
+            .coordinates = coordinates_.data(),
             .constants = constants};
   }
 
@@ -66,10 +62,11 @@ class GroupJoints {
   /// Adds what the tension in points makes of how bodies turn (arm_stiffness.h), by index into SolverBodies. Not for
   /// blocks of different colours at once.
   void add_stiffness(const JointStep& step, std::span<Matrix3> stiffness, std::size_t begin, std::size_t end) const;
-  /// Rows other than points, once bodies have their inertia of the step, and points their masses.
-  void prepare_rows(const JointStep& step, const HeldJoints& held, std::size_t begin, std::size_t end);
-  /// After positions have moved by the velocities that the bodies have: coordinates and rows other than points.
-  void refresh_rows(const JointStep& step, const HeldJoints& held, std::size_t begin, std::size_t end);
+  /// What rows other than points are made of in this step; Kernels::refresh_rows does the rest, once bodies have their
+  /// inertia of the step and points their masses.
+  void prepare_rows(const JointStep& step, std::size_t begin, std::size_t end);
+  /// After Kernels::refresh_rows: what springs, servos and armatures make of them.
+  void add_springs(const JointStep& step, std::size_t begin, std::size_t end);
   /// Before the forces of a substep.
   void note_rates(const JointStep& step, std::size_t begin, std::size_t end);
   /// Whether some coordinate may bounce at the end of its range.
@@ -87,17 +84,19 @@ class GroupJoints {
 
   /// See jobs/arrays.h.
   auto arrays() const {
-    return std::tie(joints_, blocks_, rows_, split_rows_, row_rates_, blocks_before_, rows_before_, colouring_);
+    return std::tie(joints_, blocks_, rows_, frames_, coordinates_, split_rows_, row_rates_, blocks_before_, rows_before_,
+                    colouring_);
   }
 
  private:
-  template <typename FramesOf>
-  void set_rows(const JointStep& step, const HeldJoints& held, std::size_t block, const FramesOf& frames_of);
+  double position_now(const Joint& joint, std::size_t r, std::size_t row, std::size_t lane) const;
 
   std::vector<LocalJoint> joints_;
   Colouring colouring_;
   std::vector<JointBlock> blocks_;
   std::vector<JointRowBlock> rows_;
+  std::vector<JointFrameBlock> frames_;            // one a block, if there are rows
+  std::vector<JointCoordinateBlock> coordinates_;  // one a row
   std::vector<SplitRowBlock> split_rows_;  // one a row, where the group needs them
 
   // A coordinate that may bounce: m/s or rad/s.

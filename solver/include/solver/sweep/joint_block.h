@@ -87,19 +87,37 @@ struct alignas(64) JointRowBlock {
   float soft_motor_change[block_lanes];
 };
 
-/// A row of each joint of a block as its coordinate gives it, before it is made to act as it does while the joint holds.
-struct alignas(64) FreeRowBlock {
+/// Where the frames of a block's joints are as the step begins; of blocks with rows.
+struct alignas(64) JointFrameBlock {
   template <std::size_t n>
   using Lanes = float[n][block_lanes];
 
-  Lanes<3> linear;  ///< as JointRowBlock has them
-  Lanes<3> angular_first;
-  Lanes<3> angular_second;
-  float gap[block_lanes];       ///< m or rad, of what is locked
-  float acts[block_lanes];      ///< 1, or 0 where there is none, or none that means anything
-  float locked[block_lanes];    ///< 1
-  float idle[block_lanes];      ///< 1: it has no impulse in this substep, or a little of it
-  float response[block_lanes];  ///< J M^-1 J^T, found with the rest
+  Lanes<4> axes_first;       ///< x, y, z, w: from the first frame to the world
+  Lanes<4> turn;             ///< from the second frame to the first
+  float ratio[block_lanes];  ///< of gears
+};
+
+/// What a row is made of in each substep: its coordinate and law, of which springs and servos are beside. Positions, and
+/// ends of ranges, are from `base`, so single precision is enough for them: from the full turn next to the position as
+/// the step begins, or, of a rate only, from that.
+struct alignas(64) JointCoordinateBlock {
+  float coordinate[block_lanes];  ///< Coordinate as a number, -1 in lanes without a row
+  float locked[block_lanes];      ///< 1
+  float idles[block_lanes];       ///< 1 where nothing acts but the ends of its range
+  float fades[block_lanes];       ///< 1 of a turn that does, see law_row()
+  float base[block_lanes];        ///< m or rad
+  float lower[block_lanes];
+  float upper[block_lanes];
+  float motor_speed[block_lanes];
+  float motor_impulse[block_lanes];  ///< N s or N m s, the most of a substep
+
+  float position[block_lanes];  ///< found: as of the pose that bodies have now, over full turns
+  float value[block_lanes];     ///< that the law sees
+  float share[block_lanes];
+  float response[block_lanes];  ///< J M^-1 J^T if the joint didn't hold
+
+  std::uint32_t kinds;   ///< bit a Coordinate that there is in some lane
+  std::uint8_t springs;  ///< bit a lane: with a spring, a servo or an armature
 };
 
 /// What a row needs beside, if joints are closed by velocities of their own.

@@ -59,6 +59,8 @@ struct JointKernelData {
   JointBlock* blocks;
   JointRowBlock* rows;
   SplitRowBlock* split_rows;  ///< one a row, or null where nothing asks
+  const JointFrameBlock* frames;      ///< one a block, of groups that have rows
+  JointCoordinateBlock* coordinates;  ///< one a row
   const SubstepConstants& constants;
 };
 
@@ -107,8 +109,9 @@ struct Kernels {
 
   /// Completes blocks of joints whose start of the step, impulses and rows are filled in.
   void (*prepare_joints)(const JointKernelData& data, std::size_t begin, std::size_t end);
-  /// Makes the rows of a block of what their coordinates give now, one a row of the block: see joint_rows-inl.h.
-  void (*hold_rows)(const JointKernelData& data, FreeRowBlock* rows, std::size_t block);
+  /// Makes the rows of blocks anew where displacements have brought the bodies, but for springs: joint_rows-inl.h. Once
+  /// bodies have `moved` by their velocities, tells what that made of impulses that are carried over.
+  void (*refresh_rows)(const JointKernelData& data, bool moved, std::size_t begin, std::size_t end);
   /// Applies a part of the accumulated impulses, and keeps a part.
   void (*warm_start_joints)(const JointKernelData& data, float applied, float kept, std::size_t begin, std::size_t end);
   /// Returns, if the sweep measures, its residual as that over contacts does. Spins count with a friction_radius of 1
