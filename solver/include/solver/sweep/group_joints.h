@@ -26,8 +26,8 @@ struct JointStep {
 };
 
 /// The joints of an island group that are solved one after another, as contacts are: coloured blocks for the wide
-/// kernels, of which this makes those parts that are not wide. A point's motion is followed in the kernels; the
-/// coordinates of other rows, with their Jacobians, are taken anew in each substep in double. Memory is reused.
+/// kernels, of which this makes those parts that are not wide: the start of a step, springs, and what lasts. Memory is
+/// reused.
 class GroupJoints {
  public:
   /// Starts a new group.
