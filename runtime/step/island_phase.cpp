@@ -5,6 +5,8 @@
 #include <solver/select/joint_selection.h>
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 #include "world/bodies.h"
 #include "world/settings_check.h"
@@ -26,7 +28,7 @@ void wake_touched_sleepers(Stores& world, std::span<const solver::TouchingPair> 
 void IslandPhase::build(Stores& world, const StepContext& step, ContactPhase& contacts) {
   wake_touched_sleepers(world, contacts.touching());
   if constexpr (with_joints) {
-    update_joint_graph(world);
+    update_joint_graph(world, world.clock.dt / step.substeps);
     wake_joined_to_moving(world);
   }
   contacts.remove_lost(world);
@@ -55,9 +57,13 @@ void IslandPhase::forget() {
   joint_systems_ = {};
 }
 
-// Joints or how they are solved changed.
-void IslandPhase::update_joint_graph(Stores& world) {
-  if (!world.changes.joints) return;
+// Joints or how they are solved changed, or a spring is stiffer than substeps can follow, or no longer is.
+void IslandPhase::update_joint_graph(Stores& world, double h) {
+  const double before = std::exchange(joint_substep_, h);
+  const double shorter = std::min(h, before), longer = std::max(h, before);
+  const bool other_springs = std::any_of(longest_substeps_.begin(), longest_substeps_.end(),
+                                         [&](double longest) { return shorter <= longest && longest < longer; });
+  if (!world.changes.joints && !other_springs) return;
   world.changes.joints = false;
   world.changes.islands = true;
   solver::BodyTable& bodies = world.bodies;
@@ -65,8 +71,13 @@ void IslandPhase::update_joint_graph(Stores& world) {
   joint_graph_.build(joints, world.joints.acts, bodies);
   const solver::JointMethod method = solver_settings(world.settings).joint_method;
   joint_systems_.build(joint_graph_, joints, bodies, [&](std::uint32_t component) {
-    return solver::joins_directly(joint_graph_.links_of(component), joints, bodies, method);
+    return solver::joins_directly(joint_graph_.links_of(component), joints, bodies, method, h);
   });
+  longest_substeps_.clear();
+  for (std::uint32_t component = 0; component < joint_graph_.component_count(); ++component) {
+    const double longest = solver::longest_substep(joint_graph_.links_of(component), joints, bodies);
+    if (std::isfinite(longest)) longest_substeps_.push_back(longest);
+  }
   to_kinematic_.clear();
   assembly_.resize(bodies.size());
   std::fill(bodies.joined.begin(), bodies.joined.end(), std::uint8_t{0});

@@ -36,10 +36,12 @@ class IslandPhase {
   std::span<const solver::JointLink> acting_joints() const { return islands_.joints(0, islands_.count()); }
 
   auto arrays() const { return std::tie(islands_); }
-  auto joint_arrays() const { return std::tie(to_kinematic_, assembly_, joint_graph_, joint_systems_); }
+  auto joint_arrays() const {
+    return std::tie(longest_substeps_, to_kinematic_, assembly_, joint_graph_, joint_systems_);
+  }
 
  private:
-  void update_joint_graph(Stores& world);
+  void update_joint_graph(Stores& world, double h);
   void wake_joined_to_moving(Stores& world) const;
   void count_joints(StepCounts& counts);
 
@@ -47,8 +49,10 @@ class IslandPhase {
   bool rebuilt_ = false;
   bool one_each_ = false;
   solver::JointGraph joint_graph_;
-  solver::JointSystems joint_systems_;                                 // by component of the graph
-  std::vector<std::uint32_t> assembly_;                                // by joined body: its component of the graph
+  double joint_substep_ = 0;              // s, for which joints were shared out between the solvers
+  std::vector<double> longest_substeps_;  // s, of components that have one: see longest_substep()
+  solver::JointSystems joint_systems_;    // by component of the graph
+  std::vector<std::uint32_t> assembly_;   // by joined body: its component of the graph
   std::vector<std::pair<std::uint32_t, std::uint32_t>> to_kinematic_;  // kinematic bodies, and what is joined to them
   std::int64_t direct_joints_ = 0;                                     // of awake bodies
 };

@@ -122,7 +122,8 @@ inline GroupReport JointRig::step(double dt, int count) {
   graph.build(joints, std::vector<std::uint8_t>(joints.size(), 1), bodies);
   JointSystems systems;
   systems.build(graph, joints, bodies, [&](std::uint32_t component) {
-    return joins_directly(graph.links_of(component), joints, bodies, settings.joint_method);
+    return joins_directly(graph.links_of(component), joints, bodies, settings.joint_method,
+                          dt / settings.substeps);
   });
   std::vector<std::uint32_t> candidates;
   std::vector<std::uint8_t> awake(bodies.size(), 0);

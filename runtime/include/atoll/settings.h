@@ -38,8 +38,8 @@ enum class ContactSolver {
 
 /// How joints are solved.
 enum class JointSolver {
-  /// Directly where joints lead to a static body, have servos or armatures, slide on springs, make long chains, or hold a
-  /// body that is light, or turns easily, between others.
+  /// Directly where joints lead to a static body, have servos, armatures or springs that are stiffer than substeps can
+  /// follow, make long chains, or hold a body that is light, or turns easily, between others.
   Auto,
   Iterative,  ///< one after the other, as contacts are: cheapest, and stretches under load
   Direct,     ///< those that hang together at once: exact, also for chains of any length and ratio of masses

@@ -36,9 +36,9 @@ void LinearForce::add(const LinearForce& other) {
   beside += other.beside;
 }
 
-bool LinearForce::is_stiff(double h) const {
-  return std::sqrt(square_of_omega) * h > SpringStep::most_phase || decay * h > SpringStep::most_phase;
-}
+double LinearForce::fastest() const { return std::max(std::sqrt(square_of_omega), decay); }
+
+bool LinearForce::is_stiff(double h) const { return fastest() * h > SpringStep::most_phase; }
 
 LinearStep LinearStep::of_spring(const Law& law, const JointRow& at, double mass, double alone, double h) {
   const double moved = mass + law.armature, stiffened = (alone + law.armature) / moved;

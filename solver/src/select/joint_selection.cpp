@@ -1,3 +1,5 @@
+#include <solver/constraints/row_law.h>
+#include <solver/constraints/spring_step.h>
 #include <solver/select/joint_selection.h>
 #include <solver/tuning.h>
 
@@ -74,8 +76,19 @@ bool is_below(double limit, const Matrix& a) {
   return Eigen::LLT<Square>(rest).info() == Eigen::Success;
 }
 
-// Joints of bodies that are light for them, in the pose in which each joint's frames coincide: who is light must not
-// depend on where bodies are when that is asked.
+// A joint where its frames coincide, in the first body's axes: what is chosen must not depend on where bodies are when
+// that is asked.
+struct AssembledJoint {
+  Quaternion turn;  // of the second body
+  JointFrames frames;
+
+  explicit AssembledJoint(const Joint& joint)
+      : turn(joint.axes_first * joint.axes_second.conjugate()),
+        frames(joint_frames(joint, Vector3::Zero(), Quaternion::Identity(),
+                            joint.anchor_first - turn * joint.anchor_second, turn)) {}
+};
+
+// Joints of bodies that are light for them.
 class Holds {
  public:
   Holds(std::span<const JointLink> links, std::span<const Joint> joints, const BodyTable& bodies) {
@@ -95,9 +108,7 @@ class Holds {
 
  private:
   void add(const Joint& joint, const BodyTable& bodies) {
-    const Quaternion turn = joint.axes_first * joint.axes_second.conjugate();
-    const JointFrames frames = joint_frames(joint, Vector3::Zero(), Quaternion::Identity(),
-                                            joint.anchor_first - turn * joint.anchor_second, turn);
+    const auto [turn, frames] = AssembledJoint(joint);
     Rows6 first(joint.row_count(), 6), second(joint.row_count(), 6);
     Eigen::Index count = 0;
     const auto add_row = [&](const JointRow& row) {
@@ -136,16 +147,11 @@ class Holds {
 };
 
 // Whether solving joint by joint would not do: what hangs on something swings for long, and machines stand on
-// something, or hold their pose by servos; there errors add up. And springs of joints without a fixed point give energy
-// to tumbling bodies, in 7 of 2000 trees, where they are stiffer than substeps can follow.
+// something, or hold their pose by servos; there errors add up.
 bool asks_for_direct(std::span<const JointLink> links, std::span<const Joint> joints, const BodyTable& bodies) {
-  const auto slides_on_springs = [](const Joint& joint) {
-    return !joint.point &&
-           std::any_of(joint.law.begin(), joint.law.begin() + joint.rows, [](const Law& law) { return law.springs(); });
-  };
   const auto asks = [&](const JointLink& link) {
     return bodies.inverse_mass[link.first] == 0 || bodies.inverse_mass[link.second] == 0 ||
-           joints[link.joint].is_actuated() || slides_on_springs(joints[link.joint]);
+           joints[link.joint].is_actuated();
   };
   if (std::any_of(links.begin(), links.end(), asks) || Holds(links, joints, bodies).fight()) return true;
   if (links.size() <= tuning::long_chain) return false;
@@ -155,9 +161,28 @@ bool asks_for_direct(std::span<const JointLink> links, std::span<const Joint> jo
 
 }  // namespace
 
+double longest_substep(std::span<const JointLink> links, std::span<const Joint> joints, const BodyTable& bodies) {
+  double fastest = 0;  // 1/s
+  for (const JointLink& link : links) {
+    const Joint& joint = joints[link.joint];
+    const auto [turn, frames] = AssembledJoint(joint);
+    const Matrix3 axes = turn.toRotationMatrix();
+    for (std::size_t row = 0; row < joint.rows; ++row) {
+      if (!joint.law[row].springs()) continue;
+      const double response = joint_row(joint, row, frames)
+                                  .response(bodies.inverse_mass[joint.first] + bodies.inverse_mass[joint.second],
+                                            Matrix3(bodies.inverse_inertia[joint.first]),
+                                            axes * bodies.inverse_inertia[joint.second] * axes.transpose());
+      fastest = std::max(fastest, LinearForce::of_spring(joint.law[row], 1 / response, 1).fastest());
+    }
+  }
+  return SpringStep::most_phase / fastest;
+}
+
 bool joins_directly(std::span<const JointLink> links, std::span<const Joint> joints, const BodyTable& bodies,
-                    JointMethod method) {
-  return method == JointMethod::Direct || (method == JointMethod::Auto && asks_for_direct(links, joints, bodies));
+                    JointMethod method, double h) {
+  if (method != JointMethod::Auto) return method == JointMethod::Direct;
+  return h > longest_substep(links, joints, bodies) || asks_for_direct(links, joints, bodies);
 }
 
 }  // namespace atl::solver

@@ -18,6 +18,7 @@ struct LinearForce {
   static LinearForce of_spring(const Law& law, double mass, double share = 1);
   static LinearForce of_servo(const Law& law, double mass, double share = 1);
   void add(const LinearForce& other);
+  double fastest() const;  ///< 1/s, of its frequency and its decay
   /// Tells if steps of h seconds are too long to follow it: see SpringStep::most_phase.
   bool is_stiff(double h) const;
   double at(double position, double rate) const { return beside - square_of_omega * (position - rest) - decay * rate; }

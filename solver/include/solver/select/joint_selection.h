@@ -9,10 +9,15 @@
 
 namespace atl::solver {
 
-/// Whether joints that hang together are to be solved at once. `Auto`: where they are joined to something fixed or
-/// kinematic, where one is actuated, sprung or without a fixed point, where a body is light, or turns easily, between
-/// others that its joints hold to it, and in long chains. `joints` are all.
+/// s: up to this, substeps can follow all springs of joints that hang together, see SpringStep; infinite without springs.
+/// Stiffer ones give energy to tumbling bodies where joints are swept: 7 of 2000 trees gain, with springs of 49 Hz and
+/// more, at 240 substeps a second. `joints` are all.
+double longest_substep(std::span<const JointLink> links, std::span<const Joint> joints, const BodyTable& bodies);
+
+/// Whether joints that hang together are to be solved at once, in substeps of h seconds. `Auto`: where they are joined
+/// to something fixed or kinematic, where one is actuated or too stiffly sprung, where a body is light, or turns easily,
+/// between others that its joints hold to it, and in long chains.
 bool joins_directly(std::span<const JointLink> links, std::span<const Joint> joints, const BodyTable& bodies,
-                    JointMethod method);
+                    JointMethod method, double h);
 
 }  // namespace atl::solver
