@@ -251,9 +251,6 @@ inline constexpr int most_iterations = 6;
 /// does what is to be solved at once whatever it takes: a wall of 210 boxes that has just been put up takes 89, and with
 /// 30 is swept. With 6, walls of 55 take the interior point method's 14 in each step, and three times as long.
 inline constexpr int most_iterations_if_patient = 100;
-/// Newton's iterations to part overlaps. Columns take 0 or 1. In a wall at rest points come and go for longer, with 6
-/// and 20 in vain; what it keeps is right without.
-inline constexpr int parting_iterations = 2;
 /// Iterations in which friction's bound follows the load. With more it would go to and fro for long: each halves the
 /// difference at best.
 inline constexpr int following = 2;
@@ -269,8 +266,6 @@ inline constexpr double least_sinking = 5e-7;
 /// With a million times its weight on it, a box sinks by a tenth of what it did in each; with 4 of them that column
 /// falls.
 inline constexpr int most_penetration_rounds = 8;
-/// m: what a step parts of overlaps has to be more than this, or nothing is done about them.
-inline constexpr double least_parting = 1e-7;
 /// Of the interior point method.
 inline constexpr int most_interior_steps = 40;
 /// (m/s)^2, of p s over a point's effective mass, where the end is near enough.
@@ -285,9 +280,6 @@ inline constexpr double most_of_way = 0.99;
 /// Of a body's inertia: by so much tension may stiffen it before the system is made anew. Without that, boxes of 100
 /// times a plank's weight are thrown off a bridge.
 inline constexpr double notable_stiffness = 0.1;
-/// Of the push speed: what parts overlaps moves no body faster, or wedges would turn light ones at once. With a quarter
-/// boxes chatter on a bridge.
-inline constexpr double most_push = 2;
 /// m/s: points of contacts that part or close faster are left to the next substep's solve.
 inline constexpr double resting_speed = 1e-3;
 /// Newton steps that close joints in a substep's motion; one, but for one in fifty after impacts. How often each may be

@@ -54,7 +54,7 @@ bool settle_friction_bounds(IslandProblem& problem, BalanceSearch& search) {
     for (DirectContact& contact : problem.contacts) {
       contact.bound_friction(contact.bound_load + share * (contact.answer.load() - contact.bound_load));
     }
-    if (!solve_nearby(problem, search)) return false;
+    if (!minimise(problem, search, 0)) return false;
   }
 }
 

@@ -45,17 +45,12 @@ void push_contacts_apart(IslandProblem& problem, const SolverSettings& settings,
   }
 }
 
-// Whether there is anything to part.
-bool overlaps_notably(const IslandProblem& problem, const SolverSettings& settings, double dt) {
-  const double whole = whole_step(problem, settings, dt);
+// Whether bodies are to move otherwise than they keep on: where something overlaps, or springs of contacts give.
+bool is_pushed(const IslandProblem& problem, const SolverSettings& settings) {
   const bool soft = settings.contact_hertz > 0;
-  const double from_fixed = SubstepConstants::parting_rate(settings, whole, true);
-  const double from_dynamic = SubstepConstants::parting_rate(settings, whole, false);
   for (const DirectContact& contact : problem.contacts) {
-    const double rate = contact.fixed() ? from_fixed : from_dynamic;
     for (int i = 0; i < contact.law.points; ++i) {
-      const double parts = rate * -contact.separation[i] * dt;
-      if (parts > tuning::least_parting || (soft && contact.lasting.normal[i] > 0)) return true;
+      if (contact.separation[i] < -tuning::least_overlap || (soft && contact.lasting.normal[i] > 0)) return true;
     }
   }
   return false;
@@ -88,14 +83,6 @@ void keep_velocities(IslandMotions& motions) {
   for (DirectJoint& joint : motions.problem.joints) joint.lasting = joint.impulse;
 }
 
-// The velocities that bodies keep are right without those that part overlaps: where these aren't found at once, bodies
-// move by what they keep, and overlaps wait for a step in which they are.
-void part_later(IslandMotions& motions) {
-  motions.pushes = false;
-  motions.problem.velocity = motions.lasting;
-  for (DirectContact& contact : motions.problem.contacts) contact.answer = contact.lasting;
-}
-
 }  // namespace
 
 bool find_motions(IslandMotions& motions, const SolverSettings& settings, double dt, double from_outside) {
@@ -110,15 +97,11 @@ bool find_motions(IslandMotions& motions, const SolverSettings& settings, double
   if (!find_velocities(motions, patient, from_outside)) return false;
   if (relaxes) take_back_compliance(motions.problem, motions.search, dt);
   keep_velocities(motions);
-  motions.pushes = relaxes && overlaps_notably(motions.problem, settings, dt);
+  motions.pushes = relaxes && is_pushed(motions.problem, settings);
   if (!motions.pushes) return true;
   push_contacts_apart(motions.problem, settings, dt);
-  // Springs give by these velocities. And heavy boxes on light planks that are joined don't settle while they overlap.
-  const bool waits = !(settings.contact_hertz > 0) && motions.problem.joints.empty();
-  if (waits) motions.search.most_iterations = tuning::parting_iterations;
-  if (solve_nearby(motions.problem, motions.search)) return true;
-  if (waits) part_later(motions);
-  return waits;
+  motions.pushes = step_by_newton(motions.problem, motions.search);
+  return true;
 }
 
 void stop_contacts(std::vector<DirectContact>& contacts, double dt) {

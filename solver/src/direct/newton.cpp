@@ -83,6 +83,20 @@ void follow_load(std::vector<DirectContact>& contacts, double t) {
   }
 }
 
+// Goes down the gradient as far as is best. Returns how much of the way to the minimum of the pieces that is, or 0 if
+// there is no factor.
+double descend(IslandProblem& problem, BalanceSearch& search) {
+  if (!is_factored(problem) && !search.matrix.factor(problem)) return 0;
+  find_direction(problem, search);
+  const double t = step_length(AlongDirection(problem, search.direction));
+  go_along(search.direction, t, problem.velocity);
+  return t;
+}
+
+void balance_by_laws(IslandProblem& problem, std::vector<double>& gradient) {
+  balance(problem, gradient, [](const DirectContact& contact) { return contact.law.answer(contact.motion); });
+}
+
 }  // namespace
 
 bool solve_by_newton(IslandProblem& problem, BalanceSearch& search) {
@@ -92,15 +106,13 @@ bool solve_by_newton(IslandProblem& problem, BalanceSearch& search) {
 
 bool minimise(IslandProblem& problem, BalanceSearch& search, int follows) {
   for (int iteration = 0;; ++iteration) {
-    balance(problem, search.gradient, [](const DirectContact& contact) { return contact.law.answer(contact.motion); });
+    balance_by_laws(problem, search.gradient);
     const double residual = unbalanced(problem, search.gradient);
     if (residual <= tuning::balance_tolerance) return true;
     if (iteration == search.most_iterations || !std::isfinite(residual)) return false;
     ++search.iterations;
-    if (!is_factored(problem) && !search.matrix.factor(problem)) return false;
-    find_direction(problem, search);
-    const double t = step_length(AlongDirection(problem, search.direction));
-    go_along(search.direction, t, problem.velocity);
+    const double t = descend(problem, search);
+    if (!(t > 0)) return false;
     if (iteration < follows) follow_load(problem.contacts, t);
   }
 }
@@ -116,7 +128,10 @@ bool solve_on_last_pieces(IslandProblem& problem, BalanceSearch& search) {
   return true;
 }
 
-bool solve_nearby(IslandProblem& problem, BalanceSearch& search) { return minimise(problem, search, 0); }
+bool step_by_newton(IslandProblem& problem, BalanceSearch& search) {
+  balance_by_laws(problem, search.gradient);
+  return descend(problem, search) > 0;
+}
 
 void find_direction(IslandProblem& problem, BalanceSearch& search) {
   std::vector<double>& direction = search.direction;

@@ -63,22 +63,6 @@ double drive(const BodyTable& table, double h, const IslandMotions& motions) {
   return sum;
 }
 
-// What moves bodies apart stays near what they keep.
-void push_gently(double push_speed, IslandMotions& motions) {
-  const std::vector<double>& lasting = motions.lasting;
-  std::vector<double>& velocity = motions.problem.velocity;
-  double most = 0;
-  for (std::size_t i = 0; i < motions.problem.bodies.size(); ++i) {
-    const Vector3 linear = linear_part(velocity, i) - linear_part(lasting, i);
-    const Vector3 angular = angular_part(velocity, i) - angular_part(lasting, i);
-    most = std::max(most, linear.norm() + motions.problem.bodies[i].radius * angular.norm());
-  }
-  const double share = std::min(1.0, tuning::most_push * push_speed / most);
-  for (std::size_t i = 0; i < lasting.size() && share < 1; ++i) {
-    velocity[i] = lasting[i] + share * (velocity[i] - lasting[i]);
-  }
-}
-
 // Points that rest push on, and no other.
 void hold_resting_points(IslandProblem& problem, double h) {
   stop_contacts(problem.contacts, h);
@@ -139,7 +123,6 @@ bool solve_substeps(const DirectIslandInput& input, const IslandMembers& members
     begin_laws(input.joints, h, motions.lasting, problem);
     if (!all_locked) forget_factor(problem);
     if (!find_motions(motions, settings, h, drive(input.bodies, h, motions))) return false;
-    if (motions.pushes) push_gently(settings.contact_push_speed, motions);
     const bool last = substep + 1 == settings.substeps;
     if (last && input.capture != nullptr) capture_contacts(*input.capture, input.manifolds, h, problem);
     note_armature(input.joints, motions.lasting, problem.joints);

@@ -35,8 +35,8 @@ bool solve_by_newton(IslandProblem& problem, BalanceSearch& search);
 /// By an interior point method, from the problem's velocities, where all may be other than it was.
 bool solve_by_interior_point(IslandProblem& problem, BalanceSearch& search);
 
-/// By Newton's method from velocities near the solution; friction's bounds stay.
-bool solve_nearby(IslandProblem& problem, BalanceSearch& search);
+/// One step of Newton's method with an exact line search; friction's bounds stay. Returns false if it ends nowhere.
+bool step_by_newton(IslandProblem& problem, BalanceSearch& search);
 
 /// If everything stays on the pieces that it is on: one linear solve.
 bool solve_on_last_pieces(IslandProblem& problem, BalanceSearch& search);
