@@ -140,22 +140,5 @@ TEST(ContactLaw, LinearAnswerAgreesOnItsOwnPieces) {
   }
 }
 
-// Friction's impulse is its secant stiffness times its speed, whatever it does.
-TEST(ContactLaw, SecantTimesMotionIsFriction) {
-  Random random(5);
-  for (int i = 0; i < 1000; ++i) {
-    const ContactLaw law = random_law(random);
-    const Six motion = random_motion(random);
-    const ContactAnswer answer = law.answer(motion);
-    const auto k = law.secant(motion, {});
-    EXPECT_NEAR(-k[3][3] * (motion[3] + law.slip[0]), answer.friction[0], 1e-13);
-    EXPECT_NEAR(-k[4][4] * (motion[4] + law.slip[1]), answer.friction[1], 1e-13);
-    EXPECT_NEAR(-k[5][5] * motion[5], answer.torsional, 1e-13);
-    EXPECT_NEAR(-k[1][1] * motion[1], answer.rolling[0], 1e-13);
-    EXPECT_NEAR(-k[2][2] * motion[2], answer.rolling[1], 1e-13);
-    EXPECT_EQ(k[0], Six{}) << "no point is held";
-  }
-}
-
 }  // namespace
 }  // namespace atl::solver

@@ -51,9 +51,7 @@ inline constexpr double usual_size = 1;
 /// merely moves gets them too: a piston's load is thrown at 15 m/s.
 inline constexpr float landing_speed = 0.5f;
 /// m/s, to or from each other, from which on all points of a contact are first changed at once. With 0.05 and 0.25 a
-/// box dropped flat from 2.5 m ends 7 um aside, without it 3.7 mm. An island with faster contacts gets no interior point
-/// method: points come and go, and two in three such searches of shaken boxes are in vain. At 0.05 a column that a belt
-/// takes along leans.
+/// box dropped flat from 2.5 m ends 7 um aside, without it 3.7 mm. At 0.05 a column that a belt takes along leans.
 inline constexpr float spread_speed = 0.25f;
 /// With one, hopper overlaps by twice as much; with 28 a coin's landing is farther off.
 inline constexpr int landing_rounds = 7;
@@ -244,20 +242,16 @@ inline constexpr double most_tumble = 0.3;
 
 /// m/s, of what the balance of a body's impulses may lack.
 inline constexpr double balance_tolerance = 2e-4;
-/// Newton's method takes 0 to 4 iterations at rest. Where it would take more, points come and go one by one, and the
-/// interior point method gets there in 10 to 25.
+/// Newton's method takes 0 to 4 iterations at rest. Where contacts close fast, points come and go one by one: with 20,
+/// heaps that are shaken take twice as long, to no end.
 inline constexpr int most_iterations = 6;
-/// With joints it takes more, as where a heavy box lands on a chain of light planks, and gets there: 6 to 30 of these. So
-/// does what is to be solved at once whatever it takes: a wall of 210 boxes that has just been put up takes 89, and with
-/// 30 is swept. With 6, walls of 55 take the interior point method's 14 in each step, and three times as long.
+/// It takes more and gets there where a heavy box lands on a chain of light planks (6 to 30 of these), where a belt takes
+/// along a column (more than 12), and where all is to be solved at once whatever it takes: a wall of 210 boxes that has
+/// just been put up takes 89, and with 30 is swept.
 inline constexpr int most_iterations_if_patient = 100;
 /// Iterations in which friction's bound follows the load. With more it would go to and fro for long: each halves the
 /// difference at best.
 inline constexpr int following = 2;
-/// How often friction's bound is then brought up to the load that it went with. With 2, boxes chatter on a bridge.
-inline constexpr int friction_rounds = 8;
-/// m/s: what friction makes of velocities may be off by so much, as its bound is not that of the load.
-inline constexpr double friction_tolerance = 1e-3;
 /// Of what would stop all bodies of the island at once and hold their weights: a contact that pushes harder is wedged
 /// between others so that nothing tells how hard.
 inline constexpr double most_impulse = 10;
@@ -266,14 +260,6 @@ inline constexpr double least_sinking = 5e-7;
 /// With a million times its weight on it, a box sinks by a tenth of what it did in each; with 4 of them that column
 /// falls.
 inline constexpr int most_penetration_rounds = 8;
-/// Of the interior point method.
-inline constexpr int most_interior_steps = 40;
-/// (m/s)^2, of p s over a point's effective mass, where the end is near enough.
-inline constexpr double near_end = 1e-9;
-/// m/s, at which gaps start, and the speeds that impulses there take from the effective masses.
-inline constexpr double start_speed = 1;
-/// Of the way to where an impulse or a gap is zero.
-inline constexpr double most_of_way = 0.99;
 
 // --- At once: substeps of islands with joints
 

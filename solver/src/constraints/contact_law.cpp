@@ -30,11 +30,6 @@ void add_turning(std::array<Six, 6>& k, int axis, const Two& speed, double bound
   }
 }
 
-// The impulse over the speed, no more than the bound lets it be.
-double held(double speed, double stiffness, double bound) {
-  return stiffness * speed > bound ? bound / speed : stiffness;
-}
-
 }  // namespace
 
 ContactAnswer ContactLaw::answer(const Six& motion) const {
@@ -80,34 +75,15 @@ ContactAnswer ContactLaw::linear_answer(const Six& motion, const ContactPieces& 
   return answer;
 }
 
-void ContactLaw::add_points(std::array<Six, 6>& k, const std::array<double, collision::max_points>& held) const {
-  for (int i = 0; i < points; ++i) {
-    const double row[3] = {1, y[i], -x[i]};
-    for (int a = 0; a < 3; ++a) {
-      for (int b = 0; b < 3; ++b) k[a][b] += held[i] * row[a] * row[b];
-    }
-  }
-}
-
-std::array<Six, 6> ContactLaw::secant(const Six& motion,
-                                      const std::array<double, collision::max_points>& held_by_points) const {
-  std::array<Six, 6> k = {};
-  add_points(k, held_by_points);
-  const Two slides = sliding(motion);
-  for (std::size_t axis = 0; axis < 2; ++axis) {
-    const double speed = pyramid ? std::abs(slides[axis]) : length(slides);
-    k[3 + axis][3 + axis] = held(speed, friction_stiffness, friction_bound);
-    k[1 + axis][1 + axis] += held(length({motion[1], motion[2]}), rolling_stiffness, rolling_bound);
-  }
-  k[5][5] = held(std::abs(motion[5]), torsional_stiffness, torsional_bound);
-  return k;
-}
-
 std::array<Six, 6> ContactLaw::derivative(const Six& motion, const ContactPieces& pieces) const {
   std::array<Six, 6> k = {};
-  std::array<double, collision::max_points> pushing = {};
-  for (int i = 0; i < points; ++i) pushing[i] = pieces.points & (1 << i) ? stiffness[i] : 0;
-  add_points(k, pushing);
+  for (int i = 0; i < points; ++i) {
+    if (!(pieces.points & (1 << i))) continue;
+    const double row[3] = {1, y[i], -x[i]};
+    for (int a = 0; a < 3; ++a) {
+      for (int b = 0; b < 3; ++b) k[a][b] += stiffness[i] * row[a] * row[b];
+    }
+  }
   if (pieces.slides == 3 && !pyramid) {
     add_turning(k, 3, sliding(motion), friction_bound);
   } else {

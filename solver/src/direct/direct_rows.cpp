@@ -20,7 +20,6 @@ void DirectContact::add_motion(double sign, const Vector3& arm, const Vector3& v
 }
 
 void DirectContact::bound_friction(double load) {
-  bound_load = load;
   law.friction_bound = friction * load;
   law.torsional_bound = radius * law.friction_bound + torsional * load;
   law.rolling_bound = rolling * load;

@@ -22,16 +22,6 @@ bool IslandMatrix::factor(IslandProblem& problem) {
   return system_.factor();
 }
 
-bool IslandMatrix::factor_on_interior_path(IslandProblem& problem) {
-  add_masses(problem.bodies);
-  for (DirectContact& contact : problem.contacts) {
-    add_stiffness(contact, contact.law.secant(contact.motion, contact.interior.held));
-    contact.factored.points = 0xff;  // not that of any pieces
-  }
-  for (DirectJoint& joint : problem.joints) add_stiffness(joint);
-  return system_.factor();
-}
-
 void IslandMatrix::add_masses(std::span<const DirectBody> bodies) {
   system_.clear();
   for (std::size_t i = 0; i < bodies.size(); ++i) {

@@ -64,18 +64,6 @@ bool moves(const IslandProblem& problem) {
          });
 }
 
-// Solves by Newton's method. Where that ends nowhere an interior point method starts over, from the velocities before,
-// unless they move so that many points come and go.
-bool find_velocities(IslandMotions& motions, bool patient, double from_outside) {
-  const bool starts_over = patient || !moves(motions.problem);
-  if (!solve_by_newton(motions.problem, motions.search)) {
-    if (!starts_over) return false;
-    motions.problem.velocity = motions.lasting;
-    if (!solve_by_interior_point(motions.problem, motions.search)) return false;
-  }
-  return is_bounded(motions.problem, from_outside);
-}
-
 // Bodies keep the velocities that the impulses make.
 void keep_velocities(IslandMotions& motions) {
   velocities_of_impulses(motions.problem, motions.search.gradient, motions.lasting);
@@ -92,9 +80,10 @@ bool find_motions(IslandMotions& motions, const SolverSettings& settings, double
   } else {
     push_contacts_apart(motions.problem, settings, dt);
   }
-  const bool patient = settings.direct_only || !motions.problem.joints.empty();
+  const bool patient = settings.direct_only || !moves(motions.problem);
   motions.search.most_iterations = patient ? tuning::most_iterations_if_patient : tuning::most_iterations;
-  if (!find_velocities(motions, patient, from_outside)) return false;
+  if (!solve_by_newton(motions.problem, motions.search)) return false;
+  if (!is_bounded(motions.problem, from_outside)) return false;
   if (relaxes) take_back_compliance(motions.problem, motions.search, dt);
   keep_velocities(motions);
   motions.pushes = relaxes && is_pushed(motions.problem, settings);

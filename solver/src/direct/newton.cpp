@@ -100,8 +100,9 @@ void balance_by_laws(IslandProblem& problem, std::vector<double>& gradient) {
 }  // namespace
 
 bool solve_by_newton(IslandProblem& problem, BalanceSearch& search) {
-  return solve_on_last_pieces(problem, search) && minimise(problem, search, tuning::following) &&
-         settle_friction_bounds(problem, search);
+  if (!solve_on_last_pieces(problem, search) || !minimise(problem, search, tuning::following)) return false;
+  for (DirectContact& contact : problem.contacts) contact.bound_friction(contact.answer.load());
+  return minimise(problem, search, 1);
 }
 
 bool minimise(IslandProblem& problem, BalanceSearch& search, int follows) {

@@ -11,10 +11,4 @@ void find_direction(IslandProblem& problem, BalanceSearch& search);
 /// Returns false where it ends nowhere.
 bool minimise(IslandProblem& problem, BalanceSearch& search, int follows);
 
-/// Brings friction's bounds up to the loads that came of them, at a solution, and solves again, until that changes
-/// velocities by little, or in as many rounds as there are. The bounds are given while the balance is solved, as
-/// friction were of no function else, and are not quite those of the loads at the end. Returns false where a round ends
-/// nowhere.
-bool settle_friction_bounds(IslandProblem& problem, BalanceSearch& search);
-
 }  // namespace atl::solver

@@ -64,15 +64,10 @@ struct ContactLaw {
   /// negative eigenvalue; rows as in Six.
   std::array<Six, 6> derivative(const Six& motion, const ContactPieces& pieces) const;
 
-  /// The same with stiffnesses of the points that are given, and for friction its impulse over its speed: no more than
-  /// that gives way where it slides on.
-  std::array<Six, 6> secant(const Six& motion, const std::array<double, collision::max_points>& held) const;
-
   /// Impulses in the contact's frame.
   Six total(const ContactAnswer& answer) const;
 
  private:
-  void add_points(std::array<Six, 6>& k, const std::array<double, collision::max_points>& held) const;
   std::array<double, 2> sliding(const Six& motion) const { return {motion[3] + slip[0], motion[4] + slip[1]}; }
 };
 

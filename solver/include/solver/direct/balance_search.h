@@ -16,7 +16,7 @@ struct BalanceSearch {
   std::vector<double> gradient;   ///< N s, N m s: of the function, see balance()
   std::vector<double> direction;  ///< m/s, rad/s: along which the velocities are to go
   int most_iterations = 0;        ///< of Newton's method, in one search
-  int iterations = 0;             ///< of Newton's or the interior point method, beyond the first solves
+  int iterations = 0;             ///< of Newton's method, beyond the first solves
 
   /// Makes room for as many bodies.
   void resize(std::size_t body_count) {
@@ -31,9 +31,6 @@ struct BalanceSearch {
 /// By Newton's method, from the problem's velocities and the pieces that the answers are on. Friction's bound follows
 /// the load. Returns false where that ends nowhere.
 bool solve_by_newton(IslandProblem& problem, BalanceSearch& search);
-
-/// By an interior point method, from the problem's velocities, where all may be other than it was.
-bool solve_by_interior_point(IslandProblem& problem, BalanceSearch& search);
 
 /// One step of Newton's method with an exact line search; friction's bounds stay. Returns false if it ends nowhere.
 bool step_by_newton(IslandProblem& problem, BalanceSearch& search);

@@ -44,15 +44,6 @@ inline constexpr std::uint32_t no_body = ~std::uint32_t{0};  ///< what doesn't r
 struct DirectContact {
   using Points = std::array<double, collision::max_points>;
 
-  /// Points on the interior path: see interior_point.cpp.
-  struct Interior {
-    Points impulse;                 ///< N s, > 0
-    Points gap;                     ///< m/s, > 0: how much faster it parts than where it pushes with this impulse
-    Points missing;                 ///< m/s, by which the gap is not yet that
-    Points held;                    ///< N s by m/s
-    Points impulse_step, gap_step;  ///< along the search direction
-  };
-
   std::uint32_t slot;
   std::uint32_t first_body, second_body;  ///< of the world
   std::uint32_t first, second;            ///< bodies of the problem, or no_body
@@ -60,7 +51,6 @@ struct DirectContact {
   Vector3 arm_first, arm_second;          ///< m, from the centres of mass
   double friction, rolling, torsional;    ///< of what the points push with: 1, m, m
   double radius;                          ///< m, at which friction acts about the normal
-  double bound_load;                      ///< N s, that the bounds of these are of
   ContactLaw law;
   Points mass;              ///< kg, effective, of each point
   Points separation;        ///< m
@@ -71,7 +61,6 @@ struct DirectContact {
   ContactAnswer answer;
   ContactAnswer lasting;   ///< that of the velocities which bodies keep
   ContactPieces factored;  ///< what the factor is of
-  Interior interior;
 
   void add_motion(double sign, const Vector3& arm, const Vector3& v, const Vector3& w, Six& to) const;
   /// What velocities make of the motion.

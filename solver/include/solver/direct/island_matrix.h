@@ -20,9 +20,6 @@ class IslandMatrix {
   /// Of the pieces of their laws that contacts and joints are on now, which are noted. Returns false if there is no
   /// factor.
   [[nodiscard]] bool factor(IslandProblem& problem);
-  /// The same with contacts as stiff as their points on the interior path hold (DirectContact::Interior::held).
-  [[nodiscard]] bool factor_on_interior_path(IslandProblem& problem);
-
   /// Replaces b by what the factor makes of it.
   void solve(std::span<double> b) const { system_.solve(b); }
 
