@@ -53,24 +53,16 @@ inline constexpr float landing_speed = 0.5f;
 /// m/s, to or from each other, from which on all points of a contact are first changed at once. With 0.05 and 0.25 a
 /// box dropped flat from 2.5 m ends 7 um aside, without it 3.7 mm. At 0.05 a column that a belt takes along leans.
 inline constexpr float spread_speed = 0.25f;
-/// With one, hopper overlaps by twice as much; with 28 a coin's landing is farther off.
+/// Over the points of each contact that lands or bounces. With one, a face that bounces flat would leave spinning, and
+/// hopper overlaps by twice as much; with 28 a coin's landing is farther off.
 inline constexpr int landing_rounds = 7;
-/// Rounds over the points of each contact that bounces: with one, a face that hits flat would leave spinning. With 4 or
-/// 64 nothing moved.
-inline constexpr std::size_t restitution_rounds = 16;
 /// Of the speed that gravity gives in a substep: slower impacts don't bounce where nothing else is asked for. With 1,
 /// what lies is noise; a ball of restitution 0.8 that falls from 1 m comes to rest after 3.95 s with 2, with 25
 /// after 3.3, and by its closed form after 4.06.
 inline constexpr double least_bounce = 2;
-/// Of friction in a bounce, each with all those after it.
-inline constexpr int bounce_rounds = 2;
 
 /// Sweeps over a group's joints in a substep in which some coordinate bounces at the end of its range.
 inline constexpr int joint_bounce_sweeps = 16;
-
-/// Steps of Newton's method for which way friction acts that holds nothing. With 1 and with 3 a long box across its way
-/// stops as far off, by a hundred thousandth of it.
-inline constexpr int slip_rounds = 1;
 
 /// rad/s: what spins slower does not tumble to speak of (its square is an angular acceleration), and a pile at rest
 /// need not pay for it. Not by the turn in a substep, or finer steps would be worse.

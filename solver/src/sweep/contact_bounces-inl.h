@@ -139,7 +139,7 @@ HWY_INLINE void give_back(const ContactBlock& block, const BounceBlock& bounce, 
                           V (&impulses)[4], ContactLanes<movable>& c) {
   const std::size_t points = block.traits.points;
   NormalSolve solve(c);
-  for (std::size_t n = 0; n < tuning::restitution_rounds * points; ++n) {
+  for (std::size_t n = 0; n < std::size_t{tuning::landing_rounds} * points; ++n) {
     const std::size_t i = n % points;
     const V x = load(block.x[i] + lane);
     const V y = load(block.y[i] + lane);
@@ -252,13 +252,10 @@ void restitute_lanes(const ContactKernelData& data, Friction friction, bool last
     const SurfaceBlock* surface = with_surfaces && data.surface_blocks != nullptr ? &data.surface_blocks[b] : nullptr;
     ContactLanes<movable> rubbed = away;
     V rubbed_impulses[max_points] = {impulses[0], impulses[1], impulses[2], impulses[3]};
-    // Each changes what the other has to do.
-    for (int round = 0; round < tuning::bounce_rounds; ++round) {
-      const V pushed =
-          hn::Add(hn::Add(rubbed_impulses[0], rubbed_impulses[1]), hn::Add(rubbed_impulses[2], rubbed_impulses[3]));
-      rub_in_bounce(block, surface, friction, lane, pushed, rubs, rubbed);
-      give_back(block, bounce, lane, hits, rubbed_impulses, rubbed);
-    }
+    const V pushed =
+        hn::Add(hn::Add(rubbed_impulses[0], rubbed_impulses[1]), hn::Add(rubbed_impulses[2], rubbed_impulses[3]));
+    rub_in_bounce(block, surface, friction, lane, pushed, rubs, rubbed);
+    give_back(block, bounce, lane, hits, rubbed_impulses, rubbed);
     const M rub = hn::Gt(load(block.friction + lane), zero());
     take(rub, rubbed, away);
     for (std::size_t i = 0; i < max_points; ++i) impulses[i] = hn::IfThenElse(rub, rubbed_impulses[i], impulses[i]);

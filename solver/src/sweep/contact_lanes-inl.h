@@ -241,7 +241,7 @@ HWY_INLINE void clamp_to_disc(V& a, V& b, V radius) {
   b = hn::IfThenElseZero(presses, hn::Mul(scale, b));
 }
 
-// Newton's method for hold_in_disc(), in lanes that slip.
+// hold_in_disc() in lanes that slip, with the s that it would have if m were its mean in all directions.
 HWY_NOINLINE void act_against_slip(const Plane& m, const M& slips, V radius, V& p1, V& p2) {
   const auto length_of = [](V a, V b) { return hn::Sqrt(hn::Add(hn::Mul(a, a), hn::Mul(b, b))); };
   const V one = splat(1);
@@ -255,23 +255,11 @@ HWY_NOINLINE void act_against_slip(const Plane& m, const M& slips, V radius, V& 
     to1 = hn::Mul(over, hn::Sub(hn::Mul(d22, a), hn::Mul(d12, b)));
     to2 = hn::Mul(over, hn::Sub(hn::Mul(d11, b), hn::Mul(d12, a)));
   };
-  // As it would be with the mean of m in all directions.
   const V trace = hn::Add(m.m11, m.m22);
   const V excess_of_all = hn::Div(hn::Sub(length_of(p1, p2), disc), hn::Mul(disc, trace));
   s = hn::IfThenElseZero(hn::And(slips, hn::Gt(trace, zero())), hn::Add(excess_of_all, excess_of_all));
   V f1, f2;
   solve(p1, p2, f1, f2);
-  for (int i = 0; i < tuning::slip_rounds; ++i) {
-    V g1, g2;
-    solve(m.first(f1, f2), m.second(f1, f2), g1, g2);
-    const V square = hn::Add(hn::Mul(f1, f1), hn::Mul(f2, f2));
-    const V slope = hn::Add(hn::Mul(f1, g1), hn::Mul(f2, g2));
-    const M rises = hn::And(slips, hn::Gt(slope, zero()));
-    const V excess = hn::Div(hn::Sub(hn::Sqrt(square), disc), disc);
-    const V step = hn::Mul(hn::Div(square, hn::IfThenElse(rises, slope, one)), excess);
-    s = hn::IfThenElse(rises, hn::Max(hn::Add(s, step), zero()), s);
-    solve(p1, p2, f1, f2);
-  }
   const V found = length_of(f1, f2);
   const V scale = hn::Div(radius, hn::IfThenElse(hn::Gt(found, zero()), found, one));
   p1 = hn::IfThenElse(slips, hn::Mul(scale, f1), p1);
@@ -279,9 +267,8 @@ HWY_NOINLINE void act_against_slip(const Plane& m, const M& slips, V radius, V& 
 }
 
 // Of impulses p that would stop all slip, with the effective mass m, what friction's disc lets through: against the
-// slip that is left, v = -s f, so that p = (1 + s m) f with s >= 0 and |f| = radius. Newton's method for 1 / |f| over s
-// (More and Sorensen, "Computing a Trust
-// Region Step", SIAM J. Sci. Stat. Comput. 1983, section 3).
+// slip that is left, v = -s f, so that p = (1 + s m) f with s >= 0 and |f| = radius. Its size is exact, its
+// direction nearly so.
 HWY_INLINE void hold_in_disc(const Plane& m, V& p1, V& p2, V radius) {
   const V square = hn::Add(hn::Mul(p1, p1), hn::Mul(p2, p2));
   const M presses = hn::Gt(radius, zero());
