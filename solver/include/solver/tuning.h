@@ -42,10 +42,10 @@ inline constexpr double least_turn = 1e-5;
 /// falls with its fourth power. With 1 a top of 50 rad/s, whose nutation no step of 1/60 s sees, falls over (an error
 /// of 1.2 instead of 0.27, relative to its tilt); with 0.25 or 0.5 what rolls is the same.
 inline constexpr double known_turn = 0.25;
-/// m/s^2 and m, from the centre of mass to the contact: under more gravity times size than this the push speed grows by
-/// its root. Boxes of a metre touch at half of one, and are pushed by the speed that is set.
-inline constexpr double usual_gravity = 9.81;
-inline constexpr double usual_size = 1;
+/// (m/s)^2: where gravity times the size of what is touched, in m from its centre of mass, is more than this, the push
+/// speed grows by its root. Boxes of a metre come to half of it on Earth. Without, boxes of a kilometre overlap by a
+/// tenth.
+inline constexpr double usual_drop = 9.81;
 /// m/s: a contact that closes faster gets more rounds over its points, or a body that lands flat is left turning. A box
 /// of 1 m dropped flat from 3 m slides by 0.05 mm instead of 15, from 10 m by 4 mm instead of 150. At an eighth, what
 /// merely moves gets them too: a piston's load is thrown at 15 m/s.

@@ -251,7 +251,7 @@ HWY_INLINE void store_impulses(ContactBlock& block, std::size_t lane, const Cont
 // and falls as fast, by the root of gravity times size: of what is larger than usual, the push follows that.
 HWY_INLINE void prepare_push(const ContactKernelData& data, ContactBlock& block, std::size_t lane,
                              const ContactLanes<>& c) {
-  constexpr auto most = static_cast<float>(1 / (tuning::usual_gravity * tuning::usual_size));
+  constexpr auto most = static_cast<float>(1 / tuning::usual_drop);
   const auto square_of = [](const V3& arm, V inverse_mass) {
     return hn::IfThenElse(hn::Gt(inverse_mass, zero()), dot(arm, arm), splat(collision::no_point));
   };
