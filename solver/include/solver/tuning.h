@@ -173,8 +173,6 @@ inline constexpr double refined_substep = 1.0 / 960;
 /// Substeps for one where a body lands that leans on something. Tilts of a block that rocks are off by 12% with 1,
 /// by 3.4 with 4, by 2.5 with 8 and by 1.5 with 16; in 6% more time with 8, in 12 with 16.
 inline constexpr int landing_refinement = 8;
-/// Of the speed that gravity gives in a step: slower landings don't count. Not tried otherwise.
-inline constexpr double landing_by_gravity = 0.5;
 /// Of an island that is solved at once: more take longer than a step may.
 inline constexpr std::size_t most_bodies = 400;
 /// The most that a body may weigh of a joined one it lies on, where joints and contacts take turns: boxes of 10 times a

@@ -1,5 +1,4 @@
 #include <solver/select/landing.h>
-#include <solver/tuning.h>
 
 #include "integrate/rows3.h"
 
@@ -17,9 +16,9 @@ bool lands(const LoadInput& input, std::size_t island) {
   const Islands& islands = input.islands;
   const BodyTable& bodies = input.bodies;
   if (islands.body_count(island) > 1) return false;
+  // Slower landings don't count.
   const double gained = input.gravity.norm() * input.dt;
-  const double least = tuning::landing_by_gravity * gained;
-  if (!(least > 0) || !is_fast(bodies, islands.bodies(island, island + 1).front(), least)) return false;
+  if (!(gained > 0) || !is_fast(bodies, islands.bodies(island, island + 1).front(), gained)) return false;
 
   bool leans = false, reaches = false;
   for (const TouchingPair& pair : islands.contacts(island, island + 1)) {
@@ -34,7 +33,7 @@ bool lands(const LoadInput& input, std::size_t island) {
       const Vector3 first = bodies.velocity_at(pair.first, get3(manifold.anchor_first) + off);
       const Vector3 second = bodies.velocity_at(pair.second, get3(manifold.anchor_second) + off);
       const double closing = normal.dot(first - second);
-      reaches = closing > least && gap < (closing + gained) * input.dt;
+      reaches = closing > gained && gap < (closing + gained) * input.dt;
     }
   }
   return leans && reaches;
