@@ -58,19 +58,12 @@ void answer_shifted(IslandProblem& problem, std::vector<double>& gradient) {
   }
 }
 
-// To the end of the search direction, on the pieces that everything is on.
-void go_to_end(IslandProblem& problem, const std::vector<double>& direction) {
-  for (std::size_t i = 0; i < direction.size(); ++i) problem.velocity[i] += direction[i];
-  for (DirectContact& contact : problem.contacts) {
-    contact.motion = contact.motion_after(1);
-    answer_on_its_pieces(contact);
-  }
-  for (DirectJoint& joint : problem.joints) {
-    for (std::size_t r = 0; r < joint.rows; ++r) {
-      joint.rate[r] += joint.change[r];
-      joint.impulse[r] = joint.law[r].impulse(joint.rate[r]);
-    }
-  }
+// To the end of the search direction, on the pieces that everything is on. The gradient is what rounding leaves.
+void go_to_end(IslandProblem& problem, BalanceSearch& search) {
+  for (std::size_t i = 0; i < search.direction.size(); ++i) problem.velocity[i] += search.direction[i];
+  balance(problem, search.gradient, [](const DirectContact& contact) {
+    return contact.law.linear_answer(contact.motion, contact.answer.pieces, contact.answer);
+  });
 }
 
 }  // namespace
@@ -84,8 +77,7 @@ void take_back_compliance(IslandProblem& problem, BalanceSearch& search, double 
     if (sinks < tuning::least_sinking) return;
     answer_shifted(problem, search.gradient);
     find_direction(problem, search);
-    go_to_end(problem, search.direction);
-    std::fill(search.gradient.begin(), search.gradient.end(), 0.0);
+    go_to_end(problem, search);
   }
 }
 
