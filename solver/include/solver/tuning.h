@@ -262,8 +262,5 @@ inline constexpr double resting_speed = 1e-3;
 /// shortened to a quarter. Both four times less or more moved nothing.
 inline constexpr int most_closing_steps = 20;
 inline constexpr int most_shortenings = 4;
-/// m or rad: joints that are closer than this at the end of a step are closed; by so many solves at most.
-inline constexpr double closed = 1e-10;
-inline constexpr int most_closings = 3;
 
 }  // namespace atl::solver::tuning

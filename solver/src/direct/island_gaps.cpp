@@ -140,14 +140,11 @@ void close_joints(const DirectIslandInput& input, double time, double h, bool to
 
 void settle_joints(const DirectIslandInput& input, std::vector<MovingBody>& bodies, IslandMotions& motions) {
   const IslandPoses poses{input.bodies, bodies, input.dt};
-  for (int round = 0; round < tuning::most_closings; ++round) {
-    if (note_gaps(input.joints, poses, motions.problem.joints) <= tuning::closed) return;
-    find_closing_motion(motions.problem, motions.search, [](const DirectJoint& joint, std::size_t r) {
-      return joint.law[r].locked && !joint.torn[r] ? joint.gap[r] : 0;
-    });
-    if (longest_move(motions.search.direction) > tuning::far_at_rest) return;
-    move(bodies, 1, motions.search.direction);
-  }
+  if (note_gaps(input.joints, poses, motions.problem.joints) <= tuning::settled_gap) return;
+  find_closing_motion(motions.problem, motions.search, [](const DirectJoint& joint, std::size_t r) {
+    return joint.law[r].locked && !joint.torn[r] ? joint.gap[r] : 0;
+  });
+  if (longest_move(motions.search.direction) <= tuning::far_at_rest) move(bodies, 1, motions.search.direction);
 }
 
 }  // namespace atl::solver
