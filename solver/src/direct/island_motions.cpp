@@ -89,6 +89,8 @@ bool find_motions(IslandMotions& motions, const SolverSettings& settings, double
   motions.pushes = relaxes && is_pushed(motions.problem, settings);
   if (!motions.pushes) return true;
   push_contacts_apart(motions.problem, settings, dt);
+  // A tangle of joints whose overlaps can't be parted is swept: solved at once it would be flung apart.
+  if (!motions.problem.joints.empty()) return solve_nearby(motions.problem, motions.search);
   motions.pushes = step_by_newton(motions.problem, motions.search);
   return true;
 }

@@ -129,6 +129,8 @@ bool solve_on_last_pieces(IslandProblem& problem, BalanceSearch& search) {
   return true;
 }
 
+bool solve_nearby(IslandProblem& problem, BalanceSearch& search) { return minimise(problem, search, 0); }
+
 bool step_by_newton(IslandProblem& problem, BalanceSearch& search) {
   balance_by_laws(problem, search.gradient);
   return descend(problem, search) > 0;

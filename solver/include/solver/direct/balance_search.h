@@ -32,6 +32,9 @@ struct BalanceSearch {
 /// the load. Returns false where that ends nowhere.
 bool solve_by_newton(IslandProblem& problem, BalanceSearch& search);
 
+/// By Newton's method from velocities near the solution; friction's bounds stay.
+bool solve_nearby(IslandProblem& problem, BalanceSearch& search);
+
 /// One step of Newton's method with an exact line search; friction's bounds stay. Returns false if it ends nowhere.
 bool step_by_newton(IslandProblem& problem, BalanceSearch& search);
 
