@@ -49,6 +49,23 @@ TEST(SweptJoints, AssembliesStayWhole) {
   EXPECT_LE(broken, 1);
 }
 
+// An end of a range that is exceeded has a spring and a motor behind it, by all ways to close joints.
+TEST(SweptJoints, ASprungMotorComesBackIntoItsRange) {
+  for (const Stabilisation how : {Stabilisation::Soft, Stabilisation::Baumgarte, Stabilisation::SplitImpulse}) {
+    World world(
+        {.gravity = Vector3::Zero(), .settings = {.stabilisation = how, .joint_solver = JointSolver::Iterative}});
+    const BodyId base = world.add_body(static_box({0, 0, 0}, Vector3::Constant(0.1)));
+    const BodyId arm = world.add_body(box({0.5, 0, 0}, {0.3, 0.05, 0.05}));
+    const HingeJoint hinge = {.angle = {.range = {0.2, 0.5},
+                                        .spring = JointSpring{2, 0.7},
+                                        .motor = JointMotor{.speed = -1, .max_force = 0.5}}};
+    const JointId id = world.add_joint(joint_at(world, hinge, base, arm, {0, 0, 0}, Vector3::UnitZ()));
+    for (int i = 0; i < 120; ++i) world.step(1.0 / 60);
+    EXPECT_NEAR(world.joint_state(id).position[0], 0.2, 0.01) << static_cast<int>(how);
+    EXPECT_LT(world.angular_velocity(arm).norm(), 1e-3) << static_cast<int>(how);
+  }
+}
+
 // Two wheels on springs of a frequency, at a beam.
 struct Axle {
   World world;

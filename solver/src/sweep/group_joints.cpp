@@ -112,7 +112,7 @@ void set_frames(JointFrameBlock& of, std::size_t lane, const Joint& joint, const
   of.ratio[lane] = static_cast<float>(joint.ratio);
 }
 
-// What springs, servos and armatures make of that, `free` being J M^-1 J^T if the joint didn't hold.
+// What springs, servos and armatures make of a row, `free` being its J M^-1 J^T if the joint didn't hold.
 void set_springs(JointRowBlock& row, std::size_t lane, const Law& law, const JointRow& at, double free,
                  const JointStep& step) {
   const double mass = row.mass[lane];
@@ -137,12 +137,12 @@ void set_springs(JointRowBlock& row, std::size_t lane, const Law& law, const Joi
   row.motor_change[lane] = static_cast<float>(share * row.motor_change[lane]);
   if (row.soft_lower[lane] == 0 && row.soft_upper[lane] == 0) return;
   const double leak = step.constants.joint.impulse_scale;
-  const double soft_share = leak / (1 + spring.hold * leak);  // 1 / (1 + hold + stiffness)
+  const double left = 1 / (1 + spring.hold * leak);
+  const double soft_share = leak * left;  // 1 / (1 + hold + stiffness)
   row.soft_scale[lane] = static_cast<float>(soft_share);
-  row.soft_shift[lane] =
-      static_cast<float>(row.soft_shift[lane] / (1 + spring.hold * leak) + soft_share * spring.shift);
+  row.soft_shift[lane] = static_cast<float>(left * row.soft_shift[lane] + soft_share * spring.shift);
   row.soft_motor_part[lane] = motor_part(soft_share);
-  row.soft_motor_change[lane] = static_cast<float>(soft_share / leak * row.soft_motor_change[lane]);
+  row.soft_motor_change[lane] = static_cast<float>(left * row.soft_motor_change[lane]);
 }
 
 }  // namespace
