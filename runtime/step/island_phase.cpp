@@ -5,7 +5,6 @@
 #include <solver/select/joint_selection.h>
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "world/bodies.h"
@@ -57,12 +56,13 @@ void IslandPhase::forget() {
   joint_systems_ = {};
 }
 
-// Joints or how they are solved changed, or a spring is stiffer than substeps can follow, or no longer is.
+// Makes the graph anew, and shares the joints out between the solvers, where joints or how they are solved changed, or
+// substeps can follow other springs than before.
 void IslandPhase::update_joint_graph(Stores& world, double h) {
   const double before = std::exchange(joint_substep_, h);
-  const double shorter = std::min(h, before), longer = std::max(h, before);
-  const bool other_springs = std::any_of(longest_substeps_.begin(), longest_substeps_.end(),
-                                         [&](double longest) { return shorter <= longest && longest < longer; });
+  const bool other_springs =
+      h != before && std::any_of(longest_substeps_.begin(), longest_substeps_.end(),
+                                 [&](double longest) { return (h > longest) != (before > longest); });
   if (!world.changes.joints && !other_springs) return;
   world.changes.joints = false;
   world.changes.islands = true;
@@ -70,14 +70,12 @@ void IslandPhase::update_joint_graph(Stores& world, double h) {
   const std::vector<solver::Joint>& joints = world.joints.joints;
   joint_graph_.build(joints, world.joints.acts, bodies);
   const solver::JointMethod method = solver_settings(world.settings).joint_method;
-  joint_systems_.build(joint_graph_, joints, bodies, [&](std::uint32_t component) {
-    return solver::joins_directly(joint_graph_.links_of(component), joints, bodies, method, h);
-  });
   longest_substeps_.clear();
-  for (std::uint32_t component = 0; component < joint_graph_.component_count(); ++component) {
-    const double longest = solver::longest_substep(joint_graph_.links_of(component), joints, bodies);
-    if (std::isfinite(longest)) longest_substeps_.push_back(longest);
-  }
+  joint_systems_.build(joint_graph_, joints, bodies, [&](std::uint32_t component) {
+    const std::span<const solver::JointLink> links = joint_graph_.links_of(component);
+    longest_substeps_.push_back(solver::longest_substep(links, joints, bodies));
+    return solver::joins_directly(links, joints, bodies, method, h > longest_substeps_.back());
+  });
   to_kinematic_.clear();
   assembly_.resize(bodies.size());
   std::fill(bodies.joined.begin(), bodies.joined.end(), std::uint8_t{0});

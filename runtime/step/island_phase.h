@@ -50,7 +50,7 @@ class IslandPhase {
   bool one_each_ = false;
   solver::JointGraph joint_graph_;
   double joint_substep_ = 0;              // s, for which joints were shared out between the solvers
-  std::vector<double> longest_substeps_;  // s, of components that have one: see longest_substep()
+  std::vector<double> longest_substeps_;  // s, by component: see longest_substep()
   solver::JointSystems joint_systems_;    // by component of the graph
   std::vector<std::uint32_t> assembly_;   // by joined body: its component of the graph
   std::vector<std::pair<std::uint32_t, std::uint32_t>> to_kinematic_;  // kinematic bodies, and what is joined to them

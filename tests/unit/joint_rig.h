@@ -122,8 +122,9 @@ inline GroupReport JointRig::step(double dt, int count) {
   graph.build(joints, std::vector<std::uint8_t>(joints.size(), 1), bodies);
   JointSystems systems;
   systems.build(graph, joints, bodies, [&](std::uint32_t component) {
-    return joins_directly(graph.links_of(component), joints, bodies, settings.joint_method,
-                          dt / settings.substeps);
+    const std::span<const JointLink> links = graph.links_of(component);
+    const bool too_stiff = dt / settings.substeps > longest_substep(links, joints, bodies);
+    return joins_directly(links, joints, bodies, settings.joint_method, too_stiff);
   });
   std::vector<std::uint32_t> candidates;
   std::vector<std::uint8_t> awake(bodies.size(), 0);

@@ -165,6 +165,9 @@ double longest_substep(std::span<const JointLink> links, std::span<const Joint> 
   double fastest = 0;  // 1/s
   for (const JointLink& link : links) {
     const Joint& joint = joints[link.joint];
+    if (std::none_of(joint.law.begin(), joint.law.begin() + joint.rows, [](const Law& law) { return law.springs(); })) {
+      continue;
+    }
     const auto [turn, frames] = AssembledJoint(joint);
     const Matrix3 axes = turn.toRotationMatrix();
     for (std::size_t row = 0; row < joint.rows; ++row) {
@@ -180,9 +183,9 @@ double longest_substep(std::span<const JointLink> links, std::span<const Joint> 
 }
 
 bool joins_directly(std::span<const JointLink> links, std::span<const Joint> joints, const BodyTable& bodies,
-                    JointMethod method, double h) {
+                    JointMethod method, bool too_stiff) {
   if (method != JointMethod::Auto) return method == JointMethod::Direct;
-  return h > longest_substep(links, joints, bodies) || asks_for_direct(links, joints, bodies);
+  return too_stiff || asks_for_direct(links, joints, bodies);
 }
 
 }  // namespace atl::solver

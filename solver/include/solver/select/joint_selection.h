@@ -9,15 +9,16 @@
 
 namespace atl::solver {
 
-/// s: up to this, substeps can follow all springs of joints that hang together, see SpringStep; infinite without springs.
-/// Stiffer ones give energy to tumbling bodies where joints are swept: 7 of 2000 trees gain, with springs of 49 Hz and
-/// more, at 240 substeps a second. `joints` are all.
+/// The longest substep, in s, that can follow all springs of joints that hang together, see SpringStep; infinite
+/// without springs. Stiffer ones give energy to tumbling bodies where joints are swept: 7 of 2000 trees gain, with
+/// springs of 49 Hz and more, at 240 substeps a second. `joints` are all.
 double longest_substep(std::span<const JointLink> links, std::span<const Joint> joints, const BodyTable& bodies);
 
-/// Whether joints that hang together are to be solved at once, in substeps of h seconds. `Auto`: where they are joined
-/// to something fixed or kinematic, where one is actuated or too stiffly sprung, where a body is light, or turns easily,
-/// between others that its joints hold to it, and in long chains.
+/// Tells whether joints that hang together are to be solved at once. `too_stiff`: the substep is longer than the
+/// longest for their springs. `Auto`: where that is so, where they are joined to something fixed or kinematic, where
+/// one is actuated, where a body is light, or turns easily, between others that its joints hold to it, and in long
+/// chains.
 bool joins_directly(std::span<const JointLink> links, std::span<const Joint> joints, const BodyTable& bodies,
-                    JointMethod method, double h);
+                    JointMethod method, bool too_stiff);
 
 }  // namespace atl::solver
