@@ -45,7 +45,8 @@ void push_contacts_apart(IslandProblem& problem, const SolverSettings& settings,
   }
 }
 
-// Whether bodies are to move otherwise than they keep on: where something overlaps, or springs of contacts give.
+// Tells whether bodies move by other velocities than those they keep: where something overlaps, or contacts are
+// springs.
 bool is_pushed(const IslandProblem& problem, const SolverSettings& settings) {
   const bool soft = settings.contact_hertz > 0;
   for (const DirectContact& contact : problem.contacts) {

@@ -97,14 +97,8 @@ void balance_by_laws(IslandProblem& problem, std::vector<double>& gradient) {
   balance(problem, gradient, [](const DirectContact& contact) { return contact.law.answer(contact.motion); });
 }
 
-}  // namespace
-
-bool solve_by_newton(IslandProblem& problem, BalanceSearch& search) {
-  if (!solve_on_last_pieces(problem, search) || !minimise(problem, search, tuning::following)) return false;
-  for (DirectContact& contact : problem.contacts) contact.bound_friction(contact.answer.load());
-  return minimise(problem, search, 1);
-}
-
+// Newton's method with an exact line search. Friction's bound follows the load in the first `follows` iterations.
+// Returns false where it ends nowhere.
 bool minimise(IslandProblem& problem, BalanceSearch& search, int follows) {
   for (int iteration = 0;; ++iteration) {
     balance_by_laws(problem, search.gradient);
@@ -118,10 +112,22 @@ bool minimise(IslandProblem& problem, BalanceSearch& search, int follows) {
   }
 }
 
-bool solve_on_last_pieces(IslandProblem& problem, BalanceSearch& search) {
-  balance(problem, search.gradient, [](const DirectContact& contact) {
+}  // namespace
+
+void balance_on_last_pieces(IslandProblem& problem, std::vector<double>& gradient) {
+  balance(problem, gradient, [](const DirectContact& contact) {
     return contact.law.linear_answer(contact.motion, contact.answer.pieces, contact.answer);
   });
+}
+
+bool solve_by_newton(IslandProblem& problem, BalanceSearch& search) {
+  if (!solve_on_last_pieces(problem, search) || !minimise(problem, search, tuning::following)) return false;
+  for (DirectContact& contact : problem.contacts) contact.bound_friction(contact.answer.load());
+  return minimise(problem, search, 1);
+}
+
+bool solve_on_last_pieces(IslandProblem& problem, BalanceSearch& search) {
+  balance_on_last_pieces(problem, search.gradient);
   if (!is_factored(problem) && !search.matrix.factor(problem)) return false;
   find_direction(problem, search);
   go_along(search.direction, 1, problem.velocity);

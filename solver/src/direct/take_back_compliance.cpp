@@ -9,10 +9,6 @@
 namespace atl::solver {
 namespace {
 
-void answer_on_its_pieces(DirectContact& contact) {
-  contact.answer = contact.law.linear_answer(contact.motion, contact.answer.pieces, contact.answer);
-}
-
 // m/s: the most that one of its points closes too fast. Shifts the points' laws such that they push as they do now
 // where they stop.
 double shift_contact(DirectContact& contact, double dt) {
@@ -43,7 +39,7 @@ void answer_shifted(IslandProblem& problem, std::vector<double>& gradient) {
   for (DirectContact& contact : problem.contacts) {
     Six more = contact.law.total(contact.answer);
     for (double& impulse : more) impulse = -impulse;
-    answer_on_its_pieces(contact);
+    contact.answer = contact.law.linear_answer(contact.motion, contact.answer.pieces, contact.answer);
     const Six total = contact.law.total(contact.answer);
     for (int k = 0; k < 6; ++k) more[k] += total[k];
     contact.add_impulse(more, -1, gradient);
@@ -61,9 +57,7 @@ void answer_shifted(IslandProblem& problem, std::vector<double>& gradient) {
 // To the end of the search direction, on the pieces that everything is on. The gradient is what rounding leaves.
 void go_to_end(IslandProblem& problem, BalanceSearch& search) {
   for (std::size_t i = 0; i < search.direction.size(); ++i) problem.velocity[i] += search.direction[i];
-  balance(problem, search.gradient, [](const DirectContact& contact) {
-    return contact.law.linear_answer(contact.motion, contact.answer.pieces, contact.answer);
-  });
+  balance_on_last_pieces(problem, search.gradient);
 }
 
 }  // namespace

@@ -20,6 +20,7 @@ class IslandMatrix {
   /// Of the pieces of their laws that contacts and joints are on now, which are noted. Returns false if there is no
   /// factor.
   [[nodiscard]] bool factor(IslandProblem& problem);
+
   /// Replaces b by what the factor makes of it.
   void solve(std::span<double> b) const { system_.solve(b); }
 
