@@ -196,22 +196,22 @@ inline constexpr double target_margin = 0.95;
 /// Of what the square law leaves to an island in one substep: pyramids then overlap by a third more than that says, and
 /// would get one and two in turn.
 inline constexpr double one_substep_share = 0.5;
-/// Of what the load of a contact or joint explains. By masses alone and times 4, ragdolls that land take 3 times as long
-/// to hold 1 mm, and lie no better.
+/// Of what the load of a contact or joint explains. By masses alone and times 4, ragdolls that land take 3 times as
+/// long to hold 1 mm, and lie no better.
 inline constexpr double explained_error = 1.2;
 /// Times its weight, that each body of an island that has no past is taken to lie under. From four substeps on, a wall
 /// overlaps by 0.2 mm at first where 0.1 is asked for, part of which stays wedged: it takes 40 substeps then for 32.
 inline constexpr double first_load = 10;
-/// s, without need of as many substeps, after which an island gets fewer: at first, if it has no joints, and later; and the
-/// longest, where it needed them again each time. With 0.25 at first balls that roll for two seconds take 1.3 to 1.5 times as long as with
-/// a fixed number, now 1.1 to 1.2; the others were not tried otherwise.
+/// s, without need of as many substeps, after which an island gets fewer: at first, if it has no joints, and later; and
+/// the longest, where it needed them again each time. With 0.25 at first balls that roll for two seconds take 1.3
+/// to 1.5 times as long as with a fixed number, now 1.1 to 1.2; the others were not tried otherwise.
 inline constexpr double first_target_hold = 0.1;
 inline constexpr double target_hold = 0.25;
 inline constexpr double most_target_hold = 16;
 /// Residuals are measured in one step of so many: it takes about the time of a step.
 inline constexpr int residual_interval = 8;
-/// Of the substep's square times the change of acceleration a second, as of the trapezoidal rule. Pendulums are then off
-/// by 0.3 to 1.1 of what was asked for.
+/// Of the substep's square times the change of acceleration a second, as of the trapezoidal rule. Pendulums are then
+/// off by 0.3 to 1.1 of what was asked for.
 inline constexpr double motion_error_share = 1.0 / 12;
 
 // --- At once: the problem and its matrix
@@ -235,9 +235,9 @@ inline constexpr double balance_tolerance = 2e-4;
 /// Newton's method takes 0 to 4 iterations at rest. Where contacts close fast, points come and go one by one: with 20,
 /// heaps that are shaken take twice as long, to no end.
 inline constexpr int most_iterations = 6;
-/// It takes more and gets there where a heavy box lands on a chain of light planks (6 to 30 of these), where a belt takes
-/// along a column (more than 12), and where all is to be solved at once whatever it takes: a wall of 210 boxes that has
-/// just been put up takes 89, and with 30 is swept.
+/// It takes more and gets there where a heavy box lands on a chain of light planks (6 to 30 of these), where a belt
+/// takes along a column (more than 12), and where all is to be solved at once whatever it takes: a wall of 210 boxes
+/// that has just been put up takes 89, and with 30 is swept.
 inline constexpr int most_iterations_if_patient = 100;
 /// Iterations in which friction's bound follows the load. With more it would go to and fro for long: each halves the
 /// difference at best.
