@@ -96,6 +96,7 @@ HWY_INLINE V3 turned(const Q& q, const V3& v) {
   const V3 twice = t + t;
   return v + (q.scalar * twice + cross(q.vector, twice));
 }
+
 // Two unit vectors that make a right-handed frame with a unit vector. The same operations in the same order as in
 // collision::tangents(), which names the source.
 struct TangentLanes {

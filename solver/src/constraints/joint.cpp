@@ -8,8 +8,7 @@ namespace {
 // Tells a joint of which some coordinate comes from the relative quaternion, so that others need not find it.
 bool asks_for_turn(const Joint& joint) {
   for (std::size_t row = 0; row < joint.rows; ++row) {
-    const Coordinate of = joint.coordinate[row];
-    if (of == Coordinate::Twist || (of >= Coordinate::TurnX && of <= Coordinate::TurnZ)) return true;
+    if (joint.coordinate[row] == Coordinate::Twist || is_turn(joint.coordinate[row])) return true;
   }
   return false;
 }
@@ -72,25 +71,10 @@ double continued(Coordinate coordinate, double value, double before) {
   // rad: beyond, turns are closer to each other than what a number can tell. A prediction may be there, or nowhere.
   constexpr double most = 1e15;
   if (!(std::abs(before) <= most)) before = 0;
-  switch (coordinate) {
-    case Coordinate::Twist:
-    case Coordinate::AngleX:
-    case Coordinate::AngleSecondY:
-    case Coordinate::Steer:
-    case Coordinate::Roll: {
-      constexpr double turn = 2 * 3.14159265358979323846;
-      return value + turn * std::round((before - value) / turn);
-    }
-    case Coordinate::SpinX:
-    case Coordinate::SpinY:
-    case Coordinate::SpinZ:
-    case Coordinate::Orbit:
-    case Coordinate::Gear:
-    case Coordinate::Rack:
-      return before;
-    default:
-      return value;
-  }
+  if (is_rate(coordinate)) return before;
+  if (!counts_turns(coordinate)) return value;
+  constexpr double turn = 2 * 3.14159265358979323846;
+  return value + turn * std::round((before - value) / turn);
 }
 
 LawRow law_row(const Joint& joint, std::size_t row, const JointFrames& frames, double before) {
@@ -100,8 +84,8 @@ LawRow law_row(const Joint& joint, std::size_t row, const JointFrames& frames, d
   const Law& of = joint.law[row];
   if (coordinate == Coordinate::Twist) {
     fade_twist(frames, law.at);
-  } else if (coordinate >= Coordinate::TurnX && coordinate <= Coordinate::TurnZ && !(of.locked() && of.lower == 0)) {
-    fade_turn(frames, static_cast<int>(coordinate) - static_cast<int>(Coordinate::TurnX), law.at);
+  } else if (is_turn(coordinate) && !(of.locked() && of.lower == 0)) {
+    fade_turn(frames, axis_of(coordinate, Coordinate::TurnX), law.at);
   }
   return law;
 }

@@ -246,20 +246,15 @@ HWY_NOINLINE void act_against_slip(const Plane& m, const M& slips, V radius, V& 
   const auto length_of = [](V a, V b) { return hn::Sqrt(hn::Add(hn::Mul(a, a), hn::Mul(b, b))); };
   const V one = splat(1);
   const V disc = hn::IfThenElse(slips, radius, one);
-  V s;
-  const auto solve = [&](V a, V b, V& to1, V& to2) {
-    const V d11 = hn::Add(one, hn::Mul(s, m.m11));
-    const V d22 = hn::Add(one, hn::Mul(s, m.m22));
-    const V d12 = hn::Mul(s, m.m12);
-    const V over = hn::Div(one, hn::Sub(hn::Mul(d11, d22), hn::Mul(d12, d12)));
-    to1 = hn::Mul(over, hn::Sub(hn::Mul(d22, a), hn::Mul(d12, b)));
-    to2 = hn::Mul(over, hn::Sub(hn::Mul(d11, b), hn::Mul(d12, a)));
-  };
   const V trace = hn::Add(m.m11, m.m22);
   const V excess_of_all = hn::Div(hn::Sub(length_of(p1, p2), disc), hn::Mul(disc, trace));
-  s = hn::IfThenElseZero(hn::And(slips, hn::Gt(trace, zero())), hn::Add(excess_of_all, excess_of_all));
-  V f1, f2;
-  solve(p1, p2, f1, f2);
+  const V s = hn::IfThenElseZero(hn::And(slips, hn::Gt(trace, zero())), hn::Add(excess_of_all, excess_of_all));
+  const V d11 = hn::Add(one, hn::Mul(s, m.m11));
+  const V d22 = hn::Add(one, hn::Mul(s, m.m22));
+  const V d12 = hn::Mul(s, m.m12);
+  const V over = hn::Div(one, hn::Sub(hn::Mul(d11, d22), hn::Mul(d12, d12)));
+  const V f1 = hn::Mul(over, hn::Sub(hn::Mul(d22, p1), hn::Mul(d12, p2)));
+  const V f2 = hn::Mul(over, hn::Sub(hn::Mul(d11, p2), hn::Mul(d12, p1)));
   const V found = length_of(f1, f2);
   const V scale = hn::Div(radius, hn::IfThenElse(hn::Gt(found, zero()), found, one));
   p1 = hn::IfThenElse(slips, hn::Mul(scale, f1), p1);

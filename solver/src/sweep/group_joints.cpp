@@ -51,44 +51,24 @@ double rate_of(const SolverBodies& bodies, const JointBlock& block, const JointR
          get_lane(row.angular_first, lane).dot(get3(a.angular));
 }
 
-float speed(double value) {
-  return static_cast<float>(std::clamp<double>(value, -unlimited_speed, unlimited_speed));
-}
+float speed(double value) { return static_cast<float>(std::clamp<double>(value, -unlimited_speed, unlimited_speed)); }
 
-// What positions of a step are told from.
+// The full turn, or the position of a rate, that positions in a step count from: see JointCoordinateBlock.
 double base_of(Coordinate coordinate, double position) {
   constexpr double turn = 2 * 3.14159265358979323846;
-  // As far as continued() tells turns apart.
+  // Beyond, continued() tells no turns apart.
   if (!(std::abs(position) <= 1e15)) return 0;
-  switch (coordinate) {
-    case Coordinate::Twist:
-    case Coordinate::AngleX:
-    case Coordinate::AngleSecondY:
-    case Coordinate::Steer:
-    case Coordinate::Roll:
-      return turn * std::round(position / turn);
-    case Coordinate::SpinX:
-    case Coordinate::SpinY:
-    case Coordinate::SpinZ:
-    case Coordinate::Orbit:
-    case Coordinate::Gear:
-    case Coordinate::Rack:
-      return position;
-    default:
-      return 0;
-  }
+  if (is_rate(coordinate)) return position;
+  return counts_turns(coordinate) ? turn * std::round(position / turn) : 0;
 }
 
-bool is_turn(Coordinate coordinate) { return coordinate >= Coordinate::TurnX && coordinate <= Coordinate::TurnZ; }
-
-void set_coordinate(JointCoordinateBlock& of, std::size_t lane, const Joint& joint, std::size_t r, double base,
-                    double h) {
+void set_coordinate(JointCoordinateBlock& of, std::size_t lane, const Joint& joint, std::size_t r, double h) {
   const Law& law = joint.law[r];
   const Coordinate coordinate = joint.coordinate[r];
-  const bool springs = law.springs() || law.is_servo() || law.armature > 0;
+  const double base = base_of(coordinate, joint.position[r]);
   of.coordinate[lane] = static_cast<float>(coordinate);
   of.locked[lane] = law.locked() ? 1 : 0;
-  of.idles[lane] = !law.locked() && !law.drives() && !springs ? 1 : 0;
+  of.idles[lane] = !law.locked() && !law.drives() && !law.looks_back() ? 1 : 0;
   of.fades[lane] = is_turn(coordinate) && !(law.locked() && law.lower == 0) ? 1 : 0;
   of.base[lane] = static_cast<float>(base);
   of.lower[lane] = static_cast<float>(law.lower - base);
@@ -97,7 +77,7 @@ void set_coordinate(JointCoordinateBlock& of, std::size_t lane, const Joint& joi
   of.motor_impulse[lane] = speed(law.drives() ? law.motor_force * h : 0);
   of.position[lane] = static_cast<float>(joint.position[r] - base);
   of.kinds |= 1u << static_cast<unsigned>(coordinate);
-  if (springs) of.springs |= static_cast<std::uint8_t>(1u << lane);
+  if (law.looks_back()) of.springs |= static_cast<std::uint8_t>(1u << lane);
 }
 
 void set_frames(JointFrameBlock& of, std::size_t lane, const Joint& joint, const BodyTable& table) {
@@ -112,7 +92,7 @@ void set_frames(JointFrameBlock& of, std::size_t lane, const Joint& joint, const
   of.ratio[lane] = static_cast<float>(joint.ratio);
 }
 
-// What springs, servos and armatures make of a row, `free` being its J M^-1 J^T if the joint didn't hold.
+// Adds springs, servos and armatures to a row; `free` is its J M^-1 J^T if the joint didn't hold.
 void set_springs(JointRowBlock& row, std::size_t lane, const Law& law, const JointRow& at, double free,
                  const JointStep& step) {
   const double mass = row.mass[lane];
@@ -229,7 +209,7 @@ void GroupJoints::prepare_rows(const JointStep& step, std::size_t begin, std::si
       set_frames(frames_[b], lane, joint, step.table);
       for (std::size_t r = 0; r < joint.rows; ++r) {
         const std::size_t row = block.first_row + r;
-        set_coordinate(coordinates_[row], lane, joint, r, base_of(joint.coordinate[r], joint.position[r]), step.h);
+        set_coordinate(coordinates_[row], lane, joint, r, step.h);
         rows_[row].impulse[lane] = static_cast<float>(joint.impulse[r] / step.constants.refinement);
       }
     }
@@ -255,7 +235,7 @@ void GroupJoints::add_springs(const JointStep& step, std::size_t begin, std::siz
   }
 }
 
-// As of the pose that bodies have now: a joint's own is that of the start of the step until results are stored.
+// The position of a coordinate where bodies are now. Joint::position is that of the start of the step until store().
 double GroupJoints::position_now(const Joint& joint, std::size_t r, std::size_t row, std::size_t lane) const {
   return base_of(joint.coordinate[r], joint.position[r]) + coordinates_[row].position[lane];
 }
@@ -295,7 +275,8 @@ bool GroupJoints::note_impacts(const JointStep& step, std::size_t begin, std::si
         if (law.restitution == 0 || !(row.mass[lane] > 0)) continue;
         const double free_rate = rate_of(step.bodies, block, row, lane);
         rate.impact =
-            LimitImpact::of(law, law_row(joint, r, frames, position_now(joint, r, block.first_row + r, lane)).at.value, rate.before, free_rate, step.h);
+            LimitImpact::of(law, law_row(joint, r, frames, position_now(joint, r, block.first_row + r, lane)).at.value,
+                            rate.before, free_rate, step.h);
         row.open_ends[lane] = rate.impact.rests ? 0 : 1;
         any |= rate.impact.end != 0;
       }

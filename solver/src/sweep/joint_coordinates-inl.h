@@ -1,5 +1,5 @@
-// The coordinates of joints in lanes: those of constraints/joint_coordinates.h, of differences within a step, which single
-// precision is enough for. Included once for each instruction set.
+// The coordinates of joints in lanes: those of constraints/joint_coordinates.h, of differences within a step, which
+// single precision is enough for. Included once for each instruction set.
 
 #if defined(ATOLL_SOLVER_JOINT_COORDINATES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef ATOLL_SOLVER_JOINT_COORDINATES_INL_H_
@@ -18,7 +18,7 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 using namespace jobs::HWY_NAMESPACE;
 
-// Where the frames of joints are, and how the second are turned against the first.
+// The frames of joints: where they are, and how the second are turned against the first.
 struct FrameLanes {
   V3 axes[3];    // of the first frame, world axes
   Q turn;        // w >= 0
@@ -43,7 +43,7 @@ HWY_INLINE void set_axes(const Q& q, V3 (&axes)[3]) {
 // frame: bodies that haven't turned leave it as it was, to the last bit.
 HWY_INLINE FrameLanes frames_now(const JointKernelData& data, const JointBlock& block, const JointFrameBlock& start,
                                  std::size_t lane, const JointLanes& c) {
-  const auto load_q = [lane](const float (*rows)[block_lanes]) { return Q{load3(rows, lane), load(rows[3] + lane)}; };
+  const auto load_q = [lane](const float(*rows)[block_lanes]) { return Q{load3(rows, lane), load(rows[3] + lane)}; };
   const auto rotation = [&](const std::int32_t* index) {
     const V4 q = load_rotation(data.bodies, index);
     return Q{{q.x, q.y, q.z}, q.w};
@@ -70,7 +70,7 @@ HWY_INLINE V arctangent_series(V r2) {
   return sum;
 }
 
-// As arctangent() of integrate/trigonometry.h, of numbers in single precision.
+// The angle of (x, y), by the method of arctangent() in integrate/trigonometry.h, in single precision.
 HWY_INLINE V arctangent(V y, V x) {
   constexpr float tangent_of_twelfth = 0.26794919f, root_three = 1.7320508f, sixth_of_pi = 0.52359878f;
   constexpr float half_pi = 1.5707963f;
@@ -162,7 +162,7 @@ HWY_INLINE void fade_twist(const FrameLanes& frames, CoordinateLanes& twist) {
   constexpr float from = static_cast<float>(tuning::fading_twist);
   const V cosine = frames.turn.scalar;
   const V across = frames.turn.vector.x;
-  // Of half the swing: the turn's own is that of half of both.
+  // The cosine of half the swing; w and x of the quaternion are it times those of half the twist.
   const V half_swing = hn::Sqrt(hn::Add(hn::Mul(cosine, cosine), hn::Mul(across, across)));
   const V s = hn::Mul(half_swing, splat(1 / from));
   const M fades = hn::Lt(s, splat(1));
@@ -196,14 +196,13 @@ HWY_INLINE CoordinateLanes angle_about(const V3& axis, const V3& from, const V3&
   const V square = hn::Add(hn::Mul(sine, sine), hn::Mul(cosine, cosine));
   const M has = hn::Gt(square, zero());
   const V3 row = over(cosine * cross(to, across) - sine * cross(to, from), square);
-  return angular(select(has, row, axis),
-                 hn::IfThenElseZero(has, hn::Mul(splat(sign), arctangent(sine, cosine))));
+  return angular(select(has, row, axis), hn::IfThenElseZero(has, hn::Mul(splat(sign), arctangent(sine, cosine))));
 }
 
 HWY_INLINE CoordinateLanes offset_along(const FrameLanes& frames, int axis) {
   const V3& a = frames.axes[axis];
-  return {a, cross(frames.point.arm_first + frames.offset, a), cross(frames.point.arm_second, a),
-          dot(a, frames.offset), splat(1)};
+  return {a, cross(frames.point.arm_first + frames.offset, a), cross(frames.point.arm_second, a), dot(a, frames.offset),
+          splat(1)};
 }
 HWY_INLINE CoordinateLanes distance(const FrameLanes& frames) {
   const V far = length(frames.offset);
@@ -225,13 +224,13 @@ HWY_INLINE CoordinateLanes coordinate_in_lanes(Coordinate coordinate, const Fram
     case Coordinate::OffsetX:
     case Coordinate::OffsetY:
     case Coordinate::OffsetZ:
-      return offset_along(frames, static_cast<int>(coordinate) - static_cast<int>(Coordinate::OffsetX));
+      return offset_along(frames, axis_of(coordinate, Coordinate::OffsetX));
     case Coordinate::Distance:
       return distance(frames);
     case Coordinate::TurnX:
     case Coordinate::TurnY:
     case Coordinate::TurnZ:
-      return turn_about(frames, static_cast<int>(coordinate) - static_cast<int>(Coordinate::TurnX));
+      return turn_about(frames, axis_of(coordinate, Coordinate::TurnX));
     case Coordinate::SwingAlongY:
     case Coordinate::SwingAlongZ:
       return swing_along(frames, coordinate == Coordinate::SwingAlongY ? 1 : 2);
@@ -254,7 +253,7 @@ HWY_INLINE CoordinateLanes coordinate_in_lanes(Coordinate coordinate, const Fram
     case Coordinate::SpinX:
     case Coordinate::SpinY:
     case Coordinate::SpinZ:
-      return angular(unit(static_cast<int>(coordinate) - static_cast<int>(Coordinate::SpinX)), zero());
+      return angular(unit(axis_of(coordinate, Coordinate::SpinX)), zero());
     case Coordinate::Orbit:
       return orbit(frames);
     case Coordinate::Gear:

@@ -41,6 +41,12 @@ HWY_INLINE void apply(JointLanes& c, const V3& linear, const V3& angular_first, 
   c.second.w = c.second.w + c.second.inverse_inertia * angular_second;
 }
 
+// The rate along a row.
+HWY_INLINE V row_rate(const V3& linear, const V3& angular_first, const V3& angular_second, const JointLanes& c) {
+  return hn::Add(dot(linear, c.second.v - c.first.v),
+                 hn::Sub(dot(angular_second, c.second.w), dot(angular_first, c.first.w)));
+}
+
 // The origins of the two frames.
 struct PointLanes {
   V3 arm_first, arm_second;

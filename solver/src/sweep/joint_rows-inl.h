@@ -1,8 +1,9 @@
-// The rows of a block's joints as they act while the joints hold: with an impulse along one comes what the point and the
-// locked rows need so as not to move. So a sweep over the joint solves all that it locks at once, as a block (they are
-// orthogonal by M^-1: Gram and Schmidt), and a motor moves what it would in the joint's own coordinate. One row after
-// another would leave a part of each that hardly shrinks where arms are long for what bodies weigh, as those of universal
-// joints a metre off bricks of 10 cm; what sweeps leave, stiff joints ring up from. Included once for each instruction set.
+// The rows of a block's joints as they act while the joints hold: with an impulse along one comes what the point and
+// the locked rows need so as not to move. So a sweep over the joint solves all that it locks at once, as a block (they
+// are orthogonal by M^-1: Gram and Schmidt), and a motor moves what it would in the joint's own coordinate. One row
+// after another would leave a part of each that hardly shrinks where arms are long for what bodies weigh, as those of
+// universal joints a metre off bricks of 10 cm; what sweeps leave, stiff joints ring up from. Included once for each
+// instruction set.
 
 #if defined(ATOLL_SOLVER_JOINT_ROWS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef ATOLL_SOLVER_JOINT_ROWS_INL_H_
@@ -104,7 +105,7 @@ HWY_INLINE void turn_to_world(Coordinate coordinate, const FrameLanes& frames, C
   const auto in_world = [&frames](const V3& v) {
     return v.x * frames.axes[0] + (v.y * frames.axes[1] + v.z * frames.axes[2]);
   };
-  const bool alike = coordinate < Coordinate::Gear;
+  const bool alike = !is_geared(coordinate);
   row.first = in_world(row.first);
   row.second = alike ? row.first : in_world(row.second);
   if (!alike) row.linear = in_world(row.linear);
@@ -113,47 +114,30 @@ HWY_INLINE void turn_to_world(Coordinate coordinate, const FrameLanes& frames, C
 // A turn's position over full turns, that next to the one before; a rate's, which its travel adds to.
 HWY_INLINE V continued(Coordinate coordinate, V value, V before, V travel) {
   constexpr float turn = 6.2831853f;
-  switch (coordinate) {
-    case Coordinate::Twist:
-    case Coordinate::AngleX:
-    case Coordinate::AngleSecondY:
-    case Coordinate::Steer:
-    case Coordinate::Roll:
-      return hn::Add(value, hn::Mul(splat(turn), hn::Round(hn::Mul(hn::Sub(before, value), splat(1 / turn)))));
-    case Coordinate::SpinX:
-    case Coordinate::SpinY:
-    case Coordinate::SpinZ:
-    case Coordinate::Orbit:
-      return before;
-    case Coordinate::Gear:
-    case Coordinate::Rack:
-      return hn::Add(before, travel);
-    default:
-      return value;
-  }
+  if (is_geared(coordinate)) return hn::Add(before, travel);
+  if (is_rate(coordinate)) return before;
+  if (!counts_turns(coordinate)) return value;
+  return hn::Add(value, hn::Mul(splat(turn), hn::Round(hn::Mul(hn::Sub(before, value), splat(1 / turn)))));
 }
 
 // How far a row has moved by the velocities that bodies have moved by.
-HWY_INLINE V travel_of(const JointKernelData& data, const JointRowBlock& row, std::size_t lane, const JointLanes& c) {
-  V3 v_first = c.first.v, w_first = c.first.w, v_second = c.second.v, w_second = c.second.w;
+HWY_INLINE V travel_of(const JointKernelData& data, const JointRowBlock& row, std::size_t lane, JointLanes moved) {
   if (!data.bodies.correction.empty()) {
     const VelocityRows* correction = data.bodies.correction.data();
-    const auto add = [=](const std::int32_t* index, V3& v, V3& w) {
+    for (BodyLanes* body : {&moved.first, &moved.second}) {
+      const std::int32_t* index = body->index;
       const V4 linear = load_rows([=](std::size_t k) { return correction[index[k]].linear; });
       const V4 angular = load_rows([=](std::size_t k) { return correction[index[k]].angular; });
-      v = v + V3{linear.x, linear.y, linear.z};
-      w = w + V3{angular.x, angular.y, angular.z};
-    };
-    add(c.first.index, v_first, w_first);
-    add(c.second.index, v_second, w_second);
+      body->v = body->v + V3{linear.x, linear.y, linear.z};
+      body->w = body->w + V3{angular.x, angular.y, angular.z};
+    }
   }
   const V rate =
-      hn::Add(dot(load3(row.linear, lane), v_second - v_first),
-              hn::Sub(dot(load3(row.angular_second, lane), w_second), dot(load3(row.angular_first, lane), w_first)));
+      row_rate(load3(row.linear, lane), load3(row.angular_first, lane), load3(row.angular_second, lane), moved);
   return hn::Mul(splat(data.constants.h), rate);
 }
 
-// What a coordinate is now, with the value that the law sees.
+// Finds what a coordinate is now, with the value that the law sees.
 HWY_INLINE CoordinateLanes find_coordinate(const FrameLanes& frames, V ratio, V travel, std::size_t lane,
                                            JointCoordinateBlock& of) {
   const V coordinates = load(of.coordinate + lane), before = load(of.position + lane), base = load(of.base + lane);
@@ -172,9 +156,8 @@ HWY_INLINE CoordinateLanes find_coordinate(const FrameLanes& frames, V ratio, V 
       fade_twist(frames, one);
       one.value = hn::Sub(one.value, base);
     }
-    if (coordinate >= Coordinate::TurnX && coordinate <= Coordinate::TurnZ) {
-      const int axis = static_cast<int>(coordinate) - static_cast<int>(Coordinate::TurnX);
-      fade_turn(frames, axis, hn::Gt(load(of.fades + lane), zero()), one);
+    if (is_turn(coordinate)) {
+      fade_turn(frames, axis_of(coordinate, Coordinate::TurnX), hn::Gt(load(of.fades + lane), zero()), one);
     }
     turn_to_world(coordinate, frames, one);
     position = hn::IfThenElse(is, one_position, position);

@@ -118,8 +118,7 @@ HWY_INLINE void solve_row(const JointRowBlock& row, float* accumulated, std::siz
   const V3 angular_second = load3(row.angular_second, lane);
   const V mass = load(row.mass + lane);
   const V old_impulse = load(accumulated + lane);
-  const V rate = hn::Add(dot(linear, c.second.v - c.first.v),
-                         hn::Sub(dot(angular_second, c.second.w), dot(angular_first, c.first.w)));
+  const V rate = row_rate(linear, angular_first, angular_second, c);
   const V free = hn::Sub(rate, hn::Mul(load(row.inverse_mass + lane), old_impulse));
   const V change = hn::Sub(lawful_rate<push>(row, lane, sweep.moved, free), rate);
   const V impulse = hn::Mul(mass, change);

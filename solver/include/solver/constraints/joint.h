@@ -39,6 +39,19 @@ enum class Coordinate : std::uint8_t {
   Rack,   ///< likewise, and ratio times the second along its x axis
 };
 
+/// Tells parts of the relative quaternion, as which a turn is locked or limited.
+constexpr bool is_turn(Coordinate of) { return of >= Coordinate::TurnX && of <= Coordinate::TurnZ; }
+/// Tells angles that go on over full turns.
+constexpr bool counts_turns(Coordinate of) {
+  return of == Coordinate::Twist || (of >= Coordinate::AngleX && of <= Coordinate::Roll);
+}
+/// Tells what has a rate only, and no value.
+constexpr bool is_rate(Coordinate of) { return of >= Coordinate::SpinX; }
+/// Tells rates that are summed up over the substeps.
+constexpr bool is_geared(Coordinate of) { return of >= Coordinate::Gear; }
+/// 0, 1 or 2, of three coordinates of which `x` is the first.
+constexpr int axis_of(Coordinate of, Coordinate x) { return static_cast<int>(of) - static_cast<int>(x); }
+
 /// What acts along a coordinate: which impulses go with which rates. Range, spring and motor add up.
 struct Law {
   static constexpr double unlimited = std::numeric_limits<double>::infinity();
@@ -105,8 +118,7 @@ struct alignas(64) Joint {
   std::size_t row_count() const { return rows + (point ? 3u : 0u); }
   /// Tells a machine's joint, which holds its place by a servo or has a rotor.
   bool is_actuated() const {
-    return std::any_of(law.begin(), law.begin() + rows,
-                       [](const Law& of) { return of.is_servo() || of.armature > 0; });
+    return std::any_of(law.begin(), law.begin() + rows, [](const Law& of) { return of.is_servo() || of.armature > 0; });
   }
 };
 

@@ -62,10 +62,10 @@ class GroupJoints {
   /// Adds what the tension in points makes of how bodies turn (arm_stiffness.h), by index into SolverBodies. Not for
   /// blocks of different colours at once.
   void add_stiffness(const JointStep& step, std::span<Matrix3> stiffness, std::size_t begin, std::size_t end) const;
-  /// What rows other than points are made of in this step; Kernels::refresh_rows does the rest, once bodies have their
-  /// inertia of the step and points their masses.
+  /// Frames, coordinates and laws of the step, for rows other than points. Kernels::refresh_rows does the rest, once
+  /// bodies have their inertia of the step and points their masses.
   void prepare_rows(const JointStep& step, std::size_t begin, std::size_t end);
-  /// After Kernels::refresh_rows: what springs, servos and armatures make of them.
+  /// Adds springs, servos and armatures to the rows, after Kernels::refresh_rows.
   void add_springs(const JointStep& step, std::size_t begin, std::size_t end);
   /// Before the forces of a substep.
   void note_rates(const JointStep& step, std::size_t begin, std::size_t end);
@@ -84,8 +84,8 @@ class GroupJoints {
 
   /// See jobs/arrays.h.
   auto arrays() const {
-    return std::tie(joints_, blocks_, rows_, frames_, coordinates_, split_rows_, row_rates_, blocks_before_, rows_before_,
-                    colouring_);
+    return std::tie(joints_, blocks_, rows_, frames_, coordinates_, split_rows_, row_rates_, blocks_before_,
+                    rows_before_, colouring_);
   }
 
  private:
@@ -97,7 +97,7 @@ class GroupJoints {
   std::vector<JointRowBlock> rows_;
   std::vector<JointFrameBlock> frames_;            // one a block, if there are rows
   std::vector<JointCoordinateBlock> coordinates_;  // one a row
-  std::vector<SplitRowBlock> split_rows_;  // one a row, where the group needs them
+  std::vector<SplitRowBlock> split_rows_;          // one a row, where the group needs them
 
   // A coordinate that may bounce: m/s or rad/s.
   struct RowRate {

@@ -87,7 +87,7 @@ struct alignas(64) JointRowBlock {
   float soft_motor_change[block_lanes];
 };
 
-/// Where the frames of a block's joints are as the step begins; of blocks with rows.
+/// Frames of a block's joints as the step begins, of blocks with rows: what lanes find coordinates from.
 struct alignas(64) JointFrameBlock {
   template <std::size_t n>
   using Lanes = float[n][block_lanes];
@@ -97,9 +97,9 @@ struct alignas(64) JointFrameBlock {
   float ratio[block_lanes];  ///< of gears
 };
 
-/// What a row is made of in each substep: its coordinate and law, of which springs and servos are beside. Positions, and
-/// ends of ranges, are from `base`, so single precision is enough for them: from the full turn next to the position as
-/// the step begins, or, of a rate only, from that.
+/// Coordinate and law of each joint of a block, of which a row is made in each substep; springs and servos are looked
+/// up in the joint. Positions and ends of ranges count from `base`, so single precision is enough for them: it is the
+/// full turn next to the position as the step begins, or the position of what is a rate only.
 struct alignas(64) JointCoordinateBlock {
   float coordinate[block_lanes];  ///< Coordinate as a number, -1 in lanes without a row
   float locked[block_lanes];      ///< 1

@@ -58,7 +58,7 @@ struct JointKernelData {
   SolverBodies& bodies;
   JointBlock* blocks;
   JointRowBlock* rows;
-  SplitRowBlock* split_rows;  ///< one a row, or null where nothing asks
+  SplitRowBlock* split_rows;          ///< one a row, or null where nothing asks
   const JointFrameBlock* frames;      ///< one a block, of groups that have rows
   JointCoordinateBlock* coordinates;  ///< one a row
   const SubstepConstants& constants;
