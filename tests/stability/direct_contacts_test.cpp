@@ -130,7 +130,7 @@ TEST(DirectContacts, ColumnSlidesAsABlock) {
 
 // Without gravity nothing but contacts acts: a light box between heavy ones that meet.
 TEST(DirectContacts, ConservesMomentum) {
-  World world({.gravity = Vector3::Zero()});
+  World world({.gravity = Vector3::Zero(), .settings = {.contact_solver = ContactSolver::Direct}});
   std::vector<BodyId> ids;
   for (int i = 0; i < 3; ++i) {
     BodyDef def = box({0.02 * i, 0.01 * i, 1.001 * i});
@@ -142,13 +142,13 @@ TEST(DirectContacts, ConservesMomentum) {
   std::int64_t direct = 0;
   for (int step = 0; step < 60; ++step) direct += world.step(dt).counts.direct_islands;
   EXPECT_GT(direct, 0);
-  EXPECT_LT((momentum(world, ids) - before).norm(), 1e-6 * 1000);
+  EXPECT_LT((momentum(world, ids) - before).norm(), 1e-10 * 1000);
 }
 
 TEST(DirectContacts, TellWhichIslandsTheyAre) {
   World world;
   world.add_body(ground());
-  const std::vector<BodyId> low = add_stack(world, 5, {10, 0, 0});
+  const std::vector<BodyId> low = add_stack(world, 4, {10, 0, 0});
   const std::vector<BodyId> high = add_stack(world, 20);
   const StepReport report = world.step(dt);
   ASSERT_EQ(world.selected_solves().size(), 1u);

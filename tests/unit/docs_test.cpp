@@ -125,7 +125,7 @@ std::vector<fs::path> files_named(const std::string& name) {
   return found;
 }
 
-// A number that the code defines is followed by a comment which names it: 0.5%<!-- tuning.h column_penetration -->.
+// A number that the code defines is followed by a comment which names it: 0.43%<!-- tuning.h column_penetration -->.
 // Between the two there may be a percent sign or other units, and a word.
 TEST(Docs, NumbersAreThoseOfTheCode) {
   const std::regex quoted(R"(([0-9][0-9.e+-]*)(?:/([0-9]+))?(%| mm)?[^<>\n0-9]{0,12}<!-- ([\w/-]+\.h) (\w+) -->)");

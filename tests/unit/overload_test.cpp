@@ -29,8 +29,8 @@ TEST(OverloadedBody, IsOfTheLighterBody) {
 TEST(OverloadedBody, ColumnsMayGiveLess) {
   EXPECT_TRUE(noted({0, 0, -0.5}, 0.0074, Build::Any).empty());
   EXPECT_FALSE(noted({0, 0, -0.5}, 0.0076, Build::Any).empty());
-  EXPECT_TRUE(noted({0, 0, -0.5}, 0.0024, Build::Columns).empty());
-  EXPECT_FALSE(noted({0, 0, -0.5}, 0.0026, Build::Columns).empty());
+  EXPECT_TRUE(noted({0, 0, -0.5}, 0.0021, Build::Columns).empty());
+  EXPECT_FALSE(noted({0, 0, -0.5}, 0.0022, Build::Columns).empty());
 }
 
 TEST(OverloadedBody, IsMeasuredAgainstThickness) {

@@ -103,9 +103,10 @@ std::span<const SolveMode> SolverSelection::choose(const LoadInput& input) {
     if (!(has.lasts || has.deep) || has.failed || modes_[island] == SolveMode::Direct) continue;
     const bool small = islands.body_count(island) <= tuning::most_bodies;
     const Build build = build_of(islands, island);
-    if (build == Build::Columns || (has.deep && small)) {
-      modes_[island] = has_locks(input, island) ? SolveMode::Refined : SolveMode::Direct;
-    } else if (has.lasts && has.sags && build == Build::Any) {
+    const bool at_once = build == Build::Columns || (has.deep && small);
+    if (at_once && !has_locks(input, island)) {
+      modes_[island] = SolveMode::Direct;
+    } else if (has.lasts && has.sags && build != Build::Joined) {
       modes_[island] = SolveMode::Refined;
     }
     const bool as_fine = !input.refines || refinement_of(input.settings, input.dt) == 1;
