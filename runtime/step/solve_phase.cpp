@@ -1,6 +1,7 @@
 #include "step/solve_phase.h"
 
 #include <features/with_direct_contacts.h>
+#include <features/with_joints.h>
 #include <features/with_surfaces.h>
 #include <jobs/arrays.h>
 #include <jobs/stopwatch.h>
@@ -47,6 +48,8 @@ solver::SolverSettings settings_of(const Stores& world, int asked, int substeps,
   how.substeps *= times;
   return how;
 }
+
+constexpr bool solves_directly = with_direct_contacts || with_joints;
 
 bool selects_solvers(const Settings& settings) {
   return with_direct_contacts && settings.stabilisation == Stabilisation::Soft &&
@@ -115,8 +118,8 @@ bool SolvePhase::choose_substeps(Stores& world, const StepContext& step, const I
 
 void SolvePhase::choose_modes(Stores& world, const StepContext& step, IslandPhase& islands) {
   std::span<const SolveMode> modes;
-  if (with_direct_contacts && !world.active.in_order().empty()) world.selection.resize(world.bodies.size());
-  if (with_direct_contacts && selects_solvers(world.settings)) {
+  if (solves_directly && !world.active.in_order().empty()) world.selection.resize(world.bodies.size());
+  if constexpr (solves_directly) {
     const solver::SolverSettings how = settings_now(world, step.substeps);
     const solver::LoadInput input = {.islands = islands.islands(),
                                      .bodies = world.bodies,
@@ -128,9 +131,9 @@ void SolvePhase::choose_modes(Stores& world, const StepContext& step, IslandPhas
                                      .joint_systems = &islands.joint_systems(),
                                      .refines = !world.settings.target.penetration};
     const bool all = world.settings.contact_solver == ContactSolver::Direct;
-    modes = all ? world.selection.choose_direct(input) : world.selection.choose(input);
-  } else if (with_direct_contacts) {
-    world.selection.forget_all();
+    modes = !selects_solvers(world.settings) ? world.selection.choose_untouched(input)
+            : all                            ? world.selection.choose_direct(input)
+                                             : world.selection.choose(input);
   } else {
     world.selection.forget_arrived();
   }
@@ -230,7 +233,7 @@ void SolvePhase::solve_groups(Stores& world, const StepContext& step, const solv
   };
 
   group_reports_.assign(groups_.size(), {});
-  prepare_direct_solvers();
+  prepare_direct_solvers(islands.islands());
   step.arena.parallel_for(groups_.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t g = begin; g < end; ++g) {
       if (groups_[g].large) continue;
@@ -252,14 +255,14 @@ void SolvePhase::solve_groups(Stores& world, const StepContext& step, const solv
   note_modes(world, islands.islands(), step.report.counts);
 }
 
-// One for each group that is to be solved at once, which keeps its order of elimination.
-void SolvePhase::prepare_direct_solvers() {
-  if constexpr (!with_direct_contacts) return;
+// One for each group of contacts that is to be solved at once, which keeps its order of elimination.
+void SolvePhase::prepare_direct_solvers(const solver::Islands& islands) {
+  if constexpr (!solves_directly) return;
   direct_.of_group.clear();
   direct_.reports.clear();
   std::size_t count = 0;
   for (std::size_t g = 0; g < groups_.size() && !modes_.empty(); ++g) {
-    if (mode_of(groups_[g]) != SolveMode::Direct) continue;
+    if (mode_of(groups_[g]) != SolveMode::Direct || islands.contact_count(groups_[g].begin) == 0) continue;
     direct_.of_group.resize(groups_.size(), nullptr);
     if (count == direct_.solvers.size()) direct_.solvers.push_back(std::make_unique<solver::DirectIsland>());
     direct_.of_group[g] = direct_.solvers[count++].get();
@@ -269,12 +272,21 @@ void SolvePhase::prepare_direct_solvers() {
 }
 
 bool SolvePhase::solve_directly(const solver::SolveInput& input, std::size_t group, bool profile) {
-  if constexpr (!with_direct_contacts) return false;
-  if (direct_.of_group.empty() || direct_.of_group[group] == nullptr) return false;
+  if constexpr (!solves_directly) return false;
+  if (mode_of(groups_[group]) != SolveMode::Direct) return false;
+  const solver::DirectIslandInput of_island = input.of_direct_islands();
+  const std::size_t place = groups_[group].begin;
+  if (input.islands.contact_count(place) == 0) {
+    const std::uint32_t joint = input.islands.joints(place, place + 1).front().joint;
+    if (!input.joint_systems->of(input.joint_graph->component_of(joint)).solve(of_island)) return false;
+    for (const std::uint32_t body : input.islands.bodies(place, place + 1)) {
+      group_reports_[group].gyroscopic_bodies += input.bodies.gyroscopic[body];
+    }
+    return true;
+  }
   solver::DirectIsland& direct = *direct_.of_group[group];
   solver::DirectIslandReport& report = direct_.reports[group];
   const auto begin = jobs::Clock::now();
-  const solver::DirectIslandInput of_island = input.of_direct_islands();
   if (direct.analyse(of_island, groups_[group])) {
     report = direct.solve(of_island);
   } else {
@@ -292,7 +304,7 @@ bool SolvePhase::solve_directly(const solver::SolveInput& input, std::size_t gro
 
 // What is overloaded now, and what could not be solved at once, which decide on the next step's modes.
 void SolvePhase::note_modes(Stores& world, const solver::Islands& islands, StepCounts& counts) {
-  if constexpr (!with_direct_contacts) return;
+  if constexpr (!solves_directly) return;
   all_overloaded_.clear();
   overloaded_.for_each([&](std::vector<solver::OverloadedBody>& of_worker) {
     all_overloaded_.insert(all_overloaded_.end(), of_worker.begin(), of_worker.end());
@@ -319,6 +331,7 @@ void SolvePhase::note_modes(Stores& world, const solver::Islands& islands, StepC
     const solver::IslandGroup& group = groups_[g];
     const SolveMode mode = mode_of(group);
     if (mode == SolveMode::Sweep) continue;
+    if (islands.contact_count(group.begin) == 0) continue;
     SelectedSolve island = describe(group.begin, all ? asked_for : world.selection.why(group.begin));
     const auto& phase_ms = group_reports_[g].phase_ms;
     island.ms = std::accumulate(phase_ms.begin(), phase_ms.end(), 0.0);

@@ -68,7 +68,7 @@ class SolvePhase {
   void solve_groups(Stores& world, const StepContext& step, const solver::AddedSlip* added_slips, IslandPhase& islands);
   solver::SolveMode mode_of(const solver::IslandGroup& group) const;
   int substeps_of(const solver::IslandGroup& group, int asked) const;
-  void prepare_direct_solvers();
+  void prepare_direct_solvers(const solver::Islands& islands);
   bool solve_directly(const solver::SolveInput& input, std::size_t group, bool profile);
   void note_modes(Stores& world, const solver::Islands& islands, StepCounts& counts);
 

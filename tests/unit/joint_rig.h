@@ -135,8 +135,14 @@ inline GroupReport JointRig::step(double dt, int count) {
   }
   Islands islands;
   islands.build(candidates, awake, {}, graph.links());
+  std::vector<std::uint32_t> company(islands.count(), 0);
+  for (std::size_t island = 0; island < islands.count(); ++island) {
+    const std::span<const JointLink> links = islands.joints(island, island + 1);
+    const bool at_once = !links.empty() && systems.is_direct(graph.component_of(links.front().joint));
+    if (at_once) company[island] = Islands::none;
+  }
   std::vector<IslandGroup> groups;
-  pack_groups(islands, one_each, {}, groups);
+  pack_groups(islands, one_each, company, groups);
   FastBodies fast(std::max(1, team));
   collision::MotionBounds bounds;
   bounds.resize(bodies.size());
@@ -159,6 +165,10 @@ inline GroupReport JointRig::step(double dt, int count) {
                            .joint_graph = &graph,
                            .joint_systems = &systems};
     for (const IslandGroup& group : groups) {
+      if (company[group.begin] == Islands::none) {
+        const JointLink& link = islands.joints(group.begin, group.end).front();
+        if (systems.of(graph.component_of(link.joint)).solve(input.of_direct_islands())) continue;
+      }
       if (team == 0) {
         report = solver_.solve(input, group);
         continue;

@@ -69,6 +69,7 @@ RowLaw RowLaw::of(const Law& law, const JointRow& at, double effective_mass, dou
   row.upper_rate = std::max((law.upper - at.value) / h, -tuning::closing_speed);
   row.motor_speed = at.share * law.motor_speed;
   row.motor_impulse = h * law.motor_force;
+  if (compliance > 0) row.soften_motor(effective_mass);
   if (!(effective_mass > 0)) return row;
   if (law.springs() || law.armature > 0) {
     const LinearStep spring = LinearStep::of_spring(law, at, effective_mass, effective_mass, h);
@@ -150,6 +151,10 @@ double kick_correction(const Law& law, const JointRow& at, double effective_mass
   const double by_rate = h * h / 6 * force.square_of_omega, by_acceleration = h * h / 6 * force.decay;
   if (force.is_stiff(h) || by_rate > 0.5 * h * force.decay) return 0;
   return moved * (by_rate * rate + by_acceleration * acceleration);
+}
+
+void RowLaw::soften_motor(double effective_mass) {
+  if (motor_impulse > 0 && motor_slope == 0) motor_slope = effective_mass / tuning::friction_compliance;
 }
 
 double RowLaw::motor_impulse_at(double rate) const {

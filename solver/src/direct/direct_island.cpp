@@ -6,6 +6,7 @@
 #include <span>
 
 #include "direct/island_contacts.h"
+#include "direct/island_joints.h"
 #include "direct/island_results.h"
 #include "direct/island_solves.h"
 
@@ -33,13 +34,22 @@ bool IslandMembers::take_in(const DirectIslandInput& input, const IslandGroup& g
   const auto same_pairs = [&](const auto& now, const auto& before) {
     return std::equal(now.begin(), now.end(), before.begin(), before.end(), same_pair);
   };
-  const bool same = std::equal(bodies_now.begin(), bodies_now.end(), bodies.begin(), bodies.end()) &&
+  const auto row_count = [&](const JointLink& link) { return input.joints[link.joint].row_count(); };
+  const auto same_rows = [&](const JointLink& link, std::uint8_t before) { return row_count(link) == before; };
+  const bool same = std::equal(joints_now.begin(), joints_now.end(), rows.begin(), rows.end(), same_rows) &&
+                    std::equal(bodies_now.begin(), bodies_now.end(), bodies.begin(), bodies.end()) &&
                     same_pairs(contacts_now, contacts) && same_pairs(joints_now, joints);
   island = group.begin;
   first_rank = input.islands.first_rank(group.begin);
   bodies.assign(bodies_now.begin(), bodies_now.end());
   contacts.assign(contacts_now.begin(), contacts_now.end());
   joints.assign(joints_now.begin(), joints_now.end());
+  rows.clear();
+  ends.clear();
+  for (const JointLink& link : joints) {
+    rows.push_back(static_cast<std::uint8_t>(row_count(link)));
+    ends.emplace_back(local(input, link.first), local(input, link.second));
+  }
   return same;
 }
 
@@ -61,7 +71,8 @@ bool DirectIsland::analyse(const DirectIslandInput& input, const IslandGroup& gr
   motions_ = IslandMotions();
   bodies_ = std::vector<MovingBody>();
   const std::size_t count = members_.bodies.size();
-  return fits_ = count <= tuning::most_bodies && motions_.search.matrix.analyse(count, members_.couplings(input));
+  return fits_ = count <= tuning::most_bodies &&
+                 motions_.search.matrix.analyse(count, members_.couplings(input), most_factor_blocks(count, true));
 }
 
 DirectIslandReport DirectIsland::solve(const DirectIslandInput& input) {

@@ -9,6 +9,11 @@ namespace {
 constexpr int along(int axis) { return axis == 0 ? 0 : 2 + axis; }
 constexpr int about(int axis) { return axis == 0 ? 5 : axis; }
 
+constexpr double at_rest[6] = {};
+
+Vector3 linear(const double* velocity) { return {velocity[0], velocity[1], velocity[2]}; }
+Vector3 angular(const double* velocity) { return {velocity[3], velocity[4], velocity[5]}; }
+
 }  // namespace
 
 void DirectContact::add_motion(double sign, const Vector3& arm, const Vector3& v, const Vector3& w, Six& to) const {
@@ -63,27 +68,64 @@ void DirectContact::add_impulse(const Six& impulse, double sign, std::vector<dou
   add(second, arm_second, sign);
 }
 
+JointRow DirectJoint::row(std::size_t r) const {
+  if (r >= point_rows()) return at[r];
+  const Vector3 along = Vector3::Unit(static_cast<Eigen::Index>(r));
+  return {.linear = along, .angular_first = arm_first.cross(along), .angular_second = arm_second.cross(along)};
+}
+
 double DirectJoint::rate_by(const std::vector<double>& velocities, std::size_t row, double start) const {
   double sum = start;
+  const JointRow& of = at[row];
   const auto add = [&](std::uint32_t body, const Vector3& angular, double sign) {
     if (body == no_body) return;
-    sum += sign * (at[row].linear.dot(linear_part(velocities, body)) + angular.dot(angular_part(velocities, body)));
+    sum += sign * (of.linear.dot(linear_part(velocities, body)) + angular.dot(angular_part(velocities, body)));
   };
-  add(first, at[row].angular_first, -1);
-  add(second, at[row].angular_second, 1);
+  add(first, of.angular_first, -1);
+  add(second, of.angular_second, 1);
   return sum;
 }
 
-void DirectJoint::add_impulse(std::size_t row, double row_impulse, std::vector<double>& to) const {
-  const auto add = [&](std::uint32_t body, const Vector3& angular, double side) {
+void DirectJoint::rates_by(const double* velocities, double* rates) const {
+  const double* a = first == no_body ? at_rest : velocities + 6 * first;
+  const double* b = second == no_body ? at_rest : velocities + 6 * second;
+  const Vector3 apart = linear(b) - linear(a);
+  const Vector3 spin_a = angular(a), spin_b = angular(b);
+  std::size_t r = 0;
+  if (point) {
+    const Vector3 rate = apart + (spin_b.cross(arm_second) - spin_a.cross(arm_first));
+    for (; r < 3; ++r) rates[r] = rate[static_cast<Eigen::Index>(r)];
+  }
+  for (; r < rows; ++r) {
+    const JointRow& row = at[r];
+    rates[r] = row.linear.dot(apart) + (row.angular_second.dot(spin_b) - row.angular_first.dot(spin_a));
+  }
+}
+
+void DirectJoint::add_impulses(const double* impulses, double* momenta) const {
+  Vector3 force = Vector3::Zero(), couple_first = Vector3::Zero(), couple_second = Vector3::Zero();
+  std::size_t r = 0;
+  if (point) {
+    force = linear(impulses);
+    couple_first = arm_first.cross(force);
+    couple_second = arm_second.cross(force);
+    r = 3;
+  }
+  for (; r < rows; ++r) {
+    force += impulses[r] * at[r].linear;
+    couple_first += impulses[r] * at[r].angular_first;
+    couple_second += impulses[r] * at[r].angular_second;
+  }
+  const auto add = [&](std::uint32_t body, double side, const Vector3& couple) {
     if (body == no_body) return;
+    double* to = momenta + 6 * body;
     for (int k = 0; k < 3; ++k) {
-      to[6 * body + k] += side * at[row].linear[k];
-      to[6 * body + 3 + k] += side * angular[k];
+      to[k] += side * force[k];
+      to[3 + k] += side * couple[k];
     }
   };
-  add(first, at[row].angular_first, -row_impulse);
-  add(second, at[row].angular_second, row_impulse);
+  add(first, -1, couple_first);
+  add(second, 1, couple_second);
 }
 
 }  // namespace atl::solver

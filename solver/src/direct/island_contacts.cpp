@@ -129,6 +129,7 @@ void warm_start(const DirectIslandInput& input, double share, DirectContact& con
 // where it is: all points that it touches with may come to push. Beside others such a contact is idle, as between the
 // boxes of a row, and pushes only where its bodies close.
 void guess_idle_contacts(double dt, IslandProblem& problem) {
+  if (problem.contacts.empty()) return;
   std::vector<bool> carried(problem.bodies.size());
   for (const DirectContact& contact : problem.contacts) {
     if (!(contact.answer.load() > 0)) continue;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "direct/island_joints.h"
+#include "direct/joint_leapfrog.h"
 
 namespace atl::solver {
 namespace {
@@ -19,8 +20,7 @@ double gap_of(const Joint& of, const DirectJoint& joint, std::size_t row, double
 }
 
 // Of all rows of a joint, at these poses.
-DirectJoint::Rows<double> gaps_of(const Joint& of, const DirectJoint& joint, const IslandPoses& poses) {
-  DirectJoint::Rows<double> gap = {};
+void find_gaps(const Joint& of, const DirectJoint& joint, const IslandPoses& poses, DirectJoint::Rows<double>& gap) {
   const BodyPose first = poses.of(joint.first, joint.first_body);
   const BodyPose second = poses.of(joint.second, joint.second_body);
   std::size_t r = 0;
@@ -29,42 +29,40 @@ DirectJoint::Rows<double> gaps_of(const Joint& of, const DirectJoint& joint, con
                            (second.orientation * of.anchor_second - first.orientation * of.anchor_first);
     for (; r < 3; ++r) gap[r] = offset[static_cast<Eigen::Index>(r)];
   }
-  if (r == joint.rows) return gap;
+  if (r == joint.rows) return;
   const JointFrames frames = joint_frames(of, first.position, first.orientation, second.position, second.orientation);
   for (std::size_t k = 0; r < joint.rows; ++r, ++k) {
     gap[r] = gap_of(of, joint, r, law_row(of, k, frames, joint.position[r]).at.value);
   }
-  return gap;
 }
 
 double widest(const DirectJoint& joint, const DirectJoint::Rows<double>& gap) {
   double most = 0;
   for (std::size_t r = 0; r < joint.rows; ++r) {
-    if (!joint.torn[r]) most = std::max(most, std::abs(gap[r]));
+    most = std::max(most, std::abs(gap[r]));
   }
   return most;
 }
 
-// The widest of what is not torn.
 double widest_gap(const Joint* joints, const std::vector<DirectJoint>& all, const IslandPoses& poses) {
   double most = 0;
+  DirectJoint::Rows<double> gap;
   for (const DirectJoint& joint : all) {
-    most = std::max(most, widest(joint, gaps_of(joints[joint.joint], joint, poses)));
+    find_gaps(joints[joint.joint], joint, poses, gap);
+    most = std::max(most, widest(joint, gap));
   }
   return most;
 }
 
-// Keeps all gaps. Returns the widest of what is not torn.
+// Keeps all gaps. Returns the widest.
 double note_gaps(const Joint* joints, const IslandPoses& poses, std::vector<DirectJoint>& all) {
   double most = 0;
   for (DirectJoint& joint : all) {
-    joint.gap = gaps_of(joints[joint.joint], joint, poses);
+    find_gaps(joints[joint.joint], joint, poses, joint.gap);
     most = std::max(most, widest(joint, joint.gap));
   }
   return most;
 }
-
-constexpr auto sound_gap = [](const DirectJoint& joint, std::size_t r) { return joint.torn[r] ? 0 : joint.gap[r]; };
 
 // m or rad, of what would close joints.
 double longest_move(const std::vector<double>& by) {
@@ -87,64 +85,82 @@ double move_closer(const DirectIslandInput& input, double time, double gap_befor
   return 0;
 }
 
-// What was apart as the step began is closed by no velocity, or bodies would fly.
-void close_tears(double h, std::vector<MovingBody>& bodies, IslandMotions& motions) {
-  find_closing_motion(motions.problem, motions.search, [&](const DirectJoint& joint, std::size_t r) {
-    return joint.torn[r] ? std::clamp(joint.gap[r], -h * tuning::closing_speed, h * tuning::closing_speed) : 0;
-  });
-  if (longest_move(motions.search.direction) <= tuning::far_at_rest) move(bodies, 1, motions.search.direction);
+// Bodies keep the velocities by which joints were closed, and rotors turn with them, unless that makes energy. Returns
+// whether they do.
+bool gain_by_closing(const Joint* joints, std::span<const MovingBody> bodies, double scale, IslandMotions& motions) {
+  std::vector<double>& direction = motions.search.direction;
+  std::vector<double>& after = motions.search.gradient;
+  IslandProblem& problem = motions.problem;
+  for (std::size_t i = 0; i < direction.size(); ++i) after[i] = motions.lasting[i] + scale * direction[i];
+  const bool alone = problem.contacts.empty();
+  if (gains_energy(joints, problem, bodies, motions.lasting, after, Rotors::Keep)) return false;
+  for (DirectJoint& joint : problem.joints) {
+    if (!alone || !joints[joint.joint].is_actuated()) continue;
+    for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) joint.kept[r] += scale * joint.rate_by(direction, r);
+  }
+  motions.lasting.swap(after);
+  return true;
+}
+
+// Coordinates go with the bodies: of those that are a rate only nothing else tells where they are.
+void follow_coordinates(const std::vector<double>& direction, double share, std::vector<DirectJoint>& all) {
+  for (DirectJoint& joint : all) {
+    for (std::size_t r = joint.point ? 3 : 0; r < joint.rows; ++r) {
+      joint.position[r] += share * joint.rate_by(direction, r);
+    }
+  }
 }
 
 }  // namespace
 
-bool note_tears(const Joint* joints, std::vector<DirectJoint>& all) {
-  bool any = false;
-  for (DirectJoint& joint : all) {
-    for (std::size_t r = 0; r < joint.rows; ++r) {
-      const Law& law = law_of(joints[joint.joint], r);
-      joint.torn[r] = law.locked() && std::abs(joint.at[r].value - law.lower) > tuning::torn;
-      any |= joint.torn[r];
-    }
-  }
-  return any;
-}
-
-// By Newton's method: by one step along the rows of the substep's start, or where that is not near, along rows that
-// follow. There a taut chain of light links would rather turn them far than move what it pulls on; what holds it
-// straight is the stiffness of its tension.
-void close_joints(const DirectIslandInput& input, double time, double h, bool torn, std::vector<MovingBody>& bodies,
+// By Newton's method: by one step along the rows of the substep's start, and where gaps are left, along rows that
+// follow. Under what presses on joints, where that is not near, along rows that follow alone: there a taut chain of
+// light links would rather turn them far than move what it pulls on; what holds it straight is the stiffness of its
+// tension.
+void close_joints(const DirectIslandInput& input, double time, double h, std::vector<MovingBody>& bodies,
                   IslandMotions& motions) {
   IslandProblem& problem = motions.problem;
+  const bool pressed = !problem.contacts.empty();
+  const auto closed = [](const DirectJoint& joint, std::size_t r) { return joint.gap[r]; };
   const IslandPoses poses{input.bodies, bodies, time};
   double most = note_gaps(input.joints, poses, problem.joints);
-  bool tightens = follow_tension(problem, h);
+  bool tightens = pressed && follow_tension(problem, h);
   for (int round = 0; round == 0 || (most > tuning::open_gap && round < tuning::most_closing_steps); ++round) {
-    if (most > tuning::open_gap || tightens) {
+    if (round > 0 || (pressed && (most > tuning::open_gap || tightens))) {
       tightens = false;
       place_joints(input, time, h, bodies, problem);
+      if (motions.search.matrix.joints() == nullptr) weigh_locks(input.joints, problem);
       if (!motions.search.matrix.factor(problem)) return;
+    } else if (!pressed && !is_factored(problem) && !motions.search.matrix.factor(problem)) {
+      return;
     }
-    find_closing_motion(problem, motions.search, sound_gap);
-    const double share = move_closer(input, time, most, bodies, motions);
+    find_closing_motion(problem, motions.search, closed);
+    // Where little is open and closed by short moves, less is left.
+    const double longest = pressed ? 0 : longest_move(motions.search.direction);
+    const bool near = !pressed && most <= tuning::open_gap && longest * longest <= tuning::open_gap;
+    const double share = near ? 1 : move_closer(input, time, most, bodies, motions);
+    if (near) move(bodies, 1, motions.search.direction);
     if (share == 0) break;
-    if (!motions.pushes) {
-      const std::vector<double>& direction = motions.search.direction;
-      for (std::size_t i = 0; i < direction.size(); ++i) motions.lasting[i] += share * direction[i] / h;
+    follow_coordinates(motions.search.direction, share, problem.joints);
+    if (pressed || round == 0) {
+      const bool gains = motions.pushes || gain_by_closing(input.joints, bodies, share / h, motions);
+      if (gains) add_closing_impulses(problem, motions.search, closed, share / h);
     }
-    add_closing_impulses(problem, motions.search, sound_gap, share / h);
-    follow_tension(problem, h);
+    if (near) break;
+    if (pressed) follow_tension(problem, h);
     most = note_gaps(input.joints, poses, problem.joints);
   }
-  if (torn) close_tears(h, bodies, motions);
+  if (!pressed) follow_tension(problem, h);
 }
 
 void settle_joints(const DirectIslandInput& input, std::vector<MovingBody>& bodies, IslandMotions& motions) {
   const IslandPoses poses{input.bodies, bodies, input.dt};
   if (note_gaps(input.joints, poses, motions.problem.joints) <= tuning::settled_gap) return;
-  find_closing_motion(motions.problem, motions.search, [](const DirectJoint& joint, std::size_t r) {
-    return joint.law[r].locked && !joint.torn[r] ? joint.gap[r] : 0;
-  });
-  if (longest_move(motions.search.direction) <= tuning::far_at_rest) move(bodies, 1, motions.search.direction);
+  find_closing_motion(motions.problem, motions.search,
+                      [](const DirectJoint& joint, std::size_t r) { return joint.law[r].locked ? joint.gap[r] : 0; });
+  if (longest_move(motions.search.direction) > tuning::far_at_rest) return;
+  move(bodies, 1, motions.search.direction);
+  follow_coordinates(motions.search.direction, 1, motions.problem.joints);
 }
 
 }  // namespace atl::solver

@@ -5,17 +5,14 @@
 #include <solver/direct/island_motions.h>
 #include <solver/direct/moving_bodies.h>
 
+#include <span>
 #include <vector>
 
 namespace atl::solver {
 
-/// Notes which locked rows are apart as the step begins, as no substep leaves them: these were put apart from outside.
-/// Returns whether there are any.
-bool note_tears(const Joint* joints, std::vector<DirectJoint>& all);
-
 /// Closes what bodies' turns in a substep of h seconds have left open, `time` seconds into the step, in their poses and
-/// in the velocities that they keep; and what is torn, in poses alone.
-void close_joints(const DirectIslandInput& input, double time, double h, bool torn, std::vector<MovingBody>& bodies,
+/// in the velocities that they keep, unless these make energy.
+void close_joints(const DirectIslandInput& input, double time, double h, std::vector<MovingBody>& bodies,
                   IslandMotions& motions);
 
 /// Closes what that has left, in poses, at the end of the step.

@@ -3,15 +3,19 @@
 #include <solver/direct/island_matrix.h>
 #include <solver/tuning.h>
 
+#include <algorithm>
+#include <cmath>
+
 namespace atl::solver {
 namespace {
 
-JointRow point_row(int axis, const Vector3& arm_first, const Vector3& arm_second) {
-  JointRow row;
-  row.linear = Vector3::Unit(axis);
-  row.angular_first = arm_first.cross(row.linear);
-  row.angular_second = arm_second.cross(row.linear);
-  return row;
+// 1/kg: the responses of a point's three rows, the diagonal of [arm] W [arm]^T and 1 / m.
+void add_point_response(const DirectBody& body, const Vector3& arm, double (&to)[3]) {
+  const Matrix3& w = body.inverse_inertia;
+  const double x = arm.x(), y = arm.y(), z = arm.z();
+  to[0] += body.inverse_mass + (z * z * w(1, 1) + y * y * w(2, 2) - 2 * (y * z * w(2, 1)));
+  to[1] += body.inverse_mass + (z * z * w(0, 0) + x * x * w(2, 2) - 2 * (x * z * w(2, 0)));
+  to[2] += body.inverse_mass + (y * y * w(0, 0) + x * x * w(1, 1) - 2 * (x * y * w(1, 0)));
 }
 
 void place_arms(const Joint* joints, const IslandPoses& poses, std::vector<DirectJoint>& all) {
@@ -23,14 +27,7 @@ void place_arms(const Joint* joints, const IslandPoses& poses, std::vector<Direc
 }
 
 void place_rows(const Joint& of, const BodyPose& first, const BodyPose& second, DirectJoint& joint) {
-  std::size_t r = 0;
-  if (of.point) {
-    const Vector3 offset = (second.position - first.position) + (joint.arm_second - joint.arm_first);
-    for (; r < 3; ++r) {
-      joint.at[r] = point_row(static_cast<int>(r), joint.arm_first, joint.arm_second);
-      joint.at[r].value = offset[static_cast<Eigen::Index>(r)];
-    }
-  }
+  std::size_t r = joint.point_rows();
   if (r == joint.rows) return;
   const JointFrames frames = joint_frames(of, first.position, first.orientation, second.position, second.orientation);
   for (std::size_t k = 0; r < joint.rows; ++r, ++k) {
@@ -40,18 +37,33 @@ void place_rows(const Joint& of, const BodyPose& first, const BodyPose& second, 
   }
 }
 
-// Effective masses of rows, and their rates by what doesn't respond.
-void weigh_rows(const BodyTable& table, const std::vector<DirectBody>& bodies, DirectJoint& joint) {
+// Effective masses of rows: `locked`, or of the others.
+void weigh_rows(const Joint& of, const std::vector<DirectBody>& bodies, bool locked, DirectJoint& joint) {
   const auto response = [&](std::uint32_t body, const Vector3& linear, const Vector3& angular) {
     if (body == no_body) return 0.0;
     const DirectBody& b = bodies[body];
     return linear.squaredNorm() / b.mass + angular.dot(b.inverse_inertia * angular);
   };
-  for (std::size_t r = 0; r < joint.rows; ++r) {
+  if (joint.point && locked) {
+    double responds[3] = {0, 0, 0};
+    if (joint.first != no_body) add_point_response(bodies[joint.first], joint.arm_first, responds);
+    if (joint.second != no_body) add_point_response(bodies[joint.second], joint.arm_second, responds);
+    for (std::size_t r = 0; r < 3; ++r) joint.mass[r] = 1 / responds[r];
+  }
+  for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) {
+    if (law_of(of, r).locked() != locked) continue;
     const JointRow& at = joint.at[r];
     const double responds =
         response(joint.first, at.linear, at.angular_first) + response(joint.second, at.linear, at.angular_second);
     joint.mass[r] = responds > 0 ? 1 / responds : 0;
+  }
+}
+
+// The rates of rows by what doesn't respond.
+void give_rates(const BodyTable& table, DirectJoint& joint) {
+  if (joint.first != no_body && joint.second != no_body) return;
+  for (std::size_t r = 0; r < joint.rows; ++r) {
+    const JointRow at = joint.row(r);
     joint.given[r] = 0;
     if (joint.first == no_body) {
       joint.given[r] -= at.linear.dot(table.velocity(joint.first_body)) +
@@ -64,35 +76,49 @@ void weigh_rows(const BodyTable& table, const std::vector<DirectBody>& bodies, D
   }
 }
 
-// Before the substep's forces.
-double rate_of(const std::vector<double>& velocities, const DirectJoint& joint, std::size_t row) {
-  return joint.rate_by(velocities, row, joint.given[row]);
+// Its locks ask for no rate.
+void release_point(DirectJoint& joint) {
+  for (std::size_t r = 0; r < joint.point_rows(); ++r) joint.bend[r] = joint.law[r].lock_rate = 0;
 }
 
 }  // namespace
 
-bool load_joints(const DirectIslandInput& input, const IslandMembers& members, std::vector<DirectJoint>& joints) {
-  bool all_locked = true;
+RowKinds load_joints(const Joint* all, const IslandMembers& members, std::vector<DirectJoint>& joints) {
+  RowKinds kinds;
   for (std::size_t j = 0; j < members.joints.size(); ++j) {
     const JointLink& link = members.joints[j];
-    const Joint& from = input.joints[link.joint];
+    const Joint& from = all[link.joint];
     DirectJoint& joint = joints[j];
     joint.joint = link.joint;
     joint.first_body = link.first;
     joint.second_body = link.second;
-    joint.first = members.local(input, link.first);
-    joint.second = members.local(input, link.second);
+    joint.first = members.ends[j].first;
+    joint.second = members.ends[j].second;
+    joint.point = from.point;
     joint.rows = from.row_count();
     joint.tension = from.tension;
     joint.position = {};
+    joint.given = {};
     joint.impulse = {};
-    const std::size_t points = from.point ? 3 : 0;
+    joint.rate = joint.kept = {};
+    joint.bend = {};
+    joint.bounces = {};
+    joint.impact = {};
+    joint.limit = joint.motor_bound = {};
+    const std::size_t points = joint.point_rows();
+    for (std::size_t r = 0; r < joint.rows; ++r) joint.law[r] = {.locked = law_of(from, r).locked()};
     for (std::size_t r = points; r < joint.rows; ++r) {
+      const Law& law = from.law[r - points];
       joint.position[r] = from.position[r - points];
-      all_locked &= from.law[r - points].locked();
+      joint.limit[r] = from.limit[r - points];
+      joint.motor_bound[r] = from.motor_bound[r - points];
+      kinds.all_locked &= law.locked();
+      kinds.acts |= law.looks_back() || law.drives();
+      kinds.looks_back |= law.looks_back();
+      kinds.bounces |= law.restitution > 0;
     }
   }
-  return all_locked;
+  return kinds;
 }
 
 const Law& law_of(const Joint& joint, std::size_t row) {
@@ -109,56 +135,96 @@ void place_joints(const DirectIslandInput& input, double time, double h, std::ve
   for (DirectJoint& joint : problem.joints) {
     place_rows(input.joints[joint.joint], poses.of(joint.first, joint.first_body),
                poses.of(joint.second, joint.second_body), joint);
-    weigh_rows(input.bodies, problem.bodies, joint);
+    weigh_rows(input.joints[joint.joint], problem.bodies, false, joint);
+    give_rates(input.bodies, joint);
   }
   forget_factor(problem);
 }
 
-bool may_bounce(const DirectIslandInput& input, const IslandProblem& problem) {
-  for (const DirectJoint& joint : problem.joints) {
-    const Joint& of = input.joints[joint.joint];
-    if (!of.bounces) continue;
-    for (std::size_t r = of.point ? 3 : 0; r < joint.rows; ++r) {
-      const Law& law = law_of(of, r);
-      const double there = joint.at[r].value + input.dt * rate_of(problem.velocity, joint, r);
-      const bool leaves = there < law.lower - tuning::open_gap || there > law.upper + tuning::open_gap;
-      if (law.restitution > 0 && leaves) return true;
+void weigh_locks(const Joint* joints, IslandProblem& problem) {
+  for (DirectJoint& joint : problem.joints) {
+    const Joint& of = joints[joint.joint];
+    weigh_rows(of, problem.bodies, true, joint);
+    for (std::size_t r = 0; r < joint.rows; ++r) {
+      if (law_of(of, r).locked()) joint.law[r].stiffness = joint.mass[r] / problem.lock_compliance;
     }
   }
-  return false;
 }
 
-void begin_laws(const Joint* joints, double h, const std::vector<double>& velocities, IslandProblem& problem) {
+void note_rates(const std::vector<double>& velocities, std::vector<DirectJoint>& all) {
+  for (DirectJoint& joint : all) {
+    joint.rates_by(velocities.data(), joint.rate_before.data());
+    for (std::size_t r = 0; r < joint.rows; ++r) joint.rate_before[r] += joint.given[r];
+  }
+}
+
+void begin_laws(const Joint* joints, double h, IslandProblem& problem) {
   for (DirectJoint& joint : problem.joints) {
+    release_point(joint);
+    for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) {
+      const Law& law = law_of(joints[joint.joint], r);
+      if (law.locked()) {
+        joint.bend[r] = joint.law[r].lock_rate = 0;
+        continue;
+      }
+      joint.law[r] = RowLaw::of(law, joint.at[r], joint.mass[r], h, problem.lock_compliance);
+      if (law.looks_back()) joint.law[r].start_at(joint.rate_before[r]);
+      joint.rate[r] = joint.rate_before[r];
+      start_at_limit(joint, r);
+    }
+  }
+}
+
+void start_at_limit(DirectJoint& joint, std::size_t row) {
+  constexpr double beyond = 1e-12;
+  const RowLaw& law = joint.law[row];
+  double& rate = joint.rate[row];
+  if (joint.limit[row] < 0) rate = std::min(rate, law.lower_rate - beyond * (1 + std::abs(law.lower_rate)));
+  if (joint.limit[row] > 0) rate = std::max(rate, law.upper_rate + beyond * (1 + std::abs(law.upper_rate)));
+}
+
+void note_impacts(const Joint* joints, double h, std::vector<DirectJoint>& all) {
+  for (DirectJoint& joint : all) {
     for (std::size_t r = 0; r < joint.rows; ++r) {
       const Law& law = law_of(joints[joint.joint], r);
-      joint.law[r] = RowLaw::of(law, joint.at[r], joint.mass[r], h, tuning::compliance);
-      if (law.looks_back()) joint.law[r].start_at(rate_of(velocities, joint, r));
+      if (law.restitution == 0) continue;
+      joint.impact[r] = joint.limit[r] != 0
+                            ? LimitImpact{}
+                            : LimitImpact::of(law, joint.at[r].value, joint.rate_before[r], joint.rate[r], h);
     }
   }
 }
 
 void note_armature(const Joint* joints, const std::vector<double>& velocities, std::vector<DirectJoint>& all) {
   for (DirectJoint& joint : all) {
-    for (std::size_t r = 0; r < joint.rows; ++r) {
-      joint.kept[r] = law_of(joints[joint.joint], r).armature > 0 ? rate_of(velocities, joint, r) : 0;
+    if (!joints[joint.joint].is_actuated()) continue;
+    for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) {
+      joint.kept[r] = law_of(joints[joint.joint], r).armature > 0 ? joint.rate_by(velocities, r, joint.given[r]) : 0;
     }
   }
 }
 
-void hold_rows(const Joint* joints, IslandProblem& problem) {
+void hold_rows(const Joint* joints, bool late, IslandProblem& problem) {
   for (DirectJoint& joint : problem.joints) {
-    for (std::size_t r = 0; r < joint.rows; ++r) {
+    release_point(joint);
+    for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) {
+      const Law& law = law_of(joints[joint.joint], r);
+      if (law.locked()) {
+        joint.bend[r] = joint.law[r].lock_rate = 0;
+        continue;
+      }
       const RowLaw before = joint.law[r];
       joint.law[r] = {};
       joint.limit[r] = static_cast<std::int8_t>(before.limit(joint.rate[r]));
       joint.motor_bound[r] = static_cast<std::int8_t>(before.motor_bound(joint.rate[r]));
       // Rows have turned with the bodies, and an armature pays for what that makes of its rate.
-      joint.law[r].spring_slope = law_of(joints[joint.joint], r).armature;
+      joint.law[r].spring_slope = law.armature;
       joint.law[r].spring_rate = joint.kept[r];
+      joint.bounces[r] = law.restitution > 0 && joint.limit[r] * joint.impact[r].end > 0;
       if (!before.holds(joint.rate[r])) continue;
       joint.law[r].locked = true;
-      joint.law[r].stiffness = joint.mass[r] / tuning::compliance;
+      joint.law[r].stiffness = joint.mass[r] / problem.lock_compliance;
+      if (joint.bounces[r]) joint.law[r].lock_rate = late ? joint.impact[r].leaving_late : joint.impact[r].leaving;
     }
   }
 }
@@ -167,8 +233,11 @@ bool follow_tension(IslandProblem& problem, double h) {
   bool tightens = false;
   for (DirectJoint& joint : problem.joints) {
     Vector3 force = Vector3::Zero();
-    for (std::size_t r = 0; r < joint.rows; ++r) force += (joint.lasting[r] / h) * joint.at[r].linear;
-    const bool grows = force.squaredNorm() > joint.tension.squaredNorm();
+    std::size_t r = joint.point_rows();
+    if (r > 0) force = Eigen::Map<const Vector3>(joint.lasting.data());
+    for (; r < joint.rows; ++r) force += joint.lasting[r] * joint.at[r].linear;
+    force /= h;
+    const bool grows = !problem.contacts.empty() && force.squaredNorm() > joint.tension.squaredNorm();
     const Vector3 change = (grows ? 1 : tuning::tension_smoothing) * (force - joint.tension);
     joint.tension += change;
     const auto turns = [&](std::uint32_t body, const Vector3& arm) {

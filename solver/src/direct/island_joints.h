@@ -10,9 +10,8 @@
 
 namespace atl::solver {
 
-/// Fills in the problem's joints, but for what follows their bodies. Returns whether all rows are locked: then none
-/// goes to another piece of its law.
-bool load_joints(const DirectIslandInput& input, const IslandMembers& members, std::vector<DirectJoint>& joints);
+/// Fills in the problem's joints, but for what follows their bodies.
+RowKinds load_joints(const Joint* all, const IslandMembers& members, std::vector<DirectJoint>& joints);
 
 /// The law of a row, of which those of the point come first, which are locked.
 const Law& law_of(const Joint& joint, std::size_t row);
@@ -21,20 +20,30 @@ const Law& law_of(const Joint& joint, std::size_t row);
 void place_joints(const DirectIslandInput& input, double time, double h, std::vector<MovingBody>& bodies,
                   IslandProblem& problem);
 
-/// Whether a coordinate that bounces at the ends of its range may get there within the step, and not rest there.
-bool may_bounce(const DirectIslandInput& input, const IslandProblem& problem);
+/// After that: how little locked rows give, by their effective masses. A matrix by joints has that from its diagonal.
+void weigh_locks(const Joint* joints, IslandProblem& problem);
 
-/// The laws of rows over a substep of h seconds that starts at `velocities`.
-void begin_laws(const Joint* joints, double h, const std::vector<double>& velocities, IslandProblem& problem);
+/// Notes the rates of rows at `velocities`.
+void note_rates(const std::vector<double>& velocities, std::vector<DirectJoint>& all);
 
-/// After a solution: rows that are held go on, on which impulses of springs and motors act no more.
-void hold_rows(const Joint* joints, IslandProblem& problem);
+/// The laws of rows over a substep of h seconds that starts at the rates that were noted.
+void begin_laws(const Joint* joints, double h, IslandProblem& problem);
+
+/// A row that was at an end of its range is taken to be there still.
+void start_at_limit(DirectJoint& joint, std::size_t row);
+
+/// After a solution with ranges left out, from which it is taken how fast coordinates that bounce come to their ends.
+void note_impacts(const Joint* joints, double h, std::vector<DirectJoint>& all);
+
+/// After a solution: rows that are held go on, on which impulses of springs and motors act no more. What bounces leaves
+/// the end of its range; `late`: with velocities that are half a substep behind positions.
+void hold_rows(const Joint* joints, bool late, IslandProblem& problem);
 
 /// Notes the rates of armatures at these velocities.
 void note_armature(const Joint* joints, const std::vector<double>& velocities, std::vector<DirectJoint>& all);
 
-/// Takes on the force of the last impulses, of h seconds: at once where it grows, and smoothly where it falls. Returns
-/// whether it is far from what bodies' inertia has of it.
+/// Takes on the force of the last impulses, of h seconds: smoothly, but where something presses on joints at once if it
+/// grows. Returns whether it is far from what bodies' inertia has of it.
 bool follow_tension(IslandProblem& problem, double h);
 
 /// Writes impulses, forces and what holds to the joints.

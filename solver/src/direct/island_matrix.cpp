@@ -7,19 +7,35 @@
 
 namespace atl::solver {
 
-bool IslandMatrix::analyse(std::size_t body_count, std::span<const std::pair<std::uint32_t, std::uint32_t>> pairs) {
+std::size_t most_factor_blocks(std::size_t body_count, bool touch) {
+  return (touch ? tuning::factor_blocks_per_body : tuning::factor_blocks_per_joined_body) * body_count;
+}
+
+bool IslandMatrix::analyse(std::size_t body_count, std::span<const std::pair<std::uint32_t, std::uint32_t>> pairs,
+                           std::size_t most_blocks) {
+  joints_.clear();
   const std::vector<std::uint8_t> sizes(body_count, 6);
-  return system_.analyse(sizes, pairs, tuning::factor_blocks_per_body * body_count);
+  return system_.analyse(sizes, pairs, most_blocks);
+}
+
+bool IslandMatrix::analyse_joints(const IslandProblem& problem, std::size_t most_blocks) {
+  if (joints_.analyse(problem)) return true;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+  for (const DirectJoint& joint : problem.joints) {
+    if (joint.first != no_body && joint.second != no_body) pairs.emplace_back(joint.first, joint.second);
+  }
+  return analyse(problem.bodies.size(), pairs, most_blocks);
 }
 
 bool IslandMatrix::factor(IslandProblem& problem) {
+  if (!joints_.empty()) return problem.factored = joints_.factor(problem);
   add_masses(problem.bodies);
   for (DirectContact& contact : problem.contacts) {
     add_stiffness(contact, contact.law.derivative(contact.motion, contact.answer.pieces));
     contact.factored = contact.answer.pieces;
   }
   for (DirectJoint& joint : problem.joints) add_stiffness(joint);
-  return system_.factor();
+  return problem.factored = system_.factor();
 }
 
 void IslandMatrix::add_masses(std::span<const DirectBody> bodies) {
@@ -102,7 +118,7 @@ void IslandMatrix::add_stiffness(DirectJoint& joint) {
     joint.factored[i] = joint.law[i].pieces(joint.rate[i]);
     const double k = joint.law[i].slope(joint.rate[i]);
     if (k == 0) continue;
-    const JointRow& at = joint.at[i];
+    const JointRow at = joint.row(i);
     if (joint.first != no_body) {
       add(joint.first, at.angular_first, joint.first, at.angular_first, at.linear, k);
     }
@@ -120,6 +136,7 @@ void IslandMatrix::add_stiffness(DirectJoint& joint) {
 }
 
 bool is_factored(const IslandProblem& problem) {
+  if (!problem.factored) return false;
   // The stiffness of what slides is another at each motion, but for what nothing presses on.
   return std::all_of(problem.contacts.begin(), problem.contacts.end(),
                      [](const DirectContact& contact) {
@@ -129,15 +146,13 @@ bool is_factored(const IslandProblem& problem) {
                        return contact.factored == pieces && !turns;
                      }) &&
          std::all_of(problem.joints.begin(), problem.joints.end(), [](const DirectJoint& joint) {
-           for (std::size_t r = 0; r < joint.rows; ++r) {
+           for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) {
              if (joint.factored[r] != joint.law[r].pieces(joint.rate[r])) return false;
            }
            return true;
          });
 }
 
-void forget_factor(IslandProblem& problem) {
-  for (DirectContact& contact : problem.contacts) contact.factored.points = 0xff;
-}
+void forget_factor(IslandProblem& problem) { problem.factored = false; }
 
 }  // namespace atl::solver

@@ -41,8 +41,8 @@ void push_contacts_apart(IslandProblem& problem, const SolverSettings& settings,
       contact.law.stiffness[i] = contact.mass[i] * (apart ? 1 / tuning::compliance : parting.stiffness);
       contact.law.bias[i] = apart ? separation / dt : std::max(parting.rate * separation, -settings.contact_push_speed);
     }
-    if (settings.contact_hertz > 0) contact.factored.points = 0xff;
   }
+  if (settings.contact_hertz > 0) forget_factor(problem);
 }
 
 // Tells whether bodies move by other velocities than those they keep: where something overlaps, or contacts are

@@ -3,9 +3,10 @@
 #include <solver/direct/moving_bodies.h>
 #include <solver/tuning.h>
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+
+#include "integrate/matrix3.h"
 
 namespace atl::solver {
 namespace {
@@ -26,30 +27,32 @@ bool load_bodies(const DirectIslandInput& input, const IslandMembers& members, I
                  std::vector<MovingBody>& bodies) {
   const BodyTable& table = input.bodies;
   const bool joined = !members.joints.empty();
-  const double solved_time = joined ? input.substep() : input.dt;
   bodies.resize(members.bodies.size());
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const std::uint32_t body = members.bodies[i];
     MovingBody& moving = bodies[i];
     moving.tumbles = table.gyroscopic[body] != 0;
-    if (moving.tumbles && !(solved_time * table.angular_velocity(body).norm() <= tuning::most_tumble)) return false;
+    if (!joined && moving.tumbles && !(input.dt * table.angular_velocity(body).norm() <= tuning::most_tumble))
+      return false;
+    if (joined && moving.tumbles) moving.top = SplitTop(table.moments[body], table.principal_axes[body]);
     moving.now = moving.start = {table.position(body), table.orientation(body)};
     moving.body_inertia = table.inertia[body];
     moving.acceleration = input.gravity * table.gravity_scale[body] + table.inverse_mass[body] * table.force(body);
 
     DirectBody& of = problem.bodies[i];
     of.body = body;
-    of.mass = 1 / table.inverse_mass[body];
+    of.inverse_mass = table.inverse_mass[body];
+    of.mass = 1 / of.inverse_mass;
     if (!joined && is_seen_heavier(table, body)) {
       const double swing = swing_in_contact(table, body, approach_speed(table, members, body), input.dt);
       of.inertia = inertia_in_contact(table, body, swing);
       of.inverse_inertia = inverse_inertia_in_contact(table, body, swing);
-    } else {
+    } else if (!members.contacts.empty()) {  // which these are weighed with
       const Matrix3 rotation = table.orientation(body).toRotationMatrix();
       of.inertia = rotation * table.inertia[body] * rotation.transpose();
       of.inverse_inertia = rotation * table.inverse_inertia[body] * rotation.transpose();
     }
-    of.radius = std::sqrt(of.inertia.trace() / (3 * of.mass));
+    of.radius = std::sqrt((joined ? table.inertia[body] : of.inertia).trace() / (3 * of.mass));
     linear_part(problem.velocity, i) = table.velocity(body);
     angular_part(problem.velocity, i) = table.angular_velocity(body);
   }
@@ -57,22 +60,21 @@ bool load_bodies(const DirectIslandInput& input, const IslandMembers& members, I
 }
 
 void place_inertia(IslandProblem& problem, std::span<MovingBody> bodies, double h) {
-  for (MovingBody& body : bodies) body.stiffness.setZero();
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    MovingBody& body = bodies[i];
+    const Matrix3 rotation = body.now.orientation.toRotationMatrix();
+    body.inertia = symmetric_product(product(rotation, body.body_inertia), rotation);
+    problem.bodies[i].inertia = body.inertia;
+  }
   for (const DirectJoint& joint : problem.joints) {
     const auto add = [&](std::uint32_t body, const Vector3& arm, const Vector3& force) {
-      if (body != no_body) bodies[body].stiffness += arm_stiffness(arm, force);
+      if (body == no_body || !(arm.dot(force) > 0)) return;
+      add_scaled(problem.bodies[body].inertia, h * h, arm_stiffness(arm, force));
     };
     add(joint.first, joint.arm_first, -joint.tension);
     add(joint.second, joint.arm_second, joint.tension);
   }
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
-    MovingBody& body = bodies[i];
-    const Matrix3 rotation = body.now.orientation.toRotationMatrix();
-    body.inertia = rotation * body.body_inertia * rotation.transpose();
-    DirectBody& of = problem.bodies[i];
-    of.inertia = body.inertia + h * h * body.stiffness;
-    of.inverse_inertia = of.inertia.inverse();
-  }
+  for (DirectBody& body : problem.bodies) body.inverse_inertia = symmetric_inverse(body.inertia);
 }
 
 void move(std::span<MovingBody> bodies, double share, const std::vector<double>& by) {

@@ -21,6 +21,7 @@ class AlongDirection {
     }
   }
 
+  bool has_joints() const { return !problem_.joints.empty(); }
   double slope(double t) const {
     double sum = mass_slope_ + t * mass_curvature_;
     for (const DirectContact& contact : problem_.contacts) {
@@ -44,7 +45,8 @@ class AlongDirection {
 // Jarratt, "A modified regula falsi method for computing the root of an equation", BIT 1971).
 double step_length(const AlongDirection& function) {
   constexpr double flat = 1e-3;  // of the slope at the start
-  constexpr int rounds = 30;
+  // What rubs in a joint holds at rates below 1e-8 of those that there are, and has to be hit.
+  const int rounds = function.has_joints() ? 80 : 30;
   double low = 0;
   double high = 1;
   double slope_low = function.slope(0);
@@ -145,11 +147,9 @@ bool step_by_newton(IslandProblem& problem, BalanceSearch& search) {
 void find_direction(IslandProblem& problem, BalanceSearch& search) {
   std::vector<double>& direction = search.direction;
   for (std::size_t i = 0; i < direction.size(); ++i) direction[i] = -search.gradient[i];
-  search.matrix.solve(direction);
+  search.matrix.solve(problem, direction);
   for (DirectContact& contact : problem.contacts) contact.change = contact.motion_by(direction);
-  for (DirectJoint& joint : problem.joints) {
-    for (std::size_t r = 0; r < joint.rows; ++r) joint.change[r] = joint.rate_by(direction, r);
-  }
+  for (DirectJoint& joint : problem.joints) joint.rates_by(direction.data(), joint.change.data());
 }
 
 }  // namespace atl::solver

@@ -2,7 +2,6 @@
 #include <solver/direct/moving_bodies.h>
 #include <solver/tuning.h>
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -12,31 +11,39 @@
 #include "direct/island_joints.h"
 #include "direct/island_results.h"
 #include "direct/island_solves.h"
+#include "direct/joint_leapfrog.h"
+#include "direct/substeps.h"
+#include "integrate/matrix3.h"
 
 namespace atl::solver {
 namespace {
 
-// Euler's equations by the midpoint rule.
-Vector3 free_spin(const MovingBody& body, const Vector3& spin, const Vector3& torque, double h) {
-  const auto accelerates = [&](const Matrix3& inertia, const Vector3& w) -> Vector3 {
-    return inertia.inverse() * (torque - w.cross(inertia * w));
-  };
-  if (!body.tumbles) return spin + h * (body.inertia.inverse() * torque);
-  const Vector3 middle = spin + 0.5 * h * accelerates(body.inertia, spin);
-  const Matrix3 rotation = turned(0.5 * h * spin, body.now.orientation).toRotationMatrix();
-  return spin + h * accelerates(rotation * body.body_inertia * rotation.transpose(), middle);
+// rad/s^2, by the torque on a body.
+Vector3 turning(const BodyTable& table, std::uint32_t body, const MovingBody& moving) {
+  const Vector3 torque = table.torque(body);
+  return torque.isZero(0) ? Vector3::Zero().eval() : product(symmetric_inverse(moving.inertia), torque);
 }
 
-// The velocities that forces alone would make in a substep.
-void free_velocities_of_substep(const BodyTable& table, const std::vector<MovingBody>& bodies, double h,
+// Whether a body turns other than by its spin alone.
+bool tumbles(const MovingBody& body, const Vector3& spin) {
+  return body.tumbles && spin.squaredNorm() > tuning::least_spin * tuning::least_spin;
+}
+
+// The velocities that forces alone would make in a substep. What touches turns by its spin, along which contacts are
+// held, and tumbles by a change of that.
+void free_velocities_of_substep(const BodyTable& table, const std::vector<MovingBody>& bodies, double h, bool alone,
                                 IslandProblem& problem) {
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const std::uint32_t body = problem.bodies[i].body;
     const auto velocity = linear_part(std::as_const(problem.velocity), i);
-    const auto spin = angular_part(std::as_const(problem.velocity), i);
+    Vector3 spin = angular_part(std::as_const(problem.velocity), i);
+    if (!alone && tumbles(bodies[i], spin)) {
+      Quaternion orientation = bodies[i].now.orientation;
+      bodies[i].top.turn(table.inverse_inertia[body], product(bodies[i].inertia, spin), h, orientation, spin);
+    }
     linear_part(problem.free, i) = (velocity + h * bodies[i].acceleration) / (1 + h * table.linear_damping[body]);
     angular_part(problem.free, i) =
-        free_spin(bodies[i], spin, table.torque(body), h) / (1 + h * table.angular_damping[body]);
+        (spin + h * turning(table, problem.bodies[i].body, bodies[i])) / (1 + h * table.angular_damping[body]);
   }
 }
 
@@ -79,18 +86,311 @@ void hold_resting_points(IslandProblem& problem, double h) {
   }
 }
 
-// Finds velocities that keep the joints at the new poses, and change nothing at contacts that rest: both have had their
-// impulses, and answer to what is left alone. Returns false if there are none.
-bool project(const Joint* joints, IslandMotions& motions, double h) {
-  IslandProblem& problem = motions.problem;
-  problem.free = motions.lasting;
-  problem.velocity = motions.lasting;
-  hold_rows(joints, problem);
-  hold_resting_points(problem, h);
-  if (!solve_on_last_pieces(problem, motions.search)) return false;
-  for (DirectContact& contact : problem.contacts) contact.answer = contact.lasting;
+// Whether joints make loops: more of them than a tree has.
+bool has_loops(const IslandProblem& problem) {
+  const bool anchored = std::any_of(problem.joints.begin(), problem.joints.end(), [](const DirectJoint& joint) {
+    return joint.first == no_body || joint.second == no_body;
+  });
+  return problem.joints.size() > problem.bodies.size() - (anchored ? 0 : 1);
+}
+
+// J, of the bodies alone.
+double kinetic_energy(std::span<const MovingBody> bodies, const IslandProblem& problem,
+                      const std::vector<double>& velocity) {
+  double sum = 0;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const Vector3 spin = angular_part(velocity, i);
+    sum += problem.bodies[i].mass * linear_part(velocity, i).squaredNorm() + spin.dot(product(bodies[i].inertia, spin));
+  }
+  return 0.5 * sum;
+}
+
+// After a linear solution.
+void note_held_impulses(IslandProblem& problem) {
+  for (DirectJoint& joint : problem.joints) {
+    for (std::size_t r = 0; r < joint.rows; ++r) {
+      joint.impulse[r] = joint.law[r].impulse(joint.rate[r] + joint.change[r]);
+    }
+  }
+}
+
+bool any_bounces(const IslandProblem& problem) {
+  for (const DirectJoint& joint : problem.joints) {
+    for (std::size_t r = 0; r < joint.rows; ++r) {
+      if (joint.bounces[r]) return true;
+    }
+  }
+  return false;
+}
+
+int count_rows_at_ends(const IslandProblem& problem) {
+  int count = 0;
+  for (const DirectJoint& joint : problem.joints) {
+    count += static_cast<int>(std::count_if(joint.limit.begin(),
+                                            joint.limit.begin() + static_cast<std::ptrdiff_t>(joint.rows),
+                                            [](int end) { return end != 0; }));
+  }
+  return count;
+}
+
+void stop_bounces(IslandProblem& problem) {
+  for (DirectJoint& joint : problem.joints) {
+    for (std::size_t r = 0; r < joint.rows; ++r) {
+      if (joint.bounces[r]) joint.law[r].lock_rate = 0;
+    }
+  }
+}
+
+}  // namespace
+
+bool Substeps::solve() {
+  const int substeps = input_.settings.substeps;
+  begin();
+  if (alone_) kick(-1);
+  for (int substep = 0; substep < substeps; ++substep) {
+    const double time = h_ * (substep + 1);
+    if (!find_velocities(time)) return false;
+    const bool last = substep + 1 == substeps;
+    if (last && input_.capture != nullptr) capture_contacts(*input_.capture, input_.manifolds, h_, problem_);
+    advance();
+    close_joints(input_, time, h_, bodies_, motions_);
+    place(time);
+    place_contacts({input_.bodies, bodies_, time}, problem_.contacts);
+    if (!project()) return false;
+  }
+  settle_joints(input_, bodies_, motions_);
+  if (alone_) kick(1);
   return true;
 }
+
+void Substeps::begin() {
+  const bool gives = alone_ && has_loops(problem_);
+  problem_.lock_compliance = gives        ? tuning::compliance_of_loops
+                             : by_bodies_ ? tuning::compliance
+                                          : tuning::compliance_of_trees;
+  motions_.search.most_iterations = tuning::most_iterations_if_patient;
+  place(0);
+}
+
+void Substeps::place(double time) {
+  place_joints(input_, time, h_, bodies_, problem_);
+  if (by_bodies_) weigh_locks(input_.joints, problem_);
+}
+
+// Takes half a substep's forces back (-1), or on (1). Springs and servos have their half of it with all others, and
+// joints answer to them together: a spring that bears a load is in balance with it at every instant.
+void Substeps::kick(int sign) {
+  if (rows_.acts) note_rates(problem_.velocity, problem_.joints);
+  problem_.free = problem_.velocity;
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    linear_part(problem_.free, i) += (0.5 * sign * h_) * bodies_[i].acceleration;
+    angular_part(problem_.free, i) += (0.5 * sign * h_) * turning(input_.bodies, problem_.bodies[i].body, bodies_[i]);
+  }
+  if (!rows_.acts && sign < 0) {
+    problem_.velocity = problem_.free;
+    return;
+  }
+  if (!rows_.acts) {
+    motions_.lasting = problem_.free;
+    for (DirectJoint& joint : problem_.joints) {
+      for (std::size_t r = 0; r < joint.rows; ++r) {
+        if (joint.bounces[r]) joint.law[r].lock_rate = joint.impact[r].leaving;
+      }
+    }
+    static_cast<void>(solve_held_rows());
+    return;
+  }
+  begin_kick(input_.joints, h_, sign, problem_);
+  const auto find = [&] {
+    const bool found = solve_rows();
+    if (!found) problem_.velocity = problem_.free;
+    return found;
+  };
+  if (!find() || !rows_.looks_back) return;
+  for (DirectJoint& joint : problem_.joints) {
+    joint.rates_by(problem_.velocity.data(), joint.rate.data());
+    for (std::size_t r = 0; r < joint.rows; ++r) joint.rate[r] += joint.given[r];
+  }
+  correct_kick(input_.joints, h_, sign, problem_);
+  find();
+}
+
+// Finds the velocities that bodies keep and those that they move by, along the rows of the substep's start.
+bool Substeps::find_velocities(double time) {
+  motions_.lasting = problem_.velocity;
+  free_velocities_of_substep(input_.bodies, bodies_, h_, alone_, problem_);
+  if (!rows_.all_locked) note_rates(motions_.lasting, problem_.joints);
+  begin_substep();
+  if (alone_) {
+    foresee_bends(time);
+    return find_joint_velocities(true);
+  }
+  if (rows_.bounces && !find_impacts()) return false;
+  return find_motions(motions_, input_.settings, h_, drive(input_.bodies, h_, motions_));
+}
+
+void Substeps::begin_substep() {
+  begin_laws(input_.joints, h_, problem_);
+  if (!rows_.all_locked) forget_factor(problem_);
+}
+
+void Substeps::foresee_bends(double time) {
+  note_bends(input_, time, h_, bodies_, problem_);
+  stop_bends(problem_);
+}
+
+bool Substeps::find_joint_velocities(bool finds_impacts) {
+  if (finds_impacts && rows_.bounces && !find_impacts()) return false;
+  return find_row_velocities() && find_passive_velocities();
+}
+
+// Velocities and impulses of joints alone, from the free velocities.
+bool Substeps::solve_rows() {
+  if (!by_bodies_ && solve_joints(problem_, motions_.search)) return true;
+  problem_.velocity = problem_.free;
+  if (!by_bodies_) weigh_locks(input_.joints, problem_);
+  return solve_by_newton(problem_, motions_.search);
+}
+
+bool Substeps::find_row_velocities() {
+  if (!solve_rows()) return false;
+  motions_.lasting = problem_.velocity;
+  motions_.pushes = false;
+  for (DirectJoint& joint : problem_.joints) joint.lasting = joint.impulse;
+  return true;
+}
+
+// How fast coordinates would come to the ends of their ranges without these.
+bool Substeps::find_impacts() {
+  motions_.energy_before = kinetic_energy(bodies_, problem_, problem_.free);
+  const auto limit_ranges = [&](bool limited) {
+    for (DirectJoint& joint : problem_.joints) {
+      for (std::size_t r = 0; r < joint.rows; ++r) {
+        RowLaw& law = joint.law[r];
+        if (law_of(input_.joints[joint.joint], r).restitution == 0 || joint.limit[r] != 0) continue;
+        if (limited) {
+          law.lower_rate = joint.impact[r].leaving;
+          law.upper_rate = joint.impact[r].leaving_late;
+        } else {
+          joint.impact[r].leaving = law.lower_rate;
+          joint.impact[r].leaving_late = law.upper_rate;
+          law.lower_rate = -Law::unlimited;
+          law.upper_rate = Law::unlimited;
+        }
+      }
+    }
+  };
+  limit_ranges(false);
+  const bool found = alone_ ? solve_rows() : solve_by_newton(problem_, motions_.search);
+  limit_ranges(true);
+  if (!found) return false;
+  note_impacts(input_.joints, h_, problem_.joints);
+  problem_.velocity = motions_.lasting;
+  forget_factor(problem_);
+  return true;
+}
+
+// Impulses along rows that ask for no rate of their own only take energy from bodies of the inertia that they have.
+bool Substeps::find_passive_velocities() {
+  if (!gains_energy(input_.joints, problem_, bodies_, problem_.free, motions_.lasting, Rotors::Turn)) return true;
+  leave_out_tension(bodies_, problem_);
+  forget_bends(problem_);
+  stop_bends(problem_);
+  return find_row_velocities();
+}
+
+// Moves bodies by their velocities. Those of unequal moments tumble by what they keep.
+void Substeps::advance() {
+  note_armature(input_.joints, motions_.lasting, problem_.joints);
+  advance_coordinates();
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    BodyPose& pose = bodies_[i].now;
+    Vector3 spin = angular_part(motions_.lasting, i);
+    Vector3 turns = angular_part(problem_.velocity, i);
+    pose.position += h_ * linear_part(problem_.velocity, i);
+    if (alone_ && tumbles(bodies_[i], spin)) {
+      turns -= spin;
+      const Matrix3& inverse_inertia = input_.bodies.inverse_inertia[problem_.bodies[i].body];
+      bodies_[i].top.turn(inverse_inertia, product(bodies_[i].inertia, spin), h_, pose.orientation, spin);
+      angular_part(motions_.lasting, i) = spin;
+    }
+    if (!turns.isZero(0)) pose.orientation = turned(h_ * turns, pose.orientation);
+  }
+}
+
+void Substeps::advance_coordinates() {
+  for (DirectJoint& joint : problem_.joints) {
+    for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) {
+      joint.position[r] += h_ * joint.rate_by(problem_.velocity, r, joint.given[r]);
+    }
+  }
+}
+
+// Finds velocities that keep the joints at the new poses, and change nothing at contacts that rest: both have had their
+// impulses, and answer to what is left alone. Returns false if there are none.
+bool Substeps::project() {
+  hold_rows(input_.joints, alone_, problem_);
+  if (!alone_) {
+    problem_.velocity = motions_.lasting;
+    hold_resting_points(problem_, h_);
+  }
+  return project_again();
+}
+
+bool Substeps::project_again() {
+  if (!solve_held_rows()) return false;
+  for (DirectJoint& joint : problem_.joints) {
+    for (std::size_t r = 0; r < joint.rows; ++r) joint.lasting[r] += joint.impulse[r];
+  }
+  for (DirectContact& contact : problem_.contacts) contact.answer = contact.lasting;
+  return true;
+}
+
+bool Substeps::solve_held_rows() {
+  problem_.free = motions_.lasting;
+  if (!solve_linear()) return false;
+  if (any_bounces(problem_)) return limit_bounces();
+  if (!alone_) return true;
+  if (!gains_energy(input_.joints, problem_, bodies_, problem_.free, problem_.velocity, Rotors::Pay)) return true;
+  leave_out_tension(bodies_, problem_);
+  return solve_linear();
+}
+
+// Of rows that stay on the pieces of their laws.
+bool Substeps::solve_linear() {
+  if (!by_bodies_) return solve_joints(problem_, motions_.search);
+  problem_.velocity = motions_.lasting;
+  if (!solve_on_last_pieces(problem_, motions_.search)) return false;
+  note_held_impulses(problem_);
+  return true;
+}
+
+// By Newton's law, one that bounces while others are at ends of their ranges may leave with more energy than there was:
+// then all leave slower by a common share. That is found from the velocities without any bounce, on the same rows.
+bool Substeps::limit_bounces() {
+  if (count_rows_at_ends(problem_) < 2) return true;
+  if (kinetic_energy(bodies_, problem_, problem_.velocity) <= motions_.energy_before) return true;
+  const std::vector<double> bounced = problem_.velocity;
+  stop_bounces(problem_);
+  if (!solve_linear()) return false;
+  std::vector<double> change = bounced;
+  for (std::size_t i = 0; i < change.size(); ++i) change[i] -= problem_.velocity[i];
+  const double stopped = kinetic_energy(bodies_, problem_, problem_.velocity);
+  const double square = kinetic_energy(bodies_, problem_, change);
+  const double linear = kinetic_energy(bodies_, problem_, bounced) - stopped - square;
+  const double room = std::max(motions_.energy_before - stopped, 0.0);
+  const double share = std::clamp((std::sqrt(linear * linear + 4 * square * room) - linear) / (2 * square), 0.0, 1.0);
+  for (DirectJoint& joint : problem_.joints) {
+    for (LimitImpact& impact : joint.impact) {
+      impact.leaving *= share;
+      impact.leaving_late *= share;
+    }
+  }
+  for (std::size_t i = 0; i < change.size(); ++i) problem_.velocity[i] += share * change[i];
+  return true;
+}
+
+namespace {
 
 void write_back_bodies(const DirectIslandInput& input, const std::vector<MovingBody>& bodies,
                        const IslandProblem& problem) {
@@ -109,30 +409,9 @@ void write_back_bodies(const DirectIslandInput& input, const std::vector<MovingB
 
 bool solve_substeps(const DirectIslandInput& input, const IslandMembers& members, std::vector<MovingBody>& bodies,
                     IslandMotions& motions) {
-  const SolverSettings& settings = input.settings;
-  const double h = input.substep();
   IslandProblem& problem = motions.problem;
-  const bool all_locked = load_joints(input, members, problem.joints);
-  place_joints(input, 0, h, bodies, problem);
-  const bool torn = note_tears(input.joints, problem.joints);
-  if (may_bounce(input, problem)) return false;
-  for (int substep = 0; substep < settings.substeps; ++substep) {
-    const double time = h * (substep + 1);
-    motions.lasting = problem.velocity;
-    free_velocities_of_substep(input.bodies, bodies, h, problem);
-    begin_laws(input.joints, h, motions.lasting, problem);
-    if (!all_locked) forget_factor(problem);
-    if (!find_motions(motions, settings, h, drive(input.bodies, h, motions))) return false;
-    const bool last = substep + 1 == settings.substeps;
-    if (last && input.capture != nullptr) capture_contacts(*input.capture, input.manifolds, h, problem);
-    note_armature(input.joints, motions.lasting, problem.joints);
-    move(bodies, h, problem.velocity);
-    close_joints(input, time, h, torn, bodies, motions);
-    place_joints(input, time, h, bodies, problem);
-    place_contacts({input.bodies, bodies, time}, problem.contacts);
-    if (!project(input.joints, motions, h)) return false;
-  }
-  settle_joints(input, bodies, motions);
+  const RowKinds rows = load_joints(input.joints, members, problem.joints);
+  if (!Substeps(input, bodies, motions, rows).solve()) return false;
   write_back_bodies(input, bodies, problem);
   write_back_joints(input, problem.joints);
   write_back_contacts(input, 1, problem.contacts);

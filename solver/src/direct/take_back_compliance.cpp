@@ -28,8 +28,8 @@ double shift_joint(DirectJoint& joint) {
   for (std::size_t r = 0; r < joint.rows; ++r) {
     RowLaw& law = joint.law[r];
     if (!law.locked) continue;
-    most = std::max(most, std::abs(joint.rate[r]));
-    law.lock_rate = joint.impulse[r] / law.stiffness;
+    most = std::max(most, std::abs(joint.rate[r] + joint.bend[r]));
+    law.lock_rate = joint.impulse[r] / law.stiffness - joint.bend[r];
   }
   return most;
 }
@@ -45,12 +45,14 @@ void answer_shifted(IslandProblem& problem, std::vector<double>& gradient) {
     contact.add_impulse(more, -1, gradient);
   }
   for (DirectJoint& joint : problem.joints) {
+    DirectJoint::Rows<double> less = {};
     for (std::size_t r = 0; r < joint.rows; ++r) {
       if (!joint.law[r].locked) continue;
       const double impulse = joint.law[r].impulse(joint.rate[r]);
-      joint.add_impulse(r, joint.impulse[r] - impulse, gradient);
+      less[r] = joint.impulse[r] - impulse;
       joint.impulse[r] = impulse;
     }
+    joint.add_impulses(less.data(), gradient.data());
   }
 }
 

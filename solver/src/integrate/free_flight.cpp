@@ -44,89 +44,59 @@ Vector3 free_turn(const Vector3& momentum, const Matrix3& inverse_inertia, doubl
   return h * (w + h / 2 * (w1 + h / 3 * (cubic + h / 4 * quartic)));
 }
 
-// Torque-free rotation in steps of any size: that of a symmetric top, which two rotations give exactly, and between
-// halves of it the small rest, by which the other two moments differ from their mean (McLachlan, "Explicit Lie-Poisson
-// integration and the Euler equations", 1993). Momentum is kept, and so is energy, but for that rest to second order.
-class SplitTop {
- public:
-  explicit SplitTop(const Vector3& moments) {
-    const Vector3 inverse = moments.cwiseInverse();
-    // The axis of the top is that whose moment differs most from the nearer of the others.
-    double most = -1;
-    for (int i = 0; i < 3; ++i) {
-      const double a = inverse[(i + 1) % 3], b = inverse[(i + 2) % 3];
-      const double apart = std::min(std::abs(inverse[i] - a), std::abs(inverse[i] - b));
-      if (!(apart > most)) continue;
-      most = apart;
-      axis_ = i;
-    }
-    const double a = inverse[(axis_ + 1) % 3], b = inverse[(axis_ + 2) % 3];
-    across_ = 0.5 * (a + b);
-    along_ = inverse[axis_] - across_;
-    rest_ = 0.5 * (a - b);
-  }
+// How a torque-free rotation is cut into steps.
+struct RotationSteps {
+  double twentieths;  // of a radian, that are turned by, but for what is a great many
+  bool splits;        // by SplitTop, in fewer steps than that
 
-  // Of the principal axes, for h seconds.
-  Quaternion turned(const Quaternion& start, const Vector3& momentum, double h) const {
-    Quaternion q = start;
-    const auto about = [&](int axis, double rate) {
-      const double part = (q.conjugate() * momentum)[axis];
-      q = q * rotation_by(rate * part * Vector3::Unit(axis));
-    };
-    const auto rest = [&] {
-      if (rest_ == 0) return;
-      about((axis_ + 1) % 3, 0.25 * h * rest_);
-      about((axis_ + 2) % 3, -0.5 * h * rest_);
-      about((axis_ + 1) % 3, 0.25 * h * rest_);
-    };
-    rest();
-    about(axis_, h * along_);
-    q = rotation_by(h * across_ * momentum) * q;
-    rest();
-    return q.normalized();
-  }
-
- private:
-  int axis_ = 0;
-  double across_ = 0, along_ = 0, rest_ = 0;  // 1/(kg m^2)
-};
-
-void move_gyroscopic(BodyTable& bodies, std::uint32_t body, double dt, int substeps) {
   // Steps short enough that a fast top turns less than a twentieth of a radian in each. Where moments differ by more
   // than a dozen times, what a turn makes of the spin about the least counts for more: a needle's grows by its whole
   // momentum over that moment.
-  constexpr double ordinary = 16;
-  const Vector3& moments = bodies.moments[body];
-  const double ratio = moments.maxCoeff() / moments.minCoeff();
-  const double angle = bodies.angular_velocity(body).norm() * dt * std::sqrt(std::max(1.0, ratio / ordinary));
+  RotationSteps(const Vector3& moments, const Vector3& spin, double dt) {
+    constexpr double ordinary = 16;
+    constexpr double most = 4096;
+    const double ratio = moments.maxCoeff() / moments.minCoeff();
+    const double angle = spin.norm() * dt * std::sqrt(std::max(1.0, ratio / ordinary));
+    twentieths = std::min(most, angle / 0.05);  // 4096 if it isn't a number
+    splits = !(angle / 0.05 < most);
+    if (splits) twentieths = most / 16;
+  }
+};
+
+// The orientation after h seconds in which the momentum stays what it is.
+Quaternion turned_freely(const BodyTable& bodies, std::uint32_t body, const Quaternion& start, const Vector3& momentum,
+                         double h, bool splits) {
+  if (splits) return SplitTop(bodies.moments[body], bodies.principal_axes[body]).turned(start, momentum, h);
+  const Vector3 turn = free_turn(start.conjugate() * momentum, bodies.inverse_inertia[body], h);
+  return (start * rotation_by(turn)).normalized();
+}
+
+Vector3 momentum_of(const BodyTable& bodies, std::uint32_t body, const Quaternion& orientation, const Vector3& spin) {
+  return orientation * (bodies.inertia[body] * (orientation.conjugate() * spin));
+}
+
+Vector3 spin_of(const BodyTable& bodies, std::uint32_t body, const Quaternion& orientation, const Vector3& momentum) {
+  return orientation * (bodies.inverse_inertia[body] * (orientation.conjugate() * momentum));
+}
+
+void move_gyroscopic(BodyTable& bodies, std::uint32_t body, double dt, int substeps) {
+  const RotationSteps cut(bodies.moments[body], bodies.angular_velocity(body), dt);
   // A slow one needs fewer steps than there are substeps, if no torque and no damping act in each.
   const bool alone = bodies.torque(body).isZero(0) && bodies.angular_damping[body] == 0;
-  constexpr double most = 4096;
-  const double twentieths = std::min(most, angle / 0.05);  // 4096 if it isn't a number
-  // What would need more goes in other ones, a sixteenth as many.
-  const bool splits = !(angle / 0.05 < most);
-  const int least = alone ? std::max(1, static_cast<int>(std::ceil(substeps * std::min(1.0, twentieths)))) : substeps;
-  const int steps = std::max(least, static_cast<int>(splits ? most / 16 : twentieths));
+  const double share = cut.splits ? 1 : std::min(1.0, cut.twentieths);
+  const int least = alone ? std::max(1, static_cast<int>(std::ceil(substeps * share))) : substeps;
+  const int steps = std::max(least, static_cast<int>(cut.twentieths));
   const double h = dt / steps;
-  const Matrix3& inverse_inertia = bodies.inverse_inertia[body];
   Quaternion orientation = bodies.orientation(body);
-  Vector3 momentum =
-      orientation * (bodies.inertia[body] * (orientation.conjugate() * Vector3(bodies.angular_velocity(body))));
+  Vector3 momentum = momentum_of(bodies, body, orientation, bodies.angular_velocity(body));
   const double damping = 1 / (1 + h * bodies.angular_damping[body]);
-  const SplitTop top(moments);
-  const Quaternion& principal = bodies.principal_axes[body];
   for (int i = 0; i < steps; ++i) {
     momentum += h * bodies.torque(body);
-    if (splits) {
-      orientation = (top.turned(orientation * principal, momentum, h) * principal.conjugate()).normalized();
-    } else {
-      const Vector3 turn = free_turn(orientation.conjugate() * momentum, inverse_inertia, h);
-      orientation = (orientation * rotation_by(turn)).normalized();
-    }
+    orientation = turned_freely(bodies, body, orientation, momentum, h, cut.splits);
     momentum *= damping;
   }
   bodies.set_orientation(body, orientation);
-  bodies.angular_velocity(body) = orientation * (inverse_inertia * (orientation.conjugate() * momentum));
+  bodies.angular_velocity(body) = spin_of(bodies, body, orientation, momentum);
 }
 
 void turn_by(BodyTable& bodies, std::uint32_t body, const Vector3& rotation_vector) {
@@ -166,6 +136,55 @@ Quaternion rotation_by(const Vector3& rotation_vector) {
   }
   const Vector3 v = scale * rotation_vector;
   return {cosine, v.x(), v.y(), v.z()};
+}
+
+SplitTop::SplitTop(const Vector3& moments, const Quaternion& principal) : principal_(principal) {
+  const Vector3 inverse = moments.cwiseInverse();
+  // The axis of the top is that whose moment differs most from the nearer of the others.
+  double most = -1;
+  for (int i = 0; i < 3; ++i) {
+    const double a = inverse[(i + 1) % 3], b = inverse[(i + 2) % 3];
+    const double apart = std::min(std::abs(inverse[i] - a), std::abs(inverse[i] - b));
+    if (!(apart > most)) continue;
+    most = apart;
+    axis_ = i;
+  }
+  const double a = inverse[(axis_ + 1) % 3], b = inverse[(axis_ + 2) % 3];
+  across_ = 0.5 * (a + b);
+  along_ = inverse[axis_] - across_;
+  rest_ = 0.5 * (a - b);
+  own_axis_ = principal * Vector3::Unit(axis_);
+}
+
+Quaternion SplitTop::turned(const Quaternion& start, const Vector3& momentum, double h) const {
+  Quaternion q = start * principal_;
+  const auto about = [&](int axis, double rate) {
+    const double part = (q.conjugate() * momentum)[axis];
+    q = q * rotation_by(rate * part * Vector3::Unit(axis));
+  };
+  const auto rest = [&] {
+    about((axis_ + 1) % 3, 0.25 * h * rest_);
+    about((axis_ + 2) % 3, -0.5 * h * rest_);
+    about((axis_ + 1) % 3, 0.25 * h * rest_);
+  };
+  rest();
+  about(axis_, h * along_);
+  q = rotation_by(h * across_ * momentum) * q;
+  rest();
+  return (q * principal_.conjugate()).normalized();
+}
+
+void SplitTop::turn(const Matrix3& inverse_inertia, const Vector3& momentum, double h, Quaternion& orientation,
+                    Vector3& spin) const {
+  if (rest_ != 0) {
+    orientation = turned(orientation, momentum, h);
+    spin = orientation * (inverse_inertia * (orientation.conjugate() * momentum));
+    return;
+  }
+  const Vector3 axis = orientation * own_axis_;
+  const Quaternion precession = rotation_by(h * across_ * momentum);
+  orientation = (precession * (rotation_by(h * along_ * axis.dot(momentum) * axis) * orientation)).normalized();
+  spin = precession * spin;
 }
 
 void move_free_body(BodyTable& bodies, std::uint32_t body, const Vector3& gravity, double dt, int substeps,

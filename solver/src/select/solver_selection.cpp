@@ -45,7 +45,7 @@ void SolverSelection::forget(std::uint32_t body) {
 
 void SolverSelection::forget_all() {
   arrived_.clear();
-  pressed_.clear();
+  joined_.clear();
   for (const std::uint32_t body : loaded_) load_history_[body] = {};
   loaded_.clear();
 }
@@ -77,9 +77,9 @@ void SolverSelection::estimate_arrived(const LoadInput& input) {
 std::span<const SolveMode> SolverSelection::choose(const LoadInput& input) {
   refused_.clear();
   estimate_arrived(input);
-  find_pressed(input);
+  find_joined(input, true);
   find_landings(input);
-  if (loaded_.empty() && pressed_.empty() && landings_.empty()) return {};
+  if (loaded_.empty() && joined_.empty() && landings_.empty()) return {};
   const Islands& islands = input.islands;
   symptoms_.assign(islands.count(), {});
   for (const std::uint32_t body : loaded_) {
@@ -93,14 +93,15 @@ std::span<const SolveMode> SolverSelection::choose(const LoadInput& input) {
     symptoms_[island].sags |= load_history_[body].sags;
   }
   modes_.assign(islands.count(), SolveMode::Sweep);
-  for (const std::size_t island : pressed_) modes_[island] = SolveMode::Direct;
+  for (const std::size_t island : joined_) modes_[island] = SolveMode::Direct;
   for (const std::size_t island : landings_) {
     if (modes_[island] == SolveMode::Sweep) modes_[island] = SolveMode::Landing;
   }
-  bool any = !pressed_.empty() || !landings_.empty();
+  bool any = !joined_.empty() || !landings_.empty();
   for (std::size_t island = 0; island < islands.count(); ++island) {
     const Symptoms& has = symptoms_[island];
     if (!(has.lasts || has.deep) || has.failed || modes_[island] == SolveMode::Direct) continue;
+    if (islands.contact_count(island) == 0) continue;  // what touched its joints has let go
     const bool small = islands.body_count(island) <= tuning::most_bodies;
     const Build build = build_of(islands, island);
     const bool at_once = build == Build::Columns || (has.deep && small);
@@ -123,17 +124,34 @@ void SolverSelection::find_landings(const LoadInput& input) {
   }
 }
 
-// Where joints that are solved at once and contacts took turns over a light body between heavy ones, each would undo
-// what the other did, and boxes leap off a bridge.
-void SolverSelection::find_pressed(const LoadInput& input) {
-  pressed_.clear();
+// Islands of joints alone that are solved at once. Of `touched` ones those in which these and contacts would undo what
+// the other did if they took turns: over a light body between heavy ones boxes leap off a bridge.
+void SolverSelection::find_joined(const LoadInput& input, bool touched) {
+  joined_.clear();
   if (input.joint_graph == nullptr || input.settings.joint_method == JointMethod::Iterative) return;
   const Islands& islands = input.islands;
   for (std::size_t island = 0; island < islands.count(); ++island) {
-    if (islands.joint_count(island) == 0 || islands.contact_count(island) == 0) continue;
-    if (islands.body_count(island) > tuning::most_bodies || has_locks(input, island)) continue;
-    if (is_machine(input, island) || is_pressed(input, island)) pressed_.push_back(island);
+    if (islands.joint_count(island) == 0) continue;
+    const std::uint32_t joint = islands.joints(island, island + 1).front().joint;
+    if (islands.contact_count(island) == 0) {
+      if (input.joint_systems->is_direct(input.joint_graph->component_of(joint))) joined_.push_back(island);
+      continue;
+    }
+    if (!touched || islands.body_count(island) > tuning::most_bodies || has_locks(input, island)) continue;
+    if (is_machine(input, island) || is_pressed(input, island)) joined_.push_back(island);
   }
+}
+
+std::span<const SolveMode> SolverSelection::choose_untouched(const LoadInput& input) {
+  forget_all();
+  landings_.clear();
+  refused_.clear();
+  find_joined(input, false);
+  if (joined_.empty()) return {};
+  symptoms_.assign(input.islands.count(), {});
+  modes_.assign(input.islands.count(), SolveMode::Sweep);
+  for (const std::size_t island : joined_) modes_[island] = SolveMode::Direct;
+  return modes_;
 }
 
 // An island is a machine if its bodies are those of one actuated component: it touches only itself and what can't move.
@@ -190,9 +208,11 @@ std::span<const SolveMode> SolverSelection::choose_direct(const LoadInput& input
   forget_all();
   landings_.clear();
   refused_.clear();
+  find_joined(input, false);
   const Islands& islands = input.islands;
   symptoms_.assign(islands.count(), {});
   modes_.assign(islands.count(), SolveMode::Sweep);
+  for (const std::size_t island : joined_) modes_[island] = SolveMode::Direct;
   for (std::size_t island = 0; island < islands.count(); ++island) {
     if (islands.contact_count(island) == 0) continue;
     if (islands.body_count(island) > tuning::most_bodies) {
@@ -207,8 +227,8 @@ std::span<const SolveMode> SolverSelection::choose_direct(const LoadInput& input
 }
 
 const char* SolverSelection::why(std::size_t island) const {
-  const bool pressed = std::binary_search(pressed_.begin(), pressed_.end(), island);
-  if (pressed) return "joints that are solved at once and contacts push on each other";
+  const bool joined = std::binary_search(joined_.begin(), joined_.end(), island);
+  if (joined) return "joints that are solved at once and contacts push on each other";
   if (modes_[island] == SolveMode::Landing) return "something lands in it that leans on something else";
   if (symptoms_[island].deep) return "a body carries many times what its contacts are made for";
   return modes_[island] == SolveMode::Refined ? "it sags under its own weight"

@@ -31,11 +31,11 @@ class GroupPass {
   void complete_joints();
   void refresh_joint_rows(bool moved);
   void prepare_systems();
-  void kick_systems(int sign);
   void note_speeds(int number);
   void integrate_velocities(bool carries);
   void warm_start(int number);
   void solve_velocities(int number, bool carries);
+  void solve_systems(int number);
   void split_off_corrections(int number);
   void integrate_positions();
   void relax(int number);
@@ -43,7 +43,6 @@ class GroupPass {
   void note_joint_impacts();
   void bounce_joints();
   void finish_contacts();
-  void finish_systems();
 
   void sweep(Sweep how, JointSweep joints, int iterations, int number);
   void rise(Sweep& how, double at, double after) const;
@@ -89,13 +88,10 @@ void GroupPass<Executor>::substep(int number) {
 template <typename Executor>
 void GroupPass<Executor>::finish() {
   finish_contacts();
-  if (setup_.joined) finish_systems();
   loops_.each_body([&](std::size_t begin, std::size_t end) {
     write_back(setup_.input, parts_, setup_.body_ids, setup_.joined, begin, end);
   });
-  loops_.each_system([&](DirectJoints& system) {
-    system.settle(setup_.direct_input, setup_.input.bodies, setup_.input.bounds, setup_.input.dt, setup_.input.fast);
-  });
+  loops_.each_system([&](DirectJoints& system) { system.finish(setup_.direct_input); });
   loops_.each_joint_block(
       [&](std::size_t begin, std::size_t end) { parts_.joints.store(setup_.joint_step, begin, end); });
   clock_.lap(SolverPhase::Store);
@@ -144,28 +140,11 @@ void GroupPass<Executor>::refresh_joint_rows(bool moved) {
 
 template <typename Executor>
 void GroupPass<Executor>::prepare_systems() {
-  JoinedMotion& joined = parts_.joined_motion;
-  joined.note_forces(setup_.body_ids, setup_.input.bodies, setup_.input.gravity);
+  parts_.joined_motion.note_forces(setup_.body_ids, setup_.input.bodies, setup_.input.gravity);
   loops_.each_system([&](DirectJoints& system) {
     system.locate([&](std::uint32_t body) { return parts_.numbers.local(setup_.input, setup_.group, body); });
     system.begin_step(setup_.direct_input);
   });
-  kick_systems(-1);
-  loops_.each_system([&](DirectJoints& system) { system.start(setup_.direct_input); });
-}
-
-// Takes systems that nothing touches half a substep's forces back (-1), or on (1): velocities are as far behind
-// positions in the substeps as leapfrogs have them.
-template <typename Executor>
-void GroupPass<Executor>::kick_systems(int sign) {
-  if (!setup_.leapfrogs) return;
-  const JoinedMotion& joined = parts_.joined_motion;
-  loops_.each_system_of(joined.untouched_direct(),
-                        [&](DirectJoints& system) { system.note_rates(setup_.direct_input); });
-  const float time = 0.5f * setup_.constants.h;
-  joined.kick_leapfrogs(parts_.bodies, parts_.numbers.first_dynamic(), sign < 0 ? -time : time);
-  loops_.each_system_of(joined.untouched_direct(),
-                        [&](DirectJoints& system) { system.kick(setup_.direct_input, sign); });
 }
 
 // Before the forces of a substep: springs and bounces go by the speeds that there are now. Preparing has noted those
@@ -208,7 +187,7 @@ void GroupPass<Executor>::warm_start(int number) {
           [&](std::size_t begin, std::size_t end) { setup_.kernels.warm_start(setup_.contact_data, begin, end); });
     }
   }
-  loops_.each_system([&](DirectJoints& system) { system.begin_substep(); });
+  loops_.each_system([&](DirectJoints& system) { system.begin_substep(setup_.direct_input); });
   if (setup_.sweeps_joints && parts_.joints.may_bounce()) note_joint_impacts();
 }
 
@@ -225,9 +204,7 @@ void GroupPass<Executor>::solve_velocities(int number, bool carries) {
   sweep(how, {.push = how.push, .refresh = refresh, .carries = carries}, setup_.settings.iterations, number);
   if (setup_.splits) split_off_corrections(number);
   // What contacts have done to one link is not to turn it far out of its joints before these see it.
-  if (!setup_.joined) return;
-  loops_.each_system_of(parts_.joined_motion.touched_direct(),
-                        [&](DirectJoints& system) { system.solve_velocities(setup_.direct_input); });
+  solve_systems(number);
 }
 
 // The same sweeps over velocities of their own, which move bodies and are forgotten.
@@ -254,13 +231,13 @@ void GroupPass<Executor>::integrate_positions() {
 
 template <typename Executor>
 void GroupPass<Executor>::relax(int number) {
-  loops_.each_system([&](DirectJoints& system) { system.solve_positions(setup_.direct_input); });
+  loops_.each_system([&](DirectJoints& system) { system.solve_positions(setup_.direct_input, number, parts_.bodies); });
   if (setup_.relaxes) {
     Sweep how = {.push = Push::None, .refresh = true, .friction = setup_.friction, .relaxes = true};
     rise(how, number + 1, number + 1);
     sweep(how, {.refresh = true, .moved = true}, setup_.settings.relax_iterations, number);
   }
-  loops_.each_system([&](DirectJoints& system) { system.relax(setup_.direct_input); });
+  loops_.each_system([&](DirectJoints& system) { system.relax(setup_.direct_input, number, parts_.bodies); });
 }
 
 template <typename Executor>
@@ -270,7 +247,7 @@ void GroupPass<Executor>::bounce(bool last) {
   });
   if (!setup_.joined) return;
   loops_.each_system_of(parts_.joined_motion.bouncing_direct(),
-                        [&](DirectJoints& system) { system.project(setup_.direct_input); });
+                        [&](DirectJoints& system) { system.project(setup_.direct_input, parts_.bodies); });
 }
 
 template <typename Executor>
@@ -313,9 +290,9 @@ void GroupPass<Executor>::finish_contacts() {
 }
 
 template <typename Executor>
-void GroupPass<Executor>::finish_systems() {
-  loops_.each_system([&](DirectJoints& system) { system.end_step(setup_.direct_input); });
-  kick_systems(1);
+void GroupPass<Executor>::solve_systems(int number) {
+  loops_.each_system(
+      [&](DirectJoints& system) { system.solve_velocities(setup_.direct_input, number, parts_.bodies); });
 }
 
 // Sweeps until the residual is small, or for as often as is asked for. Joints first: contacts are what may not give.
@@ -326,7 +303,7 @@ void GroupPass<Executor>::sweep(Sweep how, JointSweep joints, int iterations, in
     LargestOf residual;
     how.backwards = setup_.relaxes && (number + i) % 2 == 1;
     if (how.push != Push::Split && !how.relaxes) {
-      loops_.each_system([&](DirectJoints& system) { system.solve_velocities(setup_.direct_input); });
+      solve_systems(number);
     }
     const int rounds = joint_impacts_ ? tuning::joint_bounce_sweeps : how.relaxes ? tuning::joint_relaxations : 1;
     for (int round = 1; round <= rounds; ++round) {

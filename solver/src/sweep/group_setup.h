@@ -27,12 +27,11 @@ struct GroupSetup {
         relaxes(settings.stabilisation == Stabilisation::Soft && settings.relax_iterations > 0),
         joined(with_joints && report.joints > 0),
         sweeps_joints(with_joints && !parts.joints.empty()),
-        leapfrogs(joined && parts.joined_motion.any_leapfrogs()),
         friction(!report.friction   ? Friction::None
                  : settings.pyramid ? Friction::Pyramid
                                     : Friction::Cone),
         joint_step{of.joints, of.bodies, parts.bodies, constants, of.dt / settings.substeps},
-        direct_input{of.joints, of.bodies, parts.bodies, of.dt / settings.substeps},
+        direct_input(of.of_direct_islands()),
         contact_data(parts.contacts.kernel_data(of, report, constants, splits, parts.bodies, parts.joined)),
         joint_data(parts.joints.kernel_data(parts.bodies, constants, splits)) {}
 
@@ -47,10 +46,9 @@ struct GroupSetup {
   const bool relaxes;                             // what soft contacts pushed is taken back
   const bool joined;                              // there are joints
   const bool sweeps_joints;                       // some are solved one by one
-  const bool leapfrogs;                           // some bodies are leapfrogs, see JoinedMotion
   const Friction friction;
   const JointStep joint_step;
-  const DirectInput direct_input;
+  const DirectIslandInput direct_input;
   const ContactKernelData contact_data;
   const JointKernelData joint_data;
 };

@@ -10,8 +10,6 @@ void JoinedMotion::build(const SolveInput& input, const IslandGroup& group) {
   component_.assign(islands.bodies(group.begin, group.end).size(), none);
   components_.clear();
   direct_.clear();
-  touched_direct_.clear();
-  untouched_direct_.clear();
   bouncing_direct_.clear();
   if (number_.size() < graph.component_count()) number_.resize(graph.component_count(), none);
   const auto place = [&](std::uint32_t body) { return islands.rank(body) - first_rank; };
@@ -42,22 +40,9 @@ void JoinedMotion::build(const SolveInput& input, const IslandGroup& group) {
   }
   for (const std::uint32_t of_graph : direct_) {
     const Component& component = components_[number_[of_graph]];
-    (component.touched ? touched_direct_ : untouched_direct_).push_back(of_graph);
     if (component.bounces) bouncing_direct_.push_back(of_graph);
   }
   for (const JointLink& link : joints) number_[graph.component_of(link.joint)] = none;
-}
-
-void JoinedMotion::kick_leapfrogs(SolverBodies& bodies, std::uint32_t first_dynamic, float time) const {
-  for (std::size_t i = 0; i < component_.size(); ++i) {
-    if (!is_leapfrog(i)) continue;
-    VelocityRows& velocity = bodies.velocity[first_dynamic + i];
-    const AccelerationRows& acceleration = bodies.acceleration[first_dynamic + i];
-    for (int k = 0; k < 3; ++k) {
-      velocity.linear[k] += time * acceleration.linear[k];
-      velocity.angular[k] += time * acceleration.angular[k];
-    }
-  }
 }
 
 void JoinedMotion::note_forces(std::span<const std::uint32_t> body_ids, const BodyTable& bodies,

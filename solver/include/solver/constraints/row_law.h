@@ -48,7 +48,7 @@ struct RowLaw {
   double lower_rate = -Law::unlimited;  ///< at which the ends of the range are reached
   double upper_rate = Law::unlimited;
   double motor_speed = 0, motor_impulse = 0;  ///< at which it does nothing, and the most that it has; 0 without
-  double motor_slope = 0;                     ///< of impulse by rate, of a servo; others are as stiff as locks
+  double motor_slope = 0;                     ///< of impulse by rate; else it is as stiff as a lock
   double motor_keeps = 0;                     ///< as spring_keeps
   double spring_slope = 0, spring_rate = 0;   ///< of impulse by rate, and the rate at which there is none; 0 without
   double spring_keeps = 0;                    ///< how the rate before the step adds to that
@@ -69,6 +69,9 @@ struct RowLaw {
   /// what they do.
   static RowLaw of_kick(const Law& law, const JointRow& at, double effective_mass, double h, int sign, double rate,
                         double end_rate, int limit, int motor_bound);
+
+  /// Makes a motor give as friction in contacts does, and more than ends of ranges.
+  void soften_motor(double effective_mass);
 
   double impulse(double rate) const;
   double motor_impulse_at(double rate) const;

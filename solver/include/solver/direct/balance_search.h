@@ -15,6 +15,8 @@ struct BalanceSearch {
   IslandMatrix matrix;
   std::vector<double> gradient;   ///< N s, N m s: of the function, see balance()
   std::vector<double> direction;  ///< m/s, rad/s: along which the velocities are to go
+  std::vector<double> impulses;   ///< N s, N m s, of the rows of joints alone
+  std::vector<double> given;      ///< likewise, of those that are on a piece of their law where it doesn't change
   int most_iterations = 0;        ///< of Newton's method, in one search
   int iterations = 0;             ///< of Newton's method, beyond the first solves
 
@@ -25,12 +27,16 @@ struct BalanceSearch {
   }
 
   /// See jobs/arrays.h.
-  auto arrays() const { return std::tie(matrix, gradient, direction); }
+  auto arrays() const { return std::tie(matrix, gradient, direction, impulses, given); }
 };
 
 /// By Newton's method, from the problem's velocities and the pieces that the answers are on. Friction's bound follows
 /// the load. Returns false where that ends nowhere.
 bool solve_by_newton(IslandProblem& problem, BalanceSearch& search);
+
+/// Of joints alone, from the rates that they note, by their response: finds which pieces of their laws rows are on in a
+/// few rounds, with velocities and impulses. Returns false where these don't settle.
+bool solve_joints(IslandProblem& problem, BalanceSearch& search);
 
 /// By Newton's method from velocities near the solution; friction's bounds stay.
 bool solve_nearby(IslandProblem& problem, BalanceSearch& search);
@@ -52,22 +58,40 @@ void take_back_compliance(IslandProblem& problem, BalanceSearch& search, double 
 template <typename Gap>
 void find_closing_motion(const IslandProblem& problem, BalanceSearch& search, const Gap& gap) {
   std::fill(search.direction.begin(), search.direction.end(), 0.0);
-  for (const DirectJoint& joint : problem.joints) {
-    for (std::size_t r = 0; r < joint.rows; ++r) {
-      const double apart = gap(joint, r);
-      if (apart != 0) joint.add_impulse(r, -apart * joint.law[r].stiffness, search.direction);
+  if (const JointResponse* response = search.matrix.joints()) {
+    search.impulses.resize(response->rows());
+    double* impulse = search.impulses.data();
+    for (const DirectJoint& joint : problem.joints) {
+      for (std::size_t r = 0; r < joint.rows; ++r) *impulse++ = -gap(joint, r);
     }
+    response->impulses_of(search.impulses);
+    response->add_answer(problem, search.impulses, search.direction);
+    return;
   }
-  search.matrix.solve(search.direction);
+  for (const DirectJoint& joint : problem.joints) {
+    DirectJoint::Rows<double> impulses;
+    for (std::size_t r = 0; r < joint.rows; ++r) impulses[r] = -gap(joint, r) * joint.law[r].stiffness;
+    joint.add_impulses(impulses.data(), search.direction.data());
+  }
+  search.matrix.solve(problem, search.direction);
 }
 
 /// Adds the impulses of that motion to those that bodies keep, times `scale`.
 template <typename Gap>
 void add_closing_impulses(IslandProblem& problem, const BalanceSearch& search, const Gap& gap, double scale) {
+  if (search.matrix.joints() != nullptr) {
+    const double* impulse = search.impulses.data();
+    for (DirectJoint& joint : problem.joints) {
+      for (std::size_t r = 0; r < joint.rows; ++r) joint.lasting[r] += scale * *impulse++;
+    }
+    return;
+  }
   for (DirectJoint& joint : problem.joints) {
+    DirectJoint::Rows<double> rates;
+    joint.rates_by(search.direction.data(), rates.data());
     for (std::size_t r = 0; r < joint.rows; ++r) {
       const double apart = gap(joint, r);
-      if (apart != 0) joint.lasting[r] -= scale * joint.law[r].stiffness * (apart + joint.rate_by(search.direction, r));
+      if (apart != 0) joint.lasting[r] -= scale * joint.law[r].stiffness * (apart + rates[r]);
     }
   }
 }

@@ -25,6 +25,7 @@ inline auto angular_part(std::vector<double>& of, std::size_t body) { return Eig
 struct DirectBody {
   std::uint32_t body = 0;
   double mass = 0;          ///< kg
+  double inverse_mass = 0;  ///< 1/kg
   double radius = 0;        ///< m, of gyration
   Matrix3 inertia;          ///< kg m^2, world frame
   Matrix3 inverse_inertia;  ///< likewise
@@ -86,28 +87,44 @@ struct DirectJoint {
   std::uint32_t joint;
   std::uint32_t first_body, second_body;  ///< of the world
   std::uint32_t first, second;            ///< bodies of the problem, or no_body
+  bool point;                             ///< the first three rows are those of a point, along the world's axes
   std::size_t rows;
-  Rows<JointRow> at;
-  Rows<double> mass;  ///< kg or kg m^2, effective
+  Rows<JointRow> at;  ///< but for those of the point, which its arms tell: see row()
+  Rows<double> mass;  ///< kg or kg m^2, effective; of locks where the matrix is by bodies
   Vector3 arm_first, arm_second;
   Rows<double> position;  ///< m or rad
-  Rows<bool> torn;        ///< apart as the step began
   Rows<double> gap;       ///< m or rad, from where it is held
   Rows<RowLaw> law;
-  Rows<double> given;    ///< rate by what doesn't respond
-  Rows<double> kept;     ///< rate that armatures have as bodies begin to move
+  Rows<double> given;        ///< rate by what doesn't respond
+  Rows<double> rate_before;  ///< as the substep began, before its forces
+  Rows<double> bend;         ///< m/s or rad/s, of what is locked: see note_bends()
+  Rows<double> kept;         ///< rate that armatures have, whose bodies have moved since
+  Rows<LimitImpact> impact;
   Rows<double> rate;     ///< at the velocities of the problem
   Rows<double> change;   ///< along its search direction
   Rows<double> impulse;  ///< N s or N m s
   Rows<double> lasting;  ///< of the velocities which bodies keep
   Rows<std::uint8_t> factored;
   Rows<std::int8_t> limit, motor_bound;  ///< as Joint has them
+  Rows<bool> bounces;                    ///< at that end, in this substep
   Vector3 tension;                       ///< N, followed over some substeps
 
-  /// m/s or rad/s: what velocities add to a row's rate `start`.
+  std::size_t point_rows() const { return point ? 3 : 0; }
+  JointRow row(std::size_t r) const;
+  /// m/s or rad/s: what velocities add to the rate `start` of a row beside the point's.
   double rate_by(const std::vector<double>& velocities, std::size_t row, double start = 0) const;
-  /// Adds an impulse along a row, on the second body, to the momenta of both.
-  void add_impulse(std::size_t row, double row_impulse, std::vector<double>& to) const;
+  /// What they make of the rates of all rows.
+  void rates_by(const double* velocities, double* rates) const;
+  /// Adds impulses along all rows, on the second body, to the momenta of both.
+  void add_impulses(const double* impulses, double* momenta) const;
+};
+
+/// What there is among the rows of joints.
+struct RowKinds {
+  bool all_locked = true;   ///< then none goes to another piece of its law
+  bool acts = false;        ///< some row has a spring, a motor or an armature
+  bool looks_back = false;  ///< some row's impulse depends on the rate before
+  bool bounces = false;     ///< some row may, at an end of its range
 };
 
 }  // namespace atl::solver

@@ -2,6 +2,7 @@
 
 #include <solver/direct/block_ldlt.h>
 #include <solver/direct/island_problem.h>
+#include <solver/direct/joint_response.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -10,22 +11,35 @@
 
 namespace atl::solver {
 
+/// Blocks under the diagonal that the factor of so many bodies may have.
+std::size_t most_factor_blocks(std::size_t body_count, bool touch);
+
 /// The second derivative of an IslandProblem's function, M plus J^T K J with K the stiffness of what holds: positive
 /// definite, with a block of 6 x 6 for each body and each pair, and its factor L D L^T.
 class IslandMatrix {
  public:
-  /// For as many bodies, of which these pairs touch or are joined. Returns false if the factor would be too large.
-  bool analyse(std::size_t body_count, std::span<const std::pair<std::uint32_t, std::uint32_t>> pairs);
+  /// For as many bodies, of which these pairs are coupled. Returns false if the factor would have more blocks than
+  /// this.
+  bool analyse(std::size_t body_count, std::span<const std::pair<std::uint32_t, std::uint32_t>> pairs,
+               std::size_t most_blocks);
+
+  /// Of a problem of joints alone, whose bodies and joints say which these are. Likewise.
+  bool analyse_joints(const IslandProblem& problem, std::size_t most_blocks);
 
   /// Of the pieces of their laws that contacts and joints are on now, which are noted. Returns false if there is no
   /// factor.
   [[nodiscard]] bool factor(IslandProblem& problem);
 
   /// Replaces b by what the factor makes of it.
-  void solve(std::span<double> b) const { system_.solve(b); }
+  void solve(const IslandProblem& problem, std::span<double> b) const {
+    joints_.empty() ? system_.solve(b) : joints_.solve(problem, b);
+  }
+
+  /// Where it is of joints alone by their response, else null.
+  const JointResponse* joints() const { return joints_.empty() ? nullptr : &joints_; }
 
   /// See jobs/arrays.h.
-  auto arrays() const { return std::tie(system_); }
+  auto arrays() const { return std::tie(system_, joints_); }
 
  private:
   void add_masses(std::span<const DirectBody> bodies);
@@ -33,6 +47,7 @@ class IslandMatrix {
   void add_stiffness(DirectJoint& joint);
 
   BlockLdlt system_;
+  JointResponse joints_;  // or empty: takes the place of the system
 };
 
 /// Whether the factor is of the pieces that everything is on.

@@ -18,6 +18,8 @@ struct IslandMembers {
   std::vector<std::uint32_t> bodies;
   std::vector<TouchingPair> contacts;
   std::vector<JointLink> joints;
+  std::vector<std::uint8_t> rows;                             ///< of each
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> ends;  ///< likewise: the numbers of its bodies
 
   /// The number of a body of the world in the problem, or no_body if it isn't dynamic.
   std::uint32_t local(const DirectIslandInput& input, std::uint32_t body) const {
@@ -32,7 +34,7 @@ struct IslandMembers {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> couplings(const DirectIslandInput& input) const;
 
   /// See jobs/arrays.h.
-  auto arrays() const { return std::tie(bodies, contacts, joints); }
+  auto arrays() const { return std::tie(bodies, contacts, joints, rows, ends); }
 };
 
 }  // namespace atl::solver

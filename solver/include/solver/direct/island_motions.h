@@ -17,6 +17,7 @@ struct IslandMotions {
   BalanceSearch search;
   std::vector<double> lasting;  ///< m/s, rad/s, six numbers a body: what bodies come with, and then what they keep
   bool pushes = false;          ///< bodies move by other velocities than they keep
+  double energy_before = 0;     ///< J, kinetic, before a substep's impulses; where something may bounce
 
   /// Makes room for as many bodies.
   void resize(std::size_t body_count) {

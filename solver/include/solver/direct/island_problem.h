@@ -24,6 +24,8 @@ struct IslandProblem {
   std::vector<DirectJoint> joints;
   std::vector<double> velocity;  ///< six numbers a body, linear and angular, m/s and rad/s: v
   std::vector<double> free;      ///< likewise: v*
+  double lock_compliance = 0;    ///< of an effective mass's inverse, that locks and ends of ranges give
+  bool factored = false;         ///< there is a factor, of the pieces that contacts and joints note
 
   /// Makes room for bodies.
   void resize(std::size_t body_count) {
@@ -53,11 +55,14 @@ void balance(IslandProblem& problem, std::vector<double>& gradient, const Answer
     contact.add_impulse(contact.law.total(contact.answer), -1, gradient);
   }
   for (DirectJoint& joint : problem.joints) {
+    DirectJoint::Rows<double> against;
+    joint.rates_by(velocity.data(), joint.rate.data());
     for (std::size_t r = 0; r < joint.rows; ++r) {
-      joint.rate[r] = joint.rate_by(velocity, r) + joint.given[r];
+      joint.rate[r] += joint.given[r];
       joint.impulse[r] = joint.law[r].impulse(joint.rate[r]);
-      joint.add_impulse(r, -joint.impulse[r], gradient);
+      against[r] = -joint.impulse[r];
     }
+    joint.add_impulses(against.data(), gradient.data());
   }
 }
 

@@ -22,9 +22,10 @@ class JointSystems {
     actuated_.assign(graph.component_count(), 0);
     for (std::uint32_t component = 0; component < systems_.size(); ++component) {
       if (!wanted(component)) continue;
-      for (const JointLink& link : graph.links_of(component)) actuated_[component] |= joints[link.joint].is_actuated();
+      const std::span<const JointLink> links = graph.links_of(component);
+      for (const JointLink& link : links) actuated_[component] |= joints[link.joint].is_actuated();
       auto system = std::make_unique<DirectJoints>();
-      if (system->analyse(graph.links_of(component), joints, bodies)) systems_[component] = std::move(system);
+      if (system->analyse(links, joints, bodies)) systems_[component] = std::move(system);
     }
   }
 

@@ -15,10 +15,11 @@ namespace atl::solver {
 struct MovingBody {
   BodyPose now, start;
   BodyPose before;                ///< a motion that may be taken back
+  BodyPose next;                  ///< at the substep's end, if no impulse changed its velocity
   Vector3 acceleration;           ///< m/s^2
   Matrix3 body_inertia, inertia;  ///< kg m^2, body and world frame
-  Matrix3 stiffness;              ///< N m, geometric
   bool tumbles;                   ///< its moments of inertia differ
+  SplitTop top;                   ///< by which it then turns, if it is joined
 };
 
 /// Fills in the problem's bodies and their velocities, as of the start of the step. Returns false if one tumbles too

@@ -14,6 +14,27 @@ namespace atl::solver {
 void move_free_body(BodyTable& bodies, std::uint32_t body, const Vector3& gravity, double dt, int substeps,
                     collision::MotionBounds& bounds, FastBodies& fast);
 
+/// Torque-free rotation in steps of any size: that of a symmetric top, which two rotations give exactly, and between
+/// halves of it the small rest, by which the other two moments differ from their mean (McLachlan, "Explicit Lie-Poisson
+/// integration and the Euler equations", 1993). Momentum is kept, and so is energy, but for that rest to second order.
+class SplitTop {
+ public:
+  SplitTop() = default;
+  SplitTop(const Vector3& moments, const Quaternion& principal);
+
+  /// The orientation after h seconds. Momentum in N m s, world frame.
+  Quaternion turned(const Quaternion& start, const Vector3& momentum, double h) const;
+  /// The same, with the spin; the inverse inertia is the body's.
+  void turn(const Matrix3& inverse_inertia, const Vector3& momentum, double h, Quaternion& orientation,
+            Vector3& spin) const;
+
+ private:
+  int axis_ = 0;
+  double across_ = 0, along_ = 0, rest_ = 0;  // 1/(kg m^2)
+  Quaternion principal_ = Quaternion::Identity();
+  Vector3 own_axis_ = Vector3::Zero();  // of the top, in the body's frame
+};
+
 /// The pose that a kinematic body, or a static one, has after `time` seconds at its velocities.
 BodyPose pose_after(const BodyTable& bodies, std::uint32_t body, double time);
 

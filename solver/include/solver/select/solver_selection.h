@@ -42,6 +42,9 @@ class SolverSelection {
   /// By island, for the next step; empty if all are to be swept.
   std::span<const SolveMode> choose(const LoadInput& input);
 
+  /// Likewise, where contacts are swept whatever they carry: islands of joints alone that are to be solved at once.
+  std::span<const SolveMode> choose_untouched(const LoadInput& input);
+
   /// Why an island got its mode, by the last choice; in words, static storage.
   const char* why(std::size_t island) const;
 
@@ -82,14 +85,14 @@ class SolverSelection {
 
   /// See jobs/arrays.h.
   auto arrays() const {
-    return std::tie(load_history_, loaded_, arrived_, overloaded_now_, merged_, symptoms_, modes_, estimated_, pressed_,
+    return std::tie(load_history_, loaded_, arrived_, overloaded_now_, merged_, symptoms_, modes_, estimated_, joined_,
                     landings_, on_system_, refused_);
   }
 
  private:
   void estimate_arrived(const LoadInput& input);
   void find_landings(const LoadInput& input);
-  void find_pressed(const LoadInput& input);
+  void find_joined(const LoadInput& input, bool touched);
   bool is_machine(const LoadInput& input, std::size_t island);
   bool is_pressed(const LoadInput& input, std::size_t island);
 
@@ -103,7 +106,7 @@ class SolverSelection {
 
   // What lasts from step to step, and what is made anew. Whoever adds a member says which it is, or this won't compile.
   static void check_members(SolverSelection& selection) {
-    auto& [history, loaded, arrived, /**/ overloaded, merged, symptoms, landings, pressed, on_system, modes, refused,
+    auto& [history, loaded, arrived, /**/ overloaded, merged, symptoms, landings, joined, on_system, modes, refused,
            estimated, estimate] = selection;
     static_cast<void>(history);
   }
@@ -114,7 +117,7 @@ class SolverSelection {
   std::vector<std::uint32_t> overloaded_now_, merged_;
   std::vector<Symptoms> symptoms_;       // by island
   std::vector<std::size_t> landings_;    // islands in which something lands
-  std::vector<std::size_t> pressed_;     // islands in which something heavy lies on joints that are solved at once
+  std::vector<std::size_t> joined_;      // islands that are solved at once for the sake of their joints
   std::vector<std::uint8_t> on_system_;  // by body of an island
   std::vector<SolveMode> modes_;         // by island
   std::vector<Refused> refused_;

@@ -2,7 +2,6 @@
 
 #include <jobs/arrays.h>
 #include <solver/integrate/body_table.h>
-#include <solver/integrate/solver_bodies.h>
 #include <solver/islands/islands.h>
 #include <solver/solve_input.h>
 
@@ -21,20 +20,10 @@ class JoinedMotion {
 
   /// Graph components of the group that are solved at once.
   std::span<const std::uint32_t> direct() const { return direct_; }
-  /// Those of them that something touches.
-  std::span<const std::uint32_t> touched_direct() const { return touched_direct_; }
-  /// The others, whose velocities the second half of forces changes as the step ends.
-  std::span<const std::uint32_t> untouched_direct() const { return untouched_direct_; }
   /// Those that may bounce off something.
   std::span<const std::uint32_t> bouncing_direct() const { return bouncing_direct_; }
   bool is_joined(std::size_t body) const { return component_[body] != none; }
   bool is_direct(std::size_t body) const { return is_joined(body) && components_[component_[body]].direct; }
-  /// Solved at once, and touched by nothing: it gets its forces half a substep before, and half a substep after the
-  /// positions, as a leapfrog has it.
-  bool is_leapfrog(std::size_t body) const {
-    return is_joined(body) && components_[component_[body]].direct && !components_[component_[body]].touched;
-  }
-  bool any_leapfrogs() const { return touched_direct_.size() < direct_.size(); }
   /// Joined one by one, to nothing that is fixed, and touched by nothing: it falls as a whole.
   bool falls(std::size_t body) const {
     if (!is_joined(body)) return false;
@@ -48,17 +37,11 @@ class JoinedMotion {
   /// m/s^2, of the centre of mass of all that hang together with it.
   Vector3 acceleration(std::size_t body) const { return components_[component_[body]].acceleration; }
 
-  /// Gives those bodies what forces do to them in `time` (s), a part of a substep. `first_dynamic` is the index of the
-  /// group's first body.
-  void kick_leapfrogs(SolverBodies& bodies, std::uint32_t first_dynamic, float time) const;
-
   /// Takes in what accelerates the bodies in this step.
   void note_forces(std::span<const std::uint32_t> body_ids, const BodyTable& bodies, const Vector3& gravity);
 
   /// See jobs/arrays.h.
-  auto arrays() const {
-    return std::tie(component_, components_, direct_, touched_direct_, untouched_direct_, bouncing_direct_, number_);
-  }
+  auto arrays() const { return std::tie(component_, components_, direct_, bouncing_direct_, number_); }
 
  private:
   static constexpr std::uint32_t none = JointGraph::none;
@@ -74,7 +57,7 @@ class JoinedMotion {
 
   std::vector<std::uint32_t> component_;  // by body, in components_
   std::vector<Component> components_;
-  std::vector<std::uint32_t> direct_, touched_direct_, untouched_direct_, bouncing_direct_;
+  std::vector<std::uint32_t> direct_, bouncing_direct_;
   std::vector<std::uint32_t> number_;  // by component of the graph; all none between calls
 };
 

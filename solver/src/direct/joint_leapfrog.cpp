@@ -1,0 +1,193 @@
+#include "direct/joint_leapfrog.h"
+
+#include <solver/direct/island_matrix.h>
+#include <solver/tuning.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "direct/island_joints.h"
+#include "integrate/matrix3.h"
+
+namespace atl::solver {
+namespace {
+
+bool bends_notably(const Vector3& spin) {
+  constexpr double least_square = tuning::least_bend_spin * tuning::least_bend_spin;
+  return spin.squaredNorm() > least_square;
+}
+
+// A body of a joint, and where it would be at the substep's end if no impulse changed its velocity.
+struct Side {
+  Vector3 velocity, spin;
+  const BodyPose& next;
+};
+
+// `other` is room for the pose of what doesn't respond.
+Side side_of(const BodyTable& table, double time, std::span<const MovingBody> bodies,
+             const std::vector<double>& velocities, std::uint32_t local, std::uint32_t body, BodyPose& other) {
+  if (local != no_body) return {linear_part(velocities, local), angular_part(velocities, local), bodies[local].next};
+  other = pose_after(table, body, time);
+  return {table.velocity(body), table.angular_velocity(body), other};
+}
+
+BodyPose next_pose(const BodyTable& table, double h, const MovingBody& moving, std::uint32_t body,
+                   const Vector3& velocity, const Vector3& spin) {
+  Vector3 turns = spin;
+  if (moving.tumbles) {
+    const Quaternion& turn = moving.now.orientation;
+    const Vector3 own = turn.conjugate() * spin;
+    const Vector3 torque = product(moving.body_inertia, own).cross(own);
+    turns = turn * (own + (0.5 * h) * product(table.inverse_inertia[body], torque));
+  }
+  return {moving.now.position + h * velocity, turned(h * turns, moving.now.orientation)};
+}
+
+// Velocities are late in a kick that takes back, and rows that are held or driven go at the rates they have.
+void hold_late(RowLaw& law, double rate, int limit) {
+  const bool driven = law.motor_impulse > 0 && law.motor_slope == 0;
+  if (limit == 0 && !driven) return;
+  const double lock_rate = limit != 0 ? rate : law.motor_speed;
+  law = {.locked = true, .stiffness = law.stiffness, .lock_rate = lock_rate};
+}
+
+void add_impulse(const Law& of, double impulse, RowLaw& law) {
+  if (of.is_servo() && law.motor_slope > 0) {
+    law.motor_speed += impulse / law.motor_slope;
+  } else if (law.spring_slope > 0) {
+    law.spring_rate += impulse / law.spring_slope;
+  }
+}
+
+}  // namespace
+
+void note_bends(const DirectIslandInput& input, double time, double h, std::span<MovingBody> bodies,
+                IslandProblem& problem) {
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    bodies[i].next = next_pose(input.bodies, h, bodies[i], problem.bodies[i].body, linear_part(problem.free, i),
+                               angular_part(problem.free, i));
+  }
+  for (DirectJoint& joint : problem.joints) {
+    BodyPose other;
+    const Side a = side_of(input.bodies, time, bodies, problem.free, joint.first, joint.first_body, other);
+    const Side b = side_of(input.bodies, time, bodies, problem.free, joint.second, joint.second_body, other);
+    joint.bend = {};
+    if (!bends_notably(a.spin) && !bends_notably(b.spin)) continue;
+    const Joint& of = input.joints[joint.joint];
+    const Vector3 turned_first = a.next.orientation * of.anchor_first - joint.arm_first;
+    const Vector3 turned_second = b.next.orientation * of.anchor_second - joint.arm_second;
+    if (turned_first.norm() > tuning::most_bend * joint.arm_first.norm() ||
+        turned_second.norm() > tuning::most_bend * joint.arm_second.norm()) {
+      return forget_bends(problem);
+    }
+    std::size_t r = 0;
+    if (of.point) {
+      const Vector3 bend =
+          (turned_second - turned_first) / h - (b.spin.cross(joint.arm_second) - a.spin.cross(joint.arm_first));
+      for (; r < 3; ++r) joint.bend[r] = bend[static_cast<Eigen::Index>(r)];
+    }
+    if (r == joint.rows) continue;
+    const JointFrames frames =
+        joint_frames(of, a.next.position, a.next.orientation, b.next.position, b.next.orientation);
+    for (std::size_t k = 0; r < joint.rows; ++r, ++k) {
+      if (!law_of(of, r).locked()) continue;
+      const double change = h * joint.at[r].rate(a.velocity, a.spin, b.velocity, b.spin);
+      const LawRow there = law_row(of, k, frames, joint.position[r] + change);
+      joint.bend[r] = (there.at.value - (joint.at[r].value + change)) / h;
+    }
+  }
+}
+
+void forget_bends(IslandProblem& problem) {
+  for (DirectJoint& joint : problem.joints) joint.bend = {};
+}
+
+void stop_bends(IslandProblem& problem) {
+  for (DirectJoint& joint : problem.joints) {
+    for (std::size_t r = 0; r < joint.rows; ++r) joint.law[r].lock_rate = -joint.bend[r];
+  }
+}
+
+void begin_kick(const Joint* joints, double h, int sign, IslandProblem& problem) {
+  for (DirectJoint& joint : problem.joints) {
+    for (std::size_t r = 0; r < joint.rows; ++r) {
+      const Law& law = law_of(joints[joint.joint], r);
+      const double rate = joint.rate_before[r];
+      const double end_rate = sign < 0 ? rate : joint.bounces[r] ? joint.impact[r].leaving : 0;
+      if (law.locked()) {
+        joint.law[r].lock_rate = 0;
+        continue;
+      }
+      joint.law[r] = RowLaw::of_kick(law, joint.at[r], joint.mass[r], h, sign, rate, end_rate, joint.limit[r],
+                                     joint.motor_bound[r]);
+      joint.law[r].stiffness = joint.mass[r] / problem.lock_compliance;
+      if (sign < 0) {
+        hold_late(joint.law[r], rate, joint.limit[r]);
+      } else if (law.drives() && joint.law[r].motor_impulse == 0.5 * h * law.motor_force) {
+        joint.law[r].soften_motor(joint.mass[r]);
+      }
+      joint.rate[r] = rate;
+      start_at_limit(joint, r);
+    }
+  }
+  forget_factor(problem);
+}
+
+void correct_kick(const Joint* joints, double h, int sign, IslandProblem& problem) {
+  for (DirectJoint& joint : problem.joints) {
+    for (std::size_t r = 0; r < joint.rows; ++r) {
+      const Law& law = law_of(joints[joint.joint], r);
+      if (!law.looks_back() || law.locked()) continue;
+      const double acceleration = sign * (joint.rate[r] - joint.rate_before[r]) / (0.5 * h);
+      const double rate = sign < 0 ? joint.rate_before[r] : joint.rate[r];
+      add_impulse(law, sign * kick_correction(law, joint.at[r], joint.mass[r], h, rate, acceleration), joint.law[r]);
+    }
+  }
+}
+
+bool gains_energy(const Joint* joints, const IslandProblem& problem, std::span<const MovingBody> bodies,
+                  const std::vector<double>& before, const std::vector<double>& after, Rotors rotors) {
+  // J, from differences: most solves take energy, and no more is asked of these.
+  double made = 0;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const Vector3 gained = linear_part(after, i) - linear_part(before, i);
+    const Vector3 gained_spin = angular_part(after, i) - angular_part(before, i);
+    const Vector3 both = linear_part(after, i) + linear_part(before, i);
+    const Vector3 both_spins = angular_part(after, i) + angular_part(before, i);
+    made +=
+        0.5 * problem.bodies[i].mass * gained.dot(both) + 0.5 * gained_spin.dot(product(bodies[i].inertia, both_spins));
+  }
+  double there = 0;
+  for (const DirectJoint& joint : problem.joints) {
+    const Joint& of = joints[joint.joint];
+    for (std::size_t r = of.point ? 3 : 0; r < joint.rows; ++r) {
+      const Law& law = law_of(of, r);
+      if (!law.drives() && !law.looks_back()) continue;
+      const double from = joint.rate_by(before, r, joint.given[r]), to = joint.rate_by(after, r, joint.given[r]);
+      if (rotors != Rotors::Keep) made -= std::max(0.5 * joint.impulse[r] * (to + from), 0.0);
+      if (law.armature == 0) continue;
+      const double turned = rotors == Rotors::Turn ? from : joint.kept[r];
+      const double turns = rotors == Rotors::Keep ? turned + (to - from) : to;
+      made += 0.5 * law.armature * (turns * turns - turned * turned);
+      there += 0.5 * law.armature * turned * turned;
+    }
+  }
+  if (made <= 0) return false;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const Vector3 spin = angular_part(before, i);
+    const double mass = problem.bodies[i].mass;
+    there += 0.5 * mass * linear_part(before, i).squaredNorm() + 0.5 * spin.dot(product(bodies[i].inertia, spin)) +
+             tuning::least_energy * mass;
+  }
+  return made > tuning::energy_tolerance * there;
+}
+
+void leave_out_tension(std::span<const MovingBody> bodies, IslandProblem& problem) {
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    problem.bodies[i].inertia = bodies[i].inertia;
+    problem.bodies[i].inverse_inertia = symmetric_inverse(bodies[i].inertia);
+  }
+  forget_factor(problem);
+}
+
+}  // namespace atl::solver

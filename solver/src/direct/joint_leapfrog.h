@@ -1,0 +1,43 @@
+#pragma once
+/// What makes substeps of joints alone a leapfrog of second order, and keeps them from making energy.
+
+#include <solver/direct/direct_island_input.h>
+#include <solver/direct/island_problem.h>
+#include <solver/direct/moving_bodies.h>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace atl::solver {
+
+/// By how much faster than its row says a locked coordinate gets away while bodies turn on in a substep of h seconds
+/// that ends `time` seconds into the step: what impulses then stop at once, so that little is left to be closed.
+/// Nothing where arms turn by more than tuning::most_bend.
+void note_bends(const DirectIslandInput& input, double time, double h, std::span<MovingBody> bodies,
+                IslandProblem& problem);
+void forget_bends(IslandProblem& problem);
+/// Locks stop what is noted, too.
+void stop_bends(IslandProblem& problem);
+
+/// The laws of rows over a kick, from the rates that were noted: see RowLaw::of_kick().
+void begin_kick(const Joint* joints, double h, int sign, IslandProblem& problem);
+/// After a solution: what springs and servos do beside in a kick, see kick_correction().
+void correct_kick(const Joint* joints, double h, int sign, IslandProblem& problem);
+
+/// How rotors turn before and after impulses.
+enum class Rotors : std::uint8_t {
+  Turn,  ///< with the bodies
+  Keep,  ///< at the rates that armatures have kept, and with what bodies gain
+  Pay,   ///< at these before, and after with the bodies
+};
+
+/// Whether the kinetic energy of bodies and armatures has grown from velocities to others by more than springs, servos
+/// and motors have done with the problem's impulses, and tuning::energy_tolerance of it.
+bool gains_energy(const Joint* joints, const IslandProblem& problem, std::span<const MovingBody> bodies,
+                  const std::vector<double>& before, const std::vector<double>& after, Rotors rotors);
+
+/// Leaves out what tension adds to inertia.
+void leave_out_tension(std::span<const MovingBody> bodies, IslandProblem& problem);
+
+}  // namespace atl::solver

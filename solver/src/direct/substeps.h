@@ -1,0 +1,74 @@
+#pragma once
+/// The substeps of joints that are solved at once: of an island by itself, or stage by stage where contacts are swept
+/// in between.
+
+#include <solver/direct/direct_island_input.h>
+#include <solver/direct/island_motions.h>
+#include <solver/direct/moving_bodies.h>
+
+#include <vector>
+
+#include "direct/island_joints.h"
+
+namespace atl::solver {
+
+class Substeps {
+ public:
+  /// Of bodies and joints that have been loaded.
+  Substeps(const DirectIslandInput& input, std::vector<MovingBody>& bodies, IslandMotions& motions,
+           const RowKinds& rows)
+      : input_(input),
+        bodies_(bodies),
+        motions_(motions),
+        problem_(motions.problem),
+        rows_(rows),
+        alone_(motions.problem.contacts.empty()),
+        by_bodies_(motions.search.matrix.joints() == nullptr),
+        h_(input.substep()) {}
+
+  /// All of an island's. Returns false where a search ends nowhere.
+  bool solve();
+
+  /// Before the first.
+  void begin();
+  /// Rows at the poses of now, `time` seconds into the step.
+  void place(double time);
+  /// Laws, from the rates that were noted.
+  void begin_substep();
+  /// How locks bend at the free velocities in the substep that ends then.
+  void foresee_bends(double time);
+  /// Of joints alone, from the free velocities: with how coordinates bounce, or as was found before.
+  bool find_joint_velocities(bool finds_impacts);
+  /// As bodies move by the velocities.
+  void advance_coordinates();
+  /// From the lasting velocities those that keep the joints, and change nothing at contacts that rest: both have had
+  /// their impulses, and answer to what is left alone. Returns false if there are none.
+  bool project();
+  /// Likewise, where velocities have changed since.
+  bool project_again();
+
+ private:
+  void kick(int sign);
+  bool find_velocities(double time);
+  bool find_impacts();
+  bool solve_rows();
+  bool find_row_velocities();
+  bool find_passive_velocities();
+  void advance();
+  bool solve_held_rows();
+  bool limit_bounces();
+  bool solve_linear();
+
+  const DirectIslandInput& input_;
+  std::vector<MovingBody>& bodies_;
+  IslandMotions& motions_;
+  IslandProblem& problem_;
+  const RowKinds& rows_;
+  // Nothing presses on the joints in this system. If nothing does at all, velocities are half a substep behind
+  // positions, as a leapfrog has them.
+  const bool alone_;
+  const bool by_bodies_;  // the matrix has a node a body, else a joint
+  const double h_;        // s
+};
+
+}  // namespace atl::solver
