@@ -53,7 +53,7 @@ def test_recordings_are_replayed_and_looked_at(tmp_path: Path) -> None:
 
 
 def test_errors_are_measured() -> None:
-    scene = atoll.load_scene("stack:height=5")
+    scene = atoll.load_scene("stack:height=4")
     world = scene.build()
     meter = atoll.ErrorMeter(scene)
     for step in range(60):

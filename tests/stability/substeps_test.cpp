@@ -42,7 +42,7 @@ TEST_P(SubstepsTest, NeverMakeItWorse) {
 // The second and third wall are between where none and where all are given finer substeps.
 INSTANTIATE_TEST_SUITE_P(Scenes, SubstepsTest,
                          testing::Values(Case{"wall:base=30", 200}, Case{"wall:base=60", 100},
-                                         Case{"wall:base=70", 100}, Case{"stack:height=5", 300},
+                                         Case{"wall:base=70", 100}, Case{"stack:height=4", 300},
                                          Case{"stack:height=7", 300}, Case{"stack:height=20", 300},
                                          Case{"stack:height=10,ratio=100", 300}, Case{"pyramid3d:layers=9", 200},
                                          Case{"islands:count=3", 200}),
