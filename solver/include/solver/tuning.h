@@ -89,11 +89,14 @@ inline constexpr double open_gap = 1e-4;
 inline constexpr double settled_gap = 1e-9;
 /// m or rad: what closes joints moves no body farther than this, or rows are near where they are singular.
 inline constexpr double far_at_rest = 0.3;
-/// Of an effective mass's inverse, that locks give where joints make loops and nothing touches them: loops ask for the
-/// same twice. Eight windows in a row, whose rods come to lie in a line twice a turn, are off by 0.03% of their energy
-/// with it, and by 6.6% with the compliance of others.
+/// Rounds of finding out which limits, motors and springs hold in one substep. With 3, ragdolls overlap twice as much;
+/// with 48 nothing moved. What doesn't settle then is found by Newton's method.
+inline constexpr int mode_rounds = 12;
+/// By how much locks give, in parts of an effective mass's inverse, where joints make loops and nothing touches them:
+/// loops ask for the same twice. Eight windows in a row, whose rods come to lie in a line twice a turn, are off by
+/// 0.03% of their energy with it, and by 6.6% with the compliance of others.
 inline constexpr double compliance_of_loops = 1e-6;
-/// Likewise where they make none: no more than lets two that ask for the same share it.
+/// By how much locks give where joints make no loops: no more than lets two that ask for the same share it.
 inline constexpr double compliance_of_trees = 1e-10;
 
 /// No solve of joints adds more than this part to the kinetic energy, beyond what springs and motors do, or it is made
@@ -121,8 +124,8 @@ inline constexpr double fading_turn = 0.25;
 inline constexpr double overload_penetration = 0.015;
 /// In islands that are little but columns, which cost little to solve at once: five boxes. With 0.5%, six, stacks of
 /// five overlap by 2.2 mm, which five of the suite's criteria don't allow; with 0.4% what lands on a stack of three is
-/// taken for a load. At four times columns of ten and arches fall. At a quarter it would take in stacks of two, which in
-/// a crowd then take three times as many instructions a step.
+/// taken for a load. At four times columns of ten and arches fall. At a quarter it would take in stacks of two, which
+/// in a crowd then take three times as many instructions a step.
 inline constexpr double column_penetration = 0.0043;
 /// Contacts a body, of what is little but columns or arches. At a quarter these are no longer known; at four times the
 /// contents of a piston are.

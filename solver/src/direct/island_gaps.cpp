@@ -105,7 +105,7 @@ bool gain_by_closing(const Joint* joints, std::span<const MovingBody> bodies, do
 // Coordinates go with the bodies: of those that are a rate only nothing else tells where they are.
 void follow_coordinates(const std::vector<double>& direction, double share, std::vector<DirectJoint>& all) {
   for (DirectJoint& joint : all) {
-    for (std::size_t r = joint.point ? 3 : 0; r < joint.rows; ++r) {
+    for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) {
       joint.position[r] += share * joint.rate_by(direction, r);
     }
   }

@@ -76,9 +76,11 @@ void give_rates(const BodyTable& table, DirectJoint& joint) {
   }
 }
 
-// Its locks ask for no rate.
-void release_point(DirectJoint& joint) {
-  for (std::size_t r = 0; r < joint.point_rows(); ++r) joint.bend[r] = joint.law[r].lock_rate = 0;
+// Locks ask for no rate.
+void release_locks(const Joint& of, DirectJoint& joint) {
+  for (std::size_t r = 0; r < joint.rows; ++r) {
+    if (law_of(of, r).locked()) joint.bend[r] = joint.law[r].lock_rate = 0;
+  }
 }
 
 }  // namespace
@@ -151,22 +153,24 @@ void weigh_locks(const Joint* joints, IslandProblem& problem) {
   }
 }
 
+void find_rates(const std::vector<double>& velocities, const DirectJoint& joint, DirectJoint::Rows<double>& rates) {
+  joint.rates_by(velocities.data(), rates.data());
+  for (std::size_t r = 0; r < joint.rows; ++r) rates[r] += joint.given[r];
+}
+
 void note_rates(const std::vector<double>& velocities, std::vector<DirectJoint>& all) {
   for (DirectJoint& joint : all) {
-    joint.rates_by(velocities.data(), joint.rate_before.data());
-    for (std::size_t r = 0; r < joint.rows; ++r) joint.rate_before[r] += joint.given[r];
+    find_rates(velocities, joint, joint.rate_before);
   }
 }
 
 void begin_laws(const Joint* joints, double h, IslandProblem& problem) {
   for (DirectJoint& joint : problem.joints) {
-    release_point(joint);
+    const Joint& of = joints[joint.joint];
+    release_locks(of, joint);
     for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) {
-      const Law& law = law_of(joints[joint.joint], r);
-      if (law.locked()) {
-        joint.bend[r] = joint.law[r].lock_rate = 0;
-        continue;
-      }
+      const Law& law = law_of(of, r);
+      if (law.locked()) continue;
       joint.law[r] = RowLaw::of(law, joint.at[r], joint.mass[r], h, problem.lock_compliance);
       if (law.looks_back()) joint.law[r].start_at(joint.rate_before[r]);
       joint.rate[r] = joint.rate_before[r];
@@ -206,13 +210,11 @@ void note_armature(const Joint* joints, const std::vector<double>& velocities, s
 
 void hold_rows(const Joint* joints, bool late, IslandProblem& problem) {
   for (DirectJoint& joint : problem.joints) {
-    release_point(joint);
+    const Joint& of = joints[joint.joint];
+    release_locks(of, joint);
     for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) {
-      const Law& law = law_of(joints[joint.joint], r);
-      if (law.locked()) {
-        joint.bend[r] = joint.law[r].lock_rate = 0;
-        continue;
-      }
+      const Law& law = law_of(of, r);
+      if (law.locked()) continue;
       const RowLaw before = joint.law[r];
       joint.law[r] = {};
       joint.limit[r] = static_cast<std::int8_t>(before.limit(joint.rate[r]));

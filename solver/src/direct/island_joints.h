@@ -23,7 +23,9 @@ void place_joints(const DirectIslandInput& input, double time, double h, std::ve
 /// After that: how little locked rows give, by their effective masses. A matrix by joints has that from its diagonal.
 void weigh_locks(const Joint* joints, IslandProblem& problem);
 
-/// Notes the rates of rows at `velocities`.
+/// The rates of a joint's rows at `velocities`, of what doesn't respond too.
+void find_rates(const std::vector<double>& velocities, const DirectJoint& joint, DirectJoint::Rows<double>& rates);
+/// Notes these of all joints, as those before a solution.
 void note_rates(const std::vector<double>& velocities, std::vector<DirectJoint>& all);
 
 /// The laws of rows over a substep of h seconds that starts at the rates that were noted.

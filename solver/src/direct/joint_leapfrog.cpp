@@ -160,7 +160,7 @@ bool gains_energy(const Joint* joints, const IslandProblem& problem, std::span<c
   double there = 0;
   for (const DirectJoint& joint : problem.joints) {
     const Joint& of = joints[joint.joint];
-    for (std::size_t r = of.point ? 3 : 0; r < joint.rows; ++r) {
+    for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) {
       const Law& law = law_of(of, r);
       if (!law.drives() && !law.looks_back()) continue;
       const double from = joint.rate_by(before, r, joint.given[r]), to = joint.rate_by(after, r, joint.given[r]);

@@ -1,9 +1,8 @@
 #include <solver/direct/balance_search.h>
+#include <solver/tuning.h>
 
 namespace atl::solver {
 namespace {
-
-constexpr int most_rounds = 12;
 
 // m/s or rad/s: the rate at which a row that acts would have no impulse, on the piece of its law that it is on.
 double balanced_rate(const RowLaw& law, double rate, double slope) { return rate + law.impulse(rate) / slope; }
@@ -70,7 +69,7 @@ bool solve_joints(IslandProblem& problem, BalanceSearch& search) {
   std::vector<double>& given = search.given;
   impulses.resize(response.rows());
   given.resize(response.rows());  // those of points stay 0
-  for (int round = 0; round < most_rounds; ++round) {
+  for (int round = 0; round < tuning::mode_rounds; ++round) {
     if (!is_factored(problem) && !search.matrix.factor(problem)) return false;
     problem.velocity = problem.free;
     if (ask(problem, impulses, given)) {

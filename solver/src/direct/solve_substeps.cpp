@@ -207,10 +207,7 @@ void Substeps::kick(int sign) {
     return found;
   };
   if (!find() || !rows_.looks_back) return;
-  for (DirectJoint& joint : problem_.joints) {
-    joint.rates_by(problem_.velocity.data(), joint.rate.data());
-    for (std::size_t r = 0; r < joint.rows; ++r) joint.rate[r] += joint.given[r];
-  }
+  for (DirectJoint& joint : problem_.joints) find_rates(problem_.velocity, joint, joint.rate);
   correct_kick(input_.joints, h_, sign, problem_);
   find();
 }

@@ -81,7 +81,7 @@ std::span<const SolveMode> SolverSelection::choose(const LoadInput& input) {
   find_landings(input);
   if (loaded_.empty() && joined_.empty() && landings_.empty()) return {};
   const Islands& islands = input.islands;
-  symptoms_.assign(islands.count(), {});
+  start_modes(islands);
   for (const std::uint32_t body : loaded_) {
     const std::uint32_t island = islands.island_of(body);
     if (island == Islands::none) continue;
@@ -92,8 +92,6 @@ std::span<const SolveMode> SolverSelection::choose(const LoadInput& input) {
     symptoms_[island].deep |= load_history_[body].deep > lasts;
     symptoms_[island].sags |= load_history_[body].sags;
   }
-  modes_.assign(islands.count(), SolveMode::Sweep);
-  for (const std::size_t island : joined_) modes_[island] = SolveMode::Direct;
   for (const std::size_t island : landings_) {
     if (modes_[island] == SolveMode::Sweep) modes_[island] = SolveMode::Landing;
   }
@@ -142,15 +140,20 @@ void SolverSelection::find_joined(const LoadInput& input, bool touched) {
   }
 }
 
+// All islands are swept, but for those of joined bodies that were found.
+void SolverSelection::start_modes(const Islands& islands) {
+  symptoms_.assign(islands.count(), {});
+  modes_.assign(islands.count(), SolveMode::Sweep);
+  for (const std::size_t island : joined_) modes_[island] = SolveMode::Direct;
+}
+
 std::span<const SolveMode> SolverSelection::choose_untouched(const LoadInput& input) {
   forget_all();
   landings_.clear();
   refused_.clear();
   find_joined(input, false);
   if (joined_.empty()) return {};
-  symptoms_.assign(input.islands.count(), {});
-  modes_.assign(input.islands.count(), SolveMode::Sweep);
-  for (const std::size_t island : joined_) modes_[island] = SolveMode::Direct;
+  start_modes(input.islands);
   return modes_;
 }
 
@@ -210,9 +213,7 @@ std::span<const SolveMode> SolverSelection::choose_direct(const LoadInput& input
   refused_.clear();
   find_joined(input, false);
   const Islands& islands = input.islands;
-  symptoms_.assign(islands.count(), {});
-  modes_.assign(islands.count(), SolveMode::Sweep);
-  for (const std::size_t island : joined_) modes_[island] = SolveMode::Direct;
+  start_modes(islands);
   for (std::size_t island = 0; island < islands.count(); ++island) {
     if (islands.contact_count(island) == 0) continue;
     if (islands.body_count(island) > tuning::most_bodies) {

@@ -34,8 +34,8 @@ struct BalanceSearch {
 /// the load. Returns false where that ends nowhere.
 bool solve_by_newton(IslandProblem& problem, BalanceSearch& search);
 
-/// Of joints alone, from the rates that they note, by their response: finds which pieces of their laws rows are on in a
-/// few rounds, with velocities and impulses. Returns false where these don't settle.
+/// Solves joints alone by their response: finds in a few rounds, from the rates that they note, which pieces of their
+/// laws rows are on, with velocities and impulses. Returns false where these don't settle.
 bool solve_joints(IslandProblem& problem, BalanceSearch& search);
 
 /// By Newton's method from velocities near the solution; friction's bounds stay.

@@ -28,7 +28,7 @@ class DirectJoints {
   /// nowhere.
   bool solve(const DirectIslandInput& input);
 
-  /// Where the bodies of the joints are among the solver's, before a step. `place(body)`.
+  /// Looks up the bodies of the joints among the solver's, by `place(body)`, before a step.
   template <typename Place>
   void locate(const Place& place) {
     for (std::size_t i = 0; i < places_.size(); ++i) places_[i] = place(members_.bodies[i]);

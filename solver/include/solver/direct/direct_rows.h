@@ -113,13 +113,13 @@ struct DirectJoint {
   JointRow row(std::size_t r) const;
   /// m/s or rad/s: what velocities add to the rate `start` of a row beside the point's.
   double rate_by(const std::vector<double>& velocities, std::size_t row, double start = 0) const;
-  /// What they make of the rates of all rows.
+  /// The rates of all rows at these velocities, of bodies that respond.
   void rates_by(const double* velocities, double* rates) const;
   /// Adds impulses along all rows, on the second body, to the momenta of both.
   void add_impulses(const double* impulses, double* momenta) const;
 };
 
-/// What there is among the rows of joints.
+/// Which kinds of rows some joints have.
 struct RowKinds {
   bool all_locked = true;   ///< then none goes to another piece of its law
   bool acts = false;        ///< some row has a spring, a motor or an armature

@@ -23,7 +23,7 @@ class IslandMatrix {
   bool analyse(std::size_t body_count, std::span<const std::pair<std::uint32_t, std::uint32_t>> pairs,
                std::size_t most_blocks);
 
-  /// Of a problem of joints alone, whose bodies and joints say which these are. Likewise.
+  /// Likewise for a problem of joints alone, which its bodies and joints describe.
   bool analyse_joints(const IslandProblem& problem, std::size_t most_blocks);
 
   /// Of the pieces of their laws that contacts and joints are on now, which are noted. Returns false if there is no
@@ -35,7 +35,7 @@ class IslandMatrix {
     joints_.empty() ? system_.solve(b) : joints_.solve(problem, b);
   }
 
-  /// Where it is of joints alone by their response, else null.
+  /// The response of joints, if the problem is of these alone and solved by it; else null.
   const JointResponse* joints() const { return joints_.empty() ? nullptr : &joints_; }
 
   /// See jobs/arrays.h.

@@ -20,7 +20,8 @@ class JointResponse {
   bool empty() const { return nodes_.empty(); }
   void clear() { nodes_.clear(); }
 
-  /// Of the pieces of their laws that joints are on now, which are noted. Returns false if there is no factor.
+  /// Factors the system on the pieces of their laws that joints are on now, which are noted. Returns false if it has no
+  /// factor.
   [[nodiscard]] bool factor(IslandProblem& problem);
   /// Replaces momenta by velocities.
   void solve(const IslandProblem& problem, std::span<double> b) const;
@@ -44,7 +45,7 @@ class JointResponse {
     std::size_t block;
   };
 
-  // What the bodies of a joint make of an impulse along its rows. A row that doesn't act has none.
+  // A joint: its rows, and how its bodies answer to an impulse along each. A row that doesn't act is 0.
   struct Node {
     std::size_t block;                  // diagonal
     Matrix3 point_first, point_second;  // arms' cross matrices times the inverse inertia

@@ -42,7 +42,7 @@ class SolverSelection {
   /// By island, for the next step; empty if all are to be swept.
   std::span<const SolveMode> choose(const LoadInput& input);
 
-  /// Likewise, where contacts are swept whatever they carry: islands of joints alone that are to be solved at once.
+  /// Chooses modes where contacts are swept whatever they carry: only islands of joints alone are solved at once.
   std::span<const SolveMode> choose_untouched(const LoadInput& input);
 
   /// Why an island got its mode, by the last choice; in words, static storage.
@@ -93,6 +93,7 @@ class SolverSelection {
   void estimate_arrived(const LoadInput& input);
   void find_landings(const LoadInput& input);
   void find_joined(const LoadInput& input, bool touched);
+  void start_modes(const Islands& islands);
   bool is_machine(const LoadInput& input, std::size_t island);
   bool is_pressed(const LoadInput& input, std::size_t island);
 
