@@ -1,3 +1,7 @@
+#include <solver/tuning.h>
+
+#include <algorithm>
+
 #include "direct/island_results.h"
 #include "direct/island_solves.h"
 
@@ -24,10 +28,24 @@ void free_velocities_of_step(const DirectIslandInput& input, const std::vector<M
   }
 }
 
-// Moves bodies by the trapezoidal rule where the change is steady.
+// By body: 1 where a contact stops what came towards it. By half of such a gain it would get into what it lands on.
+std::vector<std::uint8_t> find_landed(const IslandMotions& motions, const std::vector<double>& before) {
+  std::vector<std::uint8_t> landed(motions.problem.bodies.size(), 0);
+  for (const DirectContact& contact : motions.problem.contacts) {
+    const auto& pushes = contact.lasting.normal;
+    if (std::all_of(pushes.begin(), pushes.begin() + contact.law.points, [](double n) { return n <= 0; })) continue;
+    if (contact.motion_at(before)[0] >= -tuning::resting_speed) continue;
+    if (contact.first != no_body) landed[contact.first] = 1;
+    if (contact.second != no_body) landed[contact.second] = 1;
+  }
+  return landed;
+}
+
+// Moves bodies by the trapezoidal rule where the change is steady. `before`: velocities as the step began.
 void write_back_bodies(const DirectIslandInput& input, const std::vector<MovingBody>& bodies,
-                       const IslandMotions& motions) {
+                       const IslandMotions& motions, const std::vector<double>& before) {
   BodyTable& table = input.bodies;
+  const std::vector<std::uint8_t> landed = find_landed(motions, before);
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const std::uint32_t body = motions.problem.bodies[i].body;
     const BodyPose& start = bodies[i].start;
@@ -37,7 +55,7 @@ void write_back_bodies(const DirectIslandInput& input, const std::vector<MovingB
     const Vector3 gained_spin = spin - table.angular_velocity(body);
     Vector3 moves = linear_part(motions.problem.velocity, i);
     Vector3 turns = angular_part(motions.problem.velocity, i);
-    if (changes_steadily(gained, gained_spin, bodies[i].acceleration, input.dt, table.radius[body])) {
+    if (!landed[i] && changes_steadily(gained, gained_spin, bodies[i].acceleration, input.dt, table.radius[body])) {
       moves -= 0.5 * gained;
       turns -= 0.5 * gained_spin;
     }
@@ -53,10 +71,10 @@ void write_back_bodies(const DirectIslandInput& input, const std::vector<MovingB
 
 bool solve_step(const DirectIslandInput& input, const std::vector<MovingBody>& bodies, IslandMotions& motions) {
   free_velocities_of_step(input, bodies, motions.problem);
-  motions.lasting = motions.problem.velocity;
+  const std::vector<double> before = motions.lasting = motions.problem.velocity;
   if (!find_motions(motions, input.settings, input.dt, 0)) return false;
   if (input.capture != nullptr) capture_contacts(*input.capture, input.manifolds, input.dt, motions.problem);
-  write_back_bodies(input, bodies, motions);
+  write_back_bodies(input, bodies, motions, before);
   write_back_contacts(input, 1.0 / input.settings.substeps, motions.problem.contacts);
   return true;
 }
