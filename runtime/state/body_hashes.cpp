@@ -80,8 +80,8 @@ void hash_body(const Stores& world, BodyParts& parts, std::uint32_t body) {
       visit_filter(parts.input, filter);
     });
   }
-  const solver::SolverSelection::LoadHistory history = world.selection.load_history(body);
-  visit_load_history(parts.contacts, history);
+  solver::SolverSelection::Finding finding = world.selection.finding(body);
+  visit_finding(parts.contacts, finding);
   if (world.settings.target.is_set()) {
     solver::SubstepControl::History substeps = world.control.history(body);
     visit_history(parts.contacts, substeps);

@@ -33,11 +33,14 @@
 
 namespace atl {
 
-template <typename Archive, typename LoadHistory>
-void visit_load_history(Archive& archive, LoadHistory& history) {
-  archive.value(history.overloaded);
-  archive.value(history.deep);
-  archive.value(history.sags);
+template <typename Archive>
+void visit_finding(Archive& archive, solver::SolverSelection::Finding& finding) {
+  archive.value(finding.mode);
+  archive.value(finding.swept);
+  archive.value(finding.bodies);
+  const bool by_load = finding.mode == solver::SolveMode::Sweep || finding.mode == solver::SolveMode::Refined ||
+                       finding.mode == solver::SolveMode::Direct;
+  archive.check(by_load && finding.swept >= 0 && std::isfinite(finding.swept), "a way to solve islands that is none");
 }
 
 template <typename Archive>
@@ -412,31 +415,17 @@ class WorldState {
   }
 
   void visit_selection() {
-    using LoadHistory = solver::SolverSelection::LoadHistory;
+    using Finding = solver::SolverSelection::Finding;
     auto& selection = world_.selection;
-    if constexpr (reads && with_direct_contacts) selection.forget_all();
-    if constexpr (reads && !with_direct_contacts) selection.forget_arrived();
-    const auto is_loaded = [&selection](std::uint32_t body) { return selection.load_history(body) != LoadHistory{}; };
-    visit_some(archive_, selection.loaded().empty() && !reads ? 0 : body_count(), is_loaded, [&](std::uint32_t body) {
+    if constexpr (reads) selection.forget_all();
+    const auto is_found = [&selection](std::uint32_t body) { return selection.finding(body) != Finding{}; };
+    visit_some(archive_, body_count(), is_found, [&](std::uint32_t body) {
       check_body(body);
       archive_.check(with_direct_contacts, "overloaded contacts, which this build does nothing about");
-      LoadHistory history = selection.load_history(body);
-      visit_load_history(archive_, history);
-      if constexpr (reads) selection.restore_load_history(body, history);
+      Finding finding = selection.finding(body);
+      visit_finding(archive_, finding);
+      if constexpr (reads) selection.restore(body, finding);
     });
-    auto count = static_cast<std::uint32_t>(selection.arrived().size());
-    if constexpr (reads) {
-      count = archive_.count_of(sizeof(std::uint32_t));
-    } else {
-      archive_.value(count);
-    }
-    for (std::uint32_t i = 0; i < count; ++i) {
-      std::uint32_t body = 0;
-      if constexpr (!reads) body = selection.arrived()[i];
-      archive_.value(body);
-      check_body(body);
-      if constexpr (reads) selection.arrive(body);
-    }
   }
 
   void visit_events() {

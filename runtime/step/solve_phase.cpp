@@ -129,13 +129,12 @@ void SolvePhase::choose_modes(Stores& world, const StepContext& step, IslandPhas
                                      .settings = how,
                                      .joint_graph = world.joints.count == 0 ? nullptr : &islands.joint_graph(),
                                      .joint_systems = &islands.joint_systems(),
-                                     .refines = !world.settings.target.penetration};
+                                     .refines = !world.settings.target.penetration,
+                                     .estimates = world.clock.steps % solver::tuning::load_interval == 0};
     const bool all = world.settings.contact_solver == ContactSolver::Direct;
     modes = !selects_solvers(world.settings) ? world.selection.choose_untouched(input)
             : all                            ? world.selection.choose_direct(input)
-                                             : world.selection.choose(input);
-  } else {
-    world.selection.forget_arrived();
+                                             : world.selection.choose(input, step.arena);
   }
   bool changed = !std::equal(modes.begin(), modes.end(), modes_.begin(), modes_.end());
   if (world.settings.target.is_set()) {
@@ -302,14 +301,10 @@ bool SolvePhase::solve_directly(const solver::SolveInput& input, std::size_t gro
   return true;
 }
 
-// What is overloaded now, and what could not be solved at once, which decide on the next step's modes.
+// Islands that were not swept as the settings say; those that could not be solved at once are swept for some time.
 void SolvePhase::note_modes(Stores& world, const solver::Islands& islands, StepCounts& counts) {
   if constexpr (!solves_directly) return;
-  all_overloaded_.clear();
-  overloaded_.for_each([&](std::vector<solver::OverloadedBody>& of_worker) {
-    all_overloaded_.insert(all_overloaded_.end(), of_worker.begin(), of_worker.end());
-    of_worker.clear();
-  });
+  overloaded_.for_each([&](std::vector<solver::OverloadedBody>& of_worker) { of_worker.clear(); });
   failed_.clear();
   world.results.selected_solves.clear();
   const auto describe = [&](std::size_t island, const char* why) {
@@ -354,8 +349,7 @@ void SolvePhase::note_modes(Stores& world, const solver::Islands& islands, StepC
     counts.newton_iterations += island.iterations;
     world.results.selected_solves.push_back(island);
   }
-  if (selects_solvers(world.settings))
-    world.selection.note(all_overloaded_, failed_, world.sleeping.awake, world.clock.dt);
+  if (selects_solvers(world.settings)) world.selection.note_failed(failed_, world.sleeping.awake, world.clock.dt);
 }
 
 namespace {

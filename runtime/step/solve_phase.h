@@ -44,7 +44,7 @@ class SolvePhase {
   auto group_arrays() const { return std::tie(groups_, group_reports_, large_solvers_); }
   auto direct_arrays() const { return std::tie(direct_.solvers, direct_.of_group, direct_.reports); }
   std::size_t direct_count() const { return direct_.solvers.size(); }
-  auto selection_arrays() const { return std::tie(modes_, substeps_, company_, settings_, all_overloaded_, failed_); }
+  auto selection_arrays() const { return std::tie(modes_, substeps_, company_, settings_, failed_); }
   auto capture_arrays() const { return std::tie(capture_.answers, capture_.motions); }
 
  private:
@@ -82,7 +82,6 @@ class SolvePhase {
   bool regrouped_ = false;                                           // since the last solve
   DirectGroups direct_;
   solver::OverloadedBodies overloaded_;
-  std::vector<solver::OverloadedBody> all_overloaded_;
   std::vector<std::uint32_t> failed_;  // bodies of islands that could not be solved at once
   solver::FastBodies moved_;
   solver::ContactCapture capture_;

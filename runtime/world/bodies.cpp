@@ -119,7 +119,6 @@ BodyId add_body(Stores& world, const CheckedBody& start) {
 
   world.sleeping.awake[body] = records.dynamic[body];
   world.sleeping.rest_time[body] = 0;
-  if (records.dynamic[body]) world.selection.arrive(body);
   world.contents.count(bodies, records, body, +1);
   note_arrival_or_departure(world, body);
   add_colliders(world, body);

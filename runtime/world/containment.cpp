@@ -151,7 +151,6 @@ void release_body(Stores& world, std::uint32_t body) {
   world.records.dynamic[body] = constants.type == BodyType::Dynamic;
   world.sleeping.awake[body] = world.records.dynamic[body];
   world.sleeping.rest_time[body] = 0;
-  if (world.records.dynamic[body]) world.selection.arrive(body);
   world.contents.count(world.bodies, world.records, body, +1);
   note_arrival_or_departure(world, body);
   add_proxies(world, body);

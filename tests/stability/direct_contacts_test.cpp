@@ -158,7 +158,7 @@ TEST(DirectContacts, TellWhichIslandsTheyAre) {
   EXPECT_EQ(island.contacts, 20u);
   EXPECT_TRUE(island.direct);
   EXPECT_FALSE(island.gave_up);
-  EXPECT_STREQ(island.why, "columns give way under what they carry");
+  EXPECT_STREQ(island.why, "contacts give way under what they carry");
   EXPECT_EQ(report.counts.direct_islands, 1);
   EXPECT_EQ(report.counts.refined_islands, 0);
   world.set_settings({.contact_solver = ContactSolver::Iterative});

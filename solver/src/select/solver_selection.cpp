@@ -1,3 +1,4 @@
+#include <jobs/scratch.h>
 #include <solver/select/joint_selection.h>
 #include <solver/select/landing.h>
 #include <solver/select/solver_selection.h>
@@ -5,10 +6,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
 namespace atl::solver {
 namespace {
+
+constexpr std::size_t load_grain = 16;  // islands a task
 
 // What is solved at once is so without locks.
 bool has_locks(const LoadInput& input, std::size_t island) {
@@ -16,13 +18,21 @@ bool has_locks(const LoadInput& input, std::size_t island) {
   return std::any_of(bodies.begin(), bodies.end(), [&](std::uint32_t body) { return input.bodies.locks[body] != 0; });
 }
 
-// By body, each once.
-void order(std::vector<OverloadedBody>& overloaded) {
-  std::sort(overloaded.begin(), overloaded.end(), [](const OverloadedBody& a, const OverloadedBody& b) {
-    return a.body != b.body ? a.body < b.body : a.deep > b.deep;
-  });
-  const auto same = [](const OverloadedBody& a, const OverloadedBody& b) { return a.body == b.body; };
-  overloaded.erase(std::unique(overloaded.begin(), overloaded.end(), same), overloaded.end());
+bool may_be_direct(const LoadInput& input, std::size_t island) {
+  return input.islands.body_count(island) <= tuning::most_bodies && !has_locks(input, island);
+}
+
+// By the loads in it now.
+SolveMode estimated_mode(const LoadInput& input, std::size_t island) {
+  const Build build = build_of(input.islands, island);
+  const bool direct = may_be_direct(input, island);
+  const bool refines = input.refines && build != Build::Joined && refinement_of(input.settings, input.dt) > 1;
+  if (!direct && !refines) return SolveMode::Sweep;
+  const LoadEstimate::Overload found = jobs::of_this_thread<LoadEstimate>().of(input, island, build);
+  if (found.bodies == 0) return SolveMode::Sweep;
+  if (direct && (build == Build::Columns || found.deep)) return SolveMode::Direct;
+  const double part = tuning::part_of_island * static_cast<double>(input.islands.body_count(island));
+  return refines && static_cast<double>(found.bodies) >= part ? SolveMode::Refined : SolveMode::Sweep;
 }
 
 }  // namespace
@@ -34,85 +44,64 @@ int refinement_of(const SolverSettings& settings, double dt) {
   return times;
 }
 
-void SolverSelection::resize(std::size_t bodies) { load_history_.resize(bodies); }
+void SolverSelection::resize(std::size_t bodies) { findings_.resize(bodies); }
 
 void SolverSelection::forget(std::uint32_t body) {
-  std::erase(arrived_, body);
-  if (load_history(body) == LoadHistory{}) return;
-  load_history_[body] = {};
-  loaded_.erase(std::lower_bound(loaded_.begin(), loaded_.end(), body));
+  if (body < findings_.size()) findings_[body] = {};
+  std::erase(failed_, body);
 }
 
 void SolverSelection::forget_all() {
-  arrived_.clear();
-  joined_.clear();
-  for (const std::uint32_t body : loaded_) load_history_[body] = {};
-  loaded_.clear();
+  std::fill(findings_.begin(), findings_.end(), Finding{});
+  failed_.clear();
 }
 
-// What new bodies stand on and under, as if it had been for long: it takes a wall some time to settle on its load.
-void SolverSelection::estimate_arrived(const LoadInput& input) {
-  if (arrived_.empty()) return;
-  std::vector<std::uint32_t> islands;
-  for (const std::uint32_t body : arrived_) islands.push_back(input.islands.island_of(body));
-  arrived_.clear();
-  std::sort(islands.begin(), islands.end());
-  islands.erase(std::unique(islands.begin(), islands.end()), islands.end());
-  for (const std::uint32_t island : islands) {
-    if (island == Islands::none) continue;
-    estimated_.clear();
-    estimate_.add_overloaded(input, island, estimated_);
-    order(estimated_);
-    const auto bodies = static_cast<double>(input.islands.body_count(island));
-    const bool sags = static_cast<double>(estimated_.size()) >= tuning::part_of_island * bodies;
-    for (const OverloadedBody& one : estimated_) {
-      load_history_[one.body] = {tuning::most_load_time, one.deep ? tuning::most_load_time : 0, sags};
-      loaded_.push_back(one.body);
-    }
-  }
-  std::sort(loaded_.begin(), loaded_.end());
-  loaded_.erase(std::unique(loaded_.begin(), loaded_.end()), loaded_.end());
+void SolverSelection::restore(std::uint32_t body, const Finding& finding) {
+  if (body >= findings_.size()) resize(body + std::size_t{1});
+  findings_[body] = finding;
+  if (finding.swept > 0) failed_.push_back(body);
 }
 
-std::span<const SolveMode> SolverSelection::choose(const LoadInput& input) {
+std::span<const SolveMode> SolverSelection::choose(const LoadInput& input, jobs::Arena& arena) {
   refused_.clear();
-  estimate_arrived(input);
   find_joined(input, true);
   find_landings(input);
-  if (loaded_.empty() && joined_.empty() && landings_.empty()) return {};
   const Islands& islands = input.islands;
   start_modes(islands);
-  for (const std::uint32_t body : loaded_) {
+  arena.parallel_for(islands.count(), load_grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t island = begin; island < end; ++island) {
+      if (modes_[island] == SolveMode::Sweep) modes_[island] = mode_by_load(input, island);
+    }
+  });
+  for (const std::uint32_t body : failed_) {
     const std::uint32_t island = islands.island_of(body);
-    if (island == Islands::none) continue;
-    symptoms_[island].failed |= load_history_[body].overloaded < 0;
-    symptoms_[island].lasts |= load_history_[body].overloaded > tuning::lasting;
-    // What is joined leaps at once.
-    const float lasts = islands.joint_count(island) > 0 ? 0 : tuning::lasting;
-    symptoms_[island].deep |= load_history_[body].deep > lasts;
-    symptoms_[island].sags |= load_history_[body].sags;
+    if (island != Islands::none && !is_joined(island)) modes_[island] = SolveMode::Sweep;
   }
   for (const std::size_t island : landings_) {
     if (modes_[island] == SolveMode::Sweep) modes_[island] = SolveMode::Landing;
   }
-  bool any = !joined_.empty() || !landings_.empty();
-  for (std::size_t island = 0; island < islands.count(); ++island) {
-    const Symptoms& has = symptoms_[island];
-    if (!(has.lasts || has.deep) || has.failed || modes_[island] == SolveMode::Direct) continue;
-    if (islands.contact_count(island) == 0) continue;  // what touched its joints has let go
-    const bool small = islands.body_count(island) <= tuning::most_bodies;
-    const Build build = build_of(islands, island);
-    const bool at_once = build == Build::Columns || (has.deep && small);
-    if (at_once && !has_locks(input, island)) {
-      modes_[island] = SolveMode::Direct;
-    } else if (has.lasts && has.sags && build != Build::Joined) {
-      modes_[island] = SolveMode::Refined;
-    }
-    const bool as_fine = !input.refines || refinement_of(input.settings, input.dt) == 1;
-    if (modes_[island] == SolveMode::Refined && as_fine) modes_[island] = SolveMode::Sweep;
-    any |= modes_[island] != SolveMode::Sweep;
-  }
+  const bool any = std::any_of(modes_.begin(), modes_.end(), [](SolveMode mode) { return mode != SolveMode::Sweep; });
   return any ? std::span<const SolveMode>(modes_) : std::span<const SolveMode>();
+}
+
+// An island is estimated at once where bodies have joined or left it, and else keeps its mode. A body that is alone may
+// land, tip and part within a few steps, and costs little: it is estimated in each.
+SolveMode SolverSelection::mode_by_load(const LoadInput& input, std::size_t island) {
+  if (input.islands.contact_count(island) == 0) return SolveMode::Sweep;
+  const std::span<const std::uint32_t> bodies = input.islands.bodies(island, island + 1);
+  const auto count = static_cast<std::uint32_t>(bodies.size());
+  const SolveMode before = findings_[bodies.front()].mode;
+  const auto is_same = [&](std::uint32_t body) {
+    return findings_[body].mode == before && findings_[body].bodies == count;
+  };
+  const bool same = count > 1 && std::all_of(bodies.begin(), bodies.end(), is_same);
+  if (same && !input.estimates && (before != SolveMode::Direct || may_be_direct(input, island))) return before;
+  const SolveMode mode = estimated_mode(input, island);
+  for (const std::uint32_t body : bodies) {
+    findings_[body].mode = mode;
+    findings_[body].bodies = count;
+  }
+  return mode;
 }
 
 void SolverSelection::find_landings(const LoadInput& input) {
@@ -135,14 +124,13 @@ void SolverSelection::find_joined(const LoadInput& input, bool touched) {
       if (input.joint_systems->is_direct(input.joint_graph->component_of(joint))) joined_.push_back(island);
       continue;
     }
-    if (!touched || islands.body_count(island) > tuning::most_bodies || has_locks(input, island)) continue;
+    if (!touched || !may_be_direct(input, island)) continue;
     if (is_machine(input, island) || is_pressed(input, island)) joined_.push_back(island);
   }
 }
 
 // All islands are swept, but for those of joined bodies that were found.
 void SolverSelection::start_modes(const Islands& islands) {
-  symptoms_.assign(islands.count(), {});
   modes_.assign(islands.count(), SolveMode::Sweep);
   for (const std::size_t island : joined_) modes_[island] = SolveMode::Direct;
 }
@@ -227,50 +215,34 @@ std::span<const SolveMode> SolverSelection::choose_direct(const LoadInput& input
   return modes_;
 }
 
-const char* SolverSelection::why(std::size_t island) const {
-  const bool joined = std::binary_search(joined_.begin(), joined_.end(), island);
-  if (joined) return "joints that are solved at once and contacts push on each other";
-  if (modes_[island] == SolveMode::Landing) return "something lands in it that leans on something else";
-  if (symptoms_[island].deep) return "a body carries many times what its contacts are made for";
-  return modes_[island] == SolveMode::Refined ? "it sags under its own weight"
-                                              : "columns give way under what they carry";
+bool SolverSelection::is_joined(std::size_t island) const {
+  return std::binary_search(joined_.begin(), joined_.end(), island);
 }
 
-void SolverSelection::note(std::vector<OverloadedBody>& overloaded, std::vector<std::uint32_t>& failed,
-                           std::span<const std::uint8_t> awake, double dt) {
-  if (overloaded.empty() && loaded_.empty() && failed.empty()) return;
+const char* SolverSelection::why(std::size_t island) const {
+  if (is_joined(island)) return "joints that are solved at once and contacts push on each other";
+  switch (modes_[island]) {
+    case SolveMode::Landing:
+      return "something lands in it that leans on something else";
+    case SolveMode::Refined:
+      return "it sags under its own weight";
+    default:
+      return "contacts give way under what they carry";
+  }
+}
+
+void SolverSelection::note_failed(std::span<const std::uint32_t> failed, std::span<const std::uint8_t> awake,
+                                  double dt) {
   const auto step = static_cast<float>(dt);
-  order(overloaded);
-  overloaded_now_.clear();
-  std::sort(failed.begin(), failed.end());
-  for (const std::uint32_t body : failed) load_history_[body] = {.overloaded = -tuning::failed_time - step};
-  for (const OverloadedBody& one : overloaded) {
-    if (load_history_[one.body].overloaded < 0) continue;
-    overloaded_now_.push_back(one.body);
-    const auto grow = [step](float& time) { time = std::min(tuning::most_load_time, time + step) + step; };
-    grow(load_history_[one.body].overloaded);
-    if (one.deep) grow(load_history_[one.body].deep);
+  for (const std::uint32_t body : failed_) {
+    float& left = findings_[body].swept;
+    if (awake[body]) left = left < 1.5f * step ? 0 : left - step;  // but for rounding
   }
-  merged_.clear();
-  std::set_union(loaded_.begin(), loaded_.end(), overloaded_now_.begin(), overloaded_now_.end(),
-                 std::back_inserter(merged_));
-  overloaded_now_.clear();
-  std::set_union(merged_.begin(), merged_.end(), failed.begin(), failed.end(), std::back_inserter(overloaded_now_));
-  merged_.swap(overloaded_now_);
-  for (const std::uint32_t body : merged_) {
-    if (!awake[body]) continue;
-    // But for rounding.
-    const auto wear_off = [step](float& time) {
-      time = std::abs(time) < 1.5f * step ? 0 : time - std::copysign(step, time);
-    };
-    wear_off(load_history_[body].overloaded);
-    wear_off(load_history_[body].deep);
-  }
-  std::erase_if(merged_, [this](std::uint32_t body) {
-    if (load_history_[body].overloaded == 0) load_history_[body] = {};
-    return load_history_[body] == LoadHistory{};
-  });
-  loaded_.swap(merged_);
+  for (const std::uint32_t body : failed) findings_[body].swept = tuning::failed_time;
+  failed_.insert(failed_.end(), failed.begin(), failed.end());
+  std::sort(failed_.begin(), failed_.end());
+  failed_.erase(std::unique(failed_.begin(), failed_.end()), failed_.end());
+  std::erase_if(failed_, [this](std::uint32_t body) { return findings_[body].swept == 0; });
 }
 
 }  // namespace atl::solver

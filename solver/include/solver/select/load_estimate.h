@@ -1,7 +1,6 @@
 #pragma once
 
 #include <collision/contacts/contact.h>
-#include <solver/constraints/load_check.h>
 #include <solver/direct/joint_systems.h>
 #include <solver/integrate/body_table.h>
 #include <solver/islands/islands.h>
@@ -24,23 +23,42 @@ struct LoadInput {
   const JointGraph* joint_graph = nullptr;      ///< null where there are no joints
   const JointSystems* joint_systems = nullptr;  ///< likewise
   bool refines = true;                          ///< what sags; else targets say how many substeps it gets
+  bool estimates = true;                        ///< all loads; else those of islands that have changed
 };
 
 /// What the contacts of an island carry if all stands: from the top down, each body hands its weight and what it
 /// carries on to what is below it, in equal parts.
 class LoadEstimate {
  public:
-  void add_overloaded(const LoadInput& input, std::size_t island, std::vector<OverloadedBody>& overloaded);
+  /// Bodies of an island whose contacts would overlap by more than is allowed.
+  struct Overload {
+    std::size_t bodies = 0;
+    bool deep = false;  ///< one of them is deep in what it presses on
+  };
+  Overload of(const LoadInput& input, std::size_t island, Build build);
 
  private:
-  struct Support {
-    std::uint32_t above, below;  // places in the island; below may be none
-    double along;                // cosine of the normal against up
-    std::uint32_t slot, first, second;
+  // A body of the island.
+  struct Node {
+    float height;  // m, above the first one
+    float load;    // N: its weight, and what it carries
+    float inverse_mass;
+    std::uint32_t on_top;    // supports it is the lower body of, that haven't handed their load on
+    std::uint32_t supports;  // what holds it up
+    std::uint32_t support;   // the last of them
+    bool overloaded;
   };
-  std::vector<double> height_, load_;
-  std::vector<std::uint32_t> order_, start_;
+  // A contact, from the body above to the one below, which is none if it is fixed.
+  struct Support {
+    std::uint32_t above, below, next;
+    float capacity;  // N: with more load the contact overlaps too far
+    std::uint32_t contact;
+  };
+  bool is_deep(const LoadInput& input, const collision::TouchingPair& pair, double load, Build build) const;
+
+  std::vector<Node> nodes_;
   std::vector<Support> supports_;
+  std::vector<std::uint32_t> free_;  // nodes whose load is known
 };
 
 }  // namespace atl::solver

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <jobs/arena.h>
 #include <jobs/arrays.h>
 #include <solver/select/load_estimate.h>
 
@@ -20,27 +21,28 @@ enum class SolveMode : std::uint8_t {
 /// How many substeps an island gets for each that was asked for, a power of two; 1 where these are as short already.
 int refinement_of(const SolverSettings& settings, double dt);
 
-/// Follows which contacts carry more than soft ones are made for, and says what is done about their islands. A load has
-/// to stay for some steps, or it is an impact; of bodies that are new it is estimated at once. Tall columns, heavy
-/// bodies on light ones and large walls are what it finds, and landings of bodies alone. While there are none it costs
-/// nothing.
+/// Chooses how each island is solved, by one rule. Where soft contacts would overlap by more than their budget under
+/// what lies on them (LoadEstimate), the island is solved at once if it is small and either little but columns or deep
+/// in what it presses on. Otherwise, if a large part of it is beyond the budget, it gets finer substeps. The budgets
+/// are parts of the bodies' size: tuning::column_penetration, tuning::overload_penetration and
+/// tuning::deep_penetration.
+///
+/// Two things don't follow from loads: joints and contacts that would undo what the other did are solved at once, and a
+/// body that lands alone while it leans on something gets finer substeps in that step. An island that could not be
+/// solved at once is swept for tuning::failed_time.
 class SolverSelection {
  public:
-  /// For a world of so many bodies: ahead of a choice, where something moves. The others carry nothing that counts.
+  /// For a world of so many bodies: ahead of a choice, where something moves.
   void resize(std::size_t bodies);
-  /// A new dynamic body.
-  void arrive(std::uint32_t body) { arrived_.push_back(body); }
   /// One that is gone.
   void forget(std::uint32_t body);
-  /// Where nothing is to be done.
   void forget_all();
-  void forget_arrived() { arrived_.clear(); }
 
   /// By island, where all are to be solved at once that can be.
   std::span<const SolveMode> choose_direct(const LoadInput& input);
 
   /// By island, for the next step; empty if all are to be swept.
-  std::span<const SolveMode> choose(const LoadInput& input);
+  std::span<const SolveMode> choose(const LoadInput& input, jobs::Arena& arena);
 
   /// Chooses modes where contacts are swept whatever they carry: only islands of joints alone are solved at once.
   std::span<const SolveMode> choose_untouched(const LoadInput& input);
@@ -55,75 +57,46 @@ class SolverSelection {
   };
   std::span<const Refused> refused() const { return refused_; }
 
-  /// After a step of dt seconds: overloaded bodies, in any order and any number of times each, and bodies of islands
-  /// that could not be solved at once, likewise, which are swept for tuning::failed_time, whatever they carry. What
-  /// sleeps stays as it is.
-  void note(std::vector<OverloadedBody>& overloaded, std::vector<std::uint32_t>& failed,
-            std::span<const std::uint8_t> awake, double dt);
+  /// After a step of dt seconds: bodies of islands that could not be solved at once, in any order. For those that sleep
+  /// time stands still.
+  void note_failed(std::span<const std::uint32_t> failed, std::span<const std::uint8_t> awake, double dt);
 
-  /// For how long a body has been overloaded, and deep in what it presses on, more or less: what lasts from step to
-  /// step.
-  struct LoadHistory {
-    float overloaded = 0;  ///< s; below 0 for how long it is swept yet, after it could not be solved at once
-    float deep = 0;        ///< s
-    bool sags = false;     ///< with a large part of its island
-    bool operator==(const LoadHistory&) const = default;
+  /// What a body's island was found to be: what lasts from step to step.
+  struct Finding {
+    SolveMode mode = SolveMode::Sweep;  ///< by the last estimate of its load: Sweep, Refined or Direct
+    float swept = 0;                    ///< s: for how long yet, after it could not be solved at once
+    std::uint32_t bodies = 0;           ///< of that island; 0 before the first estimate
+    bool operator==(const Finding&) const = default;
   };
-  /// Bodies that came since the last choice, in the order in which they did.
-  std::span<const std::uint32_t> arrived() const { return arrived_; }
-  /// Bodies with a history, in order.
-  std::span<const std::uint32_t> loaded() const { return loaded_; }
-  LoadHistory load_history(std::uint32_t body) const {
-    return body < load_history_.size() ? load_history_[body] : LoadHistory{};
-  }
-  /// Of a state that is restored: bodies with a history come in order.
-  void restore_load_history(std::uint32_t body, const LoadHistory& history) {
-    if (body >= load_history_.size()) resize(body + std::size_t{1});
-    load_history_[body] = history;
-    loaded_.push_back(body);
-  }
+  Finding finding(std::uint32_t body) const { return body < findings_.size() ? findings_[body] : Finding{}; }
+  /// Of a state that is restored: bodies come in order.
+  void restore(std::uint32_t body, const Finding& finding);
 
   /// See jobs/arrays.h.
-  auto arrays() const {
-    return std::tie(load_history_, loaded_, arrived_, overloaded_now_, merged_, symptoms_, modes_, estimated_, joined_,
-                    landings_, on_system_, refused_);
-  }
+  auto arrays() const { return std::tie(findings_, failed_, modes_, joined_, landings_, on_system_, refused_); }
 
  private:
-  void estimate_arrived(const LoadInput& input);
   void find_landings(const LoadInput& input);
   void find_joined(const LoadInput& input, bool touched);
   void start_modes(const Islands& islands);
+  bool is_joined(std::size_t island) const;
+  SolveMode mode_by_load(const LoadInput& input, std::size_t island);
   bool is_machine(const LoadInput& input, std::size_t island);
   bool is_pressed(const LoadInput& input, std::size_t island);
 
-  // What is known of an island by its loaded bodies.
-  struct Symptoms {
-    bool failed = false;  // to solve it at once was tried in vain, not long ago
-    bool lasts = false;
-    bool deep = false;
-    bool sags = false;
-  };
-
   // What lasts from step to step, and what is made anew. Whoever adds a member says which it is, or this won't compile.
   static void check_members(SolverSelection& selection) {
-    auto& [history, loaded, arrived, /**/ overloaded, merged, symptoms, landings, joined, on_system, modes, refused,
-           estimated, estimate] = selection;
-    static_cast<void>(history);
+    auto& [findings, failed, /**/ landings, joined, on_system, modes, refused] = selection;
+    static_cast<void>(findings);
   }
 
-  std::vector<LoadHistory> load_history_;  // by body
-  std::vector<std::uint32_t> loaded_;      // in order
-  std::vector<std::uint32_t> arrived_;
-  std::vector<std::uint32_t> overloaded_now_, merged_;
-  std::vector<Symptoms> symptoms_;       // by island
+  std::vector<Finding> findings_;        // by body
+  std::vector<std::uint32_t> failed_;    // bodies that are swept for some time, in order
   std::vector<std::size_t> landings_;    // islands in which something lands
   std::vector<std::size_t> joined_;      // islands that are solved at once for the sake of their joints
   std::vector<std::uint8_t> on_system_;  // by body of an island
   std::vector<SolveMode> modes_;         // by island
   std::vector<Refused> refused_;
-  std::vector<OverloadedBody> estimated_;
-  LoadEstimate estimate_;
 };
 
 }  // namespace atl::solver
