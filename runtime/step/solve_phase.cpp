@@ -221,7 +221,6 @@ void SolvePhase::solve_groups(Stores& world, const StepContext& step, const solv
                               .kernels = step.kernels,
                               .bounds = world.aabbs.bounds,
                               .fast = moved_,
-                              .overloaded = overloaded_,
                               .capture = captures ? &capture_ : nullptr,
                               .surface_contacts = surfaces ? world.surface_contacts.data() : nullptr,
                               .added_slips = added_slips,
@@ -304,7 +303,6 @@ bool SolvePhase::solve_directly(const solver::SolveInput& input, std::size_t gro
 // Islands that were not swept as the settings say; those that could not be solved at once are swept for some time.
 void SolvePhase::note_modes(Stores& world, const solver::Islands& islands, StepCounts& counts) {
   if constexpr (!solves_directly) return;
-  overloaded_.for_each([&](std::vector<solver::OverloadedBody>& of_worker) { of_worker.clear(); });
   failed_.clear();
   world.results.selected_solves.clear();
   const auto describe = [&](std::size_t island, const char* why) {

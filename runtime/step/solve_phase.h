@@ -22,7 +22,7 @@ namespace atl {
 /// as tasks.
 class SolvePhase {
  public:
-  explicit SolvePhase(int threads) : overloaded_(threads), moved_(threads) {}
+  explicit SolvePhase(int threads) : moved_(threads) {}
 
   /// How many substeps islands get whose errors have a target; islands whose contacts carry too much are solved on
   /// their own, and otherwise.
@@ -81,7 +81,6 @@ class SolvePhase {
   std::vector<GroupSettings> settings_;                              // one for each that some group has
   bool regrouped_ = false;                                           // since the last solve
   DirectGroups direct_;
-  solver::OverloadedBodies overloaded_;
   std::vector<std::uint32_t> failed_;  // bodies of islands that could not be solved at once
   solver::FastBodies moved_;
   solver::ContactCapture capture_;

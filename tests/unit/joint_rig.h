@@ -146,7 +146,6 @@ inline GroupReport JointRig::step(double dt, int count) {
   FastBodies fast(std::max(1, team));
   collision::MotionBounds bounds;
   bounds.resize(bodies.size());
-  OverloadedBodies overloaded(std::max(1, team));
   std::optional<jobs::Arena> arena;
   if (team > 0) arena.emplace(team);
   GroupReport report;
@@ -160,7 +159,6 @@ inline GroupReport JointRig::step(double dt, int count) {
                            .kernels = *kernels,
                            .bounds = bounds,
                            .fast = fast,
-                           .overloaded = overloaded,
                            .joints = joints.data(),
                            .joint_graph = &graph,
                            .joint_systems = &systems};

@@ -3,7 +3,6 @@
 #include <collision/contacts/contact.h>
 #include <solver/constraints/contact_capture.h>
 #include <solver/constraints/joint.h>
-#include <solver/constraints/load_check.h>
 #include <solver/constraints/surface_contact.h>
 #include <solver/direct/direct_island_input.h>
 #include <solver/direct/joint_systems.h>
@@ -26,7 +25,6 @@ struct SolveInput {
   const Kernels& kernels;
   collision::MotionBounds& bounds;  ///< of what the bodies move by
   FastBodies& fast;
-  OverloadedBodies& overloaded;
   ContactCapture* capture = nullptr;           ///< null where nobody asks
   SurfaceContact* surface_contacts = nullptr;  ///< by contact slot; null while all surfaces are plain
   const AddedSlip* added_slips = nullptr;      ///< by contact slot; null where nobody adds any
@@ -51,7 +49,6 @@ struct SolveInput {
             .settings = settings,
             .bounds = bounds,
             .fast = fast,
-            .overloaded = overloaded,
             .capture = capture,
             .surface_contacts = surface_contacts,
             .added_slips = added_slips,

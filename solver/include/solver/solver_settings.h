@@ -87,10 +87,7 @@ struct SubstepConstants {
   float gravity = 0;        ///< m/s^2: what is large under it is pushed apart faster
   float slop;               ///< m, overlap that is left alone
   float restitution_threshold;
-  float refinement;           ///< as in SolverSettings: impulses are kept as those of so many substeps together
-  float penetration_by_load;  ///< m by N s and 1/kg: of contacts between dynamic bodies under a lasting impulse, see
-                              ///< penetration_by_impulse(); 0 where they aren't soft
-  float penetration_fixed;    ///< likewise, against what doesn't respond
+  float refinement;  ///< as in SolverSettings: impulses are kept as those of so many substeps together
 
   static SubstepConstants of(const SolverSettings& settings, double dt) {
     const double h = dt / settings.substeps;
@@ -121,10 +118,6 @@ struct SubstepConstants {
       c.slop = static_cast<float>(settings.slop);
     }
     c.refinement = static_cast<float>(settings.refinement);
-    const bool soft = settings.stabilisation == Stabilisation::Soft;
-    const double penetration = soft ? settings.refinement * penetration_by_impulse(settings, dt) : 0;
-    c.penetration_by_load = static_cast<float>(penetration);
-    c.penetration_fixed = static_cast<float>(penetration / 4);  // twice the frequency
     c.push_speed = static_cast<float>(settings.contact_push_speed);
     c.restitution_threshold = static_cast<float>(settings.restitution_threshold);
     return c;
@@ -148,14 +141,12 @@ struct SubstepConstants {
     return wanted < limit ? wanted : limit;
   }
 
-  /// m by N s and 1/kg: how far contacts between dynamic bodies count as giving under a lasting impulse in each of the
-  /// substeps that were asked for.
-  static double penetration_by_impulse(const SolverSettings& settings, double dt) {
-    const double h = dt * settings.refinement / settings.substeps;
+  /// m by N and 1/kg: how far contacts between dynamic bodies count as giving under a load, whatever the substeps.
+  static double penetration_by_load(const SolverSettings& settings, double dt) {
     double hertz = tuning::contact_hertz_share * tuning::usual_substeps / dt;
     if (settings.contact_hertz > 0 && settings.contact_hertz < hertz) hertz = settings.contact_hertz;
     const double omega = 2 * 3.14159265358979323846 * hertz;
-    return 1 / (h * omega * omega);
+    return 1 / (omega * omega);
   }
 };
 

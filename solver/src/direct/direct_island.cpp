@@ -93,7 +93,6 @@ DirectIslandReport DirectIsland::solve(const DirectIslandInput& input) {
   report.iterations = motions_.search.iterations;
   if (!report.solved) return report;
   count_work(input, members_, problem, report);
-  check_loads(input, members_);
   return report;
 }
 

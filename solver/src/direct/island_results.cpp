@@ -1,6 +1,5 @@
 #include "direct/island_results.h"
 
-#include "constraints/loaded_contact.h"
 #include "integrate/rows3.h"
 
 namespace atl::solver {
@@ -48,15 +47,6 @@ void capture_contacts(ContactCapture& capture, const collision::ContactManifold*
     motion.free_velocity = linear_part(problem.free, i);
     motion.free_angular_velocity = angular_part(problem.free, i);
     motion.inverse_inertia = problem.bodies[i].inverse_inertia;
-  }
-}
-
-void check_loads(const DirectIslandInput& input, const IslandMembers& members) {
-  const Build build = build_of(input.islands, members.island);
-  const double by_impulse = SubstepConstants::penetration_by_impulse(input.settings, input.dt);
-  for (const TouchingPair& pair : members.contacts) {
-    const LoadedContact contact = loaded_contact(input.bodies, input.manifolds, pair);
-    check_load(contact, by_impulse * load_of(contact.manifold), build, input.overloaded.local());
   }
 }
 

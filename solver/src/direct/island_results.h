@@ -2,7 +2,6 @@
 /// What an island that was solved at once has come to, for those who ask.
 
 #include <solver/direct/direct_island_input.h>
-#include <solver/direct/island_members.h>
 #include <solver/direct/island_problem.h>
 
 namespace atl::solver {
@@ -13,9 +12,5 @@ void write_back_contacts(const DirectIslandInput& input, double share, const std
 /// Hands on what was solved over `step` seconds, and the answer, to the audit.
 void capture_contacts(ContactCapture& capture, const collision::ContactManifold* manifolds, double step,
                       const IslandProblem& problem);
-
-/// Notes contacts that carry too much by the measure of soft contacts, so that the island is solved at once for as long
-/// as these would give way.
-void check_loads(const DirectIslandInput& input, const IslandMembers& members);
 
 }  // namespace atl::solver

@@ -24,11 +24,6 @@ float thickness_square(const Vector3f& normal, const Vector3f& arm) {
   return std::max(along * along, least * arm.squaredNorm());
 }
 
-// m by N and 1/kg: how far soft contacts overlap under a load.
-double softness_of(const LoadInput& input) {
-  return SubstepConstants::penetration_by_impulse(input.settings, input.dt) * input.dt / input.settings.substeps;
-}
-
 }  // namespace
 
 LoadEstimate::Overload LoadEstimate::of(const LoadInput& input, std::size_t island, Build build) {
@@ -37,7 +32,7 @@ LoadEstimate::Overload LoadEstimate::of(const LoadInput& input, std::size_t isla
   if (!(g > 0)) return found;
   const Vector3 up = -input.gravity / g;
   const Vector3f up_f = up.cast<float>();
-  const auto softness = static_cast<float>(softness_of(input));
+  const auto softness = static_cast<float>(SubstepConstants::penetration_by_load(input.settings, input.dt));
   const auto allowed =
       static_cast<float>(build == Build::Columns ? tuning::column_penetration : tuning::overload_penetration);
   const std::span<const std::uint32_t> bodies = input.islands.bodies(island, island + 1);
@@ -128,7 +123,8 @@ bool LoadEstimate::is_deep(const LoadInput& input, const TouchingPair& pair, dou
   float arm = infinite;
   if (first > 0) arm = row(manifold.anchor_first).norm();
   if (second > 0) arm = std::min(arm, row(manifold.anchor_second).norm());
-  const double softness = (first > 0 && second > 0 ? 1 : 0.25) * softness_of(input);
+  const double softness =
+      (first > 0 && second > 0 ? 1 : 0.25) * SubstepConstants::penetration_by_load(input.settings, input.dt);
   return softness * load / slope * (first + second) > tuning::deep_penetration * arm;
 }
 

@@ -10,7 +10,6 @@
 
 #include <features/with_restitution.h>
 #include <features/with_surfaces.h>
-#include <solver/constraints/load_check.h>
 #include <solver/tuning.h>
 
 #include "sweep/contact_lanes-inl.h"
@@ -56,26 +55,6 @@ inline void warm_start(const ContactKernelData& data, std::size_t begin, std::si
   warm_start_by<MovableSides::Locked>(data, begin, end);
 }
 
-// Lanes where soft contacts would overlap farther under what they carry now than in columns they should.
-HWY_INLINE unsigned loaded_lanes(const ContactKernelData& data, const ContactBlock& block, std::size_t lane,
-                                 V normal_impulse) {
-  const V first = load(block.inverse_mass[0] + lane);
-  const V second = load(block.inverse_mass[1] + lane);
-  const M first_fixed = hn::Eq(first, zero());
-  const M second_fixed = hn::Eq(second, zero());
-  const V scale = hn::IfThenElse(hn::Or(first_fixed, second_fixed), splat(data.constants.penetration_fixed),
-                                 splat(data.constants.penetration_by_load));
-  const V estimate = hn::Mul(hn::Mul(normal_impulse, hn::Add(first, second)), scale);
-  constexpr auto give_square = static_cast<float>(tuning::column_penetration * tuning::column_penetration);
-  const V square = square_of_half_thickness(load3(block.normal, lane), load3(block.anchor_first, lane), first_fixed,
-                                            load3(block.anchor_second, lane), second_fixed);
-  const M over = hn::Gt(hn::Mul(estimate, estimate), hn::Mul(splat(give_square), square));
-  if (HWY_LIKELY(hn::AllFalse(D(), over))) return 0;
-  std::uint8_t bits[8] = {};
-  hn::StoreMaskBits(D(), over, bits);
-  return bits[0];
-}
-
 // Impulses of points, by the manifold's numbers.
 HWY_INLINE V4 back_to_manifold(const PlanarBlock& block, std::size_t lane, const V4& rows) {
   const M planar = hn::Gt(load(block.planar + lane), zero());
@@ -93,7 +72,6 @@ inline void store_impulses(const ContactKernelData& data, std::size_t begin, std
   const V together = splat(data.constants.refinement);
   for (std::size_t b = begin; b < end; ++b) {
     ContactBlock& block = data.blocks[b];
-    unsigned loaded = 0;
     for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
       unsigned used = 0;
       for (std::size_t k = 0; k < lanes; ++k) used |= (block.slot[lane + k] >= 0 ? 1u : 0u) << k;
@@ -101,7 +79,6 @@ inline void store_impulses(const ContactKernelData& data, std::size_t begin, std
       collision::ContactManifold* manifolds = data.manifolds;
       V4 normal = {load(block.normal_impulse[0] + lane), load(block.normal_impulse[1] + lane),
                    load(block.normal_impulse[2] + lane), load(block.normal_impulse[3] + lane)};
-      loaded |= (loaded_lanes(data, block, lane, load_of(block, lane)) & used) << lane;
       if (with_restitution && block.traits.bounces) {
         const float(*spent)[block_lanes] = data.bounces[b].spent;
         normal = {hn::Add(normal.x, load(spent[0] + lane)), hn::Add(normal.y, load(spent[1] + lane)),
@@ -128,7 +105,6 @@ inline void store_impulses(const ContactKernelData& data, std::size_t begin, std
           {rolling.x, rolling.y, rolling.z, load(surface.torsional_friction[0] + lane)},
           [=](std::size_t k) { return contacts[slot[k]].rolling_impulse; }, used);
     }
-    block.loaded = static_cast<std::uint8_t>(loaded);
   }
 }
 

@@ -281,12 +281,8 @@ void GroupPass<Executor>::bounce_joints() {
 
 template <typename Executor>
 void GroupPass<Executor>::finish_contacts() {
-  // Nothing is done about a large island that wasn't built to stand.
-  const bool checks_loads = !setup_.group.large || setup_.settings.refined;
-  loops_.each_contact_block([&](std::size_t begin, std::size_t end) {
-    setup_.kernels.store(setup_.contact_data, begin, end);
-    if (checks_loads) check_loads(setup_.input, parts_, setup_.body_ids, begin, end);
-  });
+  loops_.each_contact_block(
+      [&](std::size_t begin, std::size_t end) { setup_.kernels.store(setup_.contact_data, begin, end); });
 }
 
 template <typename Executor>

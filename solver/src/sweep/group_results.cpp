@@ -1,10 +1,8 @@
 #include "sweep/group_results.h"
 
-#include <features/with_direct_contacts.h>
 #include <features/with_joints.h>
 
 #include <algorithm>
-#include <bit>
 
 #include "integrate/rows3.h"
 
@@ -45,31 +43,6 @@ void write_back(const SolveInput& input, const GroupParts& parts, std::span<cons
     table.set_orientation(body, orientation.normalized());
     if (is_joined && joined_motion.is_direct(i)) continue;  // joints have a last word
     note_motion(table, input.bounds, body, start, input.dt, notes);
-  }
-}
-
-void check_loads(const SolveInput& input, const GroupParts& parts, std::span<const std::uint32_t> bodies,
-                 std::size_t begin, std::size_t end) {
-  if constexpr (!with_direct_contacts) return;
-  const std::uint32_t first_dynamic = parts.numbers.first_dynamic();
-  const auto body_of = [&](std::int32_t local) {
-    const auto i = static_cast<std::uint32_t>(local);
-    return i < first_dynamic ? Islands::none : bodies[i - first_dynamic];
-  };
-  const double by_impulse = SubstepConstants::penetration_by_impulse(input.settings, input.dt);
-  for (std::size_t b = begin; b < end; ++b) {
-    const ContactBlock& block = parts.contacts.blocks()[b];
-    for (unsigned lanes = block.loaded; lanes != 0; lanes &= lanes - 1) {
-      const int lane = std::countr_zero(lanes);
-      const LoadedContact contact = {.manifold = input.manifolds[block.slot[lane]],
-                                     .first = body_of(block.first[lane]),
-                                     .second = body_of(block.second[lane]),
-                                     .inverse_first = block.inverse_mass[0][lane],
-                                     .inverse_second = block.inverse_mass[1][lane]};
-      const std::uint32_t island = input.islands.island_of(contact.inverse_first > 0 ? contact.first : contact.second);
-      const Build build = build_of(input.islands, island);
-      check_load(contact, by_impulse * load_of(contact.manifold), build, input.overloaded.local());
-    }
   }
 }
 

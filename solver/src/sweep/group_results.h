@@ -1,6 +1,6 @@
 #pragma once
 
-// What a group has come to, written back: to the bodies, to who decides on modes, and to who asked. Bodies are the
+// What a group has come to, written back: to the bodies and to who asked. Bodies are the
 // group's dynamic ones, by their place in it.
 
 #include <solver/sweep/group_parts.h>
@@ -15,10 +15,6 @@ namespace atl::solver {
 // Poses and velocities of bodies [begin, end); `joined` says whether there are joints.
 void write_back(const SolveInput& input, const GroupParts& parts, std::span<const std::uint32_t> bodies, bool joined,
                 std::size_t begin, std::size_t end);
-
-// Contacts of blocks [begin, end) that carry more than soft contacts are made for.
-void check_loads(const SolveInput& input, const GroupParts& parts, std::span<const std::uint32_t> bodies,
-                 std::size_t begin, std::size_t end);
 
 // Fills SolveInput::capture for the group, in its last substep.
 void capture_answers(const SolveInput& input, const GroupParts& parts, const GroupReport& report,

@@ -3,7 +3,6 @@
 #include <collision/contacts/contact.h>
 #include <solver/constraints/contact_capture.h>
 #include <solver/constraints/joint.h>
-#include <solver/constraints/load_check.h>
 #include <solver/constraints/surface_contact.h>
 #include <solver/integrate/motion.h>
 #include <solver/islands/islands.h>
@@ -21,7 +20,6 @@ struct DirectIslandInput {
   const SolverSettings& settings;
   collision::MotionBounds& bounds;  ///< of what the bodies move by
   FastBodies& fast;
-  OverloadedBodies& overloaded;
   ContactCapture* capture = nullptr;           ///< null where nobody asks
   SurfaceContact* surface_contacts = nullptr;  ///< by contact slot; null while all surfaces are plain
   const AddedSlip* added_slips = nullptr;      ///< by contact slot; null where nobody adds any

@@ -2,7 +2,6 @@
 
 #include <collision/contacts/touching_pair.h>
 #include <jobs/arrays.h>
-#include <solver/constraints/load_check.h>
 
 #include <cstdint>
 #include <span>
@@ -76,7 +75,14 @@ class Islands {
   std::vector<std::uint32_t> free_bodies_;
 };
 
-/// How an island is built, as the load check of its contacts asks.
+/// What an island is like, where it matters for how far its contacts may overlap under a load.
+enum class Build : std::uint8_t {
+  Any,
+  /// Small and of so few contacts that it is little but columns (or arches): to solve it at once costs not much more
+  /// than to sweep it.
+  Columns,
+  Joined,  ///< there are joints in it
+};
 Build build_of(const Islands& islands, std::size_t island);
 
 /// Consecutive islands that are solved together: one task, sharing lanes.

@@ -57,7 +57,6 @@ struct alignas(64) ContactBlock {
   std::int32_t slot[block_lanes];  ///< of the contact; -1 in a lane without one
   std::uint8_t write_first;        ///< bit a lane: the first body is dynamic
   std::uint8_t write_second;
-  std::uint8_t loaded;    ///< bit a lane: it may carry more than soft contacts are made for, see load_check.h
   std::uint8_t contacts;  ///< lanes with one
   MovableSides movable;
   ContactTraits traits;

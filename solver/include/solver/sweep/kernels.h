@@ -93,7 +93,7 @@ struct Kernels {
   /// Gives points that hit faster than the threshold their part of the closing speed back, with the friction that goes
   /// with it. Unless the substep is the `last`, nothing of such contacts is carried over.
   void (*restitute)(const ContactKernelData& data, Friction friction, bool last, std::size_t begin, std::size_t end);
-  /// Writes impulses back to the manifolds, and notes what is overloaded.
+  /// Writes impulses back to the manifolds.
   void (*store)(const ContactKernelData& data, std::size_t begin, std::size_t end);
 
   /// Starts a substep: forces, then, if `carry_over`, what constraints changed in the
