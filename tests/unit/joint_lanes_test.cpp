@@ -18,6 +18,7 @@ struct Pairs {
   JointRig rig;
   SolverBodies moved;
   SubstepConstants constants = SubstepConstants::of({}, 4 * h);
+  JointGraph graph;
   GroupJoints joints;
   std::vector<BodyPose> poses;  // by body, where displacements have brought them
 
@@ -33,7 +34,7 @@ struct Pairs {
       joint.ratio = random.real(-2, 2);
       add_row(joint, static_cast<Coordinate>(i % coordinate_count), law);
       joint.position[0] = joint.coordinate[0] == Coordinate::Twist ? random.real(-20, 20) : random.real(-3, 3);
-      joints.add({first, second, static_cast<std::uint32_t>(i), joint.point, joint.rows}, false);
+      joints.add({first, second, static_cast<std::uint32_t>(i), joint.point, joint.rows}, joint);
     }
     moved.reset(rig.bodies.size(), {});
     for (std::uint32_t body = 0; body < rig.bodies.size(); ++body) {
@@ -50,7 +51,8 @@ struct Pairs {
 
   JointKernelData refresh(const Kernels& kernels) {
     joints.colour(0, static_cast<std::uint32_t>(rig.bodies.size()));
-    const JointStep step{rig.joints.data(), rig.bodies, moved, constants, h};
+    graph.build(rig.joints, std::vector<std::uint8_t>(rig.joints.size(), 1), rig.bodies);
+    const JointStep step{rig.joints.data(), &graph, rig.bodies, moved, constants, h};
     const JointKernelData data = joints.kernel_data(moved, constants, false);
     joints.prepare(step, 0, joints.block_count());
     kernels.prepare_joints(data, 0, joints.block_count());

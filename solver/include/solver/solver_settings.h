@@ -49,6 +49,14 @@ struct Softness {
     return {static_cast<float>(omega / a1), static_cast<float>(a2 * a3), static_cast<float>(a3)};
   }
 
+  /// Of each of several in parallel, which together are as stiff and damped as one.
+  Softness shared_by(int count) const {
+    if (count == 1) return *this;
+    const double left = static_cast<double>(impulse_scale) * count;
+    const double sum = mass_scale + left;
+    return {bias_rate, static_cast<float>(mass_scale / sum), static_cast<float>(left / sum)};
+  }
+
   /// A rigid one that asks for a part of the overlap back within a substep (Baumgarte).
   static Softness rigid(double correction, double h) { return {static_cast<float>(correction / h), 1, 0}; }
 };

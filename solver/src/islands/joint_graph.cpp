@@ -48,6 +48,24 @@ void JointGraph::build(std::span<const Joint> joints, std::span<const std::uint8
   sorted_.resize(links_.size());
   std::vector<std::uint32_t> cursor(start_.begin(), start_.end());
   for (const JointLink& link : links_) sorted_[cursor[component_of_[link.joint]]++] = link;
+  count_parallel(bodies);
+}
+
+void JointGraph::count_parallel(const BodyTable& bodies) {
+  const auto body_of = [&](std::uint32_t body) {
+    return bodies.mobility[body] == Mobility::Dynamic ? body : Islands::none;
+  };
+  const auto pair_of = [&](const JointLink& link) { return std::minmax({body_of(link.first), body_of(link.second)}); };
+  std::vector<JointLink> by_pair = links_;
+  std::sort(by_pair.begin(), by_pair.end(),
+            [&](const JointLink& a, const JointLink& b) { return pair_of(a) < pair_of(b); });
+  parallel_.assign(component_of_.size(), 0);
+  for (auto begin = by_pair.begin(); begin != by_pair.end();) {
+    const auto end =
+        std::find_if(begin, by_pair.end(), [&](const JointLink& link) { return pair_of(link) != pair_of(*begin); });
+    for (auto link = begin; link != end; ++link) parallel_[link->joint] = static_cast<int>(end - begin);
+    begin = end;
+  }
 }
 
 std::span<const JointLink> JointGraph::links_of(std::uint32_t component) const {

@@ -92,18 +92,19 @@ void set_frames(JointFrameBlock& of, std::size_t lane, const Joint& joint, const
   of.ratio[lane] = static_cast<float>(joint.ratio);
 }
 
-// Adds springs, servos and armatures to a row; `free` is its J M^-1 J^T if the joint didn't hold.
-void set_springs(JointRowBlock& row, std::size_t lane, const Law& law, const JointRow& at, double free,
-                 const JointStep& step) {
+// Adds springs, servos and armatures to a row; `free` is its J M^-1 J^T if the joint didn't hold, and
+// `leak` the Softness::impulse_scale of what is locked.
+void set_springs(JointRowBlock& row, std::size_t lane, const Law& law, const JointRow& at, double free, double h,
+                 double leak) {
   const double mass = row.mass[lane];
   const LinearStep spring =
-      law.springs() || law.armature > 0 ? LinearStep::of_spring(law, at, mass, 1 / free, step.h) : LinearStep{};
+      law.springs() || law.armature > 0 ? LinearStep::of_spring(law, at, mass, 1 / free, h) : LinearStep{};
   const double share = 1 / (1 + spring.hold);
   row.spring_scale[lane] = static_cast<float>(share);
   row.spring_keep[lane] = static_cast<float>(share * spring.keep);
   row.spring_shift[lane] = row.next_spring_shift[lane];
   row.next_spring_shift[lane] = static_cast<float>(share * spring.shift);
-  const LinearStep servo = law.is_servo() ? LinearStep::of_servo(law, at, mass, step.h) : LinearStep{};
+  const LinearStep servo = law.is_servo() ? LinearStep::of_servo(law, at, mass, h) : LinearStep{};
   const bool holds = servo.hold > 0;
   // Of the rest of a spring, that leaves `part` of a rate.
   const auto motor_part = [&](double part) {
@@ -116,7 +117,6 @@ void set_springs(JointRowBlock& row, std::size_t lane, const Law& law, const Joi
   }
   row.motor_change[lane] = static_cast<float>(share * row.motor_change[lane]);
   if (row.soft_lower[lane] == 0 && row.soft_upper[lane] == 0) return;
-  const double leak = step.constants.joint.impulse_scale;
   const double left = 1 / (1 + spring.hold * leak);
   const double soft_share = leak * left;  // 1 / (1 + hold + stiffness)
   row.soft_scale[lane] = static_cast<float>(soft_share);
@@ -131,6 +131,7 @@ void GroupJoints::clear() {
   joints_.clear();
   rows_.clear();
   may_bounce_ = false;
+  has_forces_ = false;
 }
 
 void GroupJoints::colour(std::uint32_t first_dynamic, std::uint32_t body_count) {
@@ -160,8 +161,10 @@ void GroupJoints::prepare(const JointStep& step, std::size_t begin, std::size_t 
       Vector3 arm_second = Vector3::Zero();
       Vector3 offset = Vector3::Zero();
       Vector3 impulse = Vector3::Zero();
+      Softness soft = step.constants.joint;
       if (block.joint[lane] >= 0) {
         const Joint& joint = step.joints[block.joint[lane]];
+        soft = soft.shared_by(step.graph->parallel_joints(static_cast<std::uint32_t>(block.joint[lane])));
         arm_first = step.table.orientation(joint.first) * joint.anchor_first;
         arm_second = step.table.orientation(joint.second) * joint.anchor_second;
         offset = (step.table.position(joint.second) - step.table.position(joint.first)) + (arm_second - arm_first);
@@ -171,6 +174,9 @@ void GroupJoints::prepare(const JointStep& step, std::size_t begin, std::size_t 
       set_lane(block.start_arm_second, lane, arm_second);
       set_lane(block.start_offset, lane, offset);
       set_lane(block.impulse, lane, impulse);
+      block.bias_rate[lane] = soft.bias_rate;
+      block.mass_scale[lane] = soft.mass_scale;
+      block.impulse_scale[lane] = soft.impulse_scale;
     }
   }
 }
@@ -229,7 +235,7 @@ void GroupJoints::add_springs(const JointStep& step, std::size_t begin, std::siz
         JointRow at;
         at.value = base_of(joint.coordinate[r], joint.position[r]) + of.value[lane];
         at.share = of.share[lane];
-        set_springs(row, lane, joint.law[r], at, of.response[lane], step);
+        set_springs(row, lane, joint.law[r], at, of.response[lane], step.h, block.impulse_scale[lane]);
       }
     }
   }

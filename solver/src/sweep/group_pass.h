@@ -237,6 +237,11 @@ void GroupPass<Executor>::relax(int number) {
     rise(how, number + 1, number + 1);
     sweep(how, {.refresh = true, .moved = true}, setup_.settings.relax_iterations, number);
   }
+  // Once a step where bodies are more than caches hold: a tenth of a net's time else.
+  if (setup_.bounds_joints && (!setup_.group.large || number + 1 == setup_.settings.substeps)) {
+    parts_.joint_energy.bound(parts_.joined_motion, setup_.joint_step, setup_.kernels, parts_.numbers.first_dynamic(),
+                              parts_.bodies, parts_.joints);
+  }
   loops_.each_system([&](DirectJoints& system) { system.relax(setup_.direct_input, number, parts_.bodies); });
 }
 

@@ -27,10 +27,11 @@ struct GroupSetup {
         relaxes(settings.stabilisation == Stabilisation::Soft && settings.relax_iterations > 0),
         joined(with_joints && report.joints > 0),
         sweeps_joints(with_joints && !parts.joints.empty()),
+        bounds_joints(sweeps_joints && relaxes),
         friction(!report.friction   ? Friction::None
                  : settings.pyramid ? Friction::Pyramid
                                     : Friction::Cone),
-        joint_step{of.joints, of.bodies, parts.bodies, constants, of.dt / settings.substeps},
+        joint_step{of.joints, of.joint_graph, of.bodies, parts.bodies, constants, of.dt / settings.substeps},
         direct_input(of.of_direct_islands()),
         contact_data(parts.contacts.kernel_data(of, report, constants, splits, parts.bodies, parts.joined)),
         joint_data(parts.joints.kernel_data(parts.bodies, constants, splits)) {}
@@ -46,6 +47,7 @@ struct GroupSetup {
   const bool relaxes;                             // what soft contacts pushed is taken back
   const bool joined;                              // there are joints
   const bool sweeps_joints;                       // some are solved one by one
+  const bool bounds_joints;                       // whose velocities end a substep without what pushes
   const Friction friction;
   const JointStep joint_step;
   const DirectIslandInput direct_input;

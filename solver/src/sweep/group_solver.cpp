@@ -73,7 +73,7 @@ void GroupSolver::collect_joints(const SolveInput& input, const IslandGroup& gro
     const Joint& joint = input.joints[link.joint];
     parts_.joints.add({numbers.local(input, group, link.first), numbers.local(input, group, link.second), link.joint,
                        joint.point, joint.rows},
-                      joint.bounces);
+                      joint);
   }
   parts_.joints.colour(numbers.first_dynamic(), numbers.count());
 }

@@ -27,6 +27,7 @@ void JoinedMotion::build(const SolveInput& input, const IslandGroup& group) {
         component_[place(body)] = number;
       } else {
         components_[number].anchored = true;
+        components_[number].led |= input.bodies.mobility[body] == Mobility::Kinematic;
       }
     }
   }

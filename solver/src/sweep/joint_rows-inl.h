@@ -178,10 +178,10 @@ HWY_INLINE V one_where(M mask) { return hn::IfThenElseZero(mask, splat(1)); }
 
 // The numbers of JointRowBlock for laws without springs. Softness is an implicit spring: 1 / (1 + stiffness) of the
 // impulse leaks.
-HWY_INLINE void set_law(const SubstepConstants& constants, const JointCoordinateBlock& of, const RowLanes& row,
-                        std::size_t lane, JointRowBlock& to) {
-  const V leak = splat(constants.joint.impulse_scale), held = splat(constants.joint.mass_scale);
-  const V bias_rate = splat(constants.joint.bias_rate), inverse_h = splat(constants.inverse_h);
+HWY_INLINE void set_law(const SubstepConstants& constants, const JointBlock& block, const JointCoordinateBlock& of,
+                        const RowLanes& row, std::size_t lane, JointRowBlock& to) {
+  const V leak = load(block.impulse_scale + lane), held = load(block.mass_scale + lane);
+  const V bias_rate = load(block.bias_rate + lane), inverse_h = splat(constants.inverse_h);
   const M locked = hn::Gt(load(of.locked + lane), zero());
   const V value = load(of.value + lane);
   const V room_below = hn::Sub(value, load(of.lower + lane));
@@ -289,7 +289,7 @@ inline void refresh_rows(const JointKernelData& data, bool moved, std::size_t be
       const ImpulseLanes before = impulse_of(data, block, lane);
       for (std::size_t r = 0; r < block.rows; ++r) {
         const V response = rows[r].response;
-        set_law(data.constants, of[r], rows[r], lane, to[r]);
+        set_law(data.constants, block, of[r], rows[r], lane, to[r]);
         store_row(rows[r], hn::And(acts[r], hn::And(hn::Gt(response, zero()), hn::IsFinite(response))), lane, to[r]);
       }
       const ImpulseLanes now = impulse_of(data, block, lane);

@@ -134,23 +134,33 @@ HWY_INLINE void solve_row(const JointRowBlock& row, float* accumulated, std::siz
   if (sweep.measures) residual.add(hn::IfThenElse(active, change, zero()));
 }
 
+// Of an offset, no faster than tuning::most_closed in a substep.
+HWY_INLINE V3 closing_speed(V bias_rate, const V3& offset, float inverse_h) {
+  const V3 closing = bias_rate * offset;
+  const V most = splat(static_cast<float>(tuning::most_closed) * inverse_h);
+  const V square = dot(closing, closing);
+  const M fast = hn::Gt(square, hn::Mul(most, most));
+  if (hn::AllFalse(D(), fast)) return closing;
+  return select(fast, hn::Div(most, hn::Sqrt(square)) * closing, closing);
+}
+
 template <Push push>
-HWY_INLINE void solve_point(const JointKernelData& data, JointBlock& block, std::size_t lane, bool measures,
+HWY_INLINE void solve_point(const SubstepConstants& constants, JointBlock& block, std::size_t lane, bool measures,
                             JointLanes& c, Residual& residual) {
   const PointLanes point = PointLanes::load_from(block, lane);
   const SymmetricMatrix mass = load_matrix(block.mass, lane);
   const V3 rate = point.rate(c);
-  const Softness& soft = data.constants.joint;
   V3 impulse;
   if constexpr (push == Push::None) {
     impulse = splat(-1) * (mass * rate);
   } else {
-    impulse = splat(-soft.mass_scale) * (mass * (rate + splat(soft.bias_rate) * load3(block.offset, lane)));
+    const V3 closing = closing_speed(load(block.bias_rate + lane), load3(block.offset, lane), constants.inverse_h);
+    impulse = hn::Neg(load(block.mass_scale + lane)) * (mass * (rate + closing));
   }
   // It holds either way: only what leaks, or is carried over, has to be known.
   if constexpr (push != Push::Split) {
     const V3 old_impulse = load3(block.impulse, lane);
-    if constexpr (push == Push::Bias) impulse = impulse - splat(soft.impulse_scale) * old_impulse;
+    if constexpr (push == Push::Bias) impulse = impulse - load(block.impulse_scale + lane) * old_impulse;
     store3(old_impulse + impulse, block.impulse, lane);
   }
   point.apply_to(c, impulse);
@@ -182,7 +192,7 @@ float sweep_joint_blocks(const JointKernelData& data, const JointSweep& sweep, s
         float* impulse = push == Push::Split ? data.split_rows[r].impulse : data.rows[r].impulse;
         solve_row<push>(data.rows[r], impulse, lane, sweep, c, residual);
       }
-      if (block.point != 0) solve_point<push>(data, block, lane, sweep.measures, c, residual);
+      if (block.point != 0) solve_point<push>(data.constants, block, lane, sweep.measures, c, residual);
       store_joint_bodies(c, data, block, lane);
     }
   }

@@ -15,6 +15,7 @@
 #include "sweep/contact_impulses-inl.h"
 #include "sweep/contact_prepare-inl.h"
 #include "sweep/contact_sweep-inl.h"
+#include "sweep/joint_energy-inl.h"
 #include "sweep/joint_rows-inl.h"
 #include "sweep/joint_sweep-inl.h"
 #include "sweep/kernel_sets.h"
@@ -38,7 +39,8 @@ const Kernels& kernels() {
                                 with_joints ? &prepare_joints : nullptr,
                                 with_joints ? &refresh_rows : nullptr,
                                 with_joints ? &warm_start_joints : nullptr,
-                                with_joints ? &sweep_joints : nullptr};
+                                with_joints ? &sweep_joints : nullptr,
+                                with_joints ? &find_work : nullptr};
   return table;
 }
 

@@ -26,13 +26,20 @@ class JointGraph {
   /// Of a joint; none if it doesn't act. Components are in order of their first joint.
   std::uint32_t component_of(std::uint32_t joint) const { return component_of_[joint]; }
   std::span<const JointLink> links_of(std::uint32_t component) const;
+  /// How many joints that act hold the same two bodies, this one among them; what doesn't respond counts as one body.
+  int parallel_joints(std::uint32_t joint) const { return parallel_[joint]; }
 
   /// See jobs/arrays.h.
-  auto arrays() const { return std::tie(links_, component_of_, sorted_, start_, parent_, component_of_root_); }
+  auto arrays() const {
+    return std::tie(links_, component_of_, parallel_, sorted_, start_, parent_, component_of_root_);
+  }
 
  private:
+  void count_parallel(const BodyTable& bodies);
+
   std::vector<JointLink> links_;
   std::vector<std::uint32_t> component_of_;       // by joint
+  std::vector<int> parallel_;                     // likewise
   std::vector<JointLink> sorted_;                 // by component, in order of joints
   std::vector<std::uint32_t> start_;              // by component, in sorted_, and the end
   std::vector<std::uint32_t> parent_;             // by body, while building

@@ -4,6 +4,7 @@
 #include <solver/constraints/joint.h>
 #include <solver/constraints/row_law.h>
 #include <solver/integrate/body_table.h>
+#include <solver/islands/joint_graph.h>
 #include <solver/sweep/colouring.h>
 #include <solver/sweep/joint_block.h>
 #include <solver/sweep/kernels.h>
@@ -18,7 +19,8 @@ namespace atl::solver {
 
 /// What the joints of a group look at in a step.
 struct JointStep {
-  Joint* joints;           ///< by index
+  Joint* joints;  ///< by index
+  const JointGraph* graph;
   const BodyTable& table;  ///< poses of the start of the step, or, as results are stored, of its end
   const SolverBodies& bodies;
   const SubstepConstants& constants;
@@ -32,9 +34,10 @@ class GroupJoints {
  public:
   /// Starts a new group.
   void clear();
-  void add(const LocalJoint& joint, bool bounces) {
-    joints_.push_back(joint);
-    may_bounce_ |= bounces;
+  void add(const LocalJoint& local, const Joint& joint) {
+    joints_.push_back(local);
+    may_bounce_ |= joint.bounces;
+    has_forces_ |= std::any_of(joint.law.begin(), joint.law.begin() + joint.rows, acts_as_force);
   }
   /// As Colouring has it, of all that were added.
   void colour(std::uint32_t first_dynamic, std::uint32_t body_count);
@@ -77,6 +80,14 @@ class GroupJoints {
   /// substep nothing is left of it.
   void begin_bounces();
   void end_bounces();
+  /// Whether some coordinate has a spring, a motor or a rotor.
+  bool has_forces() const { return has_forces_; }
+  /// Of these all: act(body, impulse, angular impulse), once for each of the two bodies, by index into SolverBodies.
+  template <typename Act>
+  void each_force(const JointStep& step, const Act& act) const;
+  /// Scales impulses of points and of all other coordinates by scale(body).
+  template <typename Scale>
+  void scale_held(const JointStep& step, const Scale& scale);
   void clear_impulses(std::size_t begin, std::size_t end);
   void clear_split_impulses() { std::ranges::fill(split_rows_, SplitRowBlock{}); }
   /// Impulses, coordinates and what holds the joints, back to them. Bodies have their new poses.
@@ -89,6 +100,7 @@ class GroupJoints {
   }
 
  private:
+  static bool acts_as_force(const Law& law) { return law.drives() || law.looks_back(); }
   double position_now(const Joint& joint, std::size_t r, std::size_t row, std::size_t lane) const;
 
   std::vector<LocalJoint> joints_;
@@ -105,10 +117,48 @@ class GroupJoints {
     LimitImpact impact;  // in it
   };
   bool may_bounce_ = false;
+  bool has_forces_ = false;
   std::vector<RowRate> row_rates_;  // by lane of rows_, if any may
   std::vector<JointBlock> blocks_before_;
   std::vector<JointRowBlock> rows_before_;
 };
+
+template <typename Act>
+void GroupJoints::each_force(const JointStep& step, const Act& act) const {
+  for (std::size_t b = 0; b < block_count(); ++b) {
+    const JointBlock& block = blocks_[b];
+    for (std::size_t lane = 0; lane < block_lanes && block.rows > 0; ++lane) {
+      if (block.joint[lane] < 0) continue;
+      const Joint& joint = step.joints[block.joint[lane]];
+      for (std::size_t r = 0; r < joint.rows; ++r) {
+        if (!acts_as_force(joint.law[r])) continue;
+        const JointRowBlock& row = rows_[block.first_row + r];
+        const double impulse = row.impulse[lane];
+        const auto along = [&](const float(&axes)[3][block_lanes]) {
+          return Vector3(impulse * Vector3(axes[0][lane], axes[1][lane], axes[2][lane]));
+        };
+        if (block.write_first >> lane & 1u) act(block.first[lane], -along(row.linear), -along(row.angular_first));
+        if (block.write_second >> lane & 1u) act(block.second[lane], along(row.linear), along(row.angular_second));
+      }
+    }
+  }
+}
+
+template <typename Scale>
+void GroupJoints::scale_held(const JointStep& step, const Scale& scale) {
+  for (std::size_t b = 0; b < block_count(); ++b) {
+    JointBlock& block = blocks_[b];
+    for (std::size_t lane = 0; lane < block_lanes; ++lane) {
+      if (block.joint[lane] < 0) continue;
+      const float by = scale((block.write_first >> lane & 1u) ? block.first[lane] : block.second[lane]);
+      for (auto& axis : block.impulse) axis[lane] *= by;
+      const Joint& joint = step.joints[block.joint[lane]];
+      for (std::size_t r = 0; r < joint.rows; ++r) {
+        if (!acts_as_force(joint.law[r])) rows_[block.first_row + r].impulse[lane] *= by;
+      }
+    }
+  }
+}
 
 /// Whether a coordinate is at an end of its range: -1, 1 or 0. It gets there within a millimetre or milliradian, or a
 /// hundredth of a range that is shorter than ten of these, and leaves at twice that.

@@ -6,6 +6,7 @@
 #include <solver/sweep/group_contacts.h>
 #include <solver/sweep/group_joints.h>
 #include <solver/sweep/joined_motion.h>
+#include <solver/sweep/joint_energy.h>
 #include <solver/sweep/joint_inertia.h>
 
 #include <cstddef>
@@ -21,11 +22,14 @@ struct GroupParts {
   GroupContacts contacts;
   GroupJoints joints;  ///< that are solved one after another
   JointInertia joint_inertia;
+  JointEnergy joint_energy;
   JoinedMotion joined_motion;
   std::vector<std::uint8_t> joined;  ///< by number of a body; empty without joints
 
   /// See jobs/arrays.h.
-  auto arrays() const { return std::tie(numbers, bodies, contacts, joints, joint_inertia, joined_motion, joined); }
+  auto arrays() const {
+    return std::tie(numbers, bodies, contacts, joints, joint_inertia, joint_energy, joined_motion, joined);
+  }
 };
 
 }  // namespace atl::solver

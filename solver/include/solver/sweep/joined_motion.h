@@ -34,6 +34,20 @@ class JoinedMotion {
   bool follows(std::size_t body) const {
     return is_joined(body) && !components_[component_[body]].direct && !components_[component_[body]].touched;
   }
+  /// Whether only joints and forces act on a component, one by one: nothing touches it or leads it along.
+  bool is_closed(std::size_t component) const {
+    return !components_[component].direct && !components_[component].touched && !components_[component].led;
+  }
+  bool has_closed() const {
+    for (std::size_t c = 0; c < components_.size(); ++c) {
+      if (is_closed(c)) return true;
+    }
+    return false;
+  }
+  std::size_t body_count() const { return component_.size(); }
+  std::size_t component_count() const { return components_.size(); }
+  /// Of a joined body: numbers of the group's own.
+  std::uint32_t component_of(std::size_t body) const { return component_[body]; }
   /// m/s^2, of the centre of mass of all that hang together with it.
   Vector3 acceleration(std::size_t body) const { return components_[component_[body]].acceleration; }
 
@@ -51,7 +65,8 @@ class JoinedMotion {
     bool touched = false;
     bool bounces = false;  // off something
     bool anchored = false;
-    double mass = 0;  // kg
+    bool led = false;  // by something kinematic
+    double mass = 0;   // kg
     Vector3 acceleration = Vector3::Zero();
   };
 

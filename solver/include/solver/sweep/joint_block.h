@@ -33,6 +33,10 @@ struct alignas(64) JointBlock {
   Lanes<3> carried_first;  ///< N m s, see joint_sweep-inl.h: what turning made of the impulses that are carried over
   Lanes<3> carried_second;
 
+  float bias_rate[block_lanes];  ///< its Softness
+  float mass_scale[block_lanes];
+  float impulse_scale[block_lanes];
+
   Lanes<3> start_arm_first;  ///< at the start of the step
   Lanes<3> start_arm_second;
   Lanes<3> start_offset;

@@ -73,6 +73,12 @@ struct JointSweep {
   bool measures = false;   ///< tell the residual
 };
 
+/// J, of a body whose velocity impulses have changed: its kinetic energy before, and what is added to that if they are
+/// scaled by s: linear s + square s^2.
+struct alignas(16) WorkRow {
+  float before, linear, square, unused;
+};
+
 /// The wide kernels for one instruction set. Each runs over [begin, end): of blocks, or of body indices in
 /// multiples of block_lanes; null if this build leaves out what it is for. The same operations in the same order in
 /// every lane on each set, without fused multiply-add or approximations, so all give the same bits.
@@ -117,6 +123,9 @@ struct Kernels {
   /// Returns, if the sweep measures, its residual as that over contacts does. Spins count with a friction_radius of 1
   /// m.
   float (*sweep_joints)(const JointKernelData& data, const JointSweep& sweep, std::size_t begin, std::size_t end);
+  /// Tells what was done to bodies since the free velocities, and what was `forced` on them beside, or null.
+  void (*find_work)(const SolverBodies& bodies, const VelocityRows* forced, WorkRow* work, std::size_t begin,
+                    std::size_t end);
 };
 
 /// The sets that this machine runs, best first: of "avx512", "avx2", "sse4", "neon" and always "portable".

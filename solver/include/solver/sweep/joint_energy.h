@@ -1,0 +1,49 @@
+#pragma once
+
+#include <jobs/arrays.h>
+#include <solver/integrate/solver_bodies.h>
+#include <solver/sweep/group_joints.h>
+#include <solver/sweep/joined_motion.h>
+#include <solver/sweep/kernels.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace atl::solver {
+
+/// Keeps joints that are solved one by one from making energy. Whatever they hold, the velocities that they allow are
+/// nearest to those without them, by kinetic energy, which therefore can only fall: impulses that let it rise are those
+/// of sweeps that don't converge, as where light links hold heavy ones by long arms, and all of them are scaled down
+/// to where they leave it as it was. What joins then stretches. Springs and motors act as forces, ahead of that.
+///
+/// Of components of joined bodies on which nothing else acts: nothing touches them, and no moving anchor leads them.
+class JointEnergy {
+ public:
+  /// At the end of a substep's velocities, before bounces. `bodies` are rows of SolverBodies from `first_dynamic` on.
+  void bound(const JoinedMotion& motion, const JointStep& step, const Kernels& kernels, std::uint32_t first_dynamic,
+             SolverBodies& bodies, GroupJoints& joints);
+
+  /// See jobs/arrays.h.
+  auto arrays() const { return std::tie(components_, forced_, work_); }
+
+ private:
+  void find_forced(const JointStep& step, const GroupJoints& joints);
+  bool find_scales(const JoinedMotion& motion, std::uint32_t first_dynamic);
+  // By place in the group: 1 of what is not changed.
+  float scale_of(const JoinedMotion& motion, std::size_t body) const {
+    return motion.is_joined(body) ? components_[motion.component_of(body)].scale : 1;
+  }
+  void scale(const JoinedMotion& motion, std::uint32_t first_dynamic, SolverBodies& bodies) const;
+
+  // J: of impulses scaled by s, linear s + square s^2 is added to the energy before.
+  struct Change {
+    double before = 0, linear = 0, square = 0;
+    float scale = 1;
+  };
+
+  std::vector<Change> components_;
+  std::vector<VelocityRows> forced_;  // what springs and motors did; empty without any
+  std::vector<WorkRow> work_;         // by body
+};
+
+}  // namespace atl::solver
