@@ -186,17 +186,23 @@ TEST(RefinedSubsteps, HoldAWallUp) {
 }
 
 // With a frequency of their own soft contacts give by what lies on them; left to themselves they stiffen.
+// Which contact of a pile is the worst is chance: over three of them.
 TEST(Stiffening, LoadedContactsOverlapByHalf) {
-  const auto overlap = [](std::optional<double> contact_hertz) {
-    SceneRun run("pile:bodies=1500");
+  PenetrationReport stiff, soft;  // sums
+  const auto add_overlap = [](const char* scene, std::optional<double> contact_hertz, PenetrationReport& sum) {
+    SceneRun run(scene);
     Settings settings = run.scene.settings;
     settings.contact_hertz = contact_hertz;
     run.world.set_settings(settings);
     for (int step = 0; step < 240; ++step) run.world.step(run.scene.dt);
-    return run.penetration();
+    sum.p99 += run.penetration().p99;
+    sum.mean += run.penetration().mean;
   };
   constexpr double usual = 30;  // Hz, of four substeps
-  const PenetrationReport stiff = overlap(std::nullopt), soft = overlap(usual);
+  for (const char* scene : {"pile:bodies=1400", "pile:bodies=1500", "pile:bodies=1600"}) {
+    add_overlap(scene, std::nullopt, stiff);
+    add_overlap(scene, usual, soft);
+  }
   EXPECT_LT(stiff.p99, 0.5 * soft.p99);
   EXPECT_LT(stiff.mean, 0.8 * soft.mean);
 }
