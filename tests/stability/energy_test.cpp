@@ -73,6 +73,13 @@ TEST(Energy, NorWithSpringsAndRangesAtTheDefaults) {
   EXPECT_EQ(gaining(seeds(), kind, JointSolver::Auto, true), 0);
 }
 
+// Joints between the same two bodies are together as stiff as one, or sweeps would ring them up.
+TEST(Energy, NorWhereSweptJointsHoldTheSameBodies) {
+  AssemblyKind kind = plain;
+  kind.redundant = true;
+  EXPECT_EQ(gaining(seeds(), kind, JointSolver::Iterative, true), 0);
+}
+
 // A needle that falls on the ground. Half its length is 1 m.
 double needle_gain(const Shape& shape, double tilt) {
   World world;
