@@ -6,8 +6,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
+
+#include "world/refuse.h"
 
 namespace atl {
 
@@ -73,6 +76,18 @@ void visit_ids(Archive& archive, Contact& contact, std::size_t count, bool near)
     for (std::size_t i = 1; i < count; ++i) contact.ids[i] = contact.ids[0] & ~low_bits;
     for (std::size_t i = 0; i < bytes; ++i) contact.ids[1 + i / 3] |= collision::FeatureId{low[i]} << (8 * (i % 3));
   }
+}
+
+/// Whether a contact with points has numbers that a step can have left it.
+template <typename Contact, typename Manifold>
+bool is_sound_contact(const Contact& contact, const Manifold& manifold) {
+  const auto sound = [](const auto& values) {
+    return std::ranges::all_of(values, [](auto x) { return std::abs(x) <= numbers.most; });
+  };
+  return sound(std::array{contact.margin, manifold.torsional_impulse}) && sound(contact.orientation) &&
+         sound(contact.normal) && sound(contact.centre_incident) && sound(contact.centre_reference) &&
+         std::all_of(contact.points.begin(), contact.points.begin() + contact.count, sound) &&
+         sound(manifold.normal_impulse) && sound(manifold.friction_impulse);
 }
 
 /// A contact but for its pair and what follows from that, and where its points are: of bodies that move the next step
@@ -143,6 +158,9 @@ void visit_contact(Archive& archive, Contact& contact, Manifold& manifold, Rolli
   archive.values(manifold.friction_impulse, 3);
   archive.value(manifold.torsional_impulse);
   if ((flags & is::rolling) != 0) archive.values(rolling, 3);
+  if constexpr (Archive::reads) {
+    archive.check_number(is_sound_contact(contact, manifold), "a contact whose state is not finite, or out of bounds");
+  }
 }
 
 }  // namespace atl

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -37,7 +38,7 @@ class GroupJoints {
   void add(const LocalJoint& local, const Joint& joint) {
     joints_.push_back(local);
     may_bounce_ |= joint.bounces;
-    has_forces_ |= std::any_of(joint.law.begin(), joint.law.begin() + joint.rows, acts_as_force);
+    has_forces_ |= std::any_of(joint.law.begin(), joint.law.begin() + joint.rows, std::mem_fn(&Law::acts_as_force));
   }
   /// As Colouring has it, of all that were added.
   void colour(std::uint32_t first_dynamic, std::uint32_t body_count);
@@ -100,7 +101,6 @@ class GroupJoints {
   }
 
  private:
-  static bool acts_as_force(const Law& law) { return law.drives() || law.looks_back(); }
   double position_now(const Joint& joint, std::size_t r, std::size_t row, std::size_t lane) const;
 
   std::vector<LocalJoint> joints_;
@@ -131,7 +131,7 @@ void GroupJoints::each_force(const JointStep& step, const Act& act) const {
       if (block.joint[lane] < 0) continue;
       const Joint& joint = step.joints[block.joint[lane]];
       for (std::size_t r = 0; r < joint.rows; ++r) {
-        if (!acts_as_force(joint.law[r])) continue;
+        if (!joint.law[r].acts_as_force()) continue;
         const JointRowBlock& row = rows_[block.first_row + r];
         const double impulse = row.impulse[lane];
         const auto along = [&](const float(&axes)[3][block_lanes]) {
@@ -154,7 +154,7 @@ void GroupJoints::scale_held(const JointStep& step, const Scale& scale) {
       for (auto& axis : block.impulse) axis[lane] *= by;
       const Joint& joint = step.joints[block.joint[lane]];
       for (std::size_t r = 0; r < joint.rows; ++r) {
-        if (!acts_as_force(joint.law[r])) rows_[block.first_row + r].impulse[lane] *= by;
+        if (!joint.law[r].acts_as_force()) rows_[block.first_row + r].impulse[lane] *= by;
       }
     }
   }
