@@ -138,6 +138,14 @@ Quaternion rotation_by(const Vector3& rotation_vector) {
   return {cosine, v.x(), v.y(), v.z()};
 }
 
+void turn_back(BodyTable& bodies, std::uint32_t body, const Quaternion& orientation) {
+  const Quaternion before = bodies.orientation(body);
+  bodies.set_orientation(body, orientation);
+  if (!bodies.gyroscopic[body] || angular_locks(bodies.locks[body]) != 0) return;
+  const Vector3 in_body = before.conjugate() * bodies.angular_velocity(body);
+  bodies.angular_velocity(body) = orientation * in_body;
+}
+
 SplitTop::SplitTop(const Vector3& moments, const Quaternion& principal) : principal_(principal) {
   const Vector3 inverse = moments.cwiseInverse();
   // The axis of the top is that whose moment differs most from the nearer of the others.

@@ -98,7 +98,7 @@ void add_spins(CaseList& cases) {
   known_to_fail_last(cases, {"travel_error"}, turns_far);
   add_free(cases, "coin-free", "coin that spins about a diameter at 1000 rad/s", coin, spin);
   add_landing(cases, "coin-landing", "coin that spins about a diameter at 1000 rad/s", coin, spin);
-  known_to_fail_last(cases, {"energy_gain", "travel_error"}, turns_far);
+  known_to_fail_last(cases, {"travel_error"}, turns_far);
 
   add_free(cases, "needle-free", "body with moments of inertia of 1 to 1e6 that tumbles at 12 rad/s", needle,
            {10, 5, 3});
