@@ -47,15 +47,13 @@ class PointForces {
  public:
   PointForces(const Stores& world, const collision::ContactManifold& manifold)
       : manifold_(manifold), per_impulse_(1 / world.clock.last_substep) {
-    for (const float impulse : manifold.normal_impulse) total_ += static_cast<double>(impulse);
+    for (const float impulse : manifold.normal_impulse) total_ += std::abs(static_cast<double>(impulse));
   }
 
   bool are_any() const { return total_ > 0; }
-  bool is_pressed(std::size_t point) const { return manifold_.normal_impulse[point] > 0; }
-  double normal(std::size_t point) const { return manifold_.normal_impulse[point] * per_impulse_; }
-  Vector3 friction(std::size_t point) const {
-    return vector3(manifold_.friction_impulse) * (per_impulse_ * manifold_.normal_impulse[point] / total_);
-  }
+  bool is_pressed(std::size_t point) const { return manifold_.normal_impulse[point] != 0; }
+  double normal(std::size_t point) const { return std::abs(manifold_.normal_impulse[point]) * per_impulse_; }
+  Vector3 friction(std::size_t point) const { return vector3(manifold_.friction_impulse) * (normal(point) / total_); }
 
  private:
   const collision::ContactManifold& manifold_;

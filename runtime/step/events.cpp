@@ -16,7 +16,7 @@ namespace {
 // Speculative points count from when they carry something.
 bool touches(const collision::Contact& contact, const collision::ContactManifold& manifold) {
   for (std::size_t i = 0; i < contact.count; ++i) {
-    if (manifold.separation[i] <= 0 || manifold.normal_impulse[i] > 0) return true;
+    if (manifold.separation[i] <= 0 || manifold.normal_impulse[i] != 0) return true;
   }
   return false;
 }
@@ -37,7 +37,7 @@ ContactEvent began(const Stores& world, const std::pair<BodyId, BodyId>& pair, d
     const Vector3 normal = contact.body_first == a.index ? place.normal : Vector3(-place.normal);
     for (std::size_t i = 0; i < contact.count; ++i) {
       if (manifold.separation[i] >= collision::no_point) continue;  // switched off
-      const double force = std::max(0.0, static_cast<double>(manifold.normal_impulse[i])) / substep;
+      const double force = std::max(0.0, std::abs(static_cast<double>(manifold.normal_impulse[i]))) / substep;
       const Vector3 point = place.point(manifold, i);
       event.normal_force += force;
       by_force[0] += force * point;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <solver/sweep/colouring.h>
+#include <solver/sweep/impacts.h>
 #include <solver/sweep/kernels.h>
 
 #include <Eigen/Eigenvalues>
@@ -122,8 +123,11 @@ void simulate(Group& group, const Kernels& kernels) {
   const ContactKernelData data = group.data();
   const std::size_t bodies = group.bodies.padded_count();
   kernels.prepare(data, 0, group.colouring.block_count());
+  Impacts impacts;
+  impacts.begin_step(bodies, group.colouring.block_count());
   for (const bool again : {false, true}) {
-    if (again) kernels.note_approaches(data, 1, 0, group.colouring.block_count());
+    kernels.note_approaches(data, 0, group.colouring.block_count());
+    impacts.solve(data, Friction::Cone, again ? 1 : 0);
     kernels.integrate_velocities(group.bodies, group.constants, again, 0, bodies);
     if (!again) {
       each_colour(group, [&](std::size_t begin, std::size_t end) { kernels.warm_start(data, begin, end); });
@@ -133,8 +137,6 @@ void simulate(Group& group, const Kernels& kernels) {
     sweep(group, kernels, {Push::None, true, again ? Friction::Pyramid : Friction::Cone});
     sweep(group, kernels, {Push::None, false, Friction::None});
   }
-  each_colour(group,
-              [&](std::size_t begin, std::size_t end) { kernels.restitute(data, Friction::Cone, true, begin, end); });
   kernels.store(data, 0, group.colouring.block_count());
 }
 

@@ -25,7 +25,7 @@ Size size_at(const float (&normal)[3], const float (&anchor)[3], double inverse_
 
 double load_of(const collision::ContactManifold& manifold) {
   double load = 0;
-  for (const float impulse : manifold.normal_impulse) load += impulse;
+  for (const float impulse : manifold.normal_impulse) load += collision::kept_impulse(impulse);
   return load;
 }
 

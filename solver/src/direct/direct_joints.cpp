@@ -107,14 +107,6 @@ void DirectJoints::relax(const DirectIslandInput& input, int substep, SolverBodi
   keep_projected(input, joints.project(), bodies);
 }
 
-void DirectJoints::project(const DirectIslandInput& input, SolverBodies& bodies) {
-  load_velocities(bodies);
-  for (DirectJoint& joint : motions_.problem.joints) {
-    for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) joint.law[r].spring_rate = joint.kept[r];
-  }
-  keep_projected(input, Substeps(input, bodies_, motions_, rows_).project_again(), bodies);
-}
-
 // What tumbles by itself in the next substep pays no armature.
 void DirectJoints::keep_projected(const DirectIslandInput& input, bool found, SolverBodies& bodies) {
   IslandProblem& problem = motions_.problem;

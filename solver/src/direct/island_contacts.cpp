@@ -99,7 +99,7 @@ void warm_start(const DirectIslandInput& input, double share, DirectContact& con
   int point = 0;
   for (int i = 0; i < collision::max_points; ++i) {
     if (manifold.separation[i] >= collision::no_point) continue;
-    answer.normal[point] = share * manifold.normal_impulse[i];
+    answer.normal[point] = share * collision::kept_impulse(manifold.normal_impulse[i]);
     if (manifold.normal_impulse[i] > 0) answer.pieces.points |= static_cast<std::uint8_t>(1 << point);
     ++point;
   }

@@ -331,10 +331,6 @@ bool Substeps::project() {
     problem_.velocity = motions_.lasting;
     hold_resting_points(problem_, h_);
   }
-  return project_again();
-}
-
-bool Substeps::project_again() {
   if (!solve_held_rows()) return false;
   for (DirectJoint& joint : problem_.joints) {
     for (std::size_t r = 0; r < joint.rows; ++r) joint.lasting[r] += joint.impulse[r];

@@ -44,8 +44,6 @@ class Substeps {
   /// From the lasting velocities those that keep the joints, and change nothing at contacts that rest: both have had
   /// their impulses, and answer to what is left alone. Returns false if there are none.
   bool project();
-  /// Likewise, where velocities have changed since.
-  bool project_again();
 
  private:
   void kick(int sign);

@@ -44,7 +44,7 @@ double explained_overlap(const ErrorInput& input, const TouchingPair& pair, doub
     const Vector3 off = manifold.x[i] * get3(tangents.first) + manifold.y[i] * get3(tangents.second);
     const Vector3 first = get3(manifold.anchor_first) + off, second = get3(manifold.anchor_second) + off;
     const JointRow row{.linear = normal, .angular_first = first.cross(normal), .angular_second = second.cross(normal)};
-    const double by_load = manifold.normal_impulse[i] * scale * answers.response(row);
+    const double by_load = collision::kept_impulse(manifold.normal_impulse[i]) * scale * answers.response(row);
     const double overlap = -manifold.separation[i];
     const double passed =
         input.dt *

@@ -11,7 +11,6 @@
 #include <features/with_surfaces.h>
 #include <jobs/prefetch.h>
 
-#include "sweep/contact_bounces-inl.h"
 #include "sweep/contact_lanes-inl.h"
 #include "sweep/contact_locks-inl.h"
 
@@ -238,9 +237,8 @@ HWY_INLINE void store_geometry(ContactBlock& block, std::size_t lane, const Cont
 // Those of the last step, for each of the substeps; of what isn't there, none.
 HWY_INLINE void store_impulses(ContactBlock& block, std::size_t lane, const ContactLanes<>& c, const ManifoldLanes& m,
                                V share, M rubs, M twists) {
-  store4({hn::Mul(share, m.impulse.x), hn::Mul(share, m.impulse.y), hn::Mul(share, m.impulse.z),
-          hn::Mul(share, m.impulse.w)},
-         block.normal_impulse, lane);
+  const auto kept = [&](V impulse) { return hn::Mul(share, hn::Max(impulse, zero())); };
+  store4({kept(m.impulse.x), kept(m.impulse.y), kept(m.impulse.z), kept(m.impulse.w)}, block.normal_impulse, lane);
   const V3 friction = share * V3{m.friction.x, m.friction.y, m.friction.z};
   store(hn::IfThenElseZero(rubs, dot(c.tangent1, friction)), block.friction_impulse[0] + lane);
   store(hn::IfThenElseZero(rubs, dot(c.tangent2, friction)), block.friction_impulse[1] + lane);
@@ -360,7 +358,8 @@ inline void prepare(const ContactKernelData& data, std::size_t begin, std::size_
     if (!with_restitution || !block.traits.bounces) continue;
     for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
       const V4 rows = load_rows([&](std::size_t k) { return manifold_of(data, block, lane + k).anchor_first; });
-      prepare_bounces(data, block, data.bounces[b], lane, rows.w);
+      store(rows.w, data.bounces[b].restitution + lane);
+      for (auto& spent : data.bounces[b].spent) store(zero(), spent + lane);
     }
   }
 }

@@ -194,25 +194,19 @@ HWY_INLINE void raise_surfaces(const Sweep& sweep, ContactBlock& block, const Su
   }
 }
 
-// After a refresh: bouncy points that can't meet, or that nothing has touched once bodies have moved. The next substep
-// has to see how fast they close.
-inline void hide_waiting(const Sweep& sweep, ContactBlock& block, const BounceBlock& bounce, std::size_t lane) {
+// After a refresh. Bouncy points that are yet to arrive are left to the substep in which they do, which has to see how
+// fast they close: so are those that nothing has touched when bodies have moved. What has bounced in this substep is
+// pushed by what it overlapped before it was put elsewhere for that.
+inline void hide_bounces(const Sweep& sweep, ContactBlock& block, const BounceBlock& bounce, std::size_t lane) {
   const M bouncy = hn::Gt(load(bounce.restitution + lane), zero());
+  const M bounced = hn::Gt(load(bounce.bounced + lane), zero());
   for (std::size_t i = 0; i < block.traits.points; ++i) {
-    M waits = hn::Gt(load(bounce.waits[i] + lane), zero());
-    if (sweep.relaxes) waits = hn::Or(waits, hn::And(bouncy, hn::Eq(load(bounce.max_impulse[i] + lane), zero())));
-    const V separation = load(block.separation[i] + lane);
-    store(hn::IfThenElse(waits, splat(collision::no_point), separation), block.separation[i] + lane);
-  }
-}
-
-// The most that points pushed, which tells whether they were hit.
-inline void note_impulses(const ContactBlock& block, BounceBlock& bounce) {
-  for (std::size_t i = 0; i < block.traits.points; ++i) {
-    for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
-      const V impulse = load(block.normal_impulse[i] + lane);
-      store(hn::Max(impulse, load(bounce.max_impulse[i] + lane)), bounce.max_impulse[i] + lane);
-    }
+    V separation = load(block.separation[i] + lane);
+    if (!sweep.relaxes) separation = hn::IfThenElse(bounced, load(bounce.separation[i] + lane), separation);
+    const M yet_to_come =
+        sweep.relaxes ? hn::Eq(load(block.normal_impulse[i] + lane), zero()) : hn::Gt(separation, zero());
+    separation = hn::IfThenElse(hn::And(bouncy, yet_to_come), splat(collision::no_point), separation);
+    store(separation, block.separation[i] + lane);
   }
 }
 
@@ -232,7 +226,7 @@ HWY_NOINLINE void sweep_alike(const ContactKernelData& data, const Sweep& sweep,
       if (how::refresh(sweep)) {
         refresh_separations<what::points>(data, block, turning_of(data, b), lane, c);
         if (rises) raise_surfaces<what::points>(sweep, block, *surface, lane);
-        if (with_restitution && block.traits.bounces) hide_waiting(sweep, block, data.bounces[b], lane);
+        if (with_restitution && block.traits.bounces) hide_bounces(sweep, block, data.bounces[b], lane);
       }
       const V rise = rises ? hn::Mul(splat(sweep.rise_part), load(surface->rise[0] + lane)) : zero();
       // One round over the points leaves a body that lands flat tilted, and friction with too low a bound.
@@ -245,7 +239,6 @@ HWY_NOINLINE void sweep_alike(const ContactKernelData& data, const Sweep& sweep,
       }
       store_contact_bodies(c, data, block, lane);
     }
-    if (with_restitution && block.traits.bounces && how::push != Push::Split) note_impulses(block, data.bounces[b]);
   }
   of_all.add(residual.most);
 }

@@ -72,17 +72,14 @@ class GroupLoops {
                            [&](std::size_t begin, std::size_t end) { kernel(begin * block_lanes, end * block_lanes); });
   }
 
-  // Joints that hang together and are solved at once: phase(system), of these components of the joint graph, or of all.
+  // Joints that hang together and are solved at once: phase(system).
   template <typename Phase>
-  void each_system_of(std::span<const std::uint32_t> components, const Phase& phase) {
-    if constexpr (!with_joints) return;
+  void each_system(const Phase& phase) {
+    if (!with_joints || !setup_.joined) return;
+    const std::span<const std::uint32_t> components = parts_.joined_motion.direct();
     executor_.parallel_for(components.size(), 1, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) phase(setup_.input.joint_systems->of(components[i]));
     });
-  }
-  template <typename Phase>
-  void each_system(const Phase& phase) {
-    if (setup_.joined) each_system_of(parts_.joined_motion.direct(), phase);
   }
 
   static constexpr std::size_t body_grain = 128;

@@ -31,7 +31,8 @@ class GroupPass {
   void complete_joints();
   void refresh_joint_rows(bool moved);
   void prepare_systems();
-  void note_speeds(int number);
+  void bounce(int number);
+  void note_speeds();
   void integrate_velocities(bool carries);
   void warm_start(int number);
   void solve_velocities(int number, bool carries);
@@ -39,7 +40,6 @@ class GroupPass {
   void split_off_corrections(int number);
   void integrate_positions();
   void relax(int number);
-  void bounce(bool last);
   void note_joint_impacts();
   void bounce_joints();
   void finish_contacts();
@@ -68,7 +68,9 @@ template <typename Executor>
 void GroupPass<Executor>::substep(int number) {
   const bool carries = setup_.settings.warm_starting && number > 0;  // impulses of the last substep
   const bool last = number + 1 == setup_.settings.substeps;
-  note_speeds(number);
+  if (report_.restitution) bounce(number);
+  clock_.lap(SolverPhase::Restitution);
+  note_speeds();
   integrate_velocities(carries);
   clock_.lap(SolverPhase::Integrate);
   warm_start(number);
@@ -80,7 +82,6 @@ void GroupPass<Executor>::substep(int number) {
   relax(number);
   clock_.lap(SolverPhase::Relax);
   if (last && setup_.input.capture != nullptr) capture_answers(setup_.input, parts_, report_, setup_.body_ids);
-  if (report_.restitution) bounce(last);
   if (joint_impacts_) bounce_joints();
   clock_.lap(SolverPhase::Restitution);
 }
@@ -102,6 +103,7 @@ void GroupPass<Executor>::prepare_contacts() {
   loops_.each_contact_block(
       [&](std::size_t begin, std::size_t end) { setup_.kernels.prepare(setup_.contact_data, begin, end); });
   for (const ContactBlock& block : parts_.contacts.blocks()) report_.work.add(block);
+  parts_.impacts.begin_step(report_.restitution ? parts_.bodies.padded_count() : 0, parts_.contacts.block_count());
 }
 
 // How stiff joints are counts as inertia of the bodies that they pull on.
@@ -147,18 +149,21 @@ void GroupPass<Executor>::prepare_systems() {
   });
 }
 
-// Before the forces of a substep: springs and bounces go by the speeds that there are now. Preparing has noted those
-// with which contacts begin the first.
+// What hits within the substep.
 template <typename Executor>
-void GroupPass<Executor>::note_speeds(int number) {
+void GroupPass<Executor>::bounce(int number) {
+  loops_.each_contact_block(
+      [&](std::size_t begin, std::size_t end) { setup_.kernels.note_approaches(setup_.contact_data, begin, end); });
+  parts_.impacts.solve(setup_.contact_data, setup_.friction, number);
+}
+
+// Before the forces of a substep: springs go by the speeds that there are now.
+template <typename Executor>
+void GroupPass<Executor>::note_speeds() {
   if (parts_.joints.has_rows()) {
     loops_.each_joint_row_block(
         [&](std::size_t begin, std::size_t end) { parts_.joints.note_rates(setup_.joint_step, begin, end); });
   }
-  if (!report_.restitution || number == 0) return;
-  loops_.each_contact_block([&](std::size_t begin, std::size_t end) {
-    setup_.kernels.note_approaches(setup_.contact_data, number, begin, end);
-  });
 }
 
 template <typename Executor>
@@ -243,16 +248,6 @@ void GroupPass<Executor>::relax(int number) {
                               parts_.bodies, parts_.joints);
   }
   loops_.each_system([&](DirectJoints& system) { system.relax(setup_.direct_input, number, parts_.bodies); });
-}
-
-template <typename Executor>
-void GroupPass<Executor>::bounce(bool last) {
-  loops_.each_contact_colour([&](std::size_t begin, std::size_t end) {
-    setup_.kernels.restitute(setup_.contact_data, setup_.friction, last, begin, end);
-  });
-  if (!setup_.joined) return;
-  loops_.each_system_of(parts_.joined_motion.bouncing_direct(),
-                        [&](DirectJoints& system) { system.project(setup_.direct_input, parts_.bodies); });
 }
 
 template <typename Executor>

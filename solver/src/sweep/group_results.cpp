@@ -26,8 +26,11 @@ void write_back(const SolveInput& input, const GroupParts& parts, std::span<cons
     const Vector3 gained = velocity - table.velocity(body);
     const Vector3 gained_spin = spin - table.angular_velocity(body);
     // Over the substeps of a step the halves of their gains add up to that of the step's.
-    const bool shifts = !is_joined && changes_steadily(gained, gained_spin, get3(rows.acceleration[local].linear),
-                                                       input.dt, table.radius[body]);
+    const Vector3 acceleration = get3(rows.acceleration[local].linear);
+    const bool shifts = !is_joined && !parts.impacts.has_bounced(local) &&
+                        changes_steadily(gained, gained_spin, acceleration, input.dt, table.radius[body]);
+    // Nothing has touched it: what turns it is no torque, but how it tumbles.
+    const bool flies = (gained - input.dt * acceleration).squaredNorm() <= 1e-6 * gained.squaredNorm();
     table.velocity(body) = velocity;
     table.angular_velocity(body) = spin;
     table.position(body) += get3(rows.displacement[local].linear);
@@ -35,6 +38,8 @@ void write_back(const SolveInput& input, const GroupParts& parts, std::span<cons
     if (is_joined) {
       // Joints would part if bodies were shifted each by its own.
       if (joined_motion.falls(i)) table.position(body) -= 0.5 * substep * input.dt * joined_motion.acceleration(i);
+    } else if (flies) {
+      table.position(body) -= 0.5 * substep * gained;
     } else if (shifts) {
       table.position(body) -= 0.5 * substep * gained;
       const Vector3 back = -0.25 * substep * gained_spin;  // half a small rotation

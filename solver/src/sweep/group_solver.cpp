@@ -64,9 +64,11 @@ void GroupSolver::collect_joints(const SolveInput& input, const IslandGroup& gro
   const std::span<const JointLink> links = input.islands.joints(group.begin, group.end);
   if (links.empty()) return;
   parts_.joined_motion.build(input, group);
-  parts_.joined.resize(numbers.count());
+  parts_.joined.assign(numbers.count(), 0);
   for (std::size_t i = numbers.first_dynamic(); i < parts_.joined.size(); ++i) {
-    parts_.joined[i] = parts_.joined_motion.is_joined(i - numbers.first_dynamic());
+    const std::size_t body = i - numbers.first_dynamic();
+    if (!parts_.joined_motion.is_joined(body)) continue;
+    parts_.joined[i] = static_cast<std::uint8_t>(parts_.joined_motion.is_direct(body) ? Joined::Direct : Joined::Swept);
   }
   for (const JointLink& link : links) {
     if (input.solves_directly(input.joint_graph->component_of(link.joint))) continue;

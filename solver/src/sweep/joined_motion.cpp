@@ -10,7 +10,6 @@ void JoinedMotion::build(const SolveInput& input, const IslandGroup& group) {
   component_.assign(islands.bodies(group.begin, group.end).size(), none);
   components_.clear();
   direct_.clear();
-  bouncing_direct_.clear();
   if (number_.size() < graph.component_count()) number_.resize(graph.component_count(), none);
   const auto place = [&](std::uint32_t body) { return islands.rank(body) - first_rank; };
   const auto dynamic = [&](std::uint32_t body) { return input.bodies.mobility[body] == Mobility::Dynamic; };
@@ -36,12 +35,7 @@ void JoinedMotion::build(const SolveInput& input, const IslandGroup& group) {
       if (!dynamic(body) || !is_joined(place(body))) continue;
       Component& component = components_[component_[place(body)]];
       component.touched = true;
-      component.bounces |= input.manifolds[pair.slot].restitution > 0;
     }
-  }
-  for (const std::uint32_t of_graph : direct_) {
-    const Component& component = components_[number_[of_graph]];
-    if (component.bounces) bouncing_direct_.push_back(of_graph);
   }
   for (const JointLink& link : joints) number_[graph.component_of(link.joint)] = none;
 }

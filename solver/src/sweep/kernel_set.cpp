@@ -31,7 +31,6 @@ const Kernels& kernels() {
                                 &warm_start,
                                 &sweep,
                                 with_restitution ? &note_approaches : nullptr,
-                                with_restitution ? &restitute : nullptr,
                                 &store_impulses,
                                 &integrate_velocities,
                                 &clear_corrections,

@@ -23,15 +23,19 @@ struct alignas(64) ContactManifold {
   float friction_radius;  ///< m, mean distance of the points from the centre: the arm of friction against twisting
   float x[max_points];
   float y[max_points];
-  float separation[max_points];      ///< no_point where there is none
-  float normal_impulse[max_points];  ///< N s, of the last substep
-  float friction_impulse[3];         ///< N s, in the tangent plane, on the second body
-  float torsional_impulse;           ///< N m s, about the normal, on the second body
+  float separation[max_points];  ///< no_point where there is none
+  /// N s, of the last substep. Negative of a point that has bounced: that is told, and is nothing to start from.
+  float normal_impulse[max_points];
+  float friction_impulse[3];  ///< N s, in the tangent plane, on the second body
+  float torsional_impulse;    ///< N m s, about the normal, on the second body
 };
 static_assert(sizeof(ContactManifold) == 128);
 
 /// So far apart that no speed closes it: such a point's impulse is always zero.
 inline constexpr float no_point = 1e10f;
+
+/// N s, of a point's normal_impulse: with which the next step starts.
+inline float kept_impulse(float impulse) { return impulse > 0 ? impulse : 0; }
 
 /// Two unit vectors that make a right-handed frame with a unit normal (t1 x t2 = n). Duff et al., "Building an
 /// orthonormal basis, revisited", JCGT 2017. The kernels do the same operations in the same order.

@@ -41,8 +41,6 @@ class DirectJoints {
   void solve_positions(const DirectIslandInput& input, int substep, SolverBodies& bodies);
   /// After that: velocities that keep the joints at the new poses.
   void relax(const DirectIslandInput& input, int substep, SolverBodies& bodies);
-  /// After that: velocities that keep the joints, after what else changed them.
-  void project(const DirectIslandInput& input, SolverBodies& bodies);
   /// Once poses have been written back: takes them where the joints hold, writes impulses, forces and limits to the
   /// joints and notes how the bodies moved.
   void finish(const DirectIslandInput& input);

@@ -89,12 +89,11 @@ struct ContactWork {
 
 /// What a block needs beside, if its group has restitution.
 struct alignas(64) BounceBlock {
-  float approach[4][block_lanes];     ///< m/s, closing speed (negative) at the start of the substep
-  float departure[4][block_lanes];    ///< m/s, with which it is to part
-  float max_impulse[4][block_lanes];  ///< N s, over its sweeps: zero if the point didn't touch
-  float waits[4][block_lanes];        ///< 1 if the point can't meet in this substep, else 0
-  float spent[4][block_lanes];        ///< N s, of bounces of substeps before, which are not carried over
+  float separation[4][block_lanes];  ///< m, as the substep begins
+  float spent[4][block_lanes];       ///< N s, of bounces of this step, which are not carried over
+  float bounced[block_lanes];        ///< 1 where some point has in this substep, else 0
   float restitution[block_lanes];
+  std::uint8_t closes;  ///< bit a lane: some point may bounce in this substep
 };
 
 /// What a block needs beside, if surfaces in its group run, or hold back rolling or spinning.

@@ -5,6 +5,7 @@
 #include <solver/sweep/group_bodies.h>
 #include <solver/sweep/group_contacts.h>
 #include <solver/sweep/group_joints.h>
+#include <solver/sweep/impacts.h>
 #include <solver/sweep/joined_motion.h>
 #include <solver/sweep/joint_energy.h>
 #include <solver/sweep/joint_inertia.h>
@@ -20,6 +21,7 @@ struct GroupParts {
   GroupBodies numbers;
   SolverBodies bodies;  ///< by these numbers
   GroupContacts contacts;
+  Impacts impacts;
   GroupJoints joints;  ///< that are solved one after another
   JointInertia joint_inertia;
   JointEnergy joint_energy;
@@ -28,7 +30,7 @@ struct GroupParts {
 
   /// See jobs/arrays.h.
   auto arrays() const {
-    return std::tie(numbers, bodies, contacts, joints, joint_inertia, joint_energy, joined_motion, joined);
+    return std::tie(numbers, bodies, contacts, impacts, joints, joint_inertia, joint_energy, joined_motion, joined);
   }
 };
 

@@ -20,8 +20,6 @@ class JoinedMotion {
 
   /// Graph components of the group that are solved at once.
   std::span<const std::uint32_t> direct() const { return direct_; }
-  /// Those that may bounce off something.
-  std::span<const std::uint32_t> bouncing_direct() const { return bouncing_direct_; }
   bool is_joined(std::size_t body) const { return component_[body] != none; }
   bool is_direct(std::size_t body) const { return is_joined(body) && components_[component_[body]].direct; }
   /// Joined one by one, to nothing that is fixed, and touched by nothing: it falls as a whole.
@@ -55,7 +53,7 @@ class JoinedMotion {
   void note_forces(std::span<const std::uint32_t> body_ids, const BodyTable& bodies, const Vector3& gravity);
 
   /// See jobs/arrays.h.
-  auto arrays() const { return std::tie(component_, components_, direct_, bouncing_direct_, number_); }
+  auto arrays() const { return std::tie(component_, components_, direct_, number_); }
 
  private:
   static constexpr std::uint32_t none = JointGraph::none;
@@ -63,7 +61,6 @@ class JoinedMotion {
   struct Component {
     bool direct = false;
     bool touched = false;
-    bool bounces = false;  // off something
     bool anchored = false;
     bool led = false;  // by something kinematic
     double mass = 0;   // kg
@@ -72,7 +69,7 @@ class JoinedMotion {
 
   std::vector<std::uint32_t> component_;  // by body, in components_
   std::vector<Component> components_;
-  std::vector<std::uint32_t> direct_, bouncing_direct_;
+  std::vector<std::uint32_t> direct_;
   std::vector<std::uint32_t> number_;  // by component of the graph; all none between calls
 };
 

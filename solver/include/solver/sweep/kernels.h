@@ -12,6 +12,9 @@
 
 namespace atl::solver {
 
+/// What holds a body: joints that are solved one by one, or at once, which close whatever is open in a substep.
+enum class Joined : std::uint8_t { No, Swept, Direct };
+
 /// What the contact kernels work on.
 struct ContactKernelData {
   SolverBodies& bodies;
@@ -25,7 +28,7 @@ struct ContactKernelData {
   SplitBlock* split_blocks = nullptr;          ///< one a block, or null where nothing asks
   PlanarBlock* planar_blocks = nullptr;        ///< one a block, or null if no body has motion locks
   TurningBlock* turning_blocks = nullptr;      ///< one a block, or null if bodies turn too little for it to matter
-  const std::uint8_t* joined = nullptr;        ///< by index into SolverBodies, whether joints hold it; or null: none
+  const std::uint8_t* joined = nullptr;        ///< by index into SolverBodies, what joints hold it (Joined); or null
   bool leaves_out = true;                      ///< what a block has none of; else it is gone through for nothing
 };
 
@@ -50,7 +53,7 @@ struct Sweep {
   /// step that they have in this sweep, and what it has taken them by then, s.
   float rise_part = 0;
   float rise_time = 0;
-  bool relaxes = false;  ///< takes back what pushed bodies apart: what they have yet to hit is left to the next substep
+  bool relaxes = false;  ///< takes back what pushed bodies apart
 };
 
 /// What the joint kernels work on.
@@ -93,12 +96,9 @@ struct Kernels {
   /// Returns, if the sweep measures, its residual, m/s: the largest change that an impulse made to the relative speed
   /// which it is there for, at the time it was found. Spins count with the friction_radius they have at the contact.
   float (*sweep)(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end);
-  /// Before the forces of substep `number`: how fast bouncy points close, and which of them will not meet in it. Blocks
-  /// are made with that of the first.
-  void (*note_approaches)(const ContactKernelData& data, int number, std::size_t begin, std::size_t end);
-  /// Gives points that hit faster than the threshold their part of the closing speed back, with the friction that goes
-  /// with it. Unless the substep is the `last`, nothing of such contacts is carried over.
-  void (*restitute)(const ContactKernelData& data, Friction friction, bool last, std::size_t begin, std::size_t end);
+  /// Before the forces of a substep: which contacts have bouncy points that close faster than the threshold, and may
+  /// meet in it.
+  void (*note_approaches)(const ContactKernelData& data, std::size_t begin, std::size_t end);
   /// Writes impulses back to the manifolds.
   void (*store)(const ContactKernelData& data, std::size_t begin, std::size_t end);
 

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <jobs/arrays.h>
+#include <solver/solver_settings.h>
+#include <solver/sweep/impact_contact.h>
+#include <solver/sweep/kernels.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace atl::solver {
+
+/// What of a group bounces in a substep, found as it begins, in double. All points that close and will meet in it are
+/// reflected together: their impulses are those with which each parts at e times the speed that it met with, or faster
+/// where others push it on (Newton's law of restitution, as a complementarity problem: Moreau, "Unilateral contact and
+/// dry friction in finite freedom dynamics", 1988). Then so are those that now close, round after round (Smith,
+/// Kaufman, Vouga, Tamstorf and Grinspun, "Reflections on simultaneous impact", ToG 2012, section 4). So a blow passes
+/// along what touches, no round makes energy, and the answer is as symmetric as the scene. Memory is reused.
+///
+/// Bodies then move as if they had met within the substep: those that no joint holds are put back by what they travel
+/// too far until then. Forces and sweeps come after it, and find nothing that closes fast.
+class Impacts {
+ public:
+  /// Of a group with so many bodies, or none if nothing may bounce, and blocks of contacts, which are prepared.
+  void begin_step(std::size_t body_count, std::size_t block_count);
+  /// Whether a body has bounced in this step, by index into SolverBodies.
+  bool has_bounced(std::size_t body) const { return body < regained_.size() && regained_[body] != 0; }
+  /// As substep `number` begins. Blocks have noted what closes (Kernels::note_approaches).
+  void solve(const ContactKernelData& data, Friction friction, int number);
+
+  /// See jobs/arrays.h.
+  auto arrays() const { return std::tie(bodies_, contacts_, number_, regained_, first_, lanes_, changed_, sets_); }
+
+ private:
+  static constexpr std::uint32_t none = ~0u;
+
+  void find_first(const ContactKernelData& data, int number);
+  void find_next(const ContactKernelData& data, int number);
+  void list_lanes(const ContactKernelData& data);
+  void add_if_hit(const ContactKernelData& data, std::uint32_t lane, int number);
+  std::uint32_t body_of(const ContactKernelData& data, std::uint32_t local);
+  void gather_sets();
+  void store(const ContactKernelData& data);
+
+  std::size_t block_count_ = 0;
+  std::vector<ImpactBody> bodies_;       // that something has hit in this substep
+  std::vector<ImpactContact> contacts_;  // of this round
+  std::vector<std::uint32_t> number_;    // by local body: its place in bodies_, or none
+  std::vector<std::uint8_t> regained_;   // by local body: whether it has got back what steps lose
+  std::vector<std::uint32_t> first_;     // by local body: where its lanes begin in lanes_; empty until they are listed
+  std::vector<std::uint32_t> lanes_;     // of contacts that bounce: block_lanes * block + lane
+  std::vector<std::uint32_t> changed_;   // local bodies, of the round before
+  std::vector<std::uint32_t> sets_;      // by place in bodies_: where the set of what hits together begins
+};
+
+}  // namespace atl::solver

@@ -1,0 +1,163 @@
+#include <solver/sweep/impact_contact.h>
+#include <solver/tuning.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace atl::solver {
+namespace {
+
+double length_of(double a, double b) { return std::sqrt(a * a + b * b); }
+
+// A contact with the bodies that it acts on.
+struct Acting {
+  ImpactContact& contact;
+  ImpactBody& first;
+  ImpactBody& second;
+
+  void apply(const Vector3& impulse, const Vector3& angular) const {
+    first.velocity -= first.inverse_mass.cwiseProduct(impulse);
+    first.spin -= first.inverse_inertia * (contact.arm_first.cross(impulse) + angular);
+    second.velocity += second.inverse_mass.cwiseProduct(impulse);
+    second.spin += second.inverse_inertia * (contact.arm_second.cross(impulse) + angular);
+  }
+
+  // Slip along the tangents, and spin about the normal.
+  std::array<double, 3> slip() const {
+    const Vector3 velocity =
+        second.velocity + second.spin.cross(contact.arm_second) - first.velocity - first.spin.cross(contact.arm_first);
+    return {contact.axes[1].dot(velocity) + contact.friction.runs[0],
+            contact.axes[2].dot(velocity) + contact.friction.runs[1], contact.axes[0].dot(second.spin - first.spin)};
+  }
+
+  double load() const {
+    double sum = 0;
+    for (const ImpactContact::Point& point : contact.points) sum += point.impulse;
+    return sum;
+  }
+
+  // Each returns the largest change of a speed that it made, m/s.
+  double push(ImpactContact::Point& point) const {
+    if (!point.hits) return 0;
+    const double wanted = point.mass * (point.parting - contact.parting_speed(point, first, second));
+    const double impulse = std::max(wanted, -point.impulse);
+    point.impulse += impulse;
+    const auto& [normal, tangent, other] = contact.axes;
+    apply(impulse * normal, impulse * (point.y * tangent - point.x * other));
+    return point.mass > 0 ? std::abs(impulse) / point.mass : 0;
+  }
+
+  double rub(Friction friction) const {
+    const double pushed = load();
+    const double bound = contact.friction.coefficient * pushed;
+    const std::array<double, 3> now = slip();
+    const auto& [m11, m12, m22] = contact.friction.mass;
+    std::array<double, 3>& impulse = contact.friction.impulse;
+    const std::array<double, 3> before = impulse;
+    impulse[0] -= m11 * now[0] + m12 * now[1];
+    impulse[1] -= m12 * now[0] + m22 * now[1];
+    if (friction == Friction::Pyramid) {
+      for (int axis : {0, 1}) impulse[axis] = std::clamp(impulse[axis], -bound, bound);
+    } else if (length_of(impulse[0], impulse[1]) > bound) {
+      // Alike in all directions, so that what comes of it acts against the slip.
+      const double mean = 0.5 * (m11 + m22), spread = length_of(0.5 * (m11 - m22), m12);
+      const double mass = mean - spread > 1e-6 * mean ? mean - spread : mean + spread;
+      for (int axis : {0, 1}) impulse[axis] = before[axis] - mass * now[axis];
+      const double length = length_of(impulse[0], impulse[1]);
+      for (int axis : {0, 1}) impulse[axis] *= length > bound ? bound / length : 1;
+    }
+    const double twist_bound = bound * contact.friction.radius + contact.friction.torsional * pushed;
+    impulse[2] = std::clamp(impulse[2] - contact.friction.twist_mass * now[2], -twist_bound, twist_bound);
+    apply((impulse[0] - before[0]) * contact.axes[1] + (impulse[1] - before[1]) * contact.axes[2],
+          (impulse[2] - before[2]) * contact.axes[0]);
+    const std::array<double, 3> then = slip();
+    return std::max(std::abs(then[0] - now[0]), std::abs(then[1] - now[1]));
+  }
+};
+
+// J: what impulses do to the energy is linear s + square s^2 if they are scaled by s; `given` is what normal ones add.
+struct Work {
+  double linear = 0, square = 0, given = 0;
+
+  void add(double impulse, double before, double after) {
+    linear += impulse * before;
+    square += 0.5 * impulse * (after - before);
+  }
+};
+
+Work work_of(const Acting& acting) {
+  Work work;
+  const ImpactContact& contact = acting.contact;
+  for (const ImpactContact::Point& point : contact.points) {
+    const double after = contact.parting_speed(point, acting.first, acting.second) + contact.pulled;
+    const double before = point.closing + contact.pulled;
+    work.add(point.impulse, before, after);
+    work.given += std::max(0.5 * point.impulse * (before + point.parting + contact.pulled), 0.0);
+  }
+  const std::array<double, 3> after = acting.slip();
+  for (std::size_t i = 0; i < 3; ++i) {
+    // Against the surface where it runs: that drives.
+    const double runs = i < 2 ? contact.friction.runs[i] : 0;
+    work.add(contact.friction.impulse[i], contact.friction.slip_before[i], after[i]);
+    work.given += std::max(-contact.friction.impulse[i] * runs, 0.0);
+  }
+  return work;
+}
+
+}  // namespace
+
+void reflect(std::span<ImpactContact> contacts, std::span<ImpactBody> bodies, Friction friction) {
+  const auto each = [&](const auto& act) {
+    for (ImpactContact& contact : contacts) act(Acting{contact, bodies[contact.first], bodies[contact.second]});
+  };
+  double speed = 0;
+  each([&](const Acting& acting) {
+    acting.contact.friction.slip_before = acting.slip();
+    for (const ImpactContact::Point& point : acting.contact.points) {
+      if (point.hits) speed = std::max(speed, -point.closing);
+    }
+  });
+  for (int i = 0; i < tuning::most_impact_sweeps; ++i) {
+    double change = 0;
+    each([&](const Acting& acting) {
+      for (ImpactContact::Point& point : acting.contact.points) change = std::max(change, acting.push(point));
+      if (friction != Friction::None && acting.contact.friction.coefficient > 0)
+        change = std::max(change, acting.rub(friction));
+    });
+    if (change <= tuning::impact_tolerance * speed) break;
+  }
+  Work all;
+  double regained = 0;
+  each([&](const Acting& acting) {
+    const Work work = work_of(acting);
+    all.linear += work.linear;
+    all.square += work.square;
+    all.given += work.given;
+    regained = std::max(regained, acting.contact.regained);
+  });
+  // linear s + square s^2 = wanted
+  const double wanted = std::min(all.linear + all.square, all.given) + regained;
+  const double root = all.linear * all.linear + 4 * all.square * wanted;
+  const double scale = all.square > 0 && root > 0 ? (std::sqrt(root) - all.linear) / (2 * all.square) : 1;
+  each([&](const Acting& acting) {
+    ImpactContact& contact = acting.contact;
+    const auto& [normal, tangent, other] = contact.axes;
+    Vector3 impulse = contact.friction.impulse[0] * tangent + contact.friction.impulse[1] * other;
+    Vector3 angular = contact.friction.impulse[2] * normal;
+    for (ImpactContact::Point& point : contact.points) {
+      impulse += point.impulse * normal;
+      angular += point.impulse * (point.y * tangent - point.x * other);
+      point.impulse *= scale;
+    }
+    acting.apply((scale - 1) * impulse, (scale - 1) * angular);
+    const double back = -scale * contact.time;
+    acting.first.shift -= back * acting.first.inverse_mass.cwiseProduct(impulse);
+    acting.first.turn -= back * (acting.first.inverse_inertia * (contact.arm_first.cross(impulse) + angular));
+    acting.second.shift += back * acting.second.inverse_mass.cwiseProduct(impulse);
+    acting.second.turn += back * (acting.second.inverse_inertia * (contact.arm_second.cross(impulse) + angular));
+    if (!(acting.load() > 0)) return;
+    for (ImpactBody* body : {&acting.first, &acting.second}) body->changed |= body->moves();
+  });
+}
+
+}  // namespace atl::solver

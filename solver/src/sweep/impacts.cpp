@@ -1,0 +1,319 @@
+#include <solver/integrate/free_flight.h>
+#include <solver/sweep/impacts.h>
+#include <solver/tuning.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+
+#include "integrate/matrix3.h"
+#include "integrate/rows3.h"
+
+namespace atl::solver {
+namespace {
+
+Vector3 lane3(const float (&rows)[3][block_lanes], std::size_t lane) {
+  return {rows[0][lane], rows[1][lane], rows[2][lane]};
+}
+
+void turn(const Quaternion& by, ImpactBody& body) {
+  if (body.turns) body.rotation = by * body.rotation;
+  body.turned = by * body.turned;
+  if (body.is_locked) return;
+  const Matrix3 rotation = by.toRotationMatrix();
+  body.inverse_inertia = symmetric_product(product(rotation, body.inverse_inertia), rotation);
+}
+
+// How it turns by itself for some seconds, or has turned before: at its mean spin, with the momentum that it has.
+void tumble(double time, ImpactBody& body) {
+  const Vector3 momentum = body.tumbles ? product(symmetric_inverse(body.inverse_inertia), body.spin) : Vector3::Zero();
+  const ImpactBody start = body;
+  Vector3 mean = start.spin;
+  for (int i = 0; i < (body.tumbles ? 3 : 1); ++i) {
+    body = start;
+    turn(rotation_by(time * mean), body);
+    if (body.tumbles) body.spin = product(body.inverse_inertia, momentum);
+    mean = 0.5 * (start.spin + body.spin);
+  }
+}
+
+// From the sweeps of this substep, what the next sees to.
+void hide(const ContactKernelData& data, std::uint32_t block, std::uint32_t lane) {
+  data.bounces[block].bounced[lane] = 1;
+  for (std::size_t i = 0; i < max_points; ++i) {
+    data.blocks[block].separation[i][lane] = data.bounces[block].separation[i][lane] = collision::no_point;
+  }
+}
+
+// By joints that would part if it were put elsewhere.
+bool is_held(const ContactKernelData& data, std::uint32_t body) {
+  return data.joined != nullptr && data.joined[body] == static_cast<std::uint8_t>(Joined::Swept);
+}
+
+// Whether some point may arrive faster than the threshold, as far as one look at the centre tells.
+bool may_close(const ContactKernelData& data, const ContactBlock& block, std::uint32_t lane, const ImpactBody& first,
+               const ImpactBody& second) {
+  double extent = 0;  // m, of the points about the centre
+  for (std::size_t i = 0; i < block.traits.points; ++i) {
+    extent = std::max<double>(extent, std::abs(block.x[i][lane]) + std::abs(block.y[i][lane]));
+  }
+  const Vector3 arm_first = first.rotation * lane3(block.anchor_first, lane);
+  const Vector3 arm_second = second.rotation * lane3(block.anchor_second, lane);
+  const Vector3 velocity =
+      second.velocity + second.spin.cross(arm_second) - first.velocity - first.spin.cross(arm_first);
+  const double fall = data.constants.h * (first.acceleration.norm() + second.acceleration.norm());
+  const double closing = lane3(block.normal, lane).dot(velocity) - extent * (second.spin - first.spin).norm() - fall;
+  return closing < -data.constants.restitution_threshold;
+}
+
+// s, from now, after which a point that closes arrives, under a steady acceleration along the normal.
+double arrival(double closing, double gap, double acceleration, double h) {
+  if (!(gap > 0)) return 0;
+  const double square = std::max(closing * closing - 2 * acceleration * gap, 0.0);
+  return std::min(2 * gap / (std::sqrt(square) - closing), h);
+}
+
+}  // namespace
+
+void Impacts::begin_step(std::size_t body_count, std::size_t block_count) {
+  block_count_ = block_count;
+  number_.assign(body_count, none);
+  regained_.assign(body_count, 0);
+  first_.clear();
+}
+
+void Impacts::solve(const ContactKernelData& data, Friction friction, int number) {
+  bodies_.clear();
+  contacts_.clear();
+  find_first(data, number);
+  for (int round = 0; round < tuning::most_impact_rounds && !contacts_.empty(); ++round) {
+    gather_sets();
+    for (std::size_t begin = 0, end = 0; begin < contacts_.size(); begin = end) {
+      const std::uint32_t set = contacts_[begin].set;
+      while (end < contacts_.size() && contacts_[end].set == set) ++end;
+      reflect(std::span(contacts_).subspan(begin, end - begin), bodies_, friction);
+    }
+    for (const ImpactContact& contact : contacts_) {
+      data.bounces[contact.block].bounced[contact.lane] = 1;
+      for (std::size_t i = 0; i < max_points; ++i) {
+        float& spent = data.bounces[contact.block].spent[i][contact.lane];
+        spent = static_cast<float>(spent + contact.points[i].impulse);
+      }
+    }
+    find_next(data, number);
+  }
+  for (const ImpactContact& contact : contacts_) hide(data, contact.block, contact.lane);
+  store(data);
+}
+
+void Impacts::find_first(const ContactKernelData& data, int number) {
+  for (std::size_t b = 0; b < block_count_; ++b) {
+    if (!data.blocks[b].traits.bounces) continue;
+    for (unsigned lane = 0; lane < block_lanes; ++lane) {
+      if (data.bounces[b].closes >> lane & 1u)
+        add_if_hit(data, static_cast<std::uint32_t>(b * block_lanes + lane), number);
+    }
+  }
+}
+
+// What touches the bodies that the last round has changed.
+void Impacts::find_next(const ContactKernelData& data, int number) {
+  if (first_.empty()) list_lanes(data);
+  std::vector<std::uint32_t>& lanes = changed_;
+  lanes.clear();
+  for (ImpactBody& body : bodies_) {
+    if (!body.changed) continue;
+    body.changed = false;
+    body.bounces = true;
+    regained_[body.local] = 1;
+    lanes.insert(lanes.end(), lanes_.begin() + first_[body.local], lanes_.begin() + first_[body.local + 1]);
+  }
+  std::sort(lanes.begin(), lanes.end());
+  lanes.erase(std::unique(lanes.begin(), lanes.end()), lanes.end());
+  contacts_.clear();
+  for (const std::uint32_t lane : lanes) add_if_hit(data, lane, number);
+}
+
+void Impacts::list_lanes(const ContactKernelData& data) {
+  const auto each = [&](const auto& act) {
+    for (std::size_t b = 0; b < block_count_; ++b) {
+      const ContactBlock& block = data.blocks[b];
+      for (std::size_t lane = 0; block.traits.bounces && lane < block_lanes; ++lane) {
+        if (block.slot[lane] < 0) continue;
+        const auto number = static_cast<std::uint32_t>(b * block_lanes + lane);
+        if (block.write_first >> lane & 1u) act(block.first[lane], number);
+        if (block.write_second >> lane & 1u) act(block.second[lane], number);
+      }
+    }
+  };
+  first_.assign(number_.size() + 2, 0);
+  each([&](std::int32_t body, std::uint32_t) { ++first_[static_cast<std::size_t>(body) + 2]; });
+  std::partial_sum(first_.begin(), first_.end(), first_.begin());
+  lanes_.resize(first_.back());
+  each([&](std::int32_t body, std::uint32_t lane) { lanes_[first_[static_cast<std::size_t>(body) + 1]++] = lane; });
+}
+
+std::uint32_t Impacts::body_of(const ContactKernelData& data, std::uint32_t local) {
+  std::uint32_t& number = number_[local];
+  if (number != none) return number;
+  number = static_cast<std::uint32_t>(bodies_.size());
+  const SolverBodies& rows = data.bodies;
+  ImpactBody& body = bodies_.emplace_back();
+  body.local = local;
+  body.velocity = get3(rows.velocity[local].linear);
+  body.spin = get3(rows.velocity[local].angular);
+  body.acceleration = get3(rows.acceleration[local].linear);
+  body.inverse_mass.setConstant(rows.free_velocity[local].inverse_mass);
+  if (!rows.locks.empty()) {
+    body.inverse_mass.array() *= get3(rows.locks[local].free).array();
+    body.is_locked = rows.locks[local].kind != 0 && rows.locks[local].kind != -1;
+  }
+  body.inverse_inertia = inverse_inertia_of(rows, local);
+  body.tumbles = !rows.gyroscopic.empty() && rows.gyroscopic[local].active != 0;
+  if (rows.shape.empty() || !(rows.shape[local].kind > 0)) return number;
+  // Rows have it as it was to be half way through the step. A round body's contacts don't turn with it.
+  body.turns = rows.shape[local].kind == 1;
+  turn(rotation_of(rows.displacement[local]) * rotation_by(get3(rows.shape[local].half_turn)).conjugate(), body);
+  body.turned = Quaternion::Identity();
+  return number;
+}
+
+void Impacts::add_if_hit(const ContactKernelData& data, std::uint32_t number_of_lane, int number) {
+  const std::uint32_t b = number_of_lane / block_lanes, lane = number_of_lane % block_lanes;
+  const ContactBlock& block = data.blocks[b];
+  const BounceBlock& bounce = data.bounces[b];
+  if (!(bounce.restitution[lane] > 0)) return;
+  const std::uint32_t place_of_first = body_of(data, static_cast<std::uint32_t>(block.first[lane]));
+  const std::uint32_t place_of_second = body_of(data, static_cast<std::uint32_t>(block.second[lane]));
+  ImpactBody& first = bodies_[place_of_first];
+  ImpactBody& second = bodies_[place_of_second];
+  if (!may_close(data, block, lane, first, second)) return;
+  ImpactContact contact(b, lane, place_of_first, place_of_second);
+  const Vector3 normal = lane3(block.normal, lane), tangent = lane3(block.tangent, lane);
+  contact.axes = {normal, tangent, normal.cross(tangent)};
+  const auto place_arms = [&] {
+    contact.arm_first = first.rotation * lane3(block.anchor_first, lane);
+    contact.arm_second = second.rotation * lane3(block.anchor_second, lane);
+  };
+  place_arms();
+
+  // What meets in this substep.
+  const double h = data.constants.h;
+  const double pull = normal.dot(second.acceleration - first.acceleration);
+  const double most_pull = std::abs(normal.dot(first.acceleration)) + std::abs(normal.dot(second.acceleration));
+  std::array<double, max_points> gap = {};
+  bool bounces = false;
+  contact.time = h;
+  for (std::size_t i = 0; i < block.traits.points; ++i) {
+    ImpactContact::Point& point = contact.points[i];
+    point.x = block.x[i][lane];
+    point.y = block.y[i][lane];
+    point.closing = contact.parting_speed(point, first, second);
+    gap[i] = bounce.separation[i][lane] + contact.shift_at(point, first, second);
+    point.hits = point.closing < 0 && gap[i] + h * (point.closing - h * most_pull) < 0;
+    if (!point.hits) continue;
+    const double time = arrival(point.closing, gap[i], pull, h);
+    if (point.closing + time * pull >= -data.constants.restitution_threshold) continue;
+    bounces = point.bounces = true;
+    contact.time = std::min(contact.time, time);
+  }
+  if (!bounces) return;
+  // What swept joints hold is not put elsewhere, so it bounces where it is next to the surface: now, or as the next
+  // substep begins.
+  if (contact.time > 0.5 * h && (is_held(data, first.local) || is_held(data, second.local))) {
+    hide(data, b, lane);
+    return;
+  }
+
+  // As it is then.
+  for (ImpactBody* body : {&first, &second}) {
+    if (body->is_hit || !body->moves()) continue;
+    body->is_hit = true;
+    body->time = contact.time;
+    tumble(body->time, *body);
+  }
+  place_arms();
+  contact.pulled = pull * contact.time;
+  const double restitution = bounce.restitution[lane];
+  double first_gap = h;
+  for (std::size_t i = 0; i < block.traits.points; ++i) {
+    ImpactContact::Point& point = contact.points[i];
+    if (!point.hits) continue;
+    point.mass = contact.mass_of(point, first, second);
+    point.closing = contact.parting_speed(point, first, second);
+    if (!point.bounces) continue;
+    first_gap = std::min(first_gap, gap[i]);
+    point.parting = -restitution * std::min(point.closing + contact.pulled, 0.0) - contact.pulled;
+  }
+  // Semi-implicit Euler loses m (a h)^2 / 2 in each free substep. Put back by the first impact of a step is that of
+  // those before, of which e^2 is left, and of those to come.
+  if (regained_[first.local] == 0 && regained_[second.local] == 0) {
+    const double before = first_gap > 0 ? restitution * restitution * number : 0;
+    contact.regained = 0.5 * contact.linear_mass(first, second) * (h * pull) * (h * pull) *
+                       (before + data.constants.substeps - number);
+  }
+  ImpactContact::Friction& rubs = contact.friction;
+  rubs.coefficient = block.friction[lane];
+  rubs.radius = block.friction_radius[lane];
+  for (std::size_t i = 0; i < 3; ++i) rubs.mass[i] = block.friction_mass[i][lane];
+  rubs.twist_mass = block.twist_mass[lane];
+  if (data.surface_blocks != nullptr) {
+    const SurfaceBlock& surface = data.surface_blocks[b];
+    rubs.runs = {surface.slip[0][lane], surface.slip[1][lane]};
+    rubs.torsional = surface.torsional_friction[0][lane];
+  }
+  contacts_.push_back(contact);
+}
+
+// Sorts contacts by what hangs together: bodies that can't move pass nothing on.
+void Impacts::gather_sets() {
+  sets_.resize(bodies_.size());
+  std::iota(sets_.begin(), sets_.end(), 0u);
+  const auto root = [&](std::uint32_t body) {
+    while (sets_[body] != body) body = sets_[body] = sets_[sets_[body]];
+    return body;
+  };
+  for (const ImpactContact& contact : contacts_) {
+    if (!bodies_[contact.first].moves() || !bodies_[contact.second].moves()) continue;
+    const std::uint32_t a = root(contact.first), b = root(contact.second);
+    sets_[std::max(a, b)] = std::min(a, b);
+  }
+  for (ImpactContact& contact : contacts_) {
+    contact.set = root(bodies_[contact.first].moves() ? contact.first : contact.second);
+  }
+  // Then by their bodies, so that sums don't tell which blocks they are in: who shares a group must not show.
+  const auto order = [&](const ImpactContact& contact) {
+    return std::tuple(contact.set, bodies_[contact.first].local, bodies_[contact.second].local);
+  };
+  std::ranges::stable_sort(contacts_, {}, order);
+}
+
+void Impacts::store(const ContactKernelData& data) {
+  for (ImpactBody& body : bodies_) {
+    number_[body.local] = none;
+    if (!body.bounces) continue;
+    tumble(-body.time, body);
+    SolverBodies& rows = data.bodies;
+    VelocityRows& velocity = rows.velocity[body.local];
+    // What is carried over to this substep is what constraints did in the last, and not this.
+    FreeVelocityRows& free_velocity = rows.free_velocity[body.local];
+    add3(free_velocity.linear, body.velocity - get3(velocity.linear));
+    add3(free_velocity.angular, body.spin - get3(velocity.angular));
+    set3(velocity.linear, body.velocity);
+    set3(velocity.angular, body.spin);
+    if (is_held(data, body.local)) continue;
+    DisplacementRows& displacement = rows.displacement[body.local];
+    add3(displacement.linear, body.shift);
+    const auto turn_rows = [&](float(&rotation)[4]) {
+      const Quaternion turned =
+          (body.turned * Quaternion(rotation[3], rotation[0], rotation[1], rotation[2])).normalized();
+      for (int k = 0; k < 4; ++k) rotation[k] = static_cast<float>(turned.coeffs()[k]);
+    };
+    turn_rows(displacement.rotation);
+    if (!rows.shape.empty() && rows.round_shapes) turn_rows(rows.shape[body.local].rotation);
+  }
+}
+
+}  // namespace atl::solver
