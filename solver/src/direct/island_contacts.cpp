@@ -54,7 +54,6 @@ struct ContactResponse {
 
 void load_points(const collision::ContactManifold& manifold, const ContactResponse& response, DirectContact& contact) {
   ContactLaw& law = contact.law;
-  law.points = 0;
   for (int i = 0; i < collision::max_points; ++i) {
     if (manifold.separation[i] >= collision::no_point) continue;
     const int p = law.points++;
@@ -76,8 +75,6 @@ void load_friction(const SolverSettings& settings, const ContactResponse& respon
   law.friction_stiffness = 1 / (tuning::friction_compliance * along);
   law.torsional_stiffness = twist > 0 ? 1 / (tuning::friction_compliance * twist) : 0;
   law.pyramid = settings.pyramid;
-  law.slip = {0, 0};
-  law.rolling_stiffness = 0;
 }
 
 void load_surfaces(const SurfaceContact& surface, const ContactResponse& response, DirectContact& contact) {
@@ -157,6 +154,7 @@ void load_contact(const DirectIslandInput& input, const TouchingPair& pair, cons
   contact.friction = manifold.friction;
   contact.radius = manifold.friction_radius;
   contact.rolling = contact.torsional = 0;
+  contact.law = {};  // whatever was solved before must not show
   load_frame(table, manifold, contact);
   const ContactResponse response{bodies, contact, table.inverse_mass[pair.first] + table.inverse_mass[pair.second]};
   load_points(manifold, response, contact);

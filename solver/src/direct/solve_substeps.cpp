@@ -278,6 +278,7 @@ bool Substeps::find_impacts() {
     }
   };
   limit_ranges(false);
+  if (!alone_) stop_contacts(problem_.contacts, h_);
   const bool found = alone_ ? solve_rows() : solve_by_newton(problem_, motions_.search);
   limit_ranges(true);
   if (!found) return false;
