@@ -19,8 +19,8 @@ namespace atl::solver {
 /// Kaufman, Vouga, Tamstorf and Grinspun, "Reflections on simultaneous impact", ToG 2012, section 4). So a blow passes
 /// along what touches, no round makes energy, and the answer is as symmetric as the scene. Memory is reused.
 ///
-/// Bodies then move as if they had met within the substep: those that no joint holds are put back by what they travel
-/// too far until then. Forces and sweeps come after it, and find nothing that closes fast.
+/// Bodies then move as if they had met within the substep: those that no swept joint holds are put back by what they
+/// travel too far until then. Forces and sweeps come after it, and find nothing that closes fast.
 class Impacts {
  public:
   /// Of a group with so many bodies, or none if nothing may bounce, and blocks of contacts, which are prepared.
@@ -51,8 +51,8 @@ class Impacts {
   std::vector<std::uint8_t> regained_;   // by local body: whether it has got back what steps lose
   std::vector<std::uint32_t> first_;     // by local body: where its lanes begin in lanes_; empty until they are listed
   std::vector<std::uint32_t> lanes_;     // of contacts that bounce: block_lanes * block + lane
-  std::vector<std::uint32_t> changed_;   // local bodies, of the round before
-  std::vector<std::uint32_t> sets_;      // by place in bodies_: where the set of what hits together begins
+  std::vector<std::uint32_t> changed_;   // lanes of what the last round has changed
+  std::vector<std::uint32_t> sets_;      // by place in bodies_: another of what it hits together with, or itself
 };
 
 }  // namespace atl::solver
