@@ -78,7 +78,7 @@ void visit_ids(Archive& archive, Contact& contact, std::size_t count, bool near)
   }
 }
 
-/// Whether a contact with points has numbers that a step can have left it.
+/// Returns true if all numbers of a contact with points are finite and in bounds.
 template <typename Contact, typename Manifold>
 bool is_sound_contact(const Contact& contact, const Manifold& manifold) {
   const auto sound = [](const auto& values) {

@@ -140,7 +140,7 @@ void ContinuousPhase::stop(Stores& world, const IslandPhase& islands, const CcdS
     const collision::Pose end{world.bodies.position(body) + stop.aside, world.bodies.orientation(body)};
     const collision::Pose pose = stop.t >= 1 ? end : Motion::between(fast.start, end, Vector3::Zero()).at(stop.t);
     const Vector3 fall = world.clock.dt * world.bodies.gravity_scale[body] * world.gravity;
-    // Of a step in which nothing but its weight acted: what that adds after the stop is yet to come.
+    // A body in free flight loses the speed that its weight would have added after the stop.
     const Vector3 flown = world.clock.dt * (world.bodies.velocity(body) - 0.5 * fall);
     const bool flies = (fast.shift - flown).norm() <= 1e-3 * world.clock.dt * fall.norm();
     if (flies && stop.t < 1) world.bodies.velocity(body) -= (1 - stop.t) * fall;

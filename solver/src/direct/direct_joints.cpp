@@ -90,12 +90,7 @@ void DirectJoints::solve_positions(const DirectIslandInput& input, int substep, 
     const BodyPose& now = bodies_[i].now;
     add3(rows.linear, now.position - bodies_[i].next.position);
     const Quaternion turn = now.orientation * bodies_[i].next.orientation.conjugate();
-    const auto turn_rows = [&](float(&rotation)[4]) {
-      const Quaternion turned = (turn * Quaternion(rotation[3], rotation[0], rotation[1], rotation[2])).normalized();
-      for (int k = 0; k < 4; ++k) rotation[k] = static_cast<float>(turned.coeffs()[k]);
-    };
-    turn_rows(rows.rotation);
-    if (bodies.round_shapes) turn_rows(bodies.shape[places_[i]].rotation);
+    turn_on(bodies, places_[i], turn);
   }
   store_velocities(motions_.lasting, bodies);
 }
@@ -146,13 +141,7 @@ void DirectJoints::load_velocities(const SolverBodies& bodies) {
 // What is carried over to the next substep is contacts' impulses alone.
 void DirectJoints::store_velocities(const std::vector<double>& velocities, SolverBodies& bodies) {
   for (std::size_t i = 0; i < places_.size(); ++i) {
-    VelocityRows& rows = bodies.velocity[places_[i]];
-    FreeVelocityRows& free = bodies.free_velocity[places_[i]];
-    const Vector3 linear = linear_part(velocities, i), angular = angular_part(velocities, i);
-    add3(free.linear, linear - get3(rows.linear));
-    add3(free.angular, angular - get3(rows.angular));
-    set3(rows.linear, linear);
-    set3(rows.angular, angular);
+    set_uncarried(bodies, places_[i], linear_part(velocities, i), angular_part(velocities, i));
   }
 }
 

@@ -21,6 +21,30 @@ inline void add3(float (&to)[3], const Vector3& gain) {
   for (int i = 0; i < 3; ++i) to[i] = static_cast<float>(to[i] + gain[i]);
 }
 
+inline Vector3 get_lane(const float (&rows)[3][block_lanes], std::size_t lane) {
+  return {rows[0][lane], rows[1][lane], rows[2][lane]};
+}
+
+/// Gives a body velocities that are not carried over to the next substep, as what contacts do is.
+inline void set_uncarried(SolverBodies& bodies, std::size_t local, const Vector3& velocity, const Vector3& spin) {
+  VelocityRows& rows = bodies.velocity[local];
+  FreeVelocityRows& free = bodies.free_velocity[local];
+  add3(free.linear, velocity - get3(rows.linear));
+  add3(free.angular, spin - get3(rows.angular));
+  set3(rows.linear, velocity);
+  set3(rows.angular, spin);
+}
+
+/// Turns a body on from where its displacement has it, with the shape that contacts touch.
+inline void turn_on(SolverBodies& bodies, std::size_t local, const Quaternion& turn) {
+  const auto turn_rows = [&](float(&rotation)[4]) {
+    const Quaternion turned = (turn * Quaternion(rotation[3], rotation[0], rotation[1], rotation[2])).normalized();
+    for (int k = 0; k < 4; ++k) rotation[k] = static_cast<float>(turned.coeffs()[k]);
+  };
+  turn_rows(bodies.displacement[local].rotation);
+  if (bodies.round_shapes) turn_rows(bodies.shape[local].rotation);
+}
+
 /// How a body has turned since the start of the step.
 inline Quaternion rotation_of(const DisplacementRows& displacement) {
   const float(&q)[4] = displacement.rotation;

@@ -20,7 +20,6 @@ using Lanes = float[n][block_lanes];
 void set_lane(Lanes<3>& rows, std::size_t lane, const Vector3& from) {
   for (int i = 0; i < 3; ++i) rows[i][lane] = static_cast<float>(from[i]);
 }
-Vector3 get_lane(const Lanes<3>& rows, std::size_t lane) { return {rows[0][lane], rows[1][lane], rows[2][lane]}; }
 
 BodyPose start_pose(const BodyTable& table, std::uint32_t body) {
   return {table.position(body), table.orientation(body)};

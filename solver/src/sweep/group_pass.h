@@ -149,7 +149,7 @@ void GroupPass<Executor>::prepare_systems() {
   });
 }
 
-// What hits within the substep.
+// Reflects the contacts that hit within the substep, before its forces.
 template <typename Executor>
 void GroupPass<Executor>::bounce(int number) {
   loops_.each_contact_block(

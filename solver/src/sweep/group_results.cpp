@@ -29,7 +29,7 @@ void write_back(const SolveInput& input, const GroupParts& parts, std::span<cons
     const Vector3 acceleration = get3(rows.acceleration[local].linear);
     const bool shifts = !is_joined && !parts.impacts.has_bounced(local) &&
                         changes_steadily(gained, gained_spin, acceleration, input.dt, table.radius[body]);
-    // Nothing has touched it: what turns it is no torque, but how it tumbles.
+    // In free flight spin changes by tumbling, which has its own integrator: only the position is shifted.
     const bool flies = (gained - input.dt * acceleration).squaredNorm() <= 1e-6 * gained.squaredNorm();
     table.velocity(body) = velocity;
     table.angular_velocity(body) = spin;
@@ -38,10 +38,10 @@ void write_back(const SolveInput& input, const GroupParts& parts, std::span<cons
     if (is_joined) {
       // Joints would part if bodies were shifted each by its own.
       if (joined_motion.falls(i)) table.position(body) -= 0.5 * substep * input.dt * joined_motion.acceleration(i);
-    } else if (flies) {
+    } else if (flies || shifts) {
       table.position(body) -= 0.5 * substep * gained;
-    } else if (shifts) {
-      table.position(body) -= 0.5 * substep * gained;
+    }
+    if (shifts && !flies) {
       const Vector3 back = -0.25 * substep * gained_spin;  // half a small rotation
       orientation = Quaternion(1, back.x(), back.y(), back.z()) * orientation;
     }

@@ -14,10 +14,6 @@
 namespace atl::solver {
 namespace {
 
-Vector3 lane3(const float (&rows)[3][block_lanes], std::size_t lane) {
-  return {rows[0][lane], rows[1][lane], rows[2][lane]};
-}
-
 void turn(const Quaternion& by, ImpactBody& body) {
   if (body.turns) body.rotation = by * body.rotation;
   body.turned = by * body.turned;
@@ -52,19 +48,19 @@ bool is_held(const ContactKernelData& data, std::uint32_t body) {
   return data.joined != nullptr && data.joined[body] == static_cast<std::uint8_t>(Joined::Swept);
 }
 
-// Whether some point may arrive faster than the threshold, as far as one look at the centre tells.
+// Returns false if no point can arrive faster than the threshold: a bound from the speeds at the centre.
 bool may_close(const ContactKernelData& data, const ContactBlock& block, std::uint32_t lane, const ImpactBody& first,
                const ImpactBody& second) {
   double extent = 0;  // m, of the points about the centre
   for (std::size_t i = 0; i < block.traits.points; ++i) {
     extent = std::max<double>(extent, std::abs(block.x[i][lane]) + std::abs(block.y[i][lane]));
   }
-  const Vector3 arm_first = first.rotation * lane3(block.anchor_first, lane);
-  const Vector3 arm_second = second.rotation * lane3(block.anchor_second, lane);
+  const Vector3 arm_first = first.rotation * get_lane(block.anchor_first, lane);
+  const Vector3 arm_second = second.rotation * get_lane(block.anchor_second, lane);
   const Vector3 velocity =
       second.velocity + second.spin.cross(arm_second) - first.velocity - first.spin.cross(arm_first);
   const double fall = data.constants.h * (first.acceleration.norm() + second.acceleration.norm());
-  const double closing = lane3(block.normal, lane).dot(velocity) - extent * (second.spin - first.spin).norm() - fall;
+  const double closing = get_lane(block.normal, lane).dot(velocity) - extent * (second.spin - first.spin).norm() - fall;
   return closing < -data.constants.restitution_threshold;
 }
 
@@ -118,7 +114,7 @@ void Impacts::find_first(const ContactKernelData& data, int number) {
   }
 }
 
-// What touches the bodies that the last round has changed.
+// Finds the contacts for the next round, among those of bodies that the last round has changed.
 void Impacts::find_next(const ContactKernelData& data, int number) {
   if (first_.empty()) list_lanes(data);
   std::vector<std::uint32_t>& lanes = changed_;
@@ -191,15 +187,15 @@ void Impacts::add_if_hit(const ContactKernelData& data, std::uint32_t number_of_
   ImpactBody& second = bodies_[place_of_second];
   if (!may_close(data, block, lane, first, second)) return;
   ImpactContact contact(b, lane, place_of_first, place_of_second);
-  const Vector3 normal = lane3(block.normal, lane), tangent = lane3(block.tangent, lane);
+  const Vector3 normal = get_lane(block.normal, lane), tangent = get_lane(block.tangent, lane);
   contact.axes = {normal, tangent, normal.cross(tangent)};
   const auto place_arms = [&] {
-    contact.arm_first = first.rotation * lane3(block.anchor_first, lane);
-    contact.arm_second = second.rotation * lane3(block.anchor_second, lane);
+    contact.arm_first = first.rotation * get_lane(block.anchor_first, lane);
+    contact.arm_second = second.rotation * get_lane(block.anchor_second, lane);
   };
   place_arms();
 
-  // What meets in this substep.
+  // Points bounce if they meet in this substep, faster than the threshold.
   const double h = data.constants.h;
   const double pull = normal.dot(second.acceleration - first.acceleration);
   const double most_pull = std::abs(normal.dot(first.acceleration)) + std::abs(normal.dot(second.acceleration));
@@ -295,24 +291,10 @@ void Impacts::store(const ContactKernelData& data) {
     number_[body.local] = none;
     if (!body.bounces) continue;
     tumble(-body.time, body);
-    SolverBodies& rows = data.bodies;
-    VelocityRows& velocity = rows.velocity[body.local];
-    // What is carried over to this substep is what constraints did in the last, and not this.
-    FreeVelocityRows& free_velocity = rows.free_velocity[body.local];
-    add3(free_velocity.linear, body.velocity - get3(velocity.linear));
-    add3(free_velocity.angular, body.spin - get3(velocity.angular));
-    set3(velocity.linear, body.velocity);
-    set3(velocity.angular, body.spin);
+    set_uncarried(data.bodies, body.local, body.velocity, body.spin);
     if (is_held(data, body.local)) continue;
-    DisplacementRows& displacement = rows.displacement[body.local];
-    add3(displacement.linear, body.shift);
-    const auto turn_rows = [&](float(&rotation)[4]) {
-      const Quaternion turned =
-          (body.turned * Quaternion(rotation[3], rotation[0], rotation[1], rotation[2])).normalized();
-      for (int k = 0; k < 4; ++k) rotation[k] = static_cast<float>(turned.coeffs()[k]);
-    };
-    turn_rows(displacement.rotation);
-    if (!rows.shape.empty() && rows.round_shapes) turn_rows(rows.shape[body.local].rotation);
+    add3(data.bodies.displacement[body.local].linear, body.shift);
+    turn_on(data.bodies, body.local, body.turned);
   }
 }
 

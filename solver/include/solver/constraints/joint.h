@@ -78,7 +78,7 @@ struct Law {
   bool is_servo() const { return drives() && (servo_stiffness > 0 || servo_damping > 0); }
   /// Whether the impulse of a substep depends on the rate before it.
   bool looks_back() const { return springs() || is_servo() || armature > 0; }
-  /// Whether some impulse along it is a force's, and not what holds a joint.
+  /// Returns true for a spring, servo, motor or armature: forces that add to the constraint's own impulse.
   bool acts_as_force() const { return drives() || looks_back(); }
   bool acts() const { return limited() || drives() || springs() || armature > 0; }
 };

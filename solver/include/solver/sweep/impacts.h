@@ -12,7 +12,7 @@
 
 namespace atl::solver {
 
-/// What of a group bounces in a substep, found as it begins, in double. All points that close and will meet in it are
+/// Bounces of a group's contacts, solved in double as a substep begins. All points that close and will meet in it are
 /// reflected together: their impulses are those with which each parts at e times the speed that it met with, or faster
 /// where others push it on (Newton's law of restitution, as a complementarity problem: Moreau, "Unilateral contact and
 /// dry friction in finite freedom dynamics", 1988). Then so are those that now close, round after round (Smith,
@@ -23,11 +23,11 @@ namespace atl::solver {
 /// travel too far until then. Forces and sweeps come after it, and find nothing that closes fast.
 class Impacts {
  public:
-  /// Of a group with so many bodies, or none if nothing may bounce, and blocks of contacts, which are prepared.
+  /// Starts a step, once blocks are prepared. `body_count` is 0 if nothing may bounce.
   void begin_step(std::size_t body_count, std::size_t block_count);
-  /// Whether a body has bounced in this step, by index into SolverBodies.
+  /// Returns true if the body, an index into SolverBodies, has bounced in this step.
   bool has_bounced(std::size_t body) const { return body < regained_.size() && regained_[body] != 0; }
-  /// As substep `number` begins. Blocks have noted what closes (Kernels::note_approaches).
+  /// Solves the impacts of substep `number`, after Kernels::note_approaches.
   void solve(const ContactKernelData& data, Friction friction, int number);
 
   /// See jobs/arrays.h.

@@ -12,7 +12,7 @@
 
 namespace atl::solver {
 
-/// What holds a body: joints that are solved one by one, or at once, which close whatever is open in a substep.
+/// The kind of joints on a body: swept, or solved at once. The latter close any gap within a substep.
 enum class Joined : std::uint8_t { No, Swept, Direct };
 
 /// What the contact kernels work on.
