@@ -59,12 +59,14 @@ Group random_group(std::uint32_t seed, std::uint32_t count, int pairs, const Lac
     std::memcpy(&group.bodies.free_velocity[body], &velocity, sizeof velocity);
     group.bodies.free_velocity[body].inverse_mass = 0;
     velocity.inertia_xx = velocity.inertia_yy = 0;
+    VelocityRows& start = group.bodies.start_velocity[body];
+    start = velocity;
     if (body < first_dynamic) continue;
     const Eigen::Matrix3d root = Eigen::Matrix3d::Identity() + 0.3 * (random.vector(1) * random.vector(1).transpose());
     const Eigen::Matrix3d inverse = random.real(0.1, 3) * root * root.transpose();
     const Eigen::Matrix3d inertia = inverse.inverse();
-    velocity.inertia_xx = static_cast<float>(inverse(0, 0));
-    velocity.inertia_yy = static_cast<float>(inverse(1, 1));
+    start.inertia_xx = velocity.inertia_xx = static_cast<float>(inverse(0, 0));
+    start.inertia_yy = velocity.inertia_yy = static_cast<float>(inverse(1, 1));
     group.bodies.inertia[body] = {static_cast<float>(inverse(2, 2)), static_cast<float>(inverse(0, 1)),
                                   static_cast<float>(inverse(0, 2)), static_cast<float>(inverse(1, 2))};
     group.bodies.free_velocity[body].inverse_mass = static_cast<float>(random.real(0.2, 3));
@@ -290,9 +292,11 @@ TEST(Kernels, MassesAreThoseOfTheTextbookAndApproachStops) {
     for (int i = 0; i < 500; ++i) sweep(group, kernels, {Push::None, false, Friction::None});
     Eigen::Matrix<double, 12, 1> velocity;
     for (int side = 0; side < 2; ++side) {
-      const VelocityRows& v = group.bodies.velocity[one[0].first + static_cast<std::uint32_t>(side)];
-      velocity.segment<3>(6 * side) = vector(v.linear);
-      velocity.segment<3>(6 * side + 3) = vector(v.angular);
+      const std::uint32_t body = one[0].first + static_cast<std::uint32_t>(side);
+      const VelocityRows& start = group.bodies.start_velocity[body];
+      const VelocityRows& gained = group.bodies.velocity[body];
+      velocity.segment<3>(6 * side) = vector(start.linear) + vector(gained.linear);
+      velocity.segment<3>(6 * side + 3) = vector(start.angular) + vector(gained.angular);
     }
     const Eigen::Vector3d speeds = jacobian * velocity;
     for (std::size_t p = 0; p < 4; ++p) {
@@ -312,6 +316,7 @@ TEST(Kernels, NormalImpulsesDoNotTurnBalls) {
     for (std::uint32_t body = first_dynamic; body < 8; ++body) {
       group.bodies.displacement[body].carries = 0;
       std::fill_n(group.bodies.velocity[body].angular, 3, 0.0f);
+      std::fill_n(group.bodies.start_velocity[body].angular, 3, 0.0f);
     }
     const std::vector<LocalContact> one = {{4, 5, 0}};
     for (std::size_t i = 0; i < 4; ++i) {

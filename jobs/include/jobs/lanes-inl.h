@@ -90,12 +90,14 @@ HWY_INLINE Q normalized(const Q& q) {
   const V scale = hn::Div(splat(1), norm);
   return {scale * q.vector, hn::Mul(scale, q.scalar)};
 }
-// R(q) v.
-HWY_INLINE V3 turned(const Q& q, const V3& v) {
+// R(q) v - v, of a small rotation without cancellation.
+HWY_INLINE V3 turned_change(const Q& q, const V3& v) {
   const V3 t = cross(q.vector, v);
   const V3 twice = t + t;
-  return v + (q.scalar * twice + cross(q.vector, twice));
+  return q.scalar * twice + cross(q.vector, twice);
 }
+// R(q) v.
+HWY_INLINE V3 turned(const Q& q, const V3& v) { return v + turned_change(q, v); }
 
 // Two unit vectors that make a right-handed frame with a unit vector. The same operations in the same order as in
 // collision::tangents(), which names the source.

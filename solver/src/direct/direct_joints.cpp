@@ -133,8 +133,8 @@ void DirectJoints::load_velocities(const SolverBodies& bodies) {
   std::vector<double>& velocities = motions_.lasting;
   velocities.resize(answer_.size());
   for (std::size_t i = 0; i < places_.size(); ++i) {
-    linear_part(velocities, i) = get3(bodies.velocity[places_[i]].linear);
-    angular_part(velocities, i) = get3(bodies.velocity[places_[i]].angular);
+    linear_part(velocities, i) = velocity_of(bodies, places_[i]);
+    angular_part(velocities, i) = spin_of(bodies, places_[i]);
   }
 }
 

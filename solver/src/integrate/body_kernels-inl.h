@@ -64,13 +64,18 @@ HWY_INLINE Q advanced(const Q& q, const V3& w, V half_h) {
 // Torque-free motion of bodies with unequal moments of inertia over a substep: Euler's equations, about the principal
 // axes, together with the orientation of these, by the classical Runge-Kutta method (Hairer, Norsett and Wanner,
 // "Solving Ordinary Differential Equations I", II.1); then scaled to the kinetic energy that it started with, so that
-// no spin of any speed gains any. What turns by more than a radian a substep is followed for a radian.
+// no spin of any speed gains any. What turns by more than a radian a substep is followed for a radian. All that it
+// tells are changes, which lose nothing that adds up over many small steps.
 struct Tumbling {
   Q orientation;  // of the principal axes, world frame
   V3 spin;        // about these
 
-  HWY_INLINE void advance(const V3& ratio, const V3& moment, V h) {
-    const V3 start = spin;
+  struct Change {
+    Q turn;      // world frame
+    V3 of_spin;  // about the principal axes where these have come
+  };
+
+  HWY_INLINE Change advance(const V3& ratio, const V3& moment, V h) const {
     const V speed = hn::Sqrt(dot(spin, spin));
     const V step = hn::IfThenElse(hn::Gt(hn::Mul(speed, h), splat(1)), hn::Div(splat(1), hn::Max(speed, splat(1))), h);
     const V half = hn::Mul(splat(0.5f), step);
@@ -102,15 +107,19 @@ struct Tumbling {
     const V3 change = (k1 + k4) + splat(2) * (k2 + k3);
     const V3 vector = (t1.vector + t4.vector) + splat(2) * (t2.vector + t3.vector);
     const V scalar = hn::Add(hn::Add(t1.scalar, t4.scalar), hn::Mul(splat(2), hn::Add(t2.scalar, t3.scalar)));
-    orientation = normalized({q1.vector + twelfth * vector, hn::Add(q1.scalar, hn::Mul(twelfth, scalar))});
-    spin = spin + sixth * change;
-    const auto energy = [&](const V3& w) {
-      return dot(moment, {hn::Mul(w.x, w.x), hn::Mul(w.y, w.y), hn::Mul(w.z, w.z)});
+    const Q turn = Q{twelfth * vector, hn::Mul(twelfth, scalar)} * conjugate(q1);
+    // What spin gains, and what it has to be scaled by for the energy, less 1.
+    const V3 gained = sixth * change;
+    const V3 now = spin + gained;
+    const auto energy = [&](const V3& a, const V3& b) {
+      return dot(moment, {hn::Mul(a.x, b.x), hn::Mul(a.y, b.y), hn::Mul(a.z, b.z)});
     };
-    const V now = energy(spin);
-    const M moves = hn::Gt(now, zero());
-    spin =
-        hn::IfThenElse(moves, hn::Sqrt(hn::Div(energy(start), hn::IfThenElse(moves, now, splat(1)))), splat(1)) * spin;
+    const V energy_now = energy(now, now);
+    const M moves = hn::Gt(energy_now, zero());
+    const V excess = hn::Div(energy(spin + now, gained), hn::IfThenElse(moves, energy_now, splat(1)));
+    const V root = hn::Sqrt(hn::Max(hn::Sub(splat(1), excess), zero()));
+    const V less = hn::IfThenElseZero(moves, hn::Div(excess, hn::Add(splat(1), root)));
+    return {normalized({turn.vector, hn::Add(splat(1), turn.scalar)}), gained - less * now};
   }
 };
 
@@ -119,8 +128,9 @@ struct Tumbling {
 HWY_INLINE Q tumble(SolverBodies& bodies, std::size_t i, const Q& before, const Q& plain, V h) {
   const auto angular_row = [&](std::size_t k) { return bodies.velocity[i + k].angular; };
   const V4 w4 = load_rows(angular_row);
+  const V4 start4 = load_rows([&](std::size_t k) { return bodies.start_velocity[i + k].angular; });
   const V4 ratio4 = load_rows([&](std::size_t k) { return bodies.gyroscopic[i + k].ratio; });
-  const V3 w{w4.x, w4.y, w4.z};
+  const V3 w = V3{start4.x, start4.y, start4.z} + V3{w4.x, w4.y, w4.z};
   constexpr auto least_square = static_cast<float>(tuning::least_spin * tuning::least_spin);
   const M turns = hn::Gt(dot(w, w), splat(least_square));
   const M active = hn::And(turns, hn::Gt(ratio4.w, zero()));
@@ -133,16 +143,17 @@ HWY_INLINE Q tumble(SolverBodies& bodies, std::size_t i, const Q& before, const 
 
   const Q principal{{principal4.x, principal4.y, principal4.z}, principal4.w};
   const Q start = before * principal;
-  Tumbling body{start, turned(conjugate(start), w)};
-  body.advance({ratio4.x, ratio4.y, ratio4.z}, {moment4.x, moment4.y, moment4.z}, h);
+  const Tumbling body{start, turned(conjugate(start), w)};
+  const auto [turn, of_spin] = body.advance({ratio4.x, ratio4.y, ratio4.z}, {moment4.x, moment4.y, moment4.z}, h);
 
-  const V3 new_w = select(active, turned(body.orientation, body.spin), w);
-  const V3 gained = new_w - w;
+  const V3 in_world = turned(turn * start, of_spin) + turned_change(turn, w);
+  const V3 gained = select(active, in_world, {zero(), zero(), zero()});
+  const V3 new_w = V3{w4.x, w4.y, w4.z} + gained;
   store_rows({new_w.x, new_w.y, new_w.z, w4.w}, angular_row, ~0u);
   // It was no constraint that turned it: not to be carried over.
   store_rows({hn::Add(free4.x, gained.x), hn::Add(free4.y, gained.y), hn::Add(free4.z, gained.z), free4.w},
              free_angular_row, ~0u);
-  const Q turned_by = body.orientation * conjugate(principal);
+  const Q turned_by = normalized(turn * before);
   return {select(active, turned_by.vector, plain.vector), hn::IfThenElse(active, turned_by.scalar, plain.scalar)};
 }
 
@@ -177,12 +188,16 @@ inline void integrate_positions(SolverBodies& bodies, const SubstepConstants& co
   for (std::size_t i = begin; i < end; i += lanes) {
     const auto linear_row = [&](std::size_t k) { return bodies.displacement[i + k].linear; };
     const auto rotation_row = [&](std::size_t k) { return bodies.displacement[i + k].rotation; };
-    const V4 v = load_rows([&](std::size_t k) { return bodies.velocity[i + k].linear; });
-    const V4 w = load_rows([&](std::size_t k) { return bodies.velocity[i + k].angular; });
+    const V4 start_v = load_rows([&](std::size_t k) { return bodies.start_velocity[i + k].linear; });
+    const V4 start_w = load_rows([&](std::size_t k) { return bodies.start_velocity[i + k].angular; });
+    const V4 gained_v = load_rows([&](std::size_t k) { return bodies.velocity[i + k].linear; });
+    const V4 gained_w = load_rows([&](std::size_t k) { return bodies.velocity[i + k].angular; });
+    const V3 v = V3{start_v.x, start_v.y, start_v.z} + V3{gained_v.x, gained_v.y, gained_v.z};
+    const V3 w = V3{start_w.x, start_w.y, start_w.z} + V3{gained_w.x, gained_w.y, gained_w.z};
     const V4 p = load_rows(linear_row);
     const V4 q4 = load_rows(rotation_row);
 
-    V3 moved = V3{p.x, p.y, p.z} + h * V3{v.x, v.y, v.z};
+    V3 moved = V3{p.x, p.y, p.z} + h * v;
     Q q{{q4.x, q4.y, q4.z}, q4.w};
     if (corrects) {
       const V4 cv = load_rows([&](std::size_t k) { return bodies.correction[i + k].linear; });
@@ -190,7 +205,7 @@ inline void integrate_positions(SolverBodies& bodies, const SubstepConstants& co
       moved = moved + h * V3{cv.x, cv.y, cv.z};
       q = normalized(advanced(q, {cw.x, cw.y, cw.z}, half_h));
     }
-    Q turn = normalized(advanced(q, {w.x, w.y, w.z}, half_h));
+    Q turn = normalized(advanced(q, w, half_h));
     if (gyroscopic) turn = tumble(bodies, i, q, turn, h);
     if (bodies.round_shapes) turn_shapes(bodies, i, {{q4.x, q4.y, q4.z}, q4.w}, turn);
     store_rows({moved.x, moved.y, moved.z, p.w}, linear_row, ~0u);

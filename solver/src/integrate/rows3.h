@@ -25,14 +25,22 @@ inline Vector3 get_lane(const float (&rows)[3][block_lanes], std::size_t lane) {
   return {rows[0][lane], rows[1][lane], rows[2][lane]};
 }
 
+/// m/s and rad/s, of a body as it is in the step.
+inline Vector3 velocity_of(const SolverBodies& bodies, std::size_t local) {
+  return get3(bodies.start_velocity[local].linear) + get3(bodies.velocity[local].linear);
+}
+inline Vector3 spin_of(const SolverBodies& bodies, std::size_t local) {
+  return get3(bodies.start_velocity[local].angular) + get3(bodies.velocity[local].angular);
+}
+
 /// Gives a body velocities that are not carried over to the next substep, as what contacts do is.
 inline void set_uncarried(SolverBodies& bodies, std::size_t local, const Vector3& velocity, const Vector3& spin) {
   VelocityRows& rows = bodies.velocity[local];
   FreeVelocityRows& free = bodies.free_velocity[local];
-  add3(free.linear, velocity - get3(rows.linear));
-  add3(free.angular, spin - get3(rows.angular));
-  set3(rows.linear, velocity);
-  set3(rows.angular, spin);
+  add3(free.linear, velocity - velocity_of(bodies, local));
+  add3(free.angular, spin - spin_of(bodies, local));
+  set3(rows.linear, velocity - get3(bodies.start_velocity[local].linear));
+  set3(rows.angular, spin - get3(bodies.start_velocity[local].angular));
 }
 
 /// Turns a body on from where its displacement has it, with the shape that contacts touch.

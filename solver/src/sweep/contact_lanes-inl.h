@@ -29,8 +29,8 @@ struct BodyLanes {
 };
 
 // Piece by piece: GCC would copy them as a whole, in other pieces than they were stored in, and wait for that.
-HWY_INLINE void load_bodies(const SolverBodies& bodies, const std::int32_t* index, BodyLanes& body) {
-  const VelocityRows* velocity = bodies.velocity.data();
+HWY_INLINE void load_bodies(const SolverBodies& bodies, const VelocityRows* velocity, const std::int32_t* index,
+                            BodyLanes& body) {
   const InertiaRow* inertia = bodies.inertia.data();
   const V4 v = load_rows([=](std::size_t k) { return velocity[index[k]].linear; });
   const V4 w = load_rows([=](std::size_t k) { return velocity[index[k]].angular; });
@@ -51,7 +51,7 @@ HWY_INLINE void load_bodies(const SolverBodies& bodies, const std::int32_t* inde
 }
 HWY_INLINE BodyLanes load_bodies(const SolverBodies& bodies, const std::int32_t* index) {
   BodyLanes body;
-  load_bodies(bodies, index, body);
+  load_bodies(bodies, bodies.velocity.data(), index, body);
   return body;
 }
 
@@ -61,17 +61,19 @@ HWY_INLINE V4 load_displacement(const SolverBodies& bodies, const std::int32_t* 
   return load_rows([=](std::size_t k) { return displacement[index[k]].linear; });
 }
 
-// Likewise, how they have turned: x, y, z, w.
-HWY_INLINE V4 load_rotation(const SolverBodies& bodies, const std::int32_t* index) {
+// Likewise, how they have turned.
+HWY_INLINE Q load_rotation(const SolverBodies& bodies, const std::int32_t* index) {
   const DisplacementRows* displacement = bodies.displacement.data();
-  return load_rows([=](std::size_t k) { return displacement[index[k]].rotation; });
+  const V4 q = load_rows([=](std::size_t k) { return displacement[index[k]].rotation; });
+  return {{q.x, q.y, q.z}, q.w};
 }
 
 // The same of what contacts touch of them.
-HWY_INLINE V4 load_shape_rotation(const SolverBodies& bodies, const std::int32_t* index) {
+HWY_INLINE Q load_shape_rotation(const SolverBodies& bodies, const std::int32_t* index) {
   if (!bodies.round_shapes) return load_rotation(bodies, index);
   const ShapeRows* shape = bodies.shape.data();
-  return load_rows([=](std::size_t k) { return shape[index[k]].rotation; });
+  const V4 q = load_rows([=](std::size_t k) { return shape[index[k]].rotation; });
+  return {{q.x, q.y, q.z}, q.w};
 }
 
 HWY_INLINE void store_bodies(const BodyLanes& body, SolverBodies& bodies, unsigned mask) {
@@ -126,8 +128,10 @@ HWY_INLINE ContactLanes<movable> load_contacts(const ContactKernelData& data, co
     }
   };
   ContactLanes<movable> c;
-  if constexpr (first_moves<movable>) load_bodies(data.bodies, block.first + lane, c.first);
-  if constexpr (second_moves<movable>) load_bodies(data.bodies, block.second + lane, c.second);
+  if constexpr (first_moves<movable>)
+    load_bodies(data.bodies, data.bodies.velocity.data(), block.first + lane, c.first);
+  if constexpr (second_moves<movable>)
+    load_bodies(data.bodies, data.bodies.velocity.data(), block.second + lane, c.second);
   c.normal = load3(block.normal, lane);
   c.tangent1 = load3(block.tangent, lane);
   c.tangent2 = cross(c.normal, c.tangent1);
@@ -151,17 +155,17 @@ HWY_INLINE void store_contact_bodies(const ContactLanes<movable>& c, const Conta
     store_bodies(c.second, data.bodies, static_cast<unsigned>(block.write_second) >> lane);
 }
 
-// Velocity of the second body against the first at the centre, and relative spin. Fixed bodies are at rest; zero minus
-// something is not the same as its negative, where that is zero.
+// Velocity of the second body against the first at the centre, and relative spin, since the step began. Fixed bodies
+// are at rest; zero minus something is not the same as its negative, where that is zero.
 template <MovableSides movable>
-HWY_INLINE V3 relative_velocity(const ContactLanes<movable>& c) {
+HWY_INLINE V3 gained_velocity(const ContactLanes<movable>& c) {
   const V3 rest{zero(), zero(), zero()};
   if constexpr (movable == MovableSides::First) return rest - (c.first.v + cross(c.first.w, c.anchor_first));
   if constexpr (movable == MovableSides::Second) return c.second.v + cross(c.second.w, c.anchor_second);
   return (c.second.v + cross(c.second.w, c.anchor_second)) - (c.first.v + cross(c.first.w, c.anchor_first));
 }
 template <MovableSides movable>
-HWY_INLINE V3 relative_spin(const ContactLanes<movable>& c) {
+HWY_INLINE V3 gained_spin(const ContactLanes<movable>& c) {
   const V3 rest{zero(), zero(), zero()};
   if constexpr (movable == MovableSides::First) return rest - c.first.w;
   if constexpr (movable == MovableSides::Second) return c.second.w;
@@ -324,10 +328,17 @@ struct NormalSolve {
 
   template <MovableSides movable>
   HWY_INLINE explicit NormalSolve(const ContactLanes<movable>& c) {
-    u = dot(c.normal, relative_velocity(c));
-    const V3 spin = relative_spin(c);
+    u = dot(c.normal, gained_velocity(c));
+    const V3 spin = gained_spin(c);
     w1 = dot(c.tangent1, spin);
     w2 = dot(c.tangent2, spin);
+  }
+  // With what the step began with.
+  template <MovableSides movable>
+  HWY_INLINE NormalSolve(const ContactLanes<movable>& c, const ContactBlock& block, std::size_t lane) : NormalSolve(c) {
+    u = hn::Add(load(block.start_normal[0] + lane), u);
+    w1 = hn::Add(load(block.start_normal[1] + lane), w1);
+    w2 = hn::Add(load(block.start_normal[2] + lane), w2);
   }
 
   HWY_INLINE V speed(V x, V y) const { return hn::Sub(hn::Add(u, hn::Mul(y, w1)), hn::Mul(x, w2)); }

@@ -69,28 +69,26 @@ struct PointTargets {
   const ContactKernelData& data;
   const ContactBlock& block;
   std::size_t lane;
-  V soft_rate, soft_mass, soft_impulse;
+  V soft_rate, soft_impulse, soft_mass;
 
   HWY_INLINE PointTargets(const ContactKernelData& of, const ContactBlock& contacts, std::size_t from)
       : data(of),
         block(contacts),
         lane(from),
         soft_rate(load(block.bias_rate + lane)),
-        soft_mass(load(block.mass_scale + lane)),
-        soft_impulse(load(block.impulse_scale + lane)) {}
+        soft_impulse(load(block.impulse_scale + lane)),
+        soft_mass(hn::Sub(splat(1), soft_impulse)) {}
 
   // Apart: may close the gap in this substep, no faster. Overlapping: a push, or nothing but a stop. Corrections
   // leave gaps to the velocities.
   HWY_INLINE PointTarget of(std::size_t i, V rigid_mass, V old_impulse) const {
     const SubstepConstants& constants = data.constants;
     const V separation = load(block.separation[i] + lane);
-    const M apart = hn::Gt(separation, zero());
-    V speed_bias = hn::Mul(separation, splat(constants.inverse_h));
+    V speed_bias = hn::Mul(hn::Max(separation, zero()), splat(constants.inverse_h));
     V mass = rigid_mass;
     V leak = zero();
-    if constexpr (normals::push == Push::None) {
-      speed_bias = hn::IfThenElse(apart, speed_bias, zero());
-    } else {
+    if constexpr (normals::push != Push::None) {
+      const M apart = hn::Gt(separation, zero());
       V overlap = separation;
       if constexpr (normals::special) overlap = hn::Min(hn::Add(separation, splat(constants.slop)), zero());
       const V push = hn::Max(hn::Mul(soft_rate, overlap), hn::Neg(load(block.push_speed + lane)));
@@ -182,11 +180,18 @@ HWY_NOINLINE void solve_impact(const ContactKernelData& data, ContactBlock& bloc
   }
 }
 
+// Velocities that are split off have no start.
+template <Push push, MovableSides movable>
+HWY_INLINE NormalSolve start_of(const ContactLanes<movable>& c, const ContactBlock& block, std::size_t lane) {
+  if constexpr (push == Push::Split) return NormalSolve(c);
+  return NormalSolve(c, block, lane);
+}
+
 template <typename how, typename what>
 HWY_INLINE void solve_normals(const ContactKernelData& data, ContactBlock& block, float (*impulses)[block_lanes],
                               std::size_t lane, ContactLanes<what::movable>& c, Residual& residual, bool backwards,
                               [[maybe_unused]] const V& rise) {
-  NormalSolve solve(c);
+  NormalSolve solve = start_of<how::push>(c, block, lane);
   if constexpr (how::special) solve.u = hn::Sub(solve.u, rise);
   const M lands = hn::Lt(solve.u, splat(-tuning::landing_speed));
   const bool any_lands = HWY_UNLIKELY(!hn::AllFalse(D(), lands));
@@ -212,7 +217,7 @@ HWY_INLINE void solve_normals(const ContactKernelData& data, ContactBlock& block
   if (!any_lands) return;
   ContactLanes<what::movable> landed = c;
   Residual of_landed = residual;
-  NormalSolve impact(landed);
+  NormalSolve impact = start_of<how::push>(landed, block, lane);
   if constexpr (how::special) impact.u = hn::Sub(impact.u, rise);
   solve_impact<typename how::normals, what::points>(data, block, impulses, lane, lands, impact, of_landed, backwards);
   impact.finish(landed);

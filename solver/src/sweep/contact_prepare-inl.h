@@ -200,6 +200,7 @@ HWY_INLINE void take_half_way(const ContactKernelData& data, TurningBlock& turni
   c.anchor_second = moved(c.second, c.anchor_second);
 }
 
+// With the velocities that the step begins with.
 HWY_INLINE ContactLanes<> lanes_of(const SolverBodies& bodies, const ContactBlock& block, std::size_t lane,
                                    const ManifoldLanes& m) {
   ContactLanes<> c;
@@ -208,8 +209,8 @@ HWY_INLINE ContactLanes<> lanes_of(const SolverBodies& bodies, const ContactBloc
   c.tangent2 = cross(c.normal, c.tangent1);
   c.anchor_first = {m.anchor_first.x, m.anchor_first.y, m.anchor_first.z};
   c.anchor_second = {m.anchor_second.x, m.anchor_second.y, m.anchor_second.z};
-  load_bodies(bodies, block.first + lane, c.first);
-  load_bodies(bodies, block.second + lane, c.second);
+  load_bodies(bodies, bodies.start_velocity.data(), block.first + lane, c.first);
+  load_bodies(bodies, bodies.start_velocity.data(), block.second + lane, c.second);
   const FreeVelocityRows* free_velocity = bodies.free_velocity.data();
   const auto inverse_mass_of = [&](const std::int32_t* index) {
     return load_rows([=](std::size_t k) { return free_velocity[index[k]].linear; }).w;
@@ -232,6 +233,14 @@ HWY_INLINE void store_geometry(ContactBlock& block, std::size_t lane, const Cont
   store4(m.separation, block.separation, lane);
   store(c.inverse_mass_first, block.inverse_mass[0] + lane);
   store(c.inverse_mass_second, block.inverse_mass[1] + lane);
+}
+
+HWY_INLINE void store_start(ContactBlock& block, std::size_t lane, const ContactLanes<>& c) {
+  const NormalSolve normal(c);
+  const V3 velocity = gained_velocity(c);
+  store3({normal.u, normal.w1, normal.w2}, block.start_normal, lane);
+  store3({dot(c.tangent1, velocity), dot(c.tangent2, velocity), dot(c.normal, gained_spin(c))}, block.start_tangent,
+         lane);
 }
 
 // Those of the last step, for each of the substeps; of what isn't there, none.
@@ -288,7 +297,6 @@ HWY_INLINE void prepare_softness(const ContactKernelData& data, ContactBlock& bl
     return hn::IfThenElse(fixed, splat(with_fixed.*number), splat(with_dynamic.*number));
   };
   store(soft(&Softness::bias_rate), block.bias_rate + lane);
-  store(soft(&Softness::mass_scale), block.mass_scale + lane);
   store(soft(&Softness::impulse_scale), block.impulse_scale + lane);
 
   const Stiffening& stiffening = data.constants.stiffening;
@@ -304,9 +312,7 @@ HWY_INLINE void prepare_softness(const ContactKernelData& data, ContactBlock& bl
   const V times = hn::Div(estimate, hn::Sqrt(hn::IfThenElse(over, most_square, splat(1))));
   const V response = hn::Mul(splat(stiffening.response), hn::Min(times, splat(stiffening.most)));
   const V leak = hn::Div(splat(1), hn::Add(splat(1), response));
-  const auto stiffen = [&](V number, float* of) { store(hn::IfThenElse(over, number, load(of + lane)), of + lane); };
-  stiffen(hn::Mul(response, leak), block.mass_scale);
-  stiffen(leak, block.impulse_scale);
+  store(hn::IfThenElse(over, leak, load(block.impulse_scale + lane)), block.impulse_scale + lane);
 }
 
 HWY_INLINE void prepare_lanes(const ContactKernelData& data, std::size_t b, std::size_t lane, ContactTraits& traits) {
@@ -322,6 +328,7 @@ HWY_INLINE void prepare_lanes(const ContactKernelData& data, std::size_t b, std:
   put_on_surfaces(m, c);
   if (data.turning_blocks != nullptr) take_half_way(data, data.turning_blocks[b], lane, c);
   store_geometry(block, lane, c, m);
+  store_start(block, lane, c);
   prepare_push(data, block, lane, c);
 
   M rubs = hn::Gt(m.normal.w, zero());

@@ -18,28 +18,24 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 using namespace jobs::HWY_NAMESPACE;
 
-// R(q)^T n - n without cancellation, for the rotation that a body has made since the start of the step.
-HWY_INLINE V3 turned_normal_change(const V4& q, const V3& n) {
-  const V3 v{q.x, q.y, q.z};
-  const V3 t = cross(v, n);
-  const V3 change = cross(v, t) - q.w * t;
-  return change + change;
-}
-
 // How a body changes the normal, as it sees it itself. A rolling ball's lowest point does not rise with its surface.
 HWY_INLINE V3 normal_change(const ContactKernelData& data, const BodyLanes& body, const V4& moved, const V3& normal) {
-  return moved.w * turned_normal_change(load_shape_rotation(data.bodies, body.index), normal);
+  return moved.w * turned_change(conjugate(load_shape_rotation(data.bodies, body.index)), normal);
 }
 
 // The points' separations, for which those of the start of the step change by `at_centre` and, linear in their x and y,
-// along the tangents.
+// along the tangents. A gap that a sweep has closed is none: what single precision leaves of it has either sign, which
+// is not to tell whether the contact is soft.
 template <std::size_t points>
 HWY_INLINE void shift_points(ContactBlock& block, std::size_t lane, V at_centre, V along_x, V along_y) {
   for (std::size_t i = 0; i < points; ++i) {
     const V x = load(block.x[i] + lane);
     const V y = load(block.y[i] + lane);
     const V shift = hn::Add(at_centre, hn::Add(hn::Mul(x, along_x), hn::Mul(y, along_y)));
-    store(hn::Add(load(block.start_separation[i] + lane), shift), block.separation[i] + lane);
+    const V start = load(block.start_separation[i] + lane);
+    const V separation = hn::Add(start, shift);
+    const M closed = hn::Le(hn::Abs(separation), hn::Mul(splat(1e-6f), start));
+    store(hn::IfThenZeroElse(closed, separation), block.separation[i] + lane);
   }
 }
 
@@ -89,12 +85,12 @@ HWY_INLINE V reach_of(const ContactLanes<movable>& c) {
 
 // Holds back rolling: an angular impulse about an axis in the tangent plane, bound as friction is.
 template <MovableSides movable>
-HWY_INLINE void solve_rolling(SurfaceBlock& surface, std::size_t lane, V normal_impulse, ContactLanes<movable>& c,
-                              Residual& residual) {
-  const V3 spin = relative_spin(c);
+HWY_INLINE void solve_rolling(const ContactBlock& block, SurfaceBlock& surface, std::size_t lane, V normal_impulse,
+                              ContactLanes<movable>& c, Residual& residual) {
+  const V3 spin = gained_spin(c);
   const Plane mass = Plane::load_from(surface.rolling_mass, lane);
-  const V w1 = dot(c.tangent1, spin);
-  const V w2 = dot(c.tangent2, spin);
+  const V w1 = hn::Add(load(block.start_normal[1] + lane), dot(c.tangent1, spin));
+  const V w2 = hn::Add(load(block.start_normal[2] + lane), dot(c.tangent2, spin));
   const V old1 = load(surface.rolling_impulse[0] + lane);
   const V old2 = load(surface.rolling_impulse[1] + lane);
   V new1 = hn::Sub(old1, mass.first(w1, w2));
@@ -103,7 +99,7 @@ HWY_INLINE void solve_rolling(SurfaceBlock& surface, std::size_t lane, V normal_
   store(new1, surface.rolling_impulse[0] + lane);
   store(new2, surface.rolling_impulse[1] + lane);
   apply(c, {zero(), zero(), zero()}, hn::Sub(new1, old1) * c.tangent1 + hn::Sub(new2, old2) * c.tangent2);
-  const V3 change = relative_spin(c) - spin;
+  const V3 change = gained_spin(c) - spin;
   const V reach = reach_of(c);
   residual.add(hn::Mul(reach, dot(c.tangent1, change)));
   residual.add(hn::Mul(reach, dot(c.tangent2, change)));
@@ -130,10 +126,11 @@ HWY_INLINE V normal_impulse_of(const ContactBlock& block, std::size_t lane) {
 template <typename how, typename what>
 HWY_INLINE void solve_friction(ContactBlock& block, SurfaceBlock* surface, [[maybe_unused]] Friction friction,
                                std::size_t lane, ContactLanes<what::movable>& c, Residual& residual) {
-  const V3 velocity = relative_velocity(c);
-  V v1 = dot(c.tangent1, velocity);
-  V v2 = dot(c.tangent2, velocity);
-  const V spin = dot(c.normal, relative_spin(c));
+  const V3 velocity = gained_velocity(c);
+  V v1 = hn::Add(load(block.start_tangent[0] + lane), dot(c.tangent1, velocity));
+  V v2 = hn::Add(load(block.start_tangent[1] + lane), dot(c.tangent2, velocity));
+  const V gained_twist = dot(c.normal, gained_spin(c));
+  const V spin = hn::Add(load(block.start_tangent[2] + lane), gained_twist);
   const V normal_impulse = normal_impulse_of<what::points>(block, lane);
   const V bound = hn::Mul(load(block.friction + lane), normal_impulse);
   V torsional_bound = hn::Mul(bound, load(block.friction_radius + lane));
@@ -164,7 +161,7 @@ HWY_INLINE void solve_friction(ContactBlock& block, SurfaceBlock* surface, [[may
   apply(c, hn::Sub(new1, old1) * c.tangent1 + hn::Sub(new2, old2) * c.tangent2,
         hn::Sub(new_twist, old_twist) * c.normal);
   if constexpr (how::special) {
-    if (surface != nullptr) solve_rolling(*surface, lane, normal_impulse, c, residual);
+    if (surface != nullptr) solve_rolling(block, *surface, lane, normal_impulse, c, residual);
     const M rubs = hn::Gt(load(block.friction + lane), zero());
     const Plane response = mass.inverse();
     const V change1 = hn::Sub(new1, old1);
@@ -173,14 +170,14 @@ HWY_INLINE void solve_friction(ContactBlock& block, SurfaceBlock* surface, [[may
     V slowed2 = response.second(change1, change2);
     if constexpr (what::movable == MovableSides::Locked) {
       // What can't move has no mass to ask.
-      const V3 slowed = relative_velocity(c) - velocity;
+      const V3 slowed = gained_velocity(c) - velocity;
       const M locked = locked_lanes(block, lane, c);
       slowed1 = hn::IfThenElse(locked, dot(c.tangent1, slowed), slowed1);
       slowed2 = hn::IfThenElse(locked, dot(c.tangent2, slowed), slowed2);
     }
     residual.add(hn::IfThenElseZero(rubs, slowed1));
     residual.add(hn::IfThenElseZero(rubs, slowed2));
-    const V twist_change = hn::Sub(dot(c.normal, relative_spin(c)), spin);
+    const V twist_change = hn::Sub(dot(c.normal, gained_spin(c)), gained_twist);
     residual.add(hn::Mul(load(block.friction_radius + lane), twist_change));
   }
 }

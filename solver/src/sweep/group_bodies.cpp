@@ -29,6 +29,11 @@ void load_shape(const SolveInput& input, std::uint32_t body, std::size_t local, 
   set3(shape.half_turn, 0.5 / (1 + square * square) * moves);
 }
 
+void load_velocity(const BodyTable& table, std::uint32_t body, std::size_t local, SolverBodies& rows) {
+  set3(rows.start_velocity[local].linear, table.velocity(body));
+  set3(rows.start_velocity[local].angular, table.angular_velocity(body));
+}
+
 }  // namespace
 
 void GroupBodies::collect(const SolveInput& input, const IslandGroup& group) {
@@ -49,8 +54,10 @@ void GroupBodies::collect(const SolveInput& input, const IslandGroup& group) {
 }
 
 void set_inverse_inertia(SolverBodies& rows, std::size_t local, const Matrix3& inverse) {
-  rows.velocity[local].inertia_xx = static_cast<float>(inverse(0, 0));
-  rows.velocity[local].inertia_yy = static_cast<float>(inverse(1, 1));
+  for (VelocityRows* velocity : {&rows.velocity[local], &rows.start_velocity[local]}) {
+    velocity->inertia_xx = static_cast<float>(inverse(0, 0));
+    velocity->inertia_yy = static_cast<float>(inverse(1, 1));
+  }
   rows.inertia[local] = {static_cast<float>(inverse(2, 2)), static_cast<float>(inverse(0, 1)),
                          static_cast<float>(inverse(0, 2)), static_cast<float>(inverse(1, 2))};
 }
@@ -86,23 +93,19 @@ void load_bodies(const SolveInput& input, std::span<const std::uint32_t> bodies,
       inverse_inertia = symmetric_product(product(half, inverse_inertia), half);
     }
 
-    VelocityRows& velocity = rows.velocity[local];
-    set3(velocity.linear, table.velocity(body));
-    set3(velocity.angular, table.angular_velocity(body));
+    load_velocity(table, body, local, rows);
     set_inverse_inertia(rows, local, inverse_inertia);
-
-    FreeVelocityRows& free_velocity = rows.free_velocity[local];
-    set3(free_velocity.linear, table.velocity(body));
-    set3(free_velocity.angular, table.angular_velocity(body));
-    free_velocity.inverse_mass = static_cast<float>(table.inverse_mass[body]);
+    rows.free_velocity[local].inverse_mass = static_cast<float>(table.inverse_mass[body]);
 
     rows.displacement[local].carries = table.ball[body] ? 0.0f : 1.0f;
 
     AccelerationRows& acceleration = rows.acceleration[local];
-    set3(acceleration.linear, linear_acceleration(table, body, input.gravity));
+    set3(acceleration.linear,
+         linear_acceleration(table, body, input.gravity) - table.linear_damping[body] * table.velocity(body));
     const Vector3 turn = inverse_inertia * table.torque(body);
     const unsigned locked_turns = angular_locks(table.locks[body]);
-    set3(acceleration.angular, locked_turns == 0 ? turn : without(locked_turns, turn));
+    set3(acceleration.angular, (locked_turns == 0 ? turn : without(locked_turns, turn)) -
+                                   table.angular_damping[body] * table.angular_velocity(body));
     acceleration.linear_damping = static_cast<float>(1 / (1 + substep * table.linear_damping[body]));
     acceleration.angular_damping = static_cast<float>(1 / (1 + substep * table.angular_damping[body]));
 
@@ -117,12 +120,7 @@ void load_bodies(const SolveInput& input, std::span<const std::uint32_t> bodies,
 
 void load_kinematic_bodies(const SolveInput& input, std::span<const std::uint32_t> kinematic, SolverBodies& rows) {
   for (std::size_t i = 0; i < kinematic.size(); ++i) {
-    VelocityRows& velocity = rows.velocity[1 + i];
-    set3(velocity.linear, input.bodies.velocity(kinematic[i]));
-    set3(velocity.angular, input.bodies.angular_velocity(kinematic[i]));
-    FreeVelocityRows& free_velocity = rows.free_velocity[1 + i];
-    std::copy_n(velocity.linear, 3, free_velocity.linear);
-    std::copy_n(velocity.angular, 3, free_velocity.angular);
+    load_velocity(input.bodies, kinematic[i], 1 + i, rows);
     if (!rows.shape.empty()) load_shape(input, kinematic[i], 1 + i, rows);
   }
 }

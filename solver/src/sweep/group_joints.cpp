@@ -43,11 +43,10 @@ JointFrames frames_now(const JointStep& step, const JointBlock& block, std::size
 }
 
 double rate_of(const SolverBodies& bodies, const JointBlock& block, const JointRowBlock& row, std::size_t lane) {
-  const VelocityRows& a = bodies.velocity[static_cast<std::size_t>(block.first[lane])];
-  const VelocityRows& c = bodies.velocity[static_cast<std::size_t>(block.second[lane])];
-  return get_lane(row.linear, lane).dot(get3(c.linear) - get3(a.linear)) +
-         get_lane(row.angular_second, lane).dot(get3(c.angular)) -
-         get_lane(row.angular_first, lane).dot(get3(a.angular));
+  const auto first = static_cast<std::size_t>(block.first[lane]), second = static_cast<std::size_t>(block.second[lane]);
+  return get_lane(row.linear, lane).dot(velocity_of(bodies, second) - velocity_of(bodies, first)) +
+         get_lane(row.angular_second, lane).dot(spin_of(bodies, second)) -
+         get_lane(row.angular_first, lane).dot(spin_of(bodies, first));
 }
 
 float speed(double value) { return static_cast<float>(std::clamp<double>(value, -unlimited_speed, unlimited_speed)); }

@@ -21,18 +21,16 @@ void write_back(const SolveInput& input, const GroupParts& parts, std::span<cons
     const std::size_t local = first_dynamic + i;
     const BodyPose start{table.position(body), table.orientation(body)};
     const bool is_joined = with_joints && joined && joined_motion.is_joined(i);
-    const Vector3 velocity = get3(rows.velocity[local].linear);
-    const Vector3 spin = get3(rows.velocity[local].angular);
-    const Vector3 gained = velocity - table.velocity(body);
-    const Vector3 gained_spin = spin - table.angular_velocity(body);
+    const Vector3 gained = get3(rows.velocity[local].linear);
+    const Vector3 gained_spin = get3(rows.velocity[local].angular);
     // Over the substeps of a step the halves of their gains add up to that of the step's.
     const Vector3 acceleration = get3(rows.acceleration[local].linear);
     const bool shifts = !is_joined && !parts.impacts.has_bounced(local) &&
                         changes_steadily(gained, gained_spin, acceleration, input.dt, table.radius[body]);
     // In free flight spin changes by tumbling, which has its own integrator: only the position is shifted.
     const bool flies = (gained - input.dt * acceleration).squaredNorm() <= 1e-6 * gained.squaredNorm();
-    table.velocity(body) = velocity;
-    table.angular_velocity(body) = spin;
+    table.velocity(body) += gained;
+    table.angular_velocity(body) += gained_spin;
     table.position(body) += get3(rows.displacement[local].linear);
     Quaternion orientation = rotation_of(rows.displacement[local]) * table.orientation(body);
     if (is_joined) {
@@ -98,8 +96,8 @@ void capture_answers(const SolveInput& input, const GroupParts& parts, const Gro
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const std::size_t local = first_dynamic + i;
     ContactCapture::Motion& motion = input.capture->motions[bodies[i]];
-    motion.free_velocity = get3(rows.free_velocity[local].linear);
-    motion.free_angular_velocity = get3(rows.free_velocity[local].angular);
+    motion.free_velocity = input.bodies.velocity(bodies[i]) + get3(rows.free_velocity[local].linear);
+    motion.free_angular_velocity = input.bodies.angular_velocity(bodies[i]) + get3(rows.free_velocity[local].angular);
     motion.inverse_inertia = inverse_inertia_of(rows, local);
   }
 }

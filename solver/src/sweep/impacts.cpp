@@ -158,8 +158,8 @@ std::uint32_t Impacts::body_of(const ContactKernelData& data, std::uint32_t loca
   const SolverBodies& rows = data.bodies;
   ImpactBody& body = bodies_.emplace_back();
   body.local = local;
-  body.velocity = get3(rows.velocity[local].linear);
-  body.spin = get3(rows.velocity[local].angular);
+  body.velocity = velocity_of(rows, local);
+  body.spin = spin_of(rows, local);
   body.acceleration = get3(rows.acceleration[local].linear);
   body.inverse_mass.setConstant(rows.free_velocity[local].inverse_mass);
   if (!rows.locks.empty()) {

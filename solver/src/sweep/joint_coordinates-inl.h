@@ -44,16 +44,12 @@ HWY_INLINE void set_axes(const Q& q, V3 (&axes)[3]) {
 HWY_INLINE FrameLanes frames_now(const JointKernelData& data, const JointBlock& block, const JointFrameBlock& start,
                                  std::size_t lane, const JointLanes& c) {
   const auto load_q = [lane](const float(*rows)[block_lanes]) { return Q{load3(rows, lane), load(rows[3] + lane)}; };
-  const auto rotation = [&](const std::int32_t* index) {
-    const V4 q = load_rotation(data.bodies, index);
-    return Q{{q.x, q.y, q.z}, q.w};
-  };
   FrameLanes frames;
   const PointMotion moved = point_motion(data, block, lane, c);
   frames.point = moved.point;
   frames.offset = moved.offset;
-  const Q first = load_q(start.axes_first), turned_first = rotation(c.first.index);
-  const Q against = conjugate(turned_first) * rotation(c.second.index);
+  const Q first = load_q(start.axes_first), turned_first = load_rotation(data.bodies, c.first.index);
+  const Q against = conjugate(turned_first) * load_rotation(data.bodies, c.second.index);
   const Q turn = Q{turned(conjugate(first), against.vector), against.scalar} * load_q(start.turn);
   const M opposed = hn::Lt(turn.scalar, zero());
   frames.turn = {select(opposed, splat(-1) * turn.vector, turn.vector), hn::Abs(turn.scalar)};

@@ -23,6 +23,8 @@ inline void find_work(const SolverBodies& bodies, const VelocityRows* forced, Wo
     const V4 rest = load_rows([&](std::size_t k) { return &bodies.inertia[i + k].zz; });
     const V4 free_v = load_rows([&](std::size_t k) { return bodies.free_velocity[i + k].linear; });
     const V4 free_w = load_rows([&](std::size_t k) { return bodies.free_velocity[i + k].angular; });
+    const V4 start = load_rows([&](std::size_t k) { return bodies.start_velocity[i + k].linear; });
+    const V4 start_spin = load_rows([&](std::size_t k) { return bodies.start_velocity[i + k].angular; });
     V3 before{free_v.x, free_v.y, free_v.z}, before_spin{free_w.x, free_w.y, free_w.z};
     if (forced != nullptr) {
       const V4 add = load_rows([&](std::size_t k) { return forced[i + k].linear; });
@@ -33,6 +35,8 @@ inline void find_work(const SolverBodies& bodies, const VelocityRows* forced, Wo
     const V mass = hn::Div(splat(1), free_v.w);
     const SymmetricMatrix inertia = inverse_of({v.w, w.w, rest.x, rest.y, rest.z, rest.w});
     const V3 gained = V3{v.x, v.y, v.z} - before, gained_spin = V3{w.x, w.y, w.z} - before_spin;
+    before = V3{start.x, start.y, start.z} + before;
+    before_spin = V3{start_spin.x, start_spin.y, start_spin.z} + before_spin;
     const V3 momentum = mass * gained, angular_momentum = inertia * gained_spin;
     const V half = splat(0.5f);
     const V energy =

@@ -45,7 +45,7 @@ void JointInertia::follow(const SolveInput& input, std::span<const std::uint32_t
     const std::size_t local = first_dynamic_ + follower.place;
     const std::uint32_t body = bodies[follower.place];
     const Vector3 spin = get3(rows.velocity[local].angular);
-    if (!(spin.squaredNorm() > tuning::least_spin * tuning::least_spin)) continue;
+    if (!(spin_of(rows, local).squaredNorm() > tuning::least_spin * tuning::least_spin)) continue;
     const Quaternion turn = rotation_of(rows.displacement[local]) * input.bodies.orientation(body);
     const Matrix3 rotation = turn.normalized().toRotationMatrix();
     Matrix3 inertia = symmetric_product(product(rotation, input.bodies.inertia[body]), rotation);

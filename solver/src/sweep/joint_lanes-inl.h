@@ -20,11 +20,24 @@ using namespace jobs::HWY_NAMESPACE;
 struct JointLanes {
   BodyLanes first, second;
   V inverse_mass_first, inverse_mass_second;
+  V3 start_velocity, start_first, start_second;  // of the second body against the first, and spins, as the step begins
 };
 
 HWY_INLINE JointLanes load_joints(const JointKernelData& data, const JointBlock& block, std::size_t lane) {
-  return {load_bodies(data.bodies, block.first + lane), load_bodies(data.bodies, block.second + lane),
-          load(block.inverse_mass[0] + lane), load(block.inverse_mass[1] + lane)};
+  const std::int32_t* first = block.first + lane;
+  const std::int32_t* second = block.second + lane;
+  const VelocityRows* start = data.bodies.start_velocity.data();
+  const auto start_row = [=](const std::int32_t* index, const float(VelocityRows::*row)[3]) {
+    const V4 rows = load_rows([=](std::size_t k) { return start[index[k]].*row; });
+    return V3{rows.x, rows.y, rows.z};
+  };
+  return {load_bodies(data.bodies, first),
+          load_bodies(data.bodies, second),
+          load(block.inverse_mass[0] + lane),
+          load(block.inverse_mass[1] + lane),
+          start_row(second, &VelocityRows::linear) - start_row(first, &VelocityRows::linear),
+          start_row(first, &VelocityRows::angular),
+          start_row(second, &VelocityRows::angular)};
 }
 
 HWY_INLINE void store_joint_bodies(const JointLanes& c, const JointKernelData& data, const JointBlock& block,
@@ -43,8 +56,9 @@ HWY_INLINE void apply(JointLanes& c, const V3& linear, const V3& angular_first, 
 
 // The rate along a row.
 HWY_INLINE V row_rate(const V3& linear, const V3& angular_first, const V3& angular_second, const JointLanes& c) {
-  return hn::Add(dot(linear, c.second.v - c.first.v),
-                 hn::Sub(dot(angular_second, c.second.w), dot(angular_first, c.first.w)));
+  return hn::Add(
+      dot(linear, c.start_velocity + (c.second.v - c.first.v)),
+      hn::Sub(dot(angular_second, c.start_second + c.second.w), dot(angular_first, c.start_first + c.first.w)));
 }
 
 // The origins of the two frames.
@@ -56,7 +70,8 @@ struct PointLanes {
   }
   // Velocity of the second against the first.
   HWY_INLINE V3 rate(const JointLanes& c) const {
-    return (c.second.v - c.first.v) + (cross(c.second.w, arm_second) - cross(c.first.w, arm_first));
+    return (c.start_velocity + (c.second.v - c.first.v)) +
+           (cross(c.start_second + c.second.w, arm_second) - cross(c.start_first + c.first.w, arm_first));
   }
   HWY_INLINE void apply_to(JointLanes& c, const V3& impulse) const {
     apply(c, impulse, cross(arm_first, impulse), cross(arm_second, impulse));
@@ -121,14 +136,6 @@ HWY_INLINE SymmetricMatrix load_matrix(const float (*rows)[block_lanes], std::si
           load(rows[3] + lane), load(rows[4] + lane), load(rows[5] + lane)};
 }
 
-// R(q) a - a without cancellation, for the rotation that a body has made since the start of the step.
-HWY_INLINE V3 turned_arm_change(const V4& q, const V3& a) {
-  const V3 v{q.x, q.y, q.z};
-  const V3 t = cross(v, a);
-  const V3 change = q.w * t + cross(v, t);
-  return change + change;
-}
-
 // Where the bodies' displacements have brought the point.
 struct PointMotion {
   PointLanes point;
@@ -138,8 +145,8 @@ HWY_INLINE PointMotion point_motion(const JointKernelData& data, const JointBloc
                                     const JointLanes& c) {
   const V3 start_first = load3(block.start_arm_first, lane);
   const V3 start_second = load3(block.start_arm_second, lane);
-  const V3 change_first = turned_arm_change(load_rotation(data.bodies, c.first.index), start_first);
-  const V3 change_second = turned_arm_change(load_rotation(data.bodies, c.second.index), start_second);
+  const V3 change_first = turned_change(load_rotation(data.bodies, c.first.index), start_first);
+  const V3 change_second = turned_change(load_rotation(data.bodies, c.second.index), start_second);
   const V4 first = load_displacement(data.bodies, c.first.index);
   const V4 second = load_displacement(data.bodies, c.second.index);
   const V3 moved = V3{second.x, second.y, second.z} - V3{first.x, first.y, first.z};

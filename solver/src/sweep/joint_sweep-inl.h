@@ -176,6 +176,7 @@ float sweep_joint_blocks(const JointKernelData& data, const JointSweep& sweep, s
     JointBlock& block = data.blocks[b];
     for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
       JointLanes c = load_joints(data, block, lane);
+      if constexpr (push == Push::Split) c.start_velocity = c.start_first = c.start_second = {zero(), zero(), zero()};
       if (refresh && block.point != 0) refresh_point(data, block, lane, c);
       if (carries) {
         const V3 first = load3(block.carried_first, lane);

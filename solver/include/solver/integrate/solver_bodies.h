@@ -14,8 +14,9 @@ namespace atl::solver {
 using jobs::block_lanes;
 
 // The hot state of an island group's bodies, in rows of four floats that kernels load for several bodies at
-// once by transposes. Velocities are of the world frame; displacements are since the start of the step, so
-// single precision is enough however far from the origin a body is.
+// once by transposes. Velocities are of the world frame. Displacements and velocities are changes since the start of
+// the step, so single precision is enough however far from the origin a body is, and however many small changes a
+// velocity has: rounded at its own size, each would take it the same way.
 
 struct alignas(32) VelocityRows {
   float linear[3];   ///< m/s
@@ -34,8 +35,8 @@ struct alignas(32) DisplacementRows {
   float rotation[4];  ///< x, y, z, w, world frame
 };
 
-/// Velocity at the start of the substep, before constraints: what they changed since is what warm-starts the
-/// next substep.
+/// Velocity at the start of the substep, before constraints, since the start of the step: what they changed since is
+/// what warm-starts the next substep.
 struct alignas(32) FreeVelocityRows {
   float linear[3];
   float inverse_mass;  ///< 1/kg
@@ -44,9 +45,9 @@ struct alignas(32) FreeVelocityRows {
 };
 
 struct alignas(32) AccelerationRows {
-  float linear[3];        ///< m/s^2
+  float linear[3];        ///< m/s^2, with the damping of the speed that the step begins with
   float linear_damping;   ///< factor a substep
-  float angular[3];       ///< rad/s^2
+  float angular[3];       ///< rad/s^2, likewise
   float angular_damping;  ///< factor a substep
 };
 
@@ -107,10 +108,11 @@ struct OptionalRows {
 /// Bodies of one island group. Index 0 stands for every fixed body and is never written; copies of kinematic
 /// bodies follow, then the islands' dynamic bodies. The count is padded to full blocks.
 struct SolverBodies {
-  std::vector<VelocityRows> velocity;
+  std::vector<VelocityRows> velocity;  ///< since the start of the step
   std::vector<InertiaRow> inertia;
   std::vector<DisplacementRows> displacement;
   std::vector<FreeVelocityRows> free_velocity;
+  std::vector<VelocityRows> start_velocity;  ///< as the step begins, with the inertia that there is then
   std::vector<AccelerationRows> acceleration;
   std::vector<GyroscopicRows> gyroscopic;  ///< empty if no body needs it
   std::vector<VelocityRows> correction;    ///< by which overlap is removed in this substep; empty where nothing asks
@@ -125,6 +127,7 @@ struct SolverBodies {
     inertia.assign(padded, {});
     displacement.assign(padded, {{0, 0, 0}, 1, {0, 0, 0, 1}});
     free_velocity.assign(padded, {});
+    start_velocity.assign(padded, {});
     acceleration.assign(padded, {{0, 0, 0}, 1, {0, 0, 0}, 1});
     gyroscopic.assign(with.gyroscopic ? padded : 0, {});
     correction.assign(with.correction ? padded : 0, {});
@@ -134,7 +137,8 @@ struct SolverBodies {
   }
   /// See jobs/arrays.h.
   auto arrays() const {
-    return std::tie(velocity, inertia, displacement, free_velocity, acceleration, gyroscopic, correction, locks, shape);
+    return std::tie(velocity, inertia, displacement, free_velocity, start_velocity, acceleration, gyroscopic,
+                    correction, locks, shape);
   }
   std::size_t padded_count() const { return velocity.size(); }
 };

@@ -37,6 +37,8 @@ struct alignas(64) ContactBlock {
   Lanes<3> tangent;       ///< the first; the second is normal x tangent
   Lanes<3> anchor_first;  ///< half way through the step
   Lanes<3> anchor_second;
+  Lanes<3> start_normal;   ///< u, w1 and w2 as the step begins, m/s and rad/s
+  Lanes<3> start_tangent;  ///< likewise slip along the tangents, m/s, and spin about the normal, rad/s
   Lanes<4> x;
   Lanes<4> y;
   Lanes<4> start_separation;  ///< at the start of the step
@@ -50,12 +52,11 @@ struct alignas(64) ContactBlock {
   float twist_mass[block_lanes];
   float friction[block_lanes];
   float friction_radius[block_lanes];
-  float push_speed[block_lanes];  ///< m/s, the fastest that overlap is pushed apart
-  float bias_rate[block_lanes];   ///< its Softness
-  float mass_scale[block_lanes];
-  float impulse_scale[block_lanes];
-  std::int32_t slot[block_lanes];  ///< of the contact; -1 in a lane without one
-  std::uint8_t write_first;        ///< bit a lane: the first body is dynamic
+  float push_speed[block_lanes];     ///< m/s, the fastest that overlap is pushed apart
+  float bias_rate[block_lanes];      ///< of its Softness
+  float impulse_scale[block_lanes];  ///< likewise; the scale of the mass is what is left of 1
+  std::int32_t slot[block_lanes];    ///< of the contact; -1 in a lane without one
+  std::uint8_t write_first;          ///< bit a lane: the first body is dynamic
   std::uint8_t write_second;
   std::uint8_t contacts;  ///< lanes with one
   MovableSides movable;
