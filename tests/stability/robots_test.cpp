@@ -206,7 +206,7 @@ TEST(Robots, StayWholeAndComeToRest) {
           add_hand(robot, random);
           break;
       }
-      const double step = 1 / of.rate, moving = of.driven ? 3 : 0, all = moving + 4;
+      const double step = 1 / of.rate, moving = of.driven ? 3 : 0, all = moving + 6;
       double most = 0, at_end = 0;
       for (int i = 0; i * step < all && world.quarantined().empty(); ++i) {
         if (i * step < moving && std::fmod(i * step + 0.5 * step, 0.5) < step) {
