@@ -22,6 +22,7 @@ void add_bowls(std::vector<PhysicsCase>& cases);
 void add_spins(std::vector<PhysicsCase>& cases);
 void add_springs(std::vector<PhysicsCase>& cases);
 void add_mechanisms(std::vector<PhysicsCase>& cases);
+void add_pendulums(std::vector<PhysicsCase>& cases);
 void add_statics(std::vector<PhysicsCase>& cases);
 void add_granular(std::vector<PhysicsCase>& cases);
 void add_invariances(std::vector<PhysicsCase>& cases);

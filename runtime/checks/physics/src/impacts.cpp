@@ -107,6 +107,64 @@ double thrown(const Resolution& at, const Shape& shape, const Vector3& moments) 
   return worst;
 }
 
+// What one ball that hits two that touch leaves, each of mass 1 and without friction: their energy by what it brought,
+// and by how much one gets more than the other.
+double break_of_three(const Resolution& at) {
+  World world = make_world(at, 0);
+  const Material material{.friction = 0, .restitution = 1};
+  const double r = 0.1, speed = 8;
+  const auto add = [&](double x, double y, double v) {
+    return world.add_body(
+        {.shape = Sphere{r}, .position = {x, y, 0}, .velocity = {v, 0, 0}, .mass = 1, .material = material});
+  };
+  const BodyId cue = add(-1, 0, speed), left = add(std::sqrt(3.0) * r, r, 0), right = add(std::sqrt(3.0) * r, -r, 0);
+  run(world, at, 0.5);
+  double sum = 0;
+  for (const BodyId id : {cue, left, right}) sum += world.velocity(id).squaredNorm();
+  return sum / (speed * speed) + std::abs(world.velocity(left).norm() - world.velocity(right).norm()) / speed;
+}
+
+// The speeds of five elastic balls in a row that touch, hit by one: how far they are, at most, off the last one's
+// leaving alone, by that of the first.
+double cradle(const Resolution& at) {
+  World world = make_world(at, 0);
+  const Material material{.friction = 0, .restitution = 1};
+  std::vector<BodyId> balls;
+  for (int i = 0; i < 5; ++i) {
+    balls.push_back(world.add_body({.shape = Sphere{0.1},
+                                    .position = {i == 0 ? -0.5 : 0.2 * i, 0, 0},
+                                    .velocity = {i == 0 ? 1.0 : 0.0, 0, 0},
+                                    .mass = 1,
+                                    .material = material}));
+  }
+  run(world, at, 1);
+  double worst = 0;
+  for (std::size_t i = 0; i < balls.size(); ++i) {
+    worst = std::max(worst, std::abs(world.velocity(balls[i]).x() - (i + 1 == balls.size() ? 1 : 0)));
+  }
+  return worst;
+}
+
+// The energy of an elastic box without friction that falls on a corner, after 100 s, by that of the start.
+double bouncing_box(const Resolution& at) {
+  World world = make_world(at);
+  const Material material{.friction = 0, .restitution = 1};
+  add_ground(world, material);
+  const BodyDef def{.shape = Box{{0.2, 0.3, 0.4}},
+                    .position = {0, 0, 2},
+                    .orientation = turn_about({1, 2, 3}, 0.7),
+                    .angular_velocity = {1, 2, 0.5},
+                    .material = material};
+  const MassProperties mass = body_mass(def);
+  const BodyId body = world.add_body(def);
+  const auto energy = [&] {
+    return kinetic_energy(world, body, mass.inertia) + mass.mass * g * world.pose(body).position.z();
+  };
+  const double before = energy();
+  run(world, at, 100);
+  return energy() / before;
+}
+
 double energy_of_gas(const Resolution& at) {
   Gas gas(at, 1, 1);
   const double before = gas.energy();
@@ -227,6 +285,26 @@ void add_impacts(std::vector<PhysicsCase>& cases) {
   throws("throw-box", "box of 1 x 0.5 x 0.25 m", Box{{0.5, 0.25, 0.125}}, Vector3(5, 17, 20) / 192);
   throws("throw-cylinder", "cylinder of 1 m", Cylinder{}, Vector3(7, 7, 6) / 48);
   throws("throw-capsule", "capsule of 1 m", Capsule{.radius = 0.25, .half_height = 0.25}, {0.06, 0.06, 0.03});
+  cases.push_back({.name = "break-of-three",
+                   .what = "an elastic ball that hits two which touch: energy after, and difference of the two",
+                   .unit = "",
+                   .right = 1,
+                   .source = "conservation and symmetry",
+                   .limit = 1e-3,
+                   .measure = break_of_three});
+  cases.push_back(
+      {.name = "cradle",
+       .what = "five elastic balls in a row that touch, hit by one: farthest off the last one's leaving alone",
+       .unit = "",
+       .source = "conservation; each impact in turn",
+       .limit = 1e-3,
+       .measure = cradle});
+  cases.push_back({.name = "bouncing-box",
+                   .what = "an elastic box that bounces on its corners for 100 s: energy after",
+                   .unit = "",
+                   .right = 1,
+                   .source = "conservation",
+                   .measure = bouncing_box});
   cases.push_back({.name = "haff-cooling",
                    .what = "the same of restitution 0.8, 20 s: R^2 of a line through its inverse root of energy",
                    .unit = "",

@@ -6,64 +6,10 @@
 #include <array>
 
 #include "cases.h"
+#include "linkages.h"
 
 namespace atl::physics {
 namespace {
-
-constexpr CollisionFilter no_contact = {.mask = 0};
-
-World mechanism_world(const Resolution& at, double gravity) {
-  return make_world(at, gravity, {.joint_solver = JointSolver::Direct});
-}
-
-// Turns about an axis of the world, at a place of it (m), as both bodies are now.
-JointId add_hinge(World& world, BodyId first, BodyId second, const Vector3& place, const Vector3& axis) {
-  const Quaternion turn = Quaternion::FromTwoVectors(Vector3::UnitX(), axis.normalized());
-  const auto frame = [&](BodyId body) {
-    const Pose pose = world.pose(body);
-    const Quaternion back = pose.orientation.conjugate();
-    return Pose{back * (place - pose.position), back * turn};
-  };
-  return world.add_joint({.kind = HingeJoint{},
-                          .first = first,
-                          .second = second,
-                          .frame_first = frame(first),
-                          .frame_second = frame(second)});
-}
-
-// Rods of 1 kg as thin as they may be, and what they weigh together.
-class Rods {
- public:
-  explicit Rods(World& world) : world_(world) {}
-
-  BodyId add(const Vector3& tail, const Vector3& head, const Vector3& velocity = Vector3::Zero()) {
-    const Vector3 along = head - tail;
-    const double moment = along.squaredNorm() / 12;
-    const Matrix3 inertia = Vector3(1e-6, moment, moment).asDiagonal();
-    rods_.push_back(world_.add_body({.shape = Sphere{0.01},
-                                     .position = 0.5 * (tail + head),
-                                     .orientation = Quaternion::FromTwoVectors(Vector3::UnitX(), along),
-                                     .velocity = velocity,
-                                     .mass = 1.0,
-                                     .inertia = inertia,
-                                     .filter = no_contact}));
-    inertia_.push_back(inertia);
-    return rods_.back();
-  }
-  double energy() const {
-    double sum = 0;
-    for (std::size_t i = 0; i < rods_.size(); ++i) {
-      sum += kinetic_energy(world_, rods_[i], inertia_[i]) -
-             world_.mass(rods_[i]) * world_.gravity().dot(world_.centre_of_mass(rods_[i]));
-    }
-    return sum;
-  }
-
- private:
-  World& world_;
-  std::vector<BodyId> rods_;
-  std::vector<Matrix3> inertia_;
-};
 
 // J, by which the energy of rods that turn without friction is off, at most, in ten seconds.
 double energy_drift(World& world, const Rods& rods, const Resolution& at) {
@@ -78,7 +24,7 @@ double energy_drift(World& world, const Rods& rods, const Resolution& at) {
 double windows(const Resolution& at, int count) {
   World world = mechanism_world(at, g);
   Rods rods(world);
-  const BodyId floor = world.add_body({.type = BodyType::Static, .shape = Sphere{0.01}, .filter = no_contact});
+  const BodyId floor = add_floor(world);
   std::vector<BodyId> posts;
   for (int i = 0; i <= count; ++i) {
     posts.push_back(rods.add({1.0 * i, 0, 0}, {1.0 * i, 0, 1}, {0.5, 0, 0}));
@@ -99,7 +45,7 @@ double windows(const Resolution& at, int count) {
 double bricard(const Resolution& at) {
   World world = mechanism_world(at, g);
   Rods rods(world);
-  const BodyId floor = world.add_body({.type = BodyType::Static, .shape = Sphere{0.01}, .filter = no_contact});
+  const BodyId floor = add_floor(world);
   const std::array<Vector3, 6> corners = {Vector3(0, 0, 0),  Vector3(1, 0, 0),  Vector3(1, 0, -1),
                                           Vector3(1, 1, -1), Vector3(0, 1, -1), Vector3(0, 1, 0)};
   std::array<BodyId, 6> links;
@@ -185,7 +131,7 @@ double governor(const Resolution& at) {
   using Go = Governor;
   World world = mechanism_world(at, g);
   const Vector3 z = Vector3::UnitZ();
-  const BodyId floor = world.add_body({.type = BodyType::Static, .shape = Sphere{0.01}, .filter = no_contact});
+  const BodyId floor = add_floor(world);
   const auto add = [&](double mass, double moment, const Vector3& place, const Vector3& velocity) {
     return world.add_body({.shape = Sphere{0.01},
                            .position = place,
