@@ -230,7 +230,7 @@ void ContactPhase::list_on(const Stores& world) {
 void ContactPhase::update(Stores& world, const StepContext& step) {
   undo_modified(world);
   note_reaches(world, step.arena);
-  world.cache.rises.resize(world.contents.smooth_surfaces > 0 ? world.cache.contacts.size() : 0);
+  world.cache.rises.resize(world.contents.surfaces > 0 ? world.cache.contacts.size() : 0);
   collision::update_contacts(world.cache, world.broadphase, contact_input(world, step.narrowphase_kernels), step.arena,
                              update_);
   world.broadphase.forget_moves();

@@ -75,9 +75,8 @@ void Contents::count(const solver::BodyTable& bodies, const BodyRecords& records
   add(own_materials, has_own_materials(constants));
   add(sensors, constants.sensor);
   add(gyroscopic, bodies.gyroscopic[body] != 0);
-  add(surfaces, collision::is_surface(constants.colliders.front().shape.kind));
-  const auto smooth = [](const CheckedCollider& collider) { return collision::is_smooth(collider.shape); };
-  add(smooth_surfaces, std::ranges::any_of(constants.colliders, smooth));
+  const auto is_surface = [](const CheckedCollider& collider) { return collision::is_surface(collider.shape.kind); };
+  add(surfaces, std::ranges::any_of(constants.colliders, is_surface));
 }
 
 }  // namespace atl

@@ -64,7 +64,6 @@ struct Contents {
   std::size_t with_restitution = 0;
   std::size_t gyroscopic = 0;
   std::size_t surfaces = 0;  ///< meshes and height fields
-  std::size_t smooth_surfaces = 0;
   std::size_t own_materials = 0;  ///< bodies with a child that has its own
   std::size_t sensors = 0;
 

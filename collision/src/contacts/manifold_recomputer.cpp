@@ -299,7 +299,7 @@ void ManifoldRecomputer::recompute_surface_parts(std::size_t entry) {
   const double margin = margin_of(contact, input_);
   SurfaceManifolds found;
   Vector3 shift = Vector3::Zero();
-  if (is_smooth(colliders.shape[surface])) {
+  if (colliders.shape[solid].kind == ShapeKind::Sphere) {
     const Vector3 shift_second = shift_between(contact, input_);
     shift = colliders.pose(surface, input_.poses).orientation.conjugate() *
             (surface_second ? Vector3(-shift_second) : shift_second);

@@ -77,6 +77,8 @@ constexpr double same_sheet = 0.96592582628906831;  // cosine of 15 degrees
 // A surface that bends by more within a step is one that the ball hits: a quarter of a radian, and its cosine.
 constexpr double most_bend = 0.25;
 constexpr double least_bend_cosine = 0.96891242171064473;
+// rad: of less than that no facet rises against a ball.
+constexpr double least_bend = 1e-4;
 
 // Where a smooth surface is met from its front along its own normal, from a point above a triangle of it. The surface
 // is over the triangle the mean of that and its projections onto the tangent planes at the corners: Phong tessellation
@@ -136,21 +138,30 @@ Nearest nearest_to(const Shape& surface, const Vector3& centre, double reach) {
   return nearest;
 }
 
-// In place of all that a ball's contacts say of the smooth surface it is nearest to, one of that.
+// In place of all that a ball's contacts say of the sheet that looks along a normal, one to be filled in; null if there
+// is no room.
+Manifold* replace_sheet(const Vector3& normal, SurfaceManifolds& result) {
+  const auto other_end =
+      std::remove_if(result.manifolds.begin(), result.manifolds.begin() + result.count,
+                     [&](const Manifold& manifold) { return manifold.normal.dot(normal) > same_sheet; });
+  result.count = static_cast<int>(other_end - result.manifolds.begin());
+  if (result.count == max_surface_manifolds) return nullptr;
+  Manifold& manifold = result.manifolds[static_cast<std::size_t>(result.count++)];
+  manifold = {};
+  manifold.reference_is_second = true;
+  return &manifold;
+}
+
+// Of the smooth surface that a ball is nearest to.
 void follow_smooth_surface(const Shape& ball, const Shape& surface, const Vector3& centre, double margin,
                            const Vector3& shift, SurfaceManifolds& result) {
   const double reach = ball.radius + margin;
   const Nearest nearest = nearest_to(surface, centre, reach);
   if (!(nearest.distance <= reach)) return;
   const SmoothPlace start(nearest.triangle, centre, nearest.foot);
-  const auto other_end =
-      std::remove_if(result.manifolds.begin(), result.manifolds.begin() + result.count,
-                     [&](const Manifold& manifold) { return manifold.normal.dot(start.normal) > same_sheet; });
-  result.count = static_cast<int>(other_end - result.manifolds.begin());
-  if (result.count == max_surface_manifolds) return;
-  Manifold& manifold = result.manifolds[static_cast<std::size_t>(result.count++)];
-  manifold = {};
-  manifold.reference_is_second = true;
+  Manifold* const replaced = replace_sheet(start.normal, result);
+  if (replaced == nullptr) return;
+  Manifold& manifold = *replaced;
   const Vector3 along = shift - shift.dot(start.normal) * start.normal;
   manifold.normal = start.normal;
   const Nearest ahead = nearest_to(surface, centre + along, reach + along.norm() * most_bend);
@@ -162,6 +173,27 @@ void follow_smooth_surface(const Shape& ball, const Shape& surface, const Vector
     }
   }
   manifold.add(centre - ball.radius * manifold.normal, start.distance - ball.radius, single_point_id());
+}
+
+// Of facets that rise against a ball within the step: one that takes it from the one that it is on to where it meets
+// the next as a surface does that bends evenly. Met only once the ball is in them, they would lift it by pushing it
+// out, and that is energy from nowhere.
+void follow_facets(const Shape& ball, const Shape& surface, const Vector3& centre, double margin, const Vector3& shift,
+                   SurfaceManifolds& result) {
+  const double reach = ball.radius + margin;
+  const Nearest start = nearest_to(surface, centre, reach);
+  if (!(start.distance <= reach) || !(start.distance > 0)) return;
+  const Vector3 normal = (centre - start.foot) / start.distance;
+  const Vector3 along = shift - shift.dot(normal) * normal;
+  const double length = along.norm();
+  const Nearest end = nearest_to(surface, centre + along, reach + most_bend * length);
+  const double rise = start.distance - end.distance;  // not a number where there is none
+  if (!(rise > least_bend * length) || rise > most_bend * length) return;
+  Manifold* const manifold = replace_sheet(normal, result);
+  if (manifold == nullptr) return;
+  manifold->normal = (normal - rise / (length * length) * along).normalized();
+  manifold->rise = rise;
+  manifold->add(centre - ball.radius * manifold->normal, start.distance - ball.radius, single_point_id());
 }
 
 // How far a solid is from triangles at least, by its box and ball, up to a limit.
@@ -244,8 +276,9 @@ void collide_surface(const Shape& solid, const Shape& surface, const Pose& solid
     clusters.add(contact);
   });
   clusters.finish(result);
-  if (solid.kind == ShapeKind::Sphere && is_smooth(surface)) {
-    follow_smooth_surface(solid, surface, placed.position, margin, shift, result);
+  if (solid.kind == ShapeKind::Sphere) {
+    const auto follow = is_smooth(surface) ? follow_smooth_surface : follow_facets;
+    follow(solid, surface, placed.position, margin, shift, result);
   }
   if (result.count > 0 || !(most_gap > 0)) return;
   SurfaceGap gap(placed, bounds, most_gap);
