@@ -100,9 +100,6 @@ RowLaw RowLaw::of_kick(const Law& law, const JointRow& at, double effective_mass
   const bool turns = effective_mass > 0;
   const LinearForce spring = turns && law.springs() ? LinearForce::of_spring(law, moved, at.share) : LinearForce{};
   const LinearForce servo = turns && law.is_servo() ? LinearForce::of_servo(law, moved, at.share) : LinearForce{};
-  LinearForce both = spring;
-  both.add(servo);
-  const bool stiff = both.is_stiff(h);
   // The impulse is `given`, less the slope times the rate after the kick.
   double given = law.armature * rate, slope = law.armature;
   const auto add = [&](const LinearForce& force) {
@@ -119,12 +116,16 @@ RowLaw RowLaw::of_kick(const Law& law, const JointRow& at, double effective_mass
     if (pulls) motor_bound = behind > 0 ? 1 : -1;
     row.motor_speed = rate;
   }
-  if (law.drives() && sign < 0 && motor_bound != 0) {
-    given -= motor_bound * row.motor_impulse;
-    row.motor_impulse = 0;
-  } else if (stiff) {
+  LinearForce both = spring;
+  both.add(servo);
+  // Whatever a motor gives beside: taken back in one kick alone, its force would come short in every step.
+  const bool stiff = both.is_stiff(h);
+  if (stiff) {
     row.motor_speed = rate;
     if (law.springs()) row.motor_impulse = Law::unlimited;
+  } else if (law.drives() && sign < 0 && motor_bound != 0) {
+    given -= motor_bound * row.motor_impulse;
+    row.motor_impulse = 0;
   } else if (law.is_servo() && sign < 0) {
     given -= std::clamp(time * moved * servo.at(at.value, rate), -row.motor_impulse, row.motor_impulse);
     row.motor_impulse = 0;

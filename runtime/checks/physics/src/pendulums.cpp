@@ -212,6 +212,27 @@ double damped_rate(const Resolution& at, bool by_torque) {
   return (world.joint_state(hinge).position[0] - half_way) / (torque / damping);
 }
 
+struct SpentServo {
+  static constexpr double moment = 0.1, damping = 200, torque = 150;
+  static double right() {
+    const double rate = torque / damping, time = 2 * moment / damping;
+    return rate * (1 - time * (1 - std::exp(-1 / time)));
+  }
+};
+
+// rad, that a servo without the force to get anywhere else turns a light rod with an armature in 1 s against a damper.
+double spent_servo(const Resolution& at) {
+  World world = mechanism_world(at, 0);
+  const Part rod = add_part(world, 1, Vector3::Constant(SpentServo::moment), {});
+  const JointId hinge = add_hinge(
+      world, add_floor(world), rod.body, {0, 0, 0}, Vector3::UnitZ(),
+      {.spring = JointSpring{.stiffness = 0, .damping = SpentServo::damping},
+       .motor = JointMotor{.max_force = SpentServo::torque, .servo = JointServo{.target = 10, .stiffness = 3500}},
+       .armature = SpentServo::moment});
+  run(world, at, 1);
+  return world.joint_state(hinge).position[0];
+}
+
 // The speed that is told of what creeps back against a damper of so many 1/s, over that with which it does.
 double told_speed(const Resolution& at, double rate) {
   World world = mechanism_world(at, 0);
@@ -281,6 +302,13 @@ void add_pendulums(std::vector<PhysicsCase>& cases) {
                      .source = "balance of torques",
                      .measure = [=](const Resolution& at) { return damped_rate(at, by_torque); }});
   }
+  cases.push_back({.name = "spent-servo",
+                   .what = "a servo of 150 N m, all of it spent on a damper of c/I 1000/s: turned in 1 s",
+                   .unit = "rad",
+                   .right = SpentServo::right(),
+                   .source = "torque / c, after exp(-c t / I)",
+                   .scale = SpentServo::right(),
+                   .measure = spent_servo});
   for (const double rate : {500.0, 5000.0}) {
     cases.push_back({.name = "told-speed-" + std::to_string(static_cast<int>(rate)),
                      .what = "what creeps back against a damper of " + std::to_string(static_cast<int>(rate)) +
