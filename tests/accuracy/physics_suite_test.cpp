@@ -6,6 +6,7 @@
 #include <string>
 
 #include "checks/physics/suite.h"
+#include "support/long_tests.h"
 #include "support/scenes.h"
 
 namespace atl::physics {
@@ -38,6 +39,17 @@ TEST_P(PhysicsSuite, IsRight) {
 
 INSTANTIATE_TEST_SUITE_P(All, PhysicsSuite, testing::ValuesIn(physics::physics_cases()),
                          [](const auto& test) { return case_name(test.param.name); });
+
+// Takes a minute.
+TEST(PhysicsCases, GetNoWorseInFinerSteps) {
+  if (!long_tests()) GTEST_SKIP() << "a test of --long";
+  for (const PhysicsCase& test : physics::physics_cases()) {
+    if (test.statistical) continue;
+    const PhysicsResult runs[] = {run_case(test), run_case(test, test.dt / 64)};
+    EXPECT_TRUE(expected(test, runs)) << test.name << ": " << runs[0].error << ", at a 64th of its step "
+                                      << runs[1].error << ". " << test.known_growth;
+  }
+}
 
 TEST(PhysicsCases, HaveNamesSourcesAndLimits) {
   std::set<std::string> names;

@@ -3,6 +3,7 @@
 /// motion that share nothing with the solver.
 
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,7 @@ struct PhysicsCase {
   std::function<double(const Resolution&)> measure;
   bool statistical = false;        ///< of many bodies: the value scatters, and finer steps tell no more of it
   std::string known_failure = {};  ///< the reason why the error is above the limit as things stand, else ""
+  std::string known_growth = {};   ///< the reason why finer steps have a larger error as things stand, else ""
 };
 
 /// What a case came to.
@@ -39,6 +41,12 @@ struct PhysicsResult {
   /// As it should be: it holds, or is known not to. A known failure that holds is no longer one, and has to be told.
   bool expected(const PhysicsCase& test) const { return holds(test) == test.known_failure.empty(); }
 };
+
+/// Whether the last of runs in finer and finer steps is farther off than the first, by more than rounding.
+bool grows(std::span<const PhysicsResult> runs);
+/// Whether all is as it should be: the first run, and that finer ones are not farther off, or are known to be. A known
+/// growth that is none any more has to be told, too.
+bool expected(const PhysicsCase& test, std::span<const PhysicsResult> runs);
 
 /// All cases, in the order to show them.
 const std::vector<PhysicsCase>& physics_cases();

@@ -37,7 +37,7 @@ void check_physics(const VerifyOptions& options) {
   }
   finish_output();
   std::size_t failed = 0;
-  for (std::size_t i = 0; i < cases.size(); ++i) failed += results[i].front().expected(cases[i]) ? 0 : 1;
+  for (std::size_t i = 0; i < cases.size(); ++i) failed += expected(cases[i], results[i]) ? 0 : 1;
   if (failed > 0) {
     throw Failure(Status::CheckFailed, std::to_string(failed) + " of " + std::to_string(cases.size()) +
                                            " physics cases are not as expected");

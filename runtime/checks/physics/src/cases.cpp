@@ -1,5 +1,6 @@
 #include "cases.h"
 
+#include <algorithm>
 #include <chrono>
 
 namespace atl::physics {
@@ -14,6 +15,16 @@ const std::vector<PhysicsCase>& physics_cases() {
     return cases;
   }();
   return all;
+}
+
+bool grows(std::span<const PhysicsResult> runs) {
+  constexpr double rounding = 1e-6;
+  return !(runs.back().error <= std::max(1.05 * runs.front().error, rounding));
+}
+
+bool expected(const PhysicsCase& test, std::span<const PhysicsResult> runs) {
+  if (!runs.front().expected(test)) return false;
+  return runs.size() == 1 || grows(runs) != test.known_growth.empty();
 }
 
 PhysicsResult run_case(const PhysicsCase& test, double dt) {

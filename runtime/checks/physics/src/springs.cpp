@@ -147,7 +147,8 @@ void add_springs(std::vector<PhysicsCase>& cases) {
          .unit = "m",
          .right = 1,
          .source = "conservation",
-         .measure = [=](const Resolution& at) { return amplitude(at, solver, 1); }});
+         .measure = [=](const Resolution& at) { return amplitude(at, solver, 1); },
+         .known_growth = solver == JointSolver::Direct ? "" : "the cause is not known"});
     cases.push_back({.name = "spring-motion" + suffix,
                      .what = "the same: the farthest off a cosine in ten periods",
                      .unit = "m",
