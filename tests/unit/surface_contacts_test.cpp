@@ -520,6 +520,39 @@ TEST(SmoothSurface, ABallTouchesTheSphereThatTheTrianglesStandFor) {
   }
 }
 
+// A plain floor that bends by an angle at x = 0, up or down: a ball that gets from one side to the other in the step is
+// taken from the place where it is to the one where it touches the other facet, if that rises against it.
+TEST(PlainSurface, RisesUnderABallThatComesToTheNextFacet) {
+  const double radius = 0.1, before = 0.1, way = 0.3;
+  for (const double bend : {0.1, -0.1}) {
+    const double far = 5 * std::cos(bend), up = 5 * std::sin(bend);
+    const std::vector<Vector3> vertices = {{-5, -5, 0}, {0, -5, 0}, {0, 5, 0}, {-5, 5, 0}, {far, -5, up}, {far, 5, up}};
+    const std::vector<std::array<std::uint32_t, 3>> triangles = {{0, 1, 2}, {0, 2, 3}, {1, 4, 5}, {1, 5, 2}};
+    const auto mesh = std::get<TriangleMesh>(build_triangle_mesh(vertices, triangles, 0));
+    const Shape floor = Shape::triangle_mesh(mesh);
+    const auto touch_in_step = [&](double shift) {
+      SurfaceManifolds found;
+      collide_surface(Shape::sphere(radius), floor, {{-before, 0.3, radius}, Quaternion::Identity()}, 0.02, found,
+                      {shift, 0, 0});
+      return found;
+    };
+    for (const double shift : {0.0, 0.5 * before, -way, bend > 0 ? 0.0 : way}) {
+      const SurfaceManifolds found = touch_in_step(shift);
+      ASSERT_EQ(found.count, 1) << bend << ", " << shift;
+      EXPECT_EQ(found.manifolds[0].rise, 0);
+      EXPECT_LT((found.manifolds[0].normal - Vector3::UnitZ()).norm(), 1e-12);
+    }
+    if (bend < 0) continue;
+    const SurfaceManifolds found = touch_in_step(way);
+    // By which the ball would be in the other facet's plane.
+    const double rise = radius * (1 - std::cos(bend)) + (way - before) * std::sin(bend);
+    ASSERT_EQ(found.count, 1);
+    EXPECT_NEAR(found.manifolds[0].rise, rise, 1e-12);
+    EXPECT_LT((found.manifolds[0].normal - Vector3(-rise / way, 0, 1).normalized()).norm(), 1e-12);
+    EXPECT_NEAR(found.manifolds[0].least_separation(), 0, 1e-12);
+  }
+}
+
 // Across the bowl, along a great circle: the normal is that half way, and the surface rises by the centripetal motion.
 TEST(SmoothSurface, BendsUnderABallThatSlides) {
   const TriangleMesh mesh = bowl(20, 80, 0.3);
