@@ -152,7 +152,7 @@ Manifold* replace_sheet(const Vector3& normal, SurfaceManifolds& result) {
   return &manifold;
 }
 
-// Of the smooth surface that a ball is nearest to.
+// Gives a ball the manifold of the smooth surface that it is nearest to.
 void follow_smooth_surface(const Shape& ball, const Shape& surface, const Vector3& centre, double margin,
                            const Vector3& shift, SurfaceManifolds& result) {
   const double reach = ball.radius + margin;
@@ -175,9 +175,9 @@ void follow_smooth_surface(const Shape& ball, const Shape& surface, const Vector
   manifold.add(centre - ball.radius * manifold.normal, start.distance - ball.radius, single_point_id());
 }
 
-// Of facets that rise against a ball within the step: one that takes it from the one that it is on to where it meets
-// the next as a surface does that bends evenly. Met only once the ball is in them, they would lift it by pushing it
-// out, and that is energy from nowhere.
+// Gives a ball one manifold for the facets that rise against it within the step. It takes the ball from the facet that
+// it is on to where it touches the next one, as a surface does that bends evenly. A facet that is met only once the
+// ball is in it would lift the ball by pushing it out, and that is energy from nowhere.
 void follow_facets(const Shape& ball, const Shape& surface, const Vector3& centre, double margin, const Vector3& shift,
                    SurfaceManifolds& result) {
   const double reach = ball.radius + margin;
@@ -187,7 +187,7 @@ void follow_facets(const Shape& ball, const Shape& surface, const Vector3& centr
   const Vector3 along = shift - shift.dot(normal) * normal;
   const double length = along.norm();
   const Nearest end = nearest_to(surface, centre + along, reach + most_bend * length);
-  const double rise = start.distance - end.distance;  // not a number where there is none
+  const double rise = start.distance - end.distance;  // minus infinity where none is in reach
   if (!(rise > least_bend * length) || rise > most_bend * length) return;
   Manifold* const manifold = replace_sheet(normal, result);
   if (manifold == nullptr) return;

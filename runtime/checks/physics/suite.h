@@ -42,10 +42,10 @@ struct PhysicsResult {
   bool expected(const PhysicsCase& test) const { return holds(test) == test.known_failure.empty(); }
 };
 
-/// Whether the last of runs in finer and finer steps is farther off than the first, by more than rounding.
+/// Returns true if the last of runs in finer and finer steps is farther off than the first, by more than rounding.
 bool grows(std::span<const PhysicsResult> runs);
-/// Whether all is as it should be: the first run, and that finer ones are not farther off, or are known to be. A known
-/// growth that is none any more has to be told, too.
+/// Returns true if all is as it should be: the first run holds, and finer ones are not farther off, or are known to be.
+/// A known growth that is none any more has to be told, too.
 bool expected(const PhysicsCase& test, std::span<const PhysicsResult> runs);
 
 /// All cases, in the order to show them.

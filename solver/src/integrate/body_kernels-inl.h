@@ -108,7 +108,7 @@ struct Tumbling {
     const V3 vector = (t1.vector + t4.vector) + splat(2) * (t2.vector + t3.vector);
     const V scalar = hn::Add(hn::Add(t1.scalar, t4.scalar), hn::Mul(splat(2), hn::Add(t2.scalar, t3.scalar)));
     const Q turn = Q{twelfth * vector, hn::Mul(twelfth, scalar)} * conjugate(q1);
-    // What spin gains, and what it has to be scaled by for the energy, less 1.
+    // The gain of spin, then 1 less the factor that keeps the energy.
     const V3 gained = sixth * change;
     const V3 now = spin + gained;
     const auto energy = [&](const V3& a, const V3& b) {

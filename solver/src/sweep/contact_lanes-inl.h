@@ -61,7 +61,7 @@ HWY_INLINE V4 load_displacement(const SolverBodies& bodies, const std::int32_t* 
   return load_rows([=](std::size_t k) { return displacement[index[k]].linear; });
 }
 
-// Likewise, how they have turned.
+// The turns of bodies since the start of the step.
 HWY_INLINE Q load_rotation(const SolverBodies& bodies, const std::int32_t* index) {
   const DisplacementRows* displacement = bodies.displacement.data();
   const V4 q = load_rows([=](std::size_t k) { return displacement[index[k]].rotation; });

@@ -216,14 +216,14 @@ void Impacts::add_if_hit(const ContactKernelData& data, std::uint32_t number_of_
     contact.time = std::min(contact.time, time);
   }
   if (!bounces) return;
-  // What swept joints hold is not put elsewhere, so it bounces where it is next to the surface: now, or as the next
-  // substep begins.
+  // A body that swept joints hold is not put elsewhere, so it bounces where it is next to the surface: now, or as the
+  // next substep begins.
   if (contact.time > 0.5 * h && (is_held(data, first.local) || is_held(data, second.local))) {
     hide(data, b, lane);
     return;
   }
 
-  // As it is then.
+  // Bodies are taken to the instant of the impact.
   for (ImpactBody* body : {&first, &second}) {
     if (body->is_hit || !body->moves()) continue;
     body->is_hit = true;

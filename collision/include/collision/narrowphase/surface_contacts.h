@@ -42,7 +42,7 @@ void collide_triangle(const Shape& solid, const Triangle& triangle, std::uint32_
 /// A ball on a surface that stands for a smooth one has the normals of that. It is going to shift by `shift` (m, in the
 /// surface's frame) in the step, and what it slides on bends: its normal is that half way, and `rise` is the part of
 /// the way that the surface gains along it from there to the end of the step, and has lost by then since its start.
-/// Likewise where plain triangles rise against it by up to a quarter of its way.
+/// Plain triangles that rise against a ball by up to a quarter of its way count as such a surface, too.
 ///
 /// With a `most_gap` (m) the gap of two that don't touch is found as well, up to so much: by the ball and the box
 /// around the solid.

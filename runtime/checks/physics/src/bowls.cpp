@@ -51,7 +51,7 @@ struct Energy {
   double left, most;  // over that at the start
 };
 
-// Of a ball for a while, from 0.5 rad up the bowl and so far (m) off it, let go or pushed around it.
+// Runs a ball for a while, from 0.5 rad up the bowl and so far (m) off it, let go or pushed around it.
 Energy energy_in_bowl(const Resolution& at, const Shape& bowl, const Vector3& position, double friction, double around,
                       double seconds, double off = 0) {
   World world = make_world(at);

@@ -107,8 +107,8 @@ double thrown(const Resolution& at, const Shape& shape, const Vector3& moments) 
   return worst;
 }
 
-// What one ball that hits two that touch leaves, each of mass 1 and without friction: their energy by what it brought,
-// and by how much one gets more than the other.
+// A ball hits two that touch, all of mass 1 and without friction. Returns their energy after it by that before it,
+// plus by how much one gets more than the other.
 double break_of_three(const Resolution& at) {
   World world = make_world(at, 0);
   const Material material{.friction = 0, .restitution = 1};

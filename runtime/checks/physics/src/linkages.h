@@ -1,5 +1,5 @@
 #pragma once
-/// What cases of joints are made of.
+/// Bodies, hinges and rods that the cases of joints share.
 
 #include "cases.h"
 
