@@ -78,8 +78,9 @@ void give_rates(const BodyTable& table, DirectJoint& joint) {
 
 // Locks ask for no rate.
 void release_locks(const Joint& of, DirectJoint& joint) {
+  joint.bend = {};
   for (std::size_t r = 0; r < joint.rows; ++r) {
-    if (law_of(of, r).locked()) joint.bend[r] = joint.law[r].lock_rate = 0;
+    if (law_of(of, r).locked()) joint.law[r].lock_rate = 0;
   }
 }
 
@@ -203,7 +204,8 @@ void note_armature(const Joint* joints, const std::vector<double>& velocities, s
   for (DirectJoint& joint : all) {
     if (!joints[joint.joint].is_actuated()) continue;
     for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) {
-      joint.kept[r] = law_of(joints[joint.joint], r).armature > 0 ? joint.rate_by(velocities, r, joint.given[r]) : 0;
+      if (law_of(joints[joint.joint], r).armature == 0) continue;
+      joint.kept[r] = joint.rate_by(velocities, r, joint.given[r]) + joint.bend[r];
     }
   }
 }

@@ -59,6 +59,15 @@ void add_impulse(const Law& of, double impulse, RowLaw& law) {
   }
 }
 
+void add_bend(const Joint& of, double bend, std::size_t row, RowLaw& law) {
+  if (bend == 0) return;
+  if (law.locked) {
+    law.lock_rate -= bend;
+  } else {
+    law.spring_rate -= law_of(of, row).armature / law.spring_slope * bend;
+  }
+}
+
 }  // namespace
 
 void note_bends(const DirectIslandInput& input, double time, double h, std::span<MovingBody> bodies,
@@ -78,7 +87,8 @@ void note_bends(const DirectIslandInput& input, double time, double h, std::span
     const Vector3 turned_second = b.next.orientation * of.anchor_second - joint.arm_second;
     if (turned_first.norm() > tuning::most_bend * joint.arm_first.norm() ||
         turned_second.norm() > tuning::most_bend * joint.arm_second.norm()) {
-      return forget_bends(problem);
+      for (DirectJoint& any : problem.joints) any.bend = {};
+      return;
     }
     std::size_t r = 0;
     if (of.point) {
@@ -90,7 +100,7 @@ void note_bends(const DirectIslandInput& input, double time, double h, std::span
     const JointFrames frames =
         joint_frames(of, a.next.position, a.next.orientation, b.next.position, b.next.orientation);
     for (std::size_t k = 0; r < joint.rows; ++r, ++k) {
-      if (!law_of(of, r).locked()) continue;
+      if (!law_of(of, r).locked() && law_of(of, r).armature == 0) continue;
       const double change = h * joint.at[r].rate(a.velocity, a.spin, b.velocity, b.spin);
       const LawRow there = law_row(of, k, frames, joint.position[r] + change);
       joint.bend[r] = (there.at.value - (joint.at[r].value + change)) / h;
@@ -98,13 +108,16 @@ void note_bends(const DirectIslandInput& input, double time, double h, std::span
   }
 }
 
-void forget_bends(IslandProblem& problem) {
-  for (DirectJoint& joint : problem.joints) joint.bend = {};
+void answer_bends(const Joint* joints, IslandProblem& problem) {
+  for (DirectJoint& joint : problem.joints) {
+    for (std::size_t r = 0; r < joint.rows; ++r) add_bend(joints[joint.joint], joint.bend[r], r, joint.law[r]);
+  }
 }
 
-void stop_bends(IslandProblem& problem) {
+void forget_bends(const Joint* joints, IslandProblem& problem) {
   for (DirectJoint& joint : problem.joints) {
-    for (std::size_t r = 0; r < joint.rows; ++r) joint.law[r].lock_rate = -joint.bend[r];
+    for (std::size_t r = 0; r < joint.rows; ++r) add_bend(joints[joint.joint], -joint.bend[r], r, joint.law[r]);
+    joint.bend = {};
   }
 }
 
@@ -166,8 +179,8 @@ bool gains_energy(const Joint* joints, const IslandProblem& problem, std::span<c
       const double from = joint.rate_by(before, r, joint.given[r]), to = joint.rate_by(after, r, joint.given[r]);
       if (rotors != Rotors::Keep) made -= std::max(0.5 * joint.impulse[r] * (to + from), 0.0);
       if (law.armature == 0) continue;
-      const double turned = rotors == Rotors::Turn ? from : joint.kept[r];
-      const double turns = rotors == Rotors::Keep ? turned + (to - from) : to;
+      const double turned = rotors == Rotors::Turn ? joint.rate_before[r] : joint.kept[r];
+      const double turns = rotors == Rotors::Keep ? turned + (to - from) : to + joint.bend[r];
       made += 0.5 * law.armature * (turns * turns - turned * turned);
       there += 0.5 * law.armature * turned * turned;
     }

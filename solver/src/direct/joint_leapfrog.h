@@ -11,14 +11,16 @@
 
 namespace atl::solver {
 
-/// By how much faster than its row says a locked coordinate gets away while bodies turn on in a substep of h seconds
-/// that ends `time` seconds into the step: what impulses then stop at once, so that little is left to be closed.
-/// Nothing where arms turn by more than tuning::most_bend.
+/// By how much faster than its row says a coordinate moves while bodies turn on in a substep of h seconds that ends
+/// `time` seconds into the step: a locked one, where impulses then stop that at once, so that little is left to be
+/// closed; and one with an armature, whose rate is that of the substep's middle. Nothing where arms turn by more than
+/// tuning::most_bend.
 void note_bends(const DirectIslandInput& input, double time, double h, std::span<MovingBody> bodies,
                 IslandProblem& problem);
-void forget_bends(IslandProblem& problem);
-/// Locks stop what is noted, too.
-void stop_bends(IslandProblem& problem);
+/// Locks stop what is noted, too, and armatures resist it.
+void answer_bends(const Joint* joints, IslandProblem& problem);
+/// Takes that back.
+void forget_bends(const Joint* joints, IslandProblem& problem);
 
 /// The laws of rows over a kick, from the rates that were noted: see RowLaw::of_kick().
 void begin_kick(const Joint* joints, double h, int sign, IslandProblem& problem);
@@ -27,7 +29,7 @@ void correct_kick(const Joint* joints, double h, int sign, IslandProblem& proble
 
 /// How rotors turn before and after impulses.
 enum class Rotors : std::uint8_t {
-  Turn,  ///< with the bodies
+  Turn,  ///< at the rates before the substep, and with the bodies and how they bend
   Keep,  ///< at the rates that armatures have kept, and with what bodies gain
   Pay,   ///< at these before, and after with the bodies
 };

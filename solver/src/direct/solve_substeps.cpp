@@ -232,8 +232,9 @@ void Substeps::begin_substep() {
 }
 
 void Substeps::foresee_bends(double time) {
+  forget_bends(input_.joints, problem_);
   note_bends(input_, time, h_, bodies_, problem_);
-  stop_bends(problem_);
+  answer_bends(input_.joints, problem_);
 }
 
 bool Substeps::find_joint_velocities(bool finds_impacts) {
@@ -292,8 +293,7 @@ bool Substeps::find_impacts() {
 bool Substeps::find_passive_velocities() {
   if (!gains_energy(input_.joints, problem_, bodies_, problem_.free, motions_.lasting, Rotors::Turn)) return true;
   leave_out_tension(bodies_, problem_);
-  forget_bends(problem_);
-  stop_bends(problem_);
+  forget_bends(input_.joints, problem_);
   return find_row_velocities();
 }
 
