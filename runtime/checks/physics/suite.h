@@ -42,6 +42,12 @@ struct PhysicsResult {
   bool expected(const PhysicsCase& test) const { return holds(test) == test.known_failure.empty(); }
 };
 
+/// The runs of a case.
+struct CaseRuns {
+  std::vector<PhysicsResult> own;  ///< at the case's step, and in finer ones that are asked for
+  PhysicsResult by_default;        ///< at the step that Resolution has
+};
+
 /// Returns true if the last of runs in finer and finer steps is farther off than the first, by more than rounding.
 bool grows(std::span<const PhysicsResult> runs);
 /// Returns true if all is as it should be: the first run holds, and finer ones are not farther off, or are known to be.
