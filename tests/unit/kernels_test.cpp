@@ -51,7 +51,7 @@ void set3(float* to, const Eigen::Vector3d& from) {
 Group random_group(std::uint32_t seed, std::uint32_t count, int pairs, const Lacking& lacking = {}) {
   Random random(seed);
   Group group;
-  group.bodies.reset(count, {.gyroscopic = true});
+  group.bodies.reset(count, {.gyroscopic = true, .blow = true});
   for (std::uint32_t body = 1; body < count; ++body) {
     VelocityRows& velocity = group.bodies.velocity[body];
     set3(velocity.linear, random.vector(2));
@@ -129,7 +129,7 @@ void simulate(Group& group, const Kernels& kernels) {
   impacts.begin_step(bodies, group.colouring.block_count());
   for (const bool again : {false, true}) {
     kernels.note_approaches(data, 0, group.colouring.block_count());
-    impacts.solve(data, Friction::Cone, again ? 1 : 0);
+    impacts.solve(data, Friction::Cone);
     kernels.integrate_velocities(group.bodies, group.constants, again, 0, bodies);
     if (!again) {
       each_colour(group, [&](std::size_t begin, std::size_t end) { kernels.warm_start(data, begin, end); });

@@ -9,7 +9,10 @@
 
 namespace atl::solver {
 
-inline Vector3 get3(const float (&from)[3]) { return {from[0], from[1], from[2]}; }
+template <std::size_t n>
+Vector3 get3(const float (&from)[n]) {
+  return {from[0], from[1], from[2]};
+}
 
 inline Vector3 get3(const std::array<float, 3>& from) { return {from[0], from[1], from[2]}; }
 
@@ -17,7 +20,8 @@ inline void set3(float (&to)[3], const Vector3& from) {
   for (int i = 0; i < 3; ++i) to[i] = static_cast<float>(from[i]);
 }
 
-inline void add3(float (&to)[3], const Vector3& gain) {
+template <std::size_t n>
+void add3(float (&to)[n], const Vector3& gain) {
   for (int i = 0; i < 3; ++i) to[i] = static_cast<float>(to[i] + gain[i]);
 }
 

@@ -10,6 +10,7 @@
 
 #include <solver/tuning.h>
 
+#include "sweep/contact_prepare-inl.h"
 #include "sweep/contact_sweep-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -25,6 +26,18 @@ HWY_INLINE V most_pull(const SolverBodies& bodies, const ContactBlock& block, st
     return hn::Abs(dot({a.x, a.y, a.z}, normal));
   };
   return hn::Add(along_normal(block.first + lane), along_normal(block.second + lane));
+}
+
+// m, by which bodies are too far apart along the normal: half a substep times what forces and contacts have changed
+// their velocities by. Steps take that back as they end (group_results.h).
+HWY_INLINE V parted_by(const SolverBodies& bodies, const ContactBlock& block, std::size_t lane, const V3& normal, V h) {
+  const auto gained = [&](const std::int32_t* index) {
+    const V4 v = load_rows([&](std::size_t k) { return bodies.velocity[index[k]].linear; });
+    const V4 blow = load_rows([&](std::size_t k) { return bodies.blow[index[k]].linear; });
+    return dot(V3{v.x, v.y, v.z} - V3{blow.x, blow.y, blow.z}, normal);
+  };
+  const V apart = hn::Sub(gained(block.second + lane), gained(block.first + lane));
+  return hn::Mul(hn::Mul(splat(0.5f), h), apart);
 }
 
 template <MovableSides movable>
@@ -45,11 +58,13 @@ void note_approaches_by(const ContactKernelData& data, std::size_t begin, std::s
       refresh_separations<max_points>(data, block, turning_of(data, b), lane, c);
       const NormalSolve solve(c, block, lane);
       const V fall = hn::Mul(h, most_pull(data.bodies, block, lane, c.normal));
+      V ahead = parted_by(data.bodies, block, lane, c.normal, h);
+      if (data.joined != nullptr) ahead = hn::IfThenElseZero(are_free(data.joined, block, lane), ahead);
       const M bouncy = hn::Gt(load(bounce.restitution + lane), zero());
       M any = hn::Lt(zero(), zero());
       for (std::size_t i = 0; i < max_points; ++i) {
         const V speed = solve.speed(load(block.x[i] + lane), load(block.y[i] + lane));
-        const V separation = load(block.separation[i] + lane);
+        const V separation = hn::Sub(load(block.separation[i] + lane), ahead);
         const V fastest = hn::Sub(speed, fall);
         const V then = hn::Add(separation, hn::Mul(h, fastest));
         any = hn::Or(any, hn::And(hn::Lt(fastest, slowest), hn::Lt(then, zero())));
@@ -58,7 +73,6 @@ void note_approaches_by(const ContactKernelData& data, std::size_t begin, std::s
         store(hn::IfThenElse(bouncy, hidden, seen[i]), block.separation[i] + lane);
       }
       any = hn::And(any, bouncy);
-      store(zero(), bounce.bounced + lane);
       std::uint8_t bits[8] = {};
       hn::StoreMaskBits(D(), any, bits);
       closes |= static_cast<unsigned>(bits[0]) << lane;

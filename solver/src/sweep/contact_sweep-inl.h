@@ -192,14 +192,13 @@ HWY_INLINE void raise_surfaces(const Sweep& sweep, ContactBlock& block, const Su
 }
 
 // After a refresh. Bouncy points that are yet to arrive are left to the substep in which they do, which has to see how
-// fast they close: so are those that nothing has touched when bodies have moved. What has bounced in this substep is
-// pushed by what it overlapped before it was put elsewhere for that.
+// fast they close: so are those that nothing has touched when bodies have moved. What has moved for an impact since the
+// substep began is pushed by what it overlapped before.
 inline void hide_bounces(const Sweep& sweep, ContactBlock& block, const BounceBlock& bounce, std::size_t lane) {
   const M bouncy = hn::Gt(load(bounce.restitution + lane), zero());
-  const M bounced = hn::Gt(load(bounce.bounced + lane), zero());
   for (std::size_t i = 0; i < block.traits.points; ++i) {
     V separation = load(block.separation[i] + lane);
-    if (!sweep.relaxes) separation = hn::IfThenElse(bounced, load(bounce.separation[i] + lane), separation);
+    if (!sweep.relaxes) separation = hn::IfThenElse(bouncy, load(bounce.separation[i] + lane), separation);
     const M yet_to_come =
         sweep.relaxes ? hn::Eq(load(block.normal_impulse[i] + lane), zero()) : hn::Gt(separation, zero());
     separation = hn::IfThenElse(hn::And(bouncy, yet_to_come), splat(collision::no_point), separation);

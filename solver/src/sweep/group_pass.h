@@ -31,7 +31,7 @@ class GroupPass {
   void complete_joints();
   void refresh_joint_rows(bool moved);
   void prepare_systems();
-  void bounce(int number);
+  void bounce();
   void note_speeds();
   void integrate_velocities(bool carries);
   void warm_start(int number);
@@ -68,7 +68,7 @@ template <typename Executor>
 void GroupPass<Executor>::substep(int number) {
   const bool carries = setup_.settings.warm_starting && number > 0;  // impulses of the last substep
   const bool last = number + 1 == setup_.settings.substeps;
-  if (report_.restitution) bounce(number);
+  if (report_.restitution) bounce();
   clock_.lap(SolverPhase::Restitution);
   note_speeds();
   integrate_velocities(carries);
@@ -151,10 +151,11 @@ void GroupPass<Executor>::prepare_systems() {
 
 // Reflects the contacts that hit within the substep, before its forces.
 template <typename Executor>
-void GroupPass<Executor>::bounce(int number) {
-  loops_.each_contact_block(
-      [&](std::size_t begin, std::size_t end) { setup_.kernels.note_approaches(setup_.contact_data, begin, end); });
-  parts_.impacts.solve(setup_.contact_data, setup_.friction, number);
+void GroupPass<Executor>::bounce() {
+  loops_.each_contact_block([&](std::size_t begin, std::size_t end) {
+    setup_.kernels.note_approaches(setup_.contact_data, begin, end);
+  });
+  parts_.impacts.solve(setup_.contact_data, setup_.friction);
 }
 
 // Before the forces of a substep: springs go by the speeds that there are now.

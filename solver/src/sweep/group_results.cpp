@@ -25,10 +25,11 @@ void write_back(const SolveInput& input, const GroupParts& parts, std::span<cons
     const Vector3 gained_spin = get3(rows.velocity[local].angular);
     // Over the substeps of a step the halves of their gains add up to that of the step's.
     const Vector3 acceleration = get3(rows.acceleration[local].linear);
-    const bool shifts = !is_joined && !parts.impacts.has_bounced(local) &&
-                        changes_steadily(gained, gained_spin, acceleration, input.dt, table.radius[body]);
+    const BlowRows blow = rows.blow.empty() ? BlowRows{} : rows.blow[local];
+    const Vector3 pulled = gained - get3(blow.linear), pulled_spin = gained_spin - get3(blow.angular);
+    const bool shifts = !is_joined && changes_steadily(pulled, pulled_spin, acceleration, input.dt, table.radius[body]);
     // In free flight spin changes by tumbling, which has its own integrator: only the position is shifted.
-    const bool flies = (gained - input.dt * acceleration).squaredNorm() <= 1e-6 * gained.squaredNorm();
+    const bool flies = (pulled - input.dt * acceleration).squaredNorm() <= 1e-6 * pulled.squaredNorm();
     table.velocity(body) += gained;
     table.angular_velocity(body) += gained_spin;
     table.position(body) += get3(rows.displacement[local].linear);
@@ -37,10 +38,10 @@ void write_back(const SolveInput& input, const GroupParts& parts, std::span<cons
       // Joints would part if bodies were shifted each by its own.
       if (joined_motion.falls(i)) table.position(body) -= 0.5 * substep * input.dt * joined_motion.acceleration(i);
     } else if (flies || shifts) {
-      table.position(body) -= 0.5 * substep * gained;
+      table.position(body) -= 0.5 * substep * pulled;
     }
     if (shifts && !flies) {
-      const Vector3 back = -0.25 * substep * gained_spin;  // half a small rotation
+      const Vector3 back = -0.25 * substep * pulled_spin;  // half a small rotation
       orientation = Quaternion(1, back.x(), back.y(), back.z()) * orientation;
     }
     table.set_orientation(body, orientation.normalized());

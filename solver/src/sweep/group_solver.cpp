@@ -123,7 +123,8 @@ void GroupSolver::gather_bodies(const SolveInput& input, const IslandGroup& grou
   rows.reset(first_dynamic + ids.size(), {.gyroscopic = report.gyroscopic_bodies > 0 || settings.everything,
                                           .correction = settings.stabilisation == Stabilisation::SplitImpulse,
                                           .locks = report.locked_bodies > 0 || settings.everything,
-                                          .shape = any_contact && (any_turns || settings.everything)});
+                                          .shape = any_contact && (any_turns || settings.everything),
+                                          .blow = report.restitution});
   rows.round_shapes = any_round_turns;
   load_kinematic_bodies(input, kinematic, rows);
   const std::vector<double> approaches = approach_speeds(input, group, parts_.numbers);

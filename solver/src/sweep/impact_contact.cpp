@@ -127,16 +127,14 @@ void reflect(std::span<ImpactContact> contacts, std::span<ImpactBody> bodies, Fr
     if (change <= tuning::impact_tolerance * speed) break;
   }
   Work all;
-  double regained = 0;
   each([&](const Acting& acting) {
     const Work work = work_of(acting);
     all.linear += work.linear;
     all.square += work.square;
     all.given += work.given;
-    regained = std::max(regained, acting.contact.regained);
   });
   // linear s + square s^2 = wanted
-  const double wanted = std::min(all.linear + all.square, all.given) + regained;
+  const double wanted = std::min(all.linear + all.square, all.given);
   const double root = all.linear * all.linear + 4 * all.square * wanted;
   const double scale = all.square > 0 && root > 0 ? (std::sqrt(root) - all.linear) / (2 * all.square) : 1;
   each([&](const Acting& acting) {

@@ -37,7 +37,6 @@ void tumble(double time, ImpactBody& body) {
 
 // From the sweeps of this substep, what the next sees to.
 void hide(const ContactKernelData& data, std::uint32_t block, std::uint32_t lane) {
-  data.bounces[block].bounced[lane] = 1;
   for (std::size_t i = 0; i < max_points; ++i) {
     data.blocks[block].separation[i][lane] = data.bounces[block].separation[i][lane] = collision::no_point;
   }
@@ -76,14 +75,13 @@ double arrival(double closing, double gap, double acceleration, double h) {
 void Impacts::begin_step(std::size_t body_count, std::size_t block_count) {
   block_count_ = block_count;
   number_.assign(body_count, none);
-  regained_.assign(body_count, 0);
   first_.clear();
 }
 
-void Impacts::solve(const ContactKernelData& data, Friction friction, int number) {
+void Impacts::solve(const ContactKernelData& data, Friction friction) {
   bodies_.clear();
   contacts_.clear();
-  find_first(data, number);
+  find_first(data);
   for (int round = 0; round < tuning::most_impact_rounds && !contacts_.empty(); ++round) {
     gather_sets();
     for (std::size_t begin = 0, end = 0; begin < contacts_.size(); begin = end) {
@@ -92,30 +90,28 @@ void Impacts::solve(const ContactKernelData& data, Friction friction, int number
       reflect(std::span(contacts_).subspan(begin, end - begin), bodies_, friction);
     }
     for (const ImpactContact& contact : contacts_) {
-      data.bounces[contact.block].bounced[contact.lane] = 1;
       for (std::size_t i = 0; i < max_points; ++i) {
         float& spent = data.bounces[contact.block].spent[i][contact.lane];
         spent = static_cast<float>(spent + contact.points[i].impulse);
       }
     }
-    find_next(data, number);
+    find_next(data);
   }
   for (const ImpactContact& contact : contacts_) hide(data, contact.block, contact.lane);
   store(data);
 }
 
-void Impacts::find_first(const ContactKernelData& data, int number) {
+void Impacts::find_first(const ContactKernelData& data) {
   for (std::size_t b = 0; b < block_count_; ++b) {
     if (!data.blocks[b].traits.bounces) continue;
     for (unsigned lane = 0; lane < block_lanes; ++lane) {
-      if (data.bounces[b].closes >> lane & 1u)
-        add_if_hit(data, static_cast<std::uint32_t>(b * block_lanes + lane), number);
+      if (data.bounces[b].closes >> lane & 1u) add_if_hit(data, static_cast<std::uint32_t>(b * block_lanes + lane));
     }
   }
 }
 
 // Finds the contacts for the next round, among those of bodies that the last round has changed.
-void Impacts::find_next(const ContactKernelData& data, int number) {
+void Impacts::find_next(const ContactKernelData& data) {
   if (first_.empty()) list_lanes(data);
   std::vector<std::uint32_t>& lanes = changed_;
   lanes.clear();
@@ -123,13 +119,12 @@ void Impacts::find_next(const ContactKernelData& data, int number) {
     if (!body.changed) continue;
     body.changed = false;
     body.bounces = true;
-    regained_[body.local] = 1;
     lanes.insert(lanes.end(), lanes_.begin() + first_[body.local], lanes_.begin() + first_[body.local + 1]);
   }
   std::sort(lanes.begin(), lanes.end());
   lanes.erase(std::unique(lanes.begin(), lanes.end()), lanes.end());
   contacts_.clear();
-  for (const std::uint32_t lane : lanes) add_if_hit(data, lane, number);
+  for (const std::uint32_t lane : lanes) add_if_hit(data, lane);
 }
 
 void Impacts::list_lanes(const ContactKernelData& data) {
@@ -176,8 +171,8 @@ std::uint32_t Impacts::body_of(const ContactKernelData& data, std::uint32_t loca
   return number;
 }
 
-void Impacts::add_if_hit(const ContactKernelData& data, std::uint32_t number_of_lane, int number) {
-  const std::uint32_t b = number_of_lane / block_lanes, lane = number_of_lane % block_lanes;
+void Impacts::add_if_hit(const ContactKernelData& data, std::uint32_t number) {
+  const std::uint32_t b = number / block_lanes, lane = number % block_lanes;
   const ContactBlock& block = data.blocks[b];
   const BounceBlock& bounce = data.bounces[b];
   if (!(bounce.restitution[lane] > 0)) return;
@@ -233,22 +228,13 @@ void Impacts::add_if_hit(const ContactKernelData& data, std::uint32_t number_of_
   place_arms();
   contact.pulled = pull * contact.time;
   const double restitution = bounce.restitution[lane];
-  double first_gap = h;
   for (std::size_t i = 0; i < block.traits.points; ++i) {
     ImpactContact::Point& point = contact.points[i];
     if (!point.hits) continue;
     point.mass = contact.mass_of(point, first, second);
     point.closing = contact.parting_speed(point, first, second);
     if (!point.bounces) continue;
-    first_gap = std::min(first_gap, gap[i]);
     point.parting = -restitution * std::min(point.closing + contact.pulled, 0.0) - contact.pulled;
-  }
-  // Semi-implicit Euler loses m (a h)^2 / 2 in each free substep. Put back by the first impact of a step is that of
-  // those before, of which e^2 is left, and of those to come.
-  if (regained_[first.local] == 0 && regained_[second.local] == 0) {
-    const double before = first_gap > 0 ? restitution * restitution * number : 0;
-    contact.regained = 0.5 * contact.linear_mass(first, second) * (h * pull) * (h * pull) *
-                       (before + data.constants.substeps - number);
   }
   ImpactContact::Friction& rubs = contact.friction;
   rubs.coefficient = block.friction[lane];
@@ -291,6 +277,9 @@ void Impacts::store(const ContactKernelData& data) {
     number_[body.local] = none;
     if (!body.bounces) continue;
     tumble(-body.time, body);
+    BlowRows& blow = data.bodies.blow[body.local];
+    add3(blow.linear, body.velocity - velocity_of(data.bodies, body.local));
+    add3(blow.angular, body.spin - spin_of(data.bodies, body.local));
     set_uncarried(data.bodies, body.local, body.velocity, body.spin);
     if (is_held(data, body.local)) continue;
     add3(data.bodies.displacement[body.local].linear, body.shift);

@@ -9,7 +9,7 @@ const std::vector<PhysicsCase>& physics_cases() {
   static const std::vector<PhysicsCase> all = [] {
     std::vector<PhysicsCase> cases;
     for (const auto add : {add_sliding, add_impacts, add_rolling, add_bowls, add_spins, add_springs, add_mechanisms,
-                           add_pendulums, add_statics, add_granular, add_invariances}) {
+                           add_pendulums, add_energies, add_statics, add_granular, add_invariances}) {
       add(cases);
     }
     return cases;

@@ -24,6 +24,7 @@ void add_springs(std::vector<PhysicsCase>& cases);
 void add_mechanisms(std::vector<PhysicsCase>& cases);
 void add_pendulums(std::vector<PhysicsCase>& cases);
 void add_statics(std::vector<PhysicsCase>& cases);
+void add_energies(std::vector<PhysicsCase>& cases);
 void add_granular(std::vector<PhysicsCase>& cases);
 void add_invariances(std::vector<PhysicsCase>& cases);
 

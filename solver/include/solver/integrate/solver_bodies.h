@@ -97,12 +97,19 @@ struct alignas(16) ShapeRows {
   float unused = 0;
 };
 
+/// By how much impacts have changed a velocity since the start of the step: at once, where forces do so over a time.
+struct alignas(32) BlowRows {
+  float linear[4] = {0, 0, 0, 0};   ///< m/s
+  float angular[4] = {0, 0, 0, 0};  ///< rad/s
+};
+
 /// Rows that groups have only if they need them.
 struct OptionalRows {
   bool gyroscopic = false;
   bool correction = false;
   bool locks = false;
   bool shape = false;
+  bool blow = false;
 };
 
 /// Bodies of one island group. Index 0 stands for every fixed body and is never written; copies of kinematic
@@ -118,6 +125,7 @@ struct SolverBodies {
   std::vector<VelocityRows> correction;    ///< by which overlap is removed in this substep; empty where nothing asks
   std::vector<LockRow> locks;              ///< empty if no body has motion locks
   std::vector<ShapeRows> shape;            ///< empty if contacts stay where they are on all bodies in the step
+  std::vector<BlowRows> blow;              ///< empty if nothing bounces
   bool round_shapes = false;               ///< some of them are of kind 2; else they turn as bodies do
   bool balls = true;                       ///< some body may be one (see DisplacementRows::carries)
 
@@ -133,12 +141,13 @@ struct SolverBodies {
     correction.assign(with.correction ? padded : 0, {});
     locks.assign(with.locks ? padded : 0, {});
     shape.assign(with.shape ? padded : 0, {});
+    blow.assign(with.blow ? padded : 0, {});
     round_shapes = false;
   }
   /// See jobs/arrays.h.
   auto arrays() const {
     return std::tie(velocity, inertia, displacement, free_velocity, start_velocity, acceleration, gyroscopic,
-                    correction, locks, shape);
+                    correction, locks, shape, blow);
   }
   std::size_t padded_count() const { return velocity.size(); }
 };

@@ -90,9 +90,8 @@ struct ContactWork {
 
 /// What a block needs beside, if its group has restitution.
 struct alignas(64) BounceBlock {
-  float separation[4][block_lanes];  ///< m, as the substep begins
+  float separation[4][block_lanes];  ///< m, as the substep begins: of what flies as far as it gets
   float spent[4][block_lanes];       ///< N s, of bounces of this step, which are not carried over
-  float bounced[block_lanes];        ///< 1 where some point has in this substep, else 0
   float restitution[block_lanes];
   std::uint8_t closes;  ///< bit a lane: some point may bounce in this substep
 };

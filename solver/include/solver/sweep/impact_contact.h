@@ -68,7 +68,6 @@ struct ImpactContact {
   Friction friction;
   double time = 0;      ///< s into the substep, at which it is hit
   double pulled = 0;    ///< m/s, that forces add to its speed of parting until then
-  double regained = 0;  ///< J, that steps lose in flight, before and after it
 
   /// m/s.
   double parting_speed(const Point& point, const ImpactBody& of_first, const ImpactBody& of_second) const {
@@ -81,11 +80,6 @@ struct ImpactContact {
       return axes[0].dot(body.inverse_mass.cwiseProduct(axes[0])) + angular.dot(body.inverse_inertia * angular);
     };
     const double all = response(of_first, arm_first) + response(of_second, arm_second);
-    return all > 0 ? 1 / all : 0;
-  }
-  /// kg, likewise if neither turned.
-  double linear_mass(const ImpactBody& of_first, const ImpactBody& of_second) const {
-    const double all = axes[0].dot((of_first.inverse_mass + of_second.inverse_mass).cwiseProduct(axes[0]));
     return all > 0 ? 1 / all : 0;
   }
   /// m, that a point is farther open by where the bodies are to begin.
@@ -104,7 +98,7 @@ struct ImpactContact {
 
 /// Finds the impulses of contacts that hit together and gives them to their bodies: 0 <= P, parting <= u, and P = 0
 /// where u is more; friction is bound by P and acts against the slip that is left. By projected Gauss-Seidel, but for
-/// rounding. Friction makes no energy: all impulses are scaled to what the normal ones make, and what is regained.
+/// rounding. Friction makes no energy: all impulses are scaled to what the normal ones make.
 void reflect(std::span<ImpactContact> contacts, std::span<ImpactBody> bodies, solver::Friction friction);
 
 }  // namespace atl::solver

@@ -25,21 +25,19 @@ class Impacts {
  public:
   /// Starts a step, once blocks are prepared. `body_count` is 0 if nothing may bounce.
   void begin_step(std::size_t body_count, std::size_t block_count);
-  /// Returns true if the body, an index into SolverBodies, has bounced in this step.
-  bool has_bounced(std::size_t body) const { return body < regained_.size() && regained_[body] != 0; }
-  /// Solves the impacts of substep `number`, after Kernels::note_approaches.
-  void solve(const ContactKernelData& data, Friction friction, int number);
+  /// Solves the impacts of a substep, after Kernels::note_approaches.
+  void solve(const ContactKernelData& data, Friction friction);
 
   /// See jobs/arrays.h.
-  auto arrays() const { return std::tie(bodies_, contacts_, number_, regained_, first_, lanes_, changed_, sets_); }
+  auto arrays() const { return std::tie(bodies_, contacts_, number_, first_, lanes_, changed_, sets_); }
 
  private:
   static constexpr std::uint32_t none = ~0u;
 
-  void find_first(const ContactKernelData& data, int number);
-  void find_next(const ContactKernelData& data, int number);
+  void find_first(const ContactKernelData& data);
+  void find_next(const ContactKernelData& data);
   void list_lanes(const ContactKernelData& data);
-  void add_if_hit(const ContactKernelData& data, std::uint32_t lane, int number);
+  void add_if_hit(const ContactKernelData& data, std::uint32_t number);
   std::uint32_t body_of(const ContactKernelData& data, std::uint32_t local);
   void gather_sets();
   void store(const ContactKernelData& data);
@@ -48,7 +46,6 @@ class Impacts {
   std::vector<ImpactBody> bodies_;       // that something has hit in this substep
   std::vector<ImpactContact> contacts_;  // of this round
   std::vector<std::uint32_t> number_;    // by local body: its place in bodies_, or none
-  std::vector<std::uint8_t> regained_;   // by local body: whether it has got back what steps lose
   std::vector<std::uint32_t> first_;     // by local body: where its lanes begin in lanes_; empty until they are listed
   std::vector<std::uint32_t> lanes_;     // of contacts that bounce: block_lanes * block + lane
   std::vector<std::uint32_t> changed_;   // lanes of what the last round has changed
