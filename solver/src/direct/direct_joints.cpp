@@ -118,7 +118,7 @@ void DirectJoints::finish(const DirectIslandInput& input) {
     const std::uint32_t body = members_.bodies[i];
     bodies_[i].now = {table.position(body), table.orientation(body)};
   }
-  settle_joints(input, bodies_, motions_);
+  static_cast<void>(settle_joints(input, bodies_, motions_));
   MovedBodies& notes = input.fast.local();
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     const std::uint32_t body = members_.bodies[i];

@@ -153,14 +153,16 @@ void close_joints(const DirectIslandInput& input, double time, double h, std::ve
   if (!pressed) follow_tension(problem, h);
 }
 
-void settle_joints(const DirectIslandInput& input, std::vector<MovingBody>& bodies, IslandMotions& motions) {
+bool settle_joints(const DirectIslandInput& input, std::vector<MovingBody>& bodies, IslandMotions& motions) {
   const IslandPoses poses{input.bodies, bodies, input.dt};
-  if (note_gaps(input.joints, poses, motions.problem.joints) <= tuning::settled_gap) return;
+  const double most = note_gaps(input.joints, poses, motions.problem.joints);
+  if (most <= tuning::settled_gap) return true;
   find_closing_motion(motions.problem, motions.search,
                       [](const DirectJoint& joint, std::size_t r) { return joint.law[r].locked ? joint.gap[r] : 0; });
-  if (longest_move(motions.search.direction) > tuning::far_at_rest) return;
+  if (longest_move(motions.search.direction) > tuning::far_at_rest) return false;
   move(bodies, 1, motions.search.direction);
   follow_coordinates(motions.search.direction, 1, motions.problem.joints);
+  return most <= tuning::open_gap;
 }
 
 }  // namespace atl::solver

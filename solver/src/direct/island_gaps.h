@@ -15,7 +15,7 @@ namespace atl::solver {
 void close_joints(const DirectIslandInput& input, double time, double h, std::vector<MovingBody>& bodies,
                   IslandMotions& motions);
 
-/// Closes what that has left, in poses, at the end of the step.
-void settle_joints(const DirectIslandInput& input, std::vector<MovingBody>& bodies, IslandMotions& motions);
+/// Closes what that has left, in poses, at the end of the step. Returns whether that was as little as it should be.
+bool settle_joints(const DirectIslandInput& input, std::vector<MovingBody>& bodies, IslandMotions& motions);
 
 }  // namespace atl::solver

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "direct/floating_momentum.h"
+#include "direct/conservation.h"
 #include "direct/island_contacts.h"
 #include "direct/island_gaps.h"
 #include "direct/island_joints.h"
@@ -148,7 +148,7 @@ bool Substeps::solve() {
   const int substeps = input_.settings.substeps;
   begin();
   if (alone_) {
-    momentum_ = FloatingMomentum(input_.joints, problem_, bodies_);
+    conserved_ = Conservation(input_, problem_, bodies_);
     kick(-1);
   }
   for (int substep = 0; substep < substeps; ++substep) {
@@ -162,10 +162,10 @@ bool Substeps::solve() {
     place_contacts({input_.bodies, bodies_, time}, problem_.contacts);
     if (!project()) return false;
   }
-  settle_joints(input_, bodies_, motions_);
+  const bool closed = settle_joints(input_, bodies_, motions_);
   if (alone_) {
     kick(1);
-    momentum_.restore(bodies_, problem_);
+    conserved_.restore(input_, bodies_, closed, problem_);
   }
   return true;
 }
@@ -193,7 +193,7 @@ void Substeps::kick(int sign) {
     linear_part(problem_.free, i) += (0.5 * sign * h_) * bodies_[i].acceleration;
     angular_part(problem_.free, i) += (0.5 * sign * h_) * turning(input_.bodies, problem_.bodies[i].body, bodies_[i]);
   }
-  momentum_.add_forces(problem_, bodies_);
+  conserved_.add_forces(problem_, bodies_);
   if (!rows_.acts && sign < 0) {
     problem_.velocity = problem_.free;
     return;
@@ -224,7 +224,7 @@ void Substeps::kick(int sign) {
 bool Substeps::find_velocities(double time) {
   motions_.lasting = problem_.velocity;
   free_velocities_of_substep(input_.bodies, bodies_, h_, alone_, problem_);
-  if (alone_) momentum_.add_forces(problem_, bodies_);
+  if (alone_) conserved_.add_forces(problem_, bodies_);
   if (!rows_.all_locked) note_rates(motions_.lasting, problem_.joints);
   begin_substep();
   if (alone_) {

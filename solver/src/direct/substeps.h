@@ -8,7 +8,7 @@
 
 #include <vector>
 
-#include "direct/floating_momentum.h"
+#include "direct/conservation.h"
 #include "direct/island_joints.h"
 
 namespace atl::solver {
@@ -66,9 +66,9 @@ class Substeps {
   // Nothing presses on the joints in this system. If nothing does at all, velocities are half a substep behind
   // positions, as a leapfrog has them.
   const bool alone_;
-  const bool by_bodies_;       // the matrix has a node a body, else a joint
-  const double h_;             // s
-  FloatingMomentum momentum_;  // of an island that is alone
+  const bool by_bodies_;    // the matrix has a node a body, else a joint
+  const double h_;          // s
+  Conservation conserved_;  // of an island that is alone
 };
 
 }  // namespace atl::solver

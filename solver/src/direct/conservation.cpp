@@ -1,0 +1,200 @@
+#include "direct/conservation.h"
+
+#include <solver/tuning.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "direct/island_joints.h"
+#include "integrate/matrix3.h"
+
+namespace atl::solver {
+namespace {
+
+// A gear's bearings are elsewhere, and hold it.
+bool floats(const Joint* joints, const IslandProblem& problem) {
+  return std::all_of(problem.joints.begin(), problem.joints.end(), [&](const DirectJoint& joint) {
+    const Joint& of = joints[joint.joint];
+    return joint.first != no_body && joint.second != no_body &&
+           std::none_of(of.coordinate.begin(), of.coordinate.begin() + of.rows, is_geared);
+  });
+}
+
+bool stands(const BodyTable& table, std::uint32_t body) {
+  return table.velocity(body).isZero(0) && table.angular_velocity(body).isZero(0);
+}
+
+bool gives_back(const Law& law, int limit) {
+  return limit == 0 && !law.drives() && !law.springs() && law.restitution == 0;
+}
+
+// Whether nothing takes energy from the island, or gives it any but forces on its bodies.
+bool keeps_energy(const DirectIslandInput& input, const IslandProblem& problem) {
+  const BodyTable& table = input.bodies;
+  for (const DirectBody& body : problem.bodies) {
+    if (table.linear_damping[body.body] != 0 || table.angular_damping[body.body] != 0) return false;
+  }
+  for (const DirectJoint& joint : problem.joints) {
+    if (joint.first == no_body && !stands(table, joint.first_body)) return false;
+    if (joint.second == no_body && !stands(table, joint.second_body)) return false;
+    for (std::size_t r = 0; r < joint.rows; ++r) {
+      const Law& law = law_of(input.joints[joint.joint], r);
+      if (!law.locked() && !gives_back(law, joint.limit[r])) return false;
+    }
+  }
+  return true;
+}
+
+double mass_of(const IslandProblem& problem) {
+  double sum = 0;
+  for (const DirectBody& body : problem.bodies) sum += body.mass;
+  return sum;
+}
+
+Vector3 centre_of_mass(const IslandProblem& problem, std::span<const MovingBody> bodies) {
+  const Vector3 origin = bodies.front().now.position;
+  Vector3 sum = Vector3::Zero();
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    sum += problem.bodies[i].mass * (bodies[i].now.position - origin);
+  }
+  return origin + sum / mass_of(problem);
+}
+
+// kg m^2, world frame: bodies may have moved since they had it last.
+Matrix3 inertia_of(const MovingBody& body) {
+  const Matrix3 rotation = body.now.orientation.toRotationMatrix();
+  return symmetric_product(product(rotation, body.body_inertia), rotation);
+}
+
+Vector3 angular_momentum(const IslandProblem& problem, std::span<const MovingBody> bodies, const Vector3& about,
+                         const std::vector<double>& velocity) {
+  Vector3 sum = Vector3::Zero();
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    sum += (bodies[i].now.position - about).cross(problem.bodies[i].mass * linear_part(velocity, i));
+    const Vector3 spin = angular_part(velocity, i);
+    sum += product(inertia_of(bodies[i]), spin);
+  }
+  return sum;
+}
+
+double kinetic_energy(const IslandProblem& problem, std::span<const MovingBody> bodies,
+                      const std::vector<double>& velocity) {
+  double sum = 0;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const Vector3 spin = angular_part(velocity, i);
+    sum += problem.bodies[i].mass * linear_part(velocity, i).squaredNorm() +
+           spin.dot(product(inertia_of(bodies[i]), spin));
+  }
+  return 0.5 * sum;
+}
+
+double energy_of_rotors(const Joint* joints, const IslandProblem& problem) {
+  double sum = 0;
+  for (const DirectJoint& joint : problem.joints) {
+    for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) {
+      const Law& law = law_of(joints[joint.joint], r);
+      if (law.armature == 0) continue;
+      const double rate = joint.rate_by(problem.velocity, r, joint.given[r]);
+      sum += 0.5 * law.armature * rate * rate;
+    }
+  }
+  return sum;
+}
+
+// J, of the forces on bodies, which are what they are for all of the step.
+double work_of_forces(const DirectIslandInput& input, const IslandProblem& problem,
+                      std::span<const MovingBody> bodies) {
+  double sum = 0;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const MovingBody& body = bodies[i];
+    sum += problem.bodies[i].mass * body.acceleration.dot(body.now.position - body.start.position);
+    const Vector3 torque = input.bodies.torque(problem.bodies[i].body);
+    if (torque.isZero(0)) continue;
+    const Eigen::AngleAxisd turn(body.now.orientation * body.start.orientation.conjugate());
+    sum += turn.angle() * torque.dot(turn.axis());
+  }
+  return sum;
+}
+
+// The motion of the whole as one body.
+struct Drift {
+  Vector3 centre, velocity, spin;
+  double energy;  // J
+};
+
+Drift drift_of(const IslandProblem& problem, std::span<const MovingBody> bodies, const Matrix3& inertia,
+               const Vector3& centre) {
+  Drift drift{centre, Vector3::Zero(), Vector3::Zero(), 0};
+  const double mass = mass_of(problem);
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    drift.velocity += problem.bodies[i].mass * linear_part(problem.velocity, i);
+  }
+  drift.velocity /= mass;
+  const Vector3 momentum = angular_momentum(problem, bodies, centre, problem.velocity);
+  drift.spin = product(symmetric_inverse(inertia), momentum);
+  drift.energy = 0.5 * (mass * drift.velocity.squaredNorm() + drift.spin.dot(momentum));
+  return drift;
+}
+
+// kg m^2, of all bodies as one.
+Matrix3 inertia_about(const Vector3& centre, const IslandProblem& problem, std::span<const MovingBody> bodies) {
+  Matrix3 sum = Matrix3::Zero();
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const Vector3 arm = bodies[i].now.position - centre;
+    sum += inertia_of(bodies[i]) +
+           problem.bodies[i].mass * (arm.squaredNorm() * Matrix3::Identity() - arm * arm.transpose());
+  }
+  return sum;
+}
+
+}  // namespace
+
+Conservation::Conservation(const DirectIslandInput& input, const IslandProblem& problem,
+                           std::span<const MovingBody> bodies)
+    : floats_(floats(input.joints, problem)), keeps_energy_(keeps_energy(input, problem)) {
+  if (floats_) {
+    about_ = centre_of_mass(problem, bodies);
+    momentum_ = angular_momentum(problem, bodies, about_, problem.velocity);
+  }
+  if (keeps_energy_) {
+    energy_ = kinetic_energy(problem, bodies, problem.velocity) + energy_of_rotors(input.joints, problem);
+  }
+}
+
+void Conservation::add_forces(const IslandProblem& problem, std::span<const MovingBody> bodies) {
+  if (!floats_) return;
+  momentum_ += angular_momentum(problem, bodies, about_, problem.free) -
+               angular_momentum(problem, bodies, about_, problem.velocity);
+}
+
+void Conservation::restore(const DirectIslandInput& input, std::span<const MovingBody> bodies, bool closed,
+                           IslandProblem& problem) const {
+  const bool scales = keeps_energy_ && closed && keeps_energy(input, problem);
+  if (!floats_ && !scales) return;
+  Drift drift{Vector3::Zero(), Vector3::Zero(), Vector3::Zero(), 0};
+  if (floats_) {
+    const Vector3 centre = centre_of_mass(problem, bodies);
+    const Matrix3 inertia = inertia_about(centre, problem, bodies);
+    const Vector3 lacking = momentum_ - angular_momentum(problem, bodies, about_, problem.velocity);
+    const Vector3 turn = product(symmetric_inverse(inertia), lacking);
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      linear_part(problem.velocity, i) += turn.cross(bodies[i].now.position - centre);
+      angular_part(problem.velocity, i) += turn;
+    }
+    if (scales) drift = drift_of(problem, bodies, inertia, centre);
+  }
+  if (!scales) return;
+  const double moving =
+      kinetic_energy(problem, bodies, problem.velocity) + energy_of_rotors(input.joints, problem) - drift.energy;
+  const double right = energy_ + work_of_forces(input, problem, bodies) - drift.energy;
+  if (!(moving > tuning::least_energy * mass_of(problem))) return;
+  const double square = std::clamp(right / moving, 1 - tuning::most_energy_restored, 1 + tuning::most_energy_restored);
+  const double factor = std::sqrt(square);
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const Vector3 velocity = drift.velocity + drift.spin.cross(bodies[i].now.position - drift.centre);
+    linear_part(problem.velocity, i) = velocity + factor * (linear_part(problem.velocity, i) - velocity);
+    angular_part(problem.velocity, i) = drift.spin + factor * (angular_part(problem.velocity, i) - drift.spin);
+  }
+}
+
+}  // namespace atl::solver

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <solver/direct/direct_island_input.h>
+#include <solver/direct/island_problem.h>
+#include <solver/direct/moving_bodies.h>
+
+#include <span>
+#include <vector>
+
+namespace atl::solver {
+
+/// What the joints of an island that nothing touches can't change over a step: its energy, where they only hold, and
+/// turn rotors; and its angular momentum, where nothing holds the island. A leapfrog of springs needs no more: it is
+/// off by as much at the end as at the start, and its frequencies would be farther off.
+/// Both are restored as the step ends, along motions that joints allow (Hairer, Lubich and Wanner, "Geometric Numerical
+/// Integration", IV.4: projection onto invariants): momentum by a turn of the whole, energy by a factor on the speeds
+/// of bodies against each other, or against what holds them.
+class Conservation {
+ public:
+  Conservation() = default;
+  /// As the step begins, with rows in place.
+  Conservation(const DirectIslandInput& input, const IslandProblem& problem, std::span<const MovingBody> bodies);
+
+  /// Notes what forces from outside do: the problem's free velocities over its velocities.
+  void add_forces(const IslandProblem& problem, std::span<const MovingBody> bodies);
+  /// As the step ends. `closed`: no joint is open.
+  void restore(const DirectIslandInput& input, std::span<const MovingBody> bodies, bool closed,
+               IslandProblem& problem) const;
+
+ private:
+  bool floats_ = false;                 // nothing holds the island
+  bool keeps_energy_ = false;           // joints only hold, and turn rotors
+  Vector3 about_ = Vector3::Zero();     // m, what momentum is about
+  Vector3 momentum_ = Vector3::Zero();  // kg m^2/s, that there should be
+  double energy_ = 0;                   // J, of motion, as the step begins
+};
+
+}  // namespace atl::solver
