@@ -165,7 +165,8 @@ TEST(Joined, MomentumStays) {
   EXPECT_GT(at_once, 5);
   double scale = 0;
   for (const BodyId id : ids) scale += world.mass(id) * 2;
-  EXPECT_LT((momentum(world, ids) - before).norm(), 1e-7 * scale);
+  // Some steps are swept: by single precision, whose rounding is 6e-8.
+  EXPECT_LT((momentum(world, ids) - before).norm(), 3e-7 * scale);
 }
 
 // Ragdolls in a heap: nothing opens, and nothing flies.

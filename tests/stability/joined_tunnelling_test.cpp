@@ -156,7 +156,9 @@ TEST_P(JoinedTunnelling, AChainThatLiesAndWhipsIsNotHeld) {
     return run.world.pose(run.ids.back()).position;
   };
   for (const int steps : {1, 3, 10}) {
-    EXPECT_NEAR((tip_after(true, steps) - tip_after(false, steps)).norm(), 0, 0.05) << steps;
+    // Alone it keeps its energy, on the ground it loses some: by 5% of its way they differ.
+    const double way = 40 * steps * dt;
+    EXPECT_NEAR((tip_after(true, steps) - tip_after(false, steps)).norm(), 0, 0.05 * way) << steps;
     EXPECT_GT((tip_after(true, steps) - Vector3(1.9, 0, 0.03)).norm(), 0.05) << steps;
   }
 }

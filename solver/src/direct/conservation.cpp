@@ -24,12 +24,19 @@ bool stands(const BodyTable& table, std::uint32_t body) {
   return table.velocity(body).isZero(0) && table.angular_velocity(body).isZero(0);
 }
 
-bool gives_back(const Law& law, int limit) {
-  return limit == 0 && !law.drives() && !law.springs() && law.restitution == 0;
+// Tells what only holds, or turns a rotor, within its range.
+bool keeps_energy(const Joint* joints, const IslandProblem& problem) {
+  for (const DirectJoint& joint : problem.joints) {
+    for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) {
+      const Law& law = law_of(joints[joint.joint], r);
+      if (joint.limit[r] != 0 || law.drives() || law.springs() || law.restitution > 0) return false;
+    }
+  }
+  return true;
 }
 
-// Whether nothing takes energy from the island, or gives it any but forces on its bodies.
-bool keeps_energy(const DirectIslandInput& input, const IslandProblem& problem) {
+// Whether only forces on its bodies give an island energy, or take it, but for what joints do.
+bool is_closed(const DirectIslandInput& input, const IslandProblem& problem) {
   const BodyTable& table = input.bodies;
   for (const DirectBody& body : problem.bodies) {
     if (table.linear_damping[body.body] != 0 || table.angular_damping[body.body] != 0) return false;
@@ -37,10 +44,6 @@ bool keeps_energy(const DirectIslandInput& input, const IslandProblem& problem) 
   for (const DirectJoint& joint : problem.joints) {
     if (joint.first == no_body && !stands(table, joint.first_body)) return false;
     if (joint.second == no_body && !stands(table, joint.second_body)) return false;
-    for (std::size_t r = 0; r < joint.rows; ++r) {
-      const Law& law = law_of(input.joints[joint.joint], r);
-      if (!law.locked() && !gives_back(law, joint.limit[r])) return false;
-    }
   }
   return true;
 }
@@ -60,30 +63,23 @@ Vector3 centre_of_mass(const IslandProblem& problem, std::span<const MovingBody>
   return origin + sum / mass_of(problem);
 }
 
-// kg m^2, world frame: bodies may have moved since they had it last.
-Matrix3 inertia_of(const MovingBody& body) {
-  const Matrix3 rotation = body.now.orientation.toRotationMatrix();
-  return symmetric_product(product(rotation, body.body_inertia), rotation);
-}
-
 Vector3 angular_momentum(const IslandProblem& problem, std::span<const MovingBody> bodies, const Vector3& about,
                          const std::vector<double>& velocity) {
   Vector3 sum = Vector3::Zero();
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    sum += (bodies[i].now.position - about).cross(problem.bodies[i].mass * linear_part(velocity, i));
     const Vector3 spin = angular_part(velocity, i);
-    sum += product(inertia_of(bodies[i]), spin);
+    sum += (bodies[i].now.position - about).cross(problem.bodies[i].mass * linear_part(velocity, i));
+    sum += product(bodies[i].inertia, spin);
   }
   return sum;
 }
 
-double kinetic_energy(const IslandProblem& problem, std::span<const MovingBody> bodies,
-                      const std::vector<double>& velocity) {
+double kinetic_energy(const IslandProblem& problem, std::span<const MovingBody> bodies) {
   double sum = 0;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    const Vector3 spin = angular_part(velocity, i);
-    sum += problem.bodies[i].mass * linear_part(velocity, i).squaredNorm() +
-           spin.dot(product(inertia_of(bodies[i]), spin));
+    const Vector3 spin = angular_part(problem.velocity, i);
+    sum += problem.bodies[i].mass * linear_part(problem.velocity, i).squaredNorm() +
+           spin.dot(product(bodies[i].inertia, spin));
   }
   return 0.5 * sum;
 }
@@ -141,23 +137,25 @@ Matrix3 inertia_about(const Vector3& centre, const IslandProblem& problem, std::
   Matrix3 sum = Matrix3::Zero();
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const Vector3 arm = bodies[i].now.position - centre;
-    sum += inertia_of(bodies[i]) +
-           problem.bodies[i].mass * (arm.squaredNorm() * Matrix3::Identity() - arm * arm.transpose());
+    sum +=
+        bodies[i].inertia + problem.bodies[i].mass * (arm.squaredNorm() * Matrix3::Identity() - arm * arm.transpose());
   }
   return sum;
 }
 
 }  // namespace
 
-Conservation::Conservation(const DirectIslandInput& input, const IslandProblem& problem,
+Conservation::Conservation(const DirectIslandInput& input, const RowKinds& rows, const IslandProblem& problem,
                            std::span<const MovingBody> bodies)
-    : floats_(floats(input.joints, problem)), keeps_energy_(keeps_energy(input, problem)) {
+    : all_locked_(rows.all_locked),
+      floats_(floats(input.joints, problem)),
+      keeps_energy_((all_locked_ || keeps_energy(input.joints, problem)) && is_closed(input, problem)) {
   if (floats_) {
     about_ = centre_of_mass(problem, bodies);
     momentum_ = angular_momentum(problem, bodies, about_, problem.velocity);
   }
   if (keeps_energy_) {
-    energy_ = kinetic_energy(problem, bodies, problem.velocity) + energy_of_rotors(input.joints, problem);
+    energy_ = kinetic_energy(problem, bodies) + (all_locked_ ? 0 : energy_of_rotors(input.joints, problem));
   }
 }
 
@@ -167,9 +165,9 @@ void Conservation::add_forces(const IslandProblem& problem, std::span<const Movi
                angular_momentum(problem, bodies, about_, problem.velocity);
 }
 
-void Conservation::restore(const DirectIslandInput& input, std::span<const MovingBody> bodies, bool closed,
+void Conservation::restore(const DirectIslandInput& input, std::span<const MovingBody> bodies, bool resolved,
                            IslandProblem& problem) const {
-  const bool scales = keeps_energy_ && closed && keeps_energy(input, problem);
+  const bool scales = keeps_energy_ && resolved && (all_locked_ || keeps_energy(input.joints, problem));
   if (!floats_ && !scales) return;
   Drift drift{Vector3::Zero(), Vector3::Zero(), Vector3::Zero(), 0};
   if (floats_) {
@@ -184,8 +182,8 @@ void Conservation::restore(const DirectIslandInput& input, std::span<const Movin
     if (scales) drift = drift_of(problem, bodies, inertia, centre);
   }
   if (!scales) return;
-  const double moving =
-      kinetic_energy(problem, bodies, problem.velocity) + energy_of_rotors(input.joints, problem) - drift.energy;
+  const double rotors = all_locked_ ? 0 : energy_of_rotors(input.joints, problem);
+  const double moving = kinetic_energy(problem, bodies) + rotors - drift.energy;
   const double right = energy_ + work_of_forces(input, problem, bodies) - drift.energy;
   if (!(moving > tuning::least_energy * mass_of(problem))) return;
   const double square = std::clamp(right / moving, 1 - tuning::most_energy_restored, 1 + tuning::most_energy_restored);

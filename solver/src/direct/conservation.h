@@ -19,15 +19,18 @@ class Conservation {
  public:
   Conservation() = default;
   /// As the step begins, with rows in place.
-  Conservation(const DirectIslandInput& input, const IslandProblem& problem, std::span<const MovingBody> bodies);
+  Conservation(const DirectIslandInput& input, const RowKinds& rows, const IslandProblem& problem,
+               std::span<const MovingBody> bodies);
 
   /// Notes what forces from outside do: the problem's free velocities over its velocities.
   void add_forces(const IslandProblem& problem, std::span<const MovingBody> bodies);
-  /// As the step ends. `closed`: no joint is open.
-  void restore(const DirectIslandInput& input, std::span<const MovingBody> bodies, bool closed,
+  /// As the step ends. `resolved`: joints are closed, and arms have turned by little in each substep; else energy is
+  /// left as it is.
+  void restore(const DirectIslandInput& input, std::span<const MovingBody> bodies, bool resolved,
                IslandProblem& problem) const;
 
  private:
+  bool all_locked_ = true;              // rows of joints
   bool floats_ = false;                 // nothing holds the island
   bool keeps_energy_ = false;           // joints only hold, and turn rotors
   Vector3 about_ = Vector3::Zero();     // m, what momentum is about

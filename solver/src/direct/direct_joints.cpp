@@ -6,6 +6,7 @@
 #include "direct/island_gaps.h"
 #include "direct/island_joints.h"
 #include "direct/island_solves.h"
+#include "direct/joint_leapfrog.h"
 #include "direct/substeps.h"
 #include "integrate/rows3.h"
 
@@ -60,6 +61,7 @@ void DirectJoints::solve_velocities(const DirectIslandInput& input, int substep,
   Substeps joints(input, bodies_, motions_, rows_);
   load_velocities(bodies);
   problem.free = motions_.lasting;
+  forget_bends(input.joints, problem);
   joints.foresee_bends(input.substep() * (substep + 1));
   for (std::size_t i = 0; i < answer_.size(); ++i) problem.free[i] -= answer_[i];
   if (!joints.find_joint_velocities(!solved_)) {

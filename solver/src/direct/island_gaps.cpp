@@ -161,6 +161,7 @@ bool settle_joints(const DirectIslandInput& input, std::vector<MovingBody>& bodi
                       [](const DirectJoint& joint, std::size_t r) { return joint.law[r].locked ? joint.gap[r] : 0; });
   if (longest_move(motions.search.direction) > tuning::far_at_rest) return false;
   move(bodies, 1, motions.search.direction);
+  turn_inertia(bodies);
   follow_coordinates(motions.search.direction, 1, motions.problem.joints);
   return most <= tuning::open_gap;
 }

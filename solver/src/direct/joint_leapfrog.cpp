@@ -59,23 +59,29 @@ void add_impulse(const Law& of, double impulse, RowLaw& law) {
   }
 }
 
+// The square of the angle by which an arm turns, but for a fourth order.
+double square_of_swing(const Vector3& by, const Vector3& arm) {
+  const double square = arm.squaredNorm();
+  return square > 0 ? by.squaredNorm() / square : 0;
+}
+
 void add_bend(const Joint& of, double bend, std::size_t row, RowLaw& law) {
-  if (bend == 0) return;
   if (law.locked) {
     law.lock_rate -= bend;
-  } else {
+  } else if (bend != 0) {
     law.spring_rate -= law_of(of, row).armature / law.spring_slope * bend;
   }
 }
 
 }  // namespace
 
-void note_bends(const DirectIslandInput& input, double time, double h, std::span<MovingBody> bodies,
-                IslandProblem& problem) {
+double note_bends(const DirectIslandInput& input, double time, double h, std::span<MovingBody> bodies,
+                  IslandProblem& problem) {
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     bodies[i].next = next_pose(input.bodies, h, bodies[i], problem.bodies[i].body, linear_part(problem.free, i),
                                angular_part(problem.free, i));
   }
+  double square = 0;
   for (DirectJoint& joint : problem.joints) {
     BodyPose other;
     const Side a = side_of(input.bodies, time, bodies, problem.free, joint.first, joint.first_body, other);
@@ -85,11 +91,8 @@ void note_bends(const DirectIslandInput& input, double time, double h, std::span
     const Joint& of = input.joints[joint.joint];
     const Vector3 turned_first = a.next.orientation * of.anchor_first - joint.arm_first;
     const Vector3 turned_second = b.next.orientation * of.anchor_second - joint.arm_second;
-    if (turned_first.norm() > tuning::most_bend * joint.arm_first.norm() ||
-        turned_second.norm() > tuning::most_bend * joint.arm_second.norm()) {
-      for (DirectJoint& any : problem.joints) any.bend = {};
-      return;
-    }
+    square = std::max(
+        {square, square_of_swing(turned_first, joint.arm_first), square_of_swing(turned_second, joint.arm_second)});
     std::size_t r = 0;
     if (of.point) {
       const Vector3 bend =
@@ -106,6 +109,11 @@ void note_bends(const DirectIslandInput& input, double time, double h, std::span
       joint.bend[r] = (there.at.value - (joint.at[r].value + change)) / h;
     }
   }
+  const double swing = std::sqrt(square);
+  if (swing > tuning::most_bend) {
+    for (DirectJoint& joint : problem.joints) joint.bend = {};
+  }
+  return swing;
 }
 
 void answer_bends(const Joint* joints, IslandProblem& problem) {

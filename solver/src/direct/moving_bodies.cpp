@@ -59,13 +59,16 @@ bool load_bodies(const DirectIslandInput& input, const IslandMembers& members, I
   return true;
 }
 
-void place_inertia(IslandProblem& problem, std::span<MovingBody> bodies, double h) {
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
-    MovingBody& body = bodies[i];
+void turn_inertia(std::span<MovingBody> bodies) {
+  for (MovingBody& body : bodies) {
     const Matrix3 rotation = body.now.orientation.toRotationMatrix();
     body.inertia = symmetric_product(product(rotation, body.body_inertia), rotation);
-    problem.bodies[i].inertia = body.inertia;
   }
+}
+
+void place_inertia(IslandProblem& problem, std::span<MovingBody> bodies, double h) {
+  turn_inertia(bodies);
+  for (std::size_t i = 0; i < bodies.size(); ++i) problem.bodies[i].inertia = bodies[i].inertia;
   for (const DirectJoint& joint : problem.joints) {
     const auto add = [&](std::uint32_t body, const Vector3& arm, const Vector3& force) {
       if (body == no_body || !(arm.dot(force) > 0)) return;

@@ -148,7 +148,7 @@ bool Substeps::solve() {
   const int substeps = input_.settings.substeps;
   begin();
   if (alone_) {
-    conserved_ = Conservation(input_, problem_, bodies_);
+    conserved_ = Conservation(input_, rows_, problem_, bodies_);
     kick(-1);
   }
   for (int substep = 0; substep < substeps; ++substep) {
@@ -165,7 +165,7 @@ bool Substeps::solve() {
   const bool closed = settle_joints(input_, bodies_, motions_);
   if (alone_) {
     kick(1);
-    conserved_.restore(input_, bodies_, closed, problem_);
+    conserved_.restore(input_, bodies_, closed && swing_ <= tuning::most_resolved_swing, problem_);
   }
   return true;
 }
@@ -241,8 +241,7 @@ void Substeps::begin_substep() {
 }
 
 void Substeps::foresee_bends(double time) {
-  forget_bends(input_.joints, problem_);
-  note_bends(input_, time, h_, bodies_, problem_);
+  swing_ = std::max(swing_, note_bends(input_, time, h_, bodies_, problem_));
   answer_bends(input_.joints, problem_);
 }
 

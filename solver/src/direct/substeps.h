@@ -68,6 +68,7 @@ class Substeps {
   const bool alone_;
   const bool by_bodies_;    // the matrix has a node a body, else a joint
   const double h_;          // s
+  double swing_ = 0;        // rad, by which an arm has turned in a substep
   Conservation conserved_;  // of an island that is alone
 };
 

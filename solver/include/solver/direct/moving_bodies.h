@@ -27,6 +27,9 @@ struct MovingBody {
 bool load_bodies(const DirectIslandInput& input, const IslandMembers& members, IslandProblem& problem,
                  std::vector<MovingBody>& bodies);
 
+/// Their own inertia at the poses of now.
+void turn_inertia(std::span<MovingBody> bodies);
+
 /// Inertia at the poses of now, with what the tension in joints makes of it in h seconds.
 void place_inertia(IslandProblem& problem, std::span<MovingBody> bodies, double h);
 
