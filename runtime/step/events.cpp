@@ -3,6 +3,7 @@
 #include <features/with_joints.h>
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "step/contact_phase.h"
@@ -56,7 +57,8 @@ ContactEvent began(const Stores& world, const std::pair<BodyId, BodyId>& pair, d
 
 // Bodies may have several contacts with each other, so what counts is the list of bodies that touch. Of two bodies all
 // contacts are idle or none is, and idle ones touch as they did.
-void note_events(Stores& world, ContactEvents& events, bool islands_rebuilt, const StepContext& step) {
+void note_events(Stores& world, ContactEvents& events, std::span<const std::pair<BodyId, BodyId>> hits,
+                 bool islands_rebuilt, const StepContext& step) {
   events.events.clear();
   // Nobody touched in the last step who could stop in this.
   if (events.reported && !islands_rebuilt && events.now.empty() && world.cache.order().empty()) return;
@@ -77,6 +79,10 @@ void note_events(Stores& world, ContactEvents& events, bool islands_rebuilt, con
     const auto [a, b] = std::minmax(contact.body_first, contact.body_second);
     events.now.emplace_back(id(a), id(b));
   }
+  // What has come out of contact by quarantine since touches nobody.
+  std::copy_if(hits.begin(), hits.end(), std::back_inserter(events.now), [&](const auto& pair) {
+    return !world.quarantine.contains(pair.first.index) && !world.quarantine.contains(pair.second.index);
+  });
   std::sort(events.now.begin(), events.now.end());
   events.now.erase(std::unique(events.now.begin(), events.now.end()), events.now.end());
 
@@ -149,14 +155,24 @@ void keep_driven_awake(Stores& world, std::uint32_t joint) {
 
 }  // namespace
 
-void note_contact_events(Stores& world, bool islands_rebuilt, const StepContext& step) {
+void add_hits(const Stores& world, std::span<const std::uint8_t> pushed, std::vector<std::pair<BodyId, BodyId>>& hits) {
+  if (pushed.empty()) return;
+  for (const std::uint32_t slot : world.cache.order().slots()) {
+    if (pushed[slot] == 0) continue;
+    const auto [a, b] = std::minmax(world.cache.contacts[slot].body_first, world.cache.contacts[slot].body_second);
+    hits.emplace_back(id_of(world, a), id_of(world, b));
+  }
+}
+
+void note_contact_events(Stores& world, std::span<const std::pair<BodyId, BodyId>> hits, bool islands_rebuilt,
+                         const StepContext& step) {
   const Settings& settings = world.settings;
   StepResults& results = world.results;
   if (settings.contact_events) {
-    note_events(world, results.contact_events, islands_rebuilt, step);
+    note_events(world, results.contact_events, hits, islands_rebuilt, step);
   } else {
     results.contact_events.events.clear();
-    if (settings.run_everything) note_events(world, results.unasked_events, islands_rebuilt, step);
+    if (settings.run_everything) note_events(world, results.unasked_events, hits, islands_rebuilt, step);
   }
   results.contact_events.reported = settings.contact_events;
   results.unasked_events.reported = settings.run_everything && !settings.contact_events;

@@ -3,7 +3,10 @@
 
 #include <solver/islands/joint_graph.h>
 
+#include <cstdint>
 #include <span>
+#include <utility>
+#include <vector>
 
 #include "step/step_context.h"
 #include "world/containment.h"
@@ -11,7 +14,11 @@
 
 namespace atl {
 
-void note_contact_events(Stores& world, bool islands_rebuilt, const StepContext& step);
+/// Adds the pairs of bodies whose contacts have pushed, by slot; where none is asked for, `pushed` is empty.
+void add_hits(const Stores& world, std::span<const std::uint8_t> pushed, std::vector<std::pair<BodyId, BodyId>>& hits);
+/// `hits`: what has touched within the step, however it ended.
+void note_contact_events(Stores& world, std::span<const std::pair<BodyId, BodyId>> hits, bool islands_rebuilt,
+                         const StepContext& step);
 /// Of joints that act on awake bodies: those that break, and that reach or leave ends of their ranges. What a motor
 /// moves stays awake. Those of bodies that the solve broke tell nothing.
 void note_joint_events(Stores& world, std::span<const solver::JointLink> acting,

@@ -89,6 +89,7 @@ void StepPipeline::build_islands(Stores& world, const StepContext& step) {
 void StepPipeline::solve_islands(Stores& world, const StepContext& step) {
   if constexpr (with_continuous) continuous_.watch_pressed(world, contacts_);
   solve_.solve(world, step, contacts_.added_slips(), islands_);
+  add_hits(world, solve_.pushed(), hits_);
   if (world.settings.target.is_set()) solve_.note_errors(world, step, contacts_.touching(), islands_);
 }
 
@@ -103,7 +104,8 @@ void StepPipeline::finish(Stores& world, const StepContext& step) {
   clear_forces(world);
   rebuilt_ |= islands_.rebuilt();
   if (step.ends_step) {
-    note_contact_events(world, std::exchange(rebuilt_, false), step);
+    note_contact_events(world, hits_, std::exchange(rebuilt_, false), step);
+    hits_.clear();
     note_sensor_events(world, step.arena);
   }
   if (with_joints && world.joints.size() > 0) note_joint_events(world, islands_.acting_joints(), broken_);

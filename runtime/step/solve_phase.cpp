@@ -207,6 +207,8 @@ void SolvePhase::solve_groups(Stores& world, const StepContext& step, const solv
   const bool captures =
       world.settings.keep_contact_problem || world.settings.run_everything || measures_residual(world);
   if (captures) capture_.resize(world.cache.manifolds.size(), world.bodies.size());
+  const bool tells_events = world.settings.contact_events || world.settings.run_everything;
+  pushed_.assign(tells_events ? world.cache.manifolds.size() : 0, 0);
   const bool surfaces =
       with_surfaces && (world.settings.run_everything || !world.bodies.surfaces.empty() || !world.cache.rises.empty() ||
                         added_slips != nullptr || !world.surface_contacts.empty());
@@ -222,6 +224,7 @@ void SolvePhase::solve_groups(Stores& world, const StepContext& step, const solv
                               .bounds = world.aabbs.bounds,
                               .fast = moved_,
                               .capture = captures ? &capture_ : nullptr,
+                              .pushed = tells_events ? pushed_.data() : nullptr,
                               .surface_contacts = surfaces ? world.surface_contacts.data() : nullptr,
                               .added_slips = added_slips,
                               .rises = world.cache.rises.empty() ? nullptr : world.cache.rises.data(),

@@ -39,12 +39,15 @@ class SolvePhase {
   solver::FastBodies& moved() { return moved_; }
   /// Of the last step, if it was to be kept.
   const solver::ContactCapture& capture() const { return capture_; }
+  /// By contact slot: 1 where something has pushed in some substep; empty where nobody asks for events.
+  std::span<const std::uint8_t> pushed() const { return pushed_; }
 
   // See jobs/arrays.h.
   auto group_arrays() const { return std::tie(groups_, group_reports_, large_solvers_); }
   auto direct_arrays() const { return std::tie(direct_.solvers, direct_.of_group, direct_.reports); }
   std::size_t direct_count() const { return direct_.solvers.size(); }
   auto selection_arrays() const { return std::tie(modes_, substeps_, company_, settings_, failed_); }
+  auto event_arrays() const { return std::tie(pushed_); }
   auto capture_arrays() const { return std::tie(capture_.answers, capture_.motions); }
 
  private:
@@ -84,6 +87,7 @@ class SolvePhase {
   std::vector<std::uint32_t> failed_;  // bodies of islands that could not be solved at once
   solver::FastBodies moved_;
   solver::ContactCapture capture_;
+  std::vector<std::uint8_t> pushed_;
 };
 
 }  // namespace atl

@@ -26,6 +26,7 @@ struct SolveInput {
   collision::MotionBounds& bounds;  ///< of what the bodies move by
   FastBodies& fast;
   ContactCapture* capture = nullptr;           ///< null where nobody asks
+  std::uint8_t* pushed = nullptr;              ///< by contact slot: 1 once it has in the step; null where nobody asks
   SurfaceContact* surface_contacts = nullptr;  ///< by contact slot; null while all surfaces are plain
   const AddedSlip* added_slips = nullptr;      ///< by contact slot; null where nobody adds any
   const float* rises = nullptr;                ///< m, by contact slot (ContactCache::rises); null where there are none
@@ -50,6 +51,7 @@ struct SolveInput {
             .bounds = bounds,
             .fast = fast,
             .capture = capture,
+            .pushed = pushed,
             .surface_contacts = surface_contacts,
             .added_slips = added_slips,
             .joints = joints};

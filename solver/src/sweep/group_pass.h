@@ -38,6 +38,7 @@ class GroupPass {
   void solve_velocities(int number, bool carries);
   void solve_systems(int number);
   void split_off_corrections(int number);
+  void note_pushes();
   void integrate_positions();
   void relax(int number);
   void note_joint_impacts();
@@ -76,10 +77,12 @@ void GroupPass<Executor>::substep(int number) {
   warm_start(number);
   clock_.lap(SolverPhase::WarmStart);
   solve_velocities(number, carries);
+  note_pushes();
   clock_.lap(SolverPhase::Solve);
   integrate_positions();
   clock_.lap(SolverPhase::Integrate);
   relax(number);
+  note_pushes();
   clock_.lap(SolverPhase::Relax);
   if (last && setup_.input.capture != nullptr) capture_answers(setup_.input, parts_, report_, setup_.body_ids);
   if (joint_impacts_) bounce_joints();
@@ -152,9 +155,8 @@ void GroupPass<Executor>::prepare_systems() {
 // Reflects the contacts that hit within the substep, before its forces.
 template <typename Executor>
 void GroupPass<Executor>::bounce() {
-  loops_.each_contact_block([&](std::size_t begin, std::size_t end) {
-    setup_.kernels.note_approaches(setup_.contact_data, begin, end);
-  });
+  loops_.each_contact_block(
+      [&](std::size_t begin, std::size_t end) { setup_.kernels.note_approaches(setup_.contact_data, begin, end); });
   parts_.impacts.solve(setup_.contact_data, setup_.friction);
 }
 
@@ -224,6 +226,20 @@ void GroupPass<Executor>::split_off_corrections(int number) {
   // Rigid contacts have no softness to forgive what a round over the points leaves.
   sweep({Push::Split, false, Friction::None, true}, {.push = Push::Split}, setup_.settings.iterations, number);
   parts_.bodies.velocity.swap(parts_.bodies.correction);
+}
+
+// Both before and after they are relaxed: what stops in a substep may need no push in the other.
+template <typename Executor>
+void GroupPass<Executor>::note_pushes() {
+  if (setup_.input.pushed == nullptr) return;
+  for (const ContactBlock& block : parts_.contacts.blocks()) {
+    for (std::size_t lane = 0; lane < block_lanes; ++lane) {
+      if (block.slot[lane] < 0) continue;
+      bool pushes = false;
+      for (std::size_t i = 0; i < block.traits.points; ++i) pushes |= block.normal_impulse[i][lane] > 0;
+      if (pushes) setup_.input.pushed[block.slot[lane]] = 1;
+    }
+  }
 }
 
 template <typename Executor>

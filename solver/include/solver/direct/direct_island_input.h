@@ -21,6 +21,7 @@ struct DirectIslandInput {
   collision::MotionBounds& bounds;  ///< of what the bodies move by
   FastBodies& fast;
   ContactCapture* capture = nullptr;           ///< null where nobody asks
+  std::uint8_t* pushed = nullptr;              ///< by contact slot: 1 once it has in the step; null where nobody asks
   SurfaceContact* surface_contacts = nullptr;  ///< by contact slot; null while all surfaces are plain
   const AddedSlip* added_slips = nullptr;      ///< by contact slot; null where nobody adds any
   Joint* joints = nullptr;                     ///< by index of joint
