@@ -194,6 +194,32 @@ TEST_F(QueriesTest, OverlapsAndClosestPoints) {
   EXPECT_NEAR(part->distance, 0.25, 1e-12);
 }
 
+// However the body is turned, and wherever it is.
+TEST(QueriesOfPoints, FindWhatTheyAreWithin) {
+  const std::vector<Vector3> corners = {{2, 0, -1.5}, {-2, 2, -1.5}, {-2, -2, -1.5}, {0, 0, 2}};
+  const ConvexHull hull(corners);
+  const Compound pair{
+      {{.shape = Box{{1, 1, 1}}, .position = {-0.4, 0, 0}}, {.shape = Sphere{1}, .position = {0.4, 0, 0}}}};
+  const Shape shapes[] = {Box{{1, 2, 3}}, Cylinder{1, 2}, Cone{2, 2}, Capsule{1, 1}, Sphere{1.5}, hull, pair};
+  Random random(3);
+  for (const Shape& shape : shapes) {
+    for (int i = 0; i < 200; ++i) {
+      const Quaternion turn = random.rotation();
+      const Vector3 place = random.vector(100);
+      World world;
+      const BodyId body =
+          world.add_body({.type = BodyType::Static, .shape = shape, .position = place, .orientation = turn});
+      const Queries queries(world);
+      // Within a ball of 0.3 m about its centre, or a cone's.
+      const Vector3 point = place + turn * (random.real(0, 0.3) * random.direction() - Vector3(0, 0, 0.4));
+      EXPECT_EQ(queries.overlapping({.position = point}), std::vector<BodyId>{body}) << shape.index();
+      const std::optional<ClosestPoint> closest = queries.closest_point({.position = point}, 10);
+      ASSERT_TRUE(closest);
+      EXPECT_EQ(closest->distance, 0) << shape.index();
+    }
+  }
+}
+
 TEST_F(QueriesTest, SurfacesNameTheirTriangles) {
   const HeightField field(3, 3, 1, 1, std::vector<double>(9, 0.0));
   const BodyId ground = world_.add_body({.type = BodyType::Static, .shape = field, .position = {100, 0, 5}});
