@@ -184,6 +184,7 @@ void ContinuousPhase::sweep(Stores& world, const StepContext& step, const Contac
   const std::span<const CcdStop> stops = continuous_.find_stops({.motions = now,
                                                                  .turned = world.bodies.turned,
                                                                  .joined = world.bodies.joined,
+                                                                 .dynamic = world.records.dynamic,
                                                                  .assembly = islands.assemblies(),
                                                                  .cache = world.cache,
                                                                  .kernels = step.narrowphase_kernels,

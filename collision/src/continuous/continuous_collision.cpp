@@ -90,7 +90,8 @@ Motion CcdStep::motion_of(std::uint32_t collider, const Vector3& centre, const V
 }
 
 // When the body first meets something, as part of the step, up to `first`, if it ends `aside` of where it did. What it
-// touches with its core from the start is added to what it is held by, and doesn't stop it.
+// touches with its core from the start is added to what it is held by, and doesn't stop it. Where the core is in
+// something already that nothing moves, its centre stays out of that.
 double ContinuousCollision::first_hit(const CcdStep& step, const FastBody& fast, const Vector3& aside, double first,
                                       Scratch& scratch) {
   const ColliderTable& colliders = step.motions.colliders;
@@ -115,24 +116,36 @@ double ContinuousCollision::first_hit(const CcdStep& step, const FastBody& fast,
         }
       }
       if (approach.passes_core) continue;
+      // Returns whether it starts in something, which doesn't hold it; other triangles do.
+      const auto sweep_core = [&](const Core& core) {
+        const Motion core_motion = core.centre.isZero(0) ? motion : step.motion_of(collider, core.centre, aside);
+        bool overlaps = false;
+        sweep_each(
+            core.shape, core_motion, colliders.shape[other], other_motion, {0, tolerance}, first,
+            [&](const SweepHit& core_hit) {
+              overlaps |= core_hit.started_overlapping;
+              if (core_hit.started_overlapping) return first;
+              if (core_hit.t > 0) {
+                first = std::min(first, core_hit.t);
+                return first;
+              }
+              // What is shifted together stays as it is.
+              if (joined && step.assembly_of(colliders.body[other]) == fast.assembly) return first;
+              if (stays_outside(core.shape, core_motion, colliders.shape[other], other_motion)) return first;
+              scratch.supports.push_back(support_of(core_hit, other_motion, core.shape, core_motion.at(1), tolerance));
+              return first;
+            });
+        return overlaps;
+      };
+      const double before = first;
       const Core core = core_of(shape);
-      const Motion core_motion = core.centre.isZero(0) ? motion : step.motion_of(collider, core.centre, aside);
-      if (!sweep(core.shape, core_motion, colliders.shape[other], other_motion, {0, tolerance}, first, hit) ||
-          hit.started_overlapping) {
-        continue;
-      }
-      if (hit.t > 0) {
-        first = hit.t;
-        if (!approach.apart || !only_deep) continue;
+      const bool overlaps = sweep_core(core);
+      if (overlaps && step.dynamic[colliders.body[other]] == 0) sweep_core({Shape::sphere(0), core.centre});
+      if (first < before && approach.apart && only_deep) {
         SweepHit surface;
         sweep(shape, motion, colliders.shape[other], other_motion, goal, first, surface);
         if (surface.t > 0) first = std::min(first, surface.t);
-        continue;
       }
-      // What is shifted together stays as it is.
-      if (joined && step.assembly_of(colliders.body[other]) == fast.assembly) continue;
-      if (stays_outside(core.shape, core_motion, colliders.shape[other], other_motion)) continue;
-      scratch.supports.push_back(support_of(hit, other_motion, core.shape, core_motion.at(1), tolerance));
     }
   });
   return first;

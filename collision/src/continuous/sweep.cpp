@@ -101,7 +101,7 @@ Aabb swept_box(const Shape& solid, const MovingCore& moving, const Motion& surfa
   return grown(first - Vector3::Constant(radius), first + Vector3::Constant(radius));
 }
 
-// The first hit of the triangles tested so far; of those at the same time, that of the lowest triangle.
+// Sweeps a solid to one triangle after the other, up to a limit.
 class SurfaceSweep {
  public:
   SurfaceSweep(const MovingCore& solid, const Motion& surface, const SweepGoal& goal, double t_limit)
@@ -112,27 +112,19 @@ class SurfaceSweep {
     shift_ = inverse * (solid.motion.translation - surface.translation - centre_shift);
   }
 
-  void test(std::uint32_t number, const Triangle& triangle) {
-    if (triangle.normal.dot(centre_ - triangle.vertices[0]) < 0) return;
-    const MovingCore moving(ConvexCore::of(triangle.vertices), surface_);
-    if (stay_parted(solid_, moving, goal_, surface_.start.orientation * -triangle.normal, t_limit_)) return;
-    SweepHit fresh;
-    if (!advance(solid_, moving, goal_, t_limit_, fresh)) return;
-    if (const Parted parted = parted_by_planes(moving, triangle); fresh.t < parted.until) {
-      if (parted.until > t_limit_) return;
-      fresh = {.t = parted.until, .normal = parted.across, .point = fresh.point, .converged = false};
-    }
-    if (fresh.t == 0 && triangle.normal.dot(shift_) >= 0) return;
-    if (found_ && fresh.t == hit_.t && number > hit_.triangle) return;
-    hit_ = fresh;
-    hit_.triangle = number;
-    t_limit_ = fresh.t;
-    found_ = true;
-  }
+  void set_limit(double t) { t_limit_ = t; }
 
-  bool take(SweepHit& hit) const {
-    if (found_) hit = hit_;
-    return found_;
+  bool meets(std::uint32_t number, const Triangle& triangle, SweepHit& hit) const {
+    if (triangle.normal.dot(centre_ - triangle.vertices[0]) < 0) return false;
+    const MovingCore moving(ConvexCore::of(triangle.vertices), surface_);
+    if (stay_parted(solid_, moving, goal_, surface_.start.orientation * -triangle.normal, t_limit_)) return false;
+    if (!advance(solid_, moving, goal_, t_limit_, hit)) return false;
+    if (const Parted parted = parted_by_planes(moving, triangle); hit.t < parted.until) {
+      if (parted.until > t_limit_) return false;
+      hit = {.t = parted.until, .normal = parted.across, .point = hit.point, .converged = false};
+    }
+    hit.triangle = number;
+    return hit.t > 0 || triangle.normal.dot(shift_) < 0;
   }
 
  private:
@@ -167,9 +159,18 @@ class SurfaceSweep {
   double t_limit_;
   Vector3 centre_;  // of the solid's motion at the start, surface's frame
   Vector3 shift_;   // its velocity there
-  bool found_ = false;
-  SweepHit hit_;
 };
+
+template <typename Visit>
+void query(const Shape& surface, const Aabb& box, const Visit& visit) {
+  if (surface.kind == ShapeKind::Mesh) {
+    const TriangleMesh& mesh = *surface.mesh;
+    mesh.tree.query(box, [&](std::uint32_t number) { visit(number, mesh.face(number)); });
+  } else {
+    const HeightField& field = *surface.field;
+    field.query(box, [&](std::uint32_t number) { visit(number, field.face(number)); });
+  }
+}
 
 }  // namespace
 
@@ -183,16 +184,34 @@ bool sweep(const Shape& solid, const Motion& solid_motion, const Shape& other, c
     return sweep_to_plane(solid, moving, other, other_motion, goal, t_limit, hit);
   }
   if constexpr (!with_meshes) return false;
-  const Aabb box = swept_box(solid, moving, other_motion, goal.separation + goal.tolerance, t_limit);
   SurfaceSweep surface(moving, other_motion, goal, t_limit);
-  if (other.kind == ShapeKind::Mesh) {
-    const TriangleMesh& mesh = *other.mesh;
-    mesh.tree.query(box, [&](std::uint32_t number) { surface.test(number, mesh.face(number)); });
-  } else {
-    const HeightField& field = *other.field;
-    field.query(box, [&](std::uint32_t number) { surface.test(number, field.face(number)); });
+  bool found = false;
+  // Of triangles that are met at the same time, the lowest.
+  query(other, swept_box(solid, moving, other_motion, goal.separation + goal.tolerance, t_limit),
+        [&](std::uint32_t number, const Triangle& triangle) {
+          SweepHit fresh;
+          if (!surface.meets(number, triangle, fresh)) return;
+          if (found && fresh.t == hit.t && number > hit.triangle) return;
+          hit = fresh;
+          surface.set_limit(fresh.t);
+          found = true;
+        });
+  return found;
+}
+
+void sweep_each(const Shape& solid, const Motion& solid_motion, const Shape& other, const Motion& other_motion,
+                const SweepGoal& goal, double t_limit, FunctionRef<double(const SweepHit&)> visit) {
+  SweepHit hit;
+  if (!with_meshes || !is_surface(other.kind)) {
+    if (sweep(solid, solid_motion, other, other_motion, goal, t_limit, hit)) visit(hit);
+    return;
   }
-  return surface.take(hit);
+  const MovingCore moving(ConvexCore::of(solid), solid_motion);
+  SurfaceSweep surface(moving, other_motion, goal, t_limit);
+  query(other, swept_box(solid, moving, other_motion, goal.separation + goal.tolerance, t_limit),
+        [&](std::uint32_t number, const Triangle& triangle) {
+          if (surface.meets(number, triangle, hit)) surface.set_limit(visit(hit));
+        });
 }
 
 }  // namespace atl::collision

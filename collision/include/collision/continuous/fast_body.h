@@ -36,6 +36,7 @@ struct CcdStep {
   const BodyMotions& motions;
   std::span<const double> turned;           ///< by body, see ContactUpdateInput
   std::span<const std::uint8_t> joined;     ///< by body: 1 if joints act on it
+  std::span<const std::uint8_t> dynamic;    ///< by body: 1 if it is
   std::span<const std::uint32_t> assembly;  ///< by joined body
   const ContactCache& cache;
   const NarrowphaseKernels& kernels;

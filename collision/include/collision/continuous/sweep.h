@@ -1,5 +1,6 @@
 #pragma once
 
+#include <collision/shapes/function_ref.h>
 #include <collision/shapes/pose.h>
 #include <collision/shapes/shape.h>
 
@@ -59,5 +60,10 @@ struct SweepHit {
 /// steps over a contact, however fast or thin the shapes.
 bool sweep(const Shape& solid, const Motion& solid_motion, const Shape& other, const Motion& other_motion,
            const SweepGoal& goal, double t_limit, SweepHit& hit);
+
+/// The same to each triangle of a surface by itself, in no order of time; of other shapes to the one that they are.
+/// `visit` returns the limit from then on.
+void sweep_each(const Shape& solid, const Motion& solid_motion, const Shape& other, const Motion& other_motion,
+                const SweepGoal& goal, double t_limit, FunctionRef<double(const SweepHit&)> visit);
 
 }  // namespace atl::collision

