@@ -24,12 +24,32 @@ bool stands(const BodyTable& table, std::uint32_t body) {
   return table.velocity(body).isZero(0) && table.angular_velocity(body).isZero(0);
 }
 
-// Tells what only holds, or turns a rotor, within its range.
-bool keeps_energy(const Joint* joints, const IslandProblem& problem) {
+// Tells joints that only hold, and turn rotors.
+bool keep_energy(const Joint* joints, const IslandProblem& problem) {
+  return std::all_of(problem.joints.begin(), problem.joints.end(), [&](const DirectJoint& joint) {
+    const Joint& of = joints[joint.joint];
+    return std::all_of(of.law.begin(), of.law.begin() + of.rows, [](const Law& law) {
+      return law.locked() || !(law.limited() || law.drives() || law.springs());
+    });
+  });
+}
+
+// Tells if bodies move as joints let them: who has been struck since the last step loses energy to them.
+bool move_as_joined(const Joint* joints, const IslandProblem& problem) {
+  double square = 0, square_of_spin = 0, radius = 0;
+  for (std::size_t i = 0; i < problem.bodies.size(); ++i) {
+    square = std::max(square, linear_part(problem.velocity, i).squaredNorm());
+    square_of_spin = std::max(square_of_spin, angular_part(problem.velocity, i).squaredNorm());
+    radius = std::max(radius, problem.bodies[i].radius);
+  }
+  const double most_spin = tuning::most_parting * std::sqrt(square_of_spin);
+  const double most = tuning::most_parting * std::sqrt(square) + radius * most_spin;
   for (const DirectJoint& joint : problem.joints) {
-    for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) {
-      const Law& law = law_of(joints[joint.joint], r);
-      if (joint.limit[r] != 0 || law.drives() || law.springs() || law.restitution > 0) return false;
+    DirectJoint::Rows<double> rates;
+    joint.rates_by(problem.velocity.data(), rates.data());
+    for (std::size_t r = 0; r < joint.rows; ++r) {
+      const bool turns = r >= joint.point_rows() && joint.at[r].linear.isZero(0);
+      if (std::abs(rates[r]) > (turns ? most_spin : most) && law_of(joints[joint.joint], r).locked()) return false;
     }
   }
   return true;
@@ -149,7 +169,8 @@ Conservation::Conservation(const DirectIslandInput& input, const RowKinds& rows,
                            std::span<const MovingBody> bodies)
     : all_locked_(rows.all_locked),
       floats_(floats(input.joints, problem)),
-      keeps_energy_((all_locked_ || keeps_energy(input.joints, problem)) && is_closed(input, problem)) {
+      keeps_energy_((all_locked_ || keep_energy(input.joints, problem)) && is_closed(input, problem) &&
+                    move_as_joined(input.joints, problem)) {
   if (floats_) {
     about_ = centre_of_mass(problem, bodies);
     momentum_ = angular_momentum(problem, bodies, about_, problem.velocity);
@@ -167,7 +188,7 @@ void Conservation::add_forces(const IslandProblem& problem, std::span<const Movi
 
 void Conservation::restore(const DirectIslandInput& input, std::span<const MovingBody> bodies, bool resolved,
                            IslandProblem& problem) const {
-  const bool scales = keeps_energy_ && resolved && (all_locked_ || keeps_energy(input.joints, problem));
+  const bool scales = keeps_energy_ && resolved;
   if (!floats_ && !scales) return;
   Drift drift{Vector3::Zero(), Vector3::Zero(), Vector3::Zero(), 0};
   if (floats_) {

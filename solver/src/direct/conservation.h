@@ -10,9 +10,9 @@
 namespace atl::solver {
 
 /// What the joints of an island that nothing touches can't change over a step: its energy, where they only hold, and
-/// turn rotors; and its angular momentum, where nothing holds the island. A leapfrog of springs needs no more: it is
-/// off by as much at the end as at the start, and its frequencies would be farther off.
-/// Both are restored as the step ends, along motions that joints allow (Hairer, Lubich and Wanner, "Geometric Numerical
+/// turn rotors, without ranges; and its angular momentum, where nothing holds the island. A leapfrog of springs needs
+/// no more: it is off by as much at the end as at the start, and its frequencies would be farther off. Both are
+/// restored as the step ends, along motions that joints allow (Hairer, Lubich and Wanner, "Geometric Numerical
 /// Integration", IV.4: projection onto invariants): momentum by a turn of the whole, energy by a factor on the speeds
 /// of bodies against each other, or against what holds them.
 class Conservation {
