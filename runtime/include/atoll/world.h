@@ -54,7 +54,8 @@ struct PairForce {
   double separation = 0;            ///< m, of the deepest of them, as the step started
 };
 
-/// Two bodies that began or ceased to touch in the last step: to press on each other, or overlap.
+/// Two bodies that began or ceased to touch in the last step: to press on each other, or overlap. Whatever touches
+/// within a step begins in it, however it has parted by its end: then it ceases in the next.
 struct ContactEvent {
   BodyId a;
   BodyId b;
@@ -62,7 +63,7 @@ struct ContactEvent {
   // As they touch at the end of the step; zero where they ceased to.
   Vector3 point = Vector3::Zero();   ///< m, world frame: the mean of their manifold points, by force if there is any
   Vector3 normal = Vector3::Zero();  ///< unit, from a to b, the same mean
-  double normal_force = 0;           ///< N, of all of them, in the last substep: 0 where they bounced off before
+  double normal_force = 0;           ///< N, of all of them, in the last substep: 0 where they parted before
 };
 
 /// A body that got into a sensor, or out of it, in the last step. The poses at its end count: what passes through
