@@ -155,10 +155,12 @@ void keep_driven_awake(Stores& world, std::uint32_t joint) {
 
 }  // namespace
 
-void add_hits(const Stores& world, std::span<const std::uint8_t> pushed, std::vector<std::pair<BodyId, BodyId>>& hits) {
+void add_hits(const Stores& world, std::span<const std::uint8_t> pushed, bool ends_step,
+              std::vector<std::pair<BodyId, BodyId>>& hits) {
   if (pushed.empty()) return;
   for (const std::uint32_t slot : world.cache.order().slots()) {
     if (pushed[slot] == 0) continue;
+    if (ends_step && touches(world.cache.contacts[slot], world.cache.manifolds[slot])) continue;
     const auto [a, b] = std::minmax(world.cache.contacts[slot].body_first, world.cache.contacts[slot].body_second);
     hits.emplace_back(id_of(world, a), id_of(world, b));
   }

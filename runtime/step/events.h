@@ -14,8 +14,10 @@
 
 namespace atl {
 
-/// Adds the pairs of bodies whose contacts have pushed, by slot; where none is asked for, `pushed` is empty.
-void add_hits(const Stores& world, std::span<const std::uint8_t> pushed, std::vector<std::pair<BodyId, BodyId>>& hits);
+/// Adds the pairs of bodies whose contacts have pushed, by slot, but for those that touch as the step ends; where none
+/// is asked for, `pushed` is empty.
+void add_hits(const Stores& world, std::span<const std::uint8_t> pushed, bool ends_step,
+              std::vector<std::pair<BodyId, BodyId>>& hits);
 /// `hits`: what has touched within the step, however it ended.
 void note_contact_events(Stores& world, std::span<const std::pair<BodyId, BodyId>> hits, bool islands_rebuilt,
                          const StepContext& step);

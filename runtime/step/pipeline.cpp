@@ -89,7 +89,7 @@ void StepPipeline::build_islands(Stores& world, const StepContext& step) {
 void StepPipeline::solve_islands(Stores& world, const StepContext& step) {
   if constexpr (with_continuous) continuous_.watch_pressed(world, contacts_);
   solve_.solve(world, step, contacts_.added_slips(), islands_);
-  add_hits(world, solve_.pushed(), hits_);
+  add_hits(world, solve_.pushed(), step.ends_step, hits_);
   if (world.settings.target.is_set()) solve_.note_errors(world, step, contacts_.touching(), islands_);
 }
 

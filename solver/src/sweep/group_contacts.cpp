@@ -52,6 +52,36 @@ ContactKernelData GroupContacts::kernel_data(const SolveInput& input, const Grou
           .leaves_out = !input.settings.everything};
 }
 
+void GroupContacts::begin_pushes() {
+  pushes_.assign(block_count(), 0);
+  for (std::size_t b = 0; b < block_count(); ++b) {
+    for (unsigned lane = 0; lane < block_lanes; ++lane) pushes_[b] |= (blocks_[b].slot[lane] < 0 ? 1u : 0u) << lane;
+  }
+}
+
+// What rests has pushed in the first substep, and costs nothing from then on.
+void GroupContacts::note_pushes(std::size_t begin, std::size_t end) {
+  static_assert(block_lanes == 8, "a bit a lane");
+  for (std::size_t b = begin; b < end; ++b) {
+    if (pushes_[b] == 0xff) continue;
+    const ContactBlock& block = blocks_[b];
+    for (unsigned lane = 0; lane < block_lanes; ++lane) {
+      float most = 0;
+      for (std::size_t i = 0; i < block.traits.points; ++i) most = std::max(most, block.normal_impulse[i][lane]);
+      pushes_[b] |= (most > 0 ? 1u : 0u) << lane;
+    }
+  }
+}
+
+void GroupContacts::tell_pushes(std::uint8_t* by_slot) const {
+  for (std::size_t b = 0; b < block_count(); ++b) {
+    for (unsigned lane = 0; lane < block_lanes; ++lane) {
+      const std::int32_t slot = blocks_[b].slot[lane];
+      if (slot >= 0) by_slot[slot] = pushes_[b] >> lane & 1u;
+    }
+  }
+}
+
 void GroupContacts::clear_impulses(const GroupReport& report) {
   for (std::size_t b = 0; b < block_count(); ++b) {
     ContactBlock& block = blocks_[b];

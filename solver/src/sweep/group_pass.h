@@ -92,6 +92,7 @@ void GroupPass<Executor>::substep(int number) {
 template <typename Executor>
 void GroupPass<Executor>::finish() {
   finish_contacts();
+  if (setup_.input.pushed != nullptr) parts_.contacts.tell_pushes(setup_.input.pushed);
   loops_.each_body([&](std::size_t begin, std::size_t end) {
     write_back(setup_.input, parts_, setup_.body_ids, setup_.joined, begin, end);
   });
@@ -106,6 +107,7 @@ void GroupPass<Executor>::prepare_contacts() {
   loops_.each_contact_block(
       [&](std::size_t begin, std::size_t end) { setup_.kernels.prepare(setup_.contact_data, begin, end); });
   for (const ContactBlock& block : parts_.contacts.blocks()) report_.work.add(block);
+  if (setup_.input.pushed != nullptr) parts_.contacts.begin_pushes();
   parts_.impacts.begin_step(report_.restitution ? parts_.bodies.padded_count() : 0, parts_.contacts.block_count());
 }
 
@@ -232,14 +234,7 @@ void GroupPass<Executor>::split_off_corrections(int number) {
 template <typename Executor>
 void GroupPass<Executor>::note_pushes() {
   if (setup_.input.pushed == nullptr) return;
-  for (const ContactBlock& block : parts_.contacts.blocks()) {
-    for (std::size_t lane = 0; lane < block_lanes; ++lane) {
-      if (block.slot[lane] < 0) continue;
-      bool pushes = false;
-      for (std::size_t i = 0; i < block.traits.points; ++i) pushes |= block.normal_impulse[i][lane] > 0;
-      if (pushes) setup_.input.pushed[block.slot[lane]] = 1;
-    }
-  }
+  loops_.each_contact_block([&](std::size_t begin, std::size_t end) { parts_.contacts.note_pushes(begin, end); });
 }
 
 template <typename Executor>

@@ -39,8 +39,13 @@ class GroupContacts {
   /// See jobs/arrays.h.
   auto arrays() const {
     return std::tie(contacts_, colouring_, blocks_, bounces_, surface_blocks_, split_blocks_, planar_blocks_,
-                    turning_blocks_);
+                    turning_blocks_, pushes_);
   }
+
+  /// Which contacts push in some substep: to be noted from block to block, and told by slot in the end.
+  void begin_pushes();
+  void note_pushes(std::size_t begin, std::size_t end);
+  void tell_pushes(std::uint8_t* by_slot) const;
 
  private:
   std::vector<LocalContact> contacts_;
@@ -54,6 +59,7 @@ class GroupContacts {
   std::vector<SplitBlock> split_blocks_;
   std::vector<PlanarBlock> planar_blocks_;
   std::vector<TurningBlock> turning_blocks_;
+  std::vector<std::uint8_t> pushes_;  // a bit a lane: it has pushed, or there is no contact
 };
 
 /// Notes what the surfaces of touching pairs do in this step. Whether that is more than plain friction anywhere.
