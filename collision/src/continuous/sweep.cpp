@@ -161,57 +161,50 @@ class SurfaceSweep {
   Vector3 shift_;   // its velocity there
 };
 
-template <typename Visit>
-void query(const Shape& surface, const Aabb& box, const Visit& visit) {
-  if (surface.kind == ShapeKind::Mesh) {
-    const TriangleMesh& mesh = *surface.mesh;
-    mesh.tree.query(box, [&](std::uint32_t number) { visit(number, mesh.face(number)); });
-  } else {
-    const HeightField& field = *surface.field;
-    field.query(box, [&](std::uint32_t number) { visit(number, field.face(number)); });
-  }
-}
-
 }  // namespace
 
 bool sweep(const Shape& solid, const Motion& solid_motion, const Shape& other, const Motion& other_motion,
            const SweepGoal& goal, double t_limit, SweepHit& hit) {
-  const MovingCore moving(ConvexCore::of(solid), solid_motion);
-  if (is_convex_solid(other.kind)) {
-    return advance(moving, MovingCore(ConvexCore::of(other), other_motion), goal, t_limit, hit);
+  if (is_surface(other.kind)) {
+    bool found = false;
+    sweep_each(solid, solid_motion, other, other_motion, goal, t_limit, [&](const SweepHit& fresh) {
+      // The lowest triangle counts of those that are met at the same time.
+      if (found && fresh.t == hit.t && fresh.triangle > hit.triangle) return hit.t;
+      hit = fresh;
+      found = true;
+      return hit.t;
+    });
+    return found;
   }
+  const MovingCore moving(ConvexCore::of(solid), solid_motion);
   if (other.kind == ShapeKind::HalfSpace) {
     return sweep_to_plane(solid, moving, other, other_motion, goal, t_limit, hit);
   }
-  if constexpr (!with_meshes) return false;
-  SurfaceSweep surface(moving, other_motion, goal, t_limit);
-  bool found = false;
-  // Of triangles that are met at the same time, the lowest.
-  query(other, swept_box(solid, moving, other_motion, goal.separation + goal.tolerance, t_limit),
-        [&](std::uint32_t number, const Triangle& triangle) {
-          SweepHit fresh;
-          if (!surface.meets(number, triangle, fresh)) return;
-          if (found && fresh.t == hit.t && number > hit.triangle) return;
-          hit = fresh;
-          surface.set_limit(fresh.t);
-          found = true;
-        });
-  return found;
+  return advance(moving, MovingCore(ConvexCore::of(other), other_motion), goal, t_limit, hit);
 }
 
 void sweep_each(const Shape& solid, const Motion& solid_motion, const Shape& other, const Motion& other_motion,
                 const SweepGoal& goal, double t_limit, FunctionRef<double(const SweepHit&)> visit) {
   SweepHit hit;
-  if (!with_meshes || !is_surface(other.kind)) {
+  if (!is_surface(other.kind)) {
     if (sweep(solid, solid_motion, other, other_motion, goal, t_limit, hit)) visit(hit);
     return;
   }
+  if constexpr (!with_meshes) return;
   const MovingCore moving(ConvexCore::of(solid), solid_motion);
   SurfaceSweep surface(moving, other_motion, goal, t_limit);
-  query(other, swept_box(solid, moving, other_motion, goal.separation + goal.tolerance, t_limit),
-        [&](std::uint32_t number, const Triangle& triangle) {
-          if (surface.meets(number, triangle, hit)) surface.set_limit(visit(hit));
-        });
+  const auto test = [&](std::uint32_t number, const Triangle& triangle) {
+    SweepHit fresh;
+    if (surface.meets(number, triangle, fresh)) surface.set_limit(visit(fresh));
+  };
+  const Aabb box = swept_box(solid, moving, other_motion, goal.separation + goal.tolerance, t_limit);
+  if (other.kind == ShapeKind::Mesh) {
+    const TriangleMesh& mesh = *other.mesh;
+    mesh.tree.query(box, [&](std::uint32_t number) { test(number, mesh.face(number)); });
+  } else {
+    const HeightField& field = *other.field;
+    field.query(box, [&](std::uint32_t number) { test(number, field.face(number)); });
+  }
 }
 
 }  // namespace atl::collision
