@@ -55,7 +55,7 @@ bool move_as_joined(const Joint* joints, const IslandProblem& problem) {
   return true;
 }
 
-// Whether only forces on its bodies give an island energy, or take it, but for what joints do.
+// Tells islands that only forces on their bodies give energy or take it, but for what joints do.
 bool is_closed(const DirectIslandInput& input, const IslandProblem& problem) {
   const BodyTable& table = input.bodies;
   for (const DirectBody& body : problem.bodies) {
@@ -92,16 +92,6 @@ Vector3 angular_momentum(const IslandProblem& problem, std::span<const MovingBod
     sum += product(bodies[i].inertia, spin);
   }
   return sum;
-}
-
-double kinetic_energy(const IslandProblem& problem, std::span<const MovingBody> bodies) {
-  double sum = 0;
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
-    const Vector3 spin = angular_part(problem.velocity, i);
-    sum += problem.bodies[i].mass * linear_part(problem.velocity, i).squaredNorm() +
-           spin.dot(product(bodies[i].inertia, spin));
-  }
-  return 0.5 * sum;
 }
 
 double energy_of_rotors(const Joint* joints, const IslandProblem& problem) {
@@ -165,6 +155,16 @@ Matrix3 inertia_about(const Vector3& centre, const IslandProblem& problem, std::
 
 }  // namespace
 
+double kinetic_energy(std::span<const MovingBody> bodies, const IslandProblem& problem,
+                      const std::vector<double>& velocity) {
+  double sum = 0;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const Vector3 spin = angular_part(velocity, i);
+    sum += problem.bodies[i].mass * linear_part(velocity, i).squaredNorm() + spin.dot(product(bodies[i].inertia, spin));
+  }
+  return 0.5 * sum;
+}
+
 Conservation::Conservation(const DirectIslandInput& input, const RowKinds& rows, const IslandProblem& problem,
                            std::span<const MovingBody> bodies)
     : all_locked_(rows.all_locked),
@@ -176,7 +176,8 @@ Conservation::Conservation(const DirectIslandInput& input, const RowKinds& rows,
     momentum_ = angular_momentum(problem, bodies, about_, problem.velocity);
   }
   if (keeps_energy_) {
-    energy_ = kinetic_energy(problem, bodies) + (all_locked_ ? 0 : energy_of_rotors(input.joints, problem));
+    energy_ =
+        kinetic_energy(bodies, problem, problem.velocity) + (all_locked_ ? 0 : energy_of_rotors(input.joints, problem));
   }
 }
 
@@ -204,7 +205,7 @@ void Conservation::restore(const DirectIslandInput& input, std::span<const Movin
   }
   if (!scales) return;
   const double rotors = all_locked_ ? 0 : energy_of_rotors(input.joints, problem);
-  const double moving = kinetic_energy(problem, bodies) + rotors - drift.energy;
+  const double moving = kinetic_energy(bodies, problem, problem.velocity) + rotors - drift.energy;
   const double right = energy_ + work_of_forces(input, problem, bodies) - drift.energy;
   if (!(moving > tuning::least_energy * mass_of(problem))) return;
   const double square = std::clamp(right / moving, 1 - tuning::most_energy_restored, 1 + tuning::most_energy_restored);

@@ -9,23 +9,27 @@
 
 namespace atl::solver {
 
-/// What the joints of an island that nothing touches can't change over a step: its energy, where they only hold, and
-/// turn rotors, without ranges; and its angular momentum, where nothing holds the island. A leapfrog of springs needs
-/// no more: it is off by as much at the end as at the start, and its frequencies would be farther off. Both are
-/// restored as the step ends, along motions that joints allow (Hairer, Lubich and Wanner, "Geometric Numerical
+/// J, of an island's bodies alone, at these velocities.
+double kinetic_energy(std::span<const MovingBody> bodies, const IslandProblem& problem,
+                      const std::vector<double>& velocity);
+
+/// The energy and the angular momentum of an island that nothing touches, over a step: joints can't change the first
+/// where they only hold, and turn rotors, without ranges; nor the second where nothing holds the island. A leapfrog of
+/// springs needs no more: it is off by as much at the end as at the start, and its frequencies would be farther off.
+/// Both are restored as the step ends, along motions that joints allow (Hairer, Lubich and Wanner, "Geometric Numerical
 /// Integration", IV.4: projection onto invariants): momentum by a turn of the whole, energy by a factor on the speeds
 /// of bodies against each other, or against what holds them.
 class Conservation {
  public:
   Conservation() = default;
-  /// As the step begins, with rows in place.
+  /// Notes both when the step begins, with rows in place.
   Conservation(const DirectIslandInput& input, const RowKinds& rows, const IslandProblem& problem,
                std::span<const MovingBody> bodies);
 
   /// Notes what forces from outside do: the problem's free velocities over its velocities.
   void add_forces(const IslandProblem& problem, std::span<const MovingBody> bodies);
-  /// As the step ends. `resolved`: joints are closed, and arms have turned by little in each substep; else energy is
-  /// left as it is.
+  /// Restores them when the step ends. `resolved`: joints are closed, and arms have turned by little in each substep;
+  /// else energy is left as it is.
   void restore(const DirectIslandInput& input, std::span<const MovingBody> bodies, bool resolved,
                IslandProblem& problem) const;
 

@@ -95,17 +95,6 @@ bool has_loops(const IslandProblem& problem) {
   return problem.joints.size() > problem.bodies.size() - (anchored ? 0 : 1);
 }
 
-// J, of the bodies alone.
-double kinetic_energy(std::span<const MovingBody> bodies, const IslandProblem& problem,
-                      const std::vector<double>& velocity) {
-  double sum = 0;
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
-    const Vector3 spin = angular_part(velocity, i);
-    sum += problem.bodies[i].mass * linear_part(velocity, i).squaredNorm() + spin.dot(product(bodies[i].inertia, spin));
-  }
-  return 0.5 * sum;
-}
-
 // After a linear solution.
 void note_held_impulses(IslandProblem& problem) {
   for (DirectJoint& joint : problem.joints) {
