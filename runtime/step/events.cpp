@@ -79,7 +79,7 @@ void note_events(Stores& world, ContactEvents& events, std::span<const std::pair
     const auto [a, b] = std::minmax(contact.body_first, contact.body_second);
     events.now.emplace_back(id(a), id(b));
   }
-  // What has come out of contact by quarantine since touches nobody.
+  // Bodies that have been put in quarantine since touch nobody.
   std::copy_if(hits.begin(), hits.end(), std::back_inserter(events.now), [&](const auto& pair) {
     return !world.quarantine.contains(pair.first.index) && !world.quarantine.contains(pair.second.index);
   });

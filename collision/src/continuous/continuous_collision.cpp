@@ -129,7 +129,7 @@ double ContinuousCollision::first_hit(const CcdStep& step, const FastBody& fast,
                 first = std::min(first, core_hit.t);
                 return first;
               }
-              // What is shifted together stays as it is.
+              // Bodies of an assembly are shifted together, and stay as they are to each other.
               if (joined && step.assembly_of(colliders.body[other]) == fast.assembly) return first;
               if (stays_outside(core.shape, core_motion, colliders.shape[other], other_motion)) return first;
               scratch.supports.push_back(support_of(core_hit, other_motion, core.shape, core_motion.at(1), tolerance));

@@ -59,7 +59,7 @@ void GroupContacts::begin_pushes() {
   }
 }
 
-// What rests has pushed in the first substep, and costs nothing from then on.
+// Blocks whose contacts have all pushed are passed over: those that rest have from the first substep on.
 void GroupContacts::note_pushes(std::size_t begin, std::size_t end) {
   static_assert(block_lanes == 8, "a bit a lane");
   for (std::size_t b = begin; b < end; ++b) {

@@ -1,4 +1,4 @@
-// What keeps its energy, for 100 s at the defaults.
+// Systems that keep their energy, for 100 s at the defaults.
 
 #include <algorithm>
 
@@ -8,7 +8,7 @@
 namespace atl::physics {
 namespace {
 
-// What moves, and what of its energy is in springs.
+// A system's moving parts, and the energy in its springs.
 struct Closed {
   World world;
   std::vector<Part> parts;
