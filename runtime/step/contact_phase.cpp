@@ -173,6 +173,25 @@ void switch_off_points(collision::ContactManifold& manifold, std::size_t count, 
 
 }  // namespace
 
+// Where at most one shape stands still there are none.
+void ContactPhase::leave_out_inner_edges(Stores& world) {
+  inner_.clear();
+  inner_points_ = 0;
+  if (world.contents.fixed_with_edges == 0 || world.contents.fixed_colliders < 2) return;
+  const solver::BodyTable& bodies = world.bodies;
+  const std::span<const std::uint32_t> found = inner_edges_.find(
+      world.cache, world.colliders, {bodies.positions.data(), bodies.orientations.data()},
+      {reinterpret_cast<const std::uint8_t*>(bodies.mobility.data()), bodies.size()}, update_.touching);
+  inner_.assign(found.begin(), found.end());
+  for (const std::uint32_t slot : inner_) {
+    collision::ContactManifold& manifold = world.cache.manifolds[slot];
+    std::fill_n(manifold.normal_impulse, collision::max_points, 0.0f);
+    std::fill_n(manifold.friction_impulse, 3, 0.0f);
+    manifold.torsional_impulse = 0;
+    inner_points_ += world.cache.contacts[slot].count;
+  }
+}
+
 void ContactPhase::change(Stores& world, std::uint32_t slot, const ModifiedContact& modified) {
   const std::size_t count = world.cache.contacts[slot].count;
   collision::ContactManifold& manifold = world.cache.manifolds[slot];
@@ -205,24 +224,29 @@ void ContactPhase::modify(Stores& world, const StepContext& step, std::span<cons
 void ContactPhase::list_on(const Stores& world) {
   std::vector<std::uint32_t>& off = modified_.off;
   std::sort(off.begin(), off.end());
+  off_.clear();
+  std::set_union(off.begin(), off.end(), inner_.begin(), inner_.end(), std::back_inserter(off_));
   parts_off_.clear();
-  for (const std::uint32_t slot : off) {
+  for (const std::uint32_t slot : off_) {
     parts_off_.emplace_back(world.cache.contacts[slot].pair, world.cache.contacts[slot].part);
   }
   std::sort(parts_off_.begin(), parts_off_.end());
   off_changed_ = parts_off_ != parts_off_before_;
   on_.clear();
   modified_.pairs_off.clear();
-  if (off.empty()) return;
-  const auto is_off = [&](const solver::TouchingPair& pair) {
-    return std::binary_search(off.begin(), off.end(), pair.slot);
+  if (off_.empty()) return;
+  const auto is_in = [](const std::vector<std::uint32_t>& slots) {
+    return [&slots](const solver::TouchingPair& pair) {
+      return std::binary_search(slots.begin(), slots.end(), pair.slot);
+    };
   };
   const auto pair_of = [&](const solver::TouchingPair& pair) { return world.cache.contacts[pair.slot].pair; };
-  std::copy_if(update_.touching.begin(), update_.touching.end(), std::back_inserter(on_), std::not_fn(is_off));
+  std::copy_if(update_.touching.begin(), update_.touching.end(), std::back_inserter(on_), std::not_fn(is_in(off_)));
+  if (off.empty()) return;
   for (auto first = update_.touching.begin(); first != update_.touching.end();) {
     const auto end = std::find_if(first, update_.touching.end(),
                                   [&](const solver::TouchingPair& pair) { return pair_of(pair) != pair_of(*first); });
-    if (std::all_of(first, end, is_off)) modified_.pairs_off.push_back(pair_of(*first));
+    if (std::all_of(first, end, is_in(off))) modified_.pairs_off.push_back(pair_of(*first));
     first = end;
   }
 }
@@ -236,6 +260,7 @@ void ContactPhase::update(Stores& world, const StepContext& step) {
   world.broadphase.forget_moves();
   std::swap(parts_off_, parts_off_before_);
   modified_ = {};
+  leave_out_inner_edges(world);
   if (step.rules != nullptr && step.rules->modifies()) {
     modify(world, step, update_.touching);
   } else {
@@ -255,17 +280,15 @@ void ContactPhase::update(Stores& world, const StepContext& step) {
 
 void ContactPhase::add_woken(Stores& world, const StepContext& step, std::span<const std::uint32_t> slots) {
   collision::refresh_contacts(world.cache, contact_input(world, step.narrowphase_kernels), slots, step.arena);
-  if (step.rules != nullptr && step.rules->modifies()) {
-    std::vector<solver::TouchingPair> woken;
-    for (const std::uint32_t slot : slots) {
-      const collision::Contact& contact = world.cache.contacts[slot];
-      if (contact.count > 0) woken.push_back({contact.body_first, contact.body_second, slot});
-    }
-    update_.add_touching(world.cache, slots);
-    modify(world, step, woken);
-  } else {
-    update_.add_touching(world.cache, slots);
+  update_.add_touching(world.cache, slots);
+  leave_out_inner_edges(world);
+  if (step.rules == nullptr || !step.rules->modifies()) return list_on(world);
+  std::vector<solver::TouchingPair> woken;
+  for (const std::uint32_t slot : slots) {
+    const collision::Contact& contact = world.cache.contacts[slot];
+    if (contact.count > 0) woken.push_back({contact.body_first, contact.body_second, slot});
   }
+  modify(world, step, woken);
 }
 
 void ContactPhase::remove_lost(Stores& world) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <collision/contacts/inner_edges.h>
 #include <collision/contacts/update_contacts.h>
 #include <jobs/arrays.h>
 #include <solver/constraints/surface_contact.h>
@@ -34,19 +35,20 @@ class ContactPhase {
     cache_changes_ = ~std::uint64_t{0};
   }
 
-  /// In order, but for those that a modifier switched off. Valid until the next update.
-  std::span<const solver::TouchingPair> touching() const { return modified_.off.empty() ? update_.touching : on_; }
+  /// In order, but for those at edges that are none, and those that a modifier switched off. Valid until the next
+  /// update.
+  std::span<const solver::TouchingPair> touching() const { return off_.empty() ? update_.touching : on_; }
   /// Whether it still tells of all contacts with points: none came, went, or is idle.
   bool touching_is_all(const Stores& world) const {
     return world.cache.changes() == cache_changes_ && world.cache.order().size() == world.cache.size();
   }
   bool touching_changed() const { return update_.touching_changed || off_changed_; }
-  std::int64_t points() const { return update_.counts.points - modified_.points_off; }
+  std::int64_t points() const { return update_.counts.points - modified_.points_off - inner_points_; }
   /// Pairs of colliders of which all contacts are switched off, in order.
   std::span<const collision::Pair> pairs_off() const { return modified_.pairs_off; }
   /// What a modifier adds to the slip of contacts, by slot; null where it adds nothing.
   const solver::AddedSlip* added_slips() const { return modified_.slips ? slips_.data() : nullptr; }
-  auto arrays() const { return std::tie(update_, on_, slips_); }
+  auto arrays() const { return std::tie(update_, inner_edges_, inner_, off_, on_, slips_); }
 
  private:
   // What a modifier made of the step's contacts.
@@ -57,13 +59,17 @@ class ContactPhase {
     bool slips = false;
   };
 
+  void leave_out_inner_edges(Stores& world);
   void modify(Stores& world, const StepContext& step, std::span<const solver::TouchingPair> contacts);
   void change(Stores& world, std::uint32_t slot, const ModifiedContact& modified);
   void list_on(const Stores& world);
 
   collision::ContactUpdate update_;
+  collision::InnerEdges inner_edges_;
+  std::int64_t inner_points_ = 0;
   Modified modified_;
-  std::vector<solver::TouchingPair> on_;  // where some are switched off
+  std::vector<std::uint32_t> inner_, off_;  // slots, in order; the latter are all that are left out
+  std::vector<solver::TouchingPair> on_;    // where some are
   // By pair and part: slots go over to others as contacts come and go.
   using Part = std::pair<collision::Pair, std::uint8_t>;
   std::vector<Part> parts_off_, parts_off_before_;  // in order

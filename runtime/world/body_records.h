@@ -63,9 +63,11 @@ struct Contents {
   std::size_t with_friction = 0;
   std::size_t with_restitution = 0;
   std::size_t gyroscopic = 0;
-  std::size_t surfaces = 0;  ///< meshes and height fields
+  std::size_t surfaces = 0;       ///< meshes and height fields
   std::size_t own_materials = 0;  ///< bodies with a child that has its own
   std::size_t sensors = 0;
+  std::size_t fixed_colliders = 0;   ///< of static bodies
+  std::size_t fixed_with_edges = 0;  ///< of these, those that are no half-space
 
   void count(const solver::BodyTable& bodies, const BodyRecords& records, std::uint32_t body, int sign);
 };
