@@ -116,9 +116,7 @@ void visit_contact(Archive& archive, Contact& contact, Manifold& manifold, Rolli
     contact.axis = 0;
     contact.tolerance = 0;
     contact.gap = 0;
-    std::fill_n(manifold.normal_impulse, collision::max_points, 0.0f);
-    std::fill_n(manifold.friction_impulse, 3, 0.0f);
-    manifold.torsional_impulse = 0;
+    collision::forget_impulses(manifold);
     if (rolling != nullptr) std::fill_n(rolling, 3, 0.0f);
   }
   if ((flags & is::apart) != 0) {

@@ -173,21 +173,16 @@ void switch_off_points(collision::ContactManifold& manifold, std::size_t count, 
 
 }  // namespace
 
-// Where at most one shape stands still there are none.
-void ContactPhase::leave_out_inner_edges(Stores& world) {
+// Such edges take two shapes that stand still: other worlds are not searched.
+void ContactPhase::leave_out_inner_edges(Stores& world, const collision::NarrowphaseKernels& kernels) {
   inner_.clear();
   inner_points_ = 0;
   if (world.contents.fixed_with_edges == 0 || world.contents.fixed_colliders < 2) return;
-  const solver::BodyTable& bodies = world.bodies;
-  const std::span<const std::uint32_t> found = inner_edges_.find(
-      world.cache, world.colliders, {bodies.positions.data(), bodies.orientations.data()},
-      {reinterpret_cast<const std::uint8_t*>(bodies.mobility.data()), bodies.size()}, update_.touching);
+  const std::span<const std::uint32_t> found =
+      inner_edges_.find(world.cache, contact_input(world, kernels), update_.touching);
   inner_.assign(found.begin(), found.end());
   for (const std::uint32_t slot : inner_) {
-    collision::ContactManifold& manifold = world.cache.manifolds[slot];
-    std::fill_n(manifold.normal_impulse, collision::max_points, 0.0f);
-    std::fill_n(manifold.friction_impulse, 3, 0.0f);
-    manifold.torsional_impulse = 0;
+    collision::forget_impulses(world.cache.manifolds[slot]);
     inner_points_ += world.cache.contacts[slot].count;
   }
 }
@@ -260,7 +255,7 @@ void ContactPhase::update(Stores& world, const StepContext& step) {
   world.broadphase.forget_moves();
   std::swap(parts_off_, parts_off_before_);
   modified_ = {};
-  leave_out_inner_edges(world);
+  leave_out_inner_edges(world, step.narrowphase_kernels);
   if (step.rules != nullptr && step.rules->modifies()) {
     modify(world, step, update_.touching);
   } else {
@@ -281,7 +276,7 @@ void ContactPhase::update(Stores& world, const StepContext& step) {
 void ContactPhase::add_woken(Stores& world, const StepContext& step, std::span<const std::uint32_t> slots) {
   collision::refresh_contacts(world.cache, contact_input(world, step.narrowphase_kernels), slots, step.arena);
   update_.add_touching(world.cache, slots);
-  leave_out_inner_edges(world);
+  leave_out_inner_edges(world, step.narrowphase_kernels);
   if (step.rules == nullptr || !step.rules->modifies()) return list_on(world);
   std::vector<solver::TouchingPair> woken;
   for (const std::uint32_t slot : slots) {

@@ -59,7 +59,7 @@ class ContactPhase {
     bool slips = false;
   };
 
-  void leave_out_inner_edges(Stores& world);
+  void leave_out_inner_edges(Stores& world, const collision::NarrowphaseKernels& kernels);
   void modify(Stores& world, const StepContext& step, std::span<const solver::TouchingPair> contacts);
   void change(Stores& world, std::uint32_t slot, const ModifiedContact& modified);
   void list_on(const Stores& world);

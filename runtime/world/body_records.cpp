@@ -76,13 +76,12 @@ void Contents::count(const solver::BodyTable& bodies, const BodyRecords& records
   add(sensors, constants.sensor);
   add(gyroscopic, bodies.gyroscopic[body] != 0);
   const auto is_surface = [](const CheckedCollider& collider) { return collision::is_surface(collider.shape.kind); };
-  if (bodies.mobility[body] == solver::Mobility::Fixed) {
-    for (const CheckedCollider& collider : constants.colliders) {
-      add(fixed_colliders, true);
-      add(fixed_with_edges, collider.shape.kind != collision::ShapeKind::HalfSpace);
-    }
-  }
   add(surfaces, std::ranges::any_of(constants.colliders, is_surface));
+  if (bodies.mobility[body] != solver::Mobility::Fixed) return;
+  for (const CheckedCollider& collider : constants.colliders) {
+    add(fixed_colliders, true);
+    add(fixed_with_edges, collider.shape.kind != collision::ShapeKind::HalfSpace);
+  }
 }
 
 }  // namespace atl

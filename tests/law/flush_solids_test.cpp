@@ -144,7 +144,7 @@ TEST(FlushSolids, AreTheSameHoweverTheyAreStepped) {
   }
 }
 
-// What is higher by a hundredth of its size stops a box, and so does what stands on the floor.
+// A step of a hundredth of a box's size stops the box, and so does a wall on the floor.
 TEST(FlushSolids, StopWhatRunsAgainstAStepOrAWall) {
   for (const double height : {0.002, 0.02, 1.0}) {
     World world;

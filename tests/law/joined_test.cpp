@@ -142,8 +142,8 @@ TEST(Joined, AHingedRodLeansOnAWall) {
   EXPECT_NEAR(world.joint_state(hinge).force.z(), 10 * g, 1e-3 * 10 * g);
 }
 
-// Of two rods in a line, hinged to the world and to each other, the outer one is struck across its centre. In the
-// line's direction its joints let it go on as it was struck: 6/7 of its energy is left, the rest is theirs.
+// Two rods in a line, hinged to the world and to each other: the outer one is struck across its centre. 6/7 of the
+// blow's energy is left once joints have had their part.
 TEST(Joined, WhatIsStruckLosesEnergyToItsJoints) {
   World world({.gravity = {0, 0, 0}, .settings = {.joint_solver = JointSolver::Direct}});
   const BodyId wall = world.add_body({.type = BodyType::Static, .shape = Sphere{0.1}, .filter = {.mask = 0}});

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double half = 5;  // m, of the room
 
-// Of 12 triangles, seen from within.
+// A closed box of 12 triangles that face inwards.
 TriangleMesh room_of_triangles() {
   std::vector<Vector3> corners;
   for (int i = 0; i < 8; ++i) {

@@ -10,17 +10,20 @@
 namespace atl::collision {
 namespace {
 
-// Of the sine of the angle between normals: what leans less does not lean.
+// Sine of the angle between two normals, below which they count as parallel: some rounding of normals in single
+// precision.
 constexpr double least_lean = 1e-4;
-// Likewise of a normal that is a face's of what moves: it may lie on flush solids with that face, and not quite flat.
+// Likewise where one is that of a face of the shape that moves: it rests on flush solids with that face, not quite
+// flat.
 constexpr double least_lean_of_face = 0.045;
-// Of a contact's size: how far surfaces may be out of line that still meet flush.
+// Part of a contact's size by which flush surfaces may be out of line: a step of a hundredth is to stop things.
 constexpr double flush = 1e-3;
-// The cosine of the angle to a face's normal of a contact's that is taken for it, as the other shape's may be.
+// Cosine of the angle between a contact's normal and that of a face in whose plane it is taken to be: the normal may be
+// that of a face of the other shape, which tilts.
 constexpr double along_face = 0.999;
 constexpr std::uint32_t among_several = ~0u;
 
-// What moves, and what stands still.
+// The two colliders of a contact of which one stands still.
 struct FixedSide {
   std::uint32_t mover, collider;
   bool is_first;  // what stands still is
@@ -56,14 +59,11 @@ std::optional<Vector3> face_along(const Shape& shape, const Vector3& direction) 
   return nearest;
 }
 
-bool is_solid(const Shape& shape) { return !is_surface(shape.kind) && shape.kind != ShapeKind::HalfSpace; }
-
 // m, along a direction in the world.
-double reach_of(const ColliderTable& colliders, const PoseView& poses, std::uint32_t collider,
-                const Vector3& direction) {
-  const Pose pose = colliders.pose(collider, poses);
+double reach_of(const ContactUpdateInput& input, std::uint32_t collider, const Vector3& direction) {
+  const Pose pose = input.colliders.pose(collider, input.poses);
   const Vector3 own = pose.orientation.conjugate() * direction;
-  return direction.dot(pose.position) + reach_along(colliders.shape[collider], own);
+  return direction.dot(pose.position) + reach_along(input.colliders.shape[collider], own);
 }
 
 // Calls visit(p) for the points of a contact on what stands still, m.
@@ -84,21 +84,23 @@ void each_point(const Contact& contact, const ContactManifold& manifold, const P
 
 }  // namespace
 
-void InnerEdges::list(const ContactCache& cache, const ColliderTable& colliders, const PoseView& poses,
-                      std::span<const std::uint8_t> mobility, std::span<const TouchingPair> touching) {
+void InnerEdges::list(const ContactCache& cache, const ContactUpdateInput& input,
+                      std::span<const TouchingPair> touching) {
+  const ColliderTable& colliders = input.colliders;
+  const PoseView& poses = input.poses;
   last_.resize(colliders.size(), 0);
   on_fixed_.clear();
   bool any = false;
   FixedSide side;
   for (const TouchingPair& pair : touching) {
-    if (!fixed_side_of(cache.contacts[pair.slot], mobility, side)) continue;
+    if (!fixed_side_of(cache.contacts[pair.slot], input.mobility, side)) continue;
     std::uint32_t& last = last_[side.mover];
     any |= last != 0 && last != side.collider + 1;
     last = last == 0 || last == side.collider + 1 ? side.collider + 1 : among_several;
   }
   for (const TouchingPair& pair : any ? touching : std::span<const TouchingPair>()) {
     const Contact& contact = cache.contacts[pair.slot];
-    if (!fixed_side_of(contact, mobility, side) || last_[side.mover] != among_several) continue;
+    if (!fixed_side_of(contact, input.mobility, side) || last_[side.mover] != among_several) continue;
     const ContactManifold& manifold = cache.manifolds[pair.slot];
     const Shape& shape = colliders.shape[side.collider];
     const Quaternion turn = colliders.pose(side.collider, poses).orientation;
@@ -109,8 +111,8 @@ void InnerEdges::list(const ContactCache& cache, const ColliderTable& colliders,
     const Vector3 against = colliders.pose(side.mover, poses).orientation.conjugate() * -found.normal;
     const std::optional<Vector3> own = face_along(colliders.shape[side.mover], against);
     found.least_lean = own && (*own - against).norm() < least_lean ? least_lean_of_face : least_lean;
-    if (is_solid(shape)) {
-      found.offset = reach_of(colliders, poses, side.collider, found.plane);
+    if (is_convex_solid(shape.kind)) {
+      found.offset = reach_of(input, side.collider, found.plane);
     } else {
       found.offset = -std::numeric_limits<double>::infinity();
       each_point(contact, manifold, poses, side.is_first,
@@ -123,15 +125,17 @@ void InnerEdges::list(const ContactCache& cache, const ColliderTable& colliders,
   }
 }
 
-// Whether what a contact is with reaches just to the plane of another: a solid with all of it, a surface where it is
-// touched.
-bool InnerEdges::ends_at(const ContactCache& cache, const ColliderTable& colliders, const PoseView& poses,
-                         const OnFixed& contact, const OnFixed& other) {
+// Tells if the shape that stands still in a contact reaches just to the plane of another contact: a solid with all of
+// it, a surface where it is touched.
+bool InnerEdges::ends_at(const ContactCache& cache, const ContactUpdateInput& input, const OnFixed& contact,
+                         const OnFixed& other) {
+  const ColliderTable& colliders = input.colliders;
+  const PoseView& poses = input.poses;
   const Contact& of = cache.contacts[contact.slot];
   const Shape& shape = colliders.shape[contact.collider];
   const double most = flush * static_cast<double>(of.size);
-  if (is_solid(shape)) {
-    return std::abs(reach_of(colliders, poses, contact.collider, other.plane) - other.offset) <= most;
+  if (is_convex_solid(shape.kind)) {
+    return std::abs(reach_of(input, contact.collider, other.plane) - other.offset) <= most;
   }
   if (shape.kind == ShapeKind::HalfSpace) return false;
   const Pose pose = colliders.pose(contact.collider, poses);
@@ -144,27 +148,26 @@ bool InnerEdges::ends_at(const ContactCache& cache, const ColliderTable& collide
   return ends;
 }
 
-void InnerEdges::find_of_mover(const ContactCache& cache, const ColliderTable& colliders, const PoseView& poses,
+void InnerEdges::find_of_mover(const ContactCache& cache, const ContactUpdateInput& input,
                                std::span<const OnFixed> contacts) {
   for (const OnFixed& contact : contacts) {
     const auto hides_it = [&](const OnFixed& other) {
       return other.collider != contact.collider && contact.normal.cross(other.plane).norm() >= contact.least_lean &&
-             ends_at(cache, colliders, poses, contact, other);
+             ends_at(cache, input, contact, other);
     };
     if (std::ranges::any_of(contacts, hides_it)) inner_.push_back(contact.slot);
   }
 }
 
-std::span<const std::uint32_t> InnerEdges::find(const ContactCache& cache, const ColliderTable& colliders,
-                                                const PoseView& poses, std::span<const std::uint8_t> mobility,
+std::span<const std::uint32_t> InnerEdges::find(const ContactCache& cache, const ContactUpdateInput& input,
                                                 std::span<const TouchingPair> touching) {
   inner_.clear();
-  list(cache, colliders, poses, mobility, touching);
+  list(cache, input, touching);
   std::ranges::stable_sort(on_fixed_, {}, &OnFixed::mover);
   for (auto first = on_fixed_.begin(); first != on_fixed_.end();) {
     const auto end =
         std::find_if(first, on_fixed_.end(), [&](const OnFixed& one) { return one.mover != first->mover; });
-    find_of_mover(cache, colliders, poses, {first, end});
+    find_of_mover(cache, input, {first, end});
     first = end;
   }
   std::ranges::sort(inner_);

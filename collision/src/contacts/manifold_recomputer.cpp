@@ -53,12 +53,6 @@ Manifold after_last(const Contact& contact, bool swapped) {
   return manifold;
 }
 
-void clear_impulses(ContactManifold& manifold) {
-  std::fill_n(manifold.normal_impulse, max_points, 0.0f);
-  std::fill_n(manifold.friction_impulse, 3, 0.0f);
-  manifold.torsional_impulse = 0;
-}
-
 bool are_boxes(const ColliderTable& colliders, Pair pair) {
   return colliders.shape[pair.first].kind == ShapeKind::Box && colliders.shape[pair.second].kind == ShapeKind::Box;
 }
@@ -152,7 +146,7 @@ void ManifoldRecomputer::replace(std::size_t entry, const Manifold& manifold, co
   const std::uint32_t slot = range_.cache.order()[entry];
   ContactManifold& stored = range_.cache.manifolds[slot];
   if (manifold.count == 0) {
-    clear_impulses(stored);
+    forget_impulses(stored);
   } else {
     const OldPoints old = OldPoints::of(contact, stored);
     const double reach = match_distance * static_cast<double>(contact.size);
@@ -193,7 +187,7 @@ bool ManifoldRecomputer::set_surface_apart(std::size_t entry, double margin, dou
 void ManifoldRecomputer::set_apart(std::size_t entry, double margin, double gap, double radius) {
   Contact& contact = range_.contact(entry);
   if (!(contact.gap > 0)) {
-    clear_impulses(range_.manifold(entry));
+    forget_impulses(range_.manifold(entry));
     store_features(contact, Manifold{}, {Vector3::Zero(), Quaternion::Identity()}, margin, 0);
   }
   contact.radius = static_cast<float>(radius);

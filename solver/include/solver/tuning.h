@@ -115,8 +115,8 @@ inline constexpr double energy_tolerance = 1e-3;
 /// By which part the energy of what moves in joints is changed at most in a step, to what it should be: see
 /// Conservation. With 0.05 three rods that whip lose all of theirs in 100 s at the default step, with 0.5 none.
 inline constexpr double most_energy_restored = 0.5;
-/// Of the fastest speed of an island: where joints part faster as a step begins, something has struck it. What is left
-/// of closed gaps comes to a tenth of that.
+/// Part of an island's fastest speed: if joints part faster than that when a step begins, something has struck the
+/// island. Closed gaps leave a tenth of it.
 inline constexpr double most_parting = 1e-3;
 /// rad: where an arm swings by more in a substep, energy is left as it is. With 0.1 ten rods that are let go level lose
 /// 43% of theirs in 100 s at the default step.

@@ -4,6 +4,7 @@
 #include <collision/narrowphase/manifold.h>
 #include <collision/shapes/pose.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
@@ -33,6 +34,13 @@ static_assert(sizeof(ContactManifold) == 128);
 
 /// So far apart that no speed closes it: such a point's impulse is always zero.
 inline constexpr float no_point = 1e10f;
+
+/// Leaves a manifold without impulses to start from, or to tell.
+inline void forget_impulses(ContactManifold& manifold) {
+  std::fill_n(manifold.normal_impulse, max_points, 0.0f);
+  std::fill_n(manifold.friction_impulse, 3, 0.0f);
+  manifold.torsional_impulse = 0;
+}
 
 /// N s, of a point's normal_impulse: with which the next step starts.
 inline float kept_impulse(float impulse) { return impulse > 0 ? impulse : 0; }

@@ -1,8 +1,6 @@
 #pragma once
 
-#include <collision/contacts/contact_cache.h>
-#include <collision/contacts/touching_pair.h>
-#include <collision/shapes/collider_table.h>
+#include <collision/contacts/update_contacts.h>
 #include <jobs/arrays.h>
 
 #include <cstdint>
@@ -11,19 +9,19 @@
 
 namespace atl::collision {
 
-/// Finds contacts at edges that are none: where solids that stand still meet flush, as the tiles of a floor do, the
-/// edges and sides between them are inside of what they make together, and no body is to stop at one.
+/// Finds contacts with inner edges: edges and sides between solids that stand still and meet flush, as the tiles of a
+/// floor do. They are inside of the one body that the solids make together, so nothing is to stop at them.
 ///
-/// Where a shape that moves touches one solid, the plane of the contact has the shape on one side. A solid that reaches
-/// just to that plane from the other side can't be touched but in the plane: a contact with it whose normal leans is
-/// one with an inner edge. (Its normal is none that the union of both has there, as a vertex's region in Voronoi's
-/// diagram of the union says.) What reaches beyond the plane, as a wall or a step does, is left. Memory is reused.
+/// A contact's plane has the shape that moves on one side. A solid that reaches just to that plane from the other side
+/// can only be touched in the plane, so a contact with it whose normal leans is one with an inner edge. (The union of
+/// both solids has no such normal there: it is outside of the vertex's region in the union's Voronoi diagram.) Solids
+/// that reach beyond the plane, as walls and steps do, keep their contacts. Memory is reused.
 class InnerEdges {
  public:
-  /// Lists the slots of these contacts among those that touch, which are in order. `mobility` by body: 0 if it stands
-  /// still. The cost is linear in what touches, and beyond that in pairs of solids that one shape touches.
-  std::span<const std::uint32_t> find(const ContactCache& cache, const ColliderTable& colliders, const PoseView& poses,
-                                      std::span<const std::uint8_t> mobility, std::span<const TouchingPair> touching);
+  /// Lists the slots of these contacts among those that touch, which are in order. The cost is linear in what touches,
+  /// and beyond that in pairs of solids that one shape touches.
+  std::span<const std::uint32_t> find(const ContactCache& cache, const ContactUpdateInput& input,
+                                      std::span<const TouchingPair> touching);
 
   /// See jobs/arrays.h.
   auto arrays() const { return std::tie(last_, on_fixed_, inner_); }
@@ -40,12 +38,10 @@ class InnerEdges {
     double offset = 0;                  // m, of what is in that plane, along its normal
   };
 
-  void list(const ContactCache& cache, const ColliderTable& colliders, const PoseView& poses,
-            std::span<const std::uint8_t> mobility, std::span<const TouchingPair> touching);
-  static bool ends_at(const ContactCache& cache, const ColliderTable& colliders, const PoseView& poses,
-                      const OnFixed& contact, const OnFixed& other);
-  void find_of_mover(const ContactCache& cache, const ColliderTable& colliders, const PoseView& poses,
-                     std::span<const OnFixed> contacts);
+  void list(const ContactCache& cache, const ContactUpdateInput& input, std::span<const TouchingPair> touching);
+  static bool ends_at(const ContactCache& cache, const ContactUpdateInput& input, const OnFixed& contact,
+                      const OnFixed& other);
+  void find_of_mover(const ContactCache& cache, const ContactUpdateInput& input, std::span<const OnFixed> contacts);
 
   std::vector<std::uint32_t> last_;  // by collider: 1 + which it touched last in the list; all 0 between calls
   std::vector<OnFixed> on_fixed_;    // of colliders that touch several
