@@ -62,7 +62,8 @@ void World::Impl::adopt(const std::shared_ptr<const WorldDefinition>& world_defi
     if (body == collision::ColliderTable::none) continue;
     const BodyConstants& constants = *stores.records.constants[body];
     const CheckedCollider& part = constants.colliders[child];
-    colliders.place(collider, body, child, part.shape, part.in_frame_of(constants.centre));
+    const collision::PlacedShape placed = part.in_frame_of(constants.centre);
+    colliders.place(collider, body, child, placed.shape, placed.pose);
     of_body[body].resize(constants.colliders.size());
     of_body[body][child] = collider;
   }

@@ -1,8 +1,7 @@
 #pragma once
 
 #include <atoll/body.h>
-#include <collision/shapes/pose.h>
-#include <collision/shapes/shape.h>
+#include <collision/shapes/hull.h>
 
 #include <cstdint>
 #include <memory>
@@ -23,7 +22,11 @@ struct CheckedCollider {
   std::optional<Material> material = {};
   std::optional<CollisionFilter> filter = {};
 
-  collision::Pose in_frame_of(const Vector3& centre) const { return {local.position - centre, local.orientation}; }
+  collision::PlacedShape in_frame_of(const Vector3& centre) const {
+    collision::PlacedShape placed = collision::centred(shape, local);
+    placed.pose.position -= centre;
+    return placed;
+  }
 };
 
 /// What of a body never changes, in the terms of the layers below.

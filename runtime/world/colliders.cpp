@@ -12,7 +12,8 @@ void add_colliders(Stores& world, std::uint32_t body) {
   std::uint32_t previous = collision::ColliderTable::none;
   std::uint32_t child = 0;
   for (const CheckedCollider& part : constants.colliders) {
-    const std::uint32_t collider = world.colliders.add(body, child++, part.shape, part.in_frame_of(constants.centre));
+    const collision::PlacedShape placed = part.in_frame_of(constants.centre);
+    const std::uint32_t collider = world.colliders.add(body, child++, placed.shape, placed.pose);
     (previous == collision::ColliderTable::none ? world.colliders.first[body] : world.colliders.next[previous]) =
         collider;
     previous = collider;

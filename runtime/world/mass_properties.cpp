@@ -14,6 +14,10 @@ double density_factor(const Shape& shape, std::size_t part) {
   return compound == nullptr ? 1 : compound->children[part].density_factor;
 }
 
+Vector3 centre_of(const CheckedCollider& part) {
+  return part.local.position + part.local.orientation * collision::mass_properties(part.shape).centre;
+}
+
 // Second moments of a unit mass at `arm` from the axes' origin.
 Matrix3 point_inertia(const Vector3& arm) { return arm.squaredNorm() * Matrix3::Identity() - arm * arm.transpose(); }
 
@@ -32,9 +36,10 @@ MassProperties mass_properties(const Shape& shape) {
     const double mass = density_factor(shape, i) * part.volume;
     total.volume += part.volume;
     total.mass += mass;
-    moment += mass * (parts[i].local.position + parts[i].local.orientation * part.centre);
+    moment += mass * centre_of(parts[i]);
   }
-  total.centre = moment / total.mass;
+  // The centre of a single part is its own, to the bit: the part then has no offset from the body's centre.
+  total.centre = parts.size() == 1 ? centre_of(parts[0]) : Vector3(moment / total.mass);
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const collision::MassProperties part = collision::mass_properties(parts[i].shape);
     const Matrix3 turn = parts[i].local.orientation.toRotationMatrix();

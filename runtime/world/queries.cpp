@@ -137,30 +137,21 @@ CheckedRay checked(const std::string& what, const Ray& ray) {
           ray.both_sides ? collision::Sides::Both : collision::Sides::Front};
 }
 
-struct CheckedSolid {
-  collision::Shape shape;
-  collision::Pose pose;
-};
-
-CheckedSolid checked(const std::string& what, const ConvexShape* shape, const Vector3& position,
-                     const Quaternion& orientation) {
+collision::PlacedShape checked(const std::string& what, const ConvexShape* shape, const Vector3& position,
+                               const Quaternion& orientation) {
   check_number(what + ".position", position);
-  CheckedSolid solid;
-  solid.pose = {position, checked_orientation((what + ".orientation").c_str(), orientation)};
+  const collision::Pose pose{position, checked_orientation((what + ".orientation").c_str(), orientation)};
+  if (shape == nullptr) return {collision::Shape::sphere(0), pose};
   // The hull, if it is one, belongs to the caller's shape, which outlives the call.
-  solid.shape =
-      shape ? std::visit([&](const auto& one) { return checked_colliders((what + ".shape").c_str(), one); }, *shape)
-                  .front()
-                  .shape
-            : collision::Shape::sphere(0);
-  return solid;
+  const auto colliders_of = [&](const auto& one) { return checked_colliders((what + ".shape").c_str(), one); };
+  return collision::centred(std::visit(colliders_of, *shape).front().shape, pose);
 }
 
-CheckedSolid checked(const std::string& what, const QueryShape& placed) {
+collision::PlacedShape checked(const std::string& what, const QueryShape& placed) {
   return checked(what, placed.shape ? &*placed.shape : nullptr, placed.position, placed.orientation);
 }
 
-CheckedSolid checked(const std::string& what, const ShapeCast& cast) {
+collision::PlacedShape checked(const std::string& what, const ShapeCast& cast) {
   check_number(what + ".translation", cast.translation);
   return checked(what, &cast.shape, cast.position, cast.orientation);
 }
@@ -203,14 +194,14 @@ bool any_hit(const QueryAccess& access, const CheckedRay& ray, const Filter& fil
   return collision::cast_ray_any(access.scene(), ray.ray, ray.sides, filter, unused);
 }
 
-std::optional<ShapeHit> first_hit(const QueryAccess& access, const CheckedSolid& solid, const Vector3& translation,
-                                  const Filter& filter) {
+std::optional<ShapeHit> first_hit(const QueryAccess& access, const collision::PlacedShape& solid,
+                                  const Vector3& translation, const Filter& filter) {
   collision::ColliderSweepHit found;
   if (!collision::cast_shape(access.scene(), solid.shape, solid.pose, translation, filter, found)) return std::nullopt;
   return named(access, found, translation.norm());
 }
 
-std::vector<BodyId> overlapped(const QueryAccess& access, const CheckedSolid& solid, const Filter& filter) {
+std::vector<BodyId> overlapped(const QueryAccess& access, const collision::PlacedShape& solid, const Filter& filter) {
   std::vector<std::uint32_t> found;
   collision::find_overlaps(access.scene(), solid.shape, solid.pose, filter, found);
   std::vector<BodyId> bodies;
@@ -221,7 +212,7 @@ std::vector<BodyId> overlapped(const QueryAccess& access, const CheckedSolid& so
   return bodies;
 }
 
-std::optional<ClosestPoint> closest(const QueryAccess& access, const CheckedSolid& solid, double max_distance,
+std::optional<ClosestPoint> closest(const QueryAccess& access, const collision::PlacedShape& solid, double max_distance,
                                     const Filter& filter) {
   collision::ColliderDistance found;
   if (!collision::find_closest(access.scene(), solid.shape, solid.pose, max_distance, filter, found)) {
@@ -286,7 +277,7 @@ std::optional<ShapeHit> Queries::cast_shape(const ShapeCast& cast, const QueryFi
 
 std::vector<ShapeHit> Queries::cast_shape_through(const ShapeCast& cast, const QueryFilter& filter) const {
   const QueryAccess access = QueryAccess::of(*world_);
-  const CheckedSolid solid = checked("Queries::cast_shape_through: cast", cast);
+  const collision::PlacedShape solid = checked("Queries::cast_shape_through: cast", cast);
   std::vector<collision::ColliderSweepHit> found;
   const Filter accept(access, filter);
   collision::cast_shape_all(access.scene(), solid.shape, solid.pose, cast.translation, accept, found);
@@ -328,9 +319,10 @@ std::vector<std::optional<ShapeHit>> Queries::cast_shapes(std::span<const ShapeC
                                                           const QueryFilter& filter) const {
   const QueryAccess access = QueryAccess::of(*world_);
   const Filter accept(access, filter);
-  return answer_all<std::optional<ShapeHit>>(
-      access, "Queries::cast_shapes: casts", casts,
-      [&](const CheckedSolid& solid, std::size_t i) { return first_hit(access, solid, casts[i].translation, accept); });
+  return answer_all<std::optional<ShapeHit>>(access, "Queries::cast_shapes: casts", casts,
+                                             [&](const collision::PlacedShape& solid, std::size_t i) {
+                                               return first_hit(access, solid, casts[i].translation, accept);
+                                             });
 }
 
 std::vector<std::vector<BodyId>> Queries::overlapping(std::span<const QueryShape> shapes,
@@ -339,7 +331,7 @@ std::vector<std::vector<BodyId>> Queries::overlapping(std::span<const QueryShape
   const Filter accept(access, filter);
   return answer_all<std::vector<BodyId>>(
       access, "Queries::overlapping: shapes", shapes,
-      [&](const CheckedSolid& solid, std::size_t) { return overlapped(access, solid, accept); });
+      [&](const collision::PlacedShape& solid, std::size_t) { return overlapped(access, solid, accept); });
 }
 
 std::vector<std::optional<ClosestPoint>> Queries::closest_points(std::span<const QueryShape> shapes,
@@ -349,7 +341,7 @@ std::vector<std::optional<ClosestPoint>> Queries::closest_points(std::span<const
   const Filter accept(access, filter);
   return answer_all<std::optional<ClosestPoint>>(
       access, "Queries::closest_points: shapes", shapes,
-      [&](const CheckedSolid& solid, std::size_t) { return closest(access, solid, max_distance, accept); });
+      [&](const collision::PlacedShape& solid, std::size_t) { return closest(access, solid, max_distance, accept); });
 }
 
 }  // namespace atl

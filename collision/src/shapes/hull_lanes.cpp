@@ -27,7 +27,7 @@ void visit_reaches(const Hull& hull, const Vector3& direction, const Visit& visi
 
 }  // namespace
 
-void Hull::prepare() {
+void Hull::find_columns() {
   const std::size_t size = (vertices.size() + lanes - 1) / lanes * lanes;
   columns.clear();
   for (Eigen::Index axis = 0; axis < 3; ++axis) {

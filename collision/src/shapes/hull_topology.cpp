@@ -107,8 +107,7 @@ bool link_vertices(Hull& hull) {
   return true;
 }
 
-void measure(Hull& hull) {
-  hull.mass = polyhedron_mass(hull);
+void find_bounds(Hull& hull) {
   hull.lower = hull.upper = hull.vertices[0];
   double square = 0;
   for (const Vector3& vertex : hull.vertices) {
@@ -117,14 +116,40 @@ void measure(Hull& hull) {
     square = std::max(square, vertex.squaredNorm());
   }
   hull.bounding_radius = std::sqrt(square);
-  hull.prepare();
+}
+
+void measure(Hull& hull) {
+  hull.mass = polyhedron_mass(hull);
+  find_bounds(hull);
   hull.inner_radius = std::numeric_limits<double>::infinity();
   for (const Hull::Plane& plane : hull.planes) {
     hull.inner_radius = std::min(hull.inner_radius, plane.offset - plane.normal.dot(hull.mass.centre));
   }
+  hull.prepare();
+}
+
+Hull centred_at(const Vector3& centre, const Hull& hull) {
+  Hull result = hull;
+  for (Vector3& vertex : result.vertices) vertex -= centre;
+  for (Hull::Plane& plane : result.planes) plane.offset -= plane.normal.dot(centre);
+  result.mass.centre.setZero();
+  find_bounds(result);
+  result.find_columns();
+  return result;
 }
 
 }  // namespace
+
+void Hull::prepare() {
+  find_columns();
+  centred = mass.centre.isZero(0) ? nullptr : std::make_shared<const Hull>(centred_at(mass.centre, *this));
+}
+
+PlacedShape centred(const Shape& shape, const Pose& pose) {
+  const Hull* hull = shape.kind == ShapeKind::Hull ? shape.hull : nullptr;
+  if (hull == nullptr || !hull->centred) return {shape, pose};
+  return {Shape::convex_hull(*hull->centred), placed(pose, {hull->mass.centre, Quaternion::Identity()})};
+}
 
 bool assemble(std::span<const Vector3> points, const ConvexFacets& facets, Hull& hull) {
   hull = Hull{};

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <collision/shapes/pose.h>
 #include <collision/shapes/shape.h>
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <variant>
@@ -56,14 +58,27 @@ struct Hull {
   Vector3 upper = Vector3::Zero();
   bool simplified = false;    ///< vertices were dropped to stay within max_vertices
   std::uint64_t content = 0;  ///< hash of vertices and faces
+  /// The same hull in a frame at its centre of mass; null if it is in that frame already. Collision takes this one:
+  /// bounds and rounding follow from the solid then, however far away from it a file put the frame.
+  std::shared_ptr<const Hull> centred;
 
   std::size_t face_count() const { return planes.size(); }
-  void prepare();  ///< makes columns and least_reach of the rest
+  void find_columns();  ///< makes columns and least_reach of the rest
+  void prepare();       ///< makes these and centred of the rest
 
   /// The vertex farthest along a direction, the first of equals, and how far that is, as dot() has it.
   std::size_t support(const Vector3& direction) const;
   double reach(const Vector3& direction) const;
 };
+
+struct PlacedShape {
+  Shape shape;
+  Pose pose;
+};
+
+/// A shape at a pose, as collision takes it: a hull in the frame of its centre of mass. A hull whose geometry isn't there
+/// yet, as in a snapshot that is being checked, stays in its own.
+PlacedShape centred(const Shape& shape, const Pose& pose);
 
 /// Convex hull of a cloud of points (qhull). Vertices in order of first appearance in `points`, so the same
 /// points give the same hull. Error text where there is none: fewer than 4 points, one that isn't finite, or
