@@ -99,7 +99,7 @@ std::span<const std::uint32_t> ContactCache::set_active(std::span<const std::uin
     active_[body] = 1;
   }
   if (!stopped.empty()) {
-    for (const std::uint32_t slot : order_.slots()) {
+    for (const std::uint32_t slot : order().slots()) {
       if (!is_active(contacts[slot])) set_idle(slot);
     }
     drop_inactive();
@@ -118,9 +118,9 @@ std::span<const std::uint32_t> ContactCache::set_active(std::span<const std::uin
 }
 
 bool ContactCache::touches(Pair pair) const {
-  for (std::size_t entry = order_.first_entry_of(pair); entry < order_.size() && order_.pair_at(entry) == pair;
-       ++entry) {
-    if (contacts[order_[entry]].count > 0) return true;
+  const ContactOrder& all = order();
+  for (std::size_t entry = all.first_entry_of(pair); entry < all.size() && all.pair_at(entry) == pair; ++entry) {
+    if (contacts[all[entry]].count > 0) return true;
   }
   return false;
 }
@@ -130,22 +130,24 @@ void ContactCache::merge_into_order() {
 }
 
 // Takes from the order what is idle or gone by its state.
-void ContactCache::drop_inactive() {
+void ContactCache::drop_inactive() const {
   order_.keep_if([this](std::uint32_t slot) { return state_[slot] == ContactState::Active; });
+  order_has_gaps_ = false;
 }
 
 void ContactCache::remove_contacts_of(std::uint32_t body) {
   added_.clear();
   for_each_contact_of(body, [this](std::uint32_t slot) { added_.push_back(slot); });
   for (const std::uint32_t slot : added_) {
-    if (state_[slot] == ContactState::Active) order_.erase(contacts[slot].pair, slot);
+    order_has_gaps_ = order_has_gaps_ || state_[slot] == ContactState::Active;
     release(slot);
   }
 }
 
 std::span<const std::uint32_t> ContactCache::all_in_order() const {
-  if (order_.size() == size()) return order_.slots();
-  return idle_.with_active(order_, contacts, state_);
+  const ContactOrder& active = order();
+  if (active.size() == size()) return active.slots();
+  return idle_.with_active(active, contacts, state_);
 }
 
 }  // namespace atl::collision

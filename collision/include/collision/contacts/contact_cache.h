@@ -48,8 +48,11 @@ class ContactCache {
   std::span<const std::uint32_t> set_active(std::span<const std::uint32_t> started,
                                             std::span<const std::uint32_t> stopped);
 
-  /// The active contacts.
-  const ContactOrder& order() const { return order_; }
+  /// The active contacts. The first call after bodies went costs as much as there are contacts.
+  const ContactOrder& order() const {
+    if (order_has_gaps_) drop_inactive();
+    return order_;
+  }
   /// Whether a pair with an active body has contact points. In time logarithmic in the number of active contacts.
   bool touches(Pair pair) const;
 
@@ -61,7 +64,7 @@ class ContactCache {
   template <typename Gone>
   void remove_any_if(const Gone& gone);
 
-  /// Removes the contacts of a body, idle or not.
+  /// Removes the contacts of a body, idle or not. The cost is that of its own contacts.
   void remove_contacts_of(std::uint32_t body);
 
   /// Calls visit(slot) for the contacts of a body, idle or not, in no order to rely on.
@@ -99,18 +102,19 @@ class ContactCache {
   void release_all(std::span<const std::uint32_t> slots);
   void release(std::uint32_t slot);
   void merge_into_order();
-  void drop_inactive();
+  void drop_inactive() const;
 
   // What lasts from step to step, and what is made anew. Whoever adds a member says which it is, or this won't compile.
   static void check_members(ContactCache& cache) {
-    auto& [contacts, manifolds, pairs, /**/ rises, free_slots, order, state, of_body, active, added, gone, idle,
+    auto& [contacts, manifolds, pairs, /**/ rises, free_slots, order, gaps, state, of_body, active, added, gone, idle,
            changes] = cache;
     static_cast<void>(contacts);
   }
 
   std::vector<std::uint32_t> free_slots_;  // the last is used first
-  ContactOrder order_;
-  std::vector<ContactState> state_;  // by slot
+  mutable ContactOrder order_;
+  mutable bool order_has_gaps_ = false;  // slots in it are free, and must not be used again before they are dropped
+  std::vector<ContactState> state_;      // by slot
   jobs::PairLists of_body_;
   std::vector<std::uint8_t> active_;  // by body
   std::vector<std::uint32_t> added_;  // scratch: slots, in order
@@ -121,6 +125,7 @@ class ContactCache {
 
 template <typename StartOf>
 void ContactCache::add(std::span<const Pair> new_pairs, const StartOf& start_of) {
+  order();
   added_.clear();
   make_room_for(new_pairs.size());
   for (const Pair pair : new_pairs) {
@@ -145,7 +150,7 @@ void ContactCache::add(std::span<const Pair> new_pairs, const StartOf& start_of)
 
 template <typename Gone>
 void ContactCache::remove_if(const Gone& gone) {
-  release_of(order_.slots(), gone);
+  release_of(order().slots(), gone);
 }
 
 template <typename Gone>

@@ -63,14 +63,6 @@ class ContactOrder {
     keys_.resize(kept);
   }
 
-  /// Drops a slot of a pair, which must be in it.
-  void erase(Pair pair, std::uint32_t slot) {
-    std::size_t entry = first_entry_of(pair);
-    while (slots_[entry] != slot) ++entry;
-    slots_.erase(slots_.begin() + static_cast<std::ptrdiff_t>(entry));
-    keys_.erase(keys_.begin() + static_cast<std::ptrdiff_t>(entry));
-  }
-
   /// See jobs/arrays.h.
   auto arrays() const { return std::tie(slots_, keys_); }
 
