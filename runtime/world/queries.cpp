@@ -169,7 +169,8 @@ RayHit named(const QueryAccess& access, const collision::ColliderRayHit& found) 
           found.point,
           hit.normal,
           triangle_of(hit.triangle),
-          hit.started_inside};
+          hit.started_inside,
+          found.depth};
 }
 
 ShapeHit named(const QueryAccess& access, const collision::ColliderSweepHit& found, double length) {
@@ -180,7 +181,8 @@ ShapeHit named(const QueryAccess& access, const collision::ColliderSweepHit& fou
           hit.point,
           -hit.normal,
           triangle_of(hit.triangle),
-          hit.started_overlapping};
+          hit.started_overlapping,
+          found.depth};
 }
 
 std::optional<RayHit> first_hit(const QueryAccess& access, const CheckedRay& ray, const Filter& filter) {
@@ -212,20 +214,24 @@ std::vector<BodyId> overlapped(const QueryAccess& access, const collision::Place
   return bodies;
 }
 
+ClosestPoint named(const QueryAccess& access, const collision::ColliderDistance& found) {
+  const collision::Distance& distance = found.distance;
+  return {access.id(found.collider),
+          access.colliders.child[found.collider],
+          distance.distance,
+          distance.on_other,
+          distance.on_solid,
+          -distance.normal,
+          triangle_of(distance.triangle)};
+}
+
 std::optional<ClosestPoint> closest(const QueryAccess& access, const collision::PlacedShape& solid, double max_distance,
                                     const Filter& filter) {
   collision::ColliderDistance found;
   if (!collision::find_closest(access.scene(), solid.shape, solid.pose, max_distance, filter, found)) {
     return std::nullopt;
   }
-  const collision::Distance& distance = found.distance;
-  return ClosestPoint{access.id(found.collider),
-                      access.colliders.child[found.collider],
-                      distance.distance,
-                      distance.on_other,
-                      distance.on_solid,
-                      -distance.normal,
-                      triangle_of(distance.triangle)};
+  return named(access, found);
 }
 
 std::string numbered(const char* what, std::size_t i) { return what + ("[" + std::to_string(i) + "]"); }
@@ -297,6 +303,20 @@ std::optional<ClosestPoint> Queries::closest_point(const QueryShape& shape, doub
   const QueryAccess access = QueryAccess::of(*world_);
   check_distance("Queries::closest_point: max_distance", max_distance, false);
   return closest(access, checked("Queries::closest_point: shape", shape), max_distance, Filter(access, filter));
+}
+
+std::vector<ClosestPoint> Queries::nearby(const QueryShape& shape, double max_distance,
+                                          const QueryFilter& filter) const {
+  const QueryAccess access = QueryAccess::of(*world_);
+  check_distance("Queries::nearby: max_distance", max_distance, false);
+  const collision::PlacedShape solid = checked("Queries::nearby: shape", shape);
+  std::vector<collision::ColliderDistance> found;
+  const Filter accept(access, filter);
+  collision::find_near(access.scene(), solid.shape, solid.pose, max_distance, accept, found);
+  std::vector<ClosestPoint> points;
+  points.reserve(found.size());
+  for (const collision::ColliderDistance& near : found) points.push_back(named(access, near));
+  return points;
 }
 
 std::vector<std::optional<RayHit>> Queries::cast_rays(std::span<const Ray> rays, const QueryFilter& filter) const {

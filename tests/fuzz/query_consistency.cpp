@@ -130,10 +130,14 @@ void check_places(std::span<const World> worlds, const QueryShape& query, double
   }
   if (closest) {
     require_finite(closest->distance, "a closest point's distance");
-    require(closest->distance >= 0 && closest->distance <= reach, "a closest point is out of reach");
+    require((closest->distance <= 0) == !found.empty(), "closest_point is at odds with overlapping");
+    require(closest->distance <= reach, "a closest point is out of reach");
     require_finite(closest->on_body, "a closest point");
     require_finite(closest->on_shape, "a closest point");
   }
+  const std::vector<ClosestPoint> near = Queries(worlds.front()).nearby(query, reach);
+  require(agree(closest, near.empty() ? std::nullopt : std::optional(near.front())),
+          "closest_point is at odds with nearby");
   if (!usual || !all_solid(worlds.front())) return;
   check_overlaps(worlds.front(), query, found);
   require_nearest(closest,

@@ -231,3 +231,23 @@ def test_reports_tell_phases_and_features(world: atoll.World) -> None:
     assert list(report.phase_ms)[0] == "plan"
     assert report.features["friction"].run and not report.features["joint_solver"].run
     assert report.counts.contacts == 1 and report.counts.points == 4
+
+
+def test_queries_say_how_deep_and_which_way_out() -> None:
+    world = atoll.World()
+    box = world.add_body(atoll.BodyDef(shape=atoll.Box([1, 2, 3]), type=atoll.BodyType.STATIC))
+    (near,) = world.nearby(atoll.Sphere(0.5), [0.9, 0, 0])
+    assert near.body == box
+    assert near.distance == pytest.approx(-0.6)
+    assert near.normal == pytest.approx([1, 0, 0])
+    assert near.on_body == pytest.approx([1, 0, 0])
+    closest = world.closest_point(None, [0, 1.75, 0], 1)
+    assert closest is not None
+    assert closest.distance == pytest.approx(-0.25)
+    ray = world.cast_ray([0, 1.75, 0], [1, 0, 0])
+    assert ray is not None
+    assert ray.started_inside
+    assert ray.depth == pytest.approx(0.25)
+    assert ray.normal == pytest.approx([0, 1, 0])
+    assert world.nearby(atoll.Sphere(0.5), [3, 0, 0]) == []
+    assert [each.distance for each in world.nearby(atoll.Sphere(0.5), [3, 0, 0], 2)] == pytest.approx([1.5])

@@ -100,7 +100,12 @@ TEST_F(ColliderQueries, RaysMatchCastingAtEach) {
       EXPECT_EQ(all[k].hit.t, expected[k].first);
       EXPECT_EQ(all[k].collider, expected[k].second);
       EXPECT_LT((all[k].point - origin - all[k].hit.t * ray.direction).norm(), 1e-12);
-      EXPECT_LE(all[k].hit.normal.dot(ray.direction), 1e-12);
+      if (all[k].hit.started_inside) {
+        EXPECT_GE(all[k].depth, 0);
+      } else {
+        EXPECT_LE(all[k].hit.normal.dot(ray.direction), 1e-12);
+        EXPECT_EQ(all[k].depth, 0);
+      }
     }
     ColliderRayHit first;
     ColliderRayHit any;
@@ -125,22 +130,26 @@ TEST_F(ColliderQueries, OverlapsAndClosestMatchAskingEach) {
     const double limit = random_.magnitude(0.01, 30);
     std::vector<std::uint32_t> touching;
     double least = infinity;
+    std::size_t near = 0;
     for (std::uint32_t c = 0; c < count(); ++c) {
       Distance distance;
-      if (!accept(c) || !find_distance(solid, at, colliders_.shape[c], pose(c), infinity, distance)) continue;
-      if (distance.distance == 0) touching.push_back(c);
+      if (!accept(c) || !find_signed_distance(solid, at, colliders_.shape[c], pose(c), infinity, distance)) continue;
+      if (distance.distance <= 0) touching.push_back(c);
+      near += distance.distance <= limit;
       least = std::min(least, distance.distance);
     }
+    std::vector<ColliderDistance> all;
+    find_near(scene(), solid, at, limit, accept, all);
+    EXPECT_EQ(all.size(), near);
     find_overlaps(scene(), solid, at, accept, found);
     EXPECT_EQ(found, touching);
     ColliderDistance closest;
     ASSERT_EQ(find_closest(scene(), solid, at, limit, accept, closest), least <= limit);
     if (least > limit) continue;
     EXPECT_EQ(closest.distance.distance, least);
-    if (least == 0) {
-      EXPECT_EQ(closest.collider, touching[0]);
-      continue;
-    }
+    EXPECT_EQ(all[0].collider, closest.collider);
+    EXPECT_EQ(all[0].distance.distance, least);
+    if (least <= 0) continue;
     ++apart;
     const Vector3 way = closest.distance.on_other - closest.distance.on_solid;
     EXPECT_LT((way - least * closest.distance.normal).norm(), 1e-7);

@@ -215,7 +215,90 @@ TEST(QueriesOfPoints, FindWhatTheyAreWithin) {
       EXPECT_EQ(queries.overlapping({.position = point}), std::vector<BodyId>{body}) << shape.index();
       const std::optional<ClosestPoint> closest = queries.closest_point({.position = point}, 10);
       ASSERT_TRUE(closest);
-      EXPECT_EQ(closest->distance, 0) << shape.index();
+      EXPECT_LT(closest->distance, 0) << shape.index();
+      EXPECT_LT((closest->on_shape - point).norm(), 1e-12);
+      if (shape.index() == Shape(Compound{}).index()) continue;  // the way out of one child leads into the other
+      // The way out ends at the surface, and nothing is nearer.
+      const double depth = -closest->distance;
+      EXPECT_LT((point + depth * closest->normal - closest->on_body).norm(), 1e-9);
+      EXPECT_TRUE(queries.overlapping({.position = point + 0.999 * depth * closest->normal}).size() == 1);
+      EXPECT_TRUE(queries.overlapping({.position = point + 1.001 * depth * closest->normal}).empty());
+      for (int k = 0; k < 20; ++k) {
+        EXPECT_EQ(queries.overlapping({.position = point + 0.999 * depth * random.direction()}).size(), 1u);
+      }
+      const std::optional<RayHit> ray = queries.cast_ray({.origin = point, .direction = random.direction()});
+      ASSERT_TRUE(ray && ray->started_inside);
+      EXPECT_EQ(ray->depth, depth);
+      EXPECT_EQ(ray->normal, closest->normal);
+    }
+  }
+}
+
+// Any solid in any other: moved along the normal by the depth it is free, and no direction of many is a shorter way
+// out.
+TEST(QueriesOfSolids, SayHowDeepTheyOverlapAndWhichWayIsOut) {
+  const std::vector<Vector3> corners = {{0.5, 0, -0.4}, {-0.5, 0.5, -0.4}, {-0.5, -0.5, -0.4}, {0, 0, 0.6}};
+  const ConvexShape solids[] = {Box{{0.3, 0.5, 0.4}}, Cylinder{0.4, 0.5}, Cone{0.5, 0.5},
+                                Capsule{0.3, 0.4},    Sphere{0.5},        ConvexHull(corners)};
+  Random random(7);
+  for (const ConvexShape& one : solids) {
+    for (const ConvexShape& other : solids) {
+      for (int i = 0; i < 30; ++i) {
+        World world;
+        const Shape still = std::visit([](const auto& solid) -> Shape { return solid; }, other);
+        world.add_body({.type = BodyType::Static, .shape = still, .orientation = random.rotation()});
+        const Queries queries(world);
+        QueryShape moved{one, random.real(0, 0.5) * random.direction(), random.rotation()};
+        const std::vector<ClosestPoint> found = queries.nearby(moved, 0);
+        if (found.empty()) {
+          EXPECT_TRUE(queries.overlapping(moved).empty());
+          continue;
+        }
+        // Where a capsule's segment is deep in the other solid, the search for the best axis is local.
+        const bool of_capsule = std::holds_alternative<Capsule>(one) || std::holds_alternative<Capsule>(other);
+        const std::string what = std::to_string(one.index()) + " in " + std::to_string(other.index());
+        const double depth = -found[0].distance;
+        ASSERT_GE(depth, 0) << what;
+        EXPECT_EQ(queries.closest_point(moved, 1)->distance, -depth);
+        EXPECT_NEAR((found[0].on_body - found[0].on_shape).dot(found[0].normal), depth, 1e-9) << what;
+        const Vector3 start = moved.position;
+        const auto overlaps_at = [&](const Vector3& shift) {
+          moved.position = start + shift;
+          return !queries.overlapping(moved).empty();
+        };
+        EXPECT_FALSE(overlaps_at((depth + 1e-4) * found[0].normal)) << what << ", depth " << depth;
+        for (int k = 0; k < 30; ++k) {
+          const double shorter = depth - (of_capsule ? 0.03 : 2e-4);
+          EXPECT_TRUE(shorter < 1e-4 || overlaps_at(shorter * random.direction())) << what << ", depth " << depth;
+        }
+        const std::optional<ShapeHit> cast = queries.cast_shape({one, start, moved.orientation, {1, 0, 0}});
+        if (depth < 1e-6) continue;
+        ASSERT_TRUE(cast && cast->started_overlapping) << what;
+        EXPECT_EQ(cast->depth, depth);
+        EXPECT_EQ(cast->normal, found[0].normal);
+      }
+    }
+  }
+}
+
+TEST(QueriesOfSolids, ArePushedOutByFrontsOfSurfaces) {
+  World world;
+  const BodyId plane = world.add_body({.type = BodyType::Static, .shape = HalfSpace{}, .position = {0, 0, -5}});
+  const std::vector<Vector3> corners = {{-20, -20, 0}, {20, -20, 0}, {20, 20, 0}, {-20, 20, 0}};
+  const std::vector<TriangleMesh::Indices> triangles = {{0, 1, 2}, {0, 2, 3}};
+  const BodyId mesh = world.add_body({.type = BodyType::Static, .shape = TriangleMesh(corners, triangles)});
+  const Queries queries(world);
+  const ConvexShape solids[] = {Box{{0.5, 0.5, 0.5}}, Cylinder{0.4, 0.5}, Cone{0.5, 0.5}, Capsule{0.2, 0.3},
+                                Sphere{0.5}};
+  for (const ConvexShape& solid : solids) {
+    for (const auto& [body, height] : {std::pair(mesh, 0.0), std::pair(plane, -5.0)}) {
+      const std::vector<ClosestPoint> found = queries.nearby({.shape = solid, .position = {1, 2, height + 0.4}}, 0.2);
+      ASSERT_EQ(found.size(), 1u);
+      EXPECT_EQ(found[0].body, body);
+      EXPECT_NEAR(found[0].distance, -0.1, 1e-9) << solid.index();
+      EXPECT_LT((found[0].normal - Vector3::UnitZ()).norm(), 1e-9);
+      EXPECT_NEAR(found[0].on_shape.z(), height - 0.1, 1e-9);
+      EXPECT_NEAR(found[0].on_body.z(), height, 1e-9);
     }
   }
 }
@@ -285,7 +368,7 @@ TEST(QueryBatches, MatchSingleQuestions) {
       if (!single) continue;
       EXPECT_EQ(closest[i]->body, single->body);
       EXPECT_EQ(closest[i]->distance, single->distance);
-      EXPECT_EQ(closest[i]->distance == 0, !overlaps[i].empty());
+      EXPECT_EQ(closest[i]->distance <= 0, !overlaps[i].empty());
     }
     const auto stops = queries.cast_shapes(casts);
     for (std::size_t i = 0; i < casts.size(); ++i) {

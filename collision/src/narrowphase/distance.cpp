@@ -1,4 +1,6 @@
+#include <collision/narrowphase/collide.h>
 #include <collision/narrowphase/distance.h>
+#include <collision/narrowphase/surface_contacts.h>
 #include <collision/shapes/aabb.h>
 #include <collision/shapes/height_field.h>
 #include <collision/shapes/shape.h>
@@ -8,6 +10,8 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
+
+#include "narrowphase/sphere_solid.h"
 
 namespace atl::collision {
 namespace {
@@ -117,6 +121,61 @@ bool find_distance(const Shape& solid, const Pose& solid_pose, const Shape& othe
     nearest_of_field(*other.field, bounds, nearest);
   }
   return nearest.take(solid_pose, result);
+}
+
+namespace {
+
+// Where the deepest point of a manifold is, whose reference is one of two shapes at a pose.
+void take_depth(const Manifold& manifold, const Pose& reference, bool reference_is_solid, Distance& result) {
+  const double separation = manifold.least_separation();
+  if (!(separation < result.distance)) return;
+  const Vector3 normal = reference.orientation * manifold.normal;
+  const Vector3& deepest = manifold.points[static_cast<std::size_t>(manifold.deepest())].position;
+  const Vector3 on_incident = reference.position + reference.orientation * deepest;
+  const Vector3 on_reference = on_incident - separation * normal;
+  result.distance = separation;
+  result.normal = reference_is_solid ? normal : Vector3(-normal);
+  result.on_solid = reference_is_solid ? on_reference : on_incident;
+  result.on_other = reference_is_solid ? on_incident : on_reference;
+}
+
+void find_depth_in_convex(const Shape& solid, const Pose& solid_pose, const Shape& other, const Pose& other_pose,
+                          Distance& result) {
+  Manifold manifold;
+  if (solid.kind == ShapeKind::Sphere) {
+    collide_sphere_solid(solid.radius, other, relative(solid_pose, other_pose), 0, manifold);
+    return take_depth(manifold, other_pose, false, result);
+  }
+  const bool solid_first = solid.kind <= other.kind;
+  if (solid_first) {
+    collide(solid, other, relative(solid_pose, other_pose), 0, manifold);
+  } else {
+    collide(other, solid, relative(other_pose, solid_pose), 0, manifold);
+  }
+  const bool reference_is_solid = solid_first != manifold.reference_is_second;
+  take_depth(manifold, reference_is_solid ? solid_pose : other_pose, reference_is_solid, result);
+}
+
+}  // namespace
+
+bool find_signed_distance(const Shape& solid, const Pose& solid_pose, const Shape& other, const Pose& other_pose,
+                          double limit, Distance& result) {
+  if (!find_distance(solid, solid_pose, other, other_pose, limit, result)) return false;
+  if (result.distance > 0) return true;
+  if (is_convex_solid(other.kind)) {
+    find_depth_in_convex(solid, solid_pose, other, other_pose, result);
+  } else if (other.kind == ShapeKind::HalfSpace) {
+    const Vector3 out = -result.normal;
+    result.distance = std::min(0.0, out.dot(result.on_solid - result.on_other));
+  } else if (solid.bounding_radius > 0) {
+    if constexpr (!with_meshes) return true;
+    SurfaceManifolds manifolds;
+    collide_surface(solid, other, relative(other_pose, solid_pose), 0, manifolds);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(manifolds.count); ++i) {
+      take_depth(manifolds.manifolds[i], other_pose, false, result);
+    }
+  }
+  return true;
 }
 
 bool overlaps(const Shape& solid, const Pose& solid_pose, const Shape& other, const Pose& other_pose) {

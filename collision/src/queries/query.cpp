@@ -23,7 +23,25 @@ bool cast_at(const QueryScene& scene, const Ray& ray, Sides sides, std::uint32_t
   hit.collider = collider;
   hit.hit.normal = pose.orientation * hit.hit.normal;
   hit.point = ray.origin + hit.hit.t * ray.direction;
+  if (!hit.hit.started_inside) return true;
+  Distance depth;
+  const Pose start{ray.origin, Quaternion::Identity()};
+  if (find_signed_distance(Shape::sphere(0), start, scene.colliders.shape[collider], pose, 0, depth)) {
+    hit.depth = -depth.distance;
+    hit.hit.normal = -depth.normal;
+  }
   return true;
+}
+
+// Says how deep a solid is in what it overlaps before any motion.
+void find_depth(const QueryScene& scene, const Shape& solid, const Pose& pose, ColliderSweepHit& hit) {
+  if (!hit.hit.started_overlapping) return;
+  const Pose at = scene.colliders.pose(hit.collider, scene.poses);
+  Distance depth;
+  if (!find_signed_distance(solid, pose, scene.colliders.shape[hit.collider], at, 0, depth)) return;
+  hit.depth = -depth.distance;
+  hit.hit.normal = depth.normal;
+  hit.hit.point = depth.on_other;
 }
 
 template <typename Hit>
@@ -112,6 +130,7 @@ bool cast_shape(const QueryScene& scene, const Shape& solid, const Pose& pose, c
         return std::min(1.0, first.hit.t + slack);
       },
       cast.half);
+  if (found) find_depth(scene, solid, pose, first);
   return found;
 }
 
@@ -126,6 +145,7 @@ void cast_shape_all(const QueryScene& scene, const Shape& solid, const Pose& pos
         if (!accept(collider)) return 1.0;
         const Motion still = Motion::still(scene.colliders.pose(collider, scene.poses));
         if (sweep(solid, cast.motion, scene.colliders.shape[collider], still, cast.goal, 1, fresh.hit)) {
+          find_depth(scene, solid, pose, fresh);
           hits.push_back(fresh);
         }
         return 1.0;
@@ -147,6 +167,26 @@ void find_overlaps(const QueryScene& scene, const Shape& solid, const Pose& pose
             [&](std::uint32_t a, std::uint32_t b) { return comes_before(scene.colliders, a, b); });
 }
 
+void find_near(const QueryScene& scene, const Shape& solid, const Pose& pose, double limit, Accept accept,
+               std::vector<ColliderDistance>& found) {
+  found.clear();
+  const Bounds bounds = bounds_of(solid, pose.position, pose.orientation.toRotationMatrix());
+  const Vector3 margin = Vector3::Constant(limit);
+  scene.broadphase.proxies().query_box(
+      Aabb::around(bounds.lower - margin, bounds.upper + margin), [&](std::uint32_t collider) {
+        if (!accept(collider)) return;
+        const Pose at = scene.colliders.pose(collider, scene.poses);
+        ColliderDistance fresh{collider, {}};
+        if (find_signed_distance(solid, pose, scene.colliders.shape[collider], at, limit, fresh.distance)) {
+          found.push_back(fresh);
+        }
+      });
+  std::sort(found.begin(), found.end(), [&](const ColliderDistance& a, const ColliderDistance& b) {
+    const double x = a.distance.distance, y = b.distance.distance;
+    return x != y ? x < y : comes_before(scene.colliders, a.collider, b.collider);
+  });
+}
+
 // The broadphase finds what overlaps a box, so the box grows until something is found within it. Each time four times
 // as large: the last one, which finds it all, then costs most.
 bool find_closest(const QueryScene& scene, const Shape& solid, const Pose& pose, double limit, Accept accept,
@@ -161,17 +201,16 @@ bool find_closest(const QueryScene& scene, const Shape& solid, const Pose& pose,
     const Vector3 margin = Vector3::Constant(reach);
     proxies.query_box(Aabb::around(bounds.lower - margin, bounds.upper + margin), [&](std::uint32_t collider) {
       if (!accept(collider)) return;
-      const double within = found ? closest.distance.distance : reach;
+      const double within = found ? std::max(0.0, closest.distance.distance) : reach;
       if (!proxies.is_half_space(collider) &&
           square_apart(proxies.fat_box(collider), bounds) > within * within * (1 + 1e-12)) {
         return;
       }
       const Pose at = scene.colliders.pose(collider, scene.poses);
       ColliderDistance fresh{collider, {}};
-      if (!find_distance(solid, pose, scene.colliders.shape[collider], at, within, fresh.distance)) return;
-      if (found && fresh.distance.distance == within && !comes_before(scene.colliders, collider, closest.collider)) {
-        return;
-      }
+      if (!find_signed_distance(solid, pose, scene.colliders.shape[collider], at, within, fresh.distance)) return;
+      const double excess = fresh.distance.distance - closest.distance.distance;
+      if (found && (excess > 0 || (excess == 0 && !comes_before(scene.colliders, collider, closest.collider)))) return;
       closest = fresh;
       found = true;
     });

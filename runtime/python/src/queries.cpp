@@ -102,17 +102,19 @@ void bind_hits(nb::module_& module) {
               Field{"distance", &RayHit::distance, "m"}, Field{"point", &RayHit::point, "m, shape (3,)"},
               Field{"normal", &RayHit::normal, "shape (3,), of the side that was hit"},
               Field{"triangle", &RayHit::triangle, "of a mesh or height field"},
-              Field{"started_inside", &RayHit::started_inside, ""});
+              Field{"started_inside", &RayHit::started_inside, "then the normal is the shortest way out"},
+              Field{"depth", &RayHit::depth, "m, how far that is, else 0"});
   nb::class_<ShapeHit> shape(module, "ShapeHit", "What a moved shape met.");
   bind_result(shape, Field{"body", &ShapeHit::body, ""}, Field{"child", &ShapeHit::child, "in a compound"},
               Field{"distance", &ShapeHit::distance, "m, that it can be moved"},
               Field{"point", &ShapeHit::point, "m, shape (3,), on the body"},
               Field{"normal", &ShapeHit::normal, "shape (3,), from the body to the shape"},
               Field{"triangle", &ShapeHit::triangle, "of a mesh or height field"},
-              Field{"started_overlapping", &ShapeHit::started_overlapping, ""});
+              Field{"started_overlapping", &ShapeHit::started_overlapping, "then the normal is the shortest way out"},
+              Field{"depth", &ShapeHit::depth, "m, how far that is, else 0"});
   nb::class_<ClosestPoint> closest(module, "ClosestPoint", "What is closest to a shape.");
   bind_result(closest, Field{"body", &ClosestPoint::body, ""}, Field{"child", &ClosestPoint::child, "in a compound"},
-              Field{"distance", &ClosestPoint::distance, "m; 0 where they overlap"},
+              Field{"distance", &ClosestPoint::distance, "m, below 0 where they overlap"},
               Field{"on_body", &ClosestPoint::on_body, "m, shape (3,)"},
               Field{"on_shape", &ClosestPoint::on_shape, "m, shape (3,)"},
               Field{"normal", &ClosestPoint::normal, "shape (3,), from the body to the shape"},
@@ -201,7 +203,18 @@ void bind_casts(nb::class_<World>& world) {
             });
           },
           nb::arg("shape").none(), nb::arg("position"), nb::arg("max_distance"), nb::arg("orientation") = upright,
-          nb::arg("filter") = Filter{}, "What is closest to it, up to a distance (m), or None.");
+          nb::arg("filter") = Filter{}, "What is closest to it, or deepest in it, up to a distance (m), or None.")
+      .def(
+          "nearby",
+          [](const World& self, const std::optional<ConvexShape>& shape, const Vector3& position, double max_distance,
+             const Quaternion& orientation, const Filter& filter) {
+            return ask(filter, [&](const QueryFilter& of) {
+              return Queries(self).nearby({shape, position, orientation}, max_distance, of);
+            });
+          },
+          nb::arg("shape").none(), nb::arg("position"), nb::arg("max_distance") = 0.0, nb::arg("orientation") = upright,
+          nb::arg("filter") = Filter{},
+          "The closest point of each body within a distance (m), by distance; below 0 where they overlap.");
 }
 
 }  // namespace

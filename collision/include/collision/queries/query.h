@@ -28,7 +28,8 @@ using Accept = FunctionRef<bool(std::uint32_t collider)>;
 
 struct ColliderRayHit {
   std::uint32_t collider = 0;
-  RayHit hit;                       ///< normal in the world's frame
+  RayHit hit;                       ///< normal in the world's frame: of a ray that starts inside, the way out
+  double depth = 0;                 ///< m, along that
   Vector3 point = Vector3::Zero();  ///< m
 };
 
@@ -42,7 +43,8 @@ void cast_ray_all(const QueryScene& scene, const Ray& ray, Sides sides, Accept a
 
 struct ColliderSweepHit {
   std::uint32_t collider = 0;
-  SweepHit hit;  ///< the cast shape is the first, the collider the second
+  SweepHit hit;      ///< the cast shape is the first, the collider the second
+  double depth = 0;  ///< m, along the normal, of two that overlap at the start
 };
 
 /// The first collider that a bounded convex solid meets on its way from a pose along a translation (m), without
@@ -63,8 +65,12 @@ struct ColliderDistance {
   Distance distance;
 };
 
-/// The collider closest to a bounded convex solid (a point: a sphere of radius 0) and no farther than `limit` (m,
-/// finite, >= 0).
+/// The colliders no farther than `limit` (m, finite, >= 0) from a bounded convex solid, the closest first, and by
+/// signed distances: the deepest before all.
+void find_near(const QueryScene& scene, const Shape& solid, const Pose& pose, double limit, Accept accept,
+               std::vector<ColliderDistance>& found);
+
+/// The first of these for a solid or a point (a sphere of radius 0).
 bool find_closest(const QueryScene& scene, const Shape& solid, const Pose& pose, double limit, Accept accept,
                   ColliderDistance& closest);
 

@@ -56,7 +56,7 @@ void check_overlaps(const World& world, const Queries& queries, const Queries& o
             "an overlap with a ball or a box is not what its closed form says");
   }
   const auto closest = queries.closest_point(ball, 1);
-  require(found.empty() || (closest && closest->distance == 0), "what overlaps has a distance");
+  require(found.empty() || (closest && closest->distance <= 0), "what overlaps has a distance");
   require(!found.empty() || !closest || closest->distance > 0, "what has no distance doesn't overlap");
 }
 
