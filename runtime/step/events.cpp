@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <tuple>
 #include <utility>
 
 #include "step/contact_phase.h"
@@ -22,9 +23,46 @@ bool touches(const collision::Contact& contact, const collision::ContactManifold
   return false;
 }
 
-// Where two bodies touch, and how hard.
-ContactEvent began(const Stores& world, const std::pair<BodyId, BodyId>& pair, double substep) {
+// Hits are told apart by all that they are.
+bool precedes(const ContactHit& x, const ContactHit& y) {
+  return std::tie(x.a, x.b, x.child_a, x.child_b, x.impulse, x.approach) <
+         std::tie(y.a, y.b, y.child_a, y.child_b, y.impulse, y.approach);
+}
+
+ContactHit hit_of(const Stores& world, std::uint32_t slot, const ContactPushes& pushes) {
+  const collision::Contact& contact = world.cache.contacts[slot];
+  const auto end = [&](std::uint32_t collider) {
+    return std::pair(id_of(world, world.colliders.body[collider]), world.colliders.child[collider]);
+  };
+  auto a = end(contact.pair.first), b = end(contact.pair.second);
+  if (b < a) std::swap(a, b);
+  const bool told = !pushes.impulse.empty();
+  return {.a = a.first,
+          .b = b.first,
+          .child_a = a.second,
+          .child_b = b.second,
+          .impulse = told ? std::max(0.0f, pushes.impulse[slot]) : 0,
+          .approach = told ? pushes.approach[slot] : 0};
+}
+
+// What contacts did in the step, of those that touch as it ends and those that don't.
+void add_to_event(std::span<const ContactHit> hits, ContactEvent& event) {
+  double most = -1;
+  for (const ContactHit& hit : hits) {
+    event.impulse += hit.impulse;
+    event.approach_speed = std::max(event.approach_speed, hit.approach);
+    if (hit.impulse <= most) continue;
+    most = hit.impulse;
+    event.child_a = hit.child_a;
+    event.child_b = hit.child_b;
+  }
+}
+
+// Where two bodies touch, and how hard. `before`: hits of theirs by contacts that don't touch as the step ends.
+ContactEvent began(const Stores& world, const std::pair<BodyId, BodyId>& pair, std::span<const ContactHit> before,
+                   const ContactPushes& pushes, double substep) {
   ContactEvent event{.a = pair.first, .b = pair.second, .began = true};
+  std::vector<ContactHit> hits(before.begin(), before.end());
   Vector3 by_force[2] = {Vector3::Zero(), Vector3::Zero()};
   Vector3 by_number[2] = {Vector3::Zero(), Vector3::Zero()};
   double points = 0;
@@ -34,6 +72,7 @@ ContactEvent began(const Stores& world, const std::pair<BodyId, BodyId>& pair, d
     const auto [first, second] = std::minmax(contact.body_first, contact.body_second);
     if (first != a.index || second != b.index || contact.count == 0) return;
     const collision::ContactManifold& manifold = world.cache.manifolds[slot];
+    if (touches(contact, manifold)) hits.push_back(hit_of(world, slot, pushes));
     const ManifoldPlace place = place_of(world, contact, manifold);
     const Vector3 normal = contact.body_first == a.index ? place.normal : Vector3(-place.normal);
     for (std::size_t i = 0; i < contact.count; ++i) {
@@ -48,16 +87,19 @@ ContactEvent began(const Stores& world, const std::pair<BodyId, BodyId>& pair, d
       ++points;
     }
   });
+  // In an order that doesn't follow from when contacts came.
+  std::sort(hits.begin(), hits.end(), precedes);
+  add_to_event(hits, event);
   if (points == 0) return event;
-  const bool pushes = event.normal_force > 0;
-  event.point = pushes ? Vector3(by_force[0] / event.normal_force) : Vector3(by_number[0] / points);
-  event.normal = (pushes ? by_force[1] : by_number[1]).stableNormalized();
+  const bool presses = event.normal_force > 0;
+  event.point = presses ? Vector3(by_force[0] / event.normal_force) : Vector3(by_number[0] / points);
+  event.normal = (presses ? by_force[1] : by_number[1]).stableNormalized();
   return event;
 }
 
 // Bodies may have several contacts with each other, so what counts is the list of bodies that touch. Of two bodies all
 // contacts are idle or none is, and idle ones touch as they did.
-void note_events(Stores& world, ContactEvents& events, std::span<const std::pair<BodyId, BodyId>> hits,
+void note_events(Stores& world, ContactEvents& events, const ContactPushes& pushes, std::vector<ContactHit>& hits,
                  bool islands_rebuilt, const StepContext& step) {
   events.events.clear();
   // Nobody touched in the last step who could stop in this.
@@ -80,9 +122,11 @@ void note_events(Stores& world, ContactEvents& events, std::span<const std::pair
     events.now.emplace_back(id(a), id(b));
   }
   // Bodies that have been put in quarantine since touch nobody.
-  std::copy_if(hits.begin(), hits.end(), std::back_inserter(events.now), [&](const auto& pair) {
-    return !world.quarantine.contains(pair.first.index) && !world.quarantine.contains(pair.second.index);
+  std::erase_if(hits, [&](const ContactHit& hit) {
+    return world.quarantine.contains(hit.a.index) || world.quarantine.contains(hit.b.index);
   });
+  std::sort(hits.begin(), hits.end(), precedes);
+  std::ranges::transform(hits, std::back_inserter(events.now), &ContactHit::pair);
   std::sort(events.now.begin(), events.now.end());
   events.now.erase(std::unique(events.now.begin(), events.now.end()), events.now.end());
 
@@ -104,7 +148,8 @@ void note_events(Stores& world, ContactEvents& events, std::span<const std::pair
       events.events.push_back({.a = before->first, .b = before->second, .began = false});
       ++before;
     } else if (before == events.before.end() || *now < *before) {
-      events.events.push_back(began(world, *now, world.clock.dt / step.substeps));
+      const std::span<const ContactHit> before_end(std::ranges::equal_range(hits, *now, {}, &ContactHit::pair));
+      events.events.push_back(began(world, *now, before_end, pushes, world.clock.dt / step.substeps));
       ++now;
     } else {
       ++before;
@@ -155,26 +200,47 @@ void keep_driven_awake(Stores& world, std::uint32_t joint) {
 
 }  // namespace
 
-void add_hits(const Stores& world, std::span<const std::uint8_t> pushed, bool ends_step,
-              std::vector<std::pair<BodyId, BodyId>>& hits) {
-  if (pushed.empty()) return;
+void find_approaches(const Stores& world, std::vector<float>& approaches) {
+  approaches.assign(world.cache.manifolds.size(), 0);
   for (const std::uint32_t slot : world.cache.order().slots()) {
-    if (pushed[slot] == 0) continue;
-    if (ends_step && touches(world.cache.contacts[slot], world.cache.manifolds[slot])) continue;
-    const auto [a, b] = std::minmax(world.cache.contacts[slot].body_first, world.cache.contacts[slot].body_second);
-    hits.emplace_back(id_of(world, a), id_of(world, b));
+    const collision::Contact& contact = world.cache.contacts[slot];
+    const collision::ContactManifold& manifold = world.cache.manifolds[slot];
+    const auto& impulse = manifold.normal_impulse;
+    if (contact.count == 0 || std::ranges::any_of(impulse, [](float one) { return one != 0; })) continue;
+    const ManifoldPlace place = place_of(world, contact, manifold);
+    const auto velocity_at = [&](std::uint32_t body, const Vector3& point) -> Vector3 {
+      return world.bodies.velocity(body) +
+             world.bodies.angular_velocity(body).cross(point - world.bodies.position(body));
+    };
+    double fastest = 0;
+    for (std::size_t i = 0; i < contact.count; ++i) {
+      if (manifold.separation[i] >= collision::no_point) continue;  // switched off
+      const Vector3 point = place.point(manifold, i);
+      const Vector3 parting = velocity_at(contact.body_second, point) - velocity_at(contact.body_first, point);
+      fastest = std::max(fastest, -place.normal.dot(parting));
+    }
+    approaches[slot] = static_cast<float>(fastest);
   }
 }
 
-void note_contact_events(Stores& world, std::span<const std::pair<BodyId, BodyId>> hits, bool islands_rebuilt,
-                         const StepContext& step) {
+void add_hits(const Stores& world, const ContactPushes& pushes, bool ends_step, std::vector<ContactHit>& hits) {
+  if (pushes.impulse.empty()) return;
+  for (const std::uint32_t slot : world.cache.order().slots()) {
+    if (pushes.impulse[slot] < 0) continue;
+    if (ends_step && touches(world.cache.contacts[slot], world.cache.manifolds[slot])) continue;
+    hits.push_back(hit_of(world, slot, pushes));
+  }
+}
+
+void note_contact_events(Stores& world, const ContactPushes& pushes, std::vector<ContactHit>& hits,
+                         bool islands_rebuilt, const StepContext& step) {
   const Settings& settings = world.settings;
   StepResults& results = world.results;
   if (settings.contact_events) {
-    note_events(world, results.contact_events, hits, islands_rebuilt, step);
+    note_events(world, results.contact_events, pushes, hits, islands_rebuilt, step);
   } else {
     results.contact_events.events.clear();
-    if (settings.run_everything) note_events(world, results.unasked_events, hits, islands_rebuilt, step);
+    if (settings.run_everything) note_events(world, results.unasked_events, pushes, hits, islands_rebuilt, step);
   }
   results.contact_events.reported = settings.contact_events;
   results.unasked_events.reported = settings.run_everything && !settings.contact_events;

@@ -14,13 +14,19 @@
 
 namespace atl {
 
-/// Adds the pairs of bodies whose contacts have pushed, by slot, but for those that touch as the step ends; where none
-/// is asked for, `pushed` is empty.
-void add_hits(const Stores& world, std::span<const std::uint8_t> pushed, bool ends_step,
-              std::vector<std::pair<BodyId, BodyId>>& hits);
-/// `hits`: what has touched within the step, however it ended.
-void note_contact_events(Stores& world, std::span<const std::pair<BodyId, BodyId>> hits, bool islands_rebuilt,
-                         const StepContext& step);
+/// What contacts do in a step, by slot; empty where nobody asks for events.
+struct ContactPushes {
+  std::span<const float> impulse;   ///< N s, see SolveInput::pushed
+  std::span<const float> approach;  ///< m/s
+};
+
+/// m/s, by slot: how fast contacts close that nothing has pushed yet; 0 for others. To be asked before they are solved.
+void find_approaches(const Stores& world, std::vector<float>& approaches);
+/// Adds the contacts that have pushed, but for those that touch as the step ends.
+void add_hits(const Stores& world, const ContactPushes& pushes, bool ends_step, std::vector<ContactHit>& hits);
+/// `hits`: what has touched within the step, however it ended; `pushes` are those of its last substep. Sorts the hits.
+void note_contact_events(Stores& world, const ContactPushes& pushes, std::vector<ContactHit>& hits,
+                         bool islands_rebuilt, const StepContext& step);
 /// Of joints that act on awake bodies: those that break, and that reach or leave ends of their ranges. What a motor
 /// moves stays awake. Those of bodies that the solve broke tell nothing.
 void note_joint_events(Stores& world, std::span<const solver::JointLink> acting,

@@ -36,7 +36,8 @@ void for_each_use(const Stores& world, const StepPipeline& pipeline, const StepC
         world.joints.count, "joints");
   visit("continuous_collision", std::tie(pipeline.continuous()), static_cast<std::size_t>(last_step.swept), "bodies");
   visit("contact_events",
-        std::tuple_cat(std::tie(results.contact_events, results.unasked_events, pipeline.hits()), solve.event_arrays()),
+        std::tuple_cat(std::tie(results.contact_events, results.unasked_events), pipeline.event_arrays(),
+                       solve.event_arrays()),
         results.contact_events.events.size(), "events");
   visit("sensors", std::tie(results.sensor_events), results.sensor_events.within.size(), "bodies");
   visit("contact_problem", solve.capture_arrays(), solve.capture().answers.size(), "contacts");

@@ -30,8 +30,8 @@ class StepPipeline {
   const IslandPhase& islands() const { return islands_; }
   const SolvePhase& solve() const { return solve_; }
   const ContinuousPhase& continuous() const { return continuous_; }
-  /// Pairs of bodies that have pushed each other since events were noted.
-  const std::vector<std::pair<BodyId, BodyId>>& hits() const { return hits_; }
+  /// See jobs/arrays.h: what contacts have done since events were noted.
+  auto event_arrays() const { return std::tie(hits_, approaches_); }
 
  private:
   void plan(Stores& world, const StepContext& step);
@@ -45,8 +45,9 @@ class StepPipeline {
   SolvePhase solve_;
   ContinuousPhase continuous_;
   std::vector<QuarantineFault> broken_;  // bodies that the solve left unsound, in order
-  std::vector<std::pair<BodyId, BodyId>> hits_;
-  bool rebuilt_ = false;  // whether islands were, in some substep since events were noted
+  std::vector<ContactHit> hits_;
+  std::vector<float> approaches_;  // by contact slot, while somebody asks for events
+  bool rebuilt_ = false;           // whether islands were, in some substep since events were noted
 };
 
 /// What the step did of all that it may do, and why: the plan as data, in step.report.

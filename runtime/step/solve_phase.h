@@ -39,8 +39,8 @@ class SolvePhase {
   solver::FastBodies& moved() { return moved_; }
   /// Of the last step, if it was to be kept.
   const solver::ContactCapture& capture() const { return capture_; }
-  /// By contact slot: 1 where something has pushed in some substep; empty where nobody asks for events.
-  std::span<const std::uint8_t> pushed() const { return pushed_; }
+  /// By contact slot, N s: see SolveInput::pushed; empty where nobody asks for events.
+  std::span<const float> pushed() const { return pushed_; }
 
   // See jobs/arrays.h.
   auto group_arrays() const { return std::tie(groups_, group_reports_, large_solvers_); }
@@ -87,7 +87,7 @@ class SolvePhase {
   std::vector<std::uint32_t> failed_;  // bodies of islands that could not be solved at once
   solver::FastBodies moved_;
   solver::ContactCapture capture_;
-  std::vector<std::uint8_t> pushed_;
+  std::vector<float> pushed_;
 };
 
 }  // namespace atl

@@ -9,6 +9,16 @@
 
 namespace atl {
 
+/// A contact that pushed in a substep and may be gone when the step ends. `a` is the lower body.
+struct ContactHit {
+  BodyId a, b;
+  std::uint32_t child_a = 0, child_b = 0;
+  double impulse = 0;   ///< N s
+  double approach = 0;  ///< m/s
+
+  std::pair<BodyId, BodyId> pair() const { return {a, b}; }
+};
+
 /// Which bodies touch, and what that changed.
 struct ContactEvents {
   using Pairs = std::vector<std::pair<BodyId, BodyId>>;

@@ -112,6 +112,29 @@ TEST(CompoundChildren, MaterialsAreChecked) {
   }
 }
 
+// The children that pushed most, of both, and in the order of the bodies.
+TEST(ContactEvents, NameChildren) {
+  World world({.settings = {.contact_events = true}});
+  const Compound stairs{
+      {{.shape = Box{{1, 1, 0.5}}, .position = {-1, 0, 0}}, {.shape = Box{{1, 1, 1}}, .position = {1, 0, 0}}}};
+  const BodyId low = world.add_body({.type = BodyType::Static, .shape = stairs});
+  const Compound dumbbell{{{.shape = Sphere{0.1}, .position = {0, 0, 0.3}},
+                           {.shape = Sphere{0.1}, .position = {0, 0.3, 0}},
+                           {.shape = Sphere{0.1}, .position = {0, 0, -0.3}}}};
+  const BodyId high = world.add_body({.shape = dumbbell, .position = {1, 0, 1.5}});
+  for (int i = 0; i < 60; ++i) {
+    world.step(dt);
+    for (const ContactEvent& event : world.contact_events()) {
+      EXPECT_EQ(event.a, low);
+      EXPECT_EQ(event.b, high);
+      EXPECT_EQ(event.child_a, 1u);
+      EXPECT_EQ(event.child_b, 2u);
+      return;
+    }
+  }
+  ADD_FAILURE() << "it never landed";
+}
+
 // What an event of a contact says is what the contact's forces come to.
 TEST(ContactEvents, TellWhereAndHowHard) {
   World world({.settings = {.contact_events = true}});
@@ -119,10 +142,15 @@ TEST(ContactEvents, TellWhereAndHowHard) {
   const BodyId crate = world.add_body({.shape = Box{{0.5, 0.4, 0.3}}, .position = {1, 2, 1}});
   int events = 0;
   for (int i = 0; i < 60; ++i) {
+    const double falling = -world.velocity(crate).z();
     world.step(dt);
     for (const ContactEvent& event : world.contact_events()) {
       ++events;
       ASSERT_TRUE(event.began);
+      EXPECT_NEAR(event.approach_speed, falling, 1e-6);
+      // It stops: the rest is the weight over the step.
+      const double weight = 9.81 * world.mass(crate) * dt;
+      EXPECT_NEAR(event.impulse, world.mass(crate) * (falling + world.velocity(crate).z()) + weight, 1e-3 * weight);
       EXPECT_EQ(event.a, floor);
       EXPECT_EQ(event.b, crate);
       double force = 0;

@@ -195,6 +195,10 @@ void bind_results(Class& world) {
       {"point", "(3,)f8", offsetof(ContactEvent, point)},
       {"normal", "(3,)f8", offsetof(ContactEvent, normal)},
       {"normal_force", "f8", offsetof(ContactEvent, normal_force)},
+      {"impulse", "f8", offsetof(ContactEvent, impulse)},
+      {"approach_speed", "f8", offsetof(ContactEvent, approach_speed)},
+      {"child_a", "u4", offsetof(ContactEvent, child_a)},
+      {"child_b", "u4", offsetof(ContactEvent, child_b)},
   };
   static const std::vector<Member> sensors = {
       {"sensor", "id", offsetof(SensorEvent, sensor)},
@@ -218,7 +222,7 @@ void bind_results(Class& world) {
           "contact_events", [](const World& self) { return records_of(self.contact_events(), contacts); },
           "With Settings.contact_events, a structured array of what began and ended in the last step: a, b, began, "
           "point "
-          "(m), normal, normal_force (N).",
+          "(m), normal, normal_force (N), and of the whole step impulse (N s), approach_speed (m/s), child_a, child_b.",
           ATOLL_RECORDS("contact_events"))
       .def(
           "sensor_events", [](const World& self) { return records_of(self.sensor_events(), sensors); },

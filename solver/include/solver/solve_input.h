@@ -25,8 +25,9 @@ struct SolveInput {
   const Kernels& kernels;
   collision::MotionBounds& bounds;  ///< of what the bodies move by
   FastBodies& fast;
-  ContactCapture* capture = nullptr;           ///< null where nobody asks
-  std::uint8_t* pushed = nullptr;              ///< by contact slot: 1 once it has in the step; null where nobody asks
+  ContactCapture* capture = nullptr;  ///< null where nobody asks
+  /// By contact slot, N s: along the normal in the step; not_pushed before it has. Null where nobody asks.
+  float* pushed = nullptr;
   SurfaceContact* surface_contacts = nullptr;  ///< by contact slot; null while all surfaces are plain
   const AddedSlip* added_slips = nullptr;      ///< by contact slot; null where nobody adds any
   const float* rises = nullptr;                ///< m, by contact slot (ContactCache::rises); null where there are none

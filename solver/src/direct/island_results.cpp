@@ -1,5 +1,8 @@
 #include "direct/island_results.h"
 
+#include <algorithm>
+#include <numeric>
+
 #include "integrate/rows3.h"
 
 namespace atl::solver {
@@ -47,6 +50,16 @@ void capture_contacts(ContactCapture& capture, const collision::ContactManifold*
     motion.free_velocity = linear_part(problem.free, i);
     motion.free_angular_velocity = angular_part(problem.free, i);
     motion.inverse_inertia = problem.bodies[i].inverse_inertia;
+  }
+}
+
+void note_pushes(const IslandProblem& problem, bool first, float* pushed) {
+  for (const DirectContact& contact : problem.contacts) {
+    const auto& normal = contact.lasting.normal;
+    const double impulse = std::accumulate(normal.begin(), normal.begin() + contact.law.points, 0.0);
+    float& sum = pushed[contact.slot];
+    if (first) sum = not_pushed;
+    if (impulse > 0) sum = static_cast<float>(std::max(0.0f, sum) + impulse);
   }
 }
 

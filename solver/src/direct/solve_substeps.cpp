@@ -104,15 +104,6 @@ void note_held_impulses(IslandProblem& problem) {
   }
 }
 
-void note_pushes(const IslandProblem& problem, std::uint8_t* pushed) {
-  for (const DirectContact& contact : problem.contacts) {
-    const auto& normal = contact.lasting.normal;
-    if (std::any_of(normal.begin(), normal.begin() + contact.law.points, [](double n) { return n > 0; })) {
-      pushed[contact.slot] = 1;
-    }
-  }
-}
-
 bool any_bounces(const IslandProblem& problem) {
   for (const DirectJoint& joint : problem.joints) {
     for (std::size_t r = 0; r < joint.rows; ++r) {
@@ -152,7 +143,7 @@ bool Substeps::solve() {
   for (int substep = 0; substep < substeps; ++substep) {
     const double time = h_ * (substep + 1);
     if (!find_velocities(time)) return false;
-    if (input_.pushed != nullptr) note_pushes(problem_, input_.pushed);
+    if (input_.pushed != nullptr) note_pushes(problem_, substep == 0, input_.pushed);
     const bool last = substep + 1 == substeps;
     if (last && input_.capture != nullptr) capture_contacts(*input_.capture, input_.manifolds, h_, problem_);
     advance();

@@ -54,6 +54,7 @@ ContactKernelData GroupContacts::kernel_data(const SolveInput& input, const Grou
 
 void GroupContacts::begin_pushes() {
   pushes_.assign(block_count(), 0);
+  step_impulses_.assign(block_count(), {});
   for (std::size_t b = 0; b < block_count(); ++b) {
     for (unsigned lane = 0; lane < block_lanes; ++lane) pushes_[b] |= (blocks_[b].slot[lane] < 0 ? 1u : 0u) << lane;
   }
@@ -73,11 +74,25 @@ void GroupContacts::note_pushes(std::size_t begin, std::size_t end) {
   }
 }
 
-void GroupContacts::tell_pushes(std::uint8_t* by_slot) const {
+void GroupContacts::add_impulses(std::size_t begin, std::size_t end) {
+  for (std::size_t b = begin; b < end; ++b) {
+    const ContactBlock& block = blocks_[b];
+    for (std::size_t i = 0; i < block.traits.points; ++i) {
+      for (std::size_t lane = 0; lane < block_lanes; ++lane) step_impulses_[b][lane] += block.normal_impulse[i][lane];
+    }
+  }
+}
+
+void GroupContacts::tell_pushes(float* by_slot) const {
   for (std::size_t b = 0; b < block_count(); ++b) {
-    for (unsigned lane = 0; lane < block_lanes; ++lane) {
+    const bool bounces = blocks_[b].traits.bounces;
+    for (std::size_t lane = 0; lane < block_lanes; ++lane) {
       const std::int32_t slot = blocks_[b].slot[lane];
-      if (slot >= 0) by_slot[slot] = pushes_[b] >> lane & 1u;
+      if (slot < 0) continue;
+      float spent = 0;
+      for (std::size_t i = 0; bounces && i < blocks_[b].traits.points; ++i) spent += bounces_[b].spent[i][lane];
+      const bool pushes = spent > 0 || (pushes_[b] >> lane & 1u) != 0;
+      by_slot[slot] = pushes ? step_impulses_[b][lane] + spent : not_pushed;
     }
   }
 }

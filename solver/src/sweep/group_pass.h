@@ -39,6 +39,7 @@ class GroupPass {
   void solve_systems(int number);
   void split_off_corrections(int number);
   void note_pushes();
+  void add_impulses();
   void integrate_positions();
   void relax(int number);
   void note_joint_impacts();
@@ -83,6 +84,7 @@ void GroupPass<Executor>::substep(int number) {
   clock_.lap(SolverPhase::Integrate);
   relax(number);
   note_pushes();
+  add_impulses();
   clock_.lap(SolverPhase::Relax);
   if (last && setup_.input.capture != nullptr) capture_answers(setup_.input, parts_, report_, setup_.body_ids);
   if (joint_impacts_) bounce_joints();
@@ -235,6 +237,12 @@ template <typename Executor>
 void GroupPass<Executor>::note_pushes() {
   if (setup_.input.pushed == nullptr) return;
   loops_.each_contact_block([&](std::size_t begin, std::size_t end) { parts_.contacts.note_pushes(begin, end); });
+}
+
+template <typename Executor>
+void GroupPass<Executor>::add_impulses() {
+  if (setup_.input.pushed == nullptr) return;
+  loops_.each_contact_block([&](std::size_t begin, std::size_t end) { parts_.contacts.add_impulses(begin, end); });
 }
 
 template <typename Executor>

@@ -10,6 +10,9 @@
 
 namespace atl::solver {
 
+/// Stands for the impulse of a contact that hasn't pushed in a step.
+inline constexpr float not_pushed = -1;
+
 /// What a direct solve of an island reads, and where it writes what it finds.
 struct DirectIslandInput {
   const Islands& islands;
@@ -20,8 +23,9 @@ struct DirectIslandInput {
   const SolverSettings& settings;
   collision::MotionBounds& bounds;  ///< of what the bodies move by
   FastBodies& fast;
-  ContactCapture* capture = nullptr;           ///< null where nobody asks
-  std::uint8_t* pushed = nullptr;              ///< by contact slot: 1 once it has in the step; null where nobody asks
+  ContactCapture* capture = nullptr;  ///< null where nobody asks
+  /// By contact slot, N s: along the normal in the step; not_pushed before it has. Null where nobody asks.
+  float* pushed = nullptr;
   SurfaceContact* surface_contacts = nullptr;  ///< by contact slot; null while all surfaces are plain
   const AddedSlip* added_slips = nullptr;      ///< by contact slot; null where nobody adds any
   Joint* joints = nullptr;                     ///< by index of joint

@@ -39,13 +39,15 @@ class GroupContacts {
   /// See jobs/arrays.h.
   auto arrays() const {
     return std::tie(contacts_, colouring_, blocks_, bounces_, surface_blocks_, split_blocks_, planar_blocks_,
-                    turning_blocks_, pushes_);
+                    turning_blocks_, pushes_, step_impulses_);
   }
 
-  /// Which contacts push in some substep: to be noted from block to block, and told by slot in the end.
+  /// Which contacts push in some substep, and by how much in all: to be noted from block to block, and told by slot in
+  /// the end, see SolveInput::pushed.
   void begin_pushes();
   void note_pushes(std::size_t begin, std::size_t end);
-  void tell_pushes(std::uint8_t* by_slot) const;
+  void add_impulses(std::size_t begin, std::size_t end);  ///< once a substep, when they are final
+  void tell_pushes(float* by_slot) const;
 
  private:
   std::vector<LocalContact> contacts_;
@@ -59,7 +61,8 @@ class GroupContacts {
   std::vector<SplitBlock> split_blocks_;
   std::vector<PlanarBlock> planar_blocks_;
   std::vector<TurningBlock> turning_blocks_;
-  std::vector<std::uint8_t> pushes_;  // a bit a lane: it has pushed, or there is no contact
+  std::vector<std::uint8_t> pushes_;                           // a bit a lane: it has pushed, or there is no contact
+  std::vector<std::array<float, block_lanes>> step_impulses_;  // N s, along the normals in this step, but for bounces
 };
 
 /// Notes what the surfaces of touching pairs do in this step. Whether that is more than plain friction anywhere.
