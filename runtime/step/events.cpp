@@ -29,6 +29,27 @@ bool precedes(const ContactHit& x, const ContactHit& y) {
          std::tie(y.a, y.b, y.child_a, y.child_b, y.impulse, y.approach);
 }
 
+// m/s: how fast a contact's points closed as the step began, the fastest. Its manifold is as it was then.
+double approach_of(const Stores& world, std::uint32_t slot, std::span<const BodyVelocity> velocities) {
+  const collision::Contact& contact = world.cache.contacts[slot];
+  const collision::ContactManifold& manifold = world.cache.manifolds[slot];
+  const ManifoldPlace place = place_of(world, contact, manifold);
+  const auto velocity_at = [&](std::uint32_t body, const Vector3& arm) -> Vector3 {
+    if (!world.active.contains(body)) return Vector3::Zero();
+    return velocities[body].linear + velocities[body].angular.cross(arm);
+  };
+  const auto anchor = [](const float(&of)[3]) { return Vector3(of[0], of[1], of[2]); };
+  const Vector3 apart = anchor(manifold.anchor_second) - anchor(manifold.anchor_first);
+  double fastest = 0;
+  for (std::size_t i = 0; i < contact.count; ++i) {
+    if (manifold.separation[i] >= collision::no_point) continue;  // switched off
+    const Vector3 arm = place.point(manifold, i) - world.bodies.position(contact.body_first);
+    const Vector3 parting = velocity_at(contact.body_second, arm + apart) - velocity_at(contact.body_first, arm);
+    fastest = std::max(fastest, -place.normal.dot(parting));
+  }
+  return fastest;
+}
+
 ContactHit hit_of(const Stores& world, std::uint32_t slot, const ContactPushes& pushes) {
   const collision::Contact& contact = world.cache.contacts[slot];
   const auto end = [&](std::uint32_t collider) {
@@ -42,7 +63,7 @@ ContactHit hit_of(const Stores& world, std::uint32_t slot, const ContactPushes& 
           .child_a = a.second,
           .child_b = b.second,
           .impulse = told ? std::max(0.0f, pushes.impulse[slot]) : 0,
-          .approach = told ? pushes.approach[slot] : 0};
+          .approach = told ? approach_of(world, slot, pushes.velocities) : 0};
 }
 
 // What contacts did in the step, of those that touch as it ends and those that don't.
@@ -200,26 +221,10 @@ void keep_driven_awake(Stores& world, std::uint32_t joint) {
 
 }  // namespace
 
-void find_approaches(const Stores& world, std::vector<float>& approaches) {
-  approaches.assign(world.cache.manifolds.size(), 0);
-  for (const std::uint32_t slot : world.cache.order().slots()) {
-    const collision::Contact& contact = world.cache.contacts[slot];
-    const collision::ContactManifold& manifold = world.cache.manifolds[slot];
-    const auto& impulse = manifold.normal_impulse;
-    if (contact.count == 0 || std::ranges::any_of(impulse, [](float one) { return one != 0; })) continue;
-    const ManifoldPlace place = place_of(world, contact, manifold);
-    const auto velocity_at = [&](std::uint32_t body, const Vector3& point) -> Vector3 {
-      return world.bodies.velocity(body) +
-             world.bodies.angular_velocity(body).cross(point - world.bodies.position(body));
-    };
-    double fastest = 0;
-    for (std::size_t i = 0; i < contact.count; ++i) {
-      if (manifold.separation[i] >= collision::no_point) continue;  // switched off
-      const Vector3 point = place.point(manifold, i);
-      const Vector3 parting = velocity_at(contact.body_second, point) - velocity_at(contact.body_first, point);
-      fastest = std::max(fastest, -place.normal.dot(parting));
-    }
-    approaches[slot] = static_cast<float>(fastest);
+void keep_velocities(const Stores& world, std::vector<BodyVelocity>& velocities) {
+  velocities.resize(world.bodies.size());
+  for (const std::uint32_t body : world.active.in_order()) {
+    velocities[body] = {world.bodies.velocity(body), world.bodies.angular_velocity(body)};
   }
 }
 

@@ -14,14 +14,14 @@
 
 namespace atl {
 
-/// What contacts do in a step, by slot; empty where nobody asks for events.
+/// What contacts did in a step; empty where nobody asks for events.
 struct ContactPushes {
-  std::span<const float> impulse;   ///< N s, see SolveInput::pushed
-  std::span<const float> approach;  ///< m/s
+  std::span<const float> impulse;            ///< N s, by contact slot: see SolveInput::pushed
+  std::span<const BodyVelocity> velocities;  ///< by body, as the step began; of those that are active
 };
 
-/// m/s, by slot: how fast contacts close that nothing has pushed yet; 0 for others. To be asked before they are solved.
-void find_approaches(const Stores& world, std::vector<float>& approaches);
+/// Keeps the velocities of active bodies before they are solved.
+void keep_velocities(const Stores& world, std::vector<BodyVelocity>& velocities);
 /// Adds the contacts that have pushed, but for those that touch as the step ends.
 void add_hits(const Stores& world, const ContactPushes& pushes, bool ends_step, std::vector<ContactHit>& hits);
 /// `hits`: what has touched within the step, however it ended; `pushes` are those of its last substep. Sorts the hits.

@@ -89,9 +89,9 @@ void StepPipeline::build_islands(Stores& world, const StepContext& step) {
 void StepPipeline::solve_islands(Stores& world, const StepContext& step) {
   if constexpr (with_continuous) continuous_.watch_pressed(world, contacts_);
   const bool tells_events = world.settings.contact_events || world.settings.run_everything;
-  if (tells_events) find_approaches(world, approaches_);
+  if (tells_events) keep_velocities(world, velocities_);
   solve_.solve(world, step, contacts_.added_slips(), islands_);
-  add_hits(world, {solve_.pushed(), approaches_}, step.ends_step, hits_);
+  add_hits(world, {solve_.pushed(), velocities_}, step.ends_step, hits_);
   if (world.settings.target.is_set()) solve_.note_errors(world, step, contacts_.touching(), islands_);
 }
 
@@ -106,7 +106,7 @@ void StepPipeline::finish(Stores& world, const StepContext& step) {
   clear_forces(world);
   rebuilt_ |= islands_.rebuilt();
   if (step.ends_step) {
-    note_contact_events(world, {solve_.pushed(), approaches_}, hits_, std::exchange(rebuilt_, false), step);
+    note_contact_events(world, {solve_.pushed(), velocities_}, hits_, std::exchange(rebuilt_, false), step);
     hits_.clear();
     note_sensor_events(world, step.arena);
   }

@@ -31,7 +31,7 @@ class StepPipeline {
   const SolvePhase& solve() const { return solve_; }
   const ContinuousPhase& continuous() const { return continuous_; }
   /// See jobs/arrays.h: what contacts have done since events were noted.
-  auto event_arrays() const { return std::tie(hits_, approaches_); }
+  auto event_arrays() const { return std::tie(hits_, velocities_); }
 
  private:
   void plan(Stores& world, const StepContext& step);
@@ -46,8 +46,8 @@ class StepPipeline {
   ContinuousPhase continuous_;
   std::vector<QuarantineFault> broken_;  // bodies that the solve left unsound, in order
   std::vector<ContactHit> hits_;
-  std::vector<float> approaches_;  // by contact slot, while somebody asks for events
-  bool rebuilt_ = false;           // whether islands were, in some substep since events were noted
+  std::vector<BodyVelocity> velocities_;  // of active bodies before the solve, while somebody asks for events
+  bool rebuilt_ = false;                  // whether islands were, in some substep since events were noted
 };
 
 /// What the step did of all that it may do, and why: the plan as data, in step.report.

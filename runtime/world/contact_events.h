@@ -19,6 +19,11 @@ struct ContactHit {
   std::pair<BodyId, BodyId> pair() const { return {a, b}; }
 };
 
+struct BodyVelocity {
+  Vector3 linear;   ///< m/s
+  Vector3 angular;  ///< rad/s
+};
+
 /// Which bodies touch, and what that changed.
 struct ContactEvents {
   using Pairs = std::vector<std::pair<BodyId, BodyId>>;
