@@ -57,16 +57,15 @@ ContactHit hit_of(const Stores& world, std::uint32_t slot, const ContactPushes& 
   };
   auto a = end(contact.pair.first), b = end(contact.pair.second);
   if (b < a) std::swap(a, b);
-  const bool told = !pushes.impulse.empty();
   return {.a = a.first,
           .b = b.first,
           .child_a = a.second,
           .child_b = b.second,
-          .impulse = told ? std::max(0.0f, pushes.impulse[slot]) : 0,
-          .approach = told ? approach_of(world, slot, pushes.velocities) : 0};
+          .impulse = std::max(0.0f, pushes.impulse[slot]),
+          .approach = approach_of(world, slot, pushes.velocities)};
 }
 
-// What contacts did in the step, of those that touch as it ends and those that don't.
+// Sums up all hits of two bodies.
 void add_to_event(std::span<const ContactHit> hits, ContactEvent& event) {
   double most = -1;
   for (const ContactHit& hit : hits) {
@@ -79,7 +78,7 @@ void add_to_event(std::span<const ContactHit> hits, ContactEvent& event) {
   }
 }
 
-// Where two bodies touch, and how hard. `before`: hits of theirs by contacts that don't touch as the step ends.
+// The event of two bodies that began to touch. `before`: their hits by contacts that don't touch as the step ends.
 ContactEvent began(const Stores& world, const std::pair<BodyId, BodyId>& pair, std::span<const ContactHit> before,
                    const ContactPushes& pushes, double substep) {
   ContactEvent event{.a = pair.first, .b = pair.second, .began = true};

@@ -14,7 +14,12 @@
 
 namespace atl {
 
-/// What contacts did in a step; empty where nobody asks for events.
+/// Whether a step keeps account of contacts that begin and end.
+inline bool finds_contact_events(const Settings& settings) {
+  return settings.contact_events || settings.run_everything;
+}
+
+/// Impulses and speeds of a step that events are made from; empty unless it finds them.
 struct ContactPushes {
   std::span<const float> impulse;            ///< N s, by contact slot: see SolveInput::pushed
   std::span<const BodyVelocity> velocities;  ///< by body, as the step began; of those that are active

@@ -7,6 +7,7 @@
 #include <features/with_restitution.h>
 #include <features/with_surfaces.h>
 
+#include "step/events.h"
 #include "step/pipeline.h"
 
 namespace atl {
@@ -156,7 +157,7 @@ void note_features(const Stores& world, const StepPipeline& pipeline, const Cont
   note_items(Feature::KinematicBodies, static_cast<std::int64_t>(world.contents.kinematic));
   note_items(Feature::ContinuousCollision, counts.swept, phase_ms(Phase::SweepFastBodies));
   note(Feature::Sleeping, world.settings.sleeping, counts.active_bodies, phase_ms(Phase::Finish));
-  const bool events = world.settings.contact_events || world.settings.run_everything;
+  const bool events = finds_contact_events(world.settings);
   const ContactEvents& events_of_step =
       world.settings.contact_events ? world.results.contact_events : world.results.unasked_events;
   note(Feature::ContactEvents, events, static_cast<std::int64_t>(events_of_step.events.size()));

@@ -88,8 +88,7 @@ void StepPipeline::build_islands(Stores& world, const StepContext& step) {
 
 void StepPipeline::solve_islands(Stores& world, const StepContext& step) {
   if constexpr (with_continuous) continuous_.watch_pressed(world, contacts_);
-  const bool tells_events = world.settings.contact_events || world.settings.run_everything;
-  if (tells_events) keep_velocities(world, velocities_);
+  if (finds_contact_events(world.settings)) keep_velocities(world, velocities_);
   solve_.solve(world, step, contacts_.added_slips(), islands_);
   add_hits(world, {solve_.pushed(), velocities_}, step.ends_step, hits_);
   if (world.settings.target.is_set()) solve_.note_errors(world, step, contacts_.touching(), islands_);

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "step/events.h"
 #include "step/results.h"
 #include "world/bodies.h"
 #include "world/colliders.h"
@@ -207,7 +208,7 @@ void SolvePhase::solve_groups(Stores& world, const StepContext& step, const solv
   const bool captures =
       world.settings.keep_contact_problem || world.settings.run_everything || measures_residual(world);
   if (captures) capture_.resize(world.cache.manifolds.size(), world.bodies.size());
-  const bool tells_events = world.settings.contact_events || world.settings.run_everything;
+  const bool tells_events = finds_contact_events(world.settings);
   pushed_.assign(tells_events ? world.cache.manifolds.size() : 0, solver::not_pushed);
   const bool surfaces =
       with_surfaces && (world.settings.run_everything || !world.bodies.surfaces.empty() || !world.cache.rises.empty() ||

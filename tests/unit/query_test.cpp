@@ -254,7 +254,7 @@ TEST(QueriesOfSolids, SayHowDeepTheyOverlapAndWhichWayIsOut) {
           EXPECT_TRUE(queries.overlapping(moved).empty());
           continue;
         }
-        // Where a capsule's segment is deep in the other solid, the search for the best axis is local.
+        // The search for the best axis is local where a capsule's segment is deep in the other solid.
         const bool of_capsule = std::holds_alternative<Capsule>(one) || std::holds_alternative<Capsule>(other);
         const std::string what = std::to_string(one.index()) + " in " + std::to_string(other.index());
         const double depth = -found[0].distance;

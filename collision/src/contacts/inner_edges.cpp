@@ -13,8 +13,8 @@ namespace {
 // Sine of the angle between two normals, below which they count as parallel: some rounding of normals in single
 // precision.
 constexpr double least_lean = 1e-4;
-// Likewise where one is that of a face of the shape that moves: it rests on flush solids with that face, not quite
-// flat.
+// The same sine for a normal that is that of a face of the moving shape, which rests on flush solids not quite flat
+// with that face.
 constexpr double least_lean_of_face = 0.045;
 // Part of a contact's size by which flush surfaces may be out of line: a step of a hundredth is to stop things.
 constexpr double flush = 1e-3;

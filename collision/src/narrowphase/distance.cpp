@@ -125,7 +125,8 @@ bool find_distance(const Shape& solid, const Pose& solid_pose, const Shape& othe
 
 namespace {
 
-// Where the deepest point of a manifold is, whose reference is one of two shapes at a pose.
+// Takes a manifold's depth and deepest point if it is deeper than what was found. `reference`: the pose of the
+// reference shape.
 void take_depth(const Manifold& manifold, const Pose& reference, bool reference_is_solid, Distance& result) {
   const double separation = manifold.least_separation();
   if (!(separation < result.distance)) return;

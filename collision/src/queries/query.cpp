@@ -23,14 +23,17 @@ bool cast_at(const QueryScene& scene, const Ray& ray, Sides sides, std::uint32_t
   hit.collider = collider;
   hit.hit.normal = pose.orientation * hit.hit.normal;
   hit.point = ray.origin + hit.hit.t * ray.direction;
-  if (!hit.hit.started_inside) return true;
-  Distance depth;
-  const Pose start{ray.origin, Quaternion::Identity()};
-  if (find_signed_distance(Shape::sphere(0), start, scene.colliders.shape[collider], pose, 0, depth)) {
-    hit.depth = -depth.distance;
-    hit.hit.normal = -depth.normal;
-  }
   return true;
+}
+
+// Says how deep a ray starts in what it hit, and which way is out.
+void find_depth(const QueryScene& scene, const Ray& ray, ColliderRayHit& hit) {
+  if (!hit.hit.started_inside) return;
+  const Pose start{ray.origin, Quaternion::Identity()}, at = scene.colliders.pose(hit.collider, scene.poses);
+  Distance depth;
+  if (!find_signed_distance(Shape::sphere(0), start, scene.colliders.shape[hit.collider], at, 0, depth)) return;
+  hit.depth = -depth.distance;
+  hit.hit.normal = -depth.normal;
 }
 
 // Says how deep a solid is in what it overlaps before any motion.
@@ -80,6 +83,7 @@ bool cast_ray(const QueryScene& scene, const Ray& ray, Sides sides, Accept accep
     found = true;
     return first.hit.t;
   });
+  if (found) find_depth(scene, ray, first);
   return found;
 }
 
@@ -102,6 +106,7 @@ void cast_ray_all(const QueryScene& scene, const Ray& ray, Sides sides, Accept a
     if (accept(collider) && cast_at(scene, ray, sides, collider, ray.max_t, fresh)) hits.push_back(fresh);
     return ray.max_t;
   });
+  for (ColliderRayHit& hit : hits) find_depth(scene, ray, hit);
   sort_hits(scene.colliders, hits);
 }
 

@@ -79,10 +79,10 @@ struct ShapeHit {
   double depth = 0;  ///< m: by so much, else 0
 };
 
-/// Where a shape and a body are nearest, or overlap most: then the distance is negative, and the shape gets free
-/// soonest when it is moved along the normal by so much. That is accurate to 1e-4 of the smaller one's inner radius,
-/// and to a tenth of it where a capsule's axis is deep in another solid. Triangles push shapes out by their fronts; one
-/// that is crossed from behind is at distance 0.
+/// The nearest points of a shape and a body. If they overlap, the distance is negative: moved along the normal by so
+/// much, which is the shortest way out, the shape gets free. That is accurate to 1e-4 of the smaller one's inner
+/// radius, and to a tenth of it where a capsule's axis is deep in another solid. Triangles push shapes out by their
+/// fronts; one that is crossed from behind is at distance 0.
 struct ClosestPoint {
   BodyId body;
   std::uint32_t child = 0;

@@ -64,7 +64,7 @@ struct ContactEvent {
   Vector3 point = Vector3::Zero();   ///< m, world frame: the mean of their manifold points, by force if there is any
   Vector3 normal = Vector3::Zero();  ///< unit, from a to b, the same mean
   double normal_force = 0;           ///< N, of all of them, in the last substep: 0 where they parted before
-  // Of the whole step, however they ended it; zero where they ceased to touch.
+  // These count all of the step, whether or not they still touch at its end; zero where they ceased to.
   double impulse = 0;         ///< N s, along the normals of all of them
   double approach_speed = 0;  ///< m/s, the fastest that a manifold point closed at before it was solved
   std::uint32_t child_a = 0;  ///< in a compound, else 0: of the two shapes that pushed each other most
