@@ -241,6 +241,7 @@ BodyDef definition_of(const Stores& world, std::uint32_t body) {
   if (constants.type == BodyType::Dynamic) {
     def.mass = std::clamp(1 / constants.inverse_mass, loads.least, loads.most);  // to rounding it is
     def.inertia = constants.inertia;
+    def.centre_of_mass = constants.centre;
   }
   if (!world.bodies.surfaces.empty()) def.surface_velocity = world.bodies.surfaces[body].velocity;
   if (const auto named = world.records.names.find(body); named != world.records.names.end()) def.name = named->second;

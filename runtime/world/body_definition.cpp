@@ -201,6 +201,7 @@ MassProperties mass_of(const BodyDef& def) {
   const double mass = def.mass ? *def.mass : def.density * properties.mass;
   properties.inertia = def.inertia ? *def.inertia : Matrix3(mass / properties.mass * properties.inertia);
   properties.mass = mass;
+  if (def.centre_of_mass) properties.centre = *def.centre_of_mass;
   return properties;
 }
 
@@ -209,6 +210,10 @@ void check_mass(const BodyDef& def, BodyConstants& body) {
   if (def.mass) check_positive("BodyDef.mass", *def.mass, loads);
   if (def.inertia && !def.mass) throw Error("BodyDef.inertia is given without a mass; expected both or neither");
   if (def.inertia) check_inertia(*def.inertia);
+  if (def.centre_of_mass) {
+    if (!def.inertia) throw Error("BodyDef.centre_of_mass is given without an inertia; expected both or neither");
+    check_number("BodyDef.centre_of_mass", *def.centre_of_mass);
+  }
   if (def.type != BodyType::Dynamic) return;
   take_mass(mass_of(def), body);
 }

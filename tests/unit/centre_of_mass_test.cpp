@@ -75,6 +75,42 @@ TEST(CentreOfMass, DecidesWhichWayABodyTips) {
   EXPECT_GT(axis.z(), 0.1);
 }
 
+TEST(CentreOfMass, AsTheShapeHasItChangesNoBit) {
+  const auto hash_of = [](bool given) {
+    World world;
+    world.add_body(static_box({0, 0, -0.1}, {3, 3, 0.1}));
+    const MassProperties mass = mass_properties(Cone{0.5, 1});
+    BodyDef def{.shape = Cone{0.5, 1}, .position = {0, 0, 2}, .mass = mass.mass, .inertia = mass.inertia};
+    if (given) def.centre_of_mass = mass.centre;
+    world.add_body(def);
+    run(world, 100);
+    return world.state_hash();
+  };
+  EXPECT_EQ(hash_of(true), hash_of(false));
+}
+
+TEST(CentreOfMass, IsInTheDefinitionAndInSnapshots) {
+  World world;
+  const BodyId body = world.add_body(
+      {.shape = Sphere{0.5}, .mass = 2.0, .inertia = Matrix3::Identity(), .centre_of_mass = Vector3(0.1, 0.2, -0.3)});
+  EXPECT_EQ(*world.definition(body).centre_of_mass, Vector3(0.1, 0.2, -0.3));
+  Snapshot start;
+  world.save(start);
+  run(world, 10);
+  World other;
+  other.restore(start);
+  EXPECT_EQ(*other.definition(body).centre_of_mass, Vector3(0.1, 0.2, -0.3));
+  run(other, 10);
+  EXPECT_EQ(other.state_hash(), world.state_hash());
+}
+
+TEST(CentreOfMass, TellsWhatIsWrongWithIt) {
+  World world;
+  expect_error([&] { world.add_body({.centre_of_mass = Vector3::Zero()}); }, {"centre_of_mass", "inertia"});
+  BodyDef def{.mass = 1.0, .inertia = Matrix3::Identity(), .centre_of_mass = Vector3(0, std::nan(""), 0)};
+  expect_error([&] { world.add_body(def); }, {"BodyDef.centre_of_mass", "nan"});
+}
+
 TEST(Compound, TellsWhatIsWrongWithAChild) {
   World world;
   Compound bad = dumbbell();

@@ -226,6 +226,8 @@ TEST(SceneFileErrors, Bodies) {
       {ball(R"("mass": -5)"), "3: /bodies/0/mass: found -5", "a number > 0"},
       {ball(R"("mass": 5, "density": 5)"), "3: /bodies/0/mass: found both a mass and a density", "one of them"},
       {ball(R"("inertia": [1, 1, 1])"), "2: /bodies/0/mass: found an inertia without a mass", "both"},
+      {ball(R"("mass": 1, "centre_of_mass": [0, 0, 1])"), "2: /bodies/0/inertia: found a centre of mass without",
+       "both"},
       {ball(R"("type": "kinematic", "force": [1, 0, 0])"), "3: /bodies/0/force: found it on a body that is not dynamic",
        "it on dynamic bodies only"},
       {ball(R"("type": "static", "locks": {})"), "3: /bodies/0/locks: found it on a body that is not dynamic", "it on"},

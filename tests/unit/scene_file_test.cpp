@@ -137,7 +137,8 @@ TEST(SceneFile, ReadsEveryFieldOfABody) {
                                            "torsional_friction": 0.03},
                               "surface_velocity": [10, 11, 12], "position": [1, 2, 3],
                               "orientation": [0, 0, 2, 0], "velocity": [4, 5, 6], "angular_velocity": [7, 8, 9],
-                              "mass": 3, "inertia": [2, 2, 3, 0.1, 0.2, 0.3], "gravity_scale": -1,
+                              "mass": 3, "inertia": [2, 2, 3, 0.1, 0.2, 0.3],
+                              "centre_of_mass": [0.1, 0.2, 0.3], "gravity_scale": -1,
                               "linear_damping": 0.5, "angular_damping": 0.25)");
   EXPECT_EQ(std::get<Box>(def.shape).half_extents, Vector3(1, 2, 3));
   EXPECT_EQ(def.material.friction, 0.1);
@@ -151,6 +152,7 @@ TEST(SceneFile, ReadsEveryFieldOfABody) {
   EXPECT_EQ(def.angular_velocity, Vector3(7, 8, 9));
   EXPECT_EQ(def.mass, 3);
   EXPECT_EQ(*def.inertia, (Matrix3() << 2, 0.1, 0.2, 0.1, 2, 0.3, 0.2, 0.3, 3).finished());
+  EXPECT_EQ(*def.centre_of_mass, Vector3(0.1, 0.2, 0.3));
   EXPECT_EQ(def.gravity_scale, -1);
   EXPECT_EQ(def.linear_damping, 0.5);
   EXPECT_EQ(def.angular_damping, 0.25);

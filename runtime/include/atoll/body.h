@@ -57,6 +57,8 @@ struct BodyDef {
   /// inner radius, which no solid of one density has, count as that much where the body touches others, but for islands
   /// with joints.
   std::optional<Matrix3> inertia = {};
+  /// m, body frame: where its weight is, whatever its shape. Needs inertia. The shape's own, if left out.
+  std::optional<Vector3> centre_of_mass = {};
   Material material = {};
   /// m/s, body frame: how fast the surface runs along the body, as a conveyor's belt. Friction sees its part in the
   /// tangent plane of a contact; the body itself stays.

@@ -18,6 +18,7 @@ void with_body_fields(const Take& take) {
        Field{"density", &BodyDef::density, "kg/m^3, > 0; used where there is no mass"},
        Field{"mass", &BodyDef::mass, "kg, > 0"},
        Field{"inertia", &BodyDef::inertia, "kg m^2, shape (3, 3), body frame, about the centre of mass; needs mass"},
+       Field{"centre_of_mass", &BodyDef::centre_of_mass, "m, shape (3,), body frame; needs inertia"},
        Field{"material", &BodyDef::material, "what its surface is like"},
        Field{"surface_velocity", &BodyDef::surface_velocity, "m/s, shape (3,), body frame: as a conveyor's belt"},
        Field{"gravity_scale", &BodyDef::gravity_scale, "times the world's gravity"},

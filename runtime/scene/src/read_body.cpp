@@ -89,17 +89,21 @@ MotionLocks read_locks(const Reader& in) {
 }
 
 void read_mass(const Reader& in, BodyDef& def) {
-  for (const char* key :
-       {"density", "mass", "inertia", "gravity_scale", "linear_damping", "angular_damping", "locks", "force"}) {
+  for (const char* key : {"density", "mass", "inertia", "centre_of_mass", "gravity_scale", "linear_damping",
+                          "angular_damping", "locks", "force"}) {
     if (def.type != BodyType::Dynamic && in.has(key)) {
       in.fail_at(key, "it on a body that is not dynamic", "it on dynamic bodies only: others do not move under forces");
     }
   }
   if (in.has("density") && in.has("mass")) in.fail_at("mass", "both a mass and a density", "one of them");
   if (in.has("inertia") && !in.has("mass")) in.fail_at("mass", "an inertia without a mass", "both");
+  if (in.has("centre_of_mass") && !in.has("inertia")) {
+    in.fail_at("inertia", "a centre of mass without an inertia", "both");
+  }
   get(in, "density", def.density, above(0));
   if (const auto mass = in.find("mass")) def.mass = mass->number(above(0));
   if (const auto inertia = in.find("inertia")) def.inertia = read_inertia(*inertia);
+  if (const auto centre = in.find("centre_of_mass")) def.centre_of_mass = read_vector(*centre);
 }
 
 }  // namespace
@@ -153,6 +157,7 @@ SceneBody read_body(const Reader& in, const Library& library) {
                 "density",
                 "mass",
                 "inertia",
+                "centre_of_mass",
                 "gravity_scale",
                 "linear_damping",
                 "angular_damping",

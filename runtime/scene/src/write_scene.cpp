@@ -161,6 +161,7 @@ void put_dynamics(Json& out, const SceneBody& body) {
     const Matrix3& m = *def.inertia;
     out["inertia"] = {m(0, 0), m(1, 1), m(2, 2), m(0, 1), m(0, 2), m(1, 2)};
   }
+  if (def.centre_of_mass) out["centre_of_mass"] = json(*def.centre_of_mass);
   if (def.gravity_scale != 1) out["gravity_scale"] = def.gravity_scale;
   if (def.linear_damping != 0) out["linear_damping"] = def.linear_damping;
   if (def.angular_damping != 0) out["angular_damping"] = def.angular_damping;
