@@ -224,6 +224,8 @@ void SolvePhase::solve_groups(Stores& world, const StepContext& step, const solv
                               .kernels = step.kernels,
                               .bounds = world.aabbs.bounds,
                               .fast = moved_,
+                              .contacts = world.cache.contacts.data(),
+                              .colliders = &world.colliders,
                               .capture = captures ? &capture_ : nullptr,
                               .pushed = tells_events ? pushed_.data() : nullptr,
                               .surface_contacts = surfaces ? world.surface_contacts.data() : nullptr,

@@ -2,6 +2,7 @@
 
 #include <features/with_direct_contacts.h>
 #include <features/with_joints.h>
+#include <solver/constraints/contact_arm.h>
 #include <solver/integrate/motion_locks.h>
 
 #include <algorithm>
@@ -29,22 +30,6 @@ void forget_choices(Stores& world, std::uint32_t body) {
   const auto is_own = [&](std::uint32_t collider) { return world.colliders.body[collider] == body; };
   std::erase_if(choices.refused, [&](collision::Pair pair) { return is_own(pair.first) || is_own(pair.second); });
   std::erase(choices.refiltered, body);
-}
-
-// Whether a shape looks the same turned about the z axis of its body's frame.
-bool is_round(const CheckedCollider& collider) {
-  const auto& [position, orientation] = collider.local;
-  if (position.x() != 0 || position.y() != 0) return false;
-  switch (collider.shape.kind) {
-    case collision::ShapeKind::Sphere:
-      return true;
-    case collision::ShapeKind::Capsule:
-    case collision::ShapeKind::Cylinder:
-    case collision::ShapeKind::Cone:
-      return orientation.x() == 0 && orientation.y() == 0;
-    default:
-      return false;
-  }
 }
 
 }  // namespace
@@ -85,7 +70,9 @@ void give_constants(Stores& world, std::uint32_t body, const std::shared_ptr<con
   if (!bodies.least_moment.empty()) bodies.least_moment[body] = least_moment;
   bodies.ball[body] = c.colliders.size() == 1 && c.colliders.front().shape.kind == collision::ShapeKind::Sphere &&
                       c.centre.isZero(0) && c.colliders.front().local.position.isZero(0);
-  bodies.round[body] = !bodies.ball[body] && std::all_of(c.colliders.begin(), c.colliders.end(), is_round);
+  bodies.rolls[body] = !bodies.ball[body] && std::ranges::any_of(c.colliders, [](const CheckedCollider& collider) {
+    return solver::is_round(collider.shape.kind);
+  });
   bodies.gravity_scale[body] = c.gravity_scale;
   bodies.linear_damping[body] = c.linear_damping;
   bodies.angular_damping[body] = c.angular_damping;

@@ -1,6 +1,8 @@
 #include "direct/island_contacts.h"
 
+#include <solver/constraints/contact_arm.h>
 #include <solver/direct/island_matrix.h>
+#include <solver/integrate/free_flight.h>
 #include <solver/tuning.h>
 
 #include <algorithm>
@@ -14,22 +16,28 @@ namespace {
 // Of the bound: at it, but for rounding to single precision.
 constexpr double at_bound = 1 - 1e-6;
 
-// The contact's frame, its arms and what moves it that doesn't respond.
-void load_frame(const BodyTable& table, const collision::ContactManifold& manifold, DirectContact& contact) {
+// The contact's frame, its arms, with `half_way` as they will be in the middle of the step, and what moves it that
+// doesn't respond.
+void load_frame(const DirectIslandInput& input, bool half_way, DirectContact& contact) {
+  const BodyTable& table = input.bodies;
+  const collision::ContactManifold& manifold = input.manifolds[contact.slot];
+  const collision::Pair colliders = input.contacts[contact.slot].pair;
   const collision::Tangents tangents = collision::tangents(manifold.normal);
   const Vector3 normal = get3(manifold.normal).normalized();
   const Vector3 nearly(tangents.first[0], tangents.first[1], tangents.first[2]);
   const Vector3 tangent = (nearly - normal.dot(nearly) * normal).normalized();
   contact.axes = {normal, tangent, normal.cross(tangent)};
   contact.given = {};
-  const auto load_side = [&](std::uint32_t body, const float(&anchor)[3], Vector3& arm, double sign) {
-    // A ball is touched on the line through its centre.
-    arm = table.ball[body] ? Vector3(normal.dot(get3(anchor)) * normal) : get3(anchor);
+  const auto load_side = [&](std::uint32_t body, std::uint32_t collider, const Vector3& anchor, double sign,
+                             ContactArm& on, Vector3& arm) {
+    on = contact_arm(table, body, *input.colliders, collider, anchor, -sign * normal);
+    arm = half_way ? turned_arm(on, rotation_by(half_turn(table, body, input.dt)), normal) : Vector3(on.pivot + on.rim);
     if (table.mobility[body] != Mobility::Kinematic) return;
     contact.add_motion(sign, arm, table.velocity(body), table.angular_velocity(body), contact.given);
   };
-  load_side(contact.first_body, manifold.anchor_first, contact.arm_first, -1);
-  load_side(contact.second_body, manifold.anchor_second, contact.arm_second, 1);
+  load_side(contact.first_body, colliders.first, get3(manifold.anchor_first), -1, contact.on_first, contact.arm_first);
+  load_side(contact.second_body, colliders.second, get3(manifold.anchor_second), 1, contact.on_second,
+            contact.arm_second);
 }
 
 // 1/kg and the like: how a contact's bodies answer impulses.
@@ -148,14 +156,14 @@ void guess_idle_contacts(double dt, IslandProblem& problem) {
 }
 
 void load_contact(const DirectIslandInput& input, const TouchingPair& pair, const std::vector<DirectBody>& bodies,
-                  DirectContact& contact) {
+                  bool half_way, DirectContact& contact) {
   const BodyTable& table = input.bodies;
   const collision::ContactManifold& manifold = input.manifolds[pair.slot];
   contact.friction = manifold.friction;
   contact.radius = manifold.friction_radius;
   contact.rolling = contact.torsional = 0;
   contact.law = {};  // whatever was solved before must not show
-  load_frame(table, manifold, contact);
+  load_frame(input, half_way, contact);
   const ContactResponse response{bodies, contact, table.inverse_mass[pair.first] + table.inverse_mass[pair.second]};
   load_points(manifold, response, contact);
   load_friction(input.settings, response, contact);
@@ -174,16 +182,12 @@ bool bounces(const DirectIslandInput& input, const DirectContact& contact, const
   return false;
 }
 
-// How the normal speed of a contact's point changes as a body turns: what its arm gains.
-Vector3 gained_by_turning(const Quaternion& start, const Quaternion& now, const Vector3& arm) {
-  return now * (start.conjugate() * arm) - arm;
-}
-
 }  // namespace
 
 bool load_contacts(const DirectIslandInput& input, const IslandMembers& members, IslandProblem& problem) {
   // Impulses are kept as those of a substep.
-  const double share = members.joints.empty() ? input.settings.substeps : 1;
+  const bool at_once = members.joints.empty();
+  const double share = at_once ? input.settings.substeps : 1;
   problem.contacts.resize(members.contacts.size());
   for (std::size_t c = 0; c < members.contacts.size(); ++c) {
     const TouchingPair& pair = members.contacts[c];
@@ -193,11 +197,11 @@ bool load_contacts(const DirectIslandInput& input, const IslandMembers& members,
     contact.second_body = pair.second;
     contact.first = members.local(input, pair.first);
     contact.second = members.local(input, pair.second);
-    load_contact(input, pair, problem.bodies, contact);
+    load_contact(input, pair, problem.bodies, at_once, contact);
     warm_start(input, share, contact);
     if (bounces(input, contact, problem.velocity)) return false;
   }
-  guess_idle_contacts(members.joints.empty() ? input.dt : input.substep(), problem);
+  guess_idle_contacts(at_once ? input.dt : input.substep(), problem);
   forget_factor(problem);
   return true;
 }
@@ -208,18 +212,19 @@ void place_contacts(const IslandPoses& poses, std::vector<DirectContact>& contac
     const auto& [normal, tangent, other] = contact.axes;
     const BodyPose pose_first = poses.of(contact.first, contact.first_body);
     const BodyPose pose_second = poses.of(contact.second, contact.second_body);
-    const auto moved = [&](std::uint32_t body, const BodyPose& now, const Vector3& at) -> Vector3 {
-      if (table.mobility[body] == Mobility::Fixed) return Vector3::Zero();
-      Vector3 by = now.position - table.position(body);
-      // A rolling ball's lowest point does not rise with its surface.
-      if (!table.ball[body]) by += gained_by_turning(table.orientation(body), now.orientation, at);
-      return by;
+    const auto turn_of = [&](std::uint32_t body, const BodyPose& now) -> Quaternion {
+      if (table.mobility[body] == Mobility::Fixed) return Quaternion::Identity();
+      return now.orientation * table.orientation(body).conjugate();
     };
+    const Quaternion turn_first = turn_of(contact.first_body, pose_first);
+    const Quaternion turn_second = turn_of(contact.second_body, pose_second);
+    const double apart = normal.dot((pose_second.position - table.position(contact.second_body)) -
+                                    (pose_first.position - table.position(contact.first_body)));
     for (int i = 0; i < contact.law.points; ++i) {
-      const Vector3 out = contact.law.x[i] * tangent + contact.law.y[i] * other;
-      const Vector3 first = moved(contact.first_body, pose_first, contact.arm_first + out);
-      const Vector3 second = moved(contact.second_body, pose_second, contact.arm_second + out);
-      contact.separation[i] = contact.start_separation[i] + normal.dot(second - first);
+      const Vector3 off = contact.law.x[i] * tangent + contact.law.y[i] * other;
+      const double turned = gained_along(contact.on_second, off, turn_second, normal) -
+                            gained_along(contact.on_first, off, turn_first, normal);
+      contact.separation[i] = contact.start_separation[i] + apart + turned;
     }
   }
 }

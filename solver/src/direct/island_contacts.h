@@ -12,8 +12,8 @@ namespace atl::solver {
 /// impact's speed.
 bool load_contacts(const DirectIslandInput& input, const IslandMembers& members, IslandProblem& problem);
 
-/// Separations at these poses. As sweeps see them: a contact stays where it was on its bodies as the step began, and
-/// its normal stays too.
+/// Separations at these poses. As sweeps see them: a contact stays where it was on its bodies as the step began, but
+/// where they roll, and its normal stays too.
 void place_contacts(const IslandPoses& poses, std::vector<DirectContact>& contacts);
 
 }  // namespace atl::solver

@@ -157,28 +157,6 @@ HWY_INLINE Q tumble(SolverBodies& bodies, std::size_t i, const Q& before, const 
   return {select(active, turned_by.vector, plain.vector), hn::IfThenElse(active, turned_by.scalar, plain.scalar)};
 }
 
-// How what contacts touch of bodies has turned, among those of one vector from `i` on, once they have turned from one
-// rotation to another. A round body's axis is taken along without a turn about itself.
-HWY_INLINE void turn_shapes(SolverBodies& bodies, std::size_t i, const Q& from, const Q& to) {
-  const auto axis_row = [&](std::size_t k) { return bodies.shape[i + k].axis; };
-  const auto rotation_row = [&](std::size_t k) { return bodies.shape[i + k].rotation; };
-  const V4 axis4 = load_rows(axis_row);
-  const M round = hn::Gt(axis4.w, splat(1.5f));
-  V4 rotation = {to.vector.x, to.vector.y, to.vector.z, to.scalar};
-  if (!hn::AllFalse(D(), round)) {
-    const V3 axis{axis4.x, axis4.y, axis4.z};
-    const V3 before = turned(from, axis);
-    const V3 after = turned(to, axis);
-    const V4 old = load_rows(rotation_row);
-    // Of half the angle between them.
-    const Q swing = normalized({cross(before, after), hn::Add(splat(1), dot(before, after))});
-    const Q swung = normalized(swing * Q{{old.x, old.y, old.z}, old.w});
-    const V3 vector = select(round, swung.vector, to.vector);
-    rotation = {vector.x, vector.y, vector.z, hn::IfThenElse(round, swung.scalar, to.scalar)};
-  }
-  store_rows(rotation, rotation_row, ~0u);
-}
-
 inline void integrate_positions(SolverBodies& bodies, const SubstepConstants& constants, std::size_t begin,
                                 std::size_t end) {
   const V h = splat(constants.h);
@@ -207,7 +185,6 @@ inline void integrate_positions(SolverBodies& bodies, const SubstepConstants& co
     }
     Q turn = normalized(advanced(q, w, half_h));
     if (gyroscopic) turn = tumble(bodies, i, q, turn, h);
-    if (bodies.round_shapes) turn_shapes(bodies, i, {{q4.x, q4.y, q4.z}, q4.w}, turn);
     store_rows({moved.x, moved.y, moved.z, p.w}, linear_row, ~0u);
     store_rows({turn.vector.x, turn.vector.y, turn.vector.z, turn.scalar}, rotation_row, ~0u);
   }

@@ -47,14 +47,11 @@ inline void set_uncarried(SolverBodies& bodies, std::size_t local, const Vector3
   set3(rows.angular, spin - get3(bodies.start_velocity[local].angular));
 }
 
-/// Turns a body on from where its displacement has it, with the shape that contacts touch.
+/// Turns a body on from where its displacement has it.
 inline void turn_on(SolverBodies& bodies, std::size_t local, const Quaternion& turn) {
-  const auto turn_rows = [&](float(&rotation)[4]) {
-    const Quaternion turned = (turn * Quaternion(rotation[3], rotation[0], rotation[1], rotation[2])).normalized();
-    for (int k = 0; k < 4; ++k) rotation[k] = static_cast<float>(turned.coeffs()[k]);
-  };
-  turn_rows(bodies.displacement[local].rotation);
-  if (bodies.round_shapes) turn_rows(bodies.shape[local].rotation);
+  float(&rotation)[4] = bodies.displacement[local].rotation;
+  const Quaternion turned = (turn * Quaternion(rotation[3], rotation[0], rotation[1], rotation[2])).normalized();
+  for (int k = 0; k < 4; ++k) rotation[k] = static_cast<float>(turned.coeffs()[k]);
 }
 
 /// How a body has turned since the start of the step.

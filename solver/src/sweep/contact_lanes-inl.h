@@ -68,14 +68,6 @@ HWY_INLINE Q load_rotation(const SolverBodies& bodies, const std::int32_t* index
   return {{q.x, q.y, q.z}, q.w};
 }
 
-// The same of what contacts touch of them.
-HWY_INLINE Q load_shape_rotation(const SolverBodies& bodies, const std::int32_t* index) {
-  if (!bodies.round_shapes) return load_rotation(bodies, index);
-  const ShapeRows* shape = bodies.shape.data();
-  const V4 q = load_rows([=](std::size_t k) { return shape[index[k]].rotation; });
-  return {{q.x, q.y, q.z}, q.w};
-}
-
 HWY_INLINE void store_bodies(const BodyLanes& body, SolverBodies& bodies, unsigned mask) {
   VelocityRows* velocity = bodies.velocity.data();
   const std::int32_t* index = body.index;

@@ -176,28 +176,41 @@ HWY_INLINE V3 turned_arm(const V3& turn, const V3& arm) {
   return arm + hn::Div(splat(2), norm) * (t + cross(u, t));
 }
 
-// Takes the contact along with each of its bodies for half of the step. A round body is touched where it is lowest: its
-// spin doesn't move that, but the turn of its axis moves it along the rim.
+// An arm that a body has taken along for half of the step, from its pivot and its rim. The lowest point of a round body
+// is not moved by its spin, but the turn of its axis moves it along the rim.
+HWY_INLINE V3 arm_half_way(const V3& half, const V3& pivot, const V3& rim, const V3& axis, const V3& normal) {
+  constexpr float least_lean = 0.01f;  // the square of the sine: what lies flat is touched at no single point
+  const V along = dot(axis, normal);
+  const V lean = hn::Max(hn::Sub(splat(1), hn::Mul(along, along)), splat(least_lean));
+  const V round_rim = hn::Div(hn::Mul(dot(half, normal), along), lean);
+  const V3 tilt = half + hn::Sub(round_rim, dot(half, axis)) * axis;
+  const M revolved = hn::Gt(dot(axis, axis), zero());
+  return turned_arm(half, pivot) + select(revolved, turned_arm(tilt, rim), rim);
+}
+
+// Takes the contact along with each of its bodies for half of the step.
 HWY_INLINE void take_half_way(const ContactKernelData& data, TurningBlock& turning, std::size_t lane,
                               ContactLanes<>& c) {
-  store3(c.anchor_first, turning.anchor_first, lane);
-  store3(c.anchor_second, turning.anchor_second, lane);
-  const ShapeRows* shape = data.bodies.shape.data();
-  const auto moved = [&](const BodyLanes& body, const V3& arm) {
+  const auto take = [&](const BodyLanes& body, const float(*rims)[block_lanes], const float(*axes)[block_lanes],
+                        float(*pivots)[block_lanes], V3& arm) {
+    const ShapeRows* shape = data.bodies.shape.data();
     const std::int32_t* index = body.index;
-    const V4 row = load_rows([=](std::size_t k) { return shape[index[k]].axis; });
-    const V3 axis{row.x, row.y, row.z};
     const V4 turn = load_rows([=](std::size_t k) { return shape[index[k]].half_turn; });
     const V3 half{turn.x, turn.y, turn.z};
-    constexpr float least_lean = 0.01f;  // the square of the sine: what lies flat is touched at no single point
-    const V along = dot(axis, c.normal);
-    const V lean = hn::Max(hn::Sub(splat(1), hn::Mul(along, along)), splat(least_lean));
-    const V round_rim = hn::Div(hn::Mul(dot(half, c.normal), along), lean);
-    const V3 taken = select(hn::Gt(row.w, splat(1.5f)), half + round_rim * axis, half);
-    return select(hn::Gt(row.w, zero()), turned_arm(taken, arm), arm);
+    V3 pivot = arm;
+    V3 taken;
+    if (turning.has_rims) {
+      const V3 rim = load3(rims, lane);
+      pivot = arm - rim;
+      taken = arm_half_way(half, pivot, rim, load3(axes, lane), c.normal);
+    } else {
+      taken = turned_arm(half, arm);
+    }
+    store3(pivot, pivots, lane);
+    arm = select(hn::Gt(turn.w, zero()), taken, arm);
   };
-  c.anchor_first = moved(c.first, c.anchor_first);
-  c.anchor_second = moved(c.second, c.anchor_second);
+  take(c.first, turning.rim_first, turning.axis_first, turning.pivot_first, c.anchor_first);
+  take(c.second, turning.rim_second, turning.axis_second, turning.pivot_second, c.anchor_second);
 }
 
 // With the velocities that the step begins with.

@@ -19,8 +19,9 @@ namespace hn = hwy::HWY_NAMESPACE;
 using namespace jobs::HWY_NAMESPACE;
 
 // How a body changes the normal, as it sees it itself. A rolling ball's lowest point does not rise with its surface.
-HWY_INLINE V3 normal_change(const ContactKernelData& data, const BodyLanes& body, const V4& moved, const V3& normal) {
-  return moved.w * turned_change(conjugate(load_shape_rotation(data.bodies, body.index)), normal);
+HWY_INLINE V3 normal_change(const ContactKernelData& data, const std::int32_t* index, const V4& moved,
+                            const V3& normal) {
+  return moved.w * turned_change(conjugate(load_rotation(data.bodies, index)), normal);
 }
 
 // The points' separations, for which those of the start of the step change by `at_centre` and, linear in their x and y,
@@ -43,32 +44,74 @@ HWY_INLINE const TurningBlock* turning_of(const ContactKernelData& data, std::si
   return data.turning_blocks != nullptr ? &data.turning_blocks[b] : nullptr;
 }
 
+// As normal_change, by what turns a surface of revolution but for its spin: the shortest turn of its axis. Zero without
+// an axis.
+HWY_INLINE V3 swing_change(const Q& turn, const V3& axis, const V3& normal) {
+  const V3 gained = turned_change(turn, axis);
+  const V3 k = cross(axis, gained);
+  const V one_and_cosine = hn::Add(splat(2), dot(axis, gained));
+  const V3 across = cross(k, normal);
+  return hn::Div(splat(1), hn::Max(one_and_cosine, splat(1e-6f))) * cross(k, across) - across;
+}
+
+// Where some contacts have rims: see ContactArm.
+template <std::size_t points, MovableSides movable>
+HWY_NOINLINE void refresh_rolling_separations(const ContactKernelData& data, ContactBlock& block,
+                                              const TurningBlock& turning, std::size_t lane) {
+  const V3 normal = load3(block.normal, lane);
+  const V3 tangent = load3(block.tangent, lane);
+  const auto gap_of = [&](const std::int32_t* index, const float(*pivots)[block_lanes], const float(*rims)[block_lanes],
+                          const float(*axes)[block_lanes], V& at_centre, V3& by_point) {
+    const V4 moved = load_displacement(data.bodies, index);
+    const Q turn = load_rotation(data.bodies, index);
+    const V3 axis = load3(axes, lane);
+    const V3 change = moved.w * turned_change(conjugate(turn), normal);
+    const V3 swung = swing_change(turn, axis, normal);
+    at_centre = hn::Add(dot(normal, V3{moved.x, moved.y, moved.z}),
+                        hn::Add(dot(change, load3(pivots, lane)), dot(swung, load3(rims, lane))));
+    by_point = select(hn::Gt(dot(axis, axis), zero()), swung, change);
+  };
+  V of_first = zero(), of_second = zero();
+  V3 by_first{zero(), zero(), zero()}, by_second = by_first;
+  if constexpr (first_moves<movable>) {
+    gap_of(block.first + lane, turning.pivot_first, turning.rim_first, turning.axis_first, of_first, by_first);
+  }
+  if constexpr (second_moves<movable>) {
+    gap_of(block.second + lane, turning.pivot_second, turning.rim_second, turning.axis_second, of_second, by_second);
+  }
+  const V3 by_point = by_second - by_first;
+  shift_points<points>(block, lane, hn::Sub(of_second, of_first), dot(by_point, tangent),
+                       dot(by_point, cross(normal, tangent)));
+}
+
 // separation = start + n . (moved centres) + turned anchors.
 template <std::size_t points, MovableSides movable>
 HWY_INLINE void refresh_separations(const ContactKernelData& data, ContactBlock& block, const TurningBlock* turning,
                                     std::size_t lane, ContactLanes<movable> c) {
   if (turning != nullptr) {
-    c.anchor_first = load3(turning->anchor_first, lane);
-    c.anchor_second = load3(turning->anchor_second, lane);
+    if (HWY_UNLIKELY(turning->has_rims))
+      return refresh_rolling_separations<points, movable>(data, block, *turning, lane);
+    c.anchor_first = load3(turning->pivot_first, lane);
+    c.anchor_second = load3(turning->pivot_second, lane);
   }
   const V3 rest{zero(), zero(), zero()};
   if constexpr (movable == MovableSides::First) {
     const V4 moved = load_displacement(data.bodies, c.first.index);
-    const V3 change = normal_change(data, c.first, moved, c.normal);
+    const V3 change = normal_change(data, c.first.index, moved, c.normal);
     const V at_centre =
         hn::Add(dot(c.normal, rest - V3{moved.x, moved.y, moved.z}), hn::Sub(zero(), dot(change, c.anchor_first)));
     const V3 turned = rest - change;
     shift_points<points>(block, lane, at_centre, dot(turned, c.tangent1), dot(turned, c.tangent2));
   } else if constexpr (movable == MovableSides::Second) {
     const V4 moved = load_displacement(data.bodies, c.second.index);
-    const V3 change = normal_change(data, c.second, moved, c.normal);
+    const V3 change = normal_change(data, c.second.index, moved, c.normal);
     const V at_centre = hn::Add(dot(c.normal, V3{moved.x, moved.y, moved.z}), dot(change, c.anchor_second));
     shift_points<points>(block, lane, at_centre, dot(change, c.tangent1), dot(change, c.tangent2));
   } else {
     const V4 first = load_displacement(data.bodies, c.first.index);
     const V4 second = load_displacement(data.bodies, c.second.index);
-    const V3 change_first = normal_change(data, c.first, first, c.normal);
-    const V3 change_second = normal_change(data, c.second, second, c.normal);
+    const V3 change_first = normal_change(data, c.first.index, first, c.normal);
+    const V3 change_second = normal_change(data, c.second.index, second, c.normal);
     const V3 moved = V3{second.x, second.y, second.z} - V3{first.x, first.y, first.z};
     const V turned = hn::Sub(dot(change_second, c.anchor_second), dot(change_first, c.anchor_first));
     const V3 change = change_second - change_first;

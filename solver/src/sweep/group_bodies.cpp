@@ -1,8 +1,8 @@
+#include <solver/constraints/contact_arm.h>
 #include <solver/constraints/contact_inertia.h>
 #include <solver/integrate/free_flight.h>
 #include <solver/integrate/motion_locks.h>
 #include <solver/sweep/group_bodies.h>
-#include <solver/tuning.h>
 
 #include <algorithm>
 
@@ -13,20 +13,10 @@ namespace atl::solver {
 namespace {
 
 void load_shape(const SolveInput& input, std::uint32_t body, std::size_t local, SolverBodies& rows) {
-  ShapeRows& shape = rows.shape[local];
-  shape.kind = turns_in_step(input, body) ? 1 : 0;
-  if (shape.kind == 0) return;
-  const Vector3 turn = input.dt * input.bodies.angular_velocity(body);
-  Vector3 moves = turn;
-  if (input.bodies.round[body]) {
-    const Vector3 axis = input.bodies.orientation(body) * Vector3::UnitZ();
-    shape.kind = 2;
-    set3(shape.axis, axis);
-    moves -= turn.dot(axis) * axis;
-  }
-  // What turns far in a step may come to turn any way in it.
-  const double square = turn.squaredNorm() / (tuning::known_turn * tuning::known_turn);
-  set3(shape.half_turn, 0.5 / (1 + square * square) * moves);
+  const Vector3 half = half_turn(input.bodies, body, input.dt);
+  if (half.isZero(0)) return;
+  rows.shape[local].kind = input.bodies.rolls[body] ? 2 : 1;
+  set3(rows.shape[local].half_turn, half);
 }
 
 void load_velocity(const BodyTable& table, std::uint32_t body, std::size_t local, SolverBodies& rows) {

@@ -1,8 +1,11 @@
 #include <features/with_surfaces.h>
 #include <jobs/arrays.h>
+#include <solver/constraints/contact_arm.h>
 #include <solver/sweep/group_contacts.h>
 
 #include <algorithm>
+
+#include "integrate/rows3.h"
 
 namespace atl::solver {
 
@@ -50,6 +53,36 @@ ContactKernelData GroupContacts::kernel_data(const SolveInput& input, const Grou
           .turning_blocks = one_a_block(turning_blocks_, !bodies.shape.empty()),
           .joined = joined.empty() ? nullptr : joined.data(),
           .leaves_out = !input.settings.everything};
+}
+
+void GroupContacts::find_rims(const SolveInput& input, const SolverBodies& bodies, std::size_t begin, std::size_t end) {
+  for (std::size_t b = begin; b < end; ++b) {
+    const ContactBlock& block = blocks_[b];
+    TurningBlock& turning = turning_blocks_[b];
+    turning.has_rims = false;
+    const auto find = [&](std::size_t lane, std::int32_t local, bool second) {
+      const std::int32_t slot = block.slot[lane];
+      ContactArm arm;
+      if (slot >= 0 && bodies.shape[static_cast<std::size_t>(local)].kind == 2) {
+        const collision::Contact& contact = input.contacts[slot];
+        const collision::ContactManifold& manifold = input.manifolds[slot];
+        const Vector3 normal = get3(manifold.normal);
+        arm = second ? contact_arm(input.bodies, contact.body_second, *input.colliders, contact.pair.second,
+                                   get3(manifold.anchor_second), -normal)
+                     : contact_arm(input.bodies, contact.body_first, *input.colliders, contact.pair.first,
+                                   get3(manifold.anchor_first), normal);
+      }
+      turning.has_rims |= !arm.rim.isZero(0);
+      for (int k = 0; k < 3; ++k) {
+        (second ? turning.rim_second : turning.rim_first)[k][lane] = static_cast<float>(arm.rim[k]);
+        (second ? turning.axis_second : turning.axis_first)[k][lane] = static_cast<float>(arm.axis[k]);
+      }
+    };
+    for (std::size_t lane = 0; bodies.roll && lane < block_lanes; ++lane) {
+      find(lane, block.first[lane], false);
+      find(lane, block.second[lane], true);
+    }
+  }
 }
 
 void GroupContacts::begin_pushes() {

@@ -1,6 +1,7 @@
 #include <features/with_joints.h>
 #include <features/with_restitution.h>
 #include <jobs/worker_team.h>
+#include <solver/constraints/contact_arm.h>
 #include <solver/sweep/group_solver.h>
 
 #include <algorithm>
@@ -107,12 +108,12 @@ void GroupSolver::gather_bodies(const SolveInput& input, const IslandGroup& grou
   const std::span<const std::uint32_t> kinematic = parts_.numbers.kinematic();
   const std::uint32_t first_dynamic = parts_.numbers.first_dynamic();
   const bool any_contact = !parts_.contacts.empty();
-  bool any_turns = false, any_round_turns = false;
+  bool any_turns = false, any_rolls = false;
   const auto note_turns = [&](std::span<const std::uint32_t> bodies) {
     for (const std::uint32_t body : bodies) {
-      const bool turned = turns_in_step(input, body);
+      const bool turned = turns_in_step(input.bodies, body, input.dt);
       any_turns |= turned;
-      any_round_turns |= turned && input.bodies.round[body];
+      any_rolls |= turned && input.bodies.rolls[body];
     }
   };
   if (any_contact) {
@@ -125,7 +126,7 @@ void GroupSolver::gather_bodies(const SolveInput& input, const IslandGroup& grou
                                           .locks = report.locked_bodies > 0 || settings.everything,
                                           .shape = any_contact && (any_turns || settings.everything),
                                           .blow = report.restitution});
-  rows.round_shapes = any_round_turns;
+  rows.roll = any_rolls;
   load_kinematic_bodies(input, kinematic, rows);
   const std::vector<double> approaches = approach_speeds(input, group, parts_.numbers);
   executor.parallel_for(ids.size(), GroupLoops<Executor>::body_grain, [&](std::size_t begin, std::size_t end) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numeric>
 #include <tuple>
+#include <utility>
 
 #include "integrate/matrix3.h"
 #include "integrate/rows3.h"
@@ -47,15 +48,30 @@ bool is_held(const ContactKernelData& data, std::uint32_t body) {
   return data.joined != nullptr && data.joined[body] == static_cast<std::uint8_t>(Joined::Swept);
 }
 
+// Of a contact, from the two bodies: m, as they are turned now.
+std::pair<Vector3, Vector3> arms_of(const ContactKernelData& data, std::uint32_t number, const ImpactBody& first,
+                                    const ImpactBody& second) {
+  const std::uint32_t b = number / block_lanes, lane = number % block_lanes;
+  const Vector3 arm_first = get_lane(data.blocks[b].anchor_first, lane);
+  const Vector3 arm_second = get_lane(data.blocks[b].anchor_second, lane);
+  if (data.turning_blocks == nullptr || !data.turning_blocks[b].has_rims) {
+    return {first.rotation * arm_first, second.rotation * arm_second};
+  }
+  const Vector3 rim_first = get_lane(data.turning_blocks[b].rim_first, lane);
+  const Vector3 rim_second = get_lane(data.turning_blocks[b].rim_second, lane);
+  return {first.rotation * (arm_first - rim_first) + rim_first,
+          second.rotation * (arm_second - rim_second) + rim_second};
+}
+
 // Returns false if no point can arrive faster than the threshold: a bound from the speeds at the centre.
-bool may_close(const ContactKernelData& data, const ContactBlock& block, std::uint32_t lane, const ImpactBody& first,
-               const ImpactBody& second) {
+bool may_close(const ContactKernelData& data, std::uint32_t number, const ImpactBody& first, const ImpactBody& second) {
+  const ContactBlock& block = data.blocks[number / block_lanes];
+  const std::uint32_t lane = number % block_lanes;
   double extent = 0;  // m, of the points about the centre
   for (std::size_t i = 0; i < block.traits.points; ++i) {
     extent = std::max<double>(extent, std::abs(block.x[i][lane]) + std::abs(block.y[i][lane]));
   }
-  const Vector3 arm_first = first.rotation * get_lane(block.anchor_first, lane);
-  const Vector3 arm_second = second.rotation * get_lane(block.anchor_second, lane);
+  const auto [arm_first, arm_second] = arms_of(data, number, first, second);
   const Vector3 velocity =
       second.velocity + second.spin.cross(arm_second) - first.velocity - first.spin.cross(arm_first);
   const double fall = data.constants.h * (first.acceleration.norm() + second.acceleration.norm());
@@ -164,8 +180,8 @@ std::uint32_t Impacts::body_of(const ContactKernelData& data, std::uint32_t loca
   body.inverse_inertia = inverse_inertia_of(rows, local);
   body.tumbles = !rows.gyroscopic.empty() && rows.gyroscopic[local].active != 0;
   if (rows.shape.empty() || !(rows.shape[local].kind > 0)) return number;
-  // Rows have it as it was to be half way through the step. A round body's contacts don't turn with it.
-  body.turns = rows.shape[local].kind == 1;
+  // Rows have it as it was to be half way through the step.
+  body.turns = true;
   turn(rotation_of(rows.displacement[local]) * rotation_by(get3(rows.shape[local].half_turn)).conjugate(), body);
   body.turned = Quaternion::Identity();
   return number;
@@ -180,13 +196,12 @@ void Impacts::add_if_hit(const ContactKernelData& data, std::uint32_t number) {
   const std::uint32_t place_of_second = body_of(data, static_cast<std::uint32_t>(block.second[lane]));
   ImpactBody& first = bodies_[place_of_first];
   ImpactBody& second = bodies_[place_of_second];
-  if (!may_close(data, block, lane, first, second)) return;
+  if (!may_close(data, number, first, second)) return;
   ImpactContact contact(b, lane, place_of_first, place_of_second);
   const Vector3 normal = get_lane(block.normal, lane), tangent = get_lane(block.tangent, lane);
   contact.axes = {normal, tangent, normal.cross(tangent)};
   const auto place_arms = [&] {
-    contact.arm_first = first.rotation * get_lane(block.anchor_first, lane);
-    contact.arm_second = second.rotation * get_lane(block.anchor_second, lane);
+    std::tie(contact.arm_first, contact.arm_second) = arms_of(data, number, first, second);
   };
   place_arms();
 

@@ -134,6 +134,42 @@ double spin_after_wall(const Resolution& at, double phase) {
   return result;
 }
 
+// m/s, after 5 s, of two wheels on an axle, one body, that roll at 2 m/s.
+double speed_of_wheels(const Resolution& at) {
+  World world = make_world(at);
+  add_ground(world);
+  const double radius = 0.5, speed = 2;
+  const Quaternion across = turn_about(Vector3::UnitX(), pi / 2);
+  const Compound wheels{{{Cylinder{radius, 0.1}, {0, -1, 0}, across},
+                         {Cylinder{radius, 0.1}, {0, 1, 0}, across},
+                         {Box{{0.05, 1, 0.05}}}}};
+  const BodyId body = world.add_body({.shape = wheels,
+                                      .position = {0, 0, radius},
+                                      .velocity = {speed, 0, 0},
+                                      .angular_velocity = {0, speed / radius, 0}});
+  run(world, at, 5);
+  return world.velocity(body).x();
+}
+
+// How far a ball with its weight below its middle swings, of how far at first, after ten swings.
+double tenth_swing(const Resolution& at) {
+  World world = make_world(at);
+  const Material material{.friction = 1};
+  add_ground(world, material);
+  const double radius = 0.5, mass = 3, depth = 0.1, inertia = 0.25, lean = 0.1;
+  const BodyId body = world.add_body({.shape = Sphere{radius},
+                                      .position = {0, 0, radius},
+                                      .orientation = turn_about(Vector3::UnitY(), lean),
+                                      .mass = mass,
+                                      .inertia = Matrix3(inertia * Matrix3::Identity()),
+                                      .centre_of_mass = Vector3(0, 0, -depth),
+                                      .material = material});
+  const double rate = std::sqrt(mass * g * depth / (inertia + mass * (radius - depth) * (radius - depth)));
+  run(world, at, 10 * 2 * pi / rate);
+  const Vector3 up = world.pose(body).orientation * Vector3::UnitZ();
+  return std::hypot(std::atan2(up.x(), up.z()), world.angular_velocity(body).y() / rate) / lean;
+}
+
 }  // namespace
 
 void add_rolling(std::vector<PhysicsCase>& cases) {
@@ -149,6 +185,21 @@ void add_rolling(std::vector<PhysicsCase>& cases) {
   rolls("cylinder", Cylinder{0.5, 0.5}, 0.5, 1.0 / 60);
   rolls("capsule", Capsule{0.5, 0.5}, 0.5, 1.0 / 60);
   rolls("disc", Cylinder{0.5, 0.02}, 0.5, 1.0 / 240);
+  cases.push_back({.name = "roll-wheels",
+                   .what = "wheels on an axle, one compound, that roll at 2 m/s for 5 s: their speed",
+                   .unit = "m/s",
+                   .right = 2,
+                   .source = "conservation",
+                   .scale = 2,
+                   .limit = 1e-3,
+                   .measure = &speed_of_wheels});
+  cases.push_back(
+      {.name = "loaded-ball",
+       .what = "a ball with its weight below its middle that rolls to and fro: its tenth swing over the first",
+       .unit = "",
+       .right = 1,
+       .source = "conservation",
+       .measure = &tenth_swing});
   // The critical speed of a thin disc: sqrt(g R / 3).
   cases.push_back({.name = "coin-tilt",
                    .what = "a coin of 1 m radius that rolls at twice its critical speed, 0.3 rad tilted, 3 s: its tilt",

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <collision/contacts/contact.h>
+#include <collision/shapes/collider_table.h>
 #include <solver/constraints/contact_capture.h>
 #include <solver/constraints/joint.h>
 #include <solver/constraints/surface_contact.h>
@@ -23,6 +24,8 @@ struct DirectIslandInput {
   const SolverSettings& settings;
   collision::MotionBounds& bounds;  ///< of what the bodies move by
   FastBodies& fast;
+  const collision::Contact* contacts = nullptr;  ///< by slot; null, as the colliders, where nothing touches
+  const collision::ColliderTable* colliders = nullptr;
   ContactCapture* capture = nullptr;  ///< null where nobody asks
   /// By contact slot, N s: along the normal in the step; not_pushed before it has. Null where nobody asks.
   float* pushed = nullptr;

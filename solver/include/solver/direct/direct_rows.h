@@ -1,5 +1,6 @@
 #pragma once
 
+#include <solver/constraints/contact_arm.h>
 #include <solver/constraints/contact_law.h>
 #include <solver/constraints/joint.h>
 #include <solver/constraints/row_law.h>
@@ -49,7 +50,8 @@ struct DirectContact {
   std::uint32_t first_body, second_body;  ///< of the world
   std::uint32_t first, second;            ///< bodies of the problem, or no_body
   std::array<Vector3, 3> axes;            ///< normal, tangents
-  Vector3 arm_first, arm_second;          ///< m, from the centres of mass
+  Vector3 arm_first, arm_second;          ///< m, from the centres of mass, when the velocities are found
+  ContactArm on_first, on_second;         ///< as it begins
   double friction, rolling, torsional;    ///< of what the points push with: 1, m, m
   double radius;                          ///< m, at which friction acts about the normal
   ContactLaw law;

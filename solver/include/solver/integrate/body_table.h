@@ -51,7 +51,7 @@ struct BodyTable {
   jobs::SharedValues<Vector3> moments = jobs::SharedValues<Vector3>(Vector3::Zero());
   std::vector<std::uint8_t> locks;   ///< what each body is without, see motion_locks.h
   std::vector<std::uint8_t> ball;    ///< 1 for a sphere about the centre of mass: it looks the same turned
-  std::vector<std::uint8_t> round;   ///< 1 for what looks the same turned about the z axis of its frame
+  std::vector<std::uint8_t> rolls;   ///< 1 for what has round shapes and is no ball: see contact_arm.h
   std::vector<Surface> surfaces;     ///< empty while all are plain
   std::vector<double> least_moment;  ///< kg m^2, see contact_inertia.h; 0 or empty where there is no need
   std::vector<double> gravity_scale;
@@ -67,7 +67,7 @@ struct BodyTable {
   /// See jobs/arrays.h. Without the surfaces.
   auto arrays() const {
     return std::tie(positions, orientations, velocities, angular_velocities, forces, torques, mobility, inverse_mass,
-                    gyroscopic, inertia, inverse_inertia, principal_axes, moments, locks, ball, round, least_moment,
+                    gyroscopic, inertia, inverse_inertia, principal_axes, moments, locks, ball, rolls, least_moment,
                     gravity_scale, linear_damping, angular_damping, radius, turned, joined);
   }
 
@@ -120,7 +120,7 @@ inline void BodyTable::resize(std::size_t count) {
   if (!surfaces.empty()) surfaces.resize(count);
   if (!least_moment.empty()) jobs::append(least_moment, count, 0.0);
   jobs::append(gravity_scale, count, 1.0);
-  for (std::vector<std::uint8_t>* flags : {&gyroscopic, &locks, &ball, &round, &joined}) {
+  for (std::vector<std::uint8_t>* flags : {&gyroscopic, &locks, &ball, &rolls, &joined}) {
     jobs::append(*flags, count, std::uint8_t{0});
   }
   for (std::vector<double>* values : {&linear_damping, &angular_damping, &radius, &turned}) {

@@ -86,15 +86,10 @@ struct alignas(16) LockRow {
   }
 };
 
-/// How what contacts touch of a body turns with it.
+/// How a body takes the contacts on it along as it turns.
 struct alignas(16) ShapeRows {
-  float axis[3] = {0, 0, 0};  ///< of revolution, as the step begins, world frame; of round bodies
-  float kind = 0;             ///< 0: turns too little in the step to matter, 1: all of it turns, 2: round
-  /// x, y, z, w, world frame, since the start of the step: of a round body without its turn about its axis, which moves
-  /// no contact. Kept up to date only where there are such.
-  float rotation[4] = {0, 0, 0, 1};
   float half_turn[3] = {0, 0, 0};  ///< rad: that half way through the step, as expected when it begins
-  float unused = 0;
+  float kind = 0;  ///< 0: turns too little in the step to matter, 1: turns, 2: turns and has round shapes
 };
 
 /// By how much impacts have changed a velocity since the start of the step: at once, where forces do so over a time.
@@ -126,7 +121,7 @@ struct SolverBodies {
   std::vector<LockRow> locks;              ///< empty if no body has motion locks
   std::vector<ShapeRows> shape;            ///< empty if contacts stay where they are on all bodies in the step
   std::vector<BlowRows> blow;              ///< empty if nothing bounces
-  bool round_shapes = false;               ///< some of them are of kind 2; else they turn as bodies do
+  bool roll = false;                       ///< some of them are of kind 2
   bool balls = true;                       ///< some body may be one (see DisplacementRows::carries)
 
   void reset(std::size_t count, const OptionalRows& with) {
@@ -142,7 +137,7 @@ struct SolverBodies {
     locks.assign(with.locks ? padded : 0, {});
     shape.assign(with.shape ? padded : 0, {});
     blow.assign(with.blow ? padded : 0, {});
-    round_shapes = false;
+    roll = false;
   }
   /// See jobs/arrays.h.
   auto arrays() const {

@@ -116,10 +116,16 @@ struct alignas(64) PlanarBlock {
   float point[2][block_lanes];  ///< which of the manifold's points they are; -1 if there is none
 };
 
-/// What a block needs beside, if bodies of its group turn.
+/// What a block needs beside, if bodies of its group turn: how its contacts turn with them, see ContactArm. As the step
+/// begins; without rims the pivots are where the contacts are.
 struct alignas(64) TurningBlock {
-  float anchor_first[3][block_lanes];  ///< m, as the step begins
-  float anchor_second[3][block_lanes];
+  float pivot_first[3][block_lanes];  ///< m, from the body's centre of mass
+  float pivot_second[3][block_lanes];
+  float rim_first[3][block_lanes];  ///< m; these four hold nothing in a block without rims
+  float rim_second[3][block_lanes];
+  float axis_first[3][block_lanes];
+  float axis_second[3][block_lanes];
+  bool has_rims;
 };
 
 /// What a block needs beside, if overlap is removed by velocities of its own.

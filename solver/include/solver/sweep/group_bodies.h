@@ -2,7 +2,6 @@
 
 #include <jobs/arrays.h>
 #include <solver/solve_input.h>
-#include <solver/tuning.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -45,11 +44,6 @@ inline std::uint32_t GroupBodies::local(const SolveInput& input, const IslandGro
       break;
   }
   return first_dynamic_ + input.islands.rank(body) - input.islands.first_rank(group.begin);
-}
-
-/// Whether contacts move with a body that turns in the step, by what counts.
-inline bool turns_in_step(const SolveInput& input, std::uint32_t body) {
-  return input.dt * input.bodies.angular_velocity(body).norm() > tuning::least_turn && !input.bodies.ball[body];
 }
 
 // Rows of SolverBodies, which were reset, as the step begins.

@@ -33,6 +33,8 @@ class GroupContacts {
   /// those that last. `joined` may be empty: see ContactKernelData.
   ContactKernelData kernel_data(const SolveInput& input, const GroupReport& report, const SubstepConstants& constants,
                                 bool splits, SolverBodies& bodies, std::span<const std::uint8_t> joined);
+  /// Finds the rims of blocks' contacts as the step begins, of a group whose bodies turn. Their bodies are loaded.
+  void find_rims(const SolveInput& input, const SolverBodies& bodies, std::size_t begin, std::size_t end);
   void clear_impulses(const GroupReport& report);
   void clear_split_impulses();
 

@@ -1,0 +1,78 @@
+#include <solver/constraints/contact_arm.h>
+#include <solver/integrate/free_flight.h>
+#include <solver/tuning.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace atl::solver {
+namespace {
+
+// A turn without the part about an axis. One by half a turn across it has none.
+Quaternion swing_of(const Quaternion& turn, const Vector3& axis) {
+  const Vector3 about = turn.vec().dot(axis) * axis;
+  const Quaternion twist(turn.w(), about.x(), about.y(), about.z());
+  if (twist.squaredNorm() < 1e-12) return turn;
+  return turn * twist.normalized().conjugate();
+}
+
+}  // namespace
+
+ContactArm contact_arm(const BodyTable& bodies, std::uint32_t body, const collision::ColliderTable& colliders,
+                       std::uint32_t collider, const Vector3& anchor, const Vector3& outward) {
+  // A ball is touched on the line through its centre.
+  if (bodies.ball[body]) return {.rim = outward.dot(anchor) * outward};
+  if (!bodies.rolls[body]) return {.pivot = anchor};
+  const collision::Shape& shape = colliders.shape[collider];
+  switch (shape.kind) {
+    case collision::ShapeKind::Sphere:
+    case collision::ShapeKind::Capsule: {
+      const Vector3 rim = shape.radius * outward;
+      return {.pivot = anchor - rim, .rim = rim};
+    }
+    case collision::ShapeKind::Cylinder:
+    case collision::ShapeKind::Cone: {
+      const collision::Pose& local = colliders.local[collider];
+      const Quaternion orientation = bodies.orientation(body);
+      const Vector3 axis = orientation * (local.orientation * Vector3::UnitZ());
+      const Vector3 from_centre = anchor - orientation * local.position;
+      const Vector3 rim = from_centre - from_centre.dot(axis) * axis;
+      return {anchor - rim, rim, axis};
+    }
+    default:
+      return {.pivot = anchor};
+  }
+}
+
+bool is_round(collision::ShapeKind kind) {
+  return kind == collision::ShapeKind::Sphere || kind == collision::ShapeKind::Capsule ||
+         kind == collision::ShapeKind::Cylinder || kind == collision::ShapeKind::Cone;
+}
+
+Vector3 turned_arm(const ContactArm& arm, const Quaternion& turn, const Vector3& normal) {
+  if (arm.axis.isZero(0)) return turn * arm.pivot + arm.rim;
+  constexpr double least_lean = 0.01;  // the square of the sine: what lies flat is touched at no single point
+  const double along = arm.axis.dot(normal);
+  const double about_normal = 2 * std::copysign(1.0, turn.w()) * turn.vec().dot(normal);
+  const double along_rim = about_normal * along / std::max(1 - along * along, least_lean);
+  return turn * arm.pivot + swing_of(turn, arm.axis) * (rotation_by(along_rim * arm.axis) * arm.rim);
+}
+
+double gained_along(const ContactArm& arm, const Vector3& off, const Quaternion& turn, const Vector3& normal) {
+  const auto gain = [&](const Quaternion& by, const Vector3& of) { return normal.dot(by * of - of); };
+  if (arm.axis.isZero(0)) return gain(turn, arm.pivot + off);
+  return gain(turn, arm.pivot) + gain(swing_of(turn, arm.axis), arm.rim + off);
+}
+
+bool turns_in_step(const BodyTable& bodies, std::uint32_t body, double dt) {
+  return dt * bodies.angular_velocity(body).norm() > tuning::least_turn && !bodies.ball[body];
+}
+
+Vector3 half_turn(const BodyTable& bodies, std::uint32_t body, double dt) {
+  if (!turns_in_step(bodies, body, dt)) return Vector3::Zero();
+  const Vector3 turn = dt * bodies.angular_velocity(body);
+  const double square = turn.squaredNorm() / (tuning::known_turn * tuning::known_turn);
+  return 0.5 / (1 + square * square) * turn;
+}
+
+}  // namespace atl::solver
