@@ -55,7 +55,7 @@ void note_approaches_by(const ContactKernelData& data, std::size_t begin, std::s
       V seen[max_points];
       for (std::size_t i = 0; i < max_points; ++i) seen[i] = load(block.separation[i] + lane);
       const ContactLanes<movable> c = load_contacts<movable>(data, block, lane);
-      refresh_separations<max_points>(data, block, turning_of(data, b), lane, c);
+      refresh_any_separations<max_points>(data, b, lane, c);
       const NormalSolve solve(c, block, lane);
       const V fall = hn::Mul(h, most_pull(data.bodies, block, lane, c.normal));
       V ahead = parted_by(data.bodies, block, lane, c.normal, h);

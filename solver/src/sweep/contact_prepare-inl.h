@@ -188,29 +188,40 @@ HWY_INLINE V3 arm_half_way(const V3& half, const V3& pivot, const V3& rim, const
   return turned_arm(half, pivot) + select(revolved, turned_arm(tilt, rim), rim);
 }
 
-// Takes the contact along with each of its bodies for half of the step.
-HWY_INLINE void take_half_way(const ContactKernelData& data, TurningBlock& turning, std::size_t lane,
-                              ContactLanes<>& c) {
-  const auto take = [&](const BodyLanes& body, const float(*rims)[block_lanes], const float(*axes)[block_lanes],
+// rad, of the bodies' half turns, and in w the kind of ShapeRows.
+HWY_INLINE V4 load_half_turn(const SolverBodies& bodies, const std::int32_t* index) {
+  const ShapeRows* shape = bodies.shape.data();
+  return load_rows([=](std::size_t k) { return shape[index[k]].half_turn; });
+}
+
+// Takes contacts that have rims along with each of their bodies for half of the step.
+HWY_NOINLINE void roll_half_way(const SolverBodies& bodies, TurningBlock& turning, const RimBlock& rims,
+                                std::size_t lane, ContactLanes<>& c) {
+  const auto take = [&](const BodyLanes& body, const float(*rim_rows)[block_lanes], const float(*axes)[block_lanes],
                         float(*pivots)[block_lanes], V3& arm) {
-    const ShapeRows* shape = data.bodies.shape.data();
-    const std::int32_t* index = body.index;
-    const V4 turn = load_rows([=](std::size_t k) { return shape[index[k]].half_turn; });
-    const V3 half{turn.x, turn.y, turn.z};
-    V3 pivot = arm;
-    V3 taken;
-    if (turning.has_rims) {
-      const V3 rim = load3(rims, lane);
-      pivot = arm - rim;
-      taken = arm_half_way(half, pivot, rim, load3(axes, lane), c.normal);
-    } else {
-      taken = turned_arm(half, arm);
-    }
+    const V4 turn = load_half_turn(bodies, body.index);
+    const V3 rim = load3(rim_rows, lane);
+    const V3 pivot = arm - rim;
     store3(pivot, pivots, lane);
+    const V3 taken = arm_half_way({turn.x, turn.y, turn.z}, pivot, rim, load3(axes, lane), c.normal);
     arm = select(hn::Gt(turn.w, zero()), taken, arm);
   };
-  take(c.first, turning.rim_first, turning.axis_first, turning.pivot_first, c.anchor_first);
-  take(c.second, turning.rim_second, turning.axis_second, turning.pivot_second, c.anchor_second);
+  take(c.first, rims.rim_first, rims.axis_first, turning.pivot_first, c.anchor_first);
+  take(c.second, rims.rim_second, rims.axis_second, turning.pivot_second, c.anchor_second);
+}
+
+// The same of all contacts.
+HWY_INLINE void take_half_way(const SolverBodies& bodies, TurningBlock& turning, const RimBlock* rims, std::size_t lane,
+                              ContactLanes<>& c) {
+  if (HWY_UNLIKELY(rims != nullptr)) return roll_half_way(bodies, turning, *rims, lane, c);
+  store3(c.anchor_first, turning.pivot_first, lane);
+  store3(c.anchor_second, turning.pivot_second, lane);
+  const auto moved = [&](const BodyLanes& body, const V3& arm) {
+    const V4 turn = load_half_turn(bodies, body.index);
+    return select(hn::Gt(turn.w, zero()), turned_arm({turn.x, turn.y, turn.z}, arm), arm);
+  };
+  c.anchor_first = moved(c.first, c.anchor_first);
+  c.anchor_second = moved(c.second, c.anchor_second);
 }
 
 // With the velocities that the step begins with.
@@ -339,7 +350,9 @@ HWY_INLINE void prepare_lanes(const ContactKernelData& data, std::size_t b, std:
   if (locks) in_plane = turn_into_plane(data.bodies, block, lane, data.planar_blocks[b], c, m);
   if (data.bodies.balls) put_on_line_of_centres(data.bodies, block, lane, c);
   put_on_surfaces(m, c);
-  if (data.turning_blocks != nullptr) take_half_way(data, data.turning_blocks[b], lane, c);
+  if (data.turning_blocks != nullptr) {
+    take_half_way(data.bodies, data.turning_blocks[b], block.traits.rims ? &data.rim_blocks[b] : nullptr, lane, c);
+  }
   store_geometry(block, lane, c, m);
   store_start(block, lane, c);
   prepare_push(data, block, lane, c);
@@ -373,7 +386,9 @@ inline void prepare(const ContactKernelData& data, std::size_t begin, std::size_
     }
     ContactTraits traits = {.points = 1, .friction = data.surface_blocks != nullptr, .bounces = false, .locked = false};
     for (std::size_t lane = 0; lane < block_lanes; lane += lanes) prepare_lanes(data, b, lane, traits);
-    block.traits = data.leaves_out ? traits : ContactTraits();
+    if (!data.leaves_out) traits = {};
+    traits.rims = block.traits.rims;
+    block.traits = traits;
     block.traits.bounces &= data.bounces != nullptr;
     if (!with_restitution || !block.traits.bounces) continue;
     for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {

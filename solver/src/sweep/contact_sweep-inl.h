@@ -56,28 +56,29 @@ HWY_INLINE V3 swing_change(const Q& turn, const V3& axis, const V3& normal) {
 
 // Where some contacts have rims: see ContactArm.
 template <std::size_t points, MovableSides movable>
-HWY_NOINLINE void refresh_rolling_separations(const ContactKernelData& data, ContactBlock& block,
-                                              const TurningBlock& turning, std::size_t lane) {
+HWY_INLINE void refresh_rolling_separations(const ContactKernelData& data, ContactBlock& block,
+                                            const TurningBlock& turning, const RimBlock& rims, std::size_t lane) {
   const V3 normal = load3(block.normal, lane);
   const V3 tangent = load3(block.tangent, lane);
-  const auto gap_of = [&](const std::int32_t* index, const float(*pivots)[block_lanes], const float(*rims)[block_lanes],
-                          const float(*axes)[block_lanes], V& at_centre, V3& by_point) {
+  const auto gap_of = [&](const std::int32_t* index, const float(*pivots)[block_lanes],
+                          const float(*rim_rows)[block_lanes], const float(*axes)[block_lanes], V& at_centre,
+                          V3& by_point) {
     const V4 moved = load_displacement(data.bodies, index);
     const Q turn = load_rotation(data.bodies, index);
     const V3 axis = load3(axes, lane);
     const V3 change = moved.w * turned_change(conjugate(turn), normal);
     const V3 swung = swing_change(turn, axis, normal);
     at_centre = hn::Add(dot(normal, V3{moved.x, moved.y, moved.z}),
-                        hn::Add(dot(change, load3(pivots, lane)), dot(swung, load3(rims, lane))));
+                        hn::Add(dot(change, load3(pivots, lane)), dot(swung, load3(rim_rows, lane))));
     by_point = select(hn::Gt(dot(axis, axis), zero()), swung, change);
   };
   V of_first = zero(), of_second = zero();
   V3 by_first{zero(), zero(), zero()}, by_second = by_first;
   if constexpr (first_moves<movable>) {
-    gap_of(block.first + lane, turning.pivot_first, turning.rim_first, turning.axis_first, of_first, by_first);
+    gap_of(block.first + lane, turning.pivot_first, rims.rim_first, rims.axis_first, of_first, by_first);
   }
   if constexpr (second_moves<movable>) {
-    gap_of(block.second + lane, turning.pivot_second, turning.rim_second, turning.axis_second, of_second, by_second);
+    gap_of(block.second + lane, turning.pivot_second, rims.rim_second, rims.axis_second, of_second, by_second);
   }
   const V3 by_point = by_second - by_first;
   shift_points<points>(block, lane, hn::Sub(of_second, of_first), dot(by_point, tangent),
@@ -89,8 +90,6 @@ template <std::size_t points, MovableSides movable>
 HWY_INLINE void refresh_separations(const ContactKernelData& data, ContactBlock& block, const TurningBlock* turning,
                                     std::size_t lane, ContactLanes<movable> c) {
   if (turning != nullptr) {
-    if (HWY_UNLIKELY(turning->has_rims))
-      return refresh_rolling_separations<points, movable>(data, block, *turning, lane);
     c.anchor_first = load3(turning->pivot_first, lane);
     c.anchor_second = load3(turning->pivot_second, lane);
   }
@@ -117,6 +116,18 @@ HWY_INLINE void refresh_separations(const ContactKernelData& data, ContactBlock&
     const V3 change = change_second - change_first;
     shift_points<points>(block, lane, hn::Add(dot(c.normal, moved), turned), dot(change, c.tangent1),
                          dot(change, c.tangent2));
+  }
+}
+
+// Of a contact with rims or without.
+template <std::size_t points, MovableSides movable>
+HWY_INLINE void refresh_any_separations(const ContactKernelData& data, std::size_t b, std::size_t lane,
+                                        const ContactLanes<movable>& c) {
+  ContactBlock& block = data.blocks[b];
+  if (block.traits.rims) {
+    refresh_rolling_separations<points, movable>(data, block, data.turning_blocks[b], data.rim_blocks[b], lane);
+  } else {
+    refresh_separations<points>(data, block, turning_of(data, b), lane, c);
   }
 }
 
@@ -263,7 +274,11 @@ HWY_NOINLINE void sweep_alike(const ContactKernelData& data, const Sweep& sweep,
     for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
       ContactLanes<what::movable> c = load_contacts<what::movable>(data, block, lane);
       if (how::refresh(sweep)) {
-        refresh_separations<what::points>(data, block, turning_of(data, b), lane, c);
+        if constexpr (how::special) {
+          refresh_any_separations<what::points>(data, b, lane, c);
+        } else {
+          refresh_separations<what::points>(data, block, turning_of(data, b), lane, c);
+        }
         if (rises) raise_surfaces<what::points>(sweep, block, *surface, lane);
         if (with_restitution && block.traits.bounces) hide_bounces(sweep, block, data.bounces[b], lane);
       }
@@ -338,10 +353,37 @@ inline bool is_common(const Sweep& sweep) {
   return sweep.push == Push::Bias && !sweep.refresh && (sweep.twice || sweep.friction == Friction::None);
 }
 
+// Refreshes blocks that have rims, ahead of a sweep that leaves it out: to choose within a sweep costs those without.
+HWY_NOINLINE void refresh_rims(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end) {
+  for (std::size_t b = begin; b < end; ++b) {
+    ContactBlock& block = data.blocks[b];
+    for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
+      refresh_rolling_separations<max_points, MovableSides::Both>(data, block, data.turning_blocks[b],
+                                                                  data.rim_blocks[b], lane);
+      if (with_restitution && block.traits.bounces) hide_bounces(sweep, block, data.bounces[b], lane);
+    }
+  }
+}
+
+inline void common_relaxation(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end) {
+  if (data.rim_blocks == nullptr) return sweep_by_kind<Common<Push::None, true, true, 1>>(data, sweep, begin, end);
+  const auto has_rims = [&](std::size_t b) { return data.blocks[b].traits.rims; };
+  for (std::size_t next; begin < end; begin = next) {
+    const bool rims = has_rims(begin);
+    for (next = begin + 1; next < end && has_rims(next) == rims;) ++next;
+    if (rims) {
+      refresh_rims(data, sweep, begin, next);
+      sweep_by_kind<Common<Push::None, false, true, 1>>(data, sweep, begin, next);
+    } else {
+      sweep_by_kind<Common<Push::None, true, true, 1>>(data, sweep, begin, next);
+    }
+  }
+}
+
 // Blocks without friction tell so themselves.
 inline void common_sweep(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end) {
   if (sweep.push == Push::None) {
-    sweep_by_kind<Common<Push::None, true, true, 1>>(data, sweep, begin, end);
+    common_relaxation(data, sweep, begin, end);
   } else if (sweep.twice) {
     sweep_by_kind<Common<Push::Bias, false, true, 2>>(data, sweep, begin, end);
   } else {

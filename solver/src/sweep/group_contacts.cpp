@@ -51,17 +51,26 @@ ContactKernelData GroupContacts::kernel_data(const SolveInput& input, const Grou
           .split_blocks = one_a_block(split_blocks_, splits),
           .planar_blocks = one_a_block(planar_blocks_, !bodies.locks.empty()),
           .turning_blocks = one_a_block(turning_blocks_, !bodies.shape.empty()),
+          .rim_blocks = one_a_block(rim_blocks_, bodies.roll),
           .joined = joined.empty() ? nullptr : joined.data(),
           .leaves_out = !input.settings.everything};
 }
 
 void GroupContacts::find_rims(const SolveInput& input, const SolverBodies& bodies, std::size_t begin, std::size_t end) {
   for (std::size_t b = begin; b < end; ++b) {
-    const ContactBlock& block = blocks_[b];
-    TurningBlock& turning = turning_blocks_[b];
-    turning.has_rims = false;
-    const auto find = [&](std::size_t lane, std::int32_t local, bool second) {
+    ContactBlock& block = blocks_[b];
+    block.traits.rims = false;
+    if (!bodies.roll) continue;
+    constexpr std::size_t ahead = 2;
+    if (b + ahead < end) {
+      for (const std::int32_t slot : blocks_[b + ahead].slot) {
+        __builtin_prefetch(&input.contacts[slot < 0 ? 0 : slot]);
+        __builtin_prefetch(&input.manifolds[slot < 0 ? 0 : slot]);
+      }
+    }
+    const auto find = [&](std::size_t lane, bool second) {
       const std::int32_t slot = block.slot[lane];
+      const std::int32_t local = second ? block.second[lane] : block.first[lane];
       ContactArm arm;
       if (slot >= 0 && bodies.shape[static_cast<std::size_t>(local)].kind == 2) {
         const collision::Contact& contact = input.contacts[slot];
@@ -72,15 +81,16 @@ void GroupContacts::find_rims(const SolveInput& input, const SolverBodies& bodie
                      : contact_arm(input.bodies, contact.body_first, *input.colliders, contact.pair.first,
                                    get3(manifold.anchor_first), normal);
       }
-      turning.has_rims |= !arm.rim.isZero(0);
+      block.traits.rims |= !arm.rim.isZero(0);
+      RimBlock& rims = rim_blocks_[b];
       for (int k = 0; k < 3; ++k) {
-        (second ? turning.rim_second : turning.rim_first)[k][lane] = static_cast<float>(arm.rim[k]);
-        (second ? turning.axis_second : turning.axis_first)[k][lane] = static_cast<float>(arm.axis[k]);
+        (second ? rims.rim_second : rims.rim_first)[k][lane] = static_cast<float>(arm.rim[k]);
+        (second ? rims.axis_second : rims.axis_first)[k][lane] = static_cast<float>(arm.axis[k]);
       }
     };
-    for (std::size_t lane = 0; bodies.roll && lane < block_lanes; ++lane) {
-      find(lane, block.first[lane], false);
-      find(lane, block.second[lane], true);
+    for (std::size_t lane = 0; lane < block_lanes; ++lane) {
+      find(lane, false);
+      find(lane, true);
     }
   }
 }

@@ -107,9 +107,7 @@ void GroupPass<Executor>::finish() {
 template <typename Executor>
 void GroupPass<Executor>::prepare_contacts() {
   loops_.each_contact_block([&](std::size_t begin, std::size_t end) {
-    if (setup_.contact_data.turning_blocks != nullptr) {
-      parts_.contacts.find_rims(setup_.input, parts_.bodies, begin, end);
-    }
+    parts_.contacts.find_rims(setup_.input, parts_.bodies, begin, end);
     setup_.kernels.prepare(setup_.contact_data, begin, end);
   });
   for (const ContactBlock& block : parts_.contacts.blocks()) report_.work.add(block);

@@ -54,11 +54,11 @@ std::pair<Vector3, Vector3> arms_of(const ContactKernelData& data, std::uint32_t
   const std::uint32_t b = number / block_lanes, lane = number % block_lanes;
   const Vector3 arm_first = get_lane(data.blocks[b].anchor_first, lane);
   const Vector3 arm_second = get_lane(data.blocks[b].anchor_second, lane);
-  if (data.turning_blocks == nullptr || !data.turning_blocks[b].has_rims) {
+  if (data.rim_blocks == nullptr || !data.blocks[b].traits.rims) {
     return {first.rotation * arm_first, second.rotation * arm_second};
   }
-  const Vector3 rim_first = get_lane(data.turning_blocks[b].rim_first, lane);
-  const Vector3 rim_second = get_lane(data.turning_blocks[b].rim_second, lane);
+  const Vector3 rim_first = get_lane(data.rim_blocks[b].rim_first, lane);
+  const Vector3 rim_second = get_lane(data.rim_blocks[b].rim_second, lane);
   return {first.rotation * (arm_first - rim_first) + rim_first,
           second.rotation * (arm_second - rim_second) + rim_second};
 }

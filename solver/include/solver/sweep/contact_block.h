@@ -19,6 +19,7 @@ struct ContactTraits {
   bool friction = true;
   bool bounces = true;
   bool locked = true;  ///< some body is locked along an axis, and not all that may move stay in one plane
+  bool rims = false;   ///< some contact has one: found before the others, and kept
 };
 
 /// Eight contacts of one colour, one a lane, for the wide kernels: no two share a dynamic body.
@@ -116,16 +117,19 @@ struct alignas(64) PlanarBlock {
   float point[2][block_lanes];  ///< which of the manifold's points they are; -1 if there is none
 };
 
-/// What a block needs beside, if bodies of its group turn: how its contacts turn with them, see ContactArm. As the step
-/// begins; without rims the pivots are where the contacts are.
+/// What a block needs beside, if bodies of its group turn: see ContactArm. As the step begins; without rims the pivots
+/// are where the contacts are.
 struct alignas(64) TurningBlock {
   float pivot_first[3][block_lanes];  ///< m, from the body's centre of mass
   float pivot_second[3][block_lanes];
-  float rim_first[3][block_lanes];  ///< m; these four hold nothing in a block without rims
+};
+
+/// What a block needs beside that, if bodies of its group roll. It holds nothing for blocks without rims.
+struct alignas(64) RimBlock {
+  float rim_first[3][block_lanes];  ///< m
   float rim_second[3][block_lanes];
   float axis_first[3][block_lanes];
   float axis_second[3][block_lanes];
-  bool has_rims;
 };
 
 /// What a block needs beside, if overlap is removed by velocities of its own.

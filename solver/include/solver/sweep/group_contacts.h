@@ -33,7 +33,7 @@ class GroupContacts {
   /// those that last. `joined` may be empty: see ContactKernelData.
   ContactKernelData kernel_data(const SolveInput& input, const GroupReport& report, const SubstepConstants& constants,
                                 bool splits, SolverBodies& bodies, std::span<const std::uint8_t> joined);
-  /// Finds the rims of blocks' contacts as the step begins, of a group whose bodies turn. Their bodies are loaded.
+  /// Finds the rims of contacts as the step begins. Bodies are loaded, and kernel_data() has been asked for.
   void find_rims(const SolveInput& input, const SolverBodies& bodies, std::size_t begin, std::size_t end);
   void clear_impulses(const GroupReport& report);
   void clear_split_impulses();
@@ -41,7 +41,7 @@ class GroupContacts {
   /// See jobs/arrays.h.
   auto arrays() const {
     return std::tie(contacts_, colouring_, blocks_, bounces_, surface_blocks_, split_blocks_, planar_blocks_,
-                    turning_blocks_, pushes_, step_impulses_);
+                    turning_blocks_, rim_blocks_, pushes_, step_impulses_);
   }
 
   /// Which contacts push in some substep, and by how much in all: to be noted from block to block, and told by slot in
@@ -63,6 +63,7 @@ class GroupContacts {
   std::vector<SplitBlock> split_blocks_;
   std::vector<PlanarBlock> planar_blocks_;
   std::vector<TurningBlock> turning_blocks_;
+  std::vector<RimBlock> rim_blocks_;
   std::vector<std::uint8_t> pushes_;                           // a bit a lane: it has pushed, or there is no contact
   std::vector<std::array<float, block_lanes>> step_impulses_;  // N s, along the normals in this step, but for bounces
 };

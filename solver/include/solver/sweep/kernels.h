@@ -28,6 +28,7 @@ struct ContactKernelData {
   SplitBlock* split_blocks = nullptr;          ///< one a block, or null where nothing asks
   PlanarBlock* planar_blocks = nullptr;        ///< one a block, or null if no body has motion locks
   TurningBlock* turning_blocks = nullptr;      ///< one a block, or null if bodies turn too little for it to matter
+  RimBlock* rim_blocks = nullptr;              ///< one a block, or null if no body rolls
   const std::uint8_t* joined = nullptr;        ///< by index into SolverBodies, what joints hold it (Joined); or null
   bool leaves_out = true;                      ///< what a block has none of; else it is gone through for nothing
 };
