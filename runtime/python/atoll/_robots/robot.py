@@ -1,0 +1,131 @@
+"""A model as a scene, in the coordinates and by the names that it came with."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .. import _core
+from .receipt import Receipt
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Coordinate:
+    """A coordinate of the model that a joint of the scene has."""
+
+    name: str
+    joint: int  #: the joint's place in the scene
+    kind: Literal["hinge", "slide"]
+
+
+@dataclass(frozen=True)
+class Actuator:
+    """What a control acts on: force = gain * control + bias - stiffness * position - damping * rate, within its limit,
+    of a coordinate, N or N m."""
+
+    name: str
+    coordinate: int  #: its place in Robot.coordinates
+    kind: Literal["position", "velocity", "force"]
+    gain: float
+    bias: float
+    stiffness: float
+    damping: float
+    limit: float  #: N or N m, or infinite
+    range: tuple[float, float]  #: that controls are held to
+
+
+@dataclass
+class Robot:
+    """A scene made of a model: see load_mjcf()."""
+
+    name: str
+    scene: _core.Scene
+    receipt: Receipt
+    bodies: dict[str, int]  #: places in the scene of the model's bodies. Those that are welded together share one.
+    coordinates: list[Coordinate] = field(default_factory=list)  #: in the model's order
+    actuators: list[Actuator] = field(default_factory=list)  #: in the model's order
+
+    def build(self, threads: int = 1) -> _core.World:
+        """A world of the scene."""
+        return self.scene.build(threads=threads)
+
+    def positions(self, world: _core.World) -> Floats:
+        """m or rad, shape (coordinates,), of a world that build() made."""
+        return self._states(world, "position")
+
+    def rates(self, world: _core.World) -> Floats:
+        """m/s or rad/s, shape (coordinates,)."""
+        return self._states(world, "speed")
+
+    def control(self, world: _core.World, controls: ArrayLike) -> None:
+        """Gives the actuators their controls, shape (actuators,), in units of the model: for the next step where they
+        are forces, and until they are others elsewhere."""
+        values = np.asarray(controls, dtype=np.float64)
+        if values.shape != (len(self.actuators),):
+            expected = f"({len(self.actuators)},), of the actuators"
+            raise _core.Error(f"Robot.control: controls has the shape {values.shape}; expected {expected}")
+        ids = world.joints
+        for actuator, value in zip(self.actuators, values, strict=True):
+            coordinate = self.coordinates[actuator.coordinate]
+            joint = ids[coordinate.joint]
+            force = actuator.gain * float(np.clip(value, *actuator.range)) + actuator.bias
+            if actuator.kind == "position":
+                world.set_servo_target(joint, force / actuator.stiffness)
+            elif actuator.kind == "velocity":
+                world.set_motor_speed(joint, force / actuator.damping)
+            else:
+                push = float(np.clip(force, -actuator.limit, actuator.limit))
+                self._push(world, joint, coordinate.kind, push)
+
+    def _states(self, world: _core.World, what: str) -> Floats:
+        ids = world.joints
+        states: list[Any] = [getattr(world.joint_state(ids[c.joint]), what)[0] for c in self.coordinates]
+        return np.array(states, dtype=np.float64)
+
+    @staticmethod
+    def _push(world: _core.World, joint: _core.JointId, kind: str, push: float) -> None:
+        """Along a coordinate, N or N m: on the second body, and against it on the first."""
+        definition = world.joint(joint)
+        first, second = world.pose(definition.first), world.pose(definition.second)
+        axis = push * turned(np.asarray(first.orientation), turned(definition.frame_first.orientation, [1, 0, 0]))
+        if kind == "hinge":
+            world.apply_force(definition.second, [0, 0, 0], axis)
+            world.apply_force(definition.first, [0, 0, 0], -axis)
+            return
+        at = np.asarray(second.position) + turned(np.asarray(second.orientation), definition.frame_second.position)
+        for body, force in ((definition.second, axis), (definition.first, -axis)):
+            world.apply_force(body, force, np.cross(at - np.asarray(world.centre_of_mass(body)), force))
+
+
+def turned(orientation: ArrayLike, vector: ArrayLike) -> Floats:
+    """A vector turned by a quaternion x, y, z, w."""
+    q = np.asarray(orientation, dtype=np.float64)
+    v = np.asarray(vector, dtype=np.float64)
+    across = 2 * np.cross(q[:3], v)
+    return np.asarray(v + q[3] * across + np.cross(q[:3], across), dtype=np.float64)
+
+
+def product(a: ArrayLike, b: ArrayLike) -> Floats:
+    """The turn b, and then a: quaternions x, y, z, w."""
+    p, q = np.asarray(a, dtype=np.float64), np.asarray(b, dtype=np.float64)
+    vector = p[3] * q[:3] + q[3] * p[:3] + np.cross(p[:3], q[:3])
+    return np.asarray(np.append(vector, p[3] * q[3] - p[:3] @ q[:3]), dtype=np.float64)
+
+
+def inverse(orientation: ArrayLike) -> Floats:
+    """Of a unit quaternion x, y, z, w."""
+    return np.asarray(np.asarray(orientation, dtype=np.float64) * [-1, -1, -1, 1], dtype=np.float64)
+
+
+def turn_to(axis: ArrayLike) -> Floats:
+    """The shortest turn of the x axis to a unit vector, as a quaternion x, y, z, w."""
+    a = np.asarray(axis, dtype=np.float64)
+    if a[0] < -1 + 1e-12:
+        return np.array([0.0, 0.0, 1.0, 0.0])
+    q = np.append(np.cross([1, 0, 0], a), 1 + a[0])
+    return np.asarray(q / np.linalg.norm(q), dtype=np.float64)

@@ -1,0 +1,191 @@
+"""Models of MuJoCo's: masses, poses and motion are those of its own compiler and integrator."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import mujoco  # type: ignore[import-untyped]
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import atoll
+from atoll._robots import Verdict
+
+Floats = NDArray[np.float64]
+
+ARM = """
+<mujoco model="arm">
+  <compiler angle="radian"/>
+  <option timestep="0.004"/>
+  <default><joint damping="0.2" armature="0.02"/></default>
+  <worldbody>
+    <geom name="floor" type="plane" size="1 1 1"/>
+    <body name="base" pos="0 0 1">
+      <geom type="cylinder" size=".1 .1" mass="5"/>
+      <body name="upper" pos="0 0 .1" quat=".9 .1 .2 .3">
+        <inertial pos=".02 .1 .2" mass="3" fullinertia=".05 .06 .02 .003 .002 .001"/>
+        <joint name="shoulder" axis="1 1 0" range="-3 3" limited="true" ref=".3" springref=".1" stiffness="2"/>
+        <geom type="capsule" size=".04 .15" pos="0 0 .2" contype="0" conaffinity="0"/>
+        <body name="lower" pos=".1 0 .4" euler=".3 .5 .7">
+          <joint name="elbow" axis="0 1 0"/>
+          <geom type="box" size=".03 .04 .2" pos="0 0 .2" density="800"/>
+          <body name="flange" pos="0 0 .4"><geom type="sphere" size=".05" density="2000"/></body>
+          <body name="rod" pos="0 .1 .3">
+            <joint name="slide" type="slide" axis="0 .6 .8" ref=".05"/>
+            <geom type="ellipsoid" size=".03 .04 .1" mass=".7"/>
+          </body>
+        </body>
+      </body>
+    </body>
+  </worldbody>
+  <keyframe><key name="bent" qpos=".8 -.5 .1"/></keyframe>
+</mujoco>
+"""
+
+
+def data_of(text: str, key: int | None = None) -> tuple[Any, Any]:
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    if key is not None:
+        mujoco.mj_resetDataKeyframe(model, data, key)
+    mujoco.mj_forward(model, data)
+    return model, data
+
+
+def test_bodies_weigh_and_stand_as_compiled() -> None:
+    for pose, key in ((None, None), ("bent", 0)):
+        model, data = data_of(ARM, key)
+        robot = atoll.load_mjcf(ARM, pose)
+        world = robot.build()
+        assert robot.positions(world) == pytest.approx(data.qpos, abs=1e-12)
+        ids = world.bodies
+        for name, parts in (("upper", ["upper"]), ("lower", ["lower", "flange"]), ("rod", ["rod"])):
+            body = ids[robot.bodies[name]]
+            numbers = [model.body(part).id for part in parts]
+            mass = sum(model.body_mass[n] for n in numbers)
+            centre = sum(model.body_mass[n] * data.xipos[n] for n in numbers) / mass
+            inertia = np.zeros((3, 3))
+            for n in numbers:
+                axes, arm = data.ximat[n].reshape(3, 3), data.xipos[n] - centre
+                inertia += axes @ np.diag(model.body_inertia[n]) @ axes.T
+                inertia += model.body_mass[n] * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+            assert world.mass(body) == pytest.approx(mass, rel=1e-12)
+            assert world.centre_of_mass(body) == pytest.approx(centre, abs=1e-12)
+            frame = data.xmat[numbers[0]].reshape(3, 3)
+            definition = world.definition(body)
+            assert definition.inertia is not None
+            assert frame @ definition.inertia @ frame.T == pytest.approx(inertia, abs=1e-12)
+            assert world.pose(body).position == pytest.approx(data.xpos[numbers[0]], abs=1e-12)
+
+
+def errors_of(text: str, steps: list[float]) -> list[float]:
+    """rad or m, the most of a coordinate after .4 s, against MuJoCo's Runge-Kutta in fine steps."""
+    seconds = 0.4
+    model, data = data_of(text, 0)
+    model.opt.integrator = mujoco.mjtIntegrator.mjINT_RK4
+    model.opt.timestep = 1 / 9600
+    for _ in range(round(seconds / model.opt.timestep)):
+        mujoco.mj_step(model, data)
+    robot = atoll.load_mjcf(text, "bent")
+    errors = []
+    for step in steps:
+        world = robot.build()
+        for _ in range(round(seconds / step)):
+            world.step(step)
+        errors.append(float(np.abs(robot.positions(world) - data.qpos).max()))
+    return errors
+
+
+def test_motion_converges_to_that_of_runge_and_kutta() -> None:
+    assert max(errors_of(ARM, [1 / 60, 1 / 240])) < 1e-4
+    coarse, fine = errors_of(ARM.replace('damping="0.2"', ""), [1 / 240, 1 / 960])
+    assert fine < coarse / 12  # of second order: a sixteenth
+
+
+def test_servos_and_velocities_and_forces_drive() -> None:
+    model = """
+    <mujoco><option gravity="0 0 0"/><default><geom contype="0" conaffinity="0" size=".1"/></default><worldbody>
+      <body><joint name="a" axis="0 0 1"/><geom mass="1"/></body>
+      <body pos="1 0 0"><joint name="b" axis="0 0 1"/><geom mass="1"/></body>
+      <body pos="2 0 0"><joint name="c" type="slide" axis="1 0 0"/><geom mass="2"/></body>
+    </worldbody><actuator>
+      <position name="p" joint="a" kp="3" kv=".2" gear="2"/>
+      <velocity name="v" joint="b" kv=".5"/>
+      <motor name="m" joint="c" gear="4" ctrlrange="-1 1" ctrllimited="true"/>
+    </actuator></mujoco>"""
+    compiled, data = data_of(model)
+    data.ctrl[:] = [0.6, 1.5, 9]
+    compiled.opt.timestep = 1e-4
+    compiled.opt.integrator = mujoco.mjtIntegrator.mjINT_RK4
+    for _ in range(5000):
+        mujoco.mj_step(compiled, data)
+    robot = atoll.load_mjcf(model)
+    assert [a.kind for a in robot.actuators] == ["position", "velocity", "force"]
+    world = robot.build()
+    for _ in range(500):
+        robot.control(world, [0.6, 1.5, 9])
+        world.step(1e-3)
+    assert robot.positions(world) == pytest.approx(data.qpos, abs=2e-3)
+    assert robot.rates(world) == pytest.approx(data.qvel, abs=2e-3)
+    with pytest.raises(atoll.Error, match=r"shape \(2,\); expected \(3,\)"):
+        robot.control(world, [0, 0])
+
+
+def test_who_may_touch_is_as_compiled() -> None:
+    model = """
+    <mujoco><worldbody>
+      <geom name="floor" type="plane" size="1 1 1"/>
+      <body name="a" pos="0 0 1"><freejoint/><geom size=".1" contype="1" conaffinity="2"/></body>
+      <body name="b" pos="0 0 1.05"><freejoint/><geom size=".1" contype="4" conaffinity="1"/></body>
+      <body name="c" pos="0 0 1.1"><freejoint/><geom size=".1" contype="2" conaffinity="4"/></body>
+    </worldbody><contact><exclude body1="b" body2="c"/></contact></mujoco>"""
+    robot = atoll.load_mjcf(model)
+    world = robot.build()
+    settings = world.settings
+    settings.contact_events = True
+    world.settings = settings
+    world.gravity = np.zeros(3)
+    world.step(1e-3)
+    ids = {world.bodies[place].index: name for name, place in robot.bodies.items()}
+    pairs = {(ids[int(p["a"]["index"])], ids[int(p["b"]["index"])]) for p in world.contact_events()}
+    assert pairs == {("a", "b"), ("a", "c")}
+
+
+def test_nothing_is_dropped_without_a_line() -> None:
+    robot = atoll.load_mjcf("""
+    <mujoco model="odds"><worldbody>
+      <body name="x"><joint name="j"/><joint name="k" axis="0 1 0"/><geom name="g" size=".1"/><site name="s"/></body>
+      <body name="y" pos="1 0 0"><joint name="l" type="ball" damping="1"/><geom size=".1"/></body>
+    </worldbody>
+    <tendon><fixed name="t"><joint joint="j" coef="1"/></fixed></tendon>
+    <equality><joint name="e" joint1="j" joint2="k"/></equality>
+    <actuator><motor name="pull" tendon="t"/><general name="m" joint="j" dyntype="filter" dynprm="1"/></actuator>
+    <sensor><gyro name="turn" site="s"/></sensor></mujoco>""")
+    left_out = {(line.element, line.name) for line in robot.receipt.of(Verdict.LEFT_OUT)}
+    expected = {("tendon", "t"), ("equality", "e"), ("actuator", "pull"), ("actuator", "m")}
+    assert left_out == expected | {("sensor", "turn"), ("joint", "l")}
+    taken = {(line.element, line.name) for line in robot.receipt.of(Verdict.TAKEN_AS)}
+    assert ("joint", "j") in taken  # one of two in a body: another one carries the other
+    assert len(robot.coordinates) == 2
+    assert "tendon t: left out" in robot.receipt.text()
+    assert '"name": "turn"' in robot.receipt.json()
+
+
+def test_scenes_of_robots_are_files(tmp_path: Path) -> None:
+    robot = atoll.load_mjcf(ARM, "bent")
+    robot.scene.write(str(tmp_path / "arm.json"))
+    again = atoll.load_scene(str(tmp_path / "arm.json")).build()
+    world = robot.build()
+    for _ in range(50):
+        world.step(1 / 240)
+        again.step(1 / 240)
+    assert world.state_hash() == again.state_hash()
+
+
+def test_says_what_is_wrong() -> None:
+    with pytest.raises(atoll.Error, match="MuJoCo refuses the model"):
+        atoll.load_mjcf("<mujoco><worldbody><body/></worldbody><oops/></mujoco>")
+    with pytest.raises(atoll.Error, match="pose is 'sitting'; expected one of the model's keyframes: bent"):
+        atoll.load_mjcf(ARM, "sitting")
