@@ -3,7 +3,6 @@
 #include <solver/tuning.h>
 
 #include <algorithm>
-#include <cmath>
 
 namespace atl::solver {
 namespace {
@@ -49,13 +48,17 @@ bool is_round(collision::ShapeKind kind) {
          kind == collision::ShapeKind::Cylinder || kind == collision::ShapeKind::Cone;
 }
 
-Vector3 turned_arm(const ContactArm& arm, const Quaternion& turn, const Vector3& normal) {
-  if (arm.axis.isZero(0)) return turn * arm.pivot + arm.rim;
+Vector3 turned_arm(const ContactArm& arm, const Vector3& turn, const Vector3& normal) {
+  const Quaternion by = rotation_by(turn);
+  if (arm.axis.isZero(0)) return by * arm.pivot + arm.rim;
   constexpr double least_lean = 0.01;  // the square of the sine: what lies flat is touched at no single point
   const double along = arm.axis.dot(normal);
-  const double about_normal = 2 * std::copysign(1.0, turn.w()) * turn.vec().dot(normal);
-  const double along_rim = about_normal * along / std::max(1 - along * along, least_lean);
-  return turn * arm.pivot + swing_of(turn, arm.axis) * (rotation_by(along_rim * arm.axis) * arm.rim);
+  const Vector3 without_spin = turn - turn.dot(arm.axis) * arm.axis;
+  const double along_rim = without_spin.dot(normal) * along / std::max(1 - along * along, least_lean);
+  // A spin goes with its axis, which it doesn't turn.
+  const Vector3 on_axis = arm.pivot.dot(arm.axis) * arm.axis;
+  const Quaternion tilt = rotation_by(without_spin + along_rim * arm.axis);
+  return by * (arm.pivot - on_axis) + tilt * (on_axis + arm.rim);
 }
 
 double gained_along(const ContactArm& arm, const Vector3& off, const Quaternion& turn, const Vector3& normal) {

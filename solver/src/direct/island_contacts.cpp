@@ -31,7 +31,7 @@ void load_frame(const DirectIslandInput& input, bool half_way, DirectContact& co
   const auto load_side = [&](std::uint32_t body, std::uint32_t collider, const Vector3& anchor, double sign,
                              ContactArm& on, Vector3& arm) {
     on = contact_arm(table, body, *input.colliders, collider, anchor, -sign * normal);
-    arm = half_way ? turned_arm(on, rotation_by(half_turn(table, body, input.dt)), normal) : Vector3(on.pivot + on.rim);
+    arm = half_way ? turned_arm(on, half_turn(table, body, input.dt), normal) : Vector3(on.pivot + on.rim);
     if (table.mobility[body] != Mobility::Kinematic) return;
     contact.add_motion(sign, arm, table.velocity(body), table.angular_velocity(body), contact.given);
   };

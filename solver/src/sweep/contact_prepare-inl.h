@@ -182,10 +182,12 @@ HWY_INLINE V3 arm_half_way(const V3& half, const V3& pivot, const V3& rim, const
   constexpr float least_lean = 0.01f;  // the square of the sine: what lies flat is touched at no single point
   const V along = dot(axis, normal);
   const V lean = hn::Max(hn::Sub(splat(1), hn::Mul(along, along)), splat(least_lean));
-  const V round_rim = hn::Div(hn::Mul(dot(half, normal), along), lean);
-  const V3 tilt = half + hn::Sub(round_rim, dot(half, axis)) * axis;
+  const V3 without_spin = half - dot(half, axis) * axis;
+  const V3 tilt = without_spin + hn::Div(hn::Mul(dot(without_spin, normal), along), lean) * axis;
   const M revolved = hn::Gt(dot(axis, axis), zero());
-  return turned_arm(half, pivot) + select(revolved, turned_arm(tilt, rim), rim);
+  // A spin goes with its axis, which it doesn't turn.
+  const V3 on_axis = dot(pivot, axis) * axis;
+  return turned_arm(half, pivot - on_axis) + select(revolved, turned_arm(tilt, on_axis + rim), rim);
 }
 
 // rad, of the bodies' half turns, and in w the kind of ShapeRows.

@@ -5,6 +5,7 @@
 #include <solver/sweep/group_bodies.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "integrate/matrix3.h"
 #include "integrate/rows3.h"
@@ -17,6 +18,19 @@ void load_shape(const SolveInput& input, std::uint32_t body, std::size_t local, 
   if (half.isZero(0)) return;
   rows.shape[local].kind = input.bodies.rolls[body] ? 2 : 1;
   set3(rows.shape[local].half_turn, half);
+}
+
+// A turn without the spin about the axis of a body that is alike all round it, which goes with that axis.
+Vector3 tilt_of(const BodyTable& table, std::uint32_t body, const Vector3& turn) {
+  const Vector3 moments = table.moments[body];
+  const auto alike = [](double a, double b) { return std::abs(a - b) <= 1e-9 * a; };
+  const int axis = alike(moments[0], moments[1])   ? 2
+                   : alike(moments[1], moments[2]) ? 0
+                   : alike(moments[2], moments[0]) ? 1
+                                                   : -1;
+  if (axis < 0) return turn;
+  const Vector3 of = table.orientation(body) * (table.principal_axes[body] * Vector3::Unit(axis));
+  return turn - turn.dot(of) * of;
 }
 
 void load_velocity(const BodyTable& table, std::uint32_t body, std::size_t local, SolverBodies& rows) {
@@ -79,7 +93,8 @@ void load_bodies(const SolveInput& input, std::span<const std::uint32_t> bodies,
         heavier ? inverse_inertia_in_contact(table, body, swing) : world_inverse_inertia(table, body);
     if (!rows.shape.empty() && rows.shape[local].kind > 0 && table.gyroscopic[body]) {
       // As it is half way through the step.
-      const Matrix3 half = rotation_by(get3(rows.shape[local].half_turn)).toRotationMatrix();
+      const Vector3 turn = get3(rows.shape[local].half_turn);
+      const Matrix3 half = rotation_by(table.rolls[body] ? tilt_of(table, body, turn) : turn).toRotationMatrix();
       inverse_inertia = symmetric_product(product(half, inverse_inertia), half);
     }
 

@@ -24,9 +24,9 @@ ContactArm contact_arm(const BodyTable& bodies, std::uint32_t body, const collis
 /// Tells shapes whose contacts have a rim.
 bool is_round(collision::ShapeKind kind);
 
-/// The arm that the body has taken along by a turn since the step began. The lowest point of a surface of revolution is
-/// not moved by its spin, but the turn of its axis moves it along the rim.
-Vector3 turned_arm(const ContactArm& arm, const Quaternion& turn, const Vector3& normal);
+/// The arm that the body has taken along by a turn (rad) since the step began. The lowest point of a surface of
+/// revolution is not moved by its spin, but the turn of its axis moves it along the rim.
+Vector3 turned_arm(const ContactArm& arm, const Vector3& turn, const Vector3& normal);
 
 /// m: what that changes along the normal, at a point that lies `off` from the contact.
 double gained_along(const ContactArm& arm, const Vector3& off, const Quaternion& turn, const Vector3& normal);
