@@ -14,7 +14,7 @@
 
 namespace atl {
 
-/// Whether a step keeps account of contacts that begin and end.
+/// Tells settings by which a step keeps account of contacts that begin and end.
 inline bool finds_contact_events(const Settings& settings) {
   return settings.contact_events || settings.run_everything;
 }

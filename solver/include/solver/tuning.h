@@ -42,6 +42,9 @@ inline constexpr double least_turn = 1e-5;
 /// falls with its fourth power. With 1 a top of 50 rad/s, whose nutation no step of 1/60 s sees, falls over (an error
 /// of 1.2 instead of 0.27, relative to its tilt); with 0.25 or 0.5 what rolls is the same.
 inline constexpr double known_turn = 0.25;
+/// The square of the sine of the angle between a round body's axis and a normal, at least: what lies flat is touched at
+/// no single point, which would move along its rim as far as it likes.
+inline constexpr double least_lean = 0.01;
 /// (m/s)^2: where gravity times the size of what is touched, in m from its centre of mass, is more than this, the push
 /// speed grows by its root. Boxes of a metre come to half of it on Earth. Without, boxes of a kilometre overlap by a
 /// tenth.

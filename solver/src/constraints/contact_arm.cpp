@@ -51,10 +51,9 @@ bool is_round(collision::ShapeKind kind) {
 Vector3 turned_arm(const ContactArm& arm, const Vector3& turn, const Vector3& normal) {
   const Quaternion by = rotation_by(turn);
   if (arm.axis.isZero(0)) return by * arm.pivot + arm.rim;
-  constexpr double least_lean = 0.01;  // the square of the sine: what lies flat is touched at no single point
   const double along = arm.axis.dot(normal);
   const Vector3 without_spin = turn - turn.dot(arm.axis) * arm.axis;
-  const double along_rim = without_spin.dot(normal) * along / std::max(1 - along * along, least_lean);
+  const double along_rim = without_spin.dot(normal) * along / std::max(1 - along * along, tuning::least_lean);
   // A spin goes with its axis, which it doesn't turn.
   const Vector3 on_axis = arm.pivot.dot(arm.axis) * arm.axis;
   const Quaternion tilt = rotation_by(without_spin + along_rim * arm.axis);

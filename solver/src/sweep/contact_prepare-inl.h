@@ -179,7 +179,7 @@ HWY_INLINE V3 turned_arm(const V3& turn, const V3& arm) {
 // An arm that a body has taken along for half of the step, from its pivot and its rim. The lowest point of a round body
 // is not moved by its spin, but the turn of its axis moves it along the rim.
 HWY_INLINE V3 arm_half_way(const V3& half, const V3& pivot, const V3& rim, const V3& axis, const V3& normal) {
-  constexpr float least_lean = 0.01f;  // the square of the sine: what lies flat is touched at no single point
+  constexpr auto least_lean = static_cast<float>(tuning::least_lean);
   const V along = dot(axis, normal);
   const V lean = hn::Max(hn::Sub(splat(1), hn::Mul(along, along)), splat(least_lean));
   const V3 without_spin = half - dot(half, axis) * axis;

@@ -44,8 +44,8 @@ HWY_INLINE const TurningBlock* turning_of(const ContactKernelData& data, std::si
   return data.turning_blocks != nullptr ? &data.turning_blocks[b] : nullptr;
 }
 
-// As normal_change, by what turns a surface of revolution but for its spin: the shortest turn of its axis. Zero without
-// an axis.
+// The change of the normal as a surface of revolution sees it, which takes no part in its spin: by the shortest turn of
+// its axis. Zero without an axis.
 HWY_INLINE V3 swing_change(const Q& turn, const V3& axis, const V3& normal) {
   const V3 gained = turned_change(turn, axis);
   const V3 k = cross(axis, gained);
@@ -54,7 +54,7 @@ HWY_INLINE V3 swing_change(const Q& turn, const V3& axis, const V3& normal) {
   return hn::Div(splat(1), hn::Max(one_and_cosine, splat(1e-6f))) * cross(k, across) - across;
 }
 
-// Where some contacts have rims: see ContactArm.
+// Refreshes the separations of contacts of which some have rims: see ContactArm.
 template <std::size_t points, MovableSides movable>
 HWY_INLINE void refresh_rolling_separations(const ContactKernelData& data, ContactBlock& block,
                                             const TurningBlock& turning, const RimBlock& rims, std::size_t lane) {
@@ -119,7 +119,7 @@ HWY_INLINE void refresh_separations(const ContactKernelData& data, ContactBlock&
   }
 }
 
-// Of a contact with rims or without.
+// Refreshes separations of contacts with rims or without.
 template <std::size_t points, MovableSides movable>
 HWY_INLINE void refresh_any_separations(const ContactKernelData& data, std::size_t b, std::size_t lane,
                                         const ContactLanes<movable>& c) {

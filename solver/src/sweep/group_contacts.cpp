@@ -75,17 +75,17 @@ void GroupContacts::find_rims(const SolveInput& input, const SolverBodies& bodie
       if (slot >= 0 && bodies.shape[static_cast<std::size_t>(local)].kind == 2) {
         const collision::Contact& contact = input.contacts[slot];
         const collision::ContactManifold& manifold = input.manifolds[slot];
-        const Vector3 normal = get3(manifold.normal);
-        arm = second ? contact_arm(input.bodies, contact.body_second, *input.colliders, contact.pair.second,
-                                   get3(manifold.anchor_second), -normal)
-                     : contact_arm(input.bodies, contact.body_first, *input.colliders, contact.pair.first,
-                                   get3(manifold.anchor_first), normal);
+        arm = contact_arm(input.bodies, second ? contact.body_second : contact.body_first, *input.colliders,
+                          second ? contact.pair.second : contact.pair.first,
+                          get3(second ? manifold.anchor_second : manifold.anchor_first),
+                          (second ? -1 : 1) * get3(manifold.normal));
       }
       block.traits.rims |= !arm.rim.isZero(0);
-      RimBlock& rims = rim_blocks_[b];
+      auto& rim = second ? rim_blocks_[b].rim_second : rim_blocks_[b].rim_first;
+      auto& axis = second ? rim_blocks_[b].axis_second : rim_blocks_[b].axis_first;
       for (int k = 0; k < 3; ++k) {
-        (second ? rims.rim_second : rims.rim_first)[k][lane] = static_cast<float>(arm.rim[k]);
-        (second ? rims.axis_second : rims.axis_first)[k][lane] = static_cast<float>(arm.axis[k]);
+        rim[k][lane] = static_cast<float>(arm.rim[k]);
+        axis[k][lane] = static_cast<float>(arm.axis[k]);
       }
     };
     for (std::size_t lane = 0; lane < block_lanes; ++lane) {

@@ -48,7 +48,7 @@ bool is_held(const ContactKernelData& data, std::uint32_t body) {
   return data.joined != nullptr && data.joined[body] == static_cast<std::uint8_t>(Joined::Swept);
 }
 
-// Of a contact, from the two bodies: m, as they are turned now.
+// m, the arms of a contact on its two bodies, as these are turned now.
 std::pair<Vector3, Vector3> arms_of(const ContactKernelData& data, std::uint32_t number, const ImpactBody& first,
                                     const ImpactBody& second) {
   const std::uint32_t b = number / block_lanes, lane = number % block_lanes;

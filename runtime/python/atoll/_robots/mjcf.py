@@ -93,8 +93,7 @@ class _Reader:
         scene.gravity = np.array(m.opt.gravity)
         scene.dt = float(m.opt.timestep)
         self._sort_geoms()
-        self._add_fixed()
-        bodies = list(scene.bodies)
+        bodies = self._fixed()
         joints: list[_core.SceneJoint] = []
         for body in range(1, m.nbody):
             if m.body_weldid[body] == body:
@@ -102,12 +101,12 @@ class _Reader:
         scene.bodies, scene.joints = bodies, joints
         for body in range(1, m.nbody):
             root = int(m.body_weldid[body])
-            self.robot.bodies[self._name("BODY", body)] = self.places.get(root, -1)
+            if root in self.places:
+                self.robot.bodies[self._name("BODY", body)] = self.places[root]
             if root == body:
                 self._receipt.exact("body", self._name("BODY", body))
             else:
                 self._receipt.taken_as("body", self._name("BODY", body), f"part of {self._name('BODY', root)}, exactly")
-        self.robot.bodies = {name: place for name, place in self.robot.bodies.items() if place >= 0}
         self._add_actuators()
         self._tell_of_the_rest()
         return self.robot
@@ -188,8 +187,8 @@ class _Reader:
             position = position - turned(turn, [x, y, 0])  # its frame is in the corner here
         return position, turn
 
-    def _add_fixed(self) -> None:
-        """What doesn't move, a body for each shape."""
+    def _fixed(self) -> list[_core.SceneBody]:
+        """Static bodies, one for each shape that doesn't move."""
         bodies = []
         for geom in self.geoms.get(0, []):
             shape = self._shape(geom)
@@ -205,7 +204,7 @@ class _Reader:
                 filter=self.filters.of(geom),
             )
             bodies.append(_core.SceneBody(definition=definition))
-        self.robot.scene.bodies = bodies
+        return bodies
 
     def _children(self, body: int) -> list[_core.CompoundChild]:
         """Of a body that moves, in its frame."""
@@ -344,7 +343,7 @@ class _Reader:
             kind=of,
             frame_first=frame(first, at_first, turn),
             frame_second=frame(second, at_second, turn_second),
-            # What moves on the world may touch it.
+            # The world may be touched by a body that a joint holds to it.
             collide=int(m.body_weldid[m.body_parentid[body]]) == 0,
         )
         joints.append(_core.SceneJoint(name=name, definition=definition, first=first, second=second))
@@ -384,7 +383,7 @@ class _Reader:
             self._receipt.exact("joint", name)
         return axis
 
-    # What drives them.
+    # Actuators.
 
     def _add_actuators(self) -> None:
         m, mj = self.m, self.mj

@@ -7,8 +7,8 @@
 
 namespace atl::solver {
 
-/// Where a contact is on a body that turns, as the step begins: m, world frame. A round surface rolls: a point below
-/// it, the pivot, goes with the body, and the contact stays where the surface meets the other body.
+/// A contact's arm on a body that turns, in two parts, as the step begins: m, world frame. A round surface rolls: a
+/// point below it, the pivot, goes with the body, and the contact stays where the surface meets the other body.
 struct ContactArm {
   Vector3 pivot = Vector3::Zero();  ///< from the centre of mass
   Vector3 rim = Vector3::Zero();    ///< from the pivot to the contact; zero where the surface isn't round
@@ -16,8 +16,8 @@ struct ContactArm {
                                     ///< of a ball's surface, whose rim doesn't turn at all.
 };
 
-/// Of a contact with a collider of a body. `anchor` is from the body's centre of mass to the contact, and `outward` the
-/// unit normal that points away from the body.
+/// The arm of a contact with a collider of a body. `anchor` is from the body's centre of mass to the contact, and
+/// `outward` the unit normal that points away from the body.
 ContactArm contact_arm(const BodyTable& bodies, std::uint32_t body, const collision::ColliderTable& colliders,
                        std::uint32_t collider, const Vector3& anchor, const Vector3& outward);
 
@@ -31,7 +31,7 @@ Vector3 turned_arm(const ContactArm& arm, const Vector3& turn, const Vector3& no
 /// m: what that changes along the normal, at a point that lies `off` from the contact.
 double gained_along(const ContactArm& arm, const Vector3& off, const Quaternion& turn, const Vector3& normal);
 
-/// Whether contacts move with a body that turns in the step, by what counts. Those of balls don't.
+/// Tells bodies that turn by enough in the step to take contacts on them along. Balls don't.
 bool turns_in_step(const BodyTable& bodies, std::uint32_t body, double dt);
 
 /// rad: a body's turn half way through the step, as its spin when that begins lets expect. Zero where contacts don't

@@ -117,14 +117,15 @@ struct alignas(64) PlanarBlock {
   float point[2][block_lanes];  ///< which of the manifold's points they are; -1 if there is none
 };
 
-/// What a block needs beside, if bodies of its group turn: see ContactArm. As the step begins; without rims the pivots
-/// are where the contacts are.
+/// The pivots of a block's contacts as the step begins (ContactArm), kept if bodies of its group turn. Without rims
+/// they are where the contacts are.
 struct alignas(64) TurningBlock {
   float pivot_first[3][block_lanes];  ///< m, from the body's centre of mass
   float pivot_second[3][block_lanes];
 };
 
-/// What a block needs beside that, if bodies of its group roll. It holds nothing for blocks without rims.
+/// The rims of a block's contacts and their axes, kept if bodies of its group roll. It holds nothing for blocks
+/// without.
 struct alignas(64) RimBlock {
   float rim_first[3][block_lanes];  ///< m
   float rim_second[3][block_lanes];
