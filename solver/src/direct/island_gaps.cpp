@@ -16,7 +16,7 @@ double gap_of(const Joint& of, const DirectJoint& joint, std::size_t row, double
   const Law& law = law_of(of, row);
   if (law.locked()) return value - law.lower;
   const int limit = joint.law[row].limit(joint.rate[row]);
-  return limit < 0 ? value - law.lower : limit > 0 ? value - law.upper : 0;
+  return limit == 0 ? 0 : value - (limit < 0 ? law.lower : law.upper) - joint.beyond[row];
 }
 
 // Of all rows of a joint, at these poses.

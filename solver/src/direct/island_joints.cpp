@@ -76,6 +76,11 @@ void give_rates(const BodyTable& table, DirectJoint& joint) {
   }
 }
 
+// m or rad: how far a coordinate is beyond its range, but for what one substep closes.
+double left_beyond(const Law& law, double value, double closed) {
+  return std::max(value - law.upper - closed, 0.0) + std::min(value - law.lower + closed, 0.0);
+}
+
 // Locks ask for no rate.
 void release_locks(const Joint& of, DirectJoint& joint) {
   joint.bend = {};
@@ -101,7 +106,7 @@ RowKinds load_joints(const Joint* all, const IslandMembers& members, std::vector
     joint.rows = from.row_count();
     joint.tension = from.tension;
     joint.position = {};
-    joint.given = {};
+    joint.given = joint.beyond = {};
     joint.impulse = {};
     joint.rate = joint.kept = {};
     joint.bend = {};
@@ -173,6 +178,7 @@ void begin_laws(const Joint* joints, double h, IslandProblem& problem) {
       const Law& law = law_of(of, r);
       if (law.locked()) continue;
       joint.law[r] = RowLaw::of(law, joint.at[r], joint.mass[r], h, problem.lock_compliance);
+      joint.beyond[r] = left_beyond(law, joint.at[r].value, h * tuning::closing_speed);
       if (law.looks_back()) joint.law[r].start_at(joint.rate_before[r]);
       joint.rate[r] = joint.rate_before[r];
       start_at_limit(joint, r);

@@ -96,6 +96,7 @@ struct DirectJoint {
   Vector3 arm_first, arm_second;
   Rows<double> position;  ///< m or rad
   Rows<double> gap;       ///< m or rad, from where it is held
+  Rows<double> beyond;    ///< m or rad, out of its range, that is left to later substeps
   Rows<RowLaw> law;
   Rows<double> given;        ///< rate by what doesn't respond
   Rows<double> rate_before;  ///< as the substep began, before its forces
