@@ -141,7 +141,11 @@ def test_who_may_touch_is_as_compiled() -> None:
       <body name="b" pos="0 0 1.05"><freejoint/><geom size=".1" contype="4" conaffinity="1"/></body>
       <body name="c" pos="0 0 1.1"><freejoint/><geom size=".1" contype="2" conaffinity="4"/></body>
     </worldbody><contact><exclude body1="b" body2="c"/></contact></mujoco>"""
-    robot = atoll.load_mjcf(model)
+    assert touching(atoll.load_mjcf(model)) == {("a", "b"), ("a", "c")}
+
+
+def touching(robot: atoll.Robot) -> set[tuple[str, str]]:
+    """The names of bodies that touch after a first step."""
     world = robot.build()
     settings = world.settings
     settings.contact_events = True
@@ -149,8 +153,23 @@ def test_who_may_touch_is_as_compiled() -> None:
     world.gravity = np.zeros(3)
     world.step(1e-3)
     ids = {world.bodies[place].index: name for name, place in robot.bodies.items()}
-    pairs = {(ids[int(p["a"]["index"])], ids[int(p["b"]["index"])]) for p in world.contact_events()}
-    assert pairs == {("a", "b"), ("a", "c")}
+    return {(ids[int(p["a"]["index"])], ids[int(p["b"]["index"])]) for p in world.contact_events()}
+
+
+@pytest.mark.parametrize("joints", ['<joint axis="1 0 0"/>', '<joint axis="1 0 0"/><joint axis="0 1 0"/>'])
+@pytest.mark.parametrize("filtered", [True, False])
+def test_a_parent_touches_its_children_as_compiled(joints: str, filtered: bool) -> None:
+    model = f"""
+    <mujoco><option><flag filterparent="{"enable" if filtered else "disable"}"/></option><worldbody>
+      <body name="a"><freejoint/><geom size=".1"/>
+        <body name="b">{joints}<geom size=".1" pos=".1 0 0"/>
+          <body name="c">{joints}<geom size=".1" pos=".05 .1 0"/></body></body></body></worldbody></mujoco>"""
+    compiled = mujoco.MjModel.from_xml_string(model)
+    data = mujoco.MjData(compiled)
+    mujoco.mj_forward(compiled, data)
+    pairs = {tuple(compiled.body(compiled.geom_bodyid[g]).name for g in c.geom) for c in data.contact}
+    assert pairs == ({("a", "c")} if filtered else {("a", "b"), ("a", "c"), ("b", "c")})
+    assert touching(atoll.load_mjcf(model)) == pairs
 
 
 def test_nothing_is_dropped_without_a_line() -> None:

@@ -12,14 +12,16 @@ _MOST = 31  # the first bit is that of shapes with no class of their own
 
 class Filters:
     """MuJoCo lets two shapes touch if the contype of either has a bit of the other's conaffinity, unless their bodies
-    are excluded. Shapes that are alike in both are a class here, with a bit of its own."""
+    are excluded, or one carries the other by joints. Shapes that are alike in all are a class here, with a bit of its
+    own."""
 
-    def __init__(self, model: Any) -> None:
+    def __init__(self, mujoco: Any, model: Any) -> None:
         self.model = model
+        self.parents_touch = bool(model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_FILTERPARENT)
         self.left_out: list[str] = []
         excluded = {(int(s) >> 16, int(s) & 0xFFFF) for s in model.exclude_signature}
         weld = [int(w) for w in model.body_weldid]
-        self._excluded = {frozenset((weld[a], weld[b])) for a, b in excluded}
+        self._excluded = {frozenset((weld[a], weld[b])) for a, b in excluded} | self._carried(weld)
         self._classes: dict[tuple[int, int, int], int] = {}
         for geom in self._geoms():
             self._classes.setdefault(self._class(geom), len(self._classes))
@@ -32,6 +34,14 @@ class Filters:
                 self._classes.setdefault(self._class(geom), min(len(self._classes), _MOST - 1))
             if len(self._classes) > _MOST:
                 self.left_out.append(f"contype and conaffinity tell {len(self._classes)} kinds apart: the last are one")
+
+    def _carried(self, weld: list[int]) -> set[frozenset[int]]:
+        """What several joints in a row hold to its parent: no one of these says that the two don't touch."""
+        m = self.model
+        if self.parents_touch:
+            return set()
+        several = {body: weld[m.body_parentid[body]] for body in set(weld) if m.body_jntnum[body] > 1}
+        return {frozenset(pair) for pair in several.items() if pair[1] != 0}
 
     def _geoms(self) -> list[int]:
         m = self.model

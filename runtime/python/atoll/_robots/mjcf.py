@@ -66,7 +66,7 @@ class _Reader:
         mujoco.mj_comPos(model, self.data)
         name = model.names[: model.names.index(b"\0")].decode() or "model"
         self.robot = Robot(name, _core.Scene(name=name), Receipt(name), {})
-        self.filters = Filters(model)
+        self.filters = Filters(mujoco, model)
         self.places: dict[int, int] = {}  # in the scene, of bodies that others are welded to
         self.geoms: dict[int, list[int]] = {}  # of these bodies, those that touch
 
@@ -344,7 +344,7 @@ class _Reader:
             frame_first=frame(first, at_first, turn),
             frame_second=frame(second, at_second, turn_second),
             # The world may be touched by a body that a joint holds to it.
-            collide=int(m.body_weldid[m.body_parentid[body]]) == 0,
+            collide=self.filters.parents_touch or int(m.body_weldid[m.body_parentid[body]]) == 0,
         )
         joints.append(_core.SceneJoint(name=name, definition=definition, first=first, second=second))
 
