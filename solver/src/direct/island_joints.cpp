@@ -123,6 +123,7 @@ RowKinds load_joints(const Joint* all, const IslandMembers& members, std::vector
       kinds.all_locked &= law.locked();
       kinds.acts |= law.looks_back() || law.drives();
       kinds.looks_back |= law.looks_back();
+      kinds.damps |= !law.locked() && law.damps();
       kinds.bounces |= law.restitution > 0;
     }
   }

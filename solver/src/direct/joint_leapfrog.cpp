@@ -122,6 +122,15 @@ void answer_bends(const Joint* joints, IslandProblem& problem) {
   }
 }
 
+void damp_by_like_rates(const Joint* joints, const std::vector<double>& along, IslandProblem& problem) {
+  for (DirectJoint& joint : problem.joints) {
+    for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) {
+      const Law& of = law_of(joints[joint.joint], r);
+      if (!joint.law[r].locked && of.damps()) joint.law[r].damp_by(joint.rate_by(along, r), of.armature);
+    }
+  }
+}
+
 void forget_bends(const Joint* joints, IslandProblem& problem) {
   for (DirectJoint& joint : problem.joints) {
     for (std::size_t r = 0; r < joint.rows; ++r) add_bend(joints[joint.joint], -joint.bend[r], r, joint.law[r]);

@@ -19,7 +19,11 @@ double note_bends(const DirectIslandInput& input, double time, double h, std::sp
                   IslandProblem& problem);
 /// Locks stop what is noted, too, and armatures resist it.
 void answer_bends(const Joint* joints, IslandProblem& problem);
-/// Takes that back.
+/// Rates before a substep are those of velocities that keep the joints at its first poses, and rates after it those of
+/// velocities that lead along the bends: by as much as `along`, which ask for the bends, off those that keep the
+/// joints. The mean of the two, by which dampers are of second order, is that of rates that are told alike.
+void damp_by_like_rates(const Joint* joints, const std::vector<double>& along, IslandProblem& problem);
+/// Takes back what locks and armatures answer.
 void forget_bends(const Joint* joints, IslandProblem& problem);
 
 /// The laws of rows over a kick, from the rates that were noted: see RowLaw::of_kick().

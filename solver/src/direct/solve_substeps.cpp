@@ -231,8 +231,20 @@ void Substeps::begin_substep() {
 }
 
 void Substeps::foresee_bends(double time) {
-  swing_ = std::max(swing_, note_bends(input_, time, h_, bodies_, problem_));
+  const double swing = note_bends(input_, time, h_, bodies_, problem_);
+  swing_ = std::max(swing_, swing);
+  if (rows_.damps && swing > 0) even_out_dampers();
   answer_bends(input_.joints, problem_);
+}
+
+void Substeps::even_out_dampers() {
+  if (!is_factored(problem_) && !motions_.search.matrix.factor(problem_)) return;
+  find_closing_motion(problem_, motions_.search, [&](const DirectJoint& joint, std::size_t r) {
+    const double slope = joint.law[r].slope(joint.rate[r]);
+    const double turns = slope > 0 ? law_of(input_.joints[joint.joint], r).armature / slope : 0;
+    return -(joint.law[r].locked ? 1 : turns) * joint.bend[r];
+  });
+  damp_by_like_rates(input_.joints, motions_.search.direction, problem_);
 }
 
 bool Substeps::find_joint_velocities(bool finds_impacts) {

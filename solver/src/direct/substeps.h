@@ -49,6 +49,7 @@ class Substeps {
  private:
   void kick(int sign);
   bool find_velocities(double time);
+  void even_out_dampers();
   bool find_impacts();
   bool solve_rows();
   bool find_row_velocities();

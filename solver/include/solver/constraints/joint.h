@@ -76,6 +76,7 @@ struct Law {
   bool springs() const { return spring_hertz > 0 || stiffness > 0 || damping > 0; }
   bool drives() const { return motor_force > 0; }
   bool is_servo() const { return drives() && (servo_stiffness > 0 || servo_damping > 0); }
+  bool damps() const { return damping > 0 || (spring_hertz > 0 && damping_ratio > 0) || servo_damping > 0; }
   /// Whether the impulse of a substep depends on the rate before it.
   bool looks_back() const { return springs() || is_servo() || armature > 0; }
   /// Returns true for a spring, servo, motor or armature: forces that add to the constraint's own impulse.

@@ -62,6 +62,12 @@ struct RowLaw {
     motor_speed += motor_keeps * rate;
   }
 
+  /// Adds to the rate before the step, but only as dampers see it: what turns with an armature of its own keeps that.
+  void damp_by(double rate, double armature) {
+    if (spring_slope > 0) spring_rate += (spring_keeps - armature / spring_slope) * rate;
+    motor_speed += motor_keeps * rate;
+  }
+
   /// The law over a kick: half a step in which velocities change and positions stay, by which a leapfrog's rates come
   /// level with its positions (`sign` 1) or fall behind them (-1, its exact inverse). `rate` before the kick's forces,
   /// and `end_rate` after them at an end of the range, which `limit` tells; `limit` and `motor_bound` as Joint has

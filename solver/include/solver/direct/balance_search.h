@@ -70,7 +70,7 @@ void find_closing_motion(const IslandProblem& problem, BalanceSearch& search, co
   }
   for (const DirectJoint& joint : problem.joints) {
     DirectJoint::Rows<double> impulses;
-    for (std::size_t r = 0; r < joint.rows; ++r) impulses[r] = -gap(joint, r) * joint.law[r].stiffness;
+    for (std::size_t r = 0; r < joint.rows; ++r) impulses[r] = -gap(joint, r) * joint.law[r].slope(joint.rate[r]);
     joint.add_impulses(impulses.data(), search.direction.data());
   }
   search.matrix.solve(problem, search.direction);
@@ -91,7 +91,7 @@ void add_closing_impulses(IslandProblem& problem, const BalanceSearch& search, c
     joint.rates_by(search.direction.data(), rates.data());
     for (std::size_t r = 0; r < joint.rows; ++r) {
       const double apart = gap(joint, r);
-      if (apart != 0) joint.lasting[r] -= scale * joint.law[r].stiffness * (apart + rates[r]);
+      if (apart != 0) joint.lasting[r] -= scale * joint.law[r].slope(joint.rate[r]) * (apart + rates[r]);
     }
   }
 }
