@@ -1,0 +1,31 @@
+#pragma once
+
+#include <solver/solve_input.h>
+
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+namespace atl::solver {
+
+/// Keeps contacts of bodies that turn by more than tuning::blind_turn in a step from making energy. Contacts see a
+/// body's inertia and its points where they are as a step begins, and a rod that turns on from there would take from
+/// their impulses what they had for another direction. An island with such a body ends its step with no more energy
+/// than it began with, or these move slower by as much.
+///
+/// Islands in which contacts alone act: without joints, torques, belts and bodies that are led.
+class SpinEnergy {
+ public:
+  /// Before a group's step.
+  void begin(const SolveInput& input, const IslandGroup& group);
+  /// After it, once bodies have their new poses and velocities.
+  void bound(const SolveInput& input) const;
+
+  /// See jobs/arrays.h.
+  auto arrays() const { return std::tie(energies_); }
+
+ private:
+  std::vector<std::pair<std::size_t, double>> energies_;  // J, of islands, as the step began
+};
+
+}  // namespace atl::solver
