@@ -31,13 +31,14 @@ Core core_of(const Shape& shape) {
 // No point of such a shape is farther from its core than the core is deep, but for corners of boxes.
 bool has_even_core(ShapeKind kind) { return kind <= ShapeKind::Cylinder; }
 
-// Of a solid that starts at the other's surface: it ends off it, and on the same side.
-bool stays_outside(const Shape& solid, const Motion& motion, const Shape& other, const Motion& other_motion) {
+// Of a core that starts at the other's surface: it ends off it, and its centre has met it nowhere.
+bool stays_outside(const Shape& core, const Motion& motion, const Shape& other, const Motion& other_motion,
+                   double tolerance) {
   constexpr double anywhere = std::numeric_limits<double>::infinity();
-  Distance before, after;
-  find_distance(solid, motion.at(0), other, other_motion.at(0), anywhere, before);
-  find_distance(solid, motion.at(1), other, other_motion.at(1), anywhere, after);
-  return before.distance > 0 && after.distance > 0 && before.normal.dot(after.normal) > 0;
+  Distance after;
+  find_distance(core, motion.at(1), other, other_motion.at(1), anywhere, after);
+  SweepHit hit;
+  return after.distance > 0 && !sweep(Shape::sphere(0), motion, other, other_motion, {0, tolerance}, 1, hit);
 }
 
 // How far beyond the plane of the hit the core ends.
@@ -131,7 +132,7 @@ double ContinuousCollision::first_hit(const CcdStep& step, const FastBody& fast,
               }
               // Bodies of an assembly are shifted together, and stay as they are to each other.
               if (joined && step.assembly_of(colliders.body[other]) == fast.assembly) return first;
-              if (stays_outside(core.shape, core_motion, colliders.shape[other], other_motion)) return first;
+              if (stays_outside(core.shape, core_motion, colliders.shape[other], other_motion, tolerance)) return first;
               scratch.supports.push_back(support_of(core_hit, other_motion, core.shape, core_motion.at(1), tolerance));
               return first;
             });
