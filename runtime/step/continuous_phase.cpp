@@ -4,6 +4,7 @@
 #include <jobs/arrays.h>
 #include <solver/constraints/joint.h>
 #include <solver/integrate/free_flight.h>
+#include <solver/integrate/motion.h>
 
 #include <algorithm>
 #include <iterator>
@@ -144,6 +145,10 @@ void ContinuousPhase::stop(Stores& world, const IslandPhase& islands, const CcdS
     const Vector3 flown = world.clock.dt * (world.bodies.velocity(body) - 0.5 * fall);
     const bool flies = (fast.shift - flown).norm() <= 1e-3 * world.clock.dt * fall.norm();
     if (flies && stop.t < 1) world.bodies.velocity(body) -= (1 - stop.t) * fall;
+    // What else is put back up has had work of its weight that is not done.
+    const Vector3 weight = world.bodies.gravity_scale[body] / world.bodies.inverse_mass[body] * world.gravity;
+    const double undone = weight.dot(world.bodies.position(body) - pose.position);
+    if (!flies && undone > 0) solver::slow_down(world.bodies, body, undone);
     world.bodies.position(body) = pose.position;
     solver::turn_back(world.bodies, body, pose.orientation);
     world.aabbs.mark_dirty(body);

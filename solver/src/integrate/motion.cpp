@@ -3,7 +3,22 @@
 #include <solver/integrate/motion.h>
 #include <solver/integrate/state_bounds.h>
 
+#include <cmath>
+
 namespace atl::solver {
+
+double kinetic_energy(const BodyTable& bodies, std::uint32_t body) {
+  const Vector3 spin = bodies.orientation(body).conjugate() * bodies.angular_velocity(body);
+  return 0.5 *
+         (bodies.velocity(body).squaredNorm() / bodies.inverse_mass[body] + spin.dot(bodies.inertia[body] * spin));
+}
+
+void slow_down(BodyTable& bodies, std::uint32_t body, double energy) {
+  const double own = kinetic_energy(bodies, body);
+  const double scale = energy < own ? std::sqrt(1 - energy / own) : 0;
+  bodies.velocity(body) *= scale;
+  bodies.angular_velocity(body) *= scale;
+}
 
 bool changes_steadily(const Vector3& gained, const Vector3& gained_spin, const Vector3& acceleration, double dt,
                       double radius) {

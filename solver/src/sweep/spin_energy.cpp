@@ -1,22 +1,22 @@
+#include <solver/constraints/contact_inertia.h>
+#include <solver/integrate/motion.h>
 #include <solver/integrate/motion_locks.h>
 #include <solver/sweep/spin_energy.h>
 #include <solver/tuning.h>
 
 #include <algorithm>
-#include <cmath>
+#include <span>
 
 namespace atl::solver {
 namespace {
 
+// Contacts see a body with other moments than it has, or turn it out of what they see.
 bool turns_blindly(const BodyTable& bodies, std::uint32_t body, double dt) {
-  return bodies.gyroscopic[body] && dt * bodies.angular_velocity(body).norm() > tuning::blind_turn;
-}
-
-// J.
-double kinetic_energy(const BodyTable& bodies, std::uint32_t body) {
-  const Vector3 spin = bodies.orientation(body).conjugate() * bodies.angular_velocity(body);
-  return 0.5 *
-         (bodies.velocity(body).squaredNorm() / bodies.inverse_mass[body] + spin.dot(bodies.inertia[body] * spin));
+  if (!bodies.gyroscopic[body]) return false;
+  if (dt * bodies.angular_velocity(body).norm() > tuning::blind_turn) return true;
+  if (!is_seen_heavier(bodies, body)) return false;
+  const double swing = swing_in_contact(bodies, body, bodies.velocity(body).norm(), dt);
+  return swing * swing * bodies.moments[body].maxCoeff() > bodies.moments[body].minCoeff();
 }
 
 // J: of motion, and in the forces on bodies, which are the same for all of a step.
@@ -47,32 +47,32 @@ bool contacts_alone_act(const SolveInput& input, std::size_t island) {
 }  // namespace
 
 void SpinEnergy::begin(const SolveInput& input, const IslandGroup& group) {
-  energies_.clear();
+  islands_.clear();
+  blind_.clear();
   for (std::size_t island = group.begin; island < group.end; ++island) {
-    const auto ids = input.islands.bodies(island, island + 1);
-    const bool blind = std::any_of(ids.begin(), ids.end(),
-                                   [&](std::uint32_t body) { return turns_blindly(input.bodies, body, input.dt); });
-    if (blind && contacts_alone_act(input, island)) energies_.emplace_back(island, energy_of(input, island));
+    const std::size_t first = blind_.size();
+    for (const std::uint32_t body : input.islands.bodies(island, island + 1)) {
+      if (turns_blindly(input.bodies, body, input.dt)) blind_.push_back(body);
+    }
+    if (blind_.size() == first) continue;
+    if (contacts_alone_act(input, island)) {
+      islands_.push_back({island, energy_of(input, island), first, blind_.size()});
+    } else {
+      blind_.resize(first);
+    }
   }
 }
 
 void SpinEnergy::bound(const SolveInput& input) const {
   BodyTable& bodies = input.bodies;
-  for (const auto& [island, before] : energies_) {
-    const double gained = energy_of(input, island) - before;
+  for (const Watched& watched : islands_) {
+    const double gained = energy_of(input, watched.island) - watched.energy;
     if (gained <= 0) continue;
-    const auto each_blind = [&](const auto& act) {
-      for (const std::uint32_t body : input.islands.bodies(island, island + 1)) {
-        if (turns_blindly(bodies, body, input.dt)) act(body);
-      }
-    };
+    const auto blind = std::span(blind_).subspan(watched.first, watched.end - watched.first);
     double theirs = 0;
-    each_blind([&](std::uint32_t body) { theirs += kinetic_energy(bodies, body); });
-    const double scale = gained < theirs ? std::sqrt(1 - gained / theirs) : 0;
-    each_blind([&](std::uint32_t body) {
-      bodies.velocity(body) *= scale;
-      bodies.angular_velocity(body) *= scale;
-    });
+    for (const std::uint32_t body : blind) theirs += kinetic_energy(bodies, body);
+    const double share = theirs > 0 ? std::min(gained / theirs, 1.0) : 0;
+    for (const std::uint32_t body : blind) slow_down(bodies, body, share * kinetic_energy(bodies, body));
   }
 }
 

@@ -39,6 +39,12 @@ inline double turn_chord(const Quaternion& from, const Quaternion& to) {
   return 2 * (from.conjugate() * to).vec().norm();
 }
 
+/// J, of a body's motion, and its spin.
+double kinetic_energy(const BodyTable& bodies, std::uint32_t body);
+
+/// Takes energy from a body's motion, its speed and spin alike: `energy` in J, or as much as it has.
+void slow_down(BodyTable& bodies, std::uint32_t body, double energy);
+
 /// Whether what a body gained in a step of dt seconds is a steady change, as of one that slides, rolls or tips, and no
 /// impact: what the forces on it, its weight above all, make of its velocity in a step, times 4. Contacts return them
 /// several times where a body is pressed on or friction is high. Then the trapezoidal rule moves it by half the gain

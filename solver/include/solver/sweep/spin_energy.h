@@ -3,7 +3,7 @@
 #include <solver/solve_input.h>
 
 #include <cstddef>
-#include <utility>
+#include <cstdint>
 #include <vector>
 
 namespace atl::solver {
@@ -22,10 +22,17 @@ class SpinEnergy {
   void bound(const SolveInput& input) const;
 
   /// See jobs/arrays.h.
-  auto arrays() const { return std::tie(energies_); }
+  auto arrays() const { return std::tie(islands_, blind_); }
 
  private:
-  std::vector<std::pair<std::size_t, double>> energies_;  // J, of islands, as the step began
+  struct Watched {
+    std::size_t island;
+    double energy;           // J, as the step began
+    std::size_t first, end;  // of its blind bodies
+  };
+
+  std::vector<Watched> islands_;
+  std::vector<std::uint32_t> blind_;
 };
 
 }  // namespace atl::solver
