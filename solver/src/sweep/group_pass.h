@@ -99,8 +99,8 @@ void GroupPass<Executor>::finish() {
   loops_.each_body([&](std::size_t begin, std::size_t end) {
     write_back(setup_.input, parts_, setup_.body_ids, setup_.joined, begin, end);
   });
-  if (report_.gyroscopic_bodies > 0 && !parts_.contacts.empty()) parts_.spin_energy.bound(setup_.input);
   loops_.each_system([&](DirectJoints& system) { system.finish(setup_.direct_input); });
+  if (report_.gyroscopic_bodies > 0 && !parts_.contacts.empty()) parts_.spin_energy.bound(setup_.input);
   loops_.each_joint_block(
       [&](std::size_t begin, std::size_t end) { parts_.joints.store(setup_.joint_step, begin, end); });
   clock_.lap(SolverPhase::Store);

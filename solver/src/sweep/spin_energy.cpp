@@ -5,6 +5,7 @@
 #include <solver/tuning.h>
 
 #include <algorithm>
+#include <functional>
 #include <span>
 
 namespace atl::solver {
@@ -30,18 +31,26 @@ double energy_of(const SolveInput& input, std::size_t island) {
   return sum;
 }
 
-bool contacts_alone_act(const SolveInput& input, std::size_t island) {
+// Whether nothing in an island gives energy: no torque, belt, spring or motor, and no body that is led.
+bool is_passive(const SolveInput& input, std::size_t island) {
   const BodyTable& bodies = input.bodies;
   const auto ids = input.islands.bodies(island, island + 1);
   const auto contacts = input.islands.contacts(island, island + 1);
+  const auto links = input.islands.joints(island, island + 1);
   const auto is_led = [&](std::uint32_t body) {
     return bodies.mobility[body] == Mobility::Kinematic ||
            (!bodies.surfaces.empty() && !bodies.surfaces[body].velocity.isZero(0));
   };
-  return input.islands.joint_count(island) == 0 && input.added_slips == nullptr &&
+  const auto acts = [&](const JointLink& link) {
+    const Joint& joint = input.joints[link.joint];
+    return std::any_of(joint.law.begin(), joint.law.begin() + joint.rows, std::mem_fn(&Law::acts_as_force));
+  };
+  return input.added_slips == nullptr &&
          std::all_of(ids.begin(), ids.end(), [&](std::uint32_t body) { return bodies.torque(body).isZero(0); }) &&
          std::none_of(contacts.begin(), contacts.end(),
-                      [&](const TouchingPair& pair) { return is_led(pair.first) || is_led(pair.second); });
+                      [&](const TouchingPair& pair) { return is_led(pair.first) || is_led(pair.second); }) &&
+         std::none_of(links.begin(), links.end(),
+                      [&](const JointLink& link) { return acts(link) || is_led(link.first) || is_led(link.second); });
 }
 
 }  // namespace
@@ -55,7 +64,7 @@ void SpinEnergy::begin(const SolveInput& input, const IslandGroup& group) {
       if (turns_blindly(input.bodies, body, input.dt)) blind_.push_back(body);
     }
     if (blind_.size() == first) continue;
-    if (contacts_alone_act(input, island)) {
+    if (is_passive(input, island)) {
       islands_.push_back({island, energy_of(input, island), first, blind_.size()});
     } else {
       blind_.resize(first);

@@ -13,7 +13,7 @@ namespace atl::solver {
 /// their impulses what they had for another direction. An island with such a body ends its step with no more energy
 /// than it began with, or these move slower by as much.
 ///
-/// Islands in which contacts alone act: without joints, torques, belts and bodies that are led.
+/// Islands in which nothing else gives energy: no spring, motor, torque or belt, and no body that is led.
 class SpinEnergy {
  public:
   /// Before a group's step.
