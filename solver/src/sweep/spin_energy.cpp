@@ -5,6 +5,7 @@
 #include <solver/tuning.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <span>
 
@@ -53,6 +54,36 @@ bool is_passive(const SolveInput& input, std::size_t island) {
                       [&](const JointLink& link) { return acts(link) || is_led(link.first) || is_led(link.second); });
 }
 
+// Whether something that doesn't move takes an island's momentum.
+bool touches_fixed(const SolveInput& input, std::size_t island) {
+  const auto is_fixed = [&](const auto& pair) {
+    const auto& mobility = input.bodies.mobility;
+    return mobility[pair.first] != Mobility::Dynamic || mobility[pair.second] != Mobility::Dynamic;
+  };
+  const auto contacts = input.islands.contacts(island, island + 1);
+  const auto links = input.islands.joints(island, island + 1);
+  return std::any_of(contacts.begin(), contacts.end(), is_fixed) || std::any_of(links.begin(), links.end(), is_fixed);
+}
+
+// Slows bodies down by so many J, or as many as they have; by their spins and their speeds against each other alone if
+// they are to keep their momentum.
+void take(BodyTable& bodies, std::span<const std::uint32_t> from, bool with_momentum, double energy) {
+  Vector3 kept = Vector3::Zero();
+  double mass = 0, theirs = 0;
+  for (const std::uint32_t body : from) {
+    theirs += kinetic_energy(bodies, body);
+    mass += 1 / bodies.inverse_mass[body];
+    kept += bodies.velocity(body) / bodies.inverse_mass[body];
+  }
+  kept *= with_momentum ? 0 : 1 / mass;
+  theirs -= 0.5 * mass * kept.squaredNorm();
+  const double scale = energy < theirs ? std::sqrt(1 - energy / theirs) : 0;
+  for (const std::uint32_t body : from) {
+    bodies.velocity(body) = kept + scale * (bodies.velocity(body) - kept);
+    bodies.angular_velocity(body) *= scale;
+  }
+}
+
 }  // namespace
 
 void SpinEnergy::begin(const SolveInput& input, const IslandGroup& group) {
@@ -73,15 +104,10 @@ void SpinEnergy::begin(const SolveInput& input, const IslandGroup& group) {
 }
 
 void SpinEnergy::bound(const SolveInput& input) const {
-  BodyTable& bodies = input.bodies;
   for (const Watched& watched : islands_) {
     const double gained = energy_of(input, watched.island) - watched.energy;
-    if (gained <= 0) continue;
     const auto blind = std::span(blind_).subspan(watched.first, watched.end - watched.first);
-    double theirs = 0;
-    for (const std::uint32_t body : blind) theirs += kinetic_energy(bodies, body);
-    const double share = theirs > 0 ? std::min(gained / theirs, 1.0) : 0;
-    for (const std::uint32_t body : blind) slow_down(bodies, body, share * kinetic_energy(bodies, body));
+    if (gained > 0) take(input.bodies, blind, touches_fixed(input, watched.island), gained);
   }
 }
 
