@@ -292,7 +292,10 @@ bool SolvePhase::solve_directly(const solver::SolveInput& input, std::size_t gro
   solver::DirectIslandReport& report = direct_.reports[group];
   const auto begin = jobs::Clock::now();
   if (direct.analyse(of_island, groups_[group])) {
+    solver::PassiveEnergy& energy = jobs::of_this_thread<solver::PassiveEnergy>();
+    energy.begin(input, groups_[group]);
     report = direct.solve(of_island);
+    if (report.solved) energy.bound(input);
   } else {
     report.why_not = solver::DirectIsland::too_large;
   }

@@ -10,6 +10,7 @@
 
 #include "support/bodies.h"
 #include "support/long_tests.h"
+#include "support/random.h"
 #include "support/random_assembly.h"
 
 namespace atl::test {
@@ -152,6 +153,60 @@ TEST(Energy, RodsThatSpinBlindlyGainNone) {
       }
     }
   }
+}
+
+// A tree of joints in the air, with links of up to a hundred times the density of others.
+std::vector<BodyId> add_tree(World& world, Random& random, double friction) {
+  const Shape shapes[] = {Box{{0.2, 0.1, 0.05}}, Sphere{0.12}, Capsule{0.06, 0.2}, Cylinder{0.1, 0.2}};
+  const JointKind kinds[] = {BallJoint{}, HingeJoint{}, HingeJoint{{.range = {-1, 1}}},
+                             SliderJoint{{.range = {-0.2, 0.2}}},
+                             ConeTwistJoint{.swing_limit = 1, .twist = {.range = {-1, 1}}}};
+  const double ratio = random.magnitude(1, 100), spin = random.magnitude(0.1, 100);
+  std::vector<BodyId> ids;
+  const std::uint32_t count = 2 + random.below(7);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    BodyDef link{.shape = shapes[random.below(4)], .orientation = random.rotation()};
+    link.position = Vector3(0.5 * i, 0, 1.5) + random.vector(0.2);
+    link.velocity = random.vector(2);
+    link.angular_velocity = random.vector(spin);
+    link.density = 1000 * (random.chance(0.5) ? 1 : ratio);
+    link.material.friction = friction;
+    ids.push_back(world.add_body(link));
+    if (i == 0) continue;
+    const BodyId to = ids[random.below(i)];
+    const Vector3 middle = (world.centre_of_mass(to) + world.centre_of_mass(ids.back())) / 2;
+    world.add_joint(joint_at(world, kinds[random.below(5)], to, ids.back(), middle, random.direction()));
+  }
+  return ids;
+}
+
+// Nor in any step, by what was carried over from an impact. One of 2000 is lifted by joints that close which had been
+// opened as it was stopped.
+TEST(Energy, TreesThatFallOnTheGroundGainNone) {
+  const std::uint32_t count = long_tests() ? 2000 : 150;
+  std::uint32_t lifted = 0;
+  for (std::uint32_t seed = 0; seed < count; ++seed) {
+    Random random(seed);
+    const double friction = random.chance(0.5) ? 0 : 0.6;
+    const JointSolver solvers[] = {JointSolver::Auto, JointSolver::Iterative, JointSolver::Direct};
+    World world({.settings = {.joint_solver = solvers[seed % 3]}});
+    BodyDef floor = ground();
+    floor.material.friction = friction;
+    world.add_body(floor);
+    const std::vector<BodyId> ids = add_tree(world, random, friction);
+    double before = mechanical_energy(world, ids);
+    const double all = before;
+    double most = 0;
+    for (int i = 0; i < 240; ++i) {
+      ASSERT_EQ(world.step(dt).quarantined, 0) << "seed " << seed;
+      const double now = mechanical_energy(world, ids);
+      most = std::max(most, now - before);
+      before = now;
+    }
+    EXPECT_LT(most, 0.15 * all) << "seed " << seed;
+    lifted += most > 0.01 * all;
+  }
+  EXPECT_LE(lifted, count / 2000);
 }
 
 TEST(Energy, RodsShotAtAWallGainNone) {

@@ -61,7 +61,7 @@ template <typename Executor>
 void GroupPass<Executor>::prepare() {
   if (setup_.sweeps_joints) prepare_joints();
   prepare_contacts();
-  if (report_.gyroscopic_bodies > 0 && !parts_.contacts.empty()) parts_.spin_energy.begin(setup_.input, setup_.group);
+  if (setup_.may_gain) parts_.passive_energy.begin(setup_.input, setup_.group);
   complete_joints();
   if (setup_.joined) prepare_systems();
   clock_.lap(SolverPhase::Prepare);
@@ -100,7 +100,7 @@ void GroupPass<Executor>::finish() {
     write_back(setup_.input, parts_, setup_.body_ids, setup_.joined, begin, end);
   });
   loops_.each_system([&](DirectJoints& system) { system.finish(setup_.direct_input); });
-  if (report_.gyroscopic_bodies > 0 && !parts_.contacts.empty()) parts_.spin_energy.bound(setup_.input);
+  if (setup_.may_gain) parts_.passive_energy.bound(setup_.input);
   loops_.each_joint_block(
       [&](std::size_t begin, std::size_t end) { parts_.joints.store(setup_.joint_step, begin, end); });
   clock_.lap(SolverPhase::Store);

@@ -28,6 +28,7 @@ struct GroupSetup {
         joined(with_joints && report.joints > 0),
         sweeps_joints(with_joints && !parts.joints.empty()),
         bounds_joints(sweeps_joints && relaxes),
+        may_gain(!parts.contacts.empty() && (joined || report.gyroscopic_bodies > 0)),
         friction(!report.friction   ? Friction::None
                  : settings.pyramid ? Friction::Pyramid
                                     : Friction::Cone),
@@ -48,6 +49,7 @@ struct GroupSetup {
   const bool joined;                              // there are joints
   const bool sweeps_joints;                       // some are solved one by one
   const bool bounds_joints;                       // whose velocities end a substep without what pushes
+  const bool may_gain;                            // energy from what only holds: see PassiveEnergy
   const Friction friction;
   const JointStep joint_step;
   const DirectIslandInput direct_input;

@@ -9,7 +9,7 @@
 #include <solver/sweep/joined_motion.h>
 #include <solver/sweep/joint_energy.h>
 #include <solver/sweep/joint_inertia.h>
-#include <solver/sweep/spin_energy.h>
+#include <solver/sweep/passive_energy.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -27,13 +27,13 @@ struct GroupParts {
   JointInertia joint_inertia;
   JointEnergy joint_energy;
   JoinedMotion joined_motion;
-  SpinEnergy spin_energy;
+  PassiveEnergy passive_energy;
   std::vector<std::uint8_t> joined;  ///< by number of a body; empty without joints
 
   /// See jobs/arrays.h.
   auto arrays() const {
-    return std::tie(numbers, bodies, contacts, impacts, joints, joint_inertia, joint_energy, joined_motion, spin_energy,
-                    joined);
+    return std::tie(numbers, bodies, contacts, impacts, joints, joint_inertia, joint_energy, joined_motion,
+                    passive_energy, joined);
   }
 };
 

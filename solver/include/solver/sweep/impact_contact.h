@@ -66,8 +66,8 @@ struct ImpactContact {
   Vector3 arm_first, arm_second;  ///< m
   std::array<Point, collision::max_points> points;
   Friction friction;
-  double time = 0;      ///< s into the substep, at which it is hit
-  double pulled = 0;    ///< m/s, that forces add to its speed of parting until then
+  double time = 0;    ///< s into the substep, at which it is hit
+  double pulled = 0;  ///< m/s, that forces add to its speed of parting until then
 
   /// m/s.
   double parting_speed(const Point& point, const ImpactBody& of_first, const ImpactBody& of_second) const {

@@ -1,7 +1,7 @@
 #include <solver/constraints/contact_inertia.h>
 #include <solver/integrate/motion.h>
 #include <solver/integrate/motion_locks.h>
-#include <solver/sweep/spin_energy.h>
+#include <solver/sweep/passive_energy.h>
 #include <solver/tuning.h>
 
 #include <algorithm>
@@ -54,7 +54,7 @@ bool is_passive(const SolveInput& input, std::size_t island) {
                       [&](const JointLink& link) { return acts(link) || is_led(link.first) || is_led(link.second); });
 }
 
-// Whether something that doesn't move takes an island's momentum.
+// Whether something that doesn't move takes an island's momentum, or locks do.
 bool touches_fixed(const SolveInput& input, std::size_t island) {
   const auto is_fixed = [&](const auto& pair) {
     const auto& mobility = input.bodies.mobility;
@@ -62,7 +62,9 @@ bool touches_fixed(const SolveInput& input, std::size_t island) {
   };
   const auto contacts = input.islands.contacts(island, island + 1);
   const auto links = input.islands.joints(island, island + 1);
-  return std::any_of(contacts.begin(), contacts.end(), is_fixed) || std::any_of(links.begin(), links.end(), is_fixed);
+  const auto ids = input.islands.bodies(island, island + 1);
+  return std::any_of(contacts.begin(), contacts.end(), is_fixed) || std::any_of(links.begin(), links.end(), is_fixed) ||
+         std::any_of(ids.begin(), ids.end(), [&](std::uint32_t body) { return input.bodies.locks[body] != 0; });
 }
 
 // Slows bodies down by so many J, or as many as they have; by their spins and their speeds against each other alone if
@@ -86,28 +88,34 @@ void take(BodyTable& bodies, std::span<const std::uint32_t> from, bool with_mome
 
 }  // namespace
 
-void SpinEnergy::begin(const SolveInput& input, const IslandGroup& group) {
+void PassiveEnergy::begin(const SolveInput& input, const IslandGroup& group) {
   islands_.clear();
-  blind_.clear();
+  watched_.clear();
   for (std::size_t island = group.begin; island < group.end; ++island) {
-    const std::size_t first = blind_.size();
+    const std::size_t first = watched_.size();
+    const bool joined = input.islands.joint_count(island) > 0;
+    if (joined && input.islands.contacts(island, island + 1).empty()) continue;
+    double kinetic = 0;
     for (const std::uint32_t body : input.islands.bodies(island, island + 1)) {
-      if (turns_blindly(input.bodies, body, input.dt)) blind_.push_back(body);
+      if (!joined && !turns_blindly(input.bodies, body, input.dt)) continue;
+      watched_.push_back(body);
+      kinetic += kinetic_energy(input.bodies, body);
     }
-    if (blind_.size() == first) continue;
+    if (watched_.size() == first) continue;
     if (is_passive(input, island)) {
-      islands_.push_back({island, energy_of(input, island), first, blind_.size()});
+      const double more = joined ? tuning::energy_tolerance * kinetic : 0;
+      islands_.push_back({island, energy_of(input, island) + more, first, watched_.size()});
     } else {
-      blind_.resize(first);
+      watched_.resize(first);
     }
   }
 }
 
-void SpinEnergy::bound(const SolveInput& input) const {
-  for (const Watched& watched : islands_) {
-    const double gained = energy_of(input, watched.island) - watched.energy;
-    const auto blind = std::span(blind_).subspan(watched.first, watched.end - watched.first);
-    if (gained > 0) take(input.bodies, blind, touches_fixed(input, watched.island), gained);
+void PassiveEnergy::bound(const SolveInput& input) const {
+  for (const Island& of : islands_) {
+    const double gained = energy_of(input, of.island) - of.most;
+    const auto watched = std::span(watched_).subspan(of.first, of.end - of.first);
+    if (gained > 0) take(input.bodies, watched, touches_fixed(input, of.island), gained);
   }
 }
 

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <solver/solve_input.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace atl::solver {
+
+/// Keeps what only holds from making energy, over a step. An island in which nothing gives any (no spring, motor,
+/// torque or belt, and no body that is led) ends its step with no more than it began with, or bodies move slower by as
+/// much:
+///
+/// - those that turn by more than tuning::blind_turn in the step, or swing as contacts don't see it. Contacts know a
+///   body's inertia and points where they are as a step begins: a rod that turns on from there would take from their
+///   impulses what they had for another direction.
+/// - all in islands with joints that touch something. What an impact took to stop a heavy link is carried over into the
+///   next substep, in which nothing is to be stopped, and the few sweeps of that don't take all of it back.
+class PassiveEnergy {
+ public:
+  /// Before a group's step.
+  void begin(const SolveInput& input, const IslandGroup& group);
+  /// After it, once bodies have their new poses and velocities.
+  void bound(const SolveInput& input) const;
+
+  /// See jobs/arrays.h.
+  auto arrays() const { return std::tie(islands_, watched_); }
+
+ private:
+  struct Island {
+    std::size_t island;
+    double most;             // J, as its step may end
+    std::size_t first, end;  // of its bodies that are watched
+  };
+
+  std::vector<Island> islands_;
+  std::vector<std::uint32_t> watched_;  // bodies
+};
+
+}  // namespace atl::solver
