@@ -42,8 +42,9 @@ inline constexpr double least_turn = 1e-5;
 /// falls with its fourth power. With 1 a top of 50 rad/s, whose nutation no step of 1/60 s sees, falls over (an error
 /// of 1.2 instead of 0.27, relative to its tilt); with 0.25 or 0.5 what rolls is the same.
 inline constexpr double known_turn = 0.25;
-/// rad a step, by which a body turns out of what its contacts know of it: see PassiveEnergy. Of 120 rods that fall on the
-/// ground and turn by 1.1 rad a step none gains a thousandth of its energy, of 120 that turn by 1.6 four do.
+/// rad a step, times the root of the largest moment of inertia over the least: a body may turn by that before what its
+/// contacts know of it is told of another one. See PassiveEnergy. Of 120 rods that fall on the ground and turn by 1.1
+/// rad a step none gains a thousandth of its energy, of 120 that turn by 1.6 four do.
 inline constexpr double blind_turn = 1;
 /// The square of the sine of the angle between a round body's axis and a normal, at least: what lies flat is touched at
 /// no single point, which would move along its rim as far as it likes.

@@ -1,4 +1,3 @@
-#include <solver/constraints/contact_inertia.h>
 #include <solver/integrate/motion.h>
 #include <solver/integrate/motion_locks.h>
 #include <solver/sweep/passive_energy.h>
@@ -12,13 +11,15 @@
 namespace atl::solver {
 namespace {
 
-// Contacts see a body with other moments than it has, or turn it out of what they see.
+// Whether a body may turn so far in a step, or when it is struck, that contacts don't know its inertia. A spin that
+// they make about the light axis, where that was, is one about the heavy axes once it has swung by an angle, by so
+// much: its energy grows by their moment over the least times the square of the angle.
 bool turns_blindly(const BodyTable& bodies, std::uint32_t body, double dt) {
   if (!bodies.gyroscopic[body]) return false;
-  if (dt * bodies.angular_velocity(body).norm() > tuning::blind_turn) return true;
-  if (!is_seen_heavier(bodies, body)) return false;
-  const double swing = swing_in_contact(bodies, body, bodies.velocity(body).norm(), dt);
-  return swing * swing * bodies.moments[body].maxCoeff() > bodies.moments[body].minCoeff();
+  const double most = bodies.moments[body].maxCoeff(), least = bodies.moments[body].minCoeff();
+  const double spin = bodies.angular_velocity(body).norm();
+  const double struck = bodies.velocity(body).norm() / std::sqrt(most * bodies.inverse_mass[body]);
+  return dt * (spin + struck) * std::sqrt(most / least) > tuning::blind_turn;
 }
 
 // J: of motion, and in the forces on bodies, which are the same for all of a step.

@@ -12,9 +12,9 @@ namespace atl::solver {
 /// torque or belt, and no body that is led) ends its step with no more than it began with, or bodies move slower by as
 /// much:
 ///
-/// - those that turn by more than tuning::blind_turn in the step, or swing as contacts don't see it. Contacts know a
-///   body's inertia and points where they are as a step begins: a rod that turns on from there would take from their
-///   impulses what they had for another direction.
+/// - those that may turn by more than tuning::blind_turn in the step. Contacts know a body's inertia and points where
+///   they are as a step begins: a rod that turns on from there would take from their impulses what they had for another
+///   direction.
 /// - all in islands with joints that touch something. What an impact took to stop a heavy link is carried over into the
 ///   next substep, in which nothing is to be stopped, and the few sweeps of that don't take all of it back.
 class PassiveEnergy {
