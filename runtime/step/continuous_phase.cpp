@@ -144,11 +144,14 @@ void ContinuousPhase::stop(Stores& world, const IslandPhase& islands, const CcdS
     // A body in free flight loses the speed that its weight would have added after the stop.
     const Vector3 flown = world.clock.dt * (world.bodies.velocity(body) - 0.5 * fall);
     const bool flies = (fast.shift - flown).norm() <= 1e-3 * world.clock.dt * fall.norm();
-    if (flies && stop.t < 1) world.bodies.velocity(body) -= (1 - stop.t) * fall;
-    // What else is put back up has had work of its weight that is not done.
-    const Vector3 weight = world.bodies.gravity_scale[body] / world.bodies.inverse_mass[body] * world.gravity;
-    const double undone = weight.dot(world.bodies.position(body) - pose.position);
-    if (!flies && undone > 0) solver::slow_down(world.bodies, body, undone);
+    if (flies) {
+      if (stop.t < 1) world.bodies.velocity(body) -= (1 - stop.t) * fall;
+    } else {
+      // The work of its weight on the way that it doesn't go: it would gain that in each step that it is stopped.
+      const Vector3 weight = world.bodies.gravity_scale[body] / world.bodies.inverse_mass[body] * world.gravity;
+      const double undone = weight.dot(world.bodies.position(body) - pose.position);
+      if (undone > 0) solver::slow_down(world.bodies, {&body, 1}, solver::Momentum::Take, undone);
+    }
     world.bodies.position(body) = pose.position;
     solver::turn_back(world.bodies, body, pose.orientation);
     world.aabbs.mark_dirty(body);

@@ -31,7 +31,8 @@ Core core_of(const Shape& shape) {
 // No point of such a shape is farther from its core than the core is deep, but for corners of boxes.
 bool has_even_core(ShapeKind kind) { return kind <= ShapeKind::Cylinder; }
 
-// Of a core that starts at the other's surface: it ends off it, and its centre has met it nowhere.
+// True if a core that starts at the other's surface ends off it, and its centre has met it nowhere. The nearest places
+// at both ends don't tell: in a room they may be two walls.
 bool stays_outside(const Shape& core, const Motion& motion, const Shape& other, const Motion& other_motion,
                    double tolerance) {
   constexpr double anywhere = std::numeric_limits<double>::infinity();

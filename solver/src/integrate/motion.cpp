@@ -13,11 +13,29 @@ double kinetic_energy(const BodyTable& bodies, std::uint32_t body) {
          (bodies.velocity(body).squaredNorm() / bodies.inverse_mass[body] + spin.dot(bodies.inertia[body] * spin));
 }
 
-void slow_down(BodyTable& bodies, std::uint32_t body, double energy) {
-  const double own = kinetic_energy(bodies, body);
-  const double scale = energy < own ? std::sqrt(1 - energy / own) : 0;
-  bodies.velocity(body) *= scale;
-  bodies.angular_velocity(body) *= scale;
+double kinetic_energy(const BodyTable& bodies, std::span<const std::uint32_t> of) {
+  double sum = 0;
+  for (const std::uint32_t body : of) sum += kinetic_energy(bodies, body);
+  return sum;
+}
+
+void slow_down(BodyTable& bodies, std::span<const std::uint32_t> of, Momentum momentum, double energy) {
+  Vector3 kept = Vector3::Zero();  // m/s
+  double theirs = kinetic_energy(bodies, of);
+  if (momentum == Momentum::Keep) {
+    double mass = 0;
+    for (const std::uint32_t body : of) {
+      mass += 1 / bodies.inverse_mass[body];
+      kept += bodies.velocity(body) / bodies.inverse_mass[body];
+    }
+    kept *= 1 / mass;
+    theirs -= 0.5 * mass * kept.squaredNorm();
+  }
+  const double scale = energy < theirs ? std::sqrt(1 - energy / theirs) : 0;
+  for (const std::uint32_t body : of) {
+    bodies.velocity(body) = kept + scale * (bodies.velocity(body) - kept);
+    bodies.angular_velocity(body) *= scale;
+  }
 }
 
 bool changes_steadily(const Vector3& gained, const Vector3& gained_spin, const Vector3& acceleration, double dt,

@@ -119,6 +119,10 @@ struct alignas(64) Joint {
   std::array<std::int8_t, max_joint_rows> motor_bound = {};
 
   std::size_t row_count() const { return rows + (point ? 3u : 0u); }
+  /// Tells a joint with springs, servos, motors or armatures.
+  bool acts_as_force() const {
+    return std::any_of(law.begin(), law.begin() + rows, [](const Law& of) { return of.acts_as_force(); });
+  }
   /// Tells a machine's joint, which holds its place by a servo or has a rotor.
   bool is_actuated() const {
     return std::any_of(law.begin(), law.begin() + rows, [](const Law& of) { return of.is_servo() || of.armature > 0; });

@@ -5,6 +5,7 @@
 #include <solver/integrate/body_table.h>
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace atl::solver {
@@ -42,8 +43,14 @@ inline double turn_chord(const Quaternion& from, const Quaternion& to) {
 /// J, of a body's motion, and its spin.
 double kinetic_energy(const BodyTable& bodies, std::uint32_t body);
 
-/// Takes energy from a body's motion, its speed and spin alike: `energy` in J, or as much as it has.
-void slow_down(BodyTable& bodies, std::uint32_t body, double energy);
+/// J, of some bodies' motion.
+double kinetic_energy(const BodyTable& bodies, std::span<const std::uint32_t> of);
+
+enum class Momentum : std::uint8_t { Keep, Take };
+
+/// Slows bodies down by so many J, or as many as they have: by their speeds and spins alike, or, if they are to keep
+/// their momentum, by their spins and their speeds against each other.
+void slow_down(BodyTable& bodies, std::span<const std::uint32_t> of, Momentum momentum, double energy);
 
 /// Whether what a body gained in a step of dt seconds is a steady change, as of one that slides, rolls or tips, and no
 /// impact: what the forces on it, its weight above all, make of its velocity in a step, times 4. Contacts return them

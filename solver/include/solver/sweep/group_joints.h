@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <span>
 #include <vector>
 
@@ -38,7 +37,7 @@ class GroupJoints {
   void add(const LocalJoint& local, const Joint& joint) {
     joints_.push_back(local);
     may_bounce_ |= joint.bounces;
-    has_forces_ |= std::any_of(joint.law.begin(), joint.law.begin() + joint.rows, std::mem_fn(&Law::acts_as_force));
+    has_forces_ |= joint.acts_as_force();
   }
   /// As Colouring has it, of all that were added.
   void colour(std::uint32_t first_dynamic, std::uint32_t body_count);
