@@ -25,7 +25,6 @@
 #include <variant>
 #include <vector>
 
-#include "last_manifold.h"
 
 namespace {
 

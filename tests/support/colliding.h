@@ -60,9 +60,14 @@ inline double distance(const collision::Pose& frame, const Vector3& point, const
   return -audit::penetration(at, shape.placed()).depth;
 }
 
-inline Found collide(const Posed& a, const Posed& b, double margin) {
+/// Found at the first look, by FCL's axis, or at a later one, by the best from there.
+inline Found collide(const Posed& a, const Posed& b, double margin, int looks = 2) {
   collision::Manifold manifold;
-  collision::collide(a.colliding, b.colliding, collision::relative(a.pose, b.pose), margin, manifold);
+  for (int i = 0; i < looks; ++i) {
+    manifold = collision::as_last(manifold);
+    manifold.axis = 0;
+    collision::collide(a.colliding, b.colliding, collision::relative(a.pose, b.pose), margin, manifold);
+  }
   Found found{Vector3::Zero(), -INFINITY, INFINITY, 0, manifold.count, {}};
   const Posed& reference = manifold.reference_is_second ? b : a;
   found.normal = (manifold.reference_is_second ? -1 : 1) * (reference.pose.orientation * manifold.normal);

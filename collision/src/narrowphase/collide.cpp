@@ -9,8 +9,16 @@
 namespace atl::collision {
 namespace {
 
-// Whether what FCL says of a sphere is what it comes to, m. Rounding is a part of 1e-16 of the coordinates.
-bool agrees(double found, double expected, double scale) { return std::abs(found - expected) <= 1e-9 * scale; }
+// FCL's answer about a sphere, unless it is refuted by the separation (m) along its axis: that is what it says, and the
+// best there is. Rounding is a part of 1e-16 of the coordinates.
+Narrowphase take(const fcl_narrowphase::Axis& answer, double along, double scale, fcl_narrowphase::Axis& best) {
+  const double error = 1e-9 * scale;
+  if (!(std::abs(along - answer.separation) <= error && std::abs(along - best.separation) <= error)) {
+    return Narrowphase::Repaired;
+  }
+  best = answer;
+  return Narrowphase::Fcl;
+}
 
 // From a sphere to the nearest point of a box, in the frame of the box; out of the nearest face if the centre is
 // inside.
@@ -53,19 +61,25 @@ Narrowphase collide(const Shape& first_shape, const Shape& second_shape, const P
 
 Narrowphase collide_spheres(double radius_first, double radius_second, const Pose& second, double margin,
                             Manifold& manifold) {
-  fcl_narrowphase::Axis axis;
-  if (!fcl_narrowphase::sphere_sphere(radius_first, radius_second, second.position, margin, axis)) {
-    return Narrowphase::Fcl;
-  }
+  manifold.count = 0;
   const double distance = second.position.norm();
   const double separation = distance - radius_first - radius_second;
-  const bool fits = agrees(axis.normal.dot(second.position), distance, distance) &&
-                    agrees(axis.separation, separation, distance + radius_first + radius_second);
-  if (!fits) axis = {distance > 0 ? Vector3(second.position / distance) : Vector3::UnitZ(), separation, 1};
+  fcl_narrowphase::Axis axis{distance > 0 ? Vector3(second.position / distance) : Vector3::UnitZ(), separation, 1};
+  Narrowphase by = Narrowphase::Kept;
+  if (!manifold.known) {
+    fcl_narrowphase::Axis answer;
+    if (!fcl_narrowphase::sphere_sphere(radius_first, radius_second, second.position, margin, answer)) {
+      return Narrowphase::Fcl;
+    }
+    by = take(answer, answer.normal.dot(second.position) - radius_first - radius_second,
+              distance + radius_first + radius_second, axis);
+  } else if (!(separation <= margin)) {
+    return by;
+  }
   manifold.reference_is_second = false;
   manifold.normal = axis.normal;
   manifold.add(second.position - radius_second * axis.normal, axis.separation, single_point_id());
-  return fits ? Narrowphase::Fcl : Narrowphase::Repaired;
+  return by;
 }
 
 void meet_at_impact(double radius_first, double radius_second, const Pose& second, const Vector3& shift,
@@ -86,21 +100,22 @@ void meet_at_impact(double radius_first, double radius_second, const Pose& secon
 
 Narrowphase collide_sphere_box(double radius, const Vector3& half_extents, const Pose& box, double margin,
                                Manifold& manifold) {
+  manifold.count = 0;
   const Vector3 centre = box.orientation.conjugate() * -box.position;
-  fcl_narrowphase::Axis axis;
-  if (!fcl_narrowphase::sphere_box(radius, half_extents, centre, margin, axis)) return Narrowphase::Fcl;
-  const auto along = [&](const Vector3& normal) {
-    return -normal.dot(centre) - normal.cwiseAbs().dot(half_extents) - radius;
-  };
-  const fcl_narrowphase::Axis best = sphere_to_box(radius, half_extents, centre);
-  const double scale = centre.norm() + half_extents.sum() + radius;
-  const bool fits =
-      agrees(along(axis.normal), best.separation, scale) && agrees(axis.separation, best.separation, scale);
-  if (!fits) axis = best;
+  fcl_narrowphase::Axis axis = sphere_to_box(radius, half_extents, centre);
+  Narrowphase by = Narrowphase::Kept;
+  if (!manifold.known) {
+    fcl_narrowphase::Axis answer;
+    if (!fcl_narrowphase::sphere_box(radius, half_extents, centre, margin, answer)) return Narrowphase::Fcl;
+    const double along = -answer.normal.dot(centre) - answer.normal.cwiseAbs().dot(half_extents) - radius;
+    by = take(answer, along, centre.norm() + half_extents.sum() + radius, axis);
+  } else if (!(axis.separation <= margin)) {
+    return by;
+  }
   manifold.reference_is_second = true;
   manifold.normal = -axis.normal;
   manifold.add(centre + radius * axis.normal, axis.separation, single_point_id());
-  return fits ? Narrowphase::Fcl : Narrowphase::Repaired;
+  return by;
 }
 
 }  // namespace atl::collision

@@ -259,32 +259,46 @@ bool keep_axis(const BoxPair& pair, const BestAxes& best, std::uint32_t last, do
   return true;
 }
 
-// FCL's answer about two boxes that meet by a new axis. It drops pairs that don't overlap: those are shown to it with
-// the first box grown by the margin.
-bool ask_fcl(const BoxPair& pair, double separation, double margin, fcl_narrowphase::Axis& answer) {
-  const Vector3 grown = pair.half_reference + Vector3::Constant(separation > 0 ? margin : 0);
-  return fcl_narrowphase::box_box(grown, pair.half_incident, pair.position, pair.rotation, margin, answer);
+// Edges that cross, or a face beside their axis.
+void on_edges(const BoxPair& pair, const fcl_narrowphase::Axis& edge, const FaceAxis& face, double margin, double size,
+              Manifold& manifold) {
+  if (!face_stands_in(pair, edge, face, false, margin, size, manifold)) edge_manifold(pair, edge, margin, manifold);
 }
 
-// The manifold on FCL's axis, where it parts the boxes as well as the best one does; else on that. FCL takes a face
-// rather than edges that part them by less than 5% of the depth better.
-Narrowphase take_axis(const BoxPair& pair, const BestAxes& best, const fcl_narrowphase::Axis& answer, double margin,
-                      double size, Manifold& manifold) {
-  const bool on_face = answer.code >= 1 && answer.code <= 6;
-  const double missed = best.separation - separation_along(pair, answer.normal);
+// A pair that touches by a new axis: the best one.
+void take_best(const BoxPair& pair, const BestAxes& best, double margin, double size, Manifold& manifold) {
   if (best.on_edges) {
-    if (face_stands_in(pair, best.edge, best.face, false, margin, size, manifold)) {
-      return missed <= nearly_best * size ? Narrowphase::Fcl : Narrowphase::Repaired;
-    }
-    const bool is_edge = !on_face && missed <= 1e-9 * size;
-    edge_manifold(pair, is_edge ? answer : best.edge, margin, manifold);
-    return is_edge ? Narrowphase::Fcl : Narrowphase::Repaired;
+    on_edges(pair, best.edge, best.face, margin, size, manifold);
+  } else {
+    face_manifold(pair, best.face, margin, manifold);
   }
-  const bool fits = on_face && missed <= nearly_best * size;
-  // Of parallel faces that are as good, which is the reference is not FCL's to say: it goes by rounding.
-  const bool parallel = outward_normal(best.face, pair.rotation).dot(answer.normal) > same_way;
-  face_manifold(pair, fits && !parallel ? face_axis(pair, answer.code) : best.face, margin, manifold);
-  return fits ? Narrowphase::Fcl : Narrowphase::Repaired;
+}
+
+// The first manifold of a pair, on FCL's axis. That is refuted where the boxes don't overlap along it by what FCL says,
+// or if they overlap along it although another one parts them.
+Narrowphase first_manifold(const BoxPair& pair, const BestAxes& best, double margin, double size, Manifold& manifold) {
+  // FCL drops pairs that don't overlap: those are shown to it with the first box grown by the margin.
+  const double growth = best.separation > 0 ? margin : 0;
+  fcl_narrowphase::Axis answer;
+  if (!fcl_narrowphase::box_box(pair.half_reference + Vector3::Constant(growth), pair.half_incident, pair.position,
+                                pair.rotation, margin, answer)) {
+    return Narrowphase::Fcl;
+  }
+  const double along = separation_along(pair, answer.normal);
+  const double as_shown = along - growth * answer.normal.cwiseAbs().sum();
+  const bool refuted = !(std::abs(as_shown - answer.separation) <= 1e-9 * (size + pair.position.norm())) ||
+                       (best.separation > 0 && along < 0);
+  if (refuted) {
+    take_best(pair, best, margin, size, manifold);
+    return Narrowphase::Repaired;
+  }
+  if (answer.code <= 6) {
+    face_manifold(pair, face_axis(pair, answer.code), margin, manifold);
+  } else {
+    answer.separation = along;
+    on_edges(pair, answer, best.face, margin, size, manifold);
+  }
+  return Narrowphase::Fcl;
 }
 
 }  // namespace
@@ -292,7 +306,7 @@ Narrowphase take_axis(const BoxPair& pair, const BestAxes& best, const fcl_narro
 Narrowphase collide_boxes(const Vector3& half_first, const Vector3& half_second, const BoxAxes& axes, std::size_t lane,
                           double margin, Manifold& manifold) {
   manifold.count = 0;
-  manifold.known = false;
+  const bool known = std::exchange(manifold.known, false);
   const std::uint32_t last = std::exchange(manifold.axis, 0);
   const int face_code = static_cast<int>(axes.face_code[lane]);
   const int edge_code = static_cast<int>(axes.edge_code[lane]);
@@ -313,11 +327,10 @@ Narrowphase collide_boxes(const Vector3& half_first, const Vector3& half_second,
   if (best.on_edges) best.edge = {box_axis(axes, lane, edge_code), axes.edge[lane], edge_code};
 
   Narrowphase by = Narrowphase::Kept;
-  if (!keep_axis(pair, best, last, margin, size, manifold)) {
-    by = Narrowphase::Fcl;
-    fcl_narrowphase::Axis answer;
-    if (!ask_fcl(pair, separation, margin, answer)) return by;
-    by = take_axis(pair, best, answer, margin, size, manifold);
+  if (!known) {
+    by = first_manifold(pair, best, margin, size, manifold);
+  } else if (!keep_axis(pair, best, last, margin, size, manifold)) {
+    take_best(pair, best, margin, size, manifold);
   }
   if (manifold.count > 0 && FaceAxis::unpacked(manifold.axis).code > 6 && is_fast) {
     add_other_features(pair, std::max(margin, size), manifold);

@@ -183,12 +183,9 @@ void settle_witness(const SolidPair& pair, const Polytope& first, const Polytope
   axis.on_second = tail + t * v;
 }
 
-// Cosine: the last axis of a pair turns by less between two looks at it, or what meets has changed. So FCL is asked for
-// 3% of the touching pairs of `rocks` while they land, and for none once they lie. Not tried otherwise.
-constexpr double nearly_same_axis = 0.98;
-
-// FCL's answer counts as repaired where the best axis parts the solids better by this part of their size.
-constexpr double short_of_best = 1e-2;
+// By the size: a depth that FCL finds is the one along its axis to within this. The refinement stops at half of it (see
+// fcl_narrowphase.cpp).
+constexpr double depth_agreement = 2e-2;
 
 LocalAxis walk_from(const KnownAxis& known, GaussMapDescent& descent) {
   const PackedAxis axis = PackedAxis::unpacked(known.features);
@@ -206,9 +203,8 @@ LocalAxis walk_from(const KnownAxis& known, GaussMapDescent& descent) {
   return descent.from_direction(known.normal);
 }
 
-// FCL's normal, or where it left that out (shapes that just touch, centres that coincide) the line of centres.
-Vector3 usable(const Vector3& normal, const SolidPair& pair) {
-  if (normal.squaredNorm() > 0.25 && normal.allFinite()) return normal.normalized();
+// Any direction, where they coincide.
+Vector3 line_of_centres(const SolidPair& pair) {
   const double distance = pair.position.norm();
   return distance > 0 ? Vector3(pair.position / distance) : Vector3::UnitZ();
 }
@@ -297,39 +293,43 @@ bool SolidPair::has_round() const { return is_round(first.kind) || is_round(seco
 
 AxisSearch find_axis(const SolidPair& pair, double margin, const KnownAxis& known, Core& first, Core& second) {
   AxisSearch found;
+  LocalAxis& axis = found.axis;
   first.build(pair.first);
   second.build(pair.second);
   GaussMapDescent descent(first.polytope(), second.polytope(), pair.position, pair.rotation);
+  // Where the cores overlap a face elsewhere may part them better than what a walk came to.
+  const auto search_faces = [&] {
+    if (axis.separation < 0) try_faces(first.polytope(), second.polytope(), pair, descent, axis);
+  };
   const auto settle = [&](Narrowphase by) {
-    // Where the cores overlap a face elsewhere may part them better than what a walk came to.
-    if (found.axis.separation < 0) try_faces(first.polytope(), second.polytope(), pair, descent, found.axis);
-    grow_by_radii(pair, first, second, found.axis);
+    grow_by_radii(pair, first, second, axis);
     found.by = by;
-    found.touches = found.axis.separation <= margin && found.axis.normal.allFinite();
-    found.gap = found.axis.separation;
+    found.gap = axis.separation;
+    found.touches = found.gap <= margin && axis.normal.allFinite();
+    return found;
   };
 
   if (known.exists) {
-    found.axis = walk_from(known, descent);
-    settle(Narrowphase::Kept);
-    const bool apart = found.gap > margin;
-    if (found.axis.confirmed && (apart || found.axis.normal.dot(known.normal) > nearly_same_axis)) return found;
-  } else {
-    found.axis = descent.from_direction(usable(Vector3::Zero(), pair));
-    settle(Narrowphase::ClosedForm);
-    if (found.gap > margin) return found;
+    axis = walk_from(known, descent);
+    if (!axis.confirmed) axis = descent.from_direction(line_of_centres(pair));
+    search_faces();
+    return settle(Narrowphase::Kept);
   }
 
-  found.touches = false;
-  found.by = Narrowphase::Fcl;
-  fcl_narrowphase::Axis asked;
-  if (!fcl_narrowphase::convex(pair.first, pair.second, pair.position, pair.rotation, margin, asked)) return found;
-  const Vector3 start = usable(asked.normal, pair);
-  found.axis = descent.from_direction(start);
-  settle(Narrowphase::Fcl);
-  const double missed = found.axis.separation - pair.separation_along(start);
-  if (missed > short_of_best * pair.size()) found.by = Narrowphase::Repaired;
-  return found;
+  axis = descent.from_direction(line_of_centres(pair));
+  if (!settle(Narrowphase::ClosedForm).touches) return found;
+  fcl_narrowphase::Axis answer;
+  if (!fcl_narrowphase::convex(pair.first, pair.second, pair.position, pair.rotation, margin, answer)) {
+    found.touches = false;
+    found.by = Narrowphase::Fcl;
+    return found;
+  }
+  axis = descent.from_direction(answer.normal);
+  const bool stands =
+      std::abs(pair.separation_along(answer.normal) - answer.separation) <= depth_agreement * pair.size();
+  if (stands) return settle(Narrowphase::Fcl);
+  search_faces();
+  return settle(Narrowphase::Repaired);
 }
 
 }  // namespace atl::collision

@@ -33,9 +33,10 @@ struct KnownAxis {
 /// (polytope.h), which the features found are those of. The separation is exact along the normal; the normal is
 /// so too, but for cylinders and cones, which see refine_axis().
 ///
-/// A walk from the known axis ends beside it as long as the features that meet hardly change. A pair that has none,
-/// or whose walk ends elsewhere, is FCL's to decide: a walk starts from its normal, and where FCL finds no contact
-/// there is none. Of a pair that is apart by more than `margin` (m) the walk's end tells the distance.
+/// A pair that touches is followed from its known axis. A pair without one is FCL's to decide, unless a walk from the
+/// line of centres finds it apart by more than `margin` (m), and how far. Where FCL finds no contact there is none.
+/// Its axis names the features that meet. It is refuted where the solids don't lie along it as deep as FCL says; then
+/// all faces near by are tried (Narrowphase::Repaired).
 struct AxisSearch {
   Narrowphase by = Narrowphase::ClosedForm;
   bool touches = false;

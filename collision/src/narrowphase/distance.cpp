@@ -148,11 +148,14 @@ void find_depth_in_convex(const Shape& solid, const Pose& solid_pose, const Shap
     return take_depth(manifold, other_pose, false, result);
   }
   const bool solid_first = solid.kind <= other.kind;
-  if (solid_first) {
-    collide(solid, other, relative(solid_pose, other_pose), 0, manifold);
-  } else {
-    collide(other, solid, relative(other_pose, solid_pose), 0, manifold);
-  }
+  const Shape& lower = solid_first ? solid : other;
+  const Shape& higher = solid_first ? other : solid;
+  const Pose in_lower = solid_first ? relative(solid_pose, other_pose) : relative(other_pose, solid_pose);
+  collide(lower, higher, in_lower, 0, manifold);
+  // The first look takes the axis that FCL says. From there the next one looks for the best, whatever its features.
+  manifold = as_last(manifold);
+  manifold.axis = 0;
+  collide(lower, higher, in_lower, 0, manifold);
   const bool reference_is_solid = solid_first != manifold.reference_is_second;
   take_depth(manifold, reference_is_solid ? solid_pose : other_pose, reference_is_solid, result);
 }

@@ -144,6 +144,13 @@ Body grown_body(const Shape& shape, double margin) {
   return body;
 }
 
+// m, how much farther a grown body reaches along a unit direction than its shape does.
+double grown_along(const Body& body, const Vector3& direction) {
+  if (body.scale == 1) return body.grown;
+  const Vector3 local = body.rotation.transpose() * direction;
+  return (body.scale - 1) * (reach_along(*body.shape, local) - body.centre.dot(local));
+}
+
 }  // namespace
 
 bool box_box(const Vector3& half_first, const Vector3& half_second, const Vector3& position, const Matrix3& rotation,
@@ -185,13 +192,24 @@ bool convex(const Shape& first_shape, const Shape& second_shape, const Vector3& 
   Body second = grown_body(second_shape, grow_first ? 0 : growth);
   second.position = position;
   second.rotation = rotation;
-  // The descent that follows makes up for the loose tolerance, which is what bounds the time for round shapes.
+  // The walk to the features that meet makes up for the loose tolerance, which bounds the time for round shapes.
   constexpr unsigned max_iterations = 30;
   Vector3 point;
   double depth = 0;
+  Vector3& normal = axis.normal;
+  if (!fcl::detail::GJKCollide<double>(&first, body_support, body_centre, &second, body_support, body_centre,
+                                       max_iterations, tolerance, &point, &depth, &normal)) {
+    return false;
+  }
   axis.code = 1;
-  return fcl::detail::GJKCollide<double>(&first, body_support, body_centre, &second, body_support, body_centre,
-                                         max_iterations, tolerance, &point, &depth, &axis.normal);
+  // It leaves the normal out where shapes just touch or centres coincide.
+  if (!(normal.squaredNorm() > 0.25 && normal.allFinite())) {
+    const double distance = position.norm();
+    normal = distance > 0 ? Vector3(position / distance) : Vector3::UnitZ();
+  }
+  normal.normalize();
+  axis.separation = grown_along(grow_first ? first : second, grow_first ? normal : Vector3(-normal)) - depth;
+  return true;
 }
 
 }  // namespace atl::collision::fcl_narrowphase

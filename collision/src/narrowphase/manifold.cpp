@@ -26,6 +26,18 @@ int best_point(int count, double tolerance, const Score& score) {
 
 }  // namespace
 
+Manifold as_last(const Manifold& found) {
+  Manifold last;
+  last.axis = found.axis;
+  last.known = found.count > 0;
+  last.normal = found.normal;
+  last.reference_is_second = found.reference_is_second;
+  for (int i = 0; i < found.count; ++i) {
+    last.middle += found.points[static_cast<std::size_t>(i)].position / found.count;
+  }
+  return last;
+}
+
 void reduce_points(const Manifold::Point* points, int count, Manifold& manifold) {
   manifold.count = 0;
   count = std::min(count, max_points_to_reduce);

@@ -115,7 +115,7 @@ struct StepCounts {
   std::int64_t recycled_manifolds = 0;    ///< pairs that kept their features (or their having none)
   std::int64_t recomputed_manifolds = 0;  ///< pairs that the narrowphase looked at anew
   std::int64_t fcl_calls = 0;             ///< pairs of these for which FCL ran; see collision/README.md
-  std::int64_t fcl_repairs = 0;           ///< of its answers, those that fell short of the best axis and were replaced
+  std::int64_t fcl_repairs = 0;           ///< of its answers, those that their own axis refutes and were replaced
   std::int64_t id_matches = 0;            ///< points of fresh manifolds that inherited an impulse by feature id
   std::int64_t id_misses = 0;             ///< points of such manifolds, of pairs that touched before, that did not
   std::int64_t sweeps = 0;   ///< over an island group's contacts and joints, all groups and substeps together

@@ -10,13 +10,13 @@ namespace atl::collision {
 /// of the second shape in the frame of the first; the first is of the lower or the same kind. A pair of
 /// half-spaces has none. On entry `manifold.axis` is the axis of the pair's last manifold, or 0: of two faces
 /// that are equally good references, the one used before stays. Where `manifold.known`, its normal, its reference and
-/// its middle are those of the last manifold: while the best axis is still beside it, FCL is not asked.
+/// its middle are those of the last manifold (as_last()), which is followed. Else FCL is asked.
 Narrowphase collide(const Shape& first_shape, const Shape& second_shape, const Pose& second, double margin,
                     Manifold& manifold);
 
 /// The pairs' own functions, which collide() chooses from.
 ///
-/// Of boxes `manifold.axis` says all that is known of the last manifold.
+/// Of boxes `manifold.axis` is all that is needed of a last manifold that is known.
 Narrowphase collide_boxes(const Vector3& half_first, const Vector3& half_second, const Pose& second, double margin,
                           Manifold& manifold);
 /// The same of a lane, whose axes were found.

@@ -31,7 +31,8 @@ bool sphere_box(double radius, const Vector3& half_extents, const Vector3& centr
 /// Any two solids, by libccd's portal refinement (Snethen, "XenoCollide", Game Programming Gems 7, 2008): finds
 /// the way out along the line of centres, so the normal is good where the overlap is shallow and a mere start
 /// where it is deep. The shape with the larger inner radius is grown about its centre by the margin and 1.5% of the
-/// smaller inner radius, so that pairs which just touch are found. `separation` is not set.
+/// smaller inner radius, so that pairs which just touch are found. `separation` is the depth that the refinement came
+/// to, to within 1% of that radius, less the growth.
 bool convex(const Shape& first_shape, const Shape& second_shape, const Vector3& position, const Matrix3& rotation,
             double margin, Axis& axis);
 

@@ -18,8 +18,8 @@ inline constexpr int max_points = 4;
 enum class Narrowphase {
   ClosedForm,  ///< a formula, or the pair was found apart
   Kept,        ///< that of the pair's last manifold, or one beside it
-  Fcl,         ///< FCL's answer
-  Repaired,    ///< FCL's answer, which fell short of the best axis by more than a hundredth of the size
+  Fcl,         ///< FCL's answer, of a pair that begins to touch
+  Repaired,    ///< ours instead of FCL's answer, which the separation along its axis refutes
 };
 constexpr bool asks_fcl(Narrowphase by) { return by == Narrowphase::Fcl || by == Narrowphase::Repaired; }
 
@@ -59,6 +59,9 @@ struct Manifold {
     return count > 0 ? points[static_cast<std::size_t>(deepest())].separation : std::numeric_limits<double>::infinity();
   }
 };
+
+/// What collide() takes on entry when it looks at the pair of a manifold again.
+Manifold as_last(const Manifold& found);
 
 /// More points than any two faces make; see Outline.
 inline constexpr int max_points_to_reduce = 512;
