@@ -5,6 +5,10 @@
 namespace atl::collision {
 namespace {
 
+// Fixed shapes that wait are looked at one by one by so many shapes, before a tree is built of them. To build one into
+// the tree takes 0.25 us, to look at it 1.5 ns, of a million: what is spent in all is at most twice the least.
+constexpr std::size_t max_looks = 128;
+
 using Kind = Proxies::Kind;
 
 // The pairs that a shape has to report, known or not.
@@ -55,11 +59,12 @@ bool moving_shapes_ask(const Proxies& proxies, std::span<const std::uint32_t> mo
   return fixed > proxies.moving().size();
 }
 
-// Whether one of those that ask may meet fixed shapes.
-bool any_asks_fixed(const Proxies& proxies, const CollisionFilters& filters, std::span<const std::uint32_t> askers) {
-  return std::any_of(askers.begin(), askers.end(), [&](std::uint32_t shape) {
+// How many of those that ask may meet fixed shapes.
+std::size_t count_asking_fixed(const Proxies& proxies, const CollisionFilters& filters,
+                               std::span<const std::uint32_t> askers) {
+  return static_cast<std::size_t>(std::count_if(askers.begin(), askers.end(), [&](std::uint32_t shape) {
     return proxies.kind(shape) == Kind::Moving && !meets_nothing(filters.filter(shape));
-  });
+  }));
 }
 
 }  // namespace
@@ -82,7 +87,13 @@ std::span<const Pair> PairSearch::find(Proxies& proxies, const CollisionFilters&
   const PartnerQuery query{proxies, filters, moves, moving_shapes_ask(proxies, moves.shapes())};
   if (query.moving_ask) list_askers(proxies, moves.shapes());
   const std::span<const std::uint32_t> askers = query.moving_ask ? askers_ : moves.shapes();
-  if (proxies.is_behind() && any_asks_fixed(proxies, filters, askers)) proxies.take_in(arena);
+  if (proxies.is_behind()) {
+    looks_ += count_asking_fixed(proxies, filters, askers);
+    if (looks_ > max_looks) {
+      proxies.take_in(arena);
+      looks_ = 0;
+    }
+  }
   proxies.rebuild_fixed_if_worn(arena);
 
   constexpr std::size_t grain = 64;

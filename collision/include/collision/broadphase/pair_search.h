@@ -17,7 +17,7 @@ namespace atl::collision {
 class PairSearch {
  public:
   /// The pairs, in order, that overlap, may meet, contain a shape that moved, and are not in `known`. Valid until the
-  /// next call. Brings the trees of the proxies into shape before it asks them.
+  /// next call. Brings the trees of the proxies into shape before it asks them, if enough is asked for that to pay.
   std::span<const Pair> find(Proxies& proxies, const CollisionFilters& filters, const MoveBuffer& moves,
                              const PairSet& known, jobs::Arena& arena);
 
@@ -31,6 +31,7 @@ class PairSearch {
   std::vector<std::vector<Pair>> found_;  // by chunk of those that ask
   std::vector<Pair> new_pairs_;
   std::vector<Pair> sort_scratch_;
+  std::size_t looks_ = 0;  // by those that ask, at the fixed shapes that wait, one by one
 };
 
 }  // namespace atl::collision
