@@ -173,11 +173,13 @@ void switch_off_points(collision::ContactManifold& manifold, std::size_t count, 
 
 }  // namespace
 
-// Such edges take two shapes that stand still: other worlds are not searched.
+// Such edges take two shapes that stand still, or that are parts of one body: other worlds are not searched.
 void ContactPhase::leave_out_inner_edges(Stores& world, const collision::NarrowphaseKernels& kernels) {
   inner_.clear();
   inner_points_ = 0;
-  if (world.contents.fixed_with_edges == 0 || world.contents.fixed_colliders < 2) return;
+  const Contents& contents = world.contents;
+  const bool has_fixed = contents.fixed_with_edges > 0 && contents.fixed_colliders > 1;
+  if (!has_fixed && contents.moving_compounds == 0) return;
   const std::span<const std::uint32_t> found =
       inner_edges_.find(world.cache, contact_input(world, kernels), update_.touching);
   inner_.assign(found.begin(), found.end());

@@ -77,7 +77,9 @@ void Contents::count(const solver::BodyTable& bodies, const BodyRecords& records
   add(gyroscopic, bodies.gyroscopic[body] != 0);
   const auto is_surface = [](const CheckedCollider& collider) { return collision::is_surface(collider.shape.kind); };
   add(surfaces, std::ranges::any_of(constants.colliders, is_surface));
-  if (bodies.mobility[body] != solver::Mobility::Fixed) return;
+  const bool fixed = bodies.mobility[body] == solver::Mobility::Fixed;
+  add(moving_compounds, !fixed && constants.colliders.size() > 1);
+  if (!fixed) return;
   for (const CheckedCollider& collider : constants.colliders) {
     add(fixed_colliders, true);
     add(fixed_with_edges, collider.shape.kind != collision::ShapeKind::HalfSpace);

@@ -68,6 +68,7 @@ struct Contents {
   std::size_t sensors = 0;
   std::size_t fixed_colliders = 0;   ///< of static bodies
   std::size_t fixed_with_edges = 0;  ///< of these, those that are no half-space
+  std::size_t moving_compounds = 0;  ///< bodies with several shapes that aren't static
 
   void count(const solver::BodyTable& bodies, const BodyRecords& records, std::uint32_t body, int sign);
 };

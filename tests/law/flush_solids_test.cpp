@@ -113,6 +113,54 @@ INSTANTIATE_TEST_SUITE_P(Floors, FlushFloor,
                          testing::Values(Floor::Tiles, Floor::Narrow, Floor::Children, Floor::Hulls, Floor::Bricks,
                                          Floor::Belt, Floor::Meshes));
 
+// On a platform of tiles that moves sideways and up, one compound.
+TEST(FlushSolids, AreOneSurfaceWhereTheyMove) {
+  Compound tiles;
+  for (int i = 0; i < 42; ++i) tiles.children.push_back({Box{{0.5, 20, 0.25}}, Vector3(i - 0.5, 0, -0.25)});
+  for (const Mover& mover : movers()) {
+    for (const double speed : {2.0, 5.0, 20.0, 30.0}) {
+      World world;
+      world.add_body(
+          {.type = BodyType::Kinematic, .shape = tiles, .velocity = {0, 1, 0.5}, .material = {.friction = 0}});
+      const BodyId id = world.add_body({.shape = mover.shape,
+                                        .position = {0.6, 0, size},
+                                        .orientation = mover.orientation,
+                                        .velocity = {speed, 0, 0.5},
+                                        .material = {.friction = 0}});
+      for (int i = 1; i * dt < (length - 1) / speed; ++i) {
+        world.step(dt);
+        // In the first step, without a contact yet, it is stopped at a seam, from which the platform rises.
+        const double sunk = size + 0.5 * i * dt - world.pose(id).position.z();
+        EXPECT_LT(std::abs(sunk), i * dt * speed < 5 ? 6e-3 : 1e-3) << mover.name << " " << speed;
+      }
+      EXPECT_NEAR(world.velocity(id).x(), speed, 1e-3) << mover.name << " " << speed;
+    }
+  }
+}
+
+// A raft of tiles glides over narrow rails that are flush, so that its seams run over their edges.
+TEST(FlushSolids, AreOneSurfaceWhereTheyGlide) {
+  Compound tiles;
+  for (int i = -5; i <= 5; ++i) tiles.children.push_back({Box{{0.15, 1, 0.05}}, Vector3(0.3 * i, 0, 0)});
+  for (const double speed : {1.0, 5.0, 20.0}) {
+    World world;
+    for (int i = 0; i < 60; ++i) {
+      world.add_body({.type = BodyType::Static,
+                      .shape = Box{{0.1, 1.2, 0.1}},
+                      .position = {0.7 * i, 0, -0.1},
+                      .material = {.friction = 0}});
+    }
+    const BodyId id = world.add_body(
+        {.shape = tiles, .position = {2, 0, 0.05}, .velocity = {speed, 0, 0}, .material = {.friction = 0}});
+    for (int i = 0; i * dt < 36 / speed; ++i) {
+      world.step(dt);
+      ASSERT_NEAR(world.pose(id).position.z(), 0.05, 1e-3) << speed;
+    }
+    // It rocks as rails come and go beneath its ends: 1.3e-3 after 36 s.
+    EXPECT_NEAR(world.velocity(id).x(), speed, 2e-3) << speed;
+  }
+}
+
 // Whatever solves it, on any threads, and from a snapshot on.
 TEST(FlushSolids, AreTheSameHoweverTheyAreStepped) {
   for (const ContactSolver solver : {ContactSolver::Auto, ContactSolver::Direct, ContactSolver::Iterative}) {

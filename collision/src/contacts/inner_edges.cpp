@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 namespace atl::collision {
 namespace {
@@ -21,21 +22,29 @@ constexpr double flush = 1e-3;
 // Cosine of the angle between a contact's normal and that of a face in whose plane it is taken to be: the normal may be
 // that of a face of the other shape, which tilts.
 constexpr double along_face = 0.999;
-constexpr std::uint32_t among_several = ~0u;
+constexpr std::uint8_t several = 2;
 
-// The two colliders of a contact of which one stands still.
-struct FixedSide {
-  std::uint32_t mover, collider;
-  bool is_first;  // what stands still is
+// The ground's side of a contact: what stands still, or else a body with several colliders.
+struct Ground {
+  std::uint32_t body;  // `world` for all that stands still
+  bool is_first;
 };
+constexpr std::uint32_t world = ~0u;
 
-// Returns false if it isn't that just one of them stands still.
-bool fixed_side_of(const Contact& contact, std::span<const std::uint8_t> mobility, FixedSide& side) {
-  const bool first = mobility[contact.body_first] == 0, second = mobility[contact.body_second] == 0;
-  if (first == second) return false;
-  side = first ? FixedSide{contact.pair.second, contact.pair.first, true}
-               : FixedSide{contact.pair.first, contact.pair.second, false};
-  return true;
+std::optional<Ground> ground_of(const Contact& contact, const ContactUpdateInput& input) {
+  const auto is_fixed = [&](std::uint32_t body) { return input.mobility[body] == 0; };
+  const auto is_compound = [&](std::uint32_t body) {
+    return input.colliders.next[input.colliders.first[body]] != ColliderTable::none;
+  };
+  if (is_fixed(contact.body_first) != is_fixed(contact.body_second)) return Ground{world, is_fixed(contact.body_first)};
+  if (is_fixed(contact.body_first)) return {};
+  if (is_compound(contact.body_second)) return Ground{contact.body_second, false};
+  if (is_compound(contact.body_first)) return Ground{contact.body_first, true};
+  return {};
+}
+
+std::uint32_t mover_of(const Contact& contact, const Ground& ground) {
+  return ground.is_first ? contact.body_second : contact.body_first;
 }
 
 Vector3 vector_of(const float* v) { return Eigen::Map<const Eigen::Vector3f>(v).cast<double>(); }
@@ -66,14 +75,14 @@ double reach_of(const ContactUpdateInput& input, std::uint32_t collider, const V
   return direction.dot(pose.position) + reach_along(input.colliders.shape[collider], own);
 }
 
-// Calls visit(p) for the points of a contact on what stands still, m.
+// Calls visit(p) for the points of a contact on the ground, m.
 template <typename Visit>
-void each_point(const Contact& contact, const ContactManifold& manifold, const PoseView& poses, bool fixed_is_first,
+void each_point(const Contact& contact, const ContactManifold& manifold, const PoseView& poses, bool ground_is_first,
                 const Visit& visit) {
-  const std::uint32_t mover = fixed_is_first ? contact.body_second : contact.body_first;
+  const std::uint32_t mover = ground_is_first ? contact.body_second : contact.body_first;
   const Vector3 centre =
-      poses.position(mover) + vector_of(fixed_is_first ? manifold.anchor_second : manifold.anchor_first);
-  const Vector3 normal = (fixed_is_first ? 1.0 : -1.0) * vector_of(manifold.normal);
+      poses.position(mover) + vector_of(ground_is_first ? manifold.anchor_second : manifold.anchor_first);
+  const Vector3 normal = (ground_is_first ? 1.0 : -1.0) * vector_of(manifold.normal);
   const Tangents frame = tangents(manifold.normal);
   for (std::size_t i = 0; i < contact.count; ++i) {
     visit(Vector3(centre + static_cast<double>(manifold.x[i]) * vector_of(frame.first.data()) +
@@ -86,54 +95,61 @@ void each_point(const Contact& contact, const ContactManifold& manifold, const P
 
 void InnerEdges::list(const ContactCache& cache, const ContactUpdateInput& input,
                       std::span<const TouchingPair> touching) {
-  const ColliderTable& colliders = input.colliders;
-  const PoseView& poses = input.poses;
-  last_.resize(colliders.size(), 0);
-  on_fixed_.clear();
+  met_.resize(input.mobility.size(), 0);
+  on_ground_.clear();
   bool any = false;
-  FixedSide side;
   for (const TouchingPair& pair : touching) {
-    if (!fixed_side_of(cache.contacts[pair.slot], input.mobility, side)) continue;
-    std::uint32_t& last = last_[side.mover];
-    any |= last != 0 && last != side.collider + 1;
-    last = last == 0 || last == side.collider + 1 ? side.collider + 1 : among_several;
+    const Contact& contact = cache.contacts[pair.slot];
+    const std::optional<Ground> ground = ground_of(contact, input);
+    if (!ground || contact.part > 0) continue;
+    std::uint8_t& met = met_[mover_of(contact, *ground)];
+    any |= met > 0;
+    met = met > 0 ? several : 1;
   }
   for (const TouchingPair& pair : any ? touching : std::span<const TouchingPair>()) {
     const Contact& contact = cache.contacts[pair.slot];
-    if (!fixed_side_of(contact, input.mobility, side) || last_[side.mover] != among_several) continue;
-    const ContactManifold& manifold = cache.manifolds[pair.slot];
-    const Shape& shape = colliders.shape[side.collider];
-    const Quaternion turn = colliders.pose(side.collider, poses).orientation;
-    OnFixed found{side.mover, side.collider, pair.slot};
-    found.normal = (side.is_first ? 1.0 : -1.0) * vector_of(manifold.normal);
-    const std::optional<Vector3> face = face_along(shape, turn.conjugate() * found.normal);
-    found.plane = face ? Vector3(turn * *face) : found.normal;
-    const Vector3 against = colliders.pose(side.mover, poses).orientation.conjugate() * -found.normal;
-    const std::optional<Vector3> own = face_along(colliders.shape[side.mover], against);
-    found.least_lean = own && (*own - against).norm() < least_lean ? least_lean_of_face : least_lean;
-    if (is_convex_solid(shape.kind)) {
-      found.offset = reach_of(input, side.collider, found.plane);
-    } else {
-      found.offset = -std::numeric_limits<double>::infinity();
-      each_point(contact, manifold, poses, side.is_first,
-                 [&](const Vector3& p) { found.offset = std::max(found.offset, found.plane.dot(p)); });
-    }
-    on_fixed_.push_back(found);
+    const std::optional<Ground> ground = ground_of(contact, input);
+    if (!ground || met_[mover_of(contact, *ground)] != several) continue;
+    OnGround found{mover_of(contact, *ground), ground->body, contact.pair.first, contact.pair.second, pair.slot};
+    if (ground->is_first) std::swap(found.own, found.collider);
+    measure(contact, cache.manifolds[pair.slot], input, ground->is_first, found);
+    on_ground_.push_back(found);
   }
-  for (const TouchingPair& pair : touching) {
-    last_[cache.contacts[pair.slot].pair.first] = last_[cache.contacts[pair.slot].pair.second] = 0;
+  for (const TouchingPair& pair : touching) met_[pair.first] = met_[pair.second] = 0;
+}
+
+// Where the ground's plane lies.
+void InnerEdges::measure(const Contact& contact, const ContactManifold& manifold, const ContactUpdateInput& input,
+                         bool ground_is_first, OnGround& found) {
+  const ColliderTable& colliders = input.colliders;
+  const PoseView& poses = input.poses;
+  const Shape& shape = colliders.shape[found.collider];
+  const Quaternion turn = colliders.pose(found.collider, poses).orientation;
+  found.normal = (ground_is_first ? 1.0 : -1.0) * vector_of(manifold.normal);
+  const std::optional<Vector3> face = face_along(shape, turn.conjugate() * found.normal);
+  found.plane = face ? Vector3(turn * *face) : found.normal;
+  const Vector3 against = colliders.pose(found.own, poses).orientation.conjugate() * -found.normal;
+  const std::optional<Vector3> own = face_along(colliders.shape[found.own], against);
+  found.least_lean = own && (*own - against).norm() < least_lean ? least_lean_of_face : least_lean;
+  if (is_convex_solid(shape.kind)) {
+    found.offset = reach_of(input, found.collider, found.plane);
+  } else {
+    found.offset = -std::numeric_limits<double>::infinity();
+    each_point(contact, manifold, poses, ground_is_first,
+               [&](const Vector3& p) { found.offset = std::max(found.offset, found.plane.dot(p)); });
   }
 }
 
-// Tells if the shape that stands still in a contact reaches just to the plane of another contact: a solid with all of
-// it, a surface where it is touched.
-bool InnerEdges::ends_at(const ContactCache& cache, const ContactUpdateInput& input, const OnFixed& contact,
-                         const OnFixed& other) {
+// Tells if the shapes of a contact lie on either side of the plane of another contact of the same bodies, and the
+// ground's reaches just to it: a solid with all of it, a surface where it is touched.
+bool InnerEdges::ends_at(const ContactCache& cache, const ContactUpdateInput& input, const OnGround& contact,
+                         const OnGround& other) {
   const ColliderTable& colliders = input.colliders;
   const PoseView& poses = input.poses;
   const Contact& of = cache.contacts[contact.slot];
   const Shape& shape = colliders.shape[contact.collider];
   const double most = flush * static_cast<double>(of.size);
+  if (contact.own != other.own && -reach_of(input, contact.own, -other.plane) < other.offset - most) return false;
   if (is_convex_solid(shape.kind)) {
     return std::abs(reach_of(input, contact.collider, other.plane) - other.offset) <= most;
   }
@@ -149,11 +165,11 @@ bool InnerEdges::ends_at(const ContactCache& cache, const ContactUpdateInput& in
 }
 
 void InnerEdges::find_of_mover(const ContactCache& cache, const ContactUpdateInput& input,
-                               std::span<const OnFixed> contacts) {
-  for (const OnFixed& contact : contacts) {
-    const auto hides_it = [&](const OnFixed& other) {
-      return other.collider != contact.collider && contact.normal.cross(other.plane).norm() >= contact.least_lean &&
-             ends_at(cache, input, contact, other);
+                               std::span<const OnGround> contacts) {
+  for (const OnGround& contact : contacts) {
+    const auto hides_it = [&](const OnGround& other) {
+      return (other.collider != contact.collider || other.own != contact.own) &&
+             contact.normal.cross(other.plane).norm() >= contact.least_lean && ends_at(cache, input, contact, other);
     };
     if (std::ranges::any_of(contacts, hides_it)) inner_.push_back(contact.slot);
   }
@@ -163,10 +179,11 @@ std::span<const std::uint32_t> InnerEdges::find(const ContactCache& cache, const
                                                 std::span<const TouchingPair> touching) {
   inner_.clear();
   list(cache, input, touching);
-  std::ranges::stable_sort(on_fixed_, {}, &OnFixed::mover);
-  for (auto first = on_fixed_.begin(); first != on_fixed_.end();) {
+  const auto meeting = [](const OnGround& one) { return std::pair(one.mover, one.ground); };
+  std::ranges::stable_sort(on_ground_, {}, meeting);
+  for (auto first = on_ground_.begin(); first != on_ground_.end();) {
     const auto end =
-        std::find_if(first, on_fixed_.end(), [&](const OnFixed& one) { return one.mover != first->mover; });
+        std::find_if(first, on_ground_.end(), [&](const OnGround& one) { return meeting(one) != meeting(*first); });
     find_of_mover(cache, input, {first, end});
     first = end;
   }
