@@ -39,6 +39,8 @@ struct JointKindState {
     archive.value(axis.range.upper);
     archive.value(axis.range.restitution);
     archive.value(axis.armature);
+    // So hashes of worlds without it are what they were before there was any.
+    if (!Archive::hashes || axis.friction != 0) archive.value(axis.friction);
     visit_optional(archive, axis.spring, [this](auto& spring) {
       archive.value(spring.hertz);
       archive.value(spring.damping_ratio);

@@ -82,6 +82,7 @@ void check_axis(const std::string& field, const JointAxis& axis, const Domain& d
     if (axis.motor->servo) check_servo(field + ".motor.servo", *axis.motor->servo);
   }
   check_not_negative(field + ".armature", axis.armature, loads);
+  check_not_negative(field + ".friction", axis.friction, loads);
 }
 
 struct KindCheck {

@@ -30,6 +30,7 @@ bool hold_the_same(const solver::Joint& a, const solver::Joint& b) {
     const solver::Law& y = b.law[row];
     if (x.locked() != y.locked() || x.limited() != y.limited()) return false;
     if (x.springs() != y.springs() || x.drives() != y.drives()) return false;
+    if ((x.friction > 0) != (y.friction > 0)) return false;
   }
   return true;
 }

@@ -18,6 +18,7 @@ Law law_of(const JointAxis& axis) {
   if (law.locked()) return law;
   law.restitution = law.limited() ? axis.range.restitution : 0;
   law.armature = axis.armature;
+  law.friction = axis.friction;
   if (axis.spring) {
     if (axis.spring->is_linear()) {
       law.stiffness = axis.spring->stiffness.value_or(0);

@@ -236,6 +236,7 @@ JointAxis Definitions::axis(bool angle) {
     axis.motor = motor;
   }
   if (bytes_.one_in(8)) axis.armature = number(0, 2);
+  if (bytes_.one_in(8)) axis.friction = number(0, 50);
   return axis;
 }
 

@@ -83,6 +83,7 @@ std::vector<Case> cases() {
       {"spring.rest", hinge([](JointAxis& axis, double x) { axis.spring = JointSpring{.rest = x}; })},
       {"spring.stiffness", hinge([](JointAxis& axis, double x) { axis.spring = JointSpring{.stiffness = x * 1e15}; })},
       {"armature", hinge([](JointAxis& axis, double x) { axis.armature = x * 1e15; })},
+      {"friction", hinge([](JointAxis& axis, double x) { axis.friction = x * 1e15; })},
       {"cast.translation",
        [](World& world, double x) {
          Queries(world).cast_shape({.shape = Sphere{1}, .translation = {x, 0, 0}});

@@ -124,13 +124,15 @@ TEST(SceneJointFile, ReadsEveryKind) {
   EXPECT_EQ(wheel.spin.motor->speed, 9);
 }
 
-TEST(SceneJointFile, ReadsServosArmaturesAndBounces) {
+TEST(SceneJointFile, ReadsServosArmaturesFrictionAndBounces) {
   const auto hinge = std::get<HingeJoint>(
-      read(arm("hinge", R"("at": [0, 0, 0], "angle": {"range": [-1, 1], "restitution": 0.4, "armature": 0.02,
+      read(arm("hinge",
+               R"("at": [0, 0, 0], "angle": {"range": [-1, 1], "restitution": 0.4, "armature": 0.02, "friction": 0.3,
                            "motor": {"max_force": 9, "servo": {"target": 0.5, "stiffness": 40, "damping": 3}}})"))
           .def.kind);
   EXPECT_EQ(hinge.angle.range.restitution, 0.4);
   EXPECT_EQ(hinge.angle.armature, 0.02);
+  EXPECT_EQ(hinge.angle.friction, 0.3);
   ASSERT_TRUE(hinge.angle.motor && hinge.angle.motor->servo);
   EXPECT_EQ(hinge.angle.motor->servo->target, 0.5);
   EXPECT_EQ(hinge.angle.motor->servo->stiffness, 40);
@@ -267,10 +269,11 @@ TEST(SceneJointFileErrors, SayWhereAndWhatWasExpected) {
       {arm("hinge", at + R"("angle": {"restitution": 2})"), "8: /joints/0/angle/restitution: found 2",
        "a number in [0, 1]"},
       {arm("hinge", at + R"("angle": {"armature": -1})"), "8: /joints/0/angle/armature: found -1", "a number >= 0"},
+      {arm("hinge", at + R"("angle": {"friction": -2})"), "8: /joints/0/angle/friction: found -2", "a number >= 0"},
       {arm("hinge", at + R"("angle": {"motor": {"max_force": 1, "servo": {"target": 1}}})"),
        "8: /joints/0/angle/motor/servo: found a servo without", "one of them above 0"},
       {arm("hinge", at + R"("angle": {"mtor": {}})"), "8: /joints/0/angle/mtor: found the unknown key",
-       "range, lower, upper, restitution, spring, motor or armature (did you mean \"motor\"?)"},
+       "range, lower, upper, restitution, spring, motor, armature or friction (did you mean \"motor\"?)"},
       {arm("cone_twist", at + R"("swing_limit": 4)"), "8: /joints/0/swing_limit: found 4", "a number in (0, 3.14159"},
       {arm("cone_twist", at + R"("twist": {"range": [-4, 0]})"), "8: /joints/0/twist/range/0: found -4",
        "a number in [-3.14159"},

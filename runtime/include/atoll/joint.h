@@ -64,7 +64,7 @@ struct JointMotor {
   std::optional<JointServo> servo = {};
 };
 
-/// A coordinate of a joint, and what acts along it. Range, spring and motor may all be there.
+/// A coordinate of a joint, and what acts along it. Range, spring, motor and friction may all be there.
 struct JointAxis {
   JointRange range = {};
   std::optional<JointSpring> spring = {};
@@ -72,6 +72,9 @@ struct JointAxis {
   /// kg or kg m^2, finite and >= 0: inertia that moves with the coordinate and with nothing else, as of the rotor of a
   /// motor (its own, times the square of the gear ratio). It has no weight, and does nothing where the range is locked.
   double armature = 0;
+  /// N or N m, finite and >= 0: dry friction, which holds the coordinate where it is until more than that acts along it,
+  /// and acts against its rate then. Nothing where the range is locked.
+  double friction = 0;
 };
 
 // Each kind below says which coordinates it locks, a row of constraints each, and which it leaves free. Ends of

@@ -36,7 +36,8 @@ void bind_axis(nb::module_& module) {
   bind_definition(
       axis, Field{"range", &JointAxis::range, "its ends"}, Field{"spring", &JointAxis::spring, "if any"},
       Field{"motor", &JointAxis::motor, "if any"},
-      Field{"armature", &JointAxis::armature, "kg or kg m^2, >= 0: inertia that moves with the coordinate"});
+      Field{"armature", &JointAxis::armature, "kg or kg m^2, >= 0: inertia that moves with the coordinate"},
+      Field{"friction", &JointAxis::friction, "N or N m, >= 0: dry friction, beside a motor or without one"});
 }
 
 void bind_kinds(nb::module_& module) {

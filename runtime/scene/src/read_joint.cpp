@@ -60,7 +60,7 @@ JointMotor read_motor(const Reader& in) {
 }
 
 JointAxis read_axis(const Reader& in, const Range& ends) {
-  in.only_keys({"range", "lower", "upper", "restitution", "spring", "motor", "armature"});
+  in.only_keys({"range", "lower", "upper", "restitution", "spring", "motor", "armature", "friction"});
   JointAxis axis;
   if (const auto range = in.find("range")) {
     for (const char* key : {"lower", "upper"}) {
@@ -75,6 +75,7 @@ JointAxis read_axis(const Reader& in, const Range& ends) {
   }
   get(in, "restitution", axis.range.restitution, between(0, 1));
   get(in, "armature", axis.armature, at_least(0));
+  get(in, "friction", axis.friction, at_least(0));
   if (const auto spring = in.find("spring")) axis.spring = read_spring(*spring);
   if (const auto motor = in.find("motor")) axis.motor = read_motor(*motor);
   return axis;

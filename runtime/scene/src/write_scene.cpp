@@ -218,6 +218,7 @@ Json json(const JointAxis& axis) {
     }
   }
   if (axis.armature != 0) out["armature"] = axis.armature;
+  if (axis.friction != 0) out["friction"] = axis.friction;
   return out;
 }
 

@@ -5,11 +5,18 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace atl::solver {
 namespace {
 
 constexpr double least_hold = 1e-12;  // of what rounding leaves of a very soft spring
+
+// Which bound a force of so much is at that would have to be `wanted`.
+int bound_at(double wanted, double most) { return wanted > most ? 1 : wanted < -most ? -1 : 0; }
+
+// Tells if a rate, in m/s or rad/s, isn't the one at which a motor or dry friction holds a coordinate.
+bool is_behind(double behind, double rate) { return std::abs(behind) > tuning::motor_behind * (1 + std::abs(rate)); }
 
 }  // namespace
 
@@ -69,7 +76,11 @@ RowLaw RowLaw::of(const Law& law, const JointRow& at, double effective_mass, dou
   row.upper_rate = std::max((law.upper - at.value) / h, -tuning::closing_speed);
   row.motor_speed = at.share * law.motor_speed;
   row.motor_impulse = h * law.motor_force;
-  if (compliance > 0) row.soften_motor(effective_mass);
+  row.friction_impulse = h * law.friction;
+  if (compliance > 0) {
+    row.soften_motor(effective_mass);
+    row.soften_friction(effective_mass);
+  }
   if (!(effective_mass > 0)) return row;
   if (law.springs() || law.armature > 0) {
     const LinearStep spring = LinearStep::of_spring(law, at, effective_mass, effective_mass, h);
@@ -111,8 +122,7 @@ RowLaw RowLaw::of_kick(const Law& law, const JointRow& at, double effective_mass
   // A motor that is not at its speed has been pulling with all it has.
   if (sign < 0 && !law.is_servo()) {
     const double behind = row.motor_speed - rate;
-    const bool pulls =
-        law.motor_force < Law::unlimited && std::abs(behind) > tuning::motor_behind * (1 + std::abs(rate));
+    const bool pulls = law.motor_force < Law::unlimited && is_behind(behind, rate);
     if (pulls) motor_bound = behind > 0 ? 1 : -1;
     row.motor_speed = rate;
   }
@@ -133,7 +143,13 @@ RowLaw RowLaw::of_kick(const Law& law, const JointRow& at, double effective_mass
     row.motor_slope = std::max(time * moved * servo.decay, least_hold * effective_mass);
     row.motor_speed = time * moved * servo.at(at.value, 0) / row.motor_slope;
   }
-  if (!stiff) add(spring);
+  if (!stiff) {
+    add(spring);
+    row.friction_impulse = time * law.friction;
+    // What sticks does so before the kick as well, and what slides has been held back with all that friction has.
+    if (sign < 0) row.friction_speed = rate;
+    if (sign < 0 && is_behind(rate, rate)) given += std::copysign(std::exchange(row.friction_impulse, 0), rate);
+  }
   if (given == 0 && slope == 0) return row;
   row.spring_slope = std::max(slope, least_hold * effective_mass);
   row.spring_rate = given / row.spring_slope;
@@ -158,6 +174,16 @@ void RowLaw::soften_motor(double effective_mass) {
   if (motor_impulse > 0 && motor_slope == 0) motor_slope = effective_mass / tuning::friction_compliance;
 }
 
+void RowLaw::soften_friction(double effective_mass) {
+  if (friction_impulse > 0) friction_slope = effective_mass / tuning::friction_compliance;
+}
+
+double RowLaw::friction_at(double rate) const {
+  return friction_impulse > 0
+             ? std::clamp(-friction_drive() * (rate - friction_speed), -friction_impulse, friction_impulse)
+             : 0;
+}
+
 double RowLaw::motor_impulse_at(double rate) const {
   return motor_impulse > 0 ? std::clamp(-drive() * (rate - motor_speed), -motor_impulse, motor_impulse) : 0;
 }
@@ -167,13 +193,15 @@ double RowLaw::impulse(double rate) const {
   double sum = -spring_slope * (rate - spring_rate);
   if (rate < lower_rate) sum += stiffness * (lower_rate - rate);
   if (rate > upper_rate) sum -= stiffness * (rate - upper_rate);
-  return sum + motor_impulse_at(rate);
+  return sum + motor_impulse_at(rate) + friction_at(rate);
 }
 
 int RowLaw::motor_bound(double rate) const {
-  if (!(motor_impulse > 0)) return 0;
-  const double wanted = -drive() * (rate - motor_speed);
-  return wanted > motor_impulse ? 1 : wanted < -motor_impulse ? -1 : 0;
+  return motor_impulse > 0 ? bound_at(-drive() * (rate - motor_speed), motor_impulse) : 0;
+}
+
+int RowLaw::friction_bound(double rate) const {
+  return friction_impulse > 0 ? bound_at(-friction_drive() * (rate - friction_speed), friction_impulse) : 0;
 }
 
 double RowLaw::slope(double rate) const {
@@ -181,13 +209,15 @@ double RowLaw::slope(double rate) const {
   double sum = spring_slope;
   if (limit(rate) != 0) sum += stiffness;
   if (motor_impulse > 0 && motor_bound(rate) == 0) sum += drive();
+  if (friction_impulse > 0 && friction_bound(rate) == 0) sum += friction_drive();
   return sum;
 }
 
 std::uint8_t RowLaw::pieces(double rate) const {
   if (locked) return 0;
   const bool moves = motor_impulse > 0 && motor_bound(rate) == 0;
-  return static_cast<std::uint8_t>((limit(rate) != 0 ? 1 : 0) | (moves ? 2 : 0));
+  const bool sticks = friction_impulse > 0 && friction_bound(rate) == 0;
+  return static_cast<std::uint8_t>((limit(rate) != 0 ? 1 : 0) | (moves ? 2 : 0) | (sticks ? 4 : 0));
 }
 
 LimitImpact LimitImpact::of(const Law& law, double position, double rate, double free_rate, double h) {

@@ -29,7 +29,7 @@ bool keep_energy(const Joint* joints, const IslandProblem& problem) {
   return std::all_of(problem.joints.begin(), problem.joints.end(), [&](const DirectJoint& joint) {
     const Joint& of = joints[joint.joint];
     return std::all_of(of.law.begin(), of.law.begin() + of.rows, [](const Law& law) {
-      return law.locked() || !(law.limited() || law.drives() || law.springs());
+      return law.locked() || !(law.limited() || law.drives() || law.springs() || law.friction > 0);
     });
   });
 }

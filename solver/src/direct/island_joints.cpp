@@ -121,7 +121,7 @@ RowKinds load_joints(const Joint* all, const IslandMembers& members, std::vector
       joint.limit[r] = from.limit[r - points];
       joint.motor_bound[r] = from.motor_bound[r - points];
       kinds.all_locked &= law.locked();
-      kinds.acts |= law.looks_back() || law.drives();
+      kinds.acts |= law.looks_back() || law.drives() || law.friction > 0;
       kinds.looks_back |= law.looks_back();
       kinds.damps |= !law.locked() && law.damps();
       kinds.bounces |= law.restitution > 0;

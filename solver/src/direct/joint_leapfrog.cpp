@@ -153,8 +153,11 @@ void begin_kick(const Joint* joints, double h, int sign, IslandProblem& problem)
       joint.law[r].stiffness = joint.mass[r] / problem.lock_compliance;
       if (sign < 0) {
         hold_late(joint.law[r], rate, joint.limit[r]);
-      } else if (law.drives() && joint.law[r].motor_impulse == 0.5 * h * law.motor_force) {
-        joint.law[r].soften_motor(joint.mass[r]);
+      } else {
+        if (law.drives() && joint.law[r].motor_impulse == 0.5 * h * law.motor_force) {
+          joint.law[r].soften_motor(joint.mass[r]);
+        }
+        joint.law[r].soften_friction(joint.mass[r]);
       }
       joint.rate[r] = rate;
       start_at_limit(joint, r);

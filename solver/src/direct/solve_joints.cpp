@@ -53,9 +53,11 @@ bool take_on(IslandProblem& problem, const std::vector<double>& impulses, const 
       joint.rate[r] = slope > 0 ? balanced_rate(law, before, slope) - *found / slope
                                 : joint.rate_by(problem.velocity, r, joint.given[r]);
       const int bound = law.motor_bound(before), bound_now = law.motor_bound(joint.rate[r]);
-      stays &= bound == bound_now && law.limit(before) == law.limit(joint.rate[r]);
-      // Between pulling one way with all it has and the other, a motor is at its speed.
+      const int rubs = law.friction_bound(before), rubs_now = law.friction_bound(joint.rate[r]);
+      stays &= bound == bound_now && rubs == rubs_now && law.limit(before) == law.limit(joint.rate[r]);
+      // Between pulling one way with all it has and the other, a motor is at its speed, and what rubs sticks.
       if (bound * bound_now < 0) joint.rate[r] = law.motor_speed;
+      if (rubs * rubs_now < 0) joint.rate[r] = law.friction_speed;
     }
   }
   return stays;

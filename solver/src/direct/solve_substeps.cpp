@@ -65,7 +65,7 @@ double drive(const BodyTable& table, double h, const IslandMotions& motions) {
     for (std::size_t r = 0; r < joint.rows; ++r) {
       const RowLaw& law = joint.law[r];
       const double turns = joint.at[r].linear.isZero() ? 1 / radius : 1;
-      sum += turns * (law.motor_impulse + law.spring_slope * std::abs(law.spring_rate));
+      sum += turns * (law.motor_impulse + law.friction_impulse + law.spring_slope * std::abs(law.spring_rate));
     }
   }
   return sum;

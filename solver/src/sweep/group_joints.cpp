@@ -66,13 +66,14 @@ void set_coordinate(JointCoordinateBlock& of, std::size_t lane, const Joint& joi
   const double base = base_of(coordinate, joint.position[r]);
   of.coordinate[lane] = static_cast<float>(coordinate);
   of.locked[lane] = law.locked() ? 1 : 0;
-  of.idles[lane] = !law.locked() && !law.drives() && !law.looks_back() ? 1 : 0;
+  of.idles[lane] = !law.locked() && !law.drives() && !law.looks_back() && law.friction == 0 ? 1 : 0;
   of.fades[lane] = is_turn(coordinate) && !(law.locked() && law.lower == 0) ? 1 : 0;
   of.base[lane] = static_cast<float>(base);
   of.lower[lane] = static_cast<float>(law.lower - base);
   of.upper[lane] = static_cast<float>(law.upper - base);
   of.motor_speed[lane] = speed(law.motor_speed);
   of.motor_impulse[lane] = speed(law.drives() ? law.motor_force * h : 0);
+  of.friction_impulse[lane] = speed(law.friction * h);
   of.position[lane] = static_cast<float>(joint.position[r] - base);
   of.kinds |= 1u << static_cast<unsigned>(coordinate);
   if (law.looks_back()) of.springs |= static_cast<std::uint8_t>(1u << lane);
@@ -114,6 +115,7 @@ void set_springs(JointRowBlock& row, std::size_t lane, const Law& law, const Joi
     row.next_motor_speed[lane] = speed(servo.shift / servo.hold);
   }
   row.motor_change[lane] = static_cast<float>(share * row.motor_change[lane]);
+  row.friction_change[lane] = static_cast<float>(share * row.friction_change[lane]);
   if (row.soft_lower[lane] == 0 && row.soft_upper[lane] == 0) return;
   const double left = 1 / (1 + spring.hold * leak);
   const double soft_share = leak * left;  // 1 / (1 + hold + stiffness)
@@ -121,6 +123,7 @@ void set_springs(JointRowBlock& row, std::size_t lane, const Law& law, const Joi
   row.soft_shift[lane] = static_cast<float>(left * row.soft_shift[lane] + soft_share * spring.shift);
   row.soft_motor_part[lane] = motor_part(soft_share);
   row.soft_motor_change[lane] = static_cast<float>(left * row.soft_motor_change[lane]);
+  row.soft_friction_change[lane] = static_cast<float>(left * row.soft_friction_change[lane]);
 }
 
 }  // namespace

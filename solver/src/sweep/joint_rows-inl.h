@@ -199,6 +199,8 @@ HWY_INLINE void set_law(const SubstepConstants& constants, const JointBlock& blo
   set(as_speed(hn::IfThenElse(unbounded, within, speed)), to.next_motor_speed);
   const V change = hn::Mul(most, row.response);
   set(as_speed(change), to.motor_change);
+  const V rubs = hn::Mul(load(of.friction_impulse + lane), row.response);
+  set(as_speed(rubs), to.friction_change);
 
   const M below = hn::Lt(room_below, zero());
   const auto free_speed = [&](V room) {
@@ -216,6 +218,7 @@ HWY_INLINE void set_law(const SubstepConstants& constants, const JointBlock& blo
   set(hn::Mul(held, target), to.soft_shift);
   set(splat(1), to.soft_motor_part);
   set(as_speed(hn::Mul(leak, change)), to.soft_motor_change);
+  set(as_speed(hn::Mul(leak, rubs)), to.soft_friction_change);
 }
 
 HWY_INLINE void store_row(const RowLanes& row, M acts, std::size_t lane, JointRowBlock& to) {

@@ -94,12 +94,21 @@ HWY_INLINE V lawful_rate(const JointRowBlock& row, std::size_t lane, bool moved,
   const auto driven = [&](V rate, const float* part, const float* change) {
     return hn::Add(rate, clamp_to(hn::Mul(load(part + lane), hn::Sub(motor_speed, rate)), load(change + lane)));
   };
+  // Friction holds the rate at zero, or takes off all it has of what the motor, if it is, makes of the rest.
+  const auto rubbed = [&](V rate, const float* part, const float* change, const float* friction) {
+    const V most = load(friction + lane);
+    const M rubs = hn::Gt(most, zero());
+    const V free_of_it = driven(rate, part, change);
+    if (hn::AllFalse(D(), rubs)) return free_of_it;
+    const V forwards = driven(hn::Sub(rate, most), part, change), backwards = driven(hn::Add(rate, most), part, change);
+    return hn::IfThenElse(rubs, hn::Min(hn::Max(forwards, zero()), backwards), free_of_it);
+  };
   const float* shift = moved ? row.spring_shift : row.next_spring_shift;
   const V sprung = hn::Add(hn::Mul(load(row.spring_scale + lane), free), load(shift + lane));
-  const V rate = driven(sprung, row.motor_part, row.motor_change);
+  const V rate = rubbed(sprung, row.motor_part, row.motor_change, row.friction_change);
   if constexpr (push == Push::Bias) {
-    const V soft = driven(hn::Add(hn::Mul(load(row.soft_scale + lane), free), load(row.soft_shift + lane)),
-                          row.soft_motor_part, row.soft_motor_change);
+    const V soft = rubbed(hn::Add(hn::Mul(load(row.soft_scale + lane), free), load(row.soft_shift + lane)),
+                          row.soft_motor_part, row.soft_motor_change, row.soft_friction_change);
     lower = hn::IfThenElse(soft_lower, soft, lower);
     upper = hn::IfThenElse(soft_upper, soft, upper);
   } else if (moved) {

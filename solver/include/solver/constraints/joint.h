@@ -52,7 +52,7 @@ constexpr bool is_geared(Coordinate of) { return of >= Coordinate::Gear; }
 /// 0, 1 or 2, of three coordinates of which `x` is the first.
 constexpr int axis_of(Coordinate of, Coordinate x) { return static_cast<int>(of) - static_cast<int>(x); }
 
-/// What acts along a coordinate: which impulses go with which rates. Range, spring and motor add up.
+/// What acts along a coordinate: which impulses go with which rates. Range, spring, motor and friction add up.
 struct Law {
   static constexpr double unlimited = std::numeric_limits<double>::infinity();
 
@@ -68,6 +68,7 @@ struct Law {
   double servo_target = 0;     ///< m or rad, of a motor that is a servo
   double servo_stiffness = 0;  ///< N/m or N m/rad, likewise
   double servo_damping = 0;    ///< N s/m or N m s/rad, likewise: against other speeds than the motor's
+  double friction = 0;         ///< N or N m, dry
   double armature = 0;         ///< kg or kg m^2, that moves with the coordinate
   double restitution = 0;      ///< at the ends of the range
 
@@ -81,7 +82,7 @@ struct Law {
   bool looks_back() const { return springs() || is_servo() || armature > 0; }
   /// Returns true for a spring, servo, motor or armature: forces that add to the constraint's own impulse.
   bool acts_as_force() const { return drives() || looks_back(); }
-  bool acts() const { return limited() || drives() || springs() || armature > 0; }
+  bool acts() const { return limited() || drives() || springs() || friction > 0 || armature > 0; }
 };
 
 inline constexpr std::size_t max_joint_rows = 6;

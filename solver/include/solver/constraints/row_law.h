@@ -47,11 +47,13 @@ struct RowLaw {
   double lock_rate = 0;                 ///< m/s or rad/s, at which a lock has no impulse
   double lower_rate = -Law::unlimited;  ///< at which the ends of the range are reached
   double upper_rate = Law::unlimited;
-  double motor_speed = 0, motor_impulse = 0;  ///< at which it does nothing, and the most that it has; 0 without
-  double motor_slope = 0;                     ///< of impulse by rate; else it is as stiff as a lock
-  double motor_keeps = 0;                     ///< as spring_keeps
-  double spring_slope = 0, spring_rate = 0;   ///< of impulse by rate, and the rate at which there is none; 0 without
-  double spring_keeps = 0;                    ///< how the rate before the step adds to that
+  double motor_speed = 0, motor_impulse = 0;        ///< at which it does nothing, and the most that it has; 0 without
+  double motor_slope = 0;                           ///< of impulse by rate; else it is as stiff as a lock
+  double motor_keeps = 0;                           ///< as spring_keeps
+  double friction_speed = 0, friction_impulse = 0;  ///< at which it does nothing, and the most that it has
+  double friction_slope = 0;                        ///< of impulse by rate; else it is as stiff as a lock
+  double spring_slope = 0, spring_rate = 0;  ///< of impulse by rate, and the rate at which there is none; 0 without
+  double spring_keeps = 0;                   ///< how the rate before the step adds to that
 
   /// `effective_mass` along the row in kg or kg m^2, h in s; what locks gives by `compliance` over the effective mass,
   /// or is left to the caller where that is 0. At rest before the step.
@@ -76,11 +78,13 @@ struct RowLaw {
   static RowLaw of_kick(const Law& law, const JointRow& at, double effective_mass, double h, int sign, double rate,
                         double end_rate, int limit, int motor_bound);
 
-  /// Makes a motor give as friction in contacts does, and more than ends of ranges.
+  /// Makes a motor give as friction in contacts does, and more than ends of ranges. Likewise dry friction.
   void soften_motor(double effective_mass);
+  void soften_friction(double effective_mass);
 
   double impulse(double rate) const;
   double motor_impulse_at(double rate) const;
+  double friction_at(double rate) const;
   /// Impulse by rate, not negative.
   double slope(double rate) const;
   /// A bit for each piece that the rate is on: the same pieces have the same slope.
@@ -88,10 +92,13 @@ struct RowLaw {
   /// Whether the position is held: locked, or at an end of the range.
   bool holds(double rate) const { return locked || rate < lower_rate || rate > upper_rate; }
   int limit(double rate) const { return locked ? 0 : rate < lower_rate ? -1 : rate > upper_rate ? 1 : 0; }
+  /// -1 where the motor pulls backwards with all it has, 1 forwards, else 0; likewise friction.
   int motor_bound(double rate) const;
+  int friction_bound(double rate) const;
 
  private:
   double drive() const { return motor_slope > 0 ? motor_slope : stiffness; }
+  double friction_drive() const { return friction_slope > 0 ? friction_slope : stiffness; }
 };
 
 /// N s or N m s: by how much the impulse of a damped spring or servo over half a step of h seconds is more than that of

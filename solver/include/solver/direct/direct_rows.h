@@ -125,7 +125,7 @@ struct DirectJoint {
 /// Which kinds of rows some joints have.
 struct RowKinds {
   bool all_locked = true;   ///< then none goes to another piece of its law
-  bool acts = false;        ///< some row has a spring, a motor or an armature
+  bool acts = false;        ///< some row has a spring, a motor, friction or an armature
   bool looks_back = false;  ///< some row's impulse depends on the rate before
   bool damps = false;       ///< some row's force depends on its rate
   bool bounces = false;     ///< some row may, at an end of its range

@@ -54,10 +54,11 @@ struct alignas(64) JointBlock {
 /// that are the same for all laws.
 ///
 /// Let u0 be the rate without this row's impulse and w = J M^-1 J^T. A spring makes of it scale * u0 + shift, a motor
-/// then brings it as near to its speed as its force lets it, or a servo by a part of the way, and a limit keeps the
-/// rest in [lower_speed, upper_speed]. Where a limit is exceeded, sweeps with a bias put the speed that a soft spring
-/// at it would leave in place of the bound. What is locked is exceeded on both sides, by as much as it is off. A row
-/// that does nothing, as those of lanes with fewer than the block, has mass 0.
+/// then brings it as near to its speed as its force lets it, or a servo by a part of the way, dry friction takes all it
+/// has off what that leaves or holds it at 0, and a limit keeps the rest in [lower_speed, upper_speed]. Where a limit
+/// is exceeded, sweeps with a bias put the speed that a soft spring at it would leave in place of the bound. What is
+/// locked is exceeded on both sides, by as much as it is off. A row that does nothing, as those of lanes with fewer
+/// than the block, has mass 0.
 struct alignas(64) JointRowBlock {
   template <std::size_t n>
   using Lanes = float[n][block_lanes];
@@ -78,6 +79,7 @@ struct alignas(64) JointRowBlock {
   float motor_speed[block_lanes];        ///< from where the substep starts
   float next_motor_speed[block_lanes];   ///< and where the next one does
   float motor_change[block_lanes];       ///< what the motor can change the rate by
+  float friction_change[block_lanes];    ///< and friction
   float lower_speed[block_lanes];
   float upper_speed[block_lanes];
   /// 1 where sweeps without a bias leave the ends of the range alone: of what bounces there, and has yet to arrive.
@@ -89,6 +91,7 @@ struct alignas(64) JointRowBlock {
   float soft_shift[block_lanes];
   float soft_motor_part[block_lanes];
   float soft_motor_change[block_lanes];
+  float soft_friction_change[block_lanes];
 };
 
 /// Frames of a block's joints as the step begins, of blocks with rows: what lanes find coordinates from.
@@ -113,7 +116,8 @@ struct alignas(64) JointCoordinateBlock {
   float lower[block_lanes];
   float upper[block_lanes];
   float motor_speed[block_lanes];
-  float motor_impulse[block_lanes];  ///< N s or N m s, the most of a substep
+  float motor_impulse[block_lanes];     ///< N s or N m s, the most of a substep
+  float friction_impulse[block_lanes];  ///< likewise
 
   float position[block_lanes];  ///< found: as of the pose that bodies have now, over full turns
   float value[block_lanes];     ///< that the law sees
