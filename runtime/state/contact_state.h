@@ -81,8 +81,10 @@ void visit_ids(Archive& archive, Contact& contact, std::size_t count, bool near)
 /// Returns true if all numbers of a contact with points are finite and in bounds.
 template <typename Contact, typename Manifold>
 bool is_sound_contact(const Contact& contact, const Manifold& manifold) {
+  // Two shapes as large as they may be overlap by twice that, and by what their bodies are off.
+  constexpr double most = 4 * numbers.most;
   const auto sound = [](const auto& values) {
-    return std::ranges::all_of(values, [](auto x) { return std::abs(x) <= numbers.most; });
+    return std::ranges::all_of(values, [](auto x) { return std::abs(x) <= most; });
   };
   return sound(std::array{contact.margin, manifold.torsional_impulse}) && sound(contact.orientation) &&
          sound(contact.normal) && sound(contact.centre_incident) && sound(contact.centre_reference) &&
