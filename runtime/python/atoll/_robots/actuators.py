@@ -1,0 +1,100 @@
+"""Actuators of a compiled model."""
+
+from __future__ import annotations
+
+import math
+
+from .. import _core
+from .compiled import Compiled
+from .robot import Actuator, Robot
+
+
+class Actuators:
+    """Gives the joints of a robot what drives them."""
+
+    def __init__(self, model: Compiled, robot: Robot) -> None:
+        self.model, self.robot = model, robot
+
+    def add(self) -> None:
+        m, mj = self.model.arrays, self.model.mujoco
+        places = {c.name: place for place, c in enumerate(self.robot.coordinates)}
+        joints = list(self.robot.scene.joints)
+        for number in range(m.nu):
+            name = self.model.name("ACTUATOR", number)
+            if int(m.actuator_trntype[number]) not in (mj.mjtTrn.mjTRN_JOINT, mj.mjtTrn.mjTRN_JOINTINPARENT):
+                self.model.receipt.left_out("actuator", name, "it acts on no joint")
+                continue
+            joint = int(m.actuator_trnid[number][0])
+            place = places.get(self.model.name("JOINT", joint))
+            if place is None:
+                self.model.receipt.left_out("actuator", name, "it acts on a ball or free joint")
+                continue
+            if int(m.actuator_dyntype[number]) != mj.mjtDyn.mjDYN_NONE:
+                self.model.receipt.left_out("actuator", name, "it has dynamics of its own")
+                continue
+            gain, bias = int(m.actuator_gaintype[number]), int(m.actuator_biastype[number])
+            if gain != mj.mjtGain.mjGAIN_FIXED or bias not in (mj.mjtBias.mjBIAS_NONE, mj.mjtBias.mjBIAS_AFFINE):
+                self.model.receipt.left_out("actuator", name, "its gain isn't fixed, or its bias not affine")
+                continue
+            actuator = self._actuator(number, joint, name, place)
+            self.robot.actuators.append(actuator)
+            self._drive(joints[self.robot.coordinates[place].joint], actuator, name)
+        self.robot.scene.joints = joints
+
+    def _actuator(self, number: int, joint: int, name: str, place: int) -> Actuator:
+        m = self.model.arrays
+        gear = float(m.actuator_gear[number][0])
+        gain = gear * float(m.actuator_gainprm[number][0])
+        bias, by_position, by_rate = (0.0, 0.0, 0.0)
+        if int(m.actuator_biastype[number]) == self.model.mujoco.mjtBias.mjBIAS_AFFINE:
+            bias, by_position, by_rate = (float(x) for x in m.actuator_biasprm[number][:3])
+        limits = [math.inf]
+        for limited, ends, scale in (
+            (m.actuator_forcelimited[number], m.actuator_forcerange[number], abs(gear)),
+            (m.jnt_actfrclimited[joint], m.jnt_actfrcrange[joint], 1.0),
+        ):
+            if limited:
+                limits.append(scale * min(abs(float(ends[0])), abs(float(ends[1]))))
+                if ends[0] != -ends[1]:
+                    note = f"its force in [{ends[0]}, {ends[1]}] within the smaller of both"
+                    self.model.receipt.taken_as("actuator", name, note)
+        controls = (-math.inf, math.inf)
+        if m.actuator_ctrllimited[number]:
+            controls = (float(m.actuator_ctrlrange[number][0]), float(m.actuator_ctrlrange[number][1]))
+        return Actuator(
+            name=name,
+            coordinate=place,
+            kind="position" if by_position < 0 else "velocity" if by_rate < 0 else "force",
+            gain=gain,
+            bias=gear * bias,
+            stiffness=-gear * gear * by_position,
+            damping=-gear * gear * by_rate,
+            limit=min(limits),
+            range=controls,
+        )
+
+    def _drive(self, joint: _core.SceneJoint, actuator: Actuator, name: str) -> None:
+        if actuator.kind == "force":
+            self.model.receipt.taken_as("actuator", name, "a force that Robot.control() gives to each step")
+            return
+        definition = joint.definition
+        kind = definition.kind
+        assert isinstance(kind, (_core.HingeJoint, _core.SliderJoint))
+        axis = kind.angle if isinstance(kind, _core.HingeJoint) else kind.offset
+        motor = axis.motor
+        if motor is not None and motor.servo is not None:
+            self.model.receipt.left_out("actuator", name, "another one has its joint")
+            return
+        if motor is not None:
+            note = f"{motor.max_force:.3g} N or N m of friction, beside the servo of {actuator.name}"
+            self.model.receipt.left_out("friction", joint.name, note)
+        else:
+            self.model.receipt.exact("actuator", name)
+        servo = _core.JointServo(
+            target=actuator.bias / actuator.stiffness if actuator.kind == "position" else 0.0,
+            stiffness=actuator.stiffness,
+            damping=actuator.damping,
+        )
+        axis.motor = _core.JointMotor(max_force=actuator.limit, servo=servo)
+        definition.kind = _core.HingeJoint(axis) if isinstance(kind, _core.HingeJoint) else _core.SliderJoint(axis)
+        joint.definition = definition

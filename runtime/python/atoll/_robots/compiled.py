@@ -1,0 +1,51 @@
+"""A model as MuJoCo compiled it, in the pose that a scene starts in."""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+import numpy as np
+
+from .. import _core
+from .quaternions import Floats
+from .receipt import Receipt
+
+
+class Compiled:
+    """Arrays of a model, where its bodies are, and the receipt of what is read of it."""
+
+    def __init__(self, mujoco: Any, arrays: Any, pose: str | int | None) -> None:
+        self.mujoco, self.arrays = mujoco, arrays
+        self.data = mujoco.MjData(arrays)
+        self._take_pose(pose)
+        mujoco.mj_kinematics(arrays, self.data)
+        mujoco.mj_comPos(arrays, self.data)
+        self.receipt = Receipt(arrays.names[: arrays.names.index(b"\0")].decode() or "model")
+
+    def _take_pose(self, pose: str | int | None) -> None:
+        m = self.arrays
+        self.data.qpos[:] = m.qpos0
+        if pose is None:
+            return
+        number = self.mujoco.mj_name2id(m, self.mujoco.mjtObj.mjOBJ_KEY, pose) if isinstance(pose, str) else pose
+        if not 0 <= number < m.nkey:
+            names = [self.name("KEY", i) for i in range(m.nkey)]
+            raise _core.Error(f"load_mjcf: pose is {pose!r}; expected one of the model's keyframes: {', '.join(names)}")
+        self.data.qpos[:] = m.key_qpos[number]
+
+    def name(self, kind: str, number: int) -> str:
+        return self.mujoco.mj_id2name(self.arrays, getattr(self.mujoco.mjtObj, f"mjOBJ_{kind}"), number) or str(number)
+
+
+def compiler() -> Any:
+    try:
+        return importlib.import_module("mujoco")
+    except ImportError:
+        raise _core.Error(
+            "load_mjcf: there is no module mujoco; expected MuJoCo's compiler: pip install atoll[robots]"
+        ) from None
+
+
+def xyzw(wxyz: Any) -> Floats:
+    return np.roll(np.asarray(wxyz, dtype=np.float64), -1)

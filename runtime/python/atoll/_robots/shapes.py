@@ -1,0 +1,151 @@
+"""Shapes of a compiled model."""
+
+from __future__ import annotations
+
+import math
+from typing import Union
+
+import numpy as np
+
+from .. import _core
+from .compiled import Compiled, xyzw
+from .filters import Filters
+from .quaternions import Floats, inverse, product, turned
+
+_Solid = Union[_core.Box, _core.Sphere, _core.Capsule, _core.Cylinder, _core.ConvexHull]
+_Shape = Union[_Solid, _core.HalfSpace, _core.HeightField]
+
+_ELLIPSOID_RINGS = 16
+
+
+class Shapes:
+    """Shapes of a model by the bodies that carry them."""
+
+    def __init__(self, model: Compiled, filters: Filters) -> None:
+        self.model, self.filters = model, filters
+        self.geoms: dict[int, list[int]] = {}  # that touch, of bodies that others are welded to
+        self._sort_geoms()
+
+    def _sort_geoms(self) -> None:
+        m = self.model.arrays
+        for geom in range(m.ngeom):
+            name = self.model.name("GEOM", geom)
+            if not m.geom_contype[geom] and not m.geom_conaffinity[geom]:
+                self.model.receipt.exact("geom that only shows", name)
+                continue
+            root = int(m.body_weldid[m.geom_bodyid[geom]])
+            self.geoms.setdefault(root, []).append(geom)
+
+    def _material(self, geom: int) -> _core.Material:
+        slide, twist, roll = (float(x) for x in self.model.arrays.geom_friction[geom])
+        condim = int(self.model.arrays.geom_condim[geom])
+        return _core.Material(
+            friction=slide if condim > 1 else 0,
+            torsional_friction=twist if condim > 3 else 0,
+            rolling_friction=roll if condim > 4 else 0,
+        )
+
+    def _shape(self, geom: int) -> _Shape | None:
+        """None of a kind that there isn't here. The receipt has its line."""
+        kinds, m = self.model.mujoco.mjtGeom, self.model.arrays
+        kind, size, name = int(m.geom_type[geom]), [float(x) for x in m.geom_size[geom]], self.model.name("GEOM", geom)
+        shape: _Shape | None = None
+        note = ""
+        if kind == kinds.mjGEOM_SPHERE:
+            shape = _core.Sphere(size[0])
+        elif kind == kinds.mjGEOM_CAPSULE:
+            shape = _core.Capsule(size[0], size[1])
+        elif kind == kinds.mjGEOM_CYLINDER:
+            shape = _core.Cylinder(size[0], size[1])
+        elif kind == kinds.mjGEOM_BOX:
+            shape = _core.Box(size)
+        elif kind == kinds.mjGEOM_PLANE:
+            shape = _core.HalfSpace([0, 0, 1], 0)
+            if size[0] > 0 or size[1] > 0:
+                note = "a plane without end, as MuJoCo collides with it"
+        elif kind == kinds.mjGEOM_ELLIPSOID:
+            shape = _core.ConvexHull(_ellipsoid(size))
+            note = f"a hull of {_ELLIPSOID_RINGS**2} points on it"
+        elif kind == kinds.mjGEOM_MESH:
+            mesh = int(m.geom_dataid[geom])
+            start, count = int(m.mesh_vertadr[mesh]), int(m.mesh_vertnum[mesh])
+            hull = _core.ConvexHull(np.array(m.mesh_vert[start : start + count], dtype=np.float64))
+            shape = hull
+            note = f"the hull of its points, {len(hull.vertices)} of them" + (
+                ", fewer than it has" if hull.simplified else ""
+            )
+        elif kind == kinds.mjGEOM_HFIELD:
+            field = int(m.geom_dataid[geom])
+            rows, columns = int(m.hfield_nrow[field]), int(m.hfield_ncol[field])
+            start = int(m.hfield_adr[field])
+            heights = np.array(m.hfield_data[start : start + rows * columns], dtype=np.float64).reshape(rows, columns)
+            x, y, z, _ = (float(v) for v in m.hfield_size[field])
+            shape = _core.HeightField(heights * z, 2 * x / (columns - 1), 2 * y / (rows - 1))
+        if shape is None:
+            self.model.receipt.left_out("geom", name, "a signed distance field")
+        elif note:
+            self.model.receipt.taken_as("geom", name, note)
+        else:
+            self.model.receipt.exact("geom", name)
+        return shape
+
+    def _place(self, geom: int) -> tuple[Floats, Floats]:
+        """In the world."""
+        quaternion = np.zeros(4)
+        self.model.mujoco.mju_mat2Quat(quaternion, self.model.data.geom_xmat[geom])
+        turn = xyzw(quaternion)
+        position = np.array(self.model.data.geom_xpos[geom])
+        if int(self.model.arrays.geom_type[geom]) == self.model.mujoco.mjtGeom.mjGEOM_HFIELD:
+            x, y = self.model.arrays.hfield_size[int(self.model.arrays.geom_dataid[geom])][:2]
+            position = position - turned(turn, [x, y, 0])  # its frame is in the corner here
+        return position, turn
+
+    def fixed(self) -> list[_core.SceneBody]:
+        """Static bodies, one for each shape that doesn't move."""
+        bodies = []
+        for geom in self.geoms.get(0, []):
+            shape = self._shape(geom)
+            if shape is None:
+                continue
+            position, turn = self._place(geom)
+            definition = _core.BodyDef(
+                type=_core.BodyType.STATIC,
+                shape=shape,
+                position=position,
+                orientation=turn,
+                material=self._material(geom),
+                filter=self.filters.of(geom),
+            )
+            bodies.append(_core.SceneBody(definition=definition))
+        return bodies
+
+    def children(self, body: int) -> list[_core.CompoundChild]:
+        """Of a body that moves, in its frame."""
+        origin, frame = np.array(self.model.data.xpos[body]), xyzw(self.model.data.xquat[body])
+        children = []
+        for geom in self.geoms.get(body, []):
+            shape = self._shape(geom)
+            if shape is None:
+                continue
+            if isinstance(shape, (_core.HalfSpace, _core.HeightField)):
+                self.model.receipt.left_out("geom", self.model.name("GEOM", geom), "a surface on a body that moves")
+                continue
+            position, turn = self._place(geom)
+            child = _core.CompoundChild(
+                shape=shape,
+                position=turned(inverse(frame), position - origin),
+                orientation=product(inverse(frame), turn),
+                material=self._material(geom),
+                filter=self.filters.of(geom),
+            )
+            children.append(child)
+        return children
+
+
+def _ellipsoid(half_axes: list[float]) -> Floats:
+    """Points on it, as many along as around."""
+    around = np.arange(_ELLIPSOID_RINGS) * 2 * math.pi / _ELLIPSOID_RINGS
+    height = -1 + (np.arange(_ELLIPSOID_RINGS) + 0.5) * 2 / _ELLIPSOID_RINGS
+    width = np.sqrt(1 - height**2)
+    points = [[w * math.cos(a), w * math.sin(a), h] for h, w in zip(height, width, strict=True) for a in around]
+    return np.array(points, dtype=np.float64) * np.array(half_axes, dtype=np.float64)
