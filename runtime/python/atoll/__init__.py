@@ -120,7 +120,7 @@ from ._core import (
     version as __version__,
     view as view,
 )
-from ._robots import Receipt as Receipt, Robot as Robot, load_mjcf as load_mjcf
+from ._robots import Receipt as Receipt, Robot as Robot, load_mjcf as load_mjcf, load_urdf as load_urdf
 from ._ensemble import EnsembleError as EnsembleError, ensemble as ensemble
 from ._sweep import SweepTable as SweepTable, sweep as sweep
 

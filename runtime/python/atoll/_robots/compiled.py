@@ -15,13 +15,13 @@ from .receipt import Receipt
 class Compiled:
     """Arrays of a model, where its bodies are, and the receipt of what is read of it."""
 
-    def __init__(self, mujoco: Any, arrays: Any, pose: str | int | None) -> None:
+    def __init__(self, mujoco: Any, arrays: Any, pose: str | int | None, receipt: Receipt | None = None) -> None:
         self.mujoco, self.arrays = mujoco, arrays
         self.data = mujoco.MjData(arrays)
         self._take_pose(pose)
         mujoco.mj_kinematics(arrays, self.data)
         mujoco.mj_comPos(arrays, self.data)
-        self.receipt = Receipt(arrays.names[: arrays.names.index(b"\0")].decode() or "model")
+        self.receipt = receipt or Receipt(arrays.names[: arrays.names.index(b"\0")].decode() or "model")
 
     def _take_pose(self, pose: str | int | None) -> None:
         m = self.arrays

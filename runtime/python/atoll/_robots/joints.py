@@ -12,6 +12,8 @@ from .filters import Filters
 from .quaternions import Floats, inverse, product, turn_to, turned
 from .robot import Coordinate
 
+_FAR = 1e15  # m or rad, from which on an end of a range is none: as far as coordinates are computed with
+
 
 class Joints:
     """Makes the joints of a scene, and the coordinates that these have."""
@@ -77,7 +79,8 @@ class Joints:
         m, dof = self.model.arrays, int(self.model.arrays.jnt_dofadr[joint])
         axis = _core.JointAxis(armature=float(m.dof_armature[dof]))
         if m.jnt_limited[joint]:
-            axis.range = _core.JointRange(float(m.jnt_range[joint][0]), float(m.jnt_range[joint][1]))
+            lower, upper = (float(x) for x in m.jnt_range[joint])
+            axis.range = _core.JointRange(lower if lower > -_FAR else -math.inf, upper if upper < _FAR else math.inf)
         stiffness, damping = float(m.jnt_stiffness[joint]), float(m.dof_damping[dof])
         if stiffness > 0 or damping > 0:
             rest = float(m.qpos_spring[m.jnt_qposadr[joint]])

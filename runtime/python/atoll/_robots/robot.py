@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
@@ -20,6 +21,8 @@ class Coordinate:
     name: str
     joint: int  #: the joint's place in the scene
     kind: Literal["hinge", "slide"]
+    max_force: float = math.inf  #: N or N m, as a URDF's effort; nothing holds the joint to it
+    max_speed: float = math.inf  #: m/s or rad/s, as a URDF's velocity; nothing holds the joint to it
 
 
 @dataclass(frozen=True)
