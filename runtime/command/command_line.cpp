@@ -11,11 +11,11 @@
 #include <vector>
 
 #include "bisect.h"
-#include "ensemble.h"
 #include "explain.h"
 #include "failure.h"
 #include "interrupt.h"
 #include "list_scenes.h"
+#include "python_command.h"
 #include "replay.h"
 #include "run.h"
 #include "scene/src/words.h"
@@ -56,7 +56,7 @@ std::string words_of_extra(const CLI::App& app, std::span<const char* const> arg
   if (!parsed.empty()) return "unexpected argument \"" + extra + "\"";
   for (const CLI::App* each : app.get_subcommands({})) names.push_back(each->get_name());
   return "unknown command \"" + extra +
-         "\", expected run, view, explain, replay, bisect, soak, sweep, tune, ensemble, verify or scenes" +
+         "\", expected run, view, explain, replay, bisect, soak, sweep, tune, ensemble, import, verify or scenes" +
          scene::suggestion(extra, views(names));
 }
 
@@ -110,8 +110,9 @@ int run_parsed(int argc, char** argv) {
   CLI::App* tuning = app.add_subcommand("tune", "find the cheapest fixed settings that hold a scene's errors");
   TuneOptions tune_options;
   add_tune_options(*tuning, tune_options);
-  // For the list of commands: what follows it is for Python, see run_command_line().
+  // For the list of commands: what follows these two is for Python, see run_command_line().
   app.add_subcommand("ensemble", "run thousands of simulations of a plan, on one machine, with Ray or with Slurm");
+  app.add_subcommand("import", "make a scene file of a robot model (URDF, MJCF)");
   CLI::App* verification = app.add_subcommand("verify", "run checks of the simulation and tell what fails");
   VerifyOptions verify_options;
   add_verify_options(*verification, verify_options);
@@ -151,7 +152,7 @@ int run_parsed(int argc, char** argv) {
 
 int run_command_line(int argc, char** argv) {
   try {
-    if (is_ensemble(argc, argv)) run_ensemble(argv);
+    if (is_python_command(argc, argv)) run_python_command(argv);
     prepare_standard_streams();
     catch_interrupts();
     return run_parsed(argc, argv);

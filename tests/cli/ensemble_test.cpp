@@ -1,8 +1,9 @@
-// `atoll ensemble` hands over to Python. A script stands in for the interpreter.
+// `atoll ensemble` and `atoll import` hand over to Python. A script stands in for the interpreter.
 
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "cli/command.h"
@@ -108,6 +109,9 @@ TEST(CommandEnsemble, RefusesToRunWithoutPythonOrPackage) {
   const std::string python = script(scratch, "py", tells_words);
   expect_refused(run_program(ensemble({"ATOLL_PYTHON=" + python, "WITHOUT=64"}, {"plan"})), 2,
                  {python + " has no package \"atoll\"", "pip install \"atoll[ensemble]\"", "ATOLL_PYTHON"});
+  std::vector<std::string> words = ensemble({"ATOLL_PYTHON=" + python, "WITHOUT=64"}, {"robot.xml"});
+  *std::find(words.begin(), words.end(), "ensemble") = "import";
+  expect_refused(run_program(words), 2, {"import: " + python + " has no package", "pip install \"atoll[robots]\""});
 }
 
 }  // namespace

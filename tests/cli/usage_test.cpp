@@ -15,7 +15,7 @@ TEST(CommandUsage, VersionAndHelp) {
 
   const CommandResult help = run_atoll({"--help"});
   EXPECT_EQ(help.status, 0);
-  for (const char* word : {"run", "replay", "ensemble", "scenes", "--version", "Exit status", "non-finite"}) {
+  for (const char* word : {"run", "replay", "ensemble", "import", "scenes", "--version", "Exit status", "non-finite"}) {
     EXPECT_NE(help.out.find(word), std::string::npos) << word;
   }
 }
@@ -91,9 +91,10 @@ TEST(CommandUsage, ScenesListsAllWithParameters) {
 }
 
 TEST(CommandUsage, RefusesBadArguments) {
-  expect_refused(run_atoll({"walk"}), 2,
-                 {"unknown command \"walk\", expected run, view, explain, replay, bisect, soak, sweep, tune, ensemble, "
-                  "verify or scenes"});
+  expect_refused(
+      run_atoll({"walk"}), 2,
+      {"unknown command \"walk\", expected run, view, explain, replay, bisect, soak, sweep, tune, ensemble, import, "
+       "verify or scenes"});
   expect_refused(run_atoll({"rnu", "pile"}), 2, {"unknown command \"rnu\"", "did you mean \"run\"?"});
   expect_refused(run_atoll({"run"}), 2, {"SCENE"});
   expect_refused(run_atoll({"run", "stack", "wall"}), 2, {"wall"});

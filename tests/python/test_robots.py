@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ import pytest
 from numpy.typing import NDArray
 
 import atoll
-from atoll._robots import Verdict
+from atoll._robots import Verdict, command
 
 Floats = NDArray[np.float64]
 
@@ -204,6 +205,42 @@ def test_scenes_of_robots_are_files(tmp_path: Path) -> None:
         world.step(1 / 240)
         again.step(1 / 240)
     assert world.state_hash() == again.state_hash()
+
+
+def imports(*words: str | Path) -> int:
+    return command.main([str(word) for word in words])
+
+
+def test_the_command_writes_scene_and_receipt(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    model, scene, receipt = tmp_path / "arm.xml", tmp_path / "arm.json", tmp_path / "receipt.json"
+    model.write_text(ARM)
+    assert imports(model, "-o", scene, "--pose", "bent", "--strict") == 0
+    assert capsys.readouterr().out.startswith("arm: exact: ")
+    world = atoll.load_scene(str(scene)).build()
+    assert world.state_hash() == atoll.load_mjcf(ARM, "bent").build().state_hash()
+
+    model.write_text(
+        ARM.replace(
+            "</worldbody>", '</worldbody><tendon><fixed name="t"><joint joint="elbow" coef="1"/></fixed></tendon>'
+        )
+    )
+    assert imports(model, "-o", scene, "--receipt", receipt) == 0
+    assert capsys.readouterr().out == ""
+    lines = json.loads(receipt.read_text())["lines"]
+    assert [line["name"] for line in lines if line["verdict"] == "left out"] == ["t"]
+    assert imports(model, "-o", scene, "--strict", "--receipt", receipt.with_suffix(".txt")) == 1
+    assert "tendon t: left out" in receipt.with_suffix(".txt").read_text()
+
+    model.write_text('<robot name="r"><link name="world"/></robot>')
+    assert imports(model, "-o", scene, "--fixed-base") == 0
+    capsys.readouterr()
+    for words, said in (
+        ((model, "-o", scene, "--pose", "home"), "--pose is home; expected none for a URDF"),
+        ((tmp_path / "none.xml", "-o", scene), "No such file"),
+        ((scene, "-o", scene), "expected a robot model"),
+    ):
+        assert imports(*words) == 3
+        assert said in capsys.readouterr().err
 
 
 def test_says_what_is_wrong() -> None:

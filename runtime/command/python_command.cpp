@@ -1,4 +1,4 @@
-#include "ensemble.h"
+#include "python_command.h"
 
 #include <spawn.h>
 #include <stdlib.h>
@@ -31,8 +31,8 @@ std::string interpreter() {
   return named != nullptr && *named != '\0' ? named : "python3";
 }
 
-Failure no_python(const std::string& python, int error) {
-  return {Status::Usage, "ensemble: cannot run \"" + python + "\": " + std::generic_category().message(error) +
+Failure no_python(const std::string& command, const std::string& python, int error) {
+  return {Status::Usage, command + ": cannot run \"" + python + "\": " + std::generic_category().message(error) +
                              " (it takes Python 3.11 or newer; ATOLL_PYTHON may name it)"};
 }
 
@@ -46,36 +46,39 @@ void take_package_beside_executable() {
            1);
 }
 
-void require_package(const std::string& python) {
+void require_package(const std::string& command, const std::string& python) {
   std::array<std::string, 3> words = {python, "-c", import_package};
   std::array<char*, 4> argv = {words[0].data(), words[1].data(), words[2].data(), nullptr};
   pid_t child = 0;
   const int error = ::posix_spawnp(&child, python.c_str(), nullptr, nullptr, argv.data(), environ);
-  if (error != 0) throw no_python(python, error);
+  if (error != 0) throw no_python(command, python, error);
   int status = 0;
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
   if (WIFEXITED(status) && WEXITSTATUS(status) == without_package) {
-    throw Failure(Status::Usage, "ensemble: " + python +
-                                     " has no package \"atoll\" that was built for it (pip install "
-                                     "\"atoll[ensemble]\", or let ATOLL_PYTHON name a Python that has it)");
+    const std::string extra = command == "import" ? "robots" : "ensemble";
+    throw Failure(Status::Usage, command + ": " + python +
+                                     " has no package \"atoll\" that was built for it (pip install \"atoll[" + extra +
+                                     "]\", or let ATOLL_PYTHON name a Python that has it)");
   }
 }
 
 }  // namespace
 
-bool is_ensemble(int argc, char** argv) { return argc > 1 && std::string_view(argv[1]) == "ensemble"; }
+bool is_python_command(int argc, char** argv) {
+  return argc > 1 && (std::string_view(argv[1]) == "ensemble" || std::string_view(argv[1]) == "import");
+}
 
-void run_ensemble(char** argv) {
-  const std::string python = interpreter();
+void run_python_command(char** argv) {
+  const std::string command = argv[1], python = interpreter();
   take_package_beside_executable();
-  require_package(python);
+  require_package(command, python);
   std::vector<std::string> words = {python, "-m", "atoll"};
   std::vector<char*> all;
   for (std::string& word : words) all.push_back(word.data());
   for (char** word = argv + 1; *word != nullptr; ++word) all.push_back(*word);
   all.push_back(nullptr);
   ::execvp(python.c_str(), all.data());
-  throw no_python(python, errno);
+  throw no_python(command, python, errno);
 }
 
 }  // namespace atl::command
