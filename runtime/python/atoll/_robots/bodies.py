@@ -74,7 +74,7 @@ class Bodies:
         else:
             self._give_mass(definition, (1 - _BETWEEN * max(len(own) - 1, 0)) * mass, centre, inertia / mass)
             definition.gravity_scale = 1 - float(m.body_gravcomp[body])
-        below = self._below(body) if own else -1
+        below = self.place_of(m.body_parentid[body]) if own else -1
         for joint in own[:-1]:
             between = _core.BodyDef(
                 shape=_core.Sphere(_BEAD),
@@ -99,13 +99,13 @@ class Bodies:
         definition.inertia = mass * per_mass
         definition.centre_of_mass = centre
 
-    def _below(self, body: int) -> int:
-        """The place of what carries a body; of the world, a body that nothing touches."""
-        parent = int(self.model.arrays.body_weldid[self.model.arrays.body_parentid[body]])
-        if parent not in self.places:
+    def place_of(self, body: int) -> int:
+        """In the scene; of what is welded to the world, a body that nothing touches."""
+        root = int(self.model.arrays.body_weldid[body])
+        if root not in self.places:
             definition = _core.BodyDef(
                 type=_core.BodyType.STATIC, shape=_core.Sphere(_BEAD), filter=_core.CollisionFilter(mask=0)
             )
             self.scene.append(_core.SceneBody(definition=definition))
-            self.places[parent] = len(self.scene) - 1
-        return self.places[parent]
+            self.places[root] = len(self.scene) - 1
+        return self.places[root]

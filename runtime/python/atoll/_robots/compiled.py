@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from .. import _core
-from .quaternions import Floats
+from .quaternions import Floats, inverse, product, turned
 from .receipt import Receipt
 
 
@@ -36,6 +36,13 @@ class Compiled:
 
     def name(self, kind: str, number: int) -> str:
         return self.mujoco.mj_id2name(self.arrays, getattr(self.mujoco.mjtObj, f"mjOBJ_{kind}"), number) or str(number)
+
+    def in_root(self, body: int) -> tuple[Floats, Floats]:
+        """Where a body is in the one that it is welded to, m, and how it is turned there."""
+        root = int(self.arrays.body_weldid[body])
+        back = inverse(xyzw(self.data.xquat[root]))
+        offset = turned(back, np.array(self.data.xpos[body]) - np.array(self.data.xpos[root]))
+        return offset, product(back, xyzw(self.data.xquat[body]))
 
 
 def compiler() -> Any:

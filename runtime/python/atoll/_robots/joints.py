@@ -7,12 +7,16 @@ import math
 import numpy as np
 
 from .. import _core
-from .compiled import Compiled
+from .compiled import Compiled, xyzw
 from .filters import Filters
 from .quaternions import Floats, inverse, product, turn_to, turned
 from .robot import Coordinate
 
 _FAR = 1e15  # m or rad, from which on an end of a range is none: as far as coordinates are computed with
+_TURNS = (
+    "springs, dampers and a range about three axes, of twice the sine of half the angle: "
+    "0.4% weaker at 18 degrees, 10% at 90; the range is wider where they turn together"
+)
 
 
 class Joints:
@@ -31,9 +35,12 @@ class Joints:
         value = float(self.model.data.qpos[m.jnt_qposadr[joint]])
         turn = turn_to(axis)
         at_first, at_second, turn_second = anchor, anchor, turn
-        of: _core.BallJoint | _core.HingeJoint | _core.SliderJoint
+        of: _core.BallJoint | _core.SixDofJoint | _core.HingeJoint | _core.SliderJoint
         if kind == kinds.mjJNT_BALL:
             of = self._ball(joint, name)
+            turn_second = xyzw(self.model.data.xquat[body])
+            place = int(m.jnt_qposadr[joint])
+            turn = product(turn_second, inverse(xyzw(self.model.data.qpos[place : place + 4])))
         elif kind == kinds.mjJNT_HINGE:
             of = _core.HingeJoint(self._axis(joint, name))
             turn_second = product(turn, [math.sin(value / 2), 0, 0, math.cos(value / 2)])
@@ -57,23 +64,37 @@ class Joints:
         )
         self.scene.append(_core.SceneJoint(name=name, definition=definition, first=first, second=second))
 
-    def _ball(self, joint: int, name: str) -> _core.BallJoint:
-        m, dof = self.model.arrays, int(self.model.arrays.jnt_dofadr[joint])
-        left_out = [
-            word
-            for word, there in (
-                ("damping", m.dof_damping[dof]),
-                ("stiffness", m.jnt_stiffness[joint]),
-                ("armature", m.dof_armature[dof]),
-                ("range", m.jnt_limited[joint]),
-            )
-            if there
-        ]
-        if left_out:
-            self.model.receipt.left_out("joint", name, f"the {', '.join(left_out)} of a ball joint")
-        else:
+    def _ball(self, joint: int, name: str) -> _core.BallJoint | _core.SixDofJoint:
+        m, dof, place = (
+            self.model.arrays,
+            int(self.model.arrays.jnt_dofadr[joint]),
+            int(self.model.arrays.jnt_qposadr[joint]),
+        )
+        friction, stiffness, damping = (
+            float(m.dof_frictionloss[dof]),
+            float(m.jnt_stiffness[joint]),
+            float(m.dof_damping[dof]),
+        )
+        armature, limited = float(m.dof_armature[dof]), bool(m.jnt_limited[joint])
+        if not (stiffness or damping or armature or limited):
             self.model.receipt.exact("joint", name)
-        return _core.BallJoint(float(m.dof_frictionloss[dof]))
+            return _core.BallJoint(friction)
+        body = int(m.jnt_bodyid[joint])
+        alone = joint == m.body_jntadr[body] + m.body_jntnum[body] - 1
+        if not alone or not np.array_equal(m.qpos_spring[place : place + 4], [1, 0, 0, 0]):
+            self.model.receipt.left_out("joint", name, "the range, spring and armature of a ball that others turn")
+            return _core.BallJoint(friction)
+        turn = _core.JointAxis(armature=armature)
+        if limited:
+            end = 2 * math.sin(min(float(m.jnt_range[joint][1]), math.pi) / 2)
+            turn.range = _core.JointRange(-end, end)
+        if stiffness or damping:
+            turn.spring = _core.JointSpring(stiffness=stiffness, damping=damping)
+        if friction:
+            turn.motor = _core.JointMotor(max_force=friction)
+        self.model.receipt.taken_as("joint", name, _TURNS)
+        locked = _core.JointAxis(range=_core.JointRange(0, 0))
+        return _core.SixDofJoint(offset=[locked] * 3, turn=[turn] * 3)
 
     def _axis(self, joint: int, name: str) -> _core.JointAxis:
         m, dof = self.model.arrays, int(self.model.arrays.jnt_dofadr[joint])

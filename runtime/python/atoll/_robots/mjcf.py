@@ -10,6 +10,7 @@ from .. import _core
 from .actuators import Actuators
 from .bodies import Bodies
 from .compiled import Compiled, compiler
+from .equalities import Equalities
 from .filters import Filters
 from .robot import Robot
 
@@ -44,6 +45,7 @@ def read(model: Compiled) -> Robot:
     scene.dt = float(m.opt.timestep)
     filters = Filters(model.mujoco, m)
     bodies = Bodies(model, filters)
+    Equalities(model, bodies)
     scene.bodies, scene.joints = bodies.scene, bodies.joints.scene
     robot.coordinates = bodies.joints.coordinates
     for body in range(1, m.nbody):
@@ -66,8 +68,6 @@ def _tell_of_the_rest(model: Compiled, filters: Filters) -> None:
         receipt.taken_as("friction", "all", _FRICTION)
     for note in filters.left_out:
         receipt.left_out("exclude", "", note)
-    for number in range(m.neq):
-        receipt.left_out("equality", model.name("EQUALITY", number), "couplings are not read yet")
     for number in range(m.ntendon):
         receipt.left_out("tendon", model.name("TENDON", number), "tendons are not read yet")
     for number in range(m.npair):
