@@ -185,7 +185,7 @@ def test_nothing_is_dropped_without_a_line() -> None:
     <tendon><fixed name="t"><joint joint="j" coef="1"/></fixed></tendon>
     <equality><joint name="e" joint1="j" joint2="k"/></equality>
     <actuator><motor name="pull" tendon="t"/><general name="m" joint="j" dyntype="filter" dynprm="1"/></actuator>
-    <sensor><gyro name="turn" site="s"/></sensor></mujoco>""")
+    <sensor><magnetometer name="turn" site="s"/></sensor></mujoco>""")
     left_out = {(line.element, line.name) for line in robot.receipt.of(Verdict.LEFT_OUT)}
     expected = {("tendon", "t"), ("equality", "e"), ("actuator", "pull"), ("actuator", "m")}
     assert left_out == expected | {("sensor", "turn")}

@@ -13,6 +13,7 @@ from .compiled import Compiled, compiler
 from .equalities import Equalities
 from .filters import Filters
 from .robot import Robot
+from .sensor_elements import SensorElements
 
 _SOFT = "contacts are rigid here: solref, solimp and margin do nothing"
 _FRICTION = "two surfaces have the geometric mean of their coefficients here, and the larger one, or the first's, there"
@@ -46,6 +47,7 @@ def read(model: Compiled) -> Robot:
     filters = Filters(model.mujoco, m)
     bodies = Bodies(model, filters)
     Equalities(model, bodies)
+    robot.sensors = SensorElements(model, bodies).sensors
     scene.bodies, scene.joints = bodies.scene, bodies.joints.scene
     robot.coordinates = bodies.joints.coordinates
     for body in range(1, m.nbody):
@@ -72,8 +74,6 @@ def _tell_of_the_rest(model: Compiled, filters: Filters) -> None:
         receipt.left_out("tendon", model.name("TENDON", number), "tendons are not read yet")
     for number in range(m.npair):
         receipt.left_out("pair", str(number), "contacts of their own are not read yet")
-    for number in range(m.nsensor):
-        receipt.left_out("sensor", model.name("SENSOR", number), "sensors are not read yet")
     for number in range(m.nflex):
         receipt.left_out("flex", str(number), "bodies are rigid here")
     if m.opt.density or m.opt.viscosity:

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from .. import _core
 from .quaternions import Floats, turned
 from .receipt import Receipt
+from .sensors import Frame, Sensor, read
 
 
 @dataclass(frozen=True)
@@ -52,6 +53,8 @@ class Robot:
     coordinates: list[Coordinate] = field(default_factory=list)  #: in the model's order
     actuators: list[Actuator] = field(default_factory=list)  #: in the model's order
 
+    sensors: list[Sensor] = field(default_factory=list)  #: in the model's order
+
     def build(self, threads: int = 1) -> _core.World:
         """A world of the scene."""
         return self.scene.build(threads=threads)
@@ -83,6 +86,37 @@ class Robot:
             else:
                 push = float(np.clip(force, -actuator.limit, actuator.limit))
                 self._push(world, joint, coordinate.kind, push)
+
+    def motion(self, world: _core.World) -> Floats:
+        """m/s, shape (accelerometers, 3), of the places of accelerometers: for a later read()."""
+        speeds = [Frame(sensor, world).linear for sensor in self.sensors if sensor.kind == "accelerometer"]
+        return np.array(speeds, dtype=np.float64).reshape(-1, 3)
+
+    def read(self, world: _core.World, before: ArrayLike | None = None, seconds: float = 0) -> dict[str, Floats]:
+        """What the sensors read, by their names, in the axes and units of the model; orientations are x, y, z, w.
+
+        before: what motion() told so many seconds ago, > 0. Accelerometers read the mean acceleration since then, without
+        that of gravity, and NaN if it is left out.
+        """
+        states = {"jointpos": self.positions(world), "jointvel": self.rates(world)}
+        count = sum(sensor.kind == "accelerometer" for sensor in self.sensors)
+        speeds = np.full((count, 3), np.nan) if before is None else np.asarray(before, dtype=np.float64)
+        if speeds.shape != (count, 3):
+            raise _core.Error(f"Robot.read: before has the shape {speeds.shape}; expected ({count}, 3), of motion()")
+        if before is not None and not seconds > 0:
+            raise _core.Error(f"Robot.read: seconds is {seconds}; expected a time > 0 since motion()")
+        earlier, values = iter(speeds), {}
+        for sensor in self.sensors:
+            if sensor.coordinate >= 0:
+                value = states[sensor.kind][[sensor.coordinate]].clip(sensor.least, sensor.most)
+            elif sensor.kind == "accelerometer":
+                frame = Frame(sensor, world)
+                change = (frame.linear - next(earlier)) / (seconds or 1)
+                value = frame.inwards(change - np.asarray(world.gravity)).clip(sensor.least, sensor.most)
+            else:
+                value = read(sensor, world)
+            values[sensor.name] = value
+        return values
 
     def _states(self, world: _core.World, what: str) -> Floats:
         ids = world.joints
