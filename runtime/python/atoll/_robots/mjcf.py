@@ -71,9 +71,10 @@ def _tell_of_the_rest(model: Compiled, filters: Filters) -> None:
     for note in filters.left_out:
         receipt.left_out("exclude", "", note)
     for number in range(m.ntendon):
-        receipt.left_out("tendon", model.name("TENDON", number), "tendons are not read yet")
+        receipt.left_out("tendon", model.name("TENDON", number), "no joint of a scene couples coordinates, or winds")
     for number in range(m.npair):
-        receipt.left_out("pair", str(number), "contacts of their own are not read yet")
+        names = " and ".join(model.name("GEOM", int(ids[number])) for ids in (m.pair_geom1, m.pair_geom2))
+        receipt.left_out("pair", names, "materials and filters are of shapes here, not of pairs of them")
     for number in range(m.nflex):
         receipt.left_out("flex", str(number), "bodies are rigid here")
     if m.opt.density or m.opt.viscosity:

@@ -46,6 +46,14 @@ def load_urdf(source: str | Path, packages: Packages = (), fixed_base: bool = Fa
     carries none becomes part of its parent; one that carries mass gets a thousandth of that. Raises Error if the file
     isn't a URDF, a number in it isn't one, or the compiler refuses it.
     """
+    model, root = compile_urdf(source, packages, fixed_base)
+    robot = read(model)
+    _name_limits(root, robot)
+    return robot
+
+
+def compile_urdf(source: str | Path, packages: Packages, fixed_base: bool) -> tuple[Compiled, _Element]:
+    """What MuJoCo makes of a URDF once it is repaired, and that as XML."""
     mujoco = compiler()
     path = None if str(source).lstrip().startswith("<") else Path(source)
     root = _parse(source, path)
@@ -74,9 +82,7 @@ def load_urdf(source: str | Path, packages: Packages = (), fixed_base: bool = Fa
         model = spec.compile()
     except ValueError as error:
         raise _core.Error(f"load_urdf: MuJoCo refuses the model: {error}") from None
-    robot = read(Compiled(mujoco, model, None, receipt))
-    _name_limits(root, robot)
-    return robot
+    return Compiled(mujoco, model, None, receipt), root
 
 
 def _parse(source: str | Path, path: Path | None) -> _Element:
@@ -147,7 +153,9 @@ def _leave_fixed_mimics(root: _Element, receipt: Receipt) -> None:
     for joint in root.findall("joint"):
         mimic = joint.find("mimic")
         if mimic is not None and not {joint.get("name"), mimic.get("joint")} <= moving:
-            receipt.left_out("mimic", joint.get("name", ""), f"it or {mimic.get('joint')} has not one coordinate")
+            receipt.left_out(
+                "mimic", joint.get("name", ""), f"it or {mimic.get('joint')} is fixed, or has several coordinates"
+            )
             joint.remove(mimic)
 
 
