@@ -160,6 +160,16 @@ def touching(robot: atoll.Robot) -> set[tuple[str, str]]:
     return {(ids[int(p["a"]["index"])], ids[int(p["b"]["index"])]) for p in world.contact_events()}
 
 
+def test_all_shapes_touch_what_is_not_of_the_model() -> None:
+    ball = '<body pos="{} 0 1"><freejoint/><geom size=".1" contype="{}" conaffinity="{}"/></body>'
+    classes = [(1, 1), (2, 0), (0, 4)]
+    balls = "".join(ball.format(*place) for place in ((0, *classes[0]), (1, *classes[1]), (2, *classes[2])))
+    world = atoll.load_mjcf(f"<mujoco><worldbody>{balls}</worldbody></mujoco>").build()
+    world.add_body(type=atoll.BodyType.STATIC, shape=atoll.HalfSpace())
+    world.steps(240, 1 / 240)
+    assert [world.pose(body).position[2] for body in world.bodies[:3]] == pytest.approx([0.1] * 3, abs=1e-3)
+
+
 @pytest.mark.parametrize("joints", ['<joint axis="1 0 0"/>', '<joint axis="1 0 0"/><joint axis="0 1 0"/>'])
 @pytest.mark.parametrize("filtered", [True, False])
 def test_a_parent_touches_its_children_as_compiled(joints: str, filtered: bool) -> None:

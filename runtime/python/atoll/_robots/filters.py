@@ -7,7 +7,8 @@ from typing import Any
 from .. import _core
 
 ALL = 0xFFFFFFFF  #: the mask of what may touch anything
-_MOST = 31  # the first bit is that of shapes with no class of their own
+_OTHERS = 1  # the category of bodies that are not of the model, with which all shapes may collide
+_MOST = 31  # classes, a bit each beside that
 
 
 class Filters:
@@ -59,5 +60,5 @@ class Filters:
 
     def of(self, geom: int) -> _core.CollisionFilter:
         own = self._class(geom)
-        mask = sum(1 << bit + 1 for other, bit in self._classes.items() if self._touch(own, other))
+        mask = _OTHERS + sum(1 << bit + 1 for other, bit in self._classes.items() if self._touch(own, other))
         return _core.CollisionFilter(category=1 << self._classes[own] + 1, mask=mask)
