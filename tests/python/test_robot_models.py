@@ -40,7 +40,7 @@ CONFIGURATIONS = 100 if LONG_TESTS else 20
 
 def compiled(path: Path) -> Compiled:
     if path.suffix == ".urdf":
-        return compile_urdf(path, (), fixed_base=False)[0]
+        return compile_urdf(path)[0]
     return Compiled(mujoco, mujoco.MjModel.from_xml_path(str(path)), None)
 
 

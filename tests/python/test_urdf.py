@@ -107,6 +107,16 @@ def test_the_base_is_free_unless_it_is_held() -> None:
     assert held.scene.bodies[held.bodies["base"]].definition.type == atoll.BodyType.STATIC
 
 
+def test_links_touch_each_other_only_if_asked_to() -> None:
+    links = {"a": inertial(1) + SPHERE, "b": inertial(1) + SPHERE, "c": inertial(1) + SPHERE}
+    text = urdf(links, joint("continuous", "a", "b"), joint("continuous", "b", "c", '<origin xyz=".05 0 0"/>'))
+    for touch in (False, True):
+        world = atoll.load_urdf(text, self_collision=touch).build()
+        world.gravity = np.zeros(3)
+        world.step(1e-3)
+        assert bool(len(world.contact_forces())) == touch
+
+
 def test_joints_and_their_limits_are_read() -> None:
     links = {name: inertial(1) + SPHERE for name in "abcdef"}
     origin = '<origin xyz="0 0 1" rpy=".1 -.2 .3"/>'

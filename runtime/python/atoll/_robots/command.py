@@ -43,6 +43,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("-o", "--output", metavar="SCENE.json", type=Path, required=True)
     parser.add_argument("--pose", metavar="NAME", help="keyframe of an MJCF file to start in")
     parser.add_argument("--fixed-base", action="store_true", help="hold the first link of a URDF to the world")
+    parser.add_argument("--self-collision", action="store_true", help="let the links of a URDF touch each other")
     parser.add_argument(
         "--packages", metavar="DIR", action="append", default=[],
         help="folder of packages that meshes of a URDF are in; may be given several times",
@@ -61,13 +62,13 @@ def _load(given: argparse.Namespace) -> Robot:
     except ElementTree.ParseError as error:
         raise _core.Error(f"ROBOT.xml is {given.robot}; expected a robot model: {error}") from None
     if tag != "robot":
-        for option in ("fixed_base", "packages"):
+        for option in ("fixed_base", "self_collision", "packages"):
             if getattr(given, option):
                 raise _core.Error(f"--{option.replace('_', '-')} is given with an MJCF file; expected a URDF")
         return load_mjcf(given.robot, given.pose)
     if given.pose is not None:
         raise _core.Error(f"--pose is {given.pose}; expected none for a URDF, which has no keyframes")
-    return load_urdf(given.robot, given.packages, given.fixed_base)
+    return load_urdf(given.robot, given.packages, given.fixed_base, given.self_collision)
 
 
 def _write(receipt: Receipt, path: Path | None) -> None:

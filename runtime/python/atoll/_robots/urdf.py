@@ -33,12 +33,15 @@ _COMPILER = {
 }
 
 
-def load_urdf(source: str | Path, packages: Packages = (), fixed_base: bool = False) -> Robot:
+def load_urdf(
+    source: str | Path, packages: Packages = (), fixed_base: bool = False, self_collision: bool = False
+) -> Robot:
     """A URDF as a scene, by MuJoCo's compiler, which takes `pip install atoll[robots]`.
 
     source: a file, or the text of one. packages: folders of packages by their names, or folders to look for them in, for
     `package://` in names of meshes; the folders above the file are looked in as well. fixed_base: whether the first link
-    is held to the world. One named "world" always is.
+    is held to the world. One named "world" always is. self_collision: whether links may touch each other, except those that
+    a joint connects. Shapes in many files overlap, and would be pushed apart.
 
     The scene has a body for each link that moves by itself: what is fixed to it is part of it. Shapes are those of
     `collision`, meshes as their convex hulls. What can't be simulated is repaired as little as possible, and the receipt
@@ -46,13 +49,15 @@ def load_urdf(source: str | Path, packages: Packages = (), fixed_base: bool = Fa
     carries none becomes part of its parent; one that carries mass gets a thousandth of that. Raises Error if the file
     isn't a URDF, a number in it isn't one, or the compiler refuses it.
     """
-    model, root = compile_urdf(source, packages, fixed_base)
+    model, root = compile_urdf(source, packages, fixed_base, self_collision)
     robot = read(model)
     _name_limits(root, robot)
     return robot
 
 
-def compile_urdf(source: str | Path, packages: Packages, fixed_base: bool) -> tuple[Compiled, _Element]:
+def compile_urdf(
+    source: str | Path, packages: Packages = (), fixed_base: bool = False, self_collision: bool = False
+) -> tuple[Compiled, _Element]:
     """What MuJoCo makes of a URDF once it is repaired, and that as XML."""
     mujoco = compiler()
     path = None if str(source).lstrip().startswith("<") else Path(source)
@@ -79,6 +84,10 @@ def compile_urdf(source: str | Path, packages: Packages, fixed_base: bool) -> tu
         spec = mujoco.MjSpec.from_string(ElementTree.tostring(root, encoding="unicode"), assets=meshes.assets)
         for mesh in spec.meshes:  # which give no masses here, and may be flat
             mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL
+        if not self_collision:
+            receipt.taken_as("contacts", "of links", "none with each other: self_collision is off")
+            for geom in spec.geoms:
+                geom.contype, geom.conaffinity = 1, 0
         model = spec.compile()
     except ValueError as error:
         raise _core.Error(f"load_urdf: MuJoCo refuses the model: {error}") from None
