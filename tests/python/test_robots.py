@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 import atoll
 from atoll._robots import Verdict, command
+from atoll._robots.quaternions import turn_to, turned
 
 Floats = NDArray[np.float64]
 
@@ -44,6 +45,18 @@ ARM = """
   <keyframe><key name="bent" qpos=".8 -.5 .1"/></keyframe>
 </mujoco>
 """
+
+
+def test_turns_lead_to_any_axis() -> None:
+    random = np.random.default_rng(2)
+    axes = [random.normal(size=3) for _ in range(20)]
+    axes += [np.array([-1, *(10.0**-power * random.normal(size=2))]) for power in range(20)]
+    axes += [np.array([sign, 0, 0]) for sign in (1.0, -1.0)]
+    for axis in axes:
+        axis = axis / np.linalg.norm(axis)
+        turn = turn_to(axis)
+        assert np.linalg.norm(turn) == pytest.approx(1, abs=1e-15)
+        assert turned(turn, [1, 0, 0]) == pytest.approx(axis, abs=1e-15)
 
 
 def data_of(text: str, key: int | None = None) -> tuple[Any, Any]:

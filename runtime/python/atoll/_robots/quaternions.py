@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -31,7 +33,11 @@ def inverse(orientation: ArrayLike) -> Floats:
 def turn_to(axis: ArrayLike) -> Floats:
     """The shortest turn of the x axis to a unit vector, as a quaternion x, y, z, w."""
     a = np.asarray(axis, dtype=np.float64)
-    if a[0] < -1 + 1e-12:
+    if a[0] >= 0:
+        q = np.append(np.cross([1, 0, 0], a), 1 + a[0])
+        return np.asarray(q / np.linalg.norm(q), dtype=np.float64)
+    across = math.sqrt(a[1] ** 2 + a[2] ** 2)  # 1 + a[0] would cancel
+    half = math.sqrt((1 - a[0]) / 2)
+    if across == 0:
         return np.array([0.0, 0.0, 1.0, 0.0])
-    q = np.append(np.cross([1, 0, 0], a), 1 + a[0])
-    return np.asarray(q / np.linalg.norm(q), dtype=np.float64)
+    return np.array([0.0, -a[2] / across * half, a[1] / across * half, across / (2 * half)])
