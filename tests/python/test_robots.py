@@ -161,6 +161,33 @@ def test_who_may_touch_is_as_compiled() -> None:
     assert touching(atoll.load_mjcf(model)) == {("a", "b"), ("a", "c")}
 
 
+def test_more_pairs_are_excluded_than_there_are_classes() -> None:
+    """Balls about one place, of which the first may not touch any, and each may not touch the next."""
+    balls = [f'<body name="b{n}" pos="0 0 {n * 1e-3}"><freejoint/><geom size=".1"/></body>' for n in range(44)]
+    pairs = {(0, n) for n in range(1, 44)} | {(n, n + 1) for n in range(43)}
+    excludes = [f'<exclude body1="b{a}" body2="b{b}"/>' for a, b in sorted(pairs)]
+    inside = f"<worldbody>{''.join(balls)}</worldbody><contact>{''.join(excludes)}</contact>"
+    robot = atoll.load_mjcf(f"<mujoco>{inside}</mujoco>")
+    assert not robot.receipt.of(Verdict.LEFT_OUT)
+    expected = {(f"b{a}", f"b{b}") for b in range(44) for a in range(b) if (a, b) not in pairs}
+    assert touching(robot) == expected
+
+    all_pairs = [f'<exclude body1="b{a}" body2="b{b}"/>' for b in range(44) for a in range(b)]
+    robot = atoll.load_mjcf(f"<mujoco>{inside.replace(''.join(excludes), ''.join(all_pairs))}</mujoco>")
+    (line,) = robot.receipt.of(Verdict.LEFT_OUT)
+    assert line.note.startswith("91 pairs")  # of the 14 bodies that have no class of their own
+    assert len(touching(robot)) == 91
+
+
+def test_a_start_beyond_a_range_or_in_another_shape_is_told() -> None:
+    robot = atoll.load_mjcf("""
+    <mujoco><compiler angle="radian"/><worldbody>
+      <body name="a"><joint name="j" range=".2 1"/><geom size=".1" pos=".3 0 0"/></body>
+      <body name="b" pos=".45 0 0"><freejoint/><geom size=".1"/></body></worldbody></mujoco>""")
+    told = {line.name: line.note for line in robot.receipt.lines if line.element == "pose"}
+    assert told["j"].startswith("0.2 m or rad beyond") and "overlap by 0.05 m" in told["a and b"]
+
+
 def touching(robot: atoll.Robot) -> set[tuple[str, str]]:
     """The names of bodies that touch after a first step."""
     world = robot.build()

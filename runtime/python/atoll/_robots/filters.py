@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import Any
 
 from .. import _core
@@ -13,28 +14,22 @@ _MOST = 31  # classes, a bit each beside that
 
 class Filters:
     """MuJoCo lets two shapes touch if the contype of either has a bit of the other's conaffinity, unless their bodies
-    are excluded, or one carries the other by joints. Shapes that are alike in all are a class here, with a bit of its
-    own."""
+    are excluded, or one carries the other by joints. Shapes of one contype and conaffinity are a class here, with a bit
+    of its own. Of two bodies that are excluded one has classes of its own, which are not in the other's mask."""
 
     def __init__(self, mujoco: Any, model: Any) -> None:
         self.model = model
         self.parents_touch = bool(model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_FILTERPARENT)
         self.left_out: list[str] = []
-        excluded = {(int(s) >> 16, int(s) & 0xFFFF) for s in model.exclude_signature}
+        named = [(int(s) >> 16, int(s) & 0xFFFF) for s in model.exclude_signature]
         weld = [int(w) for w in model.body_weldid]
-        self._excluded = {frozenset((weld[a], weld[b])) for a, b in excluded} | self._carried(weld)
-        self._classes: dict[tuple[int, int, int], int] = {}
-        for geom in self._geoms():
-            self._classes.setdefault(self._class(geom), len(self._classes))
+        self._excluded = {frozenset((weld[a], weld[b])) for a, b in named} | self._carried(weld)
+        self._own: set[int] = set()  # bodies that have classes of their own
+        self._classes = self._classes_with(self._own)
         if len(self._classes) > _MOST:
-            kinds = f"their shapes are of {len(self._classes)} kinds, and there is room for {_MOST}"
-            self.left_out.append(f"all {len(excluded)}: {kinds}")
-            self._excluded.clear()
-            self._classes.clear()
-            for geom in self._geoms():
-                self._classes.setdefault(self._class(geom), min(len(self._classes), _MOST - 1))
-            if len(self._classes) > _MOST:
-                self.left_out.append(f"contype and conaffinity tell {len(self._classes)} kinds apart: the last are one")
+            self.left_out.append(f"contype and conaffinity tell {len(self._classes)} kinds apart: the last are one")
+            self._classes = {kind: min(bit, _MOST - 1) for kind, bit in self._classes.items()}
+        self._choose()
 
     def _carried(self, weld: list[int]) -> set[frozenset[int]]:
         """What several joints in a row hold to its parent: no one of these says that the two don't touch."""
@@ -44,21 +39,42 @@ class Filters:
         several = {body: weld[m.body_parentid[body]] for body in set(weld) if m.body_jntnum[body] > 1}
         return {frozenset(pair) for pair in several.items() if pair[1] != 0}
 
-    def _geoms(self) -> list[int]:
-        m = self.model
-        return [g for g in range(m.ngeom) if m.geom_contype[g] or m.geom_conaffinity[g]]
+    def _choose(self) -> None:
+        """Gives classes of their own to bodies until each excluded pair has one such, the most excluded body first."""
+        left = {pair for pair in self._excluded if len(pair) == 2}
+        while left:
+            count = Counter(body for pair in left for body in pair)
+            body = min(count, key=lambda one: (-count[one], one))
+            classes = self._classes_with({*self._own, body})
+            if len(classes) > _MOST:
+                self.left_out.append(f"{len(left)} pairs: they take more classes of shapes than the {_MOST} there are")
+                self._excluded -= left
+                return
+            self._own.add(body)
+            self._classes = classes
+            left = {pair for pair in left if body not in pair}
 
-    def _class(self, geom: int) -> tuple[int, int, int]:
-        """contype, conaffinity, and the body if any is excluded from touching it."""
+    def _classes_with(self, own: set[int]) -> dict[tuple[int, int, int], int]:
+        """Numbers of the classes, where these bodies have their own."""
+        m = self.model
+        classes: dict[tuple[int, int, int], int] = {}
+        for geom in range(m.ngeom):
+            if m.geom_contype[geom] or m.geom_conaffinity[geom]:
+                classes.setdefault(self._class(geom, own), len(classes))
+        return classes
+
+    def _class(self, geom: int, own: set[int]) -> tuple[int, int, int]:
+        """contype, conaffinity, and the body if it has classes of its own."""
         m = self.model
         body = int(m.body_weldid[m.geom_bodyid[geom]])
-        named = any(body in pair for pair in self._excluded)
-        return int(m.geom_contype[geom]), int(m.geom_conaffinity[geom]), body if named else -1
-
-    def _touch(self, a: tuple[int, int, int], b: tuple[int, int, int]) -> bool:
-        return bool(a[0] & b[1] or b[0] & a[1]) and frozenset((a[2], b[2])) not in self._excluded
+        return int(m.geom_contype[geom]), int(m.geom_conaffinity[geom]), body if body in own else -1
 
     def of(self, geom: int) -> _core.CollisionFilter:
-        own = self._class(geom)
-        mask = _OTHERS + sum(1 << bit + 1 for other, bit in self._classes.items() if self._touch(own, other))
-        return _core.CollisionFilter(category=1 << self._classes[own] + 1, mask=mask)
+        contype, conaffinity, _ = kind = self._class(geom, self._own)
+        body = int(self.model.body_weldid[self.model.geom_bodyid[geom]])
+        mask = _OTHERS
+        for (other_contype, other_conaffinity, other), bit in self._classes.items():
+            match = contype & other_conaffinity or other_contype & conaffinity
+            if match and frozenset((body, other)) not in self._excluded:
+                mask |= 1 << bit + 1
+        return _core.CollisionFilter(category=1 << self._classes[kind] + 1, mask=mask)

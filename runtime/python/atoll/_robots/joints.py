@@ -42,11 +42,11 @@ class Joints:
             place = int(m.jnt_qposadr[joint])
             turn = product(turn_second, inverse(xyzw(self.model.data.qpos[place : place + 4])))
         elif kind == kinds.mjJNT_HINGE:
-            of = _core.HingeJoint(self._axis(joint, name))
+            of = _core.HingeJoint(self._axis(joint, name, value))
             turn_second = product(turn, [math.sin(value / 2), 0, 0, math.cos(value / 2)])
             self.coordinates.append(Coordinate(name, len(self.scene), "hinge"))
         else:
-            of = _core.SliderJoint(self._axis(joint, name))
+            of = _core.SliderJoint(self._axis(joint, name, value))
             at_first = anchor - value * axis
             self.coordinates.append(Coordinate(name, len(self.scene), "slide"))
 
@@ -96,11 +96,15 @@ class Joints:
         locked = _core.JointAxis(range=_core.JointRange(0, 0))
         return _core.SixDofJoint(offset=[locked] * 3, turn=[turn] * 3)
 
-    def _axis(self, joint: int, name: str) -> _core.JointAxis:
+    def _axis(self, joint: int, name: str, value: float) -> _core.JointAxis:
         m, dof = self.model.arrays, int(self.model.arrays.jnt_dofadr[joint])
         axis = _core.JointAxis(armature=float(m.dof_armature[dof]))
         if m.jnt_limited[joint]:
             lower, upper = (float(x) for x in m.jnt_range[joint])
+            beyond = max(lower - value, value - upper)
+            if beyond > 0:
+                note = f"{beyond:.3g} m or rad beyond the range of the joint, which is pushed into it"
+                self.model.receipt.taken_as("pose", name, note)
             axis.range = _core.JointRange(lower if lower > -_FAR else -math.inf, upper if upper < _FAR else math.inf)
         stiffness, damping = float(m.jnt_stiffness[joint]), float(m.dof_damping[dof])
         if stiffness > 0 or damping > 0:

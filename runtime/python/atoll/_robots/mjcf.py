@@ -15,6 +15,7 @@ from .filters import Filters
 from .robot import Robot
 from .sensor_elements import SensorElements
 
+_OVERLAP = 1e-3  # m, from which on a receipt tells that shapes overlap
 _SOFT = "contacts are rigid here: solref, solimp and margin do nothing"
 _FRICTION = "two surfaces have the geometric mean of their coefficients here, and the larger one, or the first's, there"
 
@@ -70,6 +71,10 @@ def _tell_of_the_rest(model: Compiled, filters: Filters) -> None:
         receipt.taken_as("friction", "all", _FRICTION)
     for note in filters.left_out:
         receipt.left_out("exclude", "", note)
+    for (first, second), depth in _overlaps(model).items():
+        receipt.taken_as(
+            "pose", f"{first} and {second}", f"shapes of the two overlap by {depth:.3g} m, and are pushed apart"
+        )
     for number in range(m.ntendon):
         receipt.left_out("tendon", model.name("TENDON", number), "no joint of a scene couples coordinates, or winds")
     for number in range(m.npair):
@@ -79,3 +84,16 @@ def _tell_of_the_rest(model: Compiled, filters: Filters) -> None:
         receipt.left_out("flex", str(number), "bodies are rigid here")
     if m.opt.density or m.opt.viscosity:
         receipt.left_out("option", "density, viscosity", "there is no fluid here")
+
+
+def _overlaps(model: Compiled) -> dict[tuple[str, str], float]:
+    """m, of bodies that touch in the model's pose."""
+    m, data = model.arrays, model.data
+    model.mujoco.mj_collision(m, data)
+    found: dict[tuple[str, str], float] = {}
+    for contact in data.contact:
+        depth = -float(contact.dist)
+        if depth > _OVERLAP:
+            first, second = (model.name("BODY", int(m.geom_bodyid[geom])) for geom in contact.geom)
+            found[first, second] = max(found.get((first, second), 0.0), depth)
+    return found
