@@ -179,6 +179,45 @@ def test_more_pairs_are_excluded_than_there_are_classes() -> None:
     assert len(touching(robot)) == 91
 
 
+@pytest.mark.parametrize(
+    "flag", ["gravity", "contact", "limit", "frictionloss", "spring", "damper", "equality", "constraint", "actuation"]
+)
+def test_flags_switch_off(flag: str) -> None:
+    """Each force of a slider by itself: it stays at rest, or moves on, where the flag is off."""
+    parts = {
+        "gravity": ('<option gravity="1 0 0"/>', "", "", ""),
+        "contact": ("", "", '<body pos=".15 0 0"><geom size=".1"/></body>', ""),
+        "limit": ("", 'range=".5 1"', "", ""),
+        "frictionloss": ("", 'frictionloss="1e3"', "", ""),
+        "spring": ("", 'stiffness="100" springref="1"', "", ""),
+        "damper": ("", 'damping="1e3"', "", ""),
+        "equality": ("", "", "", '<equality><connect body1="a" body2="world" anchor="0 0 0"/></equality>'),
+        "actuation": (
+            "",
+            "",
+            "",
+            '<actuator><position joint="j" kp="100" ctrlrange=".5 1" ctrllimited="true"/></actuator>',
+        ),
+    }
+    parts["constraint"] = parts["limit"]
+    option, joint, body, more = parts[flag]
+    positions = []
+    for value in ("enable", "disable"):
+        robot = atoll.load_mjcf(f"""
+        <mujoco><option gravity="0 0 0"><flag {flag}="{value}"/></option>{option}<worldbody>
+          <body name="a"><joint name="j" type="slide" axis="1 0 0" {joint}/><geom size=".1"/></body>{body}
+        </worldbody>{more}</mujoco>""")
+        world = robot.build()
+        world.set_velocity(world.bodies[robot.bodies["a"]], [0.1, 0, 0], [0, 0, 0])
+        for _ in range(60):
+            if robot.actuators:
+                robot.control(world, [0.5])
+            world.step(1 / 240)
+        positions.append(float(robot.positions(world)[0]))
+    assert positions[1] == pytest.approx(0.1 * 60 / 240, rel=1e-6)
+    assert abs(positions[0] - positions[1]) > 1e-3
+
+
 def test_a_start_beyond_a_range_or_in_another_shape_is_told() -> None:
     robot = atoll.load_mjcf("""
     <mujoco><compiler angle="radian"/><worldbody>

@@ -21,6 +21,9 @@ class Actuators:
         joints = list(self.robot.scene.joints)
         for number in range(m.nu):
             name = self.model.name("ACTUATOR", number)
+            if self.model.is_off("ACTUATION"):
+                self.model.receipt.left_out("actuator", name, "the model switches actuation off")
+                continue
             if int(m.actuator_trntype[number]) not in (mj.mjtTrn.mjTRN_JOINT, mj.mjtTrn.mjTRN_JOINTINPARENT):
                 self.model.receipt.left_out("actuator", name, "it acts on no joint")
                 continue

@@ -13,15 +13,38 @@ from .receipt import Receipt
 
 
 class Compiled:
-    """Arrays of a model, where its bodies are, and the receipt of what is read of it."""
+    """Arrays of a model, where its bodies are, and the receipt of what is read of it. The arrays are its own: what the
+    model's flags switch off is taken out of them."""
 
     def __init__(self, mujoco: Any, arrays: Any, pose: str | int | None, receipt: Receipt | None = None) -> None:
         self.mujoco, self.arrays = mujoco, arrays
+        self._switch_off()
         self.data = mujoco.MjData(arrays)
         self._take_pose(pose)
         mujoco.mj_kinematics(arrays, self.data)
         mujoco.mj_comPos(arrays, self.data)
         self.receipt = receipt or Receipt(arrays.names[: arrays.names.index(b"\0")].decode() or "model")
+
+    def is_off(self, *flags: str) -> bool:
+        """Whether the model disables any of these, as "CONTACT"."""
+        return any(self.arrays.opt.disableflags & getattr(self.mujoco.mjtDisableBit, f"mjDSBL_{f}") for f in flags)
+
+    def _switch_off(self) -> None:
+        m = self.arrays
+        if self.is_off("GRAVITY"):
+            m.opt.gravity[:] = 0
+        if self.is_off("CONTACT", "CONSTRAINT"):
+            m.geom_contype[:] = m.geom_conaffinity[:] = 0
+        if self.is_off("LIMIT", "CONSTRAINT"):
+            m.jnt_limited[:] = 0
+        if self.is_off("FRICTIONLOSS", "CONSTRAINT"):
+            m.dof_frictionloss[:] = 0
+        if self.is_off("EQUALITY", "CONSTRAINT"):
+            m.eq_active0[:] = 0
+        if self.is_off("SPRING"):
+            m.jnt_stiffness[:] = 0
+        if self.is_off("DAMPER"):
+            m.dof_damping[:] = 0
 
     def _take_pose(self, pose: str | int | None) -> None:
         m = self.arrays
