@@ -154,6 +154,12 @@ def check(path: Path) -> atoll.Robot:
     return robot
 
 
+@pytest.fixture(autouse=True)
+def folder_for_logs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """MuJoCo writes what it warns of into the folder that it runs in."""
+    monkeypatch.chdir(tmp_path)
+
+
 @pytest.mark.parametrize("name", DAILY)
 def test_models_of_gymnasium_are_read(name: str) -> None:
     robot = check(GYMNASIUM / f"{name}.xml")
