@@ -14,6 +14,7 @@ using collision::Shape;
 using collision::ShapeKind;
 
 bool is_size(double value) { return value >= numbers.least && value <= numbers.most; }
+bool are_sizes(const Vector3& values) { return is_size(values.x()) && is_size(values.y()) && is_size(values.z()); }
 bool is_number(double value) { return std::abs(value) <= numbers.most; }
 // maxCoeff() may pass over what is not a number.
 bool is_number(const Vector3& value) { return is_number(value.x()) && is_number(value.y()) && is_number(value.z()); }
@@ -26,9 +27,9 @@ bool is_valid(const Material& material) {
 }
 
 bool are_same(const Shape& a, const Shape& b) {
-  return a.half_extents == b.half_extents && a.radius == b.radius && a.half_height == b.half_height &&
-         a.normal == b.normal && a.offset == b.offset && a.bounding_radius == b.bounding_radius &&
-         a.inner_radius == b.inner_radius;
+  return a.half_extents == b.half_extents && a.radius == b.radius && a.top_radius == b.top_radius &&
+         a.half_height == b.half_height && a.normal == b.normal && a.offset == b.offset &&
+         a.bounding_radius == b.bounding_radius && a.inner_radius == b.inner_radius;
 }
 
 // Whether its sizes are valid, and all else what follows from them.
@@ -47,8 +48,13 @@ bool is_valid(const Shape& shape) {
     case ShapeKind::Cone:
       return is_round(Shape::cone);
     case ShapeKind::Box:
-      return is_size(shape.half_extents.x()) && is_size(shape.half_extents.y()) && is_size(shape.half_extents.z()) &&
-             are_same(shape, Shape::box(shape.half_extents));
+      return are_sizes(shape.half_extents) && are_same(shape, Shape::box(shape.half_extents));
+    case ShapeKind::Ellipsoid:
+      return are_sizes(shape.half_extents) && are_same(shape, Shape::ellipsoid(shape.half_extents));
+    case ShapeKind::TaperedCapsule:
+      return is_size(shape.radius) && is_size(shape.top_radius) && is_size(shape.half_height) &&
+             collision::parts_balls(shape.radius, shape.top_radius, shape.half_height) &&
+             are_same(shape, Shape::tapered_capsule(shape.radius, shape.top_radius, shape.half_height));
     case ShapeKind::HalfSpace:
       return is_unit(shape.normal.squaredNorm()) && is_number(shape.offset) &&
              are_same(shape, Shape::half_space(shape.normal, shape.offset));

@@ -33,6 +33,10 @@ const char* name_of(ShapeKind kind) {
       return "Cone";
     case ShapeKind::Hull:
       return "ConvexHull";
+    case ShapeKind::Ellipsoid:
+      return "Ellipsoid";
+    case ShapeKind::TaperedCapsule:
+      return "TaperedCapsule";
     case ShapeKind::HalfSpace:
       return "HalfSpace";
     case ShapeKind::Mesh:
@@ -58,6 +62,14 @@ void describe(std::ostream& out, const CheckedCollider& collider) {
     case ShapeKind::Cylinder:
     case ShapeKind::Cone:
       out << " of radius " << shape.radius << " m and half height " << shape.half_height << " m";
+      break;
+    case ShapeKind::Ellipsoid:
+      out << " of half axes (" << shape.half_extents.x() << ", " << shape.half_extents.y() << ", "
+          << shape.half_extents.z() << ") m";
+      break;
+    case ShapeKind::TaperedCapsule:
+      out << " of radii " << shape.radius << " m and " << shape.top_radius << " m and half height " << shape.half_height
+          << " m";
       break;
     case ShapeKind::HalfSpace:
       break;

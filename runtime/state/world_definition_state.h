@@ -21,6 +21,7 @@ void visit_shape(Archive& archive, Shape& shape) {
   archive.check(shape.kind <= collision::ShapeKind::HeightField, "a shape of no known kind");
   archive.values(shape.half_extents.data(), 3);
   archive.value(shape.radius);
+  if (shape.kind == collision::ShapeKind::TaperedCapsule) archive.value(shape.top_radius);
   archive.value(shape.half_height);
   archive.values(shape.normal.data(), 3);
   archive.value(shape.offset);

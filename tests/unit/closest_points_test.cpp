@@ -8,6 +8,8 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "support/random.h"
 #include "surface_points.h"
@@ -17,8 +19,8 @@ namespace {
 
 using test::Random;
 
-constexpr ShapeKind solids[] = {ShapeKind::Sphere,   ShapeKind::Capsule, ShapeKind::Box,
-                                ShapeKind::Cylinder, ShapeKind::Cone,    ShapeKind::Hull};
+constexpr ShapeKind solids[] = {ShapeKind::Sphere, ShapeKind::Capsule, ShapeKind::Box,       ShapeKind::Cylinder,
+                                ShapeKind::Cone,   ShapeKind::Hull,    ShapeKind::Ellipsoid, ShapeKind::TaperedCapsule};
 
 bool is_polytope(const Shape& shape) {
   return shape.kind == ShapeKind::Box || shape.kind == ShapeKind::Hull || shape.kind == ShapeKind::Sphere ||
@@ -47,6 +49,16 @@ Shape random_solid(ShapeKind kind, double size, Hull& hull, Random& random) {
     case ShapeKind::Cone: {
       const double radius = length();
       return Shape::cone(radius, length());
+    }
+    case ShapeKind::Ellipsoid: {
+      const double x = length();
+      const double y = length();
+      return Shape::ellipsoid({x, y, length()});
+    }
+    case ShapeKind::TaperedCapsule: {
+      const double bottom = length();
+      const double top = length();
+      return Shape::tapered_capsule(bottom, top, 0.51 * std::abs(bottom - top) + length());
     }
     default: {
       hull.vertices.resize(4 + random.below(40));
@@ -100,21 +112,32 @@ void expect_gap(const Case& made, const Pose& second, double gap, double toleran
   EXPECT_LE(reach_second + found.on_second.dot(found.normal), 1e-6 * made.larger) << names(made, gap);
 }
 
+// Those with an ellipsoid or a tapered capsule last.
+std::vector<std::pair<ShapeKind, ShapeKind>> solid_pairs() {
+  std::vector<std::pair<ShapeKind, ShapeKind>> pairs;
+  for (const bool smooth : {false, true}) {
+    for (const ShapeKind first : solids) {
+      for (const ShapeKind second : solids) {
+        if ((is_smooth(first) || is_smooth(second)) == smooth) pairs.emplace_back(first, second);
+      }
+    }
+  }
+  return pairs;
+}
+
 void expect_gaps(double ratio_limit, double gap_lower, double gap_upper, int count, double polytopes, double round) {
   Random random(7);
-  for (const ShapeKind first : solids) {
-    for (const ShapeKind second : solids) {
-      for (int i = 0; i < count; ++i) {
-        Case made = random_case(first, second, random.magnitude(1 / ratio_limit, ratio_limit * 1.0000001), random);
-        point_at_hulls(made);
-        const double gap = made.smaller * random.magnitude(gap_lower, gap_upper);
-        const auto on_first = test::random_surface_point(made.first, random);
-        const auto on_second = test::random_surface_point(made.second, random);
-        const bool exact = is_polytope(made.first) && is_polytope(made.second);
-        // The pose that the points give is rounded too.
-        const double tolerance = (exact ? polytopes : round) * made.smaller + 1e-15 * gap;
-        expect_gap(made, test::facing(on_first, on_second, gap, random), gap, tolerance);
-      }
+  for (const auto& [first, second] : solid_pairs()) {
+    for (int i = 0; i < count; ++i) {
+      Case made = random_case(first, second, random.magnitude(1 / ratio_limit, ratio_limit * 1.0000001), random);
+      point_at_hulls(made);
+      const double gap = made.smaller * random.magnitude(gap_lower, gap_upper);
+      const auto on_first = test::random_surface_point(made.first, random);
+      const auto on_second = test::random_surface_point(made.second, random);
+      const bool exact = is_polytope(made.first) && is_polytope(made.second);
+      // The pose that the points give is rounded too.
+      const double tolerance = (exact ? polytopes : round) * made.smaller + 1e-15 * gap;
+      expect_gap(made, test::facing(on_first, on_second, gap, random), gap, tolerance);
     }
   }
 }

@@ -12,6 +12,7 @@
 #include <numbers>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "random_solids.h"
@@ -98,8 +99,22 @@ std::set<FeatureId> ids_of(const Manifold& manifold) {
   return ids;
 }
 
-constexpr ShapeKind kinds[] = {ShapeKind::Sphere,   ShapeKind::Capsule, ShapeKind::Box,
-                               ShapeKind::Cylinder, ShapeKind::Cone,    ShapeKind::Hull};
+constexpr ShapeKind kinds[] = {ShapeKind::Sphere, ShapeKind::Capsule, ShapeKind::Box,       ShapeKind::Cylinder,
+                               ShapeKind::Cone,   ShapeKind::Hull,    ShapeKind::Ellipsoid, ShapeKind::TaperedCapsule};
+
+// All but boxes with boxes; those with an ellipsoid or a tapered capsule last.
+std::vector<std::pair<ShapeKind, ShapeKind>> pairs_of_kinds() {
+  std::vector<std::pair<ShapeKind, ShapeKind>> pairs;
+  for (const bool smooth : {false, true}) {
+    for (const ShapeKind first : kinds) {
+      for (const ShapeKind other : kinds) {
+        if (other < first || (first == ShapeKind::Box && other == ShapeKind::Box)) continue;
+        if ((is_smooth(first) || is_smooth(other)) == smooth) pairs.emplace_back(first, other);
+      }
+    }
+  }
+  return pairs;
+}
 
 // No direction parts a pair better than its normal does: none of those spread over the sphere, nor of those
 // around the normal; and the deepest point's separation is the one along the normal. Boxes have a test of their
@@ -111,37 +126,34 @@ TEST(CollideConvex, NoDirectionPartsShallowPairsBetter) {
   Solids solids;
   int touching = 0;
   int stand_ins = 0;
-  for (const ShapeKind first : kinds) {
-    for (const ShapeKind other : kinds) {
-      if (other < first || (first == ShapeKind::Box && other == ShapeKind::Box)) continue;
-      for (int i = 0; i < 30; ++i) {
-        const Shape a = solids.random(first, random);
-        const Shape b = solids.random(other, random);
-        const double size = std::min(a.inner_radius, b.inner_radius);
-        const Pose second = placed(random, a, b, random.real(-0.1, 0) * size, coarse);
-        Manifold manifold;
-        collide(a, b, second, 0.05 * size, manifold);
-        const std::string what = std::to_string(static_cast<int>(first)) + " " +
-                                 std::to_string(static_cast<int>(other)) + " #" + std::to_string(i);
-        const auto along = [&](const Vector3& n) { return separation_along(a, b, second, n); };
-        Vector3 start = fine[0];
-        for (const Vector3& n : fine) {
-          if (along(n) > along(start)) start = n;
-        }
-        double best = climb(along, start);
-        if (manifold.count == 0) {
-          EXPECT_GT(best, 0) << what;
-          continue;
-        }
-        ++touching;
-        const Vector3 normal = hull_normal_of(manifold, second);
-        const double found = separation_along(a, b, second, normal);
-        best = std::max(best, climb(along, normal));
-        const bool stand_in = best > found + 1e-4 * size;
-        stand_ins += stand_in;
-        ASSERT_LE(best, found + (stand_in && manifold.axis != 0 ? 0.02 : 1e-4) * size) << what;
-        ASSERT_NEAR(manifold.least_separation(), stand_in ? best : found, (stand_in ? 0.02 : 1e-4) * size) << what;
+  for (const auto& [first, other] : pairs_of_kinds()) {
+    for (int i = 0; i < 30; ++i) {
+      const Shape a = solids.random(first, random);
+      const Shape b = solids.random(other, random);
+      const double size = std::min(a.inner_radius, b.inner_radius);
+      const Pose second = placed(random, a, b, random.real(-0.1, 0) * size, coarse);
+      Manifold manifold;
+      collide(a, b, second, 0.05 * size, manifold);
+      const std::string what = std::to_string(static_cast<int>(first)) + " " + std::to_string(static_cast<int>(other)) +
+                               " #" + std::to_string(i);
+      const auto along = [&](const Vector3& n) { return separation_along(a, b, second, n); };
+      Vector3 start = fine[0];
+      for (const Vector3& n : fine) {
+        if (along(n) > along(start)) start = n;
       }
+      double best = climb(along, start);
+      if (manifold.count == 0) {
+        EXPECT_GT(best, 0) << what;
+        continue;
+      }
+      ++touching;
+      const Vector3 normal = hull_normal_of(manifold, second);
+      const double found = separation_along(a, b, second, normal);
+      best = std::max(best, climb(along, normal));
+      const bool stand_in = best > found + 1e-4 * size;
+      stand_ins += stand_in;
+      ASSERT_LE(best, found + (stand_in && manifold.axis != 0 ? 0.02 : 1e-4) * size) << what;
+      ASSERT_NEAR(manifold.least_separation(), stand_in ? best : found, (stand_in ? 0.02 : 1e-4) * size) << what;
     }
   }
   EXPECT_GT(touching, 300);

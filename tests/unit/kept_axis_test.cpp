@@ -118,14 +118,18 @@ TEST_P(KeptAxis, IsBetterThanThoseBesideIt) {
 }
 
 constexpr ShapeKind box = ShapeKind::Box, capsule = ShapeKind::Capsule, cylinder = ShapeKind::Cylinder,
-                    cone = ShapeKind::Cone, hull = ShapeKind::Hull;
+                    cone = ShapeKind::Cone, hull = ShapeKind::Hull, ellipsoid = ShapeKind::Ellipsoid,
+                    tapered = ShapeKind::TaperedCapsule;
 
 INSTANTIATE_TEST_SUITE_P(Solids, KeptAxis,
                          testing::Values(Kinds{box, box}, Kinds{hull, hull}, Kinds{box, hull}, Kinds{box, capsule},
                                          Kinds{capsule, hull}, Kinds{box, cylinder}, Kinds{cylinder, cylinder},
                                          Kinds{cylinder, hull}, Kinds{box, cone}, Kinds{cone, hull},
                                          Kinds{cylinder, cone}, Kinds{capsule, cylinder}, Kinds{capsule, cone},
-                                         Kinds{cone, cone}));
+                                         Kinds{cone, cone}, Kinds{box, ellipsoid}, Kinds{hull, ellipsoid},
+                                         Kinds{cylinder, ellipsoid}, Kinds{ellipsoid, ellipsoid},
+                                         Kinds{capsule, ellipsoid}, Kinds{cone, tapered}, Kinds{hull, tapered},
+                                         Kinds{ellipsoid, tapered}, Kinds{tapered, tapered}));
 
 }  // namespace
 }  // namespace atl::collision

@@ -4,6 +4,7 @@
 #include <collision/shapes/hull.h>
 #include <collision/shapes/shape.h>
 
+#include <cmath>
 #include <deque>
 #include <utility>
 #include <variant>
@@ -34,6 +35,13 @@ class Solids {
         return Shape::cylinder(random.real(0.1, 0.5), random.real(0.1, 0.5));
       case ShapeKind::Cone:
         return Shape::cone(random.real(0.15, 0.5), random.real(0.15, 0.5));
+      case ShapeKind::Ellipsoid:
+        return Shape::ellipsoid({random.real(0.15, 0.5), random.real(0.15, 0.5), random.real(0.15, 0.5)});
+      case ShapeKind::TaperedCapsule: {
+        const double bottom = random.real(0.1, 0.4);
+        const double top = random.real(0.1, 0.4);
+        return Shape::tapered_capsule(bottom, top, std::abs(bottom - top) + random.real(0.05, 0.5));
+      }
       default: {
         std::vector<Eigen::Vector3d> points;
         for (int i = 0; i < points_of_hull; ++i) points.push_back(0.5 * random.direction());

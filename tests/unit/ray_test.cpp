@@ -33,8 +33,15 @@ std::vector<Shape> solids(const Hull& hull, Random& random) {
   const auto length = [&] { return random.magnitude(0.1, 2); };
   const double r = length();
   const double h = length();
-  return {Shape::sphere(r),      Shape::capsule(r, h), Shape::box({r, h, length()}),
-          Shape::cylinder(r, h), Shape::cone(r, h),    Shape::convex_hull(hull)};
+  const double top = length();
+  return {Shape::sphere(r),
+          Shape::capsule(r, h),
+          Shape::box({r, h, length()}),
+          Shape::cylinder(r, h),
+          Shape::cone(r, h),
+          Shape::convex_hull(hull),
+          Shape::ellipsoid({r, h, length()}),
+          Shape::tapered_capsule(r, top, h + 0.51 * std::abs(r - top))};
 }
 
 // How far GJK says that the ray, up to an end beyond the shape, is from the solid; 0 if it hits.

@@ -106,6 +106,21 @@ inline SurfacePoint random_surface_point(const Shape& shape, Random& random) {
       const double z = normal.z() == 0 ? random.real(-1, 1) : (normal.z() > 0 ? 1 : -1);
       return {Vector3(0, 0, z * shape.half_height) + shape.radius * normal, normal};
     }
+    case ShapeKind::Ellipsoid: {
+      const Vector3 ball = random.direction();
+      return {ball.cwiseProduct(shape.half_extents), ball.cwiseQuotient(shape.half_extents).normalized()};
+    }
+    case ShapeKind::TaperedCapsule: {
+      // Half of them on the side, where the normals of both balls are those of the cone around them.
+      const double lean = std::asin((shape.radius - shape.top_radius) / (2 * shape.half_height));
+      const bool on_side = random.chance(0.5);
+      const Vector3 normal =
+          on_side ? around_z(random.real(0, 6.3), std::cos(lean), std::sin(lean)) : random.direction();
+      const double up = on_side ? random.real(0, 1) : (normal.z() > std::sin(lean) ? 1 : 0);
+      return {Vector3(0, 0, (2 * up - 1) * shape.half_height) +
+                  (shape.radius + up * (shape.top_radius - shape.radius)) * normal,
+              normal};
+    }
     default: {
       const Vector3 normal = random.direction();
       return {shape.radius * normal, normal};

@@ -69,7 +69,8 @@ float tolerance_of(const ColliderTable& colliders, Pair pair, const Manifold& ma
     return ((first == kinds || second == kinds) || ...);
   };
   if (is(ShapeKind::Sphere)) return manifold.count > 0 ? 0 : flat_tolerance;
-  const bool rolls = manifold.count < 3 && is(ShapeKind::Capsule, ShapeKind::Cylinder, ShapeKind::Cone);
+  const bool rolls = manifold.count < 3 && is(ShapeKind::Capsule, ShapeKind::Cylinder, ShapeKind::Cone,
+                                              ShapeKind::Ellipsoid, ShapeKind::TaperedCapsule);
   return rolls && manifold.count > 0 ? round_tolerance : flat_tolerance;
 }
 

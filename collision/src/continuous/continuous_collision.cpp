@@ -23,6 +23,8 @@ Core core_of(const Shape& shape) {
       return {Shape::box(shape.half_extents - Vector3::Constant(off))};
     case ShapeKind::Cylinder:
       return {Shape::cylinder(shape.radius - off, shape.half_height - off)};
+    case ShapeKind::Ellipsoid:
+      return {Shape::ellipsoid((1 - core_share) * shape.half_extents)};
     default:
       return {Shape::sphere(shape.inner_radius - off), mass_properties(shape).centre};
   }

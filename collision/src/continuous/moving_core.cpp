@@ -108,6 +108,16 @@ double radius_about(const ConvexCore& core, const Vector3& centre, const Vector3
       }
       farthest = std::sqrt(farthest);
       break;
+    case ConvexCore::Kind::Ellipsoid: {
+      // Of half axes a no farther than |a| across the axis, and than the longest; less the radius, which is added.
+      const double across =
+          core.half_extents.cwiseProduct((Vector3::Ones() - axis.cwiseAbs2()).cwiseMax(0).cwiseSqrt()).norm();
+      farthest = from(Vector3::Zero()) + std::min(across, core.half_extents.maxCoeff()) - core.radius;
+      break;
+    }
+    case ConvexCore::Kind::TaperedCapsule:
+      farthest = std::max(from(end) + core.top_radius, from(-end) + core.core_radius);
+      break;
     case ConvexCore::Kind::Hull:
       for (const Vector3& vertex : core.hull->vertices) farthest = std::max(farthest, square_from(vertex));
       farthest = std::sqrt(farthest);

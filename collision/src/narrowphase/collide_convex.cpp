@@ -11,6 +11,7 @@
 
 #include "narrowphase/convex_axis.h"
 #include "narrowphase/line_contact.h"
+#include "narrowphase/smooth_axis.h"
 #include "narrowphase/sphere_solid.h"
 
 namespace atl::collision {
@@ -285,7 +286,9 @@ Lines lines_at(const Solids& solids, bool second, const Feature& feature) {
   if (!is_polytope(shape)) {
     const SideLine side = side_line(shape, normal);
     // Where a side falls away by half a thousandth of the size. A cone's is sharp at the apex.
-    const double width = shape.kind == ShapeKind::Cone ? sharp : std::sqrt(sharp * shape.radius);
+    const bool tapered = shape.kind == ShapeKind::TaperedCapsule;
+    const double radius = tapered ? std::min(shape.radius, shape.top_radius) : shape.radius;
+    const double width = shape.kind == ShapeKind::Cone ? sharp : std::sqrt(sharp * radius);
     if (side.exists) lines.add({position + rotation * side.tail, position + rotation * side.head, 2, 2, width});
     return lines;
   }
@@ -325,7 +328,7 @@ FeatureId witness_id(const Solids& solids, const LocalAxis& axis) {
 // Of a manifold that has no reference face.
 std::uint32_t edges_of(const Solids& solids, const LocalAxis& axis) {
   const bool crossing = axis.first.kind == Feature::Kind::Edge && axis.second.kind == Feature::Kind::Edge;
-  if (!crossing || solids.pair.has_round()) return 0;
+  if (!crossing || solids.pair.has_round() || solids.pair.has_smooth()) return 0;
   return PackedAxis{AxisOf::Edges, axis.first.index, axis.second.index}.packed();
 }
 
@@ -457,17 +460,19 @@ Narrowphase collide_convex(const Shape& first_shape, const Shape& second_shape, 
   }
   AxisSearch found;
   LocalAxis& axis = found.axis;
-  if (known && pair.has_round() && still_flat(solids, margin, previous, found, manifold)) {
+  if (known && pair.has_round() && !pair.has_smooth() && still_flat(solids, margin, previous, found, manifold)) {
     if (!found.touches) manifold.gap = found.gap;
     return found.by;
   }
   manifold.axis = 0;
   manifold.count = 0;
-  bool settled = find_on_last_features(pair, last, solids.first_core, solids.second_core, axis);
+  const bool smooth = pair.has_smooth();
+  bool settled = !smooth && find_on_last_features(pair, last, solids.first_core, solids.second_core, axis);
   if (settled) {
     found.by = Narrowphase::Kept;
   } else {
-    found = find_axis(pair, margin, last, solids.first_core, solids.second_core);
+    const auto find = smooth ? find_smooth_axis : find_axis;
+    found = find(pair, margin, last, solids.first_core, solids.second_core);
     if (!found.touches) {
       manifold.gap = found.gap;
       return found.by;
@@ -475,7 +480,7 @@ Narrowphase collide_convex(const Shape& first_shape, const Shape& second_shape, 
   }
   solids.set_normal(axis.normal);
 
-  if (pair.has_round()) {
+  if (pair.has_round() && !smooth) {
     if (!settled) {
       if (flat_contact(solids, axis, margin, previous, manifold)) return found.by;
       settled = settle_on_features(pair, solids.first_core.polytope(), solids.second_core.polytope(), axis) ||

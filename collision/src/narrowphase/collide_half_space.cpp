@@ -17,6 +17,8 @@ int corner_number(const Shape& shape, const Polytope& core, int face, const Outl
   switch (shape.kind) {
     case ShapeKind::Sphere:
     case ShapeKind::Capsule:
+    case ShapeKind::Ellipsoid:
+    case ShapeKind::TaperedCapsule:
       return side_ends + i;
     case ShapeKind::Cylinder:
     case ShapeKind::Cone: {

@@ -108,8 +108,8 @@ void touch_face(const SurfaceSolid& solid, const Triangle& triangle, std::uint32
     has_lowest |= height <= lowest + 1e-9 * solid.shape.inner_radius;
   }
   // Over an edge that is bent outwards, but by too little to count, a ball's foot is on neither side: on both, then.
-  const double least_slack = solid.shape.kind == ShapeKind::Sphere ? convex_edge_angle : over_slack;
-  const double slack = least_slack * solid.shape.inner_radius;
+  const bool has_foot = solid.shape.kind == ShapeKind::Sphere || is_smooth(solid.shape.kind);
+  const double slack = (has_foot ? convex_edge_angle : over_slack) * solid.shape.inner_radius;
   clip(outline, face, slack);
 
   contact.normal = triangle.normal;
@@ -303,8 +303,8 @@ void touch_triangle(const SurfaceSolid& solid, const Triangle& triangle, double 
     touch_face(solid, triangle, number, margin, contact);
     return;
   }
-  const bool is_round = solid.core.radius() > 0;
-  if (!is_round && axis.normal.dot(triangle.normal) > same_direction) {
+  const bool is_ball_like = solid.core.radius() > 0 || is_smooth(solid.shape.kind);
+  if (!is_ball_like && axis.normal.dot(triangle.normal) > same_direction) {
     touch_face(solid, triangle, number, margin, contact);
     const double error = std::abs(deepest(contact) - axis.separation);
     if (error <= face_tolerance * solid.shape.inner_radius) return;

@@ -133,6 +133,9 @@ Body grown_body(const Shape& shape, double margin) {
       inner = shape.half_height * std::min(1.0, shape.radius / std::sqrt(shape.radius * shape.radius +
                                                                          4 * shape.half_height * shape.half_height));
       break;
+    case ShapeKind::TaperedCapsule:
+      inner = 0.5 * (shape.radius + shape.top_radius);
+      break;
     case ShapeKind::Hull:
       body.centre = shape.hull->mass.centre;
       body.hull = polytope_of(*shape.hull);

@@ -84,6 +84,8 @@ Vector3 closest_point(const ConvexCore& core, const Vector3& point) {
       return closest_point_of_triangle(core.triangle, point);
     case ConvexCore::Kind::Point:
     case ConvexCore::Kind::Hull:
+    case ConvexCore::Kind::Ellipsoid:
+    case ConvexCore::Kind::TaperedCapsule:
       break;
   }
   return Vector3::Zero();

@@ -4,8 +4,11 @@
 
 namespace atl::collision {
 
-/// Whether closest_point() has a closed form for a core: all but a hull's.
-inline bool has_closest_point(const ConvexCore& core) { return core.kind != ConvexCore::Kind::Hull; }
+/// Whether closest_point() has a closed form for a core: all but those of hulls, ellipsoids and tapered capsules.
+inline bool has_closest_point(const ConvexCore& core) {
+  using enum ConvexCore::Kind;
+  return core.kind != Hull && core.kind != Ellipsoid && core.kind != TaperedCapsule;
+}
 
 /// The point of a core (without its radius) that is closest to a point: the point itself if it is inside.
 Vector3 closest_point(const ConvexCore& core, const Vector3& point);

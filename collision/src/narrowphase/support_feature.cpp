@@ -34,6 +34,15 @@ Vector3 cone_side_normal(const Shape& cone, const Vector3& outwards) {
          length_2d(cone.radius, 2 * cone.half_height);
 }
 
+// Radial part and part along z of a tapered capsule's normals between its balls: of the cone around both.
+struct SideNormal {
+  double across, up;
+};
+SideNormal side_of_tapered(const Shape& shape) {
+  const double up = (shape.radius - shape.top_radius) / (2 * shape.half_height);
+  return {std::sqrt((1 - up) * (1 + up)), up};
+}
+
 // Counter-clockwise seen from outside. Once tilted, the point nearest to the rim's farthest moves there.
 void disc_outline(double radius, double height, double inner_radius, bool up, const Vector3& direction,
                   Outline& outline) {
@@ -108,6 +117,8 @@ FlatFace flat_face(const Shape& shape, const Polytope& core, int number, const V
       break;
     case ShapeKind::Sphere:
     case ShapeKind::Capsule:
+    case ShapeKind::Ellipsoid:
+    case ShapeKind::TaperedCapsule:
       return face;
     default:
       if (number < 0 || number >= core.face_count) return face;
@@ -127,6 +138,8 @@ FlatFace flat_face_along(const Shape& shape, const Polytope& core, const Vector3
       return flat_face(shape, core, 0, unit_direction);
     case ShapeKind::Sphere:
     case ShapeKind::Capsule:
+    case ShapeKind::Ellipsoid:
+    case ShapeKind::TaperedCapsule:
       return {};
     default:
       return best_plane(core, unit_direction);
@@ -163,6 +176,13 @@ int incident_outline(const Shape& shape, const Polytope& core, const Vector3& un
     case ShapeKind::Capsule:
       outline.add_end(Vector3(0, 0, -h) + r * unit_direction);
       outline.add_end(Vector3(0, 0, h) + r * unit_direction);
+      return line_on_side;
+    case ShapeKind::Ellipsoid:
+      outline.add_end(support_point(shape, unit_direction));
+      return line_on_side;
+    case ShapeKind::TaperedCapsule:
+      outline.add_end(Vector3(0, 0, -h) + r * unit_direction);
+      outline.add_end(Vector3(0, 0, h) + shape.top_radius * unit_direction);
       return line_on_side;
     case ShapeKind::Cylinder: {
       const bool up = unit_direction.z() > 0;
@@ -205,6 +225,11 @@ SideLine side_line(const Shape& shape, const Vector3& unit_direction) {
       return {std::abs(unit_direction.z()) < sine, r * outwards - end, r * outwards + end};
     case ShapeKind::Cone:
       return {cone_side_normal(shape, outwards).dot(unit_direction) > same_direction, r * outwards - end, end};
+    case ShapeKind::TaperedCapsule: {
+      const auto [radial, up] = side_of_tapered(shape);
+      const bool faces = (radial * outwards + up * Vector3::UnitZ()).dot(unit_direction) > same_direction;
+      return {faces, r * unit_direction - end, shape.top_radius * unit_direction + end};
+    }
     default:
       return {false, Vector3::Zero(), Vector3::Zero()};
   }

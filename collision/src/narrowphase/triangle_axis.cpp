@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "narrowphase/point_distance.h"
+#include "narrowphase/sphere_solid.h"
 #include "shapes/hypotenuse.h"
 
 namespace atl::collision {
@@ -88,7 +89,8 @@ class Search {
     }
     if (!near_edge) return best_;
     try_faces_on_vertices();
-    if (is_over || is_parted()) return best_;  // over: the solid goes through
+    if (is_over || is_parted()) return best_;        // over: the solid goes through
+    if (is_smooth(solid_.shape.kind)) return best_;  // what may push at its vertices has been measured
     const double core_separation = best_.separation + solid_.core.radius();
     if (core_separation > -0.5 * solid_.shape.inner_radius && may_be_farther()) try_nearest_vertex();
     return best_;
@@ -124,7 +126,7 @@ class Search {
     const Vector3& beyond = triangle_.neighbour_normals[i];
     end_ = border_ ? Turn{0, 1} : normalized({beyond.dot(triangle_.normal), beyond.dot(edge.outward)});
     if (!may_improve(edge)) return;
-    if (solid_.shape.kind == ShapeKind::Cylinder || solid_.shape.kind == ShapeKind::Cone) {
+    if (is_round(solid_.shape.kind) || is_smooth(solid_.shape.kind)) {
       search_round();
     } else {
       walk();
@@ -196,9 +198,10 @@ class Search {
     }
   }
 
-  // Of a cylinder or cone along a direction about the edge.
+  // Of what is no polytope along a direction about the edge.
   double round_separation(const Turn& turn) const {
     const Vector3 normal = turn.up * up_ + turn.out * out_;
+    if (is_smooth(solid_.shape.kind)) return -reach_along(solid_.shape, -normal) - normal.dot(from_);
     const double rim = solid_.shape.radius * std::sqrt(normal.x() * normal.x() + normal.y() * normal.y());
     const double end = solid_.shape.half_height * normal.z();
     const double reach = solid_.shape.kind == ShapeKind::Cone ? std::max(rim + end, -end) : rim + std::abs(end);
@@ -220,17 +223,20 @@ class Search {
 
   // Where the support jumps from one end of a line to the other, or across a disc.
   void offer_kinks() {
+    const Shape& shape = solid_.shape;
+    if (shape.kind == ShapeKind::Ellipsoid) return;
     const Turn axis = normalized({up_.z(), out_.z()});
     const double tilt = hypotenuse(up_.z(), out_.z());
     for (const double sign : {1.0, -1.0}) {
-      offer_round({sign * axis.up, sign * axis.out});
-      if (solid_.shape.kind == ShapeKind::Cylinder) {
+      if (is_round(shape.kind)) offer_round({sign * axis.up, sign * axis.out});
+      if (shape.kind == ShapeKind::Cylinder) {
         offer_round({sign * axis.out, -sign * axis.up}, true);
         continue;
       }
-      const double slant = hypotenuse(solid_.shape.radius, 2 * solid_.shape.half_height);
-      const double cosine = -solid_.shape.radius / slant / tilt;
-      if (!(tilt > 0) || cosine < -1) continue;
+      const bool cone = shape.kind == ShapeKind::Cone;
+      const double slant = cone ? hypotenuse(shape.radius, 2 * shape.half_height) : 2 * shape.half_height;
+      const double cosine = -(shape.radius - (cone ? 0 : shape.top_radius)) / slant / tilt;
+      if (!(tilt > 0) || std::abs(cosine) > 1) continue;
       const double sine = sign * std::sqrt(1 - cosine * cosine);
       offer_round({cosine * axis.up + sine * axis.out, cosine * axis.out - sine * axis.up}, true);
     }
@@ -341,8 +347,19 @@ class Search {
     }
   }
 
+  // Against all of a smooth surface: exact, whether a vertex is outside or inside.
+  void try_vertices() {
+    for (std::size_t v = 0; v < 3; ++v) {
+      const Vector3 seen = solid_.seen(triangle_.vertices[v]);
+      const SurfaceDistance nearest = distance_to_surface(solid_.shape, seen);
+      const Vector3 support = solid_.placed(seen - nearest.distance * nearest.normal);
+      offer_vertex(v, -(solid_.rotation * nearest.normal), nearest.distance, &support);
+    }
+  }
+
   void try_faces_on_vertices() {
     const Shape& shape = solid_.shape;
+    if (is_smooth(shape.kind)) return try_vertices();
     if (shape.kind == ShapeKind::Cylinder) try_face_on_vertices(Vector3::UnitZ(), shape.half_height);
     if (shape.kind == ShapeKind::Cylinder || shape.kind == ShapeKind::Cone) {
       try_face_on_vertices(-Vector3::UnitZ(), shape.half_height);

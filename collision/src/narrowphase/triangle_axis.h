@@ -19,6 +19,8 @@ struct SurfaceSolid {
       : shape(solid), position(pose.position), rotation(pose.orientation.toRotationMatrix()), least_reach(0) {
     if (solid.kind == ShapeKind::Sphere) least_reach = solid.radius;
     if (solid.kind == ShapeKind::Box) least_reach = solid.half_extents.minCoeff();
+    if (solid.kind == ShapeKind::Ellipsoid) least_reach = solid.inner_radius;
+    if (solid.kind == ShapeKind::TaperedCapsule) least_reach = 0.5 * (solid.radius + solid.top_radius);
     if (solid.kind == ShapeKind::Hull) least_reach = solid.hull->least_reach;
     core.build(solid);
   }
@@ -63,7 +65,7 @@ inline bool is_border(const Triangle& triangle, std::size_t edge) {
 /// triangle's plane.
 ///
 /// Around an edge the separation is piecewise smooth in the angle: a polytope's support vertices are walked
-/// through, each with its closed form; a cylinder's or cone's are searched.
+/// through, each with its closed form; those of all that is round about an axis, and of ellipsoids, are searched.
 ///
 /// Once one parts them by more than `most` (m) it may not be the best.
 TriangleAxis find_triangle_axis(const SurfaceSolid& solid, const Triangle& triangle, double height, double most);

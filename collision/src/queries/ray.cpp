@@ -47,9 +47,9 @@ void cut(const Line& line, const Vector3& normal, double offset, Stretch& stretc
   }
 }
 
-void cut_between(const Line& line, double half_height, Stretch& stretch) {
-  cut(line, Vector3::UnitZ(), half_height, stretch);
-  cut(line, -Vector3::UnitZ(), half_height, stretch);
+void cut_between(const Line& line, double low, double high, Stretch& stretch) {
+  cut(line, Vector3::UnitZ(), high, stretch);
+  cut(line, -Vector3::UnitZ(), -low, stretch);
 }
 
 Stretch of_sphere(const Line& line, const Vector3& centre, double radius) {
@@ -79,29 +79,28 @@ Stretch of_tube(const Line& line, double radius) {
   return stretch;
 }
 
-// Convex, and covered by a cylinder and two spheres: so it is entered where the first of them is.
+// Adds one of the convex parts that cover a convex set: it is entered where the first of them is.
+void join(const Stretch& part, Stretch& whole) {
+  if (part.empty()) return;
+  if (part.enter < whole.enter) {
+    whole.enter = part.enter;
+    whole.normal = part.normal;
+  }
+  whole.leave = std::max(whole.leave, part.leave);
+}
+
 Stretch of_capsule(const Line& line, double radius, double half_height) {
   Stretch whole = of_tube(line, radius);
-  cut_between(line, half_height, whole);
+  cut_between(line, -half_height, half_height, whole);
   if (whole.empty()) whole = nothing();
-  for (const double end : {-half_height, half_height}) {
-    const Stretch cap = of_sphere(line, Vector3(0, 0, end), radius);
-    if (cap.empty()) continue;
-    if (cap.enter < whole.enter) {
-      whole.enter = cap.enter;
-      whole.normal = cap.normal;
-    }
-    whole.leave = std::max(whole.leave, cap.leave);
-  }
+  for (const double end : {-half_height, half_height}) join(of_sphere(line, Vector3(0, 0, end), radius), whole);
   return whole;
 }
 
-// The cone's side: x^2 + y^2 <= (k w)^2 with w >= 0 the height below the apex.
-Stretch of_cone_side(const Line& line, double radius, double half_height) {
+// The cone's side: x^2 + y^2 <= w^2 with a radius w >= 0 that falls by the slope along z. `w`: at the line's origin.
+Stretch of_cone_side(const Line& line, double slope, double w) {
   const Vector3& o = line.origin;
   const Vector3& d = line.direction;
-  const double slope = radius / (2 * half_height);
-  const double w = slope * (half_height - o.z());
   const double fall = -slope * d.z();
   const double a = d.x() * d.x() + d.y() * d.y() - fall * fall;
   const double b = o.x() * d.x() + o.y() * d.y() - w * fall;
@@ -136,6 +135,35 @@ Stretch of_cone_side(const Line& line, double radius, double half_height) {
   return stretch;
 }
 
+// The side from the base at -half_height to the apex at half_height; its mirror image above the apex is cut off.
+Stretch of_cone(const Line& line, double radius, double half_height) {
+  const double slope = radius / (2 * half_height);
+  return of_cone_side(line, slope, slope * (half_height - line.origin.z()));
+}
+
+// Two balls and the cone around both, between the circles in which it touches them.
+Stretch of_tapered_capsule(const Line& line, double bottom, double top, double half_height) {
+  const double sine = (bottom - top) / (2 * half_height);  // of the lean of the cone's normals
+  const double cosine = std::sqrt((1 - sine) * (1 + sine));
+  const double slope = sine / cosine;
+  Stretch whole = of_cone_side(line, slope, (0.5 * (bottom + top) - sine * line.origin.z()) / cosine);
+  cut_between(line, -half_height + bottom * sine, half_height + top * sine, whole);
+  if (whole.empty()) whole = nothing();
+  join(of_sphere(line, Vector3(0, 0, -half_height), bottom), whole);
+  join(of_sphere(line, Vector3(0, 0, half_height), top), whole);
+  return whole;
+}
+
+// A unit ball where lengths are counted in half axes.
+Stretch of_ellipsoid(const Line& line, const Vector3& half_axes) {
+  const Vector3 origin = line.origin.cwiseQuotient(half_axes);
+  const Vector3 direction = line.direction.cwiseQuotient(half_axes);
+  const double speed = direction.norm();
+  const Stretch ball = of_sphere({origin, direction / speed}, Vector3::Zero(), 1);
+  if (ball.empty()) return nothing();
+  return {ball.enter / speed, ball.leave / speed, ball.normal.cwiseQuotient(half_axes).normalized()};
+}
+
 Stretch of_box(const Line& line, const Vector3& half_extents) {
   Stretch stretch;
   for (int axis = 0; axis < 3; ++axis) {
@@ -156,10 +184,14 @@ Stretch of_solid(const Shape& shape, const Line& line) {
     case ShapeKind::Cylinder:
     case ShapeKind::Cone: {
       Stretch stretch = shape.kind == ShapeKind::Cylinder ? of_tube(line, shape.radius)
-                                                          : of_cone_side(line, shape.radius, shape.half_height);
-      cut_between(line, shape.half_height, stretch);
+                                                          : of_cone(line, shape.radius, shape.half_height);
+      cut_between(line, -shape.half_height, shape.half_height, stretch);
       return stretch;
     }
+    case ShapeKind::Ellipsoid:
+      return of_ellipsoid(line, shape.half_extents);
+    case ShapeKind::TaperedCapsule:
+      return of_tapered_capsule(line, shape.radius, shape.top_radius, shape.half_height);
     case ShapeKind::Hull: {
       Stretch stretch;
       for (const Hull::Plane& plane : shape.hull->planes) cut(line, plane.normal, plane.offset, stretch);

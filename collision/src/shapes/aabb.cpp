@@ -114,6 +114,15 @@ Bounds bounds_of(const Shape& shape, const Vector3& position, const Matrix3& rot
       const Vector3 base = shape.radius * disc_reach(rotation);
       return {position + axis.cwiseMin(-axis - base), position + axis.cwiseMax(base - axis)};
     }
+    case ShapeKind::Ellipsoid: {
+      const Vector3 half = (rotation * shape.half_extents.asDiagonal()).rowwise().norm();
+      return {position - half, position + half};
+    }
+    case ShapeKind::TaperedCapsule: {
+      const Vector3 bottom = Vector3::Constant(shape.radius);
+      const Vector3 top = Vector3::Constant(shape.top_radius);
+      return {position + (-axis - bottom).cwiseMin(axis - top), position + (bottom - axis).cwiseMax(axis + top)};
+    }
     case ShapeKind::Hull:
       return bounds_of_hull(*shape.hull, position, rotation);
     case ShapeKind::Mesh:

@@ -299,6 +299,8 @@ void Core::build(const Shape& shape, int level, const Vector3& about) {
     case ShapeKind::Hull:
       polytope_ = polytope_of(*shape.hull);
       break;
+    case ShapeKind::Ellipsoid:
+    case ShapeKind::TaperedCapsule:
     case ShapeKind::HalfSpace:
     case ShapeKind::Mesh:
     case ShapeKind::HeightField:

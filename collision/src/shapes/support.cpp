@@ -41,6 +41,16 @@ Vector3 support_point(const Shape& shape, const Vector3& direction) {
     }
     case ShapeKind::Hull:
       return shape.hull->vertices[shape.hull->support(direction)];
+    case ShapeKind::Ellipsoid: {
+      const Vector3 stretched = shape.half_extents.cwiseProduct(direction);
+      return shape.half_extents.cwiseProduct(stretched.normalized());
+    }
+    case ShapeKind::TaperedCapsule: {
+      const double across = (shape.radius - shape.top_radius) * direction.norm();
+      const bool top = 2 * shape.half_height * direction.z() >= across;
+      return Vector3(0, 0, top ? shape.half_height : -shape.half_height) +
+             (top ? shape.top_radius : shape.radius) * direction.normalized();
+    }
     case ShapeKind::HalfSpace:
     case ShapeKind::Mesh:
     case ShapeKind::HeightField:

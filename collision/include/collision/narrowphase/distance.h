@@ -27,8 +27,9 @@ bool find_distance(const Shape& solid, const Pose& solid_pose, const Shape& othe
 
 /// The same where the two are apart. Where they overlap the distance is negative: the least way (m) that the other
 /// would have to be moved along the normal, which is found as contacts' are, to 1e-4 of the smaller inner radius (a
-/// tenth where a capsule's axis is deep in another solid). The points are then the deepest ones. Triangles push solids
-/// out by their fronts alone; one that is crossed from behind is touched, with distance 0.
+/// tenth where a capsule's axis is deep in another solid, or the core of an ellipsoid or a tapered capsule). The points
+/// are then the deepest ones. Triangles push solids out by their fronts alone; one that is crossed from behind is
+/// touched, with distance 0.
 bool find_signed_distance(const Shape& solid, const Pose& solid_pose, const Shape& other, const Pose& other_pose,
                           double limit, Distance& result);
 

@@ -36,7 +36,7 @@ void face_polygon(const Shape& shape, const Polytope& core, int number, FacePoly
 int incident_outline(const Shape& shape, const Polytope& core, const Vector3& unit_direction, Outline& outline,
                      int vertex = -1);
 
-/// The line on the side of a capsule, cylinder or cone that looks along a direction.
+/// The line on the side of a capsule, plain or tapered, cylinder or cone that looks along a direction.
 struct SideLine {
   bool exists = false;  ///< and lies across the direction, within 8 degrees
   Vector3 tail, head;   ///< m, on the surface

@@ -18,21 +18,37 @@ struct HeightField;
 struct Pose;
 
 /// In the order that pairs are dispatched in: of two shapes the one of the lower kind comes first. Those up to
-/// Hull are bounded and convex; a mesh and a height field are surfaces, on static and kinematic bodies only.
-enum class ShapeKind : std::uint8_t { Sphere, Capsule, Box, Cylinder, Cone, Hull, HalfSpace, Mesh, HeightField };
+/// TaperedCapsule are bounded and convex; a mesh and a height field are surfaces, on static and kinematic bodies only.
+enum class ShapeKind : std::uint8_t {
+  Sphere,
+  Capsule,
+  Box,
+  Cylinder,
+  Cone,
+  Hull,
+  Ellipsoid,
+  TaperedCapsule,
+  HalfSpace,
+  Mesh,
+  HeightField
+};
 
-constexpr bool is_convex_solid(ShapeKind kind) { return kind <= ShapeKind::Hull; }
+constexpr bool is_convex_solid(ShapeKind kind) { return kind <= ShapeKind::TaperedCapsule; }
 /// Flat at an end, and round about its axis.
 constexpr bool is_round(ShapeKind kind) { return kind == ShapeKind::Cylinder || kind == ShapeKind::Cone; }
+/// Round everywhere, with neither corners nor flat faces, and not of one radius.
+constexpr bool is_smooth(ShapeKind kind) { return kind == ShapeKind::Ellipsoid || kind == ShapeKind::TaperedCapsule; }
 constexpr bool is_surface(ShapeKind kind) { return kind >= ShapeKind::Mesh; }
 
 /// A shape in a frame of its own, which a collider places on a body. Which fields count depends on the kind.
 /// Geometry that is pointed to is immutable and outlives the shape.
 struct Shape {
   ShapeKind kind = ShapeKind::Box;
-  Vector3 half_extents = Vector3::Zero();  ///< box, m
-  double radius = 0;                       ///< sphere, capsule, cylinder, base of the cone, m
-  /// Along z, m. Capsule: of the segment between the centres of the caps. Cone: base at -half_height, apex at
+  Vector3 half_extents = Vector3::Zero();  ///< box; half axes of the ellipsoid, m
+  /// Sphere, capsule, cylinder, base of the cone, ball of the tapered capsule at -half_height, m.
+  double radius = 0;
+  double top_radius = 0;  ///< ball of the tapered capsule at +half_height, m
+  /// Along z, m. Capsules: of the segment between the centres of the caps. Cone: base at -half_height, apex at
   /// +half_height.
   double half_height = 0;
   Vector3 normal = Vector3::UnitZ();  ///< half-space: solid where normal . p <= offset
@@ -52,11 +68,21 @@ struct Shape {
   static Shape box(const Vector3& half_extents);
   static Shape cylinder(double radius, double half_height);
   static Shape cone(double radius, double half_height);
+  static Shape ellipsoid(const Vector3& half_axes);
+  /// Neither ball holds the other, see parts_balls().
+  static Shape tapered_capsule(double bottom_radius, double top_radius, double half_height);
   static Shape convex_hull(const Hull& hull);
   static Shape half_space(const Vector3& unit_normal, double offset);
   static Shape triangle_mesh(const TriangleMesh& mesh);
   static Shape height_field(const HeightField& field);
 };
+
+/// Whether neither ball of a tapered capsule holds the other: the sine of the lean of its side is at most 1 - 1e-9, so
+/// that rounding leaves it a cosine.
+constexpr bool parts_balls(double bottom_radius, double top_radius, double half_height) {
+  const double difference = bottom_radius < top_radius ? top_radius - bottom_radius : bottom_radius - top_radius;
+  return difference <= (1 - 1e-9) * (2 * half_height);
+}
 
 /// Volume, centre of mass and inertia of a solid of uniform density. Unbounded shapes and surfaces have an
 /// infinite volume and inertia, about their origin.
@@ -68,7 +94,7 @@ struct MassProperties {
 };
 MassProperties mass_properties(const Shape& shape);
 
-// What all bounded convex solids (Sphere to Hull) have in common. `second` is always the pose of the second
+// What all bounded convex solids (Sphere to TaperedCapsule) have in common. `second` is always the pose of the second
 // shape in the frame of the first.
 
 /// The point of the solid that lies farthest along a direction (any length, not zero), shape's frame.

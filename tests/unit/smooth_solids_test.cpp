@@ -1,0 +1,196 @@
+// Ellipsoids and tapered capsules against points all over their surfaces: bounds, rays, points, distances and depths.
+
+#include <collision/narrowphase/distance.h>
+#include <collision/queries/ray.h>
+#include <collision/shapes/aabb.h>
+#include <collision/shapes/shape.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "support/random.h"
+#include "surface_points.h"
+
+namespace atl::collision {
+namespace {
+
+using test::Random;
+using test::SurfacePoint;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+std::vector<Shape> smooth_solids() {
+  return {Shape::ellipsoid({0.5, 0.5, 0.5}),      Shape::ellipsoid({0.3, 0.4, 0.5}),
+          Shape::ellipsoid({0.5, 0.5, 0.1}),      Shape::ellipsoid({0.1, 0.1, 1}),
+          Shape::tapered_capsule(0.3, 0.3, 0.4),  Shape::tapered_capsule(0.4, 0.2, 0.4),
+          Shape::tapered_capsule(0.1, 0.5, 0.21), Shape::tapered_capsule(0.5, 0.01, 0.6)};
+}
+
+std::string name_of(const Shape& shape) {
+  return "kind " + std::to_string(static_cast<int>(shape.kind)) + " of " + std::to_string(shape.half_extents.x()) +
+         " " + std::to_string(shape.half_extents.z()) + ", " + std::to_string(shape.radius) + " " +
+         std::to_string(shape.top_radius);
+}
+
+Pose turned(Random& random) { return {random.vector(2), random.rotation()}; }
+
+TEST(SmoothSolids, ReachAsFarAsTheirPointsDo) {
+  Random random(1);
+  for (const Shape& shape : smooth_solids()) {
+    const Pose pose = turned(random);
+    const Bounds bounds = bounds_of(shape, pose.position, pose.orientation.toRotationMatrix());
+    Vector3 low = Vector3::Constant(infinity), high = -low;
+    double inner = infinity, outer = 0;
+    for (int i = 0; i < 200000; ++i) {
+      const SurfacePoint at = test::random_surface_point(shape, random);
+      const Vector3 place = pose.position + pose.orientation * at.point;
+      low = low.cwiseMin(place);
+      high = high.cwiseMax(place);
+      outer = std::max(outer, at.point.norm());
+      // What has a normal reaches along it to its point and no farther.
+      ASSERT_NEAR(reach_along(shape, at.normal), at.normal.dot(at.point), 1e-14) << name_of(shape);
+      ASSERT_LT((support_point(shape, 3 * at.normal) - at.point).norm(),
+                shape.kind == ShapeKind::Ellipsoid ? 1e-14 : 2);
+      inner = std::min(inner, reach_along(shape, at.normal) + reach_along(shape, -at.normal));
+    }
+    EXPECT_GE((low - bounds.lower).minCoeff(), -1e-14) << name_of(shape);
+    EXPECT_GE((bounds.upper - high).minCoeff(), -1e-14) << name_of(shape);
+    EXPECT_LT((low - bounds.lower).maxCoeff(), 2e-3) << name_of(shape);
+    EXPECT_LT((bounds.upper - high).maxCoeff(), 2e-3) << name_of(shape);
+    EXPECT_NEAR(outer, shape.bounding_radius, 2e-3) << name_of(shape);
+    // The largest ball inside is as wide as the shape is where it is narrowest.
+    EXPECT_NEAR(inner, 2 * shape.inner_radius, 2e-3) << name_of(shape);
+  }
+}
+
+// A point off the surface along a normal is nearest to where that stands, however deep it is, as long as all other
+// surface points are farther.
+TEST(SmoothSolids, PointsAreAsFarAsTheNearestOfTheirSurface) {
+  Random random(2);
+  for (const Shape& shape : smooth_solids()) {
+    std::vector<SurfacePoint> points;
+    for (int i = 0; i < 100000; ++i) points.push_back(test::random_surface_point(shape, random));
+    for (int i = 0; i < 60; ++i) {
+      const Vector3 point = (i % 4 == 0 ? 0.3 : 1.5) * random.vector(shape.bounding_radius);
+      double nearest = infinity, beyond = -infinity;
+      for (const SurfacePoint& at : points) {
+        nearest = std::min(nearest, (at.point - point).norm());
+        beyond = std::max(beyond, at.normal.dot(point - at.point));
+      }
+      const Pose ball{point, Quaternion::Identity()};
+      Distance found;
+      ASSERT_TRUE(find_signed_distance(Shape::sphere(0), ball, shape, {Vector3::Zero(), Quaternion::Identity()},
+                                       infinity, found));
+      // The best of the planes is a lower bound, and the nearest point an upper one.
+      EXPECT_GE(found.distance, beyond - 1e-12) << name_of(shape);
+      EXPECT_LE(std::abs(found.distance), nearest + 1e-12) << name_of(shape);
+      EXPECT_LT(found.distance - beyond, 1e-3 * shape.bounding_radius) << name_of(shape);
+      const Vector3 foot = point + found.distance * found.normal;
+      const Vector3 outward = -found.normal;
+      EXPECT_NEAR(reach_along(shape, outward), outward.dot(foot), 1e-7 * shape.bounding_radius) << name_of(shape);
+      EXPECT_LT((found.on_other - foot).norm(), 1e-7 * shape.bounding_radius) << name_of(shape);
+    }
+  }
+}
+
+TEST(SmoothSolids, PointsOnPlanesOfSymmetryAreMeasured) {
+  const Pose origin{Vector3::Zero(), Quaternion::Identity()};
+  const auto depth = [&](const Shape& shape, const Vector3& point) {
+    Distance found;
+    find_signed_distance(Shape::sphere(0), {point, Quaternion::Identity()}, shape, origin, infinity, found);
+    return -found.distance;
+  };
+  // Off the middle of a flat ellipsoid, nearest to its flat sides: z^2 = c^2 (1 - x^2 / (a^2 - c^2))  with the foot at
+  // x a^2 / (a^2 - c^2).
+  const Shape flat = Shape::ellipsoid({1, 1, 0.5});
+  EXPECT_NEAR(depth(flat, {0, 0, 0}), 0.5, 1e-15);
+  const double x = 0.3, foot = x / 0.75;
+  EXPECT_NEAR(depth(flat, {x, 0, 0}), std::hypot(foot - x, 0.5 * std::sqrt(1 - foot * foot)), 1e-14);
+  EXPECT_NEAR(depth(flat, {0.9, 0, 0}), 0.1, 1e-14);
+  EXPECT_NEAR(depth(flat, {3, 0, 0}), -2, 1e-14);
+  EXPECT_NEAR(depth(flat, {0, 0, 2}), -1.5, 1e-14);
+  EXPECT_NEAR(depth(flat, {0, 0, 0.1}), 0.4, 1e-14);
+  EXPECT_NEAR(depth(Shape::ellipsoid({1, 2, 3}), {0, 0, 0}), 1, 1e-15);
+  EXPECT_NEAR(depth(Shape::tapered_capsule(0.3, 0.1, 0.5), {0, 0, -0.5}), 0.3, 1e-15);
+  EXPECT_NEAR(depth(Shape::tapered_capsule(0.3, 0.1, 0.5), {0, 0, 0}), 0.2, 1e-15);
+}
+
+// A ray at a point of the surface, from its front, hits there unless it does before.
+TEST(SmoothSolids, RaysMeetTheirSurface) {
+  Random random(3);
+  for (const Shape& shape : smooth_solids()) {
+    for (int i = 0; i < 20000; ++i) {
+      const SurfacePoint at = test::random_surface_point(shape, random);
+      Vector3 direction = random.direction();
+      if (direction.dot(at.normal) > 0) direction = -direction;
+      if (direction.dot(at.normal) > -0.01) continue;
+      const double away = random.magnitude(0.01, 100);
+      RayHit hit;
+      ASSERT_TRUE(cast_ray(shape, {at.point - away * direction, direction, infinity}, Sides::Both, hit));
+      ASSERT_NEAR(hit.t, away, 1e-10 * (1 + away)) << name_of(shape);
+      ASSERT_LT((hit.normal - at.normal).norm(), 1e-6) << name_of(shape);
+      ASSERT_FALSE(cast_ray(shape, {at.point + 1e-3 * at.normal, (direction + 2 * at.normal).normalized(), infinity},
+                            Sides::Both, hit));
+    }
+  }
+}
+
+double separation_along(const Shape& a, const Shape& b, const Pose& second, const Vector3& n) {
+  return n.dot(second.position) - reach_along(a, n) - reach_along(b, -(second.orientation.conjugate() * n));
+}
+
+// The best of a fine grid of directions, and of those around it, ever closer ones.
+double best_separation(const Shape& a, const Shape& b, const Pose& second) {
+  Vector3 normal = Vector3::UnitZ();
+  double best = -infinity;
+  const auto offer = [&](const Vector3& n) {
+    const double separation = separation_along(a, b, second, n);
+    if (!(separation > best)) return false;
+    best = separation;
+    normal = n;
+    return true;
+  };
+  Random random(9);
+  for (int i = 0; i < 4000; ++i) offer(random.direction());
+  for (double step = 0.1; step > 1e-9;) {
+    bool higher = false;
+    for (int k = 0; k < 60; ++k) higher |= offer((normal + step * random.direction()).normalized());
+    if (!higher) step *= 0.7;
+  }
+  return best;
+}
+
+// Where they are apart and where they overlap, by more than an ellipsoid's radius of curvature: the distance is that
+// along the normal, and no direction parts them better.
+TEST(SmoothSolids, PairsAreAsFarAsTheBestDirectionSays) {
+  Random random(4);
+  std::vector<Shape> others = smooth_solids();
+  others.insert(others.end(), {Shape::sphere(0.3), Shape::capsule(0.2, 0.3), Shape::box({0.3, 0.4, 0.5}),
+                               Shape::cylinder(0.3, 0.4), Shape::cone(0.4, 0.4)});
+  for (const Shape& shape : smooth_solids()) {
+    for (const Shape& other : others) {
+      for (int i = 0; i < 6; ++i) {
+        const Vector3 direction = random.direction();
+        Pose second{direction, random.rotation()};
+        const double touching = direction.dot(support_point(shape, direction)) +
+                                reach_along(other, second.orientation.conjugate() * -direction);
+        const double least = std::min(shape.inner_radius, other.inner_radius);
+        second.position = (touching + (i < 3 ? random.real(0, 1) : random.real(-0.15, 0) * least)) * direction;
+        const double best = best_separation(shape, other, second);
+        Distance found;
+        const Pose origin{Vector3::Zero(), Quaternion::Identity()};
+        ASSERT_TRUE(find_signed_distance(shape, origin, other, second, infinity, found));
+        const std::string what = name_of(shape) + " and " + name_of(other) + " #" + std::to_string(i);
+        EXPECT_NEAR(found.distance, separation_along(shape, other, second, found.normal), 1e-6 * least) << what;
+        EXPECT_GE(found.distance, best - 1e-5 * least) << what;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace atl::collision
