@@ -15,6 +15,28 @@ Quaternion swing_of(const Quaternion& turn, const Vector3& axis) {
   return turn * twist.normalized().conjugate();
 }
 
+// m: of the ball that a tapered capsule touches with, by where on its side the contact is. All in the shape's frame.
+double radius_at(const collision::Shape& shape, const Vector3& point, const Vector3& outward) {
+  const double low = outward.z() * shape.radius - shape.half_height;
+  const double high = outward.z() * shape.top_radius + shape.half_height;
+  const double part = high > low ? std::clamp((point.z() - low) / (high - low), 0.0, 1.0) : 0;
+  return shape.radius + part * (shape.top_radius - shape.radius);
+}
+
+// m: the radius by which an ellipsoid curves where its outward normal is n, along its way over the surface below as it
+// turns. With A = diag(a^2) and H = |a n| the radii of curvature are those of A / H - (A n) (A n)^T / H^3, the second
+// derivative of how far it reaches along n, across n. All in the shape's frame.
+double curvature_radius(const Vector3& half_axes, const Vector3& outward, const Vector3& spin) {
+  const Vector3 squares = half_axes.cwiseAbs2();
+  const double reach = half_axes.cwiseProduct(outward).norm();
+  const Vector3 touched = squares.cwiseProduct(outward) / reach;
+  Vector3 way = spin.cross(outward);
+  const double length = way.norm();
+  way = length > 0 ? Vector3(way / length) : outward.unitOrthogonal();
+  const double aside = way.dot(touched);
+  return (squares.dot(way.cwiseAbs2()) - aside * aside) / reach;
+}
+
 }  // namespace
 
 ContactArm contact_arm(const BodyTable& bodies, std::uint32_t body, const collision::ColliderTable& colliders,
@@ -38,14 +60,28 @@ ContactArm contact_arm(const BodyTable& bodies, std::uint32_t body, const collis
       const Vector3 rim = from_centre - from_centre.dot(axis) * axis;
       return {anchor - rim, rim, axis};
     }
+    case collision::ShapeKind::Ellipsoid:
+    case collision::ShapeKind::TaperedCapsule: {
+      const collision::Pose& local = colliders.local[collider];
+      const Quaternion to_shape = (bodies.orientation(body) * local.orientation).conjugate();
+      const Vector3 seen = to_shape * outward;
+      double radius = 0;
+      if (shape.kind == collision::ShapeKind::Ellipsoid) {
+        radius = curvature_radius(shape.half_extents, seen, to_shape * bodies.angular_velocity(body));
+      } else {
+        radius = radius_at(shape, to_shape * (anchor - bodies.orientation(body) * local.position), seen);
+      }
+      const Vector3 rim = radius * outward;
+      return {.pivot = anchor - rim, .rim = rim};
+    }
     default:
       return {.pivot = anchor};
   }
 }
 
 bool is_round(collision::ShapeKind kind) {
-  return kind == collision::ShapeKind::Sphere || kind == collision::ShapeKind::Capsule ||
-         kind == collision::ShapeKind::Cylinder || kind == collision::ShapeKind::Cone;
+  return kind == collision::ShapeKind::Sphere || kind == collision::ShapeKind::Capsule || collision::is_round(kind) ||
+         collision::is_smooth(kind);
 }
 
 Vector3 turned_arm(const ContactArm& arm, const Vector3& turn, const Vector3& normal) {

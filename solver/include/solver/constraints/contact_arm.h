@@ -8,12 +8,13 @@
 namespace atl::solver {
 
 /// A contact's arm on a body that turns, in two parts, as the step begins: m, world frame. A round surface rolls: a
-/// point below it, the pivot, goes with the body, and the contact stays where the surface meets the other body.
+/// point below it, the pivot, goes with the body, and the contact stays where the surface meets the other body. An
+/// ellipsoid's pivot is its centre of curvature along the way that the body's spin rolls the contact.
 struct ContactArm {
   Vector3 pivot = Vector3::Zero();  ///< from the centre of mass
   Vector3 rim = Vector3::Zero();    ///< from the pivot to the contact; zero where the surface isn't round
   Vector3 axis = Vector3::Zero();   ///< unit, of a surface of revolution: the rim turns with it, but not about it. Zero
-                                    ///< of a ball's surface, whose rim doesn't turn at all.
+                                    ///< of balls' and ellipsoids' surfaces, whose rim doesn't turn at all.
 };
 
 /// The arm of a contact with a collider of a body. `anchor` is from the body's centre of mass to the contact, and
