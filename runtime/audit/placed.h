@@ -8,13 +8,14 @@
 
 #include "polytope.h"
 #include "revolved.h"
+#include "smooth.h"
 
 namespace atl::audit {
 
 /// A bounded convex solid: all points within `rounding` of its core.
 struct Solid {
   Vector3 centre;  ///< m, the point that the core is given about
-  std::variant<Polytope, Revolved> core;
+  std::variant<Polytope, Revolved, Smooth> core;
   double rounding = 0;  ///< m, the radius of a sphere (whose core is a point) or of a capsule (a segment)
 };
 
@@ -71,6 +72,11 @@ Penetration penetration(const Polytope& a, const Polytope& b, const Vector3& off
 /// At least one of them a cylinder or cone.
 Penetration penetration(const Polytope& a, const Revolved& b, const Vector3& offset);
 Penetration penetration(const Revolved& a, const Revolved& b, const Vector3& offset);
+
+/// The second an ellipsoid or a tapered capsule. Exact apart, too.
+Penetration penetration(const Polytope& a, const Smooth& b, const Vector3& offset);
+Penetration penetration(const Revolved& a, const Smooth& b, const Vector3& offset);
+Penetration penetration(const Smooth& a, const Smooth& b, const Vector3& offset);
 
 /// The shortest way from a point or segment to a polytope that it does not meet; 0 where they touch.
 Vector3 shortest_way(const Polytope& from, const Polytope& to, const Vector3& offset);

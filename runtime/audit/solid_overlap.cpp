@@ -46,6 +46,16 @@ struct Cores {
   Penetration operator()(const Revolved& a, const Polytope& b) const { return swapped(Cores{-offset, round}(b, a)); }
   Penetration operator()(const Revolved& a, const Revolved& b) const { return penetration(a, b, offset); }
 
+  Penetration operator()(const Smooth& a, const Smooth& b) const { return penetration(a, b, offset); }
+  template <class Other>
+  Penetration operator()(const Other& a, const Smooth& b) const {
+    return penetration(a, b, offset);
+  }
+  template <class Other>
+  Penetration operator()(const Smooth& a, const Other& b) const {
+    return swapped(penetration(b, a, -offset));
+  }
+
   /// The signed distance to a convex solid is convex along a segment, so its derivative's zero is found by bisection.
   Penetration segment_revolved(const Vector3& begin, const Vector3& end, const Polytope& a, const Revolved& b) const {
     double low = 0;
