@@ -52,6 +52,13 @@ struct BulletShapes::Maker {
     part.shape->setMargin(0);
     return part;
   }
+  // Two balls of different radii, and their hull.
+  Part operator()(const atl::TaperedCapsule& capsule) const {
+    const btVector3 middles[] = {{0, 0, scalar(-capsule.half_height)}, {0, 0, scalar(capsule.half_height)}};
+    const btScalar radii[] = {scalar(capsule.radii[0]), scalar(capsule.radii[1])};
+    return centred<btMultiSphereShape>(middles, radii, 2);
+  }
+  Part operator()(const atl::Ellipsoid&) const { throw atl::Error("Bullet has no ellipsoids"); }
   Part operator()(const atl::HalfSpace& half_space) const {
     return centred<btStaticPlaneShape>(to_bullet(half_space.normal.normalized()), scalar(half_space.offset));
   }

@@ -54,6 +54,10 @@ struct GeomText {
   std::string operator()(const atl::Cylinder& cylinder) {
     return " type=\"cylinder\"" + attribute("size", {cylinder.radius, cylinder.half_height});
   }
+  std::string operator()(const atl::Ellipsoid& ellipsoid) {
+    const atl::Vector3& a = ellipsoid.half_axes;
+    return " type=\"ellipsoid\"" + attribute("size", {a.x(), a.y(), a.z()});
+  }
 
   std::string operator()(const atl::HalfSpace& half_space) {
     const atl::Vector3 normal = half_space.normal.normalized();
@@ -85,6 +89,7 @@ struct GeomText {
   }
 
   std::string operator()(const atl::Cone&) { throw atl::Error("MuJoCo has no cones"); }
+  std::string operator()(const atl::TaperedCapsule&) { throw atl::Error("MuJoCo has no tapered capsules"); }
   std::string operator()(const atl::TriangleMesh&) {
     throw atl::Error("MuJoCo has no triangle meshes: it takes a mesh for its convex hull");
   }

@@ -111,6 +111,8 @@ struct OdeShapes::Maker {
   Made operator()(const atl::Cone&) const {
     throw atl::Error("ODE has no cones; expected boxes, spheres, capsules, cylinders, convex hulls or surfaces");
   }
+  Made operator()(const atl::Ellipsoid&) const { throw atl::Error("ODE has no ellipsoids"); }
+  Made operator()(const atl::TaperedCapsule&) const { throw atl::Error("ODE has no tapered capsules"); }
   Made operator()(const atl::Compound&) const { throw atl::Error("the ODE driver found a compound in a compound"); }
 };
 

@@ -43,6 +43,10 @@ struct MakeSolid {
   Solid operator()(const Cone& solid) const {
     return {centre, Revolved{axes.col(2), solid.radius, solid.half_height, true}};
   }
+  Solid operator()(const Ellipsoid& solid) const { return {centre, Smooth::ellipsoid(axes, solid.half_axes)}; }
+  Solid operator()(const TaperedCapsule& solid) const {
+    return {centre, Smooth::balls(solid.half_height * axes.col(2), solid.radii)};
+  }
   Solid operator()(const ConvexHull& hull) const { return {centre, hull_of(hull, axes)}; }
 };
 
@@ -93,6 +97,10 @@ struct BoundingRadius {
   double operator()(const Capsule& capsule) const { return capsule.radius + capsule.half_height; }
   double operator()(const Cylinder& solid) const { return std::hypot(solid.radius, solid.half_height); }
   double operator()(const Cone& solid) const { return std::hypot(solid.radius, solid.half_height); }
+  double operator()(const Ellipsoid& solid) const { return solid.half_axes.maxCoeff(); }
+  double operator()(const TaperedCapsule& solid) const {
+    return (solid.radii[0] + solid.radii[1]) / 2 + solid.half_height;
+  }
   double operator()(const ConvexHull& hull) const { return of_points(hull.vertices()); }
   double operator()(const Compound& compound) const {
     const Placed placed = Place{Vector3::Zero(), Matrix3::Identity()}(compound);

@@ -27,6 +27,11 @@ Json object_of(const Capsule& of) { return round_object("capsule", of.radius, of
 Json object_of(const Cylinder& of) { return round_object("cylinder", of.radius, of.half_height); }
 Json object_of(const Cone& of) { return round_object("cone", of.radius, of.half_height); }
 
+Json object_of(const Ellipsoid& of) { return {{"type", "ellipsoid"}, {"half", numbers(of.half_axes)}}; }
+Json object_of(const TaperedCapsule& of) {
+  return {{"type", "tapered_capsule"}, {"radii", of.radii}, {"half_height", of.half_height}};
+}
+
 Json object_of(const Triangles& surface, const char* type) {
   Packer vertices, indices;
   for (const Vector3& vertex : surface.vertices) {

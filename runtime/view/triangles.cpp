@@ -73,6 +73,30 @@ Triangles surface_of(const Cone& of, int around) {
   return revolved({{of.radius, -of.half_height}, {0, of.half_height}}, around);
 }
 
+Triangles surface_of(const Ellipsoid& of, int around) {
+  Triangles result = capsule(1, 0, around);
+  for (Vector3& vertex : result.vertices) vertex = vertex.cwiseProduct(of.half_axes);
+  return result;
+}
+// Balls up to the circles in which the cone around both touches them, of which the straight part is the cone.
+Triangles surface_of(const TaperedCapsule& of, int around) {
+  const double lean = std::asin((of.radii[0] - of.radii[1]) / (2 * of.half_height));
+  const int levels = std::max(2, around / 4);
+  std::vector<Ring> rings;
+  for (std::size_t side : {0, 1}) {
+    const double radius = of.radii[side];
+    const double from = side == 0 ? -pi / 2 : lean;
+    const double to = side == 0 ? lean : pi / 2;
+    for (int i = 0; i <= levels; ++i) {
+      const double angle = from + (to - from) * i / levels;
+      const bool pole = i == (side == 0 ? 0 : levels);
+      rings.push_back({pole ? 0 : radius * std::cos(angle),
+                       (side == 0 ? -of.half_height : of.half_height) + radius * std::sin(angle)});
+    }
+  }
+  return revolved(rings, around);
+}
+
 Triangles surface_of(const Box& box, int) {
   Triangles result;
   for (int corner = 0; corner < 8; ++corner) {

@@ -62,6 +62,26 @@ struct ShapeCheck {
     add(collision::Shape::cone(cone.radius, cone.half_height));
   }
 
+  void operator()(const Ellipsoid& ellipsoid) const {
+    if (!ellipsoid.half_axes.allFinite() || !(ellipsoid.half_axes.minCoeff() > 0)) {
+      refuse(what + ": Ellipsoid.half_axes", ellipsoid.half_axes, "three finite numbers above 0");
+    }
+    for (const double half_axis : ellipsoid.half_axes) check_positive(what + ": Ellipsoid.half_axes", half_axis);
+    add(collision::Shape::ellipsoid(ellipsoid.half_axes));
+  }
+
+  void operator()(const TaperedCapsule& capsule) const {
+    const auto [bottom, top] = capsule.radii;
+    check_positive(what + ": TaperedCapsule.radii", bottom);
+    check_positive(what + ": TaperedCapsule.radii", top);
+    check_positive(what + ": TaperedCapsule.half_height", capsule.half_height);
+    if (!collision::parts_balls(bottom, top, capsule.half_height)) {
+      refuse(what + ": TaperedCapsule.half_height", capsule.half_height,
+             "more than half the difference of its radii: neither ball may hold the other");
+    }
+    add(collision::Shape::tapered_capsule(bottom, top, capsule.half_height));
+  }
+
   void operator()(const HalfSpace& half_space) const {
     if (!half_space.normal.allFinite() || half_space.normal.isZero(0)) {
       refuse(what + ": HalfSpace.normal", half_space.normal, "a finite vector that is not zero");
@@ -330,6 +350,10 @@ ConvexShape solid_of(const CheckedCollider& collider) {
       return Cylinder{shape.radius, shape.half_height};
     case collision::ShapeKind::Cone:
       return Cone{shape.radius, shape.half_height};
+    case collision::ShapeKind::Ellipsoid:
+      return Ellipsoid{shape.half_extents};
+    case collision::ShapeKind::TaperedCapsule:
+      return TaperedCapsule{{shape.radius, shape.top_radius}, shape.half_height};
     case collision::ShapeKind::Hull:
       return ConvexHull(std::static_pointer_cast<const collision::Hull>(collider.geometry));
     default:

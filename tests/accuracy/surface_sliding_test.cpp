@@ -168,6 +168,8 @@ TEST(SurfaceSliding, SolidsComeToRestOnFloors) {
   expect_rest(field, Cylinder{0.4, 0.5}, middle + Vector3(0, 0, 0.6), upright, "standing cylinder");
   expect_rest(field, Cylinder{0.4, 0.5}, middle + Vector3(0, 0, 0.5), lying, "lying cylinder");
   expect_rest(field, Cone{0.4, 0.5}, middle + Vector3(0, 0, 0.6), upright, "cone");
+  expect_rest(field, Ellipsoid{{0.5, 0.4, 0.3}}, middle + Vector3(0, 0, 0.4), upright, "ellipsoid");
+  expect_rest(field, TaperedCapsule{{0.3, 0.2}, 0.4}, middle + Vector3(0, 0, 0.4), lying, "tapered capsule");
 }
 
 TEST(SurfaceSliding, SolidsComeToRestOnRoughGround) {

@@ -88,6 +88,8 @@ void record_run(const std::string& path) {
   world.add_body({.shape = Capsule{0.2, 0.4}, .position = {4, 0, 1}});
   world.add_body({.shape = Cylinder{0.2, 0.4}, .position = {4, 2, 1}});
   world.add_body({.shape = Cone{0.2, 0.4}, .position = {4, 4, 1}});
+  world.add_body({.shape = Ellipsoid{{0.2, 0.3, 0.4}}, .position = {4, 6, 1}});
+  world.add_body({.shape = TaperedCapsule{{0.3, 0.2}, 0.4}, .position = {4, 8, 1}});
   world.add_body({.shape = Compound{{{.shape = Sphere{0.3}, .position = {-0.4, 0, 0}},
                                      {.shape = Box{{0.3, 0.1, 0.1}}, .position = {0.4, 0, 0}}}},
                   .position = {-3, 0, 1}});

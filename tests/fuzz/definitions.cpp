@@ -92,7 +92,7 @@ HeightField Definitions::height_field() {
 }
 
 ConvexShape Definitions::convex() {
-  switch (bytes_.below(6)) {
+  switch (bytes_.below(8)) {
     case 0:
       return Box{{number(0.1, 0.6), number(0.1, 0.6), number(0.1, 0.6)}};
     case 1:
@@ -103,6 +103,10 @@ ConvexShape Definitions::convex() {
       return Cylinder{number(0.1, 0.6), number(0.1, 0.6)};
     case 4:
       return Cone{number(0.1, 0.6), number(0.1, 0.6)};
+    case 5:
+      return Ellipsoid{{number(0.1, 0.6), number(0.1, 0.6), number(0.1, 0.6)}};
+    case 6:
+      return TaperedCapsule{{number(0.1, 0.4), number(0.1, 0.4)}, number(0.1, 0.5)};
     default:
       return hull();
   }

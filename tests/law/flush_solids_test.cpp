@@ -78,6 +78,8 @@ std::vector<Mover> movers() {
   return {{"ball", Sphere{size}},
           {"box", Box{{size, size, size}}},
           {"capsule", Capsule{size, size}, lying},
+          {"ellipsoid", Ellipsoid{Vector3::Constant(size)}, lying},
+          {"tapered capsule", TaperedCapsule{{size, size}, size}, lying},
           {"wheel", Cylinder{size, 0.1}, lying},
           {"hull", hull_of_box({size, 0.15, size})}};
 }

@@ -51,6 +51,26 @@ def test_parts_of_definitions_are_copies_that_live_on() -> None:
     assert len(bodies) > 3 and bodies[0].definition.density == 1000
 
 
+def test_smooth_solids_go_around() -> None:
+    shapes: list[atoll.Ellipsoid | atoll.TaperedCapsule] = [
+        atoll.Ellipsoid([0.1, 0.2, 0.3]),
+        atoll.TaperedCapsule([0.3, 0.2], 0.4),
+    ]
+    world = atoll.World()
+    world.add_body(type=atoll.BodyType.STATIC, shape=atoll.HalfSpace())
+    for i, shape in enumerate(shapes):
+        world.add_body(shape=shape, position=[2 * i, 0, 1])
+    taken = [body.definition.shape for body in atoll.scene_of(world).bodies[1:]]
+    assert isinstance(taken[0], atoll.Ellipsoid) and list(taken[0].half_axes) == [0.1, 0.2, 0.3]
+    assert isinstance(taken[1], atoll.TaperedCapsule) and list(taken[1].radii) == [0.3, 0.2]
+    assert taken[1].half_height == 0.4
+    assert atoll.mass_properties(shapes[0]).volume == pytest.approx(4 / 3 * math.pi * 0.006)
+    for shape in shapes:
+        assert repr(pickle.loads(pickle.dumps(shape))) == repr(shape) == repr(copy.deepcopy(shape))
+    with pytest.raises(atoll.Error, match="TaperedCapsule.half_height is 0.04"):
+        world.add_body(shape=atoll.TaperedCapsule([0.3, 0.2], 0.04))
+
+
 def test_bodies_are_added_by_definition_or_by_name_of_field() -> None:
     first, second = atoll.World(), atoll.World()
     first.add_body(atoll.BodyDef(shape=atoll.Capsule(0.2, 0.4), position=(0, 0, 1), mass=3))

@@ -90,7 +90,9 @@ const Flyer flyers[] = {{"box", Box{{0.3, 0.2, 0.1}}},
                         {"sphere", Sphere{0.2}},
                         {"capsule", Capsule{0.1, 0.4}},
                         {"cylinder", Cylinder{0.3, 0.05}},
-                        {"cone", Cone{0.3, 0.3}}};
+                        {"cone", Cone{0.3, 0.3}},
+                        {"ellipsoid", Ellipsoid{{0.3, 0.2, 0.1}}},
+                        {"tapered_capsule", TaperedCapsule{{0.1, 0.2}, 0.3}}};
 
 INSTANTIATE_TEST_SUITE_P(Shapes, ClosedRoom, testing::ValuesIn(flyers),
                          [](const auto& test) { return test.param.name; });

@@ -37,6 +37,10 @@ std::vector<Resting> resting_shapes() {
   const double slope = std::atan2(0.5, 1.0);
   const Quaternion on_side(Eigen::AngleAxisd(std::numbers::pi / 2 + slope, Vector3::UnitX()));
   const double side_distance = 0.5 * std::sin(slope);  // from the middle of the axis to the side
+  // The side of a tapered capsule leans by the angle at which the cone around its balls does.
+  const double lean = std::asin(0.1);
+  const Quaternion on_cone(Eigen::AngleAxisd(std::numbers::pi / 2 + lean, Vector3::UnitX()));
+  const double tapered_height = 0.25;  // the middle between the balls' middles, at the mean of their radii
   return {
       {"Box", Box{}, 0.5},
       {"Sphere", Sphere{0.5}, 0.5},
@@ -45,6 +49,8 @@ std::vector<Resting> resting_shapes() {
       {"CylinderLying", Cylinder{0.4, 0.5}, 0.4, lying},
       {"ConeOnBase", Cone{0.5, 0.5}, 0.5},
       {"ConeOnSide", Cone{0.5, 0.5}, side_distance, on_side},
+      {"Ellipsoid", Ellipsoid{{0.5, 0.4, 0.3}}, 0.3},
+      {"TaperedLying", TaperedCapsule{{0.3, 0.2}, 0.5}, tapered_height, on_cone},
       {"Hull", ConvexHull(hexagonal_corners(0.5, 0.4)), 0.4},
       {"Compound",
        Compound{{{Box{{0.5, 0.1, 0.1}}, {0, 0, 0.4}},

@@ -24,6 +24,10 @@ inline collision::Shape colliding(const Shape& shape) {
     return collision::Shape::cylinder(solid->radius, solid->half_height);
   }
   if (const auto* solid = std::get_if<Cone>(&shape)) return collision::Shape::cone(solid->radius, solid->half_height);
+  if (const auto* solid = std::get_if<Ellipsoid>(&shape)) return collision::Shape::ellipsoid(solid->half_axes);
+  if (const auto* solid = std::get_if<TaperedCapsule>(&shape)) {
+    return collision::Shape::tapered_capsule(solid->radii[0], solid->radii[1], solid->half_height);
+  }
   if (const auto* hull = std::get_if<ConvexHull>(&shape)) return collision::Shape::convex_hull(*hull->data());
   const auto& ground = std::get<HalfSpace>(shape);
   return collision::Shape::half_space(ground.normal.normalized(), ground.offset);

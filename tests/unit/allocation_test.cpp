@@ -31,7 +31,14 @@ TEST_P(SteadyState, RestingBodiesOfAllShapes) {
   World world({.threads = GetParam(), .settings = {.contact_events = true}});
   world.add_body(ground());
   const std::vector<Vector3> corners = {{0.4, 0.4, -0.5}, {-0.4, 0.4, -0.5}, {0, -0.5, -0.5}, {0.1, 0, 0.6}};
-  const Shape shapes[] = {Box{}, Sphere{}, Capsule{0.3, 0.4}, Cylinder{}, Cone{}, ConvexHull(corners)};
+  const Shape shapes[] = {Box{},
+                          Sphere{},
+                          Capsule{0.3, 0.4},
+                          Cylinder{},
+                          Cone{},
+                          ConvexHull(corners),
+                          Ellipsoid{{0.4, 0.3, 0.5}},
+                          TaperedCapsule{{0.4, 0.3}, 0.2}};
   for (int row = 0; row < 6; ++row) {
     int column = 0;
     for (const Shape& shape : shapes) {

@@ -34,7 +34,7 @@ ConvexHull box_hull(const Vector3& half) {
   return ConvexHull(corners);
 }
 
-constexpr int kind_count = 6;
+constexpr int kind_count = 8;
 
 /// A shape of size about 1 of each kind of solid.
 Shape random_solid(int kind, RandomPlaces& random) {
@@ -51,6 +51,10 @@ Shape random_solid(int kind, RandomPlaces& random) {
       return Cylinder{radius, half_height};
     case 4:
       return Cone{radius, half_height};
+    case 5:
+      return Ellipsoid{random.vector(0.3, 1.5)};
+    case 6:
+      return TaperedCapsule{{radius / 2, radius / 4}, half_height};
     default:
       std::vector<Vector3> points;
       for (int i = 0; i < 16; ++i) points.push_back(radius * random.direction());

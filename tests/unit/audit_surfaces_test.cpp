@@ -58,10 +58,15 @@ std::vector<PlacedShape> sunk_solids(double depth) {
   };
   const Quaternion upright = Quaternion::Identity();
   const Quaternion lying = turn(pi / 2, {1, 0.3, 0});
-  return {sunk(Sphere{0.5}, 0.5, upright),        sunk(Box{{0.5, 0.4, 0.3}}, 0.3, turn(0.4, {0, 0, 1})),
-          sunk(Capsule{0.2, 0.6}, 0.8, upright),  sunk(Capsule{0.2, 0.6}, 0.2, lying),
-          sunk(Cylinder{0.4, 0.5}, 0.5, upright), sunk(Cylinder{0.4, 0.5}, 0.4, lying),
-          sunk(Cone{0.4, 0.5}, 0.5, upright)};
+  return {sunk(Sphere{0.5}, 0.5, upright),
+          sunk(Box{{0.5, 0.4, 0.3}}, 0.3, turn(0.4, {0, 0, 1})),
+          sunk(Capsule{0.2, 0.6}, 0.8, upright),
+          sunk(Capsule{0.2, 0.6}, 0.2, lying),
+          sunk(Cylinder{0.4, 0.5}, 0.5, upright),
+          sunk(Cylinder{0.4, 0.5}, 0.4, lying),
+          sunk(Cone{0.4, 0.5}, 0.5, upright),
+          sunk(Ellipsoid{{0.4, 0.3, 0.2}}, 0.2, upright),
+          sunk(TaperedCapsule{{0.2, 0.3}, 0.4}, 0.6, upright)};
 }
 
 TEST(OverlapOfSurfaces, FlatOneCountsLikeAHalfSpace) {
@@ -145,6 +150,8 @@ TEST(Penetration, SweepsShapesOfAllKinds) {
       Box{{0.2, 0.3, 0.4}},
       Cylinder{0.3, 0.4},
       Cone{0.4, 0.4},
+      Ellipsoid{{0.2, 0.3, 0.4}},
+      TaperedCapsule{{0.2, 0.1}, 0.3},
       Compound{{{.shape = Sphere{0.2}, .position = {0.4, 0, 0}}, {.shape = Box{{0.4, 0.1, 0.1}}}}}};
   for (int i = 0; i < 120; ++i) {
     shapes.push_back(place(kinds[static_cast<std::size_t>(i) % kinds.size()], random.vector(-2, 2),
@@ -181,6 +188,8 @@ TEST(Penetration, RelativeToTheSmallerBoundingRadius) {
   relative(Capsule{0.3, 0.4}, 0.7, 0.7);
   relative(Cylinder{0.3, 0.4}, 0.4, 0.5);
   relative(Cone{0.3, 0.4}, 0.4, 0.5);
+  relative(Ellipsoid{{0.3, 0.6, 0.4}}, 0.4, 0.6);
+  relative(TaperedCapsule{{0.3, 0.1}, 0.4}, 0.7, 0.6);
   relative(
       Compound{{{.shape = Sphere{0.5}, .position = {0, 0, 0.5}}, {.shape = Sphere{0.5}, .position = {0, 0, -0.5}}}}, 1,
       0.5 + std::sqrt(0.75));

@@ -61,6 +61,9 @@ std::vector<Case> cases() {
       {"Cone.half_height", shape([](double x) {
          return Cone{1, x};
        })},
+      {"Ellipsoid.half_axes", shape([](double x) {
+         return Ellipsoid{{1, x, 1}};
+       })},
       {"BodyDef.density", body([](BodyDef& def, double x) { def.density = x * 1e15; })},
       {"BodyDef.mass", body([](BodyDef& def, double x) { def.mass = x * 1e15; })},
       {"BodyDef.material.friction", body([](BodyDef& def, double x) { def.material.friction = x; })},

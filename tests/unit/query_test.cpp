@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "support/bodies.h"
@@ -200,7 +201,15 @@ TEST(QueriesOfPoints, FindWhatTheyAreWithin) {
   const ConvexHull hull(corners);
   const Compound pair{
       {{.shape = Box{{1, 1, 1}}, .position = {-0.4, 0, 0}}, {.shape = Sphere{1}, .position = {0.4, 0, 0}}}};
-  const Shape shapes[] = {Box{{1, 2, 3}}, Cylinder{1, 2}, Cone{2, 2}, Capsule{1, 1}, Sphere{1.5}, hull, pair};
+  const Shape shapes[] = {Box{{1, 2, 3}},
+                          Cylinder{1, 2},
+                          Cone{2, 2},
+                          Capsule{1, 1},
+                          Sphere{1.5},
+                          hull,
+                          pair,
+                          Ellipsoid{{1, 2, 1.5}},
+                          TaperedCapsule{{1, 1.5}, 1}};
   Random random(3);
   for (const Shape& shape : shapes) {
     for (int i = 0; i < 200; ++i) {
@@ -238,45 +247,62 @@ TEST(QueriesOfPoints, FindWhatTheyAreWithin) {
 // out.
 TEST(QueriesOfSolids, SayHowDeepTheyOverlapAndWhichWayIsOut) {
   const std::vector<Vector3> corners = {{0.5, 0, -0.4}, {-0.5, 0.5, -0.4}, {-0.5, -0.5, -0.4}, {0, 0, 0.6}};
-  const ConvexShape solids[] = {Box{{0.3, 0.5, 0.4}}, Cylinder{0.4, 0.5}, Cone{0.5, 0.5},
-                                Capsule{0.3, 0.4},    Sphere{0.5},        ConvexHull(corners)};
-  Random random(7);
-  for (const ConvexShape& one : solids) {
-    for (const ConvexShape& other : solids) {
-      for (int i = 0; i < 30; ++i) {
-        World world;
-        const Shape still = std::visit([](const auto& solid) -> Shape { return solid; }, other);
-        world.add_body({.type = BodyType::Static, .shape = still, .orientation = random.rotation()});
-        const Queries queries(world);
-        QueryShape moved{one, random.real(0, 0.5) * random.direction(), random.rotation()};
-        const std::vector<ClosestPoint> found = queries.nearby(moved, 0);
-        if (found.empty()) {
-          EXPECT_TRUE(queries.overlapping(moved).empty());
-          continue;
-        }
-        // The search for the best axis is local where a capsule's segment is deep in the other solid.
-        const bool of_capsule = std::holds_alternative<Capsule>(one) || std::holds_alternative<Capsule>(other);
-        const std::string what = std::to_string(one.index()) + " in " + std::to_string(other.index());
-        const double depth = -found[0].distance;
-        ASSERT_GE(depth, 0) << what;
-        EXPECT_EQ(queries.closest_point(moved, 1)->distance, -depth);
-        EXPECT_NEAR((found[0].on_body - found[0].on_shape).dot(found[0].normal), depth, 1e-9) << what;
-        const Vector3 start = moved.position;
-        const auto overlaps_at = [&](const Vector3& shift) {
-          moved.position = start + shift;
-          return !queries.overlapping(moved).empty();
-        };
-        EXPECT_FALSE(overlaps_at((depth + 1e-4) * found[0].normal)) << what << ", depth " << depth;
-        for (int k = 0; k < 30; ++k) {
-          const double shorter = depth - (of_capsule ? 0.03 : 2e-4);
-          EXPECT_TRUE(shorter < 1e-4 || overlaps_at(shorter * random.direction())) << what << ", depth " << depth;
-        }
-        const std::optional<ShapeHit> cast = queries.cast_shape({one, start, moved.orientation, {1, 0, 0}});
-        if (depth < 1e-6) continue;
-        ASSERT_TRUE(cast && cast->started_overlapping) << what;
-        EXPECT_EQ(cast->depth, depth);
-        EXPECT_EQ(cast->normal, found[0].normal);
+  const ConvexShape solids[] = {Box{{0.3, 0.5, 0.4}},
+                                Cylinder{0.4, 0.5},
+                                Cone{0.5, 0.5},
+                                Capsule{0.3, 0.4},
+                                Sphere{0.5},
+                                ConvexHull(corners),
+                                Ellipsoid{{0.3, 0.5, 0.4}},
+                                TaperedCapsule{{0.3, 0.15}, 0.4}};
+  const auto is_smooth = [](const ConvexShape& solid) {
+    return std::holds_alternative<Ellipsoid>(solid) || std::holds_alternative<TaperedCapsule>(solid);
+  };
+  std::vector<std::pair<ConvexShape, ConvexShape>> pairs;
+  for (const bool smooth : {false, true}) {
+    for (const ConvexShape& one : solids) {
+      for (const ConvexShape& other : solids) {
+        if ((is_smooth(one) || is_smooth(other)) == smooth) pairs.emplace_back(one, other);
       }
+    }
+  }
+  Random random(7);
+  for (const auto& [one, other] : pairs) {
+    for (int i = 0; i < 30; ++i) {
+      World world;
+      const Shape still = std::visit([](const auto& solid) -> Shape { return solid; }, other);
+      world.add_body({.type = BodyType::Static, .shape = still, .orientation = random.rotation()});
+      const Queries queries(world);
+      QueryShape moved{one, random.real(0, 0.5) * random.direction(), random.rotation()};
+      const std::vector<ClosestPoint> found = queries.nearby(moved, 0);
+      if (found.empty()) {
+        EXPECT_TRUE(queries.overlapping(moved).empty());
+        continue;
+      }
+      // The search for the best axis is local where a capsule's segment is deep in the other solid, or the core of
+      // an ellipsoid or a tapered capsule.
+      const bool is_local = std::holds_alternative<Capsule>(one) || std::holds_alternative<Capsule>(other) ||
+                            is_smooth(one) || is_smooth(other);
+      const std::string what = std::to_string(one.index()) + " in " + std::to_string(other.index());
+      const double depth = -found[0].distance;
+      ASSERT_GE(depth, 0) << what;
+      EXPECT_EQ(queries.closest_point(moved, 1)->distance, -depth);
+      EXPECT_NEAR((found[0].on_body - found[0].on_shape).dot(found[0].normal), depth, 1e-9) << what;
+      const Vector3 start = moved.position;
+      const auto overlaps_at = [&](const Vector3& shift) {
+        moved.position = start + shift;
+        return !queries.overlapping(moved).empty();
+      };
+      EXPECT_FALSE(overlaps_at((depth + 1e-4) * found[0].normal)) << what << ", depth " << depth;
+      for (int k = 0; k < 30; ++k) {
+        const double shorter = depth - (is_local ? 0.03 : 2e-4);
+        EXPECT_TRUE(shorter < 1e-4 || overlaps_at(shorter * random.direction())) << what << ", depth " << depth;
+      }
+      const std::optional<ShapeHit> cast = queries.cast_shape({one, start, moved.orientation, {1, 0, 0}});
+      if (depth < 1e-6) continue;
+      ASSERT_TRUE(cast && cast->started_overlapping) << what;
+      EXPECT_EQ(cast->depth, depth);
+      EXPECT_EQ(cast->normal, found[0].normal);
     }
   }
 }
@@ -288,8 +314,13 @@ TEST(QueriesOfSolids, ArePushedOutByFrontsOfSurfaces) {
   const std::vector<TriangleMesh::Indices> triangles = {{0, 1, 2}, {0, 2, 3}};
   const BodyId mesh = world.add_body({.type = BodyType::Static, .shape = TriangleMesh(corners, triangles)});
   const Queries queries(world);
-  const ConvexShape solids[] = {Box{{0.5, 0.5, 0.5}}, Cylinder{0.4, 0.5}, Cone{0.5, 0.5}, Capsule{0.2, 0.3},
-                                Sphere{0.5}};
+  const ConvexShape solids[] = {Box{{0.5, 0.5, 0.5}},
+                                Cylinder{0.4, 0.5},
+                                Cone{0.5, 0.5},
+                                Capsule{0.2, 0.3},
+                                Sphere{0.5},
+                                Ellipsoid{{0.4, 0.6, 0.5}},
+                                TaperedCapsule{{0.3, 0.2}, 0.2}};
   for (const ConvexShape& solid : solids) {
     for (const auto& [body, height] : {std::pair(mesh, 0.0), std::pair(plane, -5.0)}) {
       const std::vector<ClosestPoint> found = queries.nearby({.shape = solid, .position = {1, 2, height + 0.4}}, 0.2);

@@ -181,7 +181,9 @@ TEST(SceneFileErrors, ShapesAndMaterials) {
       {body(R"("shape": 1)"), "3: /bodies/0/shape: found 1", "an object"},
       {body(R"("shape": {"radius": 1})"), "3: /bodies/0/shape/type: found nothing", "box, sphere, capsule"},
       {body(R"("shape": {"type": "bax"})"), "3: /bodies/0/shape/type: found \"bax\"",
-       "box, sphere, capsule, cylinder, cone, hull, half_space, mesh, height_field or compound (did"},
+       "box, sphere, capsule, cylinder, cone, ellipsoid, tapered_capsule, hull, half_space, mesh, height_field or "
+       "compound "
+       "(did"},
       {body(R"("shape": {"type": "box"})"), "3: /bodies/0/shape/half_extents: found nothing", "[x, y, z] in m"},
       {body(R"("shape": {"type": "box", "half_extents": [1, 0, 1]})"), "3: /bodies/0/shape/half_extents/1: found 0",
        "a number > 0"},

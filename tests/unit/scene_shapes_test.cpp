@@ -66,6 +66,15 @@ TEST(SceneShapes, RoundOnes) {
   EXPECT_EQ(capsule.half_height, 3);
   EXPECT_EQ(read<Cylinder>(R"({"type": "cylinder", "radius": 2, "half_height": 0.5})").half_height, 0.5);
   EXPECT_EQ(read<Cone>(R"({"type": "cone", "radius": 2, "half_height": 0.5})").radius, 2);
+  EXPECT_EQ(read<Ellipsoid>(R"({"type": "ellipsoid", "half_axes": [1, 2, 3]})").half_axes, Vector3(1, 2, 3));
+  const auto tapered = read<TaperedCapsule>(R"({"type": "tapered_capsule", "radii": [2, 1], "half_height": 0.75})");
+  EXPECT_EQ(tapered.radii[0], 2);
+  EXPECT_EQ(tapered.radii[1], 1);
+  EXPECT_EQ(tapered.half_height, 0.75);
+  expect_refused(R"({"type": "ellipsoid", "half_axes": [1, 0, 3]})", "/half_axes", "a number > 0");
+  expect_refused(R"({"type": "tapered_capsule", "radii": [2, 1], "half_height": 0.5})", "/half_height",
+                 "neither ball may hold the other");
+  expect_refused(R"({"type": "tapered_capsule", "radii": [2], "half_height": 0.5})", "/radii", "two numbers");
 }
 
 TEST(SceneShapes, Hull) {
@@ -190,7 +199,8 @@ TEST(SceneShapes, RefusesBadOnes) {
                  "> 0");
   expect_refused(R"({"type": "compound", "children": []})", "/children: found an empty array", "at least one child");
   expect_refused(R"({"type": "compound", "children": [{"shape": {"type": "half_space"}}]})",
-                 "/children/0/shape/type: found \"half_space\"", "box, sphere, capsule, cylinder, cone or hull");
+                 "/children/0/shape/type: found \"half_space\"",
+                 "box, sphere, capsule, cylinder, cone, ellipsoid, tapered_capsule or hull");
   expect_refused(
       R"({"type": "compound", "children": [{"shape": {"type": "sphere", "radius": 1}, "density_factor": 0}]})",
       "/children/0/density_factor: found 0", "> 0");

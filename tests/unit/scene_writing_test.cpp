@@ -113,6 +113,8 @@ TEST(SceneWriting, NothingOfADefinitionIsLost) {
                                         .user_data = ~std::uint64_t{0}});
   const BodyId body = world.add_body(
       {.shape = Compound{{{.shape = Box{{1, 2, 3}}, .density_factor = 2, .material = Material{.friction = 0.9}},
+                          {.shape = Ellipsoid{{0.1, 0.2, 0.3}}, .position = {0, 1, 4}},
+                          {.shape = TaperedCapsule{{0.25, 0.125}, 0.5}, .position = {1, 0, 4}},
                           {.shape = Cone{0.25, 0.5}, .position = {0, 0, 4}, .filter = CollisionFilter{.mask = 8}}}},
        .position = {0.1, 0.2, 30},
        .orientation = Quaternion(0.5, 0.5, -0.5, 0.5),

@@ -148,6 +148,62 @@ TEST(MassPropertiesOfShapes, AreTheClosedForms) {
   const MassProperties capsule = mass_properties(Capsule{2, 3});
   EXPECT_NEAR(capsule.mass, disc + ball, 1e-12 * disc);
   EXPECT_NEAR(capsule.inertia(2, 2), disc * 2 + ball * 1.6, 1e-12 * disc);
+  const double egg = 4.0 / 3 * pi * 6;
+  expect_near(mass_properties(Ellipsoid{{1, 2, 3}}), egg, {0, 0, 0}, egg / 5 * Vector3(13, 10, 5).asDiagonal());
+}
+
+void expect_same(const MassProperties& found, const MassProperties& expected) {
+  EXPECT_NEAR(found.volume, expected.volume, 1e-12 * expected.volume);
+  expect_near(found, expected.mass, expected.centre, expected.inertia);
+}
+
+TEST(MassPropertiesOfShapes, OfRoundOnesMeetWhereTheyAreEqual) {
+  for (const double r : {0.1, 1.0, 7.0}) {
+    expect_same(mass_properties(Ellipsoid{Vector3::Constant(r)}), mass_properties(Sphere{r}));
+    for (const double h : {0.01, 1.0, 20.0}) {
+      expect_same(mass_properties(TaperedCapsule{{r, r}, h}), mass_properties(Capsule{r, h}));
+    }
+  }
+}
+
+// By discs: Simpson's rule over each of the parts, of which the squared radius is a polynomial.
+MassProperties summed(const TaperedCapsule& shape) {
+  const double lean = std::asin((shape.radii[0] - shape.radii[1]) / (2 * shape.half_height));
+  const double h = shape.half_height;
+  const double ends[] = {-h - shape.radii[0], -h + shape.radii[0] * std::sin(lean), h + shape.radii[1] * std::sin(lean),
+                         h + shape.radii[1]};
+  const auto square = [&](int part, double z) {
+    if (part == 0) return shape.radii[0] * shape.radii[0] - (z + h) * (z + h);
+    if (part == 2) return shape.radii[1] * shape.radii[1] - (z - h) * (z - h);
+    const double radius = (shape.radii[0] - std::sin(lean) * (z + h)) / std::cos(lean);
+    return radius * radius;
+  };
+  double volume = 0, first = 0, second = 0, fourth = 0;
+  constexpr int steps = 2000;
+  for (int part = 0; part < 3; ++part) {
+    const double step = (ends[part + 1] - ends[part]) / steps;
+    for (int i = 0; i <= steps; ++i) {
+      const double z = ends[part] + i * step;
+      const double weight = std::numbers::pi * step / 3 * (i == 0 || i == steps ? 1 : i % 2 == 1 ? 4 : 2);
+      const double disc = square(part, z);
+      volume += weight * disc;
+      first += weight * disc * z;
+      second += weight * disc * z * z;
+      fourth += weight * disc * disc;
+    }
+  }
+  const double across = fourth / 4 + second - first * first / volume;
+  return {volume, volume, {0, 0, first / volume}, Vector3(across, across, fourth / 2).asDiagonal().toDenseMatrix()};
+}
+
+TEST(MassPropertiesOfShapes, OfATaperedCapsuleAreThoseOfItsDiscs) {
+  for (const TaperedCapsule& shape :
+       {TaperedCapsule{{0.5, 0.25}, 0.5}, TaperedCapsule{{0.1, 1}, 0.6}, TaperedCapsule{{2, 0.01}, 1}}) {
+    const MassProperties found = mass_properties(shape), expected = summed(shape);
+    EXPECT_NEAR(found.mass, expected.mass, 1e-11 * expected.mass);
+    EXPECT_LT((found.centre - expected.centre).norm(), 1e-11);
+    EXPECT_LT((found.inertia - expected.inertia).norm(), 1e-11 * expected.inertia.norm());
+  }
 }
 
 TEST(MassPropertiesOfShapes, OfACompoundOfHalvesAreTheWhole) {
@@ -190,6 +246,13 @@ TEST(MassPropertiesOfShapes, RefuseWhatHasNone) {
   expect_error([] { mass_properties(HeightField(2, 2, 1, 1, {0, 0, 0, 0})); }, {"shape is a HeightField"});
   expect_error([] { mass_properties(Compound{}); }, {"Compound.children", "empty"});
   expect_error([] { mass_properties(Capsule{-1, 1}); }, {"Capsule.radius", "-1"});
+  expect_error([] { mass_properties(Ellipsoid{{1, 0, 1}}); }, {"Ellipsoid.half_axes", "(1, 0, 1)", "above 0"});
+  expect_error([] { mass_properties(TaperedCapsule{{1, -2}, 1}); }, {"TaperedCapsule.radii", "-2"});
+  expect_error(
+      [] {
+        mass_properties(TaperedCapsule{{1, 3}, 1});
+      },
+      {"TaperedCapsule.half_height", "is 1", "neither ball may hold the other"});
 }
 
 TEST(Shapes, RefuseBadGeometry) {

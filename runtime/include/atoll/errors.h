@@ -97,7 +97,7 @@ struct MovingBody {
 /// all directions that can be a local minimum, found by closed form (caps, faces) or by numerical search along the arcs
 /// of edges and sides and from many starts where a rim rolls over a rim: at most 1e-7 of the size too large.
 ///
-/// Negative: minus the distance, if one of the two is a sphere or a capsule or a half-space; else minus a lower bound
+/// Negative: minus the distance, if one of the two is round all over or a half-space; else minus a lower bound
 /// of it.
 ///
 /// A compound counts by the deepest of its children. A mesh has no inside: a solid overlaps a triangle by the least

@@ -50,6 +50,20 @@ struct Cone {
   double half_height = 0.5;
 };
 
+/// Centred at the body's origin, its axes along the body's: all points with (x/a)^2 + (y/b)^2 + (z/c)^2 <= 1. Every
+/// half axis > 0, in m.
+struct Ellipsoid {
+  Vector3 half_axes = {0.5, 0.5, 0.5};
+};
+
+/// The convex hull of two balls on the z axis: one of the first radius about (0, 0, -half_height), one of the second
+/// about (0, 0, half_height). All > 0, in m; neither ball may hold the other: |radii[0] - radii[1]| < 2 half_height.
+/// The centre of mass lies towards the larger one.
+struct TaperedCapsule {
+  std::array<double, 2> radii = {0.5, 0.25};
+  double half_height = 0.5;
+};
+
 /// All points p of the body frame with normal . p <= offset (m) are solid. The normal is normalised on
 /// use and must not be zero. Only static and kinematic bodies may be half-spaces: its mass is infinite.
 struct HalfSpace {
@@ -150,11 +164,11 @@ struct Compound {
   std::vector<CompoundChild> children;
 };
 
-using Shape =
-    std::variant<Box, Sphere, HalfSpace, Capsule, Cylinder, Cone, ConvexHull, TriangleMesh, HeightField, Compound>;
+using Shape = std::variant<Box, Sphere, HalfSpace, Capsule, Cylinder, Cone, ConvexHull, TriangleMesh, HeightField,
+                           Compound, Ellipsoid, TaperedCapsule>;
 
 /// A solid that may be part of a compound.
-using ConvexShape = std::variant<Box, Sphere, Capsule, Cylinder, Cone, ConvexHull>;
+using ConvexShape = std::variant<Box, Sphere, Capsule, Cylinder, Cone, ConvexHull, Ellipsoid, TaperedCapsule>;
 
 struct CompoundChild {
   ConvexShape shape = Box{};

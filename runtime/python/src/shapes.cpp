@@ -63,6 +63,14 @@ void bind_solids(nb::module_& module) {
               Field{"half_height", &Cylinder::half_height, "m, > 0"});
   nb::class_<Cone> cone(module, "Cone", "About the z axis: its base at z = -half_height, its apex at z = half_height.");
   bind_struct(cone, Field{"radius", &Cone::radius, "m, > 0"}, Field{"half_height", &Cone::half_height, "m, > 0"});
+  nb::class_<Ellipsoid> ellipsoid(module, "Ellipsoid", "Centred at the body's origin, its axes along the body's.");
+  bind_struct(ellipsoid, Field{"half_axes", &Ellipsoid::half_axes, "m, shape (3,), each > 0"});
+  nb::class_<TaperedCapsule> tapered(
+      module, "TaperedCapsule",
+      "The convex hull of two balls: of the first radius about (0, 0, -half_height), of the second about (0, 0, "
+      "half_height). Neither may hold the other: |radii[0] - radii[1]| < 2 half_height.");
+  bind_struct(tapered, Field{"radii", &TaperedCapsule::radii, "m, two, each > 0"},
+              Field{"half_height", &TaperedCapsule::half_height, "m, > 0"});
 }
 
 void bind_geometry(nb::module_& module) {
@@ -213,7 +221,9 @@ void bind_shapes(nb::module_& module) {
   bind_geometry(module);
 
   nb::class_<CompoundChild> child(module, "CompoundChild", "A convex solid at a place of its own in a compound.");
-  bind_definition(child, Field{"shape", &CompoundChild::shape, "Box, Sphere, Capsule, Cylinder, Cone or ConvexHull"},
+  bind_definition(child,
+                  Field{"shape", &CompoundChild::shape,
+                        "Box, Sphere, Capsule, Cylinder, Cone, Ellipsoid, TaperedCapsule or ConvexHull"},
                   Field{"position", &CompoundChild::position, "m, shape (3,), body frame"},
                   Field{"orientation", &CompoundChild::orientation, "shape (4,): x, y, z, w"},
                   Field{"density_factor", &CompoundChild::density_factor, "times the body's density, > 0"},

@@ -1,3 +1,5 @@
+#include <collision/shapes/shape.h>
+
 #include <cmath>
 #include <filesystem>
 #include <numbers>
@@ -16,14 +18,29 @@ using Indices = TriangleMesh::Indices;
 constexpr int most_vertices = 1'000'000'000;
 
 // In the order of the names below; those before HalfSpace may be parts of a compound.
-enum class ShapeName { Box, Sphere, Capsule, Cylinder, Cone, Hull, HalfSpace, Mesh, HeightField, Compound };
+enum class ShapeName {
+  Box,
+  Sphere,
+  Capsule,
+  Cylinder,
+  Cone,
+  Ellipsoid,
+  TaperedCapsule,
+  Hull,
+  HalfSpace,
+  Mesh,
+  HeightField,
+  Compound
+};
 constexpr const char* shape_names =
-    "box, sphere, capsule, cylinder, cone, hull, half_space, mesh, height_field or compound";
-constexpr const char* solid_names = "box, sphere, capsule, cylinder, cone or hull";
+    "box, sphere, capsule, cylinder, cone, ellipsoid, tapered_capsule, hull, half_space, mesh, height_field or "
+    "compound";
+constexpr const char* solid_names = "box, sphere, capsule, cylinder, cone, ellipsoid, tapered_capsule or hull";
 
 void only_keys_of_a_shape(const Reader& in) {
-  in.only_keys({"type", "half_extents", "radius", "half_height", "points", "vertices", "triangles", "file", "scale",
-                "smooth_angle", "heights", "spacing", "smooth", "children", "normal", "offset"});
+  in.only_keys({"type", "half_extents", "half_axes", "radius", "radii", "half_height", "points", "vertices",
+                "triangles", "file", "scale", "smooth_angle", "heights", "spacing", "smooth", "children", "normal",
+                "offset"});
 }
 
 // What the library finds wrong with a geometry is the fault of the values it is made of.
@@ -46,6 +63,20 @@ Round read_round(const Reader& in) {
   Round shape;
   shape.radius = read_length(in, "radius");
   shape.half_height = read_length(in, "half_height");
+  return shape;
+}
+
+TaperedCapsule read_tapered_capsule(const Reader& in) {
+  in.only_keys({"type", "radii", "half_height"});
+  TaperedCapsule shape;
+  const Reader radii = in.at("radii", "[bottom, top], in m");
+  const auto [bottom, top] = radii.numbers<2>("an array of two numbers, [bottom, top]", above(0));
+  shape.radii = {bottom, top};
+  shape.half_height = read_length(in, "half_height");
+  if (!collision::parts_balls(bottom, top, shape.half_height)) {
+    in.fail_at("half_height", number_text(shape.half_height),
+               "more than half the difference of the radii: neither ball may hold the other");
+  }
   return shape;
 }
 
@@ -176,6 +207,11 @@ ConvexShape read_solid(const Reader& in, ShapeName kind) {
       return read_round<Cylinder>(in);
     case ShapeName::Cone:
       return read_round<Cone>(in);
+    case ShapeName::Ellipsoid:
+      in.only_keys({"type", "half_axes"});
+      return Ellipsoid{read_vector(in.at("half_axes", "[x, y, z] in m"), above(0))};
+    case ShapeName::TaperedCapsule:
+      return read_tapered_capsule(in);
     default:
       return read_hull(in);
   }
@@ -186,7 +222,8 @@ CompoundChild read_child(const Reader& in) {
   const Reader shape = in.at("shape", "a solid");
   only_keys_of_a_shape(shape);
   const std::size_t kind =
-      shape.at("type", solid_names).choice({"box", "sphere", "capsule", "cylinder", "cone", "hull"});
+      shape.at("type", solid_names)
+          .choice({"box", "sphere", "capsule", "cylinder", "cone", "ellipsoid", "tapered_capsule", "hull"});
   CompoundChild child;
   child.shape = read_solid(shape, static_cast<ShapeName>(kind));
   get(in, "position", child.position);
@@ -212,9 +249,10 @@ Compound read_compound(const Reader& in) {
 
 Shape read_shape(const Reader& in) {
   only_keys_of_a_shape(in);
-  const auto kind = static_cast<ShapeName>(in.at("type", shape_names)
-                                               .choice({"box", "sphere", "capsule", "cylinder", "cone", "hull",
-                                                        "half_space", "mesh", "height_field", "compound"}));
+  const auto kind = static_cast<ShapeName>(
+      in.at("type", shape_names)
+          .choice({"box", "sphere", "capsule", "cylinder", "cone", "ellipsoid", "tapered_capsule", "hull", "half_space",
+                   "mesh", "height_field", "compound"}));
   switch (kind) {
     case ShapeName::HalfSpace:
       return read_half_space(in);

@@ -104,6 +104,12 @@ struct ShapeWriter {
   Json operator()(const Capsule& shape) const { return round("capsule", shape); }
   Json operator()(const Cylinder& shape) const { return round("cylinder", shape); }
   Json operator()(const Cone& shape) const { return round("cone", shape); }
+  Json operator()(const Ellipsoid& shape) const {
+    return {{"type", "ellipsoid"}, {"half_axes", json(shape.half_axes)}};
+  }
+  Json operator()(const TaperedCapsule& shape) const {
+    return {{"type", "tapered_capsule"}, {"radii", shape.radii}, {"half_height", shape.half_height}};
+  }
   Json operator()(const HalfSpace& half_space) const {
     return {{"type", "half_space"}, {"normal", json(half_space.normal)}, {"offset", half_space.offset}};
   }

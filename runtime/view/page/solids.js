@@ -47,6 +47,20 @@ function partsOf(shapes, number, room) {
         ...[-1, 1].map((side) => ({ key: 'sphere', geometry: unit.sphere,
                                     local: placed(0, 0, side * shape.half_height, Array(3).fill(shape.radius)) })),
       ];
+    case 'ellipsoid':
+      return [{ key: 'sphere', geometry: unit.sphere, local: placed(0, 0, 0, shape.half) }];
+    case 'tapered_capsule': {
+      // The cone around both balls touches them in circles; its normals lean by this sine.
+      const sine = (shape.radii[0] - shape.radii[1]) / (2 * shape.half_height);
+      const circles = shape.radii.map((radius) => radius * Math.sqrt(1 - sine * sine));
+      const [low, high] = [-1, 1].map((side, i) => side * shape.half_height + sine * shape.radii[i]);
+      const cone = () => upright(new CylinderGeometry(circles[1], circles[0], high - low, 24, 1, true));
+      return [
+        { key: `cone of ${circles} ${high - low}`, geometry: cone, local: placed(0, 0, (low + high) / 2, [1, 1, 1]) },
+        ...[-1, 1].map((side, i) => ({ key: 'sphere', geometry: unit.sphere,
+                                       local: placed(0, 0, side * shape.half_height, Array(3).fill(shape.radii[i])) })),
+      ];
+    }
     case 'half-space': {
       const normal = new Vector3(...shape.normal);
       const turn = new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), normal);
