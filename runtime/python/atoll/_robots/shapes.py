@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Union
 
 import numpy as np
@@ -12,10 +11,8 @@ from .compiled import Compiled, xyzw
 from .filters import Filters
 from .quaternions import Floats, inverse, product, turned
 
-_Solid = Union[_core.Box, _core.Sphere, _core.Capsule, _core.Cylinder, _core.ConvexHull]
+_Solid = Union[_core.Box, _core.Sphere, _core.Capsule, _core.Cylinder, _core.Ellipsoid, _core.ConvexHull]
 _Shape = Union[_Solid, _core.HalfSpace, _core.HeightField]
-
-_ELLIPSOID_RINGS = 16
 
 
 class Shapes:
@@ -64,8 +61,7 @@ class Shapes:
             if size[0] > 0 or size[1] > 0:
                 note = "a plane without end, as MuJoCo collides with it"
         elif kind == kinds.mjGEOM_ELLIPSOID:
-            shape = _core.ConvexHull(_ellipsoid(size))
-            note = f"a hull of {_ELLIPSOID_RINGS**2} points on it"
+            shape = _core.Ellipsoid(size)
         elif kind == kinds.mjGEOM_MESH:
             mesh = int(m.geom_dataid[geom])
             start, count = int(m.mesh_vertadr[mesh]), int(m.mesh_vertnum[mesh])
@@ -140,12 +136,3 @@ class Shapes:
             )
             children.append(child)
         return children
-
-
-def _ellipsoid(half_axes: list[float]) -> Floats:
-    """Points on it, as many along as around."""
-    around = np.arange(_ELLIPSOID_RINGS) * 2 * math.pi / _ELLIPSOID_RINGS
-    height = -1 + (np.arange(_ELLIPSOID_RINGS) + 0.5) * 2 / _ELLIPSOID_RINGS
-    width = np.sqrt(1 - height**2)
-    points = [[w * math.cos(a), w * math.sin(a), h] for h, w in zip(height, width, strict=True) for a in around]
-    return np.array(points, dtype=np.float64) * np.array(half_axes, dtype=np.float64)
