@@ -96,6 +96,11 @@ Vector3 turned_arm(const ContactArm& arm, const Vector3& turn, const Vector3& no
   return by * (arm.pivot - on_axis) + tilt * (on_axis + arm.rim);
 }
 
+double line_turn(const ContactArm& arm, const Vector3& turn, const Vector3& normal) {
+  const Vector3 flat = arm.axis - arm.axis.dot(normal) * normal;
+  return normal.dot(flat.cross(turn.cross(arm.axis))) / std::max(flat.squaredNorm(), tuning::least_lean);
+}
+
 double gained_along(const ContactArm& arm, const Vector3& off, const Quaternion& turn, const Vector3& normal) {
   const auto gain = [&](const Quaternion& by, const Vector3& of) { return normal.dot(by * of - of); };
   if (arm.axis.isZero(0)) return gain(turn, arm.pivot + off);

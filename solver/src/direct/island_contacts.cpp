@@ -28,10 +28,13 @@ void load_frame(const DirectIslandInput& input, bool half_way, DirectContact& co
   const Vector3 tangent = (nearly - normal.dot(nearly) * normal).normalized();
   contact.axes = {normal, tangent, normal.cross(tangent)};
   contact.given = {};
+  contact.line_turn = 0;
   const auto load_side = [&](std::uint32_t body, std::uint32_t collider, const Vector3& anchor, double sign,
                              ContactArm& on, Vector3& arm) {
     on = contact_arm(table, body, *input.colliders, collider, anchor, -sign * normal);
-    arm = half_way ? turned_arm(on, half_turn(table, body, input.dt), normal) : Vector3(on.pivot + on.rim);
+    const Vector3 turn = half_way ? half_turn(table, body, input.dt) : Vector3(Vector3::Zero());
+    arm = half_way ? turned_arm(on, turn, normal) : Vector3(on.pivot + on.rim);
+    if (!on.axis.isZero(0)) contact.line_turn = line_turn(on, turn, normal);
     if (table.mobility[body] != Mobility::Kinematic) return;
     contact.add_motion(sign, arm, table.velocity(body), table.angular_velocity(body), contact.given);
   };
@@ -62,11 +65,15 @@ struct ContactResponse {
 
 void load_points(const collision::ContactManifold& manifold, const ContactResponse& response, DirectContact& contact) {
   ContactLaw& law = contact.law;
+  // What presses on one end of a line that lags behind the axis above it would drive the rolling.
+  const bool is_line = manifold.separation[1] < collision::no_point && manifold.separation[2] >= collision::no_point;
+  const double tangent = is_line ? contact.line_turn : 0;
+  const double cosine = 1 / std::sqrt(1 + tangent * tangent);
   for (int i = 0; i < collision::max_points; ++i) {
     if (manifold.separation[i] >= collision::no_point) continue;
     const int p = law.points++;
-    const double x = law.x[p] = manifold.x[i];
-    const double y = law.y[p] = manifold.y[i];
+    const double x = law.x[p] = cosine * (manifold.x[i] - tangent * manifold.y[i]);
+    const double y = law.y[p] = cosine * (manifold.y[i] + tangent * manifold.x[i]);
     // (arm + x t1 + y t2) x n, of which t1 x n = -t2 and t2 x n = t1
     const Vector3 offset = y * contact.axes[1] - x * contact.axes[2];
     const double k = response.inverse_mass + response.turning(contact.arm_first.cross(contact.axes[0]) + offset,

@@ -196,9 +196,39 @@ HWY_INLINE V4 load_half_turn(const SolverBodies& bodies, const std::int32_t* ind
   return load_rows([=](std::size_t k) { return shape[index[k]].half_turn; });
 }
 
+// rad, about the normal: how far a turn takes the line along which a surface of revolution touches.
+HWY_INLINE V line_turn(const V4& turn, const V3& axis, const V3& normal) {
+  const V3 flat = axis - dot(axis, normal) * normal;
+  const V square = hn::Max(dot(flat, flat), splat(static_cast<float>(tuning::least_lean)));
+  const V3 moved = cross({turn.x, turn.y, turn.z}, axis);
+  return hn::IfThenElseZero(hn::Gt(turn.w, zero()), hn::Div(dot(normal, cross(flat, moved)), square));
+}
+
+// Turns the lines in which such surfaces touch, by two points, as far as their axes turn in half of the step. What
+// presses on one end of a line that lags would drive the rolling.
+HWY_INLINE void turn_lines(const SolverBodies& bodies, const RimBlock& rims, std::size_t lane, const ContactLanes<>& c,
+                           ManifoldLanes& m) {
+  const V3 axis_first = load3(rims.axis_first, lane), axis_second = load3(rims.axis_second, lane);
+  const V of_first = line_turn(load_half_turn(bodies, c.first.index), axis_first, c.normal);
+  const V of_second = line_turn(load_half_turn(bodies, c.second.index), axis_second, c.normal);
+  const V turn = hn::IfThenElse(hn::Gt(dot(axis_first, axis_first), zero()), of_first, of_second);
+  const M lines =
+      hn::And(hn::Lt(m.separation.y, splat(collision::no_point)), hn::Ge(m.separation.z, splat(collision::no_point)));
+  const V tangent = hn::IfThenElseZero(lines, turn);
+  const V cosine = hn::Div(splat(1), hn::Sqrt(hn::Add(splat(1), hn::Mul(tangent, tangent))));
+  const auto turned = [&](V& x, V& y) {
+    const V old = x;
+    x = hn::Mul(cosine, hn::Sub(x, hn::Mul(tangent, y)));
+    y = hn::Mul(cosine, hn::Add(y, hn::Mul(tangent, old)));
+  };
+  turned(m.x.x, m.y.x);
+  turned(m.x.y, m.y.y);
+}
+
 // Takes contacts that have rims along with each of their bodies for half of the step.
 HWY_NOINLINE void roll_half_way(const SolverBodies& bodies, TurningBlock& turning, const RimBlock& rims,
-                                std::size_t lane, ContactLanes<>& c) {
+                                std::size_t lane, ContactLanes<>& c, ManifoldLanes& m) {
+  turn_lines(bodies, rims, lane, c, m);
   const auto take = [&](const BodyLanes& body, const float(*rim_rows)[block_lanes], const float(*axes)[block_lanes],
                         float(*pivots)[block_lanes], V3& arm) {
     const V4 turn = load_half_turn(bodies, body.index);
@@ -214,8 +244,8 @@ HWY_NOINLINE void roll_half_way(const SolverBodies& bodies, TurningBlock& turnin
 
 // The same of all contacts.
 HWY_INLINE void take_half_way(const SolverBodies& bodies, TurningBlock& turning, const RimBlock* rims, std::size_t lane,
-                              ContactLanes<>& c) {
-  if (HWY_UNLIKELY(rims != nullptr)) return roll_half_way(bodies, turning, *rims, lane, c);
+                              ContactLanes<>& c, ManifoldLanes& m) {
+  if (HWY_UNLIKELY(rims != nullptr)) return roll_half_way(bodies, turning, *rims, lane, c, m);
   store3(c.anchor_first, turning.pivot_first, lane);
   store3(c.anchor_second, turning.pivot_second, lane);
   const auto moved = [&](const BodyLanes& body, const V3& arm) {
@@ -353,7 +383,7 @@ HWY_INLINE void prepare_lanes(const ContactKernelData& data, std::size_t b, std:
   if (data.bodies.balls) put_on_line_of_centres(data.bodies, block, lane, c);
   put_on_surfaces(m, c);
   if (data.turning_blocks != nullptr) {
-    take_half_way(data.bodies, data.turning_blocks[b], block.traits.rims ? &data.rim_blocks[b] : nullptr, lane, c);
+    take_half_way(data.bodies, data.turning_blocks[b], block.traits.rims ? &data.rim_blocks[b] : nullptr, lane, c, m);
   }
   store_geometry(block, lane, c, m);
   store_start(block, lane, c);

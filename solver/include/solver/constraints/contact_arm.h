@@ -29,6 +29,9 @@ bool is_round(collision::ShapeKind kind);
 /// revolution is not moved by its spin, but the turn of its axis moves it along the rim.
 Vector3 turned_arm(const ContactArm& arm, const Vector3& turn, const Vector3& normal);
 
+/// rad, about the normal: how far that has turned the line along which a surface of revolution touches; else 0.
+double line_turn(const ContactArm& arm, const Vector3& turn, const Vector3& normal);
+
 /// m: what that changes along the normal, at a point that lies `off` from the contact.
 double gained_along(const ContactArm& arm, const Vector3& off, const Quaternion& turn, const Vector3& normal);
 

@@ -52,6 +52,7 @@ struct DirectContact {
   std::array<Vector3, 3> axes;            ///< normal, tangents
   Vector3 arm_first, arm_second;          ///< m, from the centres of mass, when the velocities are found
   ContactArm on_first, on_second;         ///< as it begins
+  double line_turn;                       ///< rad, until the middle of the step, of what touches along a line
   double friction, rolling, torsional;    ///< of what the points push with: 1, m, m
   double radius;                          ///< m, at which friction acts about the normal
   ContactLaw law;
