@@ -342,3 +342,41 @@ def test_ball_joints_spring_damp_and_stop() -> None:
         world.step(1 / 240)
     apart = 2 * np.arccos(min(1.0, abs(float(start @ world.pose(body).orientation))))
     assert apart == pytest.approx(0.5, abs=1e-3)
+
+
+def test_joints_rub_beside_their_servos() -> None:
+    """As near to its target as where the servo pulls by less than the friction, and as MuJoCo's comes on the way."""
+    text = """
+    <mujoco>
+      <option gravity="0 0 0" timestep="0.0005" integrator="RK4"/>
+      <worldbody>
+        <body>
+          <joint name="turn" axis="0 0 1" damping="3" frictionloss="2" solreffriction="0.001 1"/>
+          <geom type="box" size=".3 .1 .1" mass="10" contype="0" conaffinity="0"/>
+        </body>
+      </worldbody>
+      <actuator><position name="servo" joint="turn" kp="20"/></actuator>
+    </mujoco>
+    """
+    robot = atoll.load_mjcf(text)
+    hinge = robot.scene.joints[0].definition.kind
+    assert isinstance(hinge, atoll.HingeJoint)
+    motor = hinge.angle.motor
+    assert hinge.angle.friction == 2
+    assert motor is not None and motor.servo is not None and motor.servo.stiffness == 20
+    assert not [line for line in robot.receipt.lines if line.verdict == Verdict.LEFT_OUT]
+
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    data.ctrl[0] = 1
+    world = robot.build()
+    robot.control(world, [1.0])
+    for _ in range(240):
+        world.step(1 / 240)
+    while data.time < 1:
+        mujoco.mj_step(model, data)
+    assert robot.positions(world) == pytest.approx(data.qpos, abs=2e-3)
+    for _ in range(2000):
+        world.step(1 / 240)
+    assert 20 * abs(1 - robot.positions(world)[0]) <= 2.02
+    assert abs(robot.rates(world)[0]) < 1e-6

@@ -140,7 +140,7 @@ def test_joints_and_their_limits_are_read() -> None:
     assert (first.angle.range.lower, first.angle.range.upper) == (-1, 2)
     assert second.offset.range.upper == math.inf
     assert second.offset.spring is not None and second.offset.spring.damping == 0.5
-    assert second.offset.motor is not None and second.offset.motor.max_force == 0.25
+    assert second.offset.motor is None and second.offset.friction == 0.25
     assert "no room" in notes(robot)["range", "bc"]
     assert any(kind == "equality" for kind, _ in notes(robot, Verdict.LEFT_OUT))
     # One that floats starts where it stands on its parent, and nothing holds it there.

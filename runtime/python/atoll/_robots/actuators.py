@@ -84,15 +84,10 @@ class Actuators:
         kind = definition.kind
         assert isinstance(kind, (_core.HingeJoint, _core.SliderJoint))
         axis = kind.angle if isinstance(kind, _core.HingeJoint) else kind.offset
-        motor = axis.motor
-        if motor is not None and motor.servo is not None:
+        if axis.motor is not None:
             self.model.receipt.left_out("actuator", name, "another one has its joint")
             return
-        if motor is not None:
-            note = f"{motor.max_force:.3g} N or N m of friction, beside the servo of {actuator.name}"
-            self.model.receipt.left_out("friction", joint.name, note)
-        else:
-            self.model.receipt.exact("actuator", name)
+        self.model.receipt.exact("actuator", name)
         servo = _core.JointServo(
             target=actuator.bias / actuator.stiffness if actuator.kind == "position" else 0.0,
             stiffness=actuator.stiffness,

@@ -84,21 +84,19 @@ class Joints:
         if not alone or not np.array_equal(m.qpos_spring[place : place + 4], [1, 0, 0, 0]):
             self.model.receipt.left_out("joint", name, "the range, spring and armature of a ball that others turn")
             return _core.BallJoint(friction)
-        turn = _core.JointAxis(armature=armature)
+        turn = _core.JointAxis(armature=armature, friction=friction)
         if limited:
             end = 2 * math.sin(min(float(m.jnt_range[joint][1]), math.pi) / 2)
             turn.range = _core.JointRange(-end, end)
         if stiffness or damping:
             turn.spring = _core.JointSpring(stiffness=stiffness, damping=damping)
-        if friction:
-            turn.motor = _core.JointMotor(max_force=friction)
         self.model.receipt.taken_as("joint", name, _TURNS)
         locked = _core.JointAxis(range=_core.JointRange(0, 0))
         return _core.SixDofJoint(offset=[locked] * 3, turn=[turn] * 3)
 
     def _axis(self, joint: int, name: str, value: float) -> _core.JointAxis:
         m, dof = self.model.arrays, int(self.model.arrays.jnt_dofadr[joint])
-        axis = _core.JointAxis(armature=float(m.dof_armature[dof]))
+        axis = _core.JointAxis(armature=float(m.dof_armature[dof]), friction=float(m.dof_frictionloss[dof]))
         if m.jnt_limited[joint]:
             lower, upper = (float(x) for x in m.jnt_range[joint])
             beyond = max(lower - value, value - upper)
@@ -110,8 +108,6 @@ class Joints:
         if stiffness > 0 or damping > 0:
             rest = float(m.qpos_spring[m.jnt_qposadr[joint]])
             axis.spring = _core.JointSpring(stiffness=stiffness, damping=damping, rest=rest)
-        if m.dof_frictionloss[dof] > 0:
-            axis.motor = _core.JointMotor(max_force=float(m.dof_frictionloss[dof]))
         if np.any(m.jnt_stiffnesspoly[joint]) or np.any(m.dof_dampingpoly[dof]):
             self.model.receipt.left_out("joint", name, "the part of its stiffness or damping that isn't linear")
         else:
