@@ -106,7 +106,8 @@ ConvexShape Definitions::convex() {
     case 5:
       return Ellipsoid{{number(0.1, 0.6), number(0.1, 0.6), number(0.1, 0.6)}};
     case 6:
-      return TaperedCapsule{{number(0.1, 0.4), number(0.1, 0.4)}, number(0.1, 0.5)};
+      // Neither ball may hold the other.
+      return TaperedCapsule{{number(0.1, 0.4), number(0.1, 0.4)}, number(0.16, 0.5)};
     default:
       return hull();
   }
