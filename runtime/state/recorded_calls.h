@@ -6,6 +6,7 @@
 #include <atoll/world.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <tuple>
 #include <type_traits>
@@ -119,6 +120,14 @@ struct SetJointEnabled {
   void make(World& world) const { world.set_joint_enabled(joint, enabled); }
 };
 
+struct CountTurnsFrom {
+  JointId joint;
+  double angle;
+  std::uint64_t coordinate;
+  static auto fields(auto& self) { return std::tie(self.joint, self.angle, self.coordinate); }
+  void make(World& world) const { world.count_turns_from(joint, angle, static_cast<std::size_t>(coordinate)); }
+};
+
 struct SetGravity {
   Vector3 gravity;
   static auto fields(auto& self) { return std::tie(self.gravity); }
@@ -194,7 +203,7 @@ using RecordedCall =
                  calls::ApplyImpulse, calls::Wake, calls::SetFilter, calls::SetCollisionEnabled, calls::Release,
                  calls::AddJoint, calls::RemoveJoint, calls::SetJoint, calls::SetJointEnabled, calls::SetGravity,
                  calls::SetSettings, calls::SetMaterial, calls::SetMass, calls::SetGravityScale, calls::SetDamping,
-                 calls::SetUserData, calls::SetName, calls::Refilter>;
+                 calls::SetUserData, calls::SetName, calls::Refilter, calls::CountTurnsFrom>;
 
 template <typename Archive, typename Field>
 void visit_field(Archive& archive, Field& field) {

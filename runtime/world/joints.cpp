@@ -249,6 +249,22 @@ void set_joint_enabled(Stores& world, std::uint32_t joint, bool enabled) {
   }
 }
 
+void count_turns_from(Stores& world, std::uint32_t index, double angle, std::size_t coordinate) {
+  const JointKind& kind = world.joints.def[index].kind;
+  const std::span<const solver::Coordinate> names = named_coordinates(kind);
+  if (coordinate >= names.size()) {
+    throw Error(std::string("World::count_turns_from: coordinate is ") + std::to_string(coordinate) +
+                "; expected one of the " + std::to_string(names.size()) + " that a " + name_of(kind) + " has");
+  }
+  solver::Joint& joint = world.joints.joints[index];
+  const std::size_t row = row_along(joint, names[coordinate]);
+  if (row == joint.rows || !counts_turns(names[coordinate])) return;
+  const double value = joint_row(joint, row, frames_of(world, joint)).value;
+  if (!std::isfinite(value)) return;  // of bodies in quarantine
+  joint.position[row] = continued(names[coordinate], value, angle);
+  wake_joined_by(world, index);
+}
+
 void release_joint(Stores& world, std::uint32_t joint) {
   forget_impulses(world.joints.joints[joint]);
   world.joints.joints[joint].limit = {};

@@ -29,6 +29,8 @@ void set_joint(Stores& world, std::uint32_t joint, const JointKind& kind);
 /// After a body got another centre of mass: its joints stay where they are in its frame.
 void move_anchors(Stores& world, std::uint32_t body);
 void set_joint_enabled(Stores& world, std::uint32_t joint, bool enabled);
+/// Throws Error if the joint has no such coordinate.
+void count_turns_from(Stores& world, std::uint32_t joint, double angle, std::size_t coordinate);
 
 solver::JointFrames frames_of(const Stores& world, const solver::Joint& joint);
 void wake_joined_by(Stores& world, std::uint32_t joint);

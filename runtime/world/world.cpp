@@ -627,6 +627,13 @@ void World::set_joint_enabled(JointId id, bool enabled) {
   note<calls::SetJointEnabled>(*impl_, id, enabled);
 }
 
+void World::count_turns_from(JointId id, double angle, std::size_t coordinate) {
+  const std::uint32_t joint = impl_->index_to_change(id, "count_turns_from");
+  check_number("World::count_turns_from: angle", angle);
+  if constexpr (with_joints) atl::count_turns_from(impl_->stores, joint, angle, coordinate);
+  note<calls::CountTurnsFrom>(*impl_, id, angle, std::uint64_t{coordinate});
+}
+
 void World::prefetch() const {
   jobs::prefetch(*impl_);
   atl::prefetch(impl_->stores, impl_->pipeline);

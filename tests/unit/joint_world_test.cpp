@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numbers>
 #include <set>
 #include <string>
@@ -62,6 +63,7 @@ TEST(JointWorld, StaleIdsAreCaughtByEveryCall) {
     expect_refused("joint_state", [&] { (void)crates.world.joint_state(id); });
     expect_refused("set_joint", [&] { crates.world.set_joint(id, BallJoint{}); });
     expect_refused("set_joint_enabled", [&] { crates.world.set_joint_enabled(id, false); });
+    expect_refused("count_turns_from", [&] { crates.world.count_turns_from(id, 0); });
     EXPECT_FALSE(crates.world.contains(id));
   }
 }
@@ -317,6 +319,25 @@ TEST(JointWorld, AnglesStartWithTheTurnNearestToTheirRange) {
   EXPECT_NEAR(angle({0.5, unlimited}), -3 + turn, 1e-12);
   EXPECT_NEAR(angle({8, 9}), -3 + 2 * turn, 1e-12);
   EXPECT_NEAR(angle({-1, 1}), -3, 1e-12) << "outside, and nearer to the lower end";
+}
+
+TEST(JointWorld, AnglesGoToTheTurnNearestToWhatIsSaid) {
+  Crates crates;
+  const double turn = 2 * std::numbers::pi;
+  const JointId joint = crates.add(crates.a, crates.c, false, HingeJoint{});
+  const auto angle = [&] { return crates.world.joint_state(joint).position[0]; };
+  crates.world.count_turns_from(joint, turn);
+  EXPECT_EQ(angle(), 0) << "nobody counts";
+  crates.world.set_joint(joint, HingeJoint{{.range = {-20, 20}}});
+  for (const double expected : {turn, -2 * turn, 0.0}) {
+    crates.world.count_turns_from(joint, expected + 1);
+    EXPECT_NEAR(angle(), expected, 1e-4);
+    crates.world.step(dt);
+    EXPECT_NEAR(angle(), expected, 1e-4) << "the step goes on from there";
+  }
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  expect_error([&] { crates.world.count_turns_from(joint, 0, 1); }, {"coordinate is 1", "1 that a HingeJoint has"});
+  expect_error([&] { crates.world.count_turns_from(joint, nan); }, {"angle is nan"});
 }
 
 // A body made around its corner: its centre of mass is not where its frame is.

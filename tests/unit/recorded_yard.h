@@ -6,6 +6,7 @@
 
 #include <array>
 #include <functional>
+#include <numbers>
 #include <vector>
 
 #include "state/recorded_calls.h"
@@ -128,6 +129,8 @@ inline const std::vector<Change>& changes() {
        }},
       {"a joint that is let go", kind_of<calls::SetJointEnabled>(),
        [](Yard& yard) { yard.world.set_joint_enabled(yard.hinge, false); }},
+      {"an angle a turn on", kind_of<calls::CountTurnsFrom>(),
+       [](Yard& yard) { yard.world.count_turns_from(yard.hinge, 2 * std::numbers::pi); }},
       {"gravity", kind_of<calls::SetGravity>(),
        [](Yard& yard) {
          yard.world.set_gravity({1, 0, -3});

@@ -285,6 +285,11 @@ class World {
   /// A joint that is not enabled does nothing, nor keeps its bodies from touching. One that broke is whole again when
   /// it is. Wakes.
   void set_joint_enabled(JointId id, bool enabled);
+  /// Says which of its full turns an angle is in: the one that brings it nearest to `angle`, rad. For after set_pose(),
+  /// from which an angle counts on as if it had turned by less than half a turn. It has no effect on coordinates of
+  /// which nobody counts turns: see HingeJoint. Wakes. Throws Error if the joint has no such coordinate, or on an angle
+  /// that is not finite or beyond 1e15.
+  void count_turns_from(JointId id, double angle, std::size_t coordinate = 0);
 
   void set_gravity(const Vector3& gravity);
   void set_settings(const Settings& settings);

@@ -167,7 +167,10 @@ void bind_joints_of(Class& world) {
            "m/s or rad/s")
       .def("set_servo_target", &World::set_servo_target, nb::arg("joint"), nb::arg("target"), nb::arg("coordinate") = 0,
            "m or rad")
-      .def("set_joint_enabled", &World::set_joint_enabled, nb::arg("joint"), nb::arg("enabled"));
+      .def("set_joint_enabled", &World::set_joint_enabled, nb::arg("joint"), nb::arg("enabled"))
+      .def("count_turns_from", &World::count_turns_from, nb::arg("joint"), nb::arg("angle"), nb::arg("coordinate") = 0,
+           "Says which of its full turns an angle is in, after set_pose(): the one that brings it nearest to `angle`, "
+           "rad.");
 }
 
 void bind_results(Class& world) {
