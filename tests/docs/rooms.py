@@ -19,7 +19,7 @@ DIRECTORIES = [ROOT / path for path in
 # Rooms in the order that they may be included in, from the top down: each sees those in rows below its own.
 CORE = ("world", "step", "state")  # one library, whose parts see each other
 LAYERS = {
-    "runtime": [["command", "python"], ["checks", "view", "batch"], ["scene", "audit", "core"], ["include"]],
+    "runtime": [["command", "python"], ["checks", "view", "batch", "mechanism"], ["scene", "audit", "core"], ["include"]],
     "solver": [["select", "sweep"], ["direct"], ["islands"], ["constraints"], ["integrate"], ["tuning"]],
     "collision": [["queries"], ["continuous"], ["contacts"], ["broadphase", "narrowphase"], ["shapes"]],
     "jobs": [["jobs"]],

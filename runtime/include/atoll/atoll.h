@@ -12,6 +12,7 @@
 #include <atoll/errors.h>
 #include <atoll/forces.h>
 #include <atoll/joint.h>
+#include <atoll/mechanism.h>
 #include <atoll/quarantine.h>
 #include <atoll/queries.h>
 #include <atoll/parting.h>

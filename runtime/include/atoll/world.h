@@ -412,7 +412,8 @@ class World {
   BodyHash body_hash(BodyId id) const;
 
  private:
-  friend struct QueryAccess;  // see queries.h
+  friend struct QueryAccess;      // see queries.h
+  friend struct MechanismAccess;  // see mechanism.h
   friend class Snapshot;
   friend class Replay;
   friend class ForcedStep;
