@@ -11,6 +11,7 @@ NB_MODULE(_core, module) {
   bind_reports(module);
   bind_callbacks(module);
   bind_world(module);
+  bind_mechanisms(module);
   bind_queries(module);
   bind_recordings(module);
   bind_scenes(module);

@@ -12,6 +12,7 @@ void bind_settings(nanobind::module_& module);
 void bind_reports(nanobind::module_& module);
 void bind_callbacks(nanobind::module_& module);
 void bind_world(nanobind::module_& module);
+void bind_mechanisms(nanobind::module_& module);
 void bind_queries(nanobind::module_& module);
 void bind_recordings(nanobind::module_& module);
 void bind_scenes(nanobind::module_& module);

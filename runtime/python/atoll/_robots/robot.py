@@ -67,6 +67,29 @@ class Robot:
         """m/s or rad/s, shape (coordinates,)."""
         return self._states(world, "speed")
 
+    def mechanism(self, world: _core.World, body: str | None = None) -> _core.Mechanism:
+        """The model's generalised coordinates, of a world that build() made, in the model's order.
+
+        What hangs on the world is one tree, with all that does; a tree with a free base is one by itself. body: any
+        body of the tree that is meant; by default the tree of the first joint, or the first body that moves. Raises
+        Error on a body that the model hasn't, and where nothing moves. Where the model has several joints in one body,
+        a thousandth of that body's mass is at each of the others: dynamics differ by that.
+        """
+        carriers = {joint.second: joint.first for joint in self.scene.joints}
+        moving = [place for place in self.bodies.values() if self._moves(place)]
+        if body is not None and body not in self.bodies:
+            raise _core.Error(f"Robot.mechanism: body is {body!r}; expected one of {', '.join(self.bodies)}")
+        if not moving:
+            raise _core.Error(f"Robot.mechanism: no body of {self.name} moves; expected one that does")
+        jointed = [joint.second for joint in self.scene.joints]
+        place = self.bodies[body] if body is not None else (jointed or moving)[0]
+        while place in carriers:
+            place = carriers[place]
+        return _core.Mechanism(world, world.bodies[place])
+
+    def _moves(self, place: int) -> bool:
+        return self.scene.bodies[place].definition.type is _core.BodyType.DYNAMIC
+
     def control(self, world: _core.World, controls: ArrayLike) -> None:
         """Gives the actuators their controls, shape (actuators,), in units of the model: for the next step where they
         are forces, and until they are others elsewhere."""
