@@ -10,8 +10,10 @@
 namespace atl::mechanism {
 namespace {
 
-constexpr double goal = 1e-11;           // m and rad: rounding of a reach of 1 km is 1e-13
-constexpr int most_iterations = 400;     // steps that are taken or tried; a reachable pose takes about 10
+constexpr double goal = 1e-11;  // m and rad: rounding of a reach of 1 km is 1e-13
+// Steps that are taken or tried. An arm of seven hinges took 6 to poses whose angles were within 0.5 rad, the median of
+// 300, and 100 at most to any of the poses that it reached from anywhere.
+constexpr int most_iterations = 400;
 constexpr double first_damping = 1e-3;   // of the mean square of the Jacobian's rows, as all dampings
 constexpr double least_damping = 1e-12;  // where rounding begins to show in the solve
 constexpr double most_damping = 1e12;    // no step is small enough to be a gain
