@@ -98,7 +98,7 @@ class SmoothSearch {
   Penetration least_{std::numeric_limits<double>::infinity(), Vector3::UnitZ()};
 };
 
-// Where one of the balls of a tapered capsule takes over from the other; `sign` is 1 out of a, -1 out of b.
+// The direction in which one ball of a tapered capsule takes over from the other; `sign` is 1 out of a, -1 out of b.
 template <class Other>
 void search_cone(SmoothSearch<Other>& search, const Smooth& solid, double sign) {
   const double length = solid.half.norm();

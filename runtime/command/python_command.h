@@ -2,7 +2,7 @@
 
 namespace atl::command {
 
-/// Whether main() got `atoll ensemble ...` or `atoll import ...`, of which Python reads the words that follow.
+/// Tells if main() got `atoll ensemble ...` or `atoll import ...`, of which Python reads the words that follow.
 bool is_python_command(int argc, char** argv);
 
 /// Becomes `python3 -m atoll` with the same words, so signals and exit status are Python's. The environment's

@@ -43,7 +43,7 @@ struct Link {
   BodyId body;
   std::size_t parent = none;  ///< the link that carries it; none: the fixed base, or nothing
   JointId joint = {};
-  bool reversed = false;  ///< whether the joint's first body is this one
+  bool reversed = false;  ///< true if the joint's first body is this one
   Pose frame_first = {};  ///< in the body's frame
   Pose frame_second = {};
   std::vector<Stage> stages = {};

@@ -43,8 +43,8 @@ constexpr double outside_bar = 2e-3;      // of the smaller inner radius
 constexpr double ambiguous_angle = 2;     // degrees
 constexpr double ambiguous_depth = 1e-3;  // of the depth
 constexpr double ambiguous_share = 0.02;
-// Of a first look, of the depth and the smaller inner radius: FCL takes a face of two boxes where edges part them by a
-// twentieth better.
+// By which the depth of a first look may be off, of the depth and of the smaller inner radius: FCL takes a face of two
+// boxes where edges part them by a twentieth better.
 constexpr double face_preference = 0.06;
 constexpr double first_depth_bar = 1e-3;
 

@@ -118,7 +118,7 @@ void InnerEdges::list(const ContactCache& cache, const ContactUpdateInput& input
   for (const TouchingPair& pair : touching) met_[pair.first] = met_[pair.second] = 0;
 }
 
-// Where the ground's plane lies.
+// Finds the ground's plane.
 void InnerEdges::measure(const Contact& contact, const ContactManifold& manifold, const ContactUpdateInput& input,
                          bool ground_is_first, OnGround& found) {
   const ColliderTable& colliders = input.colliders;

@@ -109,7 +109,7 @@ double radius_about(const ConvexCore& core, const Vector3& centre, const Vector3
       farthest = std::sqrt(farthest);
       break;
     case ConvexCore::Kind::Ellipsoid: {
-      // Of half axes a no farther than |a| across the axis, and than the longest; less the radius, which is added.
+      // No farther than |a| across the axis, with half axes a, nor than the longest; less the radius, which is added.
       const double across =
           core.half_extents.cwiseProduct((Vector3::Ones() - axis.cwiseAbs2()).cwiseMax(0).cwiseSqrt()).norm();
       farthest = from(Vector3::Zero()) + std::min(across, core.half_extents.maxCoeff()) - core.radius;

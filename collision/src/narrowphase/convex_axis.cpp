@@ -297,7 +297,7 @@ AxisSearch find_axis(const SolidPair& pair, double margin, const KnownAxis& know
   first.build(pair.first);
   second.build(pair.second);
   GaussMapDescent descent(first.polytope(), second.polytope(), pair.position, pair.rotation);
-  // Where the cores overlap a face elsewhere may part them better than what a walk came to.
+  // A face elsewhere may part cores that overlap better than what a walk came to.
   const auto search_faces = [&] {
     if (axis.separation < 0) try_faces(first.polytope(), second.polytope(), pair, descent, axis);
   };

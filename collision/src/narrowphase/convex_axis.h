@@ -19,7 +19,7 @@ struct SolidPair {
   double separation_along(const Vector3& normal) const;
   /// Whether one is a cylinder or a cone.
   bool has_round() const;
-  /// Whether one is an ellipsoid or a tapered capsule.
+  /// Tells if one is an ellipsoid or a tapered capsule.
   bool has_smooth() const { return is_smooth(first.kind) || is_smooth(second.kind); }
 };
 

@@ -4,7 +4,7 @@
 
 namespace atl::collision {
 
-/// Whether closest_point() has a closed form for a core: all but those of hulls, ellipsoids and tapered capsules.
+/// Tells if closest_point() has a closed form for a core: all but those of hulls, ellipsoids and tapered capsules.
 inline bool has_closest_point(const ConvexCore& core) {
   using enum ConvexCore::Kind;
   return core.kind != Hull && core.kind != Ellipsoid && core.kind != TaperedCapsule;

@@ -89,7 +89,7 @@ void climb(const SolidPair& pair, Vector3& normal) {
   }
 }
 
-// What is deep in another may have its nearest way out on any side.
+// A core that is deep in another may have its nearest way out on any side.
 void climb_from_all_around(const SolidPair& pair, Vector3& normal) {
   double best = pair.separation_along(normal);
   for (int corner = 0; corner < 8; ++corner) {
@@ -102,7 +102,7 @@ void climb_from_all_around(const SolidPair& pair, Vector3& normal) {
   }
 }
 
-// Where cores overlap.
+// The axis of cores that overlap.
 LocalAxis deep_axis(const CorePair& cores, const Vector3& start) {
   const SolidPair& pair = cores.pair;
   // Each shortens what is left of an error to the depth's part of the radius of curvature and more: by half as deep as
@@ -125,7 +125,7 @@ LocalAxis deep_axis(const CorePair& cores, const Vector3& start) {
   return best;
 }
 
-// What a box or a hull touches with, by its vertex that reaches farthest.
+// The feature with which a box or a hull touches, by its vertex that reaches farthest.
 Feature feature_along(const Shape& shape, const Polytope& core, const Vector3& outward) {
   const bool has_vertices = shape.kind == ShapeKind::Box || shape.kind == ShapeKind::Hull;
   return {Feature::Kind::Vertex, has_vertices ? core.support(outward) : 0};

@@ -198,7 +198,7 @@ class Search {
     }
   }
 
-  // Of what is no polytope along a direction about the edge.
+  // The same of a solid that is no polytope, along a direction about the edge.
   double round_separation(const Turn& turn) const {
     const Vector3 normal = turn.up * up_ + turn.out * out_;
     if (is_smooth(solid_.shape.kind)) return -reach_along(solid_.shape, -normal) - normal.dot(from_);

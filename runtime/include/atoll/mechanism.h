@@ -89,7 +89,7 @@ class Mechanism {
 
   std::size_t nq() const;
   std::size_t nv() const;
-  bool is_floating() const;  ///< whether the base is free
+  bool is_floating() const;  ///< true if the base is free
   BodyId base() const;
   /// Dynamic ones, from the base on: each after the one that carries it.
   const std::vector<BodyId>& bodies() const;

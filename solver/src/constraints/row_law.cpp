@@ -146,7 +146,7 @@ RowLaw RowLaw::of_kick(const Law& law, const JointRow& at, double effective_mass
   if (!stiff) {
     add(spring);
     row.friction_impulse = time * law.friction;
-    // What sticks does so before the kick as well, and what slides has been held back with all that friction has.
+    // A coordinate that sticks does so before the kick as well. One that slides was held back with all there is.
     if (sign < 0) row.friction_speed = rate;
     if (sign < 0 && is_behind(rate, rate)) given += std::copysign(std::exchange(row.friction_impulse, 0), rate);
   }

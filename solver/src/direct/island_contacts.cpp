@@ -65,7 +65,7 @@ struct ContactResponse {
 
 void load_points(const collision::ContactManifold& manifold, const ContactResponse& response, DirectContact& contact) {
   ContactLaw& law = contact.law;
-  // What presses on one end of a line that lags behind the axis above it would drive the rolling.
+  // A load on one end of a line that lags behind the axis above it would drive the rolling.
   const bool is_line = manifold.separation[1] < collision::no_point && manifold.separation[2] >= collision::no_point;
   const double tangent = is_line ? contact.line_turn : 0;
   const double cosine = 1 / std::sqrt(1 + tangent * tangent);

@@ -204,8 +204,8 @@ HWY_INLINE V line_turn(const V4& turn, const V3& axis, const V3& normal) {
   return hn::IfThenElseZero(hn::Gt(turn.w, zero()), hn::Div(dot(normal, cross(flat, moved)), square));
 }
 
-// Turns the lines in which such surfaces touch, by two points, as far as their axes turn in half of the step. What
-// presses on one end of a line that lags would drive the rolling.
+// Turns the lines in which such surfaces touch, by two points, as far as their axes turn in half of the step. A load
+// on one end of a line that lags would drive the rolling.
 HWY_INLINE void turn_lines(const SolverBodies& bodies, const RimBlock& rims, std::size_t lane, const ContactLanes<>& c,
                            ManifoldLanes& m) {
   const V3 axis_first = load3(rims.axis_first, lane), axis_second = load3(rims.axis_second, lane);

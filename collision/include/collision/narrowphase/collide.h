@@ -16,7 +16,7 @@ Narrowphase collide(const Shape& first_shape, const Shape& second_shape, const P
 
 /// The pairs' own functions, which collide() chooses from.
 ///
-/// Of boxes `manifold.axis` is all that is needed of a last manifold that is known.
+/// Boxes need no more of a last manifold that is known than `manifold.axis`.
 Narrowphase collide_boxes(const Vector3& half_first, const Vector3& half_second, const Pose& second, double margin,
                           Manifold& manifold);
 /// The same of a lane, whose axes were found.

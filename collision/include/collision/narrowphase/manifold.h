@@ -60,7 +60,7 @@ struct Manifold {
   }
 };
 
-/// What collide() takes on entry when it looks at the pair of a manifold again.
+/// Makes of a pair's manifold the one that collide() takes on entry when it looks at the pair again.
 Manifold as_last(const Manifold& found);
 
 /// More points than any two faces make; see Outline.

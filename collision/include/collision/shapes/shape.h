@@ -77,7 +77,7 @@ struct Shape {
   static Shape height_field(const HeightField& field);
 };
 
-/// Whether neither ball of a tapered capsule holds the other: the sine of the lean of its side is at most 1 - 1e-9, so
+/// Tells if neither ball of a tapered capsule holds the other: the sine of the lean of its side is at most 1 - 1e-9, so
 /// that rounding leaves it a cosine.
 constexpr bool parts_balls(double bottom_radius, double top_radius, double half_height) {
   const double difference = bottom_radius < top_radius ? top_radius - bottom_radius : bottom_radius - top_radius;
