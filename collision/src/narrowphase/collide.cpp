@@ -61,7 +61,6 @@ Narrowphase collide(const Shape& first_shape, const Shape& second_shape, const P
 
 Narrowphase collide_spheres(double radius_first, double radius_second, const Pose& second, double margin,
                             Manifold& manifold) {
-  manifold.count = 0;
   const double distance = second.position.norm();
   const double separation = distance - radius_first - radius_second;
   fcl_narrowphase::Axis axis{distance > 0 ? Vector3(second.position / distance) : Vector3::UnitZ(), separation, 1};
@@ -100,7 +99,6 @@ void meet_at_impact(double radius_first, double radius_second, const Pose& secon
 
 Narrowphase collide_sphere_box(double radius, const Vector3& half_extents, const Pose& box, double margin,
                                Manifold& manifold) {
-  manifold.count = 0;
   const Vector3 centre = box.orientation.conjugate() * -box.position;
   fcl_narrowphase::Axis axis = sphere_to_box(radius, half_extents, centre);
   Narrowphase by = Narrowphase::Kept;
