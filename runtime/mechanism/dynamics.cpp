@@ -17,14 +17,6 @@ Matrix6 spatial_inertia(double mass, const Vector3& centre, const Matrix3& inert
   return result;
 }
 
-// Calls visit(place in v) for the coordinates of a link's own joint.
-template <typename Visit>
-void for_each_place(const Link& link, const Visit& visit) {
-  for (const Stage& stage : link.stages) {
-    for (std::size_t i = stage.v; i < stage.v + stage.v_count(); ++i) visit(static_cast<Eigen::Index>(i));
-  }
-}
-
 }  // namespace
 
 double Weights::total() const {

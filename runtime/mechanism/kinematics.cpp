@@ -1,8 +1,6 @@
 #include "mechanism/kinematics.h"
 
-#include <solver/integrate/trigonometry.h>
-
-#include <cmath>
+#include <solver/integrate/free_flight.h>
 
 namespace atl::mechanism {
 namespace {
@@ -14,25 +12,13 @@ auto numbers(VectorXd& values, std::size_t first, std::size_t count) {
   return values.segment(static_cast<Eigen::Index>(first), static_cast<Eigen::Index>(count));
 }
 
-Quaternion turn_about(int axis, double angle) {
-  const solver::SineCosine half = solver::sine_cosine(0.5 * angle);
-  Quaternion turn(half.cosine, 0, 0, 0);
-  turn.coeffs()[axis] = half.sine;
-  return turn;
-}
-
-// The quaternion of a rotation vector.
-Quaternion exponential(const Vector3& turn) {
-  const double angle = turn.norm();
-  if (!(angle > 0)) return Quaternion::Identity();
-  const solver::SineCosine half = solver::sine_cosine(0.5 * angle);
-  Quaternion result(half.cosine, 0, 0, 0);
-  result.vec() = half.sine / angle * turn;
-  return result;
-}
-
 Quaternion quaternion_at(const VectorXd& q, std::size_t first) {
   return Quaternion(Eigen::Vector4d(numbers(q, first, 4)));
+}
+
+// In the world, of a frame on a body.
+Quaternion orientation_of(const World& world, BodyId body, const Pose& frame) {
+  return world.pose(body).orientation * frame.orientation;
 }
 
 // Lets a frame, and what moves with it, go on over one stage after the other.
@@ -53,7 +39,7 @@ struct Walk {
   Pose pose_of(const Link& link, const Stage& stage) const {
     switch (stage.motion) {
       case Motion::Turn:
-        return {Vector3::Zero(), turn_about(stage.axis, value_of(link, stage))};
+        return {Vector3::Zero(), solver::rotation_by(value_of(link, stage) * Vector3::Unit(stage.axis))};
       case Motion::Slide:
         return {value_of(link, stage) * Vector3::Unit(stage.axis), Quaternion::Identity()};
       case Motion::Ball:
@@ -174,8 +160,8 @@ VectorXd read_q(const Tree& tree, const World& world) {
         numbers(q, stage.q, 7) << pose.position, pose.orientation.coeffs();
       } else if (stage.motion == Motion::Ball) {
         const JointDef& joint = world.joint(link.joint);
-        const Quaternion first = world.pose(joint.first).orientation * link.frame_first.orientation;
-        const Quaternion second = world.pose(joint.second).orientation * link.frame_second.orientation;
+        const Quaternion first = orientation_of(world, joint.first, link.frame_first);
+        const Quaternion second = orientation_of(world, joint.second, link.frame_second);
         numbers(q, stage.q, 4) = (first.conjugate() * second).normalized().coeffs();
       } else if (!stage.locked) {
         q[static_cast<Eigen::Index>(stage.q)] = world.joint_state(link.joint).position[stage.coordinate];
@@ -195,7 +181,7 @@ VectorXd read_v(const Tree& tree, const World& world) {
         numbers(v, stage.v, 6) << world.velocity(link.body) + spin.cross(arm), spin;
       } else if (stage.motion == Motion::Ball) {
         const JointDef& joint = world.joint(link.joint);
-        const Quaternion first = world.pose(joint.first).orientation * link.frame_first.orientation;
+        const Quaternion first = orientation_of(world, joint.first, link.frame_first);
         const Vector3 spin = world.angular_velocity(joint.second) - world.angular_velocity(joint.first);
         numbers(v, stage.v, 3) = first.conjugate() * spin;
       } else if (!stage.locked) {
@@ -238,7 +224,7 @@ Kinematics kinematics(const Tree& tree, const World& world, const VectorXd& q, c
 VectorXd integrate(const Tree& tree, const VectorXd& q, const VectorXd& v) {
   VectorXd result = q;
   const auto turn = [&](std::size_t at, std::size_t by) {
-    const Quaternion turned = exponential(numbers(v, by, 3)) * quaternion_at(q, at);
+    const Quaternion turned = solver::rotation_by(Vector3(numbers(v, by, 3))) * quaternion_at(q, at);
     numbers(result, at, 4) = turned.normalized().coeffs();
   };
   for (const Link& link : tree.links) {
@@ -259,13 +245,10 @@ VectorXd integrate(const Tree& tree, const VectorXd& q, const VectorXd& v) {
 MatrixXd jacobian_at(const Tree& tree, const Kinematics& at, std::size_t link, const Vector3& point) {
   MatrixXd jacobian = MatrixXd::Zero(6, static_cast<Eigen::Index>(tree.nv));
   for (std::size_t i = link; i != Link::none; i = tree.links[i].parent) {
-    for (const Stage& stage : tree.links[i].stages) {
-      for (std::size_t k = stage.v; k < stage.v + stage.v_count(); ++k) {
-        const auto column = static_cast<Eigen::Index>(k);
-        const Vector6 axis = at.axes.col(column);
-        jacobian.col(column) << velocity_at(at, axis, point), axis.head<3>();
-      }
-    }
+    for_each_place(tree.links[i], [&](Eigen::Index column) {
+      const Vector6 axis = at.axes.col(column);
+      jacobian.col(column) << velocity_at(at, axis, point), axis.head<3>();
+    });
   }
   return jacobian;
 }

@@ -150,13 +150,11 @@ void Mechanism::apply(const VectorXd& tau) {
     const Link& link = tree_->links[i];
     Vector3 force = Vector3::Zero();
     Vector3 torque = Vector3::Zero();
-    for (const Stage& stage : link.stages) {
-      for (std::size_t k = stage.v; k < stage.v + stage.v_count(); ++k) {
-        const mechanism::Vector6 axis = now.at.axes.col(static_cast<Eigen::Index>(k));
-        const bool turns = !axis.head<3>().isZero(0);
-        (turns ? torque : force) += tau[static_cast<Eigen::Index>(k)] * (turns ? axis.head<3>() : axis.tail<3>());
-      }
-    }
+    mechanism::for_each_place(link, [&](Eigen::Index k) {
+      const mechanism::Vector6 axis = now.at.axes.col(k);
+      const bool turns = !axis.head<3>().isZero(0);
+      (turns ? torque : force) += tau[k] * (turns ? axis.head<3>() : axis.tail<3>());
+    });
     if (force.isZero(0) && torque.isZero(0)) continue;
     // Turns are about the origin of the second frame, which slides move.
     const Pose second = link.joint == JointId{}

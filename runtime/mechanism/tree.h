@@ -49,6 +49,14 @@ struct Link {
   std::vector<Stage> stages = {};
 };
 
+/// Calls visit(place in v) for the coordinates of a link's own joint.
+template <typename Visit>
+void for_each_place(const Link& link, const Visit& visit) {
+  for (const Stage& stage : link.stages) {
+    for (std::size_t i = stage.v; i < stage.v + stage.v_count(); ++i) visit(static_cast<Eigen::Index>(i));
+  }
+}
+
 struct Tree {
   BodyId base;
   bool floating = false;
