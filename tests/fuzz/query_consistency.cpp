@@ -130,7 +130,7 @@ void check_places(std::span<const World> worlds, const QueryShape& query, double
   }
   if (closest) {
     require_finite(closest->distance, "a closest point's distance");
-    // Of what is 1e30 m long rounding may say that it is touched.
+    // Rounding may say of what is 1e30 m long that it is touched.
     const bool is_rounding = !usual && closest->distance == 0;
     require(is_rounding || (closest->distance <= 0) == !found.empty(), "closest_point is at odds with overlapping");
     require(closest->distance <= reach, "a closest point is out of reach");

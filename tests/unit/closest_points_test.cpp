@@ -112,7 +112,7 @@ void expect_gap(const Case& made, const Pose& second, double gap, double toleran
   EXPECT_LE(reach_second + found.on_second.dot(found.normal), 1e-6 * made.larger) << names(made, gap);
 }
 
-// Those with an ellipsoid or a tapered capsule last.
+// All pairs, with those of an ellipsoid or a tapered capsule last.
 std::vector<std::pair<ShapeKind, ShapeKind>> solid_pairs() {
   std::vector<std::pair<ShapeKind, ShapeKind>> pairs;
   for (const bool smooth : {false, true}) {

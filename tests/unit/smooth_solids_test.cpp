@@ -51,7 +51,7 @@ TEST(SmoothSolids, ReachAsFarAsTheirPointsDo) {
       low = low.cwiseMin(place);
       high = high.cwiseMax(place);
       outer = std::max(outer, at.point.norm());
-      // What has a normal reaches along it to its point and no farther.
+      // A shape reaches along the normal of a point of its surface to that point and no farther.
       ASSERT_NEAR(reach_along(shape, at.normal), at.normal.dot(at.point), 1e-14) << name_of(shape);
       ASSERT_LT((support_point(shape, 3 * at.normal) - at.point).norm(),
                 shape.kind == ShapeKind::Ellipsoid ? 1e-14 : 2);
@@ -164,8 +164,8 @@ double best_separation(const Shape& a, const Shape& b, const Pose& second) {
   return best;
 }
 
-// Where they are apart and where they overlap, by more than an ellipsoid's radius of curvature: the distance is that
-// along the normal, and no direction parts them better.
+// Distances of solids that are apart, and depths of those that overlap by more than an ellipsoid's radius of curvature:
+// the distance is that along the normal, and no direction parts them better.
 TEST(SmoothSolids, PairsAreAsFarAsTheBestDirectionSays) {
   Random random(4);
   std::vector<Shape> others = smooth_solids();

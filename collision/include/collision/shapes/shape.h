@@ -94,7 +94,7 @@ struct MassProperties {
 };
 MassProperties mass_properties(const Shape& shape);
 
-// What all bounded convex solids (Sphere to TaperedCapsule) have in common. `second` is always the pose of the second
+// Common to all bounded convex solids (Sphere to TaperedCapsule). `second` is always the pose of the second
 // shape in the frame of the first.
 
 /// The point of the solid that lies farthest along a direction (any length, not zero), shape's frame.
