@@ -83,14 +83,15 @@ std::span<const Pair> PairSearch::find(Proxies& proxies, const CollisionFilters&
   new_pairs_.clear();
   // All pairs have a moving shape.
   if (proxies.moving().size() == 0) return new_pairs_;
+  proxies.take_in_moving(arena);
   proxies.rebuild_moving_if_worn(arena);
   const PartnerQuery query{proxies, filters, moves, moving_shapes_ask(proxies, moves.shapes())};
   if (query.moving_ask) list_askers(proxies, moves.shapes());
   const std::span<const std::uint32_t> askers = query.moving_ask ? askers_ : moves.shapes();
-  if (proxies.is_behind()) {
+  if (proxies.fixed().is_behind()) {
     looks_ += count_asking_fixed(proxies, filters, askers);
     if (looks_ > max_looks) {
-      proxies.take_in(arena);
+      proxies.take_in_fixed(arena);
       looks_ = 0;
     }
   }

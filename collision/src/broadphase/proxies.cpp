@@ -14,7 +14,7 @@ Proxies::Proxy& Proxies::claim(std::uint32_t shape, Kind kind) {
 void Proxies::add_box(std::uint32_t shape, const Aabb& fat, bool fixed) {
   Proxy& proxy = claim(shape, fixed ? Kind::Fixed : Kind::Moving);
   proxy.fat = fat.known_or_nan();
-  fixed ? fixed_.insert_later(shape, proxy.fat) : moving_.insert(shape, proxy.fat);
+  (fixed ? fixed_ : moving_).insert_later(shape, proxy.fat);
 }
 
 void Proxies::add_half_space(std::uint32_t shape, const Plane& plane) {

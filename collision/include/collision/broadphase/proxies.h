@@ -14,8 +14,8 @@ namespace atl::collision {
 /// Where shapes are, for the broadphase: the fat boxes of moving and of fixed shapes in a tree each, and half-spaces,
 /// which have no box. A shape whose box has a NaN touches no other; infinite bounds are allowed.
 ///
-/// Fixed shapes that are added wait until something asks for them, and are then built into their tree all at once.
-/// Queries look at those that wait one by one: before many of them, call take_in().
+/// Shapes that are added wait until something asks for them, and are then built into their tree all at once. Queries
+/// look at those that wait one by one: before many of them, call take_in().
 class Proxies {
  public:
   enum class Kind : std::uint8_t { Free, Moving, Fixed, HalfSpace };
@@ -45,9 +45,15 @@ class Proxies {
   /// In order of shape.
   std::span<const HalfSpace> half_spaces() const { return half_spaces_; }
 
-  /// Builds what waits into the tree, and says whether anything does.
-  void take_in(jobs::Arena& arena) { fixed_.take_in(&arena); }
-  bool is_behind() const { return fixed_.is_behind(); }
+  /// Build what waits into its tree.
+  void take_in_moving(jobs::Arena& arena) { moving_.take_in(&arena); }
+  void take_in_fixed(jobs::Arena& arena) { fixed_.take_in(&arena); }
+  void take_in(jobs::Arena& arena) {
+    take_in_moving(arena);
+    take_in_fixed(arena);
+  }
+  /// Whether anything waits.
+  bool is_behind() const { return moving_.is_behind() || fixed_.is_behind(); }
   /// Build a tree anew if enough has changed in it.
   void rebuild_moving_if_worn(jobs::Arena& arena) { moving_.rebuild_if_worn(&arena); }
   void rebuild_fixed_if_worn(jobs::Arena& arena) { fixed_.rebuild_if_worn(&arena); }
