@@ -33,14 +33,6 @@ void visit_near_ball(const Shape& surface, const Aabb& box, const Vector3& centr
   });
 }
 
-// Calls visit(triangle, number) for those near a box.
-template <typename Visit>
-void visit_triangles(const Shape& surface, const Aabb& box, const Visit& visit) {
-  visit_near(surface, box, [&](std::uint32_t i) {
-    visit(surface.kind == ShapeKind::Mesh ? surface.mesh->triangle(i) : surface.field->triangle(i), i);
-  });
-}
-
 // Vertices and normal of a triangle; the rest of it.
 Triangle face_of(const Shape& surface, std::uint32_t number) {
   return surface.kind == ShapeKind::Mesh ? surface.mesh->face(number) : surface.field->face(number);
@@ -51,6 +43,10 @@ void complete(const Shape& surface, std::uint32_t number, Triangle& face) {
   } else {
     surface.field->complete(number, face);
   }
+}
+
+Triangle triangle_of(const Shape& surface, std::uint32_t number) {
+  return surface.kind == ShapeKind::Mesh ? surface.mesh->triangle(number) : surface.field->triangle(number);
 }
 
 // Whether a triangle that has a vertex reaches ahead of it along a direction, and so is touched first.
@@ -80,6 +76,59 @@ constexpr double least_bend_cosine = 0.96891242171064473;
 // rad: of less than that no facet rises against a ball.
 constexpr double least_bend = 1e-4;
 
+// The triangle on whose front a point is nearest.
+struct Nearest {
+  double distance = INFINITY;  // m
+  std::uint32_t number = 0;
+  Vector3 foot;
+
+  void look_at(std::uint32_t other, const Triangle& face, const Vector3& from) {
+    const double height = face.normal.dot(from - face.vertices[0]);
+    if (height < 0 || height * (1 - 1e-9) > distance) return;
+    const Vector3 point = closest_point_of_triangle(face.vertices, from);
+    const double away = (from - point).norm();
+    if (!(away < distance)) return;
+    distance = away;
+    number = other;
+    foot = point;
+  }
+};
+
+// The triangles near a ball and near where it may be at the end of the step, from one query, if they aren't too many.
+class NearBall {
+ public:
+  NearBall(const Shape& surface, const Vector3& shift, double reach)
+      : surface_(surface), grown_by_((1 + most_bend) * shift.norm()) {
+    is_whole_ = grown_by_ <= reach;
+    if (!is_whole_) grown_by_ = 0;
+  }
+
+  double grown_by() const { return grown_by_; }
+  void note(std::uint32_t number) {
+    is_whole_ &= count_ < numbers_.size();
+    if (is_whole_) numbers_[count_++] = number;
+  }
+  /// To a point no farther from the ball's centre than it shifts, within a reach that has grown as `most_bend` says.
+  Nearest nearest_to(const Vector3& point, double reach) const {
+    Nearest nearest;
+    const auto look_at = [&](std::uint32_t number) { nearest.look_at(number, face_of(surface_, number), point); };
+    if (is_whole_) {
+      std::for_each(numbers_.begin(), numbers_.begin() + count_, look_at);
+    } else {
+      const Vector3 around = Vector3::Constant(reach);
+      visit_near_ball(surface_, Aabb::around(point - around, point + around), point, reach, look_at);
+    }
+    return nearest;
+  }
+
+ private:
+  const Shape& surface_;
+  double grown_by_;  // m, by which the query has to reach farther
+  bool is_whole_;
+  std::size_t count_ = 0;
+  std::array<std::uint32_t, 32> numbers_;
+};
+
 // Where a smooth surface is met from its front along its own normal, from a point above a triangle of it. The surface
 // is over the triangle the mean of that and its projections onto the tangent planes at the corners: Phong tessellation
 // (Boubekeur and Alexa, ACM Trans. Graph. 27, 2008), with the factor 1/2, with which arcs are exact to second order.
@@ -87,7 +136,9 @@ struct SmoothPlace {
   double distance;  // m
   Vector3 normal;
 
-  SmoothPlace(const Triangle& triangle, const Vector3& from, Vector3 foot) {
+  SmoothPlace(const Shape& surface, const Nearest& nearest, const Vector3& from) {
+    const Triangle triangle = triangle_of(surface, nearest.number);
+    Vector3 foot = nearest.foot;
     constexpr int rounds = 4;  // each brings the foot nearer by the point's distance over the surface's radius
     double height = 0, lift = 0;
     for (int round = 0; round < rounds; ++round) {
@@ -113,31 +164,6 @@ struct SmoothPlace {
   }
 };
 
-// The triangle on whose front a point is nearest.
-struct Nearest {
-  double distance = INFINITY;  // m
-  Triangle triangle;
-  Vector3 foot;
-
-  void look_at(const Triangle& other, const Vector3& from) {
-    if (other.normal.dot(from - other.vertices[0]) < 0) return;
-    const Vector3 point = closest_point_of_triangle(other.vertices, from);
-    const double away = (from - point).norm();
-    if (!(away < distance)) return;
-    distance = away;
-    triangle = other;
-    foot = point;
-  }
-};
-
-Nearest nearest_to(const Shape& surface, const Vector3& centre, double reach) {
-  Nearest nearest;
-  const Vector3 around = Vector3::Constant(reach);
-  visit_triangles(surface, Aabb::around(centre - around, centre + around),
-                  [&](const Triangle& triangle, std::uint32_t) { nearest.look_at(triangle, centre); });
-  return nearest;
-}
-
 // In place of all that a ball's contacts say of the sheet that looks along a normal, one to be filled in; null if there
 // is no room.
 Manifold* replace_sheet(const Vector3& normal, SurfaceManifolds& result) {
@@ -154,19 +180,20 @@ Manifold* replace_sheet(const Vector3& normal, SurfaceManifolds& result) {
 
 // Gives a ball the manifold of the smooth surface that it is nearest to.
 void follow_smooth_surface(const Shape& ball, const Shape& surface, const Vector3& centre, double margin,
-                           const Vector3& shift, SurfaceManifolds& result) {
+                           const Vector3& shift, const Nearest& nearest, const NearBall& near,
+                           SurfaceManifolds& result) {
   const double reach = ball.radius + margin;
-  const Nearest nearest = nearest_to(surface, centre, reach);
   if (!(nearest.distance <= reach)) return;
-  const SmoothPlace start(nearest.triangle, centre, nearest.foot);
+  const SmoothPlace start(surface, nearest, centre);
   Manifold* const replaced = replace_sheet(start.normal, result);
   if (replaced == nullptr) return;
   Manifold& manifold = *replaced;
   const Vector3 along = shift - shift.dot(start.normal) * start.normal;
   manifold.normal = start.normal;
-  const Nearest ahead = nearest_to(surface, centre + along, reach + along.norm() * most_bend);
-  if (ahead.distance < INFINITY) {
-    const SmoothPlace end(ahead.triangle, centre + along, ahead.foot);
+  const double reach_ahead = reach + along.norm() * most_bend;
+  const Nearest ahead = near.nearest_to(centre + along, reach_ahead);
+  if (ahead.distance <= reach_ahead) {
+    const SmoothPlace end(surface, ahead, centre + along);
     if (start.normal.dot(end.normal) > least_bend_cosine) {
       manifold.normal = (start.normal + end.normal).normalized();
       manifold.rise = -0.5 * (end.normal - start.normal).dot(along);
@@ -178,16 +205,15 @@ void follow_smooth_surface(const Shape& ball, const Shape& surface, const Vector
 // Gives a ball one manifold for the facets that rise against it within the step. It takes the ball from the facet that
 // it is on to where it touches the next one, as a surface does that bends evenly. A facet that is met only once the
 // ball is in it would lift the ball by pushing it out, and that is energy from nowhere.
-void follow_facets(const Shape& ball, const Shape& surface, const Vector3& centre, double margin, const Vector3& shift,
-                   SurfaceManifolds& result) {
+void follow_facets(const Shape& ball, const Shape&, const Vector3& centre, double margin, const Vector3& shift,
+                   const Nearest& start, const NearBall& near, SurfaceManifolds& result) {
   const double reach = ball.radius + margin;
-  const Nearest start = nearest_to(surface, centre, reach);
   if (!(start.distance <= reach) || !(start.distance > 0)) return;
   const Vector3 normal = (centre - start.foot) / start.distance;
   const Vector3 along = shift - shift.dot(normal) * normal;
   const double length = along.norm();
-  const Nearest end = nearest_to(surface, centre + along, reach + most_bend * length);
-  const double rise = start.distance - end.distance;  // minus infinity where none is in reach
+  const Nearest end = near.nearest_to(centre + along, reach + most_bend * length);
+  const double rise = start.distance - end.distance;  // minus infinity where there is none
   if (!(rise > least_bend * length) || rise > most_bend * length) return;
   Manifold* const manifold = replace_sheet(normal, result);
   if (manifold == nullptr) return;
@@ -263,22 +289,31 @@ void collide_surface(const Shape& solid, const Shape& surface, const Pose& solid
   SurfaceClusters clusters(placed);
   TriangleContact contact;
   const double reach = solid.bounding_radius + margin;
-  visit_near_ball(surface, grown(bounds, margin), placed.position, reach, [&](std::uint32_t number) {
-    Triangle triangle = face_of(surface, number);
-    double height = 0;
-    if (!comes_near(placed, triangle, margin, height)) return;
-    complete(surface, number, triangle);
-    touch_triangle(placed, triangle, height, number, margin, contact);
-    if (contact.part == TriangleAxis::Part::Vertex && contact.count > 0 &&
-        !can_push_at_vertex(surface, triangle.vertices[static_cast<std::size_t>(contact.vertex)], contact.normal)) {
-      return;
-    }
-    clusters.add(contact);
-  });
+  const bool is_ball = solid.kind == ShapeKind::Sphere;
+  NearBall near(surface, is_ball ? shift : Vector3::Zero(), reach);
+  Nearest nearest;
+  const double farther = near.grown_by();
+  visit_near_ball(
+      surface, grown(bounds, margin + farther), placed.position, reach + farther, [&](std::uint32_t number) {
+        Triangle triangle = face_of(surface, number);
+        if (is_ball) {
+          near.note(number);
+          nearest.look_at(number, triangle, placed.position);
+        }
+        double height = 0;
+        if (!comes_near(placed, triangle, margin, height)) return;
+        complete(surface, number, triangle);
+        touch_triangle(placed, triangle, height, number, margin, contact);
+        if (contact.part == TriangleAxis::Part::Vertex && contact.count > 0 &&
+            !can_push_at_vertex(surface, triangle.vertices[static_cast<std::size_t>(contact.vertex)], contact.normal)) {
+          return;
+        }
+        clusters.add(contact);
+      });
   clusters.finish(result);
-  if (solid.kind == ShapeKind::Sphere) {
+  if (is_ball) {
     const auto follow = is_smooth(surface) ? follow_smooth_surface : follow_facets;
-    follow(solid, surface, placed.position, margin, shift, result);
+    follow(solid, surface, placed.position, margin, shift, nearest, near, result);
   }
   if (result.count > 0 || !(most_gap > 0)) return;
   SurfaceGap gap(placed, bounds, most_gap);
