@@ -53,7 +53,7 @@ bool visit_tolerance_and_normal(Archive& archive, Contact& contact) {
   const unsigned normal = kind >> 2;
   archive.check(tolerance < contact_tolerances.size() && normal <= 6, "a contact of no kind that there is");
   if constexpr (Archive::reads) {
-    contact.tolerance = contact_tolerances[tolerance];
+    contact.set_tolerance(contact_tolerances[tolerance]);
     if (normal != 0) contact.normal = normal_of_code(normal);
   }
   return normal != 0;
@@ -116,7 +116,7 @@ void visit_contact(Archive& archive, Contact& contact, Manifold& manifold, Rolli
     archive.check(!(flags & is::near_ids) || contact.count > 1, "a contact with ids of points that it hasn't");
     archive.check(!(flags & is::rolling) || rolling != nullptr, "an impulse against rolling where nothing rolls");
     contact.axis = 0;
-    contact.tolerance = 0;
+    contact.set_tolerance(0);
     contact.gap = 0;
     collision::forget_impulses(manifold);
     if (rolling != nullptr) std::fill_n(rolling, 3, 0.0f);

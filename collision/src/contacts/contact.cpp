@@ -17,7 +17,7 @@ void store_features(Contact& contact, const Manifold& manifold, const Pose& inci
   contact.axis = manifold.axis;
   contact.count = static_cast<std::uint8_t>(manifold.count);
   contact.margin = static_cast<float>(margin);
-  contact.tolerance = tolerance;
+  contact.set_tolerance(tolerance);
   contact.gap = 0;
 
   Vector3 centre = manifold.count > 0 ? Vector3(Vector3::Zero()) : incident.position;

@@ -84,7 +84,7 @@ ContactUpdater::Result ContactUpdater::run(std::size_t begin, std::size_t end, s
   return result;
 }
 
-// A pair that isn't lost, of which the parts are apart together.
+// A pair that isn't lost, of which the parts are apart together, and are recomputed together.
 void ContactUpdater::recycle(std::size_t first, std::size_t end) {
   fetch_ahead(first);
   const Contact& contact = range_.contact(first);
@@ -94,17 +94,19 @@ void ContactUpdater::recycle(std::size_t first, std::size_t end) {
     ++range_.counts.recycled;
     return;
   }
+  bool recycles = !was_apart;
+  for (std::size_t i = first; i < end; ++i) recycles &= range_.contact(i).recycles;
   for (std::size_t i = first; i < end; ++i) {
     const std::uint32_t slot = range_.cache.order()[i];
     range_.pairs[i - range_.begin] = {contact.body_first, contact.body_second, slot};
-    if (was_apart) {
+    if (!was_apart) refresher_.fetch(slot);
+    if (!recycles) {
       range_.status[i] = ContactStatus::Stale;
-    } else {
-      refresher_.fetch(slot);
-      if (recycled_.add(i)) refresh_recycled();
+    } else if (recycled_.add(i)) {
+      refresh_recycled();
     }
   }
-  if (was_apart) range_.add_stale(first);
+  if (!recycles) range_.add_stale(first);
 }
 
 // Slots are in no order: what is needed soon is asked of memory now.

@@ -66,7 +66,8 @@ struct alignas(64) Contact {
   /// Of a solid and a surface: which of the pair's contacts this is. They stand in a row, each with a normal of
   /// its own, and those not needed have no points.
   std::uint8_t part = 0;
-  bool has_local_offset = false;  ///< a shape of it isn't at its body's centre of mass, or turned
+  bool has_local_offset : 1 = false;  ///< a shape of it isn't at its body's centre of mass, or turned
+  bool recycles : 1 = false;          ///< its tolerance isn't 0
   /// Of two solids found apart: m, how far, at least. Else 0. The next three say where they were then.
   float gap = 0;
   float radius = 0;                       ///< m: how far turning by 1 rad may bring the shapes nearer
@@ -84,6 +85,11 @@ struct alignas(64) Contact {
   std::array<FeatureId, max_points> ids = {};
   float tolerance = 0;  ///< how far the pair may drift, as part of the size, and turn, rad, before it is recomputed
   std::uint32_t axis = 0;
+
+  void set_tolerance(float value) {
+    tolerance = value;
+    recycles = value > 0;
+  }
 };
 static_assert(sizeof(Contact) == 256);
 
