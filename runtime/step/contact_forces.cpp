@@ -116,7 +116,8 @@ std::span<const ContactForce> contact_forces(Stores& world, const ContactPhase& 
     for (std::size_t i = 0; i < contact.count; ++i) {
       if (!of.is_pressed(i)) continue;
       forces.push_back({a, b, place.point(manifold, i), place.normal, of.normal(i), of.friction(i),
-                        manifold.separation[i], contact.ids[i]});
+                        manifold.separation[i], contact.ids[i], world.colliders.child[contact.pair.first],
+                        world.colliders.child[contact.pair.second]});
     }
   }
   return forces;

@@ -135,6 +135,28 @@ TEST(ContactEvents, NameChildren) {
   ADD_FAILURE() << "it never landed";
 }
 
+// A table on two legs of which each stands on a step of its own.
+TEST(ContactForces, NameChildren) {
+  World world;
+  const Compound stairs{
+      {{.shape = Box{{1, 1, 0.5}}, .position = {-1, 0, 0}}, {.shape = Box{{1, 1, 1}}, .position = {1, 0, 0}}}};
+  world.add_body({.type = BodyType::Static, .shape = stairs});
+  const Compound table{{{.shape = Box{{1, 0.2, 0.1}}, .position = {0, 0, 1}},
+                        {.shape = Box{{0.1, 0.2, 0.5}}, .position = {-0.9, 0, 0.5}},
+                        {.shape = Box{{0.1, 0.2, 0.25}}, .position = {0.9, 0, 0.75}}}};
+  world.add_body({.shape = table, .position = {0, 0, 0.5}});
+  for (int i = 0; i < 60; ++i) world.step(dt);
+  int by_leg[3] = {};
+  for (const ContactForce& force : world.contact_forces()) {
+    EXPECT_EQ(force.child_a, force.child_b - 1) << "of leg " << force.child_b;
+    EXPECT_EQ(force.position.x() > 0, force.child_b == 2);
+    ++by_leg[force.child_b];
+  }
+  EXPECT_EQ(by_leg[0], 0);
+  EXPECT_EQ(by_leg[1], 4);
+  EXPECT_EQ(by_leg[2], 4);
+}
+
 // What an event of a contact says is what the contact's forces come to.
 TEST(ContactEvents, TellWhereAndHowHard) {
   World world({.settings = {.contact_events = true}});

@@ -43,6 +43,8 @@ struct ContactForce {
   Vector3 friction;     ///< N, tangential, on b: the point's share of the manifold's friction by normal force
   double separation;    ///< m, negative where the shapes overlap, as the step started
   std::uint64_t feature_id;
+  std::uint32_t child_a;  ///< in a compound, else 0
+  std::uint32_t child_b;
 };
 
 /// Two bodies that press on each other, and what all of their contact points carry together.

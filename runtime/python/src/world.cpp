@@ -183,6 +183,8 @@ void bind_results(Class& world) {
       {"friction", "(3,)f8", offsetof(ContactForce, friction)},
       {"separation", "f8", offsetof(ContactForce, separation)},
       {"feature_id", "u8", offsetof(ContactForce, feature_id)},
+      {"child_a", "u4", offsetof(ContactForce, child_a)},
+      {"child_b", "u4", offsetof(ContactForce, child_b)},
   };
   static const std::vector<Member> pairs = {
       {"a", "id", offsetof(PairForce, a)},
@@ -214,7 +216,8 @@ void bind_results(Class& world) {
           "contact_forces", [](const World& self) { return records_of(self.contact_forces(), forces); },
           "A structured array: one record a manifold point that carries force, by body ids. a, b: index and "
           "generation; "
-          "position (m), normal (from a to b), normal_force (N), friction (N, on b), separation (m), feature_id.",
+          "position (m), normal (from a to b), normal_force (N), friction (N, on b), separation (m), feature_id, "
+          "child_a and child_b (in a compound, else 0).",
           ATOLL_RECORDS("contact_forces"))
       .def(
           "pair_forces", [](const World& self) { return records_of(self.pair_forces(), pairs); },
