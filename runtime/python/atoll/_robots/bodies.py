@@ -18,9 +18,9 @@ _BETWEEN = 1e-3  # of a body's mass, for each body between it and the one that c
 class Bodies:
     """Makes the bodies of a scene, and the joints that carry them."""
 
-    def __init__(self, model: Compiled, filters: Filters) -> None:
+    def __init__(self, model: Compiled, filters: Filters, hull_error: float | None) -> None:
         self.model = model
-        self.shapes = Shapes(model, filters)
+        self.shapes = Shapes(model, filters, hull_error)
         self.scene = self.shapes.fixed()
         self.joints = Joints(model, filters, self.scene)
         self.places: dict[int, int] = {}  # in the scene, of bodies that others are welded to

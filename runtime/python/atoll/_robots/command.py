@@ -49,6 +49,10 @@ def _parser() -> argparse.ArgumentParser:
         help="folder of packages that meshes of a URDF are in; may be given several times",
     )  # fmt: skip
     parser.add_argument(
+        "--hull-error", metavar="PART", type=float, help="take meshes apart whose convex hulls are off by more than this "
+        "part of their volume, as 0.1",
+    )  # fmt: skip
+    parser.add_argument(
         "--receipt", metavar="FILE", type=Path, help="write what became of each element there, as JSON if it ends so, "
         "and not to the standard output",
     )  # fmt: skip
@@ -65,10 +69,10 @@ def _load(given: argparse.Namespace) -> Robot:
         for option in ("fixed_base", "self_collision", "packages"):
             if getattr(given, option):
                 raise _core.Error(f"--{option.replace('_', '-')} is given with an MJCF file; expected a URDF")
-        return load_mjcf(given.robot, given.pose)
+        return load_mjcf(given.robot, given.pose, given.hull_error)
     if given.pose is not None:
         raise _core.Error(f"--pose is {given.pose}; expected none for a URDF, which has no keyframes")
-    return load_urdf(given.robot, given.packages, given.fixed_base, given.self_collision)
+    return load_urdf(given.robot, given.packages, given.fixed_base, given.self_collision, given.hull_error)
 
 
 def _write(receipt: Receipt, path: Path | None) -> None:

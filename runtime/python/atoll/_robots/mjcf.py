@@ -10,6 +10,7 @@ from .. import _core
 from .actuators import Actuators
 from .bodies import Bodies
 from .compiled import Compiled, compiler
+from .decomposition import check_hull_error
 from .equalities import Equalities
 from .filters import Filters
 from .robot import Robot
@@ -20,14 +21,17 @@ _SOFT = "contacts are rigid here: solref, solimp and margin do nothing"
 _FRICTION = "two surfaces have the geometric mean of their coefficients here, and the larger one, or the first's, there"
 
 
-def load_mjcf(source: str | Path, pose: str | int | None = None) -> Robot:
+def load_mjcf(source: str | Path, pose: str | int | None = None, hull_error: float | None = None) -> Robot:
     """A model of MuJoCo's as a scene, by MuJoCo's own compiler, which takes `pip install atoll[robots]`.
 
     source: a file (MJCF, or URDF as MuJoCo reads it), or the text of one. pose: the name or number of the keyframe that
-    the scene starts in; the model's own reference pose, if left out. The scene has the model's gravity and step, and a
+    the scene starts in; the model's own reference pose, if left out. hull_error: of a mesh, by what part of its volume the
+    convex hulls that stand for it may be off, > 0; where one is off by more CoACD takes it apart, which takes seconds. If
+    left out, each mesh has one hull. The receipt tells how far each is off. The scene has the model's gravity and step, and a
     body for each of its bodies that moves by itself: what is welded to it is part of it. Angles and offsets of joints
     count as in the model. Raises Error if the compiler refuses the model, or the pose isn't one of its own.
     """
+    check_hull_error("load_mjcf", hull_error)
     mujoco = compiler()
     text = str(source)
     compiled = mujoco.MjModel.from_xml_string if text.lstrip().startswith("<") else mujoco.MjModel.from_xml_path
@@ -35,10 +39,10 @@ def load_mjcf(source: str | Path, pose: str | int | None = None) -> Robot:
         model = compiled(text)
     except (ValueError, OSError) as error:
         raise _core.Error(f"load_mjcf: MuJoCo refuses the model: {error}") from None
-    return read(Compiled(mujoco, model, pose))
+    return read(Compiled(mujoco, model, pose), hull_error)
 
 
-def read(model: Compiled) -> Robot:
+def read(model: Compiled, hull_error: float | None = None) -> Robot:
     """Goes through a compiled model, element by element."""
     m, receipt = model.arrays, model.receipt
     robot = Robot(receipt.model, _core.Scene(name=receipt.model), receipt, {})
@@ -46,7 +50,7 @@ def read(model: Compiled) -> Robot:
     scene.gravity = np.array(m.opt.gravity)
     scene.dt = float(m.opt.timestep)
     filters = Filters(model.mujoco, m)
-    bodies = Bodies(model, filters)
+    bodies = Bodies(model, filters, hull_error)
     Equalities(model, bodies)
     robot.sensors = SensorElements(model, bodies).sensors
     scene.bodies, scene.joints = bodies.scene, bodies.joints.scene

@@ -8,6 +8,7 @@ import numpy as np
 
 from .. import _core
 from .compiled import Compiled, xyzw
+from .decomposition import hulls_of
 from .filters import Filters
 from .quaternions import Floats, inverse, product, turned
 
@@ -18,8 +19,8 @@ _Shape = Union[_Solid, _core.HalfSpace, _core.HeightField]
 class Shapes:
     """Shapes of a model by the bodies that carry them."""
 
-    def __init__(self, model: Compiled, filters: Filters) -> None:
-        self.model, self.filters = model, filters
+    def __init__(self, model: Compiled, filters: Filters, hull_error: float | None) -> None:
+        self.model, self.filters, self.hull_error = model, filters, hull_error
         self.geoms: dict[int, list[int]] = {}  # that touch, of bodies that others are welded to
         self._sort_geoms()
 
@@ -42,8 +43,27 @@ class Shapes:
             rolling_friction=roll if condim > 4 else 0,
         )
 
+    def _shapes(self, geom: int) -> list[_Shape]:
+        """None of a kind that there isn't here, several of a mesh that is taken apart. The receipt has a line."""
+        if int(self.model.arrays.geom_type[geom]) == self.model.mujoco.mjtGeom.mjGEOM_MESH:
+            return list(self._hulls(geom))
+        shape = self._shape(geom)
+        return [] if shape is None else [shape]
+
+    def _hulls(self, geom: int) -> list[_core.ConvexHull]:
+        m = self.model.arrays
+        mesh = int(m.geom_dataid[geom])
+        start, count = int(m.mesh_vertadr[mesh]), int(m.mesh_vertnum[mesh])
+        first, faces = int(m.mesh_faceadr[mesh]), int(m.mesh_facenum[mesh])
+        found = hulls_of(
+            np.array(m.mesh_vert[start : start + count], dtype=np.float64),
+            np.array(m.mesh_face[first : first + faces], dtype=np.int64),
+            self.hull_error,
+        )
+        self.model.receipt.taken_as("geom", self.model.name("GEOM", geom), found.note)
+        return found.hulls
+
     def _shape(self, geom: int) -> _Shape | None:
-        """None of a kind that there isn't here. The receipt has its line."""
         kinds, m = self.model.mujoco.mjtGeom, self.model.arrays
         kind, size, name = int(m.geom_type[geom]), [float(x) for x in m.geom_size[geom]], self.model.name("GEOM", geom)
         shape: _Shape | None = None
@@ -62,14 +82,6 @@ class Shapes:
                 note = "a plane without end, as MuJoCo collides with it"
         elif kind == kinds.mjGEOM_ELLIPSOID:
             shape = _core.Ellipsoid(size)
-        elif kind == kinds.mjGEOM_MESH:
-            mesh = int(m.geom_dataid[geom])
-            start, count = int(m.mesh_vertadr[mesh]), int(m.mesh_vertnum[mesh])
-            hull = _core.ConvexHull(np.array(m.mesh_vert[start : start + count], dtype=np.float64))
-            shape = hull
-            note = f"the hull of its points, {len(hull.vertices)} of them" + (
-                ", fewer than it has" if hull.simplified else ""
-            )
         elif kind == kinds.mjGEOM_HFIELD:
             field = int(m.geom_dataid[geom])
             rows, columns = int(m.hfield_nrow[field]), int(m.hfield_ncol[field])
@@ -100,19 +112,17 @@ class Shapes:
         """Static bodies, one for each shape that doesn't move."""
         bodies = []
         for geom in self.geoms.get(0, []):
-            shape = self._shape(geom)
-            if shape is None:
-                continue
             position, turn = self._place(geom)
-            definition = _core.BodyDef(
-                type=_core.BodyType.STATIC,
-                shape=shape,
-                position=position,
-                orientation=turn,
-                material=self._material(geom),
-                filter=self.filters.of(geom),
-            )
-            bodies.append(_core.SceneBody(definition=definition))
+            for shape in self._shapes(geom):
+                definition = _core.BodyDef(
+                    type=_core.BodyType.STATIC,
+                    shape=shape,
+                    position=position,
+                    orientation=turn,
+                    material=self._material(geom),
+                    filter=self.filters.of(geom),
+                )
+                bodies.append(_core.SceneBody(definition=definition))
         return bodies
 
     def children(self, body: int) -> list[_core.CompoundChild]:
@@ -120,19 +130,17 @@ class Shapes:
         origin, frame = np.array(self.model.data.xpos[body]), xyzw(self.model.data.xquat[body])
         children = []
         for geom in self.geoms.get(body, []):
-            shape = self._shape(geom)
-            if shape is None:
-                continue
-            if isinstance(shape, (_core.HalfSpace, _core.HeightField)):
-                self.model.receipt.left_out("geom", self.model.name("GEOM", geom), "a surface on a body that moves")
-                continue
             position, turn = self._place(geom)
-            child = _core.CompoundChild(
-                shape=shape,
-                position=turned(inverse(frame), position - origin),
-                orientation=product(inverse(frame), turn),
-                material=self._material(geom),
-                filter=self.filters.of(geom),
-            )
-            children.append(child)
+            for shape in self._shapes(geom):
+                if isinstance(shape, (_core.HalfSpace, _core.HeightField)):
+                    self.model.receipt.left_out("geom", self.model.name("GEOM", geom), "a surface on a body that moves")
+                    continue
+                child = _core.CompoundChild(
+                    shape=shape,
+                    position=turned(inverse(frame), position - origin),
+                    orientation=product(inverse(frame), turn),
+                    material=self._material(geom),
+                    filter=self.filters.of(geom),
+                )
+                children.append(child)
         return children

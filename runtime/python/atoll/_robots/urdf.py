@@ -10,6 +10,7 @@ from xml.etree import ElementTree
 
 from .. import _core
 from .compiled import Compiled, compiler
+from .decomposition import check_hull_error
 from .links import Links, number
 from .mesh_files import MeshFiles, Packages, Unreadable
 from .mjcf import read
@@ -34,14 +35,18 @@ _COMPILER = {
 
 
 def load_urdf(
-    source: str | Path, packages: Packages = (), fixed_base: bool = False, self_collision: bool = False
+    source: str | Path,
+    packages: Packages = (),
+    fixed_base: bool = False,
+    self_collision: bool = False,
+    hull_error: float | None = None,
 ) -> Robot:
     """A URDF as a scene, by MuJoCo's compiler, which takes `pip install atoll[robots]`.
 
     source: a file, or the text of one. packages: folders of packages by their names, or folders to look for them in, for
     `package://` in names of meshes; the folders above the file are looked in as well. fixed_base: whether the first link
     is held to the world. One named "world" always is. self_collision: whether links may touch each other, except those that
-    a joint connects. Shapes in many files overlap, and would be pushed apart.
+    a joint connects. Shapes in many files overlap, and would be pushed apart. hull_error: as of load_mjcf().
 
     The scene has a body for each link that moves by itself: what is fixed to it is part of it. Shapes are those of
     `collision`, meshes as their convex hulls. What can't be simulated is repaired as little as possible, and the receipt
@@ -49,8 +54,9 @@ def load_urdf(
     carries none becomes part of its parent; one that carries mass gets a thousandth of that. Raises Error if the file
     isn't a URDF, a number in it isn't one, or the compiler refuses it.
     """
+    check_hull_error("load_urdf", hull_error)
     model, root = compile_urdf(source, packages, fixed_base, self_collision)
-    robot = read(model)
+    robot = read(model, hull_error)
     _name_limits(root, robot)
     return robot
 
