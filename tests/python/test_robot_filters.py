@@ -75,3 +75,38 @@ def test_a_parent_touches_its_children_as_compiled(joints: str, filtered: bool) 
     pairs = {tuple(compiled.body(compiled.geom_bodyid[g]).name for g in c.geom) for c in data.contact}
     assert pairs == ({("a", "c")} if filtered else {("a", "b"), ("a", "c"), ("b", "c")})
     assert touching(atoll.load_mjcf(model)) == pairs
+
+
+def test_pairs_touch_whatever_else_says_that_they_do_not() -> None:
+    """Shapes without bits of their own, of which one also meets a shape of an excluded body; and one that isn't in any."""
+    body = '<body name="{0}" pos="0 0 {1}"><freejoint/><geom name="{0}" size=".1" contype="{2}" conaffinity="{2}"/></body>'
+    bodies = [("a", 1.0, 0), ("b", 1.01, 0), ("c", 1.02, 1), ("d", 1.03, 0), ("e", 1.04, 1)]
+    model = f"""
+    <mujoco><worldbody>{"".join(body.format(*one) for one in bodies)}</worldbody><contact>
+      <pair geom1="a" geom2="b" friction=".5 .5 .005 .0001 .0001"/><pair geom1="c" geom2="b"/>
+      <exclude body1="b" body2="c"/></contact></mujoco>"""
+    compiled = mujoco.MjModel.from_xml_string(model)
+    data = mujoco.MjData(compiled)
+    mujoco.mj_forward(compiled, data)
+    pairs = {tuple(sorted(compiled.body(compiled.geom_bodyid[g]).name for g in c.geom)) for c in data.contact}
+    assert pairs == {("a", "b"), ("b", "c"), ("c", "e")}
+    robot = atoll.load_mjcf(model)
+    assert touching(robot) == pairs
+    first, second = (line for line in robot.receipt.lines if line.element == "pair")
+    assert first.note == "shapes that touch, with the friction of their own, 1, for 0.5"
+    assert second.verdict is Verdict.TAKEN_AS
+    # Nothing else touches them, as a floor that isn't of the model.
+    world = robot.build()
+    world.add_body(type=atoll.BodyType.STATIC, shape=atoll.HalfSpace())
+    world.steps(240, 1 / 240)
+    heights = {name: world.positions[world.bodies[place]][2] for name, place in robot.bodies.items()}
+    assert heights["d"] < -1 < 0 < heights["e"]
+
+
+def test_pair_that_a_joint_connects_is_left_out() -> None:
+    robot = atoll.load_mjcf("""
+    <mujoco><worldbody><body name="a"><freejoint/><geom name="a" size=".1"/>
+      <body name="b"><joint type="hinge"/><geom name="b" size=".1"/></body></body></worldbody>
+    <contact><pair geom1="a" geom2="b"/></contact></mujoco>""")
+    (line,) = [line for line in robot.receipt.lines if line.element == "pair"]
+    assert line.verdict is Verdict.LEFT_OUT

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -82,12 +83,23 @@ def _tell_of_the_rest(model: Compiled, filters: Filters) -> None:
     for number in range(m.ntendon):
         receipt.left_out("tendon", model.name("TENDON", number), "no joint of a scene couples coordinates, or winds")
     for number in range(m.npair):
-        names = " and ".join(model.name("GEOM", int(ids[number])) for ids in (m.pair_geom1, m.pair_geom2))
-        receipt.left_out("pair", names, "materials and filters are of shapes here, not of pairs of them")
+        _tell_of_pair(model, filters, number)
     for number in range(m.nflex):
         receipt.left_out("flex", str(number), "bodies are rigid here")
     if m.opt.density or m.opt.viscosity:
         receipt.left_out("option", "density, viscosity", "there is no fluid here")
+
+
+def _tell_of_pair(model: Compiled, filters: Filters, number: int) -> None:
+    m = model.arrays
+    geoms = [int(ids[number]) for ids in (m.pair_geom1, m.pair_geom2)]
+    names = " and ".join(model.name("GEOM", geom) for geom in geoms)
+    if not filters.may_meet(*geoms):
+        model.receipt.left_out("pair", names, "a joint connects their bodies, or there are too many kinds of shapes")
+        return
+    own = math.sqrt(math.prod(float(m.geom_friction[geom][0]) for geom in geoms))
+    asked = float(m.pair_friction[number][0]) if int(m.pair_dim[number]) > 1 else 0.0
+    model.receipt.taken_as("pair", names, f"shapes that touch, with the friction of their own, {own:.3g}, for {asked:.3g}")
 
 
 def _overlaps(model: Compiled) -> dict[tuple[str, str], float]:

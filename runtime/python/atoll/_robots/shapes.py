@@ -28,7 +28,7 @@ class Shapes:
         m = self.model.arrays
         for geom in range(m.ngeom):
             name = self.model.name("GEOM", geom)
-            if not m.geom_contype[geom] and not m.geom_conaffinity[geom]:
+            if not self.filters.touches(geom):
                 self.model.receipt.exact("geom that only shows", name)
                 continue
             root = int(m.body_weldid[m.geom_bodyid[geom]])
