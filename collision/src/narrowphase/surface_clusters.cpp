@@ -105,14 +105,16 @@ void SurfaceClusters::add(const TriangleContact& contact) {
   }
 }
 
-// Where a solid covers a place on the surface, it leaves soonest along the normal that it reaches least far behind.
-// That counts only between faces that bend away from each other, where all of the one is behind the other: of those
-// that make a hollow, both push.
+// Where a solid covers a place on the surface, it leaves soonest along the normal that it reaches least far behind,
+// if that one's points push it as far: what reaches behind it may lie beside its triangles. That counts only between
+// faces that bend away from each other, where all of the one is behind the other: of those that make a hollow, both
+// push.
 bool SurfaceClusters::is_freed_by(const Manifold::Point& point, const Cluster& cluster, const Cluster& other) const {
   const double slack = freed_slack * size_;
   const Vector3& normal = cluster.normal;
   const Vector3 place = point.position - point.separation * normal;
-  if (other.height - other.normal.dot(place) <= cluster.height - normal.dot(place) + slack) return false;
+  const double behind_other = other.height - other.normal.dot(place);
+  if (behind_other <= cluster.height - normal.dot(place) + slack || other.deepest > behind_other + slack) return false;
   for (int i = 0; i < other.count; ++i) {
     const Manifold::Point& beyond = other.points[static_cast<std::size_t>(i)];
     const Vector3 other_place = beyond.position - beyond.separation * other.normal;
