@@ -1,0 +1,1 @@
+"""Tasks in many worlds at once."""
