@@ -6,10 +6,14 @@
 
 What an environment comes to depends on its seed and its actions alone: not on its place among the others, nor on how
 many there are, nor on threads. That of number i is seeded with `seed + i`.
+
+Importing this registers "atoll/HalfCheetah-v0", "atoll/Hopper-v0", "atoll/Walker2d-v0", "atoll/Ant-v0" and
+"atoll/Humanoid-v0" with Gymnasium, for its make() and make_vec().
 """
 
 from __future__ import annotations
 
+import gymnasium
 from gymnasium.vector import AutoresetMode as AutoresetMode
 
 from . import _core
@@ -22,22 +26,50 @@ from ._tasks.environments import Bools as Bools
 from ._tasks.environments import Seen as Seen
 from ._tasks.environments import SingleEnv as SingleEnv
 from ._tasks.environments import Task as Task
+from ._tasks.locomotion import Ant as Ant
+from ._tasks.locomotion import HalfCheetah as HalfCheetah
+from ._tasks.locomotion import Hopper as Hopper
+from ._tasks.locomotion import Humanoid as Humanoid
+from ._tasks.locomotion import Locomotion as Locomotion
+from ._tasks.locomotion import Walker2d as Walker2d
 
 TASKS: dict[str, type[Task]] = {
     "cart-pole": CartPole,
     "push-crate": PushCrate,
     "stack-boxes": StackBoxes,
+    "half-cheetah": HalfCheetah,
+    "hopper": Hopper,
+    "walker-2d": Walker2d,
+    "ant": Ant,
+    "humanoid": Humanoid,
 }
 
 
 def make(
     name: str, num_envs: int, autoreset_mode: AutoresetMode = AutoresetMode.NEXT_STEP, threads: int = 0
 ) -> BatchEnv:
-    """A task by its name in TASKS in so many worlds. `threads`: 0 for as many as the machine has."""
+    """A task by its name in TASKS in so many worlds. `threads`: 0 for as many as the machine has.
+
+    Tasks from "half-cheetah" on read Gymnasium's own models, which takes `pip install atoll[gym,robots]`.
+    """
     return BatchEnv(_task(name), num_envs, autoreset_mode, threads)
+
+
+def make_single(name: str) -> SingleEnv:
+    """A task by its name in TASKS, as a plain environment of one world."""
+    return SingleEnv(_task(name))
 
 
 def _task(name: str) -> Task:
     if name not in TASKS:
         raise _core.Error(f"there is no task named {name!r}; expected one of {', '.join(TASKS)}")
     return TASKS[name]()
+
+
+for _name in ("half-cheetah", "hopper", "walker-2d", "ant", "humanoid"):
+    gymnasium.register(
+        id=f"atoll/{TASKS[_name].__name__}-v0",
+        entry_point="atoll.gym:make_single",
+        vector_entry_point="atoll.gym:make",
+        kwargs={"name": _name},
+    )

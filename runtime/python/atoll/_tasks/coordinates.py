@@ -1,0 +1,146 @@
+"""Coordinates of a robot, as MuJoCo counts them, in all worlds of a batch at once."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _core
+from .._robots.quaternions import Floats
+from .._robots.robot import Robot
+from .turns import cross, inverse, product, turned
+
+
+@dataclasses.dataclass
+class Motion:
+    """How the bodies of a scene stand and move: rows of worlds, columns of bodies."""
+
+    origins: Floats  #: m, of the bodies' frames
+    orientations: Floats  #: x, y, z, w
+    velocities: Floats  #: m/s, of the origins
+    angular: Floats  #: rad/s, in the axes of the world
+
+    def at(self, body: int, point: Floats) -> tuple[Floats, Floats]:
+        """Where a point of a body is, and how fast it moves, in the axes of the world; `point` in its frame."""
+        arm = turned(self.orientations[:, body], np.broadcast_to(point, (len(self.origins), 3)))
+        return self.origins[:, body] + arm, self.velocities[:, body] + cross(self.angular[:, body], arm)
+
+
+@dataclasses.dataclass
+class State:
+    """Of the robot in each world: a row a world."""
+
+    q: Floats
+    v: Floats
+    motion: Motion
+
+
+class Coordinates:
+    """Reads and sets q and v, shapes (worlds, nq) and (worlds, nv), of a robot with a root that moves.
+
+    The root comes first. Where it is free: position, quaternion w, x, y, z, velocity of the origin, and angular velocity
+    in the axes of the root. In a plane: x, z, the angle about y, and their rates; the angle is counted over full turns
+    from read() to read(), between which it may turn by less than half of one. The joints follow in the model's order, m
+    or rad and m/s or rad/s.
+    """
+
+    def __init__(self, robot: Robot, root: int, start: Floats | None = None) -> None:
+        """root: its place in the scene. start: x and z of q where the scene starts; None if the root is free."""
+        self.bodies, self.root = robot.scene.bodies, root
+        self.places = [of.joint for of in robot.coordinates]
+        self.joints = [robot.scene.joints[place] for place in self.places]
+        self.centres = np.array([_centre_of(body.definition) for body in self.bodies])
+        self.planar = start is not None
+        at = np.asarray(self.bodies[root].definition.position)
+        self._shift = np.zeros(2) if start is None else at[[0, 2]] - start
+        self._angles = np.zeros(0)  # rad, that were read last
+
+    def read(self, batch: _core.Batch) -> State:
+        origins, angular = batch.origins, batch.angular_velocities
+        velocities = batch.velocities + cross(angular, origins - batch.positions)
+        motion = Motion(origins, batch.orientations, velocities, angular)
+        position, turn = origins[:, self.root], motion.orientations[:, self.root]
+        velocity, spin = velocities[:, self.root], angular[:, self.root]
+        if self.planar:
+            angles = self._count_turns(2 * np.arctan2(turn[:, 1], turn[:, 3]))
+            q = [position[:, [0, 2]] - self._shift, angles[:, None]]
+            v = [velocity[:, [0, 2]], spin[:, [1]]]
+        else:
+            q = [position, np.roll(turn, 1, axis=-1)]
+            v = [velocity, turned(inverse(turn), spin)]
+        q.append(batch.joint_positions[:, self.places, 0])
+        v.append(batch.joint_speeds[:, self.places, 0])
+        return State(np.hstack(q), np.hstack(v), motion)
+
+    def _count_turns(self, angles: Floats) -> Floats:
+        if len(self._angles) != len(angles):
+            self._angles = np.zeros(len(angles))
+        self._angles = self._angles + np.remainder(angles - self._angles + np.pi, 2 * np.pi) - np.pi
+        return self._angles
+
+    def set(self, batch: _core.Batch, worlds: NDArray[np.int64], q: Floats, v: Floats) -> State:
+        """Puts all bodies of these worlds to where q and v have them; a quaternion in q may have any length > 0."""
+        if self.planar:
+            if len(self._angles) != len(batch):
+                self._angles = np.zeros(len(batch))
+            self._angles[worlds] = q[:, 2]
+        motion = self.carry(q, v)
+        arms = turned(motion.orientations, np.broadcast_to(self.centres, motion.origins.shape))
+        linear = motion.velocities + cross(motion.angular, arms)
+        batch.set_poses(motion.origins, motion.orientations, worlds=worlds)
+        batch.set_velocities(linear, motion.angular, worlds=worlds)
+        return State(q, v, motion)
+
+    def carry(self, q: Floats, v: Floats) -> Motion:
+        """Along the tree, from what carries to what is carried."""
+        worlds = len(q)
+        motion = Motion(*(np.zeros((worlds, len(self.bodies), of)) for of in (3, 4, 3, 3)))
+        for place, body in enumerate(self.bodies):
+            motion.origins[:, place] = body.definition.position
+            motion.orientations[:, place] = body.definition.orientation
+        if self.planar:
+            motion.origins[:, self.root, [0, 2]] = q[:, :2] + self._shift
+            turn = np.stack([0 * q[:, 2], np.sin(q[:, 2] / 2), 0 * q[:, 2], np.cos(q[:, 2] / 2)], axis=-1)
+            motion.velocities[:, self.root, [0, 2]], motion.angular[:, self.root, 1] = v[:, :2], v[:, 2]
+        else:
+            turn = np.roll(q[:, 3:7], -1, axis=-1)
+            turn /= np.linalg.norm(turn, axis=-1, keepdims=True)
+            motion.origins[:, self.root] = q[:, :3]
+            motion.velocities[:, self.root], motion.angular[:, self.root] = v[:, :3], turned(turn, v[:, 3:6])
+        motion.orientations[:, self.root] = turn
+        for number, joint in enumerate(self.joints):
+            column = number - len(self.joints)
+            _carry(motion, joint, q[:, column], v[:, column])
+        return motion
+
+
+def _carry(motion: Motion, joint: _core.SceneJoint, q: Floats, v: Floats) -> None:
+    """Puts the second body of a joint to where the first one and the coordinate have it."""
+    first, second, definition = joint.first, joint.second, joint.definition
+    anchor, speed = motion.at(first, np.asarray(definition.frame_first.position))
+    axes = product(motion.orientations[:, first], _rows(definition.frame_first.orientation, len(q)))
+    along = turned(axes, _rows([1.0, 0.0, 0.0], len(q)))
+    angular = motion.angular[:, first]
+    if isinstance(definition.kind, _core.SliderJoint):
+        anchor = anchor + q[:, None] * along
+        speed = speed + cross(angular, q[:, None] * along) + v[:, None] * along
+    else:
+        half = np.zeros((len(q), 4))
+        half[:, 0], half[:, 3] = np.sin(q / 2), np.cos(q / 2)
+        axes = product(axes, half)
+        angular = angular + v[:, None] * along
+    turn = product(axes, inverse(_rows(definition.frame_second.orientation, len(q))))
+    arm = turned(turn, _rows(definition.frame_second.position, len(q)))
+    motion.origins[:, second], motion.orientations[:, second] = anchor - arm, turn
+    motion.velocities[:, second], motion.angular[:, second] = speed - cross(angular, arm), angular
+
+
+def _rows(vector: Floats | list[float], count: int) -> Floats:
+    of = np.asarray(vector, dtype=np.float64)
+    return np.broadcast_to(of, (count, len(of)))
+
+
+def _centre_of(definition: _core.BodyDef) -> Floats:
+    return np.zeros(3) if definition.centre_of_mass is None else np.asarray(definition.centre_of_mass)
