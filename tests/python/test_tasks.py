@@ -56,7 +56,7 @@ def of_unit_length(name: str, observation: Floats) -> Floats:
 
 
 def actions_of(ours: atoll.gym.BatchEnv, seed: int) -> Floats:
-    bound = ours.single_action_space.high  # type: ignore[attr-defined]
+    bound = ours.task.action_space.high
     return np.random.default_rng(seed).uniform(-bound, bound, ours.action_space.shape)
 
 
@@ -222,3 +222,20 @@ def test_controls_beyond_the_range_of_a_motor_are_cut_off(name: str) -> None:
         observations, *_ = envs.step(size * np.sign(actions_of(envs, 1)))
         ends.append(observations)
     assert np.array_equal(ends[0], ends[1])
+
+
+def test_an_ant_that_stands_still_feels_what_it_does_in_mujoco() -> None:
+    theirs, envs = theirs_of("ant"), make("ant", 2, AutoresetMode.DISABLED, threads=1)
+    envs.reset(seed=0)
+    task = envs.task
+    assert isinstance(task, Locomotion)
+    q = theirs.model.qpos0.copy()
+    q[2], q[7:] = 0.6, (0, 1, 0, -1, 0, -1, 0, 1)
+    theirs.set_state(q, np.zeros(14))
+    task.begin(envs.batch, np.arange(2), np.tile(np.append(q, np.zeros(14)), (2, 1)))
+    for _ in range(60):
+        theirs.do_simulation(np.zeros(8), theirs.frame_skip)
+        envs.step(np.zeros((2, 8)))
+    forces = task.terms.contact(envs.batch, task.coordinates.read(envs.batch).motion)
+    assert np.abs(theirs.data.cfrc_ext[:, 5]).max() > 2
+    assert forces[1][:, 5] == pytest.approx(theirs.data.cfrc_ext[1:, 5], rel=1e-3, abs=1e-3)
