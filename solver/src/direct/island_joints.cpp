@@ -81,6 +81,9 @@ double left_beyond(const Law& law, double value, double closed) {
   return std::max(value - law.upper - closed, 0.0) + std::min(value - law.lower + closed, 0.0);
 }
 
+// Of the end from which a coordinate goes back into its range at such a rate.
+double& end_rate(RowLaw& law, double back) { return back > 0 ? law.lower_rate : law.upper_rate; }
+
 // Locks ask for no rate.
 void release_locks(const Joint& of, DirectJoint& joint) {
   joint.bend = {};
@@ -106,7 +109,7 @@ RowKinds load_joints(const Joint* all, const IslandMembers& members, std::vector
     joint.rows = from.row_count();
     joint.tension = from.tension;
     joint.position = {};
-    joint.given = joint.beyond = {};
+    joint.given = joint.beyond = joint.back = {};
     joint.impulse = {};
     joint.rate = joint.kept = {};
     joint.bend = {};
@@ -180,6 +183,7 @@ void begin_laws(const Joint* joints, double h, IslandProblem& problem) {
       if (law.locked()) continue;
       joint.law[r] = RowLaw::of(law, joint.at[r], joint.mass[r], h, problem.lock_compliance);
       joint.beyond[r] = left_beyond(law, joint.at[r].value, h * tuning::closing_speed);
+      joint.back[r] = 0;
       if (law.looks_back()) joint.law[r].start_at(joint.rate_before[r]);
       joint.rate[r] = joint.rate_before[r];
       start_at_limit(joint, r);
@@ -193,6 +197,45 @@ void start_at_limit(DirectJoint& joint, std::size_t row) {
   double& rate = joint.rate[row];
   if (joint.limit[row] < 0) rate = std::min(rate, law.lower_rate - beyond * (1 + std::abs(law.lower_rate)));
   if (joint.limit[row] > 0) rate = std::max(rate, law.upper_rate + beyond * (1 + std::abs(law.upper_rate)));
+}
+
+void stop_at_ends(std::vector<DirectJoint>& all) {
+  for (DirectJoint& joint : all) {
+    for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) {
+      RowLaw& law = joint.law[r];
+      const double back = law.lower_rate > 0 ? law.lower_rate : std::min(law.upper_rate, 0.0);
+      if (law.locked || std::abs(back) <= tuning::resting_speed) continue;
+      joint.back[r] = back;
+      end_rate(law, back) = 0;
+      joint.rate[r] = joint.rate_before[r];
+      start_at_limit(joint, r);
+    }
+  }
+}
+
+bool any_goes_back(const std::vector<DirectJoint>& all) {
+  return std::any_of(all.begin(), all.end(), [](const DirectJoint& joint) {
+    return std::any_of(joint.back.begin(), joint.back.begin() + static_cast<std::ptrdiff_t>(joint.rows),
+                       [](double back) { return back != 0; });
+  });
+}
+
+void begin_going_back(std::vector<DirectJoint>& all) {
+  for (DirectJoint& joint : all) {
+    joint.kept_rate = joint.rate;
+    for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) {
+      if (joint.back[r] != 0) end_rate(joint.law[r], joint.back[r]) = joint.back[r];
+    }
+  }
+}
+
+void end_going_back(std::vector<DirectJoint>& all) {
+  for (DirectJoint& joint : all) {
+    joint.rate = joint.kept_rate;
+    for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) {
+      if (joint.back[r] != 0) end_rate(joint.law[r], joint.back[r]) = 0;
+    }
+  }
 }
 
 void note_impacts(const Joint* joints, double h, std::vector<DirectJoint>& all) {

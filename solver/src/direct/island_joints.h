@@ -34,6 +34,17 @@ void begin_laws(const Joint* joints, double h, IslandProblem& problem);
 /// A row that was at an end of its range is taken to be there still.
 void start_at_limit(DirectJoint& joint, std::size_t row);
 
+/// Coordinates that are beyond their ranges are to go no farther, by the velocities that bodies keep. Notes at what
+/// rates they go back by the velocities that bodies move by, as overlapping shapes do: a speed that brought them back
+/// would be energy that nothing has given.
+void stop_at_ends(std::vector<DirectJoint>& all);
+/// Tells if some coordinate was found to.
+bool any_goes_back(const std::vector<DirectJoint>& all);
+/// Ahead of the solution for the velocities that bodies move by; and once they have moved and joints are closed, by the
+/// same factor: rows are then on the pieces of their laws, and at the rates, of the velocities that bodies keep.
+void begin_going_back(std::vector<DirectJoint>& all);
+void end_going_back(std::vector<DirectJoint>& all);
+
 /// After a solution with ranges left out, from which it is taken how fast coordinates that bounce come to their ends.
 void note_impacts(const Joint* joints, double h, std::vector<DirectJoint>& all);
 

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "direct/island_joints.h"
+
 namespace atl::solver {
 namespace {
 
@@ -65,6 +67,13 @@ bool moves(const IslandProblem& problem) {
          });
 }
 
+// N s, of all bodies if they moved at such a speed.
+double momentum_at(double speed, const IslandProblem& problem) {
+  double mass = 0;
+  for (const DirectBody& body : problem.bodies) mass += body.mass;
+  return mass * speed;
+}
+
 // Bodies keep the velocities that the impulses make.
 void keep_velocities(IslandMotions& motions) {
   velocities_of_impulses(motions.problem, motions.search.gradient, motions.lasting);
@@ -87,11 +96,15 @@ bool find_motions(IslandMotions& motions, const SolverSettings& settings, double
   if (!is_bounded(motions.problem, from_outside)) return false;
   if (relaxes) take_back_compliance(motions.problem, motions.search, dt);
   keep_velocities(motions);
-  motions.pushes = relaxes && is_pushed(motions.problem, settings);
+  motions.pushes = (relaxes && is_pushed(motions.problem, settings)) || any_goes_back(motions.problem.joints);
   if (!motions.pushes) return true;
   push_contacts_apart(motions.problem, settings, dt);
+  begin_going_back(motions.problem.joints);
   // A tangle of joints whose overlaps can't be parted is swept: solved at once it would be flung apart.
-  if (!motions.problem.joints.empty()) return solve_nearby(motions.problem, motions.search);
+  if (!motions.problem.joints.empty()) {
+    const double pushed = from_outside + momentum_at(settings.contact_push_speed, motions.problem);
+    return solve_nearby(motions.problem, motions.search) && is_bounded(motions.problem, pushed);
+  }
   motions.pushes = step_by_newton(motions.problem, motions.search);
   return true;
 }

@@ -217,9 +217,10 @@ bool Substeps::find_velocities(double time) {
   if (alone_) conserved_.add_forces(problem_, bodies_);
   if (!rows_.all_locked) note_rates(motions_.lasting, problem_.joints);
   begin_substep();
+  stop_at_ends(problem_.joints);
   if (alone_) {
     foresee_bends(time);
-    return find_joint_velocities(true);
+    return find_joint_velocities(true) && go_back();
   }
   if (rows_.bounces && !find_impacts()) return false;
   return find_motions(motions_, input_.settings, h_, drive(input_.bodies, h_, motions_));
@@ -266,6 +267,14 @@ bool Substeps::find_row_velocities() {
   motions_.pushes = false;
   for (DirectJoint& joint : problem_.joints) joint.lasting = joint.impulse;
   return true;
+}
+
+// Finds the velocities by which bodies move, where coordinates are beyond their ranges.
+bool Substeps::go_back() {
+  motions_.pushes = any_goes_back(problem_.joints);
+  if (!motions_.pushes) return true;
+  begin_going_back(problem_.joints);
+  return solve_rows();
 }
 
 // How fast coordinates would come to the ends of their ranges without these.
@@ -337,6 +346,7 @@ void Substeps::advance_coordinates() {
 // Finds velocities that keep the joints at the new poses, and change nothing at contacts that rest: both have had their
 // impulses, and answer to what is left alone. Returns false if there are none.
 bool Substeps::project() {
+  if (motions_.pushes) end_going_back(problem_.joints);
   hold_rows(input_.joints, alone_, problem_);
   if (!alone_) {
     problem_.velocity = motions_.lasting;

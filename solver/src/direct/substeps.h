@@ -54,6 +54,7 @@ class Substeps {
   bool solve_rows();
   bool find_row_velocities();
   bool find_passive_velocities();
+  bool go_back();
   void advance();
   bool solve_held_rows();
   bool limit_bounces();

@@ -98,16 +98,18 @@ struct DirectJoint {
   Rows<double> position;  ///< m or rad
   Rows<double> gap;       ///< m or rad, from where it is held
   Rows<double> beyond;    ///< m or rad, out of its range, that is left to later substeps
+  Rows<double> back;      ///< m/s or rad/s, at which bodies go back into a range, and don't keep it; else 0
   Rows<RowLaw> law;
   Rows<double> given;        ///< rate by what doesn't respond
   Rows<double> rate_before;  ///< as the substep began, before its forces
   Rows<double> bend;         ///< m/s or rad/s, of what is locked or has an armature: see note_bends()
   Rows<double> kept;         ///< rate that armatures have, whose bodies have moved since
   Rows<LimitImpact> impact;
-  Rows<double> rate;     ///< at the velocities of the problem
-  Rows<double> change;   ///< along its search direction
-  Rows<double> impulse;  ///< N s or N m s
-  Rows<double> lasting;  ///< of the velocities which bodies keep
+  Rows<double> rate;       ///< at the velocities of the problem
+  Rows<double> kept_rate;  ///< at the velocities which bodies keep, where they move by others
+  Rows<double> change;     ///< along its search direction
+  Rows<double> impulse;    ///< N s or N m s
+  Rows<double> lasting;    ///< of the velocities which bodies keep
   Rows<std::uint8_t> factored;
   Rows<std::int8_t> limit, motor_bound;  ///< as Joint has them
   Rows<bool> bounces;                    ///< at that end, in this substep
