@@ -1,4 +1,5 @@
-// Errors of position are undone without leaving speed: joints that begin beyond their ranges.
+// Errors of position are undone without leaving speed: joints that begin beyond their ranges, and shapes that overlap
+// where joints don't let them part.
 
 #include <gtest/gtest.h>
 
@@ -63,6 +64,62 @@ TEST(PartedJoints, CoordinatesComeBackIntoTheirRangesWithoutSpeed) {
               EXPECT_GT(std::abs(chain.world.joint_state(id).position[0]), 0.499) << of;
             }
           }
+        }
+      }
+    }
+  }
+}
+
+struct Hips {
+  double damping = 0, armature = 0;
+  bool spine = false, anchored = false;
+};
+
+// A trunk and two legs deep in it, each on two hinges at one place with a small body between them, which let neither
+// part; and with a spine, a back that is deep in the legs too.
+std::vector<BodyId> add_hips(World& world, const Hips& of) {
+  const auto hinge = [&](BodyId first, BodyId second, const Vector3& at, const Vector3& axis) {
+    HingeJoint made;
+    made.angle.armature = of.armature;
+    if (of.damping > 0) made.angle.spring = JointSpring{.damping = of.damping};
+    world.add_joint(joint_at(world, made, first, second, at, axis));
+    world.set_collision_enabled(first, second, false);
+  };
+  const BodyType type = of.anchored ? BodyType::Static : BodyType::Dynamic;
+  std::vector<BodyId> ids;
+  const BodyId trunk = world.add_body({.type = type, .shape = Box{{0.15, 0.1, 0.1}}, .mass = 10});
+  for (const double side : {1.0, -1.0}) {
+    const Vector3 at(0, 0.05 * side, -0.06);
+    const BodyId hip = world.add_body(
+        {.shape = Sphere{0.02}, .position = at, .mass = 1, .inertia = Matrix3(0.001 * Matrix3::Identity())});
+    const BodyId leg = world.add_body({.shape = Box{{0.08, 0.08, 0.2}}, .position = {0, 0.07 * side, -0.2}, .mass = 5});
+    hinge(trunk, hip, at, Vector3::UnitX());
+    hinge(hip, leg, at, Vector3::UnitY());
+    ids.insert(ids.end(), {hip, leg});
+  }
+  if (!of.anchored) ids.push_back(trunk);
+  if (!of.spine) return ids;
+  ids.push_back(world.add_body({.shape = Box{{0.1, 0.15, 0.1}}, .position = {0, 0, 0.08}, .mass = 5}));
+  hinge(trunk, ids.back(), {0, 0, 0.02}, Vector3::UnitY());
+  return ids;
+}
+
+// Springs aside: what is pushed apart may be pushed against them, and they give that back.
+TEST(PartedJoints, WhatJointsHoldInOneAnotherStaysAtRest) {
+  for (const bool spine : {false, true}) {
+    for (const bool anchored : {false, true}) {
+      for (const double damping : {0.0, 1.0}) {
+        for (const double armature : {0.0, 0.01}) {
+          World world({.gravity = Vector3::Zero()});
+          const std::vector<BodyId> ids = add_hips(world, {damping, armature, spine, anchored});
+          double most = 0;
+          for (int i = 0; i < 180; ++i) {
+            world.step(dt);
+            most = std::max(most, kinetic_energy(world, ids));
+          }
+          EXPECT_TRUE(world.quarantined().empty());
+          EXPECT_LT(most, 1e-3) << "J, with damping " << damping << ", armature " << armature << ", spine " << spine
+                                << ", anchored " << anchored;
         }
       }
     }

@@ -119,6 +119,9 @@ inline constexpr double compliance_of_trees = 1e-10;
 /// again such that it can't. Without it 2 of 400 random mechanisms gain a twentieth of their energy, with it none; the
 /// scenes of the suites for stability and physics come to it 10 times in all.
 inline constexpr double energy_tolerance = 1e-3;
+/// Of the energy that springs and servos give to motion in a step, or take, where joints touch something: by so much
+/// may motion be off. A leg that jumps by a servo of 45 rad/s at steps of 1/60 s comes up to 92% of its height with 0.
+inline constexpr double exchange_tolerance = 0.1;
 /// By which part the energy of what moves in joints is changed at most in a step, to what it should be: see
 /// Conservation. With 0.05 three rods that whip lose all of theirs in 100 s at the default step, with 0.5 none.
 inline constexpr double most_energy_restored = 0.5;

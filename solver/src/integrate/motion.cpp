@@ -19,9 +19,9 @@ double kinetic_energy(const BodyTable& bodies, std::span<const std::uint32_t> of
   return sum;
 }
 
-void slow_down(BodyTable& bodies, std::span<const std::uint32_t> of, Momentum momentum, double energy) {
+void slow_down(BodyTable& bodies, std::span<const std::uint32_t> of, Momentum momentum, double energy, double rotors) {
   Vector3 kept = Vector3::Zero();  // m/s
-  double theirs = kinetic_energy(bodies, of);
+  double theirs = kinetic_energy(bodies, of) + rotors;
   if (momentum == Momentum::Keep) {
     double mass = 0;
     for (const std::uint32_t body : of) {

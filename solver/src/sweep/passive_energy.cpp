@@ -1,3 +1,4 @@
+#include <solver/constraints/stored_energy.h>
 #include <solver/integrate/motion.h>
 #include <solver/integrate/motion_locks.h>
 #include <solver/sweep/passive_energy.h>
@@ -21,10 +22,20 @@ bool turns_blindly(const BodyTable& bodies, std::uint32_t body, double dt) {
   return dt * (spin + struck) * std::sqrt(most / least) > tuning::blind_turn;
 }
 
-// J: of motion, and in the forces on bodies, which are the same for all of a step.
-double energy_of(const SolveInput& input, std::size_t island) {
+StoredEnergy stored_in(const SolveInput& input, std::size_t island) {
+  StoredEnergy sum;
+  for (const JointLink& link : input.islands.joints(island, island + 1)) {
+    const StoredEnergy stored = StoredEnergy::of(input.joints[link.joint], input.bodies);
+    sum.potential += stored.potential;
+    sum.rotors += stored.rotors;
+  }
+  return sum;
+}
+
+// J: of motion, in springs, and in the forces on bodies, which are the same for all of a step.
+double energy_of(const SolveInput& input, std::size_t island, const StoredEnergy& stored) {
   const BodyTable& bodies = input.bodies;
-  double sum = 0;
+  double sum = stored.potential + stored.rotors;
   for (const std::uint32_t body : input.islands.bodies(island, island + 1)) {
     const Vector3 force = linear_acceleration(bodies, body, input.gravity) / bodies.inverse_mass[body];
     sum += kinetic_energy(bodies, body) - force.dot(bodies.position(body));
@@ -32,7 +43,12 @@ double energy_of(const SolveInput& input, std::size_t island) {
   return sum;
 }
 
-// An island is passive if nothing in it gives energy: no torque, belt, spring or motor, and no body that is led.
+// J: what motion and springs have given each other, by what each has gained.
+double exchanged(double moving, double springs) {
+  return moving * springs < 0 ? std::min(std::abs(moving), std::abs(springs)) : 0;
+}
+
+// An island is passive if nothing in it gives energy that it hasn't: no torque, belt or motor, and no body that is led.
 bool is_passive(const SolveInput& input, std::size_t island) {
   const BodyTable& bodies = input.bodies;
   const auto ids = input.islands.bodies(island, island + 1);
@@ -47,7 +63,7 @@ bool is_passive(const SolveInput& input, std::size_t island) {
          std::all_of(ids.begin(), ids.end(), [&](std::uint32_t body) { return bodies.torque(body).isZero(0); }) &&
          std::none_of(contacts.begin(), contacts.end(), is_led_pair) &&
          std::none_of(links.begin(), links.end(), [&](const JointLink& link) {
-           return is_led_pair(link) || input.joints[link.joint].acts_as_force();
+           return is_led_pair(link) || !only_stores(input.joints[link.joint]);
          });
 }
 
@@ -80,8 +96,11 @@ void PassiveEnergy::begin(const SolveInput& input, const IslandGroup& group) {
     if (watched_.size() == first) continue;
     if (is_passive(input, island)) {
       const auto bodies = std::span(watched_).subspan(first);
-      const double more = joined ? tuning::energy_tolerance * kinetic_energy(input.bodies, bodies) : 0;
-      islands_.push_back({island, energy_of(input, island) + more, first, watched_.size()});
+      const StoredEnergy stored = stored_in(input, island);
+      const double moving = kinetic_energy(input.bodies, bodies) + stored.rotors;
+      const double more = joined ? tuning::energy_tolerance * moving : 0;
+      const double most = energy_of(input, island, stored) + more;
+      islands_.push_back({island, most, moving, stored.potential, first, watched_.size()});
     } else {
       watched_.resize(first);
     }
@@ -90,10 +109,14 @@ void PassiveEnergy::begin(const SolveInput& input, const IslandGroup& group) {
 
 void PassiveEnergy::bound(const SolveInput& input) const {
   for (const Island& of : islands_) {
-    const double gained = energy_of(input, of.island) - of.most;
+    const StoredEnergy stored = stored_in(input, of.island);
     const auto watched = std::span(watched_).subspan(of.first, of.end - of.first);
+    const double moving = kinetic_energy(input.bodies, watched) + stored.rotors;
+    const double passed_on = exchanged(moving - of.moving, stored.potential - of.springs);
+    const double gained = energy_of(input, of.island, stored) - of.most - tuning::exchange_tolerance * passed_on;
     if (!(gained > 0)) continue;
-    slow_down(input.bodies, watched, is_alone(input, of.island) ? Momentum::Keep : Momentum::Take, gained);
+    const Momentum momentum = is_alone(input, of.island) ? Momentum::Keep : Momentum::Take;
+    slow_down(input.bodies, watched, momentum, gained, stored.rotors);
   }
 }
 

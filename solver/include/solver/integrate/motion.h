@@ -49,8 +49,9 @@ double kinetic_energy(const BodyTable& bodies, std::span<const std::uint32_t> of
 enum class Momentum : std::uint8_t { Keep, Take };
 
 /// Slows bodies down by so many J, or as many as they have: by their speeds and spins alike, or, if they are to keep
-/// their momentum, by their spins and their speeds against each other.
-void slow_down(BodyTable& bodies, std::span<const std::uint32_t> of, Momentum momentum, double energy);
+/// their momentum, by their spins and their speeds against each other. `rotors` in J: what turns with them, and slower.
+void slow_down(BodyTable& bodies, std::span<const std::uint32_t> of, Momentum momentum, double energy,
+               double rotors = 0);
 
 /// Whether what a body gained in a step of dt seconds is a steady change, as of one that slides, rolls or tips, and no
 /// impact: what the forces on it, its weight above all, make of its velocity in a step, times 4. Contacts return them

@@ -8,9 +8,9 @@
 
 namespace atl::solver {
 
-/// Keeps what only holds from making energy, over a step. An island in which nothing gives any (no spring, motor,
-/// torque or belt, and no body that is led) ends its step with no more than it began with, or bodies move slower by as
-/// much:
+/// Keeps what only holds from making energy, over a step. An island in which nothing gives any (no torque, belt or
+/// motor with a speed, and no body that is led) ends its step with no more than it began with, what springs, servos and
+/// rotors store included, or bodies move slower by as much:
 ///
 /// - those that may turn by more than tuning::blind_turn in the step. Contacts know a body's inertia and points where
 ///   they are as a step begins: a rod that turns on from there would take from their impulses what they had for another
@@ -31,6 +31,7 @@ class PassiveEnergy {
   struct Island {
     std::size_t island;
     double most;             // J, as its step may end
+    double moving, springs;  // J, of motion and in springs and servos, as it began
     std::size_t first, end;  // of its bodies that are watched
   };
 

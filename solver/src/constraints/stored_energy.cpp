@@ -1,0 +1,46 @@
+#include <solver/constraints/stored_energy.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace atl::solver {
+namespace {
+
+double potential_of(const Law& law, double value) {
+  double sum = 0;
+  if (law.stiffness > 0) sum += 0.5 * law.stiffness * (value - law.rest) * (value - law.rest);
+  if (law.is_servo() && law.servo_stiffness > 0) {
+    const double force = law.servo_stiffness * std::abs(value - law.servo_target);
+    const double bounded = std::min(force, law.motor_force);
+    sum += bounded * (force - 0.5 * bounded) / law.servo_stiffness;
+  }
+  return sum;
+}
+
+}  // namespace
+
+StoredEnergy StoredEnergy::of(const Joint& joint, const BodyTable& bodies) {
+  StoredEnergy stored;
+  if (!joint.acts_as_force()) return stored;
+  const JointFrames frames = joint_frames(joint, bodies);
+  for (std::size_t k = 0; k < joint.rows; ++k) {
+    const Law& law = joint.law[k];
+    if (law.locked() || !law.acts_as_force()) continue;
+    const JointRow at = law_row(joint, k, frames, joint.position[k]).at;
+    stored.potential += potential_of(law, at.value);
+    if (law.armature == 0) continue;
+    const double rate = at.rate(bodies.velocity(joint.first), bodies.angular_velocity(joint.first),
+                                bodies.velocity(joint.second), bodies.angular_velocity(joint.second));
+    stored.rotors += 0.5 * law.armature * rate * rate;
+  }
+  return stored;
+}
+
+bool only_stores(const Joint& joint) {
+  return std::all_of(joint.law.begin(), joint.law.begin() + joint.rows, [](const Law& law) {
+    const bool is_led = law.drives() && law.motor_speed != 0;
+    return law.locked() || (law.spring_hertz == 0 && !is_led);
+  });
+}
+
+}  // namespace atl::solver
