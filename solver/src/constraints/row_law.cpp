@@ -15,6 +15,21 @@ constexpr double least_hold = 1e-12;  // of what rounding leaves of a very soft 
 // Which bound a force of so much is at that would have to be `wanted`.
 int bound_at(double wanted, double most) { return wanted > most ? 1 : wanted < -most ? -1 : 0; }
 
+// kg or kg m^2, that a spring or servo goes with: see RowLaw::of().
+using ForceOf = LinearForce (*)(const Law&, double, double);
+double mass_for(ForceOf force_of, const Law& law, const JointRow& at, const RowMass& mass) {
+  return force_of(law, mass.joined + law.armature, at.share).is_overdamped() ? mass.joined : mass.alone;
+}
+
+// A spring and a servo together, on a coordinate of such a mass.
+LinearForce force_on(const Law& law, const JointRow& at, double mass) {
+  LinearForce both;
+  if (!(mass > 0)) return both;
+  if (law.springs()) both = LinearForce::of_spring(law, mass + law.armature, at.share);
+  if (law.is_servo()) both.add(LinearForce::of_servo(law, mass + law.armature, at.share));
+  return both;
+}
+
 // Tells if a rate, in m/s or rad/s, isn't the one at which a motor or dry friction holds a coordinate.
 bool is_behind(double behind, double rate) { return std::abs(behind) > tuning::motor_behind * (1 + std::abs(rate)); }
 
@@ -66,7 +81,8 @@ LinearStep LinearStep::of_servo(const Law& law, const JointRow& at, double mass,
   return {share * step.hold, share * step.keep, share * (h * force.beside - step.pull * (at.value - force.rest))};
 }
 
-RowLaw RowLaw::of(const Law& law, const JointRow& at, double effective_mass, double h, double compliance) {
+RowLaw RowLaw::of(const Law& law, const JointRow& at, const RowMass& mass, double h, double compliance) {
+  const double effective_mass = mass.alone;
   RowLaw row;
   row.stiffness = compliance > 0 ? effective_mass / compliance : 0;
   row.locked = law.locked();
@@ -83,24 +99,27 @@ RowLaw RowLaw::of(const Law& law, const JointRow& at, double effective_mass, dou
   }
   if (!(effective_mass > 0)) return row;
   if (law.springs() || law.armature > 0) {
-    const LinearStep spring = LinearStep::of_spring(law, at, effective_mass, effective_mass, h);
+    const double moved = mass_for(LinearForce::of_spring, law, at, mass);
+    const LinearStep spring = LinearStep::of_spring(law, at, moved, effective_mass, h);
     const double hold = std::max(spring.hold, least_hold);
-    row.spring_slope = effective_mass * hold;
+    row.spring_slope = moved * hold;
     row.spring_rate = spring.shift / hold;
     row.spring_keeps = spring.keep / hold;
   }
   if (law.is_servo()) {
-    const LinearStep servo = LinearStep::of_servo(law, at, effective_mass, h);
+    const double moved = mass_for(LinearForce::of_servo, law, at, mass);
+    const LinearStep servo = LinearStep::of_servo(law, at, moved, h);
     const double hold = std::max(servo.hold, least_hold);
-    row.motor_slope = effective_mass * hold;
+    row.motor_slope = moved * hold;
     row.motor_speed = servo.shift / hold;
     row.motor_keeps = servo.keep / hold;
   }
   return row;
 }
 
-RowLaw RowLaw::of_kick(const Law& law, const JointRow& at, double effective_mass, double h, int sign, double rate,
+RowLaw RowLaw::of_kick(const Law& law, const JointRow& at, const RowMass& mass, double h, int sign, double rate,
                        double end_rate, int limit, int motor_bound) {
+  const double effective_mass = force_on(law, at, mass.joined).is_overdamped() ? mass.joined : mass.alone;
   RowLaw row;
   row.locked = law.locked();
   if (row.locked) return row;
@@ -126,10 +145,8 @@ RowLaw RowLaw::of_kick(const Law& law, const JointRow& at, double effective_mass
     if (pulls) motor_bound = behind > 0 ? 1 : -1;
     row.motor_speed = rate;
   }
-  LinearForce both = spring;
-  both.add(servo);
   // Whatever a motor gives beside: taken back in one kick alone, its force would come short in every step.
-  const bool stiff = both.is_stiff(h);
+  const bool stiff = force_on(law, at, effective_mass).is_stiff(h);
   if (stiff) {
     row.motor_speed = rate;
     if (law.springs()) row.motor_impulse = Law::unlimited;
@@ -156,8 +173,9 @@ RowLaw RowLaw::of_kick(const Law& law, const JointRow& at, double effective_mass
   return row;
 }
 
-double kick_correction(const Law& law, const JointRow& at, double effective_mass, double h, double rate,
+double kick_correction(const Law& law, const JointRow& at, const RowMass& mass, double h, double rate,
                        double acceleration) {
+  const double effective_mass = force_on(law, at, mass.joined).is_overdamped() ? mass.joined : mass.alone;
   const double moved = effective_mass + law.armature;
   if (!(effective_mass > 0)) return 0;
   LinearForce force = LinearForce::of_spring(law, moved, at.share);

@@ -110,6 +110,7 @@ RowKinds load_joints(const Joint* all, const IslandMembers& members, std::vector
     joint.tension = from.tension;
     joint.position = {};
     joint.given = joint.beyond = joint.back = {};
+    joint.joined.fill(1);
     joint.impulse = {};
     joint.rate = joint.kept = {};
     joint.bend = {};
@@ -181,7 +182,7 @@ void begin_laws(const Joint* joints, double h, IslandProblem& problem) {
     for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) {
       const Law& law = law_of(of, r);
       if (law.locked()) continue;
-      joint.law[r] = RowLaw::of(law, joint.at[r], joint.mass[r], h, problem.lock_compliance);
+      joint.law[r] = RowLaw::of(law, joint.at[r], joint.row_mass(r), h, problem.lock_compliance);
       joint.beyond[r] = left_beyond(law, joint.at[r].value, h * tuning::closing_speed);
       joint.back[r] = 0;
       if (law.looks_back()) joint.law[r].start_at(joint.rate_before[r]);

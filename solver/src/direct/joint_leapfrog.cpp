@@ -43,6 +43,12 @@ BodyPose next_pose(const BodyTable& table, double h, const MovingBody& moving, s
   return {moving.now.position + h * velocity, turned(h * turns, moving.now.orientation)};
 }
 
+// Tells if a damper slows the two bodies down so fast that it matters what else it moves.
+bool decays_notably(const Law& law, const DirectJoint& joint, std::size_t row, double h) {
+  const double moved = joint.mass[row] + law.armature;
+  return joint.mass[row] > 0 && h * (law.damping + law.servo_damping) > tuning::notable_decay * moved;
+}
+
 // Velocities are late in a kick that takes back, and rows that are held or driven go at the rates they have.
 void hold_late(RowLaw& law, double rate, int limit) {
   const bool driven = law.motor_impulse > 0 && law.motor_slope == 0;
@@ -138,6 +144,30 @@ void forget_bends(const Joint* joints, IslandProblem& problem) {
   }
 }
 
+void weigh_joined(const Joint* joints, double h, IslandProblem& problem, BalanceSearch& search) {
+  for (DirectJoint& joint : problem.joints) {
+    for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) {
+      joint.law[r].spring_slope = law_of(joints[joint.joint], r).armature;
+    }
+  }
+  std::vector<double>& answer = search.direction;
+  for (DirectJoint& joint : problem.joints) {
+    for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) {
+      const Law& law = law_of(joints[joint.joint], r);
+      if (!law.damps() || law.locked() || law.spring_hertz > 0 || !decays_notably(law, joint, r, h)) continue;
+      if (!is_factored(problem) && !search.matrix.factor(problem)) return;
+      std::fill(answer.begin(), answer.end(), 0.0);
+      DirectJoint::Rows<double> impulse = {};
+      impulse[r] = 1;
+      joint.add_impulses(impulse.data(), answer.data());
+      search.matrix.solve(problem, answer);
+      const double moved = 1 / joint.rate_by(answer, r) - law.armature;
+      joint.joined[r] = std::max(moved / joint.mass[r], 1.0);
+    }
+  }
+  forget_factor(problem);
+}
+
 void begin_kick(const Joint* joints, double h, int sign, IslandProblem& problem) {
   for (DirectJoint& joint : problem.joints) {
     for (std::size_t r = 0; r < joint.rows; ++r) {
@@ -148,7 +178,7 @@ void begin_kick(const Joint* joints, double h, int sign, IslandProblem& problem)
         joint.law[r].lock_rate = 0;
         continue;
       }
-      joint.law[r] = RowLaw::of_kick(law, joint.at[r], joint.mass[r], h, sign, rate, end_rate, joint.limit[r],
+      joint.law[r] = RowLaw::of_kick(law, joint.at[r], joint.row_mass(r), h, sign, rate, end_rate, joint.limit[r],
                                      joint.motor_bound[r]);
       joint.law[r].stiffness = joint.mass[r] / problem.lock_compliance;
       if (sign < 0) {
@@ -173,7 +203,8 @@ void correct_kick(const Joint* joints, double h, int sign, IslandProblem& proble
       if (!law.looks_back() || law.locked()) continue;
       const double acceleration = sign * (joint.rate[r] - joint.rate_before[r]) / (0.5 * h);
       const double rate = sign < 0 ? joint.rate_before[r] : joint.rate[r];
-      add_impulse(law, sign * kick_correction(law, joint.at[r], joint.mass[r], h, rate, acceleration), joint.law[r]);
+      add_impulse(law, sign * kick_correction(law, joint.at[r], joint.row_mass(r), h, rate, acceleration),
+                  joint.law[r]);
     }
   }
 }

@@ -1,6 +1,7 @@
 #pragma once
 /// What makes substeps of joints alone a leapfrog of second order, and keeps them from making energy.
 
+#include <solver/direct/balance_search.h>
 #include <solver/direct/direct_island_input.h>
 #include <solver/direct/island_problem.h>
 #include <solver/direct/moving_bodies.h>
@@ -25,6 +26,10 @@ void answer_bends(const Joint* joints, IslandProblem& problem);
 void damp_by_like_rates(const Joint* joints, const std::vector<double>& along, IslandProblem& problem);
 /// Takes back what locks and armatures answer.
 void forget_bends(const Joint* joints, IslandProblem& problem);
+
+/// Finds how heavy the coordinates of dampers are with all that is joined, where that matters in a substep of h
+/// seconds: with rows in place and before they have laws, so that locks and armatures alone act.
+void weigh_joined(const Joint* joints, double h, IslandProblem& problem, BalanceSearch& search);
 
 /// The laws of rows over a kick, from the rates that were noted: see RowLaw::of_kick().
 void begin_kick(const Joint* joints, double h, int sign, IslandProblem& problem);

@@ -138,6 +138,7 @@ bool Substeps::solve() {
   begin();
   if (alone_) {
     conserved_ = Conservation(input_, rows_, problem_, bodies_);
+    if (rows_.damps && !by_bodies_) weigh_joined(input_.joints, h_, problem_, motions_.search);
     kick(-1);
   }
   for (int substep = 0; substep < substeps; ++substep) {

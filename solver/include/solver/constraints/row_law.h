@@ -6,6 +6,12 @@
 
 namespace atl::solver {
 
+/// kg or kg m^2: how heavy a coordinate is.
+struct RowMass {
+  double alone = 0;   ///< of the two bodies, if nothing else held them
+  double joined = 0;  ///< with all that joints hold to them, or `alone` where nobody has found that
+};
+
 /// A spring and what else is linear along a coordinate: stiffness and damping by mass, with a force beside.
 struct LinearForce {
   double square_of_omega = 0;  ///< 1/s^2
@@ -19,6 +25,7 @@ struct LinearForce {
   static LinearForce of_servo(const Law& law, double mass, double share = 1);
   void add(const LinearForce& other);
   double fastest() const;  ///< 1/s, of its frequency and its decay
+  bool is_overdamped() const { return decay > 0 && decay * decay >= 4 * square_of_omega; }
   /// Tells if steps of h seconds are too long to follow it: see SpringStep::most_phase.
   bool is_stiff(double h) const;
   double at(double position, double rate) const { return beside - square_of_omega * (position - rest) - decay * rate; }
@@ -55,9 +62,10 @@ struct RowLaw {
   double spring_slope = 0, spring_rate = 0;  ///< of impulse by rate, and the rate at which there is none; 0 without
   double spring_keeps = 0;                   ///< how the rate before the step adds to that
 
-  /// `effective_mass` along the row in kg or kg m^2, h in s; what locks gives by `compliance` over the effective mass,
-  /// or is left to the caller where that is 0. At rest before the step.
-  static RowLaw of(const Law& law, const JointRow& at, double effective_mass, double h, double compliance = 0);
+  /// h in s; what locks gives by `compliance` over the mass, or is left to the caller where that is 0. At rest before
+  /// the step. What is damped more than it swings goes with all that is joined: the exact decay of less would hold it
+  /// back by more than it does. What swings goes with the least mass that it can have, or it might ring up.
+  static RowLaw of(const Law& law, const JointRow& at, const RowMass& mass, double h, double compliance = 0);
   /// The same at a rate before the step's forces, once.
   void start_at(double rate) {
     spring_rate += spring_keeps * rate;
@@ -75,7 +83,7 @@ struct RowLaw {
   /// and `end_rate` after them at an end of the range, which `limit` tells; `limit` and `motor_bound` as Joint has
   /// them. A stiff spring's coordinate keeps its rate: the forces on it are in balance over a step, or steps don't see
   /// what they do.
-  static RowLaw of_kick(const Law& law, const JointRow& at, double effective_mass, double h, int sign, double rate,
+  static RowLaw of_kick(const Law& law, const JointRow& at, const RowMass& mass, double h, int sign, double rate,
                         double end_rate, int limit, int motor_bound);
 
   /// Makes a motor give as friction in contacts does, and more than ends of ranges. Likewise dry friction.
@@ -105,7 +113,7 @@ struct RowLaw {
 /// a force which stays what it is at the step's whole end: h^2 / 6 of the force's rate of change, at the coordinate's
 /// rate and acceleration there. None of a spring with less damping than that, for which the leapfrog has to be
 /// reversible.
-double kick_correction(const Law& law, const JointRow& at, double effective_mass, double h, double rate,
+double kick_correction(const Law& law, const JointRow& at, const RowMass& mass, double h, double rate,
                        double acceleration);
 
 /// How a coordinate would bounce at an end of its range within a step.

@@ -92,8 +92,9 @@ struct DirectJoint {
   std::uint32_t first, second;            ///< bodies of the problem, or no_body
   bool point;                             ///< the first three rows are those of a point, along the world's axes
   std::size_t rows;
-  Rows<JointRow> at;  ///< but for those of the point, which its arms tell: see row()
-  Rows<double> mass;  ///< kg or kg m^2, effective; of locks where the matrix is by bodies
+  Rows<JointRow> at;    ///< but for those of the point, which its arms tell: see row()
+  Rows<double> mass;    ///< kg or kg m^2, effective; of locks where the matrix is by bodies
+  Rows<double> joined;  ///< by how much heavier springs' coordinates are with all that is joined: see weigh_joined()
   Vector3 arm_first, arm_second;
   Rows<double> position;  ///< m or rad
   Rows<double> gap;       ///< m or rad, from where it is held
@@ -117,6 +118,7 @@ struct DirectJoint {
 
   std::size_t point_rows() const { return point ? 3 : 0; }
   JointRow row(std::size_t r) const;
+  RowMass row_mass(std::size_t r) const { return {.alone = mass[r], .joined = joined[r] * mass[r]}; }
   /// m/s or rad/s: what velocities add to the rate `start` of a row beside the point's.
   double rate_by(const std::vector<double>& velocities, std::size_t row, double start = 0) const;
   /// The rates of all rows at these velocities, of bodies that respond.
