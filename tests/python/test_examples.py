@@ -21,6 +21,7 @@ WORDS = {
     "dominoes.py": "40 of 40 fell",
     "error_of_a_scene.py": "8 substeps",
     "learn_to_balance.py": "learned: ",
+    "learn_to_hop.py": "it hops",
     "falling_crate.py": "it rests with 1471 N",
     "lidar.py": "rays met",
     "one_way_platform.py": "it rose to",
