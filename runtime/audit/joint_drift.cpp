@@ -84,7 +84,7 @@ struct Drift {
   }
 };
 
-/// Measures by kind. Gears hold a sum of turns that poses do not tell.
+/// Measures by kind. Gears hold a sum of turns that poses do not tell, and tendons coordinates of other joints.
 class Gauge {
  public:
   Gauge(const Frame& first, const Frame& second)
@@ -150,6 +150,7 @@ class Gauge {
   }
 
   Drift operator()(const GearJoint&) const { return {}; }
+  Drift operator()(const TendonJoint&) const { return {}; }
 
   Drift operator()(const WheelJoint& joint) const {
     Drift drift{.gap = local_offset()};

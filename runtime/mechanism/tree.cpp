@@ -88,6 +88,7 @@ struct Stages {
   Found operator()(const ConeTwistJoint&) const { refuse_kind("ConeTwistJoint"); }
   Found operator()(const DistanceJoint&) const { return {}; }
   Found operator()(const GearJoint&) const { return {}; }
+  Found operator()(const TendonJoint&) const { return {}; }
 };
 
 std::vector<Stage> stages_of(const World& world, JointId id) {

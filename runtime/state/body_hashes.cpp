@@ -109,7 +109,8 @@ std::vector<BodyHash> body_hashes(const Stores& world) {
     }
   }
   for (std::uint32_t joint = 0; joint < world.joints.size(); ++joint) {
-    if (!world.joints.alive[joint]) continue;
+    // A tendon is of no body: what it does shows in those that it pulls on.
+    if (!world.joints.alive[joint] || world.joints.joints[joint].is_tendon()) continue;
     for (const std::uint32_t body : {world.joints.joints[joint].first, world.joints.joints[joint].second}) {
       if (world.records.dynamic[body]) WorldState(parts[body].joints, world).visit_one_joint(joint);
     }

@@ -60,6 +60,22 @@ struct JointKindState {
     });
   }
 
+  template <typename Terms>
+  void terms(Terms& terms) const {
+    auto count = static_cast<std::uint8_t>(terms.size());
+    archive.value(count);
+    if constexpr (Archive::reads) {
+      archive.check(count <= TendonJoint::max_terms, "a tendon of too many terms");
+      terms.resize(count);
+    }
+    for (auto& term : terms) {
+      archive.value(term.joint.index);
+      archive.value(term.joint.generation);
+      archive.value(term.coordinate);
+      archive.values(term.polynomial.data(), term.polynomial.size());
+    }
+  }
+
   template <typename Kind>
   void operator()(Kind& kind) const {
     using Joint = std::remove_const_t<Kind>;
@@ -88,6 +104,9 @@ struct JointKindState {
       axis(kind.suspension);
       axis(kind.steering);
       axis(kind.spin);
+    } else if constexpr (std::is_same_v<Joint, TendonJoint>) {
+      terms(kind.terms);
+      axis(kind.length);
     } else {
       static_assert(std::is_same_v<Joint, FixedJoint>);
     }
@@ -143,6 +162,7 @@ void visit_joint(Archive& archive, Joint& joint, Limits& limit_before) {
   archive.values(joint.limit.data(), joint.rows);
   archive.values(joint.motor_bound.data(), joint.rows);
   archive.values(limit_before.data(), joint.rows);
+  for (std::size_t i = 0; i < joint.terms; ++i) archive.value(joint.term[i].position);
   if constexpr (Archive::reads) {
     bool finite = joint.point_impulse.allFinite() && joint.tension.allFinite() && joint.force.allFinite() &&
                   joint.torque.allFinite();
@@ -152,6 +172,7 @@ void visit_joint(Archive& archive, Joint& joint, Limits& limit_before) {
       const double turned = finite ? solver::continued(joint.coordinate[row], 0, joint.position[row]) : 0;
       finite &= std::abs(turned) <= numbers.most;
     }
+    for (std::size_t i = 0; i < joint.terms; ++i) finite &= std::abs(joint.term[i].position) <= numbers.most;
     archive.check_number(finite, "a joint whose state is not finite, or out of bounds");
   }
   for (std::size_t row = 0; row < joint.rows; ++row) {

@@ -12,6 +12,7 @@
 #include "world/joint_definition.h"
 #include "world/joints.h"
 #include "world/make_joint.h"
+#include "world/tendons.h"
 
 namespace atl {
 namespace {
@@ -92,11 +93,16 @@ void restore_joints(Stores& world, bool same) {
       world.joints.enabled[joint] = world.joints.broken[joint] = world.joints.suspended[joint] = 0;
       continue;
     }
-    const solver::Joint& j = world.joints.joints[joint];
+    solver::Joint& j = world.joints.joints[joint];
+    if (j.is_tendon()) {
+      bind_tendon(world, world.joints.def[joint].kind, solver::Joint(j), j);
+      continue;
+    }
     world.joints.suspended[joint] =
         static_cast<std::uint8_t>(int{world.quarantine.contains(j.first)} + int{world.quarantine.contains(j.second)});
-    world.joints.update_flags(joint);
   }
+  // A tendon acts as joints do that may come after it.
+  for (std::uint32_t joint = 0; joint < world.joints.size(); ++joint) world.joints.update_flags(joint);
   if (!same) world.joints.rebuild();
   world.changes.joints |= !same || world.joints.acts != acts_before;
 }

@@ -13,6 +13,7 @@
 
 #include "world/colliders.h"
 #include "world/joints.h"
+#include "world/tendons.h"
 
 namespace atl {
 
@@ -33,6 +34,10 @@ std::uint32_t assembly_of(const Stores& world, const IslandPhase& islands, std::
 
 // Of a joint whose bodies were put elsewhere, by less than half a turn.
 void follow_position(const Stores& world, solver::Joint& joint) {
+  if (joint.is_tendon()) {
+    follow_length(world, joint);
+    return;
+  }
   const solver::JointFrames frames = frames_of(world, joint);
   for (std::size_t row = 0; row < joint.rows; ++row) {
     const double value = joint_row(joint, row, frames).value;

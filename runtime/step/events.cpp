@@ -1,6 +1,7 @@
 #include "step/events.h"
 
 #include <features/with_joints.h>
+#include <solver/constraints/tendon.h>
 
 #include <algorithm>
 #include <iterator>
@@ -207,6 +208,11 @@ void watch_joint(Stores& world, std::uint32_t joint) {
 // However slow a motor runs, what it moves is not at rest; what it fails to move may be.
 void keep_driven_awake(Stores& world, std::uint32_t joint) {
   const solver::Joint& j = world.joints.joints[joint];
+  if (j.is_tendon()) {
+    const double rate = tendon_now(j, world.joints.joints.data(), world.bodies).rate;
+    if (rate / j.law[0].motor_speed > 0.5) wake_joined_by(world, joint);
+    return;
+  }
   const solver::JointFrames frames = frames_of(world, j);
   for (std::size_t row = 0; row < j.rows; ++row) {
     const solver::Law& law = j.law[row];

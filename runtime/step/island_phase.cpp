@@ -39,7 +39,8 @@ void IslandPhase::build(Stores& world, const StepContext& step, ContactPhase& co
   const bool one_each = world.settings.tolerance > 0;
   rebuilt_ = world.changes.islands || contacts.touching_changed() || one_each != one_each_;
   if (rebuilt_) {
-    islands_.build(world.active.in_order(), world.sleeping.awake, contacts.touching(), joint_graph_.links());
+    islands_.build(world.active.in_order(), world.sleeping.awake, contacts.touching(), joint_graph_.links(),
+                   joint_graph_.ties());
     one_each_ = one_each;
     world.changes.islands = false;
   }

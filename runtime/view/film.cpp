@@ -19,8 +19,8 @@ namespace {
 constexpr std::uint32_t no_number = ~0u;
 
 const char* kind_name(const JointKind& kind) {
-  constexpr const char* names[] = {"ball",      "hinge",      "slider",  "fixed", "distance",
-                                   "universal", "cone-twist", "six-dof", "gear",  "wheel"};
+  constexpr const char* names[] = {"ball",       "hinge",   "slider", "fixed", "distance", "universal",
+                                   "cone-twist", "six-dof", "gear",   "wheel", "tendon"};
   static_assert(std::size(names) == std::variant_size_v<JointKind>);
   return names[kind.index()];
 }
@@ -201,6 +201,7 @@ void Film::note_joints(const World& world, FilmFrame& frame) {
     const JointState state = world.joint_state(id);
     if (!state.enabled) continue;
     const JointDef& def = world.joint(id);
+    if (std::holds_alternative<TendonJoint>(def.kind)) continue;  // which is nowhere
     const auto known = present_joints_.find(id);
     if (known != present_joints_.end()) {
       present.insert(*known);

@@ -1,5 +1,6 @@
 #include "world/joint_definition.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -132,11 +133,27 @@ struct KindCheck {
     check_axis(what + ".steering", wheel.steering);
     check_axis(what + ".spin", wheel.spin);
   }
+
+  void operator()(const TendonJoint& tendon) const {
+    if (tendon.terms.empty() || tendon.terms.size() > TendonJoint::max_terms) {
+      throw Error(what + ".terms: there are " + std::to_string(tendon.terms.size()) + "; expected 1 to " +
+                  std::to_string(TendonJoint::max_terms));
+    }
+    for (std::size_t i = 0; i < tendon.terms.size(); ++i) {
+      const std::string field = what + ".terms[" + std::to_string(i) + "].polynomial";
+      const auto& factors = tendon.terms[i].polynomial;
+      for (const double factor : factors) check_number(field, factor);
+      if (std::all_of(factors.begin() + 1, factors.end(), [](double factor) { return factor == 0; })) {
+        throw Error(field + ": all factors after the first are 0; expected one that is not");
+      }
+    }
+    check_axis(what + ".length", tendon.length);
+  }
 };
 
 constexpr std::array<const char*, std::variant_size_v<JointKind>> kind_names = {
-    "BallJoint",      "HingeJoint",     "SliderJoint", "FixedJoint", "DistanceJoint",
-    "UniversalJoint", "ConeTwistJoint", "SixDofJoint", "GearJoint",  "WheelJoint"};
+    "BallJoint",      "HingeJoint",  "SliderJoint", "FixedJoint", "DistanceJoint", "UniversalJoint",
+    "ConeTwistJoint", "SixDofJoint", "GearJoint",   "WheelJoint", "TendonJoint"};
 
 }  // namespace
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 namespace atl {
-
 void JointTable::resize(std::size_t count_of_all) {
   joints.resize(count_of_all);
   def.resize(count_of_all);
@@ -12,7 +11,7 @@ void JointTable::resize(std::size_t count_of_all) {
     flags->resize(count_of_all, 0);
   }
   limit_before.resize(count_of_all);
-  of_body_.resize(count_of_all);
+  by_.body.resize(count_of_all);
 }
 
 void JointTable::reset(std::size_t count_of_all) {
@@ -22,8 +21,9 @@ void JointTable::reset(std::size_t count_of_all) {
 
 void JointTable::rebuild() {
   count = 0;
-  of_body_.clear();
+  by_.body.clear();
   apart_.clear();
+  by_.tendons.clear();
   for (std::uint32_t joint = 0; joint < size(); ++joint) {
     update_flags(joint);
     if (!alive[joint]) continue;
@@ -54,7 +54,7 @@ std::uint32_t JointTable::add(const JointDef& definition, const solver::Joint& j
 }
 
 void JointTable::remove(std::uint32_t joint) {
-  of_body_.remove(joint, joints[joint].first, joints[joint].second);
+  unlink(joint);
   alive[joint] = enabled[joint] = broken[joint] = suspended[joint] = 0;
   joints[joint] = {};
   def[joint] = {};
@@ -64,9 +64,42 @@ void JointTable::remove(std::uint32_t joint) {
   update_flags(joint);
 }
 
+void JointTable::link(std::uint32_t joint) {
+  if (joints[joint].is_tendon()) {
+    by_.tendons.insert(std::lower_bound(by_.tendons.begin(), by_.tendons.end(), joint), joint);
+  } else {
+    by_.body.add(joint, joints[joint].first, joints[joint].second);
+  }
+}
+
+void JointTable::unlink(std::uint32_t joint) {
+  if (joints[joint].is_tendon()) {
+    std::erase(by_.tendons, joint);
+  } else {
+    by_.body.remove(joint, joints[joint].first, joints[joint].second);
+  }
+}
+
+std::vector<std::uint32_t> JointTable::tendons_over(std::uint32_t joint) const {
+  std::vector<std::uint32_t> over;
+  for (const std::uint32_t tendon : by_.tendons) {
+    const solver::Joint& of = joints[tendon];
+    const auto end = of.term.begin() + of.terms;
+    if (std::any_of(of.term.begin(), end, [&](const solver::TendonTerm& term) { return term.joint == joint; })) {
+      over.push_back(tendon);
+    }
+  }
+  return over;
+}
+
+bool JointTable::may_act(std::uint32_t joint) const {
+  return enabled[joint] && suspended[joint] == 0 && joints[joint].row_count() > 0;
+}
+
 void JointTable::update_flags(std::uint32_t joint) {
   const solver::Joint& j = joints[joint];
-  acts[joint] = enabled[joint] && suspended[joint] == 0 && j.row_count() > 0;
+  acts[joint] = may_act(joint) && std::all_of(j.term.begin(), j.term.begin() + j.terms,
+                                              [&](const solver::TendonTerm& term) { return may_act(term.joint); });
   bool may_tell = def[joint].break_force < unlimited || def[joint].break_torque < unlimited;
   bool is_driven = false;
   for (std::size_t row = 0; row < j.rows; ++row) {
@@ -75,6 +108,8 @@ void JointTable::update_flags(std::uint32_t joint) {
   }
   watched[joint] = acts[joint] && may_tell;
   driven[joint] = acts[joint] && is_driven;
+  if (j.is_tendon()) return;
+  for (const std::uint32_t tendon : tendons_over(joint)) update_flags(tendon);
 }
 
 bool JointTable::keep_apart(std::uint32_t a, std::uint32_t b) { return ++apart_[std::minmax(a, b)] == 1; }

@@ -35,7 +35,7 @@ struct JointTable {
   /// Adds an enabled joint, and returns its index.
   std::uint32_t add(const JointDef& definition, const solver::Joint& joint);
   void remove(std::uint32_t joint);
-  /// Makes `acts` and the like follow a change of the others.
+  /// Makes `acts` and the like follow a change of the others, also those of tendons over the joint.
   void update_flags(std::uint32_t joint);
 
   /// Of so many joints, none of which is there.
@@ -46,8 +46,11 @@ struct JointTable {
   /// Calls visit(joint) for the joints of a body, in no order to rely on.
   template <typename Visit>
   void for_each_of(std::uint32_t body, const Visit& visit) const {
-    of_body_.for_each_of(body, visit);
+    by_.body.for_each_of(body, visit);
   }
+
+  /// Tendons over a joint that is none, in order.
+  std::vector<std::uint32_t> tendons_over(std::uint32_t joint) const;
 
   /// Counts the joints that keep two bodies from touching. Whether the first came, or the last went.
   bool keep_apart(std::uint32_t a, std::uint32_t b);
@@ -60,22 +63,31 @@ struct JointTable {
   bool are_kept_apart(std::uint32_t a, std::uint32_t b) const { return apart_.contains(std::minmax(a, b)); }
   auto arrays() const {
     return std::tie(joints, def, generation, alive, enabled, broken, suspended, acts, watched, driven, limit_before,
-                    free, of_body_);
+                    free, by_.body, by_.tendons);
   }
 
  private:
   void resize(std::size_t joints);
 
-  void link(std::uint32_t joint) { of_body_.add(joint, joints[joint].first, joints[joint].second); }
+  // A tendon is found by the joints of its terms.
+  void link(std::uint32_t joint);
+  void unlink(std::uint32_t joint);
+  bool may_act(std::uint32_t joint) const;
 
   // See WorldState::check_members().
   static void check_members(JointTable& table) {
     auto& [joints, def, generation, alive, enabled, broken, limit_before, free, /**/ suspended, acts, watched, driven,
-           count, of_body, apart] = table;
+           count, by, apart] = table;
     static_cast<void>(joints);
   }
 
-  jobs::PairLists of_body_;
+  // Lists by which joints are found.
+  struct Lists {
+    jobs::PairLists body;
+    std::vector<std::uint32_t> tendons;  // alive, in order
+  };
+
+  Lists by_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> apart_;
 };
 

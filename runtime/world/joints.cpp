@@ -1,6 +1,7 @@
 #include "world/joints.h"
 
 #include <atoll/error.h>
+#include <solver/constraints/tendon.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +10,7 @@
 #include "world/bodies.h"
 #include "world/joint_definition.h"
 #include "world/make_joint.h"
+#include "world/tendons.h"
 
 namespace atl {
 namespace {
@@ -22,9 +24,17 @@ std::string text(BodyId id) {
   return out.str();
 }
 
+bool same_terms(const solver::Joint& a, const solver::Joint& b) {
+  const auto end = a.term.begin() + a.terms;
+  return a.terms == b.terms && std::equal(a.term.begin(), end, b.term.begin(), [](const auto& x, const auto& y) {
+           return x.joint == y.joint && x.coordinate == y.coordinate;
+         });
+}
+
 // Whether rows obey other laws of the same kinds: those who asked what a joint holds needn't ask again.
 bool hold_the_same(const solver::Joint& a, const solver::Joint& b) {
   if (a.point != b.point || a.rows != b.rows || a.coordinate != b.coordinate || a.bounces != b.bounces) return false;
+  if (!same_terms(a, b)) return false;
   for (std::size_t row = 0; row < a.rows; ++row) {
     const solver::Law& x = a.law[row];
     const solver::Law& y = b.law[row];
@@ -56,7 +66,12 @@ void keep_state(const solver::Joint& from, solver::Joint& to) {
 }
 
 // An angle is known but for full turns: it starts with the one nearest to its range.
-void find_positions(solver::Joint& joint, const solver::JointFrames& frames) {
+void find_positions(const Stores& world, solver::Joint& joint) {
+  if (joint.is_tendon()) {
+    find_length(world, joint);
+    return;
+  }
+  const solver::JointFrames frames = frames_of(world, joint);
   for (std::size_t row = 0; row < joint.rows; ++row) {
     const double value = joint_row(joint, row, frames).value;
     const double within = std::clamp(value, joint.law[row].lower, joint.law[row].upper);
@@ -111,17 +126,19 @@ void check_bodies(const Stores& world, const JointDef& def) {
 }
 
 JointId add_joint(Stores& world, const JointDef& definition) {
-  check_bodies(world, definition);
-  const JointDef def = checked(definition);
+  const JointDef joined = with_bodies(world, definition);
+  check_bodies(world, joined);
+  const JointDef def = checked(joined);
   solver::Joint joint = make_joint(def, world.records.centre[def.first.index], world.records.centre[def.second.index]);
-  const solver::JointFrames frames = frames_of(world, joint);
-  if (std::holds_alternative<DistanceJoint>(def.kind) && !(frames.offset.norm() > least_distance)) {
+  bind_tendon(world, def.kind, joint, joint);
+  if (std::holds_alternative<DistanceJoint>(def.kind) && !(frames_of(world, joint).offset.norm() > least_distance)) {
     throw Error("JointDef: the origins of the frames of a DistanceJoint coincide; expected two points");
   }
-  find_positions(joint, frames);
+  find_positions(world, joint);
   const std::uint32_t index = world.joints.add(def, joint);
-  for (const BodyId body : {def.first, def.second})
-    world.joints.suspended[index] += world.quarantine.contains(body.index);
+  for (const BodyId body : {def.first, def.second}) {
+    world.joints.suspended[index] += !joint.is_tendon() && world.quarantine.contains(body.index);
+  }
   world.joints.update_flags(index);
   joint_changed(world, index);
   if (!def.collide) keep_apart(world, index);
@@ -129,6 +146,7 @@ JointId add_joint(Stores& world, const JointDef& definition) {
 }
 
 void remove_joint(Stores& world, std::uint32_t joint) {
+  for (const std::uint32_t tendon : world.joints.tendons_over(joint)) remove_joint(world, tendon);
   joint_changed(world, joint);
   if (world.joints.enabled[joint] && !world.joints.def[joint].collide) let_touch(world, joint);
   world.joints.remove(joint);
@@ -154,7 +172,8 @@ void suspend_joints_of(Stores& world, std::uint32_t body) {
     j.torque.setZero();
     j.limit = {};
     world.joints.limit_before[joint] = {};
-    find_positions(j, frames_of(world, j));
+    find_positions(world, j);
+    release_tendons_over(world, joint);
   });
 }
 
@@ -163,7 +182,8 @@ void resume_joints_of(Stores& world, std::uint32_t body) {
     joint_changed(world, joint);
     --world.joints.suspended[joint];
     world.joints.update_flags(joint);
-    find_positions(world.joints.joints[joint], frames_of(world, world.joints.joints[joint]));
+    find_positions(world, world.joints.joints[joint]);
+    for (const std::uint32_t tendon : world.joints.tendons_over(joint)) find_length(world, world.joints.joints[tendon]);
   });
 }
 
@@ -177,6 +197,14 @@ JointState joint_state(const Stores& world, std::uint32_t index) {
                    .broken = world.joints.broken[index] != 0,
                    .force = joint.force,
                    .torque = joint.torque};
+  if (joint.is_tendon()) {
+    const solver::TendonNow now = tendon_now(joint, world.joints.joints.data(), world.bodies);
+    if (std::isfinite(now.length) && std::isfinite(now.rate)) {
+      state.position[0] = now.length;
+      state.speed[0] = now.rate;
+    }
+    return state;
+  }
   const std::span<const solver::Coordinate> names = named_coordinates(world.joints.def[index].kind);
   solver::Joint named = joint;
   named.rows = static_cast<std::uint8_t>(names.size());
@@ -203,11 +231,17 @@ void set_joint(Stores& world, std::uint32_t index, const JointKind& kind) {
                 ", as the joint was made with");
   }
   check("World::set_joint: kind", kind);
-  wake_joined_by(world, index);
-  def.kind = kind;
   solver::Joint& joint = world.joints.joints[index];
   const solver::Joint before = joint;
-  const solver::Joint laws = make_joint(kind);
+  solver::Joint laws = make_joint(kind);
+  bind_tendon(world, kind, before, laws);
+  wake_joined_by(world, index);
+  def.kind = kind;
+  def = with_bodies(world, def);
+  joint.first = def.first.index;
+  joint.second = def.second.index;
+  joint.term = laws.term;
+  joint.terms = laws.terms;
   joint.point = laws.point;
   joint.rows = laws.rows;
   joint.coordinate = laws.coordinate;
@@ -217,7 +251,7 @@ void set_joint(Stores& world, std::uint32_t index, const JointKind& kind) {
   if (!hold_the_same(before, joint)) {
     forget_impulses(joint);
     joint.limit = {};
-    find_positions(joint, frames_of(world, joint));
+    find_positions(world, joint);
     keep_state(before, joint);
     world.changes.joints = true;
   }
@@ -262,10 +296,12 @@ void count_turns_from(Stores& world, std::uint32_t index, double angle, std::siz
   const double value = joint_row(joint, row, frames_of(world, joint)).value;
   if (!std::isfinite(value)) return;  // of bodies in quarantine
   joint.position[row] = continued(names[coordinate], value, angle);
+  for (const std::uint32_t tendon : world.joints.tendons_over(index)) find_length(world, world.joints.joints[tendon]);
   wake_joined_by(world, index);
 }
 
 void release_joint(Stores& world, std::uint32_t joint) {
+  release_tendons_over(world, joint);
   forget_impulses(world.joints.joints[joint]);
   world.joints.joints[joint].limit = {};
   world.joints.limit_before[joint] = {};
@@ -278,6 +314,10 @@ void joint_changed(Stores& world, std::uint32_t joint) {
 }
 
 void wake_joined_by(Stores& world, std::uint32_t joint) {
+  solver::for_each_term(world.joints.joints.data(), joint, [&](const solver::Joint& of) {
+    world.sleeping.wake(of.first);
+    world.sleeping.wake(of.second);
+  });
   world.sleeping.wake(world.joints.joints[joint].first);
   world.sleeping.wake(world.joints.joints[joint].second);
 }

@@ -126,6 +126,14 @@ struct Rows {
     add(Coordinate::Steer, wheel.steering);
     add(Coordinate::Roll, wheel.spin);
   }
+
+  // Which coordinates its terms are of, the joints in the world say: see bind_tendon().
+  void operator()(const TendonJoint& tendon) const {
+    add(Coordinate::Length, tendon.length);
+    for (const TendonTerm& term : tendon.terms) {
+      joint.term[joint.terms++] = {.joint = term.joint.index, .polynomial = term.polynomial};
+    }
+  }
 };
 
 constexpr std::array hinge_names = {Coordinate::Twist};
@@ -137,6 +145,7 @@ constexpr std::array six_names = {Coordinate::OffsetX, Coordinate::OffsetY, Coor
                                   Coordinate::TurnX,   Coordinate::TurnY,   Coordinate::TurnZ};
 constexpr std::array gear_names = {Coordinate::Gear};
 constexpr std::array rack_names = {Coordinate::Rack};
+constexpr std::array tendon_names = {Coordinate::Length};
 constexpr std::array wheel_names = {Coordinate::OffsetZ, Coordinate::Steer, Coordinate::Roll};
 
 struct Names {
@@ -152,6 +161,7 @@ struct Names {
   Coordinates operator()(const SixDofJoint&) const { return six_names; }
   Coordinates operator()(const GearJoint& gear) const { return gear.rack ? Coordinates(rack_names) : gear_names; }
   Coordinates operator()(const WheelJoint&) const { return wheel_names; }
+  Coordinates operator()(const TendonJoint&) const { return tendon_names; }
 };
 
 }  // namespace
@@ -187,6 +197,7 @@ auto find_axis(Kind& kind, std::size_t coordinate) {
   if (auto* hinge = std::get_if<HingeJoint>(&kind)) return pick({&hinge->angle});
   if (auto* slider = std::get_if<SliderJoint>(&kind)) return pick({&slider->offset});
   if (auto* rod = std::get_if<DistanceJoint>(&kind)) return pick({&rod->distance});
+  if (auto* tendon = std::get_if<TendonJoint>(&kind)) return pick({&tendon->length});
   if (auto* cross = std::get_if<UniversalJoint>(&kind)) return pick({&cross->first, &cross->second});
   if (auto* cone = std::get_if<ConeTwistJoint>(&kind)) return pick({nullptr, &cone->twist});
   if (auto* wheel = std::get_if<WheelJoint>(&kind)) return pick({&wheel->suspension, &wheel->steering, &wheel->spin});

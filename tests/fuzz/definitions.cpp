@@ -284,7 +284,21 @@ JointKind Definitions::joint_kind() {
   }
 }
 
+JointDef Definitions::tendon(const World& world) {
+  const std::vector<JointId> joints = world.joints();
+  TendonJoint tendon{.length = axis(true)};
+  const std::uint32_t count = 1 + bytes_.below(3);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    TendonTerm term{.joint = joints[bytes_.below(joints.size())], .coordinate = bytes_.one_in(8) ? 1u : 0u};
+    term.polynomial[1] = number(-2, 2);
+    if (bytes_.one_in(4)) term.polynomial[2] = number(-1, 1);
+    tendon.terms.push_back(term);
+  }
+  return {.kind = tendon};
+}
+
 JointDef Definitions::joint(const World& world, BodyId first, BodyId second) {
+  if (bytes_.one_in(8) && world.joint_count() > 0) return tendon(world);
   const JointKind kind = joint_kind();
   JointDef def{.kind = kind, .first = first, .second = second};
   if (bytes_.one_in(4) || !world.contains(first) || !world.contains(second)) {

@@ -40,6 +40,8 @@ class Definitions {
 
   JointKind joint_kind();
   JointAxis axis(bool angle);
+  /// Over joints of the world, of which there are some.
+  JointDef tendon(const World& world);
   /// Between two of the bodies.
   JointDef joint(const World& world, BodyId first, BodyId second);
 

@@ -4,13 +4,14 @@
 #include <solver/integrate/motion.h>
 #include <solver/sweep/group_joints.h>
 
+#include "joint_pose.h"
 #include "joint_rig.h"
 #include "support/random.h"
 
 namespace atl::test::joint_lanes_test {
 namespace {
 
-constexpr int coordinate_count = static_cast<int>(Coordinate::Rack) + 1;
+constexpr int coordinate_count = static_cast<int>(all_coordinates.size());
 constexpr double h = 1.0 / 240;
 
 // Pairs of bodies, each joined by one coordinate, in lanes of different ones.
@@ -32,7 +33,7 @@ struct Pairs {
       joint.axes_second = random.rotation();
       joint.anchor_second = random.vector(1);
       joint.ratio = random.real(-2, 2);
-      add_row(joint, static_cast<Coordinate>(i % coordinate_count), law);
+      add_row(joint, all_coordinates[static_cast<std::size_t>(i % coordinate_count)], law);
       joint.position[0] = joint.coordinate[0] == Coordinate::Twist ? random.real(-20, 20) : random.real(-3, 3);
       joints.add({first, second, static_cast<std::uint32_t>(i), joint.point, joint.rows}, joint);
     }

@@ -10,6 +10,7 @@
 
 namespace atl::test {
 
+// But for the length of a tendon, which is of more than two bodies.
 inline constexpr std::array all_coordinates = {
     solver::Coordinate::OffsetX,  solver::Coordinate::OffsetY,     solver::Coordinate::OffsetZ,
     solver::Coordinate::Distance, solver::Coordinate::TurnX,       solver::Coordinate::TurnY,
@@ -20,7 +21,7 @@ inline constexpr std::array all_coordinates = {
     solver::Coordinate::SpinY,    solver::Coordinate::SpinZ,       solver::Coordinate::Orbit,
     solver::Coordinate::Gear,     solver::Coordinate::Rack};
 
-static_assert(all_coordinates.size() == static_cast<std::size_t>(solver::Coordinate::Rack) + 1);
+static_assert(all_coordinates.size() == static_cast<std::size_t>(solver::Coordinate::Rack));
 
 struct JointPose {
   struct Body {

@@ -234,7 +234,8 @@ TEST(SceneJointFileErrors, SayWhereAndWhatWasExpected) {
       {jointed_scene("\"joints\": [3]"), "7: /joints/0: found 3", "an object"},
       {joint(R"("first": 0)"), "7: /joints/0/kind: found nothing", "ball, hinge"},
       {joint(R"("kind": "hing")"), "8: /joints/0/kind: found \"hing\"",
-       "ball, hinge, slider, fixed, distance, universal, cone_twist, six_dof, gear or wheel (did you mean \"hinge\"?)"},
+       "ball, hinge, slider, fixed, distance, universal, cone_twist, six_dof, gear, wheel or tendon (did you mean "
+       "\"hinge\"?)"},
       {joint(R"("kind": "ball", "second": 0)"), "7: /joints/0/first: found nothing", "the name of a body or its place"},
       {joint(R"("kind": "ball", "first": "pst", "second": 1)"), "8: /joints/0/first: found \"pst\"",
        "the name of a body (did you mean \"post\"?)"},

@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <variant>
+#include <vector>
 
 namespace atl {
 
@@ -72,8 +73,8 @@ struct JointAxis {
   /// kg or kg m^2, finite and >= 0: inertia that moves with the coordinate and with nothing else, as of the rotor of a
   /// motor (its own, times the square of the gear ratio). It has no weight, and does nothing where the range is locked.
   double armature = 0;
-  /// N or N m, finite and >= 0: dry friction, which holds the coordinate where it is until more than that acts along it,
-  /// and acts against its rate then. Nothing where the range is locked.
+  /// N or N m, finite and >= 0: dry friction, which holds the coordinate where it is until more than that acts along
+  /// it, and acts against its rate then. Nothing where the range is locked.
   double friction = 0;
 };
 
@@ -153,8 +154,33 @@ struct WheelJoint {
   JointAxis spin = {};                                                               ///< rad
 };
 
+/// A coordinate q of another joint, by a polynomial: a part of the length of a tendon.
+struct TendonTerm {
+  JointId joint = {};            ///< not a tendon
+  std::uint32_t coordinate = 0;  ///< one that the joint's kind names, as World::joint_axis() numbers them
+  /// Finite factors of q^0 to q^4, in m, or rad, by powers of that of q; not all of those after the first are 0.
+  std::array<double, 5> polynomial = {0, 1};
+};
+
+/// Couples coordinates of other joints: its length, the sum of its terms, is a coordinate as any other. Locked at 0, it
+/// makes one joint mimic another: q1 - p(q2) = 0. Free, with a spring, range, motor or friction, it is a tendon that
+/// runs over several joints, and acts on each by what acts along it times the slope of the term. 1 row.
+///
+/// Its bodies are those of the joints of its terms, and JointDef::first, second and collide follow from them: what is
+/// given is replaced; frames do nothing. It acts while all these joints do, and goes with the first of them that is
+/// removed. JointState tells of its length and rate, and of the force (N, or N m) along it as the x of `force`.
+///
+/// Joints that hang together with it are solved at once, unless the settings say that all are solved one after another,
+/// or they make so many loops that they are. Then it comes to rest at the ends of its range, whatever the restitution.
+struct TendonJoint {
+  static constexpr std::size_t max_terms = 4;
+
+  std::vector<TendonTerm> terms = {};  ///< 1 to 4
+  JointAxis length = {};               ///< m, or rad
+};
+
 using JointKind = std::variant<BallJoint, HingeJoint, SliderJoint, FixedJoint, DistanceJoint, UniversalJoint,
-                               ConeTwistJoint, SixDofJoint, GearJoint, WheelJoint>;
+                               ConeTwistJoint, SixDofJoint, GearJoint, WheelJoint, TendonJoint>;
 
 /// Everything a joint starts with.
 struct JointDef {
@@ -176,7 +202,7 @@ struct JointDef {
 struct JointState {
   bool enabled = true;
   bool broken = false;                  ///< it is not enabled then, until it is again, and keeps what broke it
-  Vector3 force = Vector3::Zero();      ///< N, on the second body, world frame; in the last substep
+  Vector3 force = Vector3::Zero();      ///< N, on the second body, world frame; in the last substep. See TendonJoint.
   Vector3 torque = Vector3::Zero();     ///< N m, on the second body, about its frame's origin, world frame
   std::array<double, 6> position = {};  ///< of the coordinates that its kind names, in that order, as of now; m or rad
   std::array<double, 6> speed = {};     ///< m/s or rad/s

@@ -63,8 +63,8 @@ struct InverseKinematics {
 ///
 /// Coordinates are read as World measures them. All else follows from them by exact kinematics of the joints, so the
 /// little by which joints of the world are open doesn't show. The quantities are those of the bodies, joints, armatures
-/// and gravity alone. Springs, motors, ranges, friction, damping, contacts, and joints in loops() are not among them:
-/// as far as they act, their forces are part of tau.
+/// and gravity alone. Springs, motors, ranges, friction, damping, contacts, tendons, and joints in loops() are not
+/// among them: as far as they act, their forces are part of tau.
 ///
 /// All in double, by Featherstone, "Rigid Body Dynamics Algorithms", 2008, with spatial vectors in the world's axes.
 ///

@@ -24,13 +24,14 @@ struct SceneBody {
   Vector3 force = Vector3::Zero();  ///< N, world frame, through the centre of mass, in every step
 };
 
-/// A joint of a scene: its definition, whose ids of bodies stand open, its name ("" or unique among the joints), and
-/// the bodies by their places in the scene.
+/// A joint of a scene: its definition, whose ids of bodies and joints stand open, its name ("" or unique among the
+/// joints), and the bodies by their places in the scene.
 struct SceneJoint {
   std::string name = {};
   JointDef def = {};
   std::size_t first = 0;
   std::size_t second = 0;
+  std::vector<std::size_t> terms = {};  ///< of a tendon: the joint of each term, by its place, ahead of its own
 };
 
 /// A world to simulate, as data: what a scene file or a built-in scene turns into.

@@ -106,6 +106,8 @@ from ._core import (
     StepReport as StepReport,
     TaperedCapsule as TaperedCapsule,
     TargetError as TargetError,
+    TendonJoint as TendonJoint,
+    TendonTerm as TendonTerm,
     TriangleMesh as TriangleMesh,
     UnheldIsland as UnheldIsland,
     UniversalJoint as UniversalJoint,

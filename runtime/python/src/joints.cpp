@@ -82,6 +82,17 @@ void bind_kinds(nb::module_& module) {
       "the wheel's y axis.");
   bind_definition(wheel, Field{"suspension", &WheelJoint::suspension, "m"},
                   Field{"steering", &WheelJoint::steering, "rad"}, Field{"spin", &WheelJoint::spin, "rad"});
+  nb::class_<TendonTerm> term(module, "TendonTerm", "A coordinate of another joint, by a polynomial.");
+  bind_struct(term, Field{"joint", &TendonTerm::joint, "its id; not a tendon's"},
+              Field{"coordinate", &TendonTerm::coordinate, "one that the joint's kind names"},
+              Field{"polynomial", &TendonTerm::polynomial, "five factors, of the powers of the coordinate from 0 on"});
+  nb::class_<TendonJoint> tendon(
+      module, "TendonJoint",
+      "Couples coordinates of other joints: the sum of its terms is a coordinate as any other. Locked at 0, it makes "
+      "one "
+      "joint mimic another. 1 row. Its bodies are those of these joints, and frames do nothing.");
+  bind_struct(tendon, Field{"terms", &TendonJoint::terms, "1 to 4 of TendonTerm"},
+              Field{"length", &TendonJoint::length, "m, or rad"});
 }
 
 }  // namespace

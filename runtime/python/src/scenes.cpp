@@ -38,7 +38,8 @@ void bind_data(nb::module_& module) {
   bind_definition(joint, Field{"name", &SceneJoint::name, "unique among the joints, or empty"},
                   Field{"definition", &SceneJoint::def, "whose ids of bodies stand open"},
                   Field{"first", &SceneJoint::first, "the body's place in the scene"},
-                  Field{"second", &SceneJoint::second, "the other's"});
+                  Field{"second", &SceneJoint::second, "the other's"},
+                  Field{"terms", &SceneJoint::terms, "of a tendon: places of the joints of its terms"});
 }
 
 void bind_scene(nb::module_& module) {

@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <map>
+#include <string>
 #include <utility>
+#include <variant>
+#include <vector>
 
 #include "words.h"
 
@@ -35,6 +38,35 @@ bool filters_agree(const CollisionFilter& a, const CollisionFilter& b) {
   return (a.mask & b.category) != 0 && (b.mask & a.category) != 0;
 }
 
+// Gives the terms of a tendon the ids of their joints.
+void name_joints(const SceneJoint& joint, const std::vector<JointId>& ids, TendonJoint& tendon) {
+  if (joint.terms.size() != tendon.terms.size()) {
+    throw Error("SceneJoint.terms: there are " + std::to_string(joint.terms.size()) +
+                "; expected one for each of the " + std::to_string(tendon.terms.size()) + " terms of the tendon");
+  }
+  for (std::size_t i = 0; i < joint.terms.size(); ++i) {
+    if (joint.terms[i] >= ids.size()) {
+      throw Error("SceneJoint.terms[" + std::to_string(i) + "] is " + std::to_string(joint.terms[i]) +
+                  "; expected the place of a joint ahead of the tendon, which are " + std::to_string(ids.size()));
+    }
+    tendon.terms[i].joint = ids[joint.terms[i]];
+  }
+}
+
+void add_tendon(const World& world, JointId id, const std::map<JointId, std::size_t>& places, Scene& scene) {
+  JointDef def = world.joint(id);
+  auto& tendon = std::get<TendonJoint>(def.kind);
+  std::vector<std::size_t> terms;
+  for (TendonTerm& term : tendon.terms) {
+    const auto place = places.find(std::exchange(term.joint, {}));
+    if (place == places.end()) return;
+    terms.push_back(place->second);
+  }
+  const SceneJoint& of = scene.joints[terms.front()];
+  std::string name = std::exchange(def.name, {});
+  scene.joints.push_back({std::move(name), std::move(def), of.first, of.second, std::move(terms)});
+}
+
 }  // namespace
 
 std::vector<BodyId> build_scene(const Scene& scene, World& world) {
@@ -56,6 +88,7 @@ std::vector<BodyId> build_scene(const Scene& scene, World& world, std::vector<Jo
       if (def.name.empty()) def.name = joint.name;
       def.first = ids.at(joint.first);
       def.second = ids.at(joint.second);
+      if (auto* tendon = std::get_if<TendonJoint>(&def.kind)) name_joints(joint, joints, *tendon);
       return world.add_joint(def);
     }));
   }
@@ -71,13 +104,21 @@ Scene scene_of(const World& world) {
     std::string name = std::exchange(def.name, {});
     scene.bodies.push_back({.name = std::move(name), .def = std::move(def)});
   }
+  std::map<JointId, std::size_t> joint_places;
+  std::vector<JointId> tendons;
   for (const JointId id : world.joints()) {
     if (!world.joint_state(id).enabled) continue;
     JointDef def = world.joint(id);
+    if (std::holds_alternative<TendonJoint>(def.kind)) {
+      tendons.push_back(id);
+      continue;
+    }
+    joint_places[id] = scene.joints.size();
     const std::size_t first = places.at(def.first), second = places.at(def.second);
     std::string name = std::exchange(def.name, {});
     scene.joints.push_back({.name = std::move(name), .def = std::move(def), .first = first, .second = second});
   }
+  for (const JointId id : tendons) add_tendon(world, id, joint_places, scene);
   return scene;
 }
 

@@ -22,6 +22,7 @@ inline std::vector<JointAxis> axes_of(const JointKind& kind) {
       return axes;
     }
     std::vector<JointAxis> operator()(const GearJoint&) const { return {}; }
+    std::vector<JointAxis> operator()(const TendonJoint& joint) const { return {joint.length}; }
     std::vector<JointAxis> operator()(const WheelJoint& joint) const {
       return {joint.suspension, joint.steering, joint.spin};
     }

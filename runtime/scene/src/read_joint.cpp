@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
 
 #include "joining.h"
 #include "schema.h"
@@ -160,14 +161,20 @@ JointKind read_wheel(const Reader& in) {
   return joint;
 }
 
+JointKind read_tendon(const Reader& in) {
+  TendonJoint joint;
+  get(in, "length", joint.length);
+  return joint;
+}
+
 struct Kind {
   std::vector<std::string_view> keys;  ///< that joints of other kinds have not
   JointKind (*read)(const Reader&);
 };
 
 Kind read_kind(const Reader& in) {
-  switch (in.choice(
-      {"ball", "hinge", "slider", "fixed", "distance", "universal", "cone_twist", "six_dof", "gear", "wheel"})) {
+  switch (in.choice({"ball", "hinge", "slider", "fixed", "distance", "universal", "cone_twist", "six_dof", "gear",
+                     "wheel", "tendon"})) {
     case 0:
       return {{"friction"}, &read_ball};
     case 1:
@@ -186,6 +193,8 @@ Kind read_kind(const Reader& in) {
       return {{"offset", "turn", "across"}, &read_six_dof};
     case 8:
       return {{"ratio", "rack", "axis_second"}, &read_gear};
+    case 10:
+      return {{"terms", "length"}, &read_tendon};
     default:
       return {{"suspension", "steering", "spin", "across"}, &read_wheel};
   }
@@ -265,18 +274,48 @@ void read_length(const Reader& in, const Scene& scene, SceneJoint& joint) {
 
 }  // namespace
 
-SceneJoint read_joint(const Reader& in, const Scene& scene, const BodyPlaces& places) {
-  // The kind first: it says which keys there may be.
-  in.members();
-  const Kind kind = read_kind(in.at("kind", "ball, hinge, slider or another kind of joint"));
-  std::vector<std::string_view> keys = {"name",    "kind",        "first",        "second",
-                                        "collide", "break_force", "break_torque", "user_data"};
-  keys.insert(keys.end(), {"at", "axis", "frame_first", "frame_second"});
-  keys.insert(keys.end(), kind.keys.begin(), kind.keys.end());
-  in.only_keys(keys);
+namespace {
 
-  SceneJoint joint;
-  get(in, "name", joint.name);
+TendonTerm read_term(const Reader& in) {
+  in.only_keys({"joint", "coordinate", "polynomial"});
+  TendonTerm term;
+  int coordinate = 0;
+  get(in, "coordinate", coordinate, 0, 5);
+  term.coordinate = static_cast<std::uint32_t>(coordinate);
+  const auto polynomial = in.find("polynomial");
+  if (!polynomial) return term;
+  constexpr const char* what = "an array of 2 to 5 numbers, of the powers of the coordinate from 0 on";
+  const std::size_t count = polynomial->size(what);
+  if (count < 2 || count > term.polynomial.size()) polynomial->expected(what);
+  for (std::size_t i = 0; i < count; ++i) term.polynomial[i] = polynomial->element(i).number();
+  if (std::all_of(term.polynomial.begin() + 1, term.polynomial.end(), [](double factor) { return factor == 0; })) {
+    polynomial->fail("a constant", "a factor after the first that is not 0");
+  }
+  return term;
+}
+
+// It joins what its joints do.
+void read_terms(const Reader& in, const Scene& scene, const Places& joints, SceneJoint& tendon) {
+  const Reader terms = in.at("terms", "an array of terms");
+  const std::size_t count = terms.size("an array of terms");
+  if (count < 1 || count > TendonJoint::max_terms) {
+    terms.fail(std::to_string(count) + " terms", "1 to " + std::to_string(TendonJoint::max_terms));
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    const Reader joint = terms.element(i).at("joint", "the name of a joint above or its place among the joints");
+    tendon.terms.push_back(joints.read(joint));
+    if (std::holds_alternative<TendonJoint>(scene.joints[tendon.terms.back()].def.kind)) {
+      joint.fail("a tendon", "a joint that is none");
+    }
+    std::get<TendonJoint>(tendon.def.kind).terms.push_back(read_term(terms.element(i)));
+  }
+  const SceneJoint& of = scene.joints[tendon.terms.front()];
+  tendon.first = of.first;
+  tendon.second = of.second;
+  tendon.def.collide = true;
+}
+
+void read_bodies(const Reader& in, const Scene& scene, const Places& places, SceneJoint& joint) {
   constexpr const char* body = "the name of a body or its place among the bodies";
   joint.first = places.read(in.at("first", body));
   joint.second = places.read(in.at("second", body));
@@ -285,25 +324,48 @@ SceneJoint read_joint(const Reader& in, const Scene& scene, const BodyPlaces& pl
   if (!is_dynamic(joint.first) && !is_dynamic(joint.second)) {
     in.fail_at("second", "two bodies that do not move under forces", "at least one dynamic body in a joint");
   }
+}
+
+}  // namespace
+
+SceneJoint read_joint(const Reader& in, const Scene& scene, const Places& bodies, const Places& joints) {
+  // The kind first: it says which keys there may be.
+  in.members();
+  const Kind kind = read_kind(in.at("kind", "ball, hinge, slider or another kind of joint"));
+  const bool tendon = kind.read == &read_tendon;
+  std::vector<std::string_view> keys = {"name", "kind"};
+  if (!tendon) keys.insert(keys.end(), {"first", "second", "collide"});
+  keys.insert(keys.end(), {"break_force", "break_torque", "user_data"});
+  if (!tendon) keys.insert(keys.end(), {"at", "axis", "frame_first", "frame_second"});
+  keys.insert(keys.end(), kind.keys.begin(), kind.keys.end());
+  in.only_keys(keys);
+
+  SceneJoint joint;
+  get(in, "name", joint.name);
+  if (!tendon) read_bodies(in, scene, bodies, joint);
   joint.def.kind = kind.read(in);
-  read_frames(in, scene, joint);
-  read_length(in, scene, joint);
-  get(in, "collide", joint.def.collide);
+  if (tendon) {
+    read_terms(in, scene, joints, joint);
+  } else {
+    read_frames(in, scene, joint);
+    read_length(in, scene, joint);
+    get(in, "collide", joint.def.collide);
+  }
   get(in, "break_force", joint.def.break_force, above(0));
   get(in, "break_torque", joint.def.break_torque, above(0));
   get(in, "user_data", joint.def.user_data);
   return joint;
 }
 
-BodyPlaces::BodyPlaces(const std::vector<SceneBody>& bodies) : count_(bodies.size()) {
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
-    if (!bodies[i].name.empty()) names_.emplace(bodies[i].name, i);
-  }
+void Places::add(const std::string& name) {
+  if (!name.empty()) names_.emplace(name, count_);
+  ++count_;
 }
 
-std::size_t BodyPlaces::read(const Reader& in) const {
+std::size_t Places::read(const Reader& in) const {
+  const std::string what = what_;
+  if (count_ == 0) in.fail("no " + what + " yet", "one that is ahead of it in the file");
   if (!in.is_string()) {
-    if (count_ == 0) in.fail("a joint without bodies", "bodies to join");
     return static_cast<std::size_t>(in.integer(0, static_cast<int>(count_) - 1));
   }
   if (const auto found = names_.find(in.string()); found != names_.end()) return found->second;
@@ -312,7 +374,7 @@ std::size_t BodyPlaces::read(const Reader& in) const {
   for (const auto& [name, place] : names_) {
     if (names.size() < most_suggested) names.push_back(name);
   }
-  in.expected("the name of a body" + suggestion(in.string(), names));
+  in.expected("the name of a " + what + suggestion(in.string(), names));
 }
 
 }  // namespace atl::scene

@@ -86,13 +86,15 @@ void read_generators(const Reader& in, const Library& library, std::uint64_t see
 void read_joints(const Reader& in, Scene& scene) {
   const std::size_t count = in.size("an array of joints");
   if (count > most_joints) in.fail(std::to_string(count) + " joints", "at most " + std::to_string(most_joints));
-  const BodyPlaces places(scene.bodies);
+  Places bodies("body"), joints("joint");
+  for (const SceneBody& body : scene.bodies) bodies.add(body.name);
   std::unordered_set<std::string> names;
   for (std::size_t i = 0; i < count; ++i) {
-    SceneJoint joint = read_joint(in.element(i), scene, places);
+    SceneJoint joint = read_joint(in.element(i), scene, bodies, joints);
     if (!joint.name.empty() && !names.insert(joint.name).second) {
       in.element(i).fail_at("name", "a second joint named " + quote(joint.name), "a name that no other joint has");
     }
+    joints.add(joint.name);
     scene.joints.push_back(std::move(joint));
   }
 }

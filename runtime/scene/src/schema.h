@@ -30,20 +30,23 @@ SceneBody read_body(const Reader& in, const Library& library);
 std::vector<SceneBody> read_generator(const Reader& in, const Library& library, std::size_t room, std::uint64_t seed,
                                       std::uint64_t stream);
 
-/// Where the bodies of a scene are among them, by their names.
-class BodyPlaces {
+/// The places of the bodies, or joints, of a scene among them, by their names.
+class Places {
  public:
-  explicit BodyPlaces(const std::vector<SceneBody>& bodies);
+  /// `what`: "body" or "joint".
+  explicit Places(const char* what) : what_(what) {}
 
-  /// A body's name or its place.
+  void add(const std::string& name);
+  /// A part's name or its place.
   std::size_t read(const Reader& in) const;
 
  private:
+  const char* what_;
   std::map<std::string, std::size_t, std::less<>> names_;
-  std::size_t count_;
+  std::size_t count_ = 0;
 };
 
-/// A joint between bodies of the scene, which has them all.
-SceneJoint read_joint(const Reader& in, const Scene& scene, const BodyPlaces& places);
+/// A joint between bodies of the scene, which has them all; or a tendon over joints, which are those that it has.
+SceneJoint read_joint(const Reader& in, const Scene& scene, const Places& bodies, const Places& joints);
 
 }  // namespace atl::scene

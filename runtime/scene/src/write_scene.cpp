@@ -257,7 +257,18 @@ struct KindWriter {
             {"steering", json(wheel.steering)},
             {"spin", json(wheel.spin)}};
   }
+  Json operator()(const TendonJoint& tendon) const { return {{"kind", "tendon"}, {"length", json(tendon.length)}}; }
 };
+
+Json terms_of(const SceneJoint& joint, const TendonJoint& tendon) {
+  Json terms = Json::array();
+  for (std::size_t i = 0; i < tendon.terms.size(); ++i) {
+    const TendonTerm& term = tendon.terms[i];
+    terms.push_back(
+        {{"joint", joint.terms.at(i)}, {"coordinate", term.coordinate}, {"polynomial", Json(term.polynomial)}});
+  }
+  return terms;
+}
 
 Json json(const Pose& frame) { return {{"position", json(frame.position)}, {"orientation", json(frame.orientation)}}; }
 
@@ -265,11 +276,15 @@ Json json(const SceneJoint& joint) {
   const JointDef& def = joint.def;
   Json out = std::visit(KindWriter{}, def.kind);
   if (!joint.name.empty()) out["name"] = joint.name;
-  out["first"] = joint.first;
-  out["second"] = joint.second;
-  out["frame_first"] = json(def.frame_first);
-  out["frame_second"] = json(def.frame_second);
-  if (def.collide) out["collide"] = true;
+  if (const auto* tendon = std::get_if<TendonJoint>(&def.kind)) {
+    out["terms"] = terms_of(joint, *tendon);
+  } else {
+    out["first"] = joint.first;
+    out["second"] = joint.second;
+    out["frame_first"] = json(def.frame_first);
+    out["frame_second"] = json(def.frame_second);
+    if (def.collide) out["collide"] = true;
+  }
   if (def.break_force != unlimited) out["break_force"] = def.break_force;
   if (def.break_torque != unlimited) out["break_torque"] = def.break_torque;
   if (def.user_data != 0) out["user_data"] = json(def.user_data);

@@ -15,8 +15,8 @@ bool asks_for_turn(const Joint& joint) {
 
 }  // namespace
 
-JointRow joint_row(const Joint& joint, std::size_t row, const JointFrames& frames) {
-  switch (joint.coordinate[row]) {
+JointRow coordinate_row(Coordinate coordinate, const JointFrames& frames, double ratio) {
+  switch (coordinate) {
     case Coordinate::OffsetX:
       return offset_along(frames, 0);
     case Coordinate::OffsetY:
@@ -51,6 +51,8 @@ JointRow joint_row(const Joint& joint, std::size_t row, const JointFrames& frame
       return angle_about_first(frames, 2, 1);
     case Coordinate::Roll:
       return angle_about_second(frames, 1, 2);
+    case Coordinate::Length:
+      return {};
     case Coordinate::SpinX:
       return spin_about(frames, 0);
     case Coordinate::SpinY:
@@ -60,11 +62,15 @@ JointRow joint_row(const Joint& joint, std::size_t row, const JointFrames& frame
     case Coordinate::Orbit:
       return orbit(frames);
     case Coordinate::Gear:
-      return gear(frames, joint.ratio);
+      return gear(frames, ratio);
     case Coordinate::Rack:
       break;
   }
-  return rack(frames, joint.ratio);
+  return rack(frames, ratio);
+}
+
+JointRow joint_row(const Joint& joint, std::size_t row, const JointFrames& frames) {
+  return coordinate_row(joint.coordinate[row], frames, joint.ratio);
 }
 
 double continued(Coordinate coordinate, double value, double before) {
@@ -82,12 +88,16 @@ LawRow law_row(const Joint& joint, std::size_t row, const JointFrames& frames, d
   LawRow law{joint_row(joint, row, frames), 0};
   law.at.value = law.position = continued(coordinate, law.at.value, before);
   const Law& of = joint.law[row];
-  if (coordinate == Coordinate::Twist) {
-    fade_twist(frames, law.at);
-  } else if (is_turn(coordinate) && !(of.locked() && of.lower == 0)) {
-    fade_turn(frames, axis_of(coordinate, Coordinate::TurnX), law.at);
-  }
+  fade(coordinate, frames, !(of.locked() && of.lower == 0), law.at);
   return law;
+}
+
+void fade(Coordinate coordinate, const JointFrames& frames, bool fades_turn, JointRow& row) {
+  if (coordinate == Coordinate::Twist) {
+    fade_twist(frames, row);
+  } else if (is_turn(coordinate) && fades_turn) {
+    fade_turn(frames, axis_of(coordinate, Coordinate::TurnX), row);
+  }
 }
 
 JointFrames joint_frames(const Joint& joint, const Vector3& position_first, const Quaternion& orientation_first,

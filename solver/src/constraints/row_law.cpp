@@ -10,7 +10,8 @@
 namespace atl::solver {
 namespace {
 
-constexpr double least_hold = 1e-12;  // of what rounding leaves of a very soft spring
+constexpr double unlimited_rate = 1e30;  // m/s or rad/s
+constexpr double least_hold = 1e-12;     // of what rounding leaves of a very soft spring
 
 // Which bound a force of so much is at that would have to be `wanted`.
 int bound_at(double wanted, double most) { return wanted > most ? 1 : wanted < -most ? -1 : 0; }
@@ -212,6 +213,21 @@ double RowLaw::impulse(double rate) const {
   if (rate < lower_rate) sum += stiffness * (lower_rate - rate);
   if (rate > upper_rate) sum -= stiffness * (rate - upper_rate);
   return sum + motor_impulse_at(rate) + friction_at(rate);
+}
+
+// By Newton's method, whose steps stay between rates that are known to be too low and too high: the law is linear piece
+// by piece, and there are few pieces.
+double RowLaw::rate_from(double free, double response) const {
+  constexpr int most_rounds = 60;
+  double low = -unlimited_rate, high = unlimited_rate, rate = free;
+  for (int round = 0; round < most_rounds; ++round) {
+    const double above = rate - free - response * impulse(rate);
+    (above > 0 ? high : low) = rate;
+    const double next = rate - above / (1 + response * slope(rate));
+    if (next == rate) break;
+    rate = next > low && next < high ? next : 0.5 * (low + high);
+  }
+  return rate;
 }
 
 int RowLaw::motor_bound(double rate) const {

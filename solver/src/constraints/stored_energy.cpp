@@ -1,4 +1,5 @@
 #include <solver/constraints/stored_energy.h>
+#include <solver/constraints/tendon.h>
 
 #include <algorithm>
 #include <cmath>
@@ -19,19 +20,27 @@ double potential_of(const Law& law, double value) {
 
 }  // namespace
 
-StoredEnergy StoredEnergy::of(const Joint& joint, const BodyTable& bodies) {
+void StoredEnergy::add(const Law& law, double value, double rate) {
+  if (law.locked() || !law.acts_as_force()) return;
+  potential += potential_of(law, value);
+  rotors += 0.5 * law.armature * rate * rate;
+}
+
+StoredEnergy StoredEnergy::of(std::uint32_t index, const Joint* joints, const BodyTable& bodies) {
   StoredEnergy stored;
+  const Joint& joint = joints[index];
   if (!joint.acts_as_force()) return stored;
+  if (joint.is_tendon()) {
+    const TendonNow now = tendon_now(joint, joints, bodies);
+    stored.add(joint.law[0], now.length, now.rate);
+    return stored;
+  }
   const JointFrames frames = joint_frames(joint, bodies);
   for (std::size_t k = 0; k < joint.rows; ++k) {
-    const Law& law = joint.law[k];
-    if (law.locked() || !law.acts_as_force()) continue;
     const JointRow at = law_row(joint, k, frames, joint.position[k]).at;
-    stored.potential += potential_of(law, at.value);
-    if (law.armature == 0) continue;
-    const double rate = at.rate(bodies.velocity(joint.first), bodies.angular_velocity(joint.first),
-                                bodies.velocity(joint.second), bodies.angular_velocity(joint.second));
-    stored.rotors += 0.5 * law.armature * rate * rate;
+    stored.add(joint.law[k], at.value,
+               at.rate(bodies.velocity(joint.first), bodies.angular_velocity(joint.first),
+                       bodies.velocity(joint.second), bodies.angular_velocity(joint.second)));
   }
   return stored;
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <span>
+#include <utility>
 
 #include "direct/island_contacts.h"
 #include "direct/island_joints.h"
@@ -36,11 +37,17 @@ bool IslandMembers::take_in(const DirectIslandInput& input, const IslandGroup& g
   };
   const auto row_count = [&](const JointLink& link) { return input.joints[link.joint].row_count(); };
   const auto same_rows = [&](const JointLink& link, std::uint8_t before) { return row_count(link) == before; };
-  const bool same = std::equal(joints_now.begin(), joints_now.end(), rows.begin(), rows.end(), same_rows) &&
-                    std::equal(bodies_now.begin(), bodies_now.end(), bodies.begin(), bodies.end()) &&
-                    same_pairs(contacts_now, contacts) && same_pairs(joints_now, joints);
   island = group.begin;
   first_rank = input.islands.first_rank(group.begin);
+  const auto term_ends_before = std::exchange(term_ends, {});
+  for (const JointLink& link : joints_now) {
+    for_each_term(input.joints, link.joint,
+                  [&](const Joint& of) { term_ends.emplace_back(local(input, of.first), local(input, of.second)); });
+  }
+  const bool same = term_ends == term_ends_before &&
+                    std::equal(joints_now.begin(), joints_now.end(), rows.begin(), rows.end(), same_rows) &&
+                    std::equal(bodies_now.begin(), bodies_now.end(), bodies.begin(), bodies.end()) &&
+                    same_pairs(contacts_now, contacts) && same_pairs(joints_now, joints);
   bodies.assign(bodies_now.begin(), bodies_now.end());
   contacts.assign(contacts_now.begin(), contacts_now.end());
   joints.assign(joints_now.begin(), joints_now.end());
@@ -61,7 +68,13 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> IslandMembers::couplings(co
     if (first != no_body && second != no_body) coupled.emplace_back(first, second);
   };
   for (const TouchingPair& pair : contacts) couple(pair);
-  for (const JointLink& link : joints) couple(link);
+  auto ends_of_terms = std::span(term_ends);
+  for (const JointLink& link : joints) {
+    const std::size_t terms = input.joints[link.joint].terms;
+    if (terms == 0) couple(link);
+    couple_all(ends_of_terms.first(terms), coupled);
+    ends_of_terms = ends_of_terms.subspan(terms);
+  }
   return coupled;
 }
 

@@ -27,7 +27,11 @@ bool DirectJoints::analyse(std::span<const JointLink> links, std::span<const Joi
     return static_cast<std::uint32_t>(std::lower_bound(bodies.begin(), bodies.end(), body) - bodies.begin());
   };
   members_.joints.assign(links.begin(), links.end());
-  for (const JointLink& link : links) members_.ends.emplace_back(number(link.first), number(link.second));
+  for (const JointLink& link : links) {
+    members_.ends.emplace_back(number(link.first), number(link.second));
+    for_each_term(joints.data(), link.joint,
+                  [&](const Joint& of) { members_.term_ends.emplace_back(number(of.first), number(of.second)); });
+  }
   const std::size_t count = bodies.size();
   places_.resize(count);
   motions_.resize(count);

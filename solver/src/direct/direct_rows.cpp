@@ -74,8 +74,28 @@ JointRow DirectJoint::row(std::size_t r) const {
   return {.linear = along, .angular_first = arm_first.cross(along), .angular_second = arm_second.cross(along)};
 }
 
+double DirectTerm::rate_by(const double* velocities) const {
+  const double* a = first == no_body ? at_rest : velocities + 6 * first;
+  const double* b = second == no_body ? at_rest : velocities + 6 * second;
+  return row.at.rate(linear(a), angular(a), linear(b), angular(b));
+}
+
+PulledBodies DirectJoint::pulled() const {
+  PulledBodies bodies;
+  for (std::size_t i = 0; i < terms; ++i) bodies.add(term[i].first, term[i].second, term[i].row);
+  return bodies;
+}
+
+void DirectJoint::move_terms(const std::vector<double>& velocities, double time) {
+  for (std::size_t i = 0; i < terms; ++i) term[i].row.position += time * term[i].rate_by(velocities.data());
+}
+
 double DirectJoint::rate_by(const std::vector<double>& velocities, std::size_t row, double start) const {
   double sum = start;
+  if (is_tendon()) {
+    rates_by(velocities.data(), &sum);
+    return start + sum;
+  }
   const JointRow& of = at[row];
   const auto add = [&](std::uint32_t body, const Vector3& angular, double sign) {
     if (body == no_body) return;
@@ -87,6 +107,11 @@ double DirectJoint::rate_by(const std::vector<double>& velocities, std::size_t r
 }
 
 void DirectJoint::rates_by(const double* velocities, double* rates) const {
+  if (is_tendon()) {
+    rates[0] = 0;
+    for (std::size_t i = 0; i < terms; ++i) rates[0] += term[i].row.slope * term[i].rate_by(velocities);
+    return;
+  }
   const double* a = first == no_body ? at_rest : velocities + 6 * first;
   const double* b = second == no_body ? at_rest : velocities + 6 * second;
   const Vector3 apart = linear(b) - linear(a);
@@ -103,6 +128,17 @@ void DirectJoint::rates_by(const double* velocities, double* rates) const {
 }
 
 void DirectJoint::add_impulses(const double* impulses, double* momenta) const {
+  if (is_tendon()) {
+    for (const PulledBody& body : pulled()) {
+      if (body.body == no_body) continue;
+      double* to = momenta + 6 * body.body;
+      for (int k = 0; k < 3; ++k) {
+        to[k] += impulses[0] * body.linear[k];
+        to[3 + k] += impulses[0] * body.angular[k];
+      }
+    }
+    return;
+  }
   Vector3 force = Vector3::Zero(), couple_first = Vector3::Zero(), couple_second = Vector3::Zero();
   std::size_t r = 0;
   if (point) {

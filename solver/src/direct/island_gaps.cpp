@@ -20,7 +20,17 @@ double gap_of(const Joint& of, const DirectJoint& joint, std::size_t row, double
 }
 
 // Of all rows of a joint, at these poses.
-void find_gaps(const Joint& of, const DirectJoint& joint, const IslandPoses& poses, DirectJoint::Rows<double>& gap) {
+void find_gaps(const Joint* joints, const DirectJoint& joint, const IslandPoses& poses,
+               DirectJoint::Rows<double>& gap) {
+  const Joint& of = joints[joint.joint];
+  if (joint.is_tendon()) {
+    double length = 0;
+    for (std::size_t i = 0; i < joint.terms; ++i) {
+      length += term_at(joints, joint, i, poses, joint.term[i].row.position).value;
+    }
+    gap[0] = gap_of(of, joint, 0, length);
+    return;
+  }
   const BodyPose first = poses.of(joint.first, joint.first_body);
   const BodyPose second = poses.of(joint.second, joint.second_body);
   std::size_t r = 0;
@@ -48,7 +58,7 @@ double widest_gap(const Joint* joints, const std::vector<DirectJoint>& all, cons
   double most = 0;
   DirectJoint::Rows<double> gap;
   for (const DirectJoint& joint : all) {
-    find_gaps(joints[joint.joint], joint, poses, gap);
+    find_gaps(joints, joint, poses, gap);
     most = std::max(most, widest(joint, gap));
   }
   return most;
@@ -58,7 +68,7 @@ double widest_gap(const Joint* joints, const std::vector<DirectJoint>& all, cons
 double note_gaps(const Joint* joints, const IslandPoses& poses, std::vector<DirectJoint>& all) {
   double most = 0;
   for (DirectJoint& joint : all) {
-    find_gaps(joints[joint.joint], joint, poses, joint.gap);
+    find_gaps(joints, joint, poses, joint.gap);
     most = std::max(most, widest(joint, joint.gap));
   }
   return most;
@@ -105,6 +115,7 @@ bool gain_by_closing(const Joint* joints, std::span<const MovingBody> bodies, do
 // Coordinates go with the bodies: of those that are a rate only nothing else tells where they are.
 void follow_coordinates(const std::vector<double>& direction, double share, std::vector<DirectJoint>& all) {
   for (DirectJoint& joint : all) {
+    joint.move_terms(direction, share);
     for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) {
       joint.position[r] += share * joint.rate_by(direction, r);
     }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace atl::solver {
 namespace {
@@ -26,6 +27,16 @@ void place_arms(const Joint* joints, const IslandPoses& poses, std::vector<Direc
   }
 }
 
+void place_terms(const Joint* joints, const IslandPoses& poses, DirectJoint& tendon) {
+  tendon.at[0] = {};
+  for (std::size_t i = 0; i < tendon.terms; ++i) {
+    TermRow& row = tendon.term[i].row;
+    row = term_at(joints, tendon, i, poses, row.position);
+    tendon.at[0].value += row.value;
+  }
+  tendon.position[0] = tendon.at[0].value;
+}
+
 void place_rows(const Joint& of, const BodyPose& first, const BodyPose& second, DirectJoint& joint) {
   std::size_t r = joint.point_rows();
   if (r == joint.rows) return;
@@ -37,8 +48,22 @@ void place_rows(const Joint& of, const BodyPose& first, const BodyPose& second, 
   }
 }
 
+void weigh_tendon(const std::vector<DirectBody>& bodies, DirectJoint& tendon) {
+  double responds = 0;
+  for (const PulledBody& body : tendon.pulled()) {
+    if (body.body == no_body) continue;
+    const DirectBody& of = bodies[body.body];
+    responds += body.linear.squaredNorm() / of.mass + body.angular.dot(of.inverse_inertia * body.angular);
+  }
+  tendon.mass[0] = responds > 0 ? 1 / responds : 0;
+}
+
 // Effective masses of rows: `locked`, or of the others.
 void weigh_rows(const Joint& of, const std::vector<DirectBody>& bodies, bool locked, DirectJoint& joint) {
+  if (joint.is_tendon()) {
+    if (of.law[0].locked() == locked) weigh_tendon(bodies, joint);
+    return;
+  }
   const auto response = [&](std::uint32_t body, const Vector3& linear, const Vector3& angular) {
     if (body == no_body) return 0.0;
     const DirectBody& b = bodies[body];
@@ -59,8 +84,24 @@ void weigh_rows(const Joint& of, const std::vector<DirectBody>& bodies, bool loc
   }
 }
 
+// The part of a tendon's rate by bodies of a term that don't respond.
+double given_rate(const BodyTable& table, const DirectTerm& term) {
+  const auto motion = [&](std::uint32_t local, std::uint32_t body) {
+    return local != no_body ? std::pair<Vector3, Vector3>(Vector3::Zero(), Vector3::Zero())
+                            : std::pair<Vector3, Vector3>(table.velocity(body), table.angular_velocity(body));
+  };
+  const auto [v_first, w_first] = motion(term.first, term.first_body);
+  const auto [v_second, w_second] = motion(term.second, term.second_body);
+  return term.row.slope * term.row.at.rate(v_first, w_first, v_second, w_second);
+}
+
 // The rates of rows by what doesn't respond.
 void give_rates(const BodyTable& table, DirectJoint& joint) {
+  if (joint.is_tendon()) {
+    joint.given[0] = 0;
+    for (std::size_t i = 0; i < joint.terms; ++i) joint.given[0] += given_rate(table, joint.term[i]);
+    return;
+  }
   if (joint.first != no_body && joint.second != no_body) return;
   for (std::size_t r = 0; r < joint.rows; ++r) {
     const JointRow at = joint.row(r);
@@ -94,8 +135,17 @@ void release_locks(const Joint& of, DirectJoint& joint) {
 
 }  // namespace
 
+TermRow term_at(const Joint* joints, const DirectJoint& tendon, std::size_t i, const IslandPoses& poses,
+                double before) {
+  const DirectTerm& term = tendon.term[i];
+  const TendonTerm& of = joints[tendon.joint].term[i];
+  return term_row(of, joints[of.joint], poses.of(term.first, term.first_body), poses.of(term.second, term.second_body),
+                  before);
+}
+
 RowKinds load_joints(const Joint* all, const IslandMembers& members, std::vector<DirectJoint>& joints) {
   RowKinds kinds;
+  auto ends = members.term_ends.begin();
   for (std::size_t j = 0; j < members.joints.size(); ++j) {
     const JointLink& link = members.joints[j];
     const Joint& from = all[link.joint];
@@ -117,6 +167,12 @@ RowKinds load_joints(const Joint* all, const IslandMembers& members, std::vector
     joint.bounces = {};
     joint.impact = {};
     joint.limit = joint.motor_bound = {};
+    joint.terms = from.terms;
+    for (std::size_t i = 0; i < from.terms; ++i, ++ends) {
+      const Joint& of = all[from.term[i].joint];
+      joint.term[i] = {of.first, of.second, ends->first, ends->second, {}};
+      joint.term[i].row.position = from.term[i].position;
+    }
     const std::size_t points = joint.point_rows();
     for (std::size_t r = 0; r < joint.rows; ++r) joint.law[r] = {.locked = law_of(from, r).locked()};
     for (std::size_t r = points; r < joint.rows; ++r) {
@@ -146,8 +202,12 @@ void place_joints(const DirectIslandInput& input, double time, double h, std::ve
   place_arms(input.joints, poses, problem.joints);
   place_inertia(problem, bodies, h);
   for (DirectJoint& joint : problem.joints) {
-    place_rows(input.joints[joint.joint], poses.of(joint.first, joint.first_body),
-               poses.of(joint.second, joint.second_body), joint);
+    if (joint.is_tendon()) {
+      place_terms(input.joints, poses, joint);
+    } else {
+      place_rows(input.joints[joint.joint], poses.of(joint.first, joint.first_body),
+                 poses.of(joint.second, joint.second_body), joint);
+    }
     weigh_rows(input.joints[joint.joint], problem.bodies, false, joint);
     give_rates(input.bodies, joint);
   }
@@ -308,6 +368,7 @@ void write_back_joints(const DirectIslandInput& input, const std::vector<DirectJ
   const double over_h = input.settings.substeps / input.dt;
   for (const DirectJoint& from : joints) {
     Joint& joint = input.joints[from.joint];
+    for (std::size_t i = 0; i < from.terms; ++i) joint.term[i].position = from.term[i].row.position;
     joint.tension = from.tension;
     joint.force.setZero();
     joint.torque.setZero();
@@ -325,6 +386,7 @@ void write_back_joints(const DirectIslandInput& input, const std::vector<DirectJ
       joint.force += over_h * from.lasting[r] * at.linear;
       joint.torque += over_h * from.lasting[r] * (at.angular_second - from.arm_second.cross(at.linear));
     }
+    if (from.is_tendon()) joint.force.x() = over_h * from.lasting[0];
   }
 }
 

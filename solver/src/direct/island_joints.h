@@ -13,6 +13,9 @@ namespace atl::solver {
 /// Fills in the problem's joints, but for what follows their bodies.
 RowKinds load_joints(const Joint* all, const IslandMembers& members, std::vector<DirectJoint>& joints);
 
+/// A term of a tendon at these poses, its coordinate's position before given.
+TermRow term_at(const Joint* joints, const DirectJoint& tendon, std::size_t i, const IslandPoses& poses, double before);
+
 /// The law of a row, of which those of the point come first, which are locked.
 const Law& law_of(const Joint& joint, std::size_t row);
 

@@ -1,4 +1,5 @@
 #include <solver/direct/island_matrix.h>
+#include <solver/direct/island_members.h>
 #include <solver/tuning.h>
 
 #include <algorithm>
@@ -22,7 +23,11 @@ bool IslandMatrix::analyse_joints(const IslandProblem& problem, std::size_t most
   if (joints_.analyse(problem)) return true;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
   for (const DirectJoint& joint : problem.joints) {
-    if (joint.first != no_body && joint.second != no_body) pairs.emplace_back(joint.first, joint.second);
+    if (joint.is_tendon()) {
+      couple_all(std::span(joint.term).first(joint.terms), pairs);
+    } else if (joint.first != no_body && joint.second != no_body) {
+      pairs.emplace_back(joint.first, joint.second);
+    }
   }
   return analyse(problem.bodies.size(), pairs, most_blocks);
 }
@@ -98,8 +103,32 @@ void IslandMatrix::add_stiffness(const DirectContact& contact, const std::array<
   }
 }
 
+// J^T K J of a tendon: a block of each two of its bodies.
+void IslandMatrix::add_tendon(DirectJoint& tendon) {
+  tendon.factored[0] = tendon.law[0].pieces(tendon.rate[0]);
+  const double k = tendon.law[0].slope(tendon.rate[0]);
+  if (k == 0) return;
+  const auto entry = [](const PulledBody& body, int i) { return i < 3 ? body.linear[i] : body.angular[i - 3]; };
+  const PulledBodies bodies = tendon.pulled();
+  for (const PulledBody& row : bodies) {
+    for (const PulledBody& column : bodies) {
+      if (row.body == no_body || column.body == no_body) continue;
+      // A block has the rows of what is eliminated later.
+      if (row.body != column.body && system_.is_earlier(row.body, column.body)) continue;
+      double* block = system_.values(system_.block_index(row.body, column.body));
+      for (int c = 0; c < 6; ++c) {
+        for (int r = 0; r < 6; ++r) block[r + 6 * c] += k * entry(row, r) * entry(column, c);
+      }
+    }
+  }
+}
+
 // J^T K J of a joint: a row's motion is one of each body.
 void IslandMatrix::add_stiffness(DirectJoint& joint) {
+  if (joint.is_tendon()) {
+    add_tendon(joint);
+    return;
+  }
   const auto add = [&](std::uint32_t row_body, const Vector3& row_angular, std::uint32_t column_body,
                        const Vector3& column_angular, const Vector3& linear, double k) {
     double* block = system_.values(system_.block_index(row_body, column_body));

@@ -49,6 +49,25 @@ bool decays_notably(const Law& law, const DirectJoint& joint, std::size_t row, d
   return joint.mass[row] > 0 && h * (law.damping + law.servo_damping) > tuning::notable_decay * moved;
 }
 
+// The bend of note_bends(). A coordinate of a term bends as its joint's bodies swing, and its polynomial as it moves.
+double bend_of_tendon(const DirectIslandInput& input, double time, double h, std::span<const MovingBody> bodies,
+                      const std::vector<double>& velocities, const DirectJoint& tendon) {
+  const Law& law = input.joints[tendon.joint].law[0];
+  if (!law.locked() && law.armature == 0) return 0;
+  double change = 0, length = 0;
+  for (std::size_t i = 0; i < tendon.terms; ++i) {
+    const DirectTerm& term = tendon.term[i];
+    const TendonTerm& of = input.joints[tendon.joint].term[i];
+    BodyPose other_first, other_second;
+    const Side a = side_of(input.bodies, time, bodies, velocities, term.first, term.first_body, other_first);
+    const Side b = side_of(input.bodies, time, bodies, velocities, term.second, term.second_body, other_second);
+    const double moves = h * term.row.at.rate(a.velocity, a.spin, b.velocity, b.spin);
+    change += term.row.slope * moves;
+    length += term_row(of, input.joints[of.joint], a.next, b.next, term.row.position + moves).value;
+  }
+  return (length - (tendon.at[0].value + change)) / h;
+}
+
 // Velocities are late in a kick that takes back, and rows that are held or driven go at the rates they have.
 void hold_late(RowLaw& law, double rate, int limit) {
   const bool driven = law.motor_impulse > 0 && law.motor_slope == 0;
@@ -93,6 +112,10 @@ double note_bends(const DirectIslandInput& input, double time, double h, std::sp
     const Side a = side_of(input.bodies, time, bodies, problem.free, joint.first, joint.first_body, other);
     const Side b = side_of(input.bodies, time, bodies, problem.free, joint.second, joint.second_body, other);
     joint.bend = {};
+    if (joint.is_tendon()) {
+      joint.bend[0] = bend_of_tendon(input, time, h, bodies, problem.free, joint);
+      continue;
+    }
     if (!bends_notably(a.spin) && !bends_notably(b.spin)) continue;
     const Joint& of = input.joints[joint.joint];
     const Vector3 turned_first = a.next.orientation * of.anchor_first - joint.arm_first;

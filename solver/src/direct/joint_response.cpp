@@ -34,6 +34,7 @@ bool JointResponse::analyse(const IslandProblem& problem) {
   nodes_.clear();
   for (std::uint32_t i = 0; i < joints.size(); ++i) {
     const DirectJoint& joint = joints[i];
+    if (joint.is_tendon()) return false;
     for (const std::uint32_t body : {joint.first, joint.second}) {
       if (body == no_body) continue;
       for (const std::uint32_t other : at_body[body]) {

@@ -87,12 +87,15 @@ void hold_resting_points(IslandProblem& problem, double h) {
   }
 }
 
-// Whether joints make loops: more of them than a tree has.
+// Tells joints that make loops: more of them than a tree has. A tendon holds one coordinate of bodies that others
+// carry.
 bool has_loops(const IslandProblem& problem) {
+  const auto tendons = static_cast<std::size_t>(std::count_if(
+      problem.joints.begin(), problem.joints.end(), [](const DirectJoint& joint) { return joint.is_tendon(); }));
   const bool anchored = std::any_of(problem.joints.begin(), problem.joints.end(), [](const DirectJoint& joint) {
     return joint.first == no_body || joint.second == no_body;
   });
-  return problem.joints.size() > problem.bodies.size() - (anchored ? 0 : 1);
+  return problem.joints.size() - tendons > problem.bodies.size() - (anchored ? 0 : 1);
 }
 
 // After a linear solution.
@@ -338,6 +341,7 @@ void Substeps::advance() {
 
 void Substeps::advance_coordinates() {
   for (DirectJoint& joint : problem_.joints) {
+    joint.move_terms(problem_.velocity, h_);
     for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) {
       joint.position[r] += h_ * joint.rate_by(problem_.velocity, r, joint.given[r]);
     }

@@ -25,7 +25,8 @@ std::uint32_t Islands::find(std::uint32_t body) {
 }
 
 void Islands::build(std::span<const std::uint32_t> candidates, std::span<const std::uint8_t> awake,
-                    std::span<const TouchingPair> pairs, std::span<const JointLink> links) {
+                    std::span<const TouchingPair> pairs, std::span<const JointLink> links,
+                    std::span<const JointLink> ties) {
   for (const std::uint32_t body : bodies_) island_of_[body] = none;
   // Where nothing moves nothing is asked by body.
   if (!candidates.empty() || !pairs.empty() || !links.empty()) {
@@ -33,7 +34,7 @@ void Islands::build(std::span<const std::uint32_t> candidates, std::span<const s
     rank_.resize(awake.size());
     island_of_.resize(awake.size(), none);
   }
-  join(candidates, awake, pairs, links);
+  join(candidates, awake, pairs, links, ties);
   number(candidates, awake);
 
   // Counting sorts of bodies and pairs by island.
@@ -70,7 +71,8 @@ void Islands::sort_by_island(std::span<const Pair> pairs, std::vector<Pair>& sor
 
 // Finds the components.
 void Islands::join(std::span<const std::uint32_t> candidates, std::span<const std::uint8_t> awake,
-                   std::span<const TouchingPair> pairs, std::span<const JointLink> links) {
+                   std::span<const TouchingPair> pairs, std::span<const JointLink> links,
+                   std::span<const JointLink> ties) {
   for (const std::uint32_t body : candidates) parent_[body] = none;
   const auto touch = [this](std::uint32_t body) {
     if (parent_[body] == none) parent_[body] = body;
@@ -87,6 +89,7 @@ void Islands::join(std::span<const std::uint32_t> candidates, std::span<const st
   };
   join_all(pairs);
   join_all(links);
+  join_all(ties);
 }
 
 // Numbers islands as their lowest body comes up, and counts their bodies.

@@ -1,3 +1,4 @@
+#include <solver/constraints/tendon.h>
 #include <solver/islands/joint_graph.h>
 
 #include <algorithm>
@@ -19,18 +20,29 @@ std::uint32_t find(std::vector<std::uint32_t>& parent, std::uint32_t body) {
 
 void JointGraph::build(std::span<const Joint> joints, std::span<const std::uint8_t> acts, const BodyTable& bodies) {
   links_.clear();
+  ties_.clear();
   component_of_.assign(joints.size(), none);
   parent_.resize(bodies.size());
   std::iota(parent_.begin(), parent_.end(), 0u);
   const auto dynamic = [&](std::uint32_t body) { return bodies.mobility[body] == Mobility::Dynamic; };
   for (std::uint32_t joint = 0; joint < joints.size(); ++joint) {
     const std::uint32_t first = joints[joint].first, second = joints[joint].second;
-    if (!acts[joint] || !(dynamic(first) || dynamic(second))) continue;
-    links_.push_back({first, second, joint});
-    if (!dynamic(first) || !dynamic(second)) continue;
-    const std::uint32_t a = find(parent_, first), b = find(parent_, second);
-    parent_[std::max(a, b)] = std::min(a, b);
+    if (!acts[joint]) continue;
+    if (joints[joint].is_tendon()) {
+      add_tendon(joints, joint, bodies);
+    } else if (dynamic(first) || dynamic(second)) {
+      links_.push_back({first, second, joint});
+    }
   }
+  const auto join_all = [&](const std::vector<JointLink>& all) {
+    for (const JointLink& link : all) {
+      if (!dynamic(link.first) || !dynamic(link.second)) continue;
+      const std::uint32_t a = find(parent_, link.first), b = find(parent_, link.second);
+      parent_[std::max(a, b)] = std::min(a, b);
+    }
+  };
+  join_all(links_);
+  join_all(ties_);
 
   // Numbers components as their first joint comes up, and sorts joints by component.
   component_of_root_.assign(bodies.size(), none);
@@ -48,15 +60,37 @@ void JointGraph::build(std::span<const Joint> joints, std::span<const std::uint8
   sorted_.resize(links_.size());
   std::vector<std::uint32_t> cursor(start_.begin(), start_.end());
   for (const JointLink& link : links_) sorted_[cursor[component_of_[link.joint]]++] = link;
-  count_parallel(bodies);
+  count_parallel(joints, bodies);
 }
 
-void JointGraph::count_parallel(const BodyTable& bodies) {
+// Its link is between two dynamic bodies if it has as many.
+void JointGraph::add_tendon(std::span<const Joint> joints, std::uint32_t tendon, const BodyTable& bodies) {
+  std::vector<std::uint32_t> pulled;
+  std::uint32_t other = none;
+  for_each_term(joints.data(), tendon, [&](const Joint& of) {
+    for (const std::uint32_t body : {of.first, of.second}) {
+      if (bodies.mobility[body] == Mobility::Dynamic) {
+        pulled.push_back(body);
+      } else {
+        other = body;
+      }
+    }
+  });
+  std::sort(pulled.begin(), pulled.end());
+  pulled.erase(std::unique(pulled.begin(), pulled.end()), pulled.end());
+  if (pulled.empty()) return;
+  links_.push_back({pulled[0], pulled.size() > 1 ? pulled[1] : other, tendon});
+  for (std::size_t i = 2; i < pulled.size(); ++i) ties_.push_back({pulled[0], pulled[i], tendon});
+}
+
+// Tendons hold no bodies together, and share nothing.
+void JointGraph::count_parallel(std::span<const Joint> joints, const BodyTable& bodies) {
   const auto body_of = [&](std::uint32_t body) {
     return bodies.mobility[body] == Mobility::Dynamic ? body : Islands::none;
   };
   const auto pair_of = [&](const JointLink& link) { return std::minmax({body_of(link.first), body_of(link.second)}); };
   std::vector<JointLink> by_pair = links_;
+  std::erase_if(by_pair, [&](const JointLink& link) { return joints[link.joint].is_tendon(); });
   std::sort(by_pair.begin(), by_pair.end(),
             [&](const JointLink& a, const JointLink& b) { return pair_of(a) < pair_of(b); });
   parallel_.assign(component_of_.size(), 0);

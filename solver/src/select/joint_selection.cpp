@@ -92,7 +92,9 @@ struct AssembledJoint {
 class Holds {
  public:
   Holds(std::span<const JointLink> links, std::span<const Joint> joints, const BodyTable& bodies) {
-    for (const JointLink& link : links) add(joints[link.joint], bodies);
+    for (const JointLink& link : links) {
+      if (!joints[link.joint].is_tendon()) add(joints[link.joint], bodies);
+    }
     std::stable_sort(holds_.begin(), holds_.end());
   }
 
@@ -147,11 +149,11 @@ class Holds {
 };
 
 // Whether solving joint by joint would not do: what hangs on something swings for long, and machines stand on
-// something, or hold their pose by servos; there errors add up.
+// something, or hold their pose by servos; there errors add up. A tendon's impulse is to reach over several joints.
 bool asks_for_direct(std::span<const JointLink> links, std::span<const Joint> joints, const BodyTable& bodies) {
   const auto asks = [&](const JointLink& link) {
     return bodies.inverse_mass[link.first] == 0 || bodies.inverse_mass[link.second] == 0 ||
-           joints[link.joint].is_actuated();
+           joints[link.joint].is_actuated() || joints[link.joint].is_tendon();
   };
   if (std::any_of(links.begin(), links.end(), asks) || Holds(links, joints, bodies).fight()) return true;
   if (links.size() <= tuning::long_chain) return false;
@@ -165,6 +167,7 @@ double longest_substep(std::span<const JointLink> links, std::span<const Joint> 
   double fastest = 0;  // 1/s
   for (const JointLink& link : links) {
     const Joint& joint = joints[link.joint];
+    if (joint.is_tendon()) continue;
     if (std::none_of(joint.law.begin(), joint.law.begin() + joint.rows, [](const Law& law) { return law.springs(); })) {
       continue;
     }

@@ -25,21 +25,15 @@ BodyPose start_pose(const BodyTable& table, std::uint32_t body) {
   return {table.position(body), table.orientation(body)};
 }
 
-// Where a body's displacement has brought it.
-BodyPose pose_now(const JointStep& step, std::uint32_t body, std::int32_t local) {
-  const DisplacementRows& displacement = step.bodies.displacement[static_cast<std::size_t>(local)];
-  return {step.table.position(body) + get3(displacement.linear),
-          (rotation_of(displacement) * step.table.orientation(body)).normalized()};
-}
-
 JointFrames frames_of(const Joint& joint, const BodyPose& first, const BodyPose& second) {
   return joint_frames(joint, first.position, first.orientation, second.position, second.orientation);
 }
 
 JointFrames frames_now(const JointStep& step, const JointBlock& block, std::size_t lane) {
   const Joint& joint = step.joints[block.joint[lane]];
-  return frames_of(joint, pose_now(step, joint.first, block.first[lane]),
-                   pose_now(step, joint.second, block.second[lane]));
+  const auto local = [](std::int32_t number) { return static_cast<std::uint32_t>(number); };
+  return frames_of(joint, pose_now(step, joint.first, local(block.first[lane])),
+                   pose_now(step, joint.second, local(block.second[lane])));
 }
 
 double rate_of(const SolverBodies& bodies, const JointBlock& block, const JointRowBlock& row, std::size_t lane) {
@@ -127,6 +121,12 @@ void set_springs(JointRowBlock& row, std::size_t lane, const Law& law, const Joi
 }
 
 }  // namespace
+
+BodyPose pose_now(const JointStep& step, std::uint32_t body, std::uint32_t local) {
+  const DisplacementRows& displacement = step.bodies.displacement[local];
+  return {step.table.position(body) + get3(displacement.linear),
+          (rotation_of(displacement) * step.table.orientation(body)).normalized()};
+}
 
 void GroupJoints::clear() {
   joints_.clear();

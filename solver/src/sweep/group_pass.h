@@ -63,6 +63,7 @@ void GroupPass<Executor>::prepare() {
   prepare_contacts();
   if (setup_.may_gain) parts_.passive_energy.begin(setup_.input, setup_.group);
   complete_joints();
+  if (setup_.sweeps_tendons) parts_.tendons.begin_step(setup_.joint_step);
   if (setup_.joined) prepare_systems();
   clock_.lap(SolverPhase::Prepare);
 }
@@ -103,6 +104,7 @@ void GroupPass<Executor>::finish() {
   if (setup_.may_gain) parts_.passive_energy.bound(setup_.input);
   loops_.each_joint_block(
       [&](std::size_t begin, std::size_t end) { parts_.joints.store(setup_.joint_step, begin, end); });
+  if (setup_.sweeps_tendons) parts_.tendons.store(setup_.joint_step);
   clock_.lap(SolverPhase::Store);
 }
 
@@ -175,6 +177,7 @@ void GroupPass<Executor>::note_speeds() {
     loops_.each_joint_row_block(
         [&](std::size_t begin, std::size_t end) { parts_.joints.note_rates(setup_.joint_step, begin, end); });
   }
+  if (setup_.sweeps_tendons) parts_.tendons.begin_substep(setup_.joint_step);
 }
 
 template <typename Executor>
@@ -189,6 +192,7 @@ void GroupPass<Executor>::warm_start(int number) {
   if (!setup_.settings.warm_starting) {
     parts_.contacts.clear_impulses(report_);
     if (setup_.sweeps_joints) parts_.joints.clear_impulses(0, parts_.joints.block_count());
+    if (setup_.sweeps_tendons) parts_.tendons.clear_impulses();
   } else {
     // Later substeps have begun with all that the one before has changed.
     const float kept = setup_.constants.joint_carried;
@@ -198,6 +202,7 @@ void GroupPass<Executor>::warm_start(int number) {
         setup_.kernels.warm_start_joints(setup_.joint_data, applied, kept, begin, end);
       });
     }
+    if (setup_.sweeps_tendons) parts_.tendons.warm_start(parts_.bodies, applied, kept, number > 0);
     if (number == 0) {
       loops_.each_contact_colour(
           [&](std::size_t begin, std::size_t end) { setup_.kernels.warm_start(setup_.contact_data, begin, end); });
@@ -256,6 +261,7 @@ void GroupPass<Executor>::integrate_positions() {
   });
   if (setup_.sweeps_joints) parts_.joint_inertia.follow(setup_.input, setup_.body_ids, parts_.bodies);
   refresh_joint_rows(true);
+  if (setup_.sweeps_tendons) parts_.tendons.move(setup_.joint_step);
 }
 
 template <typename Executor>
@@ -269,7 +275,7 @@ void GroupPass<Executor>::relax(int number) {
   // Once a step where bodies are more than caches hold: a tenth of a net's time else.
   if (setup_.bounds_joints && (!setup_.group.large || number + 1 == setup_.settings.substeps)) {
     parts_.joint_energy.bound(parts_.joined_motion, setup_.joint_step, setup_.kernels, parts_.numbers.first_dynamic(),
-                              parts_.bodies, parts_.joints);
+                              parts_.bodies, parts_.joints, parts_.tendons);
   }
   loops_.each_system([&](DirectJoints& system) { system.relax(setup_.direct_input, number, parts_.bodies); });
 }
@@ -333,6 +339,10 @@ void GroupPass<Executor>::sweep(Sweep how, JointSweep joints, int iterations, in
       loops_.each_joint_colour([&](std::size_t begin, std::size_t end) {
         residual.add(setup_.kernels.sweep_joints(setup_.joint_data, joints, begin, end));
       });
+      if (setup_.sweeps_tendons) {
+        const float change = parts_.tendons.sweep(setup_.joint_step, parts_.bodies, joints.push);
+        if (joints.measures) residual.add(change);
+      }
     }
     loops_.each_contact_colour([&](std::size_t begin, std::size_t end) {
       residual.add(setup_.kernels.sweep(setup_.contact_data, how, begin, end));

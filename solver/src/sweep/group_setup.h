@@ -27,6 +27,7 @@ struct GroupSetup {
         relaxes(settings.stabilisation == Stabilisation::Soft && settings.relax_iterations > 0),
         joined(with_joints && report.joints > 0),
         sweeps_joints(with_joints && !parts.joints.empty()),
+        sweeps_tendons(with_joints && !parts.tendons.empty()),
         bounds_joints(sweeps_joints && relaxes),
         may_gain(!parts.contacts.empty() && (joined || report.gyroscopic_bodies > 0)),
         friction(!report.friction   ? Friction::None
@@ -48,6 +49,7 @@ struct GroupSetup {
   const bool relaxes;                             // what soft contacts pushed is taken back
   const bool joined;                              // there are joints
   const bool sweeps_joints;                       // some are solved one by one
+  const bool sweeps_tendons;                      // between these
   const bool bounds_joints;                       // whose velocities end a substep without what pushes
   const bool may_gain;                            // energy from what only holds: see PassiveEnergy
   const Friction friction;

@@ -61,6 +61,7 @@ void GroupSolver::collect(const SolveInput& input, const IslandGroup& group) {
 void GroupSolver::collect_joints(const SolveInput& input, const IslandGroup& group) {
   const GroupBodies& numbers = parts_.numbers;
   parts_.joints.clear();
+  parts_.tendons.clear();
   parts_.joined.clear();
   const std::span<const JointLink> links = input.islands.joints(group.begin, group.end);
   if (links.empty()) return;
@@ -74,6 +75,11 @@ void GroupSolver::collect_joints(const SolveInput& input, const IslandGroup& gro
   for (const JointLink& link : links) {
     if (input.solves_directly(input.joint_graph->component_of(link.joint))) continue;
     const Joint& joint = input.joints[link.joint];
+    if (joint.is_tendon()) {
+      parts_.tendons.add(link.joint, input.joints,
+                         [&](std::uint32_t body) { return numbers.local(input, group, body); });
+      continue;
+    }
     parts_.joints.add({numbers.local(input, group, link.first), numbers.local(input, group, link.second), link.joint,
                        joint.point, joint.rows},
                       joint);

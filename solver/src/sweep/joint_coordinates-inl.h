@@ -255,6 +255,7 @@ HWY_INLINE CoordinateLanes coordinate_in_lanes(Coordinate coordinate, const Fram
     case Coordinate::Gear:
       return geared(frames, ratio, false);
     case Coordinate::Rack:
+    case Coordinate::Length:  // which no joint has that is swept in lanes
       break;
   }
   return geared(frames, ratio, true);

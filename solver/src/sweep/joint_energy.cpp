@@ -8,16 +8,18 @@
 
 namespace atl::solver {
 
-void JointEnergy::find_forced(const JointStep& step, const GroupJoints& joints) {
+void JointEnergy::find_forced(const JointStep& step, const GroupJoints& joints, const GroupTendons& tendons) {
   forced_.clear();
-  if (!joints.has_forces()) return;
+  if (!joints.has_forces() && !tendons.has_forces(step)) return;
   const SolverBodies& bodies = step.bodies;
   forced_.assign(bodies.padded_count(), {});
-  joints.each_force(step, [&](std::int32_t body, const Vector3& impulse, const Vector3& angular_impulse) {
+  const auto add = [&](std::int32_t body, const Vector3& impulse, const Vector3& angular_impulse) {
     const auto local = static_cast<std::size_t>(body);
     add3(forced_[local].linear, bodies.free_velocity[local].inverse_mass * impulse);
     add3(forced_[local].angular, product(inverse_inertia_of(bodies, local), angular_impulse));
-  });
+  };
+  joints.each_force(step, add);
+  tendons.each_force(step, add);
 }
 
 bool JointEnergy::find_scales(const JoinedMotion& motion, std::uint32_t first_dynamic) {
@@ -58,15 +60,18 @@ void JointEnergy::scale(const JoinedMotion& motion, std::uint32_t first_dynamic,
 }
 
 void JointEnergy::bound(const JoinedMotion& motion, const JointStep& step, const Kernels& kernels,
-                        std::uint32_t first_dynamic, SolverBodies& bodies, GroupJoints& joints) {
+                        std::uint32_t first_dynamic, SolverBodies& bodies, GroupJoints& joints, GroupTendons& tendons) {
   if (!motion.has_closed()) return;
-  find_forced(step, joints);
+  find_forced(step, joints, tendons);
   work_.resize(bodies.padded_count());
   kernels.find_work(bodies, forced_.empty() ? nullptr : forced_.data(), work_.data(), 0, bodies.padded_count());
   if (!find_scales(motion, first_dynamic)) return;
   scale(motion, first_dynamic, bodies);
-  joints.scale_held(
-      step, [&](std::int32_t body) { return scale_of(motion, static_cast<std::size_t>(body) - first_dynamic); });
+  const auto scale_at = [&](std::int32_t body) {
+    return scale_of(motion, static_cast<std::size_t>(body) - first_dynamic);
+  };
+  joints.scale_held(step, scale_at);
+  tendons.scale_held(step, scale_at);
 }
 
 }  // namespace atl::solver

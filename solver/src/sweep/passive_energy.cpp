@@ -25,7 +25,7 @@ bool turns_blindly(const BodyTable& bodies, std::uint32_t body, double dt) {
 StoredEnergy stored_in(const SolveInput& input, std::size_t island) {
   StoredEnergy sum;
   for (const JointLink& link : input.islands.joints(island, island + 1)) {
-    const StoredEnergy stored = StoredEnergy::of(input.joints[link.joint], input.bodies);
+    const StoredEnergy stored = StoredEnergy::of(link.joint, input.joints, input.bodies);
     sum.potential += stored.potential;
     sum.rotors += stored.rotors;
   }

@@ -31,6 +31,7 @@ enum class Coordinate : std::uint8_t {
   AngleSecondY,  ///< about the second y axis, of the first x axis
   Steer,         ///< about the first z axis, of the second y axis
   Roll,          ///< about the second y axis, of the first z axis
+  Length,        ///< of a tendon, the sum of its terms: see tendon.h
   SpinX,         ///< a rate only
   SpinY,
   SpinZ,
@@ -86,6 +87,24 @@ struct Law {
 };
 
 inline constexpr std::size_t max_joint_rows = 6;
+inline constexpr std::size_t max_tendon_terms = 4;
+
+/// A polynomial of a coordinate q of another joint: a part of the length of a tendon.
+struct TendonTerm {
+  std::uint32_t joint = 0;
+  Coordinate coordinate = Coordinate::Twist;
+  std::array<double, 5> polynomial = {};  ///< of q^0 to q^4
+  double position = 0;                    ///< q, m or rad, as of the end of the step; angles over full turns
+
+  double value_at(double q) const {
+    const auto& [c0, c1, c2, c3, c4] = polynomial;
+    return c0 + q * (c1 + q * (c2 + q * (c3 + q * c4)));
+  }
+  double slope_at(double q) const {
+    const auto& [c0, c1, c2, c3, c4] = polynomial;
+    return c1 + q * (2 * c2 + q * (3 * c3 + q * (4 * c4)));
+  }
+};
 
 /// A joint as the solver sees it: which coordinates of two frames obey which laws. What users call its kind is a choice
 /// of these (runtime's make_joint).
@@ -118,7 +137,12 @@ struct alignas(64) Joint {
   /// -1 where the motor pulled backwards with all it had, 1 forwards, else 0. Of joints that are solved at once, which
   /// start the next step from there.
   std::array<std::int8_t, max_joint_rows> motor_bound = {};
+  /// Terms of a tendon; other joints have none. A tendon has one row along Coordinate::Length, no point and no frames;
+  /// its bodies are those of the joints of its terms.
+  std::array<TendonTerm, max_tendon_terms> term = {};
+  std::uint8_t terms = 0;
 
+  bool is_tendon() const { return terms > 0; }
   std::size_t row_count() const { return rows + (point ? 3u : 0u); }
   /// Tells a joint with springs, servos, motors or armatures.
   bool acts_as_force() const {
@@ -130,8 +154,10 @@ struct alignas(64) Joint {
   }
 };
 
-/// One coordinate of a joint at the given frames. The value of a rate only is 0, that of an angle within half a turn of
-/// zero.
+/// A coordinate of two frames, `ratio` that of gears. The value of a rate only is 0, that of an angle within half a
+/// turn of zero. Nothing of a tendon's length, which is of more than two frames.
+JointRow coordinate_row(Coordinate coordinate, const JointFrames& frames, double ratio = 1);
+/// The same of a row of a joint.
 JointRow joint_row(const Joint& joint, std::size_t row, const JointFrames& frames);
 
 /// The value in m or rad as a continuation of the position before: of angles, the turn nearest to it; of what is a rate
@@ -150,6 +176,10 @@ struct LawRow {
 /// and ranges along them would get energy from nowhere. What fades is a smooth function of the pose all the same, so a
 /// spring on it keeps energy.
 LawRow law_row(const Joint& joint, std::size_t row, const JointFrames& frames, double before);
+
+/// Makes of a coordinate's row one that fades, with the value that it has been continued to. `fades_turn`: also of a
+/// turn, see there.
+void fade(Coordinate coordinate, const JointFrames& frames, bool fades_turn, JointRow& row);
 
 /// Where the frames of a joint are, of bodies whose centres of mass are at these places. Unit quaternions.
 JointFrames joint_frames(const Joint& joint, const Vector3& position_first, const Quaternion& orientation_first,

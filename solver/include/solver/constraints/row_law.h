@@ -91,6 +91,9 @@ struct RowLaw {
   void soften_friction(double effective_mass);
 
   double impulse(double rate) const;
+  /// The rate that this brings a coordinate to from a rate without, where an impulse changes it by `response` times
+  /// that.
+  double rate_from(double free, double response) const;
   double motor_impulse_at(double rate) const;
   double friction_at(double rate) const;
   /// Impulse by rate, not negative.

@@ -4,13 +4,14 @@
 
 namespace atl::solver {
 
-/// J: what a joint can give back, with its bodies as they are now.
+/// J: what one of all joints can give back, with its bodies as they are now.
 struct StoredEnergy {
   double potential =
       0;              ///< of springs and servos; a servo's limit bounds its force, so it grows linearly from there on
   double rotors = 0;  ///< of armatures, by the rates of their coordinates
 
-  static StoredEnergy of(const Joint& joint, const BodyTable& bodies);
+  static StoredEnergy of(std::uint32_t joint, const Joint* joints, const BodyTable& bodies);
+  void add(const Law& law, double value, double rate);
 };
 
 /// Tells a joint that gives no energy but what it has stored. A motor with a speed does, and so does a spring of a

@@ -4,6 +4,7 @@
 #include <solver/constraints/contact_law.h>
 #include <solver/constraints/joint.h>
 #include <solver/constraints/row_law.h>
+#include <solver/constraints/tendon.h>
 
 #include <array>
 #include <cstddef>
@@ -81,8 +82,18 @@ struct DirectContact {
   }
 };
 
+/// A term of a tendon of a direct solve: a coordinate of a joint between two bodies.
+struct DirectTerm {
+  std::uint32_t first_body, second_body;  ///< of the world
+  std::uint32_t first, second;            ///< bodies of the problem, or no_body
+  TermRow row;
+
+  /// m/s or rad/s: what velocities, of bodies that respond, make of the coordinate.
+  double rate_by(const double* velocities) const;
+};
+
 /// A joint between two bodies of a direct solve: its rows, those of the point first. Velocities as DirectContact has
-/// them.
+/// them. Of a tendon the only row acts on the bodies of its terms; `at` has the length and no axes.
 struct DirectJoint {
   template <typename Number>
   using Rows = std::array<Number, max_joint_rows>;
@@ -115,7 +126,14 @@ struct DirectJoint {
   Rows<std::int8_t> limit, motor_bound;  ///< as Joint has them
   Rows<bool> bounces;                    ///< at that end, in this substep
   Vector3 tension;                       ///< N, followed over some substeps
+  std::array<DirectTerm, max_tendon_terms> term;
+  std::size_t terms;
 
+  bool is_tendon() const { return terms > 0; }
+  /// The bodies of a tendon, by their numbers in the problem; those that don't respond are no_body.
+  PulledBodies pulled() const;
+  /// Moves the coordinates of its terms by `time` times their rates at these velocities.
+  void move_terms(const std::vector<double>& velocities, double time);
   std::size_t point_rows() const { return point ? 3 : 0; }
   JointRow row(std::size_t r) const;
   RowMass row_mass(std::size_t r) const { return {.alone = mass[r], .joined = joined[r] * mass[r]}; }

@@ -45,6 +45,7 @@ class IslandMatrix {
   void add_masses(std::span<const DirectBody> bodies);
   void add_stiffness(const DirectContact& contact, const std::array<Six, 6>& k);
   void add_stiffness(DirectJoint& joint);
+  void add_tendon(DirectJoint& tendon);
 
   BlockLdlt system_;
   JointResponse joints_;  // or empty: takes the place of the system

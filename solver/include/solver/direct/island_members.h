@@ -4,11 +4,29 @@
 #include <solver/direct/direct_island_input.h>
 #include <solver/direct/direct_rows.h>
 
+#include <algorithm>
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
 namespace atl::solver {
+
+/// Couples each two different bodies of some pairs, which may have no_body.
+template <typename Pairs>
+void couple_all(const Pairs& pairs, std::vector<std::pair<std::uint32_t, std::uint32_t>>& coupled) {
+  std::vector<std::uint32_t> bodies;
+  for (const auto& pair : pairs) {
+    for (const std::uint32_t body : {pair.first, pair.second}) {
+      if (body != no_body) bodies.push_back(body);
+    }
+  }
+  std::sort(bodies.begin(), bodies.end());
+  bodies.erase(std::unique(bodies.begin(), bodies.end()), bodies.end());
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) coupled.emplace_back(bodies[k], bodies[i]);
+  }
+}
 
 /// What an island consists of: its dynamic bodies, whose places in this list are their numbers in the island's problem,
 /// and the pairs of bodies that touch or are joined.
@@ -20,6 +38,9 @@ struct IslandMembers {
   std::vector<JointLink> joints;
   std::vector<std::uint8_t> rows;                             ///< of each
   std::vector<std::pair<std::uint32_t, std::uint32_t>> ends;  ///< likewise: the numbers of its bodies
+
+  /// The numbers of the bodies of each term of tendons, one tendon after another.
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> term_ends;
 
   /// The number of a body of the world in the problem, or no_body if it isn't dynamic.
   std::uint32_t local(const DirectIslandInput& input, std::uint32_t body) const {
@@ -34,7 +55,7 @@ struct IslandMembers {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> couplings(const DirectIslandInput& input) const;
 
   /// See jobs/arrays.h.
-  auto arrays() const { return std::tie(bodies, contacts, joints, rows, ends); }
+  auto arrays() const { return std::tie(bodies, contacts, joints, rows, ends, term_ends); }
 };
 
 }  // namespace atl::solver

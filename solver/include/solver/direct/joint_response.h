@@ -15,7 +15,8 @@ namespace atl::solver {
 /// two share a body, of as many rows as the joints have: for chains a quarter of what a node a body takes.
 class JointResponse {
  public:
-  /// Returns false where joints share bodies so that the system would have more than two blocks a joint.
+  /// Returns false where joints share bodies so that the system would have more than two blocks a joint, and where a
+  /// tendon acts on more than two bodies.
   bool analyse(const IslandProblem& problem);
   bool empty() const { return nodes_.empty(); }
   void clear() { nodes_.clear(); }

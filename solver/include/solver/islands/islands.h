@@ -27,9 +27,11 @@ class Islands {
 
   /// `awake[body]` is 1 for the bodies that take part, all of which are among `candidates`. Both these and `pairs` are
   /// in order, and each pair has an awake body. `links` are in order of joints; those without an awake body are left
-  /// out. The cost follows candidates, pairs and links, however many bodies there are.
+  /// out. `ties` are more bodies that such joints hang together. The cost follows candidates, pairs, links and ties,
+  /// however many bodies there are.
   void build(std::span<const std::uint32_t> candidates, std::span<const std::uint8_t> awake,
-             std::span<const TouchingPair> pairs, std::span<const JointLink> links = {});
+             std::span<const TouchingPair> pairs, std::span<const JointLink> links = {},
+             std::span<const JointLink> ties = {});
 
   std::size_t count() const { return body_start_.empty() ? 0 : body_start_.size() - 1; }
   std::span<const std::uint32_t> bodies(std::size_t begin, std::size_t end) const;  ///< of islands [begin, end)
@@ -57,7 +59,7 @@ class Islands {
  private:
   std::uint32_t find(std::uint32_t body);
   void join(std::span<const std::uint32_t> candidates, std::span<const std::uint8_t> awake,
-            std::span<const TouchingPair> pairs, std::span<const JointLink> links);
+            std::span<const TouchingPair> pairs, std::span<const JointLink> links, std::span<const JointLink> ties);
   template <typename Pair>
   void sort_by_island(std::span<const Pair> pairs, std::vector<Pair>& sorted, std::vector<std::uint32_t>& start);
   void number(std::span<const std::uint32_t> candidates, std::span<const std::uint8_t> awake);

@@ -22,6 +22,8 @@ class JointGraph {
 
   /// All joints that act, in order.
   std::span<const JointLink> links() const { return links_; }
+  /// Dynamic bodies that tendons hang together, two by two, beyond the two of their link.
+  std::span<const JointLink> ties() const { return ties_; }
   std::size_t component_count() const { return start_.empty() ? 0 : start_.size() - 1; }
   /// Of a joint; none if it doesn't act. Components are in order of their first joint.
   std::uint32_t component_of(std::uint32_t joint) const { return component_of_[joint]; }
@@ -31,13 +33,15 @@ class JointGraph {
 
   /// See jobs/arrays.h.
   auto arrays() const {
-    return std::tie(links_, component_of_, parallel_, sorted_, start_, parent_, component_of_root_);
+    return std::tie(links_, ties_, component_of_, parallel_, sorted_, start_, parent_, component_of_root_);
   }
 
  private:
-  void count_parallel(const BodyTable& bodies);
+  void add_tendon(std::span<const Joint> joints, std::uint32_t tendon, const BodyTable& bodies);
+  void count_parallel(std::span<const Joint> joints, const BodyTable& bodies);
 
   std::vector<JointLink> links_;
+  std::vector<JointLink> ties_;
   std::vector<std::uint32_t> component_of_;       // by joint
   std::vector<int> parallel_;                     // likewise
   std::vector<JointLink> sorted_;                 // by component, in order of joints

@@ -16,8 +16,8 @@ double longest_substep(std::span<const JointLink> links, std::span<const Joint> 
 
 /// Tells whether joints that hang together are to be solved at once. `too_stiff`: the substep is longer than the
 /// longest for their springs. `Auto`: where that is so, where they are joined to something fixed or kinematic, where
-/// one is actuated, where a body is light, or turns easily, between others that its joints hold to it, and in long
-/// chains.
+/// one is actuated or a tendon couples some, where a body is light, or turns easily, between others that its joints
+/// hold to it, and in long chains.
 bool joins_directly(std::span<const JointLink> links, std::span<const Joint> joints, const BodyTable& bodies,
                     JointMethod method, bool too_stiff);
 

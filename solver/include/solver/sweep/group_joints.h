@@ -4,6 +4,7 @@
 #include <solver/constraints/joint.h>
 #include <solver/constraints/row_law.h>
 #include <solver/integrate/body_table.h>
+#include <solver/integrate/motion.h>
 #include <solver/islands/joint_graph.h>
 #include <solver/sweep/colouring.h>
 #include <solver/sweep/joint_block.h>
@@ -26,6 +27,9 @@ struct JointStep {
   const SubstepConstants& constants;
   double h;  ///< s, of a substep
 };
+
+/// The pose to which its displacement has brought a body; `local` is its index into SolverBodies.
+BodyPose pose_now(const JointStep& step, std::uint32_t body, std::uint32_t local);
 
 /// The joints of an island group that are solved one after another, as contacts are: coloured blocks for the wide
 /// kernels, of which this makes those parts that are not wide: the start of a step, springs, and what lasts. Memory is

@@ -5,6 +5,7 @@
 #include <solver/sweep/group_bodies.h>
 #include <solver/sweep/group_contacts.h>
 #include <solver/sweep/group_joints.h>
+#include <solver/sweep/group_tendons.h>
 #include <solver/sweep/impacts.h>
 #include <solver/sweep/joined_motion.h>
 #include <solver/sweep/joint_energy.h>
@@ -23,7 +24,8 @@ struct GroupParts {
   SolverBodies bodies;  ///< by these numbers
   GroupContacts contacts;
   Impacts impacts;
-  GroupJoints joints;  ///< that are solved one after another
+  GroupJoints joints;    ///< that are solved one after another
+  GroupTendons tendons;  ///< between these
   JointInertia joint_inertia;
   JointEnergy joint_energy;
   JoinedMotion joined_motion;
@@ -32,7 +34,7 @@ struct GroupParts {
 
   /// See jobs/arrays.h.
   auto arrays() const {
-    return std::tie(numbers, bodies, contacts, impacts, joints, joint_inertia, joint_energy, joined_motion,
+    return std::tie(numbers, bodies, contacts, impacts, joints, tendons, joint_inertia, joint_energy, joined_motion,
                     passive_energy, joined);
   }
 };

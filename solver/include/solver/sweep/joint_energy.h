@@ -3,6 +3,7 @@
 #include <jobs/arrays.h>
 #include <solver/integrate/solver_bodies.h>
 #include <solver/sweep/group_joints.h>
+#include <solver/sweep/group_tendons.h>
 #include <solver/sweep/joined_motion.h>
 #include <solver/sweep/kernels.h>
 
@@ -21,13 +22,13 @@ class JointEnergy {
  public:
   /// At the end of a substep's velocities, before bounces. `bodies` are rows of SolverBodies from `first_dynamic` on.
   void bound(const JoinedMotion& motion, const JointStep& step, const Kernels& kernels, std::uint32_t first_dynamic,
-             SolverBodies& bodies, GroupJoints& joints);
+             SolverBodies& bodies, GroupJoints& joints, GroupTendons& tendons);
 
   /// See jobs/arrays.h.
   auto arrays() const { return std::tie(components_, forced_, work_); }
 
  private:
-  void find_forced(const JointStep& step, const GroupJoints& joints);
+  void find_forced(const JointStep& step, const GroupJoints& joints, const GroupTendons& tendons);
   bool find_scales(const JoinedMotion& motion, std::uint32_t first_dynamic);
   // By place in the group: 1 of what is not changed.
   float scale_of(const JoinedMotion& motion, std::size_t body) const {
