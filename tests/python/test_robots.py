@@ -200,20 +200,22 @@ def test_a_start_beyond_a_range_or_in_another_shape_is_told() -> None:
 
 def test_nothing_is_dropped_without_a_line() -> None:
     robot = atoll.load_mjcf("""
-    <mujoco model="odds"><worldbody>
+    <mujoco model="odds"><worldbody><site name="eye" pos="0 0 1"/>
       <body name="x"><joint name="j"/><joint name="k" axis="0 1 0"/><geom name="g" size=".1"/><site name="s"/></body>
       <body name="y" pos="1 0 0"><joint name="l" type="ball" damping="1"/><geom size=".1"/></body>
     </worldbody>
-    <tendon><fixed name="t"><joint joint="j" coef="1"/></fixed></tendon>
-    <equality><joint name="e" joint1="j" joint2="k"/></equality>
+    <tendon><spatial name="t"><site site="eye"/><site site="s"/></spatial>
+      <fixed name="u"><joint joint="j" coef="1"/></fixed></tendon>
+    <equality><joint name="e" joint1="j" joint2="k"/><tendon name="f" tendon1="t" tendon2="u"/></equality>
     <actuator><motor name="pull" tendon="t"/><general name="m" joint="j" dyntype="filter" dynprm="1"/></actuator>
     <sensor><magnetometer name="turn" site="s"/></sensor></mujoco>""")
     left_out = {(line.element, line.name) for line in robot.receipt.of(Verdict.LEFT_OUT)}
-    expected = {("tendon", "t"), ("equality", "e"), ("actuator", "pull"), ("actuator", "m")}
+    expected = {("tendon", "t"), ("equality", "f"), ("actuator", "pull"), ("actuator", "m")}
     assert left_out == expected | {("sensor", "turn")}
     taken = {(line.element, line.name) for line in robot.receipt.of(Verdict.TAKEN_AS)}
     assert ("joint", "j") in taken  # one of two in a body: another one carries the other
     assert ("joint", "l") in taken  # a damped ball
+    assert ("equality", "e") in taken  # a tendon
     assert len(robot.coordinates) == 2
     assert "tendon t: left out" in robot.receipt.text()
     assert '"name": "turn"' in robot.receipt.json()
@@ -243,16 +245,14 @@ def test_the_command_writes_scene_and_receipt(tmp_path: Path, capsys: pytest.Cap
     assert world.state_hash() == atoll.load_mjcf(ARM, "bent").build().state_hash()
 
     model.write_text(
-        ARM.replace(
-            "</worldbody>", '</worldbody><tendon><fixed name="t"><joint joint="elbow" coef="1"/></fixed></tendon>'
-        )
+        ARM.replace('<option timestep="0.004"/>', '<option timestep="0.004" density="1.2"/>'),
     )
     assert imports(model, "-o", scene, "--receipt", receipt) == 0
     assert capsys.readouterr().out == ""
     lines = json.loads(receipt.read_text())["lines"]
-    assert [line["name"] for line in lines if line["verdict"] == "left out"] == ["t"]
+    assert [line["name"] for line in lines if line["verdict"] == "left out"] == ["density, viscosity"]
     assert imports(model, "-o", scene, "--strict", "--receipt", receipt.with_suffix(".txt")) == 1
-    assert "tendon t: left out" in receipt.with_suffix(".txt").read_text()
+    assert "option density, viscosity: left out" in receipt.with_suffix(".txt").read_text()
 
     model.write_text('<robot name="r"><link name="world"/></robot>')
     assert imports(model, "-o", scene, "--fixed-base") == 0
@@ -285,7 +285,7 @@ LOOP = """
   <connect name="loop" body1="tip" body2="slider" anchor="0 0 0"/>
   <weld name="carried" body1="slider" body2="load"/>
   <connect name="off" body1="crank" body2="load" anchor="0 0 0" active="false"/>
-  <joint name="follows" joint1="turn" joint2="slide"/>
+  <joint name="follows" joint1="turn" joint2="slide" active="false"/>
 </equality></mujoco>"""
 
 

@@ -142,7 +142,11 @@ def test_joints_and_their_limits_are_read() -> None:
     assert second.offset.spring is not None and second.offset.spring.damping == 0.5
     assert second.offset.motor is None and second.offset.friction == 0.25
     assert "no room" in notes(robot)["range", "bc"]
-    assert any(kind == "equality" for kind, _ in notes(robot, Verdict.LEFT_OUT))
+    assert any(kind == "equality" for kind, _ in notes(robot))
+    mimic = robot.scene.joints[-1]
+    assert isinstance(mimic.definition.kind, atoll.TendonJoint)
+    assert mimic.terms == [read["ef"].joint, read["ab"].joint]
+    assert [term.polynomial[:2] for term in mimic.definition.kind.terms] == [[0, 1], [0, -2]]
     # One that floats starts where it stands on its parent, and nothing holds it there.
     world = robot.build()
     roll, pitch, yaw = 0.1, -0.2, 0.3
@@ -152,7 +156,7 @@ def test_joints_and_their_limits_are_read() -> None:
     turn = turn_z @ turn_y @ turn_x
     stands = np.array([0, 0, 1]) + turn @ [0, 0, 1]
     assert world.pose(world.bodies[robot.bodies["e"]]).position == pytest.approx(stands, abs=1e-12)
-    assert len(robot.scene.joints) == 6
+    assert len(robot.scene.joints) == 7
 
 
 def stl(folder: Path) -> Path:

@@ -7,30 +7,26 @@ import math
 from .. import _core
 from .compiled import Compiled
 from .robot import Actuator, Robot
+from .tendons import Tendons
 
 
 class Actuators:
-    """Gives the joints of a robot what drives them."""
+    """Gives the joints and tendons of a robot what drives them."""
 
-    def __init__(self, model: Compiled, robot: Robot) -> None:
-        self.model, self.robot = model, robot
+    def __init__(self, model: Compiled, robot: Robot, tendons: Tendons) -> None:
+        self.model, self.robot, self.tendons = model, robot, tendons
 
     def add(self) -> None:
         m, mj = self.model.arrays, self.model.mujoco
-        places = {c.name: place for place, c in enumerate(self.robot.coordinates)}
         joints = list(self.robot.scene.joints)
         for number in range(m.nu):
             name = self.model.name("ACTUATOR", number)
             if self.model.is_off("ACTUATION"):
                 self.model.receipt.left_out("actuator", name, "the model switches actuation off")
                 continue
-            if int(m.actuator_trntype[number]) not in (mj.mjtTrn.mjTRN_JOINT, mj.mjtTrn.mjTRN_JOINTINPARENT):
-                self.model.receipt.left_out("actuator", name, "it acts on no joint")
-                continue
-            joint = int(m.actuator_trnid[number][0])
-            place = places.get(self.model.name("JOINT", joint))
+            place, why_not = self._place(number)
             if place is None:
-                self.model.receipt.left_out("actuator", name, "it acts on a ball or free joint")
+                self.model.receipt.left_out("actuator", name, why_not)
                 continue
             if int(m.actuator_dyntype[number]) != mj.mjtDyn.mjDYN_NONE:
                 self.model.receipt.left_out("actuator", name, "it has dynamics of its own")
@@ -39,13 +35,32 @@ class Actuators:
             if gain != mj.mjtGain.mjGAIN_FIXED or bias not in (mj.mjtBias.mjBIAS_NONE, mj.mjtBias.mjBIAS_AFFINE):
                 self.model.receipt.left_out("actuator", name, "its gain isn't fixed, or its bias not affine")
                 continue
-            actuator = self._actuator(number, joint, name, place)
+            actuator = self._actuator(number, name, place)
             self.robot.actuators.append(actuator)
-            self._drive(joints[self.robot.coordinates[place].joint], actuator, name)
+            at = place if actuator.tendon >= 0 else self.robot.coordinates[place].joint
+            self._drive(joints[at], actuator, name)
         self.robot.scene.joints = joints
 
-    def _actuator(self, number: int, joint: int, name: str, place: int) -> Actuator:
-        m = self.model.arrays
+    def _on_tendon(self, number: int) -> bool:
+        return int(self.model.arrays.actuator_trntype[number]) == self.model.mujoco.mjtTrn.mjTRN_TENDON
+
+    def _place(self, number: int) -> tuple[int | None, str]:
+        """The place of its coordinate, or of its tendon among the joints of the scene; or why it has none."""
+        m, mj, target = self.model.arrays, self.model.mujoco, int(self.model.arrays.actuator_trnid[number][0])
+        if self._on_tendon(number):
+            return self.tendons.places.get(target), "its tendon is left out"
+        if int(m.actuator_trntype[number]) not in (mj.mjtTrn.mjTRN_JOINT, mj.mjtTrn.mjTRN_JOINTINPARENT):
+            return None, "it acts on no joint"
+        places = {c.name: place for place, c in enumerate(self.robot.coordinates)}
+        return places.get(self.model.name("JOINT", target)), "it acts on a ball or free joint"
+
+    def _actuator(self, number: int, name: str, place: int) -> Actuator:
+        m, on_tendon, target = (
+            self.model.arrays,
+            self._on_tendon(number),
+            int(self.model.arrays.actuator_trnid[number][0]),
+        )
+        kind = "tendon" if on_tendon else "jnt"
         gear = float(m.actuator_gear[number][0])
         gain = gear * float(m.actuator_gainprm[number][0])
         bias, by_position, by_rate = (0.0, 0.0, 0.0)
@@ -54,7 +69,7 @@ class Actuators:
         limits = [math.inf]
         for limited, ends, scale in (
             (m.actuator_forcelimited[number], m.actuator_forcerange[number], abs(gear)),
-            (m.jnt_actfrclimited[joint], m.jnt_actfrcrange[joint], 1.0),
+            (getattr(m, f"{kind}_actfrclimited")[target], getattr(m, f"{kind}_actfrcrange")[target], 1.0),
         ):
             if limited:
                 limits.append(scale * min(abs(float(ends[0])), abs(float(ends[1]))))
@@ -66,7 +81,8 @@ class Actuators:
             controls = (float(m.actuator_ctrlrange[number][0]), float(m.actuator_ctrlrange[number][1]))
         return Actuator(
             name=name,
-            coordinate=place,
+            coordinate=-1 if on_tendon else place,
+            tendon=place if on_tendon else -1,
             kind="position" if by_position < 0 else "velocity" if by_rate < 0 else "force",
             gain=gain,
             bias=gear * bias,
@@ -82,10 +98,13 @@ class Actuators:
             return
         definition = joint.definition
         kind = definition.kind
-        assert isinstance(kind, (_core.HingeJoint, _core.SliderJoint))
-        axis = kind.angle if isinstance(kind, _core.HingeJoint) else kind.offset
+        assert isinstance(kind, (_core.HingeJoint, _core.SliderJoint, _core.TendonJoint))
+        if isinstance(kind, _core.TendonJoint):
+            axis = kind.length
+        else:
+            axis = kind.angle if isinstance(kind, _core.HingeJoint) else kind.offset
         if axis.motor is not None:
-            self.model.receipt.left_out("actuator", name, "another one has its joint")
+            self.model.receipt.left_out("actuator", name, "another one has its joint, or tendon")
             return
         self.model.receipt.exact("actuator", name)
         servo = _core.JointServo(
@@ -94,5 +113,8 @@ class Actuators:
             damping=actuator.damping,
         )
         axis.motor = _core.JointMotor(max_force=actuator.limit, servo=servo)
-        definition.kind = _core.HingeJoint(axis) if isinstance(kind, _core.HingeJoint) else _core.SliderJoint(axis)
+        if isinstance(kind, _core.TendonJoint):
+            definition.kind = _core.TendonJoint(kind.terms, axis)
+        else:
+            definition.kind = _core.HingeJoint(axis) if isinstance(kind, _core.HingeJoint) else _core.SliderJoint(axis)
         joint.definition = definition

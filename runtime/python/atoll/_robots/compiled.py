@@ -36,15 +36,15 @@ class Compiled:
         if self.is_off("CONTACT", "CONSTRAINT"):
             m.geom_contype[:] = m.geom_conaffinity[:] = 0
         if self.is_off("LIMIT", "CONSTRAINT"):
-            m.jnt_limited[:] = 0
+            m.jnt_limited[:] = m.tendon_limited[:] = 0
         if self.is_off("FRICTIONLOSS", "CONSTRAINT"):
-            m.dof_frictionloss[:] = 0
+            m.dof_frictionloss[:] = m.tendon_frictionloss[:] = 0
         if self.is_off("EQUALITY", "CONSTRAINT"):
             m.eq_active0[:] = 0
         if self.is_off("SPRING"):
-            m.jnt_stiffness[:] = 0
+            m.jnt_stiffness[:] = m.tendon_stiffness[:] = 0
         if self.is_off("DAMPER"):
-            m.dof_damping[:] = 0
+            m.dof_damping[:] = m.tendon_damping[:] = 0
 
     def _take_pose(self, pose: str | int | None) -> None:
         m = self.arrays

@@ -1,4 +1,4 @@
-"""Equalities of a compiled model, as joints."""
+"""Equalities of a compiled model, as joints and tendons."""
 
 from __future__ import annotations
 
@@ -8,26 +8,30 @@ from .. import _core
 from .bodies import Bodies
 from .compiled import Compiled, xyzw
 from .quaternions import Floats, product, turned
+from .tendons import Tendons
 
 _RIGID = "which is rigid: solref, solimp and torquescale do nothing"
 
 
 class Equalities:
-    """Adds the joints that close loops, or hold bodies together."""
+    """Adds the joints that close loops, hold bodies together, or have one joint follow another."""
 
-    def __init__(self, model: Compiled, bodies: Bodies) -> None:
-        self.model, self.bodies = model, bodies
+    def __init__(self, model: Compiled, bodies: Bodies, tendons: Tendons) -> None:
+        self.model, self.bodies, self.tendons = model, bodies, tendons
         for number in range(model.arrays.neq):
             self._add(number)
 
     def _add(self, number: int) -> None:
         m, kinds, receipt = self.model.arrays, self.model.mujoco.mjtEq, self.model.receipt
         name, kind = self._name(number), int(m.eq_type[number])
-        if kind not in (kinds.mjEQ_CONNECT, kinds.mjEQ_WELD):
-            receipt.left_out("equality", name, "no joint of a scene couples coordinates")
+        if kind not in (kinds.mjEQ_CONNECT, kinds.mjEQ_WELD, kinds.mjEQ_JOINT):
+            receipt.left_out("equality", name, "it is of tendons or flexes, which no joint of a scene holds")
             return
         if not m.eq_active0[number]:
             receipt.left_out("equality", name, "it is not active at first")
+            return
+        if kind == kinds.mjEQ_JOINT:
+            self.tendons.add_equality(number, name)
             return
         weld = kind == kinds.mjEQ_WELD
         (first, frame_first), (second, frame_second) = self._ends(number, weld)

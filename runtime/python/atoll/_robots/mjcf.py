@@ -16,6 +16,7 @@ from .equalities import Equalities
 from .filters import Filters
 from .robot import Robot
 from .sensor_elements import SensorElements
+from .tendons import Tendons
 
 _OVERLAP = 1e-3  # m, from which on a receipt tells that shapes overlap
 _SOFT = "contacts are rigid here: solref, solimp and margin do nothing"
@@ -52,7 +53,8 @@ def read(model: Compiled, hull_error: float | None = None) -> Robot:
     scene.dt = float(m.opt.timestep)
     filters = Filters(model.mujoco, m)
     bodies = Bodies(model, filters, hull_error)
-    Equalities(model, bodies)
+    tendons = Tendons(model, bodies)
+    Equalities(model, bodies, tendons)
     robot.sensors = SensorElements(model, bodies).sensors
     scene.bodies, scene.joints = bodies.scene, bodies.joints.scene
     robot.coordinates = bodies.joints.coordinates
@@ -64,7 +66,7 @@ def read(model: Compiled, hull_error: float | None = None) -> Robot:
             receipt.exact("body", name)
         else:
             receipt.taken_as("body", name, f"part of {model.name('BODY', root)}, exactly")
-    Actuators(model, robot).add()
+    Actuators(model, robot, tendons).add()
     _tell_of_the_rest(model, filters)
     return robot
 
@@ -80,8 +82,6 @@ def _tell_of_the_rest(model: Compiled, filters: Filters) -> None:
         receipt.taken_as(
             "pose", f"{first} and {second}", f"shapes of the two overlap by {depth:.3g} m, and are pushed apart"
         )
-    for number in range(m.ntendon):
-        receipt.left_out("tendon", model.name("TENDON", number), "no joint of a scene couples coordinates, or winds")
     for number in range(m.npair):
         _tell_of_pair(model, filters, number)
     for number in range(m.nflex):

@@ -29,10 +29,10 @@ class Coordinate:
 @dataclass(frozen=True)
 class Actuator:
     """What a control acts on: force = gain * control + bias - stiffness * position - damping * rate, within its limit,
-    of a coordinate, N or N m."""
+    of a coordinate, or the length of a tendon, N or N m."""
 
     name: str
-    coordinate: int  #: its place in Robot.coordinates
+    coordinate: int  #: its place in Robot.coordinates; -1 of one on a tendon
     kind: Literal["position", "velocity", "force"]
     gain: float
     bias: float
@@ -40,6 +40,7 @@ class Actuator:
     damping: float
     limit: float  #: N or N m, or infinite
     range: tuple[float, float]  #: that controls are held to
+    tendon: int = -1  #: the tendon's place among the joints of the scene; -1 of one on a coordinate
 
 
 @dataclass
@@ -99,8 +100,8 @@ class Robot:
             raise _core.Error(f"Robot.control: controls has the shape {values.shape}; expected {expected}")
         ids = world.joints
         for actuator, value in zip(self.actuators, values, strict=True):
-            coordinate = self.coordinates[actuator.coordinate]
-            joint = ids[coordinate.joint]
+            on_tendon = actuator.tendon >= 0
+            joint = ids[actuator.tendon if on_tendon else self.coordinates[actuator.coordinate].joint]
             force = actuator.gain * float(np.clip(value, *actuator.range)) + actuator.bias
             if actuator.kind == "position":
                 world.set_servo_target(joint, force / actuator.stiffness)
@@ -108,7 +109,7 @@ class Robot:
                 world.set_motor_speed(joint, force / actuator.damping)
             else:
                 push = float(np.clip(force, -actuator.limit, actuator.limit))
-                self._push(world, joint, coordinate.kind, push)
+                self._push(world, joint, push)
 
     def motion(self, world: _core.World) -> Floats:
         """m/s, shape (accelerometers, 3), of the places of accelerometers: for a later read()."""
@@ -146,13 +147,16 @@ class Robot:
         states: list[Any] = [getattr(world.joint_state(ids[c.joint]), what)[0] for c in self.coordinates]
         return np.array(states, dtype=np.float64)
 
-    @staticmethod
-    def _push(world: _core.World, joint: _core.JointId, kind: str, push: float) -> None:
-        """Along a coordinate, N or N m: on the second body, and against it on the first."""
+    def _push(self, world: _core.World, joint: _core.JointId, push: float) -> None:
+        """Along a coordinate, N or N m: on the second body, and against it on the first. Of a linear tendon along all."""
         definition = world.joint(joint)
+        if isinstance(definition.kind, _core.TendonJoint):
+            for term in definition.kind.terms:
+                self._push(world, term.joint, push * term.polynomial[1])
+            return
         first, second = world.pose(definition.first), world.pose(definition.second)
         axis = push * turned(np.asarray(first.orientation), turned(definition.frame_first.orientation, [1, 0, 0]))
-        if kind == "hinge":
+        if isinstance(definition.kind, _core.HingeJoint):
             world.apply_force(definition.second, [0, 0, 0], axis)
             world.apply_force(definition.first, [0, 0, 0], -axis)
             return
