@@ -100,7 +100,7 @@ def by_atoll(model: Any, seconds: float, controls: Floats) -> Floats:
 
 
 def off(positions: Floats, right: Floats) -> float:
-    """rad or m. Which full turn an angle is in doesn't count: a hinge on which nothing acts isn't followed over them."""
+    """rad or m. Which full turn an angle is in doesn't count: one on which nothing acts isn't followed over them."""
     apart = positions - right
     return float(np.abs(apart - 2 * np.pi * np.round(apart / (2 * np.pi))).max())
 
@@ -122,7 +122,10 @@ def folder_for_logs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
 
 
-@pytest.mark.parametrize("name", ["ant", "half_cheetah", "hopper", "humanoid", "inverted_double_pendulum", "walker2d_v5"])
+LIMP = ["ant", "half_cheetah", "hopper", "humanoid", "inverted_double_pendulum", "walker2d_v5"]
+
+
+@pytest.mark.parametrize("name", LIMP)
 def test_limp_models_of_gymnasium_fall_alike(name: str) -> None:
     check(mujoco.MjModel.from_xml_path(str(GYMNASIUM / f"{name}.xml")), least=BY_MODEL)
 

@@ -99,7 +99,8 @@ inline constexpr double most_bend = 0.1;
 inline constexpr double least_bend_spin = 1e-3;
 /// Of its rate, that a damper takes from two bodies alone in a substep: from there on it counts what all joined bodies
 /// weigh. Without that the wrist of a Shadow hand, whose bodies are light and carry the fingers, is off by 9e-4 rad
-/// after a second at 1/240.
+/// after a second at 1/240, with it by 7e-5. Likewise of servos a humanoid takes 1.4 times as long, and is off by as
+/// much.
 inline constexpr double notable_decay = 0.3;
 /// m or rad: gaps that one Newton step has left are closed by more. At a hundredth the chatter of loads on a bridge
 /// grows by 4%, at a hundred times energy does.

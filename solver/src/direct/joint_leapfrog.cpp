@@ -46,7 +46,7 @@ BodyPose next_pose(const BodyTable& table, double h, const MovingBody& moving, s
 // Tells if a damper slows the two bodies down so fast that it matters what else it moves.
 bool decays_notably(const Law& law, const DirectJoint& joint, std::size_t row, double h) {
   const double moved = joint.mass[row] + law.armature;
-  return joint.mass[row] > 0 && h * (law.damping + law.servo_damping) > tuning::notable_decay * moved;
+  return joint.mass[row] > 0 && h * law.damping > tuning::notable_decay * moved;
 }
 
 // The bend of note_bends(). A coordinate of a term bends as its joint's bodies swing, and its polynomial as it moves.
@@ -177,7 +177,7 @@ void weigh_joined(const Joint* joints, double h, IslandProblem& problem, Balance
   for (DirectJoint& joint : problem.joints) {
     for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) {
       const Law& law = law_of(joints[joint.joint], r);
-      if (!law.damps() || law.locked() || law.spring_hertz > 0 || !decays_notably(law, joint, r, h)) continue;
+      if (law.damping == 0 || law.locked() || law.spring_hertz > 0 || !decays_notably(law, joint, r, h)) continue;
       if (!is_factored(problem) && !search.matrix.factor(problem)) return;
       std::fill(answer.begin(), answer.end(), 0.0);
       DirectJoint::Rows<double> impulse = {};
