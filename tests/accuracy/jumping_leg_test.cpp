@@ -46,7 +46,7 @@ double height_at(double step) {
   return most;
 }
 
-// Of first order in the step where it stands on the ground.
+// Standing on the ground, it moves to first order in the step.
 TEST(JumpingLeg, ComesAsHighAsItsServoTakesIt) {
   EXPECT_NEAR(height_at(1.0 / 60) / height(), 1, 0.03);
   EXPECT_NEAR(height_at(1.0 / 240) / height(), 1, 0.01);

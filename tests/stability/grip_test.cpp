@@ -42,7 +42,7 @@ struct Gripper {
   Vector3 place() const { return world.pose(cube).position - world.pose(palm).position; }
 };
 
-// What friction holds gives by its compliance alone: 1e-6 g dt a substep, times the share of the load.
+// A grip gives by the compliance of friction alone: 1e-6 g dt a substep, times the share of the load.
 TEST(Grip, HoldsACubeInPlace) {
   for (const double mass : {0.02, 0.05, 0.1, 0.5, 2.0}) {
     for (const double step : {1.0 / 60, 1.0 / 240}) {

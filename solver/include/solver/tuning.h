@@ -97,8 +97,8 @@ inline constexpr double closing_speed = 3;
 inline constexpr double most_bend = 0.1;
 /// rad/s: slower ones bend by too little to be looked at. With 0.1 small swings are no longer of second order.
 inline constexpr double least_bend_spin = 1e-3;
-/// Of its rate, that a damper takes from two bodies alone in a substep: from there on it counts what all joined bodies
-/// weigh. Without that the wrist of a Shadow hand, whose bodies are light and carry the fingers, is off by 9e-4 rad
+/// The part of its rate that a damper takes from two bodies alone in a substep, from which on it counts what all joined
+/// bodies weigh. Without that the wrist of a Shadow hand, whose bodies are light and carry the fingers, is off by 9e-4 rad
 /// after a second at 1/240, with it by 7e-5. Likewise of servos a humanoid takes 1.4 times as long, and is off by as
 /// much.
 inline constexpr double notable_decay = 0.3;
@@ -124,8 +124,9 @@ inline constexpr double compliance_of_trees = 1e-10;
 /// again such that it can't. Without it 2 of 400 random mechanisms gain a twentieth of their energy, with it none; the
 /// scenes of the suites for stability and physics come to it 10 times in all.
 inline constexpr double energy_tolerance = 1e-3;
-/// Of the energy that springs and servos give to motion in a step, or take, where joints touch something: by so much
-/// may motion be off. A leg that jumps by a servo of 45 rad/s at steps of 1/60 s comes up to 92% of its height with 0.
+/// By which part of the energy that springs and servos give to motion in a step, or take, motion may be off, where
+/// joints touch something. A leg that jumps by a servo of 45 rad/s at steps of 1/60 s comes up to 92% of its height
+/// with 0.
 inline constexpr double exchange_tolerance = 0.1;
 /// By which part the energy of what moves in joints is changed at most in a step, to what it should be: see
 /// Conservation. With 0.05 three rods that whip lose all of theirs in 100 s at the default step, with 0.5 none.

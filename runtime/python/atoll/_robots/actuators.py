@@ -42,7 +42,7 @@ class Actuators:
         self.robot.scene.joints = joints
 
     def _on_tendon(self, number: int) -> bool:
-        return int(self.model.arrays.actuator_trntype[number]) == self.model.mujoco.mjtTrn.mjTRN_TENDON
+        return int(self.model.arrays.actuator_trntype[number]) == int(self.model.mujoco.mjtTrn.mjTRN_TENDON)
 
     def _place(self, number: int) -> tuple[int | None, str]:
         """The place of its coordinate, or of its tendon among the joints of the scene; or why it has none."""
