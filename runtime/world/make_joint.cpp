@@ -127,7 +127,7 @@ struct Rows {
     add(Coordinate::Roll, wheel.spin);
   }
 
-  // Which coordinates its terms are of, the joints in the world say: see bind_tendon().
+  // The joints in the world tell which coordinates its terms are of: see bind_tendon().
   void operator()(const TendonJoint& tendon) const {
     add(Coordinate::Length, tendon.length);
     for (const TendonTerm& term : tendon.terms) {

@@ -105,8 +105,8 @@ void SurfaceClusters::add(const TriangleContact& contact) {
   }
 }
 
-// Where a solid covers a place on the surface, it leaves soonest along the normal that it reaches least far behind,
-// if that one's points push it as far: what reaches behind it may lie beside its triangles. That counts only between
+// A solid that covers a place on the surface leaves it soonest along the normal that it reaches least far behind, if
+// that one's points push it as far: what reaches behind it may lie beside its triangles. That counts only between
 // faces that bend away from each other, where all of the one is behind the other: of those that make a hollow, both
 // push.
 bool SurfaceClusters::is_freed_by(const Manifold::Point& point, const Cluster& cluster, const Cluster& other) const {

@@ -122,7 +122,7 @@ double left_beyond(const Law& law, double value, double closed) {
   return std::max(value - law.upper - closed, 0.0) + std::min(value - law.lower + closed, 0.0);
 }
 
-// Of the end from which a coordinate goes back into its range at such a rate.
+// The rate at the end from which a coordinate goes back into its range.
 double& end_rate(RowLaw& law, double back) { return back > 0 ? law.lower_rate : law.upper_rate; }
 
 // Locks ask for no rate.

@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from .. import _core
 from .quaternions import Floats
 
-# Of CoACD's concavity, each a half of the one before: from one that leaves a chair's seat and back, to where a mug has
-# some forty hulls.
+# CoACD's bounds on the concavity of a part, each half of the one before; its own default is 0.05.
 _THRESHOLDS = (0.1, 0.05, 0.025, 0.0125)
 
 
