@@ -83,8 +83,7 @@ std::span<const Pair> PairSearch::find(Proxies& proxies, const CollisionFilters&
   new_pairs_.clear();
   // All pairs have a moving shape.
   if (proxies.moving().size() == 0) return new_pairs_;
-  proxies.take_in_moving(arena);
-  proxies.rebuild_moving_if_worn(arena);
+  proxies.renew_moving(arena);
   const PartnerQuery query{proxies, filters, moves, moving_shapes_ask(proxies, moves.shapes())};
   if (query.moving_ask) list_askers(proxies, moves.shapes());
   const std::span<const std::uint32_t> askers = query.moving_ask ? askers_ : moves.shapes();

@@ -45,17 +45,18 @@ class Proxies {
   /// In order of shape.
   std::span<const HalfSpace> half_spaces() const { return half_spaces_; }
 
-  /// Build what waits into its tree.
-  void take_in_moving(jobs::Arena& arena) { moving_.take_in(&arena); }
-  void take_in_fixed(jobs::Arena& arena) { fixed_.take_in(&arena); }
+  /// Builds what waits into the trees, and says whether anything does.
   void take_in(jobs::Arena& arena) {
-    take_in_moving(arena);
+    moving_.take_in(&arena);
     take_in_fixed(arena);
   }
-  /// Whether anything waits.
+  void take_in_fixed(jobs::Arena& arena) { fixed_.take_in(&arena); }
   bool is_behind() const { return moving_.is_behind() || fixed_.is_behind(); }
-  /// Build a tree anew if enough has changed in it.
-  void rebuild_moving_if_worn(jobs::Arena& arena) { moving_.rebuild_if_worn(&arena); }
+  /// Build a tree anew if enough has changed in it, that of what moves with all that waits.
+  void renew_moving(jobs::Arena& arena) {
+    moving_.take_in(&arena);
+    moving_.rebuild_if_worn(&arena);
+  }
   void rebuild_fixed_if_worn(jobs::Arena& arena) { fixed_.rebuild_if_worn(&arena); }
 
   /// Calls visit(shape) for every shape, fixed ones and half-spaces too, whose fat box overlaps this box, in
