@@ -383,10 +383,13 @@ void write_back_joints(const DirectIslandInput& input, const std::vector<DirectJ
       joint.position[k] = from.position[r];
       joint.limit[k] = from.limit[r];
       joint.motor_bound[k] = from.motor_bound[r];
+      if (from.is_tendon()) {
+        joint.force.x() = over_h * from.lasting[r];
+        continue;  // it has no arms, which a torque would go by
+      }
       joint.force += over_h * from.lasting[r] * at.linear;
       joint.torque += over_h * from.lasting[r] * (at.angular_second - from.arm_second.cross(at.linear));
     }
-    if (from.is_tendon()) joint.force.x() = over_h * from.lasting[0];
   }
 }
 
