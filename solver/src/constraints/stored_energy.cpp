@@ -18,6 +18,10 @@ double potential_of(const Law& law, double value) {
   return sum;
 }
 
+bool stores(const Law& law) {
+  return !law.locked() && (law.stiffness > 0 || (law.is_servo() && law.servo_stiffness > 0) || law.armature > 0);
+}
+
 }  // namespace
 
 void StoredEnergy::add(const Law& law, double value, double rate) {
@@ -29,7 +33,7 @@ void StoredEnergy::add(const Law& law, double value, double rate) {
 StoredEnergy StoredEnergy::of(std::uint32_t index, const Joint* joints, const BodyTable& bodies) {
   StoredEnergy stored;
   const Joint& joint = joints[index];
-  if (!joint.acts_as_force()) return stored;
+  if (std::none_of(joint.law.begin(), joint.law.begin() + joint.rows, stores)) return stored;
   if (joint.is_tendon()) {
     const TendonNow now = tendon_now(joint, joints, bodies);
     stored.add(joint.law[0], now.length, now.rate);
