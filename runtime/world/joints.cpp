@@ -87,6 +87,23 @@ void forget_impulses(solver::Joint& joint) {
   joint.motor_bound = {};
 }
 
+// A joint that stops to act has nothing to start from, or to tell. Its bodies are where they are put: what they came to
+// as they got lost may be no number.
+void let_go(Stores& world, std::uint32_t joint) {
+  solver::Joint& of = world.joints.joints[joint];
+  forget_impulses(of);
+  of.force.setZero();
+  of.torque.setZero();
+  of.limit = {};
+  world.joints.limit_before[joint] = {};
+  find_positions(world, of);
+}
+
+void let_go_of_tendons_over(Stores& world, std::uint32_t joint) {
+  if (world.joints.joints[joint].is_tendon()) return;
+  for (const std::uint32_t tendon : world.joints.tendons_over(joint)) let_go(world, tendon);
+}
+
 // Of two bodies whose pair is disabled nothing changes.
 void keep_apart(Stores& world, std::uint32_t joint) {
   const solver::Joint& j = world.joints.joints[joint];
@@ -166,14 +183,8 @@ void suspend_joints_of(Stores& world, std::uint32_t body) {
     joint_changed(world, joint);
     ++world.joints.suspended[joint];
     world.joints.update_flags(joint);
-    solver::Joint& j = world.joints.joints[joint];
-    forget_impulses(j);
-    j.force.setZero();
-    j.torque.setZero();
-    j.limit = {};
-    world.joints.limit_before[joint] = {};
-    find_positions(world, j);
-    release_tendons_over(world, joint);
+    let_go(world, joint);
+    let_go_of_tendons_over(world, joint);
   });
 }
 
@@ -301,7 +312,7 @@ void count_turns_from(Stores& world, std::uint32_t index, double angle, std::siz
 }
 
 void release_joint(Stores& world, std::uint32_t joint) {
-  release_tendons_over(world, joint);
+  let_go_of_tendons_over(world, joint);
   forget_impulses(world.joints.joints[joint]);
   world.joints.joints[joint].limit = {};
   world.joints.limit_before[joint] = {};

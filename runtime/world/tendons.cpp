@@ -87,19 +87,4 @@ void follow_length(const Stores& world, solver::Joint& tendon) {
   tendon.position[0] = std::isfinite(now.length) ? now.length : 0;
 }
 
-void release_tendons_over(Stores& world, std::uint32_t joint) {
-  if (world.joints.joints[joint].is_tendon()) return;
-  for (const std::uint32_t over : world.joints.tendons_over(joint)) {
-    solver::Joint& tendon = world.joints.joints[over];
-    tendon.impulse.fill(0);
-    tendon.tension.setZero();
-    tendon.force.setZero();
-    tendon.torque.setZero();
-    tendon.limit = {};
-    tendon.motor_bound = {};
-    world.joints.limit_before[over] = {};
-    find_length(world, tendon);  // what its bodies came to as they got lost may be no number
-  }
-}
-
 }  // namespace atl

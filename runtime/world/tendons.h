@@ -21,7 +21,4 @@ void find_length(const Stores& world, solver::Joint& tendon);
 /// Once bodies have been put elsewhere.
 void follow_length(const Stores& world, solver::Joint& tendon);
 
-/// Has tendons over a joint that stops to act forget what they did.
-void release_tendons_over(Stores& world, std::uint32_t joint);
-
 }  // namespace atl

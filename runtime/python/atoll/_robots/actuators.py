@@ -15,6 +15,7 @@ class Actuators:
 
     def __init__(self, model: Compiled, robot: Robot, tendons: Tendons) -> None:
         self.model, self.robot, self.tendons = model, robot, tendons
+        self.places = {c.name: place for place, c in enumerate(robot.coordinates)}
 
     def add(self) -> None:
         m, mj = self.model.arrays, self.model.mujoco
@@ -51,8 +52,7 @@ class Actuators:
             return self.tendons.places.get(target), "its tendon is left out"
         if int(m.actuator_trntype[number]) not in (mj.mjtTrn.mjTRN_JOINT, mj.mjtTrn.mjTRN_JOINTINPARENT):
             return None, "it acts on no joint"
-        places = {c.name: place for place, c in enumerate(self.robot.coordinates)}
-        return places.get(self.model.name("JOINT", target)), "it acts on a ball or free joint"
+        return self.places.get(self.model.name("JOINT", target)), "it acts on a ball or free joint"
 
     def _actuator(self, number: int, name: str, place: int) -> Actuator:
         m, on_tendon, target = (

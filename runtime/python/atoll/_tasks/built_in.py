@@ -225,7 +225,7 @@ class StackBoxes(Task):
             _core.SceneBody(name="lower", definition=box(0.2)),
             _core.SceneBody(name="upper", definition=box(-0.2)),
         ]
-        # What the motors carry has a counterweight.
+        # A counterweight carries all that the motors move.
         bodies.append(
             _core.SceneBody(
                 name="carriage",
