@@ -6,11 +6,10 @@ import numpy as np
 
 from .. import _core
 from .._robots.compiled import Compiled
-from .._robots.quaternions import Floats
+from .._robots.quaternions import Floats, cross, matrices
 from .._robots.robot import Robot
 from .coordinates import Motion
 from .robot_scene import geoms_of
-from .turns import cross, matrices
 
 
 class BodyTerms:

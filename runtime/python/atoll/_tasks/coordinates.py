@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from .._robots.quaternions import Floats
+from .._robots.quaternions import Floats, cross, inverse, product, turned
 from .._robots.robot import Robot
-from .turns import cross, inverse, product, turned
 
 
 @dataclasses.dataclass
