@@ -209,7 +209,7 @@ bool load_contacts(const DirectIslandInput& input, const IslandMembers& members,
     if (bounces(input, contact, problem.velocity)) return false;
   }
   guess_idle_contacts(at_once ? input.dt : input.substep(), problem);
-  forget_factor(problem);
+  forget_rows(problem);
   return true;
 }
 

@@ -211,7 +211,7 @@ void place_joints(const DirectIslandInput& input, double time, double h, std::ve
     weigh_rows(input.joints[joint.joint], problem.bodies, false, joint);
     give_rates(input.bodies, joint);
   }
-  forget_factor(problem);
+  forget_rows(problem);
 }
 
 void weigh_locks(const Joint* joints, IslandProblem& problem) {

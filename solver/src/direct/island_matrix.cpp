@@ -184,4 +184,6 @@ bool is_factored(const IslandProblem& problem) {
 
 void forget_factor(IslandProblem& problem) { problem.factored = false; }
 
+void forget_rows(IslandProblem& problem) { problem.filled = problem.factored = false; }
+
 }  // namespace atl::solver

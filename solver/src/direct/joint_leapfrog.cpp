@@ -274,7 +274,7 @@ void leave_out_tension(std::span<const MovingBody> bodies, IslandProblem& proble
     problem.bodies[i].inertia = bodies[i].inertia;
     problem.bodies[i].inverse_inertia = symmetric_inverse(bodies[i].inertia);
   }
-  forget_factor(problem);
+  forget_rows(problem);
 }
 
 }  // namespace atl::solver

@@ -61,25 +61,77 @@ bool JointResponse::analyse(const IslandProblem& problem) {
 }
 
 bool JointResponse::factor(IslandProblem& problem) {
-  if (!assigns_) system_.clear();
-  for (std::size_t i = 0; i < nodes_.size(); ++i) {
-    DirectJoint& joint = problem.joints[i];
-    for (std::size_t r = joint.point_rows(); r < joint.rows; ++r)
-      joint.factored[r] = joint.law[r].pieces(joint.rate[r]);
-    if (plain_) {
-      fill_point(problem, joint, nodes_[i]);
-    } else {
-      fill_rows(problem, joint, nodes_[i]);
-    }
-  }
-  for (const Coupling& coupling : couplings_) {
-    if (plain_) {
-      fill_point_coupling(problem, coupling);
-    } else {
-      fill_coupling(problem, coupling);
-    }
+  if (plain_) {
+    fill_points(problem);
+  } else {
+    if (!problem.filled) fill(problem);
+    take_laws(problem);
   }
   return system_.factor();
+}
+
+void JointResponse::fill_points(const IslandProblem& problem) {
+  if (!assigns_) system_.clear();
+  for (std::size_t i = 0; i < nodes_.size(); ++i) fill_point(problem, problem.joints[i], nodes_[i]);
+  for (const Coupling& coupling : couplings_) fill_point_coupling(problem, coupling);
+}
+
+void JointResponse::fill(IslandProblem& problem) {
+  system_.clear();
+  for (std::size_t i = 0; i < nodes_.size(); ++i) fill_rows(problem, problem.joints[i], nodes_[i]);
+  for (const Coupling& coupling : couplings_) fill_coupling(problem, coupling);
+  system_.copy_values(response_);
+  problem.filled = true;
+}
+
+void JointResponse::take_laws(IslandProblem& problem) {
+  system_.set_values(response_);
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    DirectJoint& joint = problem.joints[i];
+    double* diagonal = system_.values(nodes_[i].block);
+    nodes_[i].idle = 0;
+    for (std::size_t r = 0; r < joint.rows; ++r, diagonal += joint.rows + 1) {
+      const RowLaw& law = joint.law[r];
+      if (r < joint.point_rows() || law.locked) {
+        *diagonal += problem.lock_compliance * *diagonal;
+        joint.factored[r] = 0;
+        continue;
+      }
+      joint.factored[r] = law.pieces(joint.rate[r]);
+      const double slope = law.slope(joint.rate[r]);
+      if (slope > 0) {
+        *diagonal += 1 / slope;
+      } else {
+        nodes_[i].idle |= static_cast<std::uint8_t>(1 << r);
+      }
+    }
+    if (nodes_[i].idle != 0) leave_out_rows(joint.rows, nodes_[i]);
+  }
+  for (const Coupling& coupling : couplings_) leave_out_coupling(problem, coupling);
+}
+
+// Rows that don't act give no rate and take none.
+void JointResponse::leave_out_rows(std::size_t rows, const Node& node) {
+  double* const block = system_.values(node.block);
+  for (std::size_t c = 0; c < rows; ++c) {
+    for (std::size_t r = c; r < rows; ++r) {
+      if ((node.idle >> r | node.idle >> c) & 1) block[r + rows * c] = r == c ? 1 : 0;
+    }
+  }
+}
+
+void JointResponse::leave_out_coupling(const IslandProblem& problem, const Coupling& coupling) {
+  const unsigned idle_row = nodes_[coupling.row].idle, idle_column = nodes_[coupling.column].idle;
+  if ((idle_row | idle_column) == 0) return;
+  const std::size_t rows = problem.joints[coupling.row].rows, columns = problem.joints[coupling.column].rows;
+  const std::size_t by_row = coupling.transposed ? columns : 1;
+  const std::size_t by_column = coupling.transposed ? 1 : rows;
+  double* const block = system_.values(coupling.block);
+  for (std::size_t c = 0; c < columns; ++c) {
+    for (std::size_t r = 0; r < rows; ++r) {
+      if ((idle_row >> r | idle_column >> c) & 1) block[by_row * r + by_column * c] = 0;
+    }
+  }
 }
 
 void JointResponse::solve(const IslandProblem& problem, std::span<double> b) const {
@@ -173,7 +225,6 @@ void JointResponse::fill_rows(const IslandProblem& problem, const DirectJoint& j
     put(b != nullptr ? product(b->inverse_inertia, second) : Vector3(0, 0, 0), node.answer_second[r]);
   };
   const std::size_t n = joint.rows, points = joint.point_rows();
-  double slope[BlockLdlt::max_size];
   const Vector3 &p = joint.arm_first, &q = joint.arm_second;
   if (joint.point) {
     put_row(0, {1, 0, 0}, {0, p[2], -p[1]}, {0, q[2], -q[1]});
@@ -182,26 +233,13 @@ void JointResponse::fill_rows(const IslandProblem& problem, const DirectJoint& j
   }
   for (std::size_t r = points; r < n; ++r) {
     const JointRow& at = joint.at[r];
-    slope[r] = joint.law[r].slope(joint.rate[r]);
-    if (slope[r] > 0 || joint.law[r].locked) {
-      put_row(r, at.linear, at.angular_first, at.angular_second);
-    } else {
-      for (auto* row : {node.linear[r], node.first[r], node.second[r], node.answer_first[r], node.answer_second[r]}) {
-        std::fill_n(row, 3, 0.0);
-      }
-    }
+    put_row(r, at.linear, at.angular_first, at.angular_second);
   }
   double* const block = system_.values(node.block);
   for (std::size_t c = 0; c < n; ++c) {
     for (std::size_t r = c; r < n; ++r) {
       block[r + n * c] = inverse_mass * dot(node.linear[r], node.linear[c]) + dot(node.first[r], node.answer_first[c]) +
                          dot(node.second[r], node.answer_second[c]);
-    }
-    double& diagonal = block[c + n * c];
-    if (c < points || joint.law[c].locked) {
-      diagonal += problem.lock_compliance * diagonal;
-    } else {
-      diagonal = slope[c] > 0 ? diagonal + 1 / slope[c] : 1;
     }
   }
 }

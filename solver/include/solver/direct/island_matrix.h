@@ -54,7 +54,10 @@ class IslandMatrix {
 /// Whether the factor is of the pieces that everything is on.
 bool is_factored(const IslandProblem& problem);
 
-/// Where bodies, axes or stiffnesses have changed: it is of none.
+/// Where stiffnesses have changed: it is of none.
 void forget_factor(IslandProblem& problem);
+
+/// Where bodies or axes have.
+void forget_rows(IslandProblem& problem);
 
 }  // namespace atl::solver

@@ -25,6 +25,7 @@ struct IslandProblem {
   std::vector<double> velocity;  ///< six numbers a body, linear and angular, m/s and rad/s: v
   std::vector<double> free;      ///< likewise: v*
   double lock_compliance = 0;    ///< of an effective mass's inverse, that locks and ends of ranges give
+  bool filled = false;           ///< the response of joints is that of their rows and bodies as they are placed
   bool factored = false;         ///< there is a factor, of the pieces that contacts and joints note
 
   /// Makes room for bodies.

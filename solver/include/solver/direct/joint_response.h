@@ -34,7 +34,7 @@ class JointResponse {
   std::size_t rows() const { return system_.rows(); }
 
   /// See jobs/arrays.h.
-  auto arrays() const { return std::tie(system_, couplings_, nodes_, rates_, momenta_); }
+  auto arrays() const { return std::tie(system_, couplings_, nodes_, response_, rates_, momenta_); }
 
  private:
   // Two joints at one body.
@@ -46,15 +46,22 @@ class JointResponse {
     std::size_t block;
   };
 
-  // A joint: its rows, and how its bodies answer to an impulse along each. A row that doesn't act is 0.
+  // A joint: its rows, and how its bodies answer to an impulse along each.
   struct Node {
     std::size_t block;                  // diagonal
+    std::uint8_t idle;                  // by row, a bit where its law doesn't act
     Matrix3 point_first, point_second;  // arms' cross matrices times the inverse inertia
     double linear[BlockLdlt::max_size][3];
     double first[BlockLdlt::max_size][3], second[BlockLdlt::max_size][3];                // angular
     double answer_first[BlockLdlt::max_size][3], answer_second[BlockLdlt::max_size][3];  // 1/(kg m^2) times these
   };
 
+  // Of all rows, whether they act or not: laws come and go many times at one pose.
+  void fill(IslandProblem& problem);
+  void fill_points(const IslandProblem& problem);
+  void take_laws(IslandProblem& problem);
+  void leave_out_rows(std::size_t rows, const Node& node);
+  void leave_out_coupling(const IslandProblem& problem, const Coupling& coupling);
   void fill_point(const IslandProblem& problem, const DirectJoint& joint, Node& node);
   void fill_point_coupling(const IslandProblem& problem, const Coupling& coupling);
   void fill_rows(const IslandProblem& problem, const DirectJoint& joint, Node& node);
@@ -63,6 +70,7 @@ class JointResponse {
   BlockLdlt system_;
   std::vector<Coupling> couplings_;
   std::vector<Node> nodes_;                      // by joint
+  std::vector<double> response_;                 // the system without laws
   bool plain_ = false;                           // all joints are points alone
   bool assigns_ = false;                         // every value of the system is written once
   mutable std::vector<double> rates_, momenta_;  // momenta are 0 between calls
