@@ -161,6 +161,7 @@ void visit_joint(Archive& archive, Joint& joint, Limits& limit_before) {
   archive.values(joint.position.data(), joint.rows);
   archive.values(joint.limit.data(), joint.rows);
   archive.values(joint.motor_bound.data(), joint.rows);
+  archive.values(joint.friction_bound.data(), joint.rows);
   archive.values(limit_before.data(), joint.rows);
   for (std::size_t i = 0; i < joint.terms; ++i) archive.value(joint.term[i].position);
   if constexpr (Archive::reads) {
@@ -177,7 +178,9 @@ void visit_joint(Archive& archive, Joint& joint, Limits& limit_before) {
   }
   for (std::size_t row = 0; row < joint.rows; ++row) {
     archive.check(joint.limit[row] >= -1 && joint.limit[row] <= 1, "a joint at a limit that there is not");
-    archive.check(joint.motor_bound[row] >= -1 && joint.motor_bound[row] <= 1, "a motor at no bound");
+    for (const auto& bound : {joint.motor_bound, joint.friction_bound}) {
+      archive.check(bound[row] >= -1 && bound[row] <= 1, "a motor or dry friction at no bound");
+    }
   }
 }
 

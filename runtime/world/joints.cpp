@@ -84,7 +84,7 @@ void forget_impulses(solver::Joint& joint) {
   joint.point_impulse.setZero();
   joint.tension.setZero();
   joint.impulse.fill(0);
-  joint.motor_bound = {};
+  joint.motor_bound = joint.friction_bound = {};
 }
 
 // A joint that stops to act has nothing to start from, or to tell. Its bodies are where they are put: what they came to

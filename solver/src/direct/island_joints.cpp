@@ -125,6 +125,29 @@ double left_beyond(const Law& law, double value, double closed) {
 // The rate at the end from which a coordinate goes back into its range.
 double& end_rate(RowLaw& law, double back) { return back > 0 ? law.lower_rate : law.upper_rate; }
 
+// A rate on the piece that a motor, or dry friction, was on; or the rate before, where that is more than they can stop.
+// By a small one, as rounding leaves it where they hold or let a coordinate creep, they would seem to slip.
+double rate_on_piece(double rate, double mass, double speed, double impulse, double slope, int bound) {
+  if (!(std::abs(rate - speed) * mass < impulse)) return rate;
+  const double reach = 2 * impulse / slope;
+  return bound == 0 ? speed : bound > 0 ? std::min(rate, speed - reach) : std::max(rate, speed + reach);
+}
+
+// The search begins on the pieces that rows were on.
+void start_rate(const Law& of, bool reaches_ends, DirectJoint& joint, std::size_t row) {
+  const RowLaw& law = joint.law[row];
+  double& rate = joint.rate[row] = joint.rate_before[row];
+  if (law.friction_slope > 0) {
+    rate = rate_on_piece(rate, joint.mass[row], law.friction_speed, law.friction_impulse, law.friction_slope,
+                         joint.friction_bound[row]);
+  }
+  if (of.drives() && !of.is_servo() && law.motor_slope > 0) {
+    rate = rate_on_piece(rate, joint.mass[row], law.motor_speed, law.motor_impulse, law.motor_slope,
+                         joint.motor_bound[row]);
+  }
+  if (reaches_ends) start_at_limit(joint, row);
+}
+
 // Locks ask for no rate.
 void release_locks(const Joint& of, DirectJoint& joint) {
   joint.bend = {};
@@ -166,7 +189,7 @@ RowKinds load_joints(const Joint* all, const IslandMembers& members, std::vector
     joint.bend = {};
     joint.bounces = {};
     joint.impact = {};
-    joint.limit = joint.motor_bound = {};
+    joint.limit = joint.motor_bound = joint.friction_bound = {};
     joint.terms = from.terms;
     for (std::size_t i = 0; i < from.terms; ++i, ++ends) {
       const Joint& of = all[from.term[i].joint];
@@ -174,12 +197,17 @@ RowKinds load_joints(const Joint* all, const IslandMembers& members, std::vector
       joint.term[i].row.position = from.term[i].position;
     }
     const std::size_t points = joint.point_rows();
-    for (std::size_t r = 0; r < joint.rows; ++r) joint.law[r] = {.locked = law_of(from, r).locked()};
+    joint.locks = 0;
+    for (std::size_t r = 0; r < joint.rows; ++r) {
+      joint.law[r] = {.locked = law_of(from, r).locked()};
+      joint.locks |= static_cast<std::uint8_t>(joint.law[r].locked ? 1 << r : 0);
+    }
     for (std::size_t r = points; r < joint.rows; ++r) {
       const Law& law = from.law[r - points];
       joint.position[r] = from.position[r - points];
       joint.limit[r] = from.limit[r - points];
       joint.motor_bound[r] = from.motor_bound[r - points];
+      joint.friction_bound[r] = from.friction_bound[r - points];
       kinds.all_locked &= law.locked();
       kinds.acts |= law.looks_back() || law.drives() || law.friction > 0;
       kinds.looks_back |= law.looks_back();
@@ -246,8 +274,7 @@ void begin_laws(const Joint* joints, double h, IslandProblem& problem) {
       joint.beyond[r] = left_beyond(law, joint.at[r].value, h * tuning::closing_speed);
       joint.back[r] = 0;
       if (law.looks_back()) joint.law[r].start_at(joint.rate_before[r]);
-      joint.rate[r] = joint.rate_before[r];
-      start_at_limit(joint, r);
+      start_rate(law, problem.contacts.empty(), joint, r);
     }
   }
 }
@@ -332,6 +359,7 @@ void hold_rows(const Joint* joints, bool late, IslandProblem& problem) {
       joint.law[r] = {};
       joint.limit[r] = static_cast<std::int8_t>(before.limit(joint.rate[r]));
       joint.motor_bound[r] = static_cast<std::int8_t>(before.motor_bound(joint.rate[r]));
+      joint.friction_bound[r] = static_cast<std::int8_t>(before.friction_bound(joint.rate[r]));
       // Rows have turned with the bodies, and an armature pays for what that makes of its rate.
       joint.law[r].spring_slope = law.armature;
       joint.law[r].spring_rate = joint.kept[r];
@@ -383,6 +411,7 @@ void write_back_joints(const DirectIslandInput& input, const std::vector<DirectJ
       joint.position[k] = from.position[r];
       joint.limit[k] = from.limit[r];
       joint.motor_bound[k] = from.motor_bound[r];
+      joint.friction_bound[k] = from.friction_bound[r];
       if (from.is_tendon()) {
         joint.force.x() = over_h * from.lasting[r];
         continue;  // it has no arms, which a torque would go by

@@ -3,10 +3,30 @@
 #include <solver/tuning.h>
 
 #include <algorithm>
+#include <tuple>
 
 #include "integrate/matrix3.h"
 
 namespace atl::solver {
+namespace {
+
+// Of a row of a joint: k times its motions of the block's two bodies. Most rows are of turning alone.
+void add_square(double* block, const Vector3& row, const Vector3& column, const Vector3& linear, double k) {
+  if (block == nullptr) return;
+  for (int c = 0; c < 3; ++c) {
+    for (int r = 0; r < 3; ++r) block[3 + r + 6 * (3 + c)] += k * row[r] * column[c];
+  }
+  if (linear.isZero(0)) return;
+  for (int c = 0; c < 3; ++c) {
+    for (int r = 0; r < 3; ++r) {
+      block[r + 6 * c] += k * linear[r] * linear[c];
+      block[3 + r + 6 * c] += k * row[r] * linear[c];
+      block[r + 6 * (3 + c)] += k * linear[r] * column[c];
+    }
+  }
+}
+
+}  // namespace
 
 std::size_t most_factor_blocks(std::size_t body_count, bool touch) {
   return (touch ? tuning::factor_blocks_per_body : tuning::factor_blocks_per_joined_body) * body_count;
@@ -34,13 +54,25 @@ bool IslandMatrix::analyse_joints(const IslandProblem& problem, std::size_t most
 
 bool IslandMatrix::factor(IslandProblem& problem) {
   if (!joints_.empty()) return problem.factored = joints_.factor(problem);
-  add_masses(problem.bodies);
+  if (problem.joints.empty()) {
+    add_masses(problem.bodies);
+  } else {
+    if (!problem.filled) fill(problem);
+    system_.set_values(placed_);
+  }
   for (DirectContact& contact : problem.contacts) {
     add_stiffness(contact, contact.law.derivative(contact.motion, contact.answer.pieces));
     contact.factored = contact.answer.pieces;
   }
-  for (DirectJoint& joint : problem.joints) add_stiffness(joint);
+  for (DirectJoint& joint : problem.joints) add_stiffness(joint, Rows::Others);
   return problem.factored = system_.factor();
+}
+
+void IslandMatrix::fill(IslandProblem& problem) {
+  add_masses(problem.bodies);
+  for (DirectJoint& joint : problem.joints) add_stiffness(joint, Rows::Locks);
+  system_.copy_values(placed_);
+  problem.filled = true;
 }
 
 void IslandMatrix::add_masses(std::span<const DirectBody> bodies) {
@@ -124,43 +156,31 @@ void IslandMatrix::add_tendon(DirectJoint& tendon) {
 }
 
 // J^T K J of a joint: a row's motion is one of each body.
-void IslandMatrix::add_stiffness(DirectJoint& joint) {
+void IslandMatrix::add_stiffness(DirectJoint& joint, Rows rows) {
   if (joint.is_tendon()) {
-    add_tendon(joint);
+    if (joint.is_lock(0) == (rows == Rows::Locks)) add_tendon(joint);
     return;
   }
-  const auto add = [&](std::uint32_t row_body, const Vector3& row_angular, std::uint32_t column_body,
-                       const Vector3& column_angular, const Vector3& linear, double k) {
-    double* block = system_.values(system_.block_index(row_body, column_body));
-    for (int c = 0; c < 3; ++c) {
-      for (int r = 0; r < 3; ++r) {
-        block[r + 6 * c] += k * linear[r] * linear[c];
-        block[3 + r + 6 * c] += k * row_angular[r] * linear[c];
-        block[r + 6 * (3 + c)] += k * linear[r] * column_angular[c];
-        block[3 + r + 6 * (3 + c)] += k * row_angular[r] * column_angular[c];
-      }
-    }
+  const std::uint32_t a = joint.first, b = joint.second;
+  const auto block_of = [&](std::uint32_t row, std::uint32_t column) {
+    return row == no_body || column == no_body ? nullptr : system_.values(system_.block_index(row, column));
   };
-  const bool both = joint.first != no_body && joint.second != no_body;
-  const bool first_later = both && !system_.is_earlier(joint.first, joint.second);
+  double* const of_first = block_of(a, a);
+  double* const of_second = block_of(b, b);
+  double* const of_both = block_of(a, b);
+  // A block has the rows of what is eliminated later.
+  const bool first_later = of_both != nullptr && !system_.is_earlier(a, b);
   for (std::size_t i = 0; i < joint.rows; ++i) {
+    if (joint.is_lock(i) != (rows == Rows::Locks)) continue;
     joint.factored[i] = joint.law[i].pieces(joint.rate[i]);
     const double k = joint.law[i].slope(joint.rate[i]);
     if (k == 0) continue;
     const JointRow at = joint.row(i);
-    if (joint.first != no_body) {
-      add(joint.first, at.angular_first, joint.first, at.angular_first, at.linear, k);
-    }
-    if (joint.second != no_body) {
-      add(joint.second, at.angular_second, joint.second, at.angular_second, at.linear, k);
-    }
-    if (!both) continue;
-    // A block has the rows of what is eliminated later.
-    if (first_later) {
-      add(joint.first, at.angular_first, joint.second, at.angular_second, at.linear, -k);
-    } else {
-      add(joint.second, at.angular_second, joint.first, at.angular_first, at.linear, -k);
-    }
+    add_square(of_first, at.angular_first, at.angular_first, at.linear, k);
+    add_square(of_second, at.angular_second, at.angular_second, at.linear, k);
+    const auto& [later, earlier] =
+        first_later ? std::tie(at.angular_first, at.angular_second) : std::tie(at.angular_second, at.angular_first);
+    add_square(of_both, later, earlier, at.linear, -k);
   }
 }
 

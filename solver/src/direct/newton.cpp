@@ -15,21 +15,29 @@ class AlongDirection {
     for (std::size_t i = 0; i < problem.bodies.size(); ++i) {
       const std::array<double, 6> momentum = problem.bodies[i].momentum(&direction[6 * i]);
       for (std::size_t k = 0; k < 6; ++k) {
-        mass_slope_ += (problem.velocity[6 * i + k] - problem.free[6 * i + k]) * momentum[k];
-        mass_curvature_ += direction[6 * i + k] * momentum[k];
+        linear_slope_ += (problem.velocity[6 * i + k] - problem.free[6 * i + k]) * momentum[k];
+        curvature_ += direction[6 * i + k] * momentum[k];
+      }
+    }
+    for (const DirectJoint& joint : problem.joints) {
+      for (std::size_t r = 0; r < joint.rows; ++r) {
+        if (!joint.law[r].locked) continue;
+        linear_slope_ -= joint.impulse[r] * joint.change[r];
+        curvature_ += joint.law[r].stiffness * joint.change[r] * joint.change[r];
       }
     }
   }
 
   bool has_joints() const { return !problem_.joints.empty(); }
   double slope(double t) const {
-    double sum = mass_slope_ + t * mass_curvature_;
+    double sum = linear_slope_ + t * curvature_;
     for (const DirectContact& contact : problem_.contacts) {
       const Six impulse = contact.law.total(contact.law.answer(contact.motion_after(t)));
       for (int k = 0; k < 6; ++k) sum -= impulse[k] * contact.change[k];
     }
     for (const DirectJoint& joint : problem_.joints) {
-      for (std::size_t r = 0; r < joint.rows; ++r) {
+      for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) {
+        if (joint.law[r].locked) continue;
         sum -= joint.law[r].impulse(joint.rate[r] + t * joint.change[r]) * joint.change[r];
       }
     }
@@ -38,7 +46,7 @@ class AlongDirection {
 
  private:
   const IslandProblem& problem_;
-  double mass_slope_ = 0, mass_curvature_ = 0;  // of the first term
+  double linear_slope_ = 0, curvature_ = 0;  // of the first term, and of locks
 };
 
 // Where the slope vanishes, or all the way if it doesn't before. Regula falsi that halves what it keeps (Dowell and
@@ -95,8 +103,21 @@ double descend(IslandProblem& problem, BalanceSearch& search) {
   return t;
 }
 
+double push_by_law(DirectJoint& joint, std::size_t row, double rate) {
+  joint.rate[row] = rate;
+  return joint.law[row].impulse(rate);
+}
+
+// On the piece of the rate that the joint notes, which stays.
+double push_on_last_piece(DirectJoint& joint, std::size_t row, double rate) {
+  const RowLaw& law = joint.law[row];
+  if (law.locked) return push_by_law(joint, row, rate);
+  return law.impulse(joint.rate[row]) - law.slope(joint.rate[row]) * (rate - joint.rate[row]);
+}
+
 void balance_by_laws(IslandProblem& problem, std::vector<double>& gradient) {
-  balance(problem, gradient, [](const DirectContact& contact) { return contact.law.answer(contact.motion); });
+  const auto answer = [](const DirectContact& contact) { return contact.law.answer(contact.motion); };
+  balance(problem, gradient, answer, push_by_law);
 }
 
 // Newton's method with an exact line search. Friction's bound follows the load in the first `follows` iterations.
@@ -117,9 +138,10 @@ bool minimise(IslandProblem& problem, BalanceSearch& search, int follows) {
 }  // namespace
 
 void balance_on_last_pieces(IslandProblem& problem, std::vector<double>& gradient) {
-  balance(problem, gradient, [](const DirectContact& contact) {
+  const auto answer = [](const DirectContact& contact) {
     return contact.law.linear_answer(contact.motion, contact.answer.pieces, contact.answer);
-  });
+  };
+  balance(problem, gradient, answer, push_on_last_piece);
 }
 
 bool solve_by_newton(IslandProblem& problem, BalanceSearch& search) {

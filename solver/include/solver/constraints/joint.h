@@ -134,9 +134,9 @@ struct alignas(64) Joint {
   double ratio = 1;                                  ///< of gears
   std::array<double, max_joint_rows> impulse = {};   ///< N s or N m s
   std::array<double, max_joint_rows> position = {};  ///< as of the end of the step; angles over full turns
-  /// -1 where the motor pulled backwards with all it had, 1 forwards, else 0. Of joints that are solved at once, which
-  /// start the next step from there.
-  std::array<std::int8_t, max_joint_rows> motor_bound = {};
+  /// -1 where the motor pulled backwards with all it had, 1 forwards, else 0; likewise dry friction. Of joints that are
+  /// solved at once, which start the next step from there.
+  std::array<std::int8_t, max_joint_rows> motor_bound = {}, friction_bound = {};
   /// Terms of a tendon; other joints have none. A tendon has one row along Coordinate::Length, no point and no frames;
   /// its bodies are those of the joints of its terms.
   std::array<TendonTerm, max_tendon_terms> term = {};

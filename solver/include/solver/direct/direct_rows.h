@@ -103,6 +103,7 @@ struct DirectJoint {
   std::uint32_t first, second;            ///< bodies of the problem, or no_body
   bool point;                             ///< the first three rows are those of a point, along the world's axes
   std::size_t rows;
+  std::uint8_t locks;   ///< by row, a bit where its law does nothing but hold it
   Rows<JointRow> at;    ///< but for those of the point, which its arms tell: see row()
   Rows<double> mass;    ///< kg or kg m^2, effective; of locks where the matrix is by bodies
   Rows<double> joined;  ///< by how much heavier springs' coordinates are with all that is joined: see weigh_joined()
@@ -123,9 +124,9 @@ struct DirectJoint {
   Rows<double> impulse;    ///< N s or N m s
   Rows<double> lasting;    ///< of the velocities which bodies keep
   Rows<std::uint8_t> factored;
-  Rows<std::int8_t> limit, motor_bound;  ///< as Joint has them
-  Rows<bool> bounces;                    ///< at that end, in this substep
-  Vector3 tension;                       ///< N, followed over some substeps
+  Rows<std::int8_t> limit, motor_bound, friction_bound;  ///< as Joint has them
+  Rows<bool> bounces;                                    ///< at that end, in this substep
+  Vector3 tension;                                       ///< N, followed over some substeps
   std::array<DirectTerm, max_tendon_terms> term;
   std::size_t terms;
 
@@ -135,6 +136,7 @@ struct DirectJoint {
   /// Moves the coordinates of its terms by `time` times their rates at these velocities.
   void move_terms(const std::vector<double>& velocities, double time);
   std::size_t point_rows() const { return point ? 3 : 0; }
+  bool is_lock(std::size_t row) const { return (locks >> row & 1) != 0; }
   JointRow row(std::size_t r) const;
   RowMass row_mass(std::size_t r) const { return {.alone = mass[r], .joined = joined[r] * mass[r]}; }
   /// m/s or rad/s: what velocities add to the rate `start` of a row beside the point's.

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <span>
 #include <utility>
+#include <vector>
 
 namespace atl::solver {
 
@@ -39,16 +40,21 @@ class IslandMatrix {
   const JointResponse* joints() const { return joints_.empty() ? nullptr : &joints_; }
 
   /// See jobs/arrays.h.
-  auto arrays() const { return std::tie(system_, joints_); }
+  auto arrays() const { return std::tie(system_, placed_, joints_); }
 
  private:
+  enum class Rows { Locks, Others };
+
+  // With what holds however bodies move: their masses and the locks of joints.
+  void fill(IslandProblem& problem);
   void add_masses(std::span<const DirectBody> bodies);
   void add_stiffness(const DirectContact& contact, const std::array<Six, 6>& k);
-  void add_stiffness(DirectJoint& joint);
+  void add_stiffness(DirectJoint& joint, Rows rows);
   void add_tendon(DirectJoint& tendon);
 
   BlockLdlt system_;
-  JointResponse joints_;  // or empty: takes the place of the system
+  std::vector<double> placed_;  // its values as they are filled
+  JointResponse joints_;        // or empty: takes the place of the system
 };
 
 /// Whether the factor is of the pieces that everything is on.

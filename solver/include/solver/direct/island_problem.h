@@ -25,7 +25,7 @@ struct IslandProblem {
   std::vector<double> velocity;  ///< six numbers a body, linear and angular, m/s and rad/s: v
   std::vector<double> free;      ///< likewise: v*
   double lock_compliance = 0;    ///< of an effective mass's inverse, that locks and ends of ranges give
-  bool filled = false;           ///< the response of joints is that of their rows and bodies as they are placed
+  bool filled = false;           ///< the matrix knows the rows of joints, and bodies, as they are placed
   bool factored = false;         ///< there is a factor, of the pieces that contacts and joints note
 
   /// Makes room for bodies.
@@ -40,10 +40,10 @@ struct IslandProblem {
 };
 
 /// Takes the motions of contacts and the rates of joints at the problem's velocities, with the impulses that these
-/// answer with, contacts by `answer(contact)`. Makes `gradient` that of the function, N s and N m s: what of M (v - v*)
-/// the impulses leave.
-template <typename Answer>
-void balance(IslandProblem& problem, std::vector<double>& gradient, const Answer& answer) {
+/// answer with, contacts by `answer(contact)` and rows of joints by `push(joint, row, rate)`. Makes `gradient` that of
+/// the function, N s and N m s: what of M (v - v*) the impulses leave.
+template <typename Answer, typename Push>
+void balance(IslandProblem& problem, std::vector<double>& gradient, const Answer& answer, const Push& push) {
   const std::vector<double>& velocity = problem.velocity;
   for (std::size_t i = 0; i < velocity.size(); ++i) gradient[i] = velocity[i] - problem.free[i];
   for (std::size_t i = 0; i < problem.bodies.size(); ++i) {
@@ -56,11 +56,10 @@ void balance(IslandProblem& problem, std::vector<double>& gradient, const Answer
     contact.add_impulse(contact.law.total(contact.answer), -1, gradient);
   }
   for (DirectJoint& joint : problem.joints) {
-    DirectJoint::Rows<double> against;
-    joint.rates_by(velocity.data(), joint.rate.data());
+    DirectJoint::Rows<double> rates, against;
+    joint.rates_by(velocity.data(), rates.data());
     for (std::size_t r = 0; r < joint.rows; ++r) {
-      joint.rate[r] += joint.given[r];
-      joint.impulse[r] = joint.law[r].impulse(joint.rate[r]);
+      joint.impulse[r] = push(joint, r, rates[r] + joint.given[r]);
       against[r] = -joint.impulse[r];
     }
     joint.add_impulses(against.data(), gradient.data());
