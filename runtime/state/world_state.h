@@ -8,6 +8,7 @@
 #include <features/with_joints.h>
 #include <features/with_surfaces.h>
 #include <jobs/prefetch.h>
+#include <jobs/scratch.h>
 #include <solver/constraints/surface_contact.h>
 #include <solver/integrate/motion_locks.h>
 #include <solver/integrate/state_bounds.h>
@@ -108,6 +109,24 @@ template <typename Archive, typename Pair>
 void visit_pair(Archive& archive, Pair& pair) {
   archive.value(pair.first);
   archive.value(pair.second);
+}
+
+/// Forces or torques, of which a world that nobody pushes has none.
+template <typename Archive, typename Rows>
+void visit_pushes(Archive& archive, Rows& rows, std::size_t bodies) {
+  constexpr std::array<double, 3> zero = {0, 0, 0};
+  if (!rows.empty()) return archive.template rows<3>(rows, zero);
+  // Kept by the thread, so that nothing is allocated.
+  struct Memory {
+    std::remove_const_t<Rows> none;
+  };
+  auto& none = jobs::of_this_thread<Memory>().none;
+  none.assign(3 * bodies, 0.0);
+  archive.template rows<3>(none, zero);
+  if constexpr (Archive::reads) {
+    const auto pushes = [](double x) { return x != 0 || std::signbit(x); };
+    if (std::any_of(none.begin(), none.end(), pushes)) rows = none;
+  }
 }
 
 /// What a contact filter refused, and of which bodies it is to be asked again. Contacts go before.
@@ -293,8 +312,8 @@ class WorldState {
     archive_.template rows<4>(bodies.orientations, {0, 0, 0, 1});
     archive_.template rows<3>(bodies.velocities, zero);
     archive_.template rows<3>(bodies.angular_velocities, zero);
-    archive_.template rows<3>(bodies.forces, zero);
-    archive_.template rows<3>(bodies.torques, zero);
+    visit_pushes(archive_, bodies.forces, body_count());
+    visit_pushes(archive_, bodies.torques, body_count());
     archive_.template rows<1>(bodies.turned, {0});
     archive_.template rows<1>(world_.aabbs.bounds.aabb_margin, {0});
     archive_.template rows<1>(world_.aabbs.swept_margins(), {0});

@@ -51,10 +51,7 @@ void keep_carried_awake(Stores& world, const ContactPhase& contacts) {
 }
 
 void clear_forces(Stores& world) {
-  for (const std::uint32_t body : world.changes.pushed) {
-    world.bodies.force(body).setZero();
-    world.bodies.torque(body).setZero();
-  }
+  for (const std::uint32_t body : world.changes.pushed) world.bodies.clear_push(body);
   world.changes.pushed.clear();
 }
 

@@ -97,8 +97,7 @@ BodyId add_body(Stores& world, const CheckedBody& start) {
   bodies.set_orientation(body, start.orientation);
   bodies.velocity(body) = start.velocity;
   bodies.angular_velocity(body) = start.angular_velocity;
-  bodies.force(body).setZero();
-  bodies.torque(body).setZero();
+  bodies.clear_push(body);
   records.user_data[body] = start.user_data;
   give_name(world, body, start.name);
   records.filter.set(body, start.filter);
@@ -180,8 +179,7 @@ std::uint32_t awaken(Stores& world, std::uint32_t body) {
 void apply_force(Stores& world, std::uint32_t body, const Vector3& force, const Vector3& torque) {
   if (world.quarantine.contains(body)) return;
   if (world.bodies.force(body).isZero(0) && world.bodies.torque(body).isZero(0)) world.changes.pushed.push_back(body);
-  world.bodies.force(body) += force;
-  world.bodies.torque(body) += torque;
+  world.bodies.push(body, force, torque);
 }
 
 namespace {

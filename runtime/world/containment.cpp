@@ -118,8 +118,7 @@ void put_in_quarantine(Stores& world, std::uint32_t body, Quarantine reason) {
   // How far it got before it broke depends on what else was done in the step.
   world.bodies.turned[body] = 0;
   world.aabbs.bounds.aabb_margin[body] = 0;
-  world.bodies.force(body).setZero();
-  world.bodies.torque(body).setZero();
+  world.bodies.clear_push(body);
   world.sleeping.rest_time[body] = 0;
   world.aabbs.swept_margins()[body] = 0;
   world.quarantine.add({{body, world.records.generation[body]}, reason, quarantine_reason(reason), world.clock.steps});

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -35,8 +36,8 @@ struct BodyTable {
   std::vector<double> orientations;        ///< 4 a body: x, y, z, w
   std::vector<double> velocities;          ///< 3 a body, m/s
   std::vector<double> angular_velocities;  ///< 3 a body, rad/s
-  std::vector<double> forces;              ///< 3 a body, N, for the next step only
-  std::vector<double> torques;             ///< 3 a body, N m, for the next step only
+  std::vector<double> forces;              ///< 3 a body, N, for the next step only; empty until the first push
+  std::vector<double> torques;             ///< 3 a body, N m, likewise
 
   std::vector<Mobility> mobility;
   std::vector<double> inverse_mass;      ///< 1/kg; 0 unless dynamic
@@ -83,10 +84,10 @@ struct BodyTable {
   Vector3 velocity_at(std::size_t body, const Vector3& arm) const {
     return velocity(body) + angular_velocity(body).cross(arm);
   }
-  auto force(std::size_t body) { return Eigen::Map<Vector3>(forces.data() + 3 * body); }
-  auto force(std::size_t body) const { return Eigen::Map<const Vector3>(forces.data() + 3 * body); }
-  auto torque(std::size_t body) { return Eigen::Map<Vector3>(torques.data() + 3 * body); }
-  auto torque(std::size_t body) const { return Eigen::Map<const Vector3>(torques.data() + 3 * body); }
+  Vector3 force(std::size_t body) const { return forces.empty() ? Vector3::Zero() : Vector3(&forces[3 * body]); }
+  Vector3 torque(std::size_t body) const { return torques.empty() ? Vector3::Zero() : Vector3(&torques[3 * body]); }
+  void push(std::size_t body, const Vector3& force, const Vector3& torque);
+  void clear_push(std::size_t body);
 
   Quaternion orientation(std::size_t body) const {
     const double* q = orientations.data() + 4 * body;
@@ -97,9 +98,24 @@ struct BodyTable {
   }
 };
 
+inline void BodyTable::push(std::size_t body, const Vector3& force, const Vector3& torque) {
+  forces.resize(3 * size(), 0.0);
+  torques.resize(3 * size(), 0.0);
+  Eigen::Map<Vector3>(&forces[3 * body]) += force;
+  Eigen::Map<Vector3>(&torques[3 * body]) += torque;
+}
+
+inline void BodyTable::clear_push(std::size_t body) {
+  for (std::vector<double>* rows : {&forces, &torques}) {
+    if (!rows->empty()) std::fill_n(rows->data() + 3 * body, 3, 0.0);
+  }
+}
+
 inline void BodyTable::resize(std::size_t count) {
   const bool one_more = count == size() + 1;
-  for (std::vector<double>* rows : {&positions, &velocities, &angular_velocities, &forces, &torques}) {
+  if (!forces.empty()) forces.resize(3 * count, 0.0);
+  if (!torques.empty()) torques.resize(3 * count, 0.0);
+  for (std::vector<double>* rows : {&positions, &velocities, &angular_velocities}) {
     if (one_more) {
       for (int i = 0; i < 3; ++i) rows->push_back(0.0);
     } else {
