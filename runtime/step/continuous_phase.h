@@ -21,6 +21,8 @@ namespace atl {
 class ContinuousPhase {
  public:
   explicit ContinuousPhase(int threads) : continuous_(threads) {}
+  /// Makes it do for so many workers, if it is for fewer.
+  void reach(int threads) { continuous_.reach(threads); }
 
   /// Ahead of the solve: bodies that touch a mesh or height field count as fast if they move as far as their cores are
   /// from it. Contacts give way to what presses on them, and behind its front a surface pushes nobody.
@@ -28,9 +30,6 @@ class ContinuousPhase {
   /// `moved` are bodies that moved far by the solve, by worker; it is empty after this.
   void sweep(Stores& world, const StepContext& step, const ContactPhase& contacts, const IslandPhase& islands,
              solver::FastBodies& moved);
-
-  /// See jobs/arrays.h.
-  auto arrays() const { return std::tie(fast_in_order_, carried_, pressed_, continuous_); }
 
  private:
   // A body that was watched, and what its motion was held against before.

@@ -11,7 +11,7 @@ namespace {
 
 // Calls visit(name, arrays, count, unit) for what a world's memory is for, in a fixed order.
 template <typename Visit>
-void for_each_use(const Stores& world, const StepPipeline& pipeline, const StepCounts& last_step, const Visit& visit) {
+void for_each_use(const Stores& world, const StepPipeline& pipeline, const Visit& visit) {
   const SolvePhase& solve = pipeline.solve();
   const StepResults& results = world.results;
   const std::size_t bodies = world.records.count;
@@ -34,7 +34,6 @@ void for_each_use(const Stores& world, const StepPipeline& pipeline, const StepC
   visit("error_target", std::tie(world.control, results.unheld_islands), bodies, "bodies");
   visit("joints", std::tuple_cat(std::tie(world.joints, results.joint_events), pipeline.islands().joint_arrays()),
         world.joints.count, "joints");
-  visit("continuous_collision", std::tie(pipeline.continuous()), static_cast<std::size_t>(last_step.swept), "bodies");
   visit("contact_events",
         std::tuple_cat(std::tie(results.contact_events, results.unasked_events), pipeline.event_arrays(),
                        solve.event_arrays()),
@@ -45,12 +44,11 @@ void for_each_use(const Stores& world, const StepPipeline& pipeline, const StepC
 
 }  // namespace
 
-std::vector<MemoryUse> memory_of(const Stores& world, const StepPipeline& pipeline, const StepCounts& last_step) {
+std::vector<MemoryUse> memory_of(const Stores& world, const StepPipeline& pipeline) {
   std::vector<MemoryUse> uses;
-  for_each_use(world, pipeline, last_step,
-               [&uses](const char* name, const auto& arrays, std::size_t count, const char* unit) {
-                 uses.push_back({name, jobs::bytes_of(arrays), count, unit});
-               });
+  for_each_use(world, pipeline, [&uses](const char* name, const auto& arrays, std::size_t count, const char* unit) {
+    uses.push_back({name, jobs::bytes_of(arrays), count, unit});
+  });
   return uses;
 }
 
@@ -58,7 +56,7 @@ void prefetch(const Stores& world, const StepPipeline& pipeline) {
   // A quarter of the second-level cache of a small core: what goes beyond would push out what is in use.
   constexpr std::size_t limit = 128 << 10;
   std::size_t left = limit / jobs::cache_line;
-  for_each_use(world, pipeline, {}, [&left](const char*, const auto& arrays, std::size_t, const char*) {
+  for_each_use(world, pipeline, [&left](const char*, const auto& arrays, std::size_t, const char*) {
     jobs::for_each_array(arrays, [&left]<typename Entry>(const std::vector<Entry>& array) {
       const std::size_t lines = std::min(left, jobs::lines_of(array.size() * sizeof(Entry)));
       jobs::prefetch_lines(array.data(), lines);

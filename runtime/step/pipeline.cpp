@@ -3,6 +3,7 @@
 #include <features/with_continuous.h>
 #include <features/with_joints.h>
 #include <features/with_surfaces.h>
+#include <jobs/scratch.h>
 #include <jobs/stopwatch.h>
 
 #include <algorithm>
@@ -57,20 +58,28 @@ void clear_forces(Stores& world) {
 
 }  // namespace
 
+void StepMemory::begin(int threads) {
+  moved.reach(threads);
+  moved.for_each([](solver::MovedBodies& of_worker) { of_worker.clear(); });
+  continuous.reach(threads);
+}
+
 void StepPipeline::run(Stores& world, const StepContext& step) {
   if (step.rules != nullptr) step.rules->begin_substep();
+  const jobs::Borrowed<StepMemory> memory;
+  memory->begin(step.arena.threads());
   const auto run = [&](Phase phase, const auto& body) {
     const jobs::Clock::time_point start = jobs::Clock::now();
     body();
     step.report.phase_ms[static_cast<std::size_t>(phase)] = jobs::ms_since(start);
   };
-  run(Phase::Plan, [&] { plan(world, step); });                           // who may move, and who is unfit to
-  run(Phase::FindPairs, [&] { find_pairs(world, step); });                // moved AABBs -> new pairs, in id order
-  run(Phase::UpdateContacts, [&] { contacts_.update(world, step); });     // pairs -> manifolds: keep, refresh, ask FCL
-  run(Phase::BuildIslands, [&] { build_islands(world, step); });          // touching, joints -> islands -> groups; wake
-  run(Phase::SolveIslands, [&] { solve_islands(world, step); });          // groups are tasks: prepare, substeps, store
-  run(Phase::SweepFastBodies, [&] { follow_fast_bodies(world, step); });  // nothing passes through anything
-  run(Phase::Finish, [&] { finish(world, step); });                       // events, sleep, checks, report
+  run(Phase::Plan, [&] { plan(world, step); });                        // who may move, and who is unfit to
+  run(Phase::FindPairs, [&] { find_pairs(world, step); });             // moved AABBs -> new pairs, in id order
+  run(Phase::UpdateContacts, [&] { contacts_.update(world, step); });  // pairs -> manifolds: keep, refresh, ask FCL
+  run(Phase::BuildIslands, [&] { build_islands(world, step); });       // touching, joints -> islands -> groups; wake
+  run(Phase::SolveIslands, [&] { solve_islands(world, step, *memory); });          // groups are tasks: substeps, store
+  run(Phase::SweepFastBodies, [&] { follow_fast_bodies(world, step, *memory); });  // nothing passes through anything
+  run(Phase::Finish, [&] { finish(world, step); });                                // events, sleep, checks, report
 }
 
 void StepPipeline::plan(Stores& world, const StepContext& step) {
@@ -83,18 +92,17 @@ void StepPipeline::build_islands(Stores& world, const StepContext& step) {
   solve_.choose_modes(world, step, islands_);
 }
 
-void StepPipeline::solve_islands(Stores& world, const StepContext& step) {
-  if constexpr (with_continuous) continuous_.watch_pressed(world, contacts_);
+void StepPipeline::solve_islands(Stores& world, const StepContext& step, StepMemory& memory) {
+  if constexpr (with_continuous) memory.continuous.watch_pressed(world, contacts_);
   if (finds_contact_events(world.settings)) keep_velocities(world, velocities_);
-  solve_.solve(world, step, contacts_.added_slips(), islands_);
+  solve_.solve(world, step, contacts_.added_slips(), islands_, memory.moved);
   add_hits(world, {solve_.pushed(), velocities_}, step.ends_step, hits_);
   if (world.settings.target.is_set()) solve_.note_errors(world, step, contacts_.touching(), islands_);
 }
 
-void StepPipeline::follow_fast_bodies(Stores& world, const StepContext& step) {
-  restrain_broken(world, solve_.moved(), broken_);
-  if constexpr (with_continuous) continuous_.sweep(world, step, contacts_, islands_, solve_.moved());
-  solve_.moved().for_each([](solver::MovedBodies& of_worker) { of_worker.clear(); });
+void StepPipeline::follow_fast_bodies(Stores& world, const StepContext& step, StepMemory& memory) {
+  restrain_broken(world, memory.moved, broken_);
+  if constexpr (with_continuous) memory.continuous.sweep(world, step, contacts_, islands_, memory.moved);
 }
 
 void StepPipeline::finish(Stores& world, const StepContext& step) {

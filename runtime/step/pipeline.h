@@ -14,11 +14,17 @@
 
 namespace atl {
 
+/// Memory that a step needs and the next one doesn't: of the thread that makes it, for all worlds that it steps.
+struct StepMemory {
+  solver::FastBodies moved{0};  ///< bodies that moved far by the solve, or whose joints did, by worker
+  ContinuousPhase continuous{0};
+
+  void begin(int threads);
+};
+
 /// The phases of a step, with what they keep for the next one. Nothing of that is part of a world's state.
 class StepPipeline {
  public:
-  explicit StepPipeline(int threads) : solve_(threads), continuous_(threads) {}
-
   /// A step of world.clock.dt seconds, maybe one substep of a step under a force law.
   void run(Stores& world, const StepContext& step);
   /// What was kept is of another state.
@@ -29,21 +35,19 @@ class StepPipeline {
   const ContactPhase& contacts() const { return contacts_; }
   const IslandPhase& islands() const { return islands_; }
   const SolvePhase& solve() const { return solve_; }
-  const ContinuousPhase& continuous() const { return continuous_; }
   /// See jobs/arrays.h: what contacts have done since events were noted.
   auto event_arrays() const { return std::tie(hits_, velocities_); }
 
  private:
   void plan(Stores& world, const StepContext& step);
   void build_islands(Stores& world, const StepContext& step);
-  void solve_islands(Stores& world, const StepContext& step);
-  void follow_fast_bodies(Stores& world, const StepContext& step);
+  void solve_islands(Stores& world, const StepContext& step, StepMemory& memory);
+  void follow_fast_bodies(Stores& world, const StepContext& step, StepMemory& memory);
   void finish(Stores& world, const StepContext& step);
 
   ContactPhase contacts_;
   IslandPhase islands_;
   SolvePhase solve_;
-  ContinuousPhase continuous_;
   std::vector<QuarantineFault> broken_;  // bodies that the solve left unsound, in order
   std::vector<ContactHit> hits_;
   std::vector<BodyVelocity> velocities_;  // of active bodies before the solve, while somebody asks for events

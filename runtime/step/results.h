@@ -34,7 +34,7 @@ ContactProblem contact_problem(const Stores& world, std::span<const solver::Touc
 /// As ResidualReport::relative, by island.
 std::vector<double> island_residuals(const ContactProblem& problem, const solver::Islands& islands);
 /// What of a world's memory is for what.
-std::vector<MemoryUse> memory_of(const Stores& world, const StepPipeline& pipeline, const StepCounts& last_step);
+std::vector<MemoryUse> memory_of(const Stores& world, const StepPipeline& pipeline);
 /// Asks for the memory of a small world that is about to be stepped.
 void prefetch(const Stores& world, const StepPipeline& pipeline);
 

@@ -96,9 +96,9 @@ solver::ErrorInput error_input(const Stores& world, const StepContext& step, con
 }  // namespace
 
 void SolvePhase::solve(Stores& world, const StepContext& step, const solver::AddedSlip* added_slips,
-                       IslandPhase& islands) {
-  solve_groups(world, step, added_slips, islands);
-  move_unconstrained_bodies(world, step, islands.islands().free_bodies(), moved_);
+                       IslandPhase& islands, solver::FastBodies& moved) {
+  solve_groups(world, step, added_slips, islands, moved);
+  move_unconstrained_bodies(world, step, islands.islands().free_bodies(), moved);
 }
 
 // Whether some island got another number, or there are other islands.
@@ -203,7 +203,7 @@ void note_resistance(Stores& world, const solver::Islands& islands) {
 }  // namespace
 
 void SolvePhase::solve_groups(Stores& world, const StepContext& step, const solver::AddedSlip* added_slips,
-                              IslandPhase& islands) {
+                              IslandPhase& islands, solver::FastBodies& moved) {
   choose_settings(world, step.substeps);
   const bool captures =
       world.settings.keep_contact_problem || world.settings.run_everything || measures_residual(world);
@@ -223,7 +223,7 @@ void SolvePhase::solve_groups(Stores& world, const StepContext& step, const solv
                               .settings = find_settings(group, step.substeps)->settings,
                               .kernels = step.kernels,
                               .bounds = world.aabbs.bounds,
-                              .fast = moved_,
+                              .fast = moved,
                               .contacts = world.cache.contacts.data(),
                               .colliders = &world.colliders,
                               .capture = captures ? &capture_ : nullptr,

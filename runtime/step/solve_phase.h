@@ -22,21 +22,18 @@ namespace atl {
 /// as tasks.
 class SolvePhase {
  public:
-  explicit SolvePhase(int threads) : moved_(threads) {}
-
   /// How many substeps islands get whose errors have a target; islands whose contacts carry too much are solved on
   /// their own, and otherwise.
   void choose_modes(Stores& world, const StepContext& step, IslandPhase& islands);
-  /// `added_slips` as in SolveInput.
-  void solve(Stores& world, const StepContext& step, const solver::AddedSlip* added_slips, IslandPhase& islands);
+  /// `added_slips` as in SolveInput. Adds the bodies that moved far, or whose joints did, to `moved`.
+  void solve(Stores& world, const StepContext& step, const solver::AddedSlip* added_slips, IslandPhase& islands,
+             solver::FastBodies& moved);
   /// Errors of the step that count for the next one, and which islands have some beyond its target.
   void note_errors(Stores& world, const StepContext& step, std::span<const solver::TouchingPair> touching,
                    const IslandPhase& islands);
 
   std::span<const solver::IslandGroup> groups() const { return groups_; }
   std::span<const solver::GroupReport> group_reports() const { return group_reports_; }
-  /// Bodies that moved far, or whose joints did, by worker. The next solve adds to them.
-  solver::FastBodies& moved() { return moved_; }
   /// Of the last step, if it was to be kept.
   const solver::ContactCapture& capture() const { return capture_; }
   /// By contact slot, N s: see SolveInput::pushed; empty where nobody asks for events.
@@ -68,7 +65,8 @@ class SolvePhase {
   bool choose_substeps(Stores& world, const StepContext& step, const IslandPhase& islands);
   void choose_settings(const Stores& world, int asked);
   const GroupSettings* find_settings(const solver::IslandGroup& group, int asked) const;
-  void solve_groups(Stores& world, const StepContext& step, const solver::AddedSlip* added_slips, IslandPhase& islands);
+  void solve_groups(Stores& world, const StepContext& step, const solver::AddedSlip* added_slips, IslandPhase& islands,
+                    solver::FastBodies& moved);
   solver::SolveMode mode_of(const solver::IslandGroup& group) const;
   int substeps_of(const solver::IslandGroup& group, int asked) const;
   void prepare_direct_solvers(const solver::Islands& islands);
@@ -85,7 +83,6 @@ class SolvePhase {
   bool regrouped_ = false;                                           // since the last solve
   DirectGroups direct_;
   std::vector<std::uint32_t> failed_;  // bodies of islands that could not be solved at once
-  solver::FastBodies moved_;
   solver::ContactCapture capture_;
   std::vector<float> pushed_;
 };

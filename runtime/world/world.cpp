@@ -73,7 +73,7 @@ void note(const auto& impl, const auto&... arguments) {
 }  // namespace
 
 World::Impl::Impl(const WorldDef& def)
-    : pipeline(checked_threads(def.threads)), arena(def.threads, def.dynamic_threads), serial(next_serial()) {
+    : arena(checked_threads(def.threads), def.dynamic_threads), serial(next_serial()) {
   stores.gravity = def.gravity;
   stores.settings = checked(def.settings);
   use_kernels(def.settings.simd);
@@ -115,7 +115,6 @@ StepReport World::Impl::advance(double dt, int substeps, bool ends_step) {
   clock.last_substep = dt / substeps;
   clock.last_dt = dt;
   note_features(stores, pipeline, rules, recorder != nullptr, report);
-  last_counts = report.counts;
   report.ms = jobs::ms_since(start);
   return report;
 }
@@ -639,7 +638,7 @@ void World::prefetch() const {
   atl::prefetch(impl_->stores, impl_->pipeline);
 }
 
-std::vector<MemoryUse> World::memory() const { return memory_of(impl_->stores, impl_->pipeline, impl_->last_counts); }
+std::vector<MemoryUse> World::memory() const { return memory_of(impl_->stores, impl_->pipeline); }
 std::span<const SelectedSolve> World::selected_solves() const { return impl_->stores.results.selected_solves; }
 std::span<const UnheldIsland> World::unheld_islands() const { return impl_->stores.results.unheld_islands; }
 

@@ -71,7 +71,6 @@ class World::Impl {
   jobs::Arena arena;
   QueryGate query_gate;
   StepGuard step_guard;
-  StepCounts last_counts;              // of the last step
   std::unique_ptr<Recorder> recorder;  // null while nothing is recorded
   const char* asking = nullptr;        // "a force law" or "a step observer", while one is asked
   std::vector<StepObserver> observers;

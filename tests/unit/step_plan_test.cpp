@@ -71,8 +71,8 @@ TEST(StepPlan, WhatIsNotUsedHoldsNoMemory) {
   add_field(world, 50);
   run(world, 5);
   const auto held = [&](const char* name) { return held_by(world, name); };
-  for (const char* name : {"running_surfaces", "direct_contacts", "joints", "continuous_collision", "contact_events",
-                           "sensors", "contact_problem"}) {
+  for (const char* name :
+       {"running_surfaces", "direct_contacts", "joints", "contact_events", "sensors", "contact_problem"}) {
     EXPECT_EQ(held(name), 0u) << name;
   }
   for (const char* name : {"bodies", "shapes", "broadphase", "contacts", "islands", "contact_solver"}) {

@@ -1,4 +1,5 @@
 #include <collision/broadphase/aabb_tree.h>
+#include <jobs/scratch.h>
 
 #include <algorithm>
 #include <utility>
@@ -8,9 +9,7 @@ namespace atl::collision {
 void AabbTree::insert(std::uint32_t item, const Aabb& box) {
   ++changes_;
   nodes_.insert(item, box);
-  if (!nodes_.is_too_high()) return;
-  builder_.leaves.clear();
-  rebuild(nullptr);
+  if (nodes_.is_too_high()) rebuild({}, nullptr);
 }
 
 void AabbTree::insert_later(std::uint32_t item, const Aabb& box) {
@@ -30,10 +29,9 @@ void AabbTree::take_in(jobs::Arena* arena) {
     return;
   }
   // What so many take is given back: they seldom come again.
-  builder_.leaves = std::move(later_);
-  later_ = {};
-  rebuild(arena);
-  builder_ = {};
+  rebuild(std::exchange(later_, {}), arena);
+  builder_.clear();
+  builder_.shrink_to_fit();
 }
 
 void AabbTree::remove(std::uint32_t item) {
@@ -70,16 +68,25 @@ void AabbTree::move(std::uint32_t item, const Aabb& box) {
 }
 
 void AabbTree::rebuild_if_worn(jobs::Arena* arena) {
-  if (changes_ < nodes_.size() || nodes_.size() <= 2) return;
-  builder_.leaves.clear();
-  rebuild(arena);
+  if (changes_ >= nodes_.size() && nodes_.size() > 2) rebuild({}, arena);
 }
 
-// Of the builder's leaves and those of the nodes.
-void AabbTree::rebuild(jobs::Arena* arena) {
+// Takes these leaves and those of the nodes. Only a large tree has a builder of its own: small ones take that of the
+// thread.
+void AabbTree::rebuild(std::vector<AabbTreeLeaf> leaves, jobs::Arena* arena) {
+  constexpr std::size_t large = 4096;
   changes_ = 0;
-  builder_.leaves.reserve(builder_.leaves.size() + nodes_.size());
-  nodes_.rebuild(builder_, arena);
+  const jobs::Borrowed<AabbTreeBuilder> of_thread;
+  const std::size_t size = leaves.size() + nodes_.size();
+  if (size >= large && builder_.empty()) builder_.resize(1);
+  AabbTreeBuilder& builder = size >= large ? builder_.front() : *of_thread;
+  if (leaves.empty()) {
+    builder.leaves.clear();
+  } else {
+    builder.leaves = std::move(leaves);
+  }
+  builder.leaves.reserve(size);
+  nodes_.rebuild(builder, arena);
 }
 
 }  // namespace atl::collision

@@ -79,7 +79,7 @@ void PairSearch::list_askers(const Proxies& proxies, std::span<const std::uint32
 }
 
 std::span<const Pair> PairSearch::find(Proxies& proxies, const CollisionFilters& filters, const MoveBuffer& moves,
-                                       const PairSet& known, jobs::Arena& arena) {
+                                       const PairSet& known, std::size_t& looks, jobs::Arena& arena) {
   new_pairs_.clear();
   // All pairs have a moving shape.
   if (proxies.moving().size() == 0) return new_pairs_;
@@ -88,10 +88,10 @@ std::span<const Pair> PairSearch::find(Proxies& proxies, const CollisionFilters&
   if (query.moving_ask) list_askers(proxies, moves.shapes());
   const std::span<const std::uint32_t> askers = query.moving_ask ? askers_ : moves.shapes();
   if (proxies.fixed().is_behind()) {
-    looks_ += count_asking_fixed(proxies, filters, askers);
-    if (looks_ > max_looks) {
+    looks += count_asking_fixed(proxies, filters, askers);
+    if (looks > max_looks) {
       proxies.take_in_fixed(arena);
-      looks_ = 0;
+      looks = 0;
     }
   }
   proxies.rebuild_fixed_if_worn(arena);

@@ -1,6 +1,7 @@
 #include <collision/broadphase/fat_box.h>
 #include <collision/contacts/body_aabbs.h>
 #include <collision/contacts/refresh.h>
+#include <jobs/scratch.h>
 
 #include <algorithm>
 
@@ -222,19 +223,23 @@ void BodyAabbs::shrink_swept(const BodyMotions& motions, Broadphase& broadphase)
 void BodyAabbs::update(std::span<const std::uint32_t> active, const BodyMotions& motions, Broadphase& broadphase,
                        jobs::Arena& arena) {
   shrink_swept(motions, broadphase);
-  dirty_.clear();
+  const jobs::Borrowed<Memory> memory;
+  std::vector<std::uint32_t>& dirty = memory->dirty;
+  std::vector<std::vector<Update>>& updates_of = memory->updates;
+  dirty.clear();
   for (const std::uint32_t body : active) {
-    if (bounds.aabb_dirty[body]) dirty_.push_back(body);
+    if (bounds.aabb_dirty[body]) dirty.push_back(body);
   }
+  if (dirty.empty()) return;
   const ColliderTable& colliders = motions.colliders;
   const std::size_t grain = bodies_a_task(swept_margins_.size(), colliders.size());
-  const std::size_t chunks = jobs::Arena::chunk_count(dirty_.size(), grain);
-  if (updates_.size() < chunks) updates_.resize(chunks);
-  arena.parallel_for(dirty_.size(), grain, [&](std::size_t begin, std::size_t end) {
-    std::vector<Update>& updates = updates_[begin / grain];
+  const std::size_t chunks = jobs::Arena::chunk_count(dirty.size(), grain);
+  if (updates_of.size() < chunks) updates_of.resize(chunks);
+  arena.parallel_for(dirty.size(), grain, [&](std::size_t begin, std::size_t end) {
+    std::vector<Update>& updates = updates_of[begin / grain];
     updates.clear();
     for (std::size_t i = begin; i < end; ++i) {
-      const std::uint32_t body = dirty_[i];
+      const std::uint32_t body = dirty[i];
       if (!motions.is_finite(body)) continue;
       bounds.aabb_dirty[body] = 0;
       bounds.aabb_margin[body] = infinity;
@@ -249,9 +254,9 @@ void BodyAabbs::update(std::span<const std::uint32_t> active, const BodyMotions&
     }
   });
   const Update* next = nullptr;
-  for (std::size_t i = 0; i < dirty_.size(); ++i) {
-    if (i % grain == 0) next = updates_[i / grain].data();
-    const std::uint32_t body = dirty_[i];
+  for (std::size_t i = 0; i < dirty.size(); ++i) {
+    if (i % grain == 0) next = updates_of[i / grain].data();
+    const std::uint32_t body = dirty[i];
     if (!motions.is_finite(body)) continue;
     bool any_new = false;
     colliders.for_each_of(body, [&](std::uint32_t collider) {
@@ -271,17 +276,21 @@ void BodyAabbs::update(std::span<const std::uint32_t> active, const BodyMotions&
 // Margins don't know along which way an AABB is stretched, so they tell only who may be out.
 void BodyAabbs::catch_up(std::span<const std::uint32_t> active, const BodyMotions& motions, Broadphase& broadphase,
                          jobs::Arena& arena) {
-  dirty_.clear();
+  const jobs::Borrowed<Memory> memory;
+  std::vector<std::uint32_t>& dirty = memory->dirty;
+  std::vector<std::uint8_t>& inside = memory->inside;
+  dirty.clear();
   for (const std::uint32_t body : active) {
-    if (bounds.aabb_dirty[body] && !(bounds.aabb_margin[body] >= 0)) dirty_.push_back(body);
+    if (bounds.aabb_dirty[body] && !(bounds.aabb_margin[body] >= 0)) dirty.push_back(body);
   }
-  inside_.resize(dirty_.size());
+  if (dirty.empty()) return;
+  inside.resize(dirty.size());
   const std::size_t grain = bodies_a_task(swept_margins_.size(), motions.colliders.size());
-  arena.parallel_for(dirty_.size(), grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) inside_[i] = is_inside(dirty_[i], motions, broadphase);
+  arena.parallel_for(dirty.size(), grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) inside[i] = is_inside(dirty[i], motions, broadphase);
   });
-  for (std::size_t i = 0; i < dirty_.size(); ++i) {
-    if (!inside_[i]) move(dirty_[i], motions, broadphase);
+  for (std::size_t i = 0; i < dirty.size(); ++i) {
+    if (!inside[i]) move(dirty[i], motions, broadphase);
   }
 }
 

@@ -18,8 +18,9 @@ ContactUpdateCounts& ContactUpdateCounts::operator+=(const ContactUpdateCounts& 
   return *this;
 }
 
-// The chunks' lists, one after another.
+// The chunks' lists, one after another. That of the only chunk stands where it belongs.
 void ContactUpdate::collect_touching(jobs::Arena& arena) {
+  if (chunks_.size() == 1) return touching.resize(chunks_[0].touching);
   std::size_t total = 0;
   for (Chunk& chunk : chunks_) {
     chunk.offset = total;
@@ -64,11 +65,13 @@ void update_contacts(ContactCache& cache, const Broadphase& broadphase, const Co
   update.added_to_ = false;
   update.status.resize(count);
   update.chunks_.resize(chunk_count);
-  update.by_chunk_.resize(std::max(update.by_chunk_.size(), chunk_count * longest_range));
+  if (chunk_count == 1) update.touching.resize(std::max(update.touching.size(), count));
+  if (chunk_count > 1) update.by_chunk_.resize(std::max(update.by_chunk_.size(), chunk_count * longest_range));
   arena.parallel_for(count, contact_grain, [&](std::size_t begin, std::size_t end) {
     ContactUpdate::Chunk& chunk = update.chunks_[begin / contact_grain];
     const std::span<TouchingPair> place =
-        std::span(update.by_chunk_).subspan(begin / contact_grain * longest_range, longest_range);
+        chunk_count == 1 ? std::span(update.touching)
+                         : std::span(update.by_chunk_).subspan(begin / contact_grain * longest_range, longest_range);
     ContactUpdater updater(cache, broadphase, input, update.status.data());
     const ContactUpdater::Result result = updater.run(begin, end, place);
     chunk.changed = result.changed || result.touching != chunk.touching;
@@ -80,7 +83,7 @@ void update_contacts(ContactCache& cache, const Broadphase& broadphase, const Co
     update.counts += chunk.counts;
     update.touching_changed |= chunk.changed;
   }
-  if (update.touching_changed) update.collect_touching(arena);
+  if (update.touching_changed || chunk_count == 1) update.collect_touching(arena);
 }
 
 void refresh_contacts(ContactCache& cache, const ContactUpdateInput& input, std::span<const std::uint32_t> slots,

@@ -14,8 +14,10 @@ namespace atl::jobs {
 template <typename T>
 class Scratch {
  public:
-  explicit Scratch(int threads) {
-    for (int i = 0; i < threads; ++i) items_.push_back(std::make_unique<T>());
+  explicit Scratch(int threads) { reach(threads); }
+  /// Makes it do for so many workers, if it is for fewer.
+  void reach(int threads) {
+    while (items_.size() < static_cast<std::size_t>(threads)) items_.push_back(std::make_unique<T>());
   }
 
   /// The calling worker's, inside a loop of the arena. A loop that its caller runs alone may find itself in
@@ -47,5 +49,32 @@ T& of_this_thread() {
   thread_local T item;
   return item;
 }
+
+/// A T of this thread that nobody else uses, default-made if there is none, as long as this lives; the next one gets it
+/// as this one leaves it. It is for what lasts longer than of_this_thread() allows: while other tasks run, or while
+/// functions of users are asked, which may step other worlds.
+template <typename T>
+class Borrowed {
+ public:
+  Borrowed() {
+    if (idle().empty()) {
+      item_ = std::make_unique<T>();
+    } else {
+      item_ = std::move(idle().back());
+      idle().pop_back();
+    }
+  }
+  ~Borrowed() { idle().push_back(std::move(item_)); }
+  Borrowed(const Borrowed&) = delete;
+  Borrowed& operator=(const Borrowed&) = delete;
+
+  T& operator*() const { return *item_; }
+  T* operator->() const { return item_.get(); }
+
+ private:
+  static std::vector<std::unique_ptr<T>>& idle() { return of_this_thread<std::vector<std::unique_ptr<T>>>(); }
+
+  std::unique_ptr<T> item_;
+};
 
 }  // namespace atl::jobs

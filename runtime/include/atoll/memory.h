@@ -5,7 +5,7 @@
 namespace atl {
 
 /// A part of a world's memory: see World::memory(). A part that nothing in the scene uses, and that no step has needed,
-/// holds nothing.
+/// holds nothing. Memory that a thread keeps for the steps it makes is no world's.
 struct MemoryUse {
   const char* name;   ///< "bodies", "contacts", ...
   std::size_t bytes;  ///< held, used or not

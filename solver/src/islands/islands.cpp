@@ -1,3 +1,4 @@
+#include <jobs/scratch.h>
 #include <solver/islands/islands.h>
 #include <solver/tuning.h>
 
@@ -16,10 +17,10 @@ constexpr std::size_t large_contacts = 2048;
 
 }  // namespace
 
-std::uint32_t Islands::find(std::uint32_t body) {
-  while (parent_[body] != body) {
-    parent_[body] = parent_[parent_[body]];
-    body = parent_[body];
+std::uint32_t Islands::Memory::find(std::uint32_t body) {
+  while (parent[body] != body) {
+    parent[body] = parent[parent[body]];
+    body = parent[body];
   }
   return body;
 }
@@ -27,55 +28,57 @@ std::uint32_t Islands::find(std::uint32_t body) {
 void Islands::build(std::span<const std::uint32_t> candidates, std::span<const std::uint8_t> awake,
                     std::span<const TouchingPair> pairs, std::span<const JointLink> links,
                     std::span<const JointLink> ties) {
+  Memory& memory = jobs::of_this_thread<Memory>();
   for (const std::uint32_t body : bodies_) island_of_[body] = none;
   // Where nothing moves nothing is asked by body.
   if (!candidates.empty() || !pairs.empty() || !links.empty()) {
-    parent_.resize(awake.size());
+    if (memory.parent.size() < awake.size()) memory.parent.resize(awake.size());
     rank_.resize(awake.size());
     island_of_.resize(awake.size(), none);
   }
-  join(candidates, awake, pairs, links, ties);
-  number(candidates, awake);
+  memory.join(candidates, awake, pairs, links, ties);
+  number(candidates, awake, memory);
 
   // Counting sorts of bodies and pairs by island.
   std::partial_sum(body_start_.begin(), body_start_.end(), body_start_.begin());
   bodies_.resize(body_start_.back());
-  cursor_.assign(body_start_.begin(), body_start_.end());
+  memory.cursor.assign(body_start_.begin(), body_start_.end());
   for (const std::uint32_t body : candidates) {
     if (island_of_[body] == none) continue;
-    rank_[body] = cursor_[island_of_[body]]++;
+    rank_[body] = memory.cursor[island_of_[body]]++;
     bodies_[rank_[body]] = body;
   }
-  sort_by_island(pairs, contacts_, contact_start_);
-  sort_by_island(links, joints_, joint_start_);
+  sort_by_island(pairs, memory, contacts_, contact_start_);
+  sort_by_island(links, memory, joints_, joint_start_);
 }
 
 // Of pairs of bodies those with an awake one, island by island, in the order given.
 template <typename Pair>
-void Islands::sort_by_island(std::span<const Pair> pairs, std::vector<Pair>& sorted,
-                             std::vector<std::uint32_t>& start) {
+void Islands::sort_by_island(std::span<const Pair> pairs, Memory& memory, std::vector<Pair>& sorted,
+                             std::vector<std::uint32_t>& start) const {
+  std::vector<std::uint32_t>& island_of_pair = memory.island_of_pair;
   start.assign(body_start_.size(), 0);
-  island_of_pair_.resize(pairs.size());
+  island_of_pair.resize(pairs.size());
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const std::uint32_t island = island_of_[pairs[i].first];
-    island_of_pair_[i] = island != none ? island : island_of_[pairs[i].second];
-    if (island_of_pair_[i] != none) ++start[island_of_pair_[i] + 1];
+    island_of_pair[i] = island != none ? island : island_of_[pairs[i].second];
+    if (island_of_pair[i] != none) ++start[island_of_pair[i] + 1];
   }
   std::partial_sum(start.begin(), start.end(), start.begin());
   sorted.resize(start.back());
-  cursor_.assign(start.begin(), start.end());
+  memory.cursor.assign(start.begin(), start.end());
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    if (island_of_pair_[i] != none) sorted[cursor_[island_of_pair_[i]]++] = pairs[i];
+    if (island_of_pair[i] != none) sorted[memory.cursor[island_of_pair[i]]++] = pairs[i];
   }
 }
 
 // Finds the components.
-void Islands::join(std::span<const std::uint32_t> candidates, std::span<const std::uint8_t> awake,
-                   std::span<const TouchingPair> pairs, std::span<const JointLink> links,
-                   std::span<const JointLink> ties) {
-  for (const std::uint32_t body : candidates) parent_[body] = none;
+void Islands::Memory::join(std::span<const std::uint32_t> candidates, std::span<const std::uint8_t> awake,
+                           std::span<const TouchingPair> pairs, std::span<const JointLink> links,
+                           std::span<const JointLink> ties) {
+  for (const std::uint32_t body : candidates) parent[body] = none;
   const auto touch = [this](std::uint32_t body) {
-    if (parent_[body] == none) parent_[body] = body;
+    if (parent[body] == none) parent[body] = body;
   };
   const auto join_all = [&](const auto& all) {
     for (const auto& pair : all) {
@@ -84,7 +87,7 @@ void Islands::join(std::span<const std::uint32_t> candidates, std::span<const st
       if (!awake[pair.first] || !awake[pair.second]) continue;
       const std::uint32_t a = find(pair.first);
       const std::uint32_t b = find(pair.second);
-      parent_[std::max(a, b)] = std::min(a, b);
+      parent[std::max(a, b)] = std::min(a, b);
     }
   };
   join_all(pairs);
@@ -93,16 +96,16 @@ void Islands::join(std::span<const std::uint32_t> candidates, std::span<const st
 }
 
 // Numbers islands as their lowest body comes up, and counts their bodies.
-void Islands::number(std::span<const std::uint32_t> candidates, std::span<const std::uint8_t> awake) {
+void Islands::number(std::span<const std::uint32_t> candidates, std::span<const std::uint8_t> awake, Memory& memory) {
   free_bodies_.clear();
   body_start_.assign(1, 0);
   for (const std::uint32_t body : candidates) {
     if (!awake[body]) continue;
-    if (parent_[body] == none) {
+    if (memory.parent[body] == none) {
       free_bodies_.push_back(body);
       continue;
     }
-    const std::uint32_t root = find(body);
+    const std::uint32_t root = memory.find(body);
     if (root == body) {
       island_of_[body] = static_cast<std::uint32_t>(body_start_.size()) - 1;
       body_start_.push_back(0);

@@ -95,13 +95,13 @@ class AabbTree {
  private:
   using Node = AabbTreeNode;
 
-  void rebuild(jobs::Arena* arena);
+  void rebuild(std::vector<AabbTreeLeaf> leaves, jobs::Arena* arena);
   AabbTreeLeaf& waiting(std::int32_t slot) { return later_[~static_cast<std::uint32_t>(slot)]; }
 
   AabbTreeNodes nodes_;
-  std::vector<AabbTreeLeaf> later_;  // in no order; their numbers with the nodes are ~ their places here
-  AabbTreeBuilder builder_;
-  std::size_t changes_ = 0;  // since the last rebuild
+  std::vector<AabbTreeLeaf> later_;       // in no order; their numbers with the nodes are ~ their places here
+  std::vector<AabbTreeBuilder> builder_;  // one if the tree is large
+  std::size_t changes_ = 0;               // since the last rebuild
 };
 
 }  // namespace atl::collision

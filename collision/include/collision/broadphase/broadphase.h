@@ -4,6 +4,7 @@
 #include <collision/broadphase/move_buffer.h>
 #include <collision/broadphase/pair_search.h>
 #include <collision/broadphase/proxies.h>
+#include <jobs/scratch.h>
 
 #include <cstdint>
 #include <span>
@@ -54,16 +55,16 @@ class Broadphase {
   bool is_behind() const { return proxies_.is_behind(); }
 
   /// The pairs, in order, that overlap now, contain a shape that moved, and are not in `known`. Valid until
-  /// the next call. The cost follows what moved: nothing moved, nothing done.
+  /// this thread's next call. The cost follows what moved: nothing moved, nothing done.
   std::span<const Pair> find_new_pairs(const PairSet& known, jobs::Arena& arena) {
-    return search_.find(proxies_, filters_, moves_, known, arena);
+    return jobs::of_this_thread<PairSearch>().find(proxies_, filters_, moves_, known, looks_, arena);
   }
   void forget_moves() { moves_.clear(); }
   /// How many shapes moved since then, those that are gone too.
   std::size_t moved_count() const { return moves_.shapes().size(); }
 
   /// See jobs/arrays.h.
-  auto arrays() const { return std::tie(proxies_, filters_, moves_, search_); }
+  auto arrays() const { return std::tie(proxies_, filters_, moves_); }
 
  private:
   void begin(std::uint32_t shape, const Filter& filter);
@@ -71,14 +72,14 @@ class Broadphase {
 
   // What lasts from step to step, and what is made anew. Whoever adds a member says which it is, or this won't compile.
   static void check_members(Broadphase& broadphase) {
-    auto& [proxies, filters, moves, /**/ search] = broadphase;
+    auto& [proxies, filters, moves, /**/ looks] = broadphase;
     static_cast<void>(proxies);
   }
 
   Proxies proxies_;
   CollisionFilters filters_;
   MoveBuffer moves_;
-  PairSearch search_;
+  std::size_t looks_ = 0;  // see PairSearch
 };
 
 }  // namespace atl::collision

@@ -5,7 +5,6 @@
 #include <collision/broadphase/pair_set.h>
 #include <collision/broadphase/proxies.h>
 #include <jobs/arena.h>
-#include <jobs/arrays.h>
 
 #include <cstdint>
 #include <span>
@@ -13,16 +12,15 @@
 
 namespace atl::collision {
 
-/// Looks for new pairs among the proxies, and keeps the memory that this takes. The cost follows what moved.
+/// Looks for new pairs among the proxies, and keeps the memory that this takes: of a thread, for all worlds that it
+/// steps. The cost follows what moved.
 class PairSearch {
  public:
   /// The pairs, in order, that overlap, may meet, contain a shape that moved, and are not in `known`. Valid until the
-  /// next call. Brings the trees of the proxies into shape before it asks them, if enough is asked for that to pay.
+  /// next call. Brings the trees of the proxies into shape before it asks them, if enough is asked for that to pay:
+  /// `looks` tells how often those that ask have looked at fixed shapes that wait, one by one.
   std::span<const Pair> find(Proxies& proxies, const CollisionFilters& filters, const MoveBuffer& moves,
-                             const PairSet& known, jobs::Arena& arena);
-
-  /// See jobs/arrays.h.
-  auto arrays() const { return std::tie(askers_, found_, new_pairs_, sort_scratch_); }
+                             const PairSet& known, std::size_t& looks, jobs::Arena& arena);
 
  private:
   void list_askers(const Proxies& proxies, std::span<const std::uint32_t> moved);
@@ -31,7 +29,6 @@ class PairSearch {
   std::vector<std::vector<Pair>> found_;  // by chunk of those that ask
   std::vector<Pair> new_pairs_;
   std::vector<Pair> sort_scratch_;
-  std::size_t looks_ = 0;  // by those that ask, at the fixed shapes that wait, one by one
 };
 
 }  // namespace atl::collision

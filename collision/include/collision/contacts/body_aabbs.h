@@ -66,7 +66,7 @@ class BodyAabbs {
                 jobs::Arena& arena);
 
   /// See jobs/arrays.h.
-  auto arrays() const { return std::tie(bounds, swept_margins_, swept_, dirty_, inside_, updates_); }
+  auto arrays() const { return std::tie(bounds, swept_margins_, swept_); }
 
  private:
   // Where a collider's fat AABB is to be, and how far its surface may move before it must be looked at again.
@@ -74,6 +74,12 @@ class BodyAabbs {
     Aabb fat;
     double margin;
     bool is_new;  // it doesn't fit in the one that it has
+  };
+  // Memory of the thread that steps, while it is at it.
+  struct Memory {
+    std::vector<std::uint32_t> dirty;          // bodies
+    std::vector<std::uint8_t> inside;          // by body of these
+    std::vector<std::vector<Update>> updates;  // by chunk of these, in order
   };
 
   Update look_at(std::uint32_t collider, const Aabb* current, const BodyMotions& motions) const;
@@ -83,15 +89,12 @@ class BodyAabbs {
 
   // What lasts from step to step, and what is made anew. Whoever adds a member says which it is, or this won't compile.
   static void check_members(BodyAabbs& aabbs) {
-    auto& [bounds, swept_margins, /**/ swept, dirty, inside, updates] = aabbs;
+    auto& [bounds, swept_margins, /**/ swept] = aabbs;
     static_cast<void>(bounds);
   }
 
-  std::vector<double> swept_margins_;         // by body
-  std::vector<std::uint32_t> swept_;          // bodies with such margins
-  std::vector<std::uint32_t> dirty_;          // scratch, bodies
-  std::vector<std::uint8_t> inside_;          // scratch, by body of these
-  std::vector<std::vector<Update>> updates_;  // scratch, by chunk of these, in order
+  std::vector<double> swept_margins_;  // by body
+  std::vector<std::uint32_t> swept_;   // bodies with such margins
 };
 
 }  // namespace atl::collision

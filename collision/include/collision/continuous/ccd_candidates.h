@@ -25,6 +25,8 @@ struct CcdPair {
 class CcdCandidates {
  public:
   explicit CcdCandidates(int threads) : scratch_(threads) {}
+  /// Makes it do for so many workers, if it is for fewer.
+  void reach(int threads) { scratch_.reach(threads); }
 
   /// Of all fast bodies. Fat AABBs of those that left theirs are moved to show where they went. What may not touch is
   /// decided, where nobody has yet.
@@ -32,8 +34,6 @@ class CcdCandidates {
 
   /// What a fast body may meet in the step, in order.
   void list(std::size_t fast, std::vector<CcdPair>& pairs) const;
-
-  auto arrays() const { return std::tie(pairs_, begin_); }
 
  private:
   // A contact of fast bodies, by its entry in the order of contacts. Numbers + 1, or 0.

@@ -35,14 +35,16 @@ struct CcdSupport {
 class ContinuousCollision {
  public:
   explicit ContinuousCollision(int threads) : candidates_(threads), scratch_(threads) {}
+  /// Makes it do for so many workers, if it is for fewer.
+  void reach(int threads) {
+    candidates_.reach(threads);
+    scratch_.reach(threads);
+  }
 
   /// The stops of all fast bodies and assemblies, in order, also of what goes all its way; valid until the next call.
   /// Fat AABBs of bodies that left theirs are moved to show where they went: they are to be moved again once bodies are
   /// put where they end. `step.places` is filled in here.
   std::span<const CcdStop> find_stops(CcdStep step, Broadphase& broadphase, jobs::Arena& arena);
-
-  /// See jobs/arrays.h.
-  auto arrays() const { return std::tie(places_, stops_, candidates_); }
 
  private:
   // Memory of a worker.

@@ -52,28 +52,34 @@ class Islands {
 
   /// See jobs/arrays.h.
   auto arrays() const {
-    return std::tie(parent_, rank_, island_of_, island_of_pair_, bodies_, body_start_, contacts_, contact_start_,
-                    joints_, joint_start_, cursor_, free_bodies_);
+    return std::tie(rank_, island_of_, bodies_, body_start_, contacts_, contact_start_, joints_, joint_start_,
+                    free_bodies_);
   }
 
  private:
-  std::uint32_t find(std::uint32_t body);
-  void join(std::span<const std::uint32_t> candidates, std::span<const std::uint8_t> awake,
-            std::span<const TouchingPair> pairs, std::span<const JointLink> links, std::span<const JointLink> ties);
-  template <typename Pair>
-  void sort_by_island(std::span<const Pair> pairs, std::vector<Pair>& sorted, std::vector<std::uint32_t>& start);
-  void number(std::span<const std::uint32_t> candidates, std::span<const std::uint8_t> awake);
+  // Memory of a thread, while it builds.
+  struct Memory {
+    std::vector<std::uint32_t> parent;  // by body: union-find; a root is the lowest of its set; none if untouched
+    std::vector<std::uint32_t> island_of_pair;
+    std::vector<std::uint32_t> cursor;  // by island
 
-  std::vector<std::uint32_t> parent_;     // by body: union-find; a root is the lowest of its set; none if untouched
+    std::uint32_t find(std::uint32_t body);
+    void join(std::span<const std::uint32_t> candidates, std::span<const std::uint8_t> awake,
+              std::span<const TouchingPair> pairs, std::span<const JointLink> links, std::span<const JointLink> ties);
+  };
+
+  template <typename Pair>
+  void sort_by_island(std::span<const Pair> pairs, Memory& memory, std::vector<Pair>& sorted,
+                      std::vector<std::uint32_t>& start) const;
+  void number(std::span<const std::uint32_t> candidates, std::span<const std::uint8_t> awake, Memory& memory);
+
   std::vector<std::uint32_t> rank_;       // by body
   std::vector<std::uint32_t> island_of_;  // by body; none if in no island
-  std::vector<std::uint32_t> island_of_pair_;
   std::vector<std::uint32_t> bodies_, body_start_;
   std::vector<TouchingPair> contacts_;
   std::vector<std::uint32_t> contact_start_;
   std::vector<JointLink> joints_;
   std::vector<std::uint32_t> joint_start_;
-  std::vector<std::uint32_t> cursor_;
   std::vector<std::uint32_t> free_bodies_;
 };
 
