@@ -153,11 +153,15 @@ Batch::Batch(const Scene& scene, std::size_t worlds, int threads)
   impl_->bodies = build_scene(scene, impl_->worlds.front(), impl_->joints);
   Snapshot start;
   impl_->worlds.front().save(start);
+  impl_->starts.front() = start;
   // A restored world takes no more memory than its bodies need, and shares what is alike. Its start is its own all the
   // same: another world's would be refused once masses or shapes are changed.
   impl_->for_each(impl_->worlds, "Batch", {}, [&](World& world, std::size_t place, std::size_t) {
-    if (place > 0) world.restore(start);
+    if (place == 0) return;
+    world.restore(start);
     world.save(impl_->starts[place]);
+    impl_->starts[place].fit(start);
+    world.share_definitions(impl_->worlds.front());
   });
 }
 
@@ -203,8 +207,10 @@ void Batch::reset(std::span<const std::size_t> places) {
 }
 
 void Batch::keep_start(std::span<const std::size_t> places) {
-  impl_->for_each(impl_->worlds, "keep_start", places,
-                  [&](World& world, std::size_t place, std::size_t) { world.save(impl_->starts[place]); });
+  impl_->for_each(impl_->worlds, "keep_start", places, [&](World& world, std::size_t place, std::size_t) {
+    world.save(impl_->starts[place]);
+    impl_->starts[place].fit({});
+  });
 }
 
 void Batch::read(Column column, std::span<double> numbers) const {

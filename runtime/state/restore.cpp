@@ -79,23 +79,31 @@ void restore_joint(Stores& world, std::uint32_t joint, const JointDef& def) {
       throw Error("Snapshot: found a joint with a frame that is not normalised; expected what World::save wrote");
     }
   }
-  world.joints.def[joint] = def;
+  world.joints.def[joint] = std::make_shared<const JointDef>(def);
   world.joints.joints[joint] =
       make_joint(def, world.records.centre[def.first.index], world.records.centre[def.second.index]);
+}
+
+void share_joint_definitions(Stores& to, const Stores& from) {
+  std::vector<std::byte> bytes, others_bytes;
+  for (std::size_t joint = 0; joint < std::min(to.joints.size(), from.joints.size()); ++joint) {
+    const std::shared_ptr<const JointDef>& other = from.joints.def[joint];
+    if (std::ranges::equal(definition_bytes(*to.joints.def[joint], bytes), definition_bytes(*other, others_bytes))) {
+      to.joints.def[joint] = other;
+    }
+  }
 }
 
 void restore_joints(Stores& world, bool same) {
   const std::vector<std::uint8_t> acts_before = world.joints.acts;
   for (std::uint32_t joint = 0; joint < world.joints.size(); ++joint) {
     if (!world.joints.alive[joint]) {
-      world.joints.joints[joint] = {};
-      world.joints.def[joint] = {};
-      world.joints.enabled[joint] = world.joints.broken[joint] = world.joints.suspended[joint] = 0;
+      world.joints.clear(joint);
       continue;
     }
     solver::Joint& j = world.joints.joints[joint];
     if (j.is_tendon()) {
-      bind_tendon(world, world.joints.def[joint].kind, solver::Joint(j), j);
+      bind_tendon(world, world.joints.def[joint]->kind, solver::Joint(j), j);
       continue;
     }
     world.joints.suspended[joint] =

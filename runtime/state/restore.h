@@ -21,6 +21,8 @@ void note_restored_bodies(Stores& world);
 /// As a state has it. `bytes` holds what is returned.
 std::span<const std::byte> definition_bytes(const JointDef& def, std::vector<std::byte>& bytes);
 void restore_joint(Stores& world, std::uint32_t joint, const JointDef& def);
+/// Has definitions of joints that are alike in memory that both worlds use.
+void share_joint_definitions(Stores& to, const Stores& from);
 /// All joints are there as they were saved; `same` if the world had them before.
 void restore_joints(Stores& world, bool same);
 

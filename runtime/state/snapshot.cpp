@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -84,12 +85,25 @@ std::span<const std::byte> checked_content(const std::string& place, std::span<c
 
 }  // namespace
 
+bool Snapshot::owns_bytes() const {
+  if (bytes_.use_count() != 1) return false;
+  // Another thread may have had a copy until now: what it read of them comes before what is written.
+  std::atomic_thread_fence(std::memory_order_acquire);
+  return true;
+}
+
+void Snapshot::fit(const Snapshot& other) {
+  const std::span<const std::byte> own = state();
+  const bool same = std::ranges::equal(own, other.state());
+  bytes_ = same ? other.bytes_ : std::make_shared<std::vector<std::byte>>(own.begin(), own.end());
+}
+
 std::vector<std::byte> Snapshot::to_bytes() const {
   if (empty()) fail("Snapshot::to_bytes", "the snapshot is empty; expected one that holds a state");
   std::vector<std::byte> content;
   StateWriter writer(content);
   write_definition_of_world(writer, *world_definition_);
-  writer.values(bytes_.data(), size_);
+  writer.values(bytes_->data(), size_);
   content.resize(writer.size());
   Header header;
   header.length = content.size();
@@ -121,7 +135,7 @@ Snapshot Snapshot::from_bytes(std::span<const std::byte> bytes, const std::strin
     const std::span<const std::byte> state = content.last(reader.left());
     // What is found wrong in a world of its own can't harm another.
     World::Impl::try_out(world_definition, state);
-    snapshot.bytes_.assign(state.begin(), state.end());
+    snapshot.bytes_ = std::make_shared<std::vector<std::byte>>(state.begin(), state.end());
     snapshot.size_ = state.size();
     snapshot.world_definition_ = std::move(world_definition);
   } catch (const Error& error) {

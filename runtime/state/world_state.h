@@ -243,14 +243,14 @@ class WorldState {
     auto& joints = world_.joints;
     bool same = true;
     if constexpr (reads) {
-      same = archive_.skip_if_same(definition_bytes(world_.joints.def[index], definition_bytes_));
+      same = archive_.skip_if_same(definition_bytes(*world_.joints.def[index], definition_bytes_));
       if (!same) {
         JointDef def;
         visit_definition(archive_, def);
         restore_joint(world_, index, def);
       }
     } else {
-      visit_definition(archive_, joints.def[index]);
+      visit_definition(archive_, *joints.def[index]);
     }
     const auto enabled = joints.enabled[index];
     archive_.value(joints.enabled[index]);

@@ -185,7 +185,8 @@ void watch_joint(Stores& world, std::uint32_t joint) {
   const JointTable::Limits before = world.joints.limit_before[joint];
   world.joints.limit_before[joint] = j.limit;
   const auto tell = [&](JointEventKind kind) { world.results.joint_events.push_back({id, kind, j.force, j.torque}); };
-  if (j.force.norm() > world.joints.def[joint].break_force || j.torque.norm() > world.joints.def[joint].break_torque) {
+  if (j.force.norm() > world.joints.def[joint]->break_force ||
+      j.torque.norm() > world.joints.def[joint]->break_torque) {
     world.joints.broken[joint] = 1;
     world.joints.enabled[joint] = 0;
     world.joints.update_flags(joint);

@@ -3,9 +3,19 @@
 #include <algorithm>
 
 namespace atl {
+namespace {
+
+// The definition of joints that aren't there.
+const std::shared_ptr<const JointDef>& no_definition() {
+  static const auto none = std::make_shared<const JointDef>();
+  return none;
+}
+
+}  // namespace
+
 void JointTable::resize(std::size_t count_of_all) {
   joints.resize(count_of_all);
-  def.resize(count_of_all);
+  def.resize(count_of_all, no_definition());
   generation.resize(count_of_all, 0);
   for (std::vector<std::uint8_t>* flags : {&alive, &enabled, &broken, &suspended, &acts, &watched, &driven}) {
     flags->resize(count_of_all, 0);
@@ -29,7 +39,7 @@ void JointTable::rebuild() {
     if (!alive[joint]) continue;
     ++count;
     link(joint);
-    if (enabled[joint] && !def[joint].collide) keep_apart(joints[joint].first, joints[joint].second);
+    if (enabled[joint] && !def[joint]->collide) keep_apart(joints[joint].first, joints[joint].second);
   }
 }
 
@@ -43,7 +53,7 @@ std::uint32_t JointTable::add(const JointDef& definition, const solver::Joint& j
     free.pop_back();
   }
   joints[index] = joint;
-  def[index] = definition;
+  def[index] = std::make_shared<const JointDef>(definition);
   alive[index] = enabled[index] = 1;
   broken[index] = suspended[index] = 0;
   limit_before[index] = {};
@@ -55,13 +65,18 @@ std::uint32_t JointTable::add(const JointDef& definition, const solver::Joint& j
 
 void JointTable::remove(std::uint32_t joint) {
   unlink(joint);
-  alive[joint] = enabled[joint] = broken[joint] = suspended[joint] = 0;
-  joints[joint] = {};
-  def[joint] = {};
+  alive[joint] = 0;
+  clear(joint);
   ++generation[joint];
   free.push_back(joint);
   --count;
   update_flags(joint);
+}
+
+void JointTable::clear(std::uint32_t joint) {
+  joints[joint] = {};
+  def[joint] = no_definition();
+  enabled[joint] = broken[joint] = suspended[joint] = 0;
 }
 
 void JointTable::link(std::uint32_t joint) {
@@ -100,7 +115,7 @@ void JointTable::update_flags(std::uint32_t joint) {
   const solver::Joint& j = joints[joint];
   acts[joint] = may_act(joint) && std::all_of(j.term.begin(), j.term.begin() + j.terms,
                                               [&](const solver::TendonTerm& term) { return may_act(term.joint); });
-  bool may_tell = def[joint].break_force < unlimited || def[joint].break_torque < unlimited;
+  bool may_tell = def[joint]->break_force < unlimited || def[joint]->break_torque < unlimited;
   bool is_driven = false;
   for (std::size_t row = 0; row < j.rows; ++row) {
     may_tell |= j.law[row].limited() && !j.law[row].locked();

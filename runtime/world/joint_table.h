@@ -8,6 +8,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -18,7 +19,7 @@ struct JointTable {
   using Limits = std::array<std::int8_t, solver::max_joint_rows>;
 
   std::vector<solver::Joint> joints;
-  std::vector<JointDef> def;
+  std::vector<std::shared_ptr<const JointDef>> def;  ///< never null; worlds that are alike may share them
   std::vector<std::uint32_t> generation;
   std::vector<std::uint8_t> alive;
   std::vector<std::uint8_t> enabled;
@@ -35,6 +36,8 @@ struct JointTable {
   /// Adds an enabled joint, and returns its index.
   std::uint32_t add(const JointDef& definition, const solver::Joint& joint);
   void remove(std::uint32_t joint);
+  /// Leaves nothing of what a joint was where none is.
+  void clear(std::uint32_t joint);
   /// Makes `acts` and the like follow a change of the others, also those of tendons over the joint.
   void update_flags(std::uint32_t joint);
 

@@ -165,7 +165,7 @@ JointId add_joint(Stores& world, const JointDef& definition) {
 void remove_joint(Stores& world, std::uint32_t joint) {
   for (const std::uint32_t tendon : world.joints.tendons_over(joint)) remove_joint(world, tendon);
   joint_changed(world, joint);
-  if (world.joints.enabled[joint] && !world.joints.def[joint].collide) let_touch(world, joint);
+  if (world.joints.enabled[joint] && !world.joints.def[joint]->collide) let_touch(world, joint);
   world.joints.remove(joint);
 }
 
@@ -216,7 +216,7 @@ JointState joint_state(const Stores& world, std::uint32_t index) {
     }
     return state;
   }
-  const std::span<const solver::Coordinate> names = named_coordinates(world.joints.def[index].kind);
+  const std::span<const solver::Coordinate> names = named_coordinates(world.joints.def[index]->kind);
   solver::Joint named = joint;
   named.rows = static_cast<std::uint8_t>(names.size());
   std::copy(names.begin(), names.end(), named.coordinate.begin());
@@ -236,7 +236,7 @@ JointState joint_state(const Stores& world, std::uint32_t index) {
 }
 
 void set_joint(Stores& world, std::uint32_t index, const JointKind& kind) {
-  JointDef& def = world.joints.def[index];
+  JointDef def = *world.joints.def[index];
   if (kind.index() != def.kind.index()) {
     throw Error(std::string("World::set_joint: kind is ") + name_of(kind) + "; expected " + name_of(def.kind) +
                 ", as the joint was made with");
@@ -249,6 +249,7 @@ void set_joint(Stores& world, std::uint32_t index, const JointKind& kind) {
   wake_joined_by(world, index);
   def.kind = kind;
   def = with_bodies(world, def);
+  world.joints.def[index] = std::make_shared<const JointDef>(def);
   joint.first = def.first.index;
   joint.second = def.second.index;
   joint.term = laws.term;
@@ -271,7 +272,7 @@ void set_joint(Stores& world, std::uint32_t index, const JointKind& kind) {
 
 void move_anchors(Stores& world, std::uint32_t body) {
   world.joints.for_each_of(body, [&](std::uint32_t index) {
-    const JointDef& def = world.joints.def[index];
+    const JointDef& def = *world.joints.def[index];
     solver::Joint& joint = world.joints.joints[index];
     joint.anchor_first = def.frame_first.position - world.records.centre[def.first.index];
     joint.anchor_second = def.frame_second.position - world.records.centre[def.second.index];
@@ -289,13 +290,13 @@ void set_joint_enabled(Stores& world, std::uint32_t joint, bool enabled) {
   world.joints.joints[joint].torque.setZero();
   if (!enabled) {
     release_joint(world, joint);
-  } else if (!world.joints.def[joint].collide) {
+  } else if (!world.joints.def[joint]->collide) {
     keep_apart(world, joint);
   }
 }
 
 void count_turns_from(Stores& world, std::uint32_t index, double angle, std::size_t coordinate) {
-  const JointKind& kind = world.joints.def[index].kind;
+  const JointKind& kind = world.joints.def[index]->kind;
   const std::span<const solver::Coordinate> names = named_coordinates(kind);
   if (coordinate >= names.size()) {
     throw Error(std::string("World::count_turns_from: coordinate is ") + std::to_string(coordinate) +
@@ -316,7 +317,7 @@ void release_joint(Stores& world, std::uint32_t joint) {
   forget_impulses(world.joints.joints[joint]);
   world.joints.joints[joint].limit = {};
   world.joints.limit_before[joint] = {};
-  if (!world.joints.def[joint].collide) let_touch(world, joint);
+  if (!world.joints.def[joint]->collide) let_touch(world, joint);
 }
 
 void joint_changed(Stores& world, std::uint32_t joint) {

@@ -21,7 +21,7 @@ void check_term(const Stores& world, const TendonTerm& term, const std::string& 
                 std::to_string(term.joint.generation) +
                 "), which no joint has; expected the id of a joint that has not been removed");
   }
-  const JointKind& kind = world.joints.def[term.joint.index].kind;
+  const JointKind& kind = world.joints.def[term.joint.index]->kind;
   if (std::holds_alternative<TendonJoint>(kind)) throw Error(field + ".joint is a tendon; expected another joint");
   const std::span<const solver::Coordinate> names = named_coordinates(kind);
   if (term.coordinate >= names.size() || is_rate(names[term.coordinate])) {
@@ -47,7 +47,7 @@ JointDef with_bodies(const Stores& world, JointDef def) {
   if (tendon == nullptr) return def;
   check("JointDef.kind", def.kind);
   check_terms(world, *tendon);
-  const JointDef& of = world.joints.def[tendon->terms[0].joint.index];
+  const JointDef& of = *world.joints.def[tendon->terms[0].joint.index];
   def.first = of.first;
   def.second = of.second;
   def.collide = true;
@@ -61,7 +61,7 @@ void bind_tendon(const Stores& world, const JointKind& kind, const solver::Joint
   for (std::size_t i = 0; i < joint.terms; ++i) {
     const TendonTerm& from = tendon->terms[i];
     solver::TendonTerm& term = joint.term[i];
-    term.coordinate = named_coordinates(world.joints.def[from.joint.index].kind)[from.coordinate];
+    term.coordinate = named_coordinates(world.joints.def[from.joint.index]->kind)[from.coordinate];
     if (i < before.terms && is_same(term, before.term[i])) term.position = before.term[i].position;
   }
 }

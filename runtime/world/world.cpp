@@ -19,6 +19,7 @@
 
 #include "state/body_hashes.h"
 #include "state/recorder.h"
+#include "state/restore.h"
 #include "step/forced_step.h"
 #include "step/results.h"
 #include "world/bodies.h"
@@ -553,13 +554,13 @@ std::vector<JointId> World::joints() const {
 std::optional<JointId> World::find_joint(std::string_view name) const {
   const JointTable& joints = impl_->stores.joints;
   for (std::uint32_t joint = 0; joint < joints.size() && !name.empty(); ++joint) {
-    if (joints.alive[joint] && joints.def[joint].name == name) return JointId{joint, joints.generation[joint]};
+    if (joints.alive[joint] && joints.def[joint]->name == name) return JointId{joint, joints.generation[joint]};
   }
   return std::nullopt;
 }
 
 const JointDef& World::joint(JointId id) const {
-  return impl_->stores.joints.def[index_of(impl_->stores, id, "joint")];
+  return *impl_->stores.joints.def[index_of(impl_->stores, id, "joint")];
 }
 JointState World::joint_state(JointId id) const {
   const std::uint32_t joint = index_of(impl_->stores, id, "joint_state");
@@ -631,6 +632,10 @@ void World::count_turns_from(JointId id, double angle, std::size_t coordinate) {
   check_number("World::count_turns_from: angle", angle);
   if constexpr (with_joints) atl::count_turns_from(impl_->stores, joint, angle, coordinate);
   note<calls::CountTurnsFrom>(*impl_, id, angle, std::uint64_t{coordinate});
+}
+
+void World::share_definitions(const World& alike) {
+  if constexpr (with_joints) share_joint_definitions(impl_->stores, alike.impl_->stores);
 }
 
 void World::prefetch() const {
@@ -752,7 +757,8 @@ Eigen::Map<const Eigen::Matrix3Xd> World::angular_velocities() const {
 void World::save(Snapshot& snapshot) const {
   impl_->check_idle("save");
   if constexpr (!with_snapshots) throw_left_out("World::save is called", "snapshots", "SNAPSHOTS");
-  snapshot.size_ = impl_->save_state(snapshot.bytes_);
+  if (!snapshot.owns_bytes()) snapshot.bytes_ = std::make_shared<std::vector<std::byte>>();
+  snapshot.size_ = impl_->save_state(*snapshot.bytes_);
   snapshot.world_definition_ = impl_->world_definition();
   snapshot.origin_ = impl_->serial;
 }

@@ -35,13 +35,19 @@ class Snapshot {
 
  private:
   friend class World;
+  friend class Batch;
 
   static Snapshot from_bytes(std::span<const std::byte> bytes, const std::string& place);
 
-  std::span<const std::byte> state() const { return {bytes_.data(), size_}; }
+  std::span<const std::byte> state() const {
+    return empty() ? std::span<const std::byte>() : std::span(bytes_->data(), size_);
+  }
+  bool owns_bytes() const;  // alone, so that it may write them
+  /// Has its state in another's memory, if that is the same; else in as little as it takes.
+  void fit(const Snapshot& other);
 
-  std::vector<std::byte> bytes_;  // never smaller than it was
-  std::size_t size_ = 0;          // of those in use
+  std::shared_ptr<std::vector<std::byte>> bytes_;  // shared by copies; never smaller than it was
+  std::size_t size_ = 0;                           // of those in use
   std::shared_ptr<const WorldDefinition> world_definition_;
   std::uint64_t origin_ = 0;  // the world's serial number; 0 from a file
 };

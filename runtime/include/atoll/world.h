@@ -416,9 +416,13 @@ class World {
  private:
   friend struct QueryAccess;      // see queries.h
   friend struct MechanismAccess;  // see mechanism.h
+  friend class Batch;
   friend class Snapshot;
   friend class Replay;
   friend class ForcedStep;
+
+  /// Has definitions of joints that are alike in memory that both worlds use.
+  void share_definitions(const World& alike);
 
   class Impl;
   std::unique_ptr<Impl> impl_;
