@@ -90,6 +90,7 @@ struct Batch::Impl {
     arena.parallel_for(count, grain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const std::size_t place = place_of(i);
+        if (sees == Sees::All && i + 2 < end) all[place_of(i + 2)].prefetch_places();
         if (sees == Sees::All && i + 1 < end) all[place_of(i + 1)].prefetch();
         try {
           visit(all[place], place, i);

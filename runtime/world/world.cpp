@@ -638,6 +638,8 @@ void World::share_definitions(const World& alike) {
   if constexpr (with_joints) share_joint_definitions(impl_->stores, alike.impl_->stores);
 }
 
+void World::prefetch_places() const { jobs::prefetch_lines(impl_.get(), jobs::lines_of(sizeof(Impl))); }
+
 void World::prefetch() const {
   jobs::prefetch(*impl_);
   atl::prefetch(impl_->stores, impl_->pipeline);

@@ -423,6 +423,8 @@ class World {
 
   /// Has definitions of joints that are alike in memory that both worlds use.
   void share_definitions(const World& alike);
+  /// Asks for what prefetch() reads, to be found in cache by it.
+  void prefetch_places() const;
 
   class Impl;
   std::unique_ptr<Impl> impl_;
