@@ -95,7 +95,7 @@ void share_joint_definitions(Stores& to, const Stores& from) {
 }
 
 void restore_joints(Stores& world, bool same) {
-  const std::vector<std::uint8_t> acts_before = world.joints.acts;
+  const auto acts_before = world.joints.acts;
   for (std::uint32_t joint = 0; joint < world.joints.size(); ++joint) {
     if (!world.joints.alive[joint]) {
       world.joints.clear(joint);

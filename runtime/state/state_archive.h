@@ -23,10 +23,10 @@ concept StateScalar = std::is_arithmetic_v<T> || std::is_enum_v<T>;  // std::byt
 // Each kind of archive has
 //   value(x)           a number, flag or enumerator
 //   values(data, n)    numbers in a row; how many is known without asking
-//   list(vector)       as many as there are
-//   bits(vector)       flags that are 0 or 1, as many as the vector has
+//   list(array)        as many as there are
+//   bits(array)        flags that are 0 or 1, as many as the array has
 //   small(x)           a number that is mostly below 128
-//   rows<W>(v, rest)   rows of W numbers each, as many as the vector has, most of which may be as `rest`
+//   rows<W>(v, rest)   rows of W numbers each, as many as the array has, most of which may be as `rest`
 // and `reads`, whether that changes what is walked over, and `hashes`.
 
 /// Writes into bytes, from their beginning on. They grow where needed and never shrink.
@@ -47,8 +47,7 @@ class StateWriter {
   void values(const T* data, std::size_t count) {
     put(data, count * sizeof(T));
   }
-  template <StateScalar T>
-  void list(const std::vector<T>& all) {
+  void list(const auto& all) {
     value(static_cast<std::uint32_t>(all.size()));
     values(all.data(), all.size());
   }
@@ -58,7 +57,7 @@ class StateWriter {
     for (; value > 0x7f; value >>= 7) *at_++ = static_cast<std::byte>(value | 0x80);
     *at_++ = static_cast<std::byte>(value);
   }
-  void bits(const std::vector<std::uint8_t>& flags) {
+  void bits(std::span<const std::uint8_t> flags) {
     for (std::size_t begin = 0; begin < flags.size(); begin += 64) {
       std::uint64_t word = 0;
       for (std::size_t i = begin; i < std::min(begin + 64, flags.size()); ++i) {
@@ -67,8 +66,9 @@ class StateWriter {
       value(word);
     }
   }
-  template <std::size_t width, StateScalar T>
-  void rows(const std::vector<T>& all, const std::array<T, width>& rest) {
+  template <std::size_t width, typename Rows>
+  void rows(const Rows& all, const std::array<typename Rows::value_type, width>& rest) {
+    using T = typename Rows::value_type;
     constexpr std::size_t row = width * sizeof(T);
     const std::size_t count = all.size() / width;
     for (std::size_t begin = 0; begin < count; begin += 64) {
@@ -144,9 +144,8 @@ class StateReader {
     check(count <= left() / sizeof(T), "the end of the data");
     take(data, count * sizeof(T));
   }
-  template <StateScalar T>
-  void list(std::vector<T>& all) {
-    all.resize(count_of(sizeof(T)));
+  void list(auto& all) {
+    all.resize(count_of(sizeof(all[0])));
     values(all.data(), all.size());
   }
   void small(std::uint32_t& value) {
@@ -159,15 +158,16 @@ class StateReader {
     }
     fail("a number that is too long");
   }
-  void bits(std::vector<std::uint8_t>& flags) {
+  void bits(std::span<std::uint8_t> flags) {
     for (std::size_t begin = 0; begin < flags.size(); begin += 64) {
       std::uint64_t word = 0;
       value(word);
       for (std::size_t i = begin; i < std::min(begin + 64, flags.size()); ++i) flags[i] = word >> (i - begin) & 1;
     }
   }
-  template <std::size_t width, StateScalar T>
-  void rows(std::vector<T>& all, const std::array<T, width>& rest) {
+  template <std::size_t width, typename Rows>
+  void rows(Rows& all, const std::array<typename Rows::value_type, width>& rest) {
+    using T = typename Rows::value_type;
     constexpr std::size_t row = width * sizeof(T);
     const std::size_t count = all.size() / width;
     for (std::size_t begin = 0; begin < count; begin += 64) {
@@ -240,14 +240,13 @@ class StateHash {
   void values(const T* data, std::size_t count) {
     for (std::size_t i = 0; i < count; ++i) value(data[i]);
   }
-  template <StateScalar T>
-  void list(const std::vector<T>& all) {
+  void list(const auto& all) {
     hash_.add(std::uint64_t{all.size()});
     values(all.data(), all.size());
   }
-  void bits(const std::vector<std::uint8_t>& flags) { list(flags); }
-  template <std::size_t width, StateScalar T>
-  void rows(const std::vector<T>& all, const std::array<T, width>&) {
+  void bits(std::span<const std::uint8_t> flags) { list(flags); }
+  template <std::size_t width, typename Rows>
+  void rows(const Rows& all, const std::array<typename Rows::value_type, width>&) {
     list(all);
   }
   void check(bool, const char*) {}

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <collision/shapes/collider_table.h>
+#include <jobs/compact_array.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -16,12 +17,12 @@ namespace atl {
 /// Which bodies and colliders a world has, and what never changes of them: all of a state that snapshots share until a
 /// body comes or goes. Made when one is asked for, and never changed.
 struct WorldDefinition {
-  std::vector<std::shared_ptr<const BodyConstants>> bodies;  ///< by index; null where there is none
-  std::vector<std::uint32_t> generation;                     ///< by index
-  std::vector<std::uint32_t> free;                           ///< as BodyRecords::free
-  std::vector<std::uint32_t> collider_body;                  ///< as ColliderTable's
-  std::vector<std::uint32_t> collider_child;
-  std::vector<std::uint32_t> free_colliders;
+  jobs::CompactArray<std::shared_ptr<const BodyConstants>> bodies;  ///< by index; null where there is none
+  jobs::CompactArray<std::uint32_t> generation;                     ///< by index
+  jobs::CompactArray<std::uint32_t> free;                           ///< as BodyRecords::free
+  jobs::CompactArray<std::uint32_t> collider_body;                  ///< as ColliderTable's
+  jobs::CompactArray<std::uint32_t> collider_child;
+  jobs::CompactArray<std::uint32_t> free_colliders;
 };
 
 /// Hulls, meshes and height fields, by kind and content.

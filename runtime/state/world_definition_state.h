@@ -134,7 +134,7 @@ void check_numbers(Archive& archive, const WorldDefinition& world_definition) {
   const std::size_t colliders = world_definition.collider_body.size();
   archive.check(world_definition.generation.size() == bodies, "another number of generations than of bodies");
   archive.check(world_definition.collider_child.size() == colliders, "another number of shapes' places than of shapes");
-  const auto check_free = [&](const std::vector<std::uint32_t>& free, std::size_t count, const auto& is_free) {
+  const auto check_free = [&](std::span<const std::uint32_t> free, std::size_t count, const auto& is_free) {
     std::vector<std::uint8_t> named(count, 0);
     for (const std::uint32_t number : free) {
       archive.check(number < count && !named[number] && is_free(number), "a list of free numbers that has a wrong one");

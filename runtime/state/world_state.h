@@ -382,7 +382,7 @@ class WorldState {
   }
   // Each sleeper is dynamic, and the next of just one.
   void check_rings() {
-    const std::vector<std::uint32_t>& ring = world_.sleeping.ring;
+    const std::span<const std::uint32_t> ring = world_.sleeping.ring;
     std::vector<std::uint8_t> followed(body_count(), 0);
     for (std::uint32_t body = 0; body < body_count(); ++body) {
       const std::uint32_t next = ring[body];
@@ -476,7 +476,7 @@ class WorldState {
     auto& joints = world_.joints;
     bool same = true;
     if constexpr (reads) {
-      std::vector<std::uint8_t> alive(count);
+      jobs::CompactArray<std::uint8_t> alive(count);
       archive_.bits(alive);
       same = alive == joints.alive;
       joints.alive = std::move(alive);
@@ -493,7 +493,7 @@ class WorldState {
   }
 
   void check_free_joints() {
-    std::vector<std::uint8_t> taken = world_.joints.alive;
+    jobs::CompactArray<std::uint8_t> taken = world_.joints.alive;
     for (const std::uint32_t joint : world_.joints.free) {
       archive_.check(joint < taken.size() && !taken[joint], "a list of free joints that has a wrong one");
       taken[joint] = 1;

@@ -219,7 +219,7 @@ void ContactPhase::modify(Stores& world, const StepContext& step, std::span<cons
 
 // What touches, less what is off.
 void ContactPhase::list_on(const Stores& world) {
-  std::vector<std::uint32_t>& off = modified_.off;
+  jobs::CompactArray<std::uint32_t>& off = modified_.off;
   std::sort(off.begin(), off.end());
   off_.clear();
   std::set_union(off.begin(), off.end(), inner_.begin(), inner_.end(), std::back_inserter(off_));
@@ -232,7 +232,7 @@ void ContactPhase::list_on(const Stores& world) {
   on_.clear();
   modified_.pairs_off.clear();
   if (off_.empty()) return;
-  const auto is_in = [](const std::vector<std::uint32_t>& slots) {
+  const auto is_in = [](const jobs::CompactArray<std::uint32_t>& slots) {
     return [&slots](const solver::TouchingPair& pair) {
       return std::binary_search(slots.begin(), slots.end(), pair.slot);
     };

@@ -3,6 +3,7 @@
 #include <collision/contacts/inner_edges.h>
 #include <collision/contacts/update_contacts.h>
 #include <jobs/arrays.h>
+#include <jobs/compact_array.h>
 #include <solver/constraints/surface_contact.h>
 
 #include <cstdint>
@@ -37,7 +38,9 @@ class ContactPhase {
 
   /// In order, but for those at edges that are none, and those that a modifier switched off. Valid until the next
   /// update.
-  std::span<const solver::TouchingPair> touching() const { return off_.empty() ? update_.touching : on_; }
+  std::span<const solver::TouchingPair> touching() const {
+    return off_.empty() ? std::span(update_.touching) : std::span(on_);
+  }
   /// Whether it still tells of all contacts with points: none came, went, or is idle.
   bool touching_is_all(const Stores& world) const {
     return world.cache.changes() == cache_changes_ && world.cache.order().size() == world.cache.size();
@@ -53,8 +56,8 @@ class ContactPhase {
  private:
   // What a modifier made of the step's contacts.
   struct Modified {
-    std::vector<std::uint32_t> off;          // slots, in order
-    std::vector<collision::Pair> pairs_off;  // in order
+    jobs::CompactArray<std::uint32_t> off;          // slots, in order
+    jobs::CompactArray<collision::Pair> pairs_off;  // in order
     std::int64_t points_off = 0;
     bool slips = false;
   };
@@ -68,14 +71,14 @@ class ContactPhase {
   collision::InnerEdges inner_edges_;
   std::int64_t inner_points_ = 0;
   Modified modified_;
-  std::vector<std::uint32_t> inner_, off_;  // slots, in order; the latter are all that are left out
-  std::vector<solver::TouchingPair> on_;    // where some are
+  jobs::CompactArray<std::uint32_t> inner_, off_;  // slots, in order; the latter are all that are left out
+  jobs::CompactArray<solver::TouchingPair> on_;    // where some are
   // By pair and part: slots go over to others as contacts come and go.
   using Part = std::pair<collision::Pair, std::uint8_t>;
-  std::vector<Part> parts_off_, parts_off_before_;  // in order
+  jobs::CompactArray<Part> parts_off_, parts_off_before_;  // in order
   bool off_changed_ = false;
   std::uint64_t cache_changes_ = ~std::uint64_t{0};  // of the cache, once it was updated
-  std::vector<solver::AddedSlip> slips_;             // by slot, where there are any
+  jobs::CompactArray<solver::AddedSlip> slips_;      // by slot, where there are any
 };
 
 }  // namespace atl

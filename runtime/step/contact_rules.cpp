@@ -32,7 +32,7 @@ struct Seen {
 
 Seen seen(const Stores& world, collision::Pair pair, std::size_t number) {
   std::uint32_t first = pair.first, second = pair.second;
-  const std::vector<std::uint32_t>& body = world.colliders.body;
+  const std::span<const std::uint32_t> body = world.colliders.body;
   if (body[first] > body[second]) std::swap(first, second);
   return {pair,
           body[first],

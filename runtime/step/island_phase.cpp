@@ -68,7 +68,7 @@ void IslandPhase::update_joint_graph(Stores& world, double h) {
   world.changes.joints = false;
   world.changes.islands = true;
   solver::BodyTable& bodies = world.bodies;
-  const std::vector<solver::Joint>& joints = world.joints.joints;
+  const std::span<const solver::Joint> joints = world.joints.joints;
   joint_graph_.build(joints, world.joints.acts, bodies);
   const solver::JointMethod method = solver_settings(world.settings).joint_method;
   longest_substeps_.clear();

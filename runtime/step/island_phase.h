@@ -1,5 +1,6 @@
 #pragma once
 
+#include <jobs/compact_array.h>
 #include <solver/direct/joint_systems.h>
 #include <solver/islands/islands.h>
 #include <solver/islands/joint_graph.h>
@@ -49,12 +50,13 @@ class IslandPhase {
   bool rebuilt_ = false;
   bool one_each_ = false;
   solver::JointGraph joint_graph_;
-  double joint_substep_ = 0;              // s, for which joints were shared out between the solvers
-  std::vector<double> longest_substeps_;  // s, by component: see longest_substep()
-  solver::JointSystems joint_systems_;    // by component of the graph
-  std::vector<std::uint32_t> assembly_;   // by joined body: its component of the graph
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> to_kinematic_;  // kinematic bodies, and what is joined to them
-  std::int64_t direct_joints_ = 0;                                     // of awake bodies
+  double joint_substep_ = 0;                     // s, for which joints were shared out between the solvers
+  jobs::CompactArray<double> longest_substeps_;  // s, by component: see longest_substep()
+  solver::JointSystems joint_systems_;           // by component of the graph
+  jobs::CompactArray<std::uint32_t> assembly_;   // by joined body: its component of the graph
+  jobs::CompactArray<std::pair<std::uint32_t, std::uint32_t>>
+      to_kinematic_;                // kinematic bodies, and what is joined to them
+  std::int64_t direct_joints_ = 0;  // of awake bodies
 };
 
 }  // namespace atl

@@ -57,8 +57,8 @@ void prefetch(const Stores& world, const StepPipeline& pipeline) {
   constexpr std::size_t limit = 128 << 10;
   std::size_t left = limit / jobs::cache_line;
   for_each_use(world, pipeline, [&left](const char*, const auto& arrays, std::size_t, const char*) {
-    jobs::for_each_array(arrays, [&left]<typename Entry>(const std::vector<Entry>& array) {
-      const std::size_t lines = std::min(left, jobs::lines_of(array.size() * sizeof(Entry)));
+    jobs::for_each_array(arrays, [&left](const auto& array) {
+      const std::size_t lines = std::min(left, jobs::lines_of(array.size() * sizeof(array[0])));
       jobs::prefetch_lines(array.data(), lines);
       left -= lines;
     });

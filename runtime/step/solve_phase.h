@@ -1,5 +1,6 @@
 #pragma once
 
+#include <jobs/compact_array.h>
 #include <jobs/scratch.h>
 #include <solver/direct/direct_island.h>
 #include <solver/islands/islands.h>
@@ -50,9 +51,9 @@ class SolvePhase {
  private:
   // Groups that are solved at once, each by a solver of its own that keeps its order of elimination.
   struct DirectGroups {
-    std::vector<std::unique_ptr<solver::DirectIsland>> solvers;
-    std::vector<solver::DirectIsland*> of_group;  // or empty
-    std::vector<solver::DirectIslandReport> reports;
+    jobs::CompactArray<std::unique_ptr<solver::DirectIsland>> solvers;
+    jobs::CompactArray<solver::DirectIsland*> of_group;  // or empty
+    jobs::CompactArray<solver::DirectIslandReport> reports;
   };
 
   // How the groups of some islands are solved.
@@ -74,17 +75,17 @@ class SolvePhase {
   void note_modes(Stores& world, const solver::Islands& islands, StepCounts& counts);
 
   std::vector<solver::IslandGroup> groups_;
-  std::vector<solver::GroupReport> group_reports_;
-  std::vector<std::unique_ptr<solver::GroupSolver>> large_solvers_;  // of large groups, in order
-  std::vector<solver::SolveMode> modes_;                             // by island, or empty
-  std::vector<std::uint16_t> substeps_;                              // likewise
-  std::vector<std::uint32_t> company_;                               // likewise: see pack_groups()
-  std::vector<GroupSettings> settings_;                              // one for each that some group has
-  bool regrouped_ = false;                                           // since the last solve
+  jobs::CompactArray<solver::GroupReport> group_reports_;
+  jobs::CompactArray<std::unique_ptr<solver::GroupSolver>> large_solvers_;  // of large groups, in order
+  jobs::CompactArray<solver::SolveMode> modes_;                             // by island, or empty
+  jobs::CompactArray<std::uint16_t> substeps_;                              // likewise
+  jobs::CompactArray<std::uint32_t> company_;                               // likewise: see pack_groups()
+  jobs::CompactArray<GroupSettings> settings_;                              // one for each that some group has
+  bool regrouped_ = false;                                                  // since the last solve
   DirectGroups direct_;
-  std::vector<std::uint32_t> failed_;  // bodies of islands that could not be solved at once
+  jobs::CompactArray<std::uint32_t> failed_;  // bodies of islands that could not be solved at once
   solver::ContactCapture capture_;
-  std::vector<float> pushed_;
+  jobs::CompactArray<float> pushed_;
 };
 
 }  // namespace atl

@@ -7,7 +7,7 @@ namespace atl {
 void ActiveBodies::apply_changes() {
   std::sort(started_.begin(), started_.end());
   std::sort(stopped_.begin(), stopped_.end());
-  if (!stopped_.empty()) std::erase_if(bodies_, [this](std::uint32_t body) { return !contains(body); });
+  if (!stopped_.empty()) jobs::erase_if(bodies_, [this](std::uint32_t body) { return !contains(body); });
   // Both parts are in order. From the back, so that nothing is overwritten before it has moved.
   std::size_t old_left = bodies_.size();
   std::size_t started_left = started_.size();

@@ -2,6 +2,7 @@
 
 #include <jobs/append.h>
 #include <jobs/arrays.h>
+#include <jobs/compact_array.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -32,10 +33,10 @@ class ActiveBodies {
  private:
   void apply_changes();
 
-  std::vector<std::uint8_t> active_;    // by body
-  std::vector<std::uint32_t> bodies_;   // in order
-  std::vector<std::uint32_t> started_;  // in order
-  std::vector<std::uint32_t> stopped_;  // in order
+  jobs::CompactArray<std::uint8_t> active_;    // by body
+  jobs::CompactArray<std::uint32_t> bodies_;   // in order
+  jobs::CompactArray<std::uint32_t> started_;  // in order
+  jobs::CompactArray<std::uint32_t> stopped_;  // in order
 };
 
 template <typename MayMove>

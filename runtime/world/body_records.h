@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atoll/body.h>
+#include <jobs/compact_array.h>
 #include <jobs/shared_values.h>
 #include <solver/integrate/body_table.h>
 
@@ -24,25 +25,25 @@ inline std::array<std::uint64_t, 2> words_of(const CollisionFilter& filter) {
 
 /// What users add to a body that the solver's table doesn't hold, one entry a body index.
 struct BodyRecords {
-  std::vector<std::uint32_t> generation;
-  std::vector<std::uint8_t> alive;
-  std::vector<BodyType> type;
-  std::vector<std::uint8_t> dynamic;  ///< 1 for dynamic bodies that are not in quarantine
+  jobs::CompactArray<std::uint32_t> generation;
+  jobs::CompactArray<std::uint8_t> alive;
+  jobs::CompactArray<BodyType> type;
+  jobs::CompactArray<std::uint8_t> dynamic;  ///< 1 for dynamic bodies that are not in quarantine
   jobs::SharedValues<Material> material;
   /// m, of mass, body frame
   jobs::SharedValues<Vector3> centre = jobs::SharedValues<Vector3>(Vector3::Zero());
-  std::vector<std::uint8_t> continuous;
-  std::vector<std::uint8_t> sensor;
+  jobs::CompactArray<std::uint8_t> continuous;
+  jobs::CompactArray<std::uint8_t> sensor;
   jobs::SharedValues<CollisionFilter> filter;  ///< of those of its colliders that have none of their own
-  std::vector<std::uint64_t> user_data;
-  std::map<std::uint32_t, std::string> names;                   ///< of bodies that have one
-  std::vector<std::shared_ptr<const BodyConstants>> constants;  ///< of those alive
+  jobs::CompactArray<std::uint64_t> user_data;
+  std::map<std::uint32_t, std::string> names;                          ///< of bodies that have one
+  jobs::CompactArray<std::shared_ptr<const BodyConstants>> constants;  ///< of those alive
   /// Pairs that users disabled: by body, the others that it doesn't touch, in order; no entry where there are none.
   std::map<std::uint32_t, std::vector<std::uint32_t>> disabled_pairs;
-  std::vector<std::uint32_t> free;  ///< indices of removed bodies; the last is used first
-  std::size_t count = 0;            ///< alive
-  std::uint64_t version = 0;        ///< grows as bodies come and go
-  ConstantsPool pool;               ///< of `constants`
+  jobs::CompactArray<std::uint32_t> free;  ///< indices of removed bodies; the last is used first
+  std::size_t count = 0;                   ///< alive
+  std::uint64_t version = 0;               ///< grows as bodies come and go
+  ConstantsPool pool;                      ///< of `constants`
 
   void resize(std::size_t bodies);
   void disable_pair(std::uint32_t first, std::uint32_t second);

@@ -17,7 +17,7 @@ void JointTable::resize(std::size_t count_of_all) {
   joints.resize(count_of_all);
   def.resize(count_of_all, no_definition());
   generation.resize(count_of_all, 0);
-  for (std::vector<std::uint8_t>* flags : {&alive, &enabled, &broken, &suspended, &acts, &watched, &driven}) {
+  for (jobs::CompactArray<std::uint8_t>* flags : {&alive, &enabled, &broken, &suspended, &acts, &watched, &driven}) {
     flags->resize(count_of_all, 0);
   }
   limit_before.resize(count_of_all);
@@ -89,7 +89,7 @@ void JointTable::link(std::uint32_t joint) {
 
 void JointTable::unlink(std::uint32_t joint) {
   if (joints[joint].is_tendon()) {
-    std::erase(by_.tendons, joint);
+    jobs::erase(by_.tendons, joint);
   } else {
     by_.body.remove(joint, joints[joint].first, joints[joint].second);
   }

@@ -2,6 +2,7 @@
 
 #include <atoll/joint.h>
 #include <jobs/arrays.h>
+#include <jobs/compact_array.h>
 #include <jobs/pair_lists.h>
 #include <solver/constraints/joint.h>
 
@@ -18,19 +19,19 @@ namespace atl {
 struct JointTable {
   using Limits = std::array<std::int8_t, solver::max_joint_rows>;
 
-  std::vector<solver::Joint> joints;
-  std::vector<std::shared_ptr<const JointDef>> def;  ///< never null; worlds that are alike may share them
-  std::vector<std::uint32_t> generation;
-  std::vector<std::uint8_t> alive;
-  std::vector<std::uint8_t> enabled;
-  std::vector<std::uint8_t> broken;
-  std::vector<std::uint8_t> suspended;  ///< how many of its bodies are in quarantine
-  std::vector<std::uint8_t> acts;       ///< 1 for those that are there, enabled, not suspended, and have rows
-  std::vector<std::uint8_t> watched;    ///< 1 for those that may break, or reach the ends of a range
-  std::vector<std::uint8_t> driven;     ///< 1 for those with a motor that is to move
-  std::vector<Limits> limit_before;     ///< that events have told of
-  std::vector<std::uint32_t> free;      ///< indices of removed joints; the last is used first
-  std::size_t count = 0;                ///< alive
+  jobs::CompactArray<solver::Joint> joints;
+  jobs::CompactArray<std::shared_ptr<const JointDef>> def;  ///< never null; worlds that are alike may share them
+  jobs::CompactArray<std::uint32_t> generation;
+  jobs::CompactArray<std::uint8_t> alive;
+  jobs::CompactArray<std::uint8_t> enabled;
+  jobs::CompactArray<std::uint8_t> broken;
+  jobs::CompactArray<std::uint8_t> suspended;  ///< how many of its bodies are in quarantine
+  jobs::CompactArray<std::uint8_t> acts;       ///< 1 for those that are there, enabled, not suspended, and have rows
+  jobs::CompactArray<std::uint8_t> watched;    ///< 1 for those that may break, or reach the ends of a range
+  jobs::CompactArray<std::uint8_t> driven;     ///< 1 for those with a motor that is to move
+  jobs::CompactArray<Limits> limit_before;     ///< that events have told of
+  jobs::CompactArray<std::uint32_t> free;      ///< indices of removed joints; the last is used first
+  std::size_t count = 0;                       ///< alive
 
   std::size_t size() const { return joints.size(); }
   /// Adds an enabled joint, and returns its index.
@@ -87,7 +88,7 @@ struct JointTable {
   // Lists by which joints are found.
   struct Lists {
     jobs::PairLists body;
-    std::vector<std::uint32_t> tendons;  // alive, in order
+    jobs::CompactArray<std::uint32_t> tendons;  // alive, in order
   };
 
   Lists by_;

@@ -2,6 +2,7 @@
 
 #include <atoll/quarantine.h>
 #include <jobs/append.h>
+#include <jobs/compact_array.h>
 #include <solver/integrate/body_table.h>
 #include <solver/integrate/motion.h>
 
@@ -52,9 +53,9 @@ class QuarantineList {
     static_cast<void>(bodies);
   }
 
-  std::vector<Quarantined> bodies_;      // in order of id
-  std::vector<std::uint8_t> suspected_;  // by body: 0 or one of these two
-  std::vector<std::uint32_t> suspects_;  // to check
+  jobs::CompactArray<Quarantined> bodies_;      // in order of id
+  jobs::CompactArray<std::uint8_t> suspected_;  // by body: 0 or one of these two
+  jobs::CompactArray<std::uint32_t> suspects_;  // to check
   bool any_checked_ = false;
   std::map<std::uint32_t, solver::BodyPose> poses_before_;
 };

@@ -2,6 +2,7 @@
 
 #include <atoll/settings.h>
 #include <jobs/arrays.h>
+#include <jobs/compact_array.h>
 #include <solver/integrate/body_table.h>
 #include <solver/islands/islands.h>
 
@@ -16,11 +17,11 @@ namespace atl {
 struct Sleeping {
   static constexpr std::uint32_t none = ~0u;
 
-  std::vector<std::uint8_t> awake;     ///< by body; 1 for every dynamic body that is not asleep
-  std::vector<double> rest_time;       ///< s, by body
-  std::vector<std::uint32_t> ring;     ///< by body: the next body of its sleeping island
-  std::int64_t asleep = 0;             ///< bodies
-  std::vector<std::uint32_t> changed;  ///< bodies that fell asleep or woke, in the order in which they did
+  jobs::CompactArray<std::uint8_t> awake;     ///< by body; 1 for every dynamic body that is not asleep
+  jobs::CompactArray<double> rest_time;       ///< s, by body
+  jobs::CompactArray<std::uint32_t> ring;     ///< by body: the next body of its sleeping island
+  std::int64_t asleep = 0;                    ///< bodies
+  jobs::CompactArray<std::uint32_t> changed;  ///< bodies that fell asleep or woke, in the order in which they did
 
   void resize(std::size_t count);
   bool is_asleep(std::uint32_t body) const { return ring[body] != none; }

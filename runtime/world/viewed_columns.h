@@ -20,7 +20,7 @@ class ViewedColumns {
     if (!keeps) return;
     for (const auto& [column, width] : columns_of(bodies)) {
       if (count * width <= column->capacity()) continue;
-      std::vector<double> larger;
+      jobs::CompactArray<double> larger;
       larger.reserve(std::max(count * width, 2 * column->capacity()));
       larger = *column;
       kept_.push_back(std::exchange(*column, std::move(larger)));
@@ -33,13 +33,13 @@ class ViewedColumns {
   }
 
  private:
-  using Column = std::pair<std::vector<double>*, std::size_t>;  // and numbers a body
+  using Column = std::pair<jobs::CompactArray<double>*, std::size_t>;  // and numbers a body
   static std::array<Column, 4> columns_of(solver::BodyTable& bodies) {
     return {Column{&bodies.positions, 3}, Column{&bodies.orientations, 4}, Column{&bodies.velocities, 3},
             Column{&bodies.angular_velocities, 3}};
   }
 
-  std::vector<std::vector<double>> kept_;
+  std::vector<jobs::CompactArray<double>> kept_;
 };
 
 }  // namespace atl

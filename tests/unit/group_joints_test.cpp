@@ -56,7 +56,7 @@ JointRig random_rig(std::uint32_t seed) {
 }
 
 void expect_same_bits(const JointRig& a, const JointRig& b) {
-  const auto expect_equal = [](const std::vector<double>& x, const std::vector<double>& y) {
+  const auto expect_equal = [](std::span<const double> x, std::span<const double> y) {
     ASSERT_EQ(x.size(), y.size());
     EXPECT_EQ(std::memcmp(x.data(), y.data(), x.size() * sizeof(double)), 0);
   };

@@ -48,11 +48,11 @@ void expect_sums(const World& world) {
 }
 
 // Two boxes that stand on each other, one that rolls with two balls in it, and a wall that they all end at.
-struct Yard {
+struct PressedYard {
   World world;
   BodyId floor, lower, upper, dumbbell;
 
-  explicit Yard(const Settings& settings, int threads) : world({.threads = threads, .settings = settings}) {
+  explicit PressedYard(const Settings& settings, int threads) : world({.threads = threads, .settings = settings}) {
     floor = world.add_body(ground());
     lower = world.add_body(box({0, 0, 0.5}));
     upper = world.add_body(box({0, 0, 1.5}));
@@ -68,7 +68,7 @@ TEST(PairForces, AreWhatContactForcesAddUpTo) {
   for (const bool sleeping : {false, true}) {
     for (const ContactSolver solver : {ContactSolver::Auto, ContactSolver::Iterative, ContactSolver::Direct}) {
       for (const int threads : {1, 2}) {
-        Yard yard({.contact_solver = solver, .sleeping = sleeping}, threads);
+        PressedYard yard({.contact_solver = solver, .sleeping = sleeping}, threads);
         EXPECT_TRUE(yard.world.pair_forces().empty());
         for (int step = 0; step < 120; ++step) {
           yard.world.step(dt);
@@ -82,7 +82,7 @@ TEST(PairForces, AreWhatContactForcesAddUpTo) {
 }
 
 TEST(PairForces, OfTwoShapesOfABodyAreOneAndHoldItUp) {
-  Yard yard({}, 1);
+  PressedYard yard({}, 1);
   run(yard.world, 60);
   const std::span<const PairForce> pairs = yard.world.pair_forces();
   ASSERT_EQ(pairs.size(), 4u);
@@ -99,7 +99,7 @@ TEST(PairForces, OfTwoShapesOfABodyAreOneAndHoldItUp) {
 }
 
 TEST(PairForces, AreInOrderWhateverShapesBodiesGet) {
-  Yard yard({}, 1);
+  PressedYard yard({}, 1);
   const auto legs = [](double x) {
     return Compound{{{.shape = Sphere{0.3}, .position = {-x, 0, 0}}, {.shape = Sphere{0.3}, .position = {x, 0, 0}}}};
   };
@@ -122,7 +122,7 @@ TEST(PairForces, AreInOrderWhateverShapesBodiesGet) {
 
 TEST(PairForces, FollowWhatIsTakenAwayAndPutBack) {
   for (const bool points_known : {false, true}) {
-    Yard yard({}, 1);
+    PressedYard yard({}, 1);
     run(yard.world, 30);
     Snapshot snapshot;
     yard.world.save(snapshot);

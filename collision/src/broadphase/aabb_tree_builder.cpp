@@ -180,7 +180,8 @@ void AabbTreeBuilder::sort_codes() {
   arena_ ? arena_->parallel_for(digit_values, 1, sort_buckets) : sort_buckets(0, digit_values);
 }
 
-void AabbTreeBuilder::build(std::vector<AabbTreeNode>& nodes, std::vector<std::int32_t>& slots, jobs::Arena* arena) {
+void AabbTreeBuilder::build(jobs::CompactArray<AabbTreeNode>& nodes, jobs::CompactArray<std::int32_t>& slots,
+                            jobs::Arena* arena) {
   nodes.clear();
   if (leaves.size() == 1) {
     nodes.emplace_back();

@@ -80,7 +80,7 @@ void PairSet::erase(Pair pair) {
 }
 
 void PairSet::grow() {
-  std::vector<std::uint64_t> old(keys_.empty() ? 64 : 2 * keys_.size(), vacant);
+  jobs::CompactArray<std::uint64_t> old(keys_.empty() ? 64 : 2 * keys_.size(), vacant);
   std::swap(old, keys_);
   for (const std::uint64_t key : old) {
     if (key == vacant) continue;

@@ -206,7 +206,7 @@ void BodyAabbs::note_swept(std::uint32_t body, const BodyMotions& motions) {
 // AABBs that were stretched along a motion which has slowed down since are made anew, or a body that comes to rest
 // would have pairs with all that lies where it was going.
 void BodyAabbs::shrink_swept(const BodyMotions& motions, Broadphase& broadphase) {
-  std::erase_if(swept_, [&](std::uint32_t body) {
+  jobs::erase_if(swept_, [&](std::uint32_t body) {
     const bool is_there = motions.colliders.first[body] != ColliderTable::none;
     if (swept_margins_[body] > 0 && is_there && motions.is_finite(body)) {
       const double now = swept_margin(body, motions);

@@ -7,7 +7,7 @@ namespace atl::collision {
 // A slot may have been given up and used again for another pair.
 void IdleContacts::update(std::span<const Contact> contacts, std::span<const ContactState> states) {
   const auto is_idle = [&](std::uint32_t slot) { return states[slot] == ContactState::Idle; };
-  std::erase_if(entries_, [&](const Entry& entry) { return !is_idle(entry.slot) || is_noted_[entry.slot] != 0; });
+  jobs::erase_if(entries_, [&](const Entry& entry) { return !is_idle(entry.slot) || is_noted_[entry.slot] != 0; });
   const auto kept = static_cast<std::ptrdiff_t>(entries_.size());
   for (const std::uint32_t slot : noted_) {
     is_noted_[slot] = 0;

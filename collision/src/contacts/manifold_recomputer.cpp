@@ -177,7 +177,7 @@ bool ManifoldRecomputer::set_surface_apart(std::size_t entry, double margin, dou
   if (gap < margin + least_surface_gap * static_cast<double>(range_.contact(entry).size)) return false;
   for (std::size_t part = 0; part < max_surface_manifolds; ++part) {
     set_apart(entry + part, margin, gap, radius);
-    std::vector<float>& rises = range_.cache.rises;
+    auto& rises = range_.cache.rises;
     if (!rises.empty()) rises[range_.cache.order()[entry + part]] = 0;
   }
   return true;

@@ -96,7 +96,7 @@ bool stay_apart(const CcdStep& step, const Contact& contact, const FastBody* fir
 
 // What fast bodies may meet of that which they have contacts with, touching or not, of some entries of their order.
 void CcdCandidates::find_by_contacts(const CcdStep& step, std::size_t begin, std::size_t end, Scratch& scratch) {
-  const std::vector<Contact>& contacts = step.cache.contacts;
+  const std::span<const Contact> contacts = step.cache.contacts;
   const ContactOrder& order = step.cache.order();
   const ColliderTable& colliders = step.motions.colliders;
   scratch.contacts.clear();

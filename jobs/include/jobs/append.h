@@ -1,14 +1,14 @@
 #pragma once
 
 #include <cstddef>
-#include <vector>
 
 namespace atl::jobs {
 
 /// Resizes an array that mostly grows by one, which is then a store and no call, as std::vector::resize is: a body that
 /// is added appends to some forty arrays.
-template <typename T>
-[[gnu::always_inline]] inline void append(std::vector<T>& array, std::size_t count, const T& value = T()) {
+template <typename Array>
+[[gnu::always_inline]] inline void append(Array& array, std::size_t count,
+                                          const typename Array::value_type& value = typename Array::value_type()) {
   if (count == array.size() + 1) {
     array.push_back(value);
   } else {

@@ -1,6 +1,8 @@
 #pragma once
-/// What is done to all arrays that an object holds, which its arrays() tells: std::tie of its vectors, and of parts
+/// What is done to all arrays that an object holds, which its arrays() tells: std::tie of its arrays, and of parts
 /// that have arrays() themselves.
+
+#include <jobs/compact_array.h>
 
 #include <cstddef>
 #include <memory>
@@ -10,12 +12,16 @@
 namespace atl::jobs {
 
 template <typename T, typename Visit>
-  requires requires(const T& object) { object.arrays(); }
+requires requires(const T& object) { object.arrays(); }
 void for_each_array(const T& object, const Visit& visit);
 
-/// Calls visit(vector) for each of the vectors.
+/// Calls visit(array) for each of the arrays, std::vectors or CompactArrays.
 template <typename T, typename Visit>
 void for_each_array(const std::vector<T>& array, const Visit& visit) {
+  visit(array);
+}
+template <typename T, typename Visit>
+void for_each_array(const CompactArray<T>& array, const Visit& visit) {
   visit(array);
 }
 template <typename... T, typename Visit>
@@ -44,9 +50,9 @@ std::size_t bytes_beside(const std::unique_ptr<T>& entry) {
 template <typename... T>
 std::size_t bytes_of(const T&... objects) {
   std::size_t bytes = 0;
-  const auto add = [&bytes]<typename Entry>(const std::vector<Entry>& array) {
-    bytes += array.capacity() * sizeof(Entry);
-    for (const Entry& entry : array) bytes += bytes_beside(entry);
+  const auto add = [&bytes](const auto& array) {
+    bytes += array.capacity() * sizeof(array[0]);
+    for (const auto& entry : array) bytes += bytes_beside(entry);
   };
   (for_each_array(objects, add), ...);
   return bytes;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <jobs/arrays.h>
+#include <jobs/compact_array.h>
 #include <jobs/prefetch.h>
 
 #include <cstddef>
@@ -60,8 +61,8 @@ class PairLists {
     (link.previous != none ? links_[link.previous].next : first_end_[body]) = link.next;
   }
 
-  std::vector<Link> links_;               // by end
-  std::vector<std::uint32_t> first_end_;  // by body, up to the last that was ever connected
+  CompactArray<Link> links_;               // by end
+  CompactArray<std::uint32_t> first_end_;  // by body, up to the last that was ever connected
 };
 
 }  // namespace atl::jobs

@@ -2,6 +2,7 @@
 
 #include <jobs/append.h>
 #include <jobs/arrays.h>
+#include <jobs/compact_array.h>
 
 #include <array>
 #include <cstddef>
@@ -78,10 +79,16 @@ class SharedValues {
     // Entries that come one after the other are often alike.
     if (same_bits(values_[last_], value)) return last_;
     if (same_bits(values_[0], value)) return 0;
-    if (2 * (values_.size() - free_.size() + 1) > table_.size()) grow();
-    std::size_t place = home(value);
-    for (; table_[place] != vacant; place = next(place)) {
-      if (same_bits(values_[table_[place]], value)) return last_ = table_[place];
+    if (is_hashed() && 2 * (values_.size() - free_.size() + 1) > table_.size()) grow();
+    std::size_t place = 0;
+    if (is_hashed()) {
+      for (place = home(value); table_[place] != vacant; place = next(place)) {
+        if (same_bits(values_[table_[place]], value)) return last_ = table_[place];
+      }
+    } else {
+      for (std::uint32_t number = 1; number < values_.size(); ++number) {
+        if (uses_[number] > 0 && same_bits(values_[number], value)) return last_ = number;
+      }
     }
     std::uint32_t number = static_cast<std::uint32_t>(values_.size());
     if (free_.empty()) {
@@ -92,12 +99,16 @@ class SharedValues {
       free_.pop_back();
       values_[number] = value;
     }
-    table_[place] = number;
+    if (is_hashed()) table_[place] = number;
+    if (!is_hashed() && values_.size() > few) grow();
     return last_ = number;
   }
 
   // Backward-shift deletion, as in PairSet.
   void drop(std::uint32_t number) {
+    if (last_ == number) last_ = 0;
+    free_.push_back(number);
+    if (!is_hashed()) return;
     std::size_t hole = home(values_[number]);
     while (table_[hole] != number) hole = next(hole);
     for (std::size_t place = next(hole); table_[place] != vacant; place = next(place)) {
@@ -107,27 +118,33 @@ class SharedValues {
       hole = place;
     }
     table_[hole] = vacant;
-    free_.push_back(number);
-    if (last_ == number) last_ = 0;
   }
 
+  // So many values are compared one by one, without a table.
+  static constexpr std::size_t few = 8;
+  bool is_hashed() const { return !table_.empty(); }
+
   void grow() {
-    std::vector<std::uint32_t> old(table_.empty() ? 16 : 2 * table_.size(), vacant);
-    std::swap(old, table_);
-    for (const std::uint32_t number : old) {
-      if (number == vacant) continue;
+    CompactArray<std::uint32_t> all;
+    if (is_hashed()) {
+      std::copy_if(table_.begin(), table_.end(), std::back_inserter(all), [](std::uint32_t n) { return n != vacant; });
+    } else {
+      for (std::uint32_t number = 1; number < values_.size(); ++number) all.push_back(number);
+    }
+    table_.assign(is_hashed() ? 2 * table_.size() : 4 * few, vacant);
+    for (const std::uint32_t number : all) {
       std::size_t place = home(values_[number]);
       while (table_[place] != vacant) place = next(place);
       table_[place] = number;
     }
   }
 
-  std::vector<std::uint32_t> numbers_;  // by entry: of its value
-  std::vector<T> values_;               // the first is that of entries which were never set
-  std::vector<std::uint32_t> uses_;     // by value: entries that have it
-  std::vector<std::uint32_t> free_;     // numbers of values that none has
-  std::vector<std::uint32_t> table_;    // numbers of the others but the first; open addressing, at most half full
-  std::uint32_t last_ = 0;              // that was set
+  CompactArray<std::uint32_t> numbers_;  // by entry: of its value
+  CompactArray<T> values_;               // the first is that of entries which were never set
+  CompactArray<std::uint32_t> uses_;     // by value: entries that have it
+  CompactArray<std::uint32_t> free_;     // numbers of values that none has
+  CompactArray<std::uint32_t> table_;    // numbers of the others but the first; open addressing, at most half full
+  std::uint32_t last_ = 0;               // that was set
 };
 
 }  // namespace atl::jobs

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace atl::solver {
 namespace {
@@ -18,7 +19,7 @@ Vector3 moments_of(const BodyTable& bodies, std::uint32_t body, double swing) {
 }  // namespace
 
 bool is_seen_heavier(const BodyTable& bodies, std::uint32_t body) {
-  const std::vector<double>& least = bodies.least_moment;
+  const std::span<const double> least = bodies.least_moment;
   return !least.empty() && least[body] > 0;
 }
 

@@ -54,8 +54,8 @@ void Islands::build(std::span<const std::uint32_t> candidates, std::span<const s
 
 // Of pairs of bodies those with an awake one, island by island, in the order given.
 template <typename Pair>
-void Islands::sort_by_island(std::span<const Pair> pairs, Memory& memory, std::vector<Pair>& sorted,
-                             std::vector<std::uint32_t>& start) const {
+void Islands::sort_by_island(std::span<const Pair> pairs, Memory& memory, jobs::CompactArray<Pair>& sorted,
+                             jobs::CompactArray<std::uint32_t>& start) const {
   std::vector<std::uint32_t>& island_of_pair = memory.island_of_pair;
   start.assign(body_start_.size(), 0);
   island_of_pair.resize(pairs.size());

@@ -8,7 +8,7 @@ namespace atl::solver {
 namespace {
 
 // The lowest of each set is its root.
-std::uint32_t find(std::vector<std::uint32_t>& parent, std::uint32_t body) {
+std::uint32_t find(jobs::CompactArray<std::uint32_t>& parent, std::uint32_t body) {
   while (parent[body] != body) {
     parent[body] = parent[parent[body]];
     body = parent[body];
@@ -34,7 +34,7 @@ void JointGraph::build(std::span<const Joint> joints, std::span<const std::uint8
       links_.push_back({first, second, joint});
     }
   }
-  const auto join_all = [&](const std::vector<JointLink>& all) {
+  const auto join_all = [&](const jobs::CompactArray<JointLink>& all) {
     for (const JointLink& link : all) {
       if (!dynamic(link.first) || !dynamic(link.second)) continue;
       const std::uint32_t a = find(parent_, link.first), b = find(parent_, link.second);
@@ -89,8 +89,8 @@ void JointGraph::count_parallel(std::span<const Joint> joints, const BodyTable& 
     return bodies.mobility[body] == Mobility::Dynamic ? body : Islands::none;
   };
   const auto pair_of = [&](const JointLink& link) { return std::minmax({body_of(link.first), body_of(link.second)}); };
-  std::vector<JointLink> by_pair = links_;
-  std::erase_if(by_pair, [&](const JointLink& link) { return joints[link.joint].is_tendon(); });
+  jobs::CompactArray<JointLink> by_pair = links_;
+  jobs::erase_if(by_pair, [&](const JointLink& link) { return joints[link.joint].is_tendon(); });
   std::sort(by_pair.begin(), by_pair.end(),
             [&](const JointLink& a, const JointLink& b) { return pair_of(a) < pair_of(b); });
   parallel_.assign(component_of_.size(), 0);

@@ -48,7 +48,7 @@ void SolverSelection::resize(std::size_t bodies) { findings_.resize(bodies); }
 
 void SolverSelection::forget(std::uint32_t body) {
   if (body < findings_.size()) findings_[body] = {};
-  std::erase(failed_, body);
+  jobs::erase(failed_, body);
 }
 
 void SolverSelection::forget_all() {
@@ -241,7 +241,7 @@ void SolverSelection::note_failed(std::span<const std::uint32_t> failed, std::sp
   failed_.insert(failed_.end(), failed.begin(), failed.end());
   std::sort(failed_.begin(), failed_.end());
   failed_.erase(std::unique(failed_.begin(), failed_.end()), failed_.end());
-  std::erase_if(failed_, [this](std::uint32_t body) { return findings_[body].swept == 0; });
+  jobs::erase_if(failed_, [this](std::uint32_t body) { return findings_[body].swept == 0; });
 }
 
 }  // namespace atl::solver

@@ -41,7 +41,7 @@ void load_velocity(const BodyTable& table, std::uint32_t body, std::size_t local
 }  // namespace
 
 void GroupBodies::collect(const SolveInput& input, const IslandGroup& group) {
-  const std::vector<Mobility>& mobility = input.bodies.mobility;
+  const std::span<const Mobility> mobility = input.bodies.mobility;
   kinematic_.clear();
   const auto collect = [&](const auto& pairs) {
     for (const auto& pair : pairs) {

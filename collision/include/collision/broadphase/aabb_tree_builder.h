@@ -35,7 +35,7 @@ class AabbTreeBuilder {
   /// Replaces the nodes; depth first, so that node 0 is the root and a node's number is below its children's.
   /// Sets the slot, 2 * node + side, of each item; `slots` must be long enough. No leaves make no nodes. Without an
   /// arena this thread builds all of it.
-  void build(std::vector<AabbTreeNode>& nodes, std::vector<std::int32_t>& slots, jobs::Arena* arena);
+  void build(jobs::CompactArray<AabbTreeNode>& nodes, jobs::CompactArray<std::int32_t>& slots, jobs::Arena* arena);
 
   /// See jobs/arrays.h.
   auto arrays() const { return std::tie(leaves, codes_, sorted_, chunks_, divided_, parts_, above_); }
@@ -97,8 +97,8 @@ class AabbTreeBuilder {
   std::vector<Part> parts_;         // of a tree that is built in several
   std::vector<std::size_t> above_;  // the nodes above these, parents first
   // During a build.
-  std::vector<AabbTreeNode>* nodes_ = nullptr;
-  std::vector<std::int32_t>* slots_ = nullptr;
+  jobs::CompactArray<AabbTreeNode>* nodes_ = nullptr;
+  jobs::CompactArray<std::int32_t>* slots_ = nullptr;
   jobs::Arena* arena_ = nullptr;
 };
 

@@ -3,6 +3,7 @@
 #include <collision/broadphase/aabb_tree_builder.h>
 #include <collision/broadphase/ray_slabs.h>
 #include <jobs/arrays.h>
+#include <jobs/compact_array.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -126,8 +127,8 @@ class AabbTreeNodes {
   Node& at(std::int32_t node) { return nodes_[static_cast<std::size_t>(node)]; }
   const Node& at(std::int32_t node) const { return nodes_[static_cast<std::size_t>(node)]; }
 
-  std::vector<Node> nodes_;          // those that are free have no children
-  std::vector<std::int32_t> slots_;  // by item
+  jobs::CompactArray<Node> nodes_;          // those that are free have no children
+  jobs::CompactArray<std::int32_t> slots_;  // by item
   std::int32_t root_ = Node::none;
   std::int32_t free_ = Node::none;
   std::size_t size_ = 0;

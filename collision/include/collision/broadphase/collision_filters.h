@@ -2,6 +2,7 @@
 
 #include <collision/broadphase/pair_set.h>
 #include <jobs/arrays.h>
+#include <jobs/compact_array.h>
 
 #include <cstdint>
 #include <vector>
@@ -88,11 +89,11 @@ class CollisionFilters {
   void count_disabled(std::uint32_t owner, std::int32_t change);
   bool filters_allow(std::uint32_t a, std::uint32_t b) const;
 
-  std::vector<Entry> entries_;  // by shape
+  jobs::CompactArray<Entry> entries_;  // by shape
   // By shape: 1 if its filter is not the default one, or its owner has disabled pairs.
-  std::vector<std::uint8_t> restricted_;
-  std::vector<Owner> owners_;  // by number
-  PairSet disabled_;           // of owners
+  jobs::CompactArray<std::uint8_t> restricted_;
+  jobs::CompactArray<Owner> owners_;  // by number
+  PairSet disabled_;                  // of owners
 };
 
 }  // namespace atl::collision

@@ -2,6 +2,7 @@
 
 #include <jobs/append.h>
 #include <jobs/arrays.h>
+#include <jobs/compact_array.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -39,8 +40,8 @@ class MoveBuffer {
   auto arrays() const { return std::tie(moved_, shapes_); }
 
  private:
-  std::vector<std::uint8_t> moved_;  // by shape: 1 if it is in shapes_
-  std::vector<std::uint32_t> shapes_;
+  jobs::CompactArray<std::uint8_t> moved_;  // by shape: 1 if it is in shapes_
+  jobs::CompactArray<std::uint32_t> shapes_;
 };
 
 }  // namespace atl::collision

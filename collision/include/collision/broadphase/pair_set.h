@@ -2,6 +2,7 @@
 
 #include <collision/broadphase/pair.h>
 #include <jobs/arrays.h>
+#include <jobs/compact_array.h>
 
 #include <cstddef>
 #include <vector>
@@ -30,7 +31,7 @@ class PairSet {
   std::size_t next(std::size_t slot) const { return (slot + 1) & (keys_.size() - 1); }
   void grow();
 
-  std::vector<std::uint64_t> keys_;  // a power of two, or none
+  jobs::CompactArray<std::uint64_t> keys_;  // a power of two, or none
   std::size_t size_ = 0;
 };
 

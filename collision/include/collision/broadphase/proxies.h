@@ -4,6 +4,7 @@
 #include <collision/shapes/plane.h>
 #include <jobs/arena.h>
 #include <jobs/arrays.h>
+#include <jobs/compact_array.h>
 
 #include <cstdint>
 #include <span>
@@ -101,8 +102,8 @@ class Proxies {
   AabbTree& tree_of(const Proxy& proxy) { return proxy.kind == Kind::Fixed ? fixed_ : moving_; }
   std::size_t half_space_index(std::uint32_t shape) const;
 
-  std::vector<Proxy> proxies_;          // by shape
-  std::vector<HalfSpace> half_spaces_;  // in order of shape
+  jobs::CompactArray<Proxy> proxies_;          // by shape
+  jobs::CompactArray<HalfSpace> half_spaces_;  // in order of shape
   AabbTree moving_;
   AabbTree fixed_;
 };

@@ -5,6 +5,7 @@
 #include <collision/shapes/motion_bounds.h>
 #include <jobs/arena.h>
 #include <jobs/arrays.h>
+#include <jobs/compact_array.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -38,8 +39,8 @@ class BodyAabbs {
   void clear();  ///< of all bodies
 
   /// m, of fat AABBs along the motion of a body; 0 where it isn't worth mentioning. Part of a world's state.
-  const std::vector<double>& swept_margins() const { return swept_margins_; }
-  std::vector<double>& swept_margins() { return swept_margins_; }
+  const jobs::CompactArray<double>& swept_margins() const { return swept_margins_; }
+  jobs::CompactArray<double>& swept_margins() { return swept_margins_; }
   /// After swept margins were restored.
   void list_swept();
 
@@ -93,8 +94,8 @@ class BodyAabbs {
     static_cast<void>(bounds);
   }
 
-  std::vector<double> swept_margins_;  // by body
-  std::vector<std::uint32_t> swept_;   // bodies with such margins
+  jobs::CompactArray<double> swept_margins_;  // by body
+  jobs::CompactArray<std::uint32_t> swept_;   // bodies with such margins
 };
 
 }  // namespace atl::collision

@@ -5,6 +5,7 @@
 #include <collision/contacts/contact_order.h>
 #include <collision/contacts/idle_contacts.h>
 #include <jobs/arrays.h>
+#include <jobs/compact_array.h>
 #include <jobs/pair_lists.h>
 
 #include <algorithm>
@@ -20,11 +21,11 @@ namespace atl::collision {
 /// done to contacts. The others are idle: nothing visits them until one of their bodies becomes active or goes.
 class ContactCache {
  public:
-  std::vector<Contact> contacts;           ///< by slot
-  std::vector<ContactManifold> manifolds;  ///< by slot
+  jobs::CompactArray<Contact> contacts;           ///< by slot
+  jobs::CompactArray<ContactManifold> manifolds;  ///< by slot
   /// By slot, m: what a smooth surface gains along the normal in half a step, see collide_surface(). Empty while there
   /// is none.
-  std::vector<float> rises;
+  jobs::CompactArray<float> rises;
   PairSet pairs;  ///< of all contacts, idle ones too
 
   /// What a contact starts with.
@@ -111,15 +112,15 @@ class ContactCache {
     static_cast<void>(contacts);
   }
 
-  std::vector<std::uint32_t> free_slots_;  // the last is used first
+  jobs::CompactArray<std::uint32_t> free_slots_;  // the last is used first
   mutable ContactOrder order_;
-  mutable bool order_has_gaps_ = false;  // slots in it are free, and must not be used again before they are dropped
-  std::vector<ContactState> state_;      // by slot
+  mutable bool order_has_gaps_ = false;     // slots in it are free, and must not be used again before they are dropped
+  jobs::CompactArray<ContactState> state_;  // by slot
   jobs::PairLists of_body_;
-  std::vector<std::uint8_t> active_;  // by body
-  std::vector<std::uint32_t> added_;  // scratch: slots, in order
-  std::vector<std::uint32_t> gone_;   // scratch: slots, in order
-  mutable IdleContacts idle_;         // sorted when somebody asks
+  jobs::CompactArray<std::uint8_t> active_;  // by body
+  jobs::CompactArray<std::uint32_t> added_;  // scratch: slots, in order
+  jobs::CompactArray<std::uint32_t> gone_;   // scratch: slots, in order
+  mutable IdleContacts idle_;                // sorted when somebody asks
   std::uint64_t changes_ = 0;
 };
 

@@ -2,6 +2,7 @@
 
 #include <collision/broadphase/pair.h>
 #include <jobs/arrays.h>
+#include <jobs/compact_array.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -67,8 +68,8 @@ class ContactOrder {
   auto arrays() const { return std::tie(slots_, keys_); }
 
  private:
-  std::vector<std::uint32_t> slots_;
-  std::vector<std::uint64_t> keys_;  // by entry
+  jobs::CompactArray<std::uint32_t> slots_;
+  jobs::CompactArray<std::uint64_t> keys_;  // by entry
 };
 
 }  // namespace atl::collision

@@ -3,6 +3,7 @@
 #include <collision/contacts/contact.h>
 #include <collision/contacts/contact_order.h>
 #include <jobs/arrays.h>
+#include <jobs/compact_array.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -47,10 +48,10 @@ class IdleContacts {
 
   void update(std::span<const Contact> contacts, std::span<const ContactState> states);
 
-  std::vector<Entry> entries_;          // in order, as of the last call of with_active()
-  std::vector<std::uint32_t> noted_;    // slots that became idle since
-  std::vector<std::uint8_t> is_noted_;  // by slot
-  std::vector<std::uint32_t> all_;      // in order, as of that call
+  jobs::CompactArray<Entry> entries_;          // in order, as of the last call of with_active()
+  jobs::CompactArray<std::uint32_t> noted_;    // slots that became idle since
+  jobs::CompactArray<std::uint8_t> is_noted_;  // by slot
+  jobs::CompactArray<std::uint32_t> all_;      // in order, as of that call
   bool all_stale_ = false;
 };
 

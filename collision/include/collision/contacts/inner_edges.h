@@ -2,6 +2,7 @@
 
 #include <collision/contacts/update_contacts.h>
 #include <jobs/arrays.h>
+#include <jobs/compact_array.h>
 
 #include <cstdint>
 #include <span>
@@ -48,9 +49,9 @@ class InnerEdges {
                       const OnGround& other);
   void find_of_mover(const ContactCache& cache, const ContactUpdateInput& input, std::span<const OnGround> contacts);
 
-  std::vector<std::uint8_t> met_;    // by body: pairs of shapes in which it meets the ground; all 0 between calls
-  std::vector<OnGround> on_ground_;  // of bodies that meet it in several pairs
-  std::vector<std::uint32_t> inner_;
+  jobs::CompactArray<std::uint8_t> met_;  // by body: pairs of shapes in which it meets the ground; all 0 between calls
+  jobs::CompactArray<OnGround> on_ground_;  // of bodies that meet it in several pairs
+  jobs::CompactArray<std::uint32_t> inner_;
 };
 
 }  // namespace atl::collision

@@ -4,6 +4,7 @@
 #include <collision/shapes/shape.h>
 #include <jobs/append.h>
 #include <jobs/arrays.h>
+#include <jobs/compact_array.h>
 #include <jobs/shared_values.h>
 
 #include <array>
@@ -28,15 +29,15 @@ inline std::array<std::uint64_t, sizeof(Shape) / sizeof(std::uint64_t)> words_of
 struct ColliderTable {
   static constexpr std::uint32_t none = ~0u;
 
-  std::vector<std::uint32_t> body;   ///< none where a collider is free
-  std::vector<std::uint32_t> child;  ///< its number in a compound, else 0
-  std::vector<std::uint32_t> next;   ///< the body's next collider, or none
-  std::vector<std::uint32_t> first;  ///< by body: its first collider, or none
+  jobs::CompactArray<std::uint32_t> body;   ///< none where a collider is free
+  jobs::CompactArray<std::uint32_t> child;  ///< its number in a compound, else 0
+  jobs::CompactArray<std::uint32_t> next;   ///< the body's next collider, or none
+  jobs::CompactArray<std::uint32_t> first;  ///< by body: its first collider, or none
   jobs::SharedValues<Shape> shape;
   /// Of the shape, in the body frame.
   jobs::SharedValues<Pose> local = jobs::SharedValues<Pose>(Pose{Vector3::Zero(), Quaternion::Identity()});
-  std::vector<std::uint8_t> has_local_offset;  ///< 0 if `local` is the identity
-  std::vector<std::uint32_t> free;             ///< the last is used first
+  jobs::CompactArray<std::uint8_t> has_local_offset;  ///< 0 if `local` is the identity
+  jobs::CompactArray<std::uint32_t> free;             ///< the last is used first
 
   /// See jobs/arrays.h.
   auto arrays() const { return std::tie(body, child, next, first, has_local_offset, free, shape, local); }

@@ -2,6 +2,7 @@
 
 #include <jobs/append.h>
 #include <jobs/arrays.h>
+#include <jobs/compact_array.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -13,13 +14,13 @@ namespace atl::collision {
 /// How far bodies may move before their boxes, or their way, must be looked at: one entry a body index. Whoever moves
 /// a body calls moved(), so that what asks needn't look at all of them.
 struct MotionBounds {
-  std::vector<double> aabb_margin;       ///< m that its surface may still move before its AABBs must be looked at
-  std::vector<double> margin_limit;      ///< m: no more motion in a step than this counts against the margin
-  std::vector<double> sweep_distance;    ///< m: who moves farther in a step may have passed through something
-  std::vector<std::uint8_t> aabb_dirty;  ///< 1 if the margin may be used up
+  jobs::CompactArray<double> aabb_margin;     ///< m that its surface may still move before its AABBs must be looked at
+  jobs::CompactArray<double> margin_limit;    ///< m: no more motion in a step than this counts against the margin
+  jobs::CompactArray<double> sweep_distance;  ///< m: who moves farther in a step may have passed through something
+  jobs::CompactArray<std::uint8_t> aabb_dirty;  ///< 1 if the margin may be used up
 
   void resize(std::size_t count) {
-    for (std::vector<double>* values : {&aabb_margin, &margin_limit, &sweep_distance})
+    for (jobs::CompactArray<double>* values : {&aabb_margin, &margin_limit, &sweep_distance})
       jobs::append(*values, count, 0.0);
     jobs::append(aabb_dirty, count, std::uint8_t{0});
   }

@@ -2,6 +2,7 @@
 
 #include <jobs/append.h>
 #include <jobs/arrays.h>
+#include <jobs/compact_array.h>
 #include <jobs/shared_values.h>
 
 #include <Eigen/Core>
@@ -32,16 +33,16 @@ struct Surface {
 /// lasts from step to step; what a step computes with is made from it (see SolverBodies). What is large, never changes
 /// and is alike for many bodies, above all for all that are fixed, is kept once.
 struct BodyTable {
-  std::vector<double> positions;           ///< 3 a body, m
-  std::vector<double> orientations;        ///< 4 a body: x, y, z, w
-  std::vector<double> velocities;          ///< 3 a body, m/s
-  std::vector<double> angular_velocities;  ///< 3 a body, rad/s
-  std::vector<double> forces;              ///< 3 a body, N, for the next step only; empty until the first push
-  std::vector<double> torques;             ///< 3 a body, N m, likewise
+  jobs::CompactArray<double> positions;           ///< 3 a body, m
+  jobs::CompactArray<double> orientations;        ///< 4 a body: x, y, z, w
+  jobs::CompactArray<double> velocities;          ///< 3 a body, m/s
+  jobs::CompactArray<double> angular_velocities;  ///< 3 a body, rad/s
+  jobs::CompactArray<double> forces;              ///< 3 a body, N, for the next step only; empty until the first push
+  jobs::CompactArray<double> torques;             ///< 3 a body, N m, likewise
 
-  std::vector<Mobility> mobility;
-  std::vector<double> inverse_mass;      ///< 1/kg; 0 unless dynamic
-  std::vector<std::uint8_t> gyroscopic;  ///< 1 if the inertia depends on the direction
+  jobs::CompactArray<Mobility> mobility;
+  jobs::CompactArray<double> inverse_mass;      ///< 1/kg; 0 unless dynamic
+  jobs::CompactArray<std::uint8_t> gyroscopic;  ///< 1 if the inertia depends on the direction
   /// kg m^2, body frame; zero unless dynamic
   jobs::SharedValues<Matrix3> inertia = jobs::SharedValues<Matrix3>(Matrix3::Zero());
   /// Body frame; zero unless dynamic.
@@ -50,18 +51,18 @@ struct BodyTable {
   jobs::SharedValues<Quaternion> principal_axes = jobs::SharedValues<Quaternion>(Quaternion::Identity());
   /// kg m^2, about these.
   jobs::SharedValues<Vector3> moments = jobs::SharedValues<Vector3>(Vector3::Zero());
-  std::vector<std::uint8_t> locks;   ///< what each body is without, see motion_locks.h
-  std::vector<std::uint8_t> ball;    ///< 1 for a sphere about the centre of mass: it looks the same turned
-  std::vector<std::uint8_t> rolls;   ///< 1 for what has round shapes and is no ball: see contact_arm.h
-  std::vector<Surface> surfaces;     ///< empty while all are plain
-  std::vector<double> least_moment;  ///< kg m^2, see contact_inertia.h; 0 or empty where there is no need
-  std::vector<double> gravity_scale;
-  std::vector<double> linear_damping;   ///< 1/s
-  std::vector<double> angular_damping;  ///< 1/s
+  jobs::CompactArray<std::uint8_t> locks;   ///< what each body is without, see motion_locks.h
+  jobs::CompactArray<std::uint8_t> ball;    ///< 1 for a sphere about the centre of mass: it looks the same turned
+  jobs::CompactArray<std::uint8_t> rolls;   ///< 1 for what has round shapes and is no ball: see contact_arm.h
+  jobs::CompactArray<Surface> surfaces;     ///< empty while all are plain
+  jobs::CompactArray<double> least_moment;  ///< kg m^2, see contact_inertia.h; 0 or empty where there is no need
+  jobs::CompactArray<double> gravity_scale;
+  jobs::CompactArray<double> linear_damping;   ///< 1/s
+  jobs::CompactArray<double> angular_damping;  ///< 1/s
 
-  std::vector<double> radius;        ///< m, of the shapes about the centre of mass; 0 where unbounded
-  std::vector<double> turned;        ///< sum of all turns' chords 2 sin(angle / 2): an odometer
-  std::vector<std::uint8_t> joined;  ///< 1 for dynamic bodies that joints act on
+  jobs::CompactArray<double> radius;        ///< m, of the shapes about the centre of mass; 0 where unbounded
+  jobs::CompactArray<double> turned;        ///< sum of all turns' chords 2 sin(angle / 2): an odometer
+  jobs::CompactArray<std::uint8_t> joined;  ///< 1 for dynamic bodies that joints act on
 
   std::size_t size() const { return mobility.size(); }
   void resize(std::size_t count);
@@ -106,7 +107,7 @@ inline void BodyTable::push(std::size_t body, const Vector3& force, const Vector
 }
 
 inline void BodyTable::clear_push(std::size_t body) {
-  for (std::vector<double>* rows : {&forces, &torques}) {
+  for (jobs::CompactArray<double>* rows : {&forces, &torques}) {
     if (!rows->empty()) std::fill_n(rows->data() + 3 * body, 3, 0.0);
   }
 }
@@ -115,7 +116,7 @@ inline void BodyTable::resize(std::size_t count) {
   const bool one_more = count == size() + 1;
   if (!forces.empty()) forces.resize(3 * count, 0.0);
   if (!torques.empty()) torques.resize(3 * count, 0.0);
-  for (std::vector<double>* rows : {&positions, &velocities, &angular_velocities}) {
+  for (jobs::CompactArray<double>* rows : {&positions, &velocities, &angular_velocities}) {
     if (one_more) {
       for (int i = 0; i < 3; ++i) rows->push_back(0.0);
     } else {
@@ -136,10 +137,10 @@ inline void BodyTable::resize(std::size_t count) {
   if (!surfaces.empty()) surfaces.resize(count);
   if (!least_moment.empty()) jobs::append(least_moment, count, 0.0);
   jobs::append(gravity_scale, count, 1.0);
-  for (std::vector<std::uint8_t>* flags : {&gyroscopic, &locks, &ball, &rolls, &joined}) {
+  for (jobs::CompactArray<std::uint8_t>* flags : {&gyroscopic, &locks, &ball, &rolls, &joined}) {
     jobs::append(*flags, count, std::uint8_t{0});
   }
-  for (std::vector<double>* values : {&linear_damping, &angular_damping, &radius, &turned}) {
+  for (jobs::CompactArray<double>* values : {&linear_damping, &angular_damping, &radius, &turned}) {
     jobs::append(*values, count, 0.0);
   }
 }

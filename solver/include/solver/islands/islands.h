@@ -2,6 +2,7 @@
 
 #include <collision/contacts/touching_pair.h>
 #include <jobs/arrays.h>
+#include <jobs/compact_array.h>
 
 #include <cstdint>
 #include <span>
@@ -69,18 +70,18 @@ class Islands {
   };
 
   template <typename Pair>
-  void sort_by_island(std::span<const Pair> pairs, Memory& memory, std::vector<Pair>& sorted,
-                      std::vector<std::uint32_t>& start) const;
+  void sort_by_island(std::span<const Pair> pairs, Memory& memory, jobs::CompactArray<Pair>& sorted,
+                      jobs::CompactArray<std::uint32_t>& start) const;
   void number(std::span<const std::uint32_t> candidates, std::span<const std::uint8_t> awake, Memory& memory);
 
-  std::vector<std::uint32_t> rank_;       // by body
-  std::vector<std::uint32_t> island_of_;  // by body; none if in no island
-  std::vector<std::uint32_t> bodies_, body_start_;
-  std::vector<TouchingPair> contacts_;
-  std::vector<std::uint32_t> contact_start_;
-  std::vector<JointLink> joints_;
-  std::vector<std::uint32_t> joint_start_;
-  std::vector<std::uint32_t> free_bodies_;
+  jobs::CompactArray<std::uint32_t> rank_;       // by body
+  jobs::CompactArray<std::uint32_t> island_of_;  // by body; none if in no island
+  jobs::CompactArray<std::uint32_t> bodies_, body_start_;
+  jobs::CompactArray<TouchingPair> contacts_;
+  jobs::CompactArray<std::uint32_t> contact_start_;
+  jobs::CompactArray<JointLink> joints_;
+  jobs::CompactArray<std::uint32_t> joint_start_;
+  jobs::CompactArray<std::uint32_t> free_bodies_;
 };
 
 /// What an island is like, where it matters for how far its contacts may overlap under a load.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <jobs/arrays.h>
+#include <jobs/compact_array.h>
 #include <solver/constraints/joint.h>
 #include <solver/integrate/body_table.h>
 #include <solver/islands/islands.h>
@@ -40,14 +41,14 @@ class JointGraph {
   void add_tendon(std::span<const Joint> joints, std::uint32_t tendon, const BodyTable& bodies);
   void count_parallel(std::span<const Joint> joints, const BodyTable& bodies);
 
-  std::vector<JointLink> links_;
-  std::vector<JointLink> ties_;
-  std::vector<std::uint32_t> component_of_;       // by joint
-  std::vector<int> parallel_;                     // likewise
-  std::vector<JointLink> sorted_;                 // by component, in order of joints
-  std::vector<std::uint32_t> start_;              // by component, in sorted_, and the end
-  std::vector<std::uint32_t> parent_;             // by body, while building
-  std::vector<std::uint32_t> component_of_root_;  // by body, while building
+  jobs::CompactArray<JointLink> links_;
+  jobs::CompactArray<JointLink> ties_;
+  jobs::CompactArray<std::uint32_t> component_of_;       // by joint
+  jobs::CompactArray<int> parallel_;                     // likewise
+  jobs::CompactArray<JointLink> sorted_;                 // by component, in order of joints
+  jobs::CompactArray<std::uint32_t> start_;              // by component, in sorted_, and the end
+  jobs::CompactArray<std::uint32_t> parent_;             // by body, while building
+  jobs::CompactArray<std::uint32_t> component_of_root_;  // by body, while building
 };
 
 }  // namespace atl::solver

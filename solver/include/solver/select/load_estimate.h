@@ -1,6 +1,7 @@
 #pragma once
 
 #include <collision/contacts/contact.h>
+#include <jobs/compact_array.h>
 #include <solver/direct/joint_systems.h>
 #include <solver/integrate/body_table.h>
 #include <solver/islands/islands.h>
@@ -56,9 +57,9 @@ class LoadEstimate {
   };
   bool is_deep(const LoadInput& input, const collision::TouchingPair& pair, double load, Build build) const;
 
-  std::vector<Node> nodes_;
-  std::vector<Support> supports_;
-  std::vector<std::uint32_t> free_;  // nodes whose load is known
+  jobs::CompactArray<Node> nodes_;
+  jobs::CompactArray<Support> supports_;
+  jobs::CompactArray<std::uint32_t> free_;  // nodes whose load is known
 };
 
 }  // namespace atl::solver

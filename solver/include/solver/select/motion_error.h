@@ -1,6 +1,7 @@
 #pragma once
 
 #include <jobs/arrays.h>
+#include <jobs/compact_array.h>
 #include <solver/integrate/body_table.h>
 #include <solver/islands/islands.h>
 
@@ -45,8 +46,8 @@ class MotionError {
     static_cast<void>(acceleration);
   }
 
-  std::vector<Acceleration> acceleration_;  // by body, of the last step; empty while nobody asks
-  std::vector<Acceleration> before_;        // by body: velocities
+  jobs::CompactArray<Acceleration> acceleration_;  // by body, of the last step; empty while nobody asks
+  jobs::CompactArray<Acceleration> before_;        // by body: velocities
 };
 
 }  // namespace atl::solver

@@ -2,6 +2,7 @@
 
 #include <jobs/arena.h>
 #include <jobs/arrays.h>
+#include <jobs/compact_array.h>
 #include <solver/select/load_estimate.h>
 
 #include <cstdint>
@@ -90,13 +91,13 @@ class SolverSelection {
     static_cast<void>(findings);
   }
 
-  std::vector<Finding> findings_;        // by body
-  std::vector<std::uint32_t> failed_;    // bodies that are swept for some time, in order
-  std::vector<std::size_t> landings_;    // islands in which something lands
-  std::vector<std::size_t> joined_;      // islands that are solved at once for the sake of their joints
-  std::vector<std::uint8_t> on_system_;  // by body of an island
-  std::vector<SolveMode> modes_;         // by island
-  std::vector<Refused> refused_;
+  jobs::CompactArray<Finding> findings_;        // by body
+  jobs::CompactArray<std::uint32_t> failed_;    // bodies that are swept for some time, in order
+  jobs::CompactArray<std::size_t> landings_;    // islands in which something lands
+  jobs::CompactArray<std::size_t> joined_;      // islands that are solved at once for the sake of their joints
+  jobs::CompactArray<std::uint8_t> on_system_;  // by body of an island
+  jobs::CompactArray<SolveMode> modes_;         // by island
+  jobs::CompactArray<Refused> refused_;
 };
 
 }  // namespace atl::solver

@@ -2,6 +2,7 @@
 
 #include <jobs/arena.h>
 #include <jobs/arrays.h>
+#include <jobs/compact_array.h>
 #include <solver/select/error_target.h>
 #include <solver/select/island_errors.h>
 #include <solver/select/motion_error.h>
@@ -98,13 +99,13 @@ class SubstepControl {
     static_cast<void>(history);
   }
 
-  std::vector<History> history_;  // by body; empty while there is no target
+  jobs::CompactArray<History> history_;  // by body; empty while there is no target
   MotionError motion_;
-  std::vector<std::uint16_t> substeps_;  // by body: of the last step
-  std::vector<Island> islands_;
-  std::vector<Miss> misses_;
-  std::vector<Needs> needs_;         // by island
-  std::vector<ErrorCounts> counts_;  // of the parts of a large island
+  jobs::CompactArray<std::uint16_t> substeps_;  // by body: of the last step
+  jobs::CompactArray<Island> islands_;
+  jobs::CompactArray<Miss> misses_;
+  jobs::CompactArray<Needs> needs_;         // by island
+  jobs::CompactArray<ErrorCounts> counts_;  // of the parts of a large island
 };
 
 }  // namespace atl::solver
