@@ -13,9 +13,6 @@ namespace {
 constexpr double unlimited_rate = 1e30;  // m/s or rad/s
 constexpr double least_hold = 1e-12;     // of what rounding leaves of a very soft spring
 
-// Which bound a force of so much is at that would have to be `wanted`.
-int bound_at(double wanted, double most) { return wanted > most ? 1 : wanted < -most ? -1 : 0; }
-
 // kg or kg m^2, that a spring or servo goes with: see RowLaw::of().
 using ForceOf = LinearForce (*)(const Law&, double, double);
 double mass_for(ForceOf force_of, const Law& law, const JointRow& at, const RowMass& mass) {
@@ -197,24 +194,6 @@ void RowLaw::soften_friction(double effective_mass) {
   if (friction_impulse > 0) friction_slope = effective_mass / tuning::friction_compliance;
 }
 
-double RowLaw::friction_at(double rate) const {
-  return friction_impulse > 0
-             ? std::clamp(-friction_drive() * (rate - friction_speed), -friction_impulse, friction_impulse)
-             : 0;
-}
-
-double RowLaw::motor_impulse_at(double rate) const {
-  return motor_impulse > 0 ? std::clamp(-drive() * (rate - motor_speed), -motor_impulse, motor_impulse) : 0;
-}
-
-double RowLaw::impulse(double rate) const {
-  if (locked) return -stiffness * (rate - lock_rate);
-  double sum = -spring_slope * (rate - spring_rate);
-  if (rate < lower_rate) sum += stiffness * (lower_rate - rate);
-  if (rate > upper_rate) sum -= stiffness * (rate - upper_rate);
-  return sum + motor_impulse_at(rate) + friction_at(rate);
-}
-
 // By Newton's method, whose steps stay between rates that are known to be too low and too high: the law is linear piece
 // by piece, and there are few pieces.
 double RowLaw::rate_from(double free, double response) const {
@@ -228,30 +207,6 @@ double RowLaw::rate_from(double free, double response) const {
     rate = next > low && next < high ? next : 0.5 * (low + high);
   }
   return rate;
-}
-
-int RowLaw::motor_bound(double rate) const {
-  return motor_impulse > 0 ? bound_at(-drive() * (rate - motor_speed), motor_impulse) : 0;
-}
-
-int RowLaw::friction_bound(double rate) const {
-  return friction_impulse > 0 ? bound_at(-friction_drive() * (rate - friction_speed), friction_impulse) : 0;
-}
-
-double RowLaw::slope(double rate) const {
-  if (locked) return stiffness;
-  double sum = spring_slope;
-  if (limit(rate) != 0) sum += stiffness;
-  if (motor_impulse > 0 && motor_bound(rate) == 0) sum += drive();
-  if (friction_impulse > 0 && friction_bound(rate) == 0) sum += friction_drive();
-  return sum;
-}
-
-std::uint8_t RowLaw::pieces(double rate) const {
-  if (locked) return 0;
-  const bool moves = motor_impulse > 0 && motor_bound(rate) == 0;
-  const bool sticks = friction_impulse > 0 && friction_bound(rate) == 0;
-  return static_cast<std::uint8_t>((limit(rate) != 0 ? 1 : 0) | (moves ? 2 : 0) | (sticks ? 4 : 0));
 }
 
 LimitImpact LimitImpact::of(const Law& law, double position, double rate, double free_rate, double h) {

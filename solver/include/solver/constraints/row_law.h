@@ -2,6 +2,7 @@
 
 #include <solver/constraints/joint.h>
 
+#include <algorithm>
 #include <cstdint>
 
 namespace atl::solver {
@@ -108,9 +109,53 @@ struct RowLaw {
   int friction_bound(double rate) const;
 
  private:
+  // Which bound a force of so much is at that would have to be `wanted`.
+  static int bound_at(double wanted, double most) { return wanted > most ? 1 : wanted < -most ? -1 : 0; }
   double drive() const { return motor_slope > 0 ? motor_slope : stiffness; }
   double friction_drive() const { return friction_slope > 0 ? friction_slope : stiffness; }
 };
+
+inline double RowLaw::friction_at(double rate) const {
+  return friction_impulse > 0
+             ? std::clamp(-friction_drive() * (rate - friction_speed), -friction_impulse, friction_impulse)
+             : 0;
+}
+
+inline double RowLaw::motor_impulse_at(double rate) const {
+  return motor_impulse > 0 ? std::clamp(-drive() * (rate - motor_speed), -motor_impulse, motor_impulse) : 0;
+}
+
+inline double RowLaw::impulse(double rate) const {
+  if (locked) return -stiffness * (rate - lock_rate);
+  double sum = -spring_slope * (rate - spring_rate);
+  if (rate < lower_rate) sum += stiffness * (lower_rate - rate);
+  if (rate > upper_rate) sum -= stiffness * (rate - upper_rate);
+  return sum + motor_impulse_at(rate) + friction_at(rate);
+}
+
+inline int RowLaw::motor_bound(double rate) const {
+  return motor_impulse > 0 ? bound_at(-drive() * (rate - motor_speed), motor_impulse) : 0;
+}
+
+inline int RowLaw::friction_bound(double rate) const {
+  return friction_impulse > 0 ? bound_at(-friction_drive() * (rate - friction_speed), friction_impulse) : 0;
+}
+
+inline double RowLaw::slope(double rate) const {
+  if (locked) return stiffness;
+  double sum = spring_slope;
+  if (limit(rate) != 0) sum += stiffness;
+  if (motor_impulse > 0 && motor_bound(rate) == 0) sum += drive();
+  if (friction_impulse > 0 && friction_bound(rate) == 0) sum += friction_drive();
+  return sum;
+}
+
+inline std::uint8_t RowLaw::pieces(double rate) const {
+  if (locked) return 0;
+  const bool moves = motor_impulse > 0 && motor_bound(rate) == 0;
+  const bool sticks = friction_impulse > 0 && friction_bound(rate) == 0;
+  return static_cast<std::uint8_t>((limit(rate) != 0 ? 1 : 0) | (moves ? 2 : 0) | (sticks ? 4 : 0));
+}
 
 /// N s or N m s: by how much the impulse of a damped spring or servo over half a step of h seconds is more than that of
 /// a force which stays what it is at the step's whole end: h^2 / 6 of the force's rate of change, at the coordinate's
