@@ -239,5 +239,36 @@ TEST(JointDrives, ABounceWithinAChainKeepsItTogether) {
   }
 }
 
+/// Where an arm of two links is after half a second, m. Motors with all their torque turn it, about axes that cross,
+/// through rotors that are ten times as heavy.
+Vector3 driven_arm(int substeps) {
+  World world({.gravity = Vector3::Zero(), .settings = {.substeps = substeps, .joint_solver = JointSolver::Direct}});
+  BodyId before = world.add_body(static_box({-0.25, 0, -5}, Vector3::Constant(0.01)));
+  const double half = std::sqrt(0.5);
+  const Quaternion axes[] = {Quaternion(half, 0, -half, 0), Quaternion(half, 0, 0, half)};
+  for (int i = 0; i < 2; ++i) {
+    const BodyId link =
+        world.add_body({.shape = Box{{0.25, 0.05, 0.05}}, .position = {0.25 + 0.5 * i, 0, 0}, .mass = 0.3});
+    const JointMotor motor{.speed = i == 0 ? 1e3 : -1e3, .max_force = 10.0 + 10 * i};
+    world.add_joint({.kind = HingeJoint{{.motor = motor, .armature = 3}},
+                     .first = before,
+                     .second = link,
+                     .frame_first = {.position = {0.25, 0, i == 0 ? 5.0 : 0.0}, .orientation = axes[i]},
+                     .frame_second = {.position = {-0.25, 0, 0}, .orientation = axes[i]},
+                     .collide = false});
+    before = link;
+  }
+  for (int i = 0; i < 30; ++i) world.step(dt);
+  return world.pose(before).position;
+}
+
+// The energy that a motor gives its rotor isn't made by the joint.
+TEST(DrivenRotors, TurnAnArmToSecondOrder) {
+  const Vector3 right = driven_arm(256);
+  const double coarse = (driven_arm(4) - right).norm(), fine = (driven_arm(16) - right).norm();
+  EXPECT_LT(coarse, 1e-5);
+  EXPECT_GT(std::log2(coarse / fine) / 2, 1.9);
+}
+
 }  // namespace
 }  // namespace atl::test::joint_drive_test

@@ -251,11 +251,12 @@ bool gains_energy(const Joint* joints, const IslandProblem& problem, std::span<c
       const Law& law = law_of(of, r);
       if (!law.drives() && !law.looks_back()) continue;
       const double from = joint.rate_by(before, r, joint.given[r]), to = joint.rate_by(after, r, joint.given[r]);
-      if (rotors != Rotors::Keep) made -= std::max(0.5 * joint.impulse[r] * (to + from), 0.0);
-      if (law.armature == 0) continue;
       const double turned = rotors == Rotors::Turn ? joint.rate_before[r] : joint.kept[r];
       const double turns = rotors == Rotors::Keep ? turned + (to - from) : to + joint.bend[r];
-      made += 0.5 * law.armature * (turns * turns - turned * turned);
+      const double rotor = 0.5 * law.armature * (turns * turns - turned * turned);
+      made += rotor;
+      if (rotors != Rotors::Keep) made -= std::max(0.5 * joint.impulse[r] * (to + from) + rotor, 0.0);
+      if (law.armature == 0) continue;
       there += 0.5 * law.armature * turned * turned;
     }
   }
