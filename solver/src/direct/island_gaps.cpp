@@ -147,8 +147,8 @@ void close_joints(const DirectIslandInput& input, double time, double h, std::ve
     }
     find_closing_motion(problem, motions.search, closed);
     // Where little is open and closed by short moves, less is left.
-    const double longest = pressed ? 0 : longest_move(motions.search.direction);
-    const bool near = !pressed && most <= tuning::open_gap && longest * longest <= tuning::open_gap;
+    const double longest = longest_move(motions.search.direction);
+    const bool near = most <= tuning::open_gap && longest * longest <= tuning::open_gap;
     const double share = near ? 1 : move_closer(input, time, most, bodies, motions);
     if (near) move(bodies, 1, motions.search.direction);
     if (share == 0) break;
@@ -157,8 +157,8 @@ void close_joints(const DirectIslandInput& input, double time, double h, std::ve
       const bool gains = motions.pushes || gain_by_closing(input.joints, bodies, share / h, motions);
       if (gains) add_closing_impulses(problem, motions.search, closed, share / h);
     }
-    if (near) break;
     if (pressed) follow_tension(problem, h);
+    if (near) break;
     most = note_gaps(input.joints, poses, problem.joints);
   }
   if (!pressed) follow_tension(problem, h);
