@@ -239,7 +239,7 @@ TEST(JointDrives, ABounceWithinAChainKeepsItTogether) {
   }
 }
 
-/// Where an arm of two links is after half a second, m. Motors with all their torque turn it, about axes that cross,
+/// The end of an arm of two links after half a second, m. Motors turn it with all their torque, about axes that cross,
 /// through rotors that are ten times as heavy.
 Vector3 driven_arm(int substeps) {
   World world({.gravity = Vector3::Zero(), .settings = {.substeps = substeps, .joint_solver = JointSolver::Direct}});

@@ -1,6 +1,6 @@
 #pragma once
-/// What is done to all arrays that an object holds, which its arrays() tells: std::tie of its arrays, and of parts
-/// that have arrays() themselves.
+/// Visits all arrays that an object holds. Its arrays() tells them, as std::tie of its arrays and of parts that have
+/// arrays() themselves.
 
 #include <jobs/compact_array.h>
 

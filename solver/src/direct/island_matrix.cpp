@@ -10,7 +10,7 @@
 namespace atl::solver {
 namespace {
 
-// Of a row of a joint: k times its motions of the block's two bodies. Most rows are of turning alone.
+// Adds k times the product of a row's motions of the block's two bodies. Most rows are of turning alone.
 void add_square(double* block, const Vector3& row, const Vector3& column, const Vector3& linear, double k) {
   if (block == nullptr) return;
   for (int c = 0; c < 3; ++c) {

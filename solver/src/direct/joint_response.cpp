@@ -110,6 +110,18 @@ void JointResponse::take_laws(IslandProblem& problem) {
   for (const Coupling& coupling : couplings_) leave_out_coupling(problem, coupling);
 }
 
+// Calls `visit(row, column, value)` for the block of two joints, which has the rows of what is eliminated later.
+template <typename Visit>
+void JointResponse::for_each_value(const IslandProblem& problem, const Coupling& coupling, const Visit& visit) {
+  const std::size_t rows = problem.joints[coupling.row].rows, columns = problem.joints[coupling.column].rows;
+  const std::size_t by_row = coupling.transposed ? columns : 1;
+  const std::size_t by_column = coupling.transposed ? 1 : rows;
+  double* const block = system_.values(coupling.block);
+  for (std::size_t c = 0; c < columns; ++c) {
+    for (std::size_t r = 0; r < rows; ++r) visit(r, c, block[by_row * r + by_column * c]);
+  }
+}
+
 // Rows that don't act give no rate and take none.
 void JointResponse::leave_out_rows(std::size_t rows, const Node& node) {
   double* const block = system_.values(node.block);
@@ -123,15 +135,9 @@ void JointResponse::leave_out_rows(std::size_t rows, const Node& node) {
 void JointResponse::leave_out_coupling(const IslandProblem& problem, const Coupling& coupling) {
   const unsigned idle_row = nodes_[coupling.row].idle, idle_column = nodes_[coupling.column].idle;
   if ((idle_row | idle_column) == 0) return;
-  const std::size_t rows = problem.joints[coupling.row].rows, columns = problem.joints[coupling.column].rows;
-  const std::size_t by_row = coupling.transposed ? columns : 1;
-  const std::size_t by_column = coupling.transposed ? 1 : rows;
-  double* const block = system_.values(coupling.block);
-  for (std::size_t c = 0; c < columns; ++c) {
-    for (std::size_t r = 0; r < rows; ++r) {
-      if ((idle_row >> r | idle_column >> c) & 1) block[by_row * r + by_column * c] = 0;
-    }
-  }
+  for_each_value(problem, coupling, [=](std::size_t r, std::size_t c, double& value) {
+    if ((idle_row >> r | idle_column >> c) & 1) value = 0;
+  });
 }
 
 void JointResponse::solve(const IslandProblem& problem, std::span<double> b) const {
@@ -251,17 +257,9 @@ void JointResponse::fill_coupling(const IslandProblem& problem, const Coupling& 
   const auto& answer = coupling.column_second ? of_column.answer_second : of_column.answer_first;
   const double sign = coupling.row_second == coupling.column_second ? 1 : -1;
   const double inverse_mass = sign * problem.bodies[coupling.body].inverse_mass;
-  const std::size_t rows = problem.joints[coupling.row].rows, columns = problem.joints[coupling.column].rows;
-  // The block has the rows of what is eliminated later.
-  const std::size_t by_row = coupling.transposed ? columns : 1;
-  const std::size_t by_column = coupling.transposed ? 1 : rows;
-  double* const block = system_.values(coupling.block);
-  for (std::size_t c = 0; c < columns; ++c) {
-    for (std::size_t r = 0; r < rows; ++r) {
-      block[by_row * r + by_column * c] +=
-          inverse_mass * dot(of_row.linear[r], of_column.linear[c]) + sign * dot(own[r], answer[c]);
-    }
-  }
+  for_each_value(problem, coupling, [&](std::size_t r, std::size_t c, double& value) {
+    value += inverse_mass * dot(of_row.linear[r], of_column.linear[c]) + sign * dot(own[r], answer[c]);
+  });
 }
 
 }  // namespace atl::solver

@@ -60,10 +60,10 @@ class IslandMatrix {
 /// Whether the factor is of the pieces that everything is on.
 bool is_factored(const IslandProblem& problem);
 
-/// Where stiffnesses have changed: it is of none.
+/// Has the matrix factored anew, after stiffnesses have changed.
 void forget_factor(IslandProblem& problem);
 
-/// Where bodies or axes have.
+/// Has it filled anew as well, after bodies or axes have.
 void forget_rows(IslandProblem& problem);
 
 }  // namespace atl::solver

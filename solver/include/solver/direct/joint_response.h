@@ -56,10 +56,12 @@ class JointResponse {
     double answer_first[BlockLdlt::max_size][3], answer_second[BlockLdlt::max_size][3];  // 1/(kg m^2) times these
   };
 
-  // Of all rows, whether they act or not: laws come and go many times at one pose.
+  // Fills in all rows, whether they act or not, as laws come and go many times at one pose.
   void fill(IslandProblem& problem);
   void fill_points(const IslandProblem& problem);
   void take_laws(IslandProblem& problem);
+  template <typename Visit>
+  void for_each_value(const IslandProblem& problem, const Coupling& coupling, const Visit& visit);
   void leave_out_rows(std::size_t rows, const Node& node);
   void leave_out_coupling(const IslandProblem& problem, const Coupling& coupling);
   void fill_point(const IslandProblem& problem, const DirectJoint& joint, Node& node);
