@@ -35,7 +35,7 @@ void for_each_array(const T& object, const Visit& visit) { for_each_array(object
 template <typename... T>
 std::size_t bytes_of(const T&... objects);
 
-/// What an entry of an array holds beside itself.
+/// The memory in bytes that an entry of an array owns outside of the array itself.
 template <typename T>
 std::size_t bytes_beside(const T& entry) {
   if constexpr (requires { for_each_array(entry, [](const auto&) {}); }) return bytes_of(entry);

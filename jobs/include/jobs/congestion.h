@@ -6,9 +6,10 @@
 
 namespace atl::jobs {
 
-/// Whether the machine has cores for helpers. Where others want them too, a helper is preempted in the midst of a loop,
-/// which then waits for it, for as long as the others' time slices last. Once that was seen, the caller works alone for
-/// a while, and for longer each time it is seen again soon after. Only times depend on it, no result.
+/// Decides whether loops may use helper threads, from how often helpers were preempted. Where other processes want the
+/// same cores, a helper can lose its core in the midst of a loop, and the loop then waits for the others' time slices
+/// to end. After such a stall the caller works alone for a while; the wait grows with each stall that follows soon
+/// after the last. Only times depend on this, never a result.
 class Congestion {
  public:
   using Clock = std::chrono::steady_clock;
@@ -25,7 +26,7 @@ class Congestion {
     if (watches_) stalled_.store(true, std::memory_order_relaxed);
   }
 
-  /// Whether to do without helpers now.
+  /// True while loops should run without helpers.
   bool is_on() {
     if (!stalled_.load(std::memory_order_relaxed) && !waits_.load(std::memory_order_relaxed)) return false;
     return is_on_at(Clock::now());

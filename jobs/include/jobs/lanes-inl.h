@@ -16,7 +16,7 @@ namespace atl::jobs {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// What users call the instruction set.
+// The name by which users choose the instruction set.
 HWY_INLINE const char* set_name() {
   switch (HWY_TARGET) {
     case HWY_AVX3:
