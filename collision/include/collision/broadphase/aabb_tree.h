@@ -27,7 +27,7 @@ class AabbTree {
   void insert_later(std::uint32_t item, const Aabb& box);
   /// Without an arena this thread builds all of it.
   void take_in(jobs::Arena* arena = nullptr);
-  /// Whether there is anything to take in, and whether an item is.
+  /// Tell if any item waits to be built into the tree, and if a given item does.
   bool is_behind() const { return !later_.empty(); }
   bool is_later(std::uint32_t item) const { return nodes_.slot(item) < 0; }
   void remove(std::uint32_t item);
@@ -40,7 +40,7 @@ class AabbTree {
   std::size_t size() const { return nodes_.size() + later_.size(); }
   /// See jobs/arrays.h.
   auto arrays() const { return std::tie(nodes_, later_, builder_); }
-  /// Where in the tree an item is. After a rebuild, items near each other have places near each other.
+  /// The item's slot in the tree. After a rebuild, items close to each other in space have close slots.
   std::uint32_t place(std::uint32_t item) const { return static_cast<std::uint32_t>(nodes_.slot(item)); }
 
   /// Calls visit(item) for every item whose box overlaps. Safe from several threads at once.

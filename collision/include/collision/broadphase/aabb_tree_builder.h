@@ -49,13 +49,13 @@ class AabbTreeBuilder {
   static constexpr int digit_bits = 8;
   static constexpr std::size_t digit_values = 1 << digit_bits;
 
-  // Of finite centres along an axis, m, doubled.
+  // The interval of finite box centres along an axis, m. The numbers are twice the centres (lower + upper of a box).
   struct Range {
     double lower = std::numeric_limits<double>::infinity();
     double upper = -std::numeric_limits<double>::infinity();
   };
 
-  // What a chunk of a loop over leaves found.
+  // The result of one chunk of a parallel loop over leaves.
   struct Chunk {
     std::array<Range, 3> ranges;
     std::uint64_t differing;                         // bits in which its codes differ from the first

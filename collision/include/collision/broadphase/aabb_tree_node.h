@@ -8,10 +8,10 @@
 
 namespace atl::collision {
 
-/// What an AabbTree knows of a node: the boxes of both its children, so that one cache line decides where a
-/// traversal goes on. Of each axis the lanes hold (-lower, upper) of one child, then of the other; with the
-/// lower bounds negated, one comparison of four lanes an axis tests both children, and a union is a maximum.
-/// Comparisons and negation are exact, so the instruction set never shows in a result.
+/// A node of an AabbTree. It holds the boxes of both children, so that one cache line decides where a traversal goes
+/// on. For each axis the lanes are (-lower, upper) of one child, then of the other. With the lower bounds negated, one
+/// comparison of four lanes an axis tests both children, and a union is a maximum. Comparisons and negation are exact,
+/// so results don't depend on the instruction set.
 struct alignas(64) AabbTreeNode {
   using Lanes [[gnu::vector_size(16)]] = float;
   using Mask [[gnu::vector_size(16)]] = std::int64_t;  // of both lanes of a child

@@ -21,7 +21,7 @@ class AabbTreeNodes {
  public:
   using Node = AabbTreeNode;
 
-  /// What the traversals' stacks need. What is higher has to be built anew before it is walked.
+  /// The height that the stacks of traversals have room for. A higher tree has to be rebuilt before it is traversed.
   static constexpr int max_height = 128;
 
   void insert(std::uint32_t item, const Aabb& box);
@@ -79,7 +79,7 @@ class AabbTreeNodes {
     }
   }
 
-  /// As AabbTree::ray_query.
+  /// Does the work of AabbTree::ray_query().
   template <typename Visit>
   double follow_ray(const RaySlabs& ray, double max_t, const Visit& visit) const {
     struct Entry {

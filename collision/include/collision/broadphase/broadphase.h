@@ -37,17 +37,18 @@ class Broadphase {
   void disable_pair(std::uint32_t owner_a, std::uint32_t owner_b);
   void enable_pair(std::uint32_t owner_a, std::uint32_t owner_b);
 
-  /// For a state that is restored: give a shape a box or a plane as the two above do, but for what counts as a move.
-  /// That is told by mark_moved(), which asks for new partners.
+  /// Restore a saved state: give a shape its box or plane as the two functions above do, but without marking it as
+  /// moved. mark_moved() marks it, so that the next search looks for its new partners.
   void restore_box(std::uint32_t shape, const Aabb& fat) { proxies_.set_box(shape, fat); }
   void restore_half_space(std::uint32_t shape, const Plane& plane) { proxies_.set_plane(shape, plane); }
   void mark_moved(std::uint32_t shape) { moves_.mark(shape); }
 
   const Proxies& proxies() const { return proxies_; }
   const CollisionFilters& filters() const { return filters_; }
-  /// Whether a shape got a new fat box or filter (or was added) since the last forget_moves().
+  /// True if a shape was added, or got a new fat box or filter, since the last forget_moves().
   bool has_moved(std::uint32_t shape) const { return moves_.contains(shape); }
-  /// Whether two shapes may meet and their fat boxes overlap. Only a pair with a shape that moved can change.
+  /// True if two shapes may meet and their fat boxes overlap. The answer changes only for pairs with a shape that
+  /// moved.
   bool overlap(std::uint32_t a, std::uint32_t b) const { return filters_.allowed(a, b) && proxies_.overlap(a, b); }
 
   /// Builds the fixed shapes that wait into their tree, and says whether any do.
@@ -70,7 +71,8 @@ class Broadphase {
   void begin(std::uint32_t shape, const Filter& filter);
   void mark_shapes_of(std::uint32_t owner);
 
-  // What lasts from step to step, and what is made anew. Whoever adds a member says which it is, or this won't compile.
+  // Lists the members that last from step to step, then (after the empty comment) scratch. A new member has to be put
+  // into one of the two lists, or this doesn't compile.
   static void check_members(Broadphase& broadphase) {
     auto& [proxies, filters, moves, /**/ looks] = broadphase;
     static_cast<void>(proxies);

@@ -12,7 +12,7 @@ namespace atl::collision {
 /// Says which shapes a shape may meet. Category and mask are sets of bits, as in most engines: two shapes may
 /// meet if each one's mask has a bit of the other's category.
 struct Filter {
-  /// As an owner: the shape itself, which then shares it with no other.
+  /// Value of `owner` for a shape that is its own owner, and shares it with no other shape.
   static constexpr std::uint32_t own_shape = ~std::uint32_t{0};
 
   std::uint32_t category = 1;
@@ -25,14 +25,14 @@ struct Filter {
   friend bool operator==(const Filter&, const Filter&) = default;
 };
 
-/// Whether two shapes may meet; both owners must be given. Symmetric.
+/// True if two shapes may meet by their filters. The owners of both must be set. Symmetric.
 inline bool may_meet(const Filter& a, const Filter& b) {
   if (a.owner == b.owner) return false;
   if (a.group == b.group && a.group != 0) return a.group > 0;
   return (a.mask & b.category) != 0 && (b.mask & a.category) != 0;
 }
 
-/// Whether there is nothing that the shape may meet.
+/// True if the filter excludes contact with every other shape.
 inline bool meets_nothing(const Filter& filter) {
   return filter.group <= 0 && (filter.mask == 0 || filter.category == 0);
 }
@@ -51,7 +51,7 @@ class CollisionFilters {
   bool disable_pair(std::uint32_t owner_a, std::uint32_t owner_b);
   bool enable_pair(std::uint32_t owner_a, std::uint32_t owner_b);
 
-  /// Whether two shapes may meet. Most shapes are not restricted: of these one byte is read.
+  /// True if two shapes may meet. Most shapes are unrestricted, and one byte for each of the two settles it.
   bool allowed(std::uint32_t a, std::uint32_t b) const {
     return (restricted_[a] | restricted_[b]) == 0 ? a != b : filters_allow(a, b);
   }

@@ -12,11 +12,11 @@
 
 namespace atl::collision {
 
-/// Where shapes are, for the broadphase: the fat boxes of moving and of fixed shapes in a tree each, and half-spaces,
-/// which have no box. A shape whose box has a NaN touches no other; infinite bounds are allowed.
+/// The shapes as the broadphase sees them: fat boxes of moving shapes in one tree, of fixed shapes in another, and
+/// half-spaces, which have no box. A shape whose box has a NaN touches no other; infinite bounds are allowed.
 ///
 /// Shapes that are added wait until something asks for them, and are then built into their tree all at once. Queries
-/// look at those that wait one by one: before many of them, call take_in().
+/// test the waiting shapes one by one: call take_in() before many queries.
 class Proxies {
  public:
   enum class Kind : std::uint8_t { Free, Moving, Fixed, HalfSpace };
@@ -38,7 +38,7 @@ class Proxies {
   bool is_half_space(std::uint32_t shape) const { return kind(shape) == Kind::HalfSpace; }
   const Aabb& fat_box(std::uint32_t shape) const { return proxies_[shape].fat; }
   const Plane& plane(std::uint32_t shape) const { return half_spaces_[half_space_index(shape)].plane; }
-  /// Whether the fat boxes of two shapes, or a fat box and a half-space, overlap.
+  /// True if the fat boxes of two shapes, or a fat box and a half-space, overlap.
   bool overlap(std::uint32_t a, std::uint32_t b) const;
 
   const AabbTree& moving() const { return moving_; }

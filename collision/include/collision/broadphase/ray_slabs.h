@@ -30,8 +30,8 @@ class RaySlabs {
 
   bool valid() const { return valid_; }
 
-  /// Whether the ray touches the box at a t of [0, max_t]. If so, t_enter is the least such t, rounded down.
-  /// A box with a NaN is never touched.
+  /// True if the ray touches the box at a t of [0, max_t]. If so, t_enter is the least such t, rounded down. A box with
+  /// a NaN is never touched.
   bool enter(const Aabb& box, double max_t, double& t_enter) const {
     double enter = 0;
     double leave = max_t;

@@ -14,7 +14,7 @@
 
 namespace atl::collision {
 
-/// What the AABBs of bodies' colliders follow.
+/// The motion of bodies and their colliders, from which the AABBs are updated.
 struct BodyMotions {
   const ColliderTable& colliders;
   PoseView poses;                    ///< of bodies
@@ -70,7 +70,7 @@ class BodyAabbs {
   auto arrays() const { return std::tie(bounds, swept_margins_, swept_); }
 
  private:
-  // Where a collider's fat AABB is to be, and how far its surface may move before it must be looked at again.
+  // The new fat AABB of a collider, and how far (m) its surface may move before the AABB must be checked again.
   struct Update {
     Aabb fat;
     double margin;
@@ -88,7 +88,8 @@ class BodyAabbs {
   void note_swept(std::uint32_t body, const BodyMotions& motions);
   void shrink_swept(const BodyMotions& motions, Broadphase& broadphase);
 
-  // What lasts from step to step, and what is made anew. Whoever adds a member says which it is, or this won't compile.
+  // Lists the members that last from step to step, then (after the empty comment) scratch. A new member has to be put
+  // into one of the two lists, or this doesn't compile.
   static void check_members(BodyAabbs& aabbs) {
     auto& [bounds, swept_margins, /**/ swept] = aabbs;
     static_cast<void>(bounds);

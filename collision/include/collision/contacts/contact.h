@@ -10,11 +10,11 @@
 
 namespace atl::collision {
 
-/// What the solver reads and writes of a contact: rows of four floats, that kernels load for many contacts at
+/// The part of a contact that the solver reads and writes: rows of four floats, which kernels load for many contacts at
 /// once by transposes. World axes; the normal points from the first shape to the second.
 ///
-/// All points of a manifold share the normal, so a point is where it lies in the tangent plane: (x, y) from
-/// the centre, along the tangents that tangents() makes of the normal.
+/// All points of a manifold share the normal, so a point is stored by its place in the tangent plane: (x, y) from the
+/// centre, along the tangents that tangents() makes of the normal.
 struct alignas(64) ContactManifold {
   float normal[3];
   float friction;         ///< Coulomb coefficient of the pair
@@ -63,12 +63,13 @@ struct alignas(64) Contact {
   float size = 0;  ///< m, inner radius of the smaller shape: tolerances are parts of it
   bool reference_is_second = false;
   std::uint8_t count = 0;
-  /// Of a solid and a surface: which of the pair's contacts this is. They stand in a row, each with a normal of
-  /// its own, and those not needed have no points.
+  /// The number of this contact among the contacts of a solid and a surface. A pair with a surface has a fixed row of
+  /// them, each with a normal of its own; the unused ones have no points.
   std::uint8_t part = 0;
   bool has_local_offset : 1 = false;  ///< a shape of it isn't at its body's centre of mass, or turned
   bool recycles : 1 = false;          ///< its tolerance isn't 0
-  /// Of two solids found apart: m, how far, at least. Else 0. The next three say where they were then.
+  /// A lower bound (m) of the distance between two solids that were found apart, else 0. The next three members say
+  /// where the solids were at that time.
   float gap = 0;
   float radius = 0;                       ///< m: how far turning by 1 rad may bring the shapes nearer
   std::array<double, 3> apart_from = {};  ///< m, world: origin of the second shape from the first's

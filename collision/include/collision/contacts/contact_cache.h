@@ -28,7 +28,7 @@ class ContactCache {
   jobs::CompactArray<float> rises;
   PairSet pairs;  ///< of all contacts, idle ones too
 
-  /// What a contact starts with.
+  /// The values that a new contact starts with.
   struct Start {
     std::uint32_t body_first;
     std::uint32_t body_second;
@@ -54,7 +54,7 @@ class ContactCache {
     if (order_has_gaps_) drop_inactive();
     return order_;
   }
-  /// Whether a pair with an active body has contact points. In time logarithmic in the number of active contacts.
+  /// True if a pair with an active body has contact points. Takes time logarithmic in the number of active contacts.
   bool touches(Pair pair) const;
 
   /// Removes the active contacts for which gone(slot) holds, asked in order: of a pair, all parts or none.
@@ -105,7 +105,8 @@ class ContactCache {
   void merge_into_order();
   void drop_inactive() const;
 
-  // What lasts from step to step, and what is made anew. Whoever adds a member says which it is, or this won't compile.
+  // Lists the members that last from step to step, then (after the empty comment) scratch. A new member has to be put
+  // into one of the two lists, or this doesn't compile.
   static void check_members(ContactCache& cache) {
     auto& [contacts, manifolds, pairs, /**/ rises, free_slots, order, gaps, state, of_body, active, added, gone, idle,
            changes] = cache;

@@ -12,7 +12,7 @@
 
 namespace atl::collision {
 
-/// Whether a slot of a ContactCache holds a contact, and whether one of its bodies is active.
+/// The state of a ContactCache's slot: no contact, a contact with an active body, or one whose bodies all are inactive.
 enum class ContactState : std::uint8_t { Free, Active, Idle };
 
 /// The idle contacts in order, and with the active ones all contacts in order. Both are brought up to date only when

@@ -40,7 +40,8 @@ struct RefreshBlock {
 // anew. Separations stay exact for fixed features; what goes stale is where the outlines cross, by at most the
 // drift. Chosen so that a resting scene keeps everything and a sliding box asks FCL every few millimetres.
 inline constexpr float flat_tolerance = 2e-3f;
-// Where something round rolls, the features themselves move: only what rests is kept.
+// The same for round shapes. While one rolls, the features themselves move over it, so only resting contacts are
+// recycled.
 inline constexpr float round_tolerance = 1e-5f;
 
 /// Separation below which a pair gets contact points before it touches: part of the smaller shape's size, and

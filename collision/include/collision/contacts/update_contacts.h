@@ -51,7 +51,7 @@ struct ContactUpdateCounts {
   ContactUpdateCounts& operator+=(const ContactUpdateCounts& other);
 };
 
-/// What an update found, and memory that the next one uses again.
+/// The result of an update of contacts. It keeps its memory for the next one.
 class ContactUpdate {
  public:
   std::vector<ContactStatus> status;  ///< that of cache.order()[i] at i
@@ -59,7 +59,7 @@ class ContactUpdate {
   std::vector<TouchingPair> touching;  ///< in order
   bool touching_changed = false;       ///< it is not what it was after the update before
 
-  /// What it knows of the contacts it found: the next update finds that all have changed.
+  /// Drops the knowledge of earlier contacts, so that the next update reports all as changed.
   void forget();
 
   /// Adds those of the contacts, which are in order and were not updated, that touch as they last did.

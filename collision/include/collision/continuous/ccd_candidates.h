@@ -20,19 +20,19 @@ struct CcdPair {
   auto operator<=>(const CcdPair&) const = default;
 };
 
-/// What is near fast bodies. All that touches their fat AABBs is paired with them already, so the broadphase is asked
-/// for the few only that left theirs.
+/// Finds the pairs for continuous collision: the shapes near each fast body. Shapes that touch a body's fat AABB
+/// already form a pair with it, so the broadphase is asked only for the few bodies that left their fat AABB.
 class CcdCandidates {
  public:
   explicit CcdCandidates(int threads) : scratch_(threads) {}
   /// Makes it do for so many workers, if it is for fewer.
   void reach(int threads) { scratch_.reach(threads); }
 
-  /// Of all fast bodies. Fat AABBs of those that left theirs are moved to show where they went. What may not touch is
-  /// decided, where nobody has yet.
+  /// Finds the candidates of all fast bodies. The fat AABBs of bodies that left theirs are replaced by ones that cover
+  /// the motion. New pairs are put to step.decide, if set, which says which of them pass through each other.
   void find(CcdStep& step, Broadphase& broadphase, jobs::Arena& arena);
 
-  /// What a fast body may meet in the step, in order.
+  /// Lists the shapes that a fast body may meet in the step, in order.
   void list(std::size_t fast, std::vector<CcdPair>& pairs) const;
 
  private:
@@ -67,7 +67,8 @@ class CcdCandidates {
 /// Adds those of the pairs, as pairs of colliders, that have no contact: whether they may touch is to be decided.
 void list_undecided(const CcdStep& step, std::span<const CcdPair> pairs, std::vector<Pair>& undecided);
 
-/// What a fast body may meet in the step if it ends `aside` of where it did, as the broadphase has it; in order.
+/// Asks the broadphase for the shapes that a fast body may meet in the step if its end pose is shifted by `aside` (m).
+/// The pairs are in order.
 void query_candidates(const CcdStep& step, const FastBody& fast, const Vector3& aside, const Broadphase& broadphase,
                       std::vector<CcdPair>& pairs);
 

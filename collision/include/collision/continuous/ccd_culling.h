@@ -18,8 +18,9 @@ struct Approach {
   bool passes_core;     ///< the shape's core is kept apart from it
 };
 
-/// What the shape of a collider may meet, of what is near its body, which ends `aside` of where it did; in order. Most
-/// it passes by, and a plane that keeps them apart tells that for less than a sweep costs.
+/// Selects from `candidates`, the shapes near a fast body, those that a collider of the body may meet if the body's end
+/// pose is shifted by `aside` (m); in order. A body passes by most of its candidates, and a separating plane proves
+/// that at less cost than a sweep.
 void find_approaching(const CcdStep& step, const FastBody& fast, const Vector3& aside, std::uint32_t collider,
                       std::span<const CcdPair> candidates, std::vector<Approach>& approaching);
 

@@ -68,12 +68,12 @@ struct CcdStep {
 inline constexpr double ccd_gap_share = 0.25 * static_cast<double>(margin_share);
 inline constexpr double ccd_tolerance = 1e-3;
 
-/// What is touched already is left to its contact, unless the core gets to it: the shape with this part of its
-/// inner radius taken off.
+/// Part of the inner radius that is taken off a shape to make its core. A pair that touches at the start of the step is
+/// left to its contact, unless the core comes to touch.
 inline constexpr double core_share = 0.5;
 
-/// Whether any motion of a fast body counts towards another shape, however small: its core may be pressed through a
-/// surface that it touches. What is pressed into a solid is pushed out of it again.
+/// True if any motion of a fast body, however small, must be swept against another shape. Other bodies may press its
+/// core through a surface that it touches. Solids need no such care: contacts push a shape out of a solid again.
 inline bool presses(const FastBody& fast, bool touching, ShapeKind other) {
   return fast.pressed && touching && is_surface(other);
 }

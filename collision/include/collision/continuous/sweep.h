@@ -34,7 +34,7 @@ struct SweepGoal {
   double aim() const { return separation + 0.5 * tolerance; }
 };
 
-/// Where two shapes first come near each other.
+/// The first time at which two shapes come as near each other as the goal, and the place.
 struct SweepHit {
   static constexpr std::uint32_t no_triangle = ~0u;
 

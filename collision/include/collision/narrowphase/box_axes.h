@@ -41,16 +41,16 @@ struct alignas(64) BoxAxes {
 using BoxAxesKernel = void (*)(const BoxBlock& block, BoxAxes& axes);
 /// By the solver's name of the set; null if this machine doesn't run it.
 BoxAxesKernel find_box_axes_kernel(std::string_view name);
-/// That of the widest set that this machine runs.
+/// The kernel of the widest instruction set that this machine runs.
 BoxAxesKernel widest_box_axes_kernel();
 
-/// Those of a single pair, in lane 0. `second` is its pose in the frame of the first.
+/// Finds the axes of a single pair, in lane 0. `second` is the second box's pose in the frame of the first.
 void find_box_axes(const Vector3& half_first, const Vector3& half_second, const Pose& second, BoxAxes& axes);
 
 /// Unit, in the frame of the first box, from it to the second: the axis with a code, which isn't 0.
 Vector3 box_axis(const BoxAxes& axes, std::size_t lane, int code);
 
-/// That of them all which parts the boxes best; zero if they have none, as where they are not finite.
+/// The axis, of faces and edges alike, with the largest separation. Zero if there is none, as for numbers not finite.
 Vector3 best_box_axis(const BoxAxes& axes, std::size_t lane);
 
 }  // namespace atl::collision

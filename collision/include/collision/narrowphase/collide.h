@@ -31,11 +31,11 @@ void meet_at_impact(double radius_first, double radius_second, const Pose& secon
                     Manifold& manifold);
 Narrowphase collide_sphere_box(double radius, const Vector3& half_extents, const Pose& box, double margin,
                                Manifold& manifold);
-/// Of any two solids.
+/// The same for any two solids.
 Narrowphase collide_convex(const Shape& first_shape, const Shape& second_shape, const Pose& second, double margin,
                            Manifold& manifold);
 
-/// Of a solid and a half-space.
+/// The same for a solid and a half-space.
 void collide_half_space(const Shape& solid_shape, const Shape& half_space, const Pose& second, double margin,
                         Manifold& manifold);
 

@@ -33,7 +33,7 @@ bool find_distance(const Shape& solid, const Pose& solid_pose, const Shape& othe
 bool find_signed_distance(const Shape& solid, const Pose& solid_pose, const Shape& other, const Pose& other_pose,
                           double limit, Distance& result);
 
-/// Whether they touch or overlap.
+/// True if the two shapes touch or overlap.
 bool overlaps(const Shape& solid, const Pose& solid_pose, const Shape& other, const Pose& other_pose);
 
 /// Closest points of two solids that are apart. Where they overlap (or touch) the distance is 0 and the rest

@@ -4,7 +4,7 @@
 
 namespace atl::collision::fcl_narrowphase {
 
-/// What FCL decides about a pair. The separation is exact along the normal.
+/// FCL's answer for a pair: an axis of contact. The separation is exact along the normal.
 struct Axis {
   Vector3 normal = Vector3::Zero();  ///< unit, from the first shape to the second, first shape's frame
   double separation = 0;             ///< m, negative where the shapes overlap

@@ -18,7 +18,7 @@ struct LocalAxis {
   double separation = 0;                ///< m, along the normal; negative: overlap
   Vector3 on_second = Vector3::Zero();  ///< m, the second's point that is nearest or deepest, frame of the first
   Feature first, second;                ///< what meets there
-  /// Whether the nearest point of the first lies on its feature. Where not, the walk ran out of steps.
+  /// True if the nearest point of the first lies on its feature. False if the walk ran out of steps.
   bool confirmed = false;
 };
 

@@ -14,7 +14,7 @@ using FeatureId = std::uint64_t;
 
 inline constexpr int max_points = 4;
 
-/// Where a manifold's axis comes from.
+/// The source of a manifold's axis.
 enum class Narrowphase {
   ClosedForm,  ///< a formula, or the pair was found apart
   Kept,        ///< that of the pair's last manifold, or one beside it

@@ -6,8 +6,8 @@
 
 namespace atl::collision {
 
-// What of a solid faces a direction: a flat face, a line, a corner. All in the shape's own frame. `core` is the
-// shape's (any level) where it is a box or a hull, and not read for the others.
+// Support features of a solid: the flat face, line or corner that looks along a direction, in the shape's own frame.
+// `core` is the polytope (at any level) of a box or hull; other shapes don't read it.
 
 /// Two directions count as the same, and a line as lying in a plane, within 8 degrees: a tilt that a contact of
 /// faces survives. As for boxes.
@@ -28,11 +28,11 @@ FlatFace flat_face(const Shape& shape, const Polytope& core, int number, const V
 /// Corners of a flat face that others are clipped against. A disc becomes a polygon of 16 sides around it.
 void face_polygon(const Shape& shape, const Polytope& core, int number, FacePolygon& face);
 
-/// What of a solid is clipped: its face that looks most directly along a direction, or, of round shapes, the
-/// line on their side that does; the farthest corner is the solid's farthest point. A disc becomes eight of its
-/// rim's points, always the same as long as it lies flat. Of a box or a hull, if `vertex` is the farthest along the
-/// direction, the face is one of those that meet there.
-/// Returns the number of the face: flat faces' own, 2 for a line on the side.
+/// Finds the outline of a solid that is clipped against a reference face: the face that looks most directly along a
+/// direction or, for round shapes, the line on the side that does; else the farthest corner, which is the solid's
+/// farthest point. A disc becomes eight points of its rim, which stay the same as long as it lies flat. For a box or a
+/// hull, a `vertex` that is farthest along the direction limits the choice to the faces that meet there. Returns the
+/// number of the face: that of a flat face, or 2 for a line on the side.
 int incident_outline(const Shape& shape, const Polytope& core, const Vector3& unit_direction, Outline& outline,
                      int vertex = -1);
 

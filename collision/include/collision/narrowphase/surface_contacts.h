@@ -53,7 +53,7 @@ void collide_surface(const Shape& solid, const Shape& surface, const Pose& solid
 /// the frame of the surface.
 double gap_of_ball(const Vector3& centre, double radius, const Shape& surface, double most);
 
-/// Whether a surface stands for a smooth one.
+/// True if a surface's triangles or cells approximate a smooth surface.
 bool is_smooth(const Shape& surface);
 
 }  // namespace atl::collision

@@ -16,7 +16,7 @@ namespace atl::collision {
 // nobody changes the scene. Answers don't depend on the broadphase's history: of equal hits the one of the lower
 // body, then child, comes first.
 
-/// Where a world's colliders are. Fat boxes in the broadphase must contain them.
+/// The colliders of a world and their poses. Fat boxes in the broadphase must contain the colliders.
 struct QueryScene {
   const ColliderTable& colliders;
   PoseView poses;  ///< of bodies

@@ -28,12 +28,12 @@ struct RayHit {
   bool back = false;                     ///< a surface was hit from behind
 };
 
-/// Where a ray first meets a shape; ray and hit in the shape's frame. False if it doesn't.
+/// Finds the first point where a ray meets a shape; ray and hit are in the shape's frame. False if there is none.
 ///
-/// Solids: a ray that starts in the interior hits at once (see started_inside); one that starts on the surface
-/// hits if it goes inwards and misses if it goes outwards. Surfaces have no inside. Closed forms throughout: the
-/// line is clipped against the solid's quadrics and planes; triangles are tested so that no ray slips between
-/// two that share an edge.
+/// Solids: a ray that starts in the interior hits at once (see started_inside); one that starts on the surface hits if
+/// it goes inwards and misses if it goes outwards. Surfaces have no inside. Closed forms throughout: the line is
+/// clipped against the solid's quadrics and planes; triangles are tested so that no ray slips between two that share an
+/// edge.
 bool cast_ray(const Shape& shape, const Ray& ray, Sides sides, RayHit& hit);
 
 /// Against a triangle, whose front is where it is counter-clockwise. Sets t, normal and back.

@@ -34,7 +34,7 @@ struct ColliderTable {
   jobs::CompactArray<std::uint32_t> next;   ///< the body's next collider, or none
   jobs::CompactArray<std::uint32_t> first;  ///< by body: its first collider, or none
   jobs::SharedValues<Shape> shape;
-  /// Of the shape, in the body frame.
+  /// The pose of the shape in the body frame.
   jobs::SharedValues<Pose> local = jobs::SharedValues<Pose>(Pose{Vector3::Zero(), Quaternion::Identity()});
   jobs::CompactArray<std::uint8_t> has_local_offset;  ///< 0 if `local` is the identity
   jobs::CompactArray<std::uint32_t> free;             ///< the last is used first

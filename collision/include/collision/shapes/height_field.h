@@ -35,7 +35,7 @@ struct HeightField {
 
   double height(std::uint32_t column, std::uint32_t row) const { return heights[std::size_t{row} * columns + column]; }
 
-  /// That of a triangle.
+  /// The cell that a triangle belongs to.
   struct Cell {
     std::uint32_t column, row;
   };

@@ -76,8 +76,8 @@ struct PlacedShape {
   Pose pose;
 };
 
-/// A shape at a pose, as collision takes it: a hull in the frame of its centre of mass. A hull whose geometry isn't there
-/// yet, as in a snapshot that is being checked, stays in its own.
+/// A shape at a pose, as collision takes it: a hull in the frame of its centre of mass. A hull whose geometry isn't
+/// there yet, as in a snapshot that is being checked, stays in its own.
 PlacedShape centred(const Shape& shape, const Pose& pose);
 
 /// Convex hull of a cloud of points (qhull). Vertices in order of first appearance in `points`, so the same
@@ -91,8 +91,8 @@ Hull box_hull(const Vector3& half_extents);
 /// Hash of a hull's vertices and faces: what Hull::content is.
 std::uint64_t content_of(const Hull& hull);
 
-/// Whether all else that a hull tells of its shape is what its vertices and faces make, in the same order. No number in
-/// it may lead out of it.
+/// Checks a hull that was read from outside: true if its derived data are exactly those that its vertices and faces
+/// give, in the same order, and no index in it is out of range.
 bool is_made_of_its_faces(const Hull& hull);
 
 }  // namespace atl::collision

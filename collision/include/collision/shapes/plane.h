@@ -12,8 +12,8 @@ struct Plane {
   double offset;
 };
 
-/// Whether a box reaches into the half-space. In double: the plane may be far from the world's origin. A box
-/// with a NaN may or may not: its other numbers decide if they can.
+/// True if a box reaches into the half-space. Computed in double, since the plane may be far from the world's origin.
+/// For a box with a NaN either answer is possible: its other numbers decide if they can.
 inline bool touches(const Plane& plane, const Aabb& box) {
   double lowest = 0;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -23,8 +23,8 @@ inline bool touches(const Plane& plane, const Aabb& box) {
   return lowest <= plane.offset;
 }
 
-/// Whether a box of these half extents, whose centre moves along origin + t * direction, touches the
-/// half-space at a t of [0, max_t]. If so, t_enter is the least such t, at most a few roundings too low.
+/// True if a box of these half extents, whose centre moves along origin + t * direction, touches the half-space at a t
+/// of [0, max_t]. If so, t_enter is the least such t, at most a few roundings too low.
 inline bool enters(const Plane& plane, const Vector3& origin, const Vector3& direction, double max_t,
                    const Vector3& half_extents, double& t_enter) {
   constexpr double rounding = 0x1p-49;  // more than a sum of seven products gathers

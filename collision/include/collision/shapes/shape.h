@@ -103,7 +103,8 @@ Vector3 support_point(const Shape& shape, const Vector3& direction);
 /// How far the solid reaches along a unit direction: support_point . direction.
 double reach_along(const Shape& shape, const Vector3& unit_direction);
 
-/// What the planes across the line of their centres tell of two solids, cheap enough to ask before anything else.
+/// A lower bound of the distance of two solids, from the planes across the line of their centres. It is cheap enough to
+/// come before any other test.
 struct CentreLine {
   Vector3 direction;  ///< unit, from the first centre to the second; zero where they coincide
   double gap;         ///< m, a lower bound of the distance; minus infinity where they coincide

@@ -12,7 +12,7 @@ namespace atl::collision {
 struct Triangle {
   std::array<Vector3, 3> vertices;  ///< m, counter-clockwise seen from the front
   Vector3 normal;                   ///< unit
-  /// Of the triangle beyond the edge from vertex i to i + 1; the triangle's own normal where there is none.
+  /// The normal of the triangle beyond the edge from vertex i to i + 1; the triangle's own normal if there is none.
   std::array<Vector3, 3> neighbour_normals;
   /// Bit i: the surface is convex (or ends) at that edge, so something can touch the edge itself. At the
   /// others, flat or concave, a neighbour always touches first and a contact's normal is the triangle's.
@@ -25,8 +25,8 @@ struct Triangle {
 /// with the edge is a ghost: the normal it could have is within 1e-3 of the triangle's own.
 inline constexpr double convex_edge_angle = 1e-3;
 
-/// Whether a surface is convex at an edge between triangles with unit normals `front` and `beyond`; the edge, of
-/// any length, is directed as that of the triangle in front has it. Folded right back (180 degrees) is convex.
+/// True if a surface is convex at an edge between triangles with unit normals `front` and `beyond`. The edge, of any
+/// length, is directed as in the triangle in front. A surface folded right back (180 degrees) is convex.
 inline bool is_convex_edge(const Vector3& front, const Vector3& beyond, const Vector3& edge) {
   const double sine = edge.dot(front.cross(beyond));
   const double cosine = edge.norm() * front.dot(beyond);

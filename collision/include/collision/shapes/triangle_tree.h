@@ -90,7 +90,8 @@ inline Eigen::Array4i TriangleTree::Node::steps_to(const std::array<float, 3>& c
   return ((at - origin) * steps + 1).max(0).min(last_step).cast<int>();
 }
 
-// Where a top bit of a - b stays, the byte of a (which has it set) is not less than that of b.
+// Compares eight bytes at once: the top bit of a byte stays in a - b if the byte of a (whose top bit is set) is not
+// less than the byte of b.
 inline std::uint64_t TriangleTree::Node::near(const Aabb& box) const {
   const Eigen::Array4i from = steps_to(box.lower);
   const Eigen::Array4i to = steps_to(box.upper);
