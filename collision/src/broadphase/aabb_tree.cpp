@@ -28,7 +28,7 @@ void AabbTree::take_in(jobs::Arena* arena) {
     later_.clear();
     return;
   }
-  // What so many take is given back: they seldom come again.
+  // Gives back the memory for so many items, since batches of this size are rare.
   rebuild(std::exchange(later_, {}), arena);
   builder_.clear();
   builder_.shrink_to_fit();

@@ -161,7 +161,7 @@ void AabbTreeBuilder::sort_codes() {
     counts.fill(0);
     for (std::size_t i = begin; i < end; ++i) ++counts[digit_of(codes_[i])];
   });
-  // What chunks before it have of a digit comes before what a chunk has.
+  // Turns counts into places: by digit first, then by chunk, so that the sort is stable for any number of chunks.
   std::array<std::size_t, digit_values + 1> bucket_begin;
   std::uint32_t place = 0;
   for (std::size_t digit = 0; digit < digit_values; ++digit) {
@@ -235,7 +235,7 @@ void AabbTreeBuilder::divide() {
   }
 }
 
-// What a node that was made above the parts has to know of its children, which know it.
+// Sets what a node made above the parts stores of its children (boxes and heights), once these are complete.
 void AabbTreeBuilder::join(std::size_t number) {
   AabbTreeNode& node = (*nodes_)[number];
   for (const int side : {0, 1}) {
@@ -252,7 +252,7 @@ AabbTreeBuilder::Part AabbTreeBuilder::child_of(const Part& part, int side, std:
   return {middle, part.end, part.number + (middle - part.begin), slot, part.levels_left - 1};
 }
 
-// Of two leaves at least. Returns the node's box.
+// Builds the subtree of a part, which has at least two leaves. Returns its box.
 Aabb AabbTreeBuilder::build_node(const Part& part) {
   AabbTreeNode& node = (*nodes_)[part.number];
   node.parent = part.parent;

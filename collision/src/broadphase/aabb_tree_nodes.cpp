@@ -92,7 +92,7 @@ void AabbTreeNodes::remove(std::uint32_t item) {
     root_ = Node::none;
     release(node);
   } else if (const std::int32_t other = at(node).child[1 - slot % 2]; node != root_ || Node::is_node(other)) {
-    // Where the node was, its other child comes.
+    // The node's other child takes its place, since a node has two children (the root may have one leaf alone).
     const Aabb box = at(node).box(1 - slot % 2);
     const std::int32_t above = at(node).parent;
     release(node);
@@ -125,8 +125,9 @@ void AabbTreeNodes::update_height(std::int32_t node) {
   at(node).height = 1 + std::max(height_of(at(node).child[0]), height_of(at(node).child[1]));
 }
 
-// Where one child is much higher than the other, swaps the other for the higher one's higher child: as an AVL
-// tree's rotation, but seldom, as it pays no regard to boxes. Without it, insertion along a line makes a list.
+// Limits the height: if one child is much higher than the other, swaps the other for the higher one's higher child.
+// This is an AVL tree's rotation, but used rarely, since it disregards the boxes. Without it, insertion along a line
+// makes a list.
 void AabbTreeNodes::balance(std::int32_t node) {
   // Low enough to bound the height by about twice the ideal, high enough to leave a rebuilt tree alone.
   constexpr std::int32_t most_difference = 4;

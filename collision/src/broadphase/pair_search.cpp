@@ -23,7 +23,7 @@ struct PartnerQuery {
       if (filters.allowed(shape, other)) found.push_back(Pair::of(shape, other));
     };
     const auto consider = [&](std::uint32_t other) {
-      // Of two shapes that both moved, the lower one reports the pair. And this one moved.
+      // If both shapes moved, only the lower one reports the pair. This shape moved.
       if (other > shape || !moves.contains(other)) report(other);
     };
     const Kind kind = proxies.kind(shape);
@@ -51,7 +51,8 @@ struct PartnerQuery {
   }
 };
 
-// Where more fixed shapes were added or moved than there are moving ones, the moving ones ask for them.
+// Tells which side queries for the pairs of fixed and moving shapes: the moving ones, if more fixed shapes were added
+// or moved than there are moving ones.
 bool moving_shapes_ask(const Proxies& proxies, std::span<const std::uint32_t> moved) {
   if (moved.size() <= proxies.moving().size()) return false;
   const auto is_fixed = [&](std::uint32_t shape) { return proxies.kind(shape) == Kind::Fixed; };

@@ -43,7 +43,7 @@ void Proxies::set_plane(std::uint32_t shape, const Plane& plane) {
   half_spaces_[half_space_index(shape)].plane = plane;
 }
 
-// Where a half-space is in the list, or, of another shape, where it would have to be inserted.
+// The index of a half-space in the list; for any other shape, the index at which it would be inserted.
 std::size_t Proxies::half_space_index(std::uint32_t shape) const {
   const auto place = std::lower_bound(half_spaces_.begin(), half_spaces_.end(), shape,
                                       [](const HalfSpace& other, std::uint32_t s) { return other.shape < s; });

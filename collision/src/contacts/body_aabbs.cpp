@@ -22,7 +22,7 @@ constexpr std::size_t aabb_grain = 256;  // AABBs that a task looks at, or a bod
 
 bool is_bounded(const Shape& shape) { return shape.kind != ShapeKind::HalfSpace; }
 
-// What tolerances of a collider are parts of. A surface has no size of its own, and doesn't move freely.
+// The size (m) that a collider's tolerances are parts of. A surface has no inner radius; it doesn't move freely either.
 double size_of(const Shape& shape) {
   return shape.inner_radius < infinity ? shape.inner_radius : 0.01 * shape.bounding_radius;
 }
@@ -45,7 +45,7 @@ std::size_t bodies_a_task(std::size_t bodies, std::size_t colliders) {
   return std::max(std::size_t{1}, aabb_grain * bodies / std::max({std::size_t{1}, colliders, bodies}));
 }
 
-// Whether all shapes of a body are in their fat AABBs.
+// True if all shapes of a body are in their fat AABBs.
 bool is_inside(std::uint32_t body, const BodyMotions& motions, const Broadphase& broadphase) {
   const ColliderTable& colliders = motions.colliders;
   bool inside = motions.is_finite(body);
@@ -162,9 +162,10 @@ void BodyAabbs::move(std::uint32_t body, const BodyMotions& motions, Broadphase&
 
 void BodyAabbs::mark_all_dirty() { std::fill(bounds.aabb_dirty.begin(), bounds.aabb_dirty.end(), std::uint8_t{1}); }
 
-// What must fit into a fat AABB: the bounds, grown by the speculative margin and where the body may get to in a
-// step; of one that is faster than margins see, where they will be after it, too. A new one has some room beyond, so
-// that it needn't be asked again at once.
+// Checks the fat AABB of a collider, and makes a new one if the current one is too small. It must hold the bounds,
+// grown by the speculative margin and by how far the body may move in a step. For a body faster than that margin
+// covers, it must hold the bounds after the step too. A new one gets some room beyond, so that it isn't outgrown again
+// at once.
 BodyAabbs::Update BodyAabbs::look_at(std::uint32_t collider, const Aabb* current, const BodyMotions& motions) const {
   const ColliderTable& colliders = motions.colliders;
   const std::uint32_t body = colliders.body[collider];
@@ -173,7 +174,7 @@ BodyAabbs::Update BodyAabbs::look_at(std::uint32_t collider, const Aabb* current
   const Bounds now = motions.bounds_now(collider);
   const double size = size_of(colliders.shape[collider]);
   const double reach = (velocity.norm() + spin.norm() * motions.radius[body]) * motions.dt;
-  // Of the shape's own origin: that of a compound's child moves as its body turns, too.
+  // The shift (m) of the shape's own origin, since a compound's child also moves when its body turns.
   Vector3 shift = motions.dt * velocity;
   if (colliders.has_local_offset[collider]) {
     const Vector3 arm = motions.poses[body].orientation * colliders.local[collider].position;

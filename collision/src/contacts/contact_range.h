@@ -27,7 +27,8 @@ struct ContactRange {
   std::array<std::uint32_t, longest_range> stale;  // entries to be recomputed: of a pair's parts at least one
   std::size_t stale_count = 0;
   std::size_t begin = 0;
-  // Of the entries from `begin` on: noted as they pass, since to come back to all contacts costs more.
+  // Results for the entries from `begin` on. They are recorded while each entry is at hand: a second pass over all
+  // contacts costs more.
   std::array<TouchingPair, longest_range> pairs;
   std::array<std::uint8_t, longest_range> points;
 

@@ -12,8 +12,8 @@ namespace {
 // Faster than any body: for the largest margin.
 constexpr double any_approach = std::numeric_limits<double>::infinity();
 
-// Whether two solids that were found apart are so still, whatever their features: by how far their origins have moved
-// against each other since, and how much the bodies have turned.
+// True if two solids that were found apart still are, whatever their features. The gap shrinks at most by how far their
+// origins have moved against each other since, and by a radius times how far the bodies have turned.
 bool still_apart(const Contact& contact, const ContactUpdateInput& input) {
   const Eigen::Map<const Vector3> from(contact.apart_from.data());
   const double moved = (origins_apart(contact, input) - from).norm();

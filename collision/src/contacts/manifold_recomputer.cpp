@@ -29,7 +29,7 @@ constexpr double most_ball_gap = 1.2;
 constexpr double ball_radius_part = 1e-3;
 static_assert(ball_radius_part * put_elsewhere > most_ball_gap);
 
-// Of the boxes of a lane.
+// The incident box's pose in the frame of the reference box, for one lane.
 Pose incident_in_reference(const BoxAxes& axes, std::size_t lane, bool reference_is_second) {
   const auto position = [&](std::size_t i) { return axes.position[i][lane]; };
   const auto turn = [&](std::size_t i) { return axes.orientation[i][lane]; };
@@ -171,8 +171,8 @@ void ManifoldRecomputer::refresh_replaced() {
       count, [&](std::size_t lane) { return order[replaced_.entries[lane]]; }, true);
 }
 
-// As set_apart(), of all parts of a solid and a surface that stands still. False where they are too near each other for
-// that to last.
+// Does set_apart() for all parts of a solid and a surface that doesn't move. False, with nothing set, if they are too
+// near each other for the gap to last.
 bool ManifoldRecomputer::set_surface_apart(std::size_t entry, double margin, double gap, double radius) {
   if (gap < margin + least_surface_gap * static_cast<double>(range_.contact(entry).size)) return false;
   for (std::size_t part = 0; part < max_surface_manifolds; ++part) {
@@ -257,7 +257,7 @@ void ManifoldRecomputer::fill_box_lane(const Contact& contact, std::size_t lane)
   boxes_.orientation_second[lane] = second_[lane].orientation.data();
 }
 
-// What recompute() does, of pairs of boxes: their axes are found in lanes.
+// Does the work of recompute() for the collected pairs of boxes, whose axes are found in lanes.
 void ManifoldRecomputer::recompute_boxes() {
   const std::size_t count = std::exchange(box_pairs_.count, 0);
   if (count == 0) return;
@@ -282,7 +282,7 @@ void ManifoldRecomputer::recompute_boxes() {
   }
 }
 
-// Of a solid and a surface, `entry` being the first part's.
+// Recomputes all manifolds of a solid and a surface. `entry` is that of the first part.
 void ManifoldRecomputer::recompute_surface_parts(std::size_t entry) {
   const Contact& contact = range_.contact(entry);
   const Pair pair = contact.pair;

@@ -10,7 +10,7 @@
 
 namespace atl::collision {
 
-// Where a shape with a local offset is, for a lane of a block. A shape without one is where its body is.
+// The pose of a shape with a local offset, for one lane of a block. Without an offset the body's pose is used instead.
 struct alignas(16) OffsetShapeLane {
   std::array<float, 4> offset = {};  // m, world: from the body's centre of mass
   std::array<double, 4> orientation;
@@ -24,7 +24,7 @@ struct LaneBatch {
   std::array<std::uint32_t, block_lanes> entries;
   std::size_t count = 0;
 
-  // Whether it is full now.
+  // Adds an entry. Returns true if the batch is now full.
   bool add(std::size_t entry) {
     entries[count++] = static_cast<std::uint32_t>(entry);
     return count == block_lanes;
@@ -36,9 +36,10 @@ class ManifoldRefresher {
  public:
   ManifoldRefresher(ContactCache& cache, const ContactUpdateInput& input) : cache_(cache), input_(input) {}
 
-  // What refresh() reads of a slot beside the first line of its contact, while its batch fills.
+  // Prefetches what refresh() reads of a slot, except the first line of its contact, while its batch fills.
   void fetch(std::uint32_t slot) const;
-  // Of up to a block, slot_of(lane) for each. With `all` every lane is written; else see NarrowphaseKernels::refresh.
+  // Refreshes up to a block of contacts; slot_of(lane) gives the slot of each. With `all` every lane is written;
+  // otherwise see NarrowphaseKernels::refresh.
   template <typename SlotOf>
   unsigned refresh(std::size_t count, const SlotOf& slot_of, bool all) {
     for (std::size_t lane = 0; lane < block_lanes; ++lane) {

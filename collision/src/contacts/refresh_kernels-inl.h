@@ -18,7 +18,8 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 using namespace jobs::HWY_NAMESPACE;
 
-// What the double stage hands to the single one. Turns are those since the manifold was computed.
+// The values that the double stage hands to the single precision stage. Turns are measured from the pose at which the
+// manifold was computed.
 struct alignas(64) Narrowed {
   float shift[3][block_lanes];          // m, world: of the incident's centre against the reference's
   float arm_reference[3][block_lanes];  // m, world: from the shape's origin to its centre of the contact

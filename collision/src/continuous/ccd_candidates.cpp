@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t grain = 16;  // of loops over fast bodies
 
-// Whether a box holds bounds, beyond the rounding of these.
+// True if a box contains bounds, with room for the rounding of these.
 bool holds(const Aabb& box, const Vector3& lower, const Vector3& upper) {
   const double slack = 1e-12 * (lower.cwiseAbs().maxCoeff() + upper.cwiseAbs().maxCoeff());
   bool inside = true;
@@ -21,8 +21,8 @@ bool holds(const Aabb& box, const Vector3& lower, const Vector3& upper) {
   return inside;
 }
 
-// Whether a collider has been in its fat AABB in all of this step. The balls around it at both ends tell that of most,
-// for less than their boxes.
+// True if a collider stayed inside its fat AABB during all of this step. The bounding spheres at both ends settle most
+// cases, at less cost than the swept boxes.
 bool stayed_inside(const CcdStep& step, const FastBody& fast, std::uint32_t collider, const Aabb& fat) {
   const ColliderTable& colliders = step.motions.colliders;
   const PoseView& poses = step.motions.poses;
@@ -38,7 +38,7 @@ bool stayed_inside(const CcdStep& step, const FastBody& fast, std::uint32_t coll
 // motion do. All are seen as the solver moved them, before any is put back.
 void note_left_aabbs(const CcdStep& step, Broadphase& broadphase, jobs::Arena& arena) {
   const ColliderTable& colliders = step.motions.colliders;
-  // Where few are fast, to go through all contacts takes longer than to ask the tree.
+  // With few fast bodies, queries of the tree take less time than a pass over all contacts.
   constexpr std::size_t few = 16;
   const bool queried = few * step.fast.size() < step.active_bodies;
   arena.parallel_for(step.fast.size(), grain, [&](std::size_t begin, std::size_t end) {
@@ -59,10 +59,10 @@ void note_left_aabbs(const CcdStep& step, Broadphase& broadphase, jobs::Arena& a
   }
 }
 
-// Whether two shapes can't meet in this step, by what is known of them: they come near each other by so little that the
-// speculative margin has seen it coming; or they were found apart, and what they have moved since is less. The origins
-// of shapes move on a line, straight but for the bulge of those that their body turns, of which an end is farthest from
-// where they were then.
+// True if two shapes provably don't meet in this step, by one of two bounds. Either they approach by so little that the
+// speculative margin covers it; or they were found apart, and have moved less than their gap since. The origins of
+// shapes move on a straight line, plus a bulge where the body's turning carries an offset shape along an arc. A point
+// that is farthest on a line from where it was is one of the ends, so both ends are tested.
 bool stay_apart(const CcdStep& step, const Contact& contact, const FastBody* first, const FastBody* second) {
   const ColliderTable& colliders = step.motions.colliders;
   const PoseView& poses = step.motions.poses;
@@ -94,7 +94,7 @@ bool stay_apart(const CcdStep& step, const Contact& contact, const FastBody* fir
 
 }  // namespace
 
-// What fast bodies may meet of that which they have contacts with, touching or not, of some entries of their order.
+// Finds candidates among the contacts of fast bodies, touching or not, in a range of the order of contacts.
 void CcdCandidates::find_by_contacts(const CcdStep& step, std::size_t begin, std::size_t end, Scratch& scratch) {
   const std::span<const Contact> contacts = step.cache.contacts;
   const ContactOrder& order = step.cache.order();
@@ -129,7 +129,7 @@ void CcdCandidates::find_by_contacts(const CcdStep& step, std::size_t begin, std
   }
 }
 
-// What the boxes' tree has near a fast body. Those that are fast themselves learn of it.
+// Finds candidates near a fast body in the tree of boxes. A candidate that is fast itself gets the pair too.
 void CcdCandidates::find_by_tree(const CcdStep& step, std::uint32_t number, const Broadphase& broadphase,
                                  Scratch& scratch) {
   query_candidates(step, step.fast[number], Vector3::Zero(), broadphase, scratch.pairs);

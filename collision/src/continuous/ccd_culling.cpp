@@ -10,9 +10,9 @@ namespace {
 
 using jobs::block_lanes;
 
-// A plane across `direction` (unit, from the first to the second) with the surfaces `gap` apart as the step starts.
-// Whether it keeps them apart: they come towards each other by `closing` at most, of which the shift is known by its
-// direction.
+// True if a plane across `direction` (unit, from the first to the second), with the surfaces `gap` (m) apart as the
+// step starts, keeps the shapes apart during the step. They come towards each other by at most `closing`; the part of
+// it that is a shift counts only along the direction.
 bool keeps_apart(double gap, const Vector3& direction, const Approach& approach) {
   const double goal = (ccd_gap_share + ccd_tolerance) * approach.size;
   const double turning = approach.closing - approach.shift.norm();
@@ -113,7 +113,7 @@ void find_approaching(const CcdStep& step, const FastBody& fast, const Vector3& 
     }
   }
   boxes.finish();
-  // What holds a body is found in this order.
+  // The supports of a held body are found in this order, which must not depend on the order of candidates.
   std::sort(approaching.begin(), approaching.end(),
             [](const Approach& a, const Approach& b) { return a.other < b.other; });
 }

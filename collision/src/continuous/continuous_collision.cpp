@@ -155,9 +155,10 @@ double ContinuousCollision::first_hit(const CcdStep& step, const FastBody& fast,
   return first;
 }
 
-// Where a fast body, or the fast ones of an assembly, may go in this step. What a core touches from the start would
-// hold it where it is, for good, if other bodies press on it: it goes all its way but for what would take the core
-// through the surfaces that it touches. An assembly is shifted as one.
+// Finds how far a fast body, or the fast bodies of an assembly, may go in this step. A shape that the core touches from
+// the start would hold the body where it is, for good, if other bodies press on it. Such a body goes all its way,
+// shifted aside just enough to keep the core from going through the surfaces that it touches. An assembly is shifted as
+// one.
 void ContinuousCollision::find_stop(CcdStep& step, const Broadphase& broadphase, CcdStop& stop, Scratch& scratch,
                                     bool decides) const {
   stop.undecided = false;

@@ -47,7 +47,7 @@ Vector3 rotation_of(Quaternion turn) {
   return doublings * series * turn.vec();
 }
 
-// What advancement knows of a pair at some time.
+// The gap between the two shapes at one time of the conservative advancement.
 struct Gap {
   double separation;  // m, proven
   Vector3 normal;     // world
@@ -130,7 +130,7 @@ double radius_about(const ConvexCore& core, const Vector3& centre, const Vector3
   return farthest + core.radius;
 }
 
-// As stay_parted(), by the best of the axes of two boxes at the start: that costs less than their distance.
+// Does stay_parted() with the best separating axis of two boxes at the start, which costs less than their distance.
 bool boxes_stay_parted(const MovingCore& first, const MovingCore& second, const SweepGoal& goal, double t_limit) {
   if (first.core.kind != ConvexCore::Kind::Box || second.core.kind != ConvexCore::Kind::Box) return false;
   BoxAxes axes;

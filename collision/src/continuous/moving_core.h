@@ -24,8 +24,8 @@ struct MovingCore {
   double reach(const Pose& pose, const Vector3& direction) const;
 };
 
-/// Whether a plane across a direction (from the first to the second, world) keeps the two farther apart than the goal
-/// up to t_limit, for the price of two support points: most pairs that a sweep is asked for only pass by each other.
+/// True if a plane across a direction (from the first to the second, world) keeps the two farther apart than the goal
+/// up to t_limit. It costs two support points, and settles most sweeps, since most pairs only pass by each other.
 bool stay_parted(const MovingCore& first, const MovingCore& second, const SweepGoal& goal, const Vector3& direction,
                  double t_limit);
 

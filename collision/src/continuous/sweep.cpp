@@ -38,7 +38,8 @@ double relative_path(const MovingCore& solid, double solid_radius, const Motion&
   return path;
 }
 
-// As advance(), along the plane's normal; that of a plane that turns changes, so there any motion counts.
+// Does advance() along the plane's normal. The normal of a plane that turns changes, so there motion in any direction
+// counts.
 bool sweep_to_plane(const Shape& solid, const MovingCore& moving, const Shape& plane, const Motion& plane_motion,
                     const SweepGoal& goal, double t_limit, SweepHit& hit) {
   const bool plane_turns = plane_motion.rotation.squaredNorm() > 0;

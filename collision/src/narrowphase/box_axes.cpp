@@ -3,7 +3,7 @@
 namespace atl::collision {
 namespace {
 
-// Of the second box, in the frame of the first.
+// The second box's centre and axes, in the frame of the first.
 Vector3 position_of(const BoxAxes& axes, std::size_t lane) {
   return {axes.position[0][lane], axes.position[1][lane], axes.position[2][lane]};
 }

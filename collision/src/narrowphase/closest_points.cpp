@@ -17,7 +17,7 @@ void segment_segment(double half_first, double half_second, const Vector3& middl
   const double cosine = axis.z();
   const double sine_square = axis.x() * axis.x() + axis.y() * axis.y();
   const double across = middle.x() * axis.x() + middle.y() * axis.y();
-  // Of parallel segments any s will do: the clamps that follow make good what it costs.
+  // For parallel segments any s will do: the clamps that follow correct it.
   double s = sine_square > 1e-24 ? middle.z() - across * cosine / sine_square : 0;
   s = std::clamp(s, -half_first, half_first);
   const double t = std::clamp((s - middle.z()) * cosine - across, -half_second, half_second);

@@ -19,9 +19,9 @@ namespace {
 // fast.
 constexpr double fast_margin = 0.15;
 
-// Of the depth: where boxes that come fast overlap, edges have to part them by more than this better than a face does,
-// as for FCL of all boxes. A face holds a box by four points. While `pile` lands (240 steps), pairs are 15 cm deep 620
-// times, and 1470 times with 1.
+// Part of the depth by which edges have to part fast overlapping boxes better than a face does, to be taken instead of
+// the face. FCL applies the same to all boxes. A face is preferred because its four points keep a box from rolling.
+// Measured while `pile` lands (240 steps): pairs are 15 cm deep 620 times; with 1 instead, 1470 times.
 constexpr double face_preference = 0.95;
 
 // By the size: how much less well than the best a face may part two boxes for it to be taken.
@@ -228,7 +228,7 @@ double separation_along(const BoxPair& pair, const Vector3& normal) {
          (pair.rotation.transpose() * normal).cwiseAbs().dot(pair.half_incident);
 }
 
-// What the lanes found of a pair.
+// The best axes of a pair, as the lanes found them.
 struct BestAxes {
   FaceAxis face;
   fcl_narrowphase::Axis edge;
@@ -237,7 +237,7 @@ struct BestAxes {
   bool on_edges;           // the edges' is better
 };
 
-// Whether a face, where no axis is better, is as good a reference as the best, but for rounding and a hair.
+// True if a face is as good a reference as the best, within rounding and nearly_best. Any better axis was ruled out.
 bool is_as_good(const BoxPair& pair, const BestAxes& best, const FaceAxis& face, double size) {
   return face.packed() == best.face.packed() ||
          separation_along(pair, face) >= best.face_separation - nearly_best * size;

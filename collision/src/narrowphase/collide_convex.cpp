@@ -65,15 +65,15 @@ struct References {
   int count = 0;
 };
 
-// Whether a reference goes before another that is as good: the last one, or a disc, which others are clipped by more
-// exactly than it is itself.
+// Breaks the tie between two references that part the solids equally: the last one comes first, then a disc, since
+// clipping by a disc is more exact than clipping the disc by another face.
 bool goes_first(const Solids& solids, const Reference& a, const Reference& b, std::uint32_t previous) {
   if (previous == a.packed() || previous == b.packed()) return previous == a.packed();
   const auto round = [&](const Reference& r) { return is_round(solids.shape(r.of_second).kind); };
   return round(a) && !round(b);
 }
 
-// Whether a shape is its core, with corners and edges of its own.
+// True if a shape equals its core, and so has corners and edges of its own.
 bool is_polytope(const Shape& shape) { return shape.kind == ShapeKind::Box || shape.kind == ShapeKind::Hull; }
 
 // A vertex of what meets, of a core.
@@ -158,7 +158,7 @@ void face_manifold(const Solids& solids, const Reference& reference, const Local
                    Manifold& manifold) {
   const SolidPair& pair = solids.pair;
   const bool second = reference.of_second;
-  // Of the incident shape in the reference frame.
+  // The pose of the incident shape in the reference frame.
   const Matrix3 rotation = second ? Matrix3(pair.rotation.transpose()) : pair.rotation;
   const Vector3 position = second ? Vector3(-(rotation * pair.position)) : pair.position;
 
@@ -183,8 +183,8 @@ void face_manifold(const Solids& solids, const Reference& reference, const Local
   manifold.axis = reference.packed();
 }
 
-// Whether a point as deep as the incident shape goes along the face's normal lies over the face itself. No direction
-// nearby can be better then.
+// True if a point of the incident shape at the full depth along the face's normal lies over the face itself. In that
+// case no direction nearby parts the solids better.
 bool is_best_nearby(const Solids& solids, const Reference& reference, const Manifold& manifold) {
   const double size = solids.pair.size();
   FacePolygon face;
@@ -200,10 +200,10 @@ bool is_best_nearby(const Solids& solids, const Reference& reference, const Mani
   return false;
 }
 
-// Whether the best direction is the face's normal or leans from it by less than 0.1 degrees, and is as deep. For a
-// point x of the incident shape and y of the reference, n . (x - y) bounds the separation along n. With x and y from
-// opposite ends of the manifold, of width w, leaning by t costs t * w; what there is to gain is no more than how far
-// the points are above the incident shape's lowest.
+// True if the face's normal can stand in for the best direction: the best leans from it by less than 0.1 degrees, and
+// the manifold is as deep. For a point x of the incident shape and y of the reference, n . (x - y) bounds the
+// separation along n. With x and y from opposite ends of the manifold, of width w, leaning by t costs t * w. The gain
+// is at most the height of the points above the incident shape's lowest.
 bool stands_in_nearby(const Solids& solids, const Reference& reference, const Manifold& manifold) {
   constexpr double lean = 1.4e-3;  // rad
   if (manifold.count < 2) return false;
@@ -285,7 +285,7 @@ Lines lines_at(const Solids& solids, bool second, const Feature& feature) {
   const double sharp = 1e-3 * solids.pair.size();
   if (!is_polytope(shape)) {
     const SideLine side = side_line(shape, normal);
-    // Where a side falls away by half a thousandth of the size. A cone's is sharp at the apex.
+    // The width in which a round side falls away by half a thousandth of the size. A cone's side is sharp at the apex.
     const bool tapered = shape.kind == ShapeKind::TaperedCapsule;
     const double radius = tapered ? std::min(shape.radius, shape.top_radius) : shape.radius;
     const double width = shape.kind == ShapeKind::Cone ? sharp : std::sqrt(sharp * radius);
@@ -325,7 +325,7 @@ FeatureId witness_id(const Solids& solids, const LocalAxis& axis) {
   return feature_pair_id(static_cast<int>(first.kind), first.index, static_cast<int>(second.kind), second.index, 0);
 }
 
-// Of a manifold that has no reference face.
+// The axis to remember for a manifold without a reference face: two edges that cross, if there are such.
 std::uint32_t edges_of(const Solids& solids, const LocalAxis& axis) {
   const bool crossing = axis.first.kind == Feature::Kind::Edge && axis.second.kind == Feature::Kind::Edge;
   if (!crossing || solids.pair.has_round() || solids.pair.has_smooth()) return 0;

@@ -17,13 +17,14 @@ namespace {
 
 using Part = TriangleAxis::Part;
 
-// As of two solids (collide_convex.cpp): a face stands in for the best axis within 8 degrees and a part of the size.
+// Part of the solid's size within which, as for two solids (collide_convex.cpp), a face stands in for the best axis; it
+// must also look the same way, within 8 degrees.
 constexpr double face_tolerance = 0.02;
 // m, over the solid's size: corners so little beside a triangle count as over it, so that none is lost between two.
 constexpr double over_slack = 1e-6;
 
-// Of the solid's size: how far beside the edge the point of contact may lie, seen along the normal. Of random poses on
-// jagged ground, sunk in by up to a tenth, 0.4% of cylinders and cones had no contact without it.
+// Part of the solid's size by which the point of contact may lie beside the edge, seen along the normal. Without it,
+// 0.4% of cylinders and cones in random poses on jagged ground, sunk in by up to a tenth, had no contact.
 constexpr double aside_slack = 0.025;
 
 constexpr std::uint32_t number_mask = (1u << 28) - 1;
@@ -43,7 +44,7 @@ bool is_flat_edge(const Triangle& triangle, std::size_t edge) {
          beyond.cross(triangle.normal).squaredNorm() < convex_edge_angle * convex_edge_angle;
 }
 
-// Whether a corner is the solid's, not one that the triangle cut.
+// True if a corner belongs to the solid, and was not cut by the triangle.
 bool is_own(const OutlineCorner& corner) { return ((corner.edge_in | corner.edge_out) & reference_edge) == 0; }
 // The same from face_point_id().
 bool is_own_id(FeatureId id) {
@@ -200,7 +201,7 @@ void touch_edge_with_point(const SurfaceSolid& solid, const Ends& edge, const Tr
   const Vector3 unit = along / length;
   Vector3 point = axis.support[0];
   if (axis.support_count == 2) {
-    // Where the lines come nearest each other, seen along the normal.
+    // The place where the two lines come nearest each other, seen along the normal.
     const Vector3 line = axis.support[1] - axis.support[0];
     const Vector3 across = axis.normal.cross(unit);
     const double rate = across.dot(line);
@@ -251,8 +252,8 @@ void touch_vertex(const SurfaceSolid& solid, const Triangle& triangle, const Tri
   if (outline.count > 0) contact.add(vertex + axis.separation * axis.normal, axis.separation, id);
 }
 
-// Whether a plane through a side keeps the solid farther off than the margin. Where its centre is within that, and
-// within what the solid reaches at least in any direction, no plane does.
+// True if a plane through a side of the triangle keeps the solid farther off than the margin. No plane can if the
+// solid's centre is within the margin plus the solid's least reach in any direction, which settles most cases early.
 bool is_beside(const SurfaceSolid& solid, const Triangle& face, double margin) {
   const double near = margin + (1 - 1e-9) * solid.least_reach;
   for (std::size_t i = 0; i < 3; ++i) {

@@ -29,9 +29,9 @@ int next_face_beyond(const Polytope& polytope, int face, const Vector3& point, d
   return face;
 }
 
-// A face can only do better than what was found if it is nearer to a point that both solids share, or almost.
-// Where the overlap is shallow that leaves the faces that meet at the contact. From those that are not much
-// worse another descent starts.
+// Tries faces that may part overlapping solids better than the axis found. A face can only be better if its plane is
+// nearer to a point shared by both solids, within rounding. A shallow overlap leaves the faces that meet at the
+// contact. Another descent starts from each face that isn't much worse than the axis.
 void try_faces(const Polytope& first, const Polytope& second, const SolidPair& pair, GaussMapDescent& descent,
                LocalAxis& best) {
   const double slack = 1e-9 * pair.size();
@@ -65,13 +65,13 @@ void try_faces(const Polytope& first, const Polytope& second, const SolidPair& p
   }
 }
 
-// Whether a feature of a round shape's core lies on its side: a side or an edge between two, not a cap or a rim.
+// True if a feature of a round shape's core lies on its side: a side face or an edge between two, not a cap or a rim.
 bool is_on_side(const Shape& shape, const Polytope& core, const Feature& feature) {
   return round_feature(shape, core, feature) == RoundFeature::Side;
 }
 
-// Where to look closer at a round shape: around the contact, or along the normal, if that is on the side or on the
-// shape's axis. In the shape's frame.
+// The azimuth around which a round shape's core is made finer, in the shape's frame: that of the contact, or that of
+// the normal if the contact is on the side or on the shape's axis.
 Vector3 direction_about(const Shape& shape, bool on_side, const Vector3& contact, const Vector3& outward) {
   if (!is_round(shape.kind)) return Vector3::UnitX();
   const double far = 1e-3 * shape.radius;
@@ -105,7 +105,7 @@ struct SideEdge {
   Vector3 tail, head;
 };
 
-// Whether a round shape looks along the normal with its side, whatever feature of the core was found.
+// True if the normal is one of a round shape's side, whatever feature of the core was found.
 bool is_side_normal(const Shape& shape, const Vector3& outward, double tolerance) {
   const double across = length_2d(outward.x(), outward.y());
   if (shape.kind == ShapeKind::Cylinder) return std::abs(outward.z()) < tolerance * across;
@@ -156,7 +156,7 @@ bool settle_on_rim(const Shape& shape, const Polytope& core, const Feature& feat
   return true;
 }
 
-// Where lines on the shapes themselves cross, rather than their cores', and rims for points of theirs.
+// Moves the witness point from the polygonal cores to the solids: onto a rim, or where lines on both solids cross.
 void settle_witness(const SolidPair& pair, const Polytope& first, const Polytope& second, LocalAxis& axis) {
   const Vector3 outward_second = -(pair.rotation.transpose() * axis.normal);
   const double tolerance = 1e-4 * pair.size();
@@ -209,7 +209,7 @@ Vector3 line_of_centres(const SolidPair& pair) {
   return distance > 0 ? Vector3(pair.position / distance) : Vector3::UnitZ();
 }
 
-// Of the cores' axis, that of the solids.
+// Turns an axis of the cores into one of the solids.
 void grow_by_radii(const SolidPair& pair, const Core& first, const Core& second, LocalAxis& axis) {
   axis.on_second -= second.radius() * axis.normal;
   axis.separation =
@@ -250,7 +250,7 @@ bool refine_axis(const SolidPair& pair, const KnownAxis& known, Core& first, Cor
       axis = exact;
       return true;
     }
-    // Of axes that are equal but for rounding, the features of the last lie closest.
+    // Among axes equal within rounding the last one wins, since the core was finest around its features.
     if (separation >= best_separation - 1e-12 * pair.size()) {
       best = axis;
       best_separation = separation;

@@ -17,13 +17,13 @@ struct SolidPair {
   double size() const { return first.inner_radius < second.inner_radius ? first.inner_radius : second.inner_radius; }
   /// How far the solids are apart along a unit direction from the first to the second.
   double separation_along(const Vector3& normal) const;
-  /// Whether one is a cylinder or a cone.
+  /// True if one of the two is a cylinder or a cone.
   bool has_round() const;
   /// Tells if one is an ellipsoid or a tapered capsule.
   bool has_smooth() const { return is_smooth(first.kind) || is_smooth(second.kind); }
 };
 
-/// Where to look for an axis first: the last one of a pair that touches.
+/// The axis that the search starts from: that of the pair's last manifold.
 struct KnownAxis {
   bool exists = false;
   Vector3 normal = Vector3::Zero();  ///< from the first to the second, frame of the first
@@ -64,7 +64,7 @@ struct PackedAxis {
   }
 };
 
-/// What of a cylinder or a cone a feature of its core stands for.
+/// The part of a cylinder or a cone that a feature of its polygonal core approximates.
 enum class RoundFeature { UpperRim, LowerRim, Apex, Side, Cap };
 RoundFeature round_feature(const Shape& shape, const Polytope& core, const Feature& feature);
 
@@ -80,8 +80,8 @@ bool refine_axis(const SolidPair& pair, const KnownAxis& known, Core& first, Cor
 /// features become those that need no core: a vertex for a rim, a face for the side.
 bool settle_on_features(const SolidPair& pair, const Polytope& first, const Polytope& second, LocalAxis& axis);
 
-/// Whether a face that isn't the one that meets may part overlapping solids better than the axis by more than `slack`
-/// (m), as in find_axis(). Of cylinders and cones: the caps, and the side where it is nearest to the contact.
+/// True if a face other than the one that meets may part overlapping solids better than the axis, by more than `slack`
+/// (m); see find_axis(). For cylinders and cones, the faces are the caps, and the side at its nearest to the contact.
 bool face_may_be_better(const SolidPair& pair, const Polytope& first, const Polytope& second, const LocalAxis& axis,
                         double slack);
 

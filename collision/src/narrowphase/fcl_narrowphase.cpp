@@ -67,8 +67,8 @@ fcl::Transform3d translation(const Vector3& position) {
   return transform;
 }
 
-// What libccd asks of a solid. The refinement's first loops have no bound of their own, so a body that has
-// been asked too often answers with a point so far behind that any loop sees it missed the origin.
+// A solid as libccd's callbacks see it. The first loops of libccd's refinement have no bound of their own. So a body
+// that was asked too often answers with a point so far behind that any loop sees it missed the origin, and ends.
 struct Body {
   const Shape* shape;
   Polytope hull;  // of a hull

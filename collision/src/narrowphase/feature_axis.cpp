@@ -113,7 +113,7 @@ Boundary boundary_at(const SolidPair& pair, const Polytope& core, const Feature&
   return boundary;
 }
 
-// Whether a point lies beside a segment, rather than beyond its ends.
+// True if a point lies beside a segment, not beyond its ends.
 bool is_beside(const Segment& line, const Vector3& point) {
   const Vector3 v = line.head - line.tail;
   const double s = v.dot(point - line.tail);

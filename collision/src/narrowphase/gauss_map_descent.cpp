@@ -68,7 +68,7 @@ LocalAxis GaussMapDescent::from_face_of_second(int face) {
   return walk(State::FaceOfSecond);
 }
 
-// Whether no face beside the edge rises along the normal.
+// True if neither face beside the edge rises along the normal, so that the edge is a support along it.
 bool GaussMapDescent::supports(const Polytope& polytope, const Hull::Edge& edge, const Vector3& along,
                                const Vector3& normal) const {
   if (edge.left == Polytope::no_face || edge.right == Polytope::no_face) return false;
@@ -181,8 +181,8 @@ GaussMapDescent::State GaussMapDescent::slide_from_vertices() {
   return State::Done;
 }
 
-// While a direction turns about an edge, from n towards `direction`, it passes the normals of the edge's faces.
-// Where it starts right opposite `direction` it needs a push.
+// Limits a turn about an edge, from n towards `direction`, to where it passes the normals of the edge's faces. A turn
+// that starts right opposite `direction` has no side to go to, so it gets a small push.
 bool GaussMapDescent::limit_by_face(const Vector3& edge, Vector3& direction, const Polytope& polytope,
                                     const Hull::Edge& faces, bool is_second, Hit& hit) const {
   double turn = edge.dot(n_.cross(direction));
@@ -283,7 +283,7 @@ GaussMapDescent::State GaussMapDescent::slide_on_parallel_edges() {
   along /= std::max(length, tiny);
   const Vector3 from = of_second(eb.tail);
   const Vector3 to = of_second(eb.head);
-  // Of the second's ends, one beside the first edge counts, if there is one.
+  // Takes an end of the second edge that lies beside the first edge, if there is one.
   const double s_tail = along.dot(from - tail);
   b_ = s_tail >= 0 && s_tail <= length ? eb.tail : eb.head;
   Vector3 direction = from - tail - s_tail * along;

@@ -96,8 +96,8 @@ void offer_triangle(const Simplex& simplex, int i, int j, int k, double noise, N
   offer_segment(simplex, j, k, best);
 }
 
-// Whether the origin lies beyond a face, seen from the vertex `across`; so too if the tetrahedron is so flat
-// that rounding decides.
+// True if the origin lies beyond a face, seen from the vertex `across`; also if the tetrahedron is so flat that
+// rounding decides.
 bool beyond_face(const Simplex& simplex, int i, int j, int k, int across) {
   const Vector3& r = simplex.at(k);
   const Vector3 normal = (simplex.at(i) - r).cross(simplex.at(j) - r);

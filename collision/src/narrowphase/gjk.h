@@ -6,7 +6,7 @@
 
 namespace atl::collision {
 
-/// What GJK finds out about two cores, without their radii.
+/// The result of GJK for two cores, without their radii.
 struct GjkResult {
   double distance = 0;                ///< m; 0 where the cores overlap
   double lower_bound = 0;             ///< m: proven by a plane along `bound_normal`, however the search ended

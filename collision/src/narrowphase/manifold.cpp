@@ -52,7 +52,7 @@ void reduce_points(const Manifold::Point* points, int count, Manifold& manifold)
   for (int i = 1; i < count; ++i) extent = std::max(extent, from(i, 0));
   double least = points[0].separation;
   for (int i = 1; i < count; ++i) least = std::min(least, points[i].separation);
-  // Of depth the tolerance is small, because what rests tilted by a hair must rest on its lowest points.
+  // The tolerance for depths is small, because a shape that rests tilted by a hair must rest on its lowest points.
   const int deepest = best_point(count, 1e-5 * std::sqrt(extent), [&](int i) { return least - points[i].separation; });
   const int farthest = best_point(count, 0, [&](int i) { return from(i, deepest); });
   const Vector3 line = at(farthest) - at(deepest);

@@ -1,6 +1,6 @@
-// Of boxes that come fast, what gets there first may not be what is nearest now: a box that spins rolls over onto a
-// face, or hits with another edge. In `pile`, as it lands, half of the pairs that went in by 8 cm or more in a step did
-// so between the points of a contact without force.
+// Features of fast boxes that may touch within the step although others are nearer now: a box that spins rolls over
+// onto a face, or hits with another edge. In `pile`, as it lands, half of the pairs that went in by 8 cm or more in a
+// step did so between the points of a contact without force.
 
 #include <collision/narrowphase/feature_id.h>
 
@@ -13,7 +13,7 @@
 namespace atl::collision {
 namespace {
 
-// Where a ray enters a box around the origin from outside.
+// The point where a ray from outside enters a box around the origin.
 struct Entry {
   double distance = std::numeric_limits<double>::infinity();  // m; infinite if it doesn't
   int face = 0;
@@ -44,7 +44,7 @@ SupportEdge box_edge(const Vector3& half_extents, Eigen::Index axis, int number)
   return support_edge(half_extents, signs, axis);
 }
 
-// Whether one of the faces that meet in an edge does.
+// True if one of the faces that meet in an edge looks along a direction.
 bool looks_along(const SupportEdge& edge, const Vector3& direction) {
   return (edge.middle.cwiseProduct(direction).array() > 0).any();
 }

@@ -10,11 +10,12 @@ namespace {
 
 // Triangles that look the same way within 1 degree are one face.
 constexpr double same_normal = 0.99984769515639123;
-// Where a solid touches more ways than there are manifolds, as on fine terrain, ways within 15 degrees become one.
+// Cosine of 15 degrees: normals this close share a manifold if a solid touches in more directions than there are
+// manifolds, as on fine terrain.
 constexpr double similar_normal = 0.96592582628906831;
-// Of the solid's size: points so near each other are the same, found by two triangles.
+// Part of the solid's size: points closer to each other are the same, found by two triangles.
 constexpr double same_place = 1e-5;
-// Of the solid's size: a point counts as freed along another normal only if that is better by so much.
+// Part of the solid's size by which another normal must be better for a point to count as freed along it.
 constexpr double freed_slack = 1e-3;
 
 // In place of a triangle's number.
@@ -95,7 +96,7 @@ void SurfaceClusters::add(const TriangleContact& contact) {
   if (cluster == nullptr) return;
   for (int i = 0; i < contact.count; ++i) {
     Manifold::Point point = contact.points[static_cast<std::size_t>(i)];
-    // What is the solid's own keeps its id from one triangle to the next.
+    // A point on the solid's own feature keeps its id from one triangle to the next.
     if ((contact.own >> i & 1) != 0) point.id = with_triangle(point.id, any_triangle);
     if ((contact.inner >> i & 1) != 0) {
       cluster->add_inner(point);

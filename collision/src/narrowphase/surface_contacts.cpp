@@ -49,7 +49,7 @@ Triangle triangle_of(const Shape& surface, std::uint32_t number) {
   return surface.kind == ShapeKind::Mesh ? surface.mesh->triangle(number) : surface.field->triangle(number);
 }
 
-// Whether a triangle that has a vertex reaches ahead of it along a direction, and so is touched first.
+// True if a triangle with this vertex reaches ahead of it along a direction, and so is touched first.
 bool reaches_ahead(const Triangle& triangle, const Vector3& vertex, const Vector3& direction) {
   for (std::size_t i = 0; i < 3; ++i) {
     if (triangle.vertices[i] != vertex) continue;
@@ -129,9 +129,10 @@ class NearBall {
   std::array<std::uint32_t, 32> numbers_;
 };
 
-// Where a smooth surface is met from its front along its own normal, from a point above a triangle of it. The surface
-// is over the triangle the mean of that and its projections onto the tangent planes at the corners: Phong tessellation
-// (Boubekeur and Alexa, ACM Trans. Graph. 27, 2008), with the factor 1/2, with which arcs are exact to second order.
+// The place where a smooth surface is met along its own normal from a point above one of its triangles. Over the
+// triangle, the surface is the mean of the flat point and its projections onto the tangent planes at the corners. This
+// is Phong tessellation (Boubekeur and Alexa, ACM Trans. Graph. 27, 2008) with the factor 1/2, which makes arcs exact
+// to second order.
 struct SmoothPlace {
   double distance;  // m
   Vector3 normal;

@@ -35,7 +35,8 @@ double angle_measure(const Turn& from, const Turn& to) {
   return from.dot(to) > 0 ? sine : 2 - sine;
 }
 
-// Whether a direction of any length is surely no nearer than an angle's measure, for less than its own measure takes.
+// True if a direction of any length is surely no nearer than an angle with this measure. It costs less than to compute
+// the direction's own measure.
 bool is_beyond(const Turn& from, const Turn& to, double square, double measure) {
   if (!(from.dot(to) > 0)) return measure <= 1 || !(square > 0);
   const double sine = from.cross(to);
@@ -99,8 +100,8 @@ class Search {
  private:
   bool is_parted() const { return best_.separation > most_; }
 
-  // Whether a direction may part them farther than the best so far: that is as far as they are apart if the solid's
-  // point that it was found by is.
+  // True if another direction may part the two farther than the best so far. If the support point of the best is as far
+  // from the triangle as the best separation, that is the distance, and no direction can be better.
   bool may_be_farther() const {
     if (best_.support_count == 0) return true;
     Vector3 point = best_.support[0];
@@ -221,7 +222,7 @@ class Search {
     }
   }
 
-  // Where the support jumps from one end of a line to the other, or across a disc.
+  // Offers the directions at which the support jumps from one end of a line to the other, or across a disc.
   void offer_kinks() {
     const Shape& shape = solid_.shape;
     if (shape.kind == ShapeKind::Ellipsoid) return;
@@ -288,8 +289,8 @@ class Search {
     offer_round(at(0.5 * (low + high)));
   }
 
-  // Whether a direction is one in which the surface can push at a vertex, as far as the triangle knows: no part
-  // of it or of its neighbours lies ahead.
+  // True if the surface can push along a direction at a vertex, as far as the triangle knows: no part of it or of its
+  // neighbours lies ahead.
   bool may_push(const Vector3& direction, std::size_t vertex) const {
     const std::array<std::size_t, 2> edges = {vertex, (vertex + 2) % 3};
     bool convex = false;

@@ -55,7 +55,7 @@ struct TriangleAxis {
   std::array<Vector3, 2> support = {Vector3::Zero(), Vector3::Zero()};
 };
 
-/// Whether nothing lies beyond an edge.
+/// True if nothing lies beyond an edge.
 inline bool is_border(const Triangle& triangle, std::size_t edge) {
   return (triangle.convex_edges >> edge & 1) != 0 && triangle.neighbour_normals[edge] == triangle.normal;
 }

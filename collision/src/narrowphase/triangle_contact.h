@@ -34,8 +34,8 @@ struct TriangleContact {
   }
 };
 
-/// Whether a solid may touch a triangle, of which vertices and normal are known. If so, `height` (m) is how far it is
-/// from its plane.
+/// True if a solid may touch a triangle whose vertices and normal are known. If so, `height` (m) is the solid's
+/// distance from the triangle's plane.
 bool comes_near(const SurfaceSolid& solid, const Triangle& face, double margin, double& height);
 
 /// Finds the points no farther apart than `margin` (m), of what comes near. `number` is the triangle's.

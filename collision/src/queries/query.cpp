@@ -113,8 +113,8 @@ void cast_ray_all(const QueryScene& scene, const Ray& ray, Sides sides, Accept a
 bool cast_shape(const QueryScene& scene, const Shape& solid, const Pose& pose, const Vector3& translation,
                 Accept accept, ColliderSweepHit& first) {
   const Cast cast(solid, pose, translation);
-  // What is met at the same time counts too, as who comes first is up to the colliders' order: it is told by up to the
-  // tolerance too soon, so what is looked at ends that much later.
+  // Among colliders met at the same time, the first in the colliders' order is reported. A time of impact may come out
+  // too early by the tolerance, so the search goes on a little beyond the first hit.
   const double slack = 4 * cast.goal.tolerance / translation.norm();
   bool found = false;
   scene.broadphase.proxies().query_ray(

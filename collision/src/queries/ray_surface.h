@@ -11,7 +11,7 @@ class TriangleRay {
  public:
   explicit TriangleRay(const Ray& ray);
 
-  /// Whether the ray hits the triangle at a t of [0, max_t]; if so sets t, normal and back.
+  /// True if the ray hits the triangle at a t of [0, max_t]; if so sets t, normal and back.
   bool hits(const Vector3& a, const Vector3& b, const Vector3& c, Sides sides, double max_t, RayHit& hit) const;
 
  private:

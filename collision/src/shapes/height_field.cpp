@@ -27,7 +27,7 @@ HeightField::CellRange cells_between(double lower, double upper, double spacing,
 
 Vector3 upward(double slope_x, double slope_y) { return Vector3(-slope_x, -slope_y, 1).normalized(); }
 
-// Those of a cell's two triangles.
+// The normals of a cell's two triangles.
 struct Normals {
   const HeightField& field;
 
@@ -43,7 +43,7 @@ struct Normals {
   }
 };
 
-// Of the smooth surface, at a sample: by central differences, at the border by one-sided ones.
+// The smooth surface's normal at a sample, by central differences, at the border by one-sided ones.
 Vector3 sample_normal(const HeightField& field, std::uint32_t i, std::uint32_t j) {
   const std::uint32_t left = i > 0 ? i - 1 : 0, right = std::min(i + 1, field.columns - 1);
   const std::uint32_t below = j > 0 ? j - 1 : 0, above = std::min(j + 1, field.rows - 1);

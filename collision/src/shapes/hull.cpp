@@ -16,7 +16,8 @@ namespace {
 // plane. Corners of a flat polygon that were rounded to float lie up to 5e-8 from its plane, so the fourth
 // corner of a quad up to 2e-7 from that of the other three, and the centre of the second triangle a third of that.
 constexpr double merge_tolerance = 1e-7;
-// What a hull may miss of its points, as part of the extent: a few times that, for chains of merged faces.
+// Largest distance of an input point outside the hull, as part of the extent: a few times merge_tolerance, since errors
+// add up along chains of merged faces.
 constexpr double fit_tolerance = 1e-6;
 // Thinner clouds, as part of the extent, count as flat.
 constexpr double flat_tolerance = 1e-6;

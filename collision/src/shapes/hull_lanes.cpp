@@ -1,5 +1,5 @@
-// What is asked of all vertices of a hull, in lanes: up to the few dozen of usual hulls that is faster than to walk
-// along edges.
+// Queries over all vertices of a hull, in lanes. For hulls of up to a few dozen vertices, which are most, that is
+// faster than to walk along edges.
 
 #include <collision/shapes/hull.h>
 

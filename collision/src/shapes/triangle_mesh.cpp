@@ -129,8 +129,8 @@ std::vector<std::uint32_t> first_at_place(std::span<const Vector3> vertices) {
   return first;
 }
 
-// Of what is left, pairs of sides that lie on each other in opposite directions. Where more than two meet it is
-// open which belong together, so none are joined.
+// Joins the sides that are still open by place: pairs that lie on each other in opposite directions. If more than two
+// sides meet, it is ambiguous which belong together, so none are joined.
 void join_by_place(TriangleMesh& mesh) {
   const std::vector<OpenSide> sides = open_sides(mesh, first_at_place(mesh.vertices));
   for (std::size_t begin = 0; begin < sides.size();) {
@@ -164,7 +164,8 @@ std::uint32_t corner_at(const TriangleMesh& mesh, std::uint32_t triangle, const 
   return mesh.vertices[corners[0]] == place ? 0 : mesh.vertices[corners[1]] == place ? 1 : 2;
 }
 
-// Of the smooth surface, at a corner: what lies around it, both ways from the triangle up to a crease.
+// The smooth surface's normal at a triangle's corner: a weighted sum over the triangles around the corner, both ways
+// from this one up to a crease.
 Vector3 corner_normal(const TriangleMesh& mesh, std::uint32_t triangle, std::uint32_t corner) {
   const Vector3 place = mesh.vertices[mesh.triangles[triangle][corner]];
   const double least_cosine = std::cos(mesh.smooth_angle);

@@ -8,7 +8,7 @@
 
 namespace atl::collision {
 
-// Of a tree of two children a node, in depth-first order: the first child is the next node.
+// A node of the binary tree that the wide one is made from, in depth-first order: the first child is the next node.
 struct TriangleTree::BinaryNode {
   Aabb box;
   std::uint32_t second;  // child; 0 of a leaf
