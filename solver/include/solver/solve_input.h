@@ -15,7 +15,7 @@
 
 namespace atl::solver {
 
-/// What all islands of a step share.
+/// The input shared by all islands of a step.
 struct SolveInput {
   const Islands& islands;
   BodyTable& bodies;
@@ -39,12 +39,12 @@ struct SolveInput {
   JointSystems* joint_systems = nullptr;       ///< likewise
 
   const AddedSlip* added_slip(std::uint32_t slot) const { return added_slips ? added_slips + slot : nullptr; }
-  /// Whether a component of joints is solved at once.
+  /// True if a component of joints is solved at once.
   bool solves_directly(std::uint32_t component) const {
     return settings.joint_method != JointMethod::Iterative && joint_systems->is_direct(component);
   }
 
-  /// What an island needs whose contacts and joints are solved at once.
+  /// The input for an island whose contacts and joints are solved at once.
   DirectIslandInput of_direct_islands() const {
     return {.islands = islands,
             .bodies = bodies,

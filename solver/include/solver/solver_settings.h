@@ -49,7 +49,7 @@ struct Softness {
     return {static_cast<float>(omega / a1), static_cast<float>(a2 * a3), static_cast<float>(a3)};
   }
 
-  /// Of each of several in parallel, which together are as stiff and damped as one.
+  /// The softness of each of `count` parallel constraints which together are as stiff and damped as this one.
   Softness shared_by(int count) const {
     if (count == 1) return *this;
     const double left = static_cast<double>(impulse_scale) * count;
@@ -70,8 +70,8 @@ struct Stiffening {
   float penetration_by_load = 0;  ///< m by N s a substep and 1/kg, as stiff as contacts are otherwise
   float response = 0;             ///< of the spring and dashpot to a change of speed, by that of the masses
 
-  /// What has a frequency of its own keeps it, and finer substeps are stiff as they are: to stiffen a tower in them has
-  /// it fall.
+  /// Contacts with a frequency of their own never stiffen. Neither do refined substeps: they are stiff already, and a
+  /// stiffened tower falls in them.
   static Stiffening of(const SolverSettings& settings, double hertz, double h) {
     const double omega = 2 * 3.14159265358979323846 * hertz;
     const bool stiffens = settings.contact_hertz == 0 && !settings.refined;
@@ -80,7 +80,7 @@ struct Stiffening {
   }
 };
 
-/// What the kernels need to know of a substep.
+/// The constants of a substep that kernels read.
 struct SubstepConstants {
   float step;  ///< s, of all substeps together
   float h;     ///< s

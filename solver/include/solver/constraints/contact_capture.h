@@ -8,7 +8,7 @@
 
 namespace atl::solver {
 
-/// What the last substep's sweeps had to solve and what they answered, before restitution, for the error audit. Groups
+/// The problem that the last substep's sweeps solved and their answer, before restitution, for the error audit. Groups
 /// write the entries of their own bodies and contacts.
 struct ContactCapture {
   struct Answer {

@@ -6,23 +6,25 @@
 
 namespace atl::solver {
 
-/// As part of mass times inner radius squared: no moment of a solid of uniform density is less than three times this.
+/// The least moment of inertia that contacts assume, as part of mass times inner radius squared. Every moment of a
+/// solid of uniform density is at least three times this.
 inline constexpr double least_moment_share = 0.1;
 
 /// A body whose largest moment is more than so many times the least is slender: a rod from 1:15 on. What is less
 /// slender gains no energy in impacts as it is: 100 capsules of 1:6 that hit a wall at 1000 m/s don't, such of 1:50 do.
 inline constexpr double slender_ratio = 100;
 
-/// Whether contacts may see a body with more inertia than it has, in islands without joints.
+/// True if contacts may have to assume more inertia than a body has, in islands without joints. There are two causes.
 ///
-/// Either one with moments that no solid of its shape could have. A point of contact turns such a body thousands of
-/// times as easily as it moves it, and that is what sweeps would do instead of lifting it, ever faster: a needle of 1
-/// to 1e6 ended in infinities. The spin about the light axis is then wrong in contact; it has next to no energy.
+/// The first is a body with moments that no solid of its shape could have. An impulse at a contact point turns it
+/// thousands of times as easily as it moves it. Sweeps would spin it ever faster instead of lifting it: a needle of 1
+/// to 1e6 ended in infinities. With the added inertia the spin about the light axis is wrong in contact, but it has
+/// next to no energy.
 ///
-/// Or a slender one that swings. Contacts keep the inertia of one place in the step. The spin about the light axis that
-/// they make along where that axis was is, once it has swung by an angle, one about the heavy axes by so much, and its
-/// energy grows by their moment over the least times the square of the angle. So the least moment counts as no less
-/// than the largest times that square.
+/// The second is a slender body that swings. Contacts keep the inertia of one orientation for the whole step. They make
+/// spin about the light axis as it was; once the axis has swung by an angle, that angle's share of the spin is about
+/// the heavy axes. Its energy grows by the ratio of the largest to the least moment times the angle's square. So the
+/// least moment counts as no less than the largest times that square.
 bool is_seen_heavier(const BodyTable& bodies, std::uint32_t body);
 
 /// kg m^2, about the principal axes: what such a body has at least, however it moves.
@@ -32,7 +34,7 @@ Vector3 moments_in_contact(const BodyTable& bodies, std::uint32_t body);
 /// `approach` m/s. 0 where it isn't slender.
 double swing_in_contact(const BodyTable& bodies, std::uint32_t body, double approach, double dt);
 
-/// What contacts see of it, or the inverse; world frame.
+/// The inertia that contacts assume (kg m^2), or its inverse; world frame.
 Matrix3 inertia_in_contact(const BodyTable& bodies, std::uint32_t body, double swing);
 Matrix3 inverse_inertia_in_contact(const BodyTable& bodies, std::uint32_t body, double swing);
 

@@ -79,7 +79,7 @@ struct Law {
   bool drives() const { return motor_force > 0; }
   bool is_servo() const { return drives() && (servo_stiffness > 0 || servo_damping > 0); }
   bool damps() const { return damping > 0 || (spring_hertz > 0 && damping_ratio > 0) || servo_damping > 0; }
-  /// Whether the impulse of a substep depends on the rate before it.
+  /// True if the impulse of a substep depends on the rate before it.
   bool looks_back() const { return springs() || is_servo() || armature > 0; }
   /// Returns true for a spring, servo, motor or armature: forces that add to the constraint's own impulse.
   bool acts_as_force() const { return drives() || looks_back(); }
@@ -126,7 +126,7 @@ struct alignas(64) Joint {
   Vector3 force = Vector3::Zero();   ///< N, on the second body, in the last substep
   Vector3 torque = Vector3::Zero();  ///< N m, about the second frame's origin
 
-  // What a joint of a point alone has no use for.
+  // The members from here on are unused by a joint that only holds a point.
   Quaternion axes_first = Quaternion::Identity();  ///< from the frame to the body's
   Quaternion axes_second = Quaternion::Identity();
   std::array<Coordinate, max_joint_rows> coordinate = {};
@@ -164,7 +164,7 @@ JointRow joint_row(const Joint& joint, std::size_t row, const JointFrames& frame
 /// only, that position itself. A position beyond 1e15, or that is none, counts as 0.
 double continued(Coordinate coordinate, double value, double before);
 
-/// What a joint's law acts along.
+/// The row along which a joint's law acts.
 struct LawRow {
   JointRow at;      ///< with the value that the law sees
   double position;  ///< of the coordinate, continued
@@ -181,10 +181,10 @@ LawRow law_row(const Joint& joint, std::size_t row, const JointFrames& frames, d
 /// turn, see there.
 void fade(Coordinate coordinate, const JointFrames& frames, bool fades_turn, JointRow& row);
 
-/// Where the frames of a joint are, of bodies whose centres of mass are at these places. Unit quaternions.
+/// The frames of a joint, for bodies with their centres of mass at these positions (m). Unit quaternions.
 JointFrames joint_frames(const Joint& joint, const Vector3& position_first, const Quaternion& orientation_first,
                          const Vector3& position_second, const Quaternion& orientation_second);
-/// As the bodies are now.
+/// The frames at the bodies' current poses.
 JointFrames joint_frames(const Joint& joint, const BodyTable& bodies);
 
 }  // namespace atl::solver

@@ -14,7 +14,8 @@ struct JointRow {
   Eigen::Vector3d angular_first = Eigen::Vector3d::Zero();   ///< m for a coordinate in m, 1 for one in rad
   Eigen::Vector3d angular_second = Eigen::Vector3d::Zero();  ///< likewise
   double value = 0;                                          ///< m or rad
-  /// Of a coordinate that fades (see law_row()): its rate by that of turning about its axis.
+  /// The ratio of the coordinate's rate to the rate of turning about its axis, for a coordinate that fades; see
+  /// law_row().
   double share = 1;
 
   double rate(const Eigen::Vector3d& v_first, const Eigen::Vector3d& w_first, const Eigen::Vector3d& v_second,
@@ -31,8 +32,8 @@ struct JointRow {
   }
 };
 
-/// Where the two frames of a joint are. Each is fixed to its body; a joint asks that some of the coordinates between
-/// them be zero, stay in a range or move as a motor or a spring wants.
+/// The two frames of a joint, each fixed to its body. A joint asks that some of the coordinates between them be zero,
+/// stay in a range or move as a motor or a spring wants.
 struct JointFrames {
   Eigen::Vector3d arm_first;   ///< m, of the first frame's origin from the first body's centre of mass
   Eigen::Vector3d arm_second;  ///< m
@@ -61,7 +62,7 @@ JointRow turn_about(const JointFrames& frames, int axis);
 JointRow swing_along(const JointFrames& frames, int axis_second);
 
 /// Angle by which an axis of the first and one of the second frame fall short of a right angle, rad in [-pi/2, pi/2].
-/// Where they are parallel the row has no direction: then about the first frame's next axis.
+/// If the two are parallel the row has no direction of its own, and is taken about the first frame's next axis.
 JointRow skew_between(const JointFrames& frames, int axis_first, int axis_second);
 
 /// Angle of the twist of the second frame about the x axes, rad in (-pi, pi], and of the swing between the x axes, rad
@@ -75,8 +76,8 @@ JointRow swing(const JointFrames& frames);
 /// s the cosine of half the swing by tuning::fading_twist. Its value may be continued over full turns.
 void fade_twist(const JointFrames& frames, JointRow& twist);
 
-/// Likewise of turn_about() one that is 0 at a half turn, where it would change its sign, with s the cosine of half the
-/// turn by tuning::fading_turn.
+/// Fades a row of turn_about() to 0 at a half turn, where it would change its sign. The factor is that of fade_twist(),
+/// with s the cosine of half the turn by tuning::fading_turn.
 void fade_turn(const JointFrames& frames, int axis, JointRow& turn);
 
 /// Angle about axis `about` of the first frame by which axis `of` of the second has turned from that of the first, rad

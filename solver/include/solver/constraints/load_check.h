@@ -8,7 +8,7 @@
 
 namespace atl::solver {
 
-/// What an island is like, where it matters for how much its contacts may carry.
+/// The structure of an island, so far as it decides how much load its contacts may carry.
 enum class Build : std::uint8_t {
   Any,
   /// Small and of so few contacts that it is little but columns (or arches): to solve it at once costs not much more

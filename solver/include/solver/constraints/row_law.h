@@ -20,8 +20,9 @@ struct LinearForce {
   double rest = 0;             ///< m or rad
   double beside = 0;           ///< m/s^2 or rad/s^2, at rest
 
-  /// Of the law's spring at a distance from zero, or of its servo; with a mass in kg or kg m^2 that is more than 0.
-  /// A frequency, and a motor's speed, are those of turning about the axis where the coordinate has a share of it only.
+  /// The force of the law's spring at a distance from zero, or of its servo; the mass is in kg or kg m^2, and above 0.
+  /// If the coordinate's rate is only a share of the turning about its axis, the frequency and the motor's speed are
+  /// those of the turning.
   static LinearForce of_spring(const Law& law, double mass, double share = 1);
   static LinearForce of_servo(const Law& law, double mass, double share = 1);
   void add(const LinearForce& other);
@@ -32,8 +33,8 @@ struct LinearForce {
   double at(double position, double rate) const { return beside - square_of_omega * (position - rest) - decay * rate; }
 };
 
-/// What a law that is linear makes of the rate u before a step and of the free rate u0: see SpringStep. An impulse
-/// beside it changes the rate by 1 / (1 + hold) of what it would alone.
+/// A linear law over one step, as a function of the rate u before it and of the free rate u0: see SpringStep. Any other
+/// impulse changes the rate by 1 / (1 + hold) of what it would do without the law.
 struct LinearStep {
   double hold = 0;
   double keep = 0;
@@ -101,7 +102,7 @@ struct RowLaw {
   double slope(double rate) const;
   /// A bit for each piece that the rate is on: the same pieces have the same slope.
   std::uint8_t pieces(double rate) const;
-  /// Whether the position is held: locked, or at an end of the range.
+  /// True if the position is held: locked, or at an end of the range.
   bool holds(double rate) const { return locked || rate < lower_rate || rate > upper_rate; }
   int limit(double rate) const { return locked ? 0 : rate < lower_rate ? -1 : rate > upper_rate ? 1 : 0; }
   /// -1 where the motor pulls backwards with all it has, 1 forwards, else 0; likewise friction.

@@ -6,10 +6,10 @@
 
 namespace atl::solver {
 
-/// What the surfaces of a touching pair do beside plain friction, by contact slot, in rows of four floats for the
-/// kernels. The step fills in all but the impulse (whoever calls the solver the friction, that the slip), which lasts
-/// as those of a manifold do, but only as long as the contact is_pressed() and held from rolling: what a slot holds of
-/// a contact that has gone, or of another material, is not for the next one.
+/// Surface effects of a touching pair beyond plain friction, by contact slot, in rows of four floats for the kernels.
+/// The step sets all members but the impulse (the solver's caller sets the frictions, the step the slip). The impulse
+/// lasts from step to step like a manifold's, but only while the contact is_pressed() and has rolling friction: an
+/// impulse left by a former contact of the slot, or by another material, must not act on the next one.
 struct alignas(32) SurfaceContact {
   float slip[3] = {0, 0,
                    0};  ///< m/s, world frame: of the second surface along its body, against the first along its own
@@ -18,7 +18,7 @@ struct alignas(32) SurfaceContact {
   float torsional_friction = 0;          ///< m
 };
 
-/// Whether a contact carried something in the last step.
+/// True if a contact carried a load in the last step.
 inline bool is_pressed(const collision::ContactManifold& manifold) {
   for (const float impulse : manifold.normal_impulse) {
     if (impulse != 0) return true;

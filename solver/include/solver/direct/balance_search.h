@@ -10,7 +10,7 @@
 
 namespace atl::solver {
 
-/// What a search for the velocities of an IslandProblem works with.
+/// The working memory of a search for the velocities of an IslandProblem.
 struct BalanceSearch {
   IslandMatrix matrix;
   std::vector<double> gradient;   ///< N s, N m s: of the function, see balance()
@@ -53,8 +53,8 @@ bool solve_on_last_pieces(IslandProblem& problem, BalanceSearch& search);
 /// are apart may close what is open in dt seconds.
 void take_back_compliance(IslandProblem& problem, BalanceSearch& search, double dt);
 
-/// What joints have to move by, as rates, is what the factor makes of it: makes the search's direction the motion that
-/// closes `gap(joint, row)` with the least work, and moves no contact that holds.
+/// Makes the search's direction the motion that closes `gap(joint, row)` with the least work, and moves no contact that
+/// holds. It is the factor's answer to the gaps, taken as rates.
 template <typename Gap>
 void find_closing_motion(const IslandProblem& problem, BalanceSearch& search, const Gap& gap) {
   std::fill(search.direction.begin(), search.direction.end(), 0.0);

@@ -11,7 +11,7 @@
 
 namespace atl::solver {
 
-/// What became of a direct solve.
+/// The outcome of a direct solve.
 struct DirectIslandReport {
   bool solved = false;       ///< if not, no state was changed
   const char* why_not = "";  ///< static storage

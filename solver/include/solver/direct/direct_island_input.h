@@ -14,7 +14,7 @@ namespace atl::solver {
 /// Stands for the impulse of a contact that hasn't pushed in a step.
 inline constexpr float not_pushed = -1;
 
-/// What a direct solve of an island reads, and where it writes what it finds.
+/// The input of a direct solve of an island, with references to the results that it writes.
 struct DirectIslandInput {
   const Islands& islands;
   BodyTable& bodies;

@@ -68,7 +68,7 @@ struct DirectContact {
   ContactPieces factored;  ///< what the factor is of
 
   void add_motion(double sign, const Vector3& arm, const Vector3& v, const Vector3& w, Six& to) const;
-  /// What velocities make of the motion.
+  /// The part of the motion at the contact that velocities of the problem's bodies cause.
   Six motion_by(const std::vector<double>& velocities) const;
   /// The motion at velocities, with what doesn't respond.
   Six motion_at(const std::vector<double>& velocities) const;

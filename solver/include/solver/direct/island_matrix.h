@@ -24,11 +24,11 @@ class IslandMatrix {
   bool analyse(std::size_t body_count, std::span<const std::pair<std::uint32_t, std::uint32_t>> pairs,
                std::size_t most_blocks);
 
-  /// Likewise for a problem of joints alone, which its bodies and joints describe.
+  /// Does the same for a problem of joints alone, which its bodies and joints describe.
   bool analyse_joints(const IslandProblem& problem, std::size_t most_blocks);
 
-  /// Of the pieces of their laws that contacts and joints are on now, which are noted. Returns false if there is no
-  /// factor.
+  /// Factors the matrix for the pieces of their laws that contacts and joints are on now, and records these pieces.
+  /// Returns false if there is no factor.
   [[nodiscard]] bool factor(IslandProblem& problem);
 
   /// Replaces b by what the factor makes of it.
@@ -57,7 +57,7 @@ class IslandMatrix {
   JointResponse joints_;        // or empty: takes the place of the system
 };
 
-/// Whether the factor is of the pieces that everything is on.
+/// True if the factor belongs to the pieces of their laws that all rows are on now.
 bool is_factored(const IslandProblem& problem);
 
 /// Has the matrix factored anew, after stiffnesses have changed.

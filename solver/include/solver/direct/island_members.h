@@ -28,7 +28,7 @@ void couple_all(const Pairs& pairs, std::vector<std::pair<std::uint32_t, std::ui
   }
 }
 
-/// What an island consists of: its dynamic bodies, whose places in this list are their numbers in the island's problem,
+/// The members of an island: its dynamic bodies, whose places in this list are their numbers in the island's problem,
 /// and the pairs of bodies that touch or are joined.
 struct IslandMembers {
   std::size_t island = 0;

@@ -69,9 +69,9 @@ void balance(IslandProblem& problem, std::vector<double>& gradient, const Answer
 /// m/s: the largest part of a body's velocity that the impulses on it don't account for.
 double unbalanced(const IslandProblem& problem, const std::vector<double>& gradient);
 
-/// Whether no contact pushes ten times as hard as would stop the whole island: opposite contacts that overlap can't
-/// both open, and may push each other as hard as they like. `from_outside` in N s: what drives and carries it beside
-/// its own momentum.
+/// True if no contact pushes ten times as hard as would stop the whole island. Opposite contacts that overlap can't
+/// both open, and their forces on each other then have no bound. `from_outside` (N s) is the impulse that drives and
+/// carries the island beside its own momentum.
 bool is_bounded(const IslandProblem& problem, double from_outside);
 
 /// The velocities that the impulses make, so that no momentum is made up.

@@ -32,7 +32,7 @@ class JointSystems {
   bool is_direct(std::uint32_t component) const { return systems_[component] != nullptr; }
   /// Tells a component that is solved at once and has servos or rotors.
   bool is_machine(std::uint32_t component) const { return is_direct(component) && actuated_[component] != 0; }
-  /// Of a component that is.
+  /// The system of a component that is solved directly.
   DirectJoints& of(std::uint32_t component) { return *systems_[component]; }
 
   /// Memory held.

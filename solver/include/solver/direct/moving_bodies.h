@@ -42,7 +42,7 @@ struct IslandPoses {
   std::span<const MovingBody> bodies;
   double time;  ///< s
 
-  /// Of a body by its number in the problem, if it has one, and in the world.
+  /// The pose of a body, given by its number in the problem, if it has one, and in the world.
   BodyPose of(std::uint32_t local, std::uint32_t body) const {
     return local != no_body ? bodies[local].now : pose_after(table, body, time);
   }

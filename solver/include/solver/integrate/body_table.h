@@ -20,7 +20,7 @@ using Quaternion = Eigen::Quaternion<double, Eigen::DontAlign>;
 
 enum class Mobility : std::uint8_t { Fixed, Kinematic, Dynamic };
 
-/// What the surface of a body does that plain friction doesn't know. See atoll/body.h.
+/// The properties of a body's surface beyond plain friction. See atoll/body.h.
 struct Surface {
   Vector3 velocity = Vector3::Zero();  ///< m/s, body frame
   double rolling_friction = 0;         ///< m

@@ -22,7 +22,7 @@ struct MovedBody {
 };
 
 struct MovedBodies {
-  /// Those that may have passed through something, or that came out of the step unsound (see state_bounds.h).
+  /// Bodies that may have passed through something, or that came out of the step unsound (see state_bounds.h).
   std::vector<MovedBody> fast;
   std::vector<MovedBody> joined;  ///< all that joints act on: if one of them is put back, so is what it is joined to
 
@@ -53,10 +53,11 @@ enum class Momentum : std::uint8_t { Keep, Take };
 void slow_down(BodyTable& bodies, std::span<const std::uint32_t> of, Momentum momentum, double energy,
                double rotors = 0);
 
-/// Whether what a body gained in a step of dt seconds is a steady change, as of one that slides, rolls or tips, and no
-/// impact: what the forces on it, its weight above all, make of its velocity in a step, times 4. Contacts return them
-/// several times where a body is pressed on or friction is high. Then the trapezoidal rule moves it by half the gain
-/// less than its last velocity does, to second order instead of first. `radius` in m.
+/// True if a body's gain of velocity in a step of dt seconds is a steady change, as in sliding, rolling or tipping, and
+/// not an impact. The limit is 4 times what the forces on it, mostly its weight, give it in a step: contacts return
+/// these forces several times if a body is pressed on or friction is high. After a steady change the trapezoidal rule
+/// applies: it moves the body by half the gain less than the last velocity does, to second order instead of first.
+/// `radius` in m.
 bool changes_steadily(const Vector3& gained, const Vector3& gained_spin, const Vector3& acceleration, double dt,
                       double radius);
 

@@ -29,7 +29,7 @@ inline constexpr int plane_of(std::uint8_t locks) {
 /// The same of the plane in which all stay that a contact of two bodies can move.
 int shared_plane(const BodyTable& bodies, std::uint32_t first, std::uint32_t second);
 
-/// What is left of a vector without its parts along the axes whose bits are set; zeros are positive.
+/// A vector without its parts along the axes whose bits are set; zeros are positive.
 inline Vector3 without(unsigned axes, const Vector3& v) {
   Vector3 rest;
   for (unsigned k = 0; k < 3; ++k) rest[k] = axes >> k & 1u ? 0 : v[k];
@@ -45,7 +45,7 @@ Matrix3 world_inverse_inertia(const BodyTable& bodies, std::uint32_t body);
 /// m/s^2, of gravity and the force on a body.
 Vector3 linear_acceleration(const BodyTable& bodies, std::uint32_t body, const Vector3& gravity);
 
-/// What an angular impulse adds to a body's spin, rad/s; or a torque, rad/s^2.
+/// The change of a body's spin by an angular impulse, rad/s; or its angular acceleration by a torque, rad/s^2.
 Vector3 angular_response(const BodyTable& bodies, std::uint32_t body, const Vector3& torque);
 
 }  // namespace atl::solver

@@ -42,7 +42,7 @@ class Islands {
   std::size_t contact_count(std::size_t island) const { return contact_start_[island + 1] - contact_start_[island]; }
   std::size_t joint_count(std::size_t island) const { return joint_start_[island + 1] - joint_start_[island]; }
 
-  /// Of any body of the world; none for what is in no island.
+  /// The island of any body of the world; none if it is in no island.
   std::uint32_t island_of(std::uint32_t body) const { return body < island_of_.size() ? island_of_[body] : none; }
   /// Position of a body in the list of all islands' bodies. Valid for bodies of islands only.
   std::uint32_t rank(std::uint32_t body) const { return rank_[body]; }
@@ -84,7 +84,7 @@ class Islands {
   jobs::CompactArray<std::uint32_t> free_bodies_;
 };
 
-/// What an island is like, where it matters for how far its contacts may overlap under a load.
+/// The structure of an island, so far as it decides how far its contacts may overlap under a load.
 enum class Build : std::uint8_t {
   Any,
   /// Small and of so few contacts that it is little but columns (or arches): to solve it at once costs not much more

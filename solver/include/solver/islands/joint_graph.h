@@ -12,8 +12,8 @@
 
 namespace atl::solver {
 
-/// What hangs together by joints alone: components of dynamic bodies under the joints that act, whatever touches or
-/// sleeps. Made anew when joints come, go or change, and kept from step to step in between.
+/// The graph of bodies and joints: components of dynamic bodies connected by enabled joints, whatever touches or
+/// sleeps. It is rebuilt when joints come, go or change, and kept from step to step in between.
 class JointGraph {
  public:
   static constexpr std::uint32_t none = ~std::uint32_t{0};
@@ -26,7 +26,7 @@ class JointGraph {
   /// Dynamic bodies that tendons hang together, two by two, beyond the two of their link.
   std::span<const JointLink> ties() const { return ties_; }
   std::size_t component_count() const { return start_.empty() ? 0 : start_.size() - 1; }
-  /// Of a joint; none if it doesn't act. Components are in order of their first joint.
+  /// The component of a joint; none if it doesn't act. Components are in order of their first joint.
   std::uint32_t component_of(std::uint32_t joint) const { return component_of_[joint]; }
   std::span<const JointLink> links_of(std::uint32_t component) const;
   /// How many joints that act hold the same two bodies, this one among them; what doesn't respond counts as one body.

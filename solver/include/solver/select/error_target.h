@@ -27,7 +27,7 @@ inline constexpr std::array<std::uint16_t, 35> substep_rungs = {
     1,  2,  3,  4,  5,   6,   7,   8,   10,  12,  14,  16,  20,  24,  28,  32,  40,  48,
     56, 64, 80, 96, 112, 128, 160, 192, 224, 256, 320, 384, 448, 512, 640, 768, 1024};
 
-/// What an error of an island asks for.
+/// The substeps that an error of an island calls for.
 struct ErrorNeed {
   int substeps = 1;      ///< with which it would be held; most_needed if with none
   bool missed = false;   ///< it is larger than its target
@@ -37,12 +37,12 @@ inline constexpr int most_needed = 2048;
 /// The least number of substeps whose square is so large; most_needed if there is none.
 int rung_of(double square);
 
-/// How many things of an island have errors of which size. What more than one in a hundred exceeds is the error, as in
-/// `PenetrationReport::p99`: of few things the largest. Counts add up in any order.
+/// Counts the errors of an island by size. The island's error is the size that one in a hundred exceeds, as in
+/// `PenetrationReport::p99`; with few errors it is the largest. Counts add up in any order.
 ///
-/// Where bodies have just met, errors can stay beyond the target whatever the substeps. The part of errors that does
-/// fall with the substeps is then only held to the size of those: less of it would cost time, and the island's error
-/// would be as large.
+/// Between bodies that have just met, errors can stay beyond the target whatever the number of substeps. The part of
+/// the errors that does fall with substeps is then held only to the size of the others: reducing it further would cost
+/// time, and leave the island's error as large.
 class ErrorCounts {
  public:
   /// An error within the target, that was made in so many substeps.

@@ -14,7 +14,7 @@
 
 namespace atl::solver {
 
-/// What the errors of islands are measured from as a step begins: where the one before left things.
+/// The state as a step begins, from which the errors of islands after the last step are measured.
 struct ErrorInput {
   const Islands& islands;
   const BodyTable& bodies;

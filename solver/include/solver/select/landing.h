@@ -6,11 +6,11 @@
 
 namespace atl::solver {
 
-/// Whether a body that is alone on its island leans on something and lands on something else in this step: a block that
-/// rocks from edge to edge, a ball that rolls into a wall.
+/// True if a body that is alone on its island leans on one thing and lands on another in this step: a block that rocks
+/// from edge to edge, a ball that rolls into a wall.
 ///
-/// What is reached within a substep stops it for all of that, and what held it until then lets go for all of it: a
-/// landing is off by what its weight does in a substep, of first order where all else is of second.
+/// A new contact stops the body for the whole substep in which it is reached, and the old contact lets go for the whole
+/// of it. So a landing has an error of the weight's impulse in a substep: first order, while all else is second order.
 bool lands(const LoadInput& input, std::size_t island);
 
 }  // namespace atl::solver

@@ -13,7 +13,7 @@
 
 namespace atl::solver {
 
-/// What loads on contacts are estimated from.
+/// The input of an estimate of the loads on contacts.
 struct LoadInput {
   const Islands& islands;
   const BodyTable& bodies;
@@ -27,8 +27,8 @@ struct LoadInput {
   bool estimates = true;                        ///< all loads; else those of islands that have changed
 };
 
-/// What the contacts of an island carry if all stands: from the top down, each body hands its weight and what it
-/// carries on to what is below it, in equal parts.
+/// Estimates the load on each contact of an island at rest. From the top down, each body hands its weight and the load
+/// on it to the bodies below it, in equal parts.
 class LoadEstimate {
  public:
   /// Bodies of an island whose contacts would overlap by more than is allowed.

@@ -23,13 +23,13 @@ class MotionError {
   bool is_empty() const { return acceleration_.empty(); }
   void forget_all();
   void forget(std::uint32_t body);
-  /// As a step begins: notes the velocities of these bodies.
+  /// Records the velocities of these bodies as a step begins.
   void begin(const BodyTable& bodies, std::span<const std::uint32_t> of);
-  /// As it ends, after dt seconds: m/s, of a body that was among these, in substeps of so many seconds; 0 in its first
-  /// step.
+  /// The error (m/s) of a body as the step ends after dt seconds, taken in substeps of `substep` seconds. The body was
+  /// given to begin(). 0 in its first step.
   double end(const BodyTable& bodies, std::uint32_t body, double dt, double substep);
 
-  /// What lasts from step to step: see end().
+  /// The acceleration that is kept from step to step: see end().
   const Acceleration& acceleration(std::uint32_t body) const { return acceleration_[body]; }
   bool is_known(std::uint32_t body) const { return body < acceleration_.size() && acceleration_[body] != unknown; }
   void restore(std::uint32_t body, std::size_t bodies, const Acceleration& acceleration);

@@ -62,7 +62,7 @@ class SolverSelection {
   /// time stands still.
   void note_failed(std::span<const std::uint32_t> failed, std::span<const std::uint8_t> awake, double dt);
 
-  /// What a body's island was found to be: what lasts from step to step.
+  /// The last result for a body's island. It is kept from step to step.
   struct Finding {
     SolveMode mode = SolveMode::Sweep;  ///< by the last estimate of its load: Sweep, Refined or Direct
     float swept = 0;                    ///< s: for how long yet, after it could not be solved at once
@@ -70,7 +70,7 @@ class SolverSelection {
     bool operator==(const Finding&) const = default;
   };
   Finding finding(std::uint32_t body) const { return body < findings_.size() ? findings_[body] : Finding{}; }
-  /// Of a state that is restored: bodies come in order.
+  /// Restores the finding of a saved state. Bodies come in order.
   void restore(std::uint32_t body, const Finding& finding);
 
   /// See jobs/arrays.h.
@@ -85,7 +85,8 @@ class SolverSelection {
   bool is_machine(const LoadInput& input, std::size_t island);
   bool is_pressed(const LoadInput& input, std::size_t island);
 
-  // What lasts from step to step, and what is made anew. Whoever adds a member says which it is, or this won't compile.
+  // Lists the members that last from step to step, then (after the empty comment) scratch. A new member has to be put
+  // into one of the two lists, or this doesn't compile.
   static void check_members(SolverSelection& selection) {
     auto& [findings, failed, /**/ landings, joined, on_system, modes, refused] = selection;
     static_cast<void>(findings);

@@ -25,7 +25,7 @@ namespace atl::solver {
 /// A body carries what its island was given. Islands that merge get the most of theirs, those that part keep it.
 class SubstepControl {
  public:
-  /// What lasts from step to step, by body.
+  /// The state by body that is kept from step to step.
   struct History {
     std::uint16_t substeps = 0;  ///< of the last step that its island took; 0: none yet
     std::uint16_t most = 0;      ///< that it needed in the time that it is looked at
@@ -42,7 +42,7 @@ class SubstepControl {
 
   enum class Error : std::uint8_t { Penetration, JointGap, Residual, Motion };
 
-  /// Of an island, in the last step.
+  /// The substeps of an island in the last step.
   struct Island {
     std::uint16_t substeps = 0;  ///< that it got, of all of a step
     std::uint16_t needed = 0;    ///< that would hold it, as far as substeps do; more than it got at the cap
@@ -57,7 +57,7 @@ class SubstepControl {
   };
 
   bool is_empty() const { return history_.empty(); }
-  /// Where nothing is to be held.
+  /// Drops all history, once there is no target to hold.
   void forget_all();
   void forget(std::uint32_t body) {
     if (body < history_.size()) history_[body] = {};
@@ -66,14 +66,14 @@ class SubstepControl {
 
   /// By island of the step that begins; see Island::substeps.
   std::span<const Island> choose(const ErrorInput& input, const ErrorTarget& target, jobs::Arena& arena);
-  /// As it ends. `residuals` by island, or empty where they were not measured.
+  /// Records the errors as the step ends. `residuals` are by island, or empty if they were not measured.
   void note(const ErrorInput& input, const ErrorTarget& target, std::span<const double> residuals);
 
   std::span<const Island> islands() const { return islands_; }
   std::span<const Miss> misses() const { return misses_; }  ///< of the last step, by island and error
 
   const History& history(std::uint32_t body) const;
-  /// Of a state that is restored.
+  /// Restores the history of a body from a saved state.
   void restore_history(std::uint32_t body, std::size_t bodies, const History& history);
   MotionError& motion() { return motion_; }
   const MotionError& motion() const { return motion_; }
@@ -93,7 +93,8 @@ class SubstepControl {
   void note_residuals(const ErrorInput& input, const ErrorTarget& target, std::span<const double> residuals);
   void note_motion(const ErrorInput& input, const ErrorTarget& target);
 
-  // What lasts from step to step, and what is made anew. Whoever adds a member says which it is, or this won't compile.
+  // Lists the members that last from step to step, then (after the empty comment) scratch. A new member has to be put
+  // into one of the two lists, or this doesn't compile.
   static void check_members(SubstepControl& control) {
     auto& [history, motion, /**/ substeps, islands, misses, needs, counts] = control;
     static_cast<void>(history);

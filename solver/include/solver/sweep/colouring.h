@@ -19,7 +19,7 @@ struct LocalContact {
 };
 inline constexpr std::size_t contact_kinds = 24;
 
-/// Likewise a joint, and what decides which others it can share a block with.
+/// A joint, by the group's own numbers of its bodies, with what decides which joints it can share a block with.
 struct LocalJoint {
   std::uint32_t first;
   std::uint32_t second;

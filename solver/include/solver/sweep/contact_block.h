@@ -13,7 +13,8 @@ using collision::max_points;
 /// axes only: kernels know of it, blocks tell it by their traits.
 enum class MovableSides : std::uint8_t { Both, First, Second, Locked };
 
-/// What a block's contacts call for in this step: kernels leave out the rest of the work, which would change no bit.
+/// The features that some contact of a block has in this step. Kernels leave out the work of the others, which would
+/// change no bit.
 struct ContactTraits {
   std::uint8_t points = max_points;  ///< no contact has more
   bool friction = true;
@@ -89,7 +90,7 @@ struct ContactWork {
   }
 };
 
-/// What a block needs beside, if its group has restitution.
+/// Additional data of a block if its group has restitution.
 struct alignas(64) BounceBlock {
   float separation[4][block_lanes];  ///< m, as the substep begins: of what flies as far as it gets
   float spent[4][block_lanes];       ///< N s, of bounces of this step, which are not carried over
@@ -97,7 +98,7 @@ struct alignas(64) BounceBlock {
   std::uint8_t closes;  ///< bit a lane: some point may bounce in this substep
 };
 
-/// What a block needs beside, if surfaces in its group run, or hold back rolling or spinning.
+/// Additional data of a block if surfaces in its group move along, or resist rolling or spinning.
 struct alignas(64) SurfaceBlock {
   template <std::size_t n>
   using Lanes = float[n][block_lanes];
@@ -110,7 +111,7 @@ struct alignas(64) SurfaceBlock {
   Lanes<1> rise;  ///< m/s, of the surface along the normal, at the end of the step; the opposite at its start
 };
 
-/// What a block needs beside, if bodies of its group have motion locks. A contact of bodies that stay in one plane has
+/// Additional data of a block if bodies of its group have motion locks. A contact of bodies that stay in one plane has
 /// at most two points, its first.
 struct alignas(64) PlanarBlock {
   float planar[block_lanes];    ///< 1 for such a contact, else 0
@@ -133,7 +134,7 @@ struct alignas(64) RimBlock {
   float axis_second[3][block_lanes];
 };
 
-/// What a block needs beside, if overlap is removed by velocities of its own.
+/// Additional data of a block if overlap is removed by separate velocities (split impulse).
 struct alignas(64) SplitBlock {
   float impulse[4][block_lanes];  ///< N s, of this substep
 };

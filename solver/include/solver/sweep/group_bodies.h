@@ -52,7 +52,7 @@ inline std::uint32_t GroupBodies::local(const SolveInput& input, const IslandGro
 /// is one that contacts may see heavier.
 std::vector<double> approach_speeds(const SolveInput& input, const IslandGroup& group, const GroupBodies& numbers);
 
-/// Of the group's dynamic bodies [begin, end), of which the first has the number `first_dynamic`.
+/// Loads the group's dynamic bodies [begin, end). The first of the group has the number `first_dynamic`.
 void load_bodies(const SolveInput& input, std::span<const std::uint32_t> bodies, std::size_t begin, std::size_t end,
                  std::uint32_t first_dynamic, std::span<const double> approaches, SolverBodies& rows);
 void load_kinematic_bodies(const SolveInput& input, std::span<const std::uint32_t> kinematic, SolverBodies& rows);

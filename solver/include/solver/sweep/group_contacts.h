@@ -17,7 +17,8 @@ namespace atl::solver {
 /// The contacts of an island group in coloured blocks for the wide kernels. Memory is reused.
 class GroupContacts {
  public:
-  /// Those of a new group, coloured; their blocks have bodies, slots and masks, and are yet to be prepared.
+  /// Collects and colours the contacts of a new group. Their blocks get bodies, slots and masks, and still need
+  /// preparing.
   void collect(const SolveInput& input, const IslandGroup& group, const GroupBodies& bodies);
 
   bool empty() const { return contacts_.empty(); }
@@ -29,8 +30,8 @@ class GroupContacts {
   std::span<const PlanarBlock> planar_blocks() const { return planar_blocks_; }
   std::span<const SurfaceBlock> surface_blocks() const { return surface_blocks_; }
 
-  /// What kernels work on: `report` says what the group needs; with `splits` impulses that push apart are kept from
-  /// those that last. `joined` may be empty: see ContactKernelData.
+  /// The data of the contact kernels. `report` says what the group needs; with `splits` the impulses that push bodies
+  /// apart are kept separate from those that last. `joined` may be empty: see ContactKernelData.
   ContactKernelData kernel_data(const SolveInput& input, const GroupReport& report, const SubstepConstants& constants,
                                 bool splits, SolverBodies& bodies, std::span<const std::uint8_t> joined);
   /// Finds the rims of contacts as the step begins. Bodies are loaded, and kernel_data() has been asked for.

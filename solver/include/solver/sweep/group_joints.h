@@ -18,7 +18,7 @@
 
 namespace atl::solver {
 
-/// What the joints of a group look at in a step.
+/// The input of a group's joints in a step.
 struct JointStep {
   Joint* joints;  ///< by index
   const JointGraph* graph;
@@ -43,7 +43,7 @@ class GroupJoints {
     may_bounce_ |= joint.bounces;
     has_forces_ |= joint.acts_as_force();
   }
-  /// As Colouring has it, of all that were added.
+  /// Colours all joints that were added; see Colouring.
   void colour(std::uint32_t first_dynamic, std::uint32_t body_count);
 
   bool empty() const { return joints_.empty(); }
@@ -76,7 +76,7 @@ class GroupJoints {
   void add_springs(const JointStep& step, std::size_t begin, std::size_t end);
   /// Before the forces of a substep.
   void note_rates(const JointStep& step, std::size_t begin, std::size_t end);
-  /// Whether some coordinate may bounce at the end of its range.
+  /// True if some coordinate may bounce at the end of its range.
   bool may_bounce() const { return may_bounce_; }
   /// Once forces and the impulses of the last substep are on: which will, in this substep. Whether any.
   bool note_impacts(const JointStep& step, std::size_t begin, std::size_t end);
@@ -84,9 +84,10 @@ class GroupJoints {
   /// substep nothing is left of it.
   void begin_bounces();
   void end_bounces();
-  /// Whether some coordinate has a spring, a motor or a rotor.
+  /// True if some coordinate has a spring, a motor or a rotor.
   bool has_forces() const { return has_forces_; }
-  /// Of these all: act(body, impulse, angular impulse), once for each of the two bodies, by index into SolverBodies.
+  /// Calls act(body, impulse, angular impulse) for these forces, once for each of the two bodies, by index into
+  /// SolverBodies.
   template <typename Act>
   void each_force(const JointStep& step, const Act& act) const;
   /// Scales impulses of points and of all other coordinates by scale(body).
@@ -163,8 +164,8 @@ void GroupJoints::scale_held(const JointStep& step, const Scale& scale) {
   }
 }
 
-/// Whether a coordinate is at an end of its range: -1, 1 or 0. It gets there within a millimetre or milliradian, or a
-/// hundredth of a range that is shorter than ten of these, and leaves at twice that.
+/// The end of its range that a coordinate is at: -1, 1, or 0 for none. It arrives within a millimetre or milliradian,
+/// or a hundredth of a range shorter than ten of these, and leaves at twice that distance, so that it doesn't flicker.
 std::int8_t limit_reached(const Law& law, double position, std::int8_t before);
 
 }  // namespace atl::solver

@@ -18,7 +18,7 @@
 
 namespace atl::solver {
 
-/// What a group is made of while it is solved.
+/// The data of a group while it is solved.
 struct GroupParts {
   GroupBodies numbers;
   SolverBodies bodies;  ///< by these numbers

@@ -8,7 +8,7 @@
 
 namespace atl::solver {
 
-/// What the time of a group goes into. As atoll/report.h has them.
+/// The phases by which the time of a group is measured; see atoll/report.h.
 enum class SolverPhase { Colour, Prepare, WarmStart, Solve, Relax, Integrate, Restitution, Store };
 inline constexpr std::size_t solver_phase_count = 8;
 

@@ -12,7 +12,7 @@ class WorkerTeam;
 
 namespace atl::solver {
 
-/// Whether the colours of a group's contacts are still those of the last time that the same solver solved it.
+/// Says if a group has the colours of contacts that the same solver gave it the last time.
 enum class GroupColours { New, Kept };
 
 /// Solves island groups: soft substeps with relaxation ("TGS soft": Catto, "Solver2D", 2024) over coloured

@@ -15,7 +15,7 @@ namespace atl::solver {
 /// to make it of second order. Bodies by their place in the group.
 class JoinedMotion {
  public:
-  /// Of a group with joints.
+  /// Finds the components of a group with joints.
   void build(const SolveInput& input, const IslandGroup& group);
 
   /// Graph components of the group that are solved at once.
@@ -32,7 +32,7 @@ class JoinedMotion {
   bool follows(std::size_t body) const {
     return is_joined(body) && !components_[component_[body]].direct && !components_[component_[body]].touched;
   }
-  /// Whether only joints and forces act on a component, one by one: nothing touches it or leads it along.
+  /// True if only joints and forces act on a component that is swept: nothing touches it or leads it along.
   bool is_closed(std::size_t component) const {
     return !components_[component].direct && !components_[component].touched && !components_[component].led;
   }
@@ -44,7 +44,7 @@ class JoinedMotion {
   }
   std::size_t body_count() const { return component_.size(); }
   std::size_t component_count() const { return components_.size(); }
-  /// Of a joined body: numbers of the group's own.
+  /// The component of a joined body, by the group's own numbers.
   std::uint32_t component_of(std::size_t body) const { return component_[body]; }
   /// m/s^2, of the centre of mass of all that hang together with it.
   Vector3 acceleration(std::size_t body) const { return components_[component_[body]].acceleration; }

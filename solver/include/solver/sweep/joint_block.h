@@ -23,7 +23,7 @@ struct alignas(64) JointBlock {
   std::int32_t first[block_lanes];  ///< index into SolverBodies
   std::int32_t second[block_lanes];
 
-  // Of blocks with a point: as of the last sweep that looked.
+  // The members from here on are set in blocks with a point, by the last sweep that refreshed them.
   Lanes<3> arm_first;  ///< m, of the frame's origin from the centre of mass
   Lanes<3> arm_second;
   Lanes<3> offset;         ///< m, from the first frame's origin to the second's
@@ -128,7 +128,7 @@ struct alignas(64) JointCoordinateBlock {
   std::uint8_t springs;  ///< bit a lane: with a spring, a servo or an armature
 };
 
-/// What a row needs beside, if joints are closed by velocities of their own.
+/// Additional data of a row if joints are closed by separate velocities (split impulse).
 struct alignas(64) SplitRowBlock {
   float impulse[block_lanes];  ///< N s or N m s, of this substep
 };

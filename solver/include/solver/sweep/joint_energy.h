@@ -12,12 +12,13 @@
 
 namespace atl::solver {
 
-/// Keeps joints that are solved one by one from making energy. Whatever they hold, the velocities that they allow are
-/// nearest to those without them, by kinetic energy, which therefore can only fall: impulses that let it rise are those
-/// of sweeps that don't converge, as where light links hold heavy ones by long arms, and all of them are scaled down
-/// to where they leave it as it was. What joins then stretches. Springs and motors act as forces, ahead of that.
+/// Keeps swept joints from making energy. The velocities that joints allow and that are nearest to those without
+/// joints, by kinetic energy, can only have less of it. So impulses that raise it come from sweeps that haven't
+/// converged, as when light links hold heavy ones by long arms. All impulses are then scaled down until the energy is
+/// as it was; the joints stretch instead. Springs and motors act as forces, ahead of that.
 ///
-/// Of components of joined bodies on which nothing else acts: nothing touches them, and no moving anchor leads them.
+/// Applies to components of joined bodies on which nothing else acts: nothing touches them, and no moving anchor leads
+/// them.
 class JointEnergy {
  public:
   /// At the end of a substep's velocities, before bounces. `bodies` are rows of SolverBodies from `first_dynamic` on.

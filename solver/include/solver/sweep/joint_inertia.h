@@ -25,7 +25,7 @@ class JointInertia {
   /// N m, by index into SolverBodies, for joints to add theirs.
   std::span<Matrix3> stiffness() { return stiffness_; }
 
-  /// Where tension turns bodies back faster than substeps can follow, it counts as inertia. Of bodies [begin, end).
+  /// Adds tension to the inertia of bodies [begin, end) that it turns back faster than substeps can follow.
   void stiffen(const SolveInput& input, std::span<const std::uint32_t> bodies, std::size_t begin, std::size_t end,
                SolverBodies& rows);
   /// Once all are stiffened: lists the bodies whose inertia is to turn with them in the step.

@@ -15,7 +15,7 @@ namespace atl::solver {
 /// The kind of joints on a body: swept, or solved at once. The latter close any gap within a substep.
 enum class Joined : std::uint8_t { No, Swept, Direct };
 
-/// What the contact kernels work on.
+/// The data of the contact kernels.
 struct ContactKernelData {
   SolverBodies& bodies;
   ContactBlock* blocks;
@@ -33,7 +33,7 @@ struct ContactKernelData {
   bool leaves_out = true;                      ///< what a block has none of; else it is gone through for nothing
 };
 
-/// What a sweep does about overlap.
+/// The way a sweep treats overlap.
 enum class Push {
   None,   ///< nothing: it only stops approach
   Bias,   ///< asks for a speed that gets bodies apart
@@ -50,14 +50,14 @@ struct Sweep {
   /// Goes over the points of each contact from the last to the first. One order alone pushes what stands towards where
   /// it ends: by turns they cancel.
   bool backwards = false;
-  /// Of surfaces that bend under what slides on them (SurfaceBlock::rise): the part of their speed at the end of the
-  /// step that they have in this sweep, and what it has taken them by then, s.
+  /// For surfaces that bend under sliding bodies (SurfaceBlock::rise): the part of their end speed that they have in
+  /// this sweep, and the time (s) by which that speed is multiplied for the displacement so far.
   float rise_part = 0;
   float rise_time = 0;
   bool relaxes = false;  ///< takes back what pushed bodies apart
 };
 
-/// What the joint kernels work on.
+/// The data of the joint kernels.
 struct JointKernelData {
   SolverBodies& bodies;
   JointBlock* blocks;
