@@ -10,7 +10,8 @@ using Two = std::array<double, 2>;
 
 double length(const Two& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1]); }
 
-// What holds back motion at `speed`, no more than a disc allows. Whether that binds.
+// The viscous impulse against motion at `speed`, shortened to the radius `bound` of friction's disc. Returns true if it
+// was.
 bool hold_in_disc(const Two& speed, double stiffness, double bound, Two& impulse) {
   impulse = {-stiffness * speed[0], -stiffness * speed[1]};
   const double wanted = length(impulse);

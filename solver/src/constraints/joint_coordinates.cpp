@@ -85,8 +85,9 @@ JointRow skew_between(const JointFrames& frames, int axis_first, int axis_second
   return angular_row(axis, arctangent(a.dot(b), sine));
 }
 
-// Of q = (s, v) the twist is 2 atan2(v_x, s). Its rate in terms of the relative spin is that about the direction
-// halfway between the two x axes, over the cosine of half the swing: (a + b) . w / (1 + a . b).
+// For q = (s, v), the relative rotation as a quaternion, the twist is 2 atan2(v_x, s). Its rate is the relative spin's
+// part about the direction halfway between the two x axes, over the cosine of half the swing: (a + b) . w / (1 + a .
+// b).
 JointRow twist(const JointFrames& frames) {
   const Quaterniond& turn = frames.turn;
   const Vector3d a = frames.axes_first.col(0);
@@ -98,7 +99,7 @@ JointRow twist(const JointFrames& frames) {
 
 namespace {
 
-// What fades a coordinate, and its derivative by the cosine.
+// The factor by which a coordinate fades, and its derivative by the cosine.
 struct Fading {
   double part = 1;
   double slope = 0;
@@ -128,7 +129,7 @@ void fade_twist(const JointFrames& frames, JointRow& twist) {
   twist.share = fading.part;
 }
 
-// Of q = (s, v), s' = -v . w / 2 in the first frame.
+// The row follows from s' = -v . w / 2 in the first frame, for the relative rotation q = (s, v).
 void fade_turn(const JointFrames& frames, int axis, JointRow& turn) {
   const Quaterniond& relative = frames.turn;
   const Fading fading(relative.w(), tuning::fading_turn);

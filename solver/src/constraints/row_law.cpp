@@ -213,7 +213,7 @@ LimitImpact LimitImpact::of(const Law& law, double position, double rate, double
   const double there = position + h * free_rate;
   const int end = there < law.lower ? -1 : there > law.upper ? 1 : 0;
   if (end == 0) return {};
-  // As seen from where it hits: room > 0 is left, and it comes at a speed > 0.
+  // Seen from the end that it hits, the coordinate has room > 0 left and comes at a speed > 0.
   const double room = end < 0 ? position - law.lower : law.upper - position;
   const double acceleration = end * (free_rate - rate) / h;
   const double start = end * rate + 0.5 * h * acceleration;

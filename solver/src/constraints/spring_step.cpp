@@ -6,9 +6,9 @@
 
 namespace atl::solver {
 
-// Of x'' + decay x' + omega^2 x = 0 the exact map of a step has the eigenvalues exp(-a h), exp(-b h) with a and b the
-// roots of s^2 - decay s + omega^2. The map u1 = (1 - d) u - p x, x1 = x + h u1 has them if d = 1 - exp(-(a + b) h) and
-// p h = (1 - exp(-a h)) (1 - exp(-b h)).
+// The exact map of a step of x'' + decay x' + omega^2 x = 0 has the eigenvalues exp(-a h) and exp(-b h), with a and b
+// the roots of s^2 - decay s + omega^2. The map u1 = (1 - d) u - p x, x1 = x + h u1 has the same eigenvalues if d = 1 -
+// exp(-(a + b) h) and p h = (1 - exp(-a h)) (1 - exp(-b h)).
 SpringStep SpringStep::of(double omega, double decay, double h) {
   const double phase = omega * h;
   const double half = std::max(0.5 * decay * h, std::sqrt(std::max(phase * phase - most_phase * most_phase, 0.0)));

@@ -302,7 +302,7 @@ void BlockLdlt::solve_all(double* b) const {
       double x[C];
       load<C>(x, b + column.row);
       unrolled<C>([&](auto c) { x[c] *= pivot[c + C * c]; });
-      // What became known last is subtracted last, so that less waits for it.
+      // The values computed last are subtracted last, so that less work waits for them.
       while (below != begin) {
         --below;
         with_size<Size>(below->size, [&](auto rows) {

@@ -108,7 +108,8 @@ void DirectJoints::relax(const DirectIslandInput& input, int substep, SolverBodi
   keep_projected(input, joints.project(), bodies);
 }
 
-// What tumbles by itself in the next substep pays no armature.
+// Keeps the projected velocities, or the lasting ones if none were found, and sets the armatures to their rates. Bodies
+// that tumble by themselves in the next substep thus don't work against armatures.
 void DirectJoints::keep_projected(const DirectIslandInput& input, bool found, SolverBodies& bodies) {
   IslandProblem& problem = motions_.problem;
   if (!found) load_velocities(bodies);
@@ -144,7 +145,7 @@ void DirectJoints::load_velocities(const SolverBodies& bodies) {
   }
 }
 
-// What is carried over to the next substep is contacts' impulses alone.
+// Sets velocities outside of what is carried over to the next substep, which is the impulses of contacts alone.
 void DirectJoints::store_velocities(const std::vector<double>& velocities, SolverBodies& bodies) {
   for (std::size_t i = 0; i < places_.size(); ++i) {
     set_uncarried(bodies, places_[i], linear_part(velocities, i), angular_part(velocities, i));

@@ -1,11 +1,11 @@
-// What velocities make of contacts and joints, and impulses of momenta.
+// Maps velocities to motions of contacts and joints, and impulses to momenta.
 
 #include <solver/direct/direct_rows.h>
 
 namespace atl::solver {
 namespace {
 
-// Where in a Six what is along and about an axis is.
+// The places in a Six of the parts along and about an axis.
 constexpr int along(int axis) { return axis == 0 ? 0 : 2 + axis; }
 constexpr int about(int axis) { return axis == 0 ? 5 : axis; }
 

@@ -13,7 +13,7 @@
 namespace atl::solver {
 namespace {
 
-// Of the bound: at it, but for rounding to single precision.
+// Part of a bound from which on an impulse counts as at the bound: 1 less the rounding of single precision.
 constexpr double at_bound = 1 - 1e-6;
 
 // The contact's frame, its arms, with `half_way` as they will be in the middle of the step, and what moves it that

@@ -19,7 +19,7 @@ double gap_of(const Joint& of, const DirectJoint& joint, std::size_t row, double
   return limit == 0 ? 0 : value - (limit < 0 ? law.lower : law.upper) - joint.beyond[row];
 }
 
-// Of all rows of a joint, at these poses.
+// Finds the gaps of all rows of a joint at these poses.
 void find_gaps(const Joint* joints, const DirectJoint& joint, const IslandPoses& poses,
                DirectJoint::Rows<double>& gap) {
   const Joint& of = joints[joint.joint];
@@ -146,7 +146,7 @@ void close_joints(const DirectIslandInput& input, double time, double h, std::ve
       return;
     }
     find_closing_motion(problem, motions.search, closed);
-    // Where little is open and closed by short moves, less is left.
+    // A small gap that closes by short moves needs no line search: Newton's step leaves less.
     const double longest = longest_move(motions.search.direction);
     const bool near = most <= tuning::open_gap && longest * longest <= tuning::open_gap;
     const double share = near ? 1 : move_closer(input, time, most, bodies, motions);

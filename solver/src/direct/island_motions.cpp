@@ -21,7 +21,7 @@ struct Parting {
   double stiffness;  // N s by m/s, over the effective mass
 };
 
-// As the springs that contacts are said to be, or as fast as sweeps would.
+// The rate and stiffness of the springs that contacts are set to be, or else the rate at which sweeps part overlap.
 Parting parting_of(const SolverSettings& settings, double dt, double whole, bool fixed) {
   if (!(settings.contact_hertz > 0)) {
     return {SubstepConstants::parting_rate(settings, whole, fixed), 1 / tuning::compliance};

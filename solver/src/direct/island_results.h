@@ -1,5 +1,5 @@
 #pragma once
-/// What an island that was solved at once has come to, for those who ask.
+/// Hands the contact impulses of an island that was solved at once to manifolds, load reports and the error audit.
 
 #include <solver/direct/direct_island_input.h>
 #include <solver/direct/island_problem.h>

@@ -1,5 +1,5 @@
 #pragma once
-/// What makes substeps of joints alone a leapfrog of second order, and keeps them from making energy.
+/// Makes substeps of joints alone a leapfrog of second order, and keeps them from making energy.
 
 #include <solver/direct/balance_search.h>
 #include <solver/direct/direct_island_input.h>
@@ -43,8 +43,8 @@ enum class Rotors : std::uint8_t {
   Pay,   ///< at these before, and after with the bodies
 };
 
-/// Whether the kinetic energy of bodies and armatures has grown from velocities to others by more than springs, servos
-/// and motors have done with the problem's impulses, and tuning::energy_tolerance of it.
+/// True if the kinetic energy of bodies and armatures grows from one set of velocities to another by more than the work
+/// of springs, servos and motors, with the problem's impulses, plus the part tuning::energy_tolerance of it.
 bool gains_energy(const Joint* joints, const IslandProblem& problem, std::span<const MovingBody> bodies,
                   const std::vector<double>& before, const std::vector<double>& after, Rotors rotors);
 

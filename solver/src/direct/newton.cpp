@@ -49,11 +49,11 @@ class AlongDirection {
   double linear_slope_ = 0, curvature_ = 0;  // of the first term, and of locks
 };
 
-// Where the slope vanishes, or all the way if it doesn't before. Regula falsi that halves what it keeps (Dowell and
-// Jarratt, "A modified regula falsi method for computing the root of an equation", BIT 1971).
+// The step length at which the slope vanishes, or 1 if it doesn't before. Regula falsi that halves the kept slope
+// (Dowell and Jarratt, "A modified regula falsi method for computing the root of an equation", BIT 1971).
 double step_length(const AlongDirection& function) {
   constexpr double flat = 1e-3;  // of the slope at the start
-  // What rubs in a joint holds at rates below 1e-8 of those that there are, and has to be hit.
+  // Friction in a joint sticks only at rates below 1e-8 of the others, a narrow kink that the search has to hit.
   const int rounds = function.has_joints() ? 80 : 30;
   double low = 0;
   double high = 1;

@@ -7,7 +7,7 @@ namespace atl::solver {
 /// Down the gradient, by the factor that there is, with what that changes at contacts and joints.
 void find_direction(IslandProblem& problem, BalanceSearch& search);
 
-/// As balance(), with everything on the pieces of its law that it is on.
+/// Does balance() with all rows on the pieces of their laws that they are on.
 void balance_on_last_pieces(IslandProblem& problem, std::vector<double>& gradient);
 
 }  // namespace atl::solver

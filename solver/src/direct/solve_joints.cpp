@@ -7,8 +7,8 @@ namespace {
 // m/s or rad/s: the rate at which a row that acts would have no impulse, on the piece of its law that it is on.
 double balanced_rate(const RowLaw& law, double rate, double slope) { return rate + law.impulse(rate) / slope; }
 
-// What rows ask of bodies at the free velocities, as rates, and of those that are given what they do. Returns whether
-// any is given.
+// Finds the change of rate that each row asks for at the free velocities, and the impulses of the rows on a piece where
+// the law's impulse is constant. Returns true if there is any of the latter that isn't zero.
 bool ask(const IslandProblem& problem, std::vector<double>& rates, std::vector<double>& given) {
   bool any = false;
   double* asked = rates.data();

@@ -25,7 +25,7 @@ Vector3 turning(const BodyTable& table, std::uint32_t body, const MovingBody& mo
   return torque.isZero(0) ? Vector3::Zero().eval() : product(symmetric_inverse(moving.inertia), torque);
 }
 
-// Whether a body turns other than by its spin alone.
+// True if a body turns other than by its spin alone.
 bool tumbles(const MovingBody& body, const Vector3& spin) {
   return body.tumbles && spin.squaredNorm() > tuning::least_spin * tuning::least_spin;
 }
@@ -375,7 +375,7 @@ bool Substeps::solve_held_rows() {
   return solve_linear();
 }
 
-// Of rows that stay on the pieces of their laws.
+// Solves for velocities with all rows kept on the pieces of their laws.
 bool Substeps::solve_linear() {
   if (!by_bodies_) return solve_joints(problem_, motions_.search);
   problem_.velocity = motions_.lasting;

@@ -15,7 +15,7 @@ namespace atl::solver {
 
 class Substeps {
  public:
-  /// Of bodies and joints that have been loaded.
+  /// Works on an island whose bodies and joints have been loaded.
   Substeps(const DirectIslandInput& input, std::vector<MovingBody>& bodies, IslandMotions& motions,
            const RowKinds& rows)
       : input_(input),
@@ -38,9 +38,10 @@ class Substeps {
   void begin_substep();
   /// How locks bend at the free velocities in the substep that ends then.
   void foresee_bends(double time);
-  /// Of joints alone, from the free velocities: with how coordinates bounce, or as was found before.
+  /// Solves the joints alone, from the free velocities. `finds_impacts` also finds which coordinates bounce, and how;
+  /// otherwise the last finding is used again.
   bool find_joint_velocities(bool finds_impacts);
-  /// As bodies move by the velocities.
+  /// Moves the coordinates by the velocities of bodies.
   void advance_coordinates();
   /// From the lasting velocities those that keep the joints, and change nothing at contacts that rest: both have had
   /// their impulses, and answer to what is left alone. Returns false if there are none.

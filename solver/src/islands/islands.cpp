@@ -30,7 +30,7 @@ void Islands::build(std::span<const std::uint32_t> candidates, std::span<const s
                     std::span<const JointLink> ties) {
   Memory& memory = jobs::of_this_thread<Memory>();
   for (const std::uint32_t body : bodies_) island_of_[body] = none;
-  // Where nothing moves nothing is asked by body.
+  // If nothing moves, nothing asks for islands by body, and arrays over all bodies are not needed.
   if (!candidates.empty() || !pairs.empty() || !links.empty()) {
     if (memory.parent.size() < awake.size()) memory.parent.resize(awake.size());
     rank_.resize(awake.size());
@@ -52,7 +52,7 @@ void Islands::build(std::span<const std::uint32_t> candidates, std::span<const s
   sort_by_island(links, memory, joints_, joint_start_);
 }
 
-// Of pairs of bodies those with an awake one, island by island, in the order given.
+// Sorts the pairs in which at least one body is awake by island; within an island the given order stays.
 template <typename Pair>
 void Islands::sort_by_island(std::span<const Pair> pairs, Memory& memory, jobs::CompactArray<Pair>& sorted,
                              jobs::CompactArray<std::uint32_t>& start) const {

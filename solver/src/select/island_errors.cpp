@@ -168,7 +168,7 @@ int substeps_at_first(const ErrorInput& input, const ErrorTarget& target, std::s
   }
   // All of it may hang on one joint.
   if (sweeps_joints) square = std::max(square, all / stiffness(input, tuning::joint_hertz_limit) / target.joint_gap);
-  // Of the others nothing is known beforehand.
+  // The other errors can't be predicted.
   const bool others = target.residual < ErrorTarget::none || target.motion < ErrorTarget::none;
   return std::max(rung_of(square), others ? input.asked * input.parts : 1);
 }

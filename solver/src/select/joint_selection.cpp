@@ -69,7 +69,7 @@ struct Hold {
   bool operator<(const Hold& b) const { return body < b.body; }
 };
 
-// Whether all eigenvalues of a a^T are below a limit.
+// True if all eigenvalues of a a^T are below a limit.
 template <typename Matrix>
 bool is_below(double limit, const Matrix& a) {
   const Square rest = limit * Square::Identity(a.rows(), a.rows()) - a * a.transpose();
@@ -98,7 +98,7 @@ class Holds {
     std::stable_sort(holds_.begin(), holds_.end());
   }
 
-  // Whether two joints pull a light body to and fro between two heavy ones.
+  // True if two joints pull a light body to and fro between two heavy ones.
   bool fight() const {
     for (auto a = holds_.begin(); a != holds_.end(); ++a) {
       for (auto b = a + 1; b != holds_.end() && b->body == a->body; ++b) {
@@ -120,7 +120,7 @@ class Holds {
     };
     for (int axis = 0; joint.point && axis < 3; ++axis) add_row(offset_along(frames, axis));
     for (std::size_t row = 0; row < joint.rows; ++row) {
-      // Where origins coincide, a distance has no direction.
+      // A distance is left out, since it has no direction while the origins coincide, as they do here.
       if (!joint.law[row].locked() || joint.coordinate[row] == Coordinate::Distance) continue;
       add_row(joint_row(joint, row, frames));
     }
@@ -148,8 +148,9 @@ class Holds {
   std::vector<Hold> holds_;
 };
 
-// Whether solving joint by joint would not do: what hangs on something swings for long, and machines stand on
-// something, or hold their pose by servos; there errors add up. A tendon's impulse is to reach over several joints.
+// True if solving joint by joint is not accurate enough. Bodies that hang on something swing for long, and machines
+// stand on something or hold their pose by servos; errors add up in both. A tendon's impulse has to reach over several
+// joints.
 bool asks_for_direct(std::span<const JointLink> links, std::span<const Joint> joints, const BodyTable& bodies) {
   const auto asks = [&](const JointLink& link) {
     return bodies.inverse_mass[link.first] == 0 || bodies.inverse_mass[link.second] == 0 ||

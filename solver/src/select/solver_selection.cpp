@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t load_grain = 16;  // islands a task
 
-// What is solved at once is so without locks.
+// Islands with locks are not solved at once: the direct solver has no rows for them.
 bool has_locks(const LoadInput& input, std::size_t island) {
   const std::span<const std::uint32_t> bodies = input.islands.bodies(island, island + 1);
   return std::any_of(bodies.begin(), bodies.end(), [&](std::uint32_t body) { return input.bodies.locks[body] != 0; });
@@ -166,7 +166,7 @@ bool SolverSelection::is_pressed(const LoadInput& input, std::size_t island) {
   const std::uint32_t first_rank = islands.first_rank(island);
   const auto is_dynamic = [&](std::uint32_t body) { return input.bodies.mobility[body] == Mobility::Dynamic; };
   on_system_.assign(islands.body_count(island), 0);
-  // What is anchored can't give way, as limbs can.
+  // Only anchored components count: they can't give way to a load, as limbs can.
   std::uint32_t component = JointGraph::none;
   bool needs = false;
   for (const JointLink& link : islands.joints(island, island + 1)) {

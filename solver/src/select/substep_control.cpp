@@ -136,7 +136,7 @@ void SubstepControl::decide(const ErrorInput& input, const ErrorTarget& target, 
   // Each change disturbs a residual: fewer are tried seldom, and one rung after the other.
   const bool for_residual = target.residual < ErrorTarget::none;
   const int others = std::max<int>(now.asked, for_residual ? rung_below(now.substeps) : 1);
-  // What bodies ask for in the one step in which they meet would come too late.
+  // A need found in one step only is ignored: bodies have it as they meet, and substeps given after that come too late.
   const std::uint16_t needed = allowed(std::max(std::min<int>(found, now.needed), others));
   now.looked_at += static_cast<float>(input.dt);
   now.unchanged = std::min(longest, now.unchanged + static_cast<float>(input.dt));

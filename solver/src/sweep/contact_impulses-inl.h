@@ -1,4 +1,4 @@
-// What happens to accumulated impulses around the sweeps: warm start, bounces, and back to the manifolds. Included once
+// Handles accumulated impulses around the sweeps: warm start, bounces, and the way back to the manifolds. Included once
 // for each instruction set.
 
 #if defined(ATOLL_SOLVER_CONTACT_IMPULSES_INL_H_) == defined(HWY_TARGET_TOGGLE)

@@ -164,7 +164,7 @@ HWY_INLINE V3 gained_spin(const ContactLanes<movable>& c) {
   return c.second.w - c.first.w;
 }
 
-// What an impulse adds to a velocity.
+// The change of velocity by an impulse.
 HWY_INLINE V3 change_by(V inverse_mass, const V3& impulse) { return inverse_mass * impulse; }
 HWY_INLINE V3 change_by(const V3& inverse_mass, const V3& impulse) {
   return {hn::Mul(inverse_mass.x, impulse.x), hn::Mul(inverse_mass.y, impulse.y), hn::Mul(inverse_mass.z, impulse.z)};
@@ -257,8 +257,8 @@ HWY_NOINLINE void act_against_slip(const Plane& m, const M& slips, V radius, V& 
   p2 = hn::IfThenElse(slips, hn::Mul(scale, f2), p2);
 }
 
-// Of impulses p that would stop all slip, with the effective mass m, what friction's disc lets through: against the
-// slip that is left, v = -s f, so that p = (1 + s m) f with s >= 0 and |f| = radius. Its size is exact, its
+// Shortens impulses p, which would stop all slip with the effective mass m, to friction's disc. The result f acts
+// against the slip that is left, v = -s f, so that p = (1 + s m) f with s >= 0 and |f| = radius. Its size is exact, its
 // direction nearly so.
 HWY_INLINE void hold_in_disc(const Plane& m, V& p1, V& p2, V radius) {
   const V square = hn::Add(hn::Mul(p1, p1), hn::Mul(p2, p2));
@@ -267,7 +267,7 @@ HWY_INLINE void hold_in_disc(const Plane& m, V& p1, V& p2, V radius) {
   p1 = hn::IfThenElseZero(presses, p1);
   p2 = hn::IfThenElseZero(presses, p2);
   if (HWY_LIKELY(hn::AllFalse(D(), slips))) return;
-  // Of copies, so that nothing else has to be in memory.
+  // The function gets copies, so that the compiler can keep the originals in registers.
   const Plane mass = m;
   V f1 = p1, f2 = p2;
   act_against_slip(mass, slips, radius, f1, f2);

@@ -1,5 +1,4 @@
-// What motion locks change about contacts: effective masses, and rows that nothing answers. Included once for each
-// instruction set.
+// Motion locks in contacts: effective masses, and rows without response. Included once for each instruction set.
 
 #if defined(ATOLL_SOLVER_CONTACT_LOCKS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef ATOLL_SOLVER_CONTACT_LOCKS_INL_H_
@@ -16,11 +15,11 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 using namespace jobs::HWY_NAMESPACE;
 
-// What answers an impulse by less than this part of what it would without locks isn't pushed: it would have to be by
-// so much that rounding throws it about.
+// A row whose response with locks is less than this part of that without gets no impulse. The impulse would have to be
+// so large that rounding would throw the bodies about.
 constexpr float least_answer = 1e-3f;
 
-// Of the inverse mass of both bodies, what locks take along each axis.
+// The part of both bodies' inverse mass that locks remove along each axis.
 HWY_INLINE V3 lost_inverse_mass(const SolverBodies& bodies, const ContactBlock& block, std::size_t lane,
                                 const ContactLanes<>& c) {
   const auto lost = [&](const std::int32_t* index, V inverse_mass) {
@@ -30,9 +29,9 @@ HWY_INLINE V3 lost_inverse_mass(const SolverBodies& bodies, const ContactBlock& 
   return lost(block.first, c.inverse_mass_first) + lost(block.second, c.inverse_mass_second);
 }
 
-// Of a manifold's points, two at most for a contact in a plane, where only x counts: the one that is deepest and the
-// one farthest from it, in order of x. Points nearer to one than to the other hand it their impulse, so it doesn't
-// matter which of two that coincide in the plane is kept.
+// Reduces a manifold to two points at most, for a contact in a plane, where only x counts: the deepest point and the
+// one farthest from it, in order of x. Every other point hands its impulse to the nearer of the two, so it doesn't
+// matter which of two points that coincide in the plane is kept.
 struct PlanarPoints {
   V x[2], separation[2], impulse[2];
   V point[2];  // of the manifold; -1 if there is none

@@ -25,7 +25,7 @@ struct NormalLaw {
   static constexpr bool special = special_;
 };
 
-// What is known of a sweep when it is compiled.
+// The parameters of an ordinary sweep, fixed at compile time.
 template <Push push_, bool refresh_, bool rubs_, int rounds_>
 struct Common : NormalLaw<push_, false> {
   using normals = NormalLaw<push_, false>;
@@ -44,7 +44,7 @@ struct Special : NormalLaw<push_, true> {
   static HWY_INLINE int rounds(const Sweep& sweep) { return sweep.twice ? 2 : 1; }
 };
 
-// What is left out of blocks that have no need of it.
+// The work that blocks need, fixed at compile time; the rest is left out.
 template <std::size_t points_, MovableSides movable_>
 struct What {
   static constexpr std::size_t points = points_;
@@ -55,11 +55,11 @@ struct What {
 struct Residual {
   V most;
   HWY_INLINE Residual() : most(zero()) {}
-  // What is not a number counts as nothing: instruction sets differ in which of two is the larger if one is none.
+  // NaN counts as nothing: instruction sets differ in which of two numbers is the larger if one is NaN.
   HWY_INLINE void add(V change) { most = hn::IfThenElse(hn::Gt(hn::Abs(change), most), hn::Abs(change), most); }
 };
 
-// What a sweep makes of a point: its impulse changes by offset - mass * speed, or to zero.
+// The update of a point in a sweep: its impulse changes by offset - mass * speed, or to zero.
 struct PointTarget {
   V offset, mass;
 };
@@ -121,8 +121,8 @@ HWY_INLINE void solve_points(const ContactKernelData& data, ContactBlock& block,
   }
 }
 
-// What all points together do first about an impact, in lanes that land: a step down the gradient, as far as it is
-// best. Whatever order of the points follows, what lands flat stays so.
+// The first answer to an impact, in lanes that land: one step down the gradient of all points together, of the best
+// length. It is symmetric in the points, so a body that lands flat stays flat whatever order of the points follows.
 template <typename normals, std::size_t points>
 HWY_NOINLINE void spread_impact(const ContactKernelData& data, const ContactBlock& block,
                                 float (*impulses)[block_lanes], std::size_t lane, const M& lands, NormalSolve& solve) {
@@ -195,7 +195,7 @@ HWY_INLINE void solve_normals(const ContactKernelData& data, ContactBlock& block
   if constexpr (how::special) solve.u = hn::Sub(solve.u, rise);
   const M lands = hn::Lt(solve.u, splat(-tuning::landing_speed));
   const bool any_lands = HWY_UNLIKELY(!hn::AllFalse(D(), lands));
-  // Of copies, so that nothing else has to be in memory.
+  // The rare branches below work on copies, so that the compiler can keep the originals in registers.
   if constexpr (what::points > 1) {
     // Or leaves as fast, pushed by an impulse that was carried over.
     M hits = hn::Gt(hn::Abs(solve.u), splat(tuning::spread_speed));
@@ -204,7 +204,7 @@ HWY_INLINE void solve_normals(const ContactKernelData& data, ContactBlock& block
       for (std::size_t i = 1; i < what::points; ++i) pushed = hn::Add(pushed, load(impulses[i] + lane));
       hits = hn::And(hits, hn::Or(hn::Lt(solve.u, zero()), hn::Gt(pushed, zero())));
       NormalSolve spread = solve;
-      // Of a point that there is not, what it is apart may come to less where bodies turn about what is far away.
+      // Both separations are tested, since that of a missing point may get smaller if bodies turn about a far point.
       const V none = splat(collision::no_point);
       const M several =
           hn::And(hn::Lt(load(block.start_separation[1] + lane), none), hn::Lt(load(block.separation[1] + lane), none));

@@ -22,7 +22,7 @@ using namespace jobs::HWY_NAMESPACE;
 
 HWY_INLINE const collision::ContactManifold& manifold_of(const ContactKernelData& data, const ContactBlock& block,
                                                          std::size_t lane) {
-  // What a lane without a contact reads.
+  // The manifold that a lane without a contact reads.
   static constexpr collision::ContactManifold vacant = {
       {0, 0, 1},
       0,
@@ -90,7 +90,7 @@ HWY_INLINE void prepare_masses(ContactBlock& block, std::size_t lane, const Cont
 
 HWY_INLINE bool any(const M& mask) { return !hn::AllFalse(D(), mask); }
 
-// What the block has, without which kernels need not look for it.
+// Records the features that the block has, so that kernels leave out the others.
 HWY_INLINE void note_traits(ContactTraits& traits, const ManifoldLanes& m) {
   const V separation[max_points] = {m.separation.x, m.separation.y, m.separation.z, m.separation.w};
   for (std::size_t i = traits.points; i < max_points; ++i) {
@@ -299,7 +299,7 @@ HWY_INLINE void store_start(ContactBlock& block, std::size_t lane, const Contact
          lane);
 }
 
-// Those of the last step, for each of the substeps; of what isn't there, none.
+// Starts each substep with its share of the last step's impulses, and with none for friction that isn't there.
 HWY_INLINE void store_impulses(ContactBlock& block, std::size_t lane, const ContactLanes<>& c, const ManifoldLanes& m,
                                V share, M rubs, M twists) {
   const auto kept = [&](V impulse) { return hn::Mul(share, hn::Max(impulse, zero())); };

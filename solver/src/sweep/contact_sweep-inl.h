@@ -169,7 +169,7 @@ HWY_INLINE M locked_lanes(const ContactBlock& block, std::size_t lane, const Con
                 differs(c.inverse_mass_second, block.inverse_mass[1]));
 }
 
-// Of all points of a contact.
+// The sum over all points of a contact.
 template <std::size_t points>
 HWY_INLINE V normal_impulse_of(const ContactBlock& block, std::size_t lane) {
   V sum = load(block.normal_impulse[0] + lane);
@@ -223,7 +223,7 @@ HWY_INLINE void solve_friction(ContactBlock& block, SurfaceBlock* surface, [[may
     V slowed1 = response.first(change1, change2);
     V slowed2 = response.second(change1, change2);
     if constexpr (what::movable == MovableSides::Locked) {
-      // What can't move has no mass to ask.
+      // The effective mass says nothing about an axis along which bodies are locked, so the change is measured there.
       const V3 slowed = gained_velocity(c) - velocity;
       const M locked = locked_lanes(block, lane, c);
       slowed1 = hn::IfThenElse(locked, dot(c.tangent1, slowed), slowed1);
@@ -333,7 +333,7 @@ void sweep_by_kind(const ContactKernelData& data, const Sweep& sweep, std::size_
   }
 }
 
-// What few scenes need: it leaves nothing out.
+// The sweep with every feature, which few scenes need.
 template <Push push>
 float special_sweep(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end) {
   using how = Special<push>;

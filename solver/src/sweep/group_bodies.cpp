@@ -92,7 +92,7 @@ void load_bodies(const SolveInput& input, std::span<const std::uint32_t> bodies,
     Matrix3 inverse_inertia =
         heavier ? inverse_inertia_in_contact(table, body, swing) : world_inverse_inertia(table, body);
     if (!rows.shape.empty() && rows.shape[local].kind > 0 && table.gyroscopic[body]) {
-      // As it is half way through the step.
+      // The inertia in the orientation half way through the step.
       const Vector3 turn = get3(rows.shape[local].half_turn);
       const Matrix3 half = rotation_by(table.rolls[body] ? tilt_of(table, body, turn) : turn).toRotationMatrix();
       inverse_inertia = symmetric_product(product(half, inverse_inertia), half);

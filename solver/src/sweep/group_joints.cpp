@@ -99,7 +99,7 @@ void set_springs(JointRowBlock& row, std::size_t lane, const Law& law, const Joi
   row.next_spring_shift[lane] = static_cast<float>(share * spring.shift);
   const LinearStep servo = law.is_servo() ? LinearStep::of_servo(law, at, mass, h) : LinearStep{};
   const bool holds = servo.hold > 0;
-  // Of the rest of a spring, that leaves `part` of a rate.
+  // The motor's part of a rate, after a spring has left `part` of it.
   const auto motor_part = [&](double part) {
     return static_cast<float>(holds ? servo.hold * part / (1 + servo.hold * part) : 1);
   };
@@ -335,7 +335,7 @@ void GroupJoints::store(const JointStep& step, std::size_t begin, std::size_t en
     for (std::size_t lane = 0; lane < block_lanes; ++lane) {
       if (block.joint[lane] < 0) continue;
       Joint& joint = step.joints[block.joint[lane]];
-      // Of what the joint is the block knows enough: one cache line less.
+      // The block knows enough of the joint's kind; reading the joint would take another cache line.
       Vector3 linear = block.point ? get_lane(block.impulse, lane) : Vector3(Vector3::Zero());
       Vector3 angular = Vector3::Zero();
       joint.point_impulse = together * linear;

@@ -16,7 +16,7 @@ namespace atl::solver {
 template <typename Executor>
 class GroupPass {
  public:
-  /// Of a group that was gathered; `setup` is made of the same parts and report.
+  /// Works on a gathered group; `setup` is made of the same parts and report.
   GroupPass(GroupParts& parts, const GroupSetup& setup, Executor& executor, PhaseClock& clock, GroupReport& report)
       : parts_(parts), setup_(setup), loops_(executor, parts, setup), clock_(clock), report_(report) {}
 
@@ -217,14 +217,14 @@ void GroupPass<Executor>::solve_velocities(int number, bool carries) {
   // The first sweep keeps the relaxing sweeps' friction, which is carried over; a contact that has just begun has none
   // yet to carry.
   const Friction friction = setup_.relaxes && carries ? Friction::None : setup_.friction;
-  // Where sweeps relax they have seen the positions that the last substep ended with.
+  // Relaxing sweeps have already seen the positions at the end of the last substep.
   const bool refresh = !setup_.relaxes && number > 0;
   const bool twice = !(setup_.relaxes && carries);
   Sweep how = {setup_.splits ? Push::None : Push::Bias, refresh, friction, twice};
   rise(how, number + 0.5, number);
   sweep(how, {.push = how.push, .refresh = refresh, .carries = carries}, setup_.settings.iterations, number);
   if (setup_.splits) split_off_corrections(number);
-  // What contacts have done to one link is not to turn it far out of its joints before these see it.
+  // The systems come last, so that a link turned by its contacts is brought back before it gets far out of its joints.
   solve_systems(number);
 }
 
@@ -358,7 +358,7 @@ void GroupPass<Executor>::sweep(Sweep how, JointSweep joints, int iterations, in
   }
 }
 
-// Of surfaces that bend, whose speeds are those `at` substeps into the step, and whose places `after` as many.
+// Sets how surfaces that bend move in a sweep: their speeds at `at` substeps into the step, their positions at `after`.
 template <typename Executor>
 void GroupPass<Executor>::rise(Sweep& how, double at, double after) const {
   const double substeps = setup_.settings.substeps;

@@ -1,7 +1,7 @@
 #pragma once
 
-// What a group has come to, written back: to the bodies and to who asked. Bodies are the
-// group's dynamic ones, by their place in it.
+// Writes the results of a group back to the bodies and to the reports. Bodies are the group's dynamic ones, by their
+// place in it.
 
 #include <solver/sweep/group_parts.h>
 #include <solver/sweep/group_report.h>

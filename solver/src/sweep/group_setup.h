@@ -11,9 +11,9 @@
 
 namespace atl::solver {
 
-// What is the same in all substeps of a group's step.
+// The values that are the same in all substeps of a group's step.
 struct GroupSetup {
-  // Of a group whose bodies, contacts and joints are gathered in `parts`; `report` says what it needs.
+  // The bodies, contacts and joints of the group are gathered in `parts`; `report` says what it needs.
   GroupSetup(const SolveInput& of, const IslandGroup& islands, const SubstepConstants& of_substeps,
              const GroupReport& report, GroupParts& parts)
       : input(of),

@@ -1,4 +1,4 @@
-// What impulses change of bodies' kinetic energy. Included once for each instruction set.
+// The change of bodies' kinetic energy by impulses. Included once for each instruction set.
 
 #if defined(ATOLL_SOLVER_JOINT_ENERGY_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef ATOLL_SOLVER_JOINT_ENERGY_INL_H_

@@ -51,7 +51,8 @@ void JointInertia::follow(const SolveInput& input, std::span<const std::uint32_t
     Matrix3 inertia = symmetric_product(product(rotation, input.bodies.inertia[body]), rotation);
     if (follower.stiff) inertia += stiffness_[local];
     const Matrix3 inverse = symmetric_inverse(inertia);
-    // What joints did is carried over as a change of spin: as the same angular impulse it is another one now.
+    // The joints' effect is carried over as a change of spin. The same angular impulse is another change with this
+    // inertia.
     FreeVelocityRows& free = rows.free_velocity[local];
     const Vector3 done = spin - get3(free.angular);
     set3(free.angular, spin - product(inverse, product(follower.inertia, done)));

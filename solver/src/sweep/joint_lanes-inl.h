@@ -101,7 +101,7 @@ HWY_INLINE SymmetricMatrix inverse_of(const SymmetricMatrix& k) {
   const V rest = hn::Sub(k.yz, hn::Mul(l10, k.xz));
   const V l21 = hn::Mul(rest, e1);
   const V e2 = hn::Div(one, hn::Sub(hn::Sub(k.zz, hn::Mul(l20, k.xz)), hn::Mul(l21, rest)));
-  // Of L^-1, below the diagonal.
+  // The entries of L^-1 below the diagonal.
   const V m10 = hn::Neg(l10);
   const V m21 = hn::Neg(l21);
   const V m20 = hn::Sub(hn::Mul(l10, l21), l20);
@@ -136,7 +136,7 @@ HWY_INLINE SymmetricMatrix load_matrix(const float (*rows)[block_lanes], std::si
           load(rows[3] + lane), load(rows[4] + lane), load(rows[5] + lane)};
 }
 
-// Where the bodies' displacements have brought the point.
+// The point of a joint, moved by the bodies' displacements.
 struct PointMotion {
   PointLanes point;
   V3 offset;

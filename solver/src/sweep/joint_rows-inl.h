@@ -47,7 +47,7 @@ HWY_INLINE void keep(M mask, const RowLanes& with, RowLanes& row) {
   row.gap = hn::IfThenElse(mask, with.gap, row.gap);
 }
 
-// Whether enough of a row is left that rounding doesn't decide how it acts.
+// True if enough of a row's response is left for it to exceed rounding.
 HWY_INLINE M enough(V left, V response) {
   return hn::Gt(left, hn::Mul(splat(static_cast<float>(tuning::least_held)), response));
 }

@@ -143,7 +143,7 @@ HWY_INLINE void solve_row(const JointRowBlock& row, float* accumulated, std::siz
   if (sweep.measures) residual.add(hn::IfThenElse(active, change, zero()));
 }
 
-// Of an offset, no faster than tuning::most_closed in a substep.
+// The speed that closes an offset, but no more than tuning::most_closed in a substep.
 HWY_INLINE V3 closing_speed(V bias_rate, const V3& offset, float inverse_h) {
   const V3 closing = bias_rate * offset;
   const V most = splat(static_cast<float>(tuning::most_closed) * inverse_h);
