@@ -22,7 +22,7 @@ struct ThreadTimes {
 };
 thread_local ThreadTimes times_of_loop;
 
-// How long this thread has had a core.
+// The time for which this thread has had a core.
 Clock::duration running_time() {
   std::timespec time = {};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);

@@ -24,7 +24,7 @@ void pause() {
 // Spins for some microseconds, then lets other threads run: there may be more workers than cores.
 class Backoff {
  public:
-  // How long others ran.
+  // Lets other threads run, and returns for how long.
   Congestion::Clock::duration wait() {
     if (spins_ < 1000) {
       ++spins_;

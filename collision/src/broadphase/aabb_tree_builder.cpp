@@ -16,9 +16,9 @@ constexpr int axis_bits = 21;
 constexpr int max_height = 40;
 
 constexpr std::size_t leaf_grain = 8192;
-// From this many leaves on a tree is built in parts. What fewer take, about a millisecond, hands out no tasks.
+// Number of leaves from which on a tree is built in parallel. Below it the build takes about a millisecond at most.
 constexpr std::size_t many_leaves = 16384;
-// At the most: of a part the codes and boxes stay in a core's second-level cache.
+// Largest part of a parallel build: its codes and boxes stay in a core's second-level cache.
 constexpr std::size_t part_leaves = 8192;
 
 // Twice the centre: the sum has no rounding to halve.

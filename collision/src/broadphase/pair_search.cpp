@@ -60,7 +60,7 @@ bool moving_shapes_ask(const Proxies& proxies, std::span<const std::uint32_t> mo
   return fixed > proxies.moving().size();
 }
 
-// How many of those that ask may meet fixed shapes.
+// Counts the asking shapes that may meet fixed ones.
 std::size_t count_asking_fixed(const Proxies& proxies, const CollisionFilters& filters,
                                std::span<const std::uint32_t> askers) {
   return static_cast<std::size_t>(std::count_if(askers.begin(), askers.end(), [&](std::uint32_t shape) {
@@ -82,7 +82,7 @@ void PairSearch::list_askers(const Proxies& proxies, std::span<const std::uint32
 std::span<const Pair> PairSearch::find(Proxies& proxies, const CollisionFilters& filters, const MoveBuffer& moves,
                                        const PairSet& known, std::size_t& looks, jobs::Arena& arena) {
   new_pairs_.clear();
-  // All pairs have a moving shape.
+  // Every pair has a moving shape.
   if (proxies.moving().size() == 0) return new_pairs_;
   proxies.renew_moving(arena);
   const PartnerQuery query{proxies, filters, moves, moving_shapes_ask(proxies, moves.shapes())};
@@ -110,7 +110,7 @@ std::span<const Pair> PairSearch::find(Proxies& proxies, const CollisionFilters&
   for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
     new_pairs_.insert(new_pairs_.end(), found_[chunk].begin(), found_[chunk].end());
   }
-  // No pair is found twice, so sorted they show neither the order of moves nor the trees' shape.
+  // Each pair is found once, so that sorted pairs depend neither on the order of moves nor on the trees' shape.
   sort_pairs(new_pairs_, sort_scratch_);
   return new_pairs_;
 }

@@ -29,7 +29,7 @@ double size_of(const Shape& shape) {
 
 Vector3 row(const double* rows, std::uint32_t body) { return Eigen::Map<const Vector3>(rows + 3 * body); }
 
-// How far bounds may grow on every side before they leave a box.
+// The distance by which bounds may grow on every side and stay in a box. Negative if they are not in it.
 double room_in(const Aabb& box, const Bounds& bounds) {
   double room = infinity;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -125,7 +125,7 @@ void BodyAabbs::add(std::uint32_t body, bool fixed, const Filter& filter, const 
                     Broadphase& broadphase) {
   bounds.aabb_margin[body] = infinity;
   swept_margins_[body] = 0;
-  // Its speed has not been accounted for: how long a step is shows when there is one.
+  // The body's speed is not yet in its AABB, since only a step says how long it is.
   bounds.aabb_dirty[body] = 1;
   motions.colliders.for_each_of(body, [&](std::uint32_t collider) {
     if (is_bounded(motions.colliders.shape[collider])) {

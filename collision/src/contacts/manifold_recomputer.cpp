@@ -61,7 +61,7 @@ bool has_surface(const ColliderTable& colliders, Pair pair) {
   return is_surface(colliders.shape[pair.first].kind) || is_surface(colliders.shape[pair.second].kind);
 }
 
-// For how long a manifold may be recycled, see Contact. A sphere's is recomputed faster than it could be recycled.
+// The tolerance for recycling a manifold, see Contact. A sphere's is recomputed faster than it could be recycled.
 float tolerance_of(const ColliderTable& colliders, Pair pair, const Manifold& manifold) {
   const auto is = [&](auto... kinds) {
     const ShapeKind first = colliders.shape[pair.first].kind;

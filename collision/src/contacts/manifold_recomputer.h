@@ -17,7 +17,7 @@ class ManifoldRecomputer {
   ManifoldRecomputer(ContactRange& range, ManifoldRefresher& refresher)
       : range_(range), input_(range.input), refresher_(refresher) {}
 
-  // All stale entries of the range. Their manifolds are refreshed, too: kernels alone know world axes.
+  // Recomputes all stale entries of the range, and refreshes their manifolds, since only kernels compute world axes.
   void run();
 
  private:

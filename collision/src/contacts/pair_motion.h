@@ -1,6 +1,6 @@
 #pragma once
 
-// How the two shapes of a contact lie and move against each other in a step.
+// The relative pose and motion of the two shapes of a contact in a step.
 
 #include <collision/contacts/update_contacts.h>
 
@@ -22,7 +22,7 @@ inline Vector3 origins_apart(const Contact& contact, const ContactUpdateInput& i
          input.colliders.position(contact.pair.first, input.poses);
 }
 
-// How much both bodies have turned in all, see ContactUpdateInput::turned.
+// The sum of how far both bodies have turned, see ContactUpdateInput::turned.
 inline double turned_by_both(const Contact& contact, const ContactUpdateInput& input) {
   return input.turned[contact.body_first] + input.turned[contact.body_second];
 }

@@ -50,7 +50,7 @@ void ContactUpdate::add_touching(const ContactCache& cache, std::span<const std:
     counts.points += contact.count;
     added_to_ = touching_changed = true;
   }
-  // No pair is in both parts, and of a pair the contacts are in order.
+  // Each pair is in only one of the parts, with its contacts in order.
   std::inplace_merge(touching.begin(), touching.begin() + updated, touching.end(),
                      [&cache](const TouchingPair& a, const TouchingPair& b) {
                        return cache.contacts[a.slot].pair < cache.contacts[b.slot].pair;

@@ -34,8 +34,8 @@ bool stayed_inside(const CcdStep& step, const FastBody& fast, std::uint32_t coll
   return fat.contains(step.swept_aabb(fast, collider, Vector3::Zero()));
 }
 
-// For fast bodies to find each other their AABBs must show where they went, as those that were stretched along the
-// motion do. All are seen as the solver moved them, before any is put back.
+// Replaces the AABBs that bodies left by ones that cover their motion, so that fast bodies find each other. All motions
+// are as the solver made them, before any body is put back.
 void note_left_aabbs(const CcdStep& step, Broadphase& broadphase, jobs::Arena& arena) {
   const ColliderTable& colliders = step.motions.colliders;
   // With few fast bodies, queries of the tree take less time than a pass over all contacts.

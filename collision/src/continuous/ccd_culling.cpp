@@ -96,7 +96,7 @@ void find_approaching(const CcdStep& step, const FastBody& fast, const Vector3& 
     approach.closing = approach.shift.norm() + fast.turn + (moved ? moved->turn : 0);
     approach.size = std::min(shape.inner_radius, other_shape.inner_radius);
     approach.passes_core = false;
-    // Up to half the smaller one's size the speculative margin has seen it coming.
+    // An approach of up to half the smaller one's size is covered by the speculative margin.
     const bool slow = approach.closing <= approach_share * approach.size;
     if (slow && !presses(fast, !near.apart, other_shape.kind)) continue;
     if (!is_convex_solid(other_shape.kind)) {

@@ -30,7 +30,7 @@ Core core_of(const Shape& shape) {
   }
 }
 
-// No point of such a shape is farther from its core than the core is deep, but for corners of boxes.
+// True if no point of the shape is farther from its core than the core is deep, except the corners of boxes.
 bool has_even_core(ShapeKind kind) { return kind <= ShapeKind::Cylinder; }
 
 // True if a core that starts at the other's surface ends off it, and its centre has met it nowhere. The nearest places
@@ -44,7 +44,7 @@ bool stays_outside(const Shape& core, const Motion& motion, const Shape& other, 
   return after.distance > 0 && !sweep(Shape::sphere(0), motion, other, other_motion, {0, tolerance}, 1, hit);
 }
 
-// How far beyond the plane of the hit the core ends.
+// The plane of a hit, and how far (m) beyond it the core ends.
 CcdSupport support_of(const SweepHit& hit, const Motion& other, const Shape& core, const Pose& end, double tolerance) {
   const Pose other_end = other.at(1);
   const Vector3 point = other_end.position + other_end.orientation * (other.start.orientation.conjugate() *
@@ -88,7 +88,7 @@ Motion CcdStep::motion_of(std::uint32_t collider, const Vector3& centre, const V
   end.position += aside;
   const FastBody* moved = find_fast(body);
   if (!moved) return Motion::still(end);
-  // In the shape's frame the body's centre of mass, about which it turns.
+  // The body's centre of mass, about which it turns, in the shape's frame.
   const Vector3 pivot = -(local.orientation.conjugate() * local.position);
   return Motion::between(placed(moved->start, local), end, pivot);
 }

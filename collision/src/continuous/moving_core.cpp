@@ -79,7 +79,7 @@ Gap gap_at(const MovingCore& first, const MovingCore& second, const Pose& pose_f
   return {separation, turned * normal, pose_first.position + turned * surface};
 }
 
-// How far (m) the core reaches from an axis (unit vector, shape's frame) through a centre.
+// The radius (m) of the core about an axis (unit vector, shape's frame) through a centre.
 double radius_about(const ConvexCore& core, const Vector3& centre, const Vector3& axis) {
   const auto square_from = [&](const Vector3& point) {
     const Vector3 arm = point - centre;

@@ -15,12 +15,12 @@ struct MovingCore {
 
   MovingCore(const ConvexCore& convex, const Motion& how);
 
-  /// How far (m in the whole time) its points may get along a unit direction that stays as it is.
+  /// An upper bound (m in the whole time) of the way of its points along a unit direction that doesn't turn.
   double advance_along(const Vector3& direction) const {
     return motion.translation.dot(direction) + motion.rotation.cross(direction).norm() * axis_radius;
   }
   bool turns() const { return motion.rotation.squaredNorm() > 0; }
-  /// How far it reaches along a unit direction at a pose, world.
+  /// The reach (m) along a unit direction at a pose, world.
   double reach(const Pose& pose, const Vector3& direction) const;
 };
 
@@ -29,7 +29,7 @@ struct MovingCore {
 bool stay_parted(const MovingCore& first, const MovingCore& second, const SweepGoal& goal, const Vector3& direction,
                  double t_limit);
 
-/// Until when it does; 0 where it doesn't at the start, infinite if for ever.
+/// The time up to which the plane keeps them apart; 0 if it doesn't at the start, infinite if for ever.
 double parted_until(const MovingCore& first, const MovingCore& second, const SweepGoal& goal, const Vector3& direction);
 
 /// A direction from the first to the second at the start, world; of any length.

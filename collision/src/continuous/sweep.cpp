@@ -20,12 +20,12 @@ Vector3 centre_at_start(const Motion& motion) {
 
 bool moves(const Motion& motion) { return motion.translation.squaredNorm() > 0 || motion.rotation.squaredNorm() > 0; }
 
-// No point of the solid is farther (m) from the centre of its motion.
+// The largest distance (m) of a point of the solid from the centre of its motion.
 double radius_about_centre(const Shape& solid, const Motion& motion) {
   return solid.bounding_radius + motion.centre.norm();
 }
 
-// How far (m, in the whole time) a point of the solid may get in the other's frame, in any direction.
+// An upper bound (m, in the whole time) of the way of the solid's points in the other's frame, in any direction.
 double relative_path(const MovingCore& solid, double solid_radius, const Motion& other) {
   const Motion& motion = solid.motion;
   const Vector3 shift = motion.translation - other.translation;

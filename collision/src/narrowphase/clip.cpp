@@ -7,7 +7,7 @@
 namespace atl::collision {
 namespace {
 
-// How far points lie outside one side of a face.
+// The distances of points from one side of a face, positive outside.
 struct Side {
   Vector3 outward;
   double offset;

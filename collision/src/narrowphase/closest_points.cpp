@@ -51,7 +51,7 @@ ClosestPoints closest_points_of(const ConvexCore& first, const ConvexCore& secon
     return between_points(closest_point(first, place.position), place.position, first.radius, second.radius);
   }
   if (first.kind == Kind::Point && has_closest_point(second)) {
-    // From the difference in the second's own frame, which is none for a point inside.
+    // The distance is taken from the difference in the second's own frame, which is zero for a point inside.
     const Vector3 seen = place.rotation.transpose() * -place.position;
     const Vector3 on_second = place.rotation * (closest_point(second, seen) - seen);
     return between_points(Vector3::Zero(), on_second, first.radius, second.radius);

@@ -20,8 +20,8 @@ Narrowphase take(const fcl_narrowphase::Axis& answer, double along, double scale
   return Narrowphase::Fcl;
 }
 
-// From a sphere to the nearest point of a box, in the frame of the box; out of the nearest face if the centre is
-// inside.
+// The axis from a sphere to the nearest point of a box, in the frame of the box; out of the nearest face if the centre
+// is inside.
 fcl_narrowphase::Axis sphere_to_box(double radius, const Vector3& half_extents, const Vector3& centre) {
   const Vector3 away = centre - centre.cwiseMax(-half_extents).cwiseMin(half_extents);
   const double distance = away.norm();

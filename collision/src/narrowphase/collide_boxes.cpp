@@ -15,8 +15,8 @@
 namespace atl::collision {
 namespace {
 
-// By the size: of two boxes that are at rest against each other the margin is a third of that. Boxes with more come
-// fast.
+// Margin, as part of the size, above which boxes count as fast. The margin of two boxes at rest against each other is a
+// third of this.
 constexpr double fast_margin = 0.15;
 
 // Part of the depth by which edges have to part fast overlapping boxes better than a face does, to be taken instead of
@@ -24,7 +24,7 @@ constexpr double fast_margin = 0.15;
 // Measured while `pile` lands (240 steps): pairs are 15 cm deep 620 times; with 1 instead, 1470 times.
 constexpr double face_preference = 0.95;
 
-// By the size: how much less well than the best a face may part two boxes for it to be taken.
+// Part of the size by which a face may part two boxes less well than the best axis, and still be taken.
 constexpr double nearly_best = 1e-3;
 // Cosine: within 0.1 degrees.
 constexpr double same_way = 1 - 1.5e-6;
@@ -41,7 +41,7 @@ struct FaceAxis {
   static FaceAxis unpacked(std::uint32_t axis) { return {static_cast<int>(axis / 2), axis % 2 != 0}; }
 };
 
-// In Manifold::axis: beside the faces' codes.
+// The code of an edge axis in Manifold::axis; the codes of faces are smaller.
 constexpr std::uint32_t edge_axis(int code) { return static_cast<std::uint32_t>(2 * code); }
 
 // Signed distance of the incident box from the reference face.

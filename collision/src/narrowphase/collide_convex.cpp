@@ -140,7 +140,7 @@ void trim_to_disc(Outline& outline, double radius, double slack) {
   }
 }
 
-// How far a point is beside a face, m.
+// The distance of a point beside a face, m.
 double beside(const Shape& shape, const FacePolygon& face, const Vector3& point) {
   if (is_round(shape.kind)) return length_2d(point.x(), point.y()) - shape.radius;
   double farthest = -INFINITY;
@@ -153,7 +153,7 @@ double beside(const Shape& shape, const FacePolygon& face, const Vector3& point)
   return farthest;
 }
 
-// No points where there is nothing over the face.
+// Leaves the manifold without points if nothing lies over the face.
 void face_manifold(const Solids& solids, const Reference& reference, const LocalAxis& axis, double margin,
                    Manifold& manifold) {
   const SolidPair& pair = solids.pair;

@@ -183,8 +183,8 @@ void settle_witness(const SolidPair& pair, const Polytope& first, const Polytope
   axis.on_second = tail + t * v;
 }
 
-// By the size: a depth that FCL finds is the one along its axis to within this. The refinement stops at half of it (see
-// fcl_narrowphase.cpp).
+// Part of the size by which a depth that FCL finds may differ from the depth along its axis. FCL's refinement stops at
+// half of it (see fcl_narrowphase.cpp).
 constexpr double depth_agreement = 2e-2;
 
 LocalAxis walk_from(const KnownAxis& known, GaussMapDescent& descent) {

@@ -15,7 +15,7 @@ struct SolidPair {
   Matrix3 rotation;  ///< its axes, as columns
 
   double size() const { return first.inner_radius < second.inner_radius ? first.inner_radius : second.inner_radius; }
-  /// How far the solids are apart along a unit direction from the first to the second.
+  /// The separation of the solids (m) along a unit direction from the first to the second.
   double separation_along(const Vector3& normal) const;
   /// True if one of the two is a cylinder or a cone.
   bool has_round() const;

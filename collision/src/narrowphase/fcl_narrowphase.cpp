@@ -205,7 +205,7 @@ bool convex(const Shape& first_shape, const Shape& second_shape, const Vector3& 
     return false;
   }
   axis.code = 1;
-  // It leaves the normal out where shapes just touch or centres coincide.
+  // FCL gives no normal for shapes that just touch or whose centres coincide.
   if (!(normal.squaredNorm() > 0.25 && normal.allFinite())) {
     const double distance = position.norm();
     normal = distance > 0 ? Vector3(position / distance) : Vector3::UnitZ();

@@ -15,10 +15,10 @@ namespace {
 // Cosine: the axis given is within half a step of a core's sides, and what leads farther is another contact.
 constexpr double near_enough = 0.95;
 
-// By the size: what the features reach and what the solids do are equal, but for rounding.
+// Part of the size within which the reach of features and that of the solids count as equal; it covers rounding.
 constexpr double same_reach = 1e-9;
 
-// By the length: how far off its ends a line may be met.
+// Part of a line's length by which it may be met beyond its ends.
 constexpr double past_end = 1e-9;
 
 struct Segment {
@@ -35,7 +35,7 @@ struct Boundary {
   double radius = 0;                 // m: of the rim, or by which the surface stands off a point or a line
   double half_length = 0;            // m: of a line, from its origin to either end; of a cone's, of its axis
 
-  // How far it reaches along an outward direction.
+  // The reach (m) along an outward direction.
   double reach(const Vector3& outward) const {
     const double across = kind == Kind::Rim ? perpendicular(outward).norm() : 1;
     return outward.dot(origin) + radius * across;
@@ -192,7 +192,7 @@ bool from_line(const Boundary& line, const Boundary& other, Vector3& outward) {
   return false;
 }
 
-// From a point or its sphere to the nearest of a rim, or to another point: outwards from the first of the two.
+// Finds the outward direction from a point or its sphere to the nearest point of a rim, or to another point.
 bool from_point(const Boundary& point, const Boundary& other, Vector3& outward) {
   Vector3 w = other.origin - point.origin;
   if (other.kind == Boundary::Kind::Rim) {

@@ -50,7 +50,7 @@ void offer_segment(const Simplex& simplex, int i, int j, Nearest& best) {
   const double from_q = q.dot(along);
   if (!(from_p > 0 && square > 0)) return offer_point(simplex, i, best);
   if (!(from_q > 0)) return offer_point(simplex, j, best);
-  // From the nearer end, so that little is lost where one end is far away.
+  // Measured from the nearer end, so that little precision is lost if the other end is far away.
   const double t = from_p / square;
   const double s = from_q / square;
   const Vector3 point = t < s ? Vector3(p + t * along) : Vector3(q - s * along);

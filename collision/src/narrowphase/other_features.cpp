@@ -54,7 +54,7 @@ class OtherFeatures {
   OtherFeatures(const BoxPair& pair, double margin, const Manifold& manifold)
       : pair_(pair), margin_(margin), normal_(manifold.normal), seen_(pair.rotation.transpose() * manifold.normal) {
     for (; count_ < manifold.count; ++count_) points_[at(count_)] = manifold.points[at(count_)];
-    // Nothing of the incident box lies lower, and of the reference box higher.
+    // No point of the incident box lies lower than the deepest, and none of the reference box higher.
     const Manifold::Point& deepest =
         *std::min_element(points_.begin(), points_.begin() + count_,
                           [](const auto& x, const auto& y) { return x.separation < y.separation; });

@@ -20,8 +20,8 @@ Vector3 closest_of_cylinder(double radius, double half_height, const Vector3& po
   return across <= radius ? Vector3(point.x(), point.y(), z) : at_radius(point, across, radius, z);
 }
 
-// In the half-plane of the point and the axis: below the base, inside, or nearest to the side, which runs from
-// the rim (radius, -h) to the apex (0, h).
+// Works in the half-plane of the point and the axis. The point is below the base, inside, or nearest to the side, which
+// runs from the rim (radius, -h) to the apex (0, h).
 Vector3 closest_of_cone(double radius, double half_height, const Vector3& point) {
   const double across = across_z(point);
   const double height = 2 * half_height;
@@ -41,7 +41,7 @@ Vector3 closest_of_cone(double radius, double half_height, const Vector3& point)
 
 }  // namespace
 
-// By the regions around the triangle: Ericson, "Real-Time Collision Detection", 5.1.5.
+// Distinguishes the regions around the triangle: Ericson, "Real-Time Collision Detection", 5.1.5.
 Vector3 closest_point_of_triangle(const std::array<Vector3, 3>& triangle, const Vector3& point) {
   const Vector3& a = triangle[0];
   const Vector3 ab = triangle[1] - a;

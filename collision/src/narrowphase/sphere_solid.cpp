@@ -46,7 +46,7 @@ SurfaceDistance from_cone(const Shape& cone, const Vector3& point) {
   const Vector3 side_normal = (2 * h * outwards + r * Vector3::UnitZ()) / slant;
   const double beside = side_normal.dot(point - h * Vector3::UnitZ());
   const double below = -h - point.z();
-  // How far up the side, from the rim to the apex, the point lies.
+  // The place of the point up the side, from the rim to the apex.
   const double along = ((r - across) * r + (point.z() + h) * 2 * h) / slant;
   SurfaceDistance side{side_normal, beside};
   SurfaceDistance base{-Vector3::UnitZ(), below};

@@ -18,7 +18,7 @@ constexpr double same_place = 1e-5;
 // Part of the solid's size by which another normal must be better for a point to count as freed along it.
 constexpr double freed_slack = 1e-3;
 
-// In place of a triangle's number.
+// Value in an id that stands for no particular triangle.
 constexpr std::uint32_t any_triangle = (1u << 28) - 1;
 
 }  // namespace

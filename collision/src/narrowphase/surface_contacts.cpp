@@ -223,7 +223,7 @@ void follow_facets(const Shape& ball, const Shape&, const Vector3& centre, doubl
   manifold->add(centre - ball.radius * manifold->normal, start.distance - ball.radius, single_point_id());
 }
 
-// How far a solid is from triangles at least, by its box and ball, up to a limit.
+// A lower bound of a solid's distance from triangles, by its box and ball, up to a limit.
 class SurfaceGap {
  public:
   SurfaceGap(const SurfaceSolid& solid, const Bounds& bounds, double most)

@@ -35,8 +35,7 @@ double angle_measure(const Turn& from, const Turn& to) {
   return from.dot(to) > 0 ? sine : 2 - sine;
 }
 
-// True if a direction of any length is surely no nearer than an angle with this measure. It costs less than to compute
-// the direction's own measure.
+// True if a direction, of any length, surely has at least this angle measure; cheaper than to compute its measure.
 bool is_beyond(const Turn& from, const Turn& to, double square, double measure) {
   if (!(from.dot(to) > 0)) return measure <= 1 || !(square > 0);
   const double sine = from.cross(to);
@@ -157,8 +156,8 @@ class Search {
     best_.support_count = 2;
   }
 
-  // From the triangle's normal to the neighbour's, from one support vertex to the next. While it stays, the
-  // separation is that of two points, which is largest along their distance.
+  // Goes from the triangle's normal to the neighbour's, from one support vertex to the next. While the vertex stays,
+  // the separation is that of two points, which is largest along the line between them.
   void walk() {
     const Polytope& polytope = solid_.core.polytope();
     const double radius = solid_.core.radius();

@@ -34,7 +34,7 @@ struct SurfaceSolid {
   double reach(const Vector3& direction, const Vector3& from) const {
     return direction.dot(position - from) + reach_along(shape, turned(direction));
   }
-  /// How far (m) the solid is from a point along a unit direction; negative where it reaches behind it.
+  /// The height (m) of the solid over a point along a unit direction; negative if it reaches behind the point.
   double height(const Vector3& direction, const Vector3& from) const {
     return direction.dot(position - from) - reach_along(shape, turned(Vector3(-direction)));
   }
@@ -67,7 +67,7 @@ inline bool is_border(const Triangle& triangle, std::size_t edge) {
 /// Around an edge the separation is piecewise smooth in the angle: a polytope's support vertices are walked
 /// through, each with its closed form; those of all that is round about an axis, and of ellipsoids, are searched.
 ///
-/// Once one parts them by more than `most` (m) it may not be the best.
+/// The search ends at an axis that parts the two by more than `most` (m), which then may not be the best.
 TriangleAxis find_triangle_axis(const SurfaceSolid& solid, const Triangle& triangle, double height, double most);
 
 }  // namespace atl::collision

@@ -6,7 +6,7 @@
 
 namespace atl::collision {
 
-/// All that a solid and the front of one triangle have in common, in the frame of the surface.
+/// The contact of a solid with the front of one triangle, in the frame of the surface.
 struct TriangleContact {
   static constexpr int capacity = 16;
 

@@ -55,7 +55,7 @@ void cut_between(const Line& line, double low, double high, Stretch& stretch) {
 Stretch of_sphere(const Line& line, const Vector3& centre, double radius) {
   const Vector3 seen = line.origin - centre;
   const double middle = -seen.dot(line.direction);
-  // From the point closest to the centre, for which squares don't cancel.
+  // Measured from the point closest to the centre, at which squares don't cancel.
   const double square = radius * radius - (seen + middle * line.direction).squaredNorm();
   if (square < 0) return nothing();
   const double half = std::sqrt(square);
@@ -206,14 +206,14 @@ Stretch of_solid(const Shape& shape, const Line& line) {
 }
 
 bool cast_ray_at_solid(const Shape& shape, const Ray& ray, RayHit& hit) {
-  // From the point of the line closest to the shape's origin, so that a far start costs no precision.
+  // Starts at the point of the line closest to the shape's origin, so that a far start costs no precision.
   double ahead = shape.kind == ShapeKind::HalfSpace ? 0 : -ray.origin.dot(ray.direction);
   if (ahead < shape.bounding_radius) ahead = 0;
   const Stretch stretch = of_solid(shape, {ray.origin + ahead * ray.direction, ray.direction});
   const double enter = stretch.enter + ahead;
   const double leave = stretch.leave + ahead;
   if (!(enter <= leave) || !(enter <= ray.max_t)) return false;
-  // On the surface, as far as rounding lets one tell: a ray that goes on from where another one hit.
+  // A start within rounding of the surface counts as on it, for rays that go on from where another one hit.
   const double size = shape.kind == ShapeKind::HalfSpace ? std::abs(shape.offset) : shape.bounding_radius;
   const double slack = 1e-14 * (size + ray.origin.norm());
   if (!(leave > slack)) return false;

@@ -22,7 +22,7 @@ class TriangleRay {
   double shear_x_, shear_y_, scale_z_;
 };
 
-/// Against the triangles of a surface: the closest hit, of equal ones that of the lowest triangle.
+/// Finds the closest hit on the triangles of a surface; of equal ones that of the lowest triangle.
 bool cast_ray_at_mesh(const TriangleMesh& mesh, const Ray& ray, Sides sides, RayHit& hit);
 bool cast_ray_at_field(const HeightField& field, const Ray& ray, Sides sides, RayHit& hit);
 

@@ -22,12 +22,12 @@ float round_down(double value) {
 
 float round_up(double value) { return -round_down(-value); }
 
-// How far a disc of radius 1 about z reaches along the axes that the rotation turns it against.
+// The half extents of a disc of radius 1 about z, along the axes that the rotation turns it against.
 Vector3 disc_reach(const Matrix3& rotation) {
   return (rotation.col(0).cwiseAbs2() + rotation.col(1).cwiseAbs2()).cwiseSqrt();
 }
 
-// In lanes of vertices.
+// Computed in lanes of vertices.
 Bounds bounds_of_hull(const Hull& hull, const Vector3& position, const Matrix3& rotation) {
   using Lanes = Eigen::Array<double, Hull::lanes, 1>;
   const std::size_t size = hull.columns.size() / 3;
@@ -58,7 +58,7 @@ Bounds bounds_of_box(const Vector3& lower, const Vector3& upper, const Vector3& 
   return {centre - half, centre + half};
 }
 
-// How far a mesh reaches along a direction, past the subtrees that reach less far than what was found.
+// The reach of a mesh along a direction. Skips subtrees that reach less far than the best so far.
 double reach_of_mesh(const TriangleMesh& mesh, const Vector3& direction) {
   double reach = -std::numeric_limits<double>::infinity();
   const auto short_of = [&](const Aabb& box) {

@@ -54,7 +54,7 @@ std::size_t farthest(std::span<const Vector3> points, const Measure& measure) {
   return best;
 }
 
-// How far points reach out of the plane through three that are far apart; their extent is 1.
+// The largest distance of points from a plane through three that are far apart; the points' extent is 1.
 double thickness(std::span<const Vector3> points) {
   const Vector3& a = points[farthest(points, [](const Vector3& p) { return p.squaredNorm(); })];
   const Vector3& b = points[farthest(points, [&](const Vector3& p) { return (p - a).squaredNorm(); })];

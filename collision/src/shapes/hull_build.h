@@ -43,7 +43,7 @@ double largest_dent(const Hull& hull);
 /// Mass properties of the polyhedron of the hull's vertices and faces.
 MassProperties polyhedron_mass(const Hull& hull);
 
-/// At most Hull::max_vertices of the points (of extent 1), in order, whose hull is close to that of all.
+/// Chooses at most Hull::max_vertices of the points (of extent 1), in order, whose hull is close to that of all.
 std::vector<std::size_t> choose_extreme_points(std::span<const Vector3> points);
 
 }  // namespace atl::collision

@@ -34,8 +34,8 @@ std::vector<Vector3> gather(std::span<const Vector3> points, const std::vector<s
   return result;
 }
 
-// For each plane of the hull the point that lies farthest outside, of those that no other plane has farther
-// outside; the farthest first.
+// Finds for each plane of the hull the point farthest outside of it. Each point counts only for the plane that it is
+// farthest outside of. The farthest comes first.
 std::vector<Candidate> outermost_points(const Hull& hull, std::span<const Vector3> points) {
   std::vector<Candidate> by_plane(hull.face_count(), {0, 0});
   for (std::size_t i = 0; i < points.size(); ++i) {

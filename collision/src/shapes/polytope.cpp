@@ -123,8 +123,8 @@ struct Ring {
   std::array<std::array<double, 2>, sides> normals;
   std::array<std::array<double, 2>, sides> corners;
 
-  // By the tangents of half the angles, 0, rising, infinity, and mirrored: no trigonometry, so the same bits
-  // everywhere.
+  // Uses the tangents of half the angles: 0, rising, infinity, and mirrored. No trigonometry, so the same bits on every
+  // machine.
   explicit Ring(const std::array<double, sides / 2 - 1>& half_tangents) {
     constexpr std::size_t half = sides / 2;
     for (std::size_t k = 0; k < sides; ++k) {

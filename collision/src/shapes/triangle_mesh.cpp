@@ -158,7 +158,7 @@ void find_convex_edges(TriangleMesh& mesh) {
   }
 }
 
-// Which corner of a triangle lies where another's does.
+// The corner of a triangle that lies at a place.
 std::uint32_t corner_at(const TriangleMesh& mesh, std::uint32_t triangle, const Vector3& place) {
   const Indices& corners = mesh.triangles[triangle];
   return mesh.vertices[corners[0]] == place ? 0 : mesh.vertices[corners[1]] == place ? 1 : 2;

@@ -33,7 +33,7 @@ struct Builder {
   std::uint32_t* split(std::uint32_t* begin, std::uint32_t* end, int depth) const;
 };
 
-// In double: in float the areas of large surfaces overflow.
+// Computed in double, since areas of large surfaces overflow in float.
 double half_area(const Aabb& box) {
   const double x = double{box.upper[0]} - box.lower[0];
   const double y = double{box.upper[1]} - box.lower[1];

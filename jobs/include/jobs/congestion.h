@@ -21,7 +21,7 @@ class Congestion {
   /// Never on unless it `watches`.
   explicit Congestion(bool watches) : watches_(watches) {}
 
-  /// From any thread.
+  /// Records a stall. May be called from any thread.
   void note_stall() {
     if (watches_) stalled_.store(true, std::memory_order_relaxed);
   }

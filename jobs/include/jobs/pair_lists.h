@@ -14,7 +14,7 @@ namespace atl::jobs {
 /// its ends: 2 * number for the first body, + 1 for the second. It comes and goes in constant time.
 class PairLists {
  public:
-  /// For so many of what connects bodies; never fewer than there are.
+  /// Makes room for the links of `count` pairs of bodies; `count` must not be less than their number.
   void resize(std::size_t count) { links_.resize(2 * count); }
   void reserve(std::size_t count) { links_.reserve(2 * count); }
 

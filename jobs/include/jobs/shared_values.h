@@ -22,7 +22,8 @@ std::array<std::uint64_t, sizeof(T) / sizeof(std::uint64_t)> words_of(const T& v
   return words;
 }
 
-/// Without a branch a word: compilers make it a few vector instructions, where a comparison of arrays is a call.
+/// Compares words without branches: compilers make it a few vector instructions, where a comparison of arrays is a
+/// call.
 template <typename T>
 bool same_bits(const T& a, const T& b) {
   const auto x = words_of(a), y = words_of(b);

@@ -29,7 +29,7 @@ struct AabbTreeLeaf {
 /// is the same on any number of threads.
 class AabbTreeBuilder {
  public:
-  /// To be filled in before a build, in any order.
+  /// The leaves, filled in before a build, in any order.
   std::vector<AabbTreeLeaf> leaves;
 
   /// Replaces the nodes; depth first, so that node 0 is the root and a node's number is below its children's.

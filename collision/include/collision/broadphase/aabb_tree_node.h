@@ -52,7 +52,7 @@ struct alignas(64) AabbTreeNode {
     }
   }
 
-  /// No child there: its box overlaps nothing.
+  /// Removes a child. An absent child's box overlaps nothing.
   void clear(int side) {
     constexpr float nan = std::numeric_limits<float>::quiet_NaN();
     child[side] = none;

@@ -35,7 +35,7 @@ class AabbTreeNodes {
   Aabb box(std::uint32_t item) const { return at(slots_[item] / 2).box(slots_[item] % 2); }
   auto arrays() const { return std::tie(nodes_, slots_); }
 
-  /// By item: 2 * node + side; below 0 it has no node, and the number is whoever's who keeps it meanwhile.
+  /// The slot of an item, 2 * node + side. An item without a node has a number below 0, free for its owner's use.
   std::int32_t slot(std::uint32_t item) const { return slots_[item]; }
   void set_aside(std::uint32_t item, std::int32_t number);
 
@@ -43,7 +43,7 @@ class AabbTreeNodes {
   template <typename Hits, typename Visit>
   void traverse(const Hits& hits, const Visit& visit) const {
     if (root_ == Node::none) return;
-    // No branch depends on a hit, as none could be predicted: a child is always written, and counted if hit.
+    // No branch depends on a hit, since hits can't be predicted: a child is always written, and counted only if hit.
     constexpr int batch = 64;
     std::int32_t stack[max_height + 1];
     std::int32_t found[batch + 2];

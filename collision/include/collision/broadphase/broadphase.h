@@ -61,7 +61,7 @@ class Broadphase {
     return jobs::of_this_thread<PairSearch>().find(proxies_, filters_, moves_, known, looks_, arena);
   }
   void forget_moves() { moves_.clear(); }
-  /// How many shapes moved since then, those that are gone too.
+  /// The number of shapes that moved since then, including removed ones.
   std::size_t moved_count() const { return moves_.shapes().size(); }
 
   /// See jobs/arrays.h.

@@ -6,9 +6,10 @@
 
 namespace atl::collision {
 
-/// For how many steps ahead a fat box contains a shape that keeps its velocity. Tuned with perf/broadphase_benchmark
-/// on 10,000 unit boxes that move by 5% of their size a step: from 0 to 4 steps the broadphase's mean time falls by
-/// 30-50%, to 8 by 15% more, but each step adds 6% to the pairs, and every pair costs a contact's update.
+/// Number of steps ahead for which a fat box contains a shape that keeps its velocity. Tuned with
+/// perf/broadphase_benchmark on 10,000 unit boxes that move by 5% of their size a step: from 0 to 4 steps the
+/// broadphase's mean time falls by 30-50%, to 8 by 15% more, but each step adds 6% to the pairs, and every pair costs a
+/// contact's update.
 constexpr double predicted_steps = 4;
 
 /// The box to give a shape in the broadphase: its bounds, grown by `aabb_margin` >= 0 (m) on all sides, and by a swept

@@ -15,7 +15,7 @@ namespace atl::collision {
 /// it: to look for it takes too long.
 class MoveBuffer {
  public:
-  /// Before a shape is marked or asked for.
+  /// Must be called before a shape is marked or asked for.
   void make_room_for(std::uint32_t shape) {
     if (shape >= moved_.size()) jobs::append(moved_, shape + std::size_t{1});
   }
@@ -25,7 +25,7 @@ class MoveBuffer {
     shapes_.push_back(shape);
   }
   bool contains(std::uint32_t shape) const { return moved_[shape] != 0; }
-  /// In the order in which they were marked.
+  /// The marked shapes, in the order in which they were marked.
   std::span<const std::uint32_t> shapes() const { return shapes_; }
   void clear() {
     if (shapes_.size() < moved_.size() / 16) {

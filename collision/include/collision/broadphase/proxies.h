@@ -43,7 +43,7 @@ class Proxies {
 
   const AabbTree& moving() const { return moving_; }
   const AabbTree& fixed() const { return fixed_; }
-  /// In order of shape.
+  /// The half-spaces, in order of shape.
   std::span<const HalfSpace> half_spaces() const { return half_spaces_; }
 
   /// Builds what waits into the trees, and says whether anything does.

@@ -41,12 +41,13 @@ class BodyAabbs {
   /// m, of fat AABBs along the motion of a body; 0 where it isn't worth mentioning. Part of a world's state.
   const jobs::CompactArray<double>& swept_margins() const { return swept_margins_; }
   jobs::CompactArray<double>& swept_margins() { return swept_margins_; }
-  /// After swept margins were restored.
+  /// Lists the bodies with swept margins, after these were restored.
   void list_swept();
 
-  /// How far a new body's shapes reach about its centre of mass (m), with `margin_limit` and `sweep_distance` set by
-  /// their sizes.
+  /// When continuous collision is done for a body.
   enum class Sweep : std::uint8_t { Never, IfFast, Always };
+  /// Sets `margin_limit` and `sweep_distance` of a new body by the sizes of its shapes. Returns their radius about its
+  /// centre of mass, m.
   double set_limits(std::uint32_t body, Sweep sweep, const BodyMotions& motions);
 
   /// Puts the colliders of a body that has none there into the broadphase. `fixed`: it can't move.
@@ -58,11 +59,12 @@ class BodyAabbs {
   void mark_dirty(std::uint32_t body) { bounds.aabb_dirty[body] = 1; }
   void mark_all_dirty();
 
-  /// At the start of a step: AABBs of active bodies whose margins may be used up in it. `active` is in order.
+  /// Updates, at the start of a step, the AABBs of active bodies whose margins may be used up in it. `active` is in
+  /// order.
   void update(std::span<const std::uint32_t> active, const BodyMotions& motions, Broadphase& broadphase,
               jobs::Arena& arena);
-  /// At its end: of those that were pushed along farther than their speed had let expect, as queries between steps go
-  /// by them.
+  /// Updates, at the end of a step, the AABBs of bodies that were pushed farther than their speed predicted, since
+  /// queries between steps rely on AABBs.
   void catch_up(std::span<const std::uint32_t> active, const BodyMotions& motions, Broadphase& broadphase,
                 jobs::Arena& arena);
 

@@ -78,7 +78,7 @@ struct alignas(64) Contact {
   std::array<float, 4> orientation = {};  ///< x, y, z, w of incident in reference, as computed
   std::array<float, 3> normal = {};       ///< reference frame
   float margin = -1;                      ///< m, speculative, as computed; -1 before the first
-  /// By point: m, from the centre, in the reference frame, and the separation, as computed.
+  /// x, y, z (m, from the centre, in the reference frame) and the separation of each point, as computed.
   std::array<std::array<float, 4>, max_points> points = {};
   /// m, mean of the points, incident frame; the incident's origin where there are none.
   std::array<double, 3> centre_incident = {};

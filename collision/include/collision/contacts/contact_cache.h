@@ -23,8 +23,8 @@ class ContactCache {
  public:
   jobs::CompactArray<Contact> contacts;           ///< by slot
   jobs::CompactArray<ContactManifold> manifolds;  ///< by slot
-  /// By slot, m: what a smooth surface gains along the normal in half a step, see collide_surface(). Empty while there
-  /// is none.
+  /// The gain (m, by slot) of a smooth surface along the normal in half a step, see collide_surface(). Empty while
+  /// there is none.
   jobs::CompactArray<float> rises;
   PairSet pairs;  ///< of all contacts, idle ones too
 
@@ -75,7 +75,7 @@ class ContactCache {
   }
 
   std::size_t size() const { return contacts.size() - free_slots_.size(); }
-  /// How many contacts have come and gone: slots that were listed are those of other contacts once it is another.
+  /// A count that changes whenever contacts come or go; slots listed before then may be those of other contacts.
   std::uint64_t changes() const { return changes_; }
 
   /// All slots in use, of idle contacts too, in order. If some are idle and any came or went since the last call the

@@ -18,7 +18,7 @@ struct NarrowphaseKernels {
   /// written.
   unsigned (*refresh)(const RefreshBlock& block, std::size_t count, bool all);
 
-  /// How pairs of boxes lie to each other.
+  /// Finds the relative poses and separating axes of pairs of boxes.
   BoxAxesKernel find_box_axes;
 };
 

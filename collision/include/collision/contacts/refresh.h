@@ -10,15 +10,14 @@ namespace atl::collision {
 
 using jobs::block_lanes;
 
-/// How bodies get about in a step, in a row that kernels load: how far the centre moves, and the surface by
-/// turning, in m.
+/// The motion of a body in a step, in a row that kernels load: of its centre, and of its surface by turning, in m.
 struct alignas(16) StepReach {
   float shift[3];
   float turn;
 };
 
-/// Up to eight contacts whose separations are to follow the motion of their shapes, one a lane. Poses are of the
-/// shapes in the world. Unused lanes repeat a used one.
+/// A block of up to eight contacts whose separations are to follow the motion of their shapes, one a lane. Poses are of
+/// the shapes in the world. Unused lanes repeat a used one.
 struct RefreshBlock {
   template <typename T>
   using Lanes = std::array<T, block_lanes>;

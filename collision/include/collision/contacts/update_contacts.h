@@ -18,10 +18,10 @@ struct ContactUpdateInput {
   const ColliderTable& colliders;
   PoseView poses;                         ///< of bodies
   std::span<const std::uint8_t> dynamic;  ///< by body: 1 if contacts move it
-  /// By body: 0 if it stands still. Where it is turned all the same, by hand, `turned` jumps by `put_elsewhere`.
+  /// 0 for a body that stands still. If such a body is turned by hand all the same, `turned` jumps by `put_elsewhere`.
   std::span<const std::uint8_t> mobility;
-  /// By body: how much it has turned in all, as the sum of the chords 2 sin(angle / 2) of its turns, an odometer. What
-  /// that differs by bounds how far a point 1 m from the origin got by turning.
+  /// By body: an odometer of turns, the sum of the chords 2 sin(angle / 2). The difference of two readings bounds how
+  /// far a point 1 m from the origin got by turning.
   std::span<const double> turned;
   std::span<const StepReach> reaches;  ///< by body: in this step, at its present velocity
   const NarrowphaseKernels& kernels;

@@ -9,7 +9,7 @@
 
 namespace atl::collision {
 
-/// How far a fast body gets, or an assembly.
+/// The stop of a fast body, or of an assembly: how far it may go in the step.
 struct CcdStop {
   std::span<const FastBody> bodies;  ///< the body, or the fast ones of its assembly
   double t = 1;                      ///< part of their motion
@@ -31,7 +31,7 @@ struct CcdSupport {
 /// along what it touches. Only these bodies cost anything. What joints connect stops together, so that no joint is
 /// torn.
 ///
-/// In three stages: candidates near each fast body; those are culled that a plane keeps apart; the rest is swept.
+/// Works in three stages: finds candidates near each fast body, culls those that a plane keeps apart, sweeps the rest.
 class ContinuousCollision {
  public:
   explicit ContinuousCollision(int threads) : candidates_(threads), scratch_(threads) {}

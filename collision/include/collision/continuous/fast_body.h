@@ -13,7 +13,7 @@
 
 namespace atl::collision {
 
-/// How a body moved in a step in which it was fast.
+/// A body that was fast in a step, and its motion.
 struct FastBody {
   static constexpr std::uint32_t alone = ~std::uint32_t{0};
 

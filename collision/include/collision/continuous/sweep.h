@@ -8,7 +8,7 @@
 
 namespace atl::collision {
 
-/// How a shape moves over a time of 1: its centre moves along a line at constant speed, while the shape turns about
+/// The motion of a shape over a time of 1: its centre moves along a line at constant speed, while the shape turns about
 /// it at constant angular velocity.
 struct Motion {
   Pose start{Vector3::Zero(), Quaternion::Identity()};  ///< of the shape's frame, world
@@ -18,14 +18,14 @@ struct Motion {
 
   static Motion still(const Pose& pose) { return {pose}; }
   static Motion along(const Pose& pose, const Vector3& translation) { return {pose, Vector3::Zero(), translation}; }
-  /// From one pose to another, turning the shorter way.
-  /// Like at(), this takes only sums, products and square roots: the same bits everywhere.
+  /// The motion from one pose to another, turning the shorter way. Like at(), this takes only sums, products and square
+  /// roots: the same bits everywhere.
   static Motion between(const Pose& start, const Pose& end, const Vector3& centre);
 
   Pose at(double t) const;
 };
 
-/// How close a sweep goes.
+/// The distance at which a sweep ends, and its tolerance.
 struct SweepGoal {
   double separation = 0;    ///< m, >= 0: a pair that comes this near hits
   double tolerance = 1e-6;  ///< m, > 0: a hit's separation lies at most this above the goal, and not below it

@@ -8,7 +8,7 @@
 
 namespace atl::collision {
 
-/// Up to eight pairs of boxes, one a lane. Unused lanes repeat a used one.
+/// A block of up to eight pairs of boxes, one a lane. Unused lanes repeat a used one.
 struct BoxBlock {
   template <typename T>
   using Lanes = std::array<T, jobs::block_lanes>;
@@ -39,7 +39,7 @@ struct alignas(64) BoxAxes {
 
 /// The kernel for one instruction set; the same bits on each.
 using BoxAxesKernel = void (*)(const BoxBlock& block, BoxAxes& axes);
-/// By the solver's name of the set; null if this machine doesn't run it.
+/// Finds a kernel by the solver's name of the set; null if this machine doesn't run it.
 BoxAxesKernel find_box_axes_kernel(std::string_view name);
 /// The kernel of the widest instruction set that this machine runs.
 BoxAxesKernel widest_box_axes_kernel();

@@ -8,7 +8,7 @@
 
 namespace atl::collision {
 
-/// How near two shapes are.
+/// The distance of two shapes.
 struct Distance {
   static constexpr std::uint32_t no_triangle = ~0u;
 
@@ -44,7 +44,7 @@ struct ClosestPoints {
   Vector3 normal = Vector3::UnitZ();  ///< unit, from the first to the second
 };
 ClosestPoints closest_points(const Shape& first_shape, const Shape& second_shape, const Pose& second);
-/// Against a triangle as a two-sided plate; the triangle is the second, in the frame of the first.
+/// The same for a triangle as a two-sided plate; the triangle is the second, in the frame of the first.
 ClosestPoints closest_points(const Shape& first_shape, const std::array<Vector3, 3>& triangle);
 
 }  // namespace atl::collision

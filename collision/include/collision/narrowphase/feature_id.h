@@ -11,7 +11,7 @@ namespace atl::collision {
 // Faces, edges and vertices are numbered as in polytope.h. Of the round shapes, the cap at positive z is face 0
 // of a cylinder, the other face 1; the base of a cone is its face 0.
 
-/// Beside an edge's number: it is the reference face's and not the incident one's.
+/// Flag beside an edge's number: the edge is the reference face's, not the incident one's.
 inline constexpr int reference_edge = 1 << 8;
 
 /// A corner of the clipped incident face: where the edge that the outline arrives on meets the one it leaves

@@ -38,7 +38,7 @@ class GaussMapDescent {
   LocalAxis from_direction(const Vector3& unit_normal);
   LocalAxis from_face_of_first(int face);
   LocalAxis from_face_of_second(int face);
-  /// From the direction across an edge of each, that looks as this one does.
+  /// Starts from the direction across an edge of each that is on the side of `unit_normal`.
   LocalAxis from_edges(int first, int second, const Vector3& unit_normal);
 
   /// Separation (m) along a face's normal.

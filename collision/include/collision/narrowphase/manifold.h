@@ -8,8 +8,8 @@
 
 namespace atl::collision {
 
-/// Which pair of features makes a contact point. Equal features have equal ids from step to step, and the
-/// features of one manifold have different ones. See feature_id.h for how they are put together.
+/// The pair of features that makes a contact point. Equal features have equal ids from step to step, and the features
+/// of one manifold have different ones. See feature_id.h for how they are put together.
 using FeatureId = std::uint64_t;
 
 inline constexpr int max_points = 4;

@@ -49,7 +49,7 @@ void collide_triangle(const Shape& solid, const Triangle& triangle, std::uint32_
 void collide_surface(const Shape& solid, const Shape& surface, const Pose& solid_pose, double margin,
                      SurfaceManifolds& result, const Vector3& shift = Vector3::Zero(), double most_gap = 0);
 
-/// How far (m) a ball is from the triangles of a surface, up to `most` (m), and 0 from anything else. `centre` is in
+/// The distance (m) of a ball from the triangles of a surface, up to `most` (m); 0 for any other shape. `centre` is in
 /// the frame of the surface.
 double gap_of_ball(const Vector3& centre, double radius, const Shape& surface, double most);
 

@@ -37,7 +37,7 @@ struct ColliderRayHit {
 bool cast_ray(const QueryScene& scene, const Ray& ray, Sides sides, Accept accept, ColliderRayHit& first);
 /// Any of the colliders that a ray meets, which may depend on the broadphase's history; whether there is one doesn't.
 bool cast_ray_any(const QueryScene& scene, const Ray& ray, Sides sides, Accept accept, ColliderRayHit& any);
-/// All of them, in order; of a surface the first hit alone. Replaces what is in `hits`.
+/// Finds all hits, in order; of a surface the first hit alone. Replaces the contents of `hits`.
 void cast_ray_all(const QueryScene& scene, const Ray& ray, Sides sides, Accept accept,
                   std::vector<ColliderRayHit>& hits);
 
@@ -52,7 +52,7 @@ struct ColliderSweepHit {
 /// surface that the solid moves away from.
 bool cast_shape(const QueryScene& scene, const Shape& solid, const Pose& pose, const Vector3& translation,
                 Accept accept, ColliderSweepHit& first);
-/// All of them, in order.
+/// Finds all hits, in order.
 void cast_shape_all(const QueryScene& scene, const Shape& solid, const Pose& pose, const Vector3& translation,
                     Accept accept, std::vector<ColliderSweepHit>& hits);
 

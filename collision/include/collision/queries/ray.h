@@ -15,7 +15,7 @@ struct Ray {
   double max_t = std::numeric_limits<double>::infinity();  ///< m, >= 0
 };
 
-/// Which sides of surfaces (meshes, height fields) a ray stops at.
+/// The sides of surfaces (meshes, height fields) at which a ray stops.
 enum class Sides : std::uint8_t { Front, Both };
 
 struct RayHit {
@@ -36,7 +36,7 @@ struct RayHit {
 /// edge.
 bool cast_ray(const Shape& shape, const Ray& ray, Sides sides, RayHit& hit);
 
-/// Against a triangle, whose front is where it is counter-clockwise. Sets t, normal and back.
+/// The same for a triangle, whose front is where it is counter-clockwise. Sets t, normal and back.
 bool cast_ray(const std::array<Vector3, 3>& triangle, const Ray& ray, Sides sides, RayHit& hit);
 
 }  // namespace atl::collision

@@ -11,8 +11,8 @@
 
 namespace atl::collision {
 
-/// How far bodies may move before their boxes, or their way, must be looked at: one entry a body index. Whoever moves
-/// a body calls moved(), so that what asks needn't look at all of them.
+/// The distances that bodies may move before their boxes, or their paths, must be checked: one entry a body index. Any
+/// code that moves a body calls moved(), so that later checks can skip bodies that haven't moved.
 struct MotionBounds {
   jobs::CompactArray<double> aabb_margin;     ///< m that its surface may still move before its AABBs must be looked at
   jobs::CompactArray<double> margin_limit;    ///< m: no more motion in a step than this counts against the margin

@@ -17,7 +17,7 @@ struct TriangleMesh;
 struct HeightField;
 struct Pose;
 
-/// In the order that pairs are dispatched in: of two shapes the one of the lower kind comes first. Those up to
+/// The kinds of shapes, in the order of dispatch: the shape of the lower kind comes first in a pair. Kinds up to
 /// TaperedCapsule are bounded and convex; a mesh and a height field are surfaces, on static and kinematic bodies only.
 enum class ShapeKind : std::uint8_t {
   Sphere,
@@ -48,8 +48,8 @@ struct Shape {
   /// Sphere, capsule, cylinder, base of the cone, ball of the tapered capsule at -half_height, m.
   double radius = 0;
   double top_radius = 0;  ///< ball of the tapered capsule at +half_height, m
-  /// Along z, m. Capsules: of the segment between the centres of the caps. Cone: base at -half_height, apex at
-  /// +half_height.
+  /// Half the height along z, m. Capsules: of the segment between the centres of the caps. Cone: base at -half_height,
+  /// apex at +half_height.
   double half_height = 0;
   Vector3 normal = Vector3::UnitZ();  ///< half-space: solid where normal . p <= offset
   double offset = 0;                  ///< half-space, m
@@ -89,7 +89,7 @@ constexpr bool parts_balls(double bottom_radius, double top_radius, double half_
 struct MassProperties {
   double volume = 0;                 ///< m^3
   Vector3 centre = Vector3::Zero();  ///< m, in the shape's frame
-  /// About the centre, per kg of mass, in m^2, along the axes of the shape's frame.
+  /// The inertia about the centre, per kg of mass, in m^2, along the axes of the shape's frame.
   Matrix3 unit_inertia = Matrix3::Zero();
 };
 MassProperties mass_properties(const Shape& shape);
@@ -100,7 +100,7 @@ MassProperties mass_properties(const Shape& shape);
 /// The point of the solid that lies farthest along a direction (any length, not zero), shape's frame.
 Vector3 support_point(const Shape& shape, const Vector3& direction);
 
-/// How far the solid reaches along a unit direction: support_point . direction.
+/// The reach (m) of the solid along a unit direction: support_point . direction.
 double reach_along(const Shape& shape, const Vector3& unit_direction);
 
 /// A lower bound of the distance of two solids, from the planes across the line of their centres. It is cheap enough to
