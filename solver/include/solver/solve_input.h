@@ -29,7 +29,7 @@ struct SolveInput {
   const collision::Contact* contacts = nullptr;  ///< by slot; null, as the colliders, where nothing touches
   const collision::ColliderTable* colliders = nullptr;
   ContactCapture* capture = nullptr;  ///< null where nobody asks
-  /// By contact slot, N s: along the normal in the step; not_pushed before it has. Null where nobody asks.
+  /// The normal impulse of each contact slot in the step, N s; not_pushed if it had none. Null if not asked for.
   float* pushed = nullptr;
   SurfaceContact* surface_contacts = nullptr;  ///< by contact slot; null while all surfaces are plain
   const AddedSlip* added_slips = nullptr;      ///< by contact slot; null where nobody adds any

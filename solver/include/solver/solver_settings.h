@@ -8,7 +8,7 @@ enum class Friction { None, Cone, Pyramid };
 enum class JointMethod { Auto, Iterative, Direct };
 enum class Stabilisation { Soft, Baumgarte, SplitImpulse };
 
-/// How islands are solved. Ranges and meanings as in atoll/settings.h.
+/// Settings of the solver. Ranges and meanings as in atoll/settings.h.
 struct SolverSettings {
   int substeps = 4;
   double refinement = 1;  ///< substeps for each of those that were asked for; `substeps` counts them all
@@ -61,10 +61,10 @@ struct Softness {
   static Softness rigid(double correction, double h) { return {static_cast<float>(correction / h), 1, 0}; }
 };
 
-/// How soft contacts get stiffer under load. A spring gives by what it carries over its stiffness, and that goes by the
-/// masses of the two bodies, whatever lies on them. A contact that would give by more than
-/// tuning::stiffening_penetration has springs and dashpots as many times as strong, so that overlap goes as fast as
-/// before, but less of it stays. Not so what joints hold: these would have to give instead.
+/// Stiffening of soft contacts under load. A spring gives by its load over its stiffness, and the stiffness goes by the
+/// masses of the two bodies, however much lies on them. A contact that would give by more than
+/// tuning::stiffening_penetration gets springs and dashpots stronger by a factor: overlap is removed as fast as before,
+/// but less of it stays. Contacts of jointed bodies don't stiffen, since the joints would give instead.
 struct Stiffening {
   float most = 1;                 ///< how many times as stiff; 1: never
   float penetration_by_load = 0;  ///< m by N s a substep and 1/kg, as stiff as contacts are otherwise

@@ -20,7 +20,7 @@ bool hold_in_disc(const Two& speed, double stiffness, double bound, Two& impulse
   return true;
 }
 
-// Its stiffness where the disc binds: the impulse's size is given, and only motion across it turns it.
+// The stiffness of a binding disc: the impulse's size is given, and only motion across it turns it.
 void add_turning(std::array<Six, 6>& k, int axis, const Two& speed, double bound) {
   const double square = speed[0] * speed[0] + speed[1] * speed[1];
   if (!(square > 0)) return;

@@ -194,8 +194,8 @@ void RowLaw::soften_friction(double effective_mass) {
   if (friction_impulse > 0) friction_slope = effective_mass / tuning::friction_compliance;
 }
 
-// By Newton's method, whose steps stay between rates that are known to be too low and too high: the law is linear piece
-// by piece, and there are few pieces.
+// Newton's method, with steps kept between rates that are known to be too low and too high. It ends soon, since the law
+// is piecewise linear with few pieces.
 double RowLaw::rate_from(double free, double response) const {
   constexpr int most_rounds = 60;
   double low = -unlimited_rate, high = unlimited_rate, rate = free;

@@ -104,7 +104,7 @@ class Graph {
     std::copy(merged_.begin(), merged_.end(), pool_.begin() + static_cast<std::ptrdiff_t>(list.begin));
   }
 
-  // After inherit() of all neighbours of a node.
+  // Removes a node's own list, after inherit() of all its neighbours.
   void drop(std::uint32_t node) { ends_ -= lists_[node].count; }
 
  private:
@@ -147,7 +147,7 @@ EliminationOrder least_degree_order(std::size_t nodes,
     result.later.insert(result.later.end(), clique.begin(), clique.end());
     finish(node);
     if (clique.size() + 1 == left) {
-      // All that are left are coupled with each other: no need to see that again and again.
+      // All nodes left are coupled with each other, so their columns are written without a further search.
       if (result.later.size() + clique.size() * (clique.size() - (clique.empty() ? 0 : 1)) / 2 > most) return {};
       for (auto next = clique.begin(); next != clique.end(); ++next) {
         result.later.insert(result.later.end(), next + 1, clique.end());

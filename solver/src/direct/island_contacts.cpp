@@ -49,7 +49,7 @@ struct ContactResponse {
   const DirectContact& contact;
   double inverse_mass;  // 1/kg, of both
 
-  // To a pair of couples that turn them.
+  // The response to a pair of couples that turn the bodies.
   double turning(const Vector3& first, const Vector3& second) const {
     double sum = 0;
     if (contact.first != no_body) sum += first.dot(bodies[contact.first].inverse_inertia * first);
@@ -57,7 +57,7 @@ struct ContactResponse {
     return sum;
   }
   double turning(const Vector3& about) const { return turning(about, about); }
-  // To an impulse at the centre.
+  // The response to an impulse at the centre.
   double along(const Vector3& axis) const {
     return inverse_mass + turning(contact.arm_first.cross(axis), contact.arm_second.cross(axis));
   }

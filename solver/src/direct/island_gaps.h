@@ -1,5 +1,5 @@
 #pragma once
-/// How far the joints of an island that is solved at once are open, and what closes them.
+/// Finds and closes the gaps of joints of an island that is solved at once.
 
 #include <solver/direct/direct_island_input.h>
 #include <solver/direct/island_motions.h>

@@ -23,7 +23,8 @@ const Law& law_of(const Joint& joint, std::size_t row);
 void place_joints(const DirectIslandInput& input, double time, double h, std::vector<MovingBody>& bodies,
                   IslandProblem& problem);
 
-/// After that: how little locked rows give, by their effective masses. A matrix by joints has that from its diagonal.
+/// Sets the compliance of locked rows, by their effective masses, once these are known. A matrix of joints alone takes
+/// it from its diagonal.
 void weigh_locks(const Joint* joints, IslandProblem& problem);
 
 /// The rates of a joint's rows at `velocities`, of what doesn't respond too.
@@ -48,11 +49,11 @@ bool any_goes_back(const std::vector<DirectJoint>& all);
 void begin_going_back(std::vector<DirectJoint>& all);
 void end_going_back(std::vector<DirectJoint>& all);
 
-/// After a solution with ranges left out, from which it is taken how fast coordinates that bounce come to their ends.
+/// Finds how fast bouncing coordinates come to their ends, from a solution with ranges left out.
 void note_impacts(const Joint* joints, double h, std::vector<DirectJoint>& all);
 
-/// After a solution: rows that are held go on, on which impulses of springs and motors act no more. What bounces leaves
-/// the end of its range; `late`: with velocities that are half a substep behind positions.
+/// Locks rows that are held after a solution, so that springs and motors no longer act on them. A coordinate that
+/// bounces leaves the end of its range; `late`: with velocities that are half a substep behind positions.
 void hold_rows(const Joint* joints, bool late, IslandProblem& problem);
 
 /// Notes the rates of armatures at these velocities.

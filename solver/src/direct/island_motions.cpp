@@ -15,7 +15,7 @@ double whole_step(const IslandProblem& problem, const SolverSettings& settings, 
   return problem.joints.empty() ? dt : dt * settings.substeps;
 }
 
-// How overlap is parted.
+// The law by which overlap is parted.
 struct Parting {
   double rate;       // 1/s, of the overlap
   double stiffness;  // N s by m/s, over the effective mass

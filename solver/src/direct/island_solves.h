@@ -13,8 +13,9 @@ namespace atl::solver {
 /// Contacts alone: one solve for the step as a whole. Returns false, with no state changed, where that ends nowhere.
 bool solve_step(const DirectIslandInput& input, const std::vector<MovingBody>& bodies, IslandMotions& motions);
 
-/// With joints: substeps of RATTLE (Andersen, "Rattle: a velocity version of the Shake algorithm", J. Comput. Phys.
-/// 1983), with the contacts in the system of the joints. Likewise; nor does it solve what may bounce.
+/// Solves an island with joints in substeps of RATTLE (Andersen, "Rattle: a velocity version of the Shake algorithm",
+/// J. Comput. Phys. 1983), with the contacts in the system of the joints. Returns false, with no state changed, if a
+/// search doesn't converge or something may bounce.
 bool solve_substeps(const DirectIslandInput& input, const IslandMembers& members, std::vector<MovingBody>& bodies,
                     IslandMotions& motions);
 

@@ -33,10 +33,10 @@ void weigh_joined(const Joint* joints, double h, IslandProblem& problem, Balance
 
 /// The laws of rows over a kick, from the rates that were noted: see RowLaw::of_kick().
 void begin_kick(const Joint* joints, double h, int sign, IslandProblem& problem);
-/// After a solution: what springs and servos do beside in a kick, see kick_correction().
+/// Adds the further impulses of springs and servos in a kick, after a solution; see kick_correction().
 void correct_kick(const Joint* joints, double h, int sign, IslandProblem& problem);
 
-/// How rotors turn before and after impulses.
+/// The rates of rotors before and after impulses.
 enum class Rotors : std::uint8_t {
   Turn,  ///< at the rates before the substep, and with the bodies and how they bend
   Keep,  ///< at the rates that armatures have kept, and with what bodies gain

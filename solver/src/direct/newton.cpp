@@ -108,7 +108,7 @@ double push_by_law(DirectJoint& joint, std::size_t row, double rate) {
   return joint.law[row].impulse(rate);
 }
 
-// On the piece of the rate that the joint notes, which stays.
+// The impulse on the piece of the law that the joint has recorded, which stays.
 double push_on_last_piece(DirectJoint& joint, std::size_t row, double rate) {
   const RowLaw& law = joint.law[row];
   if (law.locked) return push_by_law(joint, row, rate);

@@ -28,7 +28,8 @@ void free_velocities_of_step(const DirectIslandInput& input, const std::vector<M
   }
 }
 
-// By body: 1 where a contact stops what came towards it. By half of such a gain it would get into what it lands on.
+// Marks (1, by body) the bodies that a contact stops on their way. By half of such a gain, as the trapezoidal rule has
+// it, a body would get into what it lands on.
 std::vector<std::uint8_t> find_landed(const IslandMotions& motions, const std::vector<double>& before) {
   std::vector<std::uint8_t> landed(motions.problem.bodies.size(), 0);
   for (const DirectContact& contact : motions.problem.contacts) {

@@ -98,7 +98,7 @@ bool has_loops(const IslandProblem& problem) {
   return problem.joints.size() - tendons > problem.bodies.size() - (anchored ? 0 : 1);
 }
 
-// After a linear solution.
+// Records the impulses of held rows after a linear solution.
 void note_held_impulses(IslandProblem& problem) {
   for (DirectJoint& joint : problem.joints) {
     for (std::size_t r = 0; r < joint.rows; ++r) {
@@ -281,7 +281,7 @@ bool Substeps::go_back() {
   return solve_rows();
 }
 
-// How fast coordinates would come to the ends of their ranges without these.
+// Finds how fast coordinates would come to the ends of their ranges if these didn't hold.
 bool Substeps::find_impacts() {
   motions_.energy_before = kinetic_energy(bodies_, problem_, problem_.free);
   const auto limit_ranges = [&](bool limited) {
@@ -384,8 +384,9 @@ bool Substeps::solve_linear() {
   return true;
 }
 
-// By Newton's law, one that bounces while others are at ends of their ranges may leave with more energy than there was:
-// then all leave slower by a common share. That is found from the velocities without any bounce, on the same rows.
+// Limits the energy of bounces. By Newton's law of restitution, a coordinate that bounces while others are at ends of
+// their ranges may leave with more energy than there was. All then leave slower by a common share, which is found from
+// the velocities without any bounce, on the same rows.
 bool Substeps::limit_bounces() {
   if (count_rows_at_ends(problem_) < 2) return true;
   if (kinetic_energy(bodies_, problem_, problem_.velocity) <= motions_.energy_before) return true;

@@ -27,24 +27,24 @@ class Substeps {
         by_bodies_(motions.search.matrix.joints() == nullptr),
         h_(input.substep()) {}
 
-  /// All of an island's. Returns false where a search ends nowhere.
+  /// Takes all substeps of an island. Returns false if a search doesn't converge.
   bool solve();
 
-  /// Before the first.
+  /// Prepares the first substep.
   void begin();
   /// Rows at the poses of now, `time` seconds into the step.
   void place(double time);
   /// Laws, from the rates that were noted.
   void begin_substep();
-  /// How locks bend at the free velocities in the substep that ends then.
+  /// Finds how locks bend at the free velocities in the substep that ends at `time`.
   void foresee_bends(double time);
   /// Solves the joints alone, from the free velocities. `finds_impacts` also finds which coordinates bounce, and how;
   /// otherwise the last finding is used again.
   bool find_joint_velocities(bool finds_impacts);
   /// Moves the coordinates by the velocities of bodies.
   void advance_coordinates();
-  /// From the lasting velocities those that keep the joints, and change nothing at contacts that rest: both have had
-  /// their impulses, and answer to what is left alone. Returns false if there are none.
+  /// Projects the lasting velocities to ones that keep the joints, and changes nothing at contacts that rest: both have
+  /// had their impulses, and answer only to the rest. Returns false if there are none.
   bool project();
 
  private:
@@ -66,8 +66,8 @@ class Substeps {
   IslandMotions& motions_;
   IslandProblem& problem_;
   const RowKinds& rows_;
-  // Nothing presses on the joints in this system. If nothing does at all, velocities are half a substep behind
-  // positions, as a leapfrog has them.
+  // True if nothing presses on the joints in this system. If nothing does at all, velocities are half a substep behind
+  // positions, as in a leapfrog.
   const bool alone_;
   const bool by_bodies_;    // the matrix has a node a body, else a joint
   const double h_;          // s

@@ -56,7 +56,7 @@ void answer_shifted(IslandProblem& problem, std::vector<double>& gradient) {
   }
 }
 
-// To the end of the search direction, on the pieces that everything is on. The gradient is what rounding leaves.
+// Goes to the end of the search direction with all rows on their last pieces. The gradient is then rounding alone.
 void go_to_end(IslandProblem& problem, BalanceSearch& search) {
   for (std::size_t i = 0; i < search.direction.size(); ++i) problem.velocity[i] += search.direction[i];
   balance_on_last_pieces(problem, search.gradient);

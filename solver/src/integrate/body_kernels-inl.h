@@ -49,7 +49,7 @@ inline void integrate_velocities(SolverBodies& bodies, const SubstepConstants& c
 }
 
 inline void clear_corrections(SolverBodies& bodies, std::size_t begin, std::size_t end) {
-  // With the inertia that rides along.
+  // The fourth number of each row is inertia, which has to stay.
   for (std::size_t i = begin; i < end; ++i) {
     bodies.correction[i] = {{0, 0, 0}, bodies.velocity[i].inertia_xx, {0, 0, 0}, bodies.velocity[i].inertia_yy};
   }
@@ -150,7 +150,7 @@ HWY_INLINE Q tumble(SolverBodies& bodies, std::size_t i, const Q& before, const 
   const V3 gained = select(active, in_world, {zero(), zero(), zero()});
   const V3 new_w = V3{w4.x, w4.y, w4.z} + gained;
   store_rows({new_w.x, new_w.y, new_w.z, w4.w}, angular_row, ~0u);
-  // It was no constraint that turned it: not to be carried over.
+  // This turn came from no constraint, so it must not be carried over.
   store_rows({hn::Add(free4.x, gained.x), hn::Add(free4.y, gained.y), hn::Add(free4.z, gained.z), free4.w},
              free_angular_row, ~0u);
   const Q turned_by = normalized(turn * before);

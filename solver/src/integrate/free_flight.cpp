@@ -44,7 +44,7 @@ Vector3 free_turn(const Vector3& momentum, const Matrix3& inverse_inertia, doubl
   return h * (w + h / 2 * (w1 + h / 3 * (cubic + h / 4 * quartic)));
 }
 
-// How a torque-free rotation is cut into steps.
+// The steps into which a torque-free rotation is divided.
 struct RotationSteps {
   double twentieths;  // of a radian, that are turned by, but for what is a great many
   bool splits;        // by SplitTop, in fewer steps than that
@@ -125,7 +125,7 @@ Quaternion rotation_by(const Vector3& rotation_vector) {
   const double square = rotation_vector.squaredNorm();
   double cosine, scale;  // of half the angle, and its sine over the angle
   if (square < 0.004) {
-    // Their series: the first terms left out are below 3e-17.
+    // Power series; the first terms left out are below 3e-17.
     cosine = 1 - square / 8 * (1 - square / 48 * (1 - square / 120));
     scale = 0.5 - square / 48 * (1 - square / 80 * (1 - square / 168));
   } else {

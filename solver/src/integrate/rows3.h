@@ -54,7 +54,7 @@ inline void turn_on(SolverBodies& bodies, std::size_t local, const Quaternion& t
   for (int k = 0; k < 4; ++k) rotation[k] = static_cast<float>(turned.coeffs()[k]);
 }
 
-/// How a body has turned since the start of the step.
+/// The turn of a body since the start of the step.
 inline Quaternion rotation_of(const DisplacementRows& displacement) {
   const float(&q)[4] = displacement.rotation;
   return {q[3], q[0], q[1], q[2]};

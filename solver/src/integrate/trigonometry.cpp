@@ -25,8 +25,8 @@ double arctangent_series(double r2) {
   return even + odd * r2;
 }
 
-// For t in [0, 1]. What is above tan(pi/12) is turned back by pi/6 (Cody and Waite, Software Manual for the Elementary
-// Functions, 1980, chapter 11).
+// The arctangent for t in [0, 1]. A t above tan(pi/12) is turned back by pi/6 (Cody and Waite, Software Manual for the
+// Elementary Functions, 1980, chapter 11).
 double arctangent_within_one(double t) {
   constexpr double tangent_of_twelfth = 0.26794919243112270647;
   constexpr double root_three = 1.73205080756887729353;
@@ -47,7 +47,8 @@ SineCosine sine_cosine(double angle) {
   constexpr double half_pi_middle = 6.07710050630396597660e-11;
   constexpr double half_pi_low = 2.02226624879595063154e-21;
   constexpr double quarter_pi = 0.78539816339744830962;
-  // Beyond, a turn is less than the rounding of the angle; which turn it is would be up to how a machine converts numbers.
+  // Beyond, a turn is less than the rounding of the angle; which turn it is would be up to how a machine converts
+  // numbers.
   constexpr double most = 0x1p50;
   if (!(std::abs(angle) < most)) return {angle - angle, angle - angle + 1};
   // Most angles are small, and asking the C library to round takes a call.

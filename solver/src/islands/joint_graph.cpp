@@ -63,7 +63,7 @@ void JointGraph::build(std::span<const Joint> joints, std::span<const std::uint8
   count_parallel(joints, bodies);
 }
 
-// Its link is between two dynamic bodies if it has as many.
+// Adds a tendon. Its link joins two dynamic bodies if it has as many.
 void JointGraph::add_tendon(std::span<const Joint> joints, std::uint32_t tendon, const BodyTable& bodies) {
   std::vector<std::uint32_t> pulled;
   std::uint32_t other = none;

@@ -16,7 +16,7 @@ double overlap(const collision::ContactManifold& manifold) {
   return -static_cast<double>(*std::min_element(std::begin(manifold.separation), std::end(manifold.separation)));
 }
 
-// How two bodies answer to impulses.
+// The response of two bodies to impulses.
 struct Pair {
   double inverse_mass;
   Matrix3 first, second;  // inverse inertia, world
@@ -166,7 +166,7 @@ int substeps_at_first(const ErrorInput& input, const ErrorTarget& target, std::s
   if (input.islands.contact_count(island) > 0) {
     square = force / stiffness(input, tuning::contact_hertz_share) / target.penetration;
   }
-  // All of it may hang on one joint.
+  // The whole island may hang on one joint.
   if (sweeps_joints) square = std::max(square, all / stiffness(input, tuning::joint_hertz_limit) / target.joint_gap);
   // The other errors can't be predicted.
   const bool others = target.residual < ErrorTarget::none || target.motion < ErrorTarget::none;

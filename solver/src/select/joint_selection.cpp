@@ -133,7 +133,8 @@ class Holds {
     keep(joint.second, joint.first, factor.matrixL().solve(second));
   }
 
-  // In a body's own axes, so that its joints can be compared.
+  // Scales rows by the root of the inverse mass matrix, in a body's own axes, so that the body's joints can be
+  // compared.
   static void weigh(Rows6& rows, Eigen::Index count, const BodyTable& bodies, std::uint32_t body, const Matrix3& axes) {
     rows.conservativeResize(count, 6);
     const Matrix3 root = Eigen::LLT<Matrix3>(bodies.inverse_inertia[body]).matrixL();

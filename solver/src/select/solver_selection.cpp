@@ -22,7 +22,7 @@ bool may_be_direct(const LoadInput& input, std::size_t island) {
   return input.islands.body_count(island) <= tuning::most_bodies && !has_locks(input, island);
 }
 
-// By the loads in it now.
+// The mode by the present loads of an island.
 SolveMode estimated_mode(const LoadInput& input, std::size_t island) {
   const Build build = build_of(input.islands, island);
   const bool direct = may_be_direct(input, island);
@@ -129,7 +129,7 @@ void SolverSelection::find_joined(const LoadInput& input, bool touched) {
   }
 }
 
-// All islands are swept, but for those of joined bodies that were found.
+// Sets all islands to be swept, except those of joined bodies with a finding.
 void SolverSelection::start_modes(const Islands& islands) {
   modes_.assign(islands.count(), SolveMode::Sweep);
   for (const std::size_t island : joined_) modes_[island] = SolveMode::Direct;

@@ -143,7 +143,8 @@ void SubstepControl::decide(const ErrorInput& input, const ErrorTarget& target, 
   const bool raises = (needs.overlap.follows || needs.gap.follows || now.asked > now.substeps) && needed > now.substeps;
   now.most = std::max(now.most, needed);
   if (raises) {
-    // To have fewer was too few: that is not tried again as soon. Something else happened if it takes many more.
+    // The last decrease went too far if about as many substeps are needed again: the next try comes later. A need for
+    // many more has another cause.
     const bool again = now.lowered && needed <= 2 * now.substeps;
     now = {.substeps = needed, .most = needed, .hold = again ? std::min(2 * now.hold, longest) : hold};
   } else if (now.looked_at > (for_residual ? longest : now.hold)) {

@@ -82,7 +82,7 @@ void Colouring::assign_colours(std::span<const Constraint> constraints, std::uin
   }
 }
 
-// By colour, then sort key, then in order; those that are left over get a block each.
+// Orders constraints by colour, then sort key, then as given. Those left over get a block each.
 template <typename Constraint>
 void Colouring::assign_lanes(std::span<const Constraint> constraints) {
   constexpr const Constraint* kind = nullptr;

@@ -1,4 +1,4 @@
-// Which points may bounce in a substep. What comes of it is found in double (impacts.h). Included once for each
+// Finds the points that may bounce in a substep. Their impulses are found in double (impacts.h). Included once for each
 // instruction set.
 
 #if defined(ATOLL_SOLVER_CONTACT_BOUNCES_INL_H_) == defined(HWY_TARGET_TOGGLE)

@@ -55,7 +55,7 @@ HWY_INLINE BodyLanes load_bodies(const SolverBodies& bodies, const std::int32_t*
   return body;
 }
 
-// How bodies have moved since the start of the step, and in w how their contact points turn with them.
+// The displacements of bodies since the start of the step, and in w the share by which contact points turn with them.
 HWY_INLINE V4 load_displacement(const SolverBodies& bodies, const std::int32_t* index) {
   const DisplacementRows* displacement = bodies.displacement.data();
   return load_rows([=](std::size_t k) { return displacement[index[k]].linear; });
@@ -97,7 +97,7 @@ struct ContactLanes {
   BodyLanes first, second;
   V3 normal, tangent1, tangent2;
   V3 anchor_first, anchor_second;
-  // Along the world's axes where these are not alike.
+  // One number, or one for each axis of the world if locks make them differ.
   std::conditional_t<movable == MovableSides::Locked, V3, V> inverse_mass_first, inverse_mass_second;
 };
 
@@ -281,7 +281,7 @@ HWY_INLINE V angular_response(const ContactLanes<>& c, const V3& j_first, const 
   return hn::Add(dot(j_first, c.first.inverse_inertia * i_first), dot(j_second, c.second.inverse_inertia * i_second));
 }
 
-// How friction at the centre changes the tangential speeds there. `linear` is what it would be if nothing turned.
+// The response of the tangential speeds at the centre to friction there. `linear` is the response without turning.
 HWY_INLINE Plane tangential_response(const ContactLanes<>& c, V linear) {
   const V3& t1 = c.tangent1;
   const V3& t2 = c.tangent2;
@@ -325,7 +325,7 @@ struct NormalSolve {
     w1 = dot(c.tangent1, spin);
     w2 = dot(c.tangent2, spin);
   }
-  // With what the step began with.
+  // Adds the speeds that the block stored as the step began.
   template <MovableSides movable>
   HWY_INLINE NormalSolve(const ContactLanes<movable>& c, const ContactBlock& block, std::size_t lane) : NormalSolve(c) {
     u = hn::Add(load(block.start_normal[0] + lane), u);

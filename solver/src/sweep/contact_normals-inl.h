@@ -18,7 +18,7 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 using namespace jobs::HWY_NAMESPACE;
 
-// How a sweep changes normal impulses: all that its points depend on.
+// The parameters by which a sweep changes normal impulses, and all that its points depend on.
 template <Push push_, bool special_>
 struct NormalLaw {
   static constexpr Push push = push_;
@@ -111,7 +111,7 @@ HWY_INLINE void solve_points(const ContactKernelData& data, ContactBlock& block,
     const V y = load(block.y[i] + lane);
     const V old_impulse = load(impulses[i] + lane);
     const PointResponse response(block, lane, x, y);
-    // All but the product with the speed is off the chain from point to point.
+    // Only the product with the speed depends on the point before.
     const PointTarget target = targets.of(i, response.mass, old_impulse);
     const V wanted = hn::Sub(target.offset, hn::Mul(target.mass, solve.speed(x, y)));
     const V impulse = hn::Max(wanted, hn::Neg(old_impulse));
@@ -165,7 +165,7 @@ HWY_NOINLINE void spread_impact(const ContactKernelData& data, const ContactBloc
   }
 }
 
-// For the lanes that land, and for them alone: whether others of their block do must not show.
+// Changes only the lanes that land, so that no lane's result depends on others of its block.
 template <typename normals, std::size_t points>
 HWY_NOINLINE void solve_impact(const ContactKernelData& data, ContactBlock& block, float (*impulses)[block_lanes],
                                std::size_t lane, const M& lands, NormalSolve& solve, Residual& residual,
@@ -197,7 +197,7 @@ HWY_INLINE void solve_normals(const ContactKernelData& data, ContactBlock& block
   const bool any_lands = HWY_UNLIKELY(!hn::AllFalse(D(), lands));
   // The rare branches below work on copies, so that the compiler can keep the originals in registers.
   if constexpr (what::points > 1) {
-    // Or leaves as fast, pushed by an impulse that was carried over.
+    // A contact also counts if it parts as fast, pushed by an impulse that was carried over.
     M hits = hn::Gt(hn::Abs(solve.u), splat(tuning::spread_speed));
     if (HWY_UNLIKELY(!hn::AllFalse(D(), hits))) {
       V pushed = load(impulses[0] + lane);

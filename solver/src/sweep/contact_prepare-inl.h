@@ -59,7 +59,7 @@ HWY_INLINE void store4(const V4& v, float (*rows)[block_lanes], std::size_t lane
   store(v.w, rows[3] + lane);
 }
 
-// Without friction, or what twists, there is no such row: it has no mass, and what sweeps it comes to zero, exactly.
+// A contact without friction, or without torsional friction, has mass 0 in that row, so that sweeps leave exactly zero.
 HWY_INLINE void prepare_masses(ContactBlock& block, std::size_t lane, const ContactLanes<>& c, M rubs, M twists) {
   const V inverse_mass = hn::Add(c.inverse_mass_first, c.inverse_mass_second);
   const M vacant = hn::Eq(inverse_mass, zero());
@@ -256,7 +256,7 @@ HWY_INLINE void take_half_way(const SolverBodies& bodies, TurningBlock& turning,
   c.anchor_second = moved(c.second, c.anchor_second);
 }
 
-// With the velocities that the step begins with.
+// Loads the lanes with the velocities that the step begins with.
 HWY_INLINE ContactLanes<> lanes_of(const SolverBodies& bodies, const ContactBlock& block, std::size_t lane,
                                    const ManifoldLanes& m) {
   ContactLanes<> c;
@@ -341,7 +341,7 @@ HWY_INLINE M are_free(const std::uint8_t* joined, const ContactBlock& block, std
   return hn::Gt(hn::LoadU(D(), free), zero());
 }
 
-// How soft each contact is, by the load that it carried last: see Stiffening.
+// Sets the softness of each contact by its load in the last step: see Stiffening.
 HWY_INLINE void prepare_softness(const ContactKernelData& data, ContactBlock& block, std::size_t lane,
                                  const ContactLanes<>& c) {
   const M first_fixed = hn::Eq(c.inverse_mass_first, zero());

@@ -18,7 +18,7 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 using namespace jobs::HWY_NAMESPACE;
 
-// How a body changes the normal, as it sees it itself. A rolling ball's lowest point does not rise with its surface.
+// The change of the normal in a body's own frame. A rolling ball's lowest point does not rise with its surface.
 HWY_INLINE V3 normal_change(const ContactKernelData& data, const std::int32_t* index, const V4& moved,
                             const V3& normal) {
   return moved.w * turned_change(conjugate(load_rotation(data.bodies, index)), normal);
@@ -236,7 +236,7 @@ HWY_INLINE void solve_friction(ContactBlock& block, SurfaceBlock* surface, [[may
   }
 }
 
-// After a refresh: what surfaces that bend have gained.
+// Adds to refreshed separations the motion of surfaces that bend.
 template <std::size_t points>
 HWY_INLINE void raise_surfaces(const Sweep& sweep, ContactBlock& block, const SurfaceBlock& surface, std::size_t lane) {
   const V risen = hn::Mul(splat(sweep.rise_time), load(surface.rise[0] + lane));
@@ -245,9 +245,9 @@ HWY_INLINE void raise_surfaces(const Sweep& sweep, ContactBlock& block, const Su
   }
 }
 
-// After a refresh. Bouncy points that are yet to arrive are left to the substep in which they do, which has to see how
-// fast they close: so are those that nothing has touched when bodies have moved. What has moved for an impact since the
-// substep began is pushed by what it overlapped before.
+// Hides bouncy points without contact yet from a refreshed sweep, since the substep in which they arrive has to see how
+// fast they close. Once bodies have moved, points without impulse are hidden too. A body that an impact has moved since
+// the substep began is pushed by its overlap before that.
 inline void hide_bounces(const Sweep& sweep, ContactBlock& block, const BounceBlock& bounce, std::size_t lane) {
   const M bouncy = hn::Gt(load(bounce.restitution + lane), zero());
   for (std::size_t i = 0; i < block.traits.points; ++i) {
@@ -260,7 +260,7 @@ inline void hide_bounces(const Sweep& sweep, ContactBlock& block, const BounceBl
   }
 }
 
-// Over blocks of a kind.
+// Sweeps over blocks of one kind.
 template <typename how, typename what>
 HWY_NOINLINE void sweep_alike(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end,
                               Residual& of_all) {
@@ -309,7 +309,7 @@ HWY_INLINE void sweep_points(const ContactKernelData& data, const Sweep& sweep, 
   }
 }
 
-// With a kernel for each kind of block.
+// Sweeps with a kernel for each kind of block.
 template <typename how>
 void sweep_by_kind(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end) {
   const auto movable_of = [&](std::size_t b) { return data.leaves_out ? data.blocks[b].movable : MovableSides::Both; };

@@ -119,7 +119,7 @@ void GroupPass<Executor>::prepare_contacts() {
   parts_.impacts.begin_step(report_.restitution ? parts_.bodies.padded_count() : 0, parts_.contacts.block_count());
 }
 
-// How stiff joints are counts as inertia of the bodies that they pull on.
+// Prepares joints. Their stiffness counts as inertia of the bodies that they pull on.
 template <typename Executor>
 void GroupPass<Executor>::prepare_joints() {
   JointInertia& inertia = parts_.joint_inertia;
@@ -170,7 +170,7 @@ void GroupPass<Executor>::bounce() {
   parts_.impacts.solve(setup_.contact_data, setup_.friction);
 }
 
-// Before the forces of a substep: springs go by the speeds that there are now.
+// Records rates before the forces of a substep, since springs go by the present speeds.
 template <typename Executor>
 void GroupPass<Executor>::note_speeds() {
   if (parts_.joints.has_rows()) {
@@ -272,7 +272,7 @@ void GroupPass<Executor>::relax(int number) {
     rise(how, number + 1, number + 1);
     sweep(how, {.refresh = true, .moved = true}, setup_.settings.relax_iterations, number);
   }
-  // Once a step where bodies are more than caches hold: a tenth of a net's time else.
+  // A group larger than the caches is checked once a step only: each check would take a tenth of a net's time.
   if (setup_.bounds_joints && (!setup_.group.large || number + 1 == setup_.settings.substeps)) {
     parts_.joint_energy.bound(parts_.joined_motion, setup_.joint_step, setup_.kernels, parts_.numbers.first_dynamic(),
                               parts_.bodies, parts_.joints, parts_.tendons);
@@ -289,7 +289,7 @@ void GroupPass<Executor>::note_joint_impacts() {
   joint_impacts_ = any.load(std::memory_order_relaxed);
 }
 
-// At the ends of their ranges, by a few sweeps of which the next substep carries nothing over.
+// Bounces coordinates at the ends of their ranges, by a few sweeps that carry nothing over to the next substep.
 template <typename Executor>
 void GroupPass<Executor>::bounce_joints() {
   SolverBodies& bodies = parts_.bodies;

@@ -23,7 +23,7 @@ void write_back(const SolveInput& input, const GroupParts& parts, std::span<cons
     const bool is_joined = with_joints && joined && joined_motion.is_joined(i);
     const Vector3 gained = get3(rows.velocity[local].linear);
     const Vector3 gained_spin = get3(rows.velocity[local].angular);
-    // Over the substeps of a step the halves of their gains add up to that of the step's.
+    // Half the gain of the step is the sum of half the gains of its substeps, so one shift covers them all.
     const Vector3 acceleration = get3(rows.acceleration[local].linear);
     const BlowRows blow = rows.blow.empty() ? BlowRows{} : rows.blow[local];
     const Vector3 pulled = gained - get3(blow.linear), pulled_spin = gained_spin - get3(blow.angular);

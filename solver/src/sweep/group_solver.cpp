@@ -87,7 +87,7 @@ void GroupSolver::collect_joints(const SolveInput& input, const IslandGroup& gro
   parts_.joints.colour(numbers.first_dynamic(), numbers.count());
 }
 
-// By what the group's contacts, joints and bodies call for in this step.
+// Selects kernels by the features that the group's contacts, joints and bodies have in this step.
 void GroupSolver::select_kernels(const SolveInput& input, const IslandGroup& group, GroupReport& report) {
   const bool everything = input.settings.everything;
   report.surfaces = note_surfaces(input, group);

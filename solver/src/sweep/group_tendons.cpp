@@ -42,7 +42,7 @@ double closing_rate(const SubstepConstants& constants, double off) {
   return std::clamp(-constants.joint.bias_rate * off, -most, most);
 }
 
-// How far a length is beyond its range, or from where it is locked.
+// The length (m) by which a tendon is beyond its range, or off its locked length.
 double beyond(const Law& law, double length) {
   return std::max(length - law.upper, 0.0) + std::min(length - law.lower, 0.0);
 }

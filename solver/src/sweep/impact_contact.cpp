@@ -96,7 +96,7 @@ Work work_of(const Acting& acting) {
   }
   const std::array<double, 3> after = acting.slip();
   for (std::size_t i = 0; i < 3; ++i) {
-    // Against the surface where it runs: that drives.
+    // The speed against a surface that runs, since its motion drives the body.
     const double runs = i < 2 ? contact.friction.runs[i] : 0;
     work.add(contact.friction.impulse[i], contact.friction.slip_before[i], after[i]);
     work.given += std::max(-contact.friction.impulse[i] * runs, 0.0);

@@ -23,7 +23,7 @@ void turn(const Quaternion& by, ImpactBody& body) {
   body.inverse_inertia = symmetric_product(product(rotation, body.inverse_inertia), rotation);
 }
 
-// How it turns by itself for some seconds, or has turned before: at its mean spin, with the momentum that it has.
+// Turns a body freely by `time` seconds, forwards or back: at its mean spin, with constant angular momentum.
 void tumble(double time, ImpactBody& body) {
   const Vector3 momentum = body.tumbles ? product(symmetric_inverse(body.inverse_inertia), body.spin) : Vector3::Zero();
   const ImpactBody start = body;
@@ -36,14 +36,14 @@ void tumble(double time, ImpactBody& body) {
   }
 }
 
-// From the sweeps of this substep, what the next sees to.
+// Hides a contact from the sweeps of this substep; the next one takes care of it.
 void hide(const ContactKernelData& data, std::uint32_t block, std::uint32_t lane) {
   for (std::size_t i = 0; i < max_points; ++i) {
     data.blocks[block].separation[i][lane] = data.bounces[block].separation[i][lane] = collision::no_point;
   }
 }
 
-// By joints that would part if it were put elsewhere.
+// True if swept joints hold a body: they would part if the body were shifted.
 bool is_held(const ContactKernelData& data, std::uint32_t body) {
   return data.joined != nullptr && data.joined[body] == static_cast<std::uint8_t>(Joined::Swept);
 }

@@ -120,7 +120,7 @@ HWY_INLINE V continued(Coordinate coordinate, V value, V before, V travel) {
   return hn::Add(value, hn::Mul(splat(turn), hn::Round(hn::Mul(hn::Sub(before, value), splat(1 / turn)))));
 }
 
-// How far a row has moved by the velocities that bodies have moved by.
+// The motion of a row by the velocities at which bodies have moved.
 HWY_INLINE V travel_of(const JointKernelData& data, const JointRowBlock& row, std::size_t lane, JointLanes moved) {
   if (!data.bodies.correction.empty()) {
     const VelocityRows* correction = data.bodies.correction.data();
@@ -188,7 +188,7 @@ HWY_INLINE void set_law(const SubstepConstants& constants, const JointBlock& blo
   const V room_above = hn::Sub(load(of.upper + lane), value);
   const auto set = [lane](V number, float* numbers) { store(number, numbers + lane); };
 
-  // No end of a range is stronger than a motor without a bound, which therefore stops there by itself.
+  // A motor without a bound would overpower the end of a range, so its speed is limited to stop there by itself.
   const V most = load(of.motor_impulse + lane);
   const V speed = hn::Mul(load(of.share + lane), load(of.motor_speed + lane));
   const V within = hn::Min(hn::Max(speed, hn::Neg(hn::Mul(room_below, inverse_h))), hn::Mul(room_above, inverse_h));

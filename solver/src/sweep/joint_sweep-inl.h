@@ -133,7 +133,7 @@ HWY_INLINE void solve_row(const JointRowBlock& row, float* accumulated, std::siz
   const V impulse = hn::Mul(mass, change);
   JointLanes solved = c;
   apply(solved, impulse * linear, impulse * angular_first, impulse * angular_second);
-  // Not so much as the sign of a zero may show that a lane has fewer rows than its block.
+  // Lanes without this row keep every bit, even the sign of a zero, so that results don't depend on the other lanes.
   const M active = hn::Gt(mass, zero());
   c.first.v = select(active, solved.first.v, c.first.v);
   c.first.w = select(active, solved.first.w, c.first.w);
@@ -166,7 +166,7 @@ HWY_INLINE void solve_point(const SubstepConstants& constants, JointBlock& block
     const V3 closing = closing_speed(load(block.bias_rate + lane), load3(block.offset, lane), constants.inverse_h);
     impulse = hn::Neg(load(block.mass_scale + lane)) * (mass * (rate + closing));
   }
-  // It holds either way: only what leaks, or is carried over, has to be known.
+  // A split sweep holds the point without an accumulated impulse; only softness and warm start need one.
   if constexpr (push != Push::Split) {
     const V3 old_impulse = load3(block.impulse, lane);
     if constexpr (push == Push::Bias) impulse = impulse - load(block.impulse_scale + lane) * old_impulse;

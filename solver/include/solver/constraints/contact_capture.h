@@ -20,8 +20,8 @@ struct ContactCapture {
     std::array<float, 3> friction_impulse;
     float torsional_impulse;                           ///< N m s
     std::array<float, 3> rolling_impulse = {0, 0, 0};  ///< N m s
-    /// It was solved in the plane that its bodies stay in, with two points on the tangent, and not as the manifold has
-    /// it.
+    /// True if it was solved in the plane that its bodies stay in, with two points on the tangent, and not by its
+    /// manifold.
     bool planar = false;
     std::array<float, 3> normal;
     std::array<float, 3> tangent;

@@ -12,7 +12,7 @@ namespace atl::solver {
 /// an impulse that on the second body, N s and N m s.
 using Six = std::array<double, 6>;
 
-/// Which pieces of its law a contact is on.
+/// The pieces of its law that a contact is on.
 struct ContactPieces {
   std::uint8_t points = 0;  ///< a bit for each that pushes
   std::uint8_t slides = 0;  ///< both bits where the disc of friction binds; of the pyramid a bit for each tangent

@@ -53,7 +53,7 @@ constexpr bool is_geared(Coordinate of) { return of >= Coordinate::Gear; }
 /// 0, 1 or 2, of three coordinates of which `x` is the first.
 constexpr int axis_of(Coordinate of, Coordinate x) { return static_cast<int>(of) - static_cast<int>(x); }
 
-/// All that acts along a coordinate: which impulses go with which rates. Range, spring, motor and friction add up.
+/// The law along a coordinate: impulse as a function of rate. Range, spring, motor and friction add up.
 struct Law {
   static constexpr double unlimited = std::numeric_limits<double>::infinity();
 

@@ -40,10 +40,10 @@ struct LinearStep {
   double keep = 0;
   double shift = 0;  ///< m/s or rad/s, to be added
 
-  /// With the inertia that the law adds to `mass`, which is what the coordinate moves without it. A spring's frequency
-  /// is that with `alone`, the mass along the row where nothing else holds the bodies.
+  /// The step of a spring, with the inertia that the law adds to `mass`, which is that of the coordinate without it.
+  /// The spring's frequency is that with `alone`, the mass along the row if nothing else holds the bodies.
   static LinearStep of_spring(const Law& law, const JointRow& at, double mass, double alone, double h);
-  /// Without it: a servo goes with a spring, or with none.
+  /// The step of a servo, without that inertia: a servo goes with a spring, or with none.
   static LinearStep of_servo(const Law& law, const JointRow& at, double mass, double h);
 };
 
@@ -110,7 +110,7 @@ struct RowLaw {
   int friction_bound(double rate) const;
 
  private:
-  // Which bound a force of so much is at that would have to be `wanted`.
+  // The bound (-1 or 1) that a force of at most `most` is at if `wanted` is asked of it, else 0.
   static int bound_at(double wanted, double most) { return wanted > most ? 1 : wanted < -most ? -1 : 0; }
   double drive() const { return motor_slope > 0 ? motor_slope : stiffness; }
   double friction_drive() const { return friction_slope > 0 ? friction_slope : stiffness; }
@@ -165,15 +165,16 @@ inline std::uint8_t RowLaw::pieces(double rate) const {
 double kick_correction(const Law& law, const JointRow& at, const RowMass& mass, double h, double rate,
                        double acceleration);
 
-/// How a coordinate would bounce at an end of its range within a step.
+/// The bounce of a coordinate at an end of its range within a step.
 struct LimitImpact {
   int end = 0;              ///< -1 the lower, 1 the upper; 0 if there is none
   bool rests = false;       ///< at an end, from which it doesn't come back
   double leaving = 0;       ///< m/s or rad/s, the rate after it, where the position is now
   double leaving_late = 0;  ///< likewise, half a step behind the position, as substeps have rates
 
-  /// From `position` at a `rate` that would be `free_rate` after h seconds if nothing held it, both half a step behind
-  /// positions; by Newton's law of restitution. It doesn't bounce where it would be back within the step: it rests.
+  /// Finds the bounce from `position` at a `rate` that would be `free_rate` after h seconds if nothing held it, both
+  /// half a step behind positions; by Newton's law of restitution. A bounce that would be over within the step counts
+  /// as rest.
   static LimitImpact of(const Law& law, double position, double rate, double free_rate, double h);
 };
 

@@ -30,21 +30,21 @@ struct BalanceSearch {
   auto arrays() const { return std::tie(matrix, gradient, direction, impulses, given); }
 };
 
-/// By Newton's method, from the problem's velocities and the pieces that the answers are on. Friction's bound follows
-/// the load. Returns false where that ends nowhere.
+/// Solves by Newton's method, from the problem's velocities and the pieces that the answers are on. Friction's bound
+/// follows the load. Returns false if it doesn't converge.
 bool solve_by_newton(IslandProblem& problem, BalanceSearch& search);
 
 /// Solves joints alone by their response: finds in a few rounds, from the rates that they note, which pieces of their
 /// laws rows are on, with velocities and impulses. Returns false where these don't settle.
 bool solve_joints(IslandProblem& problem, BalanceSearch& search);
 
-/// By Newton's method from velocities near the solution; friction's bounds stay.
+/// Solves by Newton's method from velocities near the solution; friction's bounds stay.
 bool solve_nearby(IslandProblem& problem, BalanceSearch& search);
 
 /// One step of Newton's method with an exact line search; friction's bounds stay. Returns false if it ends nowhere.
 bool step_by_newton(IslandProblem& problem, BalanceSearch& search);
 
-/// If everything stays on the pieces that it is on: one linear solve.
+/// Makes one linear solve, which is exact if all rows stay on the pieces that they are on.
 bool solve_on_last_pieces(IslandProblem& problem, BalanceSearch& search);
 
 /// Contacts and locks give by little under what they carry, but a column of many, or under many times its weight, would

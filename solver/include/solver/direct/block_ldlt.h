@@ -57,7 +57,7 @@ class BlockLdlt {
   std::size_t block_index(std::uint32_t a, std::uint32_t b) const;
   bool is_earlier(std::uint32_t a, std::uint32_t b) const { return rank_[a] < rank_[b]; }
   double* values(std::size_t block_index) { return values_.data() + block_index; }
-  /// All of them at once, to be put back after factor().
+  /// Copies all values, to be put back after factor().
   void copy_values(std::vector<double>& to) const { to.assign(values_.begin(), values_.end()); }
   void set_values(const std::vector<double>& from) { std::copy(from.begin(), from.end(), values_.begin()); }
 

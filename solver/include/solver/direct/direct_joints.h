@@ -35,14 +35,14 @@ class DirectJoints {
   }
   void begin_step(const DirectIslandInput& input);
   void begin_substep(const DirectIslandInput& input);
-  /// After forces: velocities that keep the joints at the present poses, springs, motors and limits.
+  /// Finds, after forces, the velocities that keep the joints at the present poses, with springs, motors and limits.
   void solve_velocities(const DirectIslandInput& input, int substep, SolverBodies& bodies);
-  /// After bodies have moved: takes them back to where the joints hold, with the velocities that this means.
+  /// Moves bodies, after their motion, back to where the joints hold, and corrects velocities accordingly.
   void solve_positions(const DirectIslandInput& input, int substep, SolverBodies& bodies);
-  /// After that: velocities that keep the joints at the new poses.
+  /// Finds, after that, the velocities that keep the joints at the new poses.
   void relax(const DirectIslandInput& input, int substep, SolverBodies& bodies);
-  /// Once poses have been written back: takes them where the joints hold, writes impulses, forces and limits to the
-  /// joints and notes how the bodies moved.
+  /// Closes the joints once poses have been written back, writes impulses, forces and limits to the joints, and records
+  /// how the bodies moved.
   void finish(const DirectIslandInput& input);
 
   /// See jobs/arrays.h.

@@ -147,7 +147,7 @@ struct DirectJoint {
   void add_impulses(const double* impulses, double* momenta) const;
 };
 
-/// Which kinds of rows some joints have.
+/// The kinds of rows that occur among some joints.
 struct RowKinds {
   bool all_locked = true;   ///< then none goes to another piece of its law
   bool acts = false;        ///< some row has a spring, a motor, friction or an armature

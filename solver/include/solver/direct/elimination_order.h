@@ -9,7 +9,7 @@
 
 namespace atl::solver {
 
-/// In which order the nodes of a graph are eliminated, and which of the others each is coupled with when it is: the
+/// The order in which the nodes of a graph are eliminated, and the others that each is coupled with at that time: the
 /// pattern of a sparse factor's columns.
 struct EliminationOrder {
   std::vector<std::uint32_t> order;  ///< nodes as they are eliminated

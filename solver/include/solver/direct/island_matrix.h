@@ -19,8 +19,8 @@ std::size_t most_factor_blocks(std::size_t body_count, bool touch);
 /// definite, with a block of 6 x 6 for each body and each pair, and its factor L D L^T.
 class IslandMatrix {
  public:
-  /// For as many bodies, of which these pairs are coupled. Returns false if the factor would have more blocks than
-  /// this.
+  /// Analyses a matrix for `body_count` bodies of which these pairs are coupled. Returns false if the factor would have
+  /// more than `most_blocks` blocks.
   bool analyse(std::size_t body_count, std::span<const std::pair<std::uint32_t, std::uint32_t>> pairs,
                std::size_t most_blocks);
 
@@ -45,7 +45,7 @@ class IslandMatrix {
  private:
   enum class Rows { Locks, Others };
 
-  // With what holds however bodies move: their masses and the locks of joints.
+  // Fills in the parts that don't depend on pieces of laws: the masses of bodies and the locks of joints.
   void fill(IslandProblem& problem);
   void add_masses(std::span<const DirectBody> bodies);
   void add_stiffness(const DirectContact& contact, const std::array<Six, 6>& k);

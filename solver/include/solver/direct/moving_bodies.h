@@ -27,7 +27,7 @@ struct MovingBody {
 bool load_bodies(const DirectIslandInput& input, const IslandMembers& members, IslandProblem& problem,
                  std::vector<MovingBody>& bodies);
 
-/// Their own inertia at the poses of now.
+/// Sets the bodies' own inertia at the present poses.
 void turn_inertia(std::span<MovingBody> bodies);
 
 /// Inertia at the poses of now, with what the tension in joints makes of it in h seconds.

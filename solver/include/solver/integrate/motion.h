@@ -32,7 +32,7 @@ struct MovedBodies {
   }
 };
 
-/// By worker. Order them by body before use.
+/// Moved bodies, by worker. Order them by body before use.
 using FastBodies = jobs::Scratch<MovedBodies>;
 
 /// 2 sin(angle / 2) of the turn between two orientations: how far a point 1 m from the axis gets, in a straight line.

@@ -51,7 +51,7 @@ struct alignas(32) AccelerationRows {
   float angular_damping;  ///< factor a substep
 };
 
-/// How a body with unequal moments of inertia tumbles: what Euler's equations need.
+/// The terms of Euler's equations for a body with unequal moments of inertia, which tumbles.
 struct alignas(16) GyroscopicRows {
   float principal[4] = {0, 0, 0, 1};  ///< x, y, z, w: orientation of its principal axes at the start of the step
   float ratio[3] = {0, 0, 0};         ///< (I2 - I3) / I1, (I3 - I1) / I2, (I1 - I2) / I3
@@ -71,7 +71,7 @@ struct alignas(16) GyroscopicRows {
   }
 };
 
-/// Along which axes of the world a body may move.
+/// The axes of the world along which a body may move.
 struct alignas(16) LockRow {
   float free[3] = {1, 1, 1};  ///< 1, or 0 along a locked one
   float kind = 0;             ///< 1, 2, 3 if it stays in its plane across x, y, z; -1 if it may turn about all axes,
@@ -86,13 +86,13 @@ struct alignas(16) LockRow {
   }
 };
 
-/// How a body takes the contacts on it along as it turns.
+/// The way in which the contacts on a body move along as it turns.
 struct alignas(16) ShapeRows {
   float half_turn[3] = {0, 0, 0};  ///< rad: that half way through the step, as expected when it begins
   float kind = 0;  ///< 0: turns too little in the step to matter, 1: turns, 2: turns and has round shapes
 };
 
-/// By how much impacts have changed a velocity since the start of the step: at once, where forces do so over a time.
+/// The change of a velocity by impacts since the start of the step: at once, where forces act over time.
 struct alignas(32) BlowRows {
   float linear[4] = {0, 0, 0, 0};   ///< m/s
   float angular[4] = {0, 0, 0, 0};  ///< rad/s

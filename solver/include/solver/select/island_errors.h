@@ -39,8 +39,8 @@ void add_overlaps(const ErrorInput& input, std::span<const TouchingPair> contact
 void add_gaps(const ErrorInput& input, std::span<const JointLink> links, std::span<const std::uint16_t> substeps,
               double target, ErrorCounts& counts);
 
-/// With how many substeps an island starts that has no past: its contacts hold tuning::first_load times the weight of a
-/// body by them, its swept joints that of all of its bodies.
+/// The number of substeps of an island without history. With it, its contacts hold tuning::first_load times the weight
+/// of a body, and its swept joints the weight of all of its bodies.
 int substeps_at_first(const ErrorInput& input, const ErrorTarget& target, std::size_t island);
 
 /// m, the overlap that one in a hundred of these contacts exceeds, and the gap that one in a hundred of these joints

@@ -11,7 +11,7 @@
 
 namespace atl::solver {
 
-/// How an island is solved.
+/// The ways to solve an island.
 enum class SolveMode : std::uint8_t {
   Sweep,    ///< as the settings say
   Refined,  ///< in more substeps
@@ -19,7 +19,7 @@ enum class SolveMode : std::uint8_t {
   Direct,   ///< at once
 };
 
-/// How many substeps an island gets for each that was asked for, a power of two; 1 where these are as short already.
+/// The factor of substeps for an island that sags, a power of two; 1 if the substeps asked for are as short already.
 int refinement_of(const SolverSettings& settings, double dt);
 
 /// Chooses how each island is solved, by one rule. Where soft contacts would overlap by more than their budget under
@@ -33,16 +33,16 @@ int refinement_of(const SolverSettings& settings, double dt);
 /// solved at once is swept for tuning::failed_time.
 class SolverSelection {
  public:
-  /// For a world of so many bodies: ahead of a choice, where something moves.
+  /// Makes room for so many bodies. Must come before a choice in which something moves.
   void resize(std::size_t bodies);
   /// One that is gone.
   void forget(std::uint32_t body);
   void forget_all();
 
-  /// By island, where all are to be solved at once that can be.
+  /// Chooses modes by island such that every island that can be is solved at once.
   std::span<const SolveMode> choose_direct(const LoadInput& input);
 
-  /// By island, for the next step; empty if all are to be swept.
+  /// Chooses the modes of islands for the next step; empty if all are to be swept.
   std::span<const SolveMode> choose(const LoadInput& input, jobs::Arena& arena);
 
   /// Chooses modes where contacts are swept whatever they carry: only islands of joints alone are solved at once.
@@ -58,8 +58,8 @@ class SolverSelection {
   };
   std::span<const Refused> refused() const { return refused_; }
 
-  /// After a step of dt seconds: bodies of islands that could not be solved at once, in any order. For those that sleep
-  /// time stands still.
+  /// Records, after a step of dt seconds, the bodies of islands that could not be solved at once, in any order. Time
+  /// stands still for bodies that sleep.
   void note_failed(std::span<const std::uint32_t> failed, std::span<const std::uint8_t> awake, double dt);
 
   /// The last result for a body's island. It is kept from step to step.

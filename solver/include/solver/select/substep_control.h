@@ -36,7 +36,8 @@ class SubstepControl {
     float unchanged = 0;         ///< s
     bool lowered = false;        ///< as it was last changed
     bool operator==(const History&) const = default;
-    /// With that of an island that this one merges with: what was tried of each tells nothing of both.
+    /// Takes over the history of an island that merges with this one. A trial of either says nothing about both
+    /// together.
     void join(const History& other);
   };
 
@@ -64,7 +65,7 @@ class SubstepControl {
     motion_.forget(body);
   }
 
-  /// By island of the step that begins; see Island::substeps.
+  /// Chooses the substeps of each island of the step that begins; see Island::substeps.
   std::span<const Island> choose(const ErrorInput& input, const ErrorTarget& target, jobs::Arena& arena);
   /// Records the errors as the step ends. `residuals` are by island, or empty if they were not measured.
   void note(const ErrorInput& input, const ErrorTarget& target, std::span<const double> residuals);

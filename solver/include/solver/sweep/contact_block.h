@@ -9,8 +9,8 @@ namespace atl::solver {
 
 using collision::max_points;
 
-/// Which bodies of a block's contacts may move; the others are fixed. Locked is Both where some may move along some
-/// axes only: kernels know of it, blocks tell it by their traits.
+/// The sides of a block's contacts whose bodies may move; the others are fixed. Locked means Both, where some bodies
+/// may move along some axes only. Kernels use it; in blocks ContactTraits::locked says so.
 enum class MovableSides : std::uint8_t { Both, First, Second, Locked };
 
 /// The features that some contact of a block has in this step. Kernels leave out the work of the others, which would
@@ -65,7 +65,7 @@ struct alignas(64) ContactBlock {
   ContactTraits traits;
 };
 
-/// How many contacts kernels did what for, by blocks.
+/// Counts of contacts by the work that kernels did for them, by blocks.
 struct ContactWork {
   std::int64_t contacts = 0;
   std::int64_t several_points = 0;

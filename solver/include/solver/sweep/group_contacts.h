@@ -45,8 +45,8 @@ class GroupContacts {
                     turning_blocks_, rim_blocks_, pushes_, step_impulses_);
   }
 
-  /// Which contacts push in some substep, and by how much in all: to be noted from block to block, and told by slot in
-  /// the end, see SolveInput::pushed.
+  /// Start recording the contacts that push in some substep, and their total impulse. It is recorded by block, and
+  /// reported by slot in the end, see SolveInput::pushed.
   void begin_pushes();
   void note_pushes(std::size_t begin, std::size_t end);
   void add_impulses(std::size_t begin, std::size_t end);  ///< once a substep, when they are final

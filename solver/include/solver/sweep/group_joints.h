@@ -50,7 +50,8 @@ class GroupJoints {
   bool has_rows() const { return !rows_.empty(); }
   std::span<const Colour> colours() const { return colouring_.colours(); }
   std::size_t block_count() const { return empty() ? 0 : colouring_.block_count(); }
-  /// With `splits` impulses that close joints are kept from those that last.
+  /// The data of the joint kernels. With `splits` the impulses that close joints are kept separate from those that
+  /// last.
   JointKernelData kernel_data(SolverBodies& bodies, const SubstepConstants& constants, bool splits) {
     split_rows_.resize(splits ? rows_.size() : 0);
     return {.bodies = bodies,
@@ -62,7 +63,7 @@ class GroupJoints {
             .constants = constants};
   }
 
-  // Over blocks [begin, end), several workers at once.
+  // The following work on blocks [begin, end), several workers at once.
 
   /// The start of the step, with the impulses of the last. Kernels::prepare_joints does the rest.
   void prepare(const JointStep& step, std::size_t begin, std::size_t end);
@@ -74,14 +75,15 @@ class GroupJoints {
   void prepare_rows(const JointStep& step, std::size_t begin, std::size_t end);
   /// Adds springs, servos and armatures to the rows, after Kernels::refresh_rows.
   void add_springs(const JointStep& step, std::size_t begin, std::size_t end);
-  /// Before the forces of a substep.
+  /// Records the rates before the forces of a substep.
   void note_rates(const JointStep& step, std::size_t begin, std::size_t end);
   /// True if some coordinate may bounce at the end of its range.
   bool may_bounce() const { return may_bounce_; }
-  /// Once forces and the impulses of the last substep are on: which will, in this substep. Whether any.
+  /// Finds the coordinates that will bounce in this substep, once forces and warm start are applied. Returns true if
+  /// any.
   bool note_impacts(const JointStep& step, std::size_t begin, std::size_t end);
-  /// All blocks: has sweeps without a bias make those bounce. What they do to impulses is forgotten, as by the next
-  /// substep nothing is left of it.
+  /// Switches all blocks such that sweeps without a bias make these coordinates bounce. The impulses of those sweeps
+  /// are dropped at the end, since the next substep has no part in them.
   void begin_bounces();
   void end_bounces();
   /// True if some coordinate has a spring, a motor or a rotor.

@@ -20,7 +20,7 @@ enum class GroupColours { New, Kept };
 /// contacts that are kept outlive a solve.
 class GroupSolver {
  public:
-  /// All on the calling thread.
+  /// Solves a group on the calling thread alone.
   GroupReport solve(const SolveInput& input, const IslandGroup& group);
   /// Every loop shared with a team; the same bits. A group whose contacts, their order and bodies are those of the last
   /// call is not coloured again.

@@ -37,7 +37,7 @@ class GroupTendons {
   /// bodies moved.
   void warm_start(SolverBodies& bodies, double applied, double kept, bool carried);
   void clear_impulses();
-  /// Once bodies have moved.
+  /// Updates tendons once bodies have moved.
   void move(const JointStep& step);
   /// Returns the largest change of a rate.
   float sweep(const JointStep& step, SolverBodies& bodies, Push push);

@@ -11,8 +11,8 @@
 
 namespace atl::solver {
 
-/// Which bodies of an island group hang together by joints, and so what may be done to them as a step starts and ends
-/// to make it of second order. Bodies by their place in the group.
+/// The components of an island group's bodies that are connected by joints, and the corrections at the start and end of
+/// a step that make their motion second order. Bodies are given by their place in the group.
 class JoinedMotion {
  public:
   /// Finds the components of a group with joints.

@@ -21,7 +21,8 @@ namespace atl::solver {
 /// them.
 class JointEnergy {
  public:
-  /// At the end of a substep's velocities, before bounces. `bodies` are rows of SolverBodies from `first_dynamic` on.
+  /// Bounds the energy at the end of a substep's velocities, before bounces. `bodies` are rows of SolverBodies from
+  /// `first_dynamic` on.
   void bound(const JoinedMotion& motion, const JointStep& step, const Kernels& kernels, std::uint32_t first_dynamic,
              SolverBodies& bodies, GroupJoints& joints, GroupTendons& tendons);
 
@@ -31,7 +32,7 @@ class JointEnergy {
  private:
   void find_forced(const JointStep& step, const GroupJoints& joints, const GroupTendons& tendons);
   bool find_scales(const JoinedMotion& motion, std::uint32_t first_dynamic);
-  // By place in the group: 1 of what is not changed.
+  // The scale of a body's impulses, by its place in the group: 1 if they are not changed.
   float scale_of(const JoinedMotion& motion, std::size_t body) const {
     return motion.is_joined(body) ? components_[motion.component_of(body)].scale : 1;
   }

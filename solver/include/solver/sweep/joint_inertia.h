@@ -16,7 +16,7 @@ namespace atl::solver {
 /// bodies with unequal moments turns with them in the step. Bodies by their place in the group.
 class JointInertia {
  public:
-  /// Without any tension yet, of SolverBodies from `first_dynamic` on.
+  /// Starts a step without any tension, for the rows of SolverBodies from `first_dynamic` on.
   void reset(std::uint32_t first_dynamic, std::size_t body_count) {
     first_dynamic_ = first_dynamic;
     stiffness_.assign(first_dynamic + body_count, Matrix3::Zero());
@@ -28,9 +28,9 @@ class JointInertia {
   /// Adds tension to the inertia of bodies [begin, end) that it turns back faster than substeps can follow.
   void stiffen(const SolveInput& input, std::span<const std::uint32_t> bodies, std::size_t begin, std::size_t end,
                SolverBodies& rows);
-  /// Once all are stiffened: lists the bodies whose inertia is to turn with them in the step.
+  /// Lists the bodies whose inertia is to turn with them in the step, once all are stiffened.
   void find_followers(const SolveInput& input, std::span<const std::uint32_t> bodies, const JoinedMotion& joined);
-  /// After bodies have turned in a substep.
+  /// Turns their inertia after bodies have turned in a substep.
   void follow(const SolveInput& input, std::span<const std::uint32_t> bodies, SolverBodies& rows);
 
   /// See jobs/arrays.h.

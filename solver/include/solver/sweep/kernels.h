@@ -97,8 +97,8 @@ struct Kernels {
   /// Returns, if the sweep measures, its residual, m/s: the largest change that an impulse made to the relative speed
   /// which it is there for, at the time it was found. Spins count with the friction_radius they have at the contact.
   float (*sweep)(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end);
-  /// Before the forces of a substep: which contacts have bouncy points that close faster than the threshold, and may
-  /// meet in it.
+  /// Finds, before the forces of a substep, the contacts with bouncy points that close faster than the threshold and
+  /// may meet in it.
   void (*note_approaches)(const ContactKernelData& data, std::size_t begin, std::size_t end);
   /// Writes impulses back to the manifolds.
   void (*store)(const ContactKernelData& data, std::size_t begin, std::size_t end);

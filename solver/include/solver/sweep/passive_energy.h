@@ -19,9 +19,9 @@ namespace atl::solver {
 ///   next substep, in which nothing is to be stopped, and the few sweeps of that don't take all of it back.
 class PassiveEnergy {
  public:
-  /// Before a group's step.
+  /// Records the energies before a group's step.
   void begin(const SolveInput& input, const IslandGroup& group);
-  /// After it, once bodies have their new poses and velocities.
+  /// Bounds them after it, once bodies have their new poses and velocities.
   void bound(const SolveInput& input) const;
 
   /// See jobs/arrays.h.
