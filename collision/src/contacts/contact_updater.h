@@ -21,7 +21,7 @@ class ContactUpdater {
   struct Result {
     ContactUpdateCounts counts;
     std::size_t touching = 0;
-    bool changed = false;  // what touches, up to their number
+    bool changed = false;  // the set of touching pairs, up to their number
   };
   Result run(std::size_t begin, std::size_t end, std::span<TouchingPair> touching);
 

@@ -28,7 +28,7 @@ struct KnownAxis {
   bool exists = false;
   Vector3 normal = Vector3::Zero();  ///< from the first to the second, frame of the first
   Vector3 point = Vector3::Zero();   ///< m, in the middle of the contact, frame of the first
-  std::uint32_t features = 0;        ///< that made it, as Manifold::axis; 0: unknown
+  std::uint32_t features = 0;        ///< the features of that axis, as in Manifold::axis; 0: unknown
 };
 
 /// The direction that parts two solids best; where they overlap deeply perhaps but a good one. Builds the cores
@@ -42,7 +42,7 @@ struct KnownAxis {
 struct AxisSearch {
   Narrowphase by = Narrowphase::ClosedForm;
   bool touches = false;
-  LocalAxis axis;  ///< where they are no farther apart than the margin
+  LocalAxis axis;  ///< set if they are no farther apart than the margin
   double gap = 0;  ///< m, where they don't touch: at least so far apart, if it is known
 };
 AxisSearch find_axis(const SolidPair& pair, double margin, const KnownAxis& known, Core& first, Core& second);

@@ -90,7 +90,7 @@ class Search {
     if (!near_edge) return best_;
     try_faces_on_vertices();
     if (is_over || is_parted()) return best_;        // over: the solid goes through
-    if (is_smooth(solid_.shape.kind)) return best_;  // what may push at its vertices has been measured
+    if (is_smooth(solid_.shape.kind)) return best_;  // all pushes at its vertices have been measured
     const double core_separation = best_.separation + solid_.core.radius();
     if (core_separation > -0.5 * solid_.shape.inner_radius && may_be_farther()) try_nearest_vertex();
     return best_;

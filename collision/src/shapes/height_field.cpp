@@ -85,7 +85,7 @@ void HeightField::complete(std::uint32_t index, Triangle& face) const {
   const Normals normals{*this};
   const bool is_below = index % 2 == 0;
   face.neighbour_normals = {face.normal, face.normal, face.normal};
-  std::array<bool, 3> inside;  // whether there is a triangle beyond the edge
+  std::array<bool, 3> inside;  // by edge: there is a triangle beyond it
   if (is_below) {
     inside = {j > 0, i + 2 < columns, true};
     if (inside[0]) face.neighbour_normals[0] = normals.above(i, j - 1);

@@ -145,7 +145,7 @@ class SharedValues {
   CompactArray<std::uint32_t> uses_;     // by value: entries that have it
   CompactArray<std::uint32_t> free_;     // numbers of values that none has
   CompactArray<std::uint32_t> table_;    // numbers of the others but the first; open addressing, at most half full
-  std::uint32_t last_ = 0;               // that was set
+  std::uint32_t last_ = 0;               // the last value that was set
 };
 
 }  // namespace atl::jobs

@@ -23,7 +23,7 @@ struct SolverSettings {
   double slop = 5e-4;
   bool profile = false;
   bool everything = false;   ///< leave nothing out, for no other result
-  bool direct_only = false;  ///< what can be solved at once is to be, whatever it takes
+  bool direct_only = false;  ///< every island that can be is solved at once, at any cost
   double contact_hertz = 0;  ///< 0: an eighth of the substep rate
   double contact_damping_ratio = 10;
   double contact_push_speed = 3;
@@ -95,7 +95,7 @@ struct SubstepConstants {
   float gravity = 0;        ///< m/s^2: what is large under it is pushed apart faster
   float slop;               ///< m, overlap that is left alone
   float restitution_threshold;
-  float refinement;  ///< as in SolverSettings: impulses are kept as those of so many substeps together
+  float refinement;  ///< see SolverSettings: impulses are kept as sums over so many substeps
 
   static SubstepConstants of(const SolverSettings& settings, double dt) {
     const double h = dt / settings.substeps;

@@ -70,7 +70,7 @@ bool solve_joints(IslandProblem& problem, BalanceSearch& search) {
   std::vector<double>& impulses = search.impulses;
   std::vector<double>& given = search.given;
   impulses.resize(response.rows());
-  given.resize(response.rows());  // those of points stay 0
+  given.resize(response.rows());  // entries of points stay 0
   for (int round = 0; round < tuning::mode_rounds; ++round) {
     if (!is_factored(problem) && !search.matrix.factor(problem)) return false;
     problem.velocity = problem.free;

@@ -384,9 +384,8 @@ bool Substeps::solve_linear() {
   return true;
 }
 
-// Limits the energy of bounces. By Newton's law of restitution, a coordinate that bounces while others are at ends of
-// their ranges may leave with more energy than there was. All then leave slower by a common share, which is found from
-// the velocities without any bounce, on the same rows.
+// By Newton's law of restitution, a bounce while other coordinates are at their ends may make energy. All then leave
+// slower by a common share, which is found from the velocities without any bounce, on the same rows.
 bool Substeps::limit_bounces() {
   if (count_rows_at_ends(problem_) < 2) return true;
   if (kinetic_energy(bodies_, problem_, problem_.velocity) <= motions_.energy_before) return true;

@@ -306,7 +306,7 @@ void GroupJoints::begin_bounces() {
 }
 
 void GroupJoints::end_bounces() {
-  std::copy(blocks_before_.begin(), blocks_before_.end(), blocks_.begin());  // where kernels look for them
+  std::copy(blocks_before_.begin(), blocks_before_.end(), blocks_.begin());  // kernels look for them there
   std::copy(rows_before_.begin(), rows_before_.end(), rows_.begin());
 }
 

@@ -46,7 +46,7 @@ struct GroupSetup {
   const std::span<const std::uint32_t> body_ids;  // of its dynamic bodies
   const std::size_t block_count;                  // of contacts
   const bool splits;                              // impulses that push apart are kept from those that last
-  const bool relaxes;                             // what soft contacts pushed is taken back
+  const bool relaxes;                             // the push of soft contacts is taken back
   const bool joined;                              // there are joints
   const bool sweeps_joints;                       // some are solved one by one
   const bool sweeps_tendons;                      // between these

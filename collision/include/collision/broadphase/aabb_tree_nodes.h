@@ -127,7 +127,7 @@ class AabbTreeNodes {
   Node& at(std::int32_t node) { return nodes_[static_cast<std::size_t>(node)]; }
   const Node& at(std::int32_t node) const { return nodes_[static_cast<std::size_t>(node)]; }
 
-  jobs::CompactArray<Node> nodes_;          // those that are free have no children
+  jobs::CompactArray<Node> nodes_;          // free nodes have no children
   jobs::CompactArray<std::int32_t> slots_;  // by item
   std::int32_t root_ = Node::none;
   std::int32_t free_ = Node::none;

@@ -25,7 +25,7 @@ class PairSearch {
  private:
   void list_askers(const Proxies& proxies, std::span<const std::uint32_t> moved);
 
-  std::vector<std::uint32_t> askers_;     // where moving shapes ask for fixed ones
+  std::vector<std::uint32_t> askers_;     // the moving shapes, if they ask for fixed ones
   std::vector<std::vector<Pair>> found_;  // by chunk of those that ask
   std::vector<Pair> new_pairs_;
   std::vector<Pair> sort_scratch_;

@@ -54,7 +54,7 @@ struct ContactUpdateCounts {
 /// The result of an update of contacts. It keeps its memory for the next one.
 class ContactUpdate {
  public:
-  std::vector<ContactStatus> status;  ///< that of cache.order()[i] at i
+  std::vector<ContactStatus> status;  ///< status[i] is that of cache.order()[i]
   ContactUpdateCounts counts;
   std::vector<TouchingPair> touching;  ///< in order
   bool touching_changed = false;       ///< it is not what it was after the update before

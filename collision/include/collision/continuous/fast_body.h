@@ -23,12 +23,12 @@ struct FastBody {
   Vector3 shift;           ///< m, of the centre of mass
   double turn;             ///< m: no point of it got farther by turning
   double bulge;            ///< m: nor farther off the straight line from where it was to where it is
-  bool stops;              ///< what it meets stops it
-  bool always_swept;       ///< as its user asked for
+  bool stops;              ///< a shape on its path stops it
+  bool always_swept;       ///< by its user's setting
   bool pressed = false;    ///< it touches a surface, which its core may get to by moving little
   double aside_limit;      ///< m: it may end so far from where the step took it; below 0, not at all
   bool left_aabb = false;  ///< it left its fat AABBs
-  bool queried = false;    ///< what is near it is asked of the broadphase
+  bool queried = false;    ///< the broadphase is asked for shapes near it
 };
 
 /// The step after which fast bodies are followed: where all bodies are now, and how the fast ones got there.

@@ -17,7 +17,7 @@ struct LocalAxis {
   Vector3 normal = Vector3::UnitZ();    ///< unit, from the first to the second, frame of the first
   double separation = 0;                ///< m, along the normal; negative: overlap
   Vector3 on_second = Vector3::Zero();  ///< m, the second's point that is nearest or deepest, frame of the first
-  Feature first, second;                ///< what meets there
+  Feature first, second;                ///< the features that meet there
   /// True if the nearest point of the first lies on its feature. False if the walk ran out of steps.
   bool confirmed = false;
 };
@@ -82,7 +82,7 @@ class GaussMapDescent {
   int a_ = 0, b_ = 0;            // support vertices
   int edge_a_ = 0, edge_b_ = 0;  // active edges
   int face_ = 0;
-  State last_ = State::Vertices;  // what result() describes
+  State last_ = State::Vertices;  // the state that result() describes
   bool confirmed_ = false;
 };
 

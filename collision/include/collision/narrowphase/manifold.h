@@ -17,7 +17,7 @@ inline constexpr int max_points = 4;
 /// The source of a manifold's axis.
 enum class Narrowphase {
   ClosedForm,  ///< a formula, or the pair was found apart
-  Kept,        ///< that of the pair's last manifold, or one beside it
+  Kept,        ///< the axis of the pair's last manifold, or one beside it
   Fcl,         ///< FCL's answer, of a pair that begins to touch
   Repaired,    ///< ours instead of FCL's answer, which the separation along its axis refutes
 };

@@ -133,7 +133,7 @@ struct alignas(64) Joint {
   std::array<Law, max_joint_rows> law = {};
   double ratio = 1;                                  ///< of gears
   std::array<double, max_joint_rows> impulse = {};   ///< N s or N m s
-  std::array<double, max_joint_rows> position = {};  ///< as of the end of the step; angles over full turns
+  std::array<double, max_joint_rows> position = {};  ///< at the end of the step; angles over full turns
   /// -1 where the motor pulled backwards with all it had, 1 forwards, else 0; likewise dry friction. Of joints that are
   /// solved at once, which start the next step from there.
   std::array<std::int8_t, max_joint_rows> motor_bound = {}, friction_bound = {};

@@ -58,7 +58,7 @@ struct RowLaw {
   double upper_rate = Law::unlimited;
   double motor_speed = 0, motor_impulse = 0;        ///< at which it does nothing, and the most that it has; 0 without
   double motor_slope = 0;                           ///< of impulse by rate; else it is as stiff as a lock
-  double motor_keeps = 0;                           ///< as spring_keeps
+  double motor_keeps = 0;                           ///< see spring_keeps
   double friction_speed = 0, friction_impulse = 0;  ///< at which it does nothing, and the most that it has
   double friction_slope = 0;                        ///< of impulse by rate; else it is as stiff as a lock
   double spring_slope = 0, spring_rate = 0;  ///< of impulse by rate, and the rate at which there is none; 0 without
@@ -170,7 +170,7 @@ struct LimitImpact {
   int end = 0;              ///< -1 the lower, 1 the upper; 0 if there is none
   bool rests = false;       ///< at an end, from which it doesn't come back
   double leaving = 0;       ///< m/s or rad/s, the rate after it, where the position is now
-  double leaving_late = 0;  ///< likewise, half a step behind the position, as substeps have rates
+  double leaving_late = 0;  ///< the same half a step behind the position, where substeps have rates
 
   /// Finds the bounce from `position` at a `rate` that would be `free_rate` after h seconds if nothing held it, both
   /// half a step behind positions; by Newton's law of restitution. A bounce that would be over within the step counts

@@ -40,7 +40,7 @@ struct DirectBody {
   }
 };
 
-inline constexpr std::uint32_t no_body = ~std::uint32_t{0};  ///< what doesn't respond
+inline constexpr std::uint32_t no_body = ~std::uint32_t{0};  ///< a body without response
 
 /// A contact between two bodies of a direct solve: its frame, and its law at the state of the solve. Velocities are six
 /// numbers a body of the problem, linear and angular.
@@ -52,7 +52,7 @@ struct DirectContact {
   std::uint32_t first, second;            ///< bodies of the problem, or no_body
   std::array<Vector3, 3> axes;            ///< normal, tangents
   Vector3 arm_first, arm_second;          ///< m, from the centres of mass, when the velocities are found
-  ContactArm on_first, on_second;         ///< as it begins
+  ContactArm on_first, on_second;         ///< as the step begins
   double line_turn;                       ///< rad, until the middle of the step, of what touches along a line
   double friction, rolling, torsional;    ///< of what the points push with: 1, m, m
   double radius;                          ///< m, at which friction acts about the normal
@@ -64,8 +64,8 @@ struct DirectContact {
   Six motion;               ///< at the velocities of the problem
   Six change;               ///< along its search direction
   ContactAnswer answer;
-  ContactAnswer lasting;   ///< that of the velocities which bodies keep
-  ContactPieces factored;  ///< what the factor is of
+  ContactAnswer lasting;   ///< at the velocities that bodies keep
+  ContactPieces factored;  ///< the pieces that the matrix was factored for
 
   void add_motion(double sign, const Vector3& arm, const Vector3& v, const Vector3& w, Six& to) const;
   /// The part of the motion at the contact that velocities of the problem's bodies cause.
@@ -114,7 +114,7 @@ struct DirectJoint {
   Rows<double> back;      ///< m/s or rad/s, at which bodies go back into a range, and don't keep it; else 0
   Rows<RowLaw> law;
   Rows<double> given;        ///< rate by what doesn't respond
-  Rows<double> rate_before;  ///< as the substep began, before its forces
+  Rows<double> rate_before;  ///< at the start of the substep, before its forces
   Rows<double> bend;         ///< m/s or rad/s, of what is locked or has an armature: see note_bends()
   Rows<double> kept;         ///< rate that armatures have, whose bodies have moved since
   Rows<LimitImpact> impact;
@@ -124,7 +124,7 @@ struct DirectJoint {
   Rows<double> impulse;    ///< N s or N m s
   Rows<double> lasting;    ///< of the velocities which bodies keep
   Rows<std::uint8_t> factored;
-  Rows<std::int8_t> limit, motor_bound, friction_bound;  ///< as Joint has them
+  Rows<std::int8_t> limit, motor_bound, friction_bound;  ///< see Joint
   Rows<bool> bounces;                                    ///< at that end, in this substep
   Vector3 tension;                                       ///< N, followed over some substeps
   std::array<DirectTerm, max_tendon_terms> term;

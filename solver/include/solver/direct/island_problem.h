@@ -23,7 +23,7 @@ struct IslandProblem {
   std::vector<DirectContact> contacts;
   std::vector<DirectJoint> joints;
   std::vector<double> velocity;  ///< six numbers a body, linear and angular, m/s and rad/s: v
-  std::vector<double> free;      ///< likewise: v*
+  std::vector<double> free;      ///< the same for v*, the free velocities
   double lock_compliance = 0;    ///< of an effective mass's inverse, that locks and ends of ranges give
   bool filled = false;           ///< the matrix knows the rows of joints, and bodies, as they are placed
   bool factored = false;         ///< there is a factor, of the pieces that contacts and joints note

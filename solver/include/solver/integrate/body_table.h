@@ -51,7 +51,7 @@ struct BodyTable {
   jobs::SharedValues<Quaternion> principal_axes = jobs::SharedValues<Quaternion>(Quaternion::Identity());
   /// kg m^2, about these.
   jobs::SharedValues<Vector3> moments = jobs::SharedValues<Vector3>(Vector3::Zero());
-  jobs::CompactArray<std::uint8_t> locks;   ///< what each body is without, see motion_locks.h
+  jobs::CompactArray<std::uint8_t> locks;   ///< locked axes, see motion_locks.h
   jobs::CompactArray<std::uint8_t> ball;    ///< 1 for a sphere about the centre of mass: it looks the same turned
   jobs::CompactArray<std::uint8_t> rolls;   ///< 1 for what has round shapes and is no ball: see contact_arm.h
   jobs::CompactArray<Surface> surfaces;     ///< empty while all are plain

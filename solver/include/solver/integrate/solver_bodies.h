@@ -114,7 +114,7 @@ struct SolverBodies {
   std::vector<InertiaRow> inertia;
   std::vector<DisplacementRows> displacement;
   std::vector<FreeVelocityRows> free_velocity;
-  std::vector<VelocityRows> start_velocity;  ///< as the step begins, with the inertia that there is then
+  std::vector<VelocityRows> start_velocity;  ///< at the start of the step, with the inertia of that time
   std::vector<AccelerationRows> acceleration;
   std::vector<GyroscopicRows> gyroscopic;  ///< empty if no body needs it
   std::vector<VelocityRows> correction;    ///< by which overlap is removed in this substep; empty where nothing asks

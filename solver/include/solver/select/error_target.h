@@ -57,7 +57,7 @@ class ErrorCounts {
  private:
   using ByRung = std::array<std::uint32_t, substep_rungs.size() + 1>;
 
-  ByRung by_rung_ = {};      // that would hold it
+  ByRung by_rung_ = {};      // by the rung that would hold them
   ByRung left_ = {};         // of those beyond the target: that would hold the rest if it followed
   std::size_t highest_ = 0;  // place of a rung that holds all
   double small_ = 0;         // m, of the largest of those, in one substep

@@ -23,7 +23,7 @@ struct LoadInput {
   const SolverSettings& settings;
   const JointGraph* joint_graph = nullptr;      ///< null where there are no joints
   const JointSystems* joint_systems = nullptr;  ///< likewise
-  bool refines = true;                          ///< what sags; else targets say how many substeps it gets
+  bool refines = true;                          ///< islands that sag may be refined; else targets set their substeps
   bool estimates = true;                        ///< all loads; else those of islands that have changed
 };
 
@@ -45,7 +45,7 @@ class LoadEstimate {
     float load;    // N: its weight, and what it carries
     float inverse_mass;
     std::uint32_t on_top;    // supports it is the lower body of, that haven't handed their load on
-    std::uint32_t supports;  // what holds it up
+    std::uint32_t supports;  // number of its supports
     std::uint32_t support;   // the last of them
     bool overloaded;
   };

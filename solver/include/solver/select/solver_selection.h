@@ -13,7 +13,7 @@ namespace atl::solver {
 
 /// The ways to solve an island.
 enum class SolveMode : std::uint8_t {
-  Sweep,    ///< as the settings say
+  Sweep,    ///< with the substeps of the settings
   Refined,  ///< in more substeps
   Landing,  ///< in more substeps, for a step in which something lands
   Direct,   ///< at once

@@ -28,13 +28,13 @@ class SubstepControl {
   /// The state by body that is kept from step to step.
   struct History {
     std::uint16_t substeps = 0;  ///< of the last step that its island took; 0: none yet
-    std::uint16_t most = 0;      ///< that it needed in the time that it is looked at
-    std::uint16_t asked = 0;     ///< by what the last step's end told of
-    std::uint16_t needed = 0;    ///< as that step began
+    std::uint16_t most = 0;      ///< largest need in the time looked at
+    std::uint16_t asked = 0;     ///< need by the errors at the last step's end
+    std::uint16_t needed = 0;    ///< need as that step began
     float looked_at = 0;         ///< s
     float hold = 0;              ///< s, for which it has to need fewer until it gets them
     float unchanged = 0;         ///< s
-    bool lowered = false;        ///< as it was last changed
+    bool lowered = false;        ///< its last change was to fewer
     bool operator==(const History&) const = default;
     /// Takes over the history of an island that merges with this one. A trial of either says nothing about both
     /// together.
@@ -45,9 +45,9 @@ class SubstepControl {
 
   /// The substeps of an island in the last step.
   struct Island {
-    std::uint16_t substeps = 0;  ///< that it got, of all of a step
-    std::uint16_t needed = 0;    ///< that would hold it, as far as substeps do; more than it got at the cap
-    bool settles = false;        ///< these have just changed
+    std::uint16_t substeps = 0;  ///< number that it got, of all of a step
+    std::uint16_t needed = 0;    ///< number that would hold its targets, as far as substeps do; above it at the cap
+    bool settles = false;        ///< the number has just changed
   };
 
   /// An error of an island beyond its target.

@@ -44,7 +44,7 @@ struct alignas(64) ContactBlock {
   Lanes<4> x;
   Lanes<4> y;
   Lanes<4> start_separation;  ///< at the start of the step
-  Lanes<4> separation;        ///< as of the last sweep that looked
+  Lanes<4> separation;        ///< at the last sweep that refreshed it
   Lanes<4> normal_impulse;
   Lanes<6> k;  ///< 00, 01, 02, 11, 12, 22
   Lanes<2> inverse_mass;

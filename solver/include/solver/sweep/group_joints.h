@@ -119,7 +119,7 @@ class GroupJoints {
 
   // A coordinate that may bounce: m/s or rad/s.
   struct RowRate {
-    double before = 0;   // as the substep began, before its forces
+    double before = 0;   // at the start of the substep, before its forces
     LimitImpact impact;  // in it
   };
   bool may_bounce_ = false;

@@ -24,7 +24,7 @@ struct GroupParts {
   SolverBodies bodies;  ///< by these numbers
   GroupContacts contacts;
   Impacts impacts;
-  GroupJoints joints;    ///< that are solved one after another
+  GroupJoints joints;    ///< joints that are swept
   GroupTendons tendons;  ///< between these
   JointInertia joint_inertia;
   JointEnergy joint_energy;

@@ -19,7 +19,7 @@ struct GroupReport {
   std::array<double, solver_phase_count> phase_ms = {};  ///< with SolverSettings::profile
   ContactWork work;
   std::int64_t gyroscopic_bodies = 0;  ///< whose moments of inertia differ
-  std::int64_t locked_bodies = 0;      ///< that have motion locks
+  std::int64_t locked_bodies = 0;      ///< bodies that have motion locks
   bool friction = false;               ///< some contact has it
   bool restitution = false;
   bool surfaces = false;  ///< some surface runs, or holds back rolling or spinning

@@ -43,7 +43,7 @@ class Impacts {
   void store(const ContactKernelData& data);
 
   std::size_t block_count_ = 0;
-  std::vector<ImpactBody> bodies_;       // that something has hit in this substep
+  std::vector<ImpactBody> bodies_;       // the bodies that impacts hit in this substep
   std::vector<ImpactContact> contacts_;  // of this round
   std::vector<std::uint32_t> number_;    // by local body: its place in bodies_, or none
   std::vector<std::uint32_t> first_;     // by local body: where its lanes begin in lanes_; empty until they are listed

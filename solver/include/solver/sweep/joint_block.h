@@ -75,10 +75,10 @@ struct alignas(64) JointRowBlock {
   float spring_shift[block_lanes];       ///< m/s or rad/s, from where the substep starts
   float next_spring_shift[block_lanes];  ///< and where the next one does
   float motor_part[block_lanes];         ///< of the way to its speed: 1, or less of a servo
-  float motor_keep[block_lanes];         ///< as spring_keep, of a servo's speed
+  float motor_keep[block_lanes];         ///< see spring_keep, for a servo's speed
   float motor_speed[block_lanes];        ///< from where the substep starts
   float next_motor_speed[block_lanes];   ///< and where the next one does
-  float motor_change[block_lanes];       ///< what the motor can change the rate by
+  float motor_change[block_lanes];       ///< largest change of the rate by the motor
   float friction_change[block_lanes];    ///< and friction
   float lower_speed[block_lanes];
   float upper_speed[block_lanes];
@@ -120,7 +120,7 @@ struct alignas(64) JointCoordinateBlock {
   float friction_impulse[block_lanes];  ///< likewise
 
   float position[block_lanes];  ///< found: as of the pose that bodies have now, over full turns
-  float value[block_lanes];     ///< that the law sees
+  float value[block_lanes];     ///< the value that the law sees
   float share[block_lanes];
   float response[block_lanes];  ///< J M^-1 J^T if the joint didn't hold
 

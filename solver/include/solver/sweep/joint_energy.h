@@ -45,7 +45,7 @@ class JointEnergy {
   };
 
   std::vector<Change> components_;
-  std::vector<VelocityRows> forced_;  // what springs and motors did; empty without any
+  std::vector<VelocityRows> forced_;  // the changes by springs and motors; empty without any
   std::vector<WorkRow> work_;         // by body
 };
 

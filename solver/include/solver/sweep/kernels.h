@@ -30,7 +30,7 @@ struct ContactKernelData {
   TurningBlock* turning_blocks = nullptr;      ///< one a block, or null if bodies turn too little for it to matter
   RimBlock* rim_blocks = nullptr;              ///< one a block, or null if no body rolls
   const std::uint8_t* joined = nullptr;        ///< by index into SolverBodies, what joints hold it (Joined); or null
-  bool leaves_out = true;                      ///< what a block has none of; else it is gone through for nothing
+  bool leaves_out = true;                      ///< kernels skip features that a block lacks
 };
 
 /// The way a sweep treats overlap.
