@@ -11,9 +11,9 @@ namespace {
 // Room that a fat AABB leaves beyond what is needed now, as part of the inner radius: 7.5 cm for a cube of 1 m.
 constexpr double margin_room = 0.15;
 
-// A body that moves farther than this part of its inner radius in a step is swept. What is nearer than half of that
-// radius at the start has been seen by the speculative margin, so of two bodies that meet head on, at this speed
-// each, the centres can't pass each other unseen.
+// Part of its inner radius by which a body has to move in a step to be swept. The speculative margin has seen anything
+// nearer than half of that radius at the start. So the centres of two bodies that meet head on, each at this speed,
+// can't pass each other unseen.
 constexpr double sweep_share = 0.75;
 // One that asks for it, from this part on: not for what rounding does to a body at rest.
 constexpr double always_share = 1e-3;

@@ -18,7 +18,7 @@ ContactUpdateCounts& ContactUpdateCounts::operator+=(const ContactUpdateCounts& 
   return *this;
 }
 
-// The chunks' lists, one after another. That of the only chunk stands where it belongs.
+// Joins the lists of the chunks, one after another. With only one chunk its list is already in place.
 void ContactUpdate::collect_touching(jobs::Arena& arena) {
   if (chunks_.size() == 1) return touching.resize(chunks_[0].touching);
   std::size_t total = 0;

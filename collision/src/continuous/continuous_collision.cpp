@@ -93,9 +93,9 @@ Motion CcdStep::motion_of(std::uint32_t collider, const Vector3& centre, const V
   return Motion::between(placed(moved->start, local), end, pivot);
 }
 
-// When the body first meets something, as part of the step, up to `first`, if it ends `aside` of where it did. What it
-// touches with its core from the start is added to what it is held by, and doesn't stop it. Where the core is in
-// something already that nothing moves, its centre stays out of that.
+// The time at which the body first meets something, as part of the step, up to `first`, if its end pose is shifted by
+// `aside`. A shape that its core touches from the start is added to its supports, and doesn't stop it. A core that
+// starts inside something that nothing moves only has to keep its centre out of it.
 double ContinuousCollision::first_hit(const CcdStep& step, const FastBody& fast, const Vector3& aside, double first,
                                       Scratch& scratch) {
   const ColliderTable& colliders = step.motions.colliders;

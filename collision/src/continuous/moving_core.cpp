@@ -11,7 +11,7 @@
 namespace atl::collision {
 namespace {
 
-// Far more than pairs need that move fast: those take 3 to 10. What runs out of them turns fast and hardly moves.
+// Limit of distance queries. Fast pairs need 3 to 10; only a pair that turns fast and hardly moves reaches it.
 constexpr int max_distances = 60;
 constexpr int max_reaches = 16;
 

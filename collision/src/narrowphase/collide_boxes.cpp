@@ -243,8 +243,8 @@ bool is_as_good(const BoxPair& pair, const BestAxes& best, const FaceAxis& face,
          separation_along(pair, face) >= best.face_separation - nearly_best * size;
 }
 
-// The manifold on the axis of the last one, if there is one and it is still as good as the best. Of faces that are
-// equally good the last one stays, or its points' ids would flicker.
+// The manifold on the axis of the last one, if there is one and it is still as good as the best. Among equally good
+// faces the last one stays, or its points' ids would flicker.
 bool keep_axis(const BoxPair& pair, const BestAxes& best, std::uint32_t last, double margin, double size,
                Manifold& manifold) {
   const FaceAxis face = FaceAxis::unpacked(last);

@@ -1,6 +1,6 @@
 // The best axis of two features in closed form. A solid's boundary, as a contact sees it, is made of points (vertices,
-// the ends of a capsule, an apex), rims and lines. Of a line the outward normals make a constant angle with it: a
-// right one for edges and the sides of capsules and cylinders, another for a cone's.
+// the ends of a capsule, an apex), rims and lines. The outward normals of a line make a constant angle with it: a right
+// angle for edges and the sides of capsules and cylinders, another for a cone's.
 
 #include <collision/shapes/shape.h>
 

@@ -57,7 +57,7 @@ bool cast_ray(const std::array<Vector3, 3>& triangle, const Ray& ray, Sides side
 
 namespace {
 
-// The closest hit so far. Of equal ones that of the lowest triangle counts, whatever the order of visits.
+// The closest hit so far. Among equal ones the lowest triangle counts, whatever the order of visits.
 class ClosestTriangle {
  public:
   ClosestTriangle(const Ray& ray, Sides sides) : ray_(ray), sides_(sides), max_t_(ray.max_t) {}

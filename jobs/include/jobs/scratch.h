@@ -27,7 +27,7 @@ class Scratch {
     return *items_[worker < items_.size() ? worker : 0];
   }
 
-  /// Calls visit(item) for all, outside any loop. What they hold was spread over them by chance: order it.
+  /// Calls visit(item) for all, outside any loop. Their contents depend on which thread did what: sort them.
   template <typename Visit>
   void for_each(const Visit& visit) {
     for (const std::unique_ptr<T>& item : items_) visit(*item);

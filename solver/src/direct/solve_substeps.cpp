@@ -30,8 +30,8 @@ bool tumbles(const MovingBody& body, const Vector3& spin) {
   return body.tumbles && spin.squaredNorm() > tuning::least_spin * tuning::least_spin;
 }
 
-// The velocities that forces alone would make in a substep. What touches turns by its spin, along which contacts are
-// held, and tumbles by a change of that.
+// The velocities that forces alone would make in a substep. A body with contacts turns by its spin, along which these
+// are held, and its tumbling is a change of the spin.
 void free_velocities_of_substep(const BodyTable& table, const std::vector<MovingBody>& bodies, double h, bool alone,
                                 IslandProblem& problem) {
   for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -320,7 +320,7 @@ bool Substeps::find_passive_velocities() {
   return find_row_velocities();
 }
 
-// Moves bodies by their velocities. Those of unequal moments tumble by what they keep.
+// Moves bodies by their velocities. Bodies of unequal moments tumble with constant angular momentum.
 void Substeps::advance() {
   note_armature(input_.joints, motions_.lasting, problem_.joints);
   advance_coordinates();

@@ -28,8 +28,9 @@ struct Pair {
   double response(const JointRow& row) const { return row.response(inverse_mass, first, second); }
 };
 
-// m, by the load, of the point where that is most. What moves by more in a step than it overlaps has just met, or is on
-// its way out. `by_impulse` is m by N s and 1/kg, of contacts between bodies that move.
+// The overlap (m) that the load explains, at the point where it is largest. A point that moves by more in a step than
+// it overlaps has just met, or is on its way out. `by_impulse` is m by N s and 1/kg, of contacts between bodies that
+// move.
 double explained_overlap(const ErrorInput& input, const TouchingPair& pair, double by_impulse) {
   const BodyTable& bodies = input.bodies;
   const collision::ContactManifold& manifold = input.manifolds[pair.slot];

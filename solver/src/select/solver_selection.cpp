@@ -111,8 +111,8 @@ void SolverSelection::find_landings(const LoadInput& input) {
   }
 }
 
-// Islands of joints alone that are solved at once. Of `touched` ones those in which these and contacts would undo what
-// the other did if they took turns: over a light body between heavy ones boxes leap off a bridge.
+// Finds islands of joints alone that are solved at once. With `touched`, also islands in which joints and contacts
+// would undo each other's work by taking turns: on a light body between heavy ones, boxes leap off a bridge.
 void SolverSelection::find_joined(const LoadInput& input, bool touched) {
   joined_.clear();
   if (input.joint_graph == nullptr || input.settings.joint_method == JointMethod::Iterative) return;

@@ -91,7 +91,7 @@ constexpr bool first_moves = movable != MovableSides::Second;
 template <MovableSides movable>
 constexpr bool second_moves = movable != MovableSides::First;
 
-// A block's contacts from `lane` on, with their bodies. Of fixed ones nothing is loaded.
+// A block's contacts from `lane` on, with their bodies. Fixed bodies are not loaded.
 template <MovableSides movable = MovableSides::Both>
 struct ContactLanes {
   BodyLanes first, second;

@@ -139,8 +139,8 @@ HWY_INLINE PlanarLanes turn_into_plane(const SolverBodies& bodies, const Contact
   return {planar, across};
 }
 
-// Takes from the masses of a block what its bodies' locks do; points that nothing answers are none. Whether any lane
-// has a body that is locked along an axis, other than in a plane. Others stay as they are, bit for bit.
+// Removes the locked part from the masses of a block; points without response get none. Returns true if some lane has a
+// body locked along an axis, other than in a plane. Other lanes stay as they are, bit for bit.
 HWY_INLINE bool lock_contacts(const SolverBodies& bodies, ContactBlock& block, std::size_t lane,
                               const ContactLanes<>& c, M rubs, M planar, V4& separation) {
   const V3 lost = lost_inverse_mass(bodies, block, lane, c);

@@ -131,7 +131,7 @@ HWY_INLINE void refresh_any_separations(const ContactKernelData& data, std::size
   }
 }
 
-// m, of a contact: what turns a spin into a speed. Of the bodies the smaller one's.
+// The radius (m) of a contact that turns a spin into a speed: that of the smaller of the two bodies.
 template <MovableSides movable>
 HWY_INLINE V reach_of(const ContactLanes<movable>& c) {
   return hn::Sqrt(hn::Min(dot(c.anchor_first, c.anchor_first), dot(c.anchor_second, c.anchor_second)));

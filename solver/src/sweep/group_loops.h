@@ -28,8 +28,8 @@ class LargestOf {
   std::atomic<std::uint32_t> bits_{0};
 };
 
-// Loops over what a group consists of, each in chunks of a few microseconds. What is called gets the range of a chunk.
-// `Executor` shares a loop out, or runs it: jobs::WorkerTeam, or what stands in for one.
+// Loops over the parts of a group, each in chunks of a few microseconds. The function called gets the range of a chunk.
+// `Executor` shares a loop out, or runs it: jobs::WorkerTeam, or a stand-in for one.
 template <typename Executor>
 class GroupLoops {
  public:
@@ -46,8 +46,8 @@ class GroupLoops {
     each_colour(parts_.contacts.colours(), contact_colour_grain, kernel);
   }
 
-  // Blocks of joints that are solved one by one; without any nothing of them runs. What works on their rows does so in
-  // double, and one by one.
+  // Loop over blocks of swept joints; nothing runs if there are none. Functions that work on rows do so in double, row
+  // by row, and get smaller chunks.
   template <typename Kernel>
   void each_joint_block(const Kernel& kernel) {
     if (setup_.sweeps_joints) executor_.parallel_for(parts_.joints.block_count(), joint_grain, kernel);

@@ -94,9 +94,9 @@ struct alignas(64) Contact {
 };
 static_assert(sizeof(Contact) == 256);
 
-/// Stores the features of a manifold, which may have no points, computed with the given margin. What it replaces is
+/// Stores the features of a manifold, which may have no points, computed with the given margin. The former features are
 /// lost: match impulses before. `incident` is the pose of the incident shape in the frame of the reference. `tolerance`
-/// is for how long it may be recycled, see Contact.
+/// says for how long the manifold may be recycled, see Contact.
 void store_features(Contact& contact, const Manifold& manifold, const Pose& incident, double margin, float tolerance);
 
 }  // namespace atl::collision

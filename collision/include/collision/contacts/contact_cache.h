@@ -16,9 +16,9 @@
 
 namespace atl::collision {
 
-/// All contacts of a world, kept from step to step with their manifolds and impulses. A contact has a slot
-/// for its lifetime. Those with an active body are in order(), by pair, which is the order of everything that is
-/// done to contacts. The others are idle: nothing visits them until one of their bodies becomes active or goes.
+/// All contacts of a world, kept from step to step with their manifolds and impulses. A contact has a slot for its
+/// lifetime. Contacts with an active body are in order(), sorted by pair, and everything is done to contacts in this
+/// order. The others are idle: nothing visits them until one of their bodies becomes active or goes.
 class ContactCache {
  public:
   jobs::CompactArray<Contact> contacts;           ///< by slot

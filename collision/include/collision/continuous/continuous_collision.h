@@ -27,8 +27,8 @@ struct CcdSupport {
 };
 
 /// Continuous collision: finds how far bodies that moved far in a step get until they first meet something in their
-/// way, so that they can be put there and the next step finds the contact. What touches with its core already slides
-/// along what it touches. Only these bodies cost anything. What joints connect stops together, so that no joint is
+/// way, so that they can be put there and the next step finds the contact. A body whose core already touches something
+/// slides along it. Only these bodies cost anything. Bodies connected by joints stop together, so that no joint is
 /// torn.
 ///
 /// Works in three stages: finds candidates near each fast body, culls those that a plane keeps apart, sweeps the rest.

@@ -33,9 +33,8 @@ constexpr FeatureId edge_edge_id(int axis_first, int sides_first, int axis_secon
          static_cast<FeatureId>(axis_second) << 4 | static_cast<FeatureId>(sides_second);
 }
 
-/// A corner of a solid on a half-space. Of a box, bit i is set on the negative side of axis i. Of round shapes:
-/// places around the upper rim (cylinder) from 0, around the lower rim or the base from 16; ends of lines on
-/// the side from 32.
+/// A corner of a solid on a half-space. Boxes: bit i is set on the negative side of axis i. Round shapes: places around
+/// the upper rim (cylinder) count from 0, around the lower rim or the base from 16; ends of lines on the side from 32.
 constexpr FeatureId corner_id(int corner) { return FeatureId{3} << 60 | static_cast<FeatureId>(corner); }
 
 /// The only point there can be, as a sphere's.
@@ -49,8 +48,8 @@ constexpr FeatureId feature_pair_id(int kind_first, int number_first, int kind_s
          static_cast<FeatureId>(place);
 }
 
-/// The same point where the second shape is a triangle of a surface. `number` is less than 2^28. What the id
-/// says about the triangle's own face is lost, and so are its edges and vertices in a feature_pair_id().
+/// The same point where the second shape is a triangle of a surface. `number` is less than 2^28. It overwrites the id's
+/// part about the triangle's own face; in a feature_pair_id() also that about its edges and vertices.
 constexpr FeatureId with_triangle(FeatureId id, std::uint32_t number) {
   constexpr FeatureId field = ((FeatureId{1} << 28) - 1) << 28;
   return (id & ~field) | static_cast<FeatureId>(number) << 28;

@@ -10,8 +10,8 @@ namespace atl::solver {
 /// solid of uniform density is at least three times this.
 inline constexpr double least_moment_share = 0.1;
 
-/// A body whose largest moment is more than so many times the least is slender: a rod from 1:15 on. What is less
-/// slender gains no energy in impacts as it is: 100 capsules of 1:6 that hit a wall at 1000 m/s don't, such of 1:50 do.
+/// Ratio of the largest to the least moment above which a body is slender: a rod from 1:15 on. Bodies below it gain no
+/// energy in impacts: 100 capsules of 1:6 that hit a wall at 1000 m/s don't, 100 of 1:50 do.
 inline constexpr double slender_ratio = 100;
 
 /// True if contacts may have to assume more inertia than a body has, in islands without joints. There are two causes.

@@ -56,8 +56,8 @@ struct ContactLaw {
 
   ContactAnswer answer(const Six& motion) const;
 
-  /// The answer of all those pieces that `pieces` names, and of no other: a point among them pulls where it parts. What
-  /// slides, spins or rolls answers as `before`.
+  /// The answer with all pieces that `pieces` names, and no others: a point among them pulls where it parts. Pieces
+  /// that slide, spin or roll answer as in `before`.
   ContactAnswer linear_answer(const Six& motion, const ContactPieces& pieces, const ContactAnswer& before) const;
 
   /// Impulses by motions, negative: the derivative of answer() where it is on these pieces. Symmetric, with no

@@ -106,8 +106,8 @@ struct TendonTerm {
   }
 };
 
-/// A joint as the solver sees it: which coordinates of two frames obey which laws. What users call its kind is a choice
-/// of these (runtime's make_joint).
+/// A joint as the solver sees it: the coordinates of two frames, each with its law. The kinds of joints that users know
+/// are combinations of these (runtime's make_joint).
 struct alignas(64) Joint {
   std::uint32_t first = 0;  ///< bodies
   std::uint32_t second = 0;
@@ -134,8 +134,8 @@ struct alignas(64) Joint {
   double ratio = 1;                                  ///< of gears
   std::array<double, max_joint_rows> impulse = {};   ///< N s or N m s
   std::array<double, max_joint_rows> position = {};  ///< at the end of the step; angles over full turns
-  /// -1 where the motor pulled backwards with all it had, 1 forwards, else 0; likewise dry friction. Of joints that are
-  /// solved at once, which start the next step from there.
+  /// -1 where the motor pulled backwards with all it had, 1 forwards, else 0; the same for dry friction. Set for joints
+  /// that are solved at once, which start the next step from there.
   std::array<std::int8_t, max_joint_rows> motor_bound = {}, friction_bound = {};
   /// Terms of a tendon; other joints have none. A tendon has one row along Coordinate::Length, no point and no frames;
   /// its bodies are those of the joints of its terms.

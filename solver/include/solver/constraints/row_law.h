@@ -88,7 +88,7 @@ struct RowLaw {
   static RowLaw of_kick(const Law& law, const JointRow& at, const RowMass& mass, double h, int sign, double rate,
                         double end_rate, int limit, int motor_bound);
 
-  /// Makes a motor give as friction in contacts does, and more than ends of ranges. Likewise dry friction.
+  /// Gives a motor, and dry friction, the softness of contacts' friction, more than that of ends of ranges.
   void soften_motor(double effective_mass);
   void soften_friction(double effective_mass);
 

@@ -31,8 +31,8 @@ struct AddedSlip {
   float velocity[3] = {0, 0, 0};
 };
 
-/// Fills in what the surfaces of a touching pair do in this step. Whether that is more than plain friction. `added` may
-/// be null.
+/// Sets the surface effects of a touching pair in this step. Returns true if they are more than plain friction. `added`
+/// may be null.
 bool note_surfaces_of(const collision::TouchingPair& pair, const BodyTable& bodies,
                       const collision::ContactManifold& manifold, const AddedSlip* added, SurfaceContact& contact);
 

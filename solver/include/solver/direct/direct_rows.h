@@ -92,8 +92,8 @@ struct DirectTerm {
   double rate_by(const double* velocities) const;
 };
 
-/// A joint between two bodies of a direct solve: its rows, those of the point first. Velocities as DirectContact has
-/// them. Of a tendon the only row acts on the bodies of its terms; `at` has the length and no axes.
+/// A joint between two bodies of a direct solve: its rows, those of the point first. Velocities are as in
+/// DirectContact. The only row of a tendon acts on the bodies of its terms; its `at` has the length and no axes.
 struct DirectJoint {
   template <typename Number>
   using Rows = std::array<Number, max_joint_rows>;

@@ -14,7 +14,7 @@ namespace atl::solver {
 /// The systems of those components of a joint graph that are solved at once, kept for as long as the graph is.
 class JointSystems {
  public:
-  /// `wanted(component)`: whether it is to be solved at once. What loops would fill in too far is not.
+  /// `wanted(component)` says if it is to be solved at once. Components whose loops cause too much fill-in are not.
   template <typename Wanted>
   void build(const JointGraph& graph, std::span<const Joint> joints, const BodyTable& bodies, const Wanted& wanted) {
     systems_.clear();

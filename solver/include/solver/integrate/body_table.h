@@ -29,9 +29,9 @@ struct Surface {
   bool is_plain() const { return velocity.isZero(0) && rolling_friction == 0 && torsional_friction == 0; }
 };
 
-/// State and mass properties of all bodies of a world as flat arrays, one entry a body index. This is what
-/// lasts from step to step; what a step computes with is made from it (see SolverBodies). What is large, never changes
-/// and is alike for many bodies, above all for all that are fixed, is kept once.
+/// State and mass properties of all bodies of a world as flat arrays, one entry a body index. It lasts from step to
+/// step; the data that a step computes with are made from it (see SolverBodies). Large values that never change and are
+/// alike for many bodies, above all for fixed ones, are stored once.
 struct BodyTable {
   jobs::CompactArray<double> positions;           ///< 3 a body, m
   jobs::CompactArray<double> orientations;        ///< 4 a body: x, y, z, w

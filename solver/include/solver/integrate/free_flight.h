@@ -45,7 +45,7 @@ void move_kinematic_body(BodyTable& bodies, std::uint32_t body, double dt, colli
 /// Rotation by a rotation vector (rad).
 Quaternion rotation_by(const Vector3& rotation_vector);
 
-/// Puts a body to an orientation that it had before. What tumbles takes its spin along, and so has the same energy.
+/// Puts a body to an orientation that it had before. The spin of a tumbling body turns along, which keeps its energy.
 void turn_back(BodyTable& bodies, std::uint32_t body, const Quaternion& orientation);
 
 }  // namespace atl::solver

@@ -69,7 +69,7 @@ class GroupContacts {
   std::vector<std::array<float, block_lanes>> step_impulses_;  // N s, along the normals in this step, but for bounces
 };
 
-/// Notes what the surfaces of touching pairs do in this step. Whether that is more than plain friction anywhere.
+/// Sets the surface effects of touching pairs in this step. Returns true if any is more than plain friction.
 bool note_surfaces(const SolveInput& input, const IslandGroup& group);
 
 }  // namespace atl::solver

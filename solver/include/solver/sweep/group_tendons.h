@@ -14,8 +14,8 @@
 
 namespace atl::solver {
 
-/// The tendons of an island group whose joints are solved one after another. They come after the joints in each sweep,
-/// in double and one by one, as there are few. What bounces at an end of its range stops there.
+/// The tendons of an island group whose joints are swept. They come after the joints in each sweep, in double and one
+/// by one, since there are few. A tendon that would bounce at an end of its range stops there.
 class GroupTendons {
  public:
   void clear() { tendons_.clear(); }

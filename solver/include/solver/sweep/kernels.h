@@ -109,8 +109,8 @@ struct Kernels {
                                std::size_t begin, std::size_t end);
   /// Starts the corrections of a substep at zero, where there are any.
   void (*clear_corrections)(SolverBodies& bodies, std::size_t begin, std::size_t end);
-  /// Moves and turns; bodies with unequal moments of inertia tumble. What contacts see of their
-  /// inertia stays that half way through the step.
+  /// Moves and turns; bodies with unequal moments of inertia tumble. The inertia that contacts assume stays that half
+  /// way through the step.
   void (*integrate_positions)(SolverBodies& bodies, const SubstepConstants& constants, std::size_t begin,
                               std::size_t end);
 
