@@ -3,6 +3,7 @@
 #include <features/with_continuous.h>
 #include <features/with_joints.h>
 #include <features/with_surfaces.h>
+#include <jobs/assert.h>
 #include <jobs/scratch.h>
 #include <jobs/stopwatch.h>
 
@@ -11,6 +12,7 @@
 
 #include "step/events.h"
 #include "step/sensors.h"
+#include "step/validate.h"
 #include "world/bodies.h"
 #include "world/colliders.h"
 
@@ -140,6 +142,7 @@ void StepPipeline::finish(Stores& world, const StepContext& step) {
   if (!broken_.empty()) world.results.captured = false;
   note_quarantined(broken_, step.report);
   counts.asleep = world.sleeping.asleep;
+  if constexpr (jobs::with_asserts) validate(world);
 }
 
 }  // namespace atl

@@ -64,7 +64,7 @@ Hull random_hull(std::uint32_t seed, int count) {
   return std::get<Hull>(build_hull(points));
 }
 
-struct Solids {
+struct SolidsOfEachKind {
   Hull hull = random_hull(7, 30);
   std::vector<Shape> shapes = {Shape::sphere(0.3),         Shape::capsule(0.15, 0.25), Shape::box({0.3, 0.2, 0.25}),
                                Shape::cylinder(0.25, 0.2), Shape::cone(0.25, 0.3),     Shape::convex_hull(hull)};
@@ -115,7 +115,7 @@ TEST(SphereOnTriangle, AroundAConvexEdgeTheNormalFollowsTheCentreUpToTheNeighbou
 
 // Beside a triangle whose neighbours carry on flat or rise, everything is theirs.
 TEST(Triangle, BesideAnEdgeThatIsNotConvexNothingIsTouched) {
-  const Solids solids;
+  const SolidsOfEachKind solids;
   Random random(2);
   for (const double bend : {0.0, -0.5}) {
     const Triangle triangle = bent_triangle(bend);
@@ -131,7 +131,7 @@ TEST(Triangle, BesideAnEdgeThatIsNotConvexNothingIsTouched) {
 
 // The normal is never any but the triangle's own where its edges aren't convex, and depths are the plane's.
 TEST(Triangle, FlatAndConcaveEdgesHaveTheTrianglesNormal) {
-  const Solids solids;
+  const SolidsOfEachKind solids;
   Random random(3);
   int touching = 0;
   for (int i = 0; i < 3000; ++i) {
@@ -153,7 +153,7 @@ TEST(Triangle, FlatAndConcaveEdgesHaveTheTrianglesNormal) {
 }
 
 TEST(Triangle, NothingBehindIsTouched) {
-  const Solids solids;
+  const SolidsOfEachKind solids;
   Random random(4);
   for (int i = 0; i < 1000; ++i) {
     const Triangle triangle = i % 2 == 0 ? lone_triangle() : bent_triangle(random.real(-1.5, 1.5));
@@ -167,7 +167,7 @@ TEST(Triangle, NothingBehindIsTouched) {
 // Apart from a triangle without neighbours, the separation is the distance wherever the nearest point can be
 // touched, and never more than the distance.
 TEST(LoneTriangle, SeparationIsTheDistance) {
-  const Solids solids;
+  const SolidsOfEachKind solids;
   const Triangle triangle = lone_triangle();
   Random random(5);
   int at_vertex_or_edge = 0;
@@ -203,7 +203,7 @@ TEST(LoneTriangle, SeparationIsTheDistance) {
 
 // The normal stays in the cone between the triangle's and the neighbours', and is a unit vector.
 TEST(Triangle, NormalsStayWithinTheNeighbours) {
-  const Solids solids;
+  const SolidsOfEachKind solids;
   Random random(6);
   int touching = 0;
   for (int i = 0; i < 6000; ++i) {
@@ -254,7 +254,7 @@ TEST(BoxOnTriangle, LeavesTheShallowestWay) {
 
 TEST(Triangle, ExtremeSizesStayFinite) {
   Random random(8);
-  const Solids solids;
+  const SolidsOfEachKind solids;
   for (int i = 0; i < 3000; ++i) {
     Triangle triangle = i % 3 == 0 ? lone_triangle() : bent_triangle(random.real(-1.5, 1.5));
     const double scale = random.magnitude(1e-4, 1e5);

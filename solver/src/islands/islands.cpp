@@ -1,3 +1,4 @@
+#include <jobs/assert.h>
 #include <jobs/scratch.h>
 #include <solver/islands/islands.h>
 #include <solver/tuning.h>
@@ -14,6 +15,36 @@ constexpr std::size_t group_contacts = 512;
 
 // An island of this many contacts takes one worker about a millisecond: the rest should help.
 constexpr std::size_t large_contacts = 2048;
+
+// Islands and free bodies together have every awake candidate once, in order, and what acts between two bodies stands
+// in the island of both.
+void check_islands(const Islands& islands, std::span<const std::uint32_t> candidates,
+                   std::span<const std::uint8_t> awake) {
+  std::size_t covered = islands.free_bodies().size();
+  for (const std::uint32_t body : islands.free_bodies()) {
+    ATL_ASSERT(islands.island_of(body) == Islands::none, body, islands.island_of(body));
+  }
+  for (std::uint32_t island = 0; island < islands.count(); ++island) {
+    const std::span<const std::uint32_t> bodies = islands.bodies(island, island + 1);
+    ATL_ASSERT(!bodies.empty(), island);
+    covered += bodies.size();
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      ATL_ASSERT(i == 0 || bodies[i - 1] < bodies[i], bodies[i], island);
+      ATL_ASSERT(islands.island_of(bodies[i]) == island, bodies[i], islands.island_of(bodies[i]), island);
+      ATL_ASSERT(islands.rank(bodies[i]) == islands.first_rank(island) + i, bodies[i], islands.rank(bodies[i]), island);
+    }
+    const auto check_ends = [&](const auto& pair) {
+      for (const std::uint32_t body : {pair.first, pair.second}) {
+        ATL_ASSERT(!awake[body] || islands.island_of(body) == island, body, islands.island_of(body), island);
+      }
+    };
+    for (const TouchingPair& pair : islands.contacts(island, island + 1)) check_ends(pair);
+    for (const JointLink& link : islands.joints(island, island + 1)) check_ends(link);
+  }
+  std::size_t candidates_awake = 0;
+  for (const std::uint32_t body : candidates) candidates_awake += awake[body];
+  ATL_ASSERT(covered == candidates_awake, covered, candidates_awake);
+}
 
 }  // namespace
 
@@ -50,6 +81,7 @@ void Islands::build(std::span<const std::uint32_t> candidates, std::span<const s
   }
   sort_by_island(pairs, memory, contacts_, contact_start_);
   sort_by_island(links, memory, joints_, joint_start_);
+  if constexpr (jobs::with_asserts) check_islands(*this, candidates, awake);
 }
 
 // Sorts the pairs in which at least one body is awake by island; within an island the given order stays.
@@ -117,14 +149,17 @@ void Islands::number(std::span<const std::uint32_t> candidates, std::span<const 
 }
 
 std::span<const std::uint32_t> Islands::bodies(std::size_t begin, std::size_t end) const {
+  ATL_ASSERT(begin <= end && end <= count(), begin, end, count());
   return std::span(bodies_).subspan(body_start_[begin], body_start_[end] - body_start_[begin]);
 }
 
 std::span<const TouchingPair> Islands::contacts(std::size_t begin, std::size_t end) const {
+  ATL_ASSERT(begin <= end && end <= count(), begin, end, count());
   return std::span(contacts_).subspan(contact_start_[begin], contact_start_[end] - contact_start_[begin]);
 }
 
 std::span<const JointLink> Islands::joints(std::size_t begin, std::size_t end) const {
+  ATL_ASSERT(begin <= end && end <= count(), begin, end, count());
   return std::span(joints_).subspan(joint_start_[begin], joint_start_[end] - joint_start_[begin]);
 }
 

@@ -1,3 +1,4 @@
+#include <jobs/assert.h>
 #include <solver/sweep/colouring.h>
 
 #include <algorithm>
@@ -60,6 +61,28 @@ void set_movable(ContactBlock& block) {
   block.movable = first == 0 ? MovableSides::Second : second == 0 ? MovableSides::First : MovableSides::Both;
 }
 
+// No two lanes of a colour write the same body, or the order of writes would decide.
+template <typename Block>
+void check_colours(std::span<const Colour> colours, const std::vector<Block>& blocks, std::uint32_t body_count) {
+  std::vector<std::size_t> colour_of_last_write(body_count, colours.size());
+  for (std::size_t colour = 0; colour < colours.size(); ++colour) {
+    if (colours[colour].serial) continue;
+    for (std::size_t b = colours[colour].begin_block; b < colours[colour].end_block; ++b) {
+      for (std::size_t lane = 0; lane < block_lanes; ++lane) {
+        const auto mark = [&](std::int32_t body, unsigned writes) {
+          if ((writes >> lane & 1u) == 0) return;
+          ATL_ASSERT(body > 0 && static_cast<std::uint32_t>(body) < body_count, body, body_count, b, lane);
+          std::size_t& last = colour_of_last_write[static_cast<std::size_t>(body)];
+          ATL_ASSERT(last != colour, body, colour, b, lane);
+          last = colour;
+        };
+        mark(blocks[b].first[lane], blocks[b].write_first);
+        mark(blocks[b].second[lane], blocks[b].write_second);
+      }
+    }
+  }
+}
+
 }  // namespace
 
 template <typename Constraint>
@@ -70,6 +93,9 @@ void Colouring::assign_colours(std::span<const Constraint> constraints, std::uin
   used_colours_ = 0;
   for (std::size_t i = 0; i < constraints.size(); ++i) {
     const Constraint& constraint = constraints[i];
+    ATL_ASSERT(constraint.first < body_count && constraint.second < body_count, constraint.first, constraint.second,
+               body_count);
+    ATL_ASSERT(constraint.first != constraint.second, constraint.first);
     std::uint64_t taken = 0;
     if (constraint.first >= first_dynamic) taken |= used_[constraint.first];
     if (constraint.second >= first_dynamic) taken |= used_[constraint.second];
@@ -123,8 +149,10 @@ void Colouring::fill(std::span<const Constraint> constraints, std::uint32_t firs
   if (blocks.size() < block_count()) blocks.resize(block_count());
   for (std::size_t b = 0; b < block_count(); ++b) clear_lanes(blocks[b]);
   for (std::size_t i = 0; i < constraints.size(); ++i) {
+    ATL_ASSERT(lane_of_[i] / block_lanes < block_count(), lane_of_[i], block_count());
     set_lane(blocks[lane_of_[i] / block_lanes], lane_of_[i] % block_lanes, constraints[i], first_dynamic);
   }
+  if constexpr (jobs::with_asserts) check_colours(colours(), blocks, static_cast<std::uint32_t>(used_.size()));
 }
 
 void Colouring::build(std::span<const LocalContact> contacts, std::uint32_t first_dynamic, std::uint32_t body_count,
