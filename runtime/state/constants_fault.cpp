@@ -86,6 +86,7 @@ const char* constants_fault(const BodyConstants& body) {
       !is_not_negative(body.angular_damping)) {
     return "a body of an invalid material, gravity scale or damping";
   }
+  if (body.contact_event_force && !is_not_negative(*body.contact_event_force)) return "a body that asks for no force";
   if (!is_number(body.centre)) return "a body without a valid centre of mass";
   for (const CheckedCollider& collider : body.colliders) {
     if (!is_valid(collider)) return "a shape with invalid numbers";

@@ -50,6 +50,7 @@ void visit_settings(Archive& archive, AnySettings& s) {
   archive.value(s.sleep_speed);
   archive.value(s.time_to_sleep);
   archive.value(s.contact_events);
+  if (!Archive::hashes || s.contact_event_force) optional(s.contact_event_force);
   visit_target(archive, s.target);
 }
 

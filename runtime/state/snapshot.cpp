@@ -32,7 +32,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Header {
-  FileHeader begin = {.magic = {'A', 'T', 'O', 'L', 'L', 'S', 'N', 'P'}, .version = 18};
+  FileHeader begin = {.magic = {'A', 'T', 'O', 'L', 'L', 'S', 'N', 'P'}, .version = 19};
   std::uint64_t length = 0;    // bytes that follow the header
   std::uint64_t checksum = 0;  // of these
 };

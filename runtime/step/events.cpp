@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <limits>
 #include <tuple>
 #include <utility>
 
@@ -79,8 +80,8 @@ void add_to_event(std::span<const ContactHit> hits, ContactEvent& event) {
   }
 }
 
-// The event of two bodies that began to touch. `before`: their hits by contacts that don't touch as the step ends.
-ContactEvent began(const Stores& world, const std::pair<BodyId, BodyId>& pair, std::span<const ContactHit> before,
+// The event of two bodies that touch. `before`: their hits by contacts that don't touch as the step ends.
+ContactEvent touch(const Stores& world, const std::pair<BodyId, BodyId>& pair, std::span<const ContactHit> before,
                    const ContactPushes& pushes, double substep) {
   ContactEvent event{.a = pair.first, .b = pair.second, .began = true};
   std::vector<ContactHit> hits(before.begin(), before.end());
@@ -116,6 +117,17 @@ ContactEvent began(const Stores& world, const std::pair<BodyId, BodyId>& pair, s
   event.point = presses ? Vector3(by_force[0] / event.normal_force) : Vector3(by_number[0] / points);
   event.normal = (presses ? by_force[1] : by_number[1]).stableNormalized();
   return event;
+}
+
+// N: the least that a contact of two bodies has to carry for an event of its going on; infinite where nobody asks.
+double event_force(const Stores& world, BodyId a, BodyId b) {
+  constexpr double never = std::numeric_limits<double>::infinity();
+  double least = world.settings.contact_event_force.value_or(never);
+  if (world.contents.with_event_force == 0) return least;
+  for (const BodyId id : {a, b}) {
+    least = std::min(least, world.records.constants[id.index]->contact_event_force.value_or(never));
+  }
+  return least;
 }
 
 // Bodies may have several contacts with each other, so what counts is the list of bodies that touch. Of two bodies all
@@ -162,6 +174,19 @@ void note_events(Stores& world, ContactEvents& events, const ContactPushes& push
   }
   events.touched.insert(events.touched.end(), active, events.now.end());
 
+  const double substep = world.clock.dt / step.substeps;
+  const auto touch_now = [&](const std::pair<BodyId, BodyId>& pair) {
+    const std::span<const ContactHit> before_end(std::ranges::equal_range(hits, pair, {}, &ContactHit::pair));
+    return touch(world, pair, before_end, pushes, substep);
+  };
+  const auto go_on = [&](const std::pair<BodyId, BodyId>& pair) {
+    const double least = event_force(world, pair.first, pair.second);
+    if (std::isinf(least) || is_idle(pair)) return;
+    ContactEvent event = touch_now(pair);
+    event.began = false;
+    event.persists = true;
+    if (event.impulse >= least * substep * world.settings.substeps) events.events.push_back(event);
+  };
   auto before = events.before.begin();
   auto now = events.touched.begin();
   while (before != events.before.end() || now != events.touched.end()) {
@@ -169,10 +194,10 @@ void note_events(Stores& world, ContactEvents& events, const ContactPushes& push
       events.events.push_back({.a = before->first, .b = before->second, .began = false});
       ++before;
     } else if (before == events.before.end() || *now < *before) {
-      const std::span<const ContactHit> before_end(std::ranges::equal_range(hits, *now, {}, &ContactHit::pair));
-      events.events.push_back(began(world, *now, before_end, pushes, world.clock.dt / step.substeps));
+      events.events.push_back(touch_now(*now));
       ++now;
     } else {
+      go_on(*now);
       ++before;
       ++now;
     }

@@ -222,6 +222,7 @@ BodyDef definition_of(const Stores& world, std::uint32_t body) {
               .filter = world.records.filter[body],
               .continuous = constants.continuous,
               .sensor = constants.sensor,
+              .contact_event_force = constants.contact_event_force,
               .user_data = world.records.user_data[body]};
   if (constants.type == BodyType::Dynamic) {
     def.mass = std::clamp(1 / constants.inverse_mass, loads.least, loads.most);  // to rounding it is

@@ -292,6 +292,8 @@ CheckedBody check(const BodyDef& def) {
   constants.type = def.type;
   constants.continuous = def.continuous;
   constants.sensor = def.sensor;
+  if (def.contact_event_force) check_not_negative("BodyDef.contact_event_force", *def.contact_event_force);
+  constants.contact_event_force = def.contact_event_force;
   constants.material = def.material;
   if (def.type == BodyType::Dynamic) constants.locks = bits_of(def.locks);
   constants.gravity_scale = def.gravity_scale;

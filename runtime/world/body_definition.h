@@ -34,6 +34,7 @@ struct BodyConstants {
   BodyType type = BodyType::Static;
   bool continuous = false;
   bool sensor = false;
+  std::optional<double> contact_event_force = {};  // N
   Material material = {};
   std::uint8_t locks = 0;  // see solver/integrate/motion_locks.h; 0 unless dynamic
   double gravity_scale = 1;

@@ -70,6 +70,7 @@ void check(const Settings& settings) {
   }
   if (settings.joint_hertz) check_positive("Settings.joint_hertz", *settings.joint_hertz);
   check_not_negative("Settings.joint_damping_ratio", settings.joint_damping_ratio);
+  if (settings.contact_event_force) check_not_negative("Settings.contact_event_force", *settings.contact_event_force);
   check_not_negative("Settings.sleep_speed", settings.sleep_speed);
   check_not_negative("Settings.time_to_sleep", settings.time_to_sleep);
   kernels_for(settings.simd);

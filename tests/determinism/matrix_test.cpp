@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <string>
 #include <tuple>
@@ -49,6 +50,8 @@ class Playground {
       trail.push_back(world_.state_hash());
       for (const ContactEvent& event : world_.contact_events()) {
         trail.push_back(std::uint64_t{event.a.index} << 33 | std::uint64_t{event.b.index} << 1 | event.began);
+        trail.push_back(std::bit_cast<std::uint64_t>(event.impulse));
+        pressing_ += event.persists;
       }
       for (const JointEvent& event : world_.joint_events()) {
         broken_ += event.kind == JointEventKind::Broke;
@@ -65,6 +68,7 @@ class Playground {
     EXPECT_GT(stopped_, 5);
     EXPECT_GT(islands_changed_, 10);
     EXPECT_GT(broken_, 0);
+    EXPECT_GT(pressing_, 10);
   }
 
  private:
@@ -109,7 +113,7 @@ class Playground {
   World world_;
   std::vector<std::vector<BodyId>> stacks_;
   BodyId ram_;
-  std::int64_t asleep_ = 0, stopped_ = 0, islands_ = -1, islands_changed_ = 0, broken_ = 0;
+  std::int64_t asleep_ = 0, stopped_ = 0, islands_ = -1, islands_changed_ = 0, broken_ = 0, pressing_ = 0;
 };
 
 int steps() { return long_tests() ? 900 : 150; }
@@ -123,6 +127,7 @@ TEST_P(Matrix, NeitherThreadsNorVectorsChangeABit) {
                     .sleeping = true,
                     .time_to_sleep = 0.2,
                     .contact_events = true,
+                    .contact_event_force = 5000,
                     .simd = simd};
   };
   Playground first({.settings = settings(Simd::Auto)});

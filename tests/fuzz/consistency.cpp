@@ -135,6 +135,8 @@ void check_world(const World& world) {
       require_finite(event.point, "a contact event's point");
       require_finite(event.normal, "a contact event's normal");
       require_finite(event.normal_force, "a contact event's force");
+      require(!(event.began && event.persists), "a contact begins and goes on");
+      require(event.impulse >= 0 && std::isfinite(event.impulse), "a contact event's impulse is none");
     }
   }
   for (const JointEvent& event : world.joint_events()) {

@@ -208,6 +208,7 @@ BodyDef Definitions::body() {
   if (bytes_.one_in(4)) def.filter = filter();
   def.continuous = bytes_.one_in(5);
   def.sensor = bytes_.one_in(12);
+  if (bytes_.one_in(8)) def.contact_event_force = number(0, 100);
   const bool is_solid = !std::holds_alternative<HalfSpace>(def.shape) &&
                         !std::holds_alternative<TriangleMesh>(def.shape) &&
                         !std::holds_alternative<HeightField>(def.shape);
@@ -394,6 +395,7 @@ Settings Definitions::settings(Settings settings) {
         break;
       case 17:
         settings.contact_events = bytes_.flag();
+        if (bytes_.flag()) settings.contact_event_force = number(0, 100);
         break;
       case 18:
         settings.keep_contact_problem = bytes_.flag();

@@ -110,6 +110,7 @@ TEST(SceneWriting, NothingOfADefinitionIsLost) {
                                         .material = {.friction = 0.1, .restitution = 0.2, .rolling_friction = 0.3},
                                         .surface_velocity = {1, 2, 3},
                                         .filter = {.category = 6, .mask = 0xffffffff, .group = -3},
+                                        .contact_event_force = 0,
                                         .user_data = ~std::uint64_t{0}});
   const BodyId body = world.add_body(
       {.shape = Compound{{{.shape = Box{{1, 2, 3}}, .density_factor = 2, .material = Material{.friction = 0.9}},

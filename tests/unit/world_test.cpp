@@ -313,7 +313,7 @@ TEST(World, MoveTakesTheBodiesAlong) {
 TEST(World, TurningARestingBodyByHandIntoAnotherIsSeen) {
   World world({.gravity = Vector3::Zero(), .settings = {.contact_events = true}});
   world.add_body({.shape = Box{.half_extents = {0.5, 0.5, 0.5}}});
-  const Pose beside{.position = {1.4, 0, 0}};
+  const atl::Pose beside{.position = {1.4, 0, 0}};
   const BodyId bar = world.add_body(
       {.type = BodyType::Static, .shape = Box{.half_extents = {0.25, 2, 0.25}}, .position = beside.position});
   for (int i = 0; i < 3; ++i) world.step(1.0 / 60);

@@ -78,6 +78,9 @@ struct BodyDef {
   /// Touches nothing, and tells which bodies are in it instead: World::sensor_events() and World::bodies_in(). Its
   /// shape is a solid. Queries pass it by unless they ask for sensors.
   bool sensor = false;
+  /// N, >= 0: with Settings::contact_events, these tell of contacts of this body that go on, too, while they carry at
+  /// least this. Of two bodies' values and Settings::contact_event_force, the least counts.
+  std::optional<double> contact_event_force = {};
   std::string name = {};        ///< for people, and World::find_body(), in UTF-8. Bodies may share one.
   std::uint64_t user_data = 0;  ///< yours: World keeps it, and saves it with the body, and never looks at it
 };

@@ -117,6 +117,9 @@ struct Settings {
   double time_to_sleep = 0.5;  ///< s at rest after which an island falls asleep
 
   bool contact_events = false;  ///< World::contact_events() has something to tell
+  /// N, >= 0: contact events tell of contacts that go on, too, while the mean over a step of what they carry along
+  /// their normals is at least this. BodyDef::contact_event_force asks for the same of one body's contacts.
+  std::optional<double> contact_event_force = {};
 
   bool keep_contact_problem = false;  ///< World::contact_problem() has something to tell
 

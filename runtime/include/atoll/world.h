@@ -33,7 +33,8 @@ struct WorldDef {
   Settings settings = {};
 };
 
-/// Force that body a's surface exerts on body b at one manifold point, in the last substep.
+/// Force that body a's surface exerts on body b at one manifold point, in the last substep: an impact before that is
+/// not in it. ContactEvent::impulse is of the whole step.
 struct ContactForce {
   BodyId a;
   BodyId b;
@@ -57,11 +58,13 @@ struct PairForce {
 };
 
 /// Two bodies that began or ceased to touch in the last step: to press on each other, or overlap. Whatever touches
-/// within a step begins in it, however it has parted by its end: then it ceases in the next.
+/// within a step begins in it, however it has parted by its end: then it ceases in the next. Where it is asked for, it
+/// tells of what goes on touching, too: see Settings::contact_event_force. What sleeps tells nothing.
 struct ContactEvent {
   BodyId a;
   BodyId b;
   bool began;
+  bool persists = false;  ///< they touched a step ago and still do; neither this nor `began`: they ceased to touch
   // As they touch at the end of the step; zero where they ceased to.
   Vector3 point = Vector3::Zero();   ///< m, world frame: the mean of their manifold points, by force if there is any
   Vector3 normal = Vector3::Zero();  ///< unit, from a to b, the same mean
@@ -328,8 +331,8 @@ class World {
   /// contact_forces() adds up to, in less time. Valid until the next call or change.
   std::span<const PairForce> pair_forces() const;
 
-  /// After a step with Settings::contact_events: what began and what ended, in order of body ids. Throws Error where
-  /// the setting is off.
+  /// After a step with Settings::contact_events: what began, what ended and, where that is asked for, what goes on, in
+  /// order of body ids. Throws Error where the setting is off.
   std::span<const ContactEvent> contact_events() const;
 
   /// After a step: what got into sensors and out of them, in order of the sensors' ids, then the bodies'. Sensors

@@ -27,6 +27,8 @@ void with_body_fields(const Take& take) {
        Field{"locks", &BodyDef::locks, "of dynamic bodies"}, Field{"filter", &BodyDef::filter, "whom it may touch"},
        Field{"continuous", &BodyDef::continuous, "looks for what it may have passed through after every step"},
        Field{"sensor", &BodyDef::sensor, "touches nothing, and tells which bodies are in it"},
+       Field{"contact_event_force", &BodyDef::contact_event_force,
+             "N, >= 0: contact events tell of its contacts that go on, too, while they carry at least this"},
        Field{"name", &BodyDef::name, "for people, and World.find_body()"},
        Field{"user_data", &BodyDef::user_data, "yours, 64 bits"});
 }

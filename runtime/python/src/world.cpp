@@ -197,6 +197,7 @@ void bind_results(Class& world) {
       {"a", "id", offsetof(ContactEvent, a)},
       {"b", "id", offsetof(ContactEvent, b)},
       {"began", "?", offsetof(ContactEvent, began)},
+      {"persists", "?", offsetof(ContactEvent, persists)},
       {"point", "(3,)f8", offsetof(ContactEvent, point)},
       {"normal", "(3,)f8", offsetof(ContactEvent, normal)},
       {"normal_force", "f8", offsetof(ContactEvent, normal_force)},
@@ -226,9 +227,9 @@ void bind_results(Class& world) {
           ATOLL_RECORDS("pair_forces"))
       .def(
           "contact_events", [](const World& self) { return records_of(self.contact_events(), contacts); },
-          "With Settings.contact_events, a structured array of what began and ended in the last step: a, b, began, "
-          "point "
-          "(m), normal, normal_force (N), and of the whole step impulse (N s), approach_speed (m/s), child_a, child_b.",
+          "With Settings.contact_events, a structured array of what began and ended in the last step, and of what goes "
+          "on where that is asked for: a, b, began, persists, point (m), normal, normal_force (N), and of the whole "
+          "step impulse (N s), approach_speed (m/s), child_a, child_b.",
           ATOLL_RECORDS("contact_events"))
       .def(
           "sensor_events", [](const World& self) { return records_of(self.sensor_events(), sensors); },

@@ -166,6 +166,7 @@ SceneBody read_body(const Reader& in, const Library& library) {
                 "filter",
                 "continuous",
                 "sensor",
+                "contact_event_force",
                 "user_data"});
   SceneBody body;
   BodyDef& def = body.def;
@@ -204,6 +205,7 @@ SceneBody read_body(const Reader& in, const Library& library) {
   if (const char* unbounded = name_of_unbounded(def.shape); def.sensor && unbounded != nullptr) {
     shape.fail(std::string(unbounded) + " on a sensor", "a solid there: bodies are in it or not");
   }
+  get(in, "contact_event_force", def.contact_event_force, at_least(0));
   get(in, "user_data", def.user_data);
   return body;
 }
