@@ -193,6 +193,10 @@ void ContactPhase::change(Stores& world, std::uint32_t slot, const ModifiedConta
   const std::size_t count = world.cache.contacts[slot].count;
   collision::ContactManifold& manifold = world.cache.manifolds[slot];
   world.choices.modified.push_back({slot, modified.pair});
+  const bool rubs = modified.friction > 0, bounces = modified.restitution > 0;
+  if (rubs != (manifold.friction > 0) || bounces != (manifold.restitution > 0)) {
+    other_kinds_.push_back({{modified.pair, modified.part}, static_cast<std::uint8_t>(2 * rubs + bounces)});
+  }
   manifold.friction = modified.friction;
   manifold.restitution = modified.restitution;
   if (modified.points != (1u << count) - 1) {
@@ -214,6 +218,7 @@ void ContactPhase::modify(Stores& world, const StepContext& step, std::span<cons
     const collision::Contact& contact = world.cache.contacts[touching.slot];
     if (next->pair == contact.pair && next->part == contact.part) change(world, touching.slot, *next++);
   }
+  std::sort(other_kinds_.begin(), other_kinds_.end());
   list_on(world);
 }
 
@@ -256,6 +261,8 @@ void ContactPhase::update(Stores& world, const StepContext& step) {
                              update_);
   world.broadphase.forget_moves();
   std::swap(parts_off_, parts_off_before_);
+  std::swap(other_kinds_, other_kinds_before_);
+  other_kinds_.clear();
   modified_ = {};
   leave_out_inner_edges(world, step.narrowphase_kernels);
   if (step.rules != nullptr && step.rules->modifies()) {

@@ -46,12 +46,14 @@ class ContactPhase {
     return world.cache.changes() == cache_changes_ && world.cache.order().size() == world.cache.size();
   }
   bool touching_changed() const { return update_.touching_changed || off_changed_; }
+  /// Whether a modifier gave friction or restitution to others, or took it from others, than in the last step.
+  bool kinds_changed() const { return other_kinds_ != other_kinds_before_; }
   std::int64_t points() const { return update_.counts.points - modified_.points_off - inner_points_; }
   /// Pairs of colliders of which all contacts are switched off, in order.
   std::span<const collision::Pair> pairs_off() const { return modified_.pairs_off; }
   /// What a modifier adds to the slip of contacts, by slot; null where it adds nothing.
   const solver::AddedSlip* added_slips() const { return modified_.slips ? slips_.data() : nullptr; }
-  auto arrays() const { return std::tie(update_, inner_edges_, inner_, off_, on_, slips_); }
+  auto arrays() const { return std::tie(update_, inner_edges_, inner_, off_, on_, slips_, other_kinds_); }
 
  private:
   // What a modifier made of the step's contacts.
@@ -76,6 +78,10 @@ class ContactPhase {
   // By pair and part: slots go over to others as contacts come and go.
   using Part = std::pair<collision::Pair, std::uint8_t>;
   jobs::CompactArray<Part> parts_off_, parts_off_before_;  // in order
+  // Likewise contacts that have friction or restitution where their materials have none, or the reverse, with a bit
+  // each.
+  using Kind = std::pair<Part, std::uint8_t>;
+  jobs::CompactArray<Kind> other_kinds_, other_kinds_before_;  // in order
   bool off_changed_ = false;
   std::uint64_t cache_changes_ = ~std::uint64_t{0};  // of the cache, once it was updated
   jobs::CompactArray<solver::AddedSlip> slips_;      // by slot, where there are any

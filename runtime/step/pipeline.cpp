@@ -94,6 +94,7 @@ void StepPipeline::plan(Stores& world, const StepContext& step) {
 
 void StepPipeline::build_islands(Stores& world, const StepContext& step) {
   islands_.build(world, step, contacts_);
+  if (contacts_.kinds_changed()) solve_.recolour();
   solve_.choose_modes(world, step, islands_);
 }
 

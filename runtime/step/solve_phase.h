@@ -26,6 +26,8 @@ class SolvePhase {
   /// How many substeps islands get whose errors have a target; islands whose contacts carry too much are solved on
   /// their own, and otherwise.
   void choose_modes(Stores& world, const StepContext& step, IslandPhase& islands);
+  /// Contacts have friction or restitution that had none, or the reverse: large groups are coloured anew.
+  void recolour() { regrouped_ = true; }
   /// `added_slips` as in SolveInput. Adds the bodies that moved far, or whose joints did, to `moved`.
   void solve(Stores& world, const StepContext& step, const solver::AddedSlip* added_slips, IslandPhase& islands,
              solver::FastBodies& moved);
