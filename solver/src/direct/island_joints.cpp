@@ -394,6 +394,7 @@ bool follow_tension(IslandProblem& problem, double h) {
 
 void write_back_joints(const DirectIslandInput& input, const std::vector<DirectJoint>& joints) {
   const double over_h = input.settings.substeps / input.dt;
+  const double together = input.settings.refinement;  // as of substeps that were asked for
   for (const DirectJoint& from : joints) {
     Joint& joint = input.joints[from.joint];
     for (std::size_t i = 0; i < from.terms; ++i) joint.term[i].position = from.term[i].row.position;
@@ -402,12 +403,12 @@ void write_back_joints(const DirectIslandInput& input, const std::vector<DirectJ
     joint.torque.setZero();
     std::size_t r = 0;
     if (joint.point) {
-      for (; r < 3; ++r) joint.point_impulse[static_cast<Eigen::Index>(r)] = from.lasting[r];
-      joint.force = over_h * joint.point_impulse;
+      for (; r < 3; ++r) joint.point_impulse[static_cast<Eigen::Index>(r)] = together * from.lasting[r];
+      joint.force = over_h * Eigen::Map<const Vector3>(from.lasting.data());
     }
     for (std::size_t k = 0; r < from.rows; ++r, ++k) {
       const JointRow& at = from.at[r];
-      joint.impulse[k] = from.lasting[r];
+      joint.impulse[k] = together * from.lasting[r];
       joint.position[k] = from.position[r];
       joint.limit[k] = from.limit[r];
       joint.motor_bound[k] = from.motor_bound[r];
