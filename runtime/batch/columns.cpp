@@ -6,22 +6,43 @@
 namespace atl {
 namespace {
 
-void read_body(const World& world, BodyId body, Batch::Column column, std::size_t rows, double* to) {
-  if (column == Batch::Column::Origins) {
-    const Vector3 origin = world.pose(body).position;
-    std::copy_n(origin.data(), rows, to);
-    return;
+Vector3 vector_of(const World& world, BodyId body, Batch::Column column) {
+  switch (column) {
+    case Batch::Column::Origins:
+      return world.pose(body).position;
+    case Batch::Column::Accelerations:
+      return world.accelerations().col(body.index);
+    case Batch::Column::AngularAccelerations:
+      return world.angular_accelerations().col(body.index);
+    case Batch::Column::ContactForces:
+      return world.contact_wrench(body).force;
+    case Batch::Column::ContactTorques:
+      return world.contact_wrench(body).torque;
+    case Batch::Column::Velocities:
+      return world.velocities().col(body.index);
+    case Batch::Column::AngularVelocities:
+      return world.angular_velocities().col(body.index);
+    default:
+      return world.positions().col(body.index);
   }
-  const double* from = column == Batch::Column::Positions      ? world.positions().data()
-                       : column == Batch::Column::Orientations ? world.orientations().data()
-                       : column == Batch::Column::Velocities   ? world.velocities().data()
-                                                               : world.angular_velocities().data();
-  std::copy_n(from + rows * body.index, rows, to);
+}
+
+void read_body(const World& world, BodyId body, Batch::Column column, std::size_t rows, double* to) {
+  if (column == Batch::Column::Orientations) {
+    std::copy_n(world.orientations().col(body.index).data(), rows, to);
+  } else {
+    std::copy_n(vector_of(world, body, column).data(), rows, to);
+  }
 }
 
 void read_joint(const World& world, JointId joint, Batch::Column column, std::size_t rows, double* to) {
   const JointState state = world.joint_state(joint);
-  std::copy_n(column == Batch::Column::JointPositions ? state.position.data() : state.speed.data(), rows, to);
+  const double* from = column == Batch::Column::JointPositions ? state.position.data()
+                       : column == Batch::Column::JointSpeeds  ? state.speed.data()
+                       : column == Batch::Column::JointMotors  ? state.motor.data()
+                       : column == Batch::Column::JointForces  ? state.force.data()
+                                                               : state.torque.data();
+  std::copy_n(from, rows, to);
 }
 
 }  // namespace

@@ -94,6 +94,7 @@ void World::Impl::read_state(std::span<const std::byte> state, bool from_file) {
   results.selected_solves.clear();
   results.unheld_islands.clear();
   results.captured = false;
+  results.accelerations = {};
   results.contact_forces.clear();
   results.contact_forces_valid = true;
 }

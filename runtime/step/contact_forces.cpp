@@ -165,4 +165,70 @@ std::span<const PairForce> pair_forces(Stores& world, const ContactPhase& phase,
   return pairs;
 }
 
+namespace {
+
+// What a contact exerts on one of its bodies.
+Wrench wrench_of(const Stores& world, std::uint32_t slot, bool second) {
+  const collision::Contact& contact = world.cache.contacts[slot];
+  const collision::ContactManifold& manifold = world.cache.manifolds[slot];
+  const PointForces of(world, manifold);
+  if (!of.are_any()) return {};
+  const ManifoldPlace place = place_of(world, contact, manifold);
+  const double per_impulse = 1 / world.clock.last_substep;
+  // From the body's own centre of mass as the step began: between the bodies it has changed since.
+  const Vector3 arm = vector3(second ? manifold.anchor_second : manifold.anchor_first);
+  Wrench wrench{.force = per_impulse * vector3(manifold.friction_impulse),
+                .torque = per_impulse * manifold.torsional_impulse * place.normal};
+  wrench.torque += arm.cross(wrench.force);
+  for (std::size_t i = 0; i < contact.count; ++i) {
+    if (!of.is_pressed(i)) continue;
+    const Vector3 force = of.normal(i) * place.normal;
+    wrench.force += force;
+    wrench.torque += (arm + place.point(manifold, i) - place.centre).cross(force);
+  }
+  if (slot < world.surface_contacts.size() && world.surface_contacts[slot].rolling_friction > 0) {
+    wrench.torque += per_impulse * vector3(world.surface_contacts[slot].rolling_impulse);
+  }
+  if (!second) wrench = {-wrench.force, -wrench.torque};
+  return wrench;
+}
+
+}  // namespace
+
+Wrench contact_wrench(Stores& world, std::uint32_t body, const ContactPhase& phase,
+                      const collision::NarrowphaseKernels& kernels, jobs::Arena& arena) {
+  if (world.clock.last_substep == 0) return {};
+  if (!phase.touching_is_all(world)) place_idle_contacts(world, kernels, arena);
+  // In an order that doesn't follow from when contacts came.
+  std::vector<std::uint32_t> slots;
+  world.cache.for_each_contact_of(body, [&](std::uint32_t slot) { slots.push_back(slot); });
+  std::sort(slots.begin(), slots.end(), [&](std::uint32_t x, std::uint32_t y) {
+    const collision::Contact &a = world.cache.contacts[x], &b = world.cache.contacts[y];
+    return std::pair(a.pair, a.part) < std::pair(b.pair, b.part);
+  });
+  Wrench sum;
+  for (const std::uint32_t slot : slots) {
+    const Wrench one = wrench_of(world, slot, world.cache.contacts[slot].body_second == body);
+    sum.force += one.force;
+    sum.torque += one.torque;
+  }
+  return sum;
+}
+
+Eigen::Matrix<double, 6, Eigen::Dynamic> contact_wrenches(Stores& world, const ContactPhase& phase,
+                                                          const collision::NarrowphaseKernels& kernels,
+                                                          jobs::Arena& arena) {
+  Eigen::Matrix<double, 6, Eigen::Dynamic> sums(6, static_cast<Eigen::Index>(world.bodies.size()));
+  sums.setZero();
+  std::vector<solver::TouchingPair> found;
+  for (const solver::TouchingPair& pair : all_touching(world, phase, kernels, arena, found)) {
+    for (const bool second : {false, true}) {
+      const Wrench one = wrench_of(world, pair.slot, second);
+      sums.col(second ? pair.second : pair.first) +=
+          (Eigen::Matrix<double, 6, 1>() << one.force, one.torque).finished();
+    }
+  }
+  return sums;
+}
+
 }  // namespace atl

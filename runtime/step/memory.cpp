@@ -39,6 +39,7 @@ void for_each_use(const Stores& world, const StepPipeline& pipeline, const Visit
                        solve.event_arrays()),
         results.contact_events.events.size(), "events");
   visit("sensors", std::tie(results.sensor_events), results.sensor_events.within.size(), "bodies");
+  visit("accelerations", std::tie(results.accelerations), results.accelerations.linear.size() / 3, "bodies");
   visit("contact_problem", solve.capture_arrays(), solve.capture().answers.size(), "contacts");
 }
 

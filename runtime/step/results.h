@@ -28,6 +28,21 @@ std::span<const ContactForce> contact_forces(Stores& world, const ContactPhase& 
                                              const collision::NarrowphaseKernels& kernels, jobs::Arena& arena);
 std::span<const PairForce> pair_forces(Stores& world, const ContactPhase& phase,
                                        const collision::NarrowphaseKernels& kernels, jobs::Arena& arena);
+/// What contacts of a body exert on it.
+Wrench contact_wrench(Stores& world, std::uint32_t body, const ContactPhase& phase,
+                      const collision::NarrowphaseKernels& kernels, jobs::Arena& arena);
+/// Of all bodies.
+Eigen::Matrix<double, 6, Eigen::Dynamic> contact_wrenches(Stores& world, const ContactPhase& phase,
+                                                          const collision::NarrowphaseKernels& kernels,
+                                                          jobs::Arena& arena);
+/// Keeps the velocities with which a step begins, where accelerations are asked for.
+void begin_accelerations(Stores& world);
+/// Makes accelerations of them as the step of dt seconds ends.
+void end_accelerations(Stores& world, double dt);
+/// The linear ones, or the angular ones. Throws Error, in the name of the call, if there are none.
+Eigen::Map<const Eigen::Matrix3Xd> accelerations(const Stores& world, bool angular, const char* call);
+/// m/s^2, along the axes of the body's frame, at a point of it.
+Vector3 proper_acceleration(const Stores& world, std::uint32_t body, const Vector3& point);
 /// Of a step whose substeps took so many seconds.
 ContactProblem contact_problem(const Stores& world, std::span<const solver::TouchingPair> touching,
                                const solver::ContactCapture& capture, double substep);

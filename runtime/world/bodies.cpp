@@ -23,6 +23,15 @@ void forget_contact_forces(Stores& world, std::uint32_t body) {
                 [body](const ContactForce& force) { return force.a.index == body || force.b.index == body; });
 }
 
+// The body begins where another one has been, or nobody was.
+void forget_acceleration(Stores& world, std::uint32_t body) {
+  for (std::vector<double>* of : {&world.results.accelerations.linear, &world.results.accelerations.angular}) {
+    if (of->empty()) continue;
+    of->resize(3 * world.bodies.size());
+    std::fill_n(of->data() + 3 * std::size_t{body}, 3, 0.0);
+  }
+}
+
 // What a contact filter said of a body's shapes, and was to be asked.
 void forget_choices(Stores& world, std::uint32_t body) {
   ContactChoices& choices = world.choices;
@@ -111,6 +120,7 @@ BodyId add_body(Stores& world, const CheckedBody& start) {
   note_size(world, body);
   add_proxies(world, body);
   suspect_new(world, body);
+  forget_acceleration(world, body);
   return {body, records.generation[body]};
 }
 

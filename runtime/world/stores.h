@@ -13,6 +13,7 @@
 #include <solver/select/substep_control.h>
 
 #include <cstdint>
+#include <tuple>
 #include <vector>
 
 #include "world/active_bodies.h"
@@ -41,6 +42,14 @@ struct Changes {
   bool joints = false;                           ///< joints came, went or changed
 };
 
+/// Of all bodies, 3 numbers each; in a step, the velocities that it began with. Empty where nobody asked.
+struct Accelerations {
+  std::vector<double> linear;   ///< m/s^2
+  std::vector<double> angular;  ///< rad/s^2
+
+  auto arrays() const { return std::tie(linear, angular); }
+};
+
 /// What the last step came to, as callers ask for it.
 struct StepResults {
   ContactEvents contact_events;
@@ -53,6 +62,7 @@ struct StepResults {
   bool contact_forces_valid = false;
   std::vector<PairForce> pair_forces;  ///< likewise, each time
   bool captured = false;               ///< whether there is a contact problem
+  Accelerations accelerations;
 };
 
 /// All that a world keeps from step to step. Each store owns its data; what concerns several of them at once are

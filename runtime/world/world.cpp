@@ -187,7 +187,9 @@ StepReport take_step(const World& world, auto& impl, double dt, bool forced, con
     if (impl.recorder) impl.recorder->note_step(dt, forced, impl.stores.settings.run_everything, impl.rules);
   }
   impl.rules.begin_step(world);
+  begin_accelerations(impl.stores);
   const StepReport report = step();
+  end_accelerations(impl.stores, dt);
   if constexpr (with_recording) {
     if (impl.recorder) impl.record_result();
   }
@@ -706,6 +708,24 @@ std::vector<ContactForce> World::contact_forces(BodyId id) const {
 std::span<const PairForce> World::pair_forces() const {
   impl_->step_guard.check("World::pair_forces");
   return atl::pair_forces(impl_->stores, impl_->pipeline.contacts(), *impl_->narrowphase_kernels, impl_->arena);
+}
+Wrench World::contact_wrench(BodyId id) const {
+  impl_->step_guard.check("World::contact_wrench");
+  return atl::contact_wrench(impl_->stores, index_of(impl_->stores, id, "contact_wrench"), impl_->pipeline.contacts(),
+                             *impl_->narrowphase_kernels, impl_->arena);
+}
+Eigen::Matrix<double, 6, Eigen::Dynamic> World::contact_wrenches() const {
+  impl_->step_guard.check("World::contact_wrenches");
+  return atl::contact_wrenches(impl_->stores, impl_->pipeline.contacts(), *impl_->narrowphase_kernels, impl_->arena);
+}
+Eigen::Map<const Eigen::Matrix3Xd> World::accelerations() const {
+  return atl::accelerations(impl_->stores, false, "accelerations");
+}
+Eigen::Map<const Eigen::Matrix3Xd> World::angular_accelerations() const {
+  return atl::accelerations(impl_->stores, true, "angular_accelerations");
+}
+Vector3 World::proper_acceleration(BodyId id, const Vector3& point) const {
+  return atl::proper_acceleration(impl_->stores, index_of(impl_->stores, id, "proper_acceleration"), point);
 }
 ContactProblem World::contact_problem() const {
   if (!impl_->stores.results.captured) return {};

@@ -399,6 +399,7 @@ Settings Definitions::settings(Settings settings) {
         break;
       case 18:
         settings.keep_contact_problem = bytes_.flag();
+        settings.accelerations = bytes_.flag();
         break;
       default:
         settings.run_everything = bytes_.flag();

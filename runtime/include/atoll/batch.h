@@ -57,13 +57,20 @@ class Batch {
   void keep_start(std::span<const std::size_t> places = {});
 
   enum class Column {
-    Positions,          ///< 3 rows: m, of centres of mass
-    Origins,            ///< 3 rows: m, of the bodies' frames
-    Orientations,       ///< 4 rows: x, y, z, w
-    Velocities,         ///< 3 rows: m/s
-    AngularVelocities,  ///< 3 rows: rad/s
-    JointPositions,     ///< 6 rows, of joints: m or rad, of the coordinates as JointState has them
-    JointSpeeds,        ///< 6 rows, of joints: m/s or rad/s
+    Positions,             ///< 3 rows: m, of centres of mass
+    Origins,               ///< 3 rows: m, of the bodies' frames
+    Orientations,          ///< 4 rows: x, y, z, w
+    Velocities,            ///< 3 rows: m/s
+    AngularVelocities,     ///< 3 rows: rad/s
+    Accelerations,         ///< 3 rows: m/s^2; this and the next as World::accelerations()
+    AngularAccelerations,  ///< 3 rows: rad/s^2
+    ContactForces,         ///< 3 rows: N; this and the next as World::contact_wrench()
+    ContactTorques,        ///< 3 rows: N m
+    JointPositions,        ///< 6 rows, of joints: m or rad, of the coordinates as JointState has them
+    JointSpeeds,           ///< 6 rows, of joints: m/s or rad/s
+    JointMotors,           ///< 6 rows, of joints: N or N m, what motors and servos exert: JointState::motor
+    JointForces,           ///< 3 rows, of joints: N; this and the next as JointState has them
+    JointTorques,          ///< 3 rows, of joints: N m
   };
   static std::size_t rows_of(Column column);
   /// Of all bodies, or joints, of all worlds: rows_of(column) numbers each, a column after the other.
@@ -113,7 +120,8 @@ void set_frictions(Batch& batch, std::size_t body, std::span<const double> frict
 constexpr bool is_of_joints(Batch::Column column) { return column >= Batch::Column::JointPositions; }
 
 inline std::size_t Batch::rows_of(Column column) {
-  return is_of_joints(column) ? 6 : column == Column::Orientations ? 4 : 3;
+  const bool by_coordinate = is_of_joints(column) && column < Column::JointForces;
+  return by_coordinate ? 6 : column == Column::Orientations ? 4 : 3;
 }
 
 }  // namespace atl

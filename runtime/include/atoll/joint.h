@@ -206,6 +206,10 @@ struct JointState {
   Vector3 torque = Vector3::Zero();     ///< N m, on the second body, about its frame's origin, world frame
   std::array<double, 6> position = {};  ///< of the coordinates that its kind names, in that order, as of now; m or rad
   std::array<double, 6> speed = {};     ///< m/s or rad/s
+  /// N or N m, by coordinate: the part of `force` and `torque` that its motor or servo exerts along it. A servo's is
+  /// that of its law at this position and speed. A motor's is what springs and friction leave of all that acts along
+  /// the coordinate; all it has, where it pushes at an end of the range.
+  std::array<double, 6> motor = {};
 };
 
 enum class JointEventKind {

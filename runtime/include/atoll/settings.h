@@ -121,6 +121,8 @@ struct Settings {
   /// their normals is at least this. BodyDef::contact_event_force asks for the same of one body's contacts.
   std::optional<double> contact_event_force = {};
 
+  bool accelerations = false;  ///< World::accelerations() has something to tell
+
   bool keep_contact_problem = false;  ///< World::contact_problem() has something to tell
 
   /// Leave nothing out: each feature and kernel is run on all contacts and bodies of an island, needed or not; contact

@@ -48,6 +48,12 @@ struct ContactForce {
   std::uint32_t child_b;
 };
 
+/// A force and a torque about a body's centre of mass, on that body, world frame.
+struct Wrench {
+  Vector3 force = Vector3::Zero();   ///< N
+  Vector3 torque = Vector3::Zero();  ///< N m
+};
+
 /// Two bodies that press on each other, and what all of their contact points carry together.
 struct PairForce {
   BodyId a;
@@ -331,6 +337,23 @@ class World {
   /// contact_forces() adds up to, in less time. Valid until the next call or change.
   std::span<const PairForce> pair_forces() const;
 
+  /// After a step: what all contacts of a body exert on it, in the last substep, with friction and what holds back
+  /// rolling and spinning.
+  Wrench contact_wrench(BodyId id) const;
+  /// The same of all bodies, one column a body index: force (N) in 3 rows, torque (N m) in 3 more.
+  Eigen::Matrix<double, 6, Eigen::Dynamic> contact_wrenches() const;
+
+  /// After a step with Settings::accelerations: what the velocities changed by within it, by its length, one column a
+  /// body index; of bodies added since it is zero. Changes by calls between steps don't count. Valid until the next
+  /// call that isn't const. Throws Error where the setting is off, or without a step since it was set or the world was
+  /// restored.
+  Eigen::Map<const Eigen::Matrix3Xd> accelerations() const;          ///< m/s^2, of centres of mass
+  Eigen::Map<const Eigen::Matrix3Xd> angular_accelerations() const;  ///< rad/s^2
+  /// What an accelerometer at a point (m) of the body's frame reads, m/s^2, along the axes of that frame: the point's
+  /// acceleration, less gravity. At rest that is 9.81 m/s^2 upwards, in free fall zero. From accelerations(), with the
+  /// pose and spin at the step's end: a + a' x r + w x (w x r) - g. Throws Error as these do.
+  Vector3 proper_acceleration(BodyId id, const Vector3& point = Vector3::Zero()) const;
+
   /// After a step with Settings::contact_events: what began, what ended and, where that is asked for, what goes on, in
   /// order of body ids. Throws Error where the setting is off.
   std::span<const ContactEvent> contact_events() const;
@@ -385,8 +408,8 @@ class World {
   void save(Snapshot& snapshot) const;
   /// Goes back, or on, to the state of a snapshot: of this world, whatever has been added, removed or changed since, or
   /// of another with the same bodies. From there on every step has the same bits as it has in the world that was saved,
-  /// and every id given out is the same; threads, instruction set, profile and Settings::keep_contact_problem stay this
-  /// world's. What a step reports (forces, events) is empty until the next one.
+  /// and every id given out is the same; threads, instruction set, profile, Settings::accelerations and
+  /// keep_contact_problem stay this world's. What a step reports (forces, events) is empty until the next one.
   ///
   /// Bodies that the snapshot lacks are removed, those that only the snapshot has are added. Throws Error, and changes
   /// nothing, if the snapshot is empty; if it is another world's, or from a file, and a body with the same id is not of

@@ -103,11 +103,26 @@ void bind_arrays(nb::class_<Batch>& batch) {
   bind_column<Batch::Column::Velocities>(batch, "velocities", "m/s, shape (worlds, bodies, 3); a copy");
   bind_column<Batch::Column::AngularVelocities>(batch, "angular_velocities",
                                                 "rad/s, shape (worlds, bodies, 3); a copy");
+  bind_column<Batch::Column::Accelerations>(batch, "accelerations",
+                                            "m/s^2, shape (worlds, bodies, 3), with Settings.accelerations; a copy");
+  bind_column<Batch::Column::AngularAccelerations>(batch, "angular_accelerations",
+                                                   "rad/s^2, shape (worlds, bodies, 3), likewise; a copy");
+  bind_column<Batch::Column::ContactForces>(
+      batch, "contact_forces",
+      "N, shape (worlds, bodies, 3): what contacts exert on bodies in the last substep; a copy");
+  bind_column<Batch::Column::ContactTorques>(batch, "contact_torques",
+                                             "N m, shape (worlds, bodies, 3), likewise, about centres of mass; a copy");
   bind_column<Batch::Column::JointPositions>(batch, "joint_positions",
                                              "m or rad, shape (worlds, joints, 6), of the coordinates as "
                                              "JointState.position has them; a copy");
   bind_column<Batch::Column::JointSpeeds>(batch, "joint_speeds",
                                           "m/s or rad/s, shape (worlds, joints, 6), likewise; a copy");
+  bind_column<Batch::Column::JointMotors>(batch, "joint_motors",
+                                          "N or N m, shape (worlds, joints, 6): JointState.motor; a copy");
+  bind_column<Batch::Column::JointForces>(batch, "joint_forces",
+                                          "N, shape (worlds, joints, 3): JointState.force; a copy");
+  bind_column<Batch::Column::JointTorques>(batch, "joint_torques",
+                                           "N m, shape (worlds, joints, 3): JointState.torque; a copy");
   batch
       .def(
           "set_poses",

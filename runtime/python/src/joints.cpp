@@ -116,7 +116,8 @@ void bind_joints(nb::module_& module) {
               Field{"force", &JointState::force, "N, shape (3,), on the second body, world frame"},
               Field{"torque", &JointState::torque, "N m, shape (3,), about its frame's origin"},
               Field{"position", &JointState::position, "m or rad, of the coordinates in the order that its kind names"},
-              Field{"speed", &JointState::speed, "m/s or rad/s"});
+              Field{"speed", &JointState::speed, "m/s or rad/s"},
+              Field{"motor", &JointState::motor, "N or N m, what motors and servos exert along the coordinates"});
   nb::enum_<JointEventKind>(module, "JointEventKind", "What happened to a joint.")
       .value("BROKE", JointEventKind::Broke)
       .value("REACHED_LIMIT", JointEventKind::ReachedLimit)

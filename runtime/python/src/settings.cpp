@@ -72,6 +72,7 @@ void bind_settings(nb::module_& module) {
       Field{"contact_events", &Settings::contact_events, "World.contact_events() has something to tell"},
       Field{"contact_event_force", &Settings::contact_event_force,
             "N, >= 0: contact events tell of contacts that go on, too, while they carry at least this"},
+      Field{"accelerations", &Settings::accelerations, "World.accelerations has something to tell"},
       Field{"keep_contact_problem", &Settings::keep_contact_problem, "what the solver had to solve is kept"},
       Field{"run_everything", &Settings::run_everything, "leaves nothing out; no bit of the result changes"},
       Field{"profile", &Settings::profile, "StepReport.solver_ms has something to tell"},

@@ -121,6 +121,25 @@ void bind_arrays(Class& world) {
       },
       "m, shape (n, 3): origins of the bodies' frames; a copy",
       nb::sig("def origins(self) -> numpy.typing.NDArray[numpy.float64]"));
+  const auto bind_copy = [&world](const char* name, const char* signature, const char* doc, const auto& column) {
+    world.def_prop_ro(
+        name,
+        [column](const World& self) {
+          const auto& numbers = column(self);
+          return nb::steal(array_of(
+              numbers.data(), {static_cast<std::size_t>(numbers.cols()), static_cast<std::size_t>(numbers.rows())}));
+        },
+        doc, nb::sig(signature));
+  };
+  bind_copy("accelerations", "def accelerations(self) -> numpy.typing.NDArray[numpy.float64]",
+            "m/s^2, shape (n, 3), with Settings.accelerations: of centres of mass, the mean over the last step; a copy",
+            [](const World& self) { return self.accelerations(); });
+  bind_copy("angular_accelerations", "def angular_accelerations(self) -> numpy.typing.NDArray[numpy.float64]",
+            "rad/s^2, shape (n, 3), likewise; a copy", [](const World& self) { return self.angular_accelerations(); });
+  bind_copy("contact_wrenches", "def contact_wrenches(self) -> numpy.typing.NDArray[numpy.float64]",
+            "shape (n, 6): force (N) and torque (N m, about the centre of mass) that contacts exert in the last "
+            "substep; a copy",
+            [](const World& self) { return self.contact_wrenches(); });
   world
       .def(
           "set_poses",
@@ -236,6 +255,15 @@ void bind_results(Class& world) {
           "A structured array of what got into sensors and out of them: sensor, body, entered.",
           ATOLL_RECORDS("sensor_events"));
 #undef ATOLL_RECORDS
+  nb::class_<Wrench> wrench(world, "Wrench", "A force and a torque about a body's centre of mass.");
+  bind_result(wrench, Field{"force", &Wrench::force, "N, shape (3,)"},
+              Field{"torque", &Wrench::torque, "N m, shape (3,)"});
+  world
+      .def("contact_wrench", &World::contact_wrench, nb::arg("body"),
+           "What contacts exert on it in the last substep, with friction.")
+      .def("proper_acceleration", &World::proper_acceleration, nb::arg("body"), nb::arg("point") = Vector3(0, 0, 0),
+           "m/s^2, shape (3,), along the axes of the body's frame: what an accelerometer at a point (m) of it reads, "
+           "with Settings.accelerations.");
   world.def("bodies_in", &World::bodies_in, nb::arg("sensor"), "At the end of the last step.")
       .def("joint_events",
            [](const World& self) {
