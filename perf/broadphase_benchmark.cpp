@@ -102,7 +102,7 @@ class Cloud {
   Bounds bounds(std::uint32_t i) const {
     return {positions_[i] - Vector3::Constant(0.5), positions_[i] + Vector3::Constant(0.5)};
   }
-  // Where motion turns in every step, velocity predicts nothing.
+  // Bodies that change direction in every step get no swept margin: their velocity doesn't predict where they go.
   Aabb fat(std::uint32_t i) const {
     return fattened(bounds(i), margin_, (motion_ == Motion::Straight ? 1 : 0) * displacements_[i]);
   }
@@ -144,7 +144,7 @@ void step(benchmark::State& state, Motion motion) {
   state.counters["fat_pairs"] = static_cast<double>(cloud.pairs());
 }
 
-// What a step costs of which nothing moved, apart from the world's own look at its bodies and contacts.
+// The cost of a step in which nothing moved, without the world's own checks of its bodies and contacts.
 void find_pairs_at_rest(benchmark::State& state) {
   Cloud cloud(static_cast<std::uint32_t>(state.range(0)), Motion::None);
   cloud.find_pairs();

@@ -1,8 +1,8 @@
-/// What a capability costs that a build has and a scene doesn't use, or does: perf/features.sh runs this in builds with
-/// and without it, by the clock and by counted instructions.
+/// Measures the cost of a capability that a build has, for scenes that use it and scenes that don't: perf/features.sh
+/// runs this in builds with and without the capability, by the clock and by counted instructions.
 ///
 /// Links the core alone. Every scene has the same boxes, in stacks of three on the ground; "plain" uses nothing else,
-/// and each other one what its name says.
+/// and each other scene uses the capability that it is named after.
 
 #include <atoll/body.h>
 #include <atoll/error.h>

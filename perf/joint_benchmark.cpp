@@ -1,5 +1,5 @@
-// What joints cost that are solved one after another: a net of balls that hangs by its corners, and a field of gates on
-// hinges. Counters are phases of the step and its share of a joint and sweep.
+// The cost of joints that are swept one after another: a net of balls that hangs by its corners, and a field of gates
+// on hinges. Counters are the phases of the step and the step's time per joint and sweep.
 
 #include <atoll/atoll.h>
 #include <benchmark/benchmark.h>
@@ -39,7 +39,7 @@ void ball_joint_net(benchmark::State& state) {
     const int x = i % size;
     const int y = i / size;
     const bool corner = (x == 0 || x == size - 1) && (y == 0 || y == size - 1);
-    // Of a size that leaves continuous collision nothing to do.
+    // The balls are too large for continuous collision to have anything to do.
     balls.push_back(world.add_body({.type = corner ? atl::BodyType::Static : atl::BodyType::Dynamic,
                                     .shape = atl::Sphere{0.3},
                                     .position = {1.0 * x, 1.0 * y, 0}}));

@@ -1,6 +1,6 @@
-// What one body with a need of its own costs all others: 10,000 boxes at rest in stacks of two to five, and beside them
-// nothing, or an island whose body bounces, is fast, tumbles or is joined. The step takes longer by what that island
-// does.
+// Measures whether one body with a special need slows down all others: 10,000 boxes rest in stacks of two to five,
+// alone or beside one island whose body bounces, is fast, tumbles or is joined. The step should take longer only by the
+// cost of that island.
 
 #include <atoll/atoll.h>
 #include <benchmark/benchmark.h>

@@ -1,5 +1,5 @@
-/// What this machine can do at most: bandwidth of reading from each level of its memory, and arithmetic as the kernels
-/// do it (single precision, no fused multiply-add). The roofs under which to read the times of the solver's phases.
+/// Peak rates of this machine: the read bandwidth of each level of its memory, and arithmetic the way the kernels do it
+/// (single precision, no fused multiply-add). They are the roofs to compare the times of the solver's phases with.
 
 #include <benchmark/benchmark.h>
 

@@ -1,5 +1,5 @@
-/// Where the time of a step goes: ns per manifold point and step, for each phase and, within solve_islands, for each
-/// phase of the contact solver. A Markdown table, one column a scene.
+/// A profile of the step: ns per manifold point and step, for each phase and, within solve_islands, for each phase of
+/// the contact solver. Prints a Markdown table with one column a scene.
 
 #include <atoll/atoll.h>
 #include <collision/contacts/contact.h>

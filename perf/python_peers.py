@@ -73,8 +73,8 @@ class Task:
     boxes: Boxes
 
 
-# What a run tells: seconds of its timed steps, and where it ended. Of boxes in the first world a row each, position and
-# orientation (x, y, z, w); of cart-poles the pole's angle in each world.
+# Result of a run: the seconds that its timed steps took, and the final state. Boxes give one row each of the first
+# world, position and orientation (x, y, z, w); cart-poles give the pole's angle in each world.
 Run = tuple[float, Array]
 Runner = Callable[[Task, int], Run]  # the integer is the number of threads
 

@@ -1,4 +1,4 @@
-// What it costs to keep a manifold: the contact update of a scene at rest, a pair at a time.
+// The cost of keeping a manifold: the contact update of a scene at rest, per pair.
 
 #include <benchmark/benchmark.h>
 #include <collision/contacts/update_contacts.h>

@@ -1,5 +1,5 @@
-// What a scene at rest costs: 100,000 boxes on the ground, awake or asleep, or all asleep but for one. Counters are
-// phases of the step.
+// The cost of a scene at rest: 100,000 boxes on the ground, all awake, all asleep, or all asleep except one. Counters
+// are phases of the step.
 
 #include <atoll/atoll.h>
 #include <benchmark/benchmark.h>

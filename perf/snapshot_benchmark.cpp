@@ -1,5 +1,5 @@
-// What it costs to save and restore 5,000 bodies that touch, awake and asleep (counters are bytes a body), and to go a
-// step back, and on, in a recording of 10,000 (counters are the median and the worst, ms).
+// The cost of saving and restoring 5,000 bodies that touch, awake and asleep (counters are bytes a body), and of going
+// one step back and forth in a recording of 10,000 bodies (counters are the median and the worst, ms).
 
 #include <atoll/atoll.h>
 #include <benchmark/benchmark.h>

@@ -1,5 +1,5 @@
-// What a world of static boxes alone costs: to add them one by one, the first step and the second, the first ray, which
-// has their tree built, and memory. Alike boxes, boxes of a thousand sizes, and each of a size of its own.
+// The cost of a world of static boxes alone: adding them one by one, the first step and the second, the first ray (it
+// has their tree built), and memory. The boxes are alike, of a thousand sizes, or each of a size of its own.
 
 #include <atoll/atoll.h>
 #include <benchmark/benchmark.h>

@@ -1,5 +1,5 @@
-// What a target of error costs and holds, beside the cheapest fixed number of substeps that holds it: errors by the
-// audit, from a run of their own, and CPU time of one thread.
+// Compares an error target with the cheapest fixed number of substeps that meets it: the errors that it holds, measured
+// by the audit in a run of their own, and its cost in CPU time of one thread.
 //
 //   atoll_target_table [SCENE[@STEPS] ...]   (default: the scenes below)
 
@@ -108,7 +108,7 @@ void print(const char* name, const Scene& scene, const Run& run, double target) 
   std::printf("%s\n", run.rest <= target ? "" : "  (not held)");
 }
 
-// What is hard among many boxes that are not.
+// A hard scene surrounded by many boxes that are easy to solve.
 Scene among_boxes(const char* name, const char* hard, ContactSolver solver) {
   Scene scene = load_scene(hard);
   scene.name = name;
@@ -146,7 +146,8 @@ void compare(const Scene& scene) {
     Run held{.settings = scene.settings};
     held.settings.target.penetration = held.settings.target.joint_gap = target;
     measure_errors(scene, target, held);
-    // Those that may be the cheapest, of those that hold it as well in motion, if there are any.
+    // Up to three candidates for the cheapest run, from those that meet the target in motion too if there are any, else
+    // from all that meet it at rest.
     std::vector<Run> candidates;
     for (const double share : {enough, 0.0}) {
       for (const Run& run : fixed) {

@@ -1,4 +1,4 @@
-/// What it costs to share a loop among the workers: a colour of a large island is one such loop.
+/// The cost of sharing a loop among the workers: a colour of a large island is one such loop.
 
 #include <benchmark/benchmark.h>
 #include <jobs/worker_team.h>

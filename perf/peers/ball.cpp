@@ -15,7 +15,7 @@ std::string kind_name(const atl::JointKind& kind) {
   return names.at(kind.index());
 }
 
-// What is found of a joint beyond a plain ball; empty where there is nothing.
+// Names the feature that makes a joint more than a plain ball joint; empty if there is none.
 std::string found_beyond_ball(const atl::JointDef& def) {
   const auto* ball = std::get_if<atl::BallJoint>(&def.kind);
   if (ball == nullptr) return kind_name(def.kind);

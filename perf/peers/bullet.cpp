@@ -164,7 +164,7 @@ class BulletSimulation : public peer::Simulation {
     }
   }
 
-  // Where a kinematic body is after `dt` more.
+  // The pose of a kinematic body after another `dt` seconds.
   atl::Pose moved(std::size_t i, double dt) const {
     const atl::BodyDef& def = scene_.bodies[i].def;
     atl::Pose pose = poses_[i];

@@ -159,8 +159,8 @@ MujocoScene::MujocoScene(const atl::Scene& scene, const Setting& setting)
   }
   stack_size(0);  // throws before the pairs of too many bodies are looked at
   find_pairs_apart();
-  // What stands and is named is a body of its own, after those that move; the rest is the world's, whose geoms the
-  // model numbers first.
+  // A fixed body that an exclusion or a joint names becomes a body of the model, after the moving ones. All others
+  // become geoms of the world body; MuJoCo numbers these first.
   std::vector<bool> named(scene.bodies.size());
   for (const auto& [a, b] : apart_) named[a] = named[b] = true;
   for (const Ball& ball : balls_) named[ball.first] = named[ball.second] = true;
@@ -237,7 +237,7 @@ void MujocoScene::add_geoms(std::size_t body, std::string& xml) {
     GeomText text{assets_, heights_, "s" + std::to_string(body) + "_" + std::to_string(k),
                   moves(body) ? part.pose : solid.pose * part.pose};
     const std::string shape = std::visit(text, part.shape);
-    // What forces don't move touches nothing of its kind.
+    // Static and kinematic bodies collide with dynamic bodies only, so they get no category of their own.
     const char* category = touches_[body] && def.type == atl::BodyType::Dynamic ? "1" : "0";
     const char* others = touches_[body] ? "1" : "0";
     xml += "<geom" + shape + place(text.pose) + attribute("friction", {def.material.friction, 0, 0}) +

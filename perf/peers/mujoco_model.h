@@ -13,7 +13,7 @@
 
 namespace peer {
 
-/// What a setting's variant stands for.
+/// The MuJoCo options that a setting's variant selects.
 struct MujocoOptions {
   std::string name;
   std::string cone = "pyramidal";
@@ -56,7 +56,7 @@ class MujocoScene {
   /// Doubles for the solvers' factors and products; MuJoCo's own guess is five times the square of rows and freedoms.
   /// Throws atl::Error if that is too many.
   double stack_size(int contacts) const;
-  /// Of a point of a solid, in the frame that the model's body has.
+  /// Converts a point of a solid to the frame of its body in the model.
   atl::Vector3 in_model(std::size_t body, const atl::Vector3& point) const;
   void set_dynamics(mjModel& model) const;
 

@@ -116,7 +116,7 @@ class OdeSimulation : public peer::Simulation {
   }
 
  private:
-  // Of a contact joint: the body that the first force of its feedback acts on, and the other one.
+  // The two bodies of a contact joint: the one that the first force of its feedback acts on, and the other one.
   struct Touch {
     std::size_t pushed;
     std::size_t other;

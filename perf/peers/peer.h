@@ -42,14 +42,14 @@ class Simulation {
   virtual ~Simulation() = default;
 
   virtual void step() = 0;
-  /// Whether a step had to set up anew what the scene turned out too large for. It won't in the next simulation of it,
-  /// and times of this one don't count.
+  /// True if the scene outgrew a fixed capacity and a step had to set the simulation up anew. The next simulation of
+  /// the scene starts with enough, so the times of this one don't count.
   virtual bool started_over() const { return false; }
   virtual std::vector<atl::BodyState> states() const = 0;  ///< in the order of the scene's bodies
 
   /// From now on loads() will be asked for.
   virtual void keep_loads() {}
-  /// Of the last engine step; one entry a pair of bodies, in order, a before b.
+  /// Contact loads of the last engine step: one entry a pair of bodies (a before b), in order.
   virtual std::vector<atl::ContactLoad> loads() const = 0;
 };
 

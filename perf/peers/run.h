@@ -5,7 +5,7 @@
 
 namespace peer {
 
-/// What atl::ErrorMeter said at the end of a run.
+/// The measurements that atl::ErrorMeter took by the end of a run.
 struct Outcome {
   std::vector<atl::ErrorMeasure> errors;
   bool fell = false;

@@ -50,7 +50,8 @@ Solid make_solid(const atl::BodyDef& def) {
     const atl::MassProperties properties = atl::body_mass(def);
     solid.mass = properties.mass;
     solid.frame.orientation = principal_axes(properties.inertia, solid.moments);
-    // What rounding leaves of a centre at the origin would make a compound of every hull.
+    // A centre that differs from the origin by rounding alone counts as zero; otherwise every hull would become a
+    // compound.
     if (properties.centre.norm() > 1e-12 * std::cbrt(properties.volume)) solid.frame.position = properties.centre;
   }
   if (!is_identity(solid.frame)) {

@@ -32,16 +32,16 @@ struct Solid {
 /// Mass, centre and inertia are those of atl::body_mass. Throws atl::Error on an unusable definition.
 Solid make_solid(const atl::BodyDef& def);
 
-/// Of the body's frame, where its solid's lies in the world as given.
+/// The pose of the body's frame, from the pose that its solid's frame has in the world.
 atl::Pose body_pose(const Solid& solid, const atl::Pose& pose);
 
 bool is_identity(const atl::Pose& pose);
 
-/// As a pair combines them in Atoll.
+/// Friction and restitution of a pair, combined by Atoll's rule.
 double combined_friction(double a, double b);
 double combined_restitution(double a, double b);
 
-/// Whether the body moves as it is told, and not just stands.
+/// True for a kinematic body that moves, false for one that stands still.
 bool is_moving_kinematic(const atl::BodyDef& def);
 
 /// "sphere", "convex hull", ...

@@ -43,7 +43,7 @@ struct ContactRows {
   Eigen::VectorXd velocities(const Eigen::VectorXd& impulses) const;
   Eigen::VectorXd relative_velocities(const Eigen::VectorXd& velocities) const;
 
-  /// Of the rows, and back.
+  /// Converts the impulses of a contact problem to those of the rows, and back.
   Eigen::VectorXd impulses_of(const ContactProblem& problem) const;
   void write(const Eigen::VectorXd& impulses, ContactProblem& problem) const;
 };

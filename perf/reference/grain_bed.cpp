@@ -182,7 +182,8 @@ class Bed {
   std::vector<Vector> looked_;
 };
 
-// Of forces by the mean of their layer, the rate at which those above one and a half get rare.
+// Decay rate of the exponential tail of the force distribution: forces are divided by the mean of their layer, and the
+// rate is that of the maximum likelihood above 1.5 times this mean.
 double tail(const std::vector<Force>& forces) {
   constexpr int lowest = 2, highest = 8;
   constexpr double from = 1.5;
