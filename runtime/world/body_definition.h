@@ -18,7 +18,7 @@ struct CheckedCollider {
   std::shared_ptr<const void> geometry;  // what the shape points to, if anything
   std::uint64_t content = 0;             // hash of that
   double density_factor = 1;             // as CompoundChild's
-  // Of a compound's child that has its own.
+  // Set for a compound's child that has its own material or filter.
   std::optional<Material> material = {};
   std::optional<CollisionFilter> filter = {};
 
@@ -29,7 +29,7 @@ struct CheckedCollider {
   }
 };
 
-/// What of a body never changes, in the terms of the layers below.
+/// The properties of a body that never change, in the terms of the layers below.
 struct BodyConstants {
   BodyType type = BodyType::Static;
   bool continuous = false;
@@ -46,7 +46,7 @@ struct BodyConstants {
   Matrix3 inertia = Matrix3::Zero();
   Matrix3 inverse_inertia = Matrix3::Zero();
   bool gyroscopic = false;
-  // Of gyroscopic bodies: the axes, in the body's frame, in which the inertia is diagonal, and the moments about them.
+  // For gyroscopic bodies: the axes, in the body's frame, in which the inertia is diagonal, and the moments about them.
   Quaternion principal_axes = Quaternion::Identity();
   Vector3 moments = Vector3::Zero();
 };
@@ -86,10 +86,10 @@ MotionLocks locks_of(std::uint8_t bits);
 /// `field` names the material.
 void check(const char* field, const Material& material);
 
-/// Whether an inertia is finite, symmetric, and positive definite to the rounding of its factor: what definitions,
-/// files and snapshots are all asked for.
+/// True if an inertia is finite, symmetric, and positive definite to the rounding of its factor. Definitions, files and
+/// snapshots are all held to this one test.
 bool is_inertia(const Matrix3& inertia);
-/// Whether a dynamic body's inertia, its inverse and its principal axes are of one body.
+/// True if a dynamic body's inertia, its inverse and its principal axes belong together.
 bool has_consistent_inertia(const BodyConstants& body);
 
 /// Gives a body other shapes at the mass that it has, and what follows from both. Throws Error that names `field` if
@@ -102,7 +102,7 @@ void give_mass(const char* field, double mass, BodyConstants& body);
 
 // For the calls that change a body later, and for queries. Each throws as check() does; `what` names the argument.
 Quaternion checked_orientation(const char* what, const Quaternion& value);
-/// What users call a kind that has no volume, and so no finite mass; null for solids.
+/// The public name of a shape kind that has no volume, and so no finite mass; null for solids.
 const char* massless_name(collision::ShapeKind kind);
 
 std::vector<CheckedCollider> checked_colliders(const char* what, const Shape& shape);

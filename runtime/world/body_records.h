@@ -23,7 +23,7 @@ inline std::array<std::uint64_t, 2> words_of(const CollisionFilter& filter) {
   return {std::uint64_t{filter.category} << 32 | filter.mask, static_cast<std::uint32_t>(filter.group)};
 }
 
-/// What users add to a body that the solver's table doesn't hold, one entry a body index.
+/// The user's data of bodies that the solver's table doesn't hold, one entry per body index.
 struct BodyRecords {
   jobs::CompactArray<std::uint32_t> generation;
   jobs::CompactArray<std::uint8_t> alive;
@@ -55,7 +55,7 @@ struct BodyRecords {
   }
 };
 
-/// What a body of a type may do.
+/// The ways in which a body of this type may move.
 solver::Mobility mobility_of(BodyType type);
 
 /// Which optional stages the world's bodies call for. Kept up to date as bodies come and go.

@@ -7,7 +7,7 @@
 
 namespace atl {
 
-/// What the AABBs of bodies follow.
+/// The motions that the AABBs of bodies follow.
 collision::BodyMotions motions(const Stores& world);
 
 void add_colliders(Stores& world, std::uint32_t body);

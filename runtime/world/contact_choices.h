@@ -12,8 +12,8 @@
 
 namespace atl {
 
-/// What a contact filter said that holds on, and what is to be asked. The functions themselves are no part of a world's
-/// state: see step/contact_rules.h.
+/// Answers of a contact filter that stay valid, and the questions still open. The functions themselves are no part of a
+/// world's state: see step/contact_rules.h.
 struct ContactChoices {
   /// Colliders that may not touch, in order. A pair stays here until their fat AABBs come apart.
   std::vector<collision::Pair> refused;

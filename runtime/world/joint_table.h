@@ -42,7 +42,7 @@ struct JointTable {
   /// Makes `acts` and the like follow a change of the others, also those of tendons over the joint.
   void update_flags(std::uint32_t joint);
 
-  /// Of so many joints, none of which is there.
+  /// Makes room for so many joints, all of them absent.
   void reset(std::size_t joints);
   /// Makes all that is derived follow the joints that are there: flags, lists, and who is kept apart.
   void rebuild();

@@ -32,7 +32,8 @@ bool same_terms(const solver::Joint& a, const solver::Joint& b) {
          });
 }
 
-// Whether rows obey other laws of the same kinds: those who asked what a joint holds needn't ask again.
+// True if the rows obey laws of the same kinds, perhaps with other numbers: then nothing that depends on the kinds of
+// laws needs to be derived anew.
 bool hold_the_same(const solver::Joint& a, const solver::Joint& b) {
   if (a.point != b.point || a.rows != b.rows || a.coordinate != b.coordinate || a.bounces != b.bounces) return false;
   if (!same_terms(a, b)) return false;
@@ -53,7 +54,7 @@ std::size_t row_along(const solver::Joint& joint, solver::Coordinate coordinate)
   return row;
 }
 
-// What a joint knows of its coordinates goes over to one with other rows.
+// Copies the state of a joint's coordinates (impulses, positions) to a joint with other rows.
 void keep_state(const solver::Joint& from, solver::Joint& to) {
   if (from.point && to.point) to.point_impulse = from.point_impulse;
   to.tension = from.tension;
@@ -105,7 +106,7 @@ void let_go_of_tendons_over(Stores& world, std::uint32_t joint) {
   for (const std::uint32_t tendon : world.joints.tendons_over(joint)) let_go(world, tendon);
 }
 
-// Of two bodies whose pair is disabled nothing changes.
+// Disables the pair of the joint's bodies in the broadphase, unless it is disabled already.
 void keep_apart(Stores& world, std::uint32_t joint) {
   const solver::Joint& j = world.joints.joints[joint];
   if (world.joints.keep_apart(j.first, j.second)) world.broadphase.disable_pair(j.first, j.second);
@@ -178,7 +179,7 @@ void remove_joints_of(Stores& world, std::uint32_t body) {
   for (const std::uint32_t joint : of_body) remove_joint(world, joint);
 }
 
-// What removing them would do to all others: they wake and are solved anew.
+// Removes the body's joints for everyone else: the other bodies wake and are solved anew.
 void suspend_joints_of(Stores& world, std::uint32_t body) {
   world.joints.for_each_of(body, [&](std::uint32_t joint) {
     joint_changed(world, joint);
@@ -270,7 +271,7 @@ JointState joint_state(const Stores& world, std::uint32_t index) {
     const double position = kept == joint.rows ? row.value : continued(names[i], row.value, joint.position[kept]);
     const double speed = row.rate(world.bodies.velocity(joint.first), world.bodies.angular_velocity(joint.first),
                                   world.bodies.velocity(joint.second), world.bodies.angular_velocity(joint.second));
-    // Of bodies in quarantine, which may be anywhere.
+    // Skips joints of quarantined bodies, which may be anywhere.
     if (!std::isfinite(position) || !std::isfinite(speed)) continue;
     state.position[i] = position;
     state.speed[i] = speed;

@@ -16,7 +16,7 @@ void check_bodies(const Stores& world, const JointDef& def);
 JointId add_joint(Stores& world, const JointDef& def);
 void remove_joint(Stores& world, std::uint32_t joint);
 void remove_joints_of(Stores& world, std::uint32_t body);
-/// As a body goes into quarantine: what removing its joints would do to all others.
+/// Called as a body goes into quarantine: everyone else sees its joints as removed.
 void suspend_joints_of(Stores& world, std::uint32_t body);
 void resume_joints_of(Stores& world, std::uint32_t body);
 

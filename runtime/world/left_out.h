@@ -1,5 +1,5 @@
 #pragma once
-/// What a build without a capability (runtime/package/features.cmake) says to those who ask for it.
+/// The errors of a build without a capability (runtime/package/features.cmake).
 
 #include <atoll/types.h>
 

@@ -8,7 +8,7 @@
 
 namespace atl {
 
-/// What a kind means: coordinates, and the laws that they obey. Frames and bodies are left open.
+/// Makes the coordinates of a joint kind and the laws that they obey. Frames and bodies are left open.
 solver::Joint make_joint(const JointKind& kind);
 
 /// The whole of a joint but for its bodies, whose centres of mass are given in their frames, m. Unit orientations.
@@ -16,7 +16,7 @@ solver::Joint make_joint(const JointDef& def, const Vector3& centre_first, const
 
 /// The coordinates that JointState tells of, in order.
 std::span<const solver::Coordinate> named_coordinates(const JointKind& kind);
-/// What acts along the one of a number, nullptr where there is none.
+/// The law of one coordinate, by its number; nullptr if there is none.
 JointAxis* named_axis(JointKind& kind, std::size_t coordinate);
 const JointAxis* named_axis(const JointKind& kind, std::size_t coordinate);
 

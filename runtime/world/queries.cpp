@@ -17,7 +17,7 @@
 
 namespace atl {
 
-/// What queries need of a world.
+/// The parts of a world that queries read.
 struct QueryAccess {
   const collision::ColliderTable& colliders;
   const solver::BodyTable& bodies;
@@ -88,7 +88,7 @@ class Filter {
   }
 
  private:
-  // Whether any shape of the body may touch the collider.
+  // True if any shape of the body may touch the collider.
   bool may_touch(std::uint32_t body, std::uint32_t collider) const {
     bool any = false;
     if (access_.colliders.body[collider] == body) return any;

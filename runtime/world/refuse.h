@@ -36,7 +36,7 @@ template <typename Value>
   throw Error(message.str());
 }
 
-/// What is not UTF-8 has no place in a scene file or a page, and is not repeated in a message either.
+/// Refuses a name that is not UTF-8: scene files and pages can't hold it. The message doesn't repeat it either.
 inline void check_name(std::string_view field, std::string_view name) {
   if (is_utf8(name)) return;
   std::ostringstream message;
@@ -51,13 +51,14 @@ inline void check_finite(std::string_view field, const Vector3& value) {
   if (!value.allFinite()) refuse(field, value, "three finite numbers");
 }
 
-/// What single precision can compute with within a step: products of two such numbers, and of one and the inverse of
+/// Sizes that single precision can compute with in a step: products of two such numbers, and of one and the inverse of
 /// another, neither overflow nor lose digits.
 struct Bounds {
   double least, most;
 };
 inline constexpr Bounds numbers{1e-15, 1e15};
-/// Of masses, stiffnesses and what breaks a joint, which lengths and times multiply.
+/// Bounds of masses, stiffnesses and the loads that break a joint. They are wider, since lengths and times multiply
+/// them.
 inline constexpr Bounds loads{1e-30, 1e30};
 
 [[noreturn]] inline void refuse_size(std::string_view field, const auto& value, double bound, const char* side) {

@@ -23,7 +23,7 @@ std::shared_ptr<const Geometry> built(const char* what, std::variant<Geometry, s
   return std::make_shared<const Geometry>(std::get<Geometry>(std::move(result)));
 }
 
-// What builds without these leave out is behind these three.
+// These three functions hold everything that builds without these shapes leave out.
 
 auto hull_of(std::span<const Vector3> points) {
   if constexpr (!with_hulls) throw_left_out("a ConvexHull is made", "these", "HULLS");

@@ -7,7 +7,7 @@
 
 namespace atl {
 
-/// What kernels, options and reports call the instruction sets.
+/// Names of the instruction sets in kernels, options and reports.
 inline constexpr std::array simd_names = {std::pair{Simd::Auto, "auto"},     std::pair{Simd::Portable, "portable"},
                                           std::pair{Simd::Sse4, "sse4"},     std::pair{Simd::Avx2, "avx2"},
                                           std::pair{Simd::Avx512, "avx512"}, std::pair{Simd::Neon, "neon"}};

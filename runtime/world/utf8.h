@@ -5,7 +5,7 @@
 
 namespace atl {
 
-/// Whether a text is well-formed UTF-8 (RFC 3629): no longer forms than needed, no surrogates, nothing above U+10FFFF.
+/// True if a text is well-formed UTF-8 (RFC 3629): no longer forms than needed, no surrogates, nothing above U+10FFFF.
 inline bool is_utf8(std::string_view text) {
   for (std::size_t at = 0; at < text.size();) {
     const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };

@@ -17,10 +17,11 @@ namespace atl {
 /// one thread of its own, and comes to the bits that it comes to by itself: these depend neither on its place, nor on
 /// how many there are, nor on the threads. Geometry is shared.
 ///
-/// Arrays over all worlds have a column a body, or a joint: world by world, and in each these in the scene's order.
-/// Those that are added to single worlds are in no array; columns of removed ones are zero. Worlds are named by
-/// their place; wherever places are given, none at all stand for all worlds. Calls throw Error on a place that there is
-/// not, an array of another size, and what World's calls throw it on, then of the first such world; others are done.
+/// Arrays over all worlds have one column per body or joint: world after world, and within a world in the scene's
+/// order. Bodies and joints that are added to single worlds are in no array; columns of removed ones are zero. Worlds
+/// are named by their place; an empty list of places stands for all worlds. Calls throw Error on a place that doesn't
+/// exist, on an array of the wrong size, and where World's calls throw it. If World's calls throw for several worlds,
+/// the first one's Error is passed on; the other worlds are still done.
 ///
 /// One thread at a time may use a batch.
 class Batch {
@@ -73,7 +74,7 @@ class Batch {
     JointTorques,          ///< 3 rows, of joints: N m
   };
   static std::size_t rows_of(Column column);
-  /// Of all bodies, or joints, of all worlds: rows_of(column) numbers each, a column after the other.
+  /// Reads a column for all bodies, or joints, of all worlds: rows_of(column) numbers each, one after the other.
   void read(Column column, std::span<double> numbers) const;
 
   // 3 * bodies().size() numbers a world (orientations 4), worlds in the order of `places`. As World's calls, but for
@@ -85,12 +86,12 @@ class Batch {
   void apply_forces(std::span<const double> forces, std::span<const double> torques,
                     std::span<const std::size_t> places = {});
 
-  // Of one joint, by its place in joints(): a number a world.
+  // Sets one joint, given by its place in joints(): one number per world.
   void set_motor_speeds(std::size_t joint, std::span<const double> speeds, std::size_t coordinate = 0,
                         std::span<const std::size_t> places = {});
   void set_servo_targets(std::size_t joint, std::span<const double> targets, std::size_t coordinate = 0,
                          std::span<const std::size_t> places = {});
-  /// Of all worlds: position (m or rad) and speed of a coordinate, a number a world each.
+  /// Position (m or rad) and speed (m/s or rad/s) of one coordinate in all worlds: one number per world each.
   void read_joint(std::size_t joint, std::span<double> positions, std::span<double> speeds,
                   std::size_t coordinate = 0) const;
 
@@ -104,19 +105,19 @@ class Batch {
   std::unique_ptr<Impl> impl_;
 };
 
-// What differs from world to world, as World's calls change it: numbers of worlds in the order of `places`. A body goes
-// by its place in bodies().
+// Changes that differ from world to world, made as World's calls make them: one number per world, in the order of
+// `places`. A body is given by its place in bodies().
 
 /// m/s^2, 3 numbers a world.
 void set_gravities(Batch& batch, std::span<const double> gravities, std::span<const std::size_t> places = {});
 /// kg, a number a world.
 void set_masses(Batch& batch, std::size_t body, std::span<const double> masses,
                 std::span<const std::size_t> places = {});
-/// Of the body's own material, a number a world: shapes that have a material of their own keep it.
+/// Sets the friction of the body's own material, one number per world: shapes that have their own material keep it.
 void set_frictions(Batch& batch, std::size_t body, std::span<const double> frictions,
                    std::span<const std::size_t> places = {});
 
-/// Whether a column is a joint's, and not a body's.
+/// True if a column belongs to joints, false if to bodies.
 constexpr bool is_of_joints(Batch::Column column) { return column >= Batch::Column::JointPositions; }
 
 inline std::size_t Batch::rows_of(Column column) {

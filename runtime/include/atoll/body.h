@@ -85,8 +85,8 @@ struct BodyDef {
   std::uint64_t user_data = 0;  ///< yours: World keeps it, and saves it with the body, and never looks at it
 };
 
-/// What a body weighs, as a world takes it from the definition. Throws Error unless the body is dynamic and its
-/// definition usable.
+/// Mass, centre of mass and inertia of a body, as a world takes them from its definition. Throws Error unless the body
+/// is dynamic and its definition usable.
 MassProperties body_mass(const BodyDef& def);
 
 }  // namespace atl

@@ -33,12 +33,13 @@ class ClosedFormMeasure {
   /// finite. `loads` is empty unless the closed form asks for it.
   virtual void observe(double time, std::span<const BodyState> states, std::span<const ContactLoad> loads) = 0;
 
-  /// Of all that was observed. The first is "analytic_error", relative to the scene's scale (see ClosedForm::metric);
-  /// others may split it up. Finite and >= 0; at most 1e3, which also stands for a motion of the wrong kind.
+  /// Errors over all that was observed. The first is "analytic_error", relative to the scene's scale (see
+  /// ClosedForm::metric); others may split it up. Finite and >= 0; at most 1e3, which also stands for a motion of the
+  /// wrong kind.
   virtual std::vector<ErrorMeasure> errors() const = 0;
 };
 
-/// What a scene whose motion is known has to say of it.
+/// The closed form of a scene whose motion is known.
 struct ClosedForm {
   std::string metric = {};   ///< in words: what is compared, and relative to what
   std::string source = {};   ///< of the formula

@@ -22,28 +22,29 @@ class ErrorMeter {
   /// Keeps a reference to the scene.
   explicit ErrorMeter(const Scene& scene, Follow follow = Follow::Run);
 
-  /// Whether observe() needs contact forces.
+  /// True if observe() needs contact forces.
   bool needs_loads() const;
 
   /// In order; see ClosedFormMeasure::observe.
   void observe(double time, std::span<const BodyState> states, std::span<const ContactLoad> loads = {});
 
-  /// Of the states last observed, and of the run. In this order, where they apply: analytic_error and its parts;
-  /// joint_gap_run_mean, over joints and observed steps, and joint_gap_run_max; joint_drift_max, joint_drift_rms,
-  /// joint_angle_max, joint_excess_max, joint_angle_excess_max; penetration_max, _p99, _mean, _max_relative, of pairs
-  /// that may touch; sink_max, sink_mean, drift_max, tilt_max; energy_drift, unless springs or motors of joints have
-  /// energy too; momentum_drift.
+  /// Errors of the states last observed, and of the run. They come in this order, where they apply: analytic_error and
+  /// its parts; joint_gap_run_mean, over joints and observed steps, and joint_gap_run_max; joint_drift_max,
+  /// joint_drift_rms, joint_angle_max, joint_excess_max, joint_angle_excess_max; penetration_max, _p99, _mean,
+  /// _max_relative, of pairs that may touch; sink_max, sink_mean, drift_max, tilt_max; energy_drift, unless springs or
+  /// motors of joints have energy too; momentum_drift.
   std::vector<ErrorMeasure> errors() const;
 
-  /// Of a scene that starts at rest: whether some body left its place for good, tilted by more than 0.3 rad or drifted
-  /// by more than its size, the cube root of its volume. What has collapsed may overlap less than what stands.
+  /// For a scene that starts at rest: true if some body left its place for good, tilted by more than 0.3 rad or drifted
+  /// by more than its size (the cube root of its volume). Runs that fell must not be ranked by overlap, since a
+  /// collapsed structure may overlap less than one that stands.
   bool fell() const;
 
  private:
   void add_joint_errors(std::vector<ErrorMeasure>& errors) const;
   MotionReport motion() const;
 
-  /// Of the joints' locked offsets, m.
+  /// Gaps of the joints' locked offsets, m.
   struct GapsOfRun {
     double mean_sum = 0;  ///< of the means of the steps
     double max = 0;

@@ -111,7 +111,7 @@ struct MovingBody {
 /// The pose is that of the frame that the shape is given in.
 double overlap(const PlacedShape& a, const PlacedShape& b);
 
-/// Whether two of the bodies, by their places, may touch at all: of others, overlap is no error.
+/// Tells if two bodies, given by their places, may touch at all: overlap of a pair that may not is no error.
 using MayTouch = std::function<bool(std::size_t, std::size_t)>;
 
 /// Tests all pairs with at least one dynamic body (a sweep along one axis prunes them). O(n log n + pairs).

@@ -8,7 +8,7 @@ namespace atl {
 
 class World;
 
-/// What a force law is asked for: the forces of one moment within a step. See World::step(double, const ForceLaw&).
+/// The argument of a force law: the forces at one moment within a step. See World::step(double, const ForceLaw&).
 class Forces {
  public:
   /// `bodies` columns, all zero. For World.
@@ -17,7 +17,7 @@ class Forces {
     torque_.setZero(3, bodies);
   }
 
-  /// As it is at this moment. A law reads it, and must not change it by other means.
+  /// The world at this moment. A law may read it, but must not change it in any other way than by these forces.
   const World& world() const { return world_; }
   double time() const { return time_; }  ///< s since the step began, in [0, dt]
 

@@ -48,7 +48,7 @@ struct JointSpring {
   bool is_linear() const { return stiffness || damping; }
 };
 
-/// What makes a motor a servo: gains, by one of which at least it pulls. Any are stable.
+/// Turns a motor into a servo. At least one gain must be > 0; the servo is stable for any gains.
 struct JointServo {
   double target = 0;     ///< m or rad, finite
   double stiffness = 0;  ///< N/m or N m/rad, finite and >= 0
@@ -189,8 +189,8 @@ struct JointDef {
   BodyId second = {};
   Pose frame_first = {};  ///< where the joint is, in the first body's frame
   Pose frame_second = {};
-  /// Whether the two bodies may touch. If not, neither do they through other joints of theirs; they may again once none
-  /// of these is enabled, if filters and World::set_collision_enabled let them.
+  /// True if the two bodies may touch. If it is false, they don't touch even if another of their joints allows it; they
+  /// may touch again once no such joint is enabled, if filters and World::set_collision_enabled let them.
   bool collide = false;
   double break_force = unlimited;   ///< N, > 0: it breaks after a step at whose end it had to hold more
   double break_torque = unlimited;  ///< N m, > 0
@@ -198,7 +198,7 @@ struct JointDef {
   std::uint64_t user_data = 0;      ///< yours: World keeps it, and saves it with the joint, and never looks at it
 };
 
-/// What a joint does, as of the end of the last step.
+/// The state of a joint at the end of the last step.
 struct JointState {
   bool enabled = true;
   bool broken = false;                  ///< it is not enabled then, until it is again, and keeps what broke it

@@ -16,7 +16,7 @@ struct PartingOptions {
   Simd simd = Simd::Auto;
 };
 
-/// Where two runs part.
+/// The point at which two runs diverge.
 struct Parting {
   std::int64_t step = 0;  ///< the first after which their states differ
   bool by_calls = false;  ///< whether calls ahead of that step made them differ; else the step itself did

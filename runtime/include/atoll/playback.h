@@ -17,9 +17,9 @@ class World;
 struct PlaybackOptions {
   int threads = 1;  ///< workers, in [1, 1024]
   Simd simd = Simd::Auto;
-  /// What snapshots may take, bytes. Half of it is for key frames on the way, from which it goes back: every 8 steps, and
-  /// half as many each time there is no more room. The other half is for the steps near where it stands, which another
-  /// world makes. With 0 there is none, and going back makes all steps again.
+  /// Memory for snapshots, bytes. Half of it is for key frames along the recording, from which it goes back: one every
+  /// 8 steps, and half as many each time the room is used up. The other half is for the steps near the current one; a
+  /// second world makes these. With 0 there are no snapshots, and going back repeats all steps.
   std::size_t key_frame_bytes = std::size_t{1} << 30;
 };
 
@@ -38,8 +38,8 @@ class Playback {
 
   std::int64_t steps() const;  ///< in all of the recording
   std::int64_t step() const;   ///< how many were made of them to come to this state
-  /// As it was after that step, ahead of what was then done to it. It is the same one all the time. What the step
-  /// reported (forces, events) is empty after going back, until the next one.
+  /// The world after the current step, before any later call was applied to it. It is the same object all the time. The
+  /// step's reports (forces, events) are empty after going back, until the next step.
   const World& world() const;
 
   /// Goes one step on. False, and nothing done, at the end.
@@ -50,7 +50,7 @@ class Playback {
 
   const StepReport& report() const;  ///< of the last step that was made
   double dt() const;                 ///< s, of that step
-  /// Where the steps so far parted from what was recorded.
+  /// The point at which the steps so far diverged from the recording.
   const std::optional<ReplayDivergence>& divergence() const;
 
  private:

@@ -38,7 +38,7 @@ struct ShapeCast {
 
 /// Which bodies count.
 struct QueryFilter {
-  /// As a CollisionFilter without a group: each one's mask must have a bit of the other's category.
+  /// Works like a CollisionFilter without a group: each one's mask must have a bit of the other's category.
   std::uint32_t category = ~0u;
   std::uint32_t mask = ~0u;
   bool static_bodies = true;
@@ -109,7 +109,7 @@ class Queries {
   std::optional<RayHit> cast_ray(const Ray& ray, const QueryFilter& filter = {}) const;
   /// One hit for each body (or child) that the ray meets.
   std::vector<RayHit> cast_ray_through(const Ray& ray, const QueryFilter& filter = {}) const;
-  /// Whether the ray meets anything: cheaper than asking for the first.
+  /// True if the ray hits anything: cheaper than asking for the first hit.
   bool is_blocked(const Ray& ray, const QueryFilter& filter = {}) const;
 
   /// Accurate to 1e-7 of the shape's inner radius; `distance` is never too far.

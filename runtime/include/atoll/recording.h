@@ -12,7 +12,8 @@
 
 namespace atl {
 
-/// What a recording holds beside the calls, dt and the hash of the state after every step: see World::record().
+/// Optional contents of a recording, which always has the calls, dt and the hash of the state after every step: see
+/// World::record().
 struct RecordingOptions {
   /// Bodies are hashed one by one after every so many steps, so that replay() can tell which of them differ; >= 1.
   int body_hash_interval = 30;
@@ -32,12 +33,12 @@ struct ReplayOptions {
 /// A body that is not as it was when it was recorded.
 struct ReplayedBody {
   BodyId id;
-  /// Of it: "pose", "velocity", "forces", "rest", "bounds", "contacts" or "joints", as in BodyHash; or "id" alone, if
-  /// there was no such body, or is none.
+  /// The parts of the body that differ: "pose", "velocity", "forces", "rest", "bounds", "contacts" or "joints", as in
+  /// BodyHash; or "id" alone, if the body exists in only one of the two.
   std::vector<std::string> parts;
 };
 
-/// Where a replay parts from what was recorded.
+/// The point at which a replay diverges from its recording.
 struct ReplayDivergence {
   std::int64_t step = 0;  ///< the first after which the state has another hash; 0 as the recording began
   /// The step after which `bodies` was found: from `step` on the first after which bodies were hashed one by one, if
@@ -66,7 +67,7 @@ struct ReplayResult {
 /// order.
 ReplayResult replay(const std::string& path, const ReplayOptions& options = {});
 
-/// Whether a file can be read and begins as recordings do.
+/// True if a file can be read and begins as recordings do.
 bool is_recording(const std::string& path);
 
 }  // namespace atl

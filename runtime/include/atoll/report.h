@@ -21,7 +21,7 @@ inline constexpr int phase_count = 7;
 /// "plan", "find_pairs", "update_contacts", ...
 const char* phase_name(Phase phase);
 
-/// What a step does only where the scene calls for it, in order.
+/// Optional parts of a step, which run only if the scene calls for them, in order.
 enum class Feature {
   Broadphase,
   Narrowphase,
@@ -72,7 +72,7 @@ struct FeatureReport {
   double ms = 0;  ///< 0 for features within the solver's tasks, which share the time of contact_solver
 };
 
-/// What the contact solver does within a step.
+/// Phases of the contact solver within a step.
 enum class SolverPhase {
   Colour,       ///< bodies and contacts are gathered and coloured
   Prepare,      ///< bodies and constraints are loaded
@@ -124,7 +124,7 @@ struct StepCounts {
   std::int64_t stopped = 0;  ///< bodies that met something and were put back, and with them what they are joined to
 };
 
-/// What one step did, and how long it took.
+/// Report of one step: its work and its times.
 struct StepReport {
   double ms = 0;  ///< wall time of the whole step
   std::array<double, phase_count> phase_ms = {};

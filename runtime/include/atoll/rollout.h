@@ -12,7 +12,7 @@
 
 namespace atl {
 
-// What numbers of a rollout act on. Joints and bodies go by their places in Batch::joints() and Batch::bodies().
+// The targets of a rollout's numbers. Joints and bodies go by their places in Batch::joints() and Batch::bodies().
 
 /// The speed of the motor along a joint's coordinate: a number, m/s or rad/s.
 struct MotorSpeed {
@@ -51,7 +51,7 @@ struct Rollout {
   int count = 1;                         ///< steps of the world in each of them, 1 or more
   double dt = 1.0 / 60;                  ///< s, in [1e-12, 1]
   std::vector<Batch::Column> keep = {};  ///< what is told of the end of each control step
-  // Where the worlds begin: where they are, unless one of these is given.
+  // The start of the worlds: their current state, unless one of these is given.
   bool reset = false;                    ///< at their starts, as Batch::reset() puts them
   std::span<const Snapshot> start = {};  ///< all at this one, or each at its own, in the order of the places
 };

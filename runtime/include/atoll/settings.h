@@ -51,9 +51,9 @@ enum class JointSolver {
 /// The vector instruction set of the solver's kernels. The result is the same, bit for bit, on each.
 enum class Simd { Auto, Portable, Sse4, Avx2, Avx512, Neon };
 
-/// Errors that islands are held below: each gets the fewest substeps that do it, as the last steps measured. With Soft
-/// stabilisation. An error of an island is what more than one in a hundred of its contacts, joints or bodies exceeds.
-/// What could not be held is told: World::unheld_islands().
+/// Error targets of islands: each island gets the fewest substeps that meet them, judged by the measurements of the
+/// last steps. Needs Soft stabilisation. The error of an island is the value that more than one in a hundred of its
+/// contacts, joints or bodies exceeds. World::unheld_islands() lists the islands that missed a target.
 struct ErrorTarget {
   std::optional<double> penetration = {};  ///< m, > 0: overlap after the step
   std::optional<double> joint_gap = {};    ///< m, > 0: what locked offsets of joints are open by after the step

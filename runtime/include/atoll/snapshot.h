@@ -29,7 +29,7 @@ class Snapshot {
   /// off, or is of another version or byte order.
   static Snapshot read(const std::string& path);
 
-  /// What write() would put into a file, and read() would make of it.
+  /// The bytes that write() would put into a file, and the snapshot that read() would make of them.
   std::vector<std::byte> to_bytes() const;
   static Snapshot from_bytes(std::span<const std::byte> bytes);
 

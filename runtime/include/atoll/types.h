@@ -1,10 +1,11 @@
 #pragma once
 /// Vocabulary types of the public API. Units are SI, angles radians, everywhere.
 ///
-/// Where nothing else is said, numbers are at most 1e15 in size, and those that must not be 0 at least 1e-15: steps
-/// compute in single precision, to which products of such numbers are neither too large nor too small. For masses,
-/// stiffnesses and what breaks a joint it is 1e30 and 1e-30. What is beyond is refused by an Error. States, and what acts
-/// on them (forces, gravity, motors), need to be finite only: what they lead to is a matter of quarantine.h.
+/// Unless a field says otherwise, numbers are at most 1e15 in size, and numbers that must not be 0 are at least 1e-15:
+/// steps compute in single precision, in which products of such numbers neither overflow nor underflow. For masses,
+/// stiffnesses and the loads that break a joint the bounds are 1e30 and 1e-30. An Error refuses numbers beyond these
+/// bounds. States, and the forces, gravity and motors that act on them, need only be finite: quarantine.h handles their
+/// consequences.
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -25,7 +26,7 @@ using Matrix3 = Eigen::Matrix3d;
 /// layout of every public struct. Converts to and from Eigen::Quaterniond.
 using Quaternion = Eigen::Quaternion<double, Eigen::DontAlign>;
 
-/// Where the frame of a body, in which its shape is given, lies in the world.
+/// Position and orientation of a body's frame in the world. The body's shape is given in this frame.
 struct Pose {
   Vector3 position = Vector3::Zero();  ///< m, of the frame's origin
   Quaternion orientation = Quaternion::Identity();
