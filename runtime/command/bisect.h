@@ -6,7 +6,7 @@
 
 namespace atl::command {
 
-/// What `atoll bisect` was asked to do.
+/// Options of `atoll bisect`.
 struct BisectOptions {
   std::string first, second;  ///< recordings
   int threads = 1;

@@ -16,7 +16,7 @@
 namespace atl::command {
 namespace {
 
-// What the steps of a run say of a feature.
+// A feature over the steps of a run.
 struct FeatureTally {
   const char* name = "";
   const char* unit = "";

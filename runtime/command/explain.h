@@ -4,7 +4,7 @@
 
 namespace atl::command {
 
-/// What `atoll explain` was asked to do.
+/// Options of `atoll explain`.
 struct ExplainOptions {
   SceneOptions scene;
   int threads = 1;

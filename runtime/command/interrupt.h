@@ -11,7 +11,7 @@ namespace atl::command {
 /// The next one ends the process at once, as all do that were ignored when it started, which stay ignored.
 void catch_interrupts();
 
-/// Whether such a signal came. What loops ask between steps.
+/// True once such a signal came. Loops ask between steps.
 bool interrupted();
 
 /// The failure that ends the command then, with status 128 + signal: "NAME: interrupted by SIGINT WHERE".
@@ -19,7 +19,7 @@ Failure interruption(const std::string& name, const std::string& where);
 /// The same, "after step STEP of ALL".
 Failure interruption(const std::string& name, std::int64_t step, std::int64_t all);
 
-/// What loops throw that can't end by themselves, for whoever knows what there is by then.
+/// Thrown by loops that a signal interrupts and that can't return early; the catcher knows which results exist by then.
 struct Interrupted {};
 
 /// Throws Interrupted once there was a signal.

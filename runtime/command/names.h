@@ -18,7 +18,7 @@ using tradeoff::plural;
 using tradeoff::simd_named;
 using tradeoff::stabilisation_named;
 
-/// What of a world's state is no body's, where two of them differ.
+/// The parts of a world's state that belong to no body, for messages about a difference outside the bodies.
 inline constexpr const char* beside_bodies = "settings, gravity, quarantine, or which ids come next";
 
 /// At most so many significant digits, as "3.14" or "1e-09".

@@ -17,7 +17,7 @@ class OutputFile {
 
   void write(const std::function<void(std::ostream&)>& write_content) const;
 
-  /// Where the file really is, behind symbolic links.
+  /// The path of the file itself, with symbolic links resolved.
   const std::filesystem::path& target() const { return target_; }
 
  private:

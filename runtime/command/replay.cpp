@@ -19,7 +19,7 @@
 namespace atl::command {
 namespace {
 
-// That threads and instruction set are there is no matter of the file.
+// Throws if the machine lacks the threads or the instruction set; tested ahead, so that the file isn't blamed for it.
 void check_machine(const ReplayFileOptions& options) {
   try {
     const World world({.threads = options.threads, .settings = {.simd = options.simd}});

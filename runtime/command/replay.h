@@ -7,7 +7,7 @@
 
 namespace atl::command {
 
-/// What `atoll replay` was asked to do.
+/// Options of `atoll replay`.
 struct ReplayFileOptions {
   std::string path;
   int threads = 1;

@@ -14,7 +14,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t most_bodies = 10;  // that the text lists
 
-// What differs where no body is known to.
+// Names the difference if no body is known to differ.
 std::string other_words(const ReplayDivergence& divergence) {
   if (!divergence.bodies_step) return "the recording doesn't tell of which bodies";
   return beside_bodies;

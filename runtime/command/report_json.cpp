@@ -98,7 +98,7 @@ Json selected_solves_json(const RunResult& result) {
   return array;
 }
 
-// What was given for the target in the whole run.
+// The error target over the whole run: its substeps, and the steps that missed it.
 Json tally_json(const TargetTally& tally) {
   return {{"mean_substeps", tally.mean_substeps()},
           {"most_substeps", tally.most_substeps},

@@ -188,7 +188,7 @@ void write_errors(std::ostream& out, const Scene& scene, const RunResult& result
   }
 }
 
-// What a run came to, in a sentence.
+// Writes the result of a run in a sentence.
 void write_summary(std::ostream& out, const Scene& scene, const RunResult& result) {
   const double simulated = result.steps * scene.dt;
   const double wall = 1e-3 * result.step_times.mean * result.steps;

@@ -8,7 +8,7 @@ namespace atl::command {
 
 enum class Format { Text, Json };
 
-/// What `atoll run` was asked to do.
+/// Options of `atoll run`.
 struct RunOptions {
   SceneOptions scene;
   int threads = 1;

@@ -55,7 +55,7 @@ struct UnheldOfBody {
   UnheldIsland island;
 };
 
-/// What a run of a scene gave.
+/// The result of a scene's run.
 struct RunResult {
   int steps = 0;             ///< that were done: all of the scene's, unless broken or interrupted
   bool interrupted = false;  ///< by a signal, after at least one step
@@ -75,7 +75,7 @@ struct RunResult {
   BodyStates final_state;  ///< where it was asked for; of a broken run, before the step that broke it
 };
 
-/// What simulate() keeps and measures on the way.
+/// Options of simulate(): the results to keep and measure on the way.
 struct Keep {
   bool final_state = false;
   bool errors = false;  ///< of every step; else of the final state only

@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-// Where recordings are. One of its own goes again unless some stay in it.
+// The folder of recordings. A temporary one is removed at the end unless recordings stay in it.
 class RecordingFolder {
  public:
   explicit RecordingFolder(const std::string& path) : path_(path), own_(path.empty()) {
@@ -62,7 +62,7 @@ double seconds_asked(const SoakCommandOptions& options) {
 
 std::string world_words(const World& world) { return plural(world.threads(), "thread") + ", " + name_of(world.simd()); }
 
-// What a soak prints as it goes.
+// Prints the progress of a soak.
 class Diary {
  public:
   explicit Diary(double interval) : interval_(interval) {}

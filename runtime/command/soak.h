@@ -8,7 +8,7 @@
 
 namespace atl::command {
 
-/// What `atoll soak` was asked to do. It ends with the first of these that is reached.
+/// Options of `atoll soak`. It ends with the first of these limits that is reached.
 struct SoakCommandOptions {
   std::optional<double> hours;
   std::optional<double> minutes;

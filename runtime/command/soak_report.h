@@ -30,16 +30,16 @@ class TimeClasses {
 /// Resident memory of this process, bytes; 0 where the system doesn't tell.
 std::size_t resident_memory();
 
-/// Whether memory grows. It is sampled as recordings change over, when as much is held each time; of the last samples
-/// the least counts. Warm-up is soak::warm_up_steps() at least, and else a quarter to half of the steps so far: buffers
-/// are as large as the largest crowd wanted them, and the largest of all grows with the logarithm of time, where what
-/// is lost grows with time itself.
+/// Detects growing memory. It is sampled as recordings change over, when the same data are held each time; the least of
+/// the last samples counts. Warm-up is at least soak::warm_up_steps(), and otherwise a quarter to half of the steps so
+/// far: buffers grow with the largest crowd so far, which grows with the logarithm of time, while a leak grows with
+/// time itself.
 class MemoryDrift {
  public:
   static constexpr double most = 0.01;  // of what there was after warm-up
 
   void note(std::int64_t step, std::size_t bytes);
-  /// Of the memory after warm-up, how much more it is; nothing before twice the least warm-up.
+  /// Growth relative to the memory after warm-up; nothing before twice the least warm-up.
   std::optional<double> drift() const;
 
  private:

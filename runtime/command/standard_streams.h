@@ -10,9 +10,9 @@ void prepare_standard_streams();
 /// Thrown where nobody reads the standard output any more, which is no failure: see end_by_closed_pipe().
 struct ReaderGone {};
 
-/// What ends each output of results. Throws Failure with Status::Usage if not all of it could be written, and
-/// ReaderGone if that is because its reader has gone; as a failure, too, where the process was started with SIGPIPE
-/// ignored.
+/// Ends each output of results. Throws Failure with Status::Usage if not all of it could be written, and ReaderGone if
+/// that is because its reader has gone. If the process was started with SIGPIPE ignored, that is reported as a failure,
+/// too.
 void finish_output();
 
 /// Ends the process without a word, by SIGPIPE, as other programs in pipes end: shells tell it as status 141.

@@ -10,7 +10,7 @@
 
 namespace atl::command {
 
-/// What `atoll tune` was asked to do.
+/// Options of `atoll tune`.
 struct TuneOptions {
   std::string scene;    ///< see load_scene()
   double error = 1e-3;  ///< m
@@ -28,7 +28,7 @@ void add_tune_options(CLI::App& command, TuneOptions& options);
 /// Status::CheckFailed where none hold the error.
 void tune(const TuneOptions& options);
 
-/// What was found as one JSON object, whose keys and their order are part of the command's interface.
+/// Writes the tuning as one JSON object, whose keys and their order are part of the command's interface.
 void write_tuning_json(std::ostream& out, const tradeoff::ScenePlan& plan, double error,
                        const tradeoff::Tuning& tuning);
 

@@ -71,7 +71,8 @@ OutputFile file_ending_in(const char* option, const std::string& path, const std
                 std::string(option) + ": found \"" + path + "\", expected a file that ends in " + expected);
 }
 
-// Of a frame: run.vtkhdf of step 12 is run_000012.vtkhdf, which sorts, and is taken for one of a series.
+// The path of a frame: step 12 of run.vtkhdf is run_000012.vtkhdf. Such names sort, and ParaView takes them for a
+// series.
 std::string frame_path(const std::string& path, std::int64_t step) {
   std::ostringstream number;
   number << '_' << std::setw(6) << std::setfill('0') << step;

@@ -12,7 +12,7 @@ class Film;
 
 namespace atl::command {
 
-/// What `atoll view` was asked to do.
+/// Options of `atoll view`.
 struct ViewOptions {
   SceneOptions scene;  ///< its text may also name a recording
   int threads = 1;
@@ -31,7 +31,8 @@ struct ViewOptions {
 /// Declares the options, to be parsed into `options`, which has to outlive the parsing.
 void add_view_options(CLI::App& command, ViewOptions& options);
 
-/// `atoll view`: runs a scene or a recording, and writes the page that plays it, a picture, or what other programs show. Throws SceneError and Failure.
+/// `atoll view`: runs a scene or a recording, and writes the page that plays it, a picture, or what other programs
+/// show. Throws SceneError and Failure.
 void view(const ViewOptions& options);
 
 /// The file of a page. Throws Failure in a build without one, and as OutputFile does.

@@ -28,7 +28,7 @@ std::optional<std::int64_t> first_difference(const std::vector<std::uint64_t>& t
 struct PartDifference {
   /// "position", "orientation", "velocity", "angular_velocity", "forces", "rest", "bounds", "contacts" or "joints".
   std::string part;
-  /// Of the first four: m, rad, m/s, rad/s. 0 where only the sign of a zero differs.
+  /// Size of the difference for the first four parts: m, rad, m/s, rad/s. 0 where only the sign of a zero differs.
   std::optional<double> by = {};
   std::string unit = {};
 };
@@ -39,11 +39,11 @@ struct BodyDifference {
   std::vector<PartDifference> parts;
 };
 
-/// Where two runs of a scene part.
+/// The point at which two runs of a scene diverge.
 struct Divergence {
   std::int64_t step = 0;  ///< the first after which they differ; 0 as built
-  /// Whether they parted in a second run, too. If not, the step is the first run's, and nothing below is known: what
-  /// comes and goes from run to run is a matter of timing.
+  /// True if they diverged in a second run, too. If not, the step is the first run's, and nothing below is known: a
+  /// difference that comes and goes from run to run is a matter of timing.
   bool seen_again = false;
   bool events = false;                      ///< the state is the same, but not the events or their order
   bool elsewhere = false;                   ///< the state differs, but that of no body

@@ -10,7 +10,7 @@
 
 namespace atl::divergence {
 
-/// Whether the state of a run is saved ahead of some of its steps, and taken on again, in which nothing may get lost.
+/// Tells if the state of a run is saved ahead of some of its steps and restored later, in which nothing may get lost.
 enum class Restore {
   Never,
   SameWorld,   ///< by the world itself, after a few steps on, which are thus taken back
@@ -29,7 +29,7 @@ struct Variant {
 /// The instruction sets that a World can be made with on this machine, narrow ones first.
 std::vector<Simd> supported_simds();
 
-/// What a test does to a world ahead of a step (the first is 1), to plant a fault.
+/// Changes a world ahead of a step (the first is 1): a test plants a fault with it.
 using Meddle =
     std::function<void(World& world, const std::vector<BodyId>& ids, std::int64_t step, const Variant& variant)>;
 
@@ -42,7 +42,7 @@ class VariantRun {
 
   void step();
   std::int64_t steps() const { return steps_; }  ///< so far
-  /// Of the state, and of the last step's events in order.
+  /// Hash of the state, and of the last step's events in order.
   std::uint64_t hash() const;
 
   const World& world() const { return world_; }

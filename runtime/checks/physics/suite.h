@@ -31,14 +31,14 @@ struct PhysicsCase {
   std::string known_growth = {};   ///< the reason why finer steps have a larger error as things stand, else ""
 };
 
-/// What a case came to.
+/// The result of a case.
 struct PhysicsResult {
   double value = 0;
   double error = 0;    ///< |value - right| / scale
   double seconds = 0;  ///< of the run
 
   bool holds(const PhysicsCase& test) const { return error <= test.limit; }  ///< so NaN does not
-  /// As it should be: it holds, or is known not to. A known failure that holds is no longer one, and has to be told.
+  /// True if the case holds, or is known not to. A known failure that holds is no longer one, and has to be reported.
   bool expected(const PhysicsCase& test) const { return holds(test) == test.known_failure.empty(); }
 };
 

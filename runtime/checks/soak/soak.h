@@ -16,7 +16,7 @@ namespace atl::soak {
 struct SoakOptions {
   int threads = 1;         ///< of the first world; the second has another number
   std::uint64_t seed = 1;  ///< the same seed, the same calls
-  /// Where recordings are written while they are needed; those of a fault stay there. To exist.
+  /// An existing folder for recordings, which are removed when they are no longer needed; those of a fault stay there.
   std::filesystem::path folder = {};
   std::function<bool()> stop = {};  ///< asked between steps of replays, which are then given up
 };

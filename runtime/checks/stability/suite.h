@@ -35,7 +35,7 @@ struct StabilityCase {
   std::vector<Criterion> criteria;
 };
 
-/// What a criterion came to.
+/// The result of a criterion.
 struct Finding {
   std::string criterion;
   std::string unit;
@@ -45,11 +45,13 @@ struct Finding {
 
   bool holds() const { return value <= limit; }  ///< so NaN does not
   double margin() const;                         ///< limit over value, infinite where the value is 0
-  /// As it should be: it holds, or is known not to. A known failure that holds is no longer one, and has to be told.
+  /// True if the criterion holds, or is known not to. A known failure that holds is no longer one, and has to be
+  /// reported.
   bool expected() const { return holds() == known_failure.empty(); }
 };
 
-/// Where a state became non-finite or absurd, so that the body was quarantined, or an orientation lost its length.
+/// The first bad state: it became non-finite or absurd, so that the body was quarantined, or an orientation lost its
+/// length.
 struct BadState {
   int step = 0;          ///< 1 is the first
   std::size_t body = 0;  ///< place in the scene

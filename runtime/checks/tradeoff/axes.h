@@ -39,7 +39,7 @@ std::string option_of(const Axis& axis);
 
 bool same_place(const Configuration& a, const Configuration& b);
 
-/// What differs from the scene's own configuration, in words: "default", or as "8 substeps, pyramid friction".
+/// Names the differences from the scene's own configuration: "default", or for instance "8 substeps, pyramid friction".
 std::string label_of(const Configuration& configuration, const Configuration& scenes_own);
 
 /// Instruction sets that this machine and build have, the portable code first.

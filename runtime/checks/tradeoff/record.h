@@ -71,11 +71,11 @@ struct Record {
   std::optional<double> error(const std::string& name) const;
   /// Ends a run that is done otherwise where its errors tell of joints that came apart.
   void judge_joints();
-  /// Whether it ended in a state that is worth timing, if not comparing.
+  /// True if the run ended in a state that is worth timing, if not comparing.
   bool came_to_its_end() const {
     return outcome == Outcome::Done || outcome == Outcome::Fell || outcome == Outcome::CameApart;
   }
-  /// Whether error and time can be held against those of others.
+  /// True if error and time can be compared with those of other runs.
   bool comparable() const { return outcome == Outcome::Done && !same_bits && cpu.count() > 0; }
 };
 

@@ -12,7 +12,7 @@ class ResidualMeter {
  public:
   void observe(const World& world);
 
-  // Of the steps so far, at least one.
+  // Statistics of the steps so far; there must be at least one.
   double last() const { return by_step_.back(); }
   double median() const;  ///< the upper of the middle two
   double max() const;

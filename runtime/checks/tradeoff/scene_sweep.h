@@ -19,7 +19,7 @@ struct RunPolicy {
   /// s of wall time after which a setting is not timed again.
   static constexpr double enough = 1;
 
-  /// What is usual, or less of all that if `quick`.
+  /// The default policy; a cheaper one if `quick`.
   static RunPolicy usual(bool quick);
 };
 /// s that a run of another engine may usually take.

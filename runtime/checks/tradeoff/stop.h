@@ -7,7 +7,7 @@ namespace atl::tradeoff {
 /// Asked between steps, and while another program runs: whether to end there. It throws nothing. None at all: never.
 using Stop = std::function<bool()>;
 
-/// What loops throw that can't end by themselves, for whoever knows what there is by then.
+/// Thrown by loops that were told to stop and can't return early; the catcher knows which results exist by then.
 struct Stopped {};
 
 /// Throws Stopped where it is asked to.

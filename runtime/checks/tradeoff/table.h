@@ -8,7 +8,7 @@
 
 namespace atl::tradeoff {
 
-/// What runs came to, a row a run, as results.csv and tables in Python have it.
+/// Results of runs, one row each, as in results.csv and in Python's tables.
 struct Table {
   enum class Kind { Text, Flag, Integer, Number };  ///< what the texts of a column stand for; a flag is 1 or 0
   struct Column {
@@ -23,7 +23,7 @@ struct Table {
 /// "text", "flag", "integer", "number".
 const char* name_of(Table::Kind kind);
 
-/// Of all runs of all scenes, with a column for each axis and each measure of error that some run has.
+/// The table of all runs of all scenes, with a column for each axis and each measure of error that some run has.
 Table table_of(std::span<const SceneReport> reports);
 
 }  // namespace atl::tradeoff

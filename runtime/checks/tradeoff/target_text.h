@@ -6,8 +6,8 @@
 
 namespace atl::tradeoff {
 
-/// What an option says of a target: "1mm", of penetrations and gaps of joints; "off"; or a list as
-/// "penetration=1mm,joint_gap=0.1mm,residual=0.01,motion=1mm/s". Substeps are left as they are. Returns "", or what was
+/// Reads an option's text for an error target: "1mm", for penetrations and gaps of joints; "off"; or a list such as
+/// "penetration=1mm,joint_gap=0.1mm,residual=0.01,motion=1mm/s". Leaves substeps unchanged. Returns "", or what was
 /// found and what was expected.
 std::string read_target(const std::string& text, ErrorTarget& target);
 

@@ -16,7 +16,8 @@ struct EngineVersion {
   std::string precision;
 };
 
-/// What a sweep writes. The errors of Atoll in it are the same on every machine; what follows from times is not.
+/// The results of a sweep. Errors of Atoll in it are the same on every machine; everything that follows from times is
+/// not.
 struct SweepResults {
   Surroundings surroundings;
   std::vector<EngineVersion> engines;  ///< Atoll first

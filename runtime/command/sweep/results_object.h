@@ -6,7 +6,7 @@
 
 namespace atl::command {
 
-/// What results.json holds, and the page draws.
+/// The contents of results.json, which the page draws.
 nlohmann::ordered_json results_object(const SweepResults& results);
 
 }  // namespace atl::command

@@ -4,7 +4,7 @@
 
 namespace atl::command {
 
-/// What a reader has to know of where times were measured.
+/// The machine and build on which times were measured, as far as a reader has to know.
 struct Surroundings {
   std::string cpu;       ///< the model's name
   unsigned cores = 0;    ///< logical

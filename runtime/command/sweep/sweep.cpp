@@ -73,7 +73,7 @@ std::vector<EngineVersion> engine_versions(const std::vector<PeerDriver>& driver
   return engines;
 }
 
-// Where there is no terminal to draw a bar on.
+// Logs a finished scene when there is no terminal to draw a bar on.
 void log_scene(const SceneReport& report, double seconds) {
   if (::isatty(STDERR_FILENO) != 0) return;
   std::cerr << "atoll: " << report.plan.scene.name << ": " << report.records.size() << " settings in "

@@ -12,7 +12,7 @@ class App;
 
 namespace atl::command {
 
-/// What `atoll sweep` was asked to do.
+/// Options of `atoll sweep`.
 struct SweepOptions {
   std::vector<std::string> scenes;
   bool analytic = false;  ///< and all built-in scenes that have a closed form

@@ -11,8 +11,8 @@
 
 namespace atl::command {
 
-/// Those of a suite's cases that have the names, in that order; all, if there are no names. `suite` is the option that
-/// runs it. Throws Failure on a name that no case has.
+/// The cases of a suite that have the names, in that order; all cases, if there are no names. `suite` is the option
+/// that runs it. Throws Failure on a name that no case has.
 template <typename Case>
 std::vector<Case> chosen_cases(const std::vector<Case>& all, const std::vector<std::string>& names,
                                std::string_view suite) {
@@ -32,7 +32,7 @@ std::vector<Case> chosen_cases(const std::vector<Case>& all, const std::vector<s
   return chosen;
 }
 
-/// What ends a suite that a signal ended ahead of its last case.
+/// The failure of a suite that a signal ended ahead of its last case.
 inline Failure interrupted_suite(const std::string& suite, std::size_t done, std::size_t asked) {
   return interruption("verify " + suite, "after " + std::to_string(done) + " of " + std::to_string(asked) + " cases");
 }

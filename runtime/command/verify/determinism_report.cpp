@@ -35,7 +35,7 @@ const char* name_of(Restore restore) {
   return "?";
 }
 
-// What the text says of how a run is made.
+// The columns of the text that describe how a run is made.
 class Columns {
  public:
   explicit Columns(const DeterminismResult& result)
@@ -72,7 +72,7 @@ std::string body_words(const Scene& scene, const BodyDifference& body) {
   return words;
 }
 
-// What differs where no body does, or it isn't known which.
+// Names the difference if no body differs, or it isn't known which.
 std::string other_words(const Divergence& divergence) {
   if (!divergence.seen_again) return "not seen again in a second run, so a matter of timing";
   if (divergence.events) return "events or their order";

@@ -7,7 +7,7 @@
 
 namespace atl::command {
 
-/// What `atoll verify` was asked to do.
+/// Options of `atoll verify`.
 struct VerifyOptions {
   bool stability = false;
   bool physics = false;

@@ -9,7 +9,7 @@ void tell(const OnStep& on_step, std::int64_t steps) {
   if (on_step) on_step(steps);
 }
 
-// What differs of a pose, or of velocities, and by how much.
+// Adds the differences of a pose, or of velocities, with their sizes.
 void note(std::vector<PartDifference>& parts, const char* linear, const char* linear_unit, double linear_by,
           const char* angular, const char* angular_unit, double angular_by) {
   // Not finite ones are not zero either.

@@ -1,4 +1,4 @@
-// What slides and rolls on curves.
+// Bodies that slide and roll on curved surfaces.
 
 #include <algorithm>
 

@@ -44,8 +44,8 @@ void run(World& world, const Resolution& at, double seconds);
 /// In [0, 1), the same everywhere.
 inline double uniform(std::mt19937& random) { return static_cast<double>(random()) / 4294967296.0; }
 
-/// What y comes to whose rates are rates(y), both vectors of Eigen's, after `seconds` in steps of at most `longest`:
-/// the classical Runge-Kutta method.
+/// Integrates y' = rates(y), both vectors of Eigen's, over `seconds` in steps of at most `longest` s: the classical
+/// Runge-Kutta method.
 template <typename State, typename Rates>
 State integrated(State y, double seconds, double longest, const Rates& rates) {
   const int steps = static_cast<int>(std::ceil(seconds / longest));

@@ -179,7 +179,7 @@ double outflow(const Resolution& at, double hole) {
   return (after - before) / time;
 }
 
-// Where y = slope (x - zero).
+// The line y = slope (x - zero).
 struct Line {
   double slope, zero;
 };

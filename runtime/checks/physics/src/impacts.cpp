@@ -25,7 +25,7 @@ double speed_after_oblique_bounce(const Resolution& at, double restitution) {
   return world.velocity(ball).x();
 }
 
-// Of the upper of two elastic balls that fall 1 mm apart, by the speed of the fall.
+// Rebound speed of the upper of two elastic balls that fall 1 mm apart, divided by the speed of the fall.
 double cannon(const Resolution& at, double ratio) {
   constexpr double fall = 1;
   World world = make_world(at);
@@ -36,7 +36,7 @@ double cannon(const Resolution& at, double ratio) {
       {.shape = Sphere{0.25}, .position = {0, 0, 1 + fall + 0.001 + 0.25}, .mass = 1, .material = material});
   const double v0 = std::sqrt(2 * g * fall);
   double most = 0;
-  // What it leaves with, from how high it is by then.
+  // The launch speed follows from speed and height later on, by conservation of energy.
   run(world, at, 0.6, [&](double) {
     const double v = world.velocity(top).z();
     if (v > 0) most = std::max(most, std::sqrt(v * v + 2 * g * (world.pose(top).position.z() - (1.25 + 0.001))));
@@ -49,7 +49,7 @@ struct Gas {
   World world;
   std::vector<BodyId> balls;
 
-  // What each ball brings to a bounce: the larger of two restitutions counts.
+  // `restitution` is that of the balls, `of_walls` that of the walls: the larger of the two counts at a bounce.
   Gas(const Resolution& at, double restitution, double of_walls) : world(make_world(at, 0)) {
     constexpr int side = 10;
     constexpr double half = 5;
@@ -79,8 +79,8 @@ struct Gas {
   }
 };
 
-// Of an elastic body without friction that is thrown at a wall without gravity, turned in 200 ways: the most by which
-// its energy changes.
+// The largest change of energy of an elastic body without friction that is thrown at a wall, without gravity, in 200
+// orientations.
 double thrown(const Resolution& at, const Shape& shape, const Vector3& moments) {
   const Material material{.friction = 0, .restitution = 1};
   const Matrix3 inertia = moments.asDiagonal();

@@ -1,4 +1,4 @@
-// What must not matter: a moving frame, the scale.
+// Invariances: results must not depend on a moving frame or on the scale.
 
 #include <algorithm>
 
@@ -7,7 +7,7 @@
 namespace atl::physics {
 namespace {
 
-// Of a pile in an open box that moves at `speed`: the fastest body against it after 8 s, m/s; 1e3 where one is lost.
+// Speed of the fastest body of a pile against its open box, which moves at `speed`, after 8 s, m/s; 1e3 if one is lost.
 double pile_in_frame(const Resolution& at, double speed) {
   World world = make_world(at);
   const Vector3 frame(speed, 0, 0);
@@ -37,7 +37,7 @@ double pile_in_frame(const Resolution& at, double speed) {
   return most;
 }
 
-// Of a stack on a plate that moves at `speed`, dropped by 1 cm, likewise.
+// The same, after 4 s, for a stack that is dropped by 1 cm onto a plate that moves at `speed`.
 double stack_on_flatbed(const Resolution& at, double speed) {
   World world = make_world(at);
   const Vector3 frame(speed, 0, 0);

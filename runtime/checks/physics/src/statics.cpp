@@ -8,7 +8,7 @@
 namespace atl::physics {
 namespace {
 
-// Where something that holds below it and gives above gives way.
+// Bisects for the value at which a structure gives way: it holds below that value and fails above.
 template <typename Holds>
 double threshold(double low, double high, const Holds& holds) {
   constexpr int rounds = 12;

@@ -32,7 +32,7 @@ class Population {
   void come_and_go(std::int64_t step, SoakTally& tally);
   /// Takes the thing out that the body is a part of; nothing if it is of none.
   void remove_with(BodyId body, std::int64_t step, SoakTally& tally);
-  /// What the body is a part of: "yard" if it always was there.
+  /// The name of the thing that the body is a part of: "yard" if it was there from the start.
   const char* name_of(BodyId body) const;
 
   const std::vector<Resident>& residents() const { return residents_; }

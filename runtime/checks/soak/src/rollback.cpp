@@ -17,7 +17,7 @@ void expect_same(std::uint64_t a, std::uint64_t b, const char* what, SoakTally& 
   if (a != b) throw CheckFailed(what);
 }
 
-// What is to be forgotten when the state is taken back.
+// Makes changes that restoring the state must undo.
 void disturb(World& world, Random& random) {
   const std::vector<BodyId> bodies = world.bodies();
   const BodyId gone = bodies[pick(random, bodies.size())];

@@ -26,7 +26,7 @@ BodyDef body(Random& random, const Shape& shape, const Vector3& position = Vecto
   return def;
 }
 
-// Of an inner radius of 0.12 m or more, within 0.6 m of the middle.
+// A solid with an inner radius of 0.12 m or more, within 0.6 m of the middle.
 ConvexShape solid(Random& random) {
   const double radius = random.uniform(0.15, 0.4), half_height = random.uniform(0.15, 0.35);
   switch (pick(random, 6)) {

@@ -35,7 +35,7 @@ std::size_t thing_kinds();
 /// One of a kind, of random size and material.
 Thing make_thing(std::size_t kind, Random& random);
 
-/// As it stands in the world, with its frame there.
+/// The body in the world, given the pose of its thing's frame there.
 BodyDef placed(const BodyDef& body, const Pose& thing);
 /// `first` and `second` are the bodies' ids.
 JointDef joint_of(const Link& link, const Thing& thing, BodyId first, BodyId second);

@@ -43,7 +43,7 @@ class Recordings {
   void change_over(SoakTally& tally);
   /// The one that is under way is to stay; where and as of which step of it.
   void keep(LostBody& lost);
-  /// Likewise: "NAME, step N".
+  /// Keeps the recording, too; returns "NAME, step N".
   std::string keep();
   void note_steps(std::int64_t count) { steps_ += count; }  ///< that the first world made
 

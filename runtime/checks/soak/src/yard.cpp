@@ -13,7 +13,7 @@ constexpr double drop = 6;      // m over the ground that things come from
 constexpr int places_a_row = 7;
 constexpr double place_pitch = 4.6;  // m; nothing that comes is wider than 2.4 m
 
-// Of a grid point; along x = 0, where the two grounds meet, and outside the walls it is level.
+// Height of a grid point. Along x = 0, where the two grounds meet, and outside the walls the ground is level.
 double height_at(Random& random, int column) { return column == 0 ? 0 : random.uniform(0, hill); }
 
 BodyDef western_hills(Random& random) {

@@ -8,11 +8,11 @@
 
 namespace atl::soak {
 
-/// What stands from the beginning to the end: hills as a height field in the west and as a mesh in the east, walls
-/// around, a belt, and a sensor over all of it.
+/// The permanent bodies of the yard: hills as a height field in the west and as a mesh in the east, walls around, a
+/// belt, and a sensor over all of it.
 std::vector<BodyDef> yard(Random& random);
 
-/// Where things come from, high enough for nothing to lie there for long.
+/// The places where things are dropped, high enough that nothing lies there for long.
 Vector3 place_above(std::size_t number);
 inline constexpr std::size_t place_count = 49;
 

@@ -7,7 +7,7 @@
 
 namespace atl::stability {
 
-// Of the last state.
+// Criteria of the last state.
 
 Criterion penetration(double limit);           ///< m, the deepest overlap of a pair that may touch
 Criterion relative_penetration(double limit);  ///< of the smaller shape's bounding radius
@@ -39,7 +39,7 @@ Criterion peak_of(std::string name, std::string unit, double limit, std::size_t 
 /// The criterion, which is exceeded for a reason as things stand.
 Criterion known_to_fail(Criterion criterion, std::string reason);
 
-/// What towers are judged by: less than 1 mm of overlap, 10 mm of drift.
+/// Criteria of towers: less than 1 mm of overlap, 10 mm of drift.
 std::vector<Criterion> stands();
 
 /// The same of towers that are known to overlap by more.

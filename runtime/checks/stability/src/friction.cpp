@@ -43,7 +43,7 @@ Scene slope(double friction) {
 constexpr double slide_time = 2;  // s
 constexpr int slide_steps = 120;
 
-// Of the block's way down the slope, from what friction leaves of gravity, over how far it would fall.
+// Error of the block's way down the slope, against Coulomb friction, relative to the height of a free fall.
 Criterion slide_error(double friction) {
   const auto [sine, cosine] = scene::sine_cosine(steep);
   const double fall = 0.5 * standard_gravity * slide_time * slide_time;

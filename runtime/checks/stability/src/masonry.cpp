@@ -146,7 +146,8 @@ Scene domino_rows_falling() {
   return scene;
 }
 
-// Of a row only the last can end flat; each of the others leans on the next by at least a radian.
+// Counts the stones left standing: only the last of a row can fall flat; each other leans on the next by a radian or
+// more.
 Criterion left_standing() {
   return {"left_standing", "", 0, [](const History& run) {
             constexpr double fallen = 0.9;  // rad

@@ -95,7 +95,7 @@ Scene squeezed_spheres() {
   return scene;
 }
 
-// Whether a centre between the plates has got into one, or through.
+// Counts the centres of balls between the plates that got into a plate, or through it.
 Criterion beyond_plates() {
   return {"balls_beyond_plates", "", 0, [](const History& run) {
             const std::vector<BodyState>& end = run.states.back();

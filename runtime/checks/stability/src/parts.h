@@ -1,6 +1,6 @@
 #pragma once
-/// What the scenes of several cases are made of. As of all scenes, their start uses no function of the C library but
-/// the square root, so it is the same on every machine.
+/// Building blocks of the scenes of several cases. The start of a scene uses no function of the C library except the
+/// square root, so it is the same on every machine.
 
 #include <numbers>
 #include <string>
@@ -57,7 +57,7 @@ inline SceneBody kinematic_box(std::string name, const Vector3& half_extents, co
   return body;
 }
 
-/// What a number is called in a case's name: "1e-6", "0.01", "1000".
+/// A number as it stands in a case's name: "1e-6", "0.01", "1000".
 inline std::string in_name(double number) {
   std::string text = scene::number_text(number);
   std::erase(text, '+');

@@ -81,7 +81,7 @@ void add_landing(CaseList& cases, const std::string& name, const std::string& wh
                    .criteria = {energy_gain(1e-2), penetration(5e-3), travel_error(0.5)}});
 }
 
-// Of the last case, these criteria.
+// Marks criteria of the last case as known to fail.
 void known_to_fail_last(CaseList& cases, std::initializer_list<std::string_view> names, const std::string& reason) {
   for (Criterion& criterion : cases.back().criteria) {
     if (std::find(names.begin(), names.end(), criterion.name) != names.end()) criterion.known_failure = reason;

@@ -9,7 +9,7 @@ namespace atl::tradeoff {
 /// Empty. With `diagnostics` it keeps its contact problems. Throws SceneError on settings that this machine lacks.
 World make_world(const ScenePlan& plan, const Configuration& configuration, bool diagnostics);
 
-/// What a configuration is called and where it lies, with nothing measured yet.
+/// A record with the name and the coordinates of a configuration, and nothing measured yet.
 Record describe(const ScenePlan& plan, const Configuration& configuration);
 
 // Both throw Stopped between steps, and then leave no sample behind.

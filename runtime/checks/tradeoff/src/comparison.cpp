@@ -63,7 +63,7 @@ std::string name(const Field& field, std::size_t i) {
   return field.record(i).engine + " (" + field.record(i).label + ")";
 }
 
-// What to say of others where none is both faster and at no more error.
+// Text about the nearest other engine, for use when no other is both faster and at no more error.
 std::string nearest_other(const Field& field, std::size_t own, std::optional<std::size_t>& rival) {
   const auto others = [&](std::size_t i) { return !field.is_atoll(i); };
   if ((rival = field.fastest(field.error(own), others))) {
@@ -94,7 +94,7 @@ Verdict beaten(const Field& field, std::size_t own, std::size_t rival) {
   return {Verdict::Kind::Beaten, text, rival};
 }
 
-// Of all other engines that have no figures here.
+// Reasons of all other engines that have no figures here.
 std::string reasons(const std::vector<Record>& records, const Field& field) {
   std::string text;
   for (std::size_t i = 0; i < records.size(); ++i) {
@@ -106,7 +106,7 @@ std::string reasons(const std::vector<Record>& records, const Field& field) {
   return text.empty() ? text : text + ".";
 }
 
-// What the others might still have had to say.
+// Text about runs of other engines that were skipped or cut off, and might have changed the result.
 std::string untried(const std::vector<Record>& records) {
   const auto cut = [](const Record& record) {
     return record.outcome == Outcome::Skipped || record.outcome == Outcome::TooSlow;

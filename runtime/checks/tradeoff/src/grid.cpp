@@ -17,7 +17,7 @@ Configuration own_configuration(const Scene& scene) {
   return {.settings = scene.settings, .dt = scene.dt, .threads = 1};
 }
 
-// What decides which axes are worth a sweep.
+// Traits of a scene that decide which axes are worth a sweep.
 struct Traits {
   bool large = false;
   bool quick = false;
@@ -43,7 +43,7 @@ bool is_of_contacts(std::string_view axis) {
   return axis == "friction" || axis == "stabilisation" || axis == "tolerance";
 }
 
-// Of contacts, or joints that are solved one by one.
+// True for axes that matter only to contacts, or joints, that are swept one by one.
 bool is_of_sweeps(std::string_view axis) {
   return axis == "iterations" || axis == "warm_start" || axis == "relax_iterations";
 }
@@ -55,7 +55,7 @@ Values other_simds() {
   return others;
 }
 
-// What an axis is swept over where no option says so; none where it stays as the scene has it.
+// Default values of an axis when no option gives any; none if the axis stays as the scene has it.
 Values default_values(const Axis& axis, const Traits& scene) {
   const std::string_view name = axis.name;
   const bool large = scene.large, quick = scene.quick;

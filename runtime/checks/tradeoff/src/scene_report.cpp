@@ -19,7 +19,7 @@ std::vector<std::string> measures_of(const std::vector<Record>& records) {
   return names;
 }
 
-// Of bodies that fall onto each other, by the default run of Atoll.
+// True if bodies were still falling onto each other at the end of Atoll's default run.
 bool still_falls(const SceneReport& report) {
   const Record& own = report.records.front();
   return report.plan.chaotic() && own.outcome == Outcome::Done && own.touching < landed_share;

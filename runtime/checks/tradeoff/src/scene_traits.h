@@ -7,7 +7,7 @@
 
 namespace atl::tradeoff {
 
-/// Whether all bodies share one group of those that pass each other, so that there are joints alone.
+/// True if all bodies share one group whose members don't collide, so that there are joints alone.
 bool nothing_touches(const Scene& scene);
 
 /// Solvers of joints that do different things in this scene, its own first; none where there are no joints. `direct`,

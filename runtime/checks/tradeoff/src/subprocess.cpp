@@ -84,7 +84,7 @@ int milliseconds_to(Clock::time_point deadline) {
 // A signal that arrives just ahead of a wait doesn't end that: `stop` is asked after this, ms.
 constexpr int longest_wait = 100;
 
-// Whether the end of the pipe was reached.
+// Reads what the pipe has. Returns true at its end.
 bool read_some(int reader, std::string& text) {
   std::array<char, 65536> buffer;
   const ssize_t count = ::read(reader, buffer.data(), buffer.size());

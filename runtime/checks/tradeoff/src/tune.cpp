@@ -81,7 +81,7 @@ void run_trial(const ScenePlan& plan, double error, const Stop& stop, Trial& tri
   }
   trial.errors.steps_within = static_cast<double>(within) / record.steps;
   record.hash = world.state_hash();
-  // What has collapsed may overlap less than what stands.
+  // A collapsed structure may overlap less than one that stands, so a run that fell doesn't count.
   ErrorMeter meter(scene, ErrorMeter::Follow::End);
   meter.observe(record.steps * record.dt, states);
   if (meter.fell()) {
@@ -168,7 +168,7 @@ std::vector<JointSolver> joint_solvers_of(const ScenePlan& plan) {
   return solvers;
 }
 
-// What leaves all contacts to sweeps comes last.
+// Solvers to try; the one that leaves all contacts to sweeps comes last.
 std::vector<ContactSolver> contact_solvers_of(const ScenePlan& plan) {
   const ContactSolver own = plan.scene.settings.contact_solver;
   if (nothing_touches(plan.scene)) return {own};
@@ -219,7 +219,7 @@ Tuning tune(const ScenePlan& plan, double error, const RunPolicy& policy,
   for (const JointSolver joints : joint_solvers_of(plan)) {
     bool selects = true;  // of contacts, with the solver before
     for (const ContactSolver contacts : contact_solvers_of(plan)) {
-      // Where nothing was selected to be solved otherwise, sweeps alone do the same.
+      // If Auto selected nothing but sweeps, Iterative gives the same run: skip it.
       if (contacts == ContactSolver::Iterative && !selects) continue;
       Configuration solvers = plan.configurations.front();
       solvers.settings.joint_solver = joints;
