@@ -9,10 +9,10 @@ struct Colour {
   double r = 0, g = 0, b = 0;
 };
 
-/// Of what stays.
+/// The colour of static bodies.
 inline constexpr Colour static_colour = {0.66, 0.68, 0.71};
 
-/// Of bodies that move, by number: neighbours get hues far apart.
+/// The colour of a moving body, by its number: neighbours get hues far apart.
 Colour body_colour(std::size_t number);
 
 /// The same in linear light (IEC 61966-2-1).

@@ -76,7 +76,7 @@ Json column(const std::vector<FilmFrame>& frames, const Of& of) {
   return values;
 }
 
-// Of times and errors a page shows four digits.
+// Rounds a time or an error to the four digits that a page shows.
 double short_number(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.4g", std::isfinite(value) ? value : 0);
@@ -164,7 +164,7 @@ void Film::add_frame(const World& world, const StepReport* report) {
   frames_.push_back(frame);
 }
 
-// Those that are new. Each is shown in the shape in which it came.
+// Numbers the bodies that are new. Each is shown in the shape that it had when it came.
 void Film::number_bodies(const World& world, const std::vector<BodyId>& ids) {
   for (const BodyId id : ids) {
     if (numbers_.size() <= id.index) numbers_.resize(id.index + 1, no_number);
@@ -227,7 +227,7 @@ void Film::note_joints(const World& world, FilmFrame& frame) {
   present_joints_ = std::move(present);
 }
 
-// What bodies feel, and the islands that are made of it: of bodies that press on each other or are joined.
+// Records the forces on bodies, and the islands that follow: bodies that press on each other or are joined.
 void Film::note_forces(const World& world, FilmFrame& frame) {
   Joined joined(bodies_.size());
   const auto moves = [&](std::uint32_t number) { return bodies_[number].type == BodyType::Dynamic; };
@@ -282,7 +282,7 @@ std::string Film::text() {
   if (contacts_.end()) film["contacts_end"] = *contacts_.end();
   std::string text = film.dump(-1, ' ', true, Json::error_handler_t::replace);
   text.pop_back();
-  // What is JSON already, and what has nothing in it that JSON would escape.
+  // These texts are JSON already, or have nothing in them that JSON would escape.
   add_list(text, "shapes", shapes_.texts(), "");
   add_list(text, "chunks", chunks_.finish(), "\"");
   add_list(text, "contact_chunks", contacts_.finish(), "\"");

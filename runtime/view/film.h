@@ -62,7 +62,7 @@ struct FilmJoint {
   std::size_t from = 0, to = 0;         ///< frames [from, to)
 };
 
-/// What is told of a frame as a whole.
+/// The data of a frame as a whole.
 struct FilmFrame {
   std::int64_t step = 0;  ///< steps done
   double time = 0;        ///< s

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint8_t escape = 255;
 
-// As the page computes.
+// Wraps to 32 bits, as the page's integer arithmetic does.
 std::int32_t wrapped(std::int64_t value) { return static_cast<std::int32_t>(static_cast<std::uint32_t>(value)); }
 
 }  // namespace

@@ -12,7 +12,7 @@
 
 namespace atl::view {
 
-/// What is known of a body in a frame beside its pose.
+/// Flags of a body in a frame.
 enum BodyFlag : std::uint8_t {
   body_present = 1,
   body_asleep = 2,
@@ -37,7 +37,7 @@ class FilmChunks {
   static constexpr std::size_t most_frames = 60;
   static constexpr double turn_units = 2048;  ///< a quaternion's components are rounded to this part of 1
 
-  /// Of all bodies by number; those that are new come at the end. `precision` in m.
+  /// Adds a frame with all bodies by number; new ones come at the end. `precision` in m.
   void add_frame(const std::vector<BodySight>& bodies, double precision);
   /// Ends the chunk under way. Each is base64 of a zlib stream of: frames, bodies, escapes (uint32 each); a row of a
   /// byte a frame for each body, of its position's x, y and z, its quaternion's x, y, z and w, flags, force and island;
@@ -45,7 +45,7 @@ class FilmChunks {
   std::vector<std::string> finish();
 
  private:
-  // What a body's next numbers are told from.
+  // The history of a body from which its next numbers are predicted.
   struct Track {
     std::array<std::int32_t, 7> last = {}, before = {};
     int known = 0;  // of these

@@ -6,8 +6,7 @@
 
 namespace atl::view {
 
-/// What a film holds of numbers. No rounded place is farther than 2^29, so that predictions from two of them fit as
-/// well.
+/// Rounds a number to an integer for a film, within +-2^29: predictions from two such numbers then fit into 32 bits.
 inline std::int32_t rounded(double value) {
   constexpr double farthest = 1 << 29;
   // Beside this number doubles are whole: a sum with it is rounded, which takes an eighth of what lround() does.
@@ -15,7 +14,7 @@ inline std::int32_t rounded(double value) {
   return std::isfinite(value) ? static_cast<std::int32_t>(std::clamp(value, -farthest, farthest) + whole - whole) : 0;
 }
 
-/// Of a force (N, >= 0) by twelfths of a doubling: from 0.06 N to 2 MN in a byte.
+/// Codes a force (N, >= 0) by twelfths of a doubling: a byte holds 0.06 N to 2 MN.
 inline std::uint8_t force_code(double force) {
   return static_cast<std::uint8_t>(std::clamp(std::lround(12 * std::log2(1 + force)), 0l, 255l));
 }

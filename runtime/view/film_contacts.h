@@ -13,18 +13,18 @@
 
 namespace atl::view {
 
-/// Where bodies touched, frame by frame, up to a number of points in all.
+/// Contact points of each frame, up to a number of points in all.
 class FilmContacts {
  public:
   /// At most so many points.
   explicit FilmContacts(std::size_t most) : most_(most) {}
 
-  /// Whether there is room for that many in the frame that comes next. Where there isn't, that frame and all later ones
-  /// have none.
+  /// True if there is room for that many points in the next frame. If there isn't, that frame and all later ones have
+  /// none.
   bool takes(std::size_t count);
   /// Places are rounded to `precision` (m).
   void begin_frame(double precision);
-  /// Of the frame under way: m, unit, N.
+  /// Adds a point to the frame under way: place in m, unit normal, force in N.
   void add(std::uint32_t first, std::uint32_t second, const Vector3& point, const Vector3& normal, double force);
   void end_frame(std::size_t chunk_frames);
   /// Chunks as those of FilmChunks: frames, points of each (uint32); then of all points the first body's number, the

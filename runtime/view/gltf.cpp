@@ -45,7 +45,7 @@ void GltfFilm::add_frame(const World& world) {
     Body& body = bodies_[place];
     const Pose pose = world.pose(id);
     const Eigen::Vector3f at = pose.position.cast<float>();
-    // What was lost far away may be farther than a float tells.
+    // A body that was lost far away may be beyond a float's range; it keeps its last place.
     const bool told = at.allFinite() || body.positions.empty();
     Eigen::Vector4f turn = pose.orientation.coeffs().cast<float>().normalized();
     if (!body.turns.empty() && turn.dot(Eigen::Map<const Eigen::Vector4f>(body.turns.back().data())) < 0) turn = -turn;
@@ -88,7 +88,7 @@ class GltfFilm::Writer {
  private:
   enum class Bounds { Told, Left };
 
-  // Of a place in the list of bodies, or of what stays.
+  // The material of a moving body, by its place in the list of bodies, or that of static bodies.
   int material(const Body& body, std::size_t place) {
     const std::size_t hue = body.moves ? place % hue_count : hue_count;
     const auto known = materials_.find(hue);
@@ -117,7 +117,7 @@ class GltfFilm::Writer {
     return static_cast<int>(model_.bufferViews.size()) - 1;
   }
 
-  // Of so many vectors of 1, 3 or 4 floats.
+  // Adds `count` vectors of 1, 3 or 4 floats.
   int add_numbers(const float* data, std::size_t count, std::size_t width, Bounds bounds, int target = 0) {
     tinygltf::Accessor accessor;
     accessor.bufferView = add_view(data, count * width * sizeof(float), target);

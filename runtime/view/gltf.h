@@ -32,7 +32,7 @@ class GltfFilm : public Watcher {
   void add(const World& world, const StepReport& report, double dt) override;
 
   std::size_t frames() const { return times_.size(); }
-  /// As one binary file (.glb), or as JSON with all data in it (.gltf). Throws Error where it can't be written.
+  /// Writes one binary file (.glb), or JSON with all data in it (.gltf). Throws Error if it can't be written.
   void write(std::ostream& out, bool binary) const;
 
  private:

@@ -97,7 +97,7 @@ void Still::add_bodies(const World& world) {
   }
 }
 
-// As the camera sees it, if it is seen from its front; cut off where it is too near.
+// Projects a face into the camera's plane if its front is visible, clipped at the near plane.
 void Still::add_face(const std::array<Vector3, 3>& corners, const Colour& colour, std::uint32_t body) {
   const Vector3 normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).stableNormalized();
   if (!(normal.dot(eye_ - corners[0]) > 0)) return;

@@ -18,7 +18,7 @@ hid_t checked(hid_t id, const char* what) {
   return id;
 }
 
-// What HDF5 lends, given back.
+// Owns a handle of HDF5, and closes it.
 class Handle {
  public:
   Handle(hid_t id, herr_t (*close)(hid_t), const char* what) : id_(checked(id, what)), close_(close) {}

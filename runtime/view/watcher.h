@@ -12,7 +12,7 @@ struct StepReport;
 
 namespace atl::view {
 
-/// What follows a run frame by frame, and makes something to look at of it. Changes nothing of the world.
+/// Follows a run frame by frame and makes a view of it. Changes nothing of the world.
 class Watcher {
  public:
   Watcher() = default;

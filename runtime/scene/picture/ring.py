@@ -198,7 +198,7 @@ def back_to_front(solids):
     order, state = [], [0] * len(solids)
 
     def visit(i):
-        # Where solids hide each other in a ring, the farthest comes first.
+        # Solids that hide each other in a ring have no right order: the farthest is drawn first.
         state[i] = 1
         for j in sorted(behind[i], key=distance, reverse=True):
             if state[j] == 0:

@@ -8,7 +8,7 @@
 
 namespace atl::scene {
 
-/// What all built-in scenes are made of.
+/// Material and density of all built-in scenes.
 inline constexpr Material builtin_material = {.friction = 0.6, .restitution = 0};
 inline constexpr double builtin_density = 1000;  // kg/m^3
 

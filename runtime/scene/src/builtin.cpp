@@ -14,7 +14,7 @@ namespace {
 struct Entry {
   BuiltinScene scene;
   SceneBuilder build;
-  /// What there will be. Left out where the counts among the parameters are those of bodies.
+  /// The size of the scene. Left out if the counts among the parameters are those of bodies.
   SceneSize (*size)(const ParameterValues& values) = nullptr;
 };
 
@@ -260,7 +260,7 @@ SceneSize size_of(const Entry& entry, const ParameterValues& values) {
   return size;
 }
 
-// Of a count above its range: what a scene of that size would need, where that is more than there is.
+// For a count above its range: throws SceneTooLarge if a scene of that size needs more than there is.
 void check_memory_of(const Entry& entry, ParameterValues values, const SceneParameter& parameter, double value,
                      const std::string& message) {
   if (!parameter.integer || !(value > parameter.max) || !std::isfinite(value)) return;

@@ -47,7 +47,7 @@ Scene build_drum(const ParameterValues& values, std::uint64_t seed) {
   scene.bodies.push_back(solid_beyond("end_south", {0, 1, 0}, -half_length));
   scene.bodies.push_back(solid_beyond("end_north", {0, -1, 0}, -half_length));
   Random random(seed);
-  // As many to a layer as lie within the drum there.
+  // Each layer gets the boxes that lie within the drum at its height.
   constexpr double pitch = 0.9;  // m, more than a box across: there is room for 3200
   int number = 0;
   for (double z = -0.8 * radius; number < values.integer("boxes"); z += pitch) {

@@ -25,7 +25,7 @@ double number(const JsonValue& value) {
   return found == nullptr ? 1 : std::max(*found, 1.0);
 }
 
-// Of "count": [x, y, layers]; a taper takes as much off each layer above.
+// Bodies of a lattice "count": [x, y, layers]; a taper takes as much off each layer above.
 double lattice_size(const JsonValue& lattice) {
   const JsonValue* count = member(lattice, "count");
   const auto* along = count == nullptr ? nullptr : std::get_if<JsonValue::Array>(&count->data);

@@ -5,8 +5,9 @@
 
 namespace atl::scene {
 
-/// What a scene file asks for, before anything of it is made: its bodies, those of its generators, joints, and the
-/// points of hulls and triangles that are written out in it. What is not as it should be counts for nothing here.
+/// Estimates the size of a scene file before anything of it is made: its bodies, those of its generators, joints, and
+/// the points of hulls and triangles that are written out in it. Invalid parts count for nothing here; reading reports
+/// them.
 SceneSize size_of_file(const JsonValue& root);
 
 }  // namespace atl::scene

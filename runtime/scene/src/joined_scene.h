@@ -1,5 +1,5 @@
 #pragma once
-/// What the scenes with joints are made of.
+/// Building blocks of the scenes with joints.
 
 #include <cmath>
 #include <string>
@@ -13,7 +13,7 @@ inline constexpr double chain_link_length = 0.5;  // m
 inline constexpr double chain_link_radius = 0.1;  // m
 inline constexpr double chain_link_mass = 1;      // kg
 
-/// Of a scene whose bodies all pass each other.
+/// A body of a scene in which no bodies collide.
 inline SceneBody untouched(SceneBody body) {
   body.def.filter.group = -1;
   return body;

@@ -15,7 +15,7 @@ struct Lattice {
   std::array<int, 2> taper = {0, 0};       ///< how many fewer each layer has than the one below
   std::array<double, 2> stagger = {0, 0};  ///< shift of every second layer, as a share of the spacing
 
-  /// As a double, which no counts overflow.
+  /// The number of points; a double, so that no counts overflow it.
   double size() const;
   /// x runs fastest, layers from below. The middle of the lowest layer is the origin.
   std::vector<Vector3> points() const;

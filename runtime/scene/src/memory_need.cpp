@@ -28,7 +28,7 @@ constexpr double bytes_of_hull_vertex = 400;
 // terrain:bodies=10 with 100,000 and with 2,000,000 triangles.
 constexpr double bytes_of_triangle = 270;
 
-// Of a line "Name:  1234 kB".
+// Bytes in a line "Name: 1234 kB".
 double meminfo(const std::string& name) {
   std::ifstream file("/proc/meminfo");
   for (std::string line; std::getline(file, line);) {
@@ -43,14 +43,14 @@ double number_in(const char* path) {
   return file >> number ? number : std::numeric_limits<double>::infinity();
 }
 
-// Of the control group that a container gives its processes, less what they have of it.
+// Memory that the control group of a container still has, bytes.
 double left_of_group() {
   const double most = number_in("/sys/fs/cgroup/memory.max");
   const double used = number_in("/sys/fs/cgroup/memory.current");
   return std::isfinite(most) && std::isfinite(used) ? most - used : std::numeric_limits<double>::infinity();
 }
 
-// Of RLIMIT_AS, which ulimit -v sets, less what is mapped.
+// Address space left below RLIMIT_AS, which ulimit -v sets, bytes.
 double left_of_limit() {
   rlimit limit = {};
   if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) {

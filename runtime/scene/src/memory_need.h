@@ -4,7 +4,7 @@
 
 namespace atl::scene {
 
-/// What a scene is made of, as far as memory goes. Counts are doubles: they may be too large for anything else.
+/// Size of a scene, as far as memory goes. Counts are doubles: they may be too large for any integer.
 struct SceneSize {
   double bodies = 0;
   double joints = 0;
@@ -14,8 +14,8 @@ struct SceneSize {
   double bytes() const;  ///< that a run needs, about
 };
 
-/// What can still be allocated, bytes: the least of what the system has to give, the limits of this process's group and
-/// its own. Infinite where none of these is known.
+/// Memory that can still be allocated, bytes: the least of what the system has, the limit of this process's group and
+/// its own limit. Infinite if none of these is known.
 double available_memory();
 
 /// "about 5.0 TB of memory, of which 23 GB are free" if the scene needs more than there is, else "".

@@ -4,7 +4,7 @@
 
 namespace atl::scene {
 
-/// What a scene may have, built-in or from a file: a mistyped count should not exhaust the memory.
+/// Limits of a scene, built-in or from a file: a mistyped count should not exhaust the memory.
 inline constexpr std::size_t most_bodies = 10'000'000;
 inline constexpr std::size_t most_joints = 10'000'000;
 

@@ -9,7 +9,7 @@
 namespace atl::scene {
 namespace {
 
-// Where things are on a figure that stands upright: x ahead, y to its left, z up from the pelvis, m.
+// Positions on a figure that stands upright: x ahead, y to its left, z up from the pelvis, m.
 constexpr double middle = -0.12;  // z, of what is farthest away
 constexpr double friction = 2;    // N m
 constexpr double damping = 1;     // 1/s

@@ -12,7 +12,7 @@
 
 namespace atl::scene {
 
-/// What bodies refer to by name.
+/// Materials and shapes that bodies refer to by name.
 struct Library {
   std::map<std::string, Material, std::less<>> materials;
   std::map<std::string, Shape, std::less<>> shapes;

@@ -1,4 +1,4 @@
-// What colours tell. Each way gives a body's colour in a frame as [r, g, b] in [0, 1], and the legend's entries.
+// Ways to colour bodies. Each gives a body's colour in a frame as [r, g, b] in [0, 1], and the legend's entries.
 
 import { Film, Flag } from './film.js';
 

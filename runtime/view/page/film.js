@@ -1,4 +1,4 @@
-// What the Film of runtime/view/film.h wrote: chunks of frames, taken apart as they are asked for.
+// Reads the Film that runtime/view/film.h wrote: chunks of frames, decoded as they are asked for.
 
 const ROWS = 10, POSE_ROWS = 7, FLAGS = 7, FORCE = 8, ISLAND = 9, ESCAPE = 255;
 const KEPT_BYTES = 400e6;  // of chunks that were taken apart

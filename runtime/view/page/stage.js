@@ -148,7 +148,7 @@ export class Stage {
 
   background(css) { this.scene.background = new Color(css); }
 
-  // What colours and the panel tell of a body. `former` is the frame before, for speeds.
+  // The data of a body that colours and the panel show. `former` is the frame before, for speeds.
   bodyIn(frame, former, number) {
     const cell = frame.at + number;
     return {
@@ -234,7 +234,7 @@ export class Stage {
       const ends = [[joint.first, [0, 0, 0]], [joint.first, joint.anchor_first],
                     [joint.first, joint.anchor_first], [joint.second, joint.anchor_second],
                     [joint.second, joint.anchor_second], [joint.second, [0, 0, 0]]];
-      // What is static may be of any size: no line goes to its middle.
+      // A static body may be of any size: no line goes to its middle.
       for (let i = 0; i < 6; i += 2) {
         if (i !== 2 && this.film.bodies[ends[i][0]].type === 'static') continue;
         for (const [body, local] of [ends[i], ends[i + 1]]) {

@@ -1,4 +1,4 @@
-// What steps took and how far they were off, under the time line: a click goes there.
+// Plots the time and the error of each step under the time line: a click goes to the step.
 
 const PHASE_HUES = [210, 40, 160, 280, 15, 90, 0];
 

@@ -36,8 +36,7 @@ std::vector<std::string> different_joint_solvers(const Scene& scene, std::vector
   const std::string own = name_of(scene.settings.joint_solver);
   for (const std::string& solver : {own, std::string("auto"), std::string("iterative"), std::string("direct")}) {
     const std::int64_t count = direct_joints(scene, solver);
-    // Of two solvers, one solves all the joints directly that the other does, so equal counts mean equal sets: keep
-    // one.
+    // One of two solvers solves all joints directly that the other does, so equal counts mean equal sets.
     if (std::find(counts.begin(), counts.end(), count) != counts.end()) continue;
     solvers.push_back(solver);
     counts.push_back(count);

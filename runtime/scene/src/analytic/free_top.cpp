@@ -74,7 +74,7 @@ Vector3 FreeTop::spin(double time) const {
   return spin;
 }
 
-// Of the axis that the momentum never points along, about the momentum: L (2 E - I w^2) / (L^2 - I^2 w^2).
+// Precession about the momentum of the axis that the momentum never points along: L (2 E - I w^2) / (L^2 - I^2 w^2).
 double FreeTop::precession_rate(double time) const {
   const double moment = moments_[axes_[0]];
   const double rate = spin(time)[axes_[0]];

@@ -35,7 +35,7 @@ Scene build_pendulum(const ParameterValues& values, std::uint64_t) {
         const double modulus = std::sin(released / 2);
         const Jacobi at = jacobi(std::comp_ellint_1(modulus) - rate * time, modulus);
         const double angle = 2 * std::asin(modulus * at.sn);
-        // Of (angle / 2)' cos(angle / 2) = -p k cn dn, with dn the cosine.
+        // Solves (angle / 2)' cos(angle / 2) = -p k cn dn for the rate, where dn is the cosine.
         const double angle_rate = -2 * rate * modulus * at.cn;
         errors.raise("analytic_error", std::abs(angle_of_rod(states[1]) - angle) / released);
         errors.raise("rate_error", std::abs(-states[1].angular_velocity.y() - angle_rate) / (2 * rate * modulus));

@@ -23,7 +23,7 @@ class Pivot {
   double slenderness() const { return slenderness_; }
   double rate() const { return rate_; }  ///< 1/s: p^2 = m g R / I = 3 g / (4 R)
 
-  /// Of the tilt towards the edge, rad/s^2.
+  /// Angular acceleration of the tilt towards the edge, rad/s^2.
   double acceleration(double tilt) const {
     const double arm = slenderness_ - tilt;
     return rate_ * rate_ * (push_ * std::cos(arm) - std::sin(arm));

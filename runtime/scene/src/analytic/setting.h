@@ -1,5 +1,5 @@
 #pragma once
-/// What the scenes with a closed form are set up from.
+/// Building blocks of the scenes with a closed form.
 
 #include <atoll/scene.h>
 #include <solver/integrate/trigonometry.h>
@@ -32,8 +32,8 @@ inline std::string numbered(const char* kind, int number) { return std::string(k
 /// Steps of the default length that cover a duration (s).
 inline int steps_for(double duration) { return static_cast<int>(std::ceil(duration / Scene{}.dt - 1e-6)); }
 
-// What a scene starts from has to be the same on every machine, so it uses no function of the C library but the square
-// root. The measures may: no state depends on them.
+// The start of a scene has to be the same on every machine, so it uses no function of the C library except the square
+// root. The measures may use any: no state depends on them.
 using solver::sine_cosine;
 
 /// Unit vector in the x-y plane, rad from the x axis.

@@ -18,7 +18,7 @@ SceneBody beam(std::string name, double length, double start) {
   return untouched(solid(std::move(name), Box{{length / 2, half_width, half_width}}, {start + length / 2, 0, 0}, {}));
 }
 
-// Of the slider's pin from the axle, m, with the crank at an angle from the way to it.
+// Distance of the slider's pin from the axle, m, with the crank at an angle from the line between the two.
 double slider_at(double angle, double rod) {
   const double across = crank * std::sin(angle);
   return crank * std::cos(angle) + std::sqrt(rod * rod - across * across);
