@@ -61,7 +61,7 @@ TEST(AnalyticScene, SpheresRoll) {
   EXPECT_LT(error("incline-sphere"), 1e-4);
 }
 
-// What stops within a substep may stop a substep late.
+// A body that stops within a substep may stop a substep late.
 TEST(AnalyticScene, RollingFrictionStopsSpheresInAllDirections) {
   for (const char* scene : {"rolling-resistance", "rolling-resistance:rolling_friction=0.01,speed=1"}) {
     const Errors errors = run_closed_form(scene, {});

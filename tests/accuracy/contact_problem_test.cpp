@@ -1,4 +1,4 @@
-// What a step hands out as its contact problem is that of the bodies and contacts in the world.
+// The contact problem that a step hands out is that of the bodies and contacts in the world.
 
 #include <atoll/atoll.h>
 #include <atoll/errors.h>
@@ -68,7 +68,7 @@ TEST(ContactProblem, ImpulsesCarryTheWeightOfAStack) {
   for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(loads[i], static_cast<double>(i + 1), 1e-3);
 }
 
-// Where nothing bounces, the velocities that follow from the captured impulses are those of the world: free velocities,
+// If nothing bounces, the velocities that follow from the captured impulses are those of the world: free velocities,
 // masses, frames and impulses belong to one another.
 TEST(ContactProblem, ItsVelocitiesAreThoseOfTheWorld) {
   for (const char* name : {"stack", "pyramid3d:layers=4", "pile:bodies=50", "wall:base=5"}) {

@@ -45,7 +45,7 @@ struct Rack {
       }
     }
   }
-  // Of what there was, and the largest velocity that a body has beside that of its mirror's image.
+  // The largest energy relative to that at the start, and the largest difference of a velocity from its mirror image.
   std::pair<double, double> run_for(int steps) {
     const double start = mechanical_energy(world, ids);
     double most = 0;
@@ -157,7 +157,7 @@ TEST(Impact, AnElasticBoxKeepsItsEnergy) {
   }
 }
 
-// What has bounced pushes no more: two that lie by each other, once a blow has gone through them, stay.
+// Balls that have bounced push no more: two that lie side by side stay, once a blow has gone through them.
 TEST(Impact, LeavesNothingThatPushes) {
   Rack rack(1, 1, 0, {});
   rack.run_for(180);

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double mass = 2;  // kg
 
-/// What moves along the x axis: a body on a slider, or a wheel whose hinge turns about it.
+/// A drive along the x axis: a body on a slider, or a wheel whose hinge turns about that axis.
 struct Drive {
   World world;
   BodyId body;

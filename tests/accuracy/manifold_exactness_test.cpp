@@ -172,7 +172,7 @@ std::string text(const Posed& shape) {
   return out.str();
 }
 
-/// What parts the shapes along a direction, m.
+/// Separation of the shapes along a direction, m.
 double along(const Posed& a, const Posed& b, const Vector3& normal) {
   const audit::Placed placed_a = a.placed();
   const audit::Placed placed_b = b.placed();
@@ -182,7 +182,7 @@ double along(const Posed& a, const Posed& b, const Vector3& normal) {
   return reach(solid_a, normal) + reach(solid_b, -normal) - normal.dot(solid_b.centre - solid_a.centre);
 }
 
-/// Whether a direction is the normal of a flat face (or cap, or base) of either shape.
+/// True if a direction is the normal of a flat face (or cap, or base) of either shape.
 bool is_face_normal(const Posed& a, const Posed& b, const Vector3& normal) {
   constexpr double same = 1 - 1e-10;
   for (const auto& [shape, outward] : {std::pair{&a, normal}, std::pair{&b, Vector3(-normal)}}) {

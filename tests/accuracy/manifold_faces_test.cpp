@@ -84,7 +84,7 @@ double area(const Polygon& polygon) {
   return twice / 2;
 }
 
-/// What of a polygon lies in a convex one; both counter-clockwise.
+/// The part of a polygon that lies in a convex one; both counter-clockwise.
 Polygon clip(Polygon polygon, const Polygon& window) {
   for (std::size_t i = 0; i < window.size(); ++i) {
     const Vector2& tail = window[i];

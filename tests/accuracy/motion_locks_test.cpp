@@ -73,7 +73,7 @@ TEST(MotionLocks, FreeFlightIsAParabolaInThePlane) {
   }
 }
 
-// What is locked about one axis turns about the two others by the inverse of the inertia about these.
+// A body locked about one axis turns about the two others by the inverse of the inertia about these two.
 TEST(MotionLocks, InertiaIsThatOfTheFreeAxes) {
   const Vector3 half(0.5, 0.3, 0.1);
   const Quaternion turned = about({1, 2, 3}, 0.8);
@@ -348,7 +348,7 @@ TEST(MotionLocks, BallsOutOfThePlaneMeetWhereItCutsThem) {
   EXPECT_EQ(world.pose(ball).position.y(), 0);
 }
 
-// What only pushes across the plane is let pass.
+// A contact that pushes only across the plane is ignored.
 TEST(MotionLocks, WallsAcrossThePlaneHoldNothing) {
   World world;
   world.add_body(static_box({0, 1, 0}, {5, 0.5, 5}));

@@ -11,7 +11,7 @@
 
 namespace atl::physics {
 
-// What GoogleTest shows of a case.
+// Prints a case for GoogleTest.
 void PrintTo(const PhysicsCase& test, std::ostream* out) { *out << test.name; }
 
 }  // namespace atl::physics

@@ -48,7 +48,7 @@ class RunningProgram {
   RunningProgram& operator=(const RunningProgram&) = delete;
 
   void send(int signal) const;
-  /// Whether it has a handler for the signal by now.
+  /// True once it has a handler for the signal.
   bool catches(int signal) const;
   bool has_ended() const;
   std::string err() const;  ///< so far

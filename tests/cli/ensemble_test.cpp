@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Where it is asked for the package by -c, it has it unless told otherwise.
+// Stands in for Python: asked for the package by -c, it has it unless WITHOUT says otherwise.
 constexpr const char* tells_words =
     "#!/bin/sh\n"
     "if [ \"$1\" = -c ]; then exit \"${WITHOUT:-0}\"; fi\n"
@@ -27,7 +27,7 @@ std::string script(const ScratchDirectory& scratch, const std::string& name, con
   return path;
 }
 
-// As `atoll ensemble ...` in a shell, with these variables.
+// Runs `atoll ensemble ...` like a shell, with these variables.
 std::vector<std::string> ensemble(const std::vector<std::string>& environment,
                                   const std::vector<std::string>& arguments,
                                   const std::string& command = ATOLL_COMMAND_PATH) {

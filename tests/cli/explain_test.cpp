@@ -1,4 +1,4 @@
-// What atoll explain says of scenes, in words and as JSON.
+// Output of atoll explain for scenes, in words and as JSON.
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// What other programs are given of a run: poses and forces are those of the run, and files are as their formats say.
+// Exports of a run to other programs: poses and forces are those of the run, and files follow their formats.
 
 #include <atoll/atoll.h>
 #include <gtest/gtest.h>
@@ -57,7 +57,7 @@ class Gltf {
     return values;
   }
 
-  /// Of a node, by path: a row of numbers for each frame.
+  /// The channels of a node, by path: a row of numbers for each frame.
   std::map<std::string, std::vector<float>> channels(std::size_t node) const {
     std::map<std::string, std::vector<float>> found;
     const Json& animation = json["animations"][0];
@@ -242,7 +242,7 @@ TEST_F(Export, VtkHoldsSurfacesAndContactForcesOfTheRun) {
                 velocity.size() == points.size());
     EXPECT_TRUE(std::is_sorted(offsets.begin(), offsets.end()) && offsets.back() == corners.size());
     ASSERT_LT(*std::max_element(corners.begin(), corners.end()), points.size() / 3.0);
-    // What readers make of it, and what the run says.
+    // Compares the data that a reader gets with those of the run.
     while (playback.step() < step) playback.advance();
     const World& world = playback.world();
     std::map<double, Vector3> low, high, fastest;

@@ -1,4 +1,4 @@
-// What signals do to commands that are under way.
+// Signals to commands that are under way.
 
 #include <gtest/gtest.h>
 #include <signal.h>

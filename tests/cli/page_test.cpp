@@ -78,7 +78,7 @@ std::set<std::size_t> drawn_runs(const Json& scene) {
   return drawn;
 }
 
-// Whether a run's mark in the section of its scene has the name of its engine and setting.
+// True if a run's mark in the section of its scene has the name of its engine and setting.
 bool names_mark(const std::string& section, const Json& scene, std::size_t run) {
   const std::size_t mark = section.find("data-run=\"" + std::to_string(run) + "\"");
   const std::string engine = scene["runs"][run]["engine"], label = scene["runs"][run]["label"];

@@ -1,4 +1,4 @@
-// What `atoll run --record` writes, what `atoll replay` prints of it, and how it ends.
+// Files of `atoll run --record`, and output and exit status of `atoll replay`.
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// What a run prints and writes.
+// Output and files of a run.
 
 #include <gtest/gtest.h>
 

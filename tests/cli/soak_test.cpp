@@ -31,7 +31,7 @@ TEST(CommandSoak, AShortOneChecksAllAndTellsWhatItLost) {
   EXPECT_NE(line_of(result.out, "soak ").find("2 threads"), std::string::npos) << result.out;
   EXPECT_TRUE(line_of(result.out, "steps ").starts_with("steps     1010;")) << result.out;
   EXPECT_NE(line_of(result.out, "checked").find("2 recordings"), std::string::npos) << result.out;
-  // What is lost is a matter of physics, and told; recordings stay where there is something of that in them.
+  // Losing bodies is a matter of physics, and reported. Recordings stay only if they show a loss.
   const bool lost = line_of(result.out, "lost") != "lost      0 bodies in quarantine, 0 through the ground";
   EXPECT_EQ(std::filesystem::is_empty(folder), !lost);
   EXPECT_EQ(result.out.find(".recording, step ") != std::string::npos, lost) << result.out;

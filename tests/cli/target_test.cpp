@@ -105,7 +105,7 @@ TEST(CommandTarget, WhatASceneAsksForCanBeChanged) {
   EXPECT_EQ(target_with({"--target", "penetration=1mm"}),
             TargetJson::parse(R"({"penetration": 0.001, "least_substeps": 3, "most_substeps": 9})"));
   EXPECT_EQ(target_with({"--most-substeps", "40"})["most_substeps"], 40);
-  // As low as it takes.
+  // The least number of substeps drops to the most that is allowed.
   EXPECT_EQ(target_with({"--most-substeps", "2"})["least_substeps"], 2);
   EXPECT_EQ(target_with({"--target", "off"}), "off");
 }

@@ -1,4 +1,4 @@
-// What atoll tune finds, prints and refuses.
+// Results and output of atoll tune, and the options that it refuses.
 
 #include <gtest/gtest.h>
 
@@ -72,7 +72,7 @@ TEST(CommandTune, EachPairOfSolversHasItsFewestSubsteps) {
   }
   // Joints that are solved one by one need more substeps than those that are solved at once.
   EXPECT_GE(timed, 2);
-  // What is tried, and what it comes to, is the same each time.
+  // Trials and their results are the same each time.
   TuneJson again = TuneJson::parse(run_tune("bridge:planks=8", "1mm", {"--steps", "120", "--format", "json"}).out);
   ASSERT_EQ(again["trials"].size(), trials.size());
   for (std::size_t i = 0; i < trials.size(); ++i) {

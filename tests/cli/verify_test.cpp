@@ -1,4 +1,4 @@
-// What `atoll verify` prints, and how it ends.
+// Output and exit status of `atoll verify`.
 
 #include <gtest/gtest.h>
 

@@ -19,7 +19,7 @@ namespace {
 constexpr double dt = 1.0 / 60;
 constexpr std::size_t kinds = 13;
 
-// What sets one kind of world apart from the others.
+// Makes worlds of one kind different from those of the others.
 void make_kind(World& world, std::size_t kind) {
   const auto x = static_cast<double>(kind);
   for (const BodyId body : world.bodies()) {

@@ -49,7 +49,7 @@ std::vector<std::uint32_t> changed_by(const std::function<void(Rig&)>& change) {
   return bodies;
 }
 
-// What was changed and changed back counts for nothing, whatever is kept of it.
+// A change that is taken back leaves no trace in the hash, whatever the world still keeps of it.
 TEST(BodyHash, WhatIsTakenBackDoesNotShow) {
   const auto is_as_before = [](const auto& change, const auto& take_back) {
     Rig plain, changed;

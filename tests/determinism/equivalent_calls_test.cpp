@@ -1,5 +1,5 @@
-// What is the same in the end has the same result, however it came about: whether something was said when a body was
-// made or after, at once or in parts, and whatever else came and went before.
+// Equal definitions give equal results, however they came about: said as a body was made or later, at once or in parts,
+// and whatever else came and went before.
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
-// What worlds can do beside bodies and joints, in all modes of the solvers: the same bits on any number of threads,
-// gone on with after a save, restored into another world, and replayed.
+// Features beside plain bodies and joints, in all modes of the solvers: the same bits on any number of threads,
+// continued after a save, restored into another world, and replayed.
 
 #include <atoll/atoll.h>
 #include <gtest/gtest.h>

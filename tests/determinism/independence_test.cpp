@@ -87,7 +87,7 @@ TEST(Independence, ForcesThatAreDueDoNotDependOnTheOrderOfOtherBodies) {
   EXPECT_EQ(positions(false), positions(true));
 }
 
-// What kernels a group of islands is solved with depends on all of its contacts; what they make of one must not.
+// The kernels of a group of islands depend on all of its contacts; the result of one contact must not.
 TEST(Independence, ABeltAndARollingBallFarAwayChangeNoBitOfOthers) {
   for (const Stabilisation stabilisation :
        {Stabilisation::Soft, Stabilisation::Baumgarte, Stabilisation::SplitImpulse}) {
@@ -146,7 +146,8 @@ TEST(Independence, ABallDoesNotRollWithTheImpulseOfOneThatIsGone) {
   EXPECT_EQ(trail(0.5), trail(100));
 }
 
-// What is solved beside a contact decides which kernels do, and these whether they write what holds back rolling.
+// A contact's neighbours decide which kernels run, and kernels differ in writing rolling impulses. No old ones may
+// stay.
 TEST(Independence, ABallThatIsNoLongerHeldFromRollingHasNothingLeftOfIt) {
   const auto trail = [](bool belt) {
     World world;

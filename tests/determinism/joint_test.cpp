@@ -107,7 +107,7 @@ TEST_P(JointBits, DoNotDependOnWhatIsAskedBetweenSteps) {
     asked.world.step(dt);
     left_alone.world.step(dt);
     for (const JointId joint : asked.joints) (void)asked.world.joint_state(joint);
-    // What it was already changes nothing but rest times, which nobody counts here.
+    // Setting a joint to its own kind changes nothing except rest times, which are not used here.
     asked.world.set_joint(asked.joints[3], asked.world.joint(asked.joints[3]).kind);
     ASSERT_EQ(asked.world.state_hash(), left_alone.world.state_hash()) << i;
   }

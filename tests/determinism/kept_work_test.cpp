@@ -1,5 +1,5 @@
-// What a step leaves out because nothing changed must not show: islands kept from the step before, and contacts of
-// sleepers that are not looked at.
+// Work that a step skips because nothing changed must not show: islands kept from the step before, and idle contacts of
+// sleepers.
 
 #include <gtest/gtest.h>
 

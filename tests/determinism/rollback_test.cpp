@@ -38,7 +38,7 @@ class Choices {
   std::uint64_t state_;
 };
 
-/// What is simulated: a scene, with forces if it has some, and settings that turn on what state there can be.
+/// A run: a scene, with forces if it has some, and settings that turn on every kind of state.
 struct Run {
   SceneRun scene;
 
@@ -66,7 +66,7 @@ struct Run {
   World& world() { return scene.world; }
 };
 
-/// What the world is after each step, and what it told of it.
+/// Hashes of the world's state and its events after each step.
 std::vector<std::uint64_t> trail(Run& run) {
   std::vector<std::uint64_t> hashes = {run.world().state_hash()};
   for (int i = 0; i < steps_after; ++i) {
@@ -170,7 +170,7 @@ TEST_P(RollbackTest, GoesOnAsSaved) {
 INSTANTIATE_TEST_SUITE_P(Scenes, RollbackTest, testing::ValuesIn(small_scenes()),
                          [](const auto& scene) { return case_name(scene.param); });
 
-// As many as the environment asks for, of scenes and steps at random.
+// Random scenes and steps, their number given by the environment.
 TEST(Rollback, ManyAtRandom) {
   const char* asked = std::getenv("ATOLL_ROLLBACKS");
   const int count = asked != nullptr ? std::atoi(asked) : 0;
@@ -184,7 +184,7 @@ TEST(Rollback, ManyAtRandom) {
   }
 }
 
-// What solvers of islands have solved in between is no part of a state: here contacts of a hinge whose end bounces.
+// The direct solvers' caches of islands are no part of a state: here those of contacts of a hinge whose end bounces.
 TEST(Rollback, AnIslandSolvedAtOnceKeepsNothingOfAnother) {
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
     Choices choices(seed);

@@ -145,7 +145,7 @@ TEST(StateHash, SeesSurfaces) {
 }
 
 TEST(StateHash, SeesWhatMayTouch) {
-  // Of bodies far from each other, so that nothing comes of it yet.
+  // The filters are those of bodies far from each other, so that they have no effect yet.
   const auto hash_with = [](const CollisionFilter& filter) {
     return hash_after(10, [&](Crates& crates) { crates.world.set_filter(crates.ids[3], filter); });
   };

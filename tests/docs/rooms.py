@@ -40,7 +40,7 @@ def room_of(path):
     inner = [folder for folder in folders if folder not in ("include", "src", layer)]
     if inner:
         return f"{layer}/{inner[0]}"
-    # What a group is swept with, and numbers that all rooms read.
+    # Headers outside folders: the input of the sweep, and tuned numbers that all rooms read.
     return f"{layer}/sweep" if name == "solve_input.h" else f"{layer}/tuning"
 
 

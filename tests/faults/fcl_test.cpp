@@ -1,5 +1,4 @@
-// What a contact needs FCL for: with nothing from it solids fall through each other, and what it says wrongly is
-// replaced and counted.
+// Faults of FCL: without its manifolds solids fall through each other, and its wrong answers are replaced and counted.
 
 #include <atoll/atoll.h>
 #include <gtest/gtest.h>

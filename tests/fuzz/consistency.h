@@ -1,5 +1,5 @@
 #pragma once
-/// What must hold of a world whatever was done to it, and of the answers to queries.
+/// Invariants of a world, whatever was done to it, and of the answers to queries.
 
 #include <atoll/atoll.h>
 #include <atoll/queries.h>
@@ -12,7 +12,7 @@ namespace atl::fuzz {
 void check_world(const World& world);
 /// A shape that could be made has a volume or is refused one, and closes where it says so. Throws Finding.
 void check_shape(const Shape& shape);
-/// Of two worlds to which the same was done: what steps tell beside the state.
+/// Compares the reports of two worlds to which the same was done, beside their states.
 void check_same_results(const World& a, const World& b);
 void check_same_reports(const StepReport& a, const StepReport& b);
 

@@ -13,7 +13,7 @@
 
 namespace atl::fuzz {
 
-/// What a definition may be like.
+/// The range of a definition's numbers.
 enum class Numbers {
   Usual,  ///< sizes of metres and all valid: nothing may be refused, and results can be held against others
   Any     ///< now and then infinite, not a number, absurd or out of range

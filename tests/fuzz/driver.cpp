@@ -85,7 +85,7 @@ void run(const Input& input) { LLVMFuzzerTestOneInput(input.data(), input.size()
 
 }  // namespace
 
-// Of one input, without a piece of another.
+// Mutates one input, without pieces of others.
 extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t max_size) {
   static std::mt19937 random(2);
   Input input(data, data + size);

@@ -10,7 +10,7 @@
 
 namespace atl::fuzz {
 
-/// What should not be. Nobody catches it but who runs many inputs: libFuzzer ends, and keeps the input.
+/// A violated invariant. Only the driver of many inputs catches it: libFuzzer ends, and keeps the input.
 class Finding : public std::logic_error {
  public:
   using std::logic_error::logic_error;
@@ -20,7 +20,7 @@ inline void require(bool holds, const std::string& what) {
   if (!holds) throw Finding(what);
 }
 
-/// Of a call that has to throw Error, and say something.
+/// Requires a call to throw Error with a message.
 template <typename Call>
 void require_refused(const std::string& what, const Call& call) {
   try {

@@ -58,7 +58,7 @@ void change_often(Run& run) {
   }
 }
 
-// What was looked at before bodies came and went, or others were restored, can still be looked at.
+// Views taken before bodies came and went, or before a restore, stay readable.
 void keep_views(Run& run) {
   World& world = run.worlds.first();
   world.keep_views();
@@ -153,7 +153,7 @@ void define_what_cannot_be(Run& run) {
 
 namespace {
 
-// What no world goes on with: too fast, of itself or by what pushes it, or too far away.
+// Sends a body into quarantine: too fast, by its own velocity or by a push, or too far away.
 std::string overdo(Run& run, BodyId id) {
   const std::uint32_t way = run.bytes.below(6);
   return run.call("overdo", [&](World& world, std::size_t) {
@@ -204,7 +204,7 @@ void break_and_release(Run& run) {
 
 namespace {
 
-// What nobody may do while a step is under way.
+// Tries a change that is forbidden while a step is under way.
 void try_to_change(World& world, std::uint32_t what) {
   require_refused("a change within a step", [&] {
     switch (what % 8) {

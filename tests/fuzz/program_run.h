@@ -49,8 +49,7 @@ struct Run {
   JointId joint();
 };
 
-// What a choice that may be impossible comes to: hulls of points in a plane and the like are refused where they are
-// made.
+// Makes a choice that may be invalid, such as a hull of points in a plane: nothing if its constructor refuses it.
 template <typename Choose>
 auto chosen(const Choose& choose) -> std::optional<decltype(choose())> {
   try {
@@ -62,7 +61,7 @@ auto chosen(const Choose& choose) -> std::optional<decltype(choose())> {
 
 // Kinds of call, each of which reads from the bytes what it is made with.
 
-// Of program_files.cpp: what becomes of worlds in snapshots, recordings and scene files.
+// Operations of program_files.cpp: worlds in snapshots, recordings and scene files.
 void save(Run& run);
 void restore(Run& run);
 void record(Run& run);
@@ -71,7 +70,7 @@ void write_as_scene(Run& run);
 void end_while_recording(Run& run);
 void use_files_that_cannot_be(Run& run);
 
-// Of program_more.cpp: what takes several calls, or must be refused.
+// Operations of program_more.cpp: sequences of several calls, and calls that must be refused.
 void fall_asleep(Run& run);
 void change_often(Run& run);
 void keep_views(Run& run);

@@ -233,7 +233,7 @@ void check_filtered(const World& world, const Ray& ray, Bytes& bytes) {
   check_what_touches(world, ray, bytes);
 }
 
-// As one by one. Some dozens are shared among threads.
+// Requires a batch to be answered like single questions. Batches of some dozens are shared among threads.
 template <typename Question, typename AskAll, typename Ask, typename Agree>
 void check_batch(const std::vector<Question>& some, std::size_t count, const AskAll& ask_all, const Ask& ask,
                  const Agree& agree) {

@@ -17,9 +17,9 @@ namespace atl::fuzz {
 
 using test::Record;
 
-/// Of a record between two recordings.
+/// Kind of a marker between two recordings.
 inline constexpr auto next_recording = static_cast<RecordKind>(0xffff);
-/// What an input begins with that goes on with a file as it is.
+/// Prefix of an input that continues with the bytes of a file.
 inline constexpr std::string_view whole_file = "FILE";
 
 /// Any bytes are some records.

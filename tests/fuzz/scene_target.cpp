@@ -32,7 +32,7 @@ bool is_name(std::string_view text) {
   return !text.empty() && text.front() >= 'a' && text.front() <= 'z' && text.find('/') == std::string_view::npos;
 }
 
-// Of "name:count=20,speed=3".
+// The value of a parameter in a text such as "name:count=20,speed=3".
 double value_of(const SceneParameter& parameter, std::string_view text) {
   const std::string item = parameter.name + "=";
   double value = parameter.value;
@@ -43,7 +43,7 @@ double value_of(const SceneParameter& parameter, std::string_view text) {
   return value;
 }
 
-// Whether all counts of a built-in scene are so small that it takes no time, or are refused.
+// True if all counts of a built-in scene are so small that it runs in no time, or so large that it is refused.
 bool has_small_counts(std::string_view text) {
   for (const BuiltinScene& scene : builtin_scenes()) {
     if (scene.name != text.substr(0, text.find(':'))) continue;

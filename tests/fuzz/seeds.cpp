@@ -24,7 +24,7 @@ using namespace atl;
 using namespace atl::fuzz::seeds;
 namespace fs = std::filesystem;
 
-// As it is, to be restored into an empty world and one of the same bodies.
+// Writes a snapshot, to be restored into an empty world and into one of the same bodies.
 void write_snapshot(const fs::path& path, const World& world, std::size_t its_number) {
   Snapshot snapshot;
   world.save(snapshot);
@@ -146,7 +146,7 @@ void write_pairs(const fs::path& folder) {
   }
 }
 
-// Of a file as it is, which is damaged in all places where something else is found.
+// Writes a file as it is, and with one place damaged in each part of the format.
 void write_damaged(const fs::path& folder, Input whole) {
   const Input begin(fuzz::whole_file.begin(), fuzz::whole_file.end());
   whole.insert(whole.begin(), begin.begin(), begin.end());

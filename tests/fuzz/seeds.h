@@ -1,5 +1,5 @@
 #pragma once
-/// What writes inputs to begin with has in common.
+/// Shared by the programs that write seed inputs.
 
 #include <cstdint>
 #include <filesystem>
@@ -33,8 +33,8 @@ inline Input text(const std::string& words) { return {words.begin(), words.end()
 /// The name of a built-in scene without its parameters.
 inline std::string plain(const std::string& name) { return name.substr(0, name.find(':')); }
 
-/// Of scene_seeds.cpp: built-in scenes as files and by name, files of all keys, files wrong in one place each, and
-/// those given.
+/// Scene seeds (scene_seeds.cpp): built-in scenes as files and by name, files of all keys, files wrong in one place
+/// each, and those given.
 void write_scenes(const fs::path& folder, std::span<char*> files);
 
 }  // namespace atl::fuzz::seeds

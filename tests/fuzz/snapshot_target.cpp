@@ -37,7 +37,7 @@ std::vector<std::byte> with_header(std::span<const std::byte> content) {
   return bytes;
 }
 
-// What a world saved can be read.
+// A saved world must be readable.
 Snapshot saved_again(std::span<const std::byte> bytes) {
   try {
     return Snapshot::from_bytes(bytes);
@@ -81,7 +81,7 @@ std::optional<Snapshot> read(const std::string& place, std::string& words, const
   }
 }
 
-// Of a file, which is refused in the same words as its bytes are.
+// Reads a snapshot's file, and requires it to be refused in the same words as its bytes are.
 std::optional<Snapshot> read_file(const fuzz::ScratchFile& file, std::span<const std::uint8_t> bytes) {
   file.write(bytes);
   std::string words, words_of_bytes;

@@ -1,6 +1,6 @@
 #pragma once
-/// What libFuzzer, or driver.cpp where there is none, calls with an input; and what it has for those who change inputs
-/// in ways of their own.
+/// The entry points that libFuzzer, or driver.cpp without it, calls with an input, and the mutator of targets that have
+/// their own.
 
 #include <cstddef>
 #include <cstdint>
@@ -9,7 +9,7 @@ extern "C" {
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
-/// Of a target that has one: changes an input, in place, and returns its new size.
+/// Optional mutator of a target: changes an input, in place, and returns its new size.
 std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t max_size, unsigned int seed);
 
 /// The change that there is without.

@@ -1,4 +1,5 @@
-// What rolls: a round surface stays lowest where it is as its body turns, wherever the body's centre is.
+// Rolling: the lowest point of a round surface stays under its centre as the body turns, wherever the body's centre of
+// mass is.
 
 #include <gtest/gtest.h>
 
@@ -25,7 +26,7 @@ struct Roller {
   Shape shape;
 };
 
-// Of radius 0.5 about the x axis.
+// Shapes that roll about the x axis with radius 0.5.
 std::vector<Roller> rollers() {
   const auto wheel = [](double x) { return CompoundChild{Cylinder{0.5, 0.1}, {x, 0, 0}, on_its_side}; };
   return {{"two balls", Compound{{{Sphere{0.5}, {-1, 0, 0}}, {Sphere{0.5}, {1, 0, 0}}}}},
@@ -75,7 +76,7 @@ void expect_steady_swings(const std::string& name, const Shape& shape, const Qua
   const double lean = std::atan2(-up.y(), up.z()), rate = world.angular_velocity(body).x();
   const double most = std::hypot(lean, rate / w);
   EXPECT_NEAR(most / start, 1, 0.01) << name << ", dt " << dt;
-  // Of the 63 rad that it has gone through, the swing's own width accounts for some hundredths.
+  // The phase after 63 rad; the finite width of the swing accounts for some hundredths of the error.
   EXPECT_NEAR(std::atan2(rate / w, lean), 0, 0.1) << name << ", dt " << dt;
 }
 

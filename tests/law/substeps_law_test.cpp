@@ -1,5 +1,5 @@
-// What the choice of substeps rests on: errors of soft contacts and joints fall with the square of the substeps, and an
-// island that is given some moves as one that was asked to.
+// The laws that the choice of substeps rests on: errors of soft contacts and joints fall with the square of the
+// substeps, and an island moves alike if substeps are chosen for it or asked for.
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-/// What a user of the package writes: a crate falls 2.5 m onto the ground and comes to rest there.
+/// A program of a user of the package: a crate falls 2.5 m onto the ground and comes to rest there.
 
 #include <atoll/atoll.h>
 

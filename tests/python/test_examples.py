@@ -13,7 +13,7 @@ import pytest
 from conftest import ROOT
 
 FOLDER = ROOT / "runtime/python"
-# What a run of each has to say, whatever the machine.
+# Words that a run of each example must print, on any machine.
 WORDS = {
     "back_in_time.py": "the same bits",
     "conveyor.py": "parcel 4 at 1.50 m/s",

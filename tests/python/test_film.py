@@ -213,7 +213,7 @@ def test_a_notebook_plays_it(tmp_path: Path, world: atoll.World) -> None:
     element = shown(film)
     assert element.startswith('<iframe sandbox="allow-scripts"') and 'height="620"' in element
     assert 'height="300"' in film.html(height=300)
-    # As a browser has it but for the sandbox, through which nobody could look. The frame loads when it likes.
+    # Loads the page in a frame without the sandbox, which would hide it from the test. The frame loads at any time.
     look = """<script>setInterval(() => {
       const body = document.querySelector('iframe').contentDocument.body;
       if (body && body.dataset.ready) document.body.dataset.told = body.dataset.step + ' of ' + body.querySelector('#title').textContent;

@@ -20,7 +20,7 @@ import atoll
 from atoll import _core, _sweep, _sweep_parts
 from atoll._ensemble.engines import Answer, Call, LocalEngine
 
-# As the command's results.csv begins: see tests/cli/sweep_test.cpp.
+# The first columns of the command's results.csv: see tests/cli/sweep_test.cpp.
 FIRST_COLUMNS = (
     "scene,engine,label,default,outcome,why,steps,dt,substeps,target,iterations,friction,warm_start,relax_iterations,"
     "stabilisation,contact_solver,joint_solver,tolerance,threads,simd,options,cpu_s_per_simulated_s,cpu_min,cpu_max,"

@@ -76,7 +76,7 @@ class ClosedRoom : public testing::TestWithParam<Flyer> {
 TEST_P(ClosedRoom, NobodyLeaves) {
   for (const Walls walls : {Walls::Triangles, Walls::Plates, Walls::Blocks}) {
     for (const double speed : {10.0, 100.0, 300.0}) {
-      // Of capsules that plates hold where these meet, 3 of 1000 are pressed out between them.
+      // Capsules between two plates that meet: 3 of 1000 are pressed out between them.
       const int most = walls == Walls::Plates && GetParam().name == "capsule" ? 1 : 0;
       for (const double friction : {0.0, 0.5}) {
         EXPECT_LE(leave(walls, speed, friction, 0.5, 40, 240), most)

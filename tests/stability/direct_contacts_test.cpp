@@ -65,7 +65,7 @@ TEST(DirectContacts, LadderOfMassesStands) {
   }
 }
 
-// What a contact reports is the weight of all above it.
+// A contact reports the weight of all above it.
 TEST(DirectContacts, ForcesAreTheWeightsAbove) {
   World world;
   world.add_body(ground());

@@ -17,7 +17,7 @@ namespace atl::test {
 namespace {
 
 constexpr double seconds = 2;
-// Of what an assembly may have: what errors of motion may add.
+// Factor on an assembly's allowance of energy, for errors of integrating its motion.
 constexpr double margin = 2;
 
 struct Gain {

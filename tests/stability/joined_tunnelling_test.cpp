@@ -1,4 +1,4 @@
-// What joints connect doesn't pass through anything either, and isn't torn where it meets it.
+// Joined bodies don't pass through anything either, and joints aren't torn by an impact.
 
 #include <gtest/gtest.h>
 
@@ -120,7 +120,7 @@ TEST_P(JoinedTunnelling, JointsOpenByTheSquareOfTheTurnWhereTheyAreStopped) {
   }
 }
 
-// What slides fast touches the ground, and one tile after another, all the time; that must not hold it up.
+// A chain that slides fast touches the ground, and one tile after another, all the time; that must not slow it down.
 TEST_P(JoinedTunnelling, ChainsSlideOverTilesAtTheirSpeed) {
   for (const double speed : {30.0, 60.0}) {
     Scene scene;

@@ -1,5 +1,5 @@
-// What lands on a mesh or a height field under others, up to 50 times as dense, is not pressed through it: contacts
-// give way to them, step by step, and behind its front a surface pushes nobody.
+// Bodies that land on a mesh or a height field under others, up to 50 times as dense, are not pressed through it:
+// contacts yield gradually, step by step, and a surface pushes nobody that is behind its front.
 
 #include <gtest/gtest.h>
 
@@ -42,7 +42,7 @@ BodyDef hills(Random& random, bool as_field) {
   return {.type = BodyType::Static, .shape = TriangleMesh(vertices, triangles)};
 }
 
-// Whether a column of four boxes, the last of them dense, stays on the hills that it lands on at 9 m/s.
+// True if a column of four boxes, the last of them dense, stays on the hills that it lands on at 9 m/s.
 bool stays(std::uint64_t seed, const Settings& settings, bool as_field) {
   Random random{std::mt19937_64(seed)};
   World world({.settings = settings});

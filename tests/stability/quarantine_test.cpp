@@ -1,5 +1,5 @@
-// What callers or a solve make non-finite or absurd goes into quarantine, and everything else goes on, bit for bit, as
-// if it had been removed.
+// Bodies that callers or a solve make non-finite or absurd go into quarantine, and everything else goes on, bit for
+// bit, as if they had been removed.
 
 #include <gtest/gtest.h>
 
@@ -91,7 +91,7 @@ void expect_same(const World& world, const World& expected, const std::vector<Bo
   }
 }
 
-// Those that can move, in order.
+// The bodies that carry contact forces and can move, in order.
 std::vector<BodyId> bodies_that_are_pressed(const SceneRun& pile) {
   std::set<BodyId> pressed;
   for (const ContactForce& point : pile.world.contact_forces()) {

@@ -206,7 +206,7 @@ TEST(Robots, StayWholeAndComeToRest) {
           add_hand(robot, random);
           break;
       }
-      // Where a drive leaves off, one in ten humanoids slips on for more than 6 s, and none for 15.
+      // After the drive ends, one in ten humanoids slides on for more than 6 s, and none for 15.
       const double step = 1 / of.rate, moving = of.driven ? 3 : 0, all = moving + (of.driven ? 15 : 6);
       double most = 0, at_end = 0;
       for (int i = 0; i * step < all && world.quarantined().empty(); ++i) {

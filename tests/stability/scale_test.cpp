@@ -35,7 +35,7 @@ TEST(Scale, StackFarFromTheOriginStandsAsAtTheOrigin) {
   }
 }
 
-/// Where a box dropped on another ends, from the lower one's centre.
+/// The place where a box dropped on another ends, from the lower one's centre.
 Vector3 landing_at(const Vector3& base) {
   World world;
   world.add_body(static_box(base, {5, 5, 0.5}));

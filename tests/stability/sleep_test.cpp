@@ -173,7 +173,7 @@ TEST(Sleep, OnlyWhatIsWokenIsWoken) {
   }
 }
 
-// What sleeps is not looked at, so a world asleep costs nothing, and one island awake costs what it costs alone.
+// Sleeping bodies aren't updated, so a world asleep costs nothing, and one island awake costs as much as it does alone.
 TEST(Sleep, CostsNothing) {
   World world({.settings = {.sleeping = true}});
   world.add_body(ground());

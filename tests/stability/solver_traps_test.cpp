@@ -1,5 +1,5 @@
-// What a contact solver of this kind gets wrong where one of its parts is left out, and that the part cures it: each
-// test shows the failure and the cure side by side.
+// Known traps of contact solvers of this kind: each test leaves one part of the solver out and shows the failure, and
+// beside it the part that cures it.
 
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ RestReport rest_of_ten(const Settings& settings) {
 // through to the lowest contact.
 TEST(SolverTraps, AStackSinksWithOneColdSweepAndStandsWithSeveralWarmOnes) {
   for (const Stabilisation stabilisation : {Stabilisation::Baumgarte, Stabilisation::SplitImpulse}) {
-    // What falls in a substep, g h^2, is 2.7 mm: with less slop contacts come and go.
+    // A body falls by g h^2 = 2.7 mm in a substep: with less slop contacts come and go.
     Settings settings = {.substeps = 1, .warm_starting = false, .stabilisation = stabilisation, .slop = 5e-3};
     EXPECT_GT(rest_of_ten(settings).sink_max, 1.0) << static_cast<int>(stabilisation);
     settings.iterations = 10;

@@ -13,7 +13,7 @@
 
 namespace atl::stability {
 
-// What GoogleTest shows of a case.
+// Prints a case for GoogleTest.
 void PrintTo(const StabilityCase& test, std::ostream* out) { *out << test.name; }
 
 }  // namespace atl::stability

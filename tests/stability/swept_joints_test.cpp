@@ -83,7 +83,8 @@ struct Axle {
   }
 };
 
-// What a spring is to substeps decides who solves it, and follows their length: also in a world that is gone on with.
+// A spring's stiffness relative to the substep decides who solves it, also as the step length changes and after a
+// restore.
 TEST(SweptJoints, SpringsThatSubstepsCantFollowAreSolvedAtOnce) {
   EXPECT_EQ(Axle(2).world.step(1.0 / 60).counts.direct_joints, 0);
   EXPECT_EQ(Axle(60).world.step(1.0 / 60).counts.direct_joints, 2);

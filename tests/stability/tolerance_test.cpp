@@ -61,7 +61,7 @@ TEST(Tolerance, ALargerOneMeansFewerSweepsAndMoreError) {
       const double difference = largest_difference(now.places, all.places);
       EXPECT_LT(now.sweeps, sweeps) << tolerance << ", " << static_cast<int>(stabilisation);
       EXPECT_GT(difference, error) << tolerance << ", " << static_cast<int>(stabilisation);
-      // What a sweep leaves undone can't move a body farther than its speed does.
+      // The velocity that a sweep leaves unsolved is below the tolerance, which bounds how far it moves a body.
       EXPECT_LT(difference, 10 * dt * 10 * tolerance) << tolerance << ", " << static_cast<int>(stabilisation);
       sweeps = now.sweeps;
       error = difference;
@@ -102,7 +102,7 @@ TEST(Tolerance, OneTooSmallToMeetChangesNoBit) {
   EXPECT_EQ(hash_of_positions(0), hash_of_positions(1e-30));
 }
 
-/// Where the bodies of a hit stack are after each step, with other islands far away or without.
+/// Positions of a hit stack's bodies after each step, with or without other islands far away.
 std::vector<double> hit_stack(int others, const WorldDef& def, std::int64_t* sweeps = nullptr) {
   World world(def);
   world.add_body(ground());

@@ -126,7 +126,7 @@ std::vector<BodyId> add_shower(World& world) {
   return shower;
 }
 
-// Where many bodies are fast their contacts tell what is near, among many slow ones the boxes' tree does.
+// Many fast bodies find their neighbours by contacts; a few among many slow ones find them by the AABB tree.
 TEST(Tunnelling, WhatIsNearIsTheSameByContactsAndByTree) {
   World alone({.gravity = Vector3::Zero()}), in_crowd({.gravity = Vector3::Zero()});
   const std::vector<BodyId> shower = add_shower(alone);

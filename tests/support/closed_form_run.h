@@ -35,7 +35,7 @@ inline std::vector<BodyState> starting_states(const Scene& scene) {
 /// Changes the states from their start to those at a time in s.
 using Motion = std::function<void(double time, std::vector<BodyState>& states)>;
 
-/// What a scene's measure makes of a motion, sampled in steps of dt (s) over the scene's duration.
+/// Errors of a motion by the scene's measure, sampled in steps of dt (s) over the scene's duration.
 inline Errors errors_of(const Scene& scene, const Motion& motion, double dt) {
   const auto measure = scene.closed_form->measure();
   const double duration = scene.steps * scene.dt;

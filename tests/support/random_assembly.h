@@ -326,7 +326,7 @@ struct EnergyAllowance {
   double all() const { return springs + motors + heights + closing + start; }
 };
 
-/// Of an assembly in its first state.
+/// The energy that an assembly may gain, from its first state.
 inline EnergyAllowance energy_allowance(const World& world, const Assembly& made, const std::vector<BodyId>& ids,
                                         double time) {
   EnergyAllowance allowed;

@@ -29,7 +29,7 @@ inline std::vector<std::string> small_scenes() {
   return scenes;
 }
 
-/// As gtest takes it for the name of a case.
+/// Turns a text into a valid gtest case name.
 inline std::string case_name(std::string text) {
   std::replace_if(
       text.begin(), text.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
