@@ -31,7 +31,7 @@ struct PeerRun {
   std::uint64_t seed = 1;
 };
 
-/// Another engine, run through its driver program (see perf/README.md, "Drivers").
+/// Another engine, run through its driver program (see perf/peers/README.md, "Drivers").
 class PeerDriver {
  public:
   /// Asks the program what it is. A run is ended after `limit` s. Throws DriverError. All throw Stopped.
