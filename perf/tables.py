@@ -5,7 +5,8 @@ usage: tables.py          writes them
        tables.py --check  exit status 1 if one would be another
 
 A table stands between `<!-- table: NAME -->` and `<!-- end of table -->`. NAME is that of a file of results, or one of
-`SUMMARIES` here. Each file has columns `date`, `machine` and `versions`; they make the line below the table.
+`SUMMARIES` here. Each file has columns `date`, `machine` and `versions`; they make the line below the table. Those of
+results.csv, which `atoll sweep` writes itself, are in results_origin.csv.
 """
 
 from __future__ import annotations
@@ -21,9 +22,6 @@ import robot_table
 PERF = Path(__file__).resolve().parent
 MARKED = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- end of table -->)", re.DOTALL)
 ORIGIN = ("date", "machine", "versions")
-# The sweep writes its files itself, without these.
-SWEEP = [{"date": "2026-11-22", "machine": "2 cores of a shared AMD EPYC (Zen 4)",
-          "versions": "Bullet 3.24, ODE 0.16.2, MuJoCo 2.2.2"}]
 MEASURES = ("analytic_error", "joint_gap_run_mean", "penetration_mean")
 NAMES = {"bullet": "Bullet", "ode": "ODE", "mujoco": "MuJoCo"}
 Row = dict[str, str]
@@ -82,7 +80,7 @@ def sweep() -> str:
         lines.append([f"`{scene.split(':')[0]}`", number(float(default[measure])),
                       number(1000 * float(default["cpu_s_per_simulated_s"])),
                       nearest(default, [row for row in some if row["engine"] != "Atoll"], measure)])
-    return markdown(["scene", "error", "ms", "nearest of the others"], lines) + origin(SWEEP)
+    return markdown(["scene", "error", "ms", "nearest of the others"], lines) + origin(load("results_origin"))
 
 
 def frontier() -> str:
