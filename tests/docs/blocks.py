@@ -1,9 +1,9 @@
-"""Blocks of code in the READMEs, and what their languages promise.
+"""Blocks of code in the READMEs and the guide, and what their languages promise.
 
-cpp    part of a program: the first of a README has main(), and each one after it goes on at the end of main().
+cpp    part of a program: the first of a page has main(), and each one after it goes on at the end of main().
        A block `text` that follows has what the program prints up to there.
 cmake  how a program of ours is linked; `my_program` is the program.
-sh     commands, each of which is run, in one folder for a README. An HTML comment ahead of the block leaves some out:
+sh     commands, each of which is run, in one folder for a page. An HTML comment ahead of the block leaves some out:
        <!-- not run: REASON --> all of them, <!-- not run `COMMAND`, `COMMAND`: REASON --> those that begin like that.
        Of these it is checked that programs, files and options are there.
 json   a scene file.
@@ -31,9 +31,14 @@ class Block(NamedTuple):
 
 
 def readmes():
-    return [ROOT / "README.md"] + sorted(
+    return [ROOT / name for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md")] + sorted(
         path for folder in ("jobs", "collision", "solver", "runtime", "tests", "perf")
         for path in (ROOT / folder).rglob("*.md"))
+
+
+def folder_name(readme):
+    """Of a page's own, for files that its test makes."""
+    return "_".join(readme.relative_to(ROOT).with_suffix("").parts)
 
 
 def split(readme):

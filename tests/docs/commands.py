@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Runs the command lines of each README, in a folder of its own that looks like the repository.
+"""Runs the command lines of each README and page of the guide, in a folder of its own that looks like the repository.
 
 usage: commands.py SCRATCH BIN PREFIX COMPILER [FLAG...]
 
-BIN is where programs were built, PREFIX where Atoll is installed. `g++` in a README is COMPILER with these flags, and
-main.cpp the README's own program. What a marker leaves out is not run, nor is what is quoted in the text; of those each
+BIN is where programs were built, PREFIX where Atoll is installed. `g++` on a page is COMPILER with these flags, and
+main.cpp the page's own program, or that of README.md where it has none. What a marker leaves out is not run, nor is what is quoted in the text; of those each
 program or file has to be there, and each option has to be known to it.
 """
 
@@ -16,7 +16,7 @@ import shutil
 import subprocess
 import sys
 
-from blocks import ROOT, readmes, split
+from blocks import ROOT, folder_name, readmes, split
 from programs import program_of
 
 TIME_LIMIT = 600  # s
@@ -116,14 +116,13 @@ def environment(scratch, bin_folder, prefix, compiler, flags):
 
 
 def folder_for(readme, blocks, scratch, bin_folder):
-    folder = scratch / "_".join(("root", *readme.parent.relative_to(ROOT).parts))
+    folder = scratch / folder_name(readme)
     (folder / "build/release").mkdir(parents=True)
     (folder / "build/release/bin").symlink_to(bin_folder)
     for part in ("runtime", "collision", "solver", "jobs", "tests", "perf"):
         (folder / part).symlink_to(ROOT / part)
-    source = program_of(blocks)
-    if source:
-        (folder / "main.cpp").write_text(source, encoding="utf-8")
+    source = program_of(blocks) or program_of(split(ROOT / "README.md")[0])
+    (folder / "main.cpp").write_text(source, encoding="utf-8")
     for block in blocks:
         if block.language == "json":
             (folder / f"scene_{block.line}.json").write_text(block.text, encoding="utf-8")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Builds and runs the C++ of each README as one program, linked as README.md says, and compares what it prints.
+"""Builds and runs the C++ of each page as one program, linked as the pages say, and compares what it prints.
 
 usage: programs.py SCRATCH PREFIX CMAKE [CMAKE OPTION...]
 
@@ -13,7 +13,7 @@ import shutil
 import subprocess
 import sys
 
-from blocks import ROOT, readmes, split
+from blocks import folder_name, readmes, split
 
 
 def program_of(blocks):
@@ -48,7 +48,7 @@ def same(found, expected):
 def main():
     scratch, prefix, cmake, *options = sys.argv[1:]
     shutil.rmtree(scratch, ignore_errors=True)
-    linking = [block for block in split(ROOT / "README.md")[0] if block.language == "cmake"]
+    linking = [block for readme in readmes() for block in split(readme)[0] if block.language == "cmake"]
     failures = programs = 0
     for readme in readmes():
         blocks, _ = split(readme)
@@ -57,8 +57,7 @@ def main():
             continue
         programs += 1
         for block in linking:
-            name = f"{readme.parent.relative_to(ROOT)}_{block.line}".replace("/", "_")
-            folder = pathlib.Path(scratch, name)
+            folder = pathlib.Path(scratch, f"{folder_name(readme)}_{block.line}")
             folder.mkdir(parents=True)
             (folder / "main.cpp").write_text(source, encoding="utf-8")
             (folder / "CMakeLists.txt").write_text(
