@@ -52,7 +52,7 @@ def test_example_runs(name: str) -> None:
 def test_quick_starts_run(tmp_path: Path) -> None:
     import atoll
 
-    for text in ((FOLDER / "README.md").read_text(), atoll.__doc__ or ""):
+    for text in ((ROOT / "README.md").read_text(), (FOLDER / "README.md").read_text(), atoll.__doc__ or ""):
         blocks = re.findall(r"```python\n(.*?)```", text, re.S) or [re.sub(r"(?m)^    ", "", text[text.index("    import atoll") :])]
         assert blocks
         for number, block in enumerate(blocks):

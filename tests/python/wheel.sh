@@ -53,7 +53,7 @@ mkdir "$bare/try"
 cp -r "$work/wheels" "$bare/try"
 # The quick start, and what tests of the package read beside it.
 (cd "$root" && cp --parents -t "$bare/try" tests/python/*.py tests/determinism/golden_hashes.txt runtime/scene/examples/*.json \
-  runtime/python/README.md)
+  runtime/python/README.md README.md)
 cat >"$bare/try/run.sh" <<'END'
 set -euo pipefail
 cd /try
