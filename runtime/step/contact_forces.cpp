@@ -167,7 +167,7 @@ std::span<const PairForce> pair_forces(Stores& world, const ContactPhase& phase,
 
 namespace {
 
-// What a contact exerts on one of its bodies.
+// The wrench that a contact exerts on one of its bodies.
 Wrench wrench_of(const Stores& world, std::uint32_t slot, bool second) {
   const collision::Contact& contact = world.cache.contacts[slot];
   const collision::ContactManifold& manifold = world.cache.manifolds[slot];

@@ -46,7 +46,7 @@ class ContactPhase {
     return world.cache.changes() == cache_changes_ && world.cache.order().size() == world.cache.size();
   }
   bool touching_changed() const { return update_.touching_changed || off_changed_; }
-  /// Whether a modifier gave friction or restitution to others, or took it from others, than in the last step.
+  /// True if a modifier gave friction or restitution to other contacts than in the last step, or took it from others.
   bool kinds_changed() const { return other_kinds_ != other_kinds_before_; }
   std::int64_t points() const { return update_.counts.points - modified_.points_off - inner_points_; }
   /// Pairs of colliders of which all contacts are switched off, in order.
@@ -78,7 +78,7 @@ class ContactPhase {
   // By pair and part: slots go over to others as contacts come and go.
   using Part = std::pair<collision::Pair, std::uint8_t>;
   jobs::CompactArray<Part> parts_off_, parts_off_before_;  // in order
-  // Likewise contacts that have friction or restitution where their materials have none, or the reverse, with a bit
+  // By part, contacts that have friction or restitution where their materials have none, or the reverse, with a bit
   // each.
   using Kind = std::pair<Part, std::uint8_t>;
   jobs::CompactArray<Kind> other_kinds_, other_kinds_before_;  // in order

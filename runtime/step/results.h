@@ -28,10 +28,10 @@ std::span<const ContactForce> contact_forces(Stores& world, const ContactPhase& 
                                              const collision::NarrowphaseKernels& kernels, jobs::Arena& arena);
 std::span<const PairForce> pair_forces(Stores& world, const ContactPhase& phase,
                                        const collision::NarrowphaseKernels& kernels, jobs::Arena& arena);
-/// What contacts of a body exert on it.
+/// The sum of the wrenches that a body's contacts exert on it.
 Wrench contact_wrench(Stores& world, std::uint32_t body, const ContactPhase& phase,
                       const collision::NarrowphaseKernels& kernels, jobs::Arena& arena);
-/// Of all bodies.
+/// The same for all bodies.
 Eigen::Matrix<double, 6, Eigen::Dynamic> contact_wrenches(Stores& world, const ContactPhase& phase,
                                                           const collision::NarrowphaseKernels& kernels,
                                                           jobs::Arena& arena);

@@ -132,7 +132,7 @@ void validate_contacts(const Stores& world) {
       const collision::Contact& before = cache.contacts[slots[i - 1]];
       ATL_ASSERT(before.pair < pair || (before.pair == pair && before.part < contact.part), slots[i - 1], slot);
     }
-    // What a restore leaves idle gets its manifold when it is looked at again.
+    // A restore leaves idle contacts without a manifold until they are active again.
     const bool is_active = world.active.contains(contact.body_first) || world.active.contains(contact.body_second);
     if (is_active) validate_manifold(contact, cache.manifolds[slot], slot);
   }

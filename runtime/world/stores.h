@@ -42,7 +42,7 @@ struct Changes {
   bool joints = false;                           ///< joints came, went or changed
 };
 
-/// Of all bodies, 3 numbers each; in a step, the velocities that it began with. Empty where nobody asked.
+/// Accelerations of all bodies, 3 numbers each; during a step, the velocities at its start. Empty unless asked for.
 struct Accelerations {
   std::vector<double> linear;   ///< m/s^2
   std::vector<double> angular;  ///< rad/s^2

@@ -1,4 +1,4 @@
-// What the READMEs and the guide say of the repository: links lead somewhere, functions are in the files that are
+// The READMEs and the guide tell the truth about the repository: links lead somewhere, functions are in the files that are
 // named, and numbers and packages are those of the code.
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// What instruments on bodies and joints read: accelerometers, force plates, and the torque of motors.
+// Readings of instruments on bodies and joints: accelerometers, force plates, and the torque of motors.
 
 #include <atoll/batch.h>
 #include <atoll/forces.h>

@@ -349,7 +349,7 @@ class World {
   /// restored.
   Eigen::Map<const Eigen::Matrix3Xd> accelerations() const;          ///< m/s^2, of centres of mass
   Eigen::Map<const Eigen::Matrix3Xd> angular_accelerations() const;  ///< rad/s^2
-  /// What an accelerometer at a point (m) of the body's frame reads, m/s^2, along the axes of that frame: the point's
+  /// The reading of an accelerometer at a point (m) of the body's frame, m/s^2, along that frame's axes: the point's
   /// acceleration, less gravity. At rest that is 9.81 m/s^2 upwards, in free fall zero. From accelerations(), with the
   /// pose and spin at the step's end: a + a' x r + w x (w x r) - g. Throws Error as these do.
   Vector3 proper_acceleration(BodyId id, const Vector3& point = Vector3::Zero()) const;
