@@ -1,5 +1,5 @@
-// The READMEs and the guide tell the truth about the repository: links lead somewhere, functions are in the files that are
-// named, and numbers and packages are those of the code.
+// The READMEs and the guide tell the truth about the repository: links lead somewhere, functions are in the files that
+// are named, and numbers and packages are those of the code.
 
 #include <gtest/gtest.h>
 
