@@ -43,6 +43,8 @@ void visit_constants(Archive& archive, Constants& body) {
   archive.check(body.type >= BodyType::Static && body.type <= BodyType::Dynamic, "a body of no known type");
   archive.value(body.continuous);
   archive.value(body.sensor);
+  archive.value(body.notices_static);
+  archive.value(body.notices_sensors);
   visit_optional(archive, body.contact_event_force, [&](auto& force) { archive.value(force); });
   visit_material(archive, body.material);
   archive.value(body.locks);

@@ -672,7 +672,7 @@ class WorldState {
       static_cast<void>(touched);
     }
     {
-      auto& [within, /**/ events, before] = world_.results.sensor_events;
+      auto& [within, /**/ events, before, start_positions, start_orientations] = world_.results.sensor_events;
       static_cast<void>(within);
     }
   }

@@ -9,6 +9,8 @@
 
 namespace atl {
 
+/// Keeps the poses with which a step begins, for continuous sensors.
+void begin_sensing(Stores& world);
 /// Asks the broadphase, once a sensor: bodies don't notice.
 void note_sensor_events(Stores& world, jobs::Arena& arena);
 

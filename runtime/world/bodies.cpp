@@ -232,6 +232,8 @@ BodyDef definition_of(const Stores& world, std::uint32_t body) {
               .filter = world.records.filter[body],
               .continuous = constants.continuous,
               .sensor = constants.sensor,
+              .notices_static = constants.notices_static,
+              .notices_sensors = constants.notices_sensors,
               .contact_event_force = constants.contact_event_force,
               .user_data = world.records.user_data[body]};
   if (constants.type == BodyType::Dynamic) {

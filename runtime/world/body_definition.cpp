@@ -292,6 +292,8 @@ CheckedBody check(const BodyDef& def) {
   constants.type = def.type;
   constants.continuous = def.continuous;
   constants.sensor = def.sensor;
+  constants.notices_static = def.notices_static;
+  constants.notices_sensors = def.notices_sensors;
   if (def.contact_event_force) check_not_negative("BodyDef.contact_event_force", *def.contact_event_force);
   constants.contact_event_force = def.contact_event_force;
   constants.material = def.material;

@@ -34,6 +34,8 @@ struct BodyConstants {
   BodyType type = BodyType::Static;
   bool continuous = false;
   bool sensor = false;
+  bool notices_static = false;
+  bool notices_sensors = false;
   std::optional<double> contact_event_force = {};  // N
   Material material = {};
   std::uint8_t locks = 0;  // see solver/integrate/motion_locks.h; 0 unless dynamic

@@ -74,6 +74,7 @@ void Contents::count(const solver::BodyTable& bodies, const BodyRecords& records
   add(with_restitution, bounces);
   add(own_materials, has_own_materials(constants));
   add(sensors, constants.sensor);
+  add(continuous_sensors, constants.sensor && constants.continuous);
   add(with_event_force, constants.contact_event_force.has_value());
   add(gyroscopic, bodies.gyroscopic[body] != 0);
   const auto is_surface = [](const CheckedCollider& collider) { return collision::is_surface(collider.shape.kind); };

@@ -67,6 +67,7 @@ struct Contents {
   std::size_t surfaces = 0;       ///< meshes and height fields
   std::size_t own_materials = 0;  ///< bodies with a child that has its own
   std::size_t sensors = 0;
+  std::size_t continuous_sensors = 0;
   std::size_t with_event_force = 0;  ///< bodies that ask for events of contacts that go on
   std::size_t fixed_colliders = 0;   ///< of static bodies
   std::size_t fixed_with_edges = 0;  ///< of these, those that are no half-space

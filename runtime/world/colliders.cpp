@@ -49,6 +49,11 @@ const Material& material_of(const Stores& world, std::uint32_t collider) {
 collision::Filter filter_of(const Stores& world, std::uint32_t collider) {
   const std::uint32_t body = world.colliders.body[collider];
   if (world.records.sensor[body]) return {.category = 0, .mask = 0, .owner = body};
+  return own_filter_of(world, collider);
+}
+
+collision::Filter own_filter_of(const Stores& world, std::uint32_t collider) {
+  const std::uint32_t body = world.colliders.body[collider];
   const CheckedCollider& part = world.records.constants[body]->colliders[world.colliders.child[collider]];
   const CollisionFilter& filter = part.filter ? *part.filter : world.records.filter[body];
   return {filter.category, filter.mask, filter.group, body};

@@ -21,6 +21,8 @@ void note_size(Stores& world, std::uint32_t body);
 
 /// A collider's, or its body's where it has none of its own.
 const Material& material_of(const Stores& world, std::uint32_t collider);
+/// The filter of a collider, or its body's where it has none of its own.
+collision::Filter own_filter_of(const Stores& world, std::uint32_t collider);
 /// The same, as the broadphase wants it: nothing meets a sensor there.
 collision::Filter filter_of(const Stores& world, std::uint32_t collider);
 

@@ -27,7 +27,8 @@ bool are_alike(const BodyConstants& a, const BodyConstants& b) {
   const auto alike = [](const CheckedCollider& x, const CheckedCollider& y) { return are_alike(x, y); };
   return a.type == b.type &&
          std::equal(a.colliders.begin(), a.colliders.end(), b.colliders.begin(), b.colliders.end(), alike) &&
-         a.continuous == b.continuous && a.sensor == b.sensor && a.contact_event_force == b.contact_event_force &&
+         a.continuous == b.continuous && a.sensor == b.sensor && a.notices_static == b.notices_static &&
+         a.notices_sensors == b.notices_sensors && a.contact_event_force == b.contact_event_force &&
          same_bits(a.material, b.material) && a.locks == b.locks && same_bits(a.gravity_scale, b.gravity_scale) &&
          same_bits(a.linear_damping, b.linear_damping) && same_bits(a.angular_damping, b.angular_damping) &&
          same_bits(a.centre, b.centre) && same_bits(a.inverse_mass, b.inverse_mass) &&

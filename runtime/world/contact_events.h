@@ -43,8 +43,11 @@ struct SensorEvents {
   std::vector<SensorEvent> events;
   std::vector<std::pair<BodyId, BodyId>> within;  ///< sensors and bodies, in order, as of the last step
   std::vector<std::pair<BodyId, BodyId>> before;  ///< scratch
+  // Poses with which the step began, where a continuous sensor is.
+  std::vector<double> start_positions;     ///< m, 3 a body
+  std::vector<double> start_orientations;  ///< 4 a body
 
-  auto arrays() const { return std::tie(events, within, before); }
+  auto arrays() const { return std::tie(events, within, before, start_positions, start_orientations); }
 };
 
 }  // namespace atl

@@ -22,6 +22,7 @@
 #include "state/restore.h"
 #include "step/forced_step.h"
 #include "step/results.h"
+#include "step/sensors.h"
 #include "world/bodies.h"
 #include "world/body_definition.h"
 #include "world/containment.h"
@@ -188,6 +189,7 @@ StepReport take_step(const World& world, auto& impl, double dt, bool forced, con
   }
   impl.rules.begin_step(world);
   begin_accelerations(impl.stores);
+  begin_sensing(impl.stores);
   const StepReport report = step();
   end_accelerations(impl.stores, dt);
   if constexpr (with_recording) {

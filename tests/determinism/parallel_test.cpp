@@ -119,16 +119,28 @@ TEST(Parallel, SweepsAndEventsDoNotDependOnThreads) {
                       .position = {-20.0 - 0.37 * i, 0.02 * i, 0.3 + 0.02 * i},
                       .velocity = {150.0 + i, 0.1 * i, 1}});
     }
+    for (int i = 0; i < 6; ++i) {
+      world.add_body({.type = BodyType::Static,
+                      .shape = Box{{0.01, 5, 5}},
+                      .position = {-2.0 - i, 0, 5},
+                      .continuous = true,
+                      .sensor = true});
+    }
     std::vector<std::uint64_t> trail;
-    std::int64_t stopped = 0;
+    std::int64_t stopped = 0, passed = 0;
     for (int step = 0; step < 60; ++step) {
       stopped += world.step(1.0 / 60).counts.stopped;
       trail.push_back(world.state_hash());
       for (const ContactEvent& event : world.contact_events()) {
         trail.push_back(std::uint64_t{event.a.index} << 33 | std::uint64_t{event.b.index} << 1 | event.began);
       }
+      for (const SensorEvent& event : world.sensor_events()) {
+        trail.push_back(std::uint64_t{event.sensor.index} << 33 | std::uint64_t{event.body.index} << 1 | event.entered);
+        ++passed;
+      }
     }
     EXPECT_GT(stopped, 20);
+    EXPECT_GT(passed, 100);
     return trail;
   };
   const std::vector<std::uint64_t> expected = run_bullets({.settings = {.contact_events = true}});

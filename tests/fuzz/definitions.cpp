@@ -208,6 +208,7 @@ BodyDef Definitions::body() {
   if (bytes_.one_in(4)) def.filter = filter();
   def.continuous = bytes_.one_in(5);
   def.sensor = bytes_.one_in(12);
+  if (def.sensor) def.notices_static = bytes_.flag(), def.notices_sensors = bytes_.flag();
   if (bytes_.one_in(8)) def.contact_event_force = number(0, 100);
   const bool is_solid = !std::holds_alternative<HalfSpace>(def.shape) &&
                         !std::holds_alternative<TriangleMesh>(def.shape) &&

@@ -127,7 +127,12 @@ TEST(SceneWriting, NothingOfADefinitionIsLost) {
        .continuous = true,
        .name = "a \"crate\"",
        .user_data = 12});
-  world.add_body({.type = BodyType::Kinematic, .shape = Sphere{2}, .position = {50, 0, 9}, .sensor = true});
+  world.add_body({.type = BodyType::Kinematic,
+                  .shape = Sphere{2},
+                  .position = {50, 0, 9},
+                  .sensor = true,
+                  .notices_static = true,
+                  .notices_sensors = true});
   const JointId joint = world.add_joint(
       {.kind =
            WheelJoint{.suspension = {.range = {-1, unlimited, 0.5}, .spring = JointSpring{.rest = 0.1, .stiffness = 9}},

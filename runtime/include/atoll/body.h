@@ -76,8 +76,12 @@ struct BodyDef {
   /// ATOLL_WITH_CONTINUOUS nothing is swept, and true throws.
   bool continuous = false;
   /// Touches nothing, and tells which bodies are in it instead: World::sensor_events() and World::bodies_in(). Its
-  /// shape is a solid. Queries pass it by unless they ask for sensors.
+  /// shape is a solid. Queries pass it by unless they ask for sensors. One that is `continuous` also tells of what is
+  /// in it neither as a step begins nor as it ends, but passes through, as both move and turn evenly from where they
+  /// were to where they are.
   bool sensor = false;
+  bool notices_static = false;   ///< a sensor: static bodies, too
+  bool notices_sensors = false;  ///< a sensor: other sensors, too, which need not notice it
   /// N, >= 0: with Settings::contact_events, these tell of contacts of this body that go on, too, while they carry at
   /// least this. Of two bodies' values and Settings::contact_event_force, the least counts.
   std::optional<double> contact_event_force = {};

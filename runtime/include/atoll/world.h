@@ -82,12 +82,14 @@ struct ContactEvent {
   std::uint32_t child_b = 0;
 };
 
-/// A body that got into a sensor, or out of it, in the last step. The poses at its end count: what passes through
-/// between two steps is not noticed.
+/// A body that got into a sensor, or out of it, in the last step. The poses at its end count. What a continuous sensor
+/// sees pass through within the step gets in and out of it.
 struct SensorEvent {
   BodyId sensor;
   BodyId body;
-  bool entered;  ///< else it left, or one of the two was removed
+  bool entered;                    ///< else it left, or one of the two was removed
+  std::uint32_t child_sensor = 0;  ///< in a compound, of two children that met the lowest; 0 of what left
+  std::uint32_t child_body = 0;
 };
 
 /// An island whose contacts carry more than the settings' sweeps can hold up, and what a step did about it. See
@@ -359,7 +361,8 @@ class World {
   std::span<const ContactEvent> contact_events() const;
 
   /// After a step: what got into sensors and out of them, in order of the sensors' ids, then the bodies'. Sensors
-  /// notice dynamic and kinematic bodies that their filters let them, but no static ones and no sensors.
+  /// notice dynamic and kinematic bodies that their filters let them, and others if they are to: see
+  /// BodyDef::notices_static and notices_sensors.
   std::span<const SensorEvent> sensor_events() const;
   /// Which bodies were in a sensor at the end of the last step, in order. Throws Error on a body that isn't one.
   std::vector<BodyId> bodies_in(BodyId sensor) const;

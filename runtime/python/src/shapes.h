@@ -27,6 +27,8 @@ void with_body_fields(const Take& take) {
        Field{"locks", &BodyDef::locks, "of dynamic bodies"}, Field{"filter", &BodyDef::filter, "whom it may touch"},
        Field{"continuous", &BodyDef::continuous, "looks for what it may have passed through after every step"},
        Field{"sensor", &BodyDef::sensor, "touches nothing, and tells which bodies are in it"},
+       Field{"notices_static", &BodyDef::notices_static, "a sensor: static bodies, too"},
+       Field{"notices_sensors", &BodyDef::notices_sensors, "a sensor: other sensors, too"},
        Field{"contact_event_force", &BodyDef::contact_event_force,
              "N, >= 0: contact events tell of its contacts that go on, too, while they carry at least this"},
        Field{"name", &BodyDef::name, "for people, and World.find_body()"},

@@ -229,6 +229,8 @@ void bind_results(Class& world) {
       {"sensor", "id", offsetof(SensorEvent, sensor)},
       {"body", "id", offsetof(SensorEvent, body)},
       {"entered", "?", offsetof(SensorEvent, entered)},
+      {"child_sensor", "u4", offsetof(SensorEvent, child_sensor)},
+      {"child_body", "u4", offsetof(SensorEvent, child_body)},
   };
 #define ATOLL_RECORDS(name) nb::sig("def " name "(self) -> numpy.typing.NDArray[numpy.void]")
   world
@@ -252,7 +254,8 @@ void bind_results(Class& world) {
           ATOLL_RECORDS("contact_events"))
       .def(
           "sensor_events", [](const World& self) { return records_of(self.sensor_events(), sensors); },
-          "A structured array of what got into sensors and out of them: sensor, body, entered.",
+          "A structured array of what got into sensors and out of them: sensor, body, entered, child_sensor, "
+          "child_body.",
           ATOLL_RECORDS("sensor_events"));
 #undef ATOLL_RECORDS
   nb::class_<Wrench> wrench(world, "Wrench", "A force and a torque about a body's centre of mass.");

@@ -166,6 +166,8 @@ SceneBody read_body(const Reader& in, const Library& library) {
                 "filter",
                 "continuous",
                 "sensor",
+                "notices_static",
+                "notices_sensors",
                 "contact_event_force",
                 "user_data"});
   SceneBody body;
@@ -202,6 +204,8 @@ SceneBody read_body(const Reader& in, const Library& library) {
   if (const auto filter = in.find("filter")) def.filter = read_filter(*filter);
   get(in, "continuous", def.continuous);
   get(in, "sensor", def.sensor);
+  get(in, "notices_static", def.notices_static);
+  get(in, "notices_sensors", def.notices_sensors);
   if (const char* unbounded = name_of_unbounded(def.shape); def.sensor && unbounded != nullptr) {
     shape.fail(std::string(unbounded) + " on a sensor", "a solid there: bodies are in it or not");
   }

@@ -191,6 +191,8 @@ Json json(const SceneBody& body) {
   if (def.filter != CollisionFilter{}) out["filter"] = json(def.filter);
   if (def.continuous) out["continuous"] = true;
   if (def.sensor) out["sensor"] = true;
+  if (def.notices_static) out["notices_static"] = true;
+  if (def.notices_sensors) out["notices_sensors"] = true;
   put(out, "contact_event_force", def.contact_event_force);
   if (def.user_data != 0) out["user_data"] = json(def.user_data);
   return out;
