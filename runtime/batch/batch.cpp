@@ -10,8 +10,10 @@
 #include <exception>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "columns.h"
+#include "memory_need.h"
 
 namespace atl {
 namespace {
@@ -25,6 +27,15 @@ int thread_count(int asked) {
 
 [[noreturn]] void fail(const char* call, const std::string& found, const std::string& expected) {
   throw Error(std::string("Batch::") + call + ": found " + found + "; expected " + expected);
+}
+
+// Ahead of making them, since a process that has no memory left is ended without a word.
+void check_memory(const World& first, std::size_t worlds) {
+  std::size_t bytes = sizeof(World) + sizeof(Snapshot);
+  for (const MemoryUse& use : first.memory()) bytes += use.bytes;
+  const std::string words = scene::memory_words(static_cast<double>(worlds) * static_cast<double>(bytes));
+  if (words.empty()) return;
+  throw Error("Batch: " + std::to_string(worlds) + " worlds need " + words + "; expected as many as there is room for");
 }
 
 void check_size(const char* call, const char* what, std::size_t found, std::size_t expected) {
@@ -147,11 +158,15 @@ struct Batch::Impl {
 Batch::Batch(const Scene& scene, std::size_t worlds, int threads)
     : impl_(std::make_unique<Impl>(scene, thread_count(threads))) {
   if (worlds == 0) throw Error("Batch: worlds is 0; expected 1 or more");
-  for (std::size_t i = 0; i < worlds; ++i) {
-    impl_->worlds.emplace_back(WorldDef{.gravity = scene.gravity, .settings = scene.settings});
-  }
+  const WorldDef def = {.gravity = scene.gravity, .settings = scene.settings};
+  World first(def);
+  impl_->bodies = build_scene(scene, first, impl_->joints);
+  check_memory(first, worlds);
+  impl_->worlds.reserve(worlds);
+  impl_->worlds.push_back(std::move(first));
+  while (impl_->worlds.size() < worlds) impl_->worlds.emplace_back(def);
+  for (World& world : impl_->worlds) world.stay_in_batch();
   impl_->starts.resize(worlds);
-  impl_->bodies = build_scene(scene, impl_->worlds.front(), impl_->joints);
   Snapshot start;
   impl_->worlds.front().save(start);
   impl_->starts.front() = start;

@@ -204,8 +204,21 @@ StepReport take_step(const World& world, auto& impl, double dt, bool forced, con
 
 World::World(const WorldDef& def) : impl_(std::make_unique<Impl>(def)) {}
 World::~World() = default;
-World::World(World&&) noexcept = default;
-World& World::operator=(World&&) noexcept = default;
+
+World::World(World&& other) {
+  if (other.impl_ != nullptr) other.impl_->check_not_in_batch();
+  impl_ = std::move(other.impl_);
+}
+
+World& World::operator=(World&& other) {
+  for (const World* world : {this, &other}) {
+    if (world->impl_ != nullptr) world->impl_->check_not_in_batch();
+  }
+  impl_ = std::move(other.impl_);
+  return *this;
+}
+
+void World::stay_in_batch() { impl_->in_batch = true; }
 
 BodyId World::add_body(const BodyDef& def) {
   impl_->check_idle("add_body");

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atoll/error.h>
 #include <atoll/world.h>
 
 #include <cstddef>
@@ -30,6 +31,9 @@ class World::Impl {
   /// Throws Error, naming the call, if a step is under way: it is made by a function that the step asks, or by another
   /// thread.
   void check_idle(const char* call) const;
+  void check_not_in_batch() const {
+    if (in_batch) throw Error("World: a move of a world of a Batch; expected one by itself: see Batch::world()");
+  }
   /// The index of a body that the call is about to change. Throws Error as check_idle() does, and on a stale id.
   std::uint32_t index_to_change(BodyId id, const char* call) const;
   std::uint32_t index_to_change(JointId id, const char* call) const;
@@ -75,6 +79,7 @@ class World::Impl {
   const char* asking = nullptr;        // "a force law" or "a step observer", while one is asked
   std::vector<StepObserver> observers;
   const std::uint64_t serial;  // of this world in the process
+  bool in_batch = false;       // which keeps it: it isn't moved
 
  private:
   void adopt(const std::shared_ptr<const WorldDefinition>& world_definition);

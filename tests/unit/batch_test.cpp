@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <numeric>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "support/bodies.h"
@@ -245,6 +246,28 @@ TEST(Batch, TellsWhatItCannotDo) {
   }),
                std::out_of_range);
   EXPECT_EQ(asked, std::vector<int>({1, 1, 1}));
+}
+
+TEST(Batch, KeepsItsWorlds) {
+  const Scene scene = builtin_scene("stack:height=2");
+  Batch batch(scene, 3);
+  expect_error([&] { World taken = std::move(batch.world(2)); }, {"World: a move of a world of a Batch"});
+  World other({.gravity = scene.gravity});
+  expect_error([&] { other = std::move(batch.world(1)); }, {"World: a move of a world of a Batch"});
+  expect_error([&] { batch.world(0) = std::move(other); }, {"World: a move of a world of a Batch"});
+  Batch untouched(scene, 3);
+  untouched.step(dt);
+  batch.step(dt);
+  EXPECT_EQ(batch.hashes(), untouched.hashes());
+  EXPECT_EQ(other.body_count(), 0u);
+  // One by itself is moved as ever.
+  World moved = std::move(other);
+  EXPECT_EQ(moved.body_count(), 0u);
+}
+
+TEST(Batch, RefusesMoreWorldsThanThereIsMemoryFor) {
+  expect_error([] { Batch(builtin_scene("stack:height=2"), 1'000'000'000'000'000'000); },
+               {"Batch: 1000000000000000000 worlds need about", "of memory, of which", "are free"});
 }
 
 }  // namespace

@@ -26,8 +26,8 @@ namespace atl {
 /// One thread at a time may use a batch.
 class Batch {
  public:
-  /// `threads`: workers, in [1, 1024]; 0 for as many as the machine has. Throws Error on these, if `worlds` is 0, and
-  /// SceneError as build_scene() does.
+  /// `threads`: workers, in [1, 1024]; 0 for as many as the machine has. Throws Error on these, if `worlds` is 0 or more
+  /// than there is memory for, and SceneError as build_scene() does.
   Batch(const Scene& scene, std::size_t worlds, int threads = 0);
   ~Batch();
   Batch(Batch&&) noexcept;
@@ -40,7 +40,8 @@ class Batch {
   const std::vector<BodyId>& bodies() const;
   const std::vector<JointId>& joints() const;
 
-  /// To ask, or to change by any call: another mass, friction or shape of a body, gravity, settings.
+  /// To ask, or to change by any call: another mass, friction or shape of a body, gravity, settings. It stays where it
+  /// is: to move it, or another world there, throws Error.
   World& world(std::size_t place);
   const World& world(std::size_t place) const;
   /// Calls a function for each of these worlds, on the batch's threads, several at a time.

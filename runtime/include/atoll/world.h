@@ -152,8 +152,9 @@ class World {
   /// Throws Error on a setting out of range, or an instruction set that this machine lacks.
   explicit World(const WorldDef& def = {});
   ~World();
-  World(World&&) noexcept;
-  World& operator=(World&&) noexcept;
+  /// Throws Error if either is one of a Batch: these can't leave it, nor can another take the place of one.
+  World(World&& other);
+  World& operator=(World&& other);
 
   /// Throws Error naming the field and the value if the definition is unusable.
   BodyId add_body(const BodyDef& def);
@@ -450,6 +451,8 @@ class World {
   friend class Replay;
   friend class ForcedStep;
 
+  /// From here on it isn't moved.
+  void stay_in_batch();
   /// Has definitions of joints that are alike in memory that both worlds use.
   void share_definitions(const World& alike);
   /// Asks for what prefetch() reads, to be found in cache by it.

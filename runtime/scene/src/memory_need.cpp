@@ -90,10 +90,10 @@ double available_memory() {
   return std::min({std::isfinite(system) ? system : free_pages(), left_of_group(), left_of_limit()});
 }
 
-std::string memory_words(const SceneSize& size) {
+std::string memory_words(double bytes) {
   const double there = available_memory();
-  if (!(size.bytes() > there)) return "";
-  return "about " + bytes_text(size.bytes()) + " of memory, of which " + bytes_text(there) + " are free";
+  if (!(bytes > there)) return "";
+  return "about " + bytes_text(bytes) + " of memory, of which " + bytes_text(there) + " are free";
 }
 
 }  // namespace atl::scene

@@ -18,7 +18,8 @@ struct SceneSize {
 /// its own limit. Infinite if none of these is known.
 double available_memory();
 
-/// "about 5.0 TB of memory, of which 23 GB are free" if the scene needs more than there is, else "".
-std::string memory_words(const SceneSize& size);
+/// "about 5.0 TB of memory, of which 23 GB are free" if so many bytes are more than there are, else "".
+std::string memory_words(double bytes);
+inline std::string memory_words(const SceneSize& size) { return memory_words(size.bytes()); }
 
 }  // namespace atl::scene
