@@ -232,7 +232,8 @@ ResidualReport measure_contact_residual(const ContactProblem& problem) {
     }
   }
   report.absolute = std::sqrt(sum);
-  // Where nothing would close, no impulse should act: those that do are compared with what they make of the velocities.
+  // If nothing would close without impulses, none should act: errors are then relative to the velocities that they
+  // cause.
   const double scale = free_scale > 0 ? free_scale : response_scale;
   if (scale > 0) report.relative = std::sqrt(sum / scale);
   return report;

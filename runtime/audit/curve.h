@@ -21,7 +21,7 @@ struct Curve {
   Vector3 at(double t) const { return centre + std::cos(t) * x + std::sin(t) * y; }
 };
 
-/// Where a function along a curve may bend sharply: parameters in [0, angle], in order, with both ends.
+/// Parameters at which a function along a curve may bend sharply: in [0, angle], in order, with both ends.
 class Breaks {
  public:
   explicit Breaks(double angle) : angle_(angle) {
@@ -38,8 +38,8 @@ class Breaks {
     parameters_[place] = t;
   }
 
-  /// Those of a solid's reach along the curve: where it passes the directions of the solid's side, and where it comes
-  /// nearest to the solid's axis. `sign` is -1 if the solid faces against the curve's directions.
+  /// Adds the breaks of a solid's support along the curve: where the curve passes the directions of the solid's side,
+  /// and where it comes nearest to the solid's axis. `sign` is -1 if the solid faces against the curve's directions.
   void add_all(const Revolved& solid, double sign, const Curve& curve) {
     const double along_x = solid.axis.dot(curve.x);
     const double along_y = solid.axis.dot(curve.y);
@@ -56,7 +56,7 @@ class Breaks {
     add(middle - std::acos(cosine));
   }
 
-  /// Whether the curve comes so near a solid's axis that the reach of its rim, although smooth, turns sharply there.
+  /// True if the curve comes so near a solid's axis that the support of its rim, although smooth, turns sharply there.
   bool sharp() const { return sharp_; }
 
   /// Calls visit(begin, end) for the pieces in between.

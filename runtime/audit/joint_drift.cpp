@@ -49,7 +49,7 @@ double beyond_turning(const JointRange& range, double angle) {
 bool limits(const JointRange& range) { return std::isfinite(range.lower) || std::isfinite(range.upper); }
 bool locks(const JointRange& range) { return range.lower == range.upper; }
 
-/// What one joint lets through.
+/// The drift of one joint.
 struct Drift {
   Vector3 gap = Vector3::Zero();  ///< m, of what is locked, along axes at right angles
   double angle = 0;               ///< rad, the largest of the locked ones
@@ -169,7 +169,7 @@ class Gauge {
 
   Vector3 local_offset() const { return a_.axes.transpose() * offset_; }
 
-  /// Of the relative rotation.
+  /// The angle of the relative rotation, rad.
   double angle() const { return 2 * std::atan2(turn_.vec().norm(), turn_.w()); }
 
   Frame a_;

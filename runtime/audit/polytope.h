@@ -43,8 +43,8 @@ struct Polytope {
   static Polytope from_vertices(std::vector<Vector3> vertices);
   /// A triangle without thickness.
   static Polytope plate(const std::array<Vector3, 3>& corners);
-  /// What lies under a triangle, down to `depth` along the unit vector `down`. Its lower end is left open: nothing
-  /// leaves a column that way.
+  /// The column under a triangle, down to `depth` along the unit vector `down`. Its lower end is left open: a shape in
+  /// the column is never pushed out through it.
   static Polytope column(const std::array<Vector3, 3>& corners, const Vector3& down, double depth);
 
   void add_face(std::span<const std::uint32_t> corners);

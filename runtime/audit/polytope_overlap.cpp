@@ -18,12 +18,12 @@ bool same_side(double x, double y) {
   return (x > cull_slack && y > cull_slack) || (x < -cull_slack && y < -cull_slack);
 }
 
-/// Whether a great circle with the given pole misses the edge's arc.
+/// True if a great circle with the given pole misses the edge's arc.
 bool circle_misses(const Polytope::Edge& edge, const Vector3& pole) {
   return edge.angle < 3 && same_side(edge.from.dot(pole), edge.to.dot(pole));
 }
 
-/// Whether a direction that lies on the great circle of the arc is on the arc's half of it.
+/// True if a direction on the great circle of the arc lies on the arc's half of it.
 bool on_arc_side(const Polytope::Edge& edge, const Vector3& direction) {
   if (edge.angle > 4) return true;
   return direction.dot(edge.angle < 3 ? Vector3(edge.from + edge.to) : edge.toward) > -cull_slack;

@@ -7,7 +7,7 @@ namespace {
 
 bool is_point_or_segment(const Polytope& polytope) { return polytope.is_point() || polytope.is_segment(); }
 
-/// What to part two cores along that touch without an axis to say it: points and segments that coincide.
+/// A direction in which to separate two cores that touch without defining one: points and segments that coincide.
 Vector3 any_normal(const Polytope& a, const Polytope& b) {
   for (const Polytope* core : {&a, &b}) {
     if (core->is_segment()) return any_across(core->vertices[1] - core->vertices[0]);

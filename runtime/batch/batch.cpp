@@ -84,7 +84,7 @@ struct Batch::Impl {
     }
   }
 
-  // What of a world a visit looks at.
+  // Tells if a visit looks at a part of a world or at all of it.
   enum class Sees { Part, All };
 
   // visit(world, its place, its number among `places`), several at a time. What the first of them throws goes through

@@ -1,4 +1,4 @@
-// What differs from world to world of a batch, by arrays.
+// Changes that differ from world to world of a batch, given as arrays.
 
 #include <atoll/batch.h>
 #include <atoll/error.h>

@@ -63,7 +63,7 @@ void check_sizes(const Rollout& rollout, std::size_t values, std::size_t worlds,
   }
 }
 
-// That they name joints and bodies of the scene.
+// Throws unless all controls name joints and bodies of the scene.
 void check_names(const Batch& batch, const Rollout& rollout) {
   for (std::size_t i = 0; i < rollout.controls.size(); ++i) {
     const auto check = [&](const auto& of) {
@@ -109,7 +109,7 @@ const JointAxis* axis_along(const World& world, JointId joint, std::size_t coord
   }
 }
 
-// That a world has what the controls act on.
+// Throws unless a world has the joints and bodies that the controls act on.
 void check_controls(const Batch& batch, const Rollout& rollout, const World& world, const std::string& where) {
   for (std::size_t i = 0; i < rollout.controls.size(); ++i) {
     const auto check = [&](const auto& of) {
@@ -131,7 +131,7 @@ void check_controls(const Batch& batch, const Rollout& rollout, const World& wor
   }
 }
 
-// That a world has what the scene's constant forces act on.
+// Throws unless a world has the bodies that the scene's constant forces act on.
 void check_constant_forces(const Batch& batch, const World& world, const std::string& where) {
   for (std::size_t i = 0; i < batch.bodies().size(); ++i) {
     if (batch.scene().bodies[i].force.isZero(0) || world.contains(batch.bodies()[i])) continue;

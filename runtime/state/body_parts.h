@@ -12,7 +12,7 @@
 
 namespace atl {
 
-/// What names a part that differs.
+/// Names of the parts of a body's hash, for reports of a difference.
 inline constexpr std::array body_parts = {
     std::pair{"pose", &BodyHash::pose},     std::pair{"velocity", &BodyHash::velocity},
     std::pair{"forces", &BodyHash::input},  std::pair{"rest", &BodyHash::rest},

@@ -4,8 +4,9 @@ namespace atl {
 
 struct BodyConstants;
 
-/// What no body that was made by a definition has, as messages say it; null if there is nothing: what is in a file need
-/// not come of one. Geometry is left out, which files of snapshots don't have.
+/// Describes a property that no body made by a definition can have, in a message's words; null if there is none. A file
+/// may be damaged or forged, so its bodies need not come from a definition. Geometry is left out: files of snapshots
+/// don't have it.
 const char* constants_fault(const BodyConstants& body);
 
 }  // namespace atl

@@ -1,5 +1,5 @@
 #pragma once
-/// What lasts of a contact from step to step, for archives (state_archive.h).
+/// The state of a contact that lasts from step to step, for archives (state_archive.h).
 
 #include <collision/contacts/contact.h>
 #include <collision/contacts/refresh.h>
@@ -23,7 +23,7 @@ inline constexpr unsigned wide_axis = 1u << 6;  // it needs more than 8 bits
 inline constexpr unsigned rolling = 1u << 7;    // there is an impulse against rolling
 }  // namespace contact_flags
 
-/// What a contact's tolerance can be.
+/// The values that a contact's tolerance can have.
 inline constexpr std::array<float, 3> contact_tolerances = {0, collision::flat_tolerance, collision::round_tolerance};
 
 /// Which of six directions a normal is exactly: x, y, z, -x, -y, -z as 1 to 6. 0 for any other.

@@ -1,5 +1,5 @@
 #pragma once
-/// What snapshots and recordings begin with as files.
+/// The header of files with snapshots and recordings.
 
 #include <array>
 #include <cstdint>
@@ -16,7 +16,7 @@ struct FileHeader {
 };
 static_assert(sizeof(FileHeader) == 16);
 
-/// What is wrong with the byte order or the version of a file, as messages say it; nothing if they are as expected.
+/// Describes a wrong byte order or version of a file, in a message's words; empty if both are as expected.
 inline std::string fault_of(const FileHeader& header, const FileHeader& expected) {
   if (header.order != expected.order) {
     return "found the byte order " + hex(header.order) + "; expected this machine's, " + hex(expected.order);

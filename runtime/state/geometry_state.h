@@ -61,7 +61,7 @@ void visit_hull(Archive& archive, Hull& hull) {
   archive.value(hull.content);
 }
 
-/// That no number of a hull leads out of it.
+/// Checks that every index of a hull is within its range.
 template <typename Archive>
 void check_hull(Archive& archive, const collision::Hull& hull) {
   const auto all_below = [&](const std::vector<std::uint16_t>& numbers, std::size_t end) {

@@ -28,7 +28,7 @@ void visit_optional(Archive& archive, Optional& optional, const Visit& visit) {
   if (is_there) visit(*optional);
 }
 
-/// What of a kind of joint isn't said by its name.
+/// The parameters of a joint kind, beside its name.
 template <typename Archive>
 struct JointKindState {
   Archive& archive;
@@ -150,7 +150,7 @@ void visit_definition(Archive& archive, Def& def) {
   }
 }
 
-/// What lasts of a joint beside its definition.
+/// The state of a joint that lasts from step to step, beside its definition.
 template <typename Archive, typename Joint, typename Limits>
 void visit_joint(Archive& archive, Joint& joint, Limits& limit_before) {
   archive.values(joint.point_impulse.data(), 3);
@@ -169,7 +169,8 @@ void visit_joint(Archive& archive, Joint& joint, Limits& limit_before) {
                   joint.torque.allFinite();
     for (std::size_t row = 0; row < joint.rows; ++row) {
       finite &= std::isfinite(joint.impulse[row]) && std::isfinite(joint.position[row]);
-      // Where bodies are is known; how often they have turned is not, but for how often they can have.
+      // The bodies' poses give each angle up to whole turns; the number of turns is state of its own, and is checked
+      // for bounds.
       const double turned = finite ? solver::continued(joint.coordinate[row], 0, joint.position[row]) : 0;
       finite &= std::abs(turned) <= numbers.most;
     }

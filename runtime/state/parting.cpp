@@ -1,4 +1,4 @@
-// Where two recordings part.
+// Finds the step at which two recordings diverge.
 
 #include <atoll/error.h>
 #include <atoll/parting.h>
@@ -17,7 +17,7 @@
 namespace atl {
 namespace {
 
-// Of the states after each step that has one: the hash of the last that was told before the next step, by steps made.
+// The state hash after each step, by the number of steps made: the last hash recorded before the next step, 0 if none.
 std::vector<std::uint64_t> recorded_hashes(const std::string& path) {
   RecordingReader reader(path);
   std::vector<std::uint64_t> hashes(1, 0);
@@ -83,7 +83,7 @@ PartingResult find_parting(const std::string& first, const std::string& second, 
   const auto compare = [&] { return differing_bodies(one.bodies(), other.bodies()); };
   parting.by_calls = one.world().state_hash() != other.world().state_hash();
   parting.bodies = compare();
-  // Where nothing of a body is different yet, that is what the first step does that finds any.
+  // If the bodies don't differ yet, the first later step after which some do gives the bodies and the phase.
   while (parting.bodies.empty() && one.advance() && other.advance()) {
     parting.bodies = compare();
     parting.phase = differing_phase(one.report(), other.report(), parting.bodies);

@@ -16,7 +16,7 @@ namespace atl {
 namespace {
 
 constexpr std::int64_t first_interval = 8;  // steps from key frame to key frame
-// Of what key frames may take: what the states near where it stands may.
+// Share of the key frames' memory that the states near the current step may take.
 constexpr double near_part = 0.5;
 
 Replay opened(const std::string& path, const PlaybackOptions& options) {
@@ -113,7 +113,7 @@ class Playback::Impl {
     return 0;
   }
 
-  // Whether states near by are kept at all.
+  // Returns true if states near the current step are kept at all.
   bool keep_near(const Replay& replay, Marks& into) {
     const std::int64_t stride = near_stride();
     if (stride > 0 && replay.result().steps % stride == 0) keep(replay, into);
@@ -140,8 +140,9 @@ class Playback::Impl {
     while (replay.result().steps < to && replay.advance()) keep_near(replay, into);
   }
 
-  // Of the stretch below what is near, no more steps are left to make than there are from there to `step`, so that each
-  // call restores the maker or makes a step.
+  // Prepares the stretch below the states near the current step. It never has more steps left to make than lie between
+  // these states and `step`, so each call restores the maker or makes one step, and going back costs about one step
+  // each time.
   void make_below(std::int64_t step) {
     if (!maker_ || near_stride() == 0 || near_.marks.empty()) return;
     const std::int64_t low = near_.marks.begin()->first;

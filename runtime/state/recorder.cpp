@@ -21,7 +21,7 @@ void Recorder::note_geometry(const BodyConstants& constants) {
   }
 }
 
-// Of a kind of body, which is noted down ahead of the first that is of it.
+// The number of a kind of body; a new kind is recorded ahead of its first body.
 std::uint32_t Recorder::number_of_kind(const BodyConstants& constants, std::uint64_t kind) {
   const auto [entry, is_new] = kinds_.try_emplace(kind, static_cast<std::uint32_t>(kinds_.size()));
   if (is_new) {

@@ -28,10 +28,10 @@ struct RecordedBody {
   std::uint64_t parts = 0;
 };
 
-/// Of all bodies, in order of ids.
+/// The records of all bodies, in order of ids.
 std::vector<RecordedBody> recorded_bodies(const Stores& world);
 
-/// What a force law asked for, once, of a body.
+/// One force and torque that a force law applied to a body.
 struct RecordedForce {
   std::uint32_t body = 0;  // its index
   Vector3 force;
@@ -62,10 +62,11 @@ class Recorder {
   /// 3 x bodies: N, N m.
   void note_forces(const Eigen::Ref<const Eigen::Matrix3Xd>& forces, const Eigen::Ref<const Eigen::Matrix3Xd>& torques);
   void note_no_forces();  ///< the law threw, and ended the step
-  /// What a contact filter or modifier said, as the question of that number in the step. In the file at once.
+  /// Records the answer of a contact filter or modifier to the question of that number in the step, and flushes the
+  /// file.
   void note_answers(std::uint32_t question, const ContactAnswers& answers);
   void note_hash(std::uint64_t hash);
-  /// Whether bodies are to be hashed one by one after the step that was noted last.
+  /// True if bodies are to be hashed one by one after the step that was recorded last.
   bool wants_bodies(std::size_t count) const;
   void note_bodies(std::span<const RecordedBody> bodies);
   /// Throws Error, naming `call`, if the file could not be written.

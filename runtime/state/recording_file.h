@@ -46,7 +46,7 @@ static_assert(sizeof(RecordHeader) == 24);
 /// The header of a record with that in it.
 RecordHeader record_header(RecordKind kind, std::span<const std::byte> content);
 
-/// What the last record holds.
+/// Contents of the last record.
 struct RecordingEnd {
   std::uint64_t records = 0;   // before it
   std::uint64_t checksum = 0;  // of all their headers' checks, in order
@@ -74,7 +74,7 @@ class RecordingWriter {
   /// Throws Error, naming `call`, if the file can't be written.
   RecordingWriter(const char* call, const std::filesystem::path& path);
 
-  /// What goes wrong with the file shows in finish().
+  /// Errors of writing are reported by finish().
   void write(RecordKind kind, std::span<const std::byte> content);
   void flush();
   /// Throws Error, naming `call`, if the file could not be written; it is removed then.
@@ -105,7 +105,7 @@ class RecordingReader {
   std::int64_t steps() const { return steps_; }  ///< in all of it
   bool complete() const { return complete_; }    ///< not cut off
 
-  /// Of a record, as one to read next.
+  /// The place of a record that can be read next.
   struct Place {
     std::uint64_t at = 0;      // in the file
     std::uint64_t number = 0;  // of records before

@@ -30,7 +30,7 @@ std::vector<ReplayedBody> differing_bodies(const std::vector<RecordedBody>& reco
 /// as replay() says.
 class Replay {
  public:
-  /// Where it stood between two steps, and can stand again.
+  /// A saved state between two steps, to which the replay can return.
   struct Mark {
     RecordingReader::Place place;
     Snapshot snapshot;
@@ -47,7 +47,7 @@ class Replay {
   bool advance();
   /// Makes the calls up to the next step alone.
   void make_calls();
-  /// Whether it is known of which bodies the state differs, or that it is of none.
+  /// True once it is known which bodies differ, or that none does.
   bool knows_difference() const { return result_.divergence && result_.divergence->bodies_step; }
 
   Mark mark() const;
@@ -57,14 +57,14 @@ class Replay {
 
   const World& world() const { return world_; }
   std::vector<RecordedBody> bodies() const;
-  /// Of the last step; what it says is of no use before the first, and after go_to().
+  /// The report of the last step; it is meaningless before the first step, and after go_to().
   const StepReport& report() const { return report_; }
   double dt() const { return dt_; }  ///< s, of that step
-  /// What has been found so far.
+  /// The result so far.
   const ReplayResult& result() const { return result_; }
 
  private:
-  // Of the force law's part of a step: it threw, or the recording is cut off there.
+  // Thrown when the force law's part of a step ends early: the law threw, or the recording is cut off there.
   struct LawEnded {};
 
   bool next();

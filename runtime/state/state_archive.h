@@ -1,5 +1,6 @@
 #pragma once
-/// What walks over a world's state: it is described once, in world_state.h, and written, read or hashed by that.
+/// Archives that walk over a world's state: world_state.h describes the state once, and each archive writes, reads or
+/// hashes it.
 
 #include <atoll/error.h>
 #include <jobs/hash.h>
@@ -109,7 +110,7 @@ class StateWriter {
   std::byte* end_;
 };
 
-/// What a StateReader reads, as messages say it.
+/// The source that a StateReader reads, as messages name it.
 struct StateSource {
   const char* prefix = "Snapshot: ";
   const char* what = "state";
@@ -198,7 +199,7 @@ class StateReader {
   void check(bool holds, const char* found) const {
     if (!holds) fail(found);
   }
-  /// Of numbers that no world has; what a world of this process wrote is as it was, whatever that is.
+  /// Refuses numbers that no world has. Only files are checked: a world of this process may have written any number.
   void check_number(bool holds, const char* found) const { check(holds || !source_.from_file, found); }
 
  private:

@@ -31,9 +31,9 @@ using Geometry = std::map<std::pair<collision::ShapeKind, std::uint64_t>, std::s
 /// Hash of all that a body's motion depends on, of geometry by what it is made of.
 std::uint64_t fingerprint(const BodyConstants& constants);
 
-/// Whether two bodies can't be told apart.
+/// True if two bodies can't be told apart.
 bool are_same(const BodyConstants& a, const BodyConstants& b);
-/// Whether two worlds have the same bodies under the same ids, and number all that comes next alike.
+/// True if two worlds have the same bodies under the same ids, and will give the same ids to the next ones.
 bool are_same(const WorldDefinition& a, const WorldDefinition& b);
 
 /// Throws Error if a body has one id in both and is not the same; `found` is what a world has, `saved` of a snapshot.

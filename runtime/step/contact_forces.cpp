@@ -18,7 +18,7 @@ Vector3 vector3(const auto& v) { return {v[0], v[1], v[2]}; }
 Vector3 normal_of(const Stores& world, std::uint32_t first, std::uint32_t second,
                   const collision::ContactManifold& manifold) {
   Vector3 normal = vector3(manifold.normal);
-  // What stays in a plane is pushed within it.
+  // Two bodies that move in one plane push each other within it only.
   if (const int plane = solver::shared_plane(world.bodies, first, second); plane >= 0) {
     normal[plane] = 0;
     normal.normalize();
@@ -89,7 +89,7 @@ Vector3 ManifoldPlace::point(const collision::ContactManifold& manifold, std::si
 ManifoldPlace place_of(const Stores& world, const collision::Contact& contact,
                        const collision::ContactManifold& manifold) {
   const collision::Tangents frame = collision::tangents(manifold.normal);
-  // Where the contact was as the step started: the bodies have moved since, by far less than their size.
+  // Anchors are where the contact was as the step started: the bodies have moved since, by far less than their size.
   return {.centre = world.bodies.position(contact.body_first) + vector3(manifold.anchor_first),
           .tangents = {vector3(frame.first), vector3(frame.second)},
           .normal = normal_of(world, contact.body_first, contact.body_second, manifold)};
@@ -127,7 +127,7 @@ std::span<const PairForce> pair_forces(Stores& world, const ContactPhase& phase,
                                        const collision::NarrowphaseKernels& kernels, jobs::Arena& arena) {
   std::vector<PairForce>& pairs = world.results.pair_forces;
   pairs.clear();
-  // Of the first on the second, by id the lower on the higher.
+  // Takes the force of the first body on the second, and stores that of the lower id on the higher.
   const auto add = [&](BodyId first, BodyId second, const Vector3& force, double normal_force, double separation) {
     const bool swapped = second < first;
     const BodyId a = swapped ? second : first, b = swapped ? first : second;

@@ -222,7 +222,7 @@ void ContactPhase::modify(Stores& world, const StepContext& step, std::span<cons
   list_on(world);
 }
 
-// What touches, less what is off.
+// Lists the touching contacts without those that are switched off.
 void ContactPhase::list_on(const Stores& world) {
   jobs::CompactArray<std::uint32_t>& off = modified_.off;
   std::sort(off.begin(), off.end());

@@ -28,7 +28,7 @@ class ContactPhase {
   void update(Stores& world, const StepContext& step);
   /// Contacts of bodies that were just woken count with the features they fell asleep with.
   void add_woken(Stores& world, const StepContext& step, std::span<const std::uint32_t> slots);
-  /// Those of pairs that came apart: no other goes before the step ends.
+  /// Removes the contacts of pairs that came apart; no others go before the step ends.
   void remove_lost(Stores& world);
   /// The next update starts afresh: the world is another.
   void forget() {
@@ -41,7 +41,7 @@ class ContactPhase {
   std::span<const solver::TouchingPair> touching() const {
     return off_.empty() ? std::span(update_.touching) : std::span(on_);
   }
-  /// Whether it still tells of all contacts with points: none came, went, or is idle.
+  /// True while touching() still lists all contacts with points: none came, went, or is idle.
   bool touching_is_all(const Stores& world) const {
     return world.cache.changes() == cache_changes_ && world.cache.order().size() == world.cache.size();
   }
@@ -51,12 +51,12 @@ class ContactPhase {
   std::int64_t points() const { return update_.counts.points - modified_.points_off - inner_points_; }
   /// Pairs of colliders of which all contacts are switched off, in order.
   std::span<const collision::Pair> pairs_off() const { return modified_.pairs_off; }
-  /// What a modifier adds to the slip of contacts, by slot; null where it adds nothing.
+  /// The slip that a modifier adds to contacts, by slot; null if it adds none.
   const solver::AddedSlip* added_slips() const { return modified_.slips ? slips_.data() : nullptr; }
   auto arrays() const { return std::tie(update_, inner_edges_, inner_, off_, on_, slips_, other_kinds_); }
 
  private:
-  // What a modifier made of the step's contacts.
+  // The changes that a modifier made to the step's contacts.
   struct Modified {
     jobs::CompactArray<std::uint32_t> off;          // slots, in order
     jobs::CompactArray<collision::Pair> pairs_off;  // in order

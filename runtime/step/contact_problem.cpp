@@ -43,7 +43,7 @@ ContactProblem contact_problem(const Stores& world, std::span<const solver::Touc
   for (const solver::TouchingPair& pair : touching) {
     const collision::ContactManifold& manifold = world.cache.manifolds[pair.slot];
     const solver::ContactCapture::Answer& answer = capture.answers[pair.slot];
-    // Of unit length and square in double, as the solver's are in single precision only.
+    // Makes the axes orthonormal in double precision, since the solver's are so in single precision only.
     const Vector3 normal = (answer.planar ? vector(answer.normal) : vector(manifold.normal)).normalized();
     const Vector3 first_tangent =
         answer.planar ? vector(answer.tangent) : vector(collision::tangents(manifold.normal).first);

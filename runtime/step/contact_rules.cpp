@@ -42,7 +42,7 @@ Seen seen(const Stores& world, collision::Pair pair, std::size_t number) {
           static_cast<std::uint32_t>(number)};
 }
 
-// What a modifier left behind is what a step can work with.
+// Throws if a modifier left a value that a step can't work with.
 void check(const ModifiableContact& contact, double restitution_before) {
   constexpr const char* call = "ContactModifier: contact.";
   check_not_negative((std::string(call) + "friction").c_str(), contact.friction);

@@ -16,7 +16,7 @@
 
 namespace atl {
 
-/// What a modifier made of a contact, as the solver sees it.
+/// A contact that a modifier changed, as the solver sees it.
 struct ModifiedContact {
   collision::Pair pair;  // colliders
   std::uint8_t part = 0;
@@ -26,7 +26,7 @@ struct ModifiedContact {
   std::array<float, 3> slip = {};  // m/s, of the second collider's surface against the first's
 };
 
-/// What a filter or a modifier said when it was asked at one time of a step.
+/// Answers of a filter and a modifier to one question within a step.
 struct ContactAnswers {
   std::vector<collision::Pair> refused;   // in order
   std::vector<ModifiedContact> modified;  // those that it changed, in order
@@ -61,12 +61,12 @@ class ContactRules {
   void begin_substep() { asked_pairs_ = asked_contacts_ = 0; }
   /// Throws what a function threw in the step, once it is done.
   void rethrow();
-  /// What is being asked, for messages, or null.
+  /// Names the function that is being asked, for messages; null if none is.
   const char* asking() const { return asking_; }
 
-  /// Those of the pairs that may not touch, in order.
+  /// Asks the filter: returns the pairs that may not touch, in order.
   std::vector<collision::Pair> refuse(const Stores& world, std::span<const collision::Pair> pairs);
-  /// What is changed of contacts, in their order.
+  /// Asks the modifier: returns the contacts that it changed, in their order.
   std::vector<ModifiedContact> modify(const Stores& world, std::span<const collision::TouchingPair> contacts);
 
   /// In the substep so far.

@@ -32,7 +32,7 @@ std::uint32_t assembly_of(const Stores& world, const IslandPhase& islands, std::
   return world.bodies.joined[body] ? islands.assembly_of(body) : FastBody::alone;
 }
 
-// Of a joint whose bodies were put elsewhere, by less than half a turn.
+// Updates a joint's coordinates after its bodies were moved, by less than half a turn.
 void follow_position(const Stores& world, solver::Joint& joint) {
   if (joint.is_tendon()) {
     follow_length(world, joint);

@@ -1,5 +1,5 @@
 #pragma once
-/// What a step tells of contacts that began and ended, and of joints.
+/// Events of a step: contacts and joints.
 
 #include <solver/islands/joint_graph.h>
 
@@ -32,8 +32,8 @@ void add_hits(const Stores& world, const ContactPushes& pushes, bool ends_step, 
 /// `hits`: what has touched within the step, however it ended; `pushes` are those of its last substep. Sorts the hits.
 void note_contact_events(Stores& world, const ContactPushes& pushes, std::vector<ContactHit>& hits,
                          bool islands_rebuilt, const StepContext& step);
-/// Of joints that act on awake bodies: those that break, and that reach or leave ends of their ranges. What a motor
-/// moves stays awake. Those of bodies that the solve broke tell nothing.
+/// Events of joints that act on awake bodies: a joint breaks, or reaches or leaves an end of its range. Asleep bodies
+/// have none, since a body that a motor moves stays awake. Joints of bodies that the solve broke give no events.
 void note_joint_events(Stores& world, std::span<const solver::JointLink> acting,
                        std::span<const QuarantineFault> broken);
 

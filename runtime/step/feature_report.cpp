@@ -1,4 +1,4 @@
-// What the step did of all that it may do, and why: the plan as data, for reports.
+// The features that the step ran, and why: the plan as data, for reports.
 
 #include <features/with_continuous.h>
 #include <features/with_direct_contacts.h>
@@ -69,7 +69,7 @@ constexpr std::array<FeatureWords, feature_count> words = {{
     {"recording", "steps", "calls are recorded", "nothing is recorded"},
 }};
 
-// What builds may be without.
+// False for features that this build leaves out.
 bool is_built(Feature feature) {
   switch (feature) {
     case Feature::RollingAndBelts:

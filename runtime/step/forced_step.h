@@ -19,7 +19,7 @@ class ForcedStep {
  public:
   ForcedStep(World& world, const ForceLaw& law, double dt);
 
-  /// What the law throws goes through, once the world is as the last whole substep left it.
+  /// Passes on an exception of the law, once the world is back in the state after the last whole substep.
   StepReport run();
 
  private:

@@ -31,7 +31,7 @@ void IslandPhase::build(Stores& world, const StepContext& step, ContactPhase& co
     wake_joined_to_moving(world);
   }
   contacts.remove_lost(world);
-  // What wakes may touch another sleeping island: a modifier had switched off what they touch each other in.
+  // A woken body may touch another sleeping island, if a modifier had switched off the contacts between the two.
   for (ActiveChange woke = update_active_bodies(world); woke.changed; woke = update_active_bodies(world)) {
     contacts.add_woken(world, step, woke.woken_contacts);
     wake_touched_sleepers(world, contacts.touching());
@@ -90,7 +90,7 @@ void IslandPhase::update_joint_graph(Stores& world, double h) {
   }
 }
 
-// What hangs on a moving body doesn't rest, however slow that is.
+// A body that is joined to a moving kinematic body doesn't rest, however slow the motion is.
 void IslandPhase::wake_joined_to_moving(Stores& world) const {
   for (const auto& [kinematic, other] : to_kinematic_) {
     if (world.active.contains(kinematic)) world.sleeping.wake(other);

@@ -27,9 +27,9 @@ class StepPipeline {
  public:
   /// A step of world.clock.dt seconds, maybe one substep of a step under a force law.
   void run(Stores& world, const StepContext& step);
-  /// What was kept is of another state.
+  /// Drops what is kept from step to step, after the state was replaced.
   void forget() { contacts_.forget(); }
-  /// What was kept is of other bodies.
+  /// Drops what is kept of the bodies, after they were replaced.
   void forget_bodies() { islands_.forget(); }
 
   const ContactPhase& contacts() const { return contacts_; }
@@ -54,7 +54,7 @@ class StepPipeline {
   bool rebuilt_ = false;                  // whether islands were, in some substep since events were noted
 };
 
-/// What the step did of all that it may do, and why: the plan as data, in step.report.
+/// Fills step.report with the features that the step ran, and why: the plan as data.
 void note_features(const Stores& world, const StepPipeline& pipeline, const ContactRules& rules, bool records,
                    StepReport& report);
 

@@ -1,5 +1,5 @@
 #pragma once
-/// What callers ask for after a step, made when asked for: a step that nobody asks pays nothing.
+/// Results that callers ask for after a step. They are computed on demand, so a step without readers pays nothing.
 
 #include <atoll/contact_problem.h>
 #include <atoll/memory.h>
@@ -13,7 +13,7 @@
 
 namespace atl {
 
-/// Where the points of a manifold are in the world.
+/// The frame of a manifold in the world.
 struct ManifoldPlace {
   Vector3 centre;       ///< m
   Vector3 tangents[2];  ///< unit
@@ -43,12 +43,12 @@ void end_accelerations(Stores& world, double dt);
 Eigen::Map<const Eigen::Matrix3Xd> accelerations(const Stores& world, bool angular, const char* call);
 /// m/s^2, along the axes of the body's frame, at a point of it.
 Vector3 proper_acceleration(const Stores& world, std::uint32_t body, const Vector3& point);
-/// Of a step whose substeps took so many seconds.
+/// The contact problem of the last step, whose substeps took `substep` seconds each.
 ContactProblem contact_problem(const Stores& world, std::span<const solver::TouchingPair> touching,
                                const solver::ContactCapture& capture, double substep);
-/// As ResidualReport::relative, by island.
+/// The residual of each island, defined like ResidualReport::relative.
 std::vector<double> island_residuals(const ContactProblem& problem, const solver::Islands& islands);
-/// What of a world's memory is for what.
+/// The memory of a world, by use.
 std::vector<MemoryUse> memory_of(const Stores& world, const StepPipeline& pipeline);
 /// Asks for the memory of a small world that is about to be stepped.
 void prefetch(const Stores& world, const StepPipeline& pipeline);

@@ -96,7 +96,7 @@ collision::Motion Sensor::motion_of(std::uint32_t collider) const {
                                     start.orientation.conjugate() * (centre - start.position));
 }
 
-// Whether the spheres about a body and the sensor meet on their ways.
+// True if the bounding spheres of a body and the sensor meet on their ways through the step.
 bool Sensor::comes_near(std::uint32_t body) const {
   const double reach = world_.bodies.radius[body] + world_.bodies.radius[body_];
   if (world_.bodies.radius[body] == 0) return true;

@@ -33,7 +33,7 @@ solver::SolverSettings settings_now(const Stores& world, int substeps) {
   return how;
 }
 
-// Of groups that are solved in a mode, and get so many substeps where `asked` are asked for.
+// Solver settings of groups that are solved in a mode and get `substeps` substeps, where the caller asked for `asked`.
 solver::SolverSettings settings_of(const Stores& world, int asked, int substeps, SolveMode mode) {
   solver::SolverSettings how = settings_now(world, substeps);
   how.refinement = static_cast<double>(substeps) / asked;
@@ -101,7 +101,7 @@ void SolvePhase::solve(Stores& world, const StepContext& step, const solver::Add
   move_unconstrained_bodies(world, step, islands.islands().free_bodies(), moved);
 }
 
-// Whether some island got another number, or there are other islands.
+// Returns true if some island's number of substeps changed, or there are other islands.
 bool SolvePhase::choose_substeps(Stores& world, const StepContext& step, const IslandPhase& islands) {
   const auto chosen =
       world.control.choose(error_input(world, step, islands), error_target(world.settings.target), step.arena);
@@ -187,7 +187,7 @@ const SolvePhase::GroupSettings* SolvePhase::find_settings(const solver::IslandG
 
 namespace {
 
-// What holds back rolling and spinning on each other, by what touches.
+// Writes rolling and torsional friction of each contact: the larger of its two materials' values.
 void note_resistance(Stores& world, const solver::Islands& islands) {
   world.surface_contacts.resize(world.cache.manifolds.size());
   for (const solver::TouchingPair& pair : islands.contacts(0, islands.count())) {

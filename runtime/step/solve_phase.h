@@ -37,7 +37,7 @@ class SolvePhase {
 
   std::span<const solver::IslandGroup> groups() const { return groups_; }
   std::span<const solver::GroupReport> group_reports() const { return group_reports_; }
-  /// Of the last step, if it was to be kept.
+  /// The contact problem of the last step, if it was to be kept.
   const solver::ContactCapture& capture() const { return capture_; }
   /// By contact slot, N s: see SolveInput::pushed; empty where nobody asks for events.
   std::span<const float> pushed() const { return pushed_; }

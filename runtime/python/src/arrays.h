@@ -26,7 +26,7 @@ Eigen::Map<const Eigen::Matrix<double, columns, Eigen::Dynamic>> columns_of(cons
   return {rows.data(), columns, static_cast<Eigen::Index>(rows.shape(0))};
 }
 
-/// What is passed out over memory of Atoll's, a row a body: not to be written to.
+/// A read-only array over memory of Atoll's, one row per body.
 template <int columns>
 using View = nb::ndarray<nb::numpy, const double, nb::shape<-1, columns>, nb::c_contig>;
 

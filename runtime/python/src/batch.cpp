@@ -233,7 +233,7 @@ void bind_steps(nb::class_<Batch>& batch) {
       .def("quarantined", &Batch::quarantined, "How many bodies of each world are in quarantine.");
 }
 
-// What rollouts keep, by the names of the arrays.
+// Columns that rollouts can keep, by the names of their arrays.
 constexpr std::array<std::pair<const char*, Batch::Column>, 7> columns = {{
     {"positions", Batch::Column::Positions},
     {"origins", Batch::Column::Origins},
@@ -268,7 +268,7 @@ std::size_t steps_in(const Values& values, std::size_t worlds, std::size_t width
               step + ", or (" + step + " for all alike");
 }
 
-// Where rollouts start: None, "reset", a snapshot or one a world.
+// Reads the start of a rollout: None, "reset", one snapshot, or one per world.
 std::vector<Snapshot> take_start(const nb::object& start, Rollout& rollout) {
   if (start.is_none()) return {};
   if (nb::isinstance<nb::str>(start)) {

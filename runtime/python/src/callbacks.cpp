@@ -1,4 +1,4 @@
-// What functions of Python are asked of: contacts, and the forces of a moment.
+// Callbacks to Python functions: contact filters and modifiers, and force laws.
 
 #include "callbacks.h"
 

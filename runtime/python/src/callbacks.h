@@ -16,7 +16,7 @@ namespace nb = nanobind;
 /// numpy's bools too.
 inline bool is_true(nb::handle value) { return nb::cast<bool>(nb::bool_(value)); }
 
-/// What a function of Python is asked of, and may use until it has answered.
+/// An object that is lent to a Python function until the function returns.
 template <typename T>
 struct Lent {
   T* lent = nullptr;

@@ -30,7 +30,7 @@ namespace {
 constexpr std::size_t most_in_notebook = 16 << 20;  // bytes
 constexpr int usual_height = 620;                   // pixels
 
-// What a world, which may be stepped by another thread, tells of its steps.
+// The film of a world, which another thread may step at the same time.
 struct Roll {
   explicit Roll(view::FilmOptions options) : film(std::move(options)) {}
 

@@ -1,4 +1,4 @@
-// What a step did.
+// Reports of a step.
 
 #include <atoll/report.h>
 #include <atoll/world.h>

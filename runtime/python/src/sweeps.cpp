@@ -105,7 +105,7 @@ std::vector<int> sweep_sizes(const std::vector<Source>& scenes, const tradeoff::
   return sizes;
 }
 
-// Of a plan, keeps the configurations of a part, and ahead of them the scene's own, which others are compared with.
+// Keeps the configurations of one part of a plan, and ahead of them the scene's own, which others are compared with.
 // Returns their indices in the whole plan.
 std::vector<int> keep_part(tradeoff::ScenePlan& plan, const Part& part) {
   const auto [begin, end, whole] = part;
