@@ -11,9 +11,11 @@ namespace atl::view {
 bool has_page() { return !std::string_view(page::script).empty(); }
 
 void write_page(std::ostream& out, Film& film) {
-  write_filled(
-      out, page::index,
-      {{"/* style.css */", page::style}, {"/* film.json */", inert(film.text())}, {"/* page.js */", page::script}});
+  write_filled(out, page::index,
+               {{"/* hash */", hash_source(page::script_sha256)},
+                {"/* style.css */", page::style},
+                {"/* film.json */", inert(film.text())},
+                {"/* page.js */", page::script}});
 }
 
 std::string framed(const std::string& page, int height) {

@@ -31,6 +31,8 @@ std::vector<std::uint8_t> deflated(const std::vector<std::uint8_t>& bytes, Packe
   return result;
 }
 
+}  // namespace
+
 std::string base64(const std::vector<std::uint8_t>& bytes) {
   constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string text;
@@ -43,8 +45,6 @@ std::string base64(const std::vector<std::uint8_t>& bytes) {
   }
   return text;
 }
-
-}  // namespace
 
 std::string Packer::text(Likes likes) const { return base64(deflated(bytes_, likes)); }
 

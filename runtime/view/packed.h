@@ -9,6 +9,9 @@
 
 namespace atl::view {
 
+/// RFC 4648, section 4.
+std::string base64(const std::vector<std::uint8_t>& bytes);
+
 /// Numbers as text that a page can take apart: little-endian bytes, deflated (zlib, RFC 1950), in base64.
 class Packer {
  public:

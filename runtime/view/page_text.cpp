@@ -1,6 +1,11 @@
 #include "view/page_text.h"
 
+#include <charconv>
+#include <cstdint>
 #include <ostream>
+#include <vector>
+
+#include "view/packed.h"
 
 namespace atl::view {
 
@@ -15,6 +20,12 @@ std::string inert(std::string_view json) {
     }
   }
   return text;
+}
+
+std::string hash_source(std::string_view sha256) {
+  std::vector<std::uint8_t> bytes(sha256.size() / 2);
+  for (std::size_t i = 0; i < bytes.size(); ++i) std::from_chars(&sha256[2 * i], &sha256[2 * i] + 2, bytes[i], 16);
+  return "'sha256-" + base64(bytes) + "'";
 }
 
 void write_filled(std::ostream& out, std::string_view page, std::initializer_list<PagePart> parts) {

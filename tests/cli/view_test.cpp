@@ -35,6 +35,12 @@ std::vector<double> numbers(const std::string& text) {
   return all;
 }
 
+// A page that lets another script ask it.
+std::string without_policy(std::string text) {
+  const std::size_t begin = text.find("<meta http-equiv=\"Content-Security-Policy\"");
+  return text.erase(begin, text.find('>', begin) + 1 - begin);
+}
+
 class ViewPage : public testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {
@@ -49,7 +55,7 @@ class ViewPage : public testing::TestWithParam<const char*> {
   std::string recording() const { return scratch_.path("run.rec"); }
 
   LoadedPage ask(const std::string& expression, const std::string& place = "") const {
-    std::string text = read_text(page());
+    std::string text = without_policy(read_text(page()));
     const std::size_t end = text.rfind("</body>");
     text.insert(end, R"(<script>(async () => {
       while (document.body.dataset.ready !== 'yes') await new Promise((done) => setTimeout(done, 20));
@@ -104,6 +110,18 @@ TEST_P(ViewPage, ShowsWhereBodiesWere) {
     }
   }
   EXPECT_EQ(at, seen.size());
+}
+
+// As it is, and with a script that isn't its own.
+TEST_P(ViewPage, RunsItsOwnScriptAlone) {
+  const LoadedPage whole = load_page(*browser_, page(), 1100, "", 30);
+  EXPECT_EQ(whole.console, "");
+  EXPECT_NE(whole.document.find("data-ready=\"yes\""), std::string::npos);
+  std::string text = read_text(page());
+  text.insert(text.rfind("</body>"), "<script>document.body.dataset.foreign = 'ran'</script>");
+  const LoadedPage harmed = load_page(*browser_, scratch_.write("harmed.html", text), 1100, "", 30);
+  EXPECT_EQ(harmed.document.find("data-foreign"), std::string::npos);
+  EXPECT_NE(harmed.console.find("Content Security Policy"), std::string::npos) << harmed.console;
 }
 
 // The canvas has many colours, where the bodies are drawn, and other ones once they have moved.

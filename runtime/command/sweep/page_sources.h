@@ -6,5 +6,6 @@ namespace atl::command::page {
 extern const char* const index;
 extern const char* const style;
 extern const char* const script;
+extern const char* const script_sha256;  ///< in hexadecimal
 
 }  // namespace atl::command::page

@@ -13,9 +13,11 @@ void write_results_page(std::ostream& out, const SweepResults& results, const st
   Json data = results_object(results);
   data["date"] = date;
   const std::string json = data.dump(-1, ' ', true, Json::error_handler_t::replace);
-  view::write_filled(
-      out, page::index,
-      {{"/* style.css */", page::style}, {"/* results.json */", view::inert(json)}, {"/* page.js */", page::script}});
+  view::write_filled(out, page::index,
+                     {{"/* hash */", view::hash_source(page::script_sha256)},
+                      {"/* style.css */", page::style},
+                      {"/* results.json */", view::inert(json)},
+                      {"/* page.js */", page::script}});
 }
 
 }  // namespace atl::command

@@ -7,7 +7,9 @@ set(bundle "")
 if(script)
   file(READ ${script} bundle)
 endif()
+string(SHA256 digest "${bundle}")
 file(WRITE ${out} "#include \"view/page_sources.h\"\n\nnamespace atl::view::page {\n\n"
      "const char* const index = R\"~~~~(${index})~~~~\";\n\n"
      "const char* const style = R\"~~~~(${theme}${style})~~~~\";\n\n"
-     "const char* const script = R\"~~~~(${bundle})~~~~\";\n\n}  // namespace atl::view::page\n")
+     "const char* const script = R\"~~~~(${bundle})~~~~\";\n\n"
+     "const char* const script_sha256 = \"${digest}\";\n\n}  // namespace atl::view::page\n")
