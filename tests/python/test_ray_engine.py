@@ -6,6 +6,7 @@ import importlib
 import os
 import signal
 import socket
+import subprocess
 import sys
 import time
 from collections.abc import Iterator
@@ -336,3 +337,38 @@ def test_a_node_that_dies_loses_its_call_and_gets_no_more(cluster: Any, engine: 
     assert {answers[i].worker for i in range(1, PLACES)} == rest
     assert {answers[i].value for i in range(PLACES, 8)} == {i * i for i in range(PLACES, 8)}
     assert {answers[i].worker for i in range(PLACES, 8)} <= rest
+
+
+LISTENERS = """
+import os, pathlib
+from atoll._ensemble.ray_engine import RayEngine
+from atoll._ensemble.engines import Call
+
+def sockets_of_ours():
+    for process in pathlib.Path("/proc").glob("[0-9]*"):
+        try:
+            if b"ATOLL_TEST_PORTS" in (process / "environ").read_bytes():
+                yield from map(os.readlink, (process / "fd").iterdir())
+        except OSError:  # it ended
+            pass
+
+engine = RayEngine(None, 1)
+engine.submit(Call(1, max, (1, 2)))
+while not engine.wait(1.0):
+    pass
+ours = set(sockets_of_ours())
+for name in ("tcp", "tcp6"):
+    for fields in map(str.split, pathlib.Path("/proc/net", name).read_text().splitlines()):
+        if fields[3] == "0A" and f"socket:[{fields[9]}]" in ours:  # listens
+            host = fields[1].partition(":")[0]
+            print("loopback" if host in ("0100007F", "0000000000000000FFFF00000100007F") else fields[1])
+engine.close()
+"""
+
+
+def test_a_cluster_of_this_machine_listens_to_it_alone() -> None:
+    environment = {**os.environ, "RAY_AUTH_MODE": "disabled", "RAY_USAGE_STATS_ENABLED": "0", "ATOLL_TEST_PORTS": "1"}
+    environment.pop("RAY_ADDRESS", None)
+    done = subprocess.run([sys.executable, "-c", LISTENERS], env=environment, capture_output=True, text=True, timeout=HANGS)
+    assert done.returncode == 0, done.stderr
+    assert set(done.stdout.split()) == {"loopback"}

@@ -53,6 +53,10 @@ def _parser() -> argparse.ArgumentParser:
                         help="of jobs that are run once more by another worker (default 0.01; the first of each is as well)")
     parser.add_argument("--trust-all", action="store_true",
                         help="ask workers again that computed other bits before: what was wrong is mended")
+    parser.add_argument("--job-time", metavar="S", type=_seconds_of_job, default=86400.0,
+                        help="seconds of a worker until a job is given up, without a row (default 86400, a day)")
+    parser.add_argument("--job-memory", metavar="MB", type=_megabytes,
+                        help="MB of data that a job's process may have until it is given up (default: what there is)")
     parser.add_argument("--not-shared", action="store_true",
                         help="DIR is not on a folder that all workers share: snapshots go through the engine")
     parser.add_argument("--slurm-option", metavar="OPTION", action="append", default=[],
@@ -80,7 +84,7 @@ def _run(given: argparse.Namespace, signals: list[int]) -> int:
             engine=given.engine,
             workers=given.workers,
             address=given.address,
-            options=Options(given.interval, given.verify, not given.not_shared, given.trust_all),
+            options=_options(given),
             parquet=parquet,
             part=given.part,
             watch=progress,
@@ -91,6 +95,17 @@ def _run(given: argparse.Namespace, signals: list[int]) -> int:
         name = signal.Signals(signals[0]).name
         return _say(f"interrupted by {name} after {outcome.done} of {outcome.jobs} jobs; the same command goes on", 128 + signals[0])
     return _FAILED if outcome.given_up or outcome.failed or outcome.distrusted else _DONE
+
+
+def _options(given: argparse.Namespace) -> Options:
+    return Options(
+        interval=given.interval,
+        verify=given.verify,
+        shared=not given.not_shared,
+        trust_all=given.trust_all,
+        job_seconds=given.job_time,
+        job_memory=None if given.job_memory is None else 1_000_000 * given.job_memory,
+    )
 
 
 def _write_slurm(given: argparse.Namespace) -> int:
@@ -190,6 +205,8 @@ def _number(kind: type[int] | type[float], least: float, most: float, expected: 
 
 _count = _number(int, 1, 100_000, "an integer from 1 to 100000")
 _seconds = _number(float, 0.01, 86400, "0.01 to 86400")
+_seconds_of_job = _number(float, 0.01, 1e9, "0.01 to 1000000000")
+_megabytes = _number(int, 1, 1_000_000_000, "an integer from 1 to 1000000000")
 _share = _number(float, 0, 1, "0 to 1")
 
 

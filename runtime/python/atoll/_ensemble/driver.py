@@ -18,7 +18,7 @@ from typing import Any, Protocol
 from .. import _core
 from . import EnsembleError
 from .engines import Answer, Call, Engine, LocalEngine, calls_at_a_time
-from .job import FunctionError, Part, Point, read_if_there, run_part, snapshot_path, state_path
+from .job import FunctionError, LimitError, Part, Point, read_if_there, run_part, snapshot_path, state_path
 from .plan import Job
 from .store import Progress, Result, Store
 from .table import row_of
@@ -36,6 +36,8 @@ class Options:
     verify: float = 0.01  #: the share of jobs that are run once more; of each worker the first one is as well
     shared: bool = True  #: workers read and write the folder themselves
     trust_all: bool = False  #: also those that computed other bits before
+    job_seconds: float = 86400.0  #: of a worker, that a job may take until it is given up
+    job_memory: int | None = None  #: bytes of data that its process may have; None: as many as there are
 
 
 @dataclass
@@ -150,15 +152,18 @@ class Driver:
             if not self._options.shared and attempt.at is not None:
                 snapshot = read_if_there(snapshot_path(folder, attempt.name, attempt.at.step))
             arguments = (attempt.job, attempt.at, self._options.interval, str(folder) if self._options.shared else None,
-                         snapshot, attempt.name)  # fmt: skip
+                         snapshot, attempt.name, self._options.job_memory)  # fmt: skip
             prefer = attempt.workers[-1] if attempt.workers else ""
-            self._engine.submit(Call(self._tickets, run_part, arguments, frozenset(avoid), prefer))
+            left = max(0.0, self._options.job_seconds - attempt.seconds)
+            self._engine.submit(Call(self._tickets, run_part, arguments, frozenset(avoid), prefer, left))
 
     def _take(self, answers: Iterable[Answer]) -> None:
         for answer in answers:
             attempt = self._under_way.pop(answer.ticket)
             since_submitted = time.monotonic() - self._begun.pop(answer.ticket)
-            if answer.lost:
+            if answer.overran:
+                self._give_up(attempt, f"{answer.lost} ({self._options.job_seconds:g} s a job)")
+            elif answer.lost:
                 self._lose(attempt, answer, answer.seconds or since_submitted)
             elif answer.worker in self._distrusted or self._trusted(attempt) is not attempt:
                 self._waiting.appendleft(attempt)
@@ -185,11 +190,20 @@ class Driver:
         self._store.note("lost", f"{attempt.key} from step {step}, {spent:.2f} s: {answer.lost}")
         if attempt.losses + 1 < MOST_LOSSES:
             self._waiting.appendleft(replace(attempt, losses=attempt.losses + 1))
-        elif not attempt.verifies:
-            self.given_up.append(f"{attempt.key}: lost {MOST_LOSSES} times in a row from step {step}: {answer.lost}")
+        else:
+            self._give_up(attempt, f"lost {MOST_LOSSES} times in a row from step {step}: {answer.lost}")
+
+    def _give_up(self, attempt: _Attempt, why: str) -> None:
+        """It gets no row: with more time or other workers it may come to an end."""
+        if not attempt.verifies:
+            self._store.note("given up", f"{attempt.key}: {why}")
+            self.given_up.append(f"{attempt.key}: {why}")
 
     def _fail(self, attempt: _Attempt, answer: Answer) -> None:
         error = answer.error
+        if isinstance(error, LimitError):
+            self._give_up(attempt, str(error))
+            return
         if not isinstance(error, (_core.Error, FunctionError)):
             what = error if isinstance(error, OSError) else f"{type(error).__name__}: {error}"
             raise DriverError(f"{attempt.key} on {answer.worker}: {what}")
@@ -253,8 +267,12 @@ class Driver:
         key = attempt.key
         self._store.note("differ", f"{key}: {worker} and {other} differ in the state after step {point.step}")
         wrong = {worker, other}
+        decided = self._decided(attempt) if worker != other or attempt.job.code else []
+        if attempt.job.code and decided != self._decided(attempt):
+            self._blame_function(attempt, point)
+            return
         if worker != other:
-            hashes = {check.step: check.hash for check in self._decided(attempt)}
+            hashes = {check.step: check.hash for check in decided}
             if hashes.get(point.step) == point.hash:
                 wrong = {other}
             elif hashes.get(point.step) == self._store.hash_of(key, point.step):
@@ -264,10 +282,20 @@ class Driver:
         if key not in self._finished:
             self._begin_anew(key)
 
+    def _blame_function(self, attempt: _Attempt, point: Point) -> None:
+        """One process came to two states of the same inputs, so it is a function of the plan that does not go by them."""
+        job, key = attempt.job, attempt.key
+        functions = " or ".join(filter(None, (job.setup, job.observe)))
+        why = f"{functions}: two runs of one process differ in the state after step {point.step}; expected the same of the same"
+        self.tally.set_aside += key in self._finished
+        self._store.drop(key)
+        self._finish(attempt, attempt.workers, row_of(job, "failed", why, {}))
+
     def _decided(self, attempt: _Attempt) -> list[Point]:
         if self._decider is None:
             self._decider = LocalEngine(1, "decider")
-        self._decider.submit(Call(0, run_part, (attempt.job, None, math.inf, None, None, f"{attempt.key}-decide")))
+        self._decider.submit(Call(0, run_part, (attempt.job, None, math.inf, None, None, f"{attempt.key}-decide"),
+                                  limit=self._options.job_seconds))  # fmt: skip
         answers: list[Answer] = []
         while not answers:
             answers = self._decider.wait(1.0)

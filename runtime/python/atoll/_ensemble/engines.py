@@ -6,8 +6,10 @@ raised, or that the worker was lost. Whoever calls decides what to do then.
 
 from __future__ import annotations
 
+import math
 import multiprocessing.connection
 import os
+import pickle
 import signal
 import socket
 import subprocess
@@ -19,6 +21,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from . import EnsembleError
+from .messages import read_answer, write_call
 
 #: s, within which workers that are asked to stop have to.
 STOP_WITHIN = 10.0
@@ -26,13 +29,14 @@ STOP_WITHIN = 10.0
 
 @dataclass(frozen=True)
 class Call:
-    """Of a function of a module, with arguments that can be pickled."""
+    """Of a function of a module, with arguments that can be pickled (see `messages`)."""
 
     ticket: int  #: by which its answer is known
     function: Callable[..., Any]
     arguments: tuple[Any, ...] = ()
     avoid: frozenset[str] = frozenset()  #: names of workers that may not answer it
     prefer: str = ""  #: name of the worker that is best to; others may, rather than do nothing
+    limit: float = math.inf  #: s, after which its worker is ended
 
 
 @dataclass(frozen=True)
@@ -45,6 +49,7 @@ class Answer:
     error: Exception | None = None  #: what the function raised
     lost: str = ""  #: why the worker is gone
     refused: bool = False  #: lost because no worker is left that may answer it
+    overran: bool = False  #: lost because it took longer than its limit
     seconds: float = 0.0  #: wall time in the function; of a lost one since it was handed out, or 0 if nobody knows
 
 
@@ -81,6 +86,11 @@ def best_for(worker: str, calls: Iterable[Call]) -> int | None:
     return None if best is None else best[-1]
 
 
+def late(worker: str, call: Call) -> str:
+    """Why its worker was ended."""
+    return f"took longer than its limit, of which {call.limit:.3g} s were left, on {worker}"
+
+
 class EngineError(EnsembleError):
     """An engine can't be used as it was asked for."""
 
@@ -106,6 +116,7 @@ class LocalEngine:
         answers = self._refuse()
         self._hand_out()
         answers += [worker.answer() for worker in self._ready(0.0 if answers else timeout)]
+        answers += [worker.overrun() for worker in self._busy() if worker.is_late()]
         self._hand_out()
         return answers
 
@@ -156,6 +167,7 @@ class _Worker:
 
     name: str
     call: Call | None = None
+    sent: bytes = b""  #: the call, as the process has it
     begun: float = 0.0  #: s, of the clock
     process: subprocess.Popen[bytes] = field(init=False)
     connection: multiprocessing.connection.Connection[Any, Any] = field(init=False)
@@ -165,18 +177,20 @@ class _Worker:
 
     def begin(self, call: Call) -> None:
         self.call, self.begun = call, time.monotonic()
+        self.sent = write_call(call.function, call.arguments, pickle.dumps)
         try:
-            self.connection.send((call.function, call.arguments))
+            self.connection.send_bytes(self.sent)
         except OSError:  # it was killed while it had nothing to do
             self._start()
-            self.connection.send((call.function, call.arguments))
+            self.connection.send_bytes(self.sent)
 
     def answer(self) -> Answer:
         assert self.call is not None
         ticket, self.call = self.call.ticket, None
         try:
-            value, error, seconds = self.connection.recv()
-            return Answer(ticket, self.name, value, error, seconds=seconds)
+            seconds, _, message = self.connection.recv_bytes().partition(b"\n")
+            value, error = read_answer(self.sent, message, pickle.loads)
+            return Answer(ticket, self.name, value, error, seconds=float(seconds))
         except (EOFError, OSError):
             spent = time.monotonic() - self.begun
             self.process.wait()
@@ -184,6 +198,16 @@ class _Worker:
             self._start()
             why = f"was killed by signal {-status}" if status < 0 else f"ended with status {status}"
             return Answer(ticket, self.name, lost=f"{self.name} {why}", seconds=spent)
+
+    def is_late(self) -> bool:
+        return self.call is not None and time.monotonic() - self.begun > self.call.limit
+
+    def overrun(self) -> Answer:
+        assert self.call is not None
+        call, self.call = self.call, None
+        self.end()
+        self._start()
+        return Answer(call.ticket, self.name, lost=late(self.name, call), overran=True, seconds=time.monotonic() - self.begun)
 
     def end(self) -> None:
         self.connection.close()

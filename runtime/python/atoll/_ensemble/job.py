@@ -8,8 +8,11 @@ from __future__ import annotations
 
 import json
 import os
+import resource
 import shutil
 import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -24,9 +27,17 @@ from .whole_file import write_whole
 #: Of a job's steps, after which its state's hash is told: where two attempts are compared.
 CHECKS = 8
 
+#: Columns that are told of all jobs, ahead of others.
+FIRST_COLUMNS = ("job", "outcome", "why", "scene", "seed")
+_TAKEN = (*FIRST_COLUMNS, "step", "time")
+
 
 class FunctionError(Exception):
-    """What a function of the plan raised."""
+    """What a function of the plan raised, or did that it may not."""
+
+
+class LimitError(Exception):
+    """A job needs more than its limit."""
 
 
 @dataclass(frozen=True)
@@ -101,6 +112,8 @@ def make_scene(job: Job) -> _core.Scene:
 def _call(address: str, *arguments: object) -> Any:
     try:
         return function_of(address)(*arguments)
+    except MemoryError:
+        raise
     except Exception as error:
         raise FunctionError(f"{address}: {type(error).__name__}: {error}") from None
 
@@ -137,11 +150,32 @@ def _change_bodies(scene: _core.Scene, parameters: dict[str, Any]) -> None:
     scene.bodies = bodies
 
 
+@contextmanager
+def _memory_limit(size: int | None) -> Iterator[None]:
+    """Raises LimitError where the process would have more than `size` bytes of data, or more than there is."""
+    before = resource.getrlimit(resource.RLIMIT_DATA)
+    most = before[0] if size is None else size
+    try:
+        resource.setrlimit(resource.RLIMIT_DATA, (most, before[1]))
+        yield
+    except MemoryError:
+        limit = "there is" if size is None else f"its limit of {size / 1e6:.0f} MB"
+        raise LimitError(f"needs more memory than {limit}") from None
+    finally:
+        resource.setrlimit(resource.RLIMIT_DATA, before)
+
+
 def run_part(job: Job, start: Point | None, seconds: float, folder: str | None, snapshot: bytes | None = None,
-             name: str = "") -> Part:
+             name: str = "", memory: int | None = None) -> Part:
     """Goes on from `start`, whose snapshot is `snapshot`, or in `folder` under `name` (by default the key); from the
     beginning without one, or where it can't be used, which a note then says. Ends after `seconds` s or soon after.
+    Raises LimitError where it takes more than `memory` bytes.
     """
+    with _memory_limit(memory):
+        return _run_part(job, start, seconds, folder, snapshot, name)
+
+
+def _run_part(job: Job, start: Point | None, seconds: float, folder: str | None, snapshot: bytes | None, name: str) -> Part:
     global _running
     key = job.key
     name = name or key
@@ -235,18 +269,34 @@ def _result(job: Job, scene: _core.Scene, world: _core.World, last: Point) -> di
         meter = _core.ErrorMeter(scene, every_step=False)
         meter.observe(last.step * scene.dt, world)
         result |= meter.errors()
-    return result | _observe(job, scene, world)
+    return _observe(job, scene, world, result)
 
 
 def _moment(job: Job, scene: _core.Scene, world: _core.World, step: int) -> Moment:
-    return Moment(step, {"time": step * scene.dt, **_observe(job, scene, world)})
+    return Moment(step, _observe(job, scene, world, {"time": step * scene.dt}))
 
 
-def _observe(job: Job, scene: _core.Scene, world: _core.World) -> dict[str, float]:
-    told = observe(world, job.keep.observables)
-    if job.observe:
-        told |= {name: float(value) for name, value in _call(job.observe, world, scene).items()}
+def _observe(job: Job, scene: _core.Scene, world: _core.World, known: dict[str, Any]) -> dict[str, Any]:
+    """What is known, and observables. A function may add columns, not change them."""
+    told = known | observe(world, job.keep.observables)
+    if not job.observe:
+        return told
+    found = _call(job.observe, world, scene)
+    if not isinstance(found, Mapping):
+        raise FunctionError(f"{job.observe}: returned {_short(found)}; expected a dict of numbers by name")
+    for name, value in found.items():
+        if not isinstance(name, str) or name in told or name in _TAKEN or name in job.parameters:
+            raise FunctionError(f"{job.observe}: returned the name {_short(name)}; expected text that no other column has")
+        try:
+            told[name] = float(value)
+        except (TypeError, ValueError, OverflowError):
+            raise FunctionError(f"{job.observe}: returned {_short(value)} as {name}; expected a number") from None
     return told
+
+
+def _short(value: object) -> str:
+    text = repr(value)
+    return text if len(text) < 60 else text[:57] + "..."
 
 
 def snapshot_path(folder: Path, name: str, step: int) -> Path:

@@ -32,7 +32,7 @@ from .observables import OBSERVABLES
 Value = Union[str, bool, int, float, list[float], dict[str, Any]]
 
 #: Of the format of a job's inputs: another one makes other keys.
-_FORMAT = 1
+_FORMAT = 2
 _STUDY_FIELDS = ("scene", "steps", "dt", "seeds", "parameters", "sample", "setup", "observe")
 _PLAN_FIELDS = ("studies", "keep", *_STUDY_FIELDS)
 _MATERIAL = ("friction", "restitution", "rolling_friction", "torsional_friction")
@@ -56,7 +56,7 @@ class Keep:
 
 @dataclass(frozen=True)
 class Source:
-    """Where a job's scene is from: `text` of a file, or a built-in scene's name."""
+    """Where a job's scene is from: `text` of a file, which names no other files, or a built-in scene's name."""
 
     name: str
     text: str | None = None
@@ -64,7 +64,7 @@ class Source:
 
 @dataclass(frozen=True)
 class Job:
-    """All that determines what comes out, but for the build of Atoll."""
+    """All that determines what comes out, with the version of Atoll."""
 
     source: Source
     steps: int  #: 0: as many as the scene says
@@ -78,7 +78,7 @@ class Job:
     @property
     def key(self) -> str:
         """16 bytes of the SHA-256 of its inputs, in hexadecimal."""
-        inputs = {"format": _FORMAT, **asdict(self)}
+        inputs = {"format": _FORMAT, "library": _core.version, **asdict(self)}
         text = json.dumps(inputs, sort_keys=True, separators=(",", ":"), allow_nan=False)
         return hashlib.sha256(text.encode()).hexdigest()[:32]
 
@@ -227,8 +227,15 @@ def _source(given: object, at: str, folder: Path) -> Source:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise PlanError(f"{at}: {path} can't be read: {error}") from None
-    _core.parse_scene(text, str(path))
-    return Source(given, text)
+    scene = _core.parse_scene(text, str(path))
+    # Workers may have no such mesh, or another one: what is in it has to go to them, and into the key.
+    return Source(given, scene.text() if _names_files(json.loads(text)) else text)
+
+
+def _names_files(value: Any) -> bool:
+    if isinstance(value, dict):
+        return "file" in value or any(map(_names_files, value.values()))
+    return isinstance(value, list) and any(map(_names_files, value))
 
 
 def _seeds(given: object, at: str) -> tuple[int, ...]:

@@ -33,14 +33,16 @@ import socket
 import textwrap
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from . import stopping
-from .engines import STOP_WITHIN, Answer, Call, EngineError, best_for
-from .worker import answer, unsendable
+from .engines import STOP_WITHIN, Answer, Call, EngineError, best_for, late
+from .messages import read_answer, write_call
+from .worker import answer
 
 #: s, for which what is known of nodes is taken to hold.
 NODES_HOLD = 2.0
@@ -65,8 +67,8 @@ class RayEngine:
     """Actors on the nodes of a Ray cluster, a call at a time each.
 
     `address`: of the head, as "10.0.0.1:6379", or "auto" for the cluster that this machine is part of. None: as
-    ray.init() has it, a cluster of this machine alone, unless the environment variable RAY_ADDRESS says otherwise. If Ray
-    runs in this process already, it is used as it is. `workers`: how many actors; an autoscaler sees those that find no
+    ray.init() has it, a cluster of this machine alone, unless the environment variable RAY_ADDRESS says otherwise; its
+    ports are those of the loopback interface. If Ray runs in this process already, it is used as it is. `workers`: how many actors; an autoscaler sees those that find no
     place yet. None: as many as there are CPUs, also of nodes that come later.
 
     A worker is called `host name/first 8 digits of the node's id`, the same for all actors of a node. A node that is
@@ -100,7 +102,7 @@ class RayEngine:
         return self._asked_for if self._asked_for is not None else sum(node.cpus for node in self._nodes)
 
     def submit(self, call: Call) -> None:
-        self._waiting.append(_Task(call, self._pickle((call.function, call.arguments))))
+        self._waiting.append(_Task(call, write_call(call.function, call.arguments, self._pickle)))
         self._hand_out()
 
     def wait(self, timeout: float) -> list[Answer]:
@@ -109,6 +111,7 @@ class RayEngine:
             self._hand_out()
             left = 0.0 if self._answers else max(0.0, end - time.monotonic())
             self._take_ready(min(left, NODES_HOLD))
+            self._end_late()
             if self._answers or left == 0.0:
                 self._hand_out()
                 answers, self._answers = self._answers, []
@@ -187,6 +190,7 @@ class RayEngine:
         return [worker for worker in self._workers if worker.calls]
 
     def _take_ready(self, timeout: float) -> None:
+        timeout = max(0.0, timeout)  # of a time that may have gone by
         awaited = {worker.awaited: worker for worker in self._workers if worker.awaited is not None}
         if not awaited:
             time.sleep(timeout)
@@ -218,13 +222,18 @@ class RayEngine:
         else:
             self._answer(worker, *said)
 
-    def _answer(self, worker: _Worker, pickled: bytes, seconds: float) -> None:
-        try:
-            value, error = self._unpickle(pickled)
-        except Exception as raised:
-            value, error = None, RuntimeError(f"what {worker.name} answered can't be read: {raised!r}")
+    def _answer(self, worker: _Worker, message: bytes, seconds: float) -> None:
+        value, error = read_answer(worker.calls[0].task.message, message, self._unpickle)
         worker.is_quick = seconds < QUICK
         self._answers.append(Answer(worker.took().call.ticket, worker.name, value, error, seconds=seconds))
+
+    def _end_late(self) -> None:
+        for worker in [worker for worker in self._busy() if worker.is_late()]:
+            sent, spent = worker.calls.popleft(), time.monotonic() - worker.begun
+            why = late(worker.name, sent.task.call)
+            self._answers.append(Answer(sent.task.call.ticket, worker.name, lost=why, overran=True, seconds=spent))
+            self._waiting[:0] = [other.task for other in worker.calls]
+            self._end(worker)
 
     def _note_failed_start(self, failure: Exception) -> None:
         self._failed_starts += 1
@@ -259,20 +268,13 @@ class _Process:
         """The name of the host, and the node's id."""
         return socket.gethostname(), _import_ray().get_runtime_context().get_node_id()
 
-    def answer(self, number: int, pickled: bytes) -> tuple[bytes, float] | None:
-        """A value and an error, pickled, and seconds; None if the call was asked to end before it began."""
+    def answer(self, number: int, call: bytes) -> tuple[bytes, float] | None:
+        """A value and an error, as bytes, and seconds; None if the call was asked to end before it began."""
         stopping.forget()
         if number <= self._ended:
             return None
         cloudpickle = importlib.import_module("ray.cloudpickle")
-        try:
-            value, error, seconds = answer(*cloudpickle.loads(pickled))
-        except Exception as raised:
-            value, error, seconds = None, raised, 0.0
-        try:
-            return cloudpickle.dumps((value, error)), seconds
-        except Exception as raised:
-            return cloudpickle.dumps((None, unsendable(value, error, raised))), seconds
+        return answer(call, cloudpickle.dumps, cloudpickle.loads)
 
     def end(self, number: int) -> None:
         """Asks calls up to this one to come to an end soon."""
@@ -296,7 +298,7 @@ def _short(node_id: str) -> str:
 @dataclass(frozen=True)
 class _Task:
     call: Call
-    pickled: bytes  #: its function and arguments
+    message: bytes  #: its function and arguments
 
 
 @dataclass(frozen=True)
@@ -340,12 +342,15 @@ class _Worker:
         if not self.calls:
             self.begun = time.monotonic()
         self.numbers += 1
-        self.calls.append(_Sent(task, self.actor.answer.remote(self.numbers, task.pickled)))
+        self.calls.append(_Sent(task, self.actor.answer.remote(self.numbers, task.message)))
 
     def took(self) -> _Task:
         """The answer of its first call."""
         self.begun = time.monotonic()
         return self.calls.popleft().task
+
+    def is_late(self) -> bool:
+        return time.monotonic() - self.begun > self.calls[0].task.call.limit
 
     def ask(self) -> None:
         """Its calls to come to an end."""
@@ -393,11 +398,33 @@ def _connect(ray: Any, address: str | None) -> bool:
         path = os.pathsep.join([str(package), *filter(None, [os.environ.get("PYTHONPATH")])])
         options["runtime_env"] = {"env_vars": {"PYTHONPATH": path}}
     try:
-        ray.init(**options)
+        with _on_loopback() if address in (None, "local") else nullcontext():
+            ray.init(**options)
     except Exception as raised:
         raise EngineError(f"{address or 'Ray on this machine'}: {raised}") from raised
     _keep_stdout_clean()
     return True
+
+
+@contextmanager
+def _on_loopback() -> Iterator[None]:
+    """Whoever reaches Ray's ports can have it run anything, so those of a cluster of one machine are for that machine.
+
+    Ray has no option for it on Linux. It does so where it takes clusters of several machines to be impossible, which a
+    variable says to its processes, and a constant to this one.
+    """
+    constants: Any = importlib.import_module("ray._private.ray_constants")
+    variable, constant = "RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER", "ENABLE_RAY_CLUSTER"
+    before, possible = os.environ.get(variable), getattr(constants, constant, True)
+    os.environ[variable] = "0"
+    setattr(constants, constant, False)
+    try:
+        yield
+    finally:
+        setattr(constants, constant, possible)
+        os.environ.pop(variable)
+        if before is not None:
+            os.environ[variable] = before
 
 
 def _check_reached(address: str) -> None:

@@ -87,7 +87,7 @@ def run_ensemble(
         done = [results[key] for key in driver.keys() if key in results]
         tables: dict[str, Table] = {}
         if part is None:
-            series = dict(store.series(driver.keys())) if read.keep.series else {}
+            series = store.series(driver.keys()) if read.keep.series else {}
             tables = _tables(read, driver.keys(), results, series)
         return Outcome(
             tally=driver.tally,

@@ -12,12 +12,13 @@ import os
 import sqlite3
 import time
 from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from . import EnsembleError
-from .job import Moment, Point
+from .job import FIRST_COLUMNS, Moment, Point
 
 _VERSION = 1
 _SCHEMA = """
@@ -59,6 +60,19 @@ class Result:
     row: dict[str, Any]
 
 
+@contextmanager
+def _reading(path: Path, doing: str = "read") -> Iterator[None]:
+    """Raises StoreError where what is read can't be, or is not what was written."""
+    try:
+        yield
+    except sqlite3.Error as error:
+        raise StoreError(f"{path}: can't be {doing}: {error}") from None
+    except (ValueError, TypeError, OverflowError) as error:
+        raise StoreError(
+            f"{path}: is damaged: found {error}; expected what an ensemble wrote: with the file moved away, all begins anew"
+        ) from None
+
+
 class Store:
     """`part` is of those that several processes, with a store each, make of one plan."""
 
@@ -88,21 +102,24 @@ class Store:
         """Raises StoreError where the disk is full, or fails: what was committed before is kept."""
         try:
             self._database.commit()
-        except sqlite3.Error as error:
+        except (sqlite3.Error, UnicodeDecodeError) as error:  # the latter on names in SQLite's message
             raise StoreError(f"{self.path}: can't be written: {error}") from None
 
     def note(self, kind: str, what: str) -> None:
         self._write("INSERT INTO events VALUES (?, ?, ?)", (time.time(), kind, what))
 
     def events(self) -> list[tuple[str, str]]:
-        return list(self._database.execute("SELECT kind, what FROM events ORDER BY rowid"))
+        with _reading(self.path):
+            return list(self._database.execute("SELECT kind, what FROM events ORDER BY rowid"))
 
     def results(self) -> dict[str, Result]:
-        return dict(_results(self._database))
+        with _reading(self.path):
+            return dict(_results(self._database))
 
     def finished(self) -> set[str]:
         """Keys of jobs with a result."""
-        return {key for (key,) in self._database.execute("SELECT key FROM results")}
+        with _reading(self.path):
+            return {key for (key,) in self._database.execute("SELECT key FROM results")}
 
     def put_result(self, key: str, result: Result) -> None:
         row = json.dumps(result.row)
@@ -118,11 +135,12 @@ class Store:
             self._write(f"DELETE FROM {table} WHERE key = ?", (key,))
 
     def progress(self) -> dict[str, Progress]:
-        rows = self._database.execute("SELECT key, step, hash, workers, seconds FROM progress")
-        return {
-            key: Progress(Point(step, int(state, 16)), tuple(json.loads(workers)), seconds)
-            for key, step, state, workers, seconds in rows
-        }
+        with _reading(self.path):
+            rows = self._database.execute("SELECT key, step, hash, workers, seconds FROM progress")
+            return {
+                key: Progress(Point(int(step), int(state, 16)), tuple(map(str, json.loads(workers))), float(seconds))
+                for key, step, state, workers, seconds in rows
+            }
 
     def put_progress(self, key: str, progress: Progress) -> None:
         point = progress.point or Point(0, 0)
@@ -134,28 +152,35 @@ class Store:
         for moment in series:
             self._write("INSERT OR REPLACE INTO series VALUES (?, ?, ?)", (key, moment.step, json.dumps(moment.told)))
 
-    def series(self, keys: Iterable[str]) -> Iterator[tuple[str, list[Moment]]]:
+    def series(self, keys: Iterable[str]) -> dict[str, list[Moment]]:
         """Of each of these jobs."""
-        return _series(self._database, keys)
+        with _reading(self.path):
+            return dict(_series(self._database, keys))
 
     def differing(self, key: str, points: Iterable[Point], worker: str) -> tuple[Point, str] | None:
         """Keeps the hashes that a worker came to; the first that another one had come to otherwise, and which that is."""
         for point in points:
-            found = self._database.execute("SELECT hash, worker FROM checks WHERE key = ? AND step = ?", (key, point.step))
-            known = found.fetchone()
+            known = self._check(key, point.step)
             if known is None:
                 self._write("INSERT INTO checks VALUES (?, ?, ?, ?)", (key, point.step, f"{point.hash:016x}", worker))
-            elif int(known[0], 16) != point.hash:
-                return point, str(known[1])
+            elif known[0] != point.hash:
+                return point, known[1]
         return None
 
     def hash_of(self, key: str, step: int) -> int | None:
-        found = self._database.execute("SELECT hash FROM checks WHERE key = ? AND step = ?", (key, step)).fetchone()
-        return None if found is None else int(found[0], 16)
+        known = self._check(key, step)
+        return None if known is None else known[0]
+
+    def _check(self, key: str, step: int) -> tuple[int, str] | None:
+        """A hash, and the worker that told it."""
+        with _reading(self.path):
+            found = self._database.execute("SELECT hash, worker FROM checks WHERE key = ? AND step = ?", (key, step)).fetchone()
+            return None if found is None else (int(found[0], 16), str(found[1]))
 
     def distrusted(self) -> dict[str, str]:
         """Why, by worker."""
-        return dict(self._database.execute("SELECT worker, why FROM distrusted"))
+        with _reading(self.path):
+            return dict(self._database.execute("SELECT worker, why FROM distrusted"))
 
     def distrust(self, worker: str, why: str) -> None:
         self._write("INSERT OR REPLACE INTO distrusted VALUES (?, ?)", (worker, why))
@@ -167,41 +192,45 @@ class Store:
     def _write(self, statement: str, values: tuple[object, ...]) -> None:
         try:
             self._database.execute(statement, values)
-        except sqlite3.Error as error:
+        except (sqlite3.Error, UnicodeDecodeError) as error:  # the latter on names in SQLite's message
             raise StoreError(f"{self.path}: can't be written: {error}") from None
 
 
 def read_results(path: Path) -> dict[str, Result]:
     """Of a store that may be written to at the same time."""
-    try:
-        with sqlite3.connect(f"{path.absolute().as_uri()}?mode=ro", uri=True) as database:
-            return dict(_results(database))
-    except sqlite3.Error as error:
-        raise StoreError(f"{path}: can't be read: {error}") from None
+    with _reading(path), sqlite3.connect(f"{path.absolute().as_uri()}?mode=ro", uri=True) as database:
+        return dict(_results(database))
 
 
 def _results(database: sqlite3.Connection) -> Iterator[tuple[str, Result]]:
     for key, worker, checked_by, seconds, row in database.execute("SELECT * FROM results"):
-        yield key, Result(worker, checked_by, seconds, json.loads(row))
+        told = _object(row)
+        if not told.keys() >= set(FIRST_COLUMNS):
+            raise ValueError(f"a row of {', '.join(told)}")
+        yield str(key), Result(str(worker), str(checked_by), float(seconds), told)
 
 
 def read_series(path: Path, keys: Iterable[str]) -> dict[str, list[Moment]]:
     """Of a store that may be written to at the same time."""
-    try:
-        with sqlite3.connect(f"{path.absolute().as_uri()}?mode=ro", uri=True) as database:
-            return dict(_series(database, keys))
-    except sqlite3.Error as error:
-        raise StoreError(f"{path}: can't be read: {error}") from None
+    with _reading(path), sqlite3.connect(f"{path.absolute().as_uri()}?mode=ro", uri=True) as database:
+        return dict(_series(database, keys))
 
 
 def _series(database: sqlite3.Connection, keys: Iterable[str]) -> Iterator[tuple[str, list[Moment]]]:
     for key in keys:
         rows = database.execute("SELECT step, row FROM series WHERE key = ? ORDER BY step", (key,))
-        yield key, [Moment(step, json.loads(row)) for step, row in rows]
+        yield key, [Moment(int(step), _object(row)) for step, row in rows]
+
+
+def _object(text: str) -> dict[str, Any]:
+    found = json.loads(text)
+    if not isinstance(found, dict):
+        raise ValueError(f"{found!r} for an object")
+    return found
 
 
 def _open(path: Path) -> sqlite3.Connection:
-    try:
+    with _reading(path, "opened"):
         database = sqlite3.connect(path, timeout=30)
         # Readers see whole commits, which last once they return. A rollback journal is safe on shared folders as well.
         database.execute("PRAGMA synchronous = FULL")
@@ -211,6 +240,4 @@ def _open(path: Path) -> sqlite3.Connection:
         database.executescript(_SCHEMA)
         database.execute(f"PRAGMA user_version = {_VERSION}")
         database.commit()
-    except sqlite3.Error as error:
-        raise StoreError(f"{path}: can't be opened: {error}") from None
     return database

@@ -14,11 +14,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from .job import Moment
+from .job import FIRST_COLUMNS, Moment
 from .plan import Job, Plan
 from .whole_file import write_whole
-
-_FIRST = ("job", "outcome", "why", "scene", "seed")
 
 
 @dataclass(frozen=True)
@@ -60,7 +58,7 @@ def make_table(plan: Plan, keys: Collection[str], results: Mapping[str, Mapping[
     """Of those jobs of a plan, whose keys come in its order, that are done: rows by key, as `row_of` makes them."""
     found = {key: results[key] for key in keys if key in results}
     told = dict.fromkeys(name for row in found.values() for name in row)
-    columns = list(dict.fromkeys([*_FIRST, *plan.parameters(), *(name for name in told if name not in _FIRST)]))
+    columns = list(dict.fromkeys([*FIRST_COLUMNS, *plan.parameters(), *(name for name in told if name not in FIRST_COLUMNS)]))
     return Table(columns, [{name: found[key].get(name) for name in columns} for key in keys if key in found])
 
 
@@ -73,7 +71,7 @@ def make_series(keys: Iterable[str], results: Mapping[str, Mapping[str, Any]], s
 
 
 def row_of(job: Job, outcome: str, why: str, told: Mapping[str, Any]) -> dict[str, Any]:
-    first = dict(zip(_FIRST, (job.key, outcome, why, job.source.name, job.seed), strict=True))
+    first = dict(zip(FIRST_COLUMNS, (job.key, outcome, why, job.source.name, job.seed), strict=True))
     return {**first, **job.parameters, **told}
 
 

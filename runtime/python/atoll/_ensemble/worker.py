@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import multiprocessing.connection
+import pickle
 import signal
 import sys
 import time
@@ -11,6 +12,7 @@ from collections.abc import Callable
 from typing import Any
 
 from . import stopping
+from .messages import read_call, write_answer
 
 _PR_SET_PDEATHSIG = 1
 
@@ -23,33 +25,33 @@ def serve(descriptor: int) -> None:
     connection: multiprocessing.connection.Connection[Any, Any] = multiprocessing.connection.Connection(descriptor)
     while True:
         try:
-            function, arguments = connection.recv()
+            call = connection.recv_bytes()
         except EOFError:
             return
         stopping.forget()
-        value, error, seconds = answer(function, arguments)
+        message, seconds = answer(call, pickle.dumps, pickle.loads)
         try:
-            connection.send((value, error, seconds))
+            connection.send_bytes(b"%f\n" % seconds + message)
         except OSError:
             return
-        except Exception as raised:  # that can't be pickled
-            connection.send((None, unsendable(value, error, raised), seconds))
 
 
-def answer(function: Callable[..., Any], arguments: tuple[Any, ...]) -> tuple[Any, Exception | None, float]:
-    """A value, or what the function raised, and the seconds that it took."""
-    begin = time.perf_counter()
-    value, error = None, None
+def answer(call: bytes, dumps: Callable[[Any], bytes], loads: Callable[[bytes], Any]) -> tuple[bytes, float]:
+    """To a call, a value or what its function raised, and the seconds that it took."""
+    value, error, seconds = None, None, 0.0
     try:
-        value = function(*arguments)
+        function, arguments = read_call(call, loads)
+        begin = time.perf_counter()
+        try:
+            value = function(*arguments)
+        finally:
+            seconds = time.perf_counter() - begin
     except Exception as raised:
         error = raised
-    return value, error, time.perf_counter() - begin
-
-
-def unsendable(value: Any, error: Exception | None, why: Exception) -> RuntimeError:
-    """What is told instead of an answer that can't be pickled."""
-    return RuntimeError(f"{error or value!r}: {why}")
+    try:
+        return write_answer(call, value, error, dumps), seconds
+    except Exception as raised:  # that can't be pickled
+        return write_answer(call, None, RuntimeError(f"{error or value!r}: {raised}"), dumps), seconds
 
 
 if __name__ == "__main__":
