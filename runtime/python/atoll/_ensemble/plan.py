@@ -17,7 +17,9 @@ import importlib
 import itertools
 import json
 import math
+import os
 import statistics
+import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -140,6 +142,8 @@ def read_plan(plan: str | Path | Mapping[str, Any]) -> Plan:
         document = json.loads(text, object_pairs_hook=_without_twins)
     except json.JSONDecodeError as error:
         raise PlanError(f"{path}:{error.lineno}:{error.colno}: {error.msg}; expected JSON") from None
+    except (ValueError, RecursionError) as error:  # of numbers and depths that Python doesn't take
+        raise PlanError(f"{path}: {error}; expected JSON") from None
     except _Twin as twin:
         raise PlanError(f'{path}: found "{twin}" twice in an object; expected it once') from None
     if not isinstance(document, dict):
@@ -220,7 +224,7 @@ def _source(given: object, at: str, folder: Path) -> Source:
     if not isinstance(given, str) or not given:
         raise PlanError(f'{at}: found {_found(given)}; expected a scene\'s name, as "pile:bodies=100", or file')
     path = folder / given
-    if not (given.endswith(".json") or path.is_file()):
+    if not (given.endswith(".json") or os.path.isfile(path)):
         _core.load_scene(given)  # says what is wrong with it
         return Source(given)
     try:
@@ -420,7 +424,9 @@ def _without_twins(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 
 def _is_number(value: object) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+    if not isinstance(value, (int, float)) or isinstance(value, bool):
+        return False
+    return abs(value) <= sys.float_info.max  # which an integer may be above
 
 
 def _is_nested(values: list[Any]) -> bool:
