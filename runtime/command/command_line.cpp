@@ -30,7 +30,7 @@ namespace atl::command {
 namespace {
 
 int exit_with(Status status, const std::string& message) {
-  std::cerr << "atoll: " << message << "\n";
+  std::cerr << "atoll: " << scene::printable(message) << "\n";
   return static_cast<int>(status);
 }
 
@@ -161,6 +161,8 @@ int run_command_line(int argc, char** argv) {
   } catch (const SceneTooLarge& error) {
     return exit_with(Status::Usage, error.what());
   } catch (const SceneError& error) {
+    return exit_with(Status::BadScene, error.what());
+  } catch (const Error& error) {  // by what a scene says that its reader let through
     return exit_with(Status::BadScene, error.what());
   } catch (const Failure& failure) {
     return exit_with(failure);

@@ -1,5 +1,7 @@
 #include "option_checks.h"
 
+#include <atoll/step_length.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -60,11 +62,13 @@ CLI::Validator length_above_zero() {
 CLI::Validator seconds_a_step() {
   const auto check = [](std::string& text) -> std::string {
     const double value = parse_seconds(text);
-    if (!(value > 0 && value <= 1)) return "found \"" + text + "\", expected a number in (0, 1], as 1/60 or 0.01";
+    if (!(value >= shortest_step && value <= longest_step)) {
+      return "found \"" + text + "\", expected a number in [1e-12, 1], as 1/60 or 0.01";
+    }
     text = shortest(value);
     return "";
   };
-  return {check, "(0, 1]", "seconds"};
+  return {check, "[1e-12, 1]", "seconds"};
 }
 
 CLI::Validator error_target() {

@@ -65,6 +65,11 @@ CLI::Option* add_scene_options(CLI::App& command, SceneOptions& options) {
       ->check(seed_number())
       ->group(content);
 
+  command
+      .add_flag("--allow-outside", options.allow_outside,
+                "let the scene file name mesh files outside its folder: for files that you trust")
+      ->group(content);
+
   const char* solver = "Solver (default: the scene's settings)";
   command.add_option("--substeps", options.substeps, "substeps a step; error falls with their square")
       ->check(integer_in(1, 1024))
@@ -126,7 +131,8 @@ CLI::Option* add_scene_options(CLI::App& command, SceneOptions& options) {
 }
 
 Scene load(const SceneOptions& options) {
-  Scene scene = load_scene(options.text, options.seed);
+  Scene scene =
+      load_scene(options.text, options.seed, options.allow_outside ? MeshFiles::Anywhere : MeshFiles::BelowScene);
   apply(options, scene);
   return scene;
 }

@@ -17,6 +17,7 @@ namespace atl::command {
 struct SceneOptions {
   std::string text;  ///< see load_scene()
   std::uint64_t seed = 1;
+  bool allow_outside = false;  ///< its folder, for mesh files
   std::optional<int> steps;
   std::optional<double> dt;  ///< s
   std::optional<int> substeps;

@@ -9,6 +9,7 @@
 
 #include "state/checksum.h"
 #include "state/hex.h"
+#include "state/regular_file.h"
 
 namespace atl {
 namespace {
@@ -84,17 +85,19 @@ void RecordingWriter::finish(const char* call) {
 }
 
 bool is_recording(const std::string& path) {
+  if (!irregular_kind(path).empty()) return false;
   std::ifstream file(path, std::ios::binary);
   decltype(FileHeader::magic) begin = {};
   return file.read(begin.data(), begin.size()) && begin == recording_header.magic;
 }
 
 RecordingReader::RecordingReader(const fs::path& path) : path_(path) {
-  std::error_code error;
-  if (fs::is_directory(path, error)) fail("is a directory; expected a recording's file");
+  if (const std::string kind = irregular_kind(path); !kind.empty())
+    fail("is " + kind + "; expected a recording's file");
   errno = 0;
   stream_.open(path, std::ios::binary);
   if (!stream_) fail(words_of(errno));
+  std::error_code error;
   size_ = fs::file_size(path, error);
   if (error) fail(error.message());
   check_header();

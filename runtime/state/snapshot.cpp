@@ -21,6 +21,7 @@
 #include "state/file_beside.h"
 #include "state/file_header.h"
 #include "state/hex.h"
+#include "state/regular_file.h"
 #include "state/state_archive.h"
 #include "state/world_definition_state.h"
 #include "world/left_out.h"
@@ -47,8 +48,8 @@ std::string place_of(const char* call, const fs::path& path) {
 
 std::vector<char> read_all(const fs::path& path) {
   const std::string place = place_of("read", path);
-  std::error_code error;
-  if (fs::is_directory(path, error)) fail(place, "is a directory; expected a snapshot's file");
+  if (const std::string kind = irregular_kind(path); !kind.empty())
+    fail(place, "is " + kind + "; expected a snapshot's file");
   errno = 0;
   std::ifstream stream(path, std::ios::binary);
   std::vector<char> bytes{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};

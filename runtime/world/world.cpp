@@ -1,6 +1,7 @@
 // The public face of World: checks arguments and hands on.
 
 #include <atoll/snapshot.h>
+#include <atoll/step_length.h>
 #include <atoll/world.h>
 #include <features/with_joints.h>
 #include <features/with_recording.h>
@@ -50,9 +51,7 @@ const Settings& checked(const Settings& settings) {
 }
 
 void check_step(const char* call, double dt) {
-  // A substep is a part of up to 1024 of it, of which single precision has to hold the square and the inverse.
-  constexpr double least = 1e-12;
-  if (dt >= least && dt <= 1) return;
+  if (dt >= shortest_step && dt <= longest_step) return;
   std::ostringstream message;
   message << call << ": dt is " << dt << "; expected a number from 1e-12 to 1 (s)";
   throw Error(message.str());

@@ -434,6 +434,7 @@ TEST(SnapshotFile, SaysWhyItCannotBeReadOrWritten) {
   const TemporaryFile file(".snapshot");
   expect_error([&] { Snapshot::read(file.path()); }, {"Snapshot::read", file.path().string(), "No such file"});
   expect_error([&] { Snapshot::read(fs::temp_directory_path()); }, {"is a directory", "expected"});
+  expect_error([&] { Snapshot::read("/dev/zero"); }, {"is a device", "expected"});
   expect_error([&] { Snapshot().write(file.path()); }, {"Snapshot::write", "empty"});
   Yard yard;
   Snapshot snapshot;

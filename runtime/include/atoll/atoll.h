@@ -24,5 +24,6 @@
 #include <atoll/settings.h>
 #include <atoll/shapes.h>
 #include <atoll/snapshot.h>
+#include <atoll/step_length.h>
 #include <atoll/types.h>
 #include <atoll/world.h>

@@ -5,6 +5,7 @@
 #include <atoll/errors.h>
 #include <atoll/joint.h>
 #include <atoll/settings.h>
+#include <atoll/step_length.h>
 #include <atoll/types.h>
 
 #include <cstdint>
@@ -52,7 +53,8 @@ struct Scene {
 /// pointer or line, what was found and what was expected.
 class SceneError : public Error {
  public:
-  using Error::Error;
+  /// Control characters of the message, as names in the file may have, become \xNN, and the middle of a long one "...".
+  explicit SceneError(const std::string& message);
 };
 
 /// Thrown for a built-in scene that would need more memory than there is, before any is taken: what it needs, about,
@@ -80,13 +82,21 @@ struct BuiltinScene {
 /// All built-in scenes, in the order to show them.
 const std::vector<BuiltinScene>& builtin_scenes();
 
+/// The files of meshes and hulls that a scene file may name.
+enum class MeshFiles {
+  BelowScene,  ///< in the scene file's folder or below it, links followed
+  Anywhere,    ///< for scene files that are trusted
+};
+
 /// A built-in scene from "name" or "name:param=value,param=value" (as "pyramid3d:layers=18"), or a scene
 /// file where the text ends in ".json" or names an existing file. `seed` feeds the scenes that have
-/// random content; the same seed gives the same scene on every machine. Throws SceneError.
-Scene load_scene(std::string_view text, std::uint64_t seed = 1);
+/// random content; the same seed gives the same scene on every machine. Files have at most 1 GiB each. Throws
+/// SceneError.
+Scene load_scene(std::string_view text, std::uint64_t seed = 1, MeshFiles files = MeshFiles::BelowScene);
 
-/// A scene file's text, `origin` naming it in messages. Throws SceneError.
-Scene parse_scene(std::string_view json, const std::string& origin, std::uint64_t seed = 1);
+/// A scene file's text, `origin` naming it in messages; mesh files are relative to its folder. Throws SceneError.
+Scene parse_scene(std::string_view json, const std::string& origin, std::uint64_t seed = 1,
+                  MeshFiles files = MeshFiles::BelowScene);
 
 /// A world as a scene, as it is now: its bodies in order of their indices and the joints that are enabled. What scenes
 /// have no words for stays behind: impulses to start from, who sleeps or is in quarantine, forces of the next step, and

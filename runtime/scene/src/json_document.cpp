@@ -137,10 +137,10 @@ class Builder {
     const std::size_t line_start = before.rfind('\n') + 1;  // npos + 1 is 0
     const auto newlines = std::count(before.begin(), before.end(), '\n');
     constexpr int number_overflow = 406;
-    throw SceneError(document_.origin + ":" + std::to_string(newlines + 1) + ":" + std::to_string(at - line_start + 1) +
-                     ": " +
-                     (error.id == number_overflow ? "found " + token + ", expected a number that a double can hold"
-                                                  : syntax_words(error.what(), text_, at)));
+    throw SceneError(
+        document_.origin + ":" + std::to_string(newlines + 1) + ":" + std::to_string(at - line_start + 1) + ": " +
+        (error.id == number_overflow ? "found " + quote(token) + ", expected a number that a double can hold"
+                                     : syntax_words(error.what(), text_, at)));
   }
 
  private:
@@ -232,7 +232,7 @@ std::string JsonDocument::pointer_to(const JsonValue& value) const {
 }
 
 JsonDocument parse_json(std::string_view text, const std::string& origin) {
-  JsonDocument document{origin, {}};
+  JsonDocument document{.origin = origin, .root = {}};
   Builder(text, document).build();
   return document;
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <atoll/scene.h>
+
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -23,10 +25,11 @@ struct JsonValue::Member {
   JsonValue value;
 };
 
-/// A parsed file and the name it goes by in messages.
+/// A parsed file, the name it goes by in messages, and which files it may name.
 struct JsonDocument {
   std::string origin;
   JsonValue root;
+  MeshFiles mesh_files = MeshFiles::BelowScene;
 
   /// RFC 6901 pointer to a value of this document. Walks the document, so it is for errors only.
   std::string pointer_to(const JsonValue& value) const;

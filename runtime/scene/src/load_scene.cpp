@@ -16,10 +16,10 @@ bool names_file(std::string_view text) {
 
 }  // namespace
 
-Scene load_scene(std::string_view text, std::uint64_t seed) {
+Scene load_scene(std::string_view text, std::uint64_t seed, MeshFiles files) {
   if (!names_file(text)) return scene::load_builtin(text, seed);
   const std::string path(text);
-  return parse_scene(scene::read_text_file(path, "a scene file"), path, seed);
+  return parse_scene(scene::read_text_file(path, "a scene file"), path, seed, files);
 }
 
 }  // namespace atl

@@ -172,7 +172,7 @@ SceneBody read_body(const Reader& in, const Library& library) {
                 "user_data"});
   SceneBody body;
   BodyDef& def = body.def;
-  get(in, "name", body.name);
+  read_name(in, body.name);
   if (const auto type = in.find("type")) def.type = read_type(*type);
 
   const Reader shape = in.at("shape", "a shape or the name of one");

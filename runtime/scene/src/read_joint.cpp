@@ -341,7 +341,7 @@ SceneJoint read_joint(const Reader& in, const Scene& scene, const Places& bodies
   in.only_keys(keys);
 
   SceneJoint joint;
-  get(in, "name", joint.name);
+  read_name(in, joint.name);
   if (!tendon) read_bodies(in, scene, bodies, joint);
   joint.def.kind = kind.read(in);
   if (tendon) {

@@ -1,3 +1,5 @@
+#include <atoll/world.h>
+
 #include <array>
 #include <string>
 
@@ -89,6 +91,11 @@ Settings read_settings(const Reader& in) {
   get(in, "sleep_speed", settings.sleep_speed, at_least(0));
   get(in, "time_to_sleep", settings.time_to_sleep, at_least(0));
   check_target(in, settings);
+  try {
+    World({.settings = settings});  // which says with what sizes it can compute
+  } catch (const Error& error) {
+    in.complain(error.what());
+  }
   return settings;
 }
 

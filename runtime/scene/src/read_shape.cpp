@@ -3,6 +3,7 @@
 #include <cmath>
 #include <filesystem>
 #include <numbers>
+#include <system_error>
 #include <utility>
 
 #include "schema.h"
@@ -104,9 +105,24 @@ std::vector<Indices> read_triangles(const Reader& in) {
   return triangles;
 }
 
-// A path is relative to the scene file.
+// A path is relative to the scene file. Links are followed first: one must not lead outside either.
+std::filesystem::path path_of(const Reader& in) {
+  namespace fs = std::filesystem;
+  const JsonDocument& document = in.document();
+  const fs::path folder = fs::path(document.origin).parent_path();
+  const fs::path path = folder / in.string();
+  std::error_code error;
+  const auto real = [&error](const fs::path& of) { return fs::weakly_canonical(fs::absolute(of, error), error); };
+  const fs::path real_folder = real(folder.empty() ? fs::path(".") : folder);
+  const fs::path below = real(path).lexically_relative(real_folder);
+  if (document.mesh_files == MeshFiles::BelowScene && (error || below.empty() || *below.begin() == "..")) {
+    in.fail(quote(in.string()), "a file below the scene file's folder, or that files outside are allowed");
+  }
+  return path;
+}
+
 Wavefront read_wavefront(const Reader& in) {
-  const std::filesystem::path path = std::filesystem::path(in.origin()).parent_path() / in.string();
+  const std::filesystem::path path = path_of(in);
   try {
     return parse_wavefront(read_text_file(path.string(), "a Wavefront OBJ file"), path.string());
   } catch (const SceneError& error) {

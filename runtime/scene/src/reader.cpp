@@ -180,8 +180,11 @@ void get(const Reader& in, std::string_view key, bool& target) {
   if (const auto found = in.find(key)) target = found->boolean();
 }
 
-void get(const Reader& in, std::string_view key, std::string& target) {
-  if (const auto found = in.find(key)) target = found->string();
+void read_name(const Reader& in, std::string& name) {
+  const auto found = in.find("name");
+  if (!found) return;
+  name = found->string();
+  if (printable(name) != name) found->expected("a name of up to 2000 bytes without control characters");
 }
 
 void get(const Reader& in, std::string_view key, std::uint64_t& target) {

@@ -57,8 +57,8 @@ class Reader {
   template <std::size_t size>
   std::array<double, size> numbers(const char* what, const Range& range = any_number) const;
 
-  /// The name of the file that the value is in.
-  const std::string& origin() const { return document_->origin; }
+  /// The file that the value is in.
+  const JsonDocument& document() const { return *document_; }
 
   /// An array's size; `what` names what is expected of it.
   std::size_t size(const char* what) const;
@@ -103,7 +103,8 @@ void get(const Reader& in, std::string_view key, double& target, const Range& ra
 void get(const Reader& in, std::string_view key, std::optional<double>& target, const Range& range = any_number);
 void get(const Reader& in, std::string_view key, int& target, int min, int max);
 void get(const Reader& in, std::string_view key, bool& target);
-void get(const Reader& in, std::string_view key, std::string& target);
+/// A name goes into reports as it is, so it must not have control characters.
+void read_name(const Reader& in, std::string& name);
 void get(const Reader& in, std::string_view key, std::uint64_t& target);
 void get(const Reader& in, std::string_view key, Vector3& target, const Range& range = any_number);
 

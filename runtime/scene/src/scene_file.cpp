@@ -102,9 +102,10 @@ void read_joints(const Reader& in, Scene& scene) {
 }  // namespace
 }  // namespace scene
 
-Scene parse_scene(std::string_view json, const std::string& origin, std::uint64_t seed) {
+Scene parse_scene(std::string_view json, const std::string& origin, std::uint64_t seed, MeshFiles files) {
   using namespace scene;
-  const JsonDocument document = parse_json(json, origin);
+  JsonDocument document = parse_json(json, origin);
+  document.mesh_files = files;
   const Reader in(document);
   // The format first: of another kind of file, no other message would make sense.
   read_format(in);
@@ -113,11 +114,11 @@ Scene parse_scene(std::string_view json, const std::string& origin, std::uint64_
   check_memory(document);
 
   Scene scene;
-  scene.name = std::filesystem::path(origin).stem().string();
-  get(in, "name", scene.name);
+  scene.name = printable(std::filesystem::path(origin).stem().string());
+  read_name(in, scene.name);
   if (const auto description = in.find("description")) description->string();
   get(in, "gravity", scene.gravity);
-  get(in, "dt", scene.dt, above_up_to(0, 1));
+  get(in, "dt", scene.dt, between(shortest_step, longest_step));
   get(in, "steps", scene.steps, 1, most_steps);
   get(in, "starts_at_rest", scene.starts_at_rest);
   if (const auto settings = in.find("settings")) scene.settings = read_settings(*settings);

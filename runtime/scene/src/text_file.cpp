@@ -4,6 +4,7 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <system_error>
 
@@ -20,6 +21,11 @@ constexpr std::size_t largest_file = std::size_t{1} << 30;
 }  // namespace
 
 std::string read_text_file(const std::string& path, const char* kind) {
+  // A pipe would block who opens it until another process does, and a device may never end.
+  std::error_code error;
+  if (const auto status = std::filesystem::status(path, error); exists(status) && !is_regular_file(status)) {
+    throw SceneError(path + ": found a directory, pipe or device, expected " + kind);
+  }
   struct Close {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };

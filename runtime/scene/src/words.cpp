@@ -1,5 +1,7 @@
 #include "words.h"
 
+#include <atoll/scene.h>
+
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -10,6 +12,7 @@ namespace atl::scene {
 namespace {
 
 constexpr std::size_t longest_quote = 60;
+constexpr std::size_t longest_message = 2000;
 
 // Optimal string alignment (Damerau-Levenshtein without overlapping edits), on three rows of the table.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
@@ -27,23 +30,46 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return above[b.size()];
 }
 
+// The most bytes up to `length` that leave the characters of UTF-8 whole.
+std::size_t whole_characters(std::string_view text, std::size_t length) {
+  if (length >= text.size()) return text.size();
+  while (length > 0 && (static_cast<unsigned char>(text[length]) & 0xc0) == 0x80) --length;
+  return length;
+}
+
+// The control characters of Unicode are those below 0x20 and from 0x7f to 0x9f, which UTF-8 writes as 0xc2 and a byte.
+bool is_control(std::string_view text, std::size_t at) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  if (byte(at) < 0x20 || byte(at) == 0x7f) return true;
+  return byte(at) >= 0x80 && byte(at) < 0xa0 && at > 0 && byte(at - 1) == 0xc2;
+}
+
+std::string escaped(std::string_view text) {
+  constexpr const char* hex = "0123456789abcdef";
+  std::string result;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (!is_control(text, i)) {
+      result += text[i];
+      continue;
+    }
+    const auto byte = static_cast<unsigned char>(text[i]);
+    if (byte >= 0x80) result.pop_back();
+    result += {'\\', 'x', hex[byte >> 4], hex[byte & 15]};
+  }
+  return result;
+}
+
 }  // namespace
 
+std::string printable(std::string_view text) {
+  if (text.size() <= longest_message) return escaped(text);
+  return escaped(text.substr(0, whole_characters(text, longest_message / 2))) + "..." +
+         escaped(text.substr(whole_characters(text, text.size() - longest_message / 4)));
+}
+
 std::string quote(std::string_view text) {
-  constexpr const char* hex = "0123456789abcdef";
-  std::string result = "\"";
-  std::size_t length = std::min(text.size(), longest_quote);
-  const auto continues = [](char c) { return (static_cast<unsigned char>(c) & 0xc0) == 0x80; };
-  while (length < text.size() && length > 0 && continues(text[length])) --length;  // leave UTF-8 whole
-  for (const char c : text.substr(0, length)) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte < 0x20 || byte == 0x7f) {
-      result += {'\\', 'x', hex[byte >> 4], hex[byte & 15]};
-    } else {
-      result += c;
-    }
-  }
-  return result + (length < text.size() ? "...\"" : "\"");
+  const std::size_t length = whole_characters(text, longest_quote);
+  return "\"" + escaped(text.substr(0, length)) + (length < text.size() ? "...\"" : "\"");
 }
 
 std::string number_text(double value) {
@@ -82,3 +108,9 @@ std::string suggestion(std::string_view found, std::span<const std::string_view>
 }
 
 }  // namespace atl::scene
+
+namespace atl {
+
+SceneError::SceneError(const std::string& message) : Error(scene::printable(message)) {}
+
+}  // namespace atl

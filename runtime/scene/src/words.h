@@ -6,7 +6,11 @@
 
 namespace atl::scene {
 
-/// The text in double quotes, on one line: control characters as \xNN, and cut off where it is long.
+/// The text on one line, as all that users wrote goes into messages: control characters, with which a text could move
+/// a terminal's cursor, as \xNN, and "..." for the middle of more than 2000 bytes.
+std::string printable(std::string_view text);
+
+/// The text in double quotes, printable, and cut off after 60 bytes.
 std::string quote(std::string_view text);
 
 /// The shortest decimal that reads back as the same number, whatever the locale; integers in full.
