@@ -23,7 +23,8 @@ bool is_unit(double squared_length) { return std::abs(squared_length - 1) < 1e-9
 
 bool is_valid(const Material& material) {
   return is_not_negative(material.friction) && material.restitution >= 0 && material.restitution <= 1 &&
-         is_not_negative(material.rolling_friction) && is_not_negative(material.torsional_friction);
+         is_not_negative(material.rolling_friction) && is_not_negative(material.torsional_friction) &&
+         material.friction_rule <= CombineRule::Max && material.restitution_rule <= CombineRule::Max;
 }
 
 bool are_same(const Shape& a, const Shape& b) {

@@ -35,6 +35,8 @@ void visit_material(Archive& archive, AnyMaterial& material) {
   archive.value(material.restitution);
   archive.value(material.rolling_friction);
   archive.value(material.torsional_friction);
+  archive.value(material.friction_rule);
+  archive.value(material.restitution_rule);
 }
 
 template <typename Archive, typename Constants>

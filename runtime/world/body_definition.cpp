@@ -284,6 +284,11 @@ void check(const char* field, const Material& material) {
   }
   check_not_negative(name + ".rolling_friction", material.rolling_friction);
   check_not_negative(name + ".torsional_friction", material.torsional_friction);
+  const auto check_rule = [&](const char* member, CombineRule rule) {
+    if (rule > CombineRule::Max) refuse(name + member, static_cast<std::uint32_t>(rule), "a value of CombineRule");
+  };
+  check_rule(".friction_rule", material.friction_rule);
+  check_rule(".restitution_rule", material.restitution_rule);
 }
 
 CheckedBody check(const BodyDef& def) {

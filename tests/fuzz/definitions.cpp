@@ -153,6 +153,8 @@ Material Definitions::material() {
   if (bytes_.one_in(3)) material.restitution = number(0, 1);
   if (bytes_.one_in(4)) material.rolling_friction = number(0, 0.1);
   if (bytes_.one_in(4)) material.torsional_friction = number(0, 0.1);
+  if (bytes_.one_in(4)) material.friction_rule = static_cast<CombineRule>(bytes_.below(6));
+  if (bytes_.one_in(4)) material.restitution_rule = static_cast<CombineRule>(bytes_.below(6));
   return material;
 }
 

@@ -271,3 +271,41 @@ def test_queries_say_how_deep_and_which_way_out() -> None:
     assert ray.normal == pytest.approx([0, 1, 0])
     assert world.nearby(atoll.Sphere(0.5), [3, 0, 0]) == []
     assert [each.distance for each in world.nearby(atoll.Sphere(0.5), [3, 0, 0], 2)] == pytest.approx([1.5])
+
+
+def test_instruments_read_what_holds_a_crate_up() -> None:
+    settings = atoll.Settings(accelerations=True, contact_events=True, contact_event_force=1)
+    world = atoll.World(settings=settings)
+    ground = world.add_body(type=atoll.BodyType.STATIC, shape=atoll.HalfSpace())
+    crate = world.add_body(shape=atoll.Box([0.5, 0.5, 0.5]), position=[0, 0, 0.5], mass=2)
+    for _ in range(60):
+        world.step(DT)
+    assert world.proper_acceleration(crate) == pytest.approx([0, 0, 9.81], abs=1e-3)
+    assert world.accelerations.shape == world.angular_accelerations.shape == (2, 3)
+    wrench = world.contact_wrench(crate)
+    assert wrench.force == pytest.approx([0, 0, 2 * 9.81], abs=0.02)
+    assert world.contact_wrenches[crate] == pytest.approx(np.concatenate([wrench.force, wrench.torque]))
+    (event,) = world.contact_events()
+    assert (event["a"]["index"], event["b"]["index"]) == (ground.index, crate.index)
+    assert event["persists"] and not event["began"]
+    assert event["impulse"] == pytest.approx(2 * 9.81 * DT, rel=1e-3)
+
+
+def test_a_sensor_tells_what_passes_through() -> None:
+    world = atoll.World(gravity=[0, 0, 0])
+    gate = atoll.BodyDef(type=atoll.BodyType.STATIC, shape=atoll.Box([0.005, 1, 1]), continuous=True, sensor=True)
+    world.add_body(gate)
+    world.add_body(shape=atoll.Sphere(0.01), position=[-1, 0, 0], velocity=[400, 0, 0])
+    world.step(DT)
+    assert world.sensor_events()["entered"].tolist() == [True, False]
+
+
+def test_materials_combine_by_their_rules() -> None:
+    slippery = atoll.Material(friction=0, friction_rule=atoll.CombineRule.MULTIPLY)
+    world = atoll.World()
+    world.add_body(type=atoll.BodyType.STATIC, shape=atoll.HalfSpace(), material=atoll.Material(friction=1))
+    crate = world.add_body(position=[0, 0, 0.5], velocity=[1, 0, 0], material=slippery)
+    for _ in range(30):
+        world.step(DT)
+    assert world.velocity(crate)[0] == pytest.approx(1, abs=1e-6)
+    assert world.material(crate).friction_rule == atoll.CombineRule.MULTIPLY

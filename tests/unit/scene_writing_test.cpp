@@ -107,7 +107,11 @@ TEST(SceneWriting, NothingOfADefinitionIsLost) {
   World world({.settings = {.substeps = 7, .contact_hertz = 25, .contact_solver = ContactSolver::Direct}});
   const BodyId ground = world.add_body({.type = BodyType::Static,
                                         .shape = HalfSpace{{0, 1, 0}, -0.25},
-                                        .material = {.friction = 0.1, .restitution = 0.2, .rolling_friction = 0.3},
+                                        .material = {.friction = 0.1,
+                                                     .restitution = 0.2,
+                                                     .rolling_friction = 0.3,
+                                                     .friction_rule = CombineRule::Min,
+                                                     .restitution_rule = CombineRule::Average},
                                         .surface_velocity = {1, 2, 3},
                                         .filter = {.category = 6, .mask = 0xffffffff, .group = -3},
                                         .contact_event_force = 0,

@@ -5,8 +5,19 @@
 
 namespace atl {
 
-/// Surface properties. Of two touching bodies the friction is the geometric mean, and everything else the larger of
-/// the two.
+/// How a coefficient of two touching bodies follows from that of each. Where their materials ask for different rules,
+/// the one that stands later here counts.
+enum class CombineRule : std::uint32_t {
+  Default,  ///< GeometricMean of friction, Max of restitution
+  Average,
+  GeometricMean,
+  Min,
+  Multiply,
+  Max,
+};
+
+/// Surface properties. Of two touching bodies friction and restitution follow by CombineRule, and everything else is
+/// the larger of the two. Restitution is along the normal alone: no spin comes back from it.
 struct Material {
   double friction = 0.6;     ///< Coulomb coefficient, >= 0
   double restitution = 0.0;  ///< Newton coefficient, in [0, 1]
@@ -16,6 +27,8 @@ struct Material {
   /// m, >= 0: the torque that holds back spinning about the normal is at most this times the normal force, on top of
   /// what the friction of a contact's points comes to.
   double torsional_friction = 0;
+  CombineRule friction_rule = CombineRule::Default;
+  CombineRule restitution_rule = CombineRule::Default;
 
   bool operator==(const Material&) const = default;
 };

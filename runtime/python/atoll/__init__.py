@@ -33,6 +33,7 @@ from ._core import (
     Capsule as Capsule,
     ClosestPoint as ClosestPoint,
     CollisionFilter as CollisionFilter,
+    CombineRule as CombineRule,
     Compound as Compound,
     CompoundChild as CompoundChild,
     Cone as Cone,

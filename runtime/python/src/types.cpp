@@ -70,15 +70,27 @@ void bind_types(nb::module_& module) {
       .value("TOO_MUCH_FORCE", Quarantine::TooMuchForce)
       .value("TOO_MUCH_TORQUE", Quarantine::TooMuchTorque);
 
-  nb::class_<Material> material(
-      module, "Material",
-      "What a surface is like. Of two that touch the friction is the geometric mean, all else the larger of the two.");
+  nb::enum_<CombineRule>(
+      module, "CombineRule",
+      "How a coefficient of two that touch follows from that of each. Of two rules the later counts.")
+      .value("DEFAULT", CombineRule::Default, "GEOMETRIC_MEAN of friction, MAX of restitution.")
+      .value("AVERAGE", CombineRule::Average)
+      .value("GEOMETRIC_MEAN", CombineRule::GeometricMean)
+      .value("MIN", CombineRule::Min)
+      .value("MULTIPLY", CombineRule::Multiply)
+      .value("MAX", CombineRule::Max);
+  nb::class_<Material> material(module, "Material",
+                                "What a surface is like. Of two that touch friction and restitution follow by their "
+                                "rules, all else is the larger "
+                                "of the two.");
   bind_definition(material, Field{"friction", &Material::friction, "Coulomb's coefficient, >= 0"},
                   Field{"restitution", &Material::restitution, "Newton's coefficient, in [0, 1]"},
                   Field{"rolling_friction", &Material::rolling_friction,
                         "m, >= 0: the torque that holds back rolling, over the normal force"},
                   Field{"torsional_friction", &Material::torsional_friction,
-                        "m, >= 0: the torque that holds back spinning about the normal, over the normal force"});
+                        "m, >= 0: the torque that holds back spinning about the normal, over the normal force"},
+                  Field{"friction_rule", &Material::friction_rule, "how friction follows from that of both"},
+                  Field{"restitution_rule", &Material::restitution_rule, "how restitution does"});
 
   nb::class_<CollisionFilter> filter(
       module, "CollisionFilter",

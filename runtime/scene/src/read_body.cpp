@@ -118,13 +118,20 @@ Quaternion read_orientation(const Reader& in) {
   return {w, x, y, z};
 }
 
+CombineRule read_rule(const Reader& in) {
+  return static_cast<CombineRule>(in.choice({"default", "average", "geometric_mean", "min", "multiply", "max"}));
+}
+
 Material read_material(const Reader& in) {
-  in.only_keys({"friction", "restitution", "rolling_friction", "torsional_friction"});
+  in.only_keys(
+      {"friction", "restitution", "rolling_friction", "torsional_friction", "friction_rule", "restitution_rule"});
   Material material;
   get(in, "friction", material.friction, at_least(0));
   get(in, "restitution", material.restitution, between(0, 1));
   get(in, "rolling_friction", material.rolling_friction, at_least(0));
   get(in, "torsional_friction", material.torsional_friction, at_least(0));
+  if (const auto rule = in.find("friction_rule")) material.friction_rule = read_rule(*rule);
+  if (const auto rule = in.find("restitution_rule")) material.restitution_rule = read_rule(*rule);
   return material;
 }
 

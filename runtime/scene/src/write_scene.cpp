@@ -77,10 +77,15 @@ Json json(const Settings& settings) {
 }
 
 Json json(const Material& material) {
-  return {{"friction", material.friction},
-          {"restitution", material.restitution},
-          {"rolling_friction", material.rolling_friction},
-          {"torsional_friction", material.torsional_friction}};
+  constexpr std::array rules = {"default", "average", "geometric_mean", "min", "multiply", "max"};
+  Json out = {{"friction", material.friction},
+              {"restitution", material.restitution},
+              {"rolling_friction", material.rolling_friction},
+              {"torsional_friction", material.torsional_friction}};
+  if (material.friction_rule != CombineRule::Default) out["friction_rule"] = name(material.friction_rule, rules);
+  if (material.restitution_rule != CombineRule::Default)
+    out["restitution_rule"] = name(material.restitution_rule, rules);
+  return out;
 }
 
 Json json(const CollisionFilter& filter) {
