@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import gymnasium
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
@@ -164,6 +165,18 @@ def test_modes_start_over_when_they_say() -> None:
     observations, _ = runs[AutoresetMode.DISABLED].reset(options={"reset_mask": ended})
     assert np.array_equal(observations[ended], same[ended]) and np.array_equal(observations[~ended], at_end[~ended])
     assert np.array_equal(runs[AutoresetMode.DISABLED].reset(seed=[1, 2, 3])[0], first[AutoresetMode.DISABLED])
+
+
+def test_gymnasium_makes_tasks_by_name() -> None:
+    actions = actions_of("cart-pole", [0, 1, 2], 20)
+    alone = gymnasium.make("atoll/cart-pole")
+    together, ours = gymnasium.make_vec("atoll/cart-pole", num_envs=3), make("cart-pole", 3)
+    assert np.array_equal(alone.reset(seed=4)[0], ours.reset(seed=4)[0][0])
+    assert np.array_equal(together.reset(seed=4)[0], ours.reset(seed=4)[0])
+    for action in actions:
+        expected = ours.step(action)[0]
+        assert np.array_equal(together.step(action)[0], expected)
+        assert np.array_equal(alone.step(action[0])[0], expected[0])
 
 
 def test_what_is_wrong_is_told() -> None:

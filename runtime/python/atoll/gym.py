@@ -7,8 +7,9 @@
 What an environment comes to depends on its seed and its actions alone: not on its place among the others, nor on how
 many there are, nor on threads. That of number i is seeded with `seed + i`.
 
-Importing this registers "atoll/HalfCheetah-v0", "atoll/Hopper-v0", "atoll/Walker2d-v0", "atoll/Ant-v0" and
-"atoll/Humanoid-v0" with Gymnasium, for its make() and make_vec().
+Importing this registers each task with Gymnasium, for its make() and make_vec(), by its name, such as
+"atoll/cart-pole". Gymnasium's own are also "atoll/HalfCheetah-v0", "atoll/Hopper-v0", "atoll/Walker2d-v0",
+"atoll/Ant-v0" and "atoll/Humanoid-v0".
 """
 
 from __future__ import annotations
@@ -66,10 +67,16 @@ def _task(name: str) -> Task:
     return TASKS[name]()
 
 
-for _name in ("half-cheetah", "hopper", "walker-2d", "ant", "humanoid"):
+def _register(as_name: str, name: str) -> None:
     gymnasium.register(
-        id=f"atoll/{TASKS[_name].__name__}-v0",
+        id=f"atoll/{as_name}",
         entry_point="atoll.gym:make_single",
         vector_entry_point="atoll.gym:make",
-        kwargs={"name": _name},
+        kwargs={"name": name},
     )
+
+
+for _name, _kind in TASKS.items():
+    _register(_name, _name)
+    if issubclass(_kind, Locomotion):
+        _register(f"{_kind.__name__}-v0", _name)
