@@ -3,7 +3,9 @@
 #include <atoll/batch.h>
 #include <atoll/rollout.h>
 
+#include <algorithm>
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -16,6 +18,7 @@
 #include "arrays.h"
 #include "fields.h"
 #include "parts.h"
+#include "signals.h"
 
 namespace atl::python {
 namespace {
@@ -199,16 +202,33 @@ void bind_joints_of(nb::class_<Batch>& batch) {
                   "numpy.typing.NDArray[numpy.float64]]"));
 }
 
+// Some steps at a time, so that a signal is noticed soon, and all worlds have made as many when it ends the call.
+void take_steps(Batch& batch, double dt, int count, std::span<const std::size_t> places) {
+  using Clock = std::chrono::steady_clock;
+  SignalCheck check_signals;
+  int most = 1;
+  int left = count;
+  do {
+    const int some = std::min(left, most);
+    const Clock::time_point start = Clock::now();
+    batch.step(dt, some, places);
+    left -= some;
+    if (Clock::now() - start < std::chrono::milliseconds(25) && most < 1 << 20) most *= 2;
+    check_signals();
+  } while (left > 0);
+}
+
 void bind_steps(nb::class_<Batch>& batch) {
   batch
       .def(
           "step",
           [](Batch& self, std::optional<double> dt, int count, const nb::object& worlds) {
             const double seconds = dt.value_or(self.scene().dt);
-            call(self, worlds, [&](auto places) { self.step(seconds, count, places); });
+            call(self, worlds, [&](auto places) { take_steps(self, seconds, count, places); });
           },
           nb::arg("dt") = nb::none(), nb::arg("count") = 1, nb::arg("worlds") = nb::none(),
-          "So many steps of dt seconds, the scene's if None. Many at once cost less than one by one.",
+          "So many steps of dt seconds, the scene's if None. Many at once cost less than one by one. Ctrl-C ends them "
+          "where all of these worlds have made as many.",
           nb::sig("def step(self, dt: float | None = None, count: int = 1, worlds: " ATOLL_WORLDS " = None) -> None"))
       .def(
           "reset",

@@ -15,6 +15,7 @@
 #include "fields.h"
 #include "parts.h"
 #include "shapes.h"
+#include "signals.h"
 
 namespace atl::python {
 namespace {
@@ -330,11 +331,17 @@ void bind_steps(Class& world) {
       .def(
           "steps",
           [](World& self, int count, double dt) {
+            if (count < 0) throw Error("World.steps: found " + std::to_string(count) + " steps; expected 0 or more");
+            SignalCheck check_signals;
             StepReport last;
-            for (int i = 0; i < count; ++i) last = self.step(dt);
+            for (int i = 0; i < count; ++i) {
+              last = self.step(dt);
+              check_signals();
+            }
             return last;
           },
-          nb::arg("count"), nb::arg("dt") = 1.0 / 60, without_gil, "So many in a row; the report is of the last.")
+          nb::arg("count"), nb::arg("dt") = 1.0 / 60, without_gil,
+          "So many in a row; the report is of the last. Ctrl-C ends them between two. Raises Error if count < 0.")
       .def(
           "set_contact_filter",
           [](World& self, nb::object function) {
