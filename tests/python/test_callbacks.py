@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import weakref
+from typing import Any
 
 import numpy as np
 import pytest
@@ -124,3 +125,53 @@ def test_worlds_are_dropped_with_their_functions() -> None:
     del world
     gc.collect()
     assert gone() is None
+
+
+class Refers:
+    """A function that refers to what asks it."""
+
+    def __init__(self, to: object) -> None:
+        self.to = to
+
+    def __call__(self, of: object) -> Any:
+        return True
+
+
+def test_rings_of_a_world_and_its_functions_are_freed() -> None:
+    world = atoll.World()
+    rule, change = Refers(world), Refers(world)
+    gone = [weakref.ref(rule), weakref.ref(change)]
+    world.set_contact_filter(rule)
+    world.set_contact_modifier(change)
+    del rule, change
+    gc.collect()
+    assert all(function() is not None for function in gone)
+    world.step(DT)
+    del world
+    gc.collect()
+    assert all(function() is None for function in gone)
+
+
+def test_rings_of_a_batch_and_functions_of_its_worlds_are_freed() -> None:
+    batch = atoll.Batch("stack:height=2", 3)
+    function = Refers(batch)
+    gone = weakref.ref(function)
+    batch[1].set_contact_filter(function)
+    del function
+    gc.collect()
+    assert gone() is not None
+    batch.step()
+    del batch
+    gc.collect()
+    assert gone() is None
+
+
+def test_functions_that_were_replaced_are_freed(world: atoll.World) -> None:
+    first = Refers(world)
+    gone = weakref.ref(first)
+    world.set_contact_filter(first)
+    world.set_contact_filter(Refers(None))
+    del first
+    gc.collect()
+    assert gone() is None
+    world.step(DT)

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "arrays.h"
+#include "callbacks.h"
 #include "fields.h"
 #include "parts.h"
 #include "signals.h"
@@ -372,7 +373,7 @@ void bind_rollouts(nb::module_& module, nb::class_<Batch>& batch) {
 
 void bind_batch(nb::module_& module) {
   nb::class_<Batch> batch(
-      module, "Batch",
+      module, "Batch", nb::type_slots(batch_slots),
       "Many worlds of one scene, stepped side by side. Each comes to the bits that it comes to by itself, whatever its "
       "place, the number of worlds and the threads. Where `worlds` is asked for, that is a mask (a bool a world), "
       "places, "

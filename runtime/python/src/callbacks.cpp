@@ -2,6 +2,7 @@
 
 #include "callbacks.h"
 
+#include <atoll/batch.h>
 #include <atoll/contact_callbacks.h>
 #include <atoll/forces.h>
 #include <atoll/world.h>
@@ -9,6 +10,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "arrays.h"
 #include "fields.h"
@@ -127,7 +129,57 @@ void bind_forces(nb::module_& module) {
           nb::arg("forces"), nb::arg("torques") = nb::none(), "N and N m, shape (n, 3), a row a body index");
 }
 
+int visit_functions(const World& world, visitproc visit, void* arg) {
+  const auto [first, last] = held_functions().equal_range(&world);
+  for (auto held = first; held != last; ++held) Py_VISIT(held->second->ptr());
+  return 0;
+}
+
+// Nobody can reach the world any more, so it is not stepping.
+void clear_functions(World& world) {
+  if (held_functions().count(&world) == 0) return;
+  world.set_contact_filter({});
+  world.set_contact_modifier({});
+}
+
+// Worlds of a batch are its own: it has their functions visited.
+bool owns_world(PyObject* self) { return nb::inst_state(self) == std::pair(true, true); }
+
+int visit_world(PyObject* self, visitproc visit, void* arg) {
+  Py_VISIT(Py_TYPE(self));
+  return owns_world(self) ? visit_functions(*nb::inst_ptr<World>(self), visit, arg) : 0;
+}
+
+int clear_world(PyObject* self) {
+  if (owns_world(self)) clear_functions(*nb::inst_ptr<World>(self));
+  return 0;
+}
+
+int visit_batch(PyObject* self, visitproc visit, void* arg) {
+  Py_VISIT(Py_TYPE(self));
+  if (!nb::inst_ready(self) || held_functions().empty()) return 0;
+  const Batch& batch = *nb::inst_ptr<Batch>(self);
+  for (std::size_t i = 0; i < batch.size(); ++i) {
+    if (const int stop = visit_functions(batch.world(i), visit, arg); stop != 0) return stop;
+  }
+  return 0;
+}
+
+int clear_batch(PyObject* self) {
+  if (!nb::inst_ready(self)) return 0;
+  Batch& batch = *nb::inst_ptr<Batch>(self);
+  for (std::size_t i = 0; i < batch.size(); ++i) clear_functions(batch.world(i));
+  return 0;
+}
+
 }  // namespace
+
+PyType_Slot world_slots[3] = {{Py_tp_traverse, reinterpret_cast<void*>(&visit_world)},
+                              {Py_tp_clear, reinterpret_cast<void*>(&clear_world)},
+                              {0, nullptr}};
+PyType_Slot batch_slots[3] = {{Py_tp_traverse, reinterpret_cast<void*>(&visit_batch)},
+                              {Py_tp_clear, reinterpret_cast<void*>(&clear_batch)},
+                              {0, nullptr}};
 
 void bind_callbacks(nb::module_& module) {
   bind_candidate(module);

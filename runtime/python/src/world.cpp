@@ -345,14 +345,14 @@ void bind_steps(Class& world) {
       .def(
           "set_contact_filter",
           [](World& self, nb::object function) {
-            self.set_contact_filter(function_of<bool, const ContactCandidate>(std::move(function)));
+            self.set_contact_filter(function_of<bool, const ContactCandidate>(std::move(function), &self));
           },
           nb::arg("function").none(), "Says of a ContactCandidate whether two shapes may touch; None unsets it.",
           ATOLL_TAKES("set_contact_filter", "ContactCandidate", "bool"))
       .def(
           "set_contact_modifier",
           [](World& self, nb::object function) {
-            self.set_contact_modifier(function_of<void, ModifiableContact>(std::move(function)));
+            self.set_contact_modifier(function_of<void, ModifiableContact>(std::move(function), &self));
           },
           nb::arg("function").none(), "May change a ModifiableContact in each step; None unsets it.",
           ATOLL_TAKES("set_contact_modifier", "ModifiableContact", "None"));
@@ -457,9 +457,9 @@ void bind_world(nb::module_& module) {
       });
   bind_snapshot(module);
 
-  // Its functions may hold it in turn, which Python's collector has to see to end such rings: it doesn't. Unset them.
+  // Its functions may hold it in turn: Python's collector has to see such rings to end them.
   Class world(
-      module, "World",
+      module, "World", nb::type_slots(world_slots),
       "A world of rigid bodies. Same calls, same bits: whatever the threads, vector width or machine. One world "
       "may be used from one thread at a time; a call while another thread steps it raises Error.");
   world.def(
