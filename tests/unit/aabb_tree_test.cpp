@@ -80,7 +80,8 @@ TEST(AabbTree, MatchesBruteForceUnderRandomChanges) {
 }
 
 // Orders of insertion that make naive trees as deep as they are large; a traversal's stack holds 128 nodes.
-// What waits is found one by one, and by the tree once it was taken in: few by insertion, many by a build in parts.
+// Inserted boxes wait outside the tree and are found one by one; later the tree takes them in: a few by insertion, many
+// by a build in parts.
 TEST(AabbTree, FindsWhatIsInsertedLater) {
   Random random(2);
   jobs::Arena one(1), three(3);

@@ -73,7 +73,7 @@ struct TwoBodies {
     return std::any_of(cache.contacts.begin(), cache.contacts.end(), [](const Contact& c) { return c.count > 0; });
   }
 
-  // Whether the narrowphase finds points at this part of the margin.
+  // True if the narrowphase finds points at this share of the margin.
   bool touching(double share) const {
     const bool swap = colliders.shape[1].kind < colliders.shape[0].kind;
     const std::uint32_t lower = swap ? 1 : 0;
@@ -230,8 +230,8 @@ TEST(Apart, ABallsGapIsToTheNearestTriangle) {
   EXPECT_EQ(gap_of_ball({0, 0, 9}, 1, Shape::box(Vector3::Ones()), 10), 0);
 }
 
-// Of a compound a child that the body's turning takes along is as far as it gets itself: its own turning brings it no
-// nearer, and one that stays where it is needs not be asked, however far out it is.
+// A child of a compound is tested by the way that it moves itself. Turning in place brings it no nearer, so a child
+// that stays where it is needs no test, however far from the body's centre it is.
 TEST(Apart, AChildThatTurnsWhereItIsCostsNothing) {
   Random random(11);
   const TriangleMesh mesh = hills(random);

@@ -42,7 +42,7 @@ struct System {
       at(node, node) += value;
     }
     for (const auto& [a, b] : couplings) {
-      // As of a body that both hold.
+      // Couples the two blocks as a body does that both rows act on.
       const Eigen::MatrixXd of_a = any(sizes[a], 6), of_b = any(sizes[b], 6);
       blocks.diagonal(a) += of_a * of_a.transpose();
       blocks.diagonal(b) += of_b * of_b.transpose();
@@ -167,7 +167,7 @@ TEST(BlockLdlt, SolvesNothing) {
   blocks.solve({});
 }
 
-// What is written through block_index() is what add() and diagonal() add to.
+// Writing through block_index() and adding by add() and diagonal() reach the same blocks.
 TEST(BlockLdlt, BlocksAreWhereTheirIndexSays) {
   Random random(6);
   const std::vector<std::uint8_t> sizes = {2, 5, 3, 6};
@@ -203,7 +203,7 @@ struct Chain {
     for (std::uint32_t i = 0; i < links; ++i) {
       const double per_mass = 1 / (i + 1 < links ? 1.0 : last_mass);
       const Eigen::Vector3d arm = 0.5 * random.direction();
-      // Of points at arms p and q: 1/m + [p]x I^-1 [q]x^T, with I = 0.1 m.
+      // Mobility between points at arms p and q: 1/m + [p]x I^-1 [q]x^T, with I = 0.1 m.
       const auto mobility = [&](const Eigen::Vector3d& p, const Eigen::Vector3d& q) {
         return Eigen::Matrix3d(per_mass * (Eigen::Matrix3d::Identity() +
                                            10 * (p.dot(q) * Eigen::Matrix3d::Identity() - q * p.transpose())));

@@ -155,7 +155,7 @@ TEST(BoxAxes, FclIsAskedWhenBoxesComeToMeet) {
       ASSERT_EQ(manifold.points[point].id, first.points[point].id);
       ASSERT_EQ(manifold.points[point].separation, first.points[point].separation);
     }
-    // What it says: they meet, as deep as that, but that it prefers a face to edges by a twentieth.
+    // FCL's function promises that the boxes meet, and how deep, but prefers a face to edges by a twentieth.
     fcl_narrowphase::Axis found;
     ASSERT_TRUE(fcl_narrowphase::box_box(a, b, second.position, second.orientation.toRotationMatrix(), margin, found));
     BoxAxes axes;

@@ -212,7 +212,7 @@ TEST(Broadphase, FindsThePairsOfBruteForce) {
   EXPECT_GT(total, 5000u);
 }
 
-// Where most of what moved is fixed, it is the moving shapes that are asked.
+// If most of what moved is fixed, the search starts from the moving shapes.
 TEST(Broadphase, FindsThePairsOfFewMovingShapesAmongManyFixed) {
   Random random(5);
   jobs::Arena arena(2);

@@ -98,7 +98,7 @@ TEST(ClosedForm, RollingSphere) {
     const double speed = 7 - 0.3 * g * slid;
     const double distance = (49 - speed * speed) / (2 * 0.3 * g) + 5 * (t - slid);
     for (std::size_t i = 1; i < states.size(); ++i) {
-      // What the sphere has lost of its speed turns it: I w = m r (v0 - v).
+      // The impulse that slowed the sphere also turns it: I w = m r (v0 - v).
       const Vector3 direction = states[i].velocity / 7;
       states[i].angular_velocity = Vector3::UnitZ().cross(direction) * (7 - speed) * 0.5 / (0.4 * 0.25);
     }

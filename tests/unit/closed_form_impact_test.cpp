@@ -62,7 +62,7 @@ TEST(ClosedForm, ElasticPair) {
   for (const double keep : {1.0, 1 - lost}) {
     const Motion motion = [&](double t, std::vector<BodyState>& states) {
       for (std::size_t i = 0; i < states.size(); i += 2) {
-        // Where they are as they touch, each pair a little later than the one before.
+        // Checks the positions at the impact; each pair touches a little later than the one before.
         const double touch = 0.5 + 0.0037 * static_cast<double>(i / 2);
         if (t < touch) return;
         const Vector3 touching = states[i + 1].pose.position - states[i].pose.position - touch * states[i].velocity;

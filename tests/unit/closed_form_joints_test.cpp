@@ -94,7 +94,7 @@ TEST(ClosedForm, SliderCrankClosesItsTriangle) {
   EXPECT_GT(turning(0.01).at("analytic_error"), 5e-3);
 }
 
-// Of small swings, which are sums of two modes.
+// Small swings are sums of two modes.
 TEST(ClosedForm, DoublePendulumByItsModes) {
   const Scene scene = load_scene("double-pendulum:angle=0.02");
   const double l1 = 1, l2 = 0.7, m1 = l1, m2 = l2, side = 0.06;
@@ -115,7 +115,7 @@ TEST(ClosedForm, DoublePendulumByItsModes) {
         states[2].pose.position = l1 * first + l2 / 2 * second;
       },
       1.0 / 60);
-  // Of the angle's cube: 0.02^3 / 6 a radian of phase.
+  // The linear modes neglect the cube of the angle: 0.02^3 / 6 a radian of phase.
   EXPECT_LT(errors.at("analytic_error"), 2e-5);
 }
 

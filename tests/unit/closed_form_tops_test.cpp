@@ -129,7 +129,7 @@ class CarriedTop {
     const Vector3 torque = (-arm() * axis).cross(normal * Vector3::UnitZ()) - spin.cross(momentum);
     return (torque - axis.dot(torque) * axis) / i1 + axis.dot(torque) / i3 * axis;
   }
-  // Of the centre of mass as the axis turns, m/s^2.
+  // Vertical acceleration of the centre of mass as the axis turns, m/s^2.
   double rise(const Vector3& axis, const Vector3& spin, double normal) const {
     return arm() * (spin_rate(axis, spin, normal).cross(axis) + spin.cross(spin.cross(axis))).z();
   }

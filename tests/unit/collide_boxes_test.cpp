@@ -187,7 +187,7 @@ TEST(CollideBoxes, ExtremePairsStayFinite) {
   }
 }
 
-// Of boxes that come fast: more points than where the edges cross, each with a surface at both its ends.
+// Boxes that come fast get more points than the crossing of edges, each on a surface at both its ends.
 TEST(CollideBoxes, OtherCornersLieOnBothSurfaces) {
   Random random(31);
   int corners = 0;

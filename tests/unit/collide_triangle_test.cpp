@@ -87,7 +87,7 @@ TEST(SphereOnTriangle, OverTheFaceItIsOnAPlane) {
   }
 }
 
-// Where the neighbour bends down by 60 degrees, the normal turns with the sphere, and no farther.
+// At an edge whose neighbour bends down by 60 degrees, the normal turns with the sphere, and no farther.
 TEST(SphereOnTriangle, AroundAConvexEdgeTheNormalFollowsTheCentreUpToTheNeighbours) {
   const Shape sphere = Shape::sphere(0.3);
   const Triangle triangle = bent_triangle(3.14159265358979 / 3);

@@ -157,7 +157,7 @@ TEST(ContactForces, NameChildren) {
   EXPECT_EQ(by_leg[2], 4);
 }
 
-// What an event of a contact says is what the contact's forces come to.
+// A contact event reports the sum of the contact's forces.
 TEST(ContactEvents, TellWhereAndHowHard) {
   World world({.settings = {.contact_events = true}});
   const BodyId floor = world.add_body({.type = BodyType::Static, .shape = Box{{5, 5, 0.5}}, .position = {0, 0, -0.5}});
@@ -193,7 +193,7 @@ TEST(ContactEvents, TellWhereAndHowHard) {
   EXPECT_THROW(world.contact_events(), Error);
 }
 
-// What bodies of one kind share is told from what is alike but for a child's own.
+// Bodies share the data of their kind only if their children's own materials and filters are equal, too.
 TEST(CompoundChildren, KeepTheirOwnBesideABodyThatIsOtherwiseAlike) {
   World world;
   const auto add = [&](double friction, std::uint32_t mask) {

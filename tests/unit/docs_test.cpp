@@ -49,7 +49,7 @@ std::string prose_of(const fs::path& path) {
   return prose;
 }
 
-// As GitHub names headings: small letters, hyphens for spaces, no other marks.
+// The anchor that GitHub gives a heading: small letters, hyphens for spaces, no other marks.
 std::string anchor_of(const std::string& heading) {
   std::string anchor;
   for (const char c : heading) {

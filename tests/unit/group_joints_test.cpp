@@ -276,7 +276,7 @@ TEST(GroupJoints, KeepASpinningPairSpinning) {
   EXPECT_NEAR(spin(), start, 0.002 * start);
 }
 
-// As the map of a body alone on it, whatever w h is.
+// A spring moves by the map of a single body on it, for any w h.
 TEST(GroupJoints, SpringIsItsMap) {
   for (const int substeps : {1, 4}) {
     for (const double wh : {0.01, 0.1, 1.0, 10.0, 1000.0}) {

@@ -54,7 +54,7 @@ double extent_of(const Cloud& cloud) {
   return (upper - lower).maxCoeff();
 }
 
-// Where vertex v stands in face f, or -1.
+// The place of vertex v in face f, or -1.
 int place_in_face(const Hull& hull, std::size_t f, std::size_t v) {
   for (int i = hull.face_start[f]; i < hull.face_start[f + 1]; ++i) {
     if (hull.face_vertices[static_cast<std::size_t>(i)] == v) return i;

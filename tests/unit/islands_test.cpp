@@ -191,7 +191,7 @@ TEST(Colouring, BodyWithMoreContactsThanColoursGetsTheRestOneByOne) {
   EXPECT_EQ(last.end_block - last.begin_block, 200u - 64u);
 }
 
-// What shares the group must not change which colour a contact gets: lanes may be shared, order may not.
+// Other islands of the group must not change the colour of a contact: lanes may be shared, order may not.
 TEST(Colouring, OfAnIslandIsItsOwn) {
   Random random(4);
   const auto alone = random_contacts(random, 1, 30, 100);

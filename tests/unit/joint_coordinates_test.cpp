@@ -61,8 +61,8 @@ bool is_smooth(Coordinate coordinate, const JointFrames& frames) {
   }
 }
 
-// What each coordinate's rate is by its definition: the derivative of its value, or where it has none, of what it says
-// it counts.
+// The rate of each coordinate by its definition: the derivative of its value, or, for a coordinate without a value, of
+// the quantity that it counts.
 double defined_rate(const JointPose& pose) {
   const JointFrames now = pose.frames();
   // How far a body has turned about its own x axis, as seen in itself: the twist of its turn since now.
@@ -126,13 +126,13 @@ TEST_P(JointCoordinates, RateIsTheDerivative) {
   EXPECT_GT(largest, 1);
 }
 
-// Where a turn begins to fade, and at half a turn, its second derivative jumps.
+// The second derivative jumps at the start of the fading range and at half a turn, so the test leaves these poses out.
 bool is_smooth_law(const JointFrames& frames) {
   const double cosine = std::abs(relative_turn(frames).w());
   return cosine > 0.005 && std::abs(cosine - tuning::fading_turn) > 0.005;
 }
 
-// What a law acts along is smooth at every pose, with its position continued: also at a swing of 180 degrees and at
+// The direction of a law is smooth at every pose, with its position continued: also at a swing of 180 degrees and at
 // half a turn.
 TEST(JointLaws, FadeWhereTheirCoordinateHasNoValue) {
   for (const Coordinate coordinate : {Coordinate::TurnX, Coordinate::TurnY, Coordinate::TurnZ, Coordinate::Twist}) {
@@ -289,7 +289,7 @@ TEST(JointCoordinate, AnglesContinueOverFullTurns) {
   }
 }
 
-// What is a rate only keeps the position it has.
+// Only angles continue over whole turns; coordinates that have a rate alone keep the position they have.
 TEST(JointCoordinate, OnlyAnglesContinue) {
   for (const Coordinate coordinate : test::all_coordinates) {
     const bool angle =

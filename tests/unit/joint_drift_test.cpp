@@ -1,4 +1,4 @@
-// What joints let through, against values computed by hand.
+// Drift of joints, against values computed by hand.
 
 #include <atoll/error_meter.h>
 #include <gtest/gtest.h>
@@ -20,7 +20,8 @@ constexpr double exact = 1e-12;
 
 Quaternion turned(double angle, const Vector3& axis) { return Quaternion(Eigen::AngleAxisd(angle, axis)); }
 
-/// Of a joint whose first frame lies at the world's origin, along its axes, and whose second frame lies at the pose.
+/// The drift of a joint whose first frame lies at the world's origin, along its axes, and whose second frame lies at
+/// the pose.
 JointDriftReport drift_at(const JointKind& kind, const Vector3& position, const Quaternion& orientation) {
   // Both frames away from those of their bodies, so that frames are told from bodies.
   const Pose local_first = {{1, 2, 3}, turned(0.7, Vector3(1, 1, 0).normalized())};

@@ -1,4 +1,4 @@
-// What joints hold and motors do, against statics and Newton's law, with both solvers.
+// Forces of joints and motors, against statics and Newton's law, with both solvers.
 
 #include <gtest/gtest.h>
 

@@ -101,7 +101,7 @@ TEST(JointLanes, CoordinatesAreThoseInDouble) {
   }
 }
 
-// What has not moved is where it was, to the last bit: a joint that is closed stays so.
+// A joint that is closed and has not moved has no gap, to the last bit.
 TEST(JointLanes, WhatIsClosedHasNoGap) {
   Pairs pairs(7, {.lower = 0, .upper = 0});
   for (Joint& joint : pairs.rig.joints) {

@@ -86,7 +86,7 @@ struct JointRig {
     return joint_frames(joint, bodies.position(joint.first), bodies.orientation(joint.first),
                         bodies.position(joint.second), bodies.orientation(joint.second));
   }
-  /// Of the second frame's origin against the first's, m/s.
+  /// Velocity of the second frame's origin relative to the first's, m/s.
   Vector3 point_speed(const Joint& joint) const {
     const JointFrames f = frames(joint);
     const Vector3 first = bodies.velocity(joint.first) + bodies.angular_velocity(joint.first).cross(f.arm_first);

@@ -1,4 +1,4 @@
-// What the rows of joints do to the momentum of the two bodies, and to their power.
+// Effects of the rows of joints on the momentum of the two bodies, and their power.
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// What is joined sleeps and wakes as a whole.
+// Joined bodies sleep and wake as a whole.
 
 #include <gtest/gtest.h>
 

@@ -83,7 +83,7 @@ TEST_P(JointStart, WheelsAndCrossesTurnTheirAxesToARightAngle) {
   for (const double angle : {0.0, 1e-9, 1e-3, 0.006, 0.1, 0.5, 1.0, std::numbers::pi / 2, 3.0, std::numbers::pi}) {
     for (const bool wheel : {true, false}) {
       Pair pair(GetParam(), false);
-      // Of the second frame's y axis from the first's z, or x, axis.
+      // Angle of the second frame's y axis from the first's z axis, or x axis for a wheel.
       const Vector3 axis = wheel ? Vector3::UnitX() : Vector3::UnitZ();
       const double from_y = wheel ? std::numbers::pi / 2 - angle : angle - std::numbers::pi / 2;
       const Quaternion turned(Eigen::Quaterniond(Eigen::AngleAxisd(from_y, axis)));
@@ -106,8 +106,8 @@ TEST_P(JointStart, WheelsAndCrossesTurnTheirAxesToARightAngle) {
   }
 }
 
-// What a joint tells as its force is what the body's momentum changes by, be it 1 mm open or out of reach: bodies that
-// are moved to where it closes get no velocity by that, and a joint that can break is not broken by it.
+// The reported force of a joint equals the body's change of momentum, be the joint 1 mm open or out of reach. Moving
+// bodies to close a gap gives them no velocity, and doesn't break a joint that can break.
 TEST_P(JointStart, TheForceWhileAGapClosesIsThatOnTheBody) {
   for (const double gap : {1e-3, 0.1, 1.0, 10.0, 1e4}) {
     Pair pair(GetParam(), true);

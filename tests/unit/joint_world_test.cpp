@@ -153,7 +153,7 @@ TEST(JointWorld, JointsGoWithEitherBody) {
     EXPECT_EQ(crates.world.contains(other), first);
     EXPECT_EQ(crates.world.joint_count(), first ? 1u : 2u);
     EXPECT_NO_THROW(run(crates.world, 3));
-    // What used the same indices before must not show.
+    // Earlier users of the same indices must leave no trace.
     const BodyId again = crates.world.add_body(box({0, 3, 0}));
     EXPECT_NO_THROW(crates.add(again, crates.b));
     EXPECT_EQ(crates.world.step(dt).counts.joints, first ? 2 : 3);
@@ -405,7 +405,7 @@ TEST(JointWorld, HashSeesWhichIdComesNext) {
   EXPECT_EQ(hashes.size(), 3u);
 }
 
-// As if it had been made so: a range whose ends come to bounce later does so too.
+// Restitution that is set later acts as if the joint had been made with it.
 TEST(JointWorld, RestitutionThatIsSetLaterBounces) {
   const auto speed_back = [](double at_first, double later) {
     World world({.gravity = Vector3::Zero()});

@@ -78,7 +78,7 @@ double separation_along(const Shape& first, const Shape& second, const Pose& pos
          reach_along(second, -(pose.orientation.conjugate() * normal));
 }
 
-// Of rims, sides and points, that is: faces stand in for axes near by.
+// Tests only rims, sides and points: faces stand in for axes near by.
 TEST_P(KeptAxis, IsBetterThanThoseBesideIt) {
   constexpr int pairs = 100, steps = 5;
   int points = 0, worse = 0;
@@ -109,7 +109,7 @@ TEST_P(KeptAxis, IsBetterThanThoseBesideIt) {
         best = std::max(best, separation_along(first, second, pose, beside));
       }
       EXPECT_LT(best, found.least_separation() + 1e-3 * size);
-      // Of two rims the axis is that of their polygons.
+      // The axis of two rims is that of their polygons, so it may be slightly worse.
       worse += best > found.least_separation() + 1e-8 * size;
     }
   }

@@ -36,7 +36,7 @@ struct Group {
   }
 };
 
-// What no contact of a group needs.
+// Features that no contact of a group needs, so that the kernels may leave them out.
 struct Lacking {
   std::uint32_t most_points = 4;
   bool friction = false;

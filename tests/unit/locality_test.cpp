@@ -1,4 +1,4 @@
-// What one body needs is done for its island, or at most for the block of eight that it shares, not for the world.
+// Extra work for one body's need is done for its island, or at most for its block of eight, not for the world.
 
 #include <atoll/atoll.h>
 #include <gtest/gtest.h>

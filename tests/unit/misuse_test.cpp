@@ -1,4 +1,4 @@
-// What is asked of a world from another thread while it steps is told, in every build.
+// Calls from another thread while a world steps are reported, in every build.
 
 #include <atoll/atoll.h>
 #include <atoll/contact_callbacks.h>
@@ -97,7 +97,7 @@ TEST(Misuse, TheSameCallsAreFineOnceTheStepIsOver) {
   }
 }
 
-// What a function throws ends the step, and leaves nothing locked.
+// An exception from a callback ends the step, and leaves nothing locked.
 TEST(Misuse, AStepThatThrowsIsOver) {
   World world;
   world.add_body(ground());

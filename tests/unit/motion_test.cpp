@@ -1,4 +1,4 @@
-// What is noted of bodies' motion.
+// Records of bodies' motion.
 
 #include <gtest/gtest.h>
 #include <solver/integrate/motion.h>

@@ -1,4 +1,4 @@
-// Where two recordings part.
+// Divergence of two recordings.
 
 #include <atoll/atoll.h>
 #include <gtest/gtest.h>
@@ -70,7 +70,7 @@ TEST(Parting, OtherSettingsShowInTheSolve) {
   EXPECT_FALSE(found.parting->bodies.empty());
 }
 
-// What the hash doesn't tell, as another force law.
+// The recordings differ in something outside the state's hash, here another contact modifier.
 TEST(Parting, PhasesAreToldOfWhatAStepDoes) {
   const TemporaryFile plain(".a.recording"), other(".b.recording");
   const auto with = [](double friction) {

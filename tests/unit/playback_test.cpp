@@ -100,7 +100,7 @@ TEST(Playback, ReportsTheStepItMade) {
   EXPECT_EQ(playback.dt(), dt);
 }
 
-// Whether anything is left out shows in no bit while numbers are finite, and is kept for where they are not.
+// Leaving work out changes no bit while numbers are finite. The recording keeps the choice for numbers that are not.
 TEST(Playback, LeavesOutWhatWasLeftOut) {
   const TemporaryFile file(".recording");
   Yard yard({.settings = {.sleeping = false}});

@@ -1,4 +1,4 @@
-// What callers can do with bodies in quarantine, and what is left of these in the world: nothing.
+// Calls on bodies in quarantine, and their absence from the rest of the world.
 
 #include <atoll/atoll.h>
 #include <atoll/snapshot.h>
@@ -141,7 +141,7 @@ TEST(Quarantine, ReleasedBodyKeepsItsLocks) {
   EXPECT_EQ(lost.world.pose(lost.crate).position.y(), 0);
 }
 
-// What is done to a body while it is out holds when it is back.
+// A change made to a body in quarantine holds once it is back.
 TEST(Quarantine, FilterThatIsSetMeanwhileHolds) {
   for (const bool told_apart : {false, true}) {
     Lost lost;

@@ -85,7 +85,7 @@ TEST_F(QueriesTest, FiltersLeaveBodiesOut) {
   world_.set_filter(ball_, {.category = 2, .mask = 4});
   EXPECT_EQ(first({.category = 3}), wall_);
   EXPECT_EQ(first({.category = 4}), ball_);
-  // What was removed is hit no more, and its id in a list doesn't stand for who comes next.
+  // A removed body is hit no more, and its id in a list doesn't stand for a later body with the same index.
   const std::vector<BodyId> stale{ball_};
   world_.remove_body(ball_);
   EXPECT_EQ(first({}), wall_);
@@ -94,7 +94,7 @@ TEST_F(QueriesTest, FiltersLeaveBodiesOut) {
   EXPECT_EQ(first({.ignore = stale}), next);
 }
 
-// Of what is met at the same distance the lowest body comes first, in whatever order it is found.
+// Among hits at the same distance the lowest body comes first, in whatever order they are found.
 TEST_F(QueriesTest, WhatIsMetAtTheSameTimeComesInOrder) {
   const std::vector<double> flat(9, 0.0);
   const Shape shapes[] = {Sphere{0.5}, Box{}, Cylinder{}, HeightField(3, 3, 1, 1, flat)};
@@ -435,8 +435,8 @@ TEST(QueriesAfterSteps, FindBodiesWhereTheyAre) {
   EXPECT_EQ(queries.overlapping(QueryShape{.position = {40.2, 40.2, 3.3}}), std::vector<BodyId>{falling});
 }
 
-// What moves on as it did stays for steps in a box that is stretched along its motion, also where it moves by more in
-// each than the box has room on all sides.
+// A body in uniform motion stays for several steps in a box that is stretched along its motion, even if each step moves
+// it by more than the margin.
 TEST(QueriesAfterSteps, BoxesAlongTheMotionLast) {
   World world({.gravity = Vector3::Zero()});
   constexpr int count = 100, steps = 60;

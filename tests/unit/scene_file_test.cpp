@@ -1,4 +1,4 @@
-// What scene files turn into. Their refusals are in scene_file_errors_test.cpp.
+// Worlds made from scene files. Their refusals are in scene_file_errors_test.cpp.
 
 #include <atoll/scene.h>
 #include <gtest/gtest.h>

@@ -180,7 +180,7 @@ struct Rocking : Piles {
     bodies.radius[1] = 0.8;
     bodies.angular_velocity(1) = turning();
   }
-  // What brings the second point down: the tangents decide where it is.
+  // An angular velocity that brings the second point down: its place depends on the tangents.
   Vector3 turning() const {
     const collision::Tangents tangents = collision::tangents(manifolds[0].normal);
     const Vector3 x(tangents.first[0], tangents.first[1], tangents.first[2]);

@@ -127,7 +127,7 @@ TEST(StaticBodies, ComeBackWithASnapshotTakenBeforeTheyWereAskedFor) {
   EXPECT_EQ(below(empty, 7, 9), fall.floor[9 * side + 7]);
 }
 
-// What is out of bounds is taken out in the next step, as any other body.
+// A static body out of bounds is taken out in the next step, like any other body.
 TEST(StaticBodies, AreContained) {
   World world;
   const std::vector<BodyId> floor = add_floor(world);

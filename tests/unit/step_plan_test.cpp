@@ -1,4 +1,4 @@
-// What a step leaves out, and what it says of that.
+// Work that a step leaves out, and its report of that.
 
 #include <atoll/atoll.h>
 #include <gtest/gtest.h>
@@ -86,7 +86,7 @@ TEST(StepPlan, WhatIsNotUsedHoldsNoMemory) {
   EXPECT_GT(held("contact_problem"), 0u);
 }
 
-// Of ten columns one stays, and then one of its boxes.
+// Ten columns shrink to one, and then to one box.
 TEST(StepPlan, IslandsThatAreGoneLeaveNoMemoryBehind) {
   constexpr std::size_t columns = 10, height = 12;
   World world({.settings = {.contact_solver = ContactSolver::Direct, .sleeping = false}});

@@ -567,7 +567,7 @@ TEST(SmoothSurface, BendsUnderABallThatSlides) {
   EXPECT_NEAR(found.manifolds[0].rise, 0.5 * turn * step, 0.05 * 0.5 * turn * step);
 }
 
-// What bends by more than the angle is a crease: normals on either side are those of their own triangles.
+// An edge that bends by more than the angle is a crease: normals on either side are those of their own triangles.
 TEST(SmoothSurface, KeepsCreases) {
   const auto roof = [](double x, double) { return -0.5 * std::abs(x); };
   for (const bool smooth : {false, true}) {

@@ -99,7 +99,7 @@ TEST(Sweep, BallsMeetWhenTheQuadraticSays) {
     ++hits;
     EXPECT_LE(hit.t, expected);
     const Vector3 place = apart + expected * v;
-    // What the tolerance leaves open at this angle of approach.
+    // The sweep stops at the tolerance, which is this much of the way at this angle of approach.
     const double closing = -v.dot(place.normalized());
     EXPECT_GT(hit.t, expected - 2 * goal.tolerance / closing);
     EXPECT_LT((hit.normal + place.normalized()).norm(), 1e-4);

@@ -148,7 +148,7 @@ TEST(TriangleMesh, NeighboursAreMutualAndShareTheEdge) {
   EXPECT_FALSE(mesh.closed);
 }
 
-// As in files that repeat vertices for each triangle.
+// Repeats vertices for each triangle, as some file formats do.
 TEST(TriangleMesh, RepeatedVerticesGiveTheSameNeighbours) {
   Random shared(2);
   Random repeated(2);
@@ -267,7 +267,7 @@ TEST(TriangleTree, IsExactForBoxesOfAllSizes) {
   }
 }
 
-// What a smaller box finds stands in the order in which a larger one finds it.
+// A smaller box finds its triangles in the order in which a larger one finds them.
 TEST(TriangleTree, OrderOfVisitsIsThatOfTheTree) {
   Random random(7);
   const Surface surface = random_surface(30, random, false);

@@ -33,7 +33,7 @@ TEST(SineCosine, IsWithinThreeUnitsInTheLastPlace) {
   }
 }
 
-// Where one of the two is all but zero, what counts is the part of pi/2 that a double can't hold.
+// Near a zero of sine or cosine the result depends on the part of pi/2 that a double can't hold.
 TEST(SineCosine, IsWithinThreeUnitsInTheLastPlaceNearMultiplesOfHalfPi) {
   for (int multiple = -60'000; multiple <= 60'000 && !HasFatalFailure(); multiple += 7) {
     expect_close(multiple * (std::numbers::pi / 2), 3);
@@ -98,7 +98,7 @@ TEST(Arctangent, IsWithinFourUnitsInTheLastPlaceForAllRatios) {
   }
 }
 
-// Where the reduction changes, and where what is left of it cancels.
+// Tests the points where the reduction changes, and where its remainder cancels.
 TEST(Arctangent, IsWithinFourUnitsInTheLastPlaceNearMultiplesOfTwelfthsOfPi) {
   test::Random random(5);
   for (int twelfth = -12; twelfth <= 12; ++twelfth) {
