@@ -1,7 +1,7 @@
 #pragma once
-/// What the drivers of other engines share: the command line, the run, its timing and its report. A driver
-/// turns an atl::Scene into its engine's world and gives the bodies' states back; errors are measured by
-/// atl::ErrorMeter on those, as for Atoll itself.
+/// Shared by the drivers of other engines: the command line, the run, its timing and its report. A driver turns an
+/// atl::Scene into its engine's world and gives the bodies' states back; atl::ErrorMeter measures errors on those, as
+/// for Atoll itself.
 
 #include <atoll/scene.h>
 

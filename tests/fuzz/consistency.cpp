@@ -14,7 +14,7 @@
 namespace atl::fuzz {
 namespace {
 
-// What is told of one body alone is what is told of many, and of its definition.
+// Requires queries for one body to agree with those for many bodies, and with its definition.
 void check_told_twice(const World& world, BodyId id) {
   const BodyDef def = world.definition(id);
   const BodyState state = world.state(id);
@@ -78,7 +78,7 @@ void check_joint(const World& world, JointId id) {
   require(named && world.contains(*named) && world.joint(*named).name == name, "a joint isn't found by its name");
 }
 
-// Of contacts each is told of two bodies, and events where they are asked for alone.
+// Each contact force must be listed for both of its bodies; without the setting, asking for events must be refused.
 void check_contacts(const World& world, const std::vector<BodyId>& bodies) {
   std::size_t told = 0;
   for (const BodyId id : bodies) told += world.contact_forces(id).size();

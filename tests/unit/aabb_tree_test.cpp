@@ -80,8 +80,7 @@ TEST(AabbTree, MatchesBruteForceUnderRandomChanges) {
 }
 
 // Orders of insertion that make naive trees as deep as they are large; a traversal's stack holds 128 nodes.
-// Inserted boxes wait outside the tree and are found one by one; later the tree takes them in: a few by insertion, many
-// by a build in parts.
+// New boxes wait in a list; later the tree takes them in, a few by insertion and many by a build in parts.
 TEST(AabbTree, FindsWhatIsInsertedLater) {
   Random random(2);
   jobs::Arena one(1), three(3);

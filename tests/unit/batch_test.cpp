@@ -17,7 +17,7 @@
 namespace atl::test {
 namespace {
 
-// What is different from world to world.
+// Makes each world differ from the others.
 void vary(World& world, std::size_t number) {
   const auto x = static_cast<double>(number);
   const std::vector<BodyId> bodies = world.bodies();

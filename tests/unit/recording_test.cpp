@@ -185,7 +185,7 @@ TEST(Recording, EndsWithItsWorldAndIsThereOnlyThen) {
     yard.world.record(file.path());
     run(yard.world, 4);
     EXPECT_EQ(file.content(), "old");
-    // What a program that ends here would leave: the last step is in it, without what it came to.
+    // The file that a program leaves if it ends here: the last step is in it, but not its result.
     const ReplayResult result = replay(partial.path());
     EXPECT_FALSE(result.complete);
     EXPECT_FALSE(result.divergence.has_value());
@@ -379,7 +379,7 @@ TEST(Replay, RefusesEveryFlippedByte) {
   }
 }
 
-// As of a program that writes nonsense.
+// Records that are well-formed one by one, but don't fit together, as a faulty program could write them.
 TEST(Replay, RefusesRecordsThatDoNotFit) {
   const TemporaryFile file(".recording");
   record_pushes(file.path());
@@ -405,7 +405,7 @@ TEST(Replay, RefusesRecordsThatDoNotFit) {
                  "no body has the id");
   expect_refusal([&](auto& all) { find(all, RecordKind::Geometry)->content[4] ^= std::byte{1}; }, "another content");
   expect_refusal([&](auto& all) { find(all, RecordKind::Geometry)->content.resize(99); }, "can't all be there");
-  // Of the hull, the lowest bits of its first vertex, and of its upper bounds.
+  // Offsets of the lowest bits of the hull's first vertex, and of its upper bounds.
   constexpr std::size_t first_vertex = sizeof(collision::ShapeKind) + sizeof(std::uint64_t) + sizeof(std::uint32_t);
   constexpr std::size_t upper_from_end = sizeof(double) + sizeof(bool) + sizeof(std::uint64_t);
   expect_refusal([&](auto& all) { find(all, RecordKind::Geometry)->content[first_vertex] ^= std::byte{1}; },

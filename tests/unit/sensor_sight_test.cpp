@@ -49,7 +49,7 @@ TEST(SensorSight, ReachesOtherSensorsOnlyWhereAsked) {
   EXPECT_EQ(world.bodies_in(a), std::vector{c});
 }
 
-// What a gate tells of something that flies from one side of it to the other within a step.
+// Events of all sensors over so many steps.
 std::vector<SensorEvent> told_of(World& world, int steps) {
   std::vector<SensorEvent> told;
   for (int step = 0; step < steps; ++step) {
