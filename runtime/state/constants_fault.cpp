@@ -33,7 +33,7 @@ bool are_same(const Shape& a, const Shape& b) {
          a.bounding_radius == b.bounding_radius && a.inner_radius == b.inner_radius;
 }
 
-// Whether its sizes are valid, and all else what follows from them.
+// True if its sizes are valid, and everything else follows from them.
 bool is_valid(const Shape& shape) {
   const auto is_round = [&](Shape (*make)(double, double)) {
     return is_size(shape.radius) && is_size(shape.half_height) &&

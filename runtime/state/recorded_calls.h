@@ -250,7 +250,7 @@ constexpr std::size_t number_of_call() {
   }
 }
 
-/// Of a call's records.
+/// The kind of a call's records.
 template <typename Call>
 constexpr RecordKind kind_of() {
   return static_cast<RecordKind>(static_cast<std::size_t>(RecordKind::Call) + number_of_call<Call>());

@@ -117,7 +117,7 @@ bool Replay::take_next() {
     take(record);
     return true;
   } catch (const Error& error) {
-    // What was done to another state need not be possible in this.
+    // A call that was valid on the recorded state need not be possible on this one.
     if (!result_.divergence) reader_.fail(reader_.place() + ": " + error.what());
     ended_ = true;
     return false;
@@ -269,7 +269,7 @@ void Replay::take_forces(Forces& forces) {
   }
 }
 
-// What a contact filter or modifier said; nothing is recorded where it left all as it is.
+// The recorded answers of a contact filter or modifier; nothing is recorded if it changed nothing.
 ContactAnswers Replay::take_answers(std::uint32_t question) {
   ContactAnswers answers;
   if (!next()) return answers;

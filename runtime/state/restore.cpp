@@ -72,7 +72,7 @@ std::span<const std::byte> definition_bytes(const JointDef& def, std::vector<std
 void restore_joint(Stores& world, std::uint32_t joint, const JointDef& def) {
   check_bodies(world, def);
   const JointDef normalised = checked(def);
-  // As add_joint() left them. Normalised again they might round otherwise.
+  // Frames are stored as add_joint() left them: normalising them again might round otherwise.
   for (const auto& [frame, unit] :
        {std::pair{&def.frame_first, &normalised.frame_first}, std::pair{&def.frame_second, &normalised.frame_second}}) {
     if (!frame->orientation.coeffs().isApprox(unit->orientation.coeffs(), 1e-9)) {

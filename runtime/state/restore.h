@@ -1,5 +1,5 @@
 #pragma once
-/// What follows from a state that is read (world_state.h), and is made anew or, where it is the same, kept.
+/// Derived data of a state that is read (world_state.h): made anew, or kept if the state is the same.
 
 #include <atoll/joint.h>
 
@@ -18,7 +18,7 @@ void restore_quarantined(Stores& world, std::uint32_t body, Quarantine reason, s
 /// Poses, velocities, and who sleeps or is in quarantine are known: who may move, and all that goes by body.
 void note_restored_bodies(Stores& world);
 
-/// As a state has it. `bytes` holds what is returned.
+/// The definition as a state stores it. `bytes` holds the result.
 std::span<const std::byte> definition_bytes(const JointDef& def, std::vector<std::byte>& bytes);
 void restore_joint(Stores& world, std::uint32_t joint, const JointDef& def);
 /// Has definitions of joints that are alike in memory that both worlds use.

@@ -132,7 +132,7 @@ void read_constants(Archive& archive, WorldDefinition& world_definition) {
   }
 }
 
-/// That all numbers of a world definition fit together.
+/// Checks that all numbers of a world definition fit together.
 template <typename Archive>
 void check_numbers(Archive& archive, const WorldDefinition& world_definition) {
   const std::size_t bodies = world_definition.bodies.size();

@@ -62,7 +62,7 @@ void visit_history(Archive& archive, solver::SubstepControl::History& history) {
                 "substeps of an island that can't be");
 }
 
-/// Of the numbers below `count` those that stand out: visit(number) tells of one.
+/// Visits the numbers below `count` for which stands_out() is true: visit(number) handles one.
 template <typename Archive, typename StandsOut, typename Visit>
 void visit_some(Archive& archive, std::size_t count, const StandsOut& stands_out, const Visit& visit) {
   std::uint32_t some = 0;
@@ -129,7 +129,7 @@ void visit_pushes(Archive& archive, Rows& rows, std::size_t bodies) {
   }
 }
 
-/// What a contact filter refused, and of which bodies it is to be asked again. Contacts go before.
+/// Pairs that a contact filter refused, and bodies of which it is to be asked again. Contacts go before.
 template <typename Archive, typename AnyWorld>
 void visit_choices(Archive& archive, AnyWorld& world) {
   auto& choices = world.choices;
@@ -155,7 +155,7 @@ void visit_choices(Archive& archive, AnyWorld& world) {
   }
 }
 
-/// That bodies are somewhere, of a state from a file: those in quarantine, and those that the next step checks, too.
+/// Checks the poses of a state from a file, including those of bodies in quarantine or suspected by the next step.
 template <typename Archive>
 void check_poses(Archive& archive, const Stores& world) {
   const solver::BodyTable& bodies = world.bodies;
@@ -173,7 +173,7 @@ void check_poses(Archive& archive, const Stores& world) {
   }
 }
 
-/// What islands' errors have come to, where they have targets. Bodies go before.
+/// Measured errors of islands, if there are error targets. Bodies go before.
 template <typename Archive, typename AnyWorld>
 void visit_control(Archive& archive, AnyWorld& world) {
   using History = solver::SubstepControl::History;
@@ -238,7 +238,7 @@ class WorldState {
 
   // The parts that body_hash.cpp tells by body.
 
-  // Whether the world has the same joint.
+  // Returns true if the world has the same joint.
   bool visit_one_joint(std::uint32_t index) {
     auto& joints = world_.joints;
     bool same = true;
@@ -298,7 +298,7 @@ class WorldState {
     archive_.value(world_.clock.last_dt);
     archive_.check(world_.clock.last_dt >= 0 && world_.clock.last_dt <= 1, "a step of no valid duration");
     archive_.value(world_.results.contact_events.reported);
-    // What only reports are made of.
+    // These values serve reports only, so the hash leaves them out.
     if constexpr (!Archive::hashes) {
       archive_.value(world_.clock.last_substep);
       archive_.value(world_.clock.steps);
@@ -471,7 +471,7 @@ class WorldState {
       if constexpr (reads) restore_joints(world_, same);
     }
   }
-  // Whether the world has the same joints.
+  // Returns true if the world has the same joints.
   bool visit_joint_table(std::uint32_t count) {
     auto& joints = world_.joints;
     bool same = true;
@@ -529,7 +529,7 @@ class WorldState {
     }
   }
 
-  // Of bodies; those of compounds' children are constant.
+  // Filters of bodies; those of compounds' children are constant.
   void visit_filters() {
     auto& records = world_.records;
     if constexpr (reads) {

@@ -17,7 +17,7 @@
 namespace atl {
 namespace {
 
-// What others exert on each other in the last step stays, or is found when it is asked for.
+// Drops the reported contact forces of a body; those between other bodies stay.
 void forget_contact_forces(Stores& world, std::uint32_t body) {
   std::erase_if(world.results.contact_forces,
                 [body](const ContactForce& force) { return force.a.index == body || force.b.index == body; });
@@ -32,7 +32,7 @@ void forget_acceleration(Stores& world, std::uint32_t body) {
   }
 }
 
-// What a contact filter said of a body's shapes, and was to be asked.
+// Drops the contact filter's answers about a body's shapes, and its open questions.
 void forget_choices(Stores& world, std::uint32_t body) {
   ContactChoices& choices = world.choices;
   if (choices.is_empty()) return;
@@ -53,7 +53,7 @@ void resize_bodies(Stores& world, std::size_t count) {
   world.colliders.resize_bodies(count);
 }
 
-// What the body is for as long as it lives.
+// Stores the constants of a body.
 void give_constants(Stores& world, std::uint32_t body, const std::shared_ptr<const BodyConstants>& constants) {
   BodyRecords& records = world.records;
   solver::BodyTable& bodies = world.bodies;

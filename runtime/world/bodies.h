@@ -24,7 +24,7 @@ bool contains(const Stores& world, BodyId id);
 std::uint32_t index_of(const Stores& world, BodyId id, const char* call);
 /// See World::definition().
 BodyDef definition_of(const Stores& world, std::uint32_t body);
-/// Of the body's frame.
+/// The pose of the body's frame.
 Pose pose_of(const Stores& world, std::uint32_t body);
 
 /// A body's velocity or forces were, or will be, changed: it wakes, and the next step checks it. Returns the body.

@@ -158,7 +158,7 @@ std::uint8_t bits_of(const MotionLocks& locks) {
   return static_cast<std::uint8_t>(bits);
 }
 
-// That a body of this type may have these shapes.
+// Throws unless a body of this type may have these shapes.
 void check_type(const char* field, const BodyConstants& body) {
   const char* name = massless_name(body.colliders.front().shape.kind);
   if (name == nullptr) return;
@@ -178,7 +178,7 @@ void find_principal_axes(BodyConstants& body) {
   body.moments = principal.eigenvalues();
 }
 
-// That single precision holds a dynamic body's mass and moments, and that its inertia is one.
+// Throws unless single precision holds a dynamic body's mass and moments, and its inertia is a valid one.
 void check_loads(const char* field, double mass, const BodyConstants& body) {
   // There is room for moments of such masses, and their inverses, up to 1e6 m and down to 1e-6 of it.
   constexpr double least_moment = 1e-36, most_moment = 1e36;
@@ -190,14 +190,14 @@ void check_loads(const char* field, double mass, const BodyConstants& body) {
         field, mass,
         "a mass of 1e-30 to 1e30 kg, and moments of inertia of 1e-36 to 1e36 kg m^2: single precision holds no more");
   }
-  // Of a needle that lies askew in its frame the least moment is what rounding makes of the others, be it negative.
+  // The least moment of a needle that lies askew in its frame is lost in rounding; it may come out negative.
   if (!has_consistent_inertia(body)) {
     refuse("BodyDef: the inertia", body.inertia,
            "one whose least principal moment is at least 1e-12 of the largest, or that is diagonal");
   }
 }
 
-// What follows from the mass properties of a dynamic body.
+// Sets the constants that follow from the mass properties of a dynamic body.
 void take_mass(const MassProperties& properties, BodyConstants& body) {
   check_number("BodyDef: the centre of mass", properties.centre);
   body.centre = properties.centre;
@@ -206,7 +206,7 @@ void take_mass(const MassProperties& properties, BodyConstants& body) {
   body.inverse_mass = 1 / properties.mass;
   body.inverse_inertia = body.inertia.inverse();
   const double moment = body.inertia(0, 0);
-  // What can't turn freely doesn't tumble either.
+  // A body that can't turn freely needs no gyroscopic torque.
   body.gyroscopic = solver::angular_locks(body.locks) == 0 &&
                     (body.inertia - moment * Matrix3::Identity()).cwiseAbs().maxCoeff() > 1e-12 * moment;
   body.principal_axes = Quaternion::Identity();
@@ -215,7 +215,7 @@ void take_mass(const MassProperties& properties, BodyConstants& body) {
   check_loads("BodyDef: mass", properties.mass, body);
 }
 
-// What the definition of a dynamic body says of its mass; the shape has one.
+// Mass properties from the definition of a dynamic body, whose shape has a volume.
 MassProperties mass_of(const BodyDef& def) {
   MassProperties properties = mass_properties(def.shape);
   const double mass = def.mass ? *def.mass : def.density * properties.mass;

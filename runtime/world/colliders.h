@@ -11,7 +11,7 @@ namespace atl {
 collision::BodyMotions motions(const Stores& world);
 
 void add_colliders(Stores& world, std::uint32_t body);
-/// Those of a body that has none in the broadphase any more.
+/// Removes the colliders of a body that is in the broadphase no longer.
 void clear_colliders(Stores& world, std::uint32_t body);
 /// The same of a body that goes, and with them who doesn't touch it.
 void remove_colliders(Stores& world, std::uint32_t body);
@@ -33,7 +33,7 @@ void add_box(Stores& world, std::uint32_t collider, const collision::Aabb& box);
 /// A body was put elsewhere, or left its AABBs.
 void move_proxies(Stores& world, std::uint32_t body);
 
-/// What a contact of two colliders starts with.
+/// The initial data of a contact between two colliders.
 collision::ContactCache::Start contact_start(const Stores& world, collision::Pair pair);
 
 }  // namespace atl

@@ -31,7 +31,7 @@ std::optional<Quarantine> fault_in(const solver::BodyTable& bodies, std::uint32_
 
 bool is_within(const Vector3& velocity, double bound) { return velocity.squaredNorm() <= bound * bound; }
 
-// What forces would make of a dynamic body within dt that nothing holds back.
+// The fault in the motion that forces alone would give a dynamic body within dt.
 std::optional<Quarantine> fault_in_push(const solver::BodyTable& bodies, std::uint32_t body, const Vector3& gravity,
                                         double dt) {
   const Vector3 force = bodies.force(body);

@@ -31,13 +31,13 @@ class QuarantineList {
   void suspect(std::uint32_t body);
   /// The same of a body that is new and was checked: it counts as a suspect, but costs the step nothing.
   void suspect_checked(std::uint32_t body);
-  /// Where a body is that is about to be put where it can't stay.
+  /// Keeps the pose of a body that is about to be moved to a place where it can't stay.
   void remember_pose(std::uint32_t body, const solver::BodyPose& pose) { poses_before_.insert_or_assign(body, pose); }
-  /// What remember_pose() was last told of it since the last step, or nullptr.
+  /// The pose that remember_pose() last kept for the body since the last step, or nullptr.
   const solver::BodyPose* pose_before(std::uint32_t body) const;
   bool remembers_poses() const { return !poses_before_.empty(); }
   bool is_suspect(std::uint32_t body) const { return suspected_[body] != 0; }
-  /// Those to check, in no order to rely on, each once.
+  /// The bodies to check, each once; callers must not rely on their order.
   std::span<const std::uint32_t> suspects() const { return suspects_; }
   void clear_suspects();
 

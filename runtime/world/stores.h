@@ -34,7 +34,7 @@ struct StepClock {
   double last_substep = 0;  ///< s, of that
 };
 
-/// What has changed since a step looked last.
+/// The changes since the last step.
 struct Changes {
   std::vector<std::uint32_t> may_start_or_stop;  ///< bodies that came, went or got a velocity
   std::vector<std::uint32_t> pushed;             ///< bodies with a force or torque on them
@@ -50,7 +50,7 @@ struct Accelerations {
   auto arrays() const { return std::tie(linear, angular); }
 };
 
-/// What the last step came to, as callers ask for it.
+/// Results of the last step that callers can ask for.
 struct StepResults {
   ContactEvents contact_events;
   ContactEvents unasked_events;  ///< that nobody asked for, where everything is run

@@ -21,7 +21,7 @@ namespace atl {
 
 class Recorder;
 
-/// What stands behind World: its stores, the pipeline that steps them, and what it takes to run that.
+/// The implementation of World: its stores, the pipeline that steps them, and what runs that.
 class World::Impl {
  public:
   explicit Impl(const WorldDef& def);

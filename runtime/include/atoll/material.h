@@ -1,5 +1,5 @@
 #pragma once
-/// What a surface is like, and whom it may touch.
+/// Surface properties of a body, and the filter of bodies that it may touch.
 
 #include <cstdint>
 

@@ -71,7 +71,7 @@ struct ContactEvent {
   BodyId b;
   bool began;
   bool persists = false;  ///< they touched a step ago and still do; neither this nor `began`: they ceased to touch
-  // As they touch at the end of the step; zero where they ceased to.
+  // Values at the end of the step; zero if the bodies no longer touch.
   Vector3 point = Vector3::Zero();   ///< m, world frame: the mean of their manifold points, by force if there is any
   Vector3 normal = Vector3::Zero();  ///< unit, from a to b, the same mean
   double normal_force = 0;           ///< N, of all of them, in the last substep: 0 where they parted before
@@ -106,7 +106,7 @@ struct SelectedSolve {
   double ms = 0;             ///< with Settings::profile: on the worker that solved it
 };
 
-/// What Settings::target sets a limit to.
+/// The errors that Settings::target can limit.
 enum class TargetError { Penetration, JointGap, Residual, Motion };
 
 /// An error of an island beyond its target; see Settings::target. Penetrations and gaps are those with which the step
@@ -127,7 +127,7 @@ class Snapshot;
 struct ContactCandidate;  // see contact_callbacks.h
 struct ModifiableContact;
 
-/// Whether two shapes may touch: see World::set_contact_filter().
+/// Tells if two shapes may touch: see World::set_contact_filter().
 using ContactFilter = std::function<bool(const ContactCandidate&)>;
 
 /// Changes how two shapes touch in a step: see World::set_contact_modifier().
@@ -164,10 +164,10 @@ class World {
   std::size_t body_count() const;
   /// All bodies, in order of their indices.
   std::vector<BodyId> bodies() const;
-  /// That of the lowest index which has the name; none for an empty one. Looks through all names.
+  /// The body with this name, the lowest index if several have it; none for an empty name. Looks through all names.
   std::optional<BodyId> find_body(std::string_view name) const;
 
-  /// Of the body's frame, in which its shape was given: not of its centre of mass, which most shapes have there.
+  /// Pose of the body's frame, in which its shape was given; the centre of mass may lie elsewhere.
   Pose pose(BodyId id) const;
   Vector3 velocity(BodyId id) const;  ///< m/s, of the centre of mass
   Vector3 angular_velocity(BodyId id) const;
@@ -200,8 +200,8 @@ class World {
   void wake(BodyId id);
   void set_filter(BodyId id, const CollisionFilter& filter);
 
-  // What a definition said of a body, changed: each throws Error as add_body() does, and wakes the body and what
-  // touches it. Contacts that are there follow in the next step.
+  // Changes to a body's definition: each throws Error as add_body() does, and wakes the body and what touches it.
+  // Existing contacts follow in the next step.
   void set_material(BodyId id, const Material& material);
   /// kg, > 0, of a dynamic body. Its inertia changes by the same factor, its centre of mass stays.
   void set_mass(BodyId id, double mass);
@@ -227,7 +227,7 @@ class World {
   void apply_forces(std::span<const BodyId> ids, const Eigen::Ref<const Eigen::Matrix3Xd>& forces,
                     const Eigen::Ref<const Eigen::Matrix3Xd>& torques);
 
-  /// Whether two bodies may touch at all, whatever their filters say. Holds until either is removed. Joints that keep
+  /// Sets if two bodies may touch at all, regardless of their filters. Holds until either is removed. Joints that keep
   /// them apart do so either way.
   void set_collision_enabled(BodyId a, BodyId b, bool enabled);
 
@@ -283,7 +283,7 @@ class World {
   std::size_t joint_count() const;
   /// All joints, in order of their indices.
   std::vector<JointId> joints() const;
-  /// As find_body().
+  /// Finds a joint by name, like find_body().
   std::optional<JointId> find_joint(std::string_view name) const;
   const JointDef& joint(JointId id) const;
   JointState joint_state(JointId id) const;
@@ -334,7 +334,7 @@ class World {
 
   /// After a step: one entry a manifold point that carries force, in order of body ids and features.
   std::span<const ContactForce> contact_forces() const;
-  /// Those of one body, in the same order.
+  /// The contact forces of one body, in the same order.
   std::vector<ContactForce> contact_forces(BodyId id) const;
   /// One entry for two bodies that press on each other, in order of ids, of which a's is the lower: what
   /// contact_forces() adds up to, in less time. Valid until the next call or change.
@@ -379,7 +379,7 @@ class World {
   /// Settings::target asks for nothing.
   std::span<const UnheldIsland> unheld_islands() const;
 
-  /// What of this world's memory is for what, in a fixed order. What bodies share, as hulls and meshes, is not in it.
+  /// Memory of this world by use, in a fixed order, without data that bodies share, such as hulls and meshes.
   std::vector<MemoryUse> memory() const;
   /// Asks for this world's memory, up to 128 kB of it, ahead of a step: for who steps many small worlds in turns, of
   /// the next one. Changes nothing but time. A Batch does it by itself.
@@ -424,9 +424,9 @@ class World {
   /// comes to, as hashes, so that replay() can do it all again and tell where it comes to something else. Begins with
   /// the world's state and all geometry, each once. No bit of what the world does depends on it.
   ///
-  /// What there is of it is in a file with ".partial" after the name until stop_recording(), the world's end at the
-  /// latest; it can be replayed even if the program ends otherwise. Throws Error if the file can't be written, an
-  /// option is out of range or a recording is under way.
+  /// Until stop_recording(), or the world's end at the latest, the recording is in a file with ".partial" after the
+  /// name; it can be replayed even if the program ends otherwise. Throws Error if the file can't be written, an option
+  /// is out of range or a recording is under way.
   void record(const std::string& path, const RecordingOptions& options = {});
   bool is_recording() const;
   /// Ends the recording, and gives its file its name. Throws Error if there is none; or if something of it could not be
@@ -440,7 +440,7 @@ class World {
   /// with other hashes here have other state hashes; those whose bodies all have the same may still differ in settings,
   /// gravity or which ids come next.
   std::vector<BodyHash> body_hashes() const;
-  /// That of one body, at the cost of looking at its own contacts and joints.
+  /// The hash of one body, at the cost of looking at its own contacts and joints.
   BodyHash body_hash(BodyId id) const;
 
  private:

@@ -25,7 +25,7 @@ using Ids = std::optional<std::vector<BodyId>>;
 
 constexpr auto without_gil = nb::call_guard<nb::gil_scoped_release>();
 
-// Those that are meant where none are named.
+// The named bodies; all bodies if none are named.
 std::vector<BodyId> those(const World& world, const Ids& ids) { return ids ? *ids : world.bodies(); }
 
 template <int columns>
@@ -300,7 +300,7 @@ void bind_results(Class& world) {
           "bytes, by what they are for", nb::sig("def memory(self) -> dict[str, int]"));
 }
 
-// Of the same state, settings and threads, but without functions, and not recorded.
+// A copy with the same state, settings and threads, but without functions, and not recorded.
 World copy_of(const World& world) {
   World copy({.threads = world.threads(), .settings = world.settings()});
   Snapshot now;

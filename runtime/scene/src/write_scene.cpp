@@ -160,7 +160,7 @@ Json json(const MotionLocks& locks) {
   return {{"linear", std::move(linear)}, {"angular", std::move(angular)}};
 }
 
-// What only dynamic bodies may have.
+// Writes the properties that only dynamic bodies may have.
 void put_dynamics(Json& out, const SceneBody& body) {
   const BodyDef& def = body.def;
   if (def.mass) {
@@ -311,7 +311,7 @@ Json parts(const std::vector<Part>& all) {
   return out;
 }
 
-// Where the first number of it is that JSON has no words for: its pointer, and what it is.
+// Finds the first number that JSON can't express: its pointer, and its value.
 std::optional<std::pair<std::string, double>> find_non_finite(const Json& value) {
   if (value.is_number_float() && !std::isfinite(value.get<double>())) return std::pair("", value.get<double>());
   if (!value.is_structured()) return std::nullopt;
