@@ -13,7 +13,7 @@ class Option;
 
 namespace atl::command {
 
-/// What to simulate, and with which settings. An empty optional leaves the choice to the scene.
+/// The scene to simulate, and its settings. An empty optional leaves the choice to the scene.
 struct SceneOptions {
   std::string text;  ///< see load_scene()
   std::uint64_t seed = 1;

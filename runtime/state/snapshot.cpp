@@ -39,7 +39,7 @@ struct Header {
 };
 static_assert(sizeof(Header) == 32);
 
-// Where bytes are from, for messages: "Snapshot::read: a/b.snapshot".
+// `place` names the source of the bytes: "Snapshot::read: a/b.snapshot".
 [[noreturn]] void fail(const std::string& place, const std::string& why) { throw Error(place + ": " + why); }
 
 std::string place_of(const char* call, const fs::path& path) {
@@ -59,7 +59,7 @@ std::vector<char> read_all(const fs::path& path) {
   return bytes;
 }
 
-// What follows the header, if all of it is there.
+// The bytes after the header, once they are known to be complete.
 std::span<const std::byte> checked_content(const std::string& place, std::span<const std::byte> bytes) {
   const Header expected;
   Header header;
@@ -134,7 +134,7 @@ Snapshot Snapshot::from_bytes(std::span<const std::byte> bytes, const std::strin
     StateReader reader(content, {.from_file = true});
     std::shared_ptr<const WorldDefinition> world_definition = read_definition_of_world(reader);
     const std::span<const std::byte> state = content.last(reader.left());
-    // What is found wrong in a world of its own can't harm another.
+    // Restores the state into a world of its own first: a fault found there can't harm another world.
     World::Impl::try_out(world_definition, state);
     snapshot.bytes_ = std::make_shared<std::vector<std::byte>>(state.begin(), state.end());
     snapshot.size_ = state.size();

@@ -20,7 +20,7 @@ class Packer {
     static_assert(std::is_arithmetic_v<Number>);
     add(&value, sizeof value);
   }
-  /// Of numbers as they are in memory.
+  /// Adds numbers as they are in memory.
   void add(const void* data, std::size_t size) {
     const auto* bytes = static_cast<const std::uint8_t*>(data);
     bytes_.insert(bytes_.end(), bytes, bytes + size);

@@ -1,4 +1,4 @@
-// What a sweep measures, writes and refuses.
+// Measurements and files of a sweep, and the options that it refuses.
 
 #include <gtest/gtest.h>
 
@@ -206,7 +206,7 @@ TEST(CommandSweep, TargetsAreALineOfTheirOwn) {
   expect_refused(refused, 2, {"--target", "found \"fine\"", "a length above 0, as 1mm or 0.001, or off"});
 }
 
-// Where a scene says itself how far contacts give, there is nothing for a target to decide.
+// A target has nothing to decide in a scene that sets the stiffness of its contacts itself.
 TEST(CommandSweep, TargetsAreLeftOutWhereAScenesSettingsContradict) {
   const ScratchDirectory scratch;
   const std::string scene = scratch.write("stiff.json", R"({"format": "atoll-scene", "version": 1,
@@ -234,7 +234,7 @@ TEST(CommandSweep, JointsThatOpenByMoreThanAMetreBreakARun) {
   EXPECT_EQ(apart["why"], "came apart: a joint opened by 2.0 m");
   EXPECT_FALSE(apart["cpu_s_per_simulated_s"].is_null());
   EXPECT_EQ(run_named(scene, "Mock", "better")["outcome"], "done");
-  // What came apart is on no front.
+  // Runs that came apart are on no front.
   const Json& front = comparison_by(scene, "joint_gap_run_max")["peer_front"];
   ASSERT_EQ(front.size(), 1u);
   EXPECT_EQ(scene["runs"][front[0].get<std::size_t>()]["label"], "better");
@@ -394,7 +394,7 @@ TEST(CommandSweep, FrontsAndVerdictsFollowFromTheFigures) {
   const auto place = [&](const std::string& engine, const std::string& label) {
     return static_cast<std::size_t>(&run_named(scene, engine, label) - &runs[0]);
   };
-  // What fell, broke or was too slow is on no front.
+  // Runs that fell, broke or were too slow are on no front.
   EXPECT_EQ(comparison["peer_front"], (Json{place("Mock", "default"), place("Mock", "better")}));
   double time = 0, error = INFINITY;
   for (const Json& index : comparison["atoll_front"]) {

@@ -17,7 +17,7 @@
 namespace atl::test {
 namespace {
 
-// What a script found out, that was put at the end of a page and ran once it was ready. `expression` may await.
+// Result of a script that was put at the end of a page and ran once the page was ready. `expression` may await.
 std::string asked(const std::string& document) {
   std::smatch found;
   return std::regex_search(document, found, std::regex("data-asked=\"([^\"]*)\"")) ? found[1].str() : "";
@@ -69,7 +69,7 @@ class ViewPage : public testing::TestWithParam<const char*> {
   std::optional<std::string> browser_;
 };
 
-// Of every body in some steps, in no order, with frames that stand in other chunks.
+// Compares every body in some steps, out of order, so that frames come from other chunks.
 TEST_P(ViewPage, ShowsWhereBodiesWere) {
   const std::vector<int> steps = {130, 0, 61, 59, 60, 7};
   std::string list;
@@ -112,7 +112,7 @@ TEST_P(ViewPage, ShowsWhereBodiesWere) {
   EXPECT_EQ(at, seen.size());
 }
 
-// As it is, and with a script that isn't its own.
+// Loads the page as it is, and then with a foreign script, which must not run.
 TEST_P(ViewPage, RunsItsOwnScriptAlone) {
   const LoadedPage whole = load_page(*browser_, page(), 1100, "", 30);
   EXPECT_EQ(whole.console, "");
@@ -248,7 +248,7 @@ TEST(View, AStepOfARecordingBecomesAScene) {
   }
 }
 
-// Of the state after a step, the same of a scene and of its recording, on any machine.
+// The picture after a step is the same for a scene and for its recording, on any machine.
 TEST(Still, IsOfTheStepThatIsAskedFor) {
   const ScratchDirectory scratch;
   const std::string recording = scratch.path("run.rec");
@@ -272,7 +272,7 @@ TEST(Still, IsOfTheStepThatIsAskedFor) {
   EXPECT_EQ(svg.substr(0, 4), "<svg");
   std::size_t faces = 0;
   for (std::size_t at = svg.find("<path"); at != std::string::npos; at = svg.find("<path", at + 1)) ++faces;
-  // Of 40 boxes and the container's front sides; at most three sides of a box show, of two triangles each.
+  // Faces of 40 boxes and the container's front sides; at most three sides of a box show, of two triangles each.
   EXPECT_GT(faces, 40u);
   EXPECT_LE(faces, 40u * 6 + 10);
 

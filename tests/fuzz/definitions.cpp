@@ -166,7 +166,7 @@ CollisionFilter Definitions::filter() {
 
 namespace {
 
-// What a target may not be set with.
+// Resets the settings that contradict a target.
 void give_way_to_target(Settings& settings) {
   if (!settings.target.is_set()) return;
   settings.stabilisation = Stabilisation::Soft;
@@ -309,7 +309,7 @@ JointDef Definitions::joint(const World& world, BodyId first, BodyId second) {
     def.frame_first = {vector(0.5), orientation()};
     def.frame_second = {vector(0.5), orientation()};
   } else {
-    // Where the two are, so that nothing has to be pulled together.
+    // The frames fit the current poses, so that nothing has to be pulled together.
     const Vector3 middle = 0.5 * (world.pose(first).position + world.pose(second).position);
     const Vector3 axis = std::array<Vector3, 3>{Vector3::UnitX(), Vector3::UnitY(), Vector3(1, 2, 3)}[bytes_.below(3)];
     def = joint_at(world, kind, first, second, middle, axis);

@@ -1,4 +1,5 @@
-// What a definition said of a body, changed later: as if it had been made like that, in all modes, and back again.
+// Changes of a body's definition after it was made: the body is as if it had been made like that, in all modes, and
+// back.
 
 #include <atoll/atoll.h>
 #include <gtest/gtest.h>
@@ -220,7 +221,7 @@ TEST(BodyChanges, RemovingABodyLeavesTheForcesOfOthers) {
   world.save(snapshot);
   world.remove_body(other);
   EXPECT_TRUE(world.contact_forces(crate).size() == 4 && world.contact_forces().size() == 4);
-  // What a step tells is empty until the next one, whoever comes and goes.
+  // Reports of a step are empty until the next one, even after bodies come and go.
   world.restore(snapshot);
   world.remove_body(other);
   EXPECT_TRUE(world.contact_forces().empty());

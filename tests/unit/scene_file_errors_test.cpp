@@ -170,7 +170,7 @@ TEST(SceneFileErrors, Targets) {
        "one of them"},
   };
   for (const Refused& refused : cases) expect_refused(refused);
-  // What nothing is asked of is refused nowhere.
+  // Without a target, no setting contradicts it.
   const std::string unset = target(R"("least_substeps": 4)", R"(, "stabilisation": "baumgarte")");
   EXPECT_NE(message_for(unset).find("/bodies"), std::string::npos) << message_for(unset);
 }

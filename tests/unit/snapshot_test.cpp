@@ -324,7 +324,7 @@ TEST(Snapshot, HoldsSleepersAndWhatTheyStandOn) {
   EXPECT_EQ(hit(fresh), expected);
 }
 
-// Where they touch isn't saved, but follows from where they are.
+// Contact points of sleepers aren't saved: they follow from the poses.
 TEST(Snapshot, SleepersTouchWhereTheyDid) {
   const auto make = [] {
     World world({.settings = {.sleeping = true, .sleep_speed = 1, .time_to_sleep = 0.1}});
@@ -481,8 +481,8 @@ TEST(SnapshotFile, RefusesEveryCutAndEveryFlippedByte) {
   EXPECT_THROW(Snapshot::read(file.path()), Error);
 }
 
-// As of a program that writes nonsense: it may be taken where it fits together, and must not be followed where it
-// leads out of the world.
+// Tests content that a faulty program could write with a valid checksum: a restore may take it if it fits together, and
+// must never follow it out of the world.
 TEST(SnapshotFile, IsCheckedBeyondItsChecksum) {
   const TemporaryFile file(".snapshot");
   Yard yard({.settings = {.sleeping = true, .sleep_speed = 1, .time_to_sleep = 0.1, .contact_events = true}});

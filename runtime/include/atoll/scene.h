@@ -110,7 +110,7 @@ Scene scene_of(const World& world);
 std::string scene_text(const Scene& scene);
 /// The same as a file, which is whole or not there. Throws SceneError if it can't be written.
 void write_scene(const Scene& scene, const std::string& path);
-/// What a scene file has as its "settings".
+/// The text of "settings" in a scene file.
 std::string settings_text(const Settings& settings);
 
 /// Adds all bodies and then all joints in order; returns the ids of the bodies. Throws SceneError naming the body or
@@ -122,7 +122,7 @@ std::vector<BodyId> build_scene(const Scene& scene, World& world, std::vector<Jo
 /// Gives the scene's constant forces to the world's next step.
 void apply_forces(const Scene& scene, World& world, const std::vector<BodyId>& ids);
 
-/// What the world makes of the scene's bodies, in the scene's order.
+/// States of the scene's bodies in the world, in the scene's order.
 std::vector<BodyState> body_states(const World& world, const std::vector<BodyId>& ids);
 /// Forces between them as of the end of the last step, in order of pairs of body ids.
 std::vector<ContactLoad> contact_loads(const World& world, const std::vector<BodyId>& ids);

@@ -235,8 +235,8 @@ class World {
   /// it. Steps ask it, once, as the bounds of two shapes, with the margins that they have in the broadphase, come to
   /// overlap: pairs with a dynamic body that filters, disabled pairs and joints let touch. What it says holds until
   /// these bounds come apart, or one of the bodies is removed or gets another shape, and in continuous collision too.
-  /// What it said before, and those that were near before it was set, are left as they are: to have them asked again
-  /// there is refilter(). Sensors go by filters alone, and queries by theirs: see QueryFilter::as.
+  /// Earlier answers, and pairs that were near before it was set, are left as they are: refilter() has them asked
+  /// again. Sensors go by filters alone, and queries by theirs: see QueryFilter::as.
   ///
   /// This function and the modifier are called on the thread that steps, one call after another: in each step, or each
   /// substep under a force law, first the filter of new pairs, in order of the lower body index, the higher one and the

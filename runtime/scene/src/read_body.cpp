@@ -23,7 +23,7 @@ Part named_or_inline(const Reader& in, const std::map<std::string, Part, std::le
               (names.empty() ? "which has none" : "which has " + listed(names)) + suggestion(name, names));
 }
 
-// What only bodies that don't move under forces may be; null for a solid.
+// The name of a shape that only static and kinematic bodies may have; null for a solid.
 const char* name_of_unbounded(const Shape& shape) {
   if (std::holds_alternative<HalfSpace>(shape)) return "a half-space";
   if (std::holds_alternative<TriangleMesh>(shape)) return "a mesh";
@@ -50,7 +50,7 @@ Matrix3 read_inertia(const Reader& in) {
   const Vector3 moments = Eigen::SelfAdjointEigenSolver<Matrix3>(inertia, Eigen::EigenvaluesOnly).eigenvalues();
   const std::string found =
       "principal moments " + number_text(moments[0]) + ", " + number_text(moments[1]) + ", " + number_text(moments[2]);
-  // Of a needle the least moment is lost in the rounding of the largest, if not in a factor, as World asks for it.
+  // World tests a factor too: it keeps a needle's least moment, which eigenvalues lose in the rounding of the largest.
   const double scale = inertia.cwiseAbs().maxCoeff();
   if (Eigen::LLT<Matrix3>(inertia / scale).info() != Eigen::Success) in.fail(found, "all of them > 0");
   // A flat plate meets the bound exactly, so rounding must not refuse it.

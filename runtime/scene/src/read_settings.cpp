@@ -40,7 +40,7 @@ ErrorTarget read_target(const Reader& in) {
   return target;
 }
 
-// As a world would, but with the place in the file.
+// Refuses what a world would refuse, but names the place in the file.
 void check_target(const Reader& in, const Settings& settings) {
   const ErrorTarget& target = settings.target;
   if (!target.is_set()) return;

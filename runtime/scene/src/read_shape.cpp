@@ -44,7 +44,7 @@ void only_keys_of_a_shape(const Reader& in) {
                 "offset"});
 }
 
-// What the library finds wrong with a geometry is the fault of the values it is made of.
+// Makes a geometry, and reports an Error about it at its place in the file, whose values caused it.
 template <typename Make>
 auto made(const Reader& in, const Make& make) {
   try {

@@ -41,7 +41,7 @@ Library read_library(const Reader& in) {
 void check_memory(const JsonDocument& document) {
   const SceneSize size = size_of_file(document.root);
   const std::string words = memory_words(size);
-  // Of more bodies than a scene may have, what reads them tells where they are.
+  // A scene with more bodies than allowed is refused later, by the reader, which knows the place in the file.
   if (words.empty() || size.bodies > static_cast<double>(most_bodies)) return;
   throw SceneError(document.origin + ": its " + number_text(size.bodies) + " bodies need " + words);
 }

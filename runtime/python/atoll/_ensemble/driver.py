@@ -207,7 +207,7 @@ class Driver:
         if not isinstance(error, (_core.Error, FunctionError)):
             what = error if isinstance(error, OSError) else f"{type(error).__name__}: {error}"
             raise DriverError(f"{attempt.key} on {answer.worker}: {what}")
-        # What comes of the job's inputs: it would be the same again.
+        # The job's inputs caused this error: another attempt would end in the same way.
         if not attempt.verifies:
             self._finish(attempt, (answer.worker,), row_of(attempt.job, "failed", str(error), {}))
 
