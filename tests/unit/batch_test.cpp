@@ -249,7 +249,7 @@ TEST(Batch, TellsWhatItCannotDo) {
 }
 
 TEST(Batch, KeepsItsWorlds) {
-  const Scene scene = builtin_scene("stack:height=2");
+  const Scene scene = load_scene("stack:height=2");
   Batch batch(scene, 3);
   expect_error([&] { World taken = std::move(batch.world(2)); }, {"World: a move of a world of a Batch"});
   World other({.gravity = scene.gravity});
@@ -266,7 +266,7 @@ TEST(Batch, KeepsItsWorlds) {
 }
 
 TEST(Batch, RefusesMoreWorldsThanThereIsMemoryFor) {
-  expect_error([] { Batch(builtin_scene("stack:height=2"), 1'000'000'000'000'000'000); },
+  expect_error([] { Batch(load_scene("stack:height=2"), 1'000'000'000'000'000'000); },
                {"Batch: 1000000000000000000 worlds need about", "of memory, of which", "are free"});
 }
 
