@@ -194,6 +194,13 @@ struct Refilter {
   void make(World& world) const { world.refilter(body); }
 };
 
+struct SetEnabled {
+  BodyId body;
+  bool enabled;
+  static auto fields(auto& self) { return std::tie(self.body, self.enabled); }
+  void make(World& world) const { world.set_enabled(body, enabled); }
+};
+
 }  // namespace atl::calls
 
 namespace atl {
@@ -203,7 +210,7 @@ using RecordedCall =
                  calls::ApplyImpulse, calls::Wake, calls::SetFilter, calls::SetCollisionEnabled, calls::Release,
                  calls::AddJoint, calls::RemoveJoint, calls::SetJoint, calls::SetJointEnabled, calls::SetGravity,
                  calls::SetSettings, calls::SetMaterial, calls::SetMass, calls::SetGravityScale, calls::SetDamping,
-                 calls::SetUserData, calls::SetName, calls::Refilter, calls::CountTurnsFrom>;
+                 calls::SetUserData, calls::SetName, calls::Refilter, calls::CountTurnsFrom, calls::SetEnabled>;
 
 template <typename Archive, typename Field>
 void visit_field(Archive& archive, Field& field) {

@@ -218,7 +218,7 @@ void Replay::add_body(StateReader& record) {
 void Replay::set_shape(StateReader& record) {
   BodyId id;
   visit_field(record, id);
-  world_.impl_->set_shape(index_of(world_.impl_->stores, id, "set_shape"), kind_in(record));
+  world_.impl_->redefine(index_of(world_.impl_->stores, id, "set_shape"), kind_in(record));
 }
 
 void Replay::take_state(StateReader& record) {

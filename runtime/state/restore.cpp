@@ -32,11 +32,24 @@ void restore_materials(Stores& world) {
   }
 }
 
-void restore_quarantined(Stores& world, std::uint32_t body, Quarantine reason, std::int64_t step) {
-  world.quarantine.add({{body, world.records.generation[body]}, reason, quarantine_reason(reason), step});
+namespace {
+
+void leave_broadphase(Stores& world, std::uint32_t body) {
   world.colliders.for_each_of(body, [&](std::uint32_t collider) {
     if (world.broadphase.proxies().contains(collider)) world.broadphase.remove(collider);
   });
+}
+
+}  // namespace
+
+void restore_quarantined(Stores& world, std::uint32_t body, Quarantine reason, std::int64_t step) {
+  world.quarantine.add({{body, world.records.generation[body]}, reason, quarantine_reason(reason), step});
+  leave_broadphase(world, body);
+}
+
+void restore_disabled(Stores& world, std::uint32_t body) {
+  world.quarantine.disable(body);
+  leave_broadphase(world, body);
 }
 
 void note_restored_bodies(Stores& world) {

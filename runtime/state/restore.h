@@ -15,6 +15,7 @@ namespace atl {
 /// Surfaces as the materials have them.
 void restore_materials(Stores& world);
 void restore_quarantined(Stores& world, std::uint32_t body, Quarantine reason, std::int64_t step);
+void restore_disabled(Stores& world, std::uint32_t body);
 /// Poses, velocities, and who sleeps or is in quarantine are known: who may move, and all that goes by body.
 void note_restored_bodies(Stores& world);
 

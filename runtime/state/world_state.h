@@ -397,7 +397,7 @@ class WorldState {
   void visit_quarantine() {
     auto& list = world_.quarantine;
     if constexpr (reads) list.clear();
-    const auto is_out = [&list](std::uint32_t body) { return list.contains(body); };
+    const auto is_out = [&list](std::uint32_t body) { return list.is_quarantined(body); };
     visit_some(archive_, list.bodies().empty() && !reads ? 0 : body_count(), is_out, [&](std::uint32_t body) {
       check_body(body);
       archive_.check(world_.sleeping.ring[body] == Sleeping::none, "a body in quarantine that sleeps");
@@ -412,6 +412,13 @@ class WorldState {
                      "no reason for quarantine");
       archive_.value(step);
       if constexpr (reads) restore_quarantined(world_, body, reason, step);
+    });
+    const auto is_disabled = [&list](std::uint32_t body) { return list.is_disabled(body); };
+    visit_some(archive_, list.disabled().empty() && !reads ? 0 : body_count(), is_disabled, [&](std::uint32_t body) {
+      check_body(body);
+      archive_.check(world_.sleeping.ring[body] == Sleeping::none && !list.contains(body),
+                     "a disabled body that sleeps or is in quarantine");
+      if constexpr (reads) restore_disabled(world_, body);
     });
     const auto is_suspect = [&list](std::uint32_t body) { return list.is_suspect(body); };
     visit_some(archive_, body_count(), is_suspect, [&](std::uint32_t body) {

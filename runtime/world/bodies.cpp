@@ -43,6 +43,12 @@ void forget_choices(Stores& world, std::uint32_t body) {
 
 }  // namespace
 
+void forget_contacts(Stores& world, std::uint32_t body) {
+  world.cache.remove_contacts_of(body);
+  forget_choices(world, body);
+  forget_contact_forces(world, body);
+}
+
 void resize_bodies(Stores& world, std::size_t count) {
   world.bodies.resize(count);
   world.records.resize(count);
@@ -152,8 +158,7 @@ void take_out(Stores& world, std::uint32_t body) {
   BodyRecords& records = world.records;
   wake_touching(world, body);
   world.sleeping.wake(body);
-  world.cache.remove_contacts_of(body);
-  forget_choices(world, body);
+  forget_contacts(world, body);
   world.aabbs.remove(body, world.colliders, world.broadphase);
   world.contents.count(bodies, records, body, -1);
   world.sleeping.awake[body] = 0;
@@ -165,7 +170,6 @@ void take_out(Stores& world, std::uint32_t body) {
   bodies.gyroscopic[body] = 0;
   bodies.velocity(body).setZero();
   bodies.angular_velocity(body).setZero();
-  forget_contact_forces(world, body);
 }
 
 bool contains(const Stores& world, BodyId id) {
@@ -315,34 +319,6 @@ void change_constants(Stores& world, std::uint32_t body, const BodyConstants& co
   world.sleeping.wake(body);
   world.changes.islands = true;
   if (with_joints && world.joints.size() > 0) world.changes.joints = true;
-}
-
-void set_shape(Stores& world, std::uint32_t body, const BodyConstants& constants) {
-  BodyRecords& records = world.records;
-  solver::BodyTable& bodies = world.bodies;
-  const bool takes_part = !world.quarantine.contains(body);
-  wake_touching(world, body);
-  if constexpr (with_joints) wake_joined(world, body);
-  world.sleeping.wake(body);
-  if (takes_part) {
-    world.cache.remove_contacts_of(body);
-    forget_choices(world, body);
-    world.aabbs.remove(body, world.colliders, world.broadphase);
-  }
-  clear_colliders(world, body);
-  const Vector3 shift = bodies.orientation(body) * (constants.centre - records.centre[body]);
-  change_constants(world, body, constants);
-  bodies.position(body) += shift;
-  bodies.velocity(body) +=
-      solver::without(solver::linear_locks(bodies.locks[body]), bodies.angular_velocity(body).cross(shift));
-  add_colliders(world, body);
-  note_size(world, body);
-  if (takes_part) add_proxies(world, body);
-  if constexpr (with_joints) move_anchors(world, body);
-  world.quarantine.suspect(body);
-  note_arrival_or_departure(world, body);
-  forget_contact_forces(world, body);
-  world.results.captured = false;
 }
 
 void give_name(Stores& world, std::uint32_t body, std::string_view name) {

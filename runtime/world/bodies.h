@@ -17,6 +17,8 @@ void resize_bodies(Stores& world, std::size_t count);
 void give_constants(Stores& world, std::uint32_t body, const std::shared_ptr<const BodyConstants>& constants);
 /// Takes a body out of all that a step goes through, but for its joints, which go before. What touched it wakes.
 void take_out(Stores& world, std::uint32_t body);
+/// The contacts of a body, what they carried, and what a contact filter said of them.
+void forget_contacts(Stores& world, std::uint32_t body);
 
 inline BodyId id_of(const Stores& world, std::uint32_t body) { return {body, world.records.generation[body]}; }
 bool contains(const Stores& world, BodyId id);
@@ -43,8 +45,6 @@ void run_surface(Stores& world, std::uint32_t body, const Vector3& velocity);
 void set_surface_velocity(Stores& world, std::uint32_t body, const Vector3& velocity);
 /// Gives a body other constants, with the same shapes and centre of mass. What is joined to it is solved anew.
 void change_constants(Stores& world, std::uint32_t body, const BodyConstants& constants);
-/// The same with other shapes, and what follows from these: see give_shape() in body_definition.h.
-void set_shape(Stores& world, std::uint32_t body, const BodyConstants& constants);
 void give_name(Stores& world, std::uint32_t body, std::string_view name);
 void set_filter(Stores& world, std::uint32_t body, const CollisionFilter& filter);
 /// Has the next step ask a contact filter again of what is near a body.

@@ -112,7 +112,10 @@ void restrain_broken(Stores& world, solver::FastBodies& moved, std::vector<Quara
   std::sort(broken.begin(), broken.end());
 }
 
-void put_in_quarantine(Stores& world, std::uint32_t body, Quarantine reason) {
+namespace {
+
+// What a step goes through has nothing of the body any more; it can come back.
+void leave(Stores& world, std::uint32_t body) {
   if constexpr (with_joints) suspend_joints_of(world, body);
   take_out(world, body);
   // How far it got before it broke depends on what else was done in the step.
@@ -121,6 +124,28 @@ void put_in_quarantine(Stores& world, std::uint32_t body, Quarantine reason) {
   world.bodies.clear_push(body);
   world.sleeping.rest_time[body] = 0;
   world.aabbs.swept_margins()[body] = 0;
+}
+
+// As it is now: it may have been given another mass or shape while it was out.
+void come_back(Stores& world, std::uint32_t body) {
+  const BodyConstants& constants = *world.records.constants[body];
+  world.quarantine.remove(body);
+  world.bodies.mobility[body] = mobility_of(constants.type);
+  world.bodies.gyroscopic[body] = constants.gyroscopic;
+  world.records.dynamic[body] = constants.type == BodyType::Dynamic;
+  world.sleeping.awake[body] = world.records.dynamic[body];
+  world.sleeping.rest_time[body] = 0;
+  world.contents.count(world.bodies, world.records, body, +1);
+  note_arrival_or_departure(world, body);
+  add_proxies(world, body);
+  if constexpr (with_joints) resume_joints_of(world, body);
+  world.quarantine.suspect(body);
+}
+
+}  // namespace
+
+void put_in_quarantine(Stores& world, std::uint32_t body, Quarantine reason) {
+  leave(world, body);
   world.quarantine.add({{body, world.records.generation[body]}, reason, quarantine_reason(reason), world.clock.steps});
 }
 
@@ -128,7 +153,7 @@ void release_body(Stores& world, std::uint32_t body) {
   const BodyId id = id_of(world, body);
   std::ostringstream message;
   message << "World::release: the body (index " << id.index << ", generation " << id.generation << ") ";
-  if (!world.quarantine.contains(body)) {
+  if (!world.quarantine.is_quarantined(body)) {
     message << "is not in quarantine; expected one that World::quarantined() lists";
     throw Error(message.str());
   }
@@ -142,19 +167,24 @@ void release_body(Stores& world, std::uint32_t body) {
             << "and set_velocity";
     throw Error(message.str());
   }
-  // What it is now: it may have been given another mass or shape while it was out.
-  const BodyConstants& constants = *world.records.constants[body];
-  world.quarantine.remove(body);
-  world.bodies.mobility[body] = mobility_of(constants.type);
-  world.bodies.gyroscopic[body] = constants.gyroscopic;
-  world.records.dynamic[body] = constants.type == BodyType::Dynamic;
-  world.sleeping.awake[body] = world.records.dynamic[body];
-  world.sleeping.rest_time[body] = 0;
-  world.contents.count(world.bodies, world.records, body, +1);
-  note_arrival_or_departure(world, body);
-  add_proxies(world, body);
-  if constexpr (with_joints) resume_joints_of(world, body);
-  world.quarantine.suspect(body);
+  come_back(world, body);
+}
+
+void set_enabled(Stores& world, std::uint32_t body, bool enabled) {
+  if (world.quarantine.is_quarantined(body)) {
+    throw Error("World::set_enabled: the body is in quarantine; expected one that is not, see World::release");
+  }
+  if (enabled != world.quarantine.is_disabled(body)) return;
+  if (enabled) {
+    come_back(world, body);
+    return;
+  }
+  const Vector3 velocity = world.bodies.velocity(body);
+  const Vector3 angular_velocity = world.bodies.angular_velocity(body);
+  leave(world, body);
+  world.quarantine.disable(body);
+  world.bodies.velocity(body) = velocity;
+  world.bodies.angular_velocity(body) = angular_velocity;
 }
 
 }  // namespace atl

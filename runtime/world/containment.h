@@ -27,5 +27,7 @@ void restrain_broken(Stores& world, solver::FastBodies& moved, std::vector<Quara
 void put_in_quarantine(Stores& world, std::uint32_t body, Quarantine reason);
 /// Throws Error if the body isn't in quarantine, or has to stay there.
 void release_body(Stores& world, std::uint32_t body);
+/// See World::set_enabled().
+void set_enabled(Stores& world, std::uint32_t body, bool enabled);
 
 }  // namespace atl

@@ -37,13 +37,22 @@ void QuarantineList::add(const Quarantined& body) {
   bodies_.insert(place, body);
 }
 
+void QuarantineList::disable(std::uint32_t body) {
+  disabled_.insert(std::lower_bound(disabled_.begin(), disabled_.end(), body), body);
+}
+
 void QuarantineList::remove(std::uint32_t body) {
+  if (is_disabled(body)) {
+    disabled_.erase(std::lower_bound(disabled_.begin(), disabled_.end(), body));
+    return;
+  }
   const auto place = static_cast<std::ptrdiff_t>(find(body));
   bodies_.erase(bodies_.begin() + place);
 }
 
 void QuarantineList::clear() {
   bodies_.clear();
+  disabled_.clear();
   clear_suspects();
 }
 

@@ -6,6 +6,7 @@
 #include <solver/integrate/body_table.h>
 #include <solver/integrate/motion.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -14,16 +15,23 @@
 
 namespace atl {
 
-/// The bodies that are in quarantine, and those that callers touched since the last step, which may have to go there.
+/// The bodies that are out of the world: in quarantine, or disabled. And those that callers touched since the last
+/// step, which may have to go to quarantine.
 class QuarantineList {
  public:
   /// For a world of so many bodies.
   void resize(std::size_t count) { jobs::append(suspected_, count, std::uint8_t{0}); }
 
-  bool contains(std::uint32_t body) const { return !bodies_.empty() && find(body) < bodies_.size(); }
-  std::span<const Quarantined> bodies() const { return bodies_; }  ///< in order of id
+  /// Whether the body is out of the world, for either reason.
+  bool contains(std::uint32_t body) const { return is_quarantined(body) || is_disabled(body); }
+  bool is_quarantined(std::uint32_t body) const { return !bodies_.empty() && find(body) < bodies_.size(); }
+  bool is_disabled(std::uint32_t body) const { return std::binary_search(disabled_.begin(), disabled_.end(), body); }
+  std::span<const std::uint32_t> disabled() const { return disabled_; }  ///< in order
+  std::span<const Quarantined> bodies() const { return bodies_; }        ///< in order of id
   const Quarantined& entry(std::uint32_t body) const { return bodies_[find(body)]; }
   void add(const Quarantined& body);
+  void disable(std::uint32_t body);
+  /// Of either list.
   void remove(std::uint32_t body);
   void clear();  ///< suspects too
 
@@ -49,11 +57,12 @@ class QuarantineList {
 
   // See WorldState::check_members().
   static void check_members(QuarantineList& list) {
-    auto& [bodies, suspected, poses_before, /**/ suspects, any_checked] = list;
+    auto& [bodies, disabled, suspected, poses_before, /**/ suspects, any_checked] = list;
     static_cast<void>(bodies);
   }
 
   jobs::CompactArray<Quarantined> bodies_;      // in order of id
+  jobs::CompactArray<std::uint32_t> disabled_;  // in order
   jobs::CompactArray<std::uint8_t> suspected_;  // by body: 0 or one of these two
   jobs::CompactArray<std::uint32_t> suspects_;  // to check
   bool any_checked_ = false;

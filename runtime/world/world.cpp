@@ -31,6 +31,7 @@
 #include "world/joints.h"
 #include "world/left_out.h"
 #include "world/make_joint.h"
+#include "world/redefine.h"
 #include "world/refuse.h"
 #include "world/settings_check.h"
 #include "world/world_impl.h"
@@ -148,8 +149,8 @@ BodyId World::Impl::add_body(const CheckedBody& start) {
   return id;
 }
 
-void World::Impl::set_shape(std::uint32_t body, const BodyConstants& constants) {
-  atl::set_shape(stores, body, constants);
+void World::Impl::redefine(std::uint32_t body, const BodyConstants& constants) {
+  atl::redefine(stores, body, constants);
   query_gate.note(stores.broadphase);
   if constexpr (with_recording) {
     if (recorder) recorder->note_shape(id_of(stores, body), constants, fingerprint(constants));
@@ -358,7 +359,7 @@ void World::wake(BodyId id) {
 std::span<const Quarantined> World::quarantined() const { return impl_->stores.quarantine.bodies(); }
 
 bool World::is_quarantined(BodyId id) const {
-  return impl_->stores.quarantine.contains(index_of(impl_->stores, id, "is_quarantined"));
+  return impl_->stores.quarantine.is_quarantined(index_of(impl_->stores, id, "is_quarantined"));
 }
 
 void World::release(BodyId id) {
@@ -443,7 +444,35 @@ void World::set_shape(BodyId id, const Shape& shape) {
   BodyConstants constants = *impl_->stores.records.constants[body];
   give_shape("World::set_shape: shape", shape, constants);
   check_built_for(constants);
-  impl_->set_shape(body, constants);
+  impl_->redefine(body, constants);
+}
+
+void World::set_definition(BodyId id, const BodyDef& def) {
+  const std::uint32_t body = impl_->index_to_change(id, "set_definition");
+  BodyDef asked = def;
+  const BodyDef before = definition(id);
+  const bool keeps_motion = def.velocity == before.velocity && def.angular_velocity == before.angular_velocity;
+  if (keeps_motion && asked.type == BodyType::Static) asked.velocity = asked.angular_velocity = Vector3::Zero();
+  const BodyConstants constants = redefined(impl_->stores, body, asked);
+  if (fingerprint(constants) != fingerprint(*impl_->stores.records.constants[body])) impl_->redefine(body, constants);
+  if (asked.position != before.position || asked.orientation.coeffs() != before.orientation.coeffs()) {
+    set_pose(id, {asked.position, asked.orientation});
+  }
+  if (!keeps_motion) set_velocity(id, asked.velocity, asked.angular_velocity);
+  if (asked.surface_velocity != before.surface_velocity) set_surface_velocity(id, asked.surface_velocity);
+  if (asked.filter != before.filter) set_filter(id, asked.filter);
+  if (asked.name != before.name) set_name(id, asked.name);
+  if (asked.user_data != before.user_data) set_user_data(id, asked.user_data);
+}
+
+void World::set_enabled(BodyId id, bool enabled) {
+  atl::set_enabled(impl_->stores, impl_->index_to_change(id, "set_enabled"), enabled);
+  impl_->query_gate.note(impl_->stores.broadphase);
+  note<calls::SetEnabled>(*impl_, id, enabled);
+}
+
+bool World::is_enabled(BodyId id) const {
+  return !impl_->stores.quarantine.is_disabled(index_of(impl_->stores, id, "is_enabled"));
 }
 
 Material World::material(BodyId id) const {

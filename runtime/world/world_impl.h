@@ -44,7 +44,7 @@ class World::Impl {
   StepReport advance(double dt, int substeps, bool ends_step);
 
   BodyId add_body(const CheckedBody& start);
-  void set_shape(std::uint32_t body, const BodyConstants& constants);
+  void redefine(std::uint32_t body, const BodyConstants& constants);
   void use_kernels(Simd simd);
 
   // restore.cpp

@@ -210,6 +210,21 @@ class World {
   /// Its frame, mass and rigid motion stay; inertia and centre of mass become those of the new shape at this mass,
   /// whatever the definition gave. What touched it is found anew, without warm start.
   void set_shape(BodyId id, const Shape& shape);
+  /// Makes of a body, under its id, what a definition says: another type, sensor or not, continuous or not, other
+  /// locks, mass, inertia, centre of mass, materials of a compound's children, or anything else that add_body() takes.
+  /// Begin with definition(): what is as there stays to the bit, rounding of a mass that goes with other changes aside.
+  /// A body that moves as it did keeps the rigid motion of its frame; one that becomes static stops. Static and
+  /// kinematic bodies have no mass, so one that becomes dynamic weighs what its definition says. What touched it is
+  /// found anew, without warm start, where its type, shapes, centre of mass, `sensor` or `continuous` change, and only
+  /// there. Throws Error as add_body() does, and if a joint would be left without a dynamic body, or be on one with
+  /// locks: nothing is changed then.
+  void set_definition(BodyId id, const BodyDef& def);
+  /// Takes a body out of the simulation, or lets it take part again. A disabled body keeps its id, pose and velocities.
+  /// It doesn't move, touches nothing, is found by no query and feels no force, also none that is applied meanwhile;
+  /// its joints are suspended. What touched it or is joined to it wakes, as the body does when it is back, where it was
+  /// or has been put since. Bodies are enabled as they are added. Throws Error on a body in quarantine.
+  void set_enabled(BodyId id, bool enabled);
+  bool is_enabled(BodyId id) const;
   Material material(BodyId id) const;
   /// BodyDef::user_data. Changing it wakes nobody.
   std::uint64_t user_data(BodyId id) const;

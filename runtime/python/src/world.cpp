@@ -98,6 +98,12 @@ void bind_bodies(Class& world) {
       .def("set_gravity_scale", &World::set_gravity_scale, nb::arg("body"), nb::arg("scale"))
       .def("set_damping", &World::set_damping, nb::arg("body"), nb::arg("linear"), nb::arg("angular"), "1/s, >= 0")
       .def("set_shape", &World::set_shape, nb::arg("body"), nb::arg("shape"), "Frame, mass and motion stay.")
+      .def("set_definition", &World::set_definition, nb::arg("body"), nb::arg("definition"),
+           "Makes of a body, under its id, what a definition says: another type, mass, sensor or not, ... Begin with "
+           "definition(body); what is as there stays.")
+      .def("set_enabled", &World::set_enabled, nb::arg("body"), nb::arg("enabled"),
+           "A disabled body keeps its id, pose and velocities, and neither moves nor touches anything.")
+      .def("is_enabled", &World::is_enabled, nb::arg("body"))
       .def("user_data", &World::user_data, nb::arg("body"))
       .def("set_user_data", &World::set_user_data, nb::arg("body"), nb::arg("data"))
       .def("name", &World::name, nb::arg("body"))

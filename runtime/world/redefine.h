@@ -1,0 +1,19 @@
+#pragma once
+/// A body that becomes another kind of body, under the same id.
+
+#include <atoll/body.h>
+
+#include <cstdint>
+
+#include "world/body_definition.h"
+#include "world/stores.h"
+
+namespace atl {
+
+/// Of a body, once it follows the definition. Throws Error if that is unusable, or if joints of the body forbid it.
+BodyConstants redefined(const Stores& world, std::uint32_t body, const BodyDef& def);
+/// Gives a body these constants, and all stores what follows from them. Its frame moves on as it did. What touches it
+/// is found anew if its type, shapes, centre of mass or what it collides with changed.
+void redefine(Stores& world, std::uint32_t body, const BodyConstants& constants);
+
+}  // namespace atl
