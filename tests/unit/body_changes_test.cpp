@@ -27,6 +27,12 @@ Compound two_halves() {
            {.shape = Sphere{0.3}, .position = {0.3, 0, 0}, .density_factor = 2}}};
 }
 
+void redefine(World& world, BodyId id, const std::function<void(BodyDef&)>& change) {
+  BodyDef def = world.definition(id);
+  change(def);
+  world.set_definition(id, def);
+}
+
 // Powers of two, so that a mass that is changed has the bits of one that was given.
 const std::vector<Change>& changes() {
   static const std::vector<Change> all = {
@@ -62,6 +68,13 @@ const std::vector<Change>& changes() {
          world.set_shape(id, two_halves());
        },
        false},
+      {"type", [](BodyDef& def) { def.type = BodyType::Kinematic; },
+       [](World& world, BodyId id) { redefine(world, id, [](BodyDef& def) { def.type = BodyType::Kinematic; }); }},
+      {"sensor", [](BodyDef& def) { def.sensor = true; },
+       [](World& world, BodyId id) { redefine(world, id, [](BodyDef& def) { def.sensor = true; }); }},
+      {"continuous", [](BodyDef& def) { def.continuous = true; },
+       [](World& world, BodyId id) { redefine(world, id, [](BodyDef& def) { def.continuous = true; }); }},
+      {"disabled", [](BodyDef&) {}, [](World& world, BodyId id) { world.set_enabled(id, false); }, false},
   };
   return all;
 }

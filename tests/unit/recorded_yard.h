@@ -139,6 +139,8 @@ inline const std::vector<Change>& changes() {
        [](Yard& yard) {
          yard.world.set_settings({.substeps = 3, .contact_hertz = 25, .sleeping = true, .simd = Simd::Portable});
        }},
+      {"a body that is disabled", kind_of<calls::SetEnabled>(),
+       [](Yard& yard) { yard.world.set_enabled(yard.ids[0], false); }},
       {"a question again", kind_of<calls::Refilter>(), [](Yard& yard) { yard.world.refilter(yard.ids[0]); }},
       {"what functions say of contacts", RecordKind::ContactAnswers,
        [](Yard& yard) {

@@ -1,0 +1,178 @@
+// A body that becomes another under its id, by a definition, and bodies that are disabled for a while.
+
+#include <atoll/atoll.h>
+#include <atoll/queries.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+
+#include "support/bodies.h"
+
+namespace atl::test {
+namespace {
+
+constexpr double dt = 1.0 / 240;
+
+void run(World& world, int steps) {
+  for (int i = 0; i < steps; ++i) world.step(dt);
+}
+
+template <typename Change>
+void redefine(World& world, BodyId id, const Change& change) {
+  BodyDef def = world.definition(id);
+  change(def);
+  world.set_definition(id, def);
+}
+
+TEST(BodyRedefinition, AStaticBodyThatBecomesDynamicFallsAndOneThatBecomesStaticStays) {
+  World world;
+  const BodyId body = world.add_body({.type = BodyType::Static, .shape = Box{}, .position = {0, 0, 10}});
+  const BodyId rider = world.add_body({.shape = Sphere{0.25}, .position = {0, 0, 10.75}});
+  run(world, 60);
+  EXPECT_NEAR(world.pose(rider).position.z(), 10.75, 2e-3);
+  redefine(world, body, [](BodyDef& def) { def.type = BodyType::Dynamic, def.density = 500; });
+  EXPECT_EQ(world.type(body), BodyType::Dynamic);
+  EXPECT_NEAR(world.mass(body), 500, 1e-9);
+  run(world, 240);
+  EXPECT_NEAR(world.pose(body).position.z(), 10 - 9.81 / 2, 9.81 * dt);
+  redefine(world, body, [](BodyDef& def) { def.type = BodyType::Static; });
+  EXPECT_EQ(world.velocity(body), Vector3::Zero());
+  EXPECT_EQ(world.mass(body), std::numeric_limits<double>::infinity());
+  const Pose pose = world.pose(body);
+  run(world, 480);
+  EXPECT_EQ(world.pose(body).position, pose.position);
+  EXPECT_NEAR(world.pose(rider).position.z(), pose.position.z() + 0.75, 2e-3) << "it still carries what lies on it";
+}
+
+TEST(BodyRedefinition, AKinematicBodyGoesOnAsItMovedAndPushes) {
+  World world({.gravity = Vector3::Zero()});
+  const BodyId body = world.add_body({.shape = Box{}, .velocity = {2, 0, 0}});
+  const BodyId heavy = world.add_body({.shape = Box{}, .position = {2, 0, 0}, .mass = 1e6});
+  redefine(world, body, [](BodyDef& def) { def.type = BodyType::Kinematic; });
+  run(world, 480);
+  EXPECT_NEAR(world.pose(body).position.x(), 4, 1e-9);
+  EXPECT_GT(world.pose(heavy).position.x(), 4.99);
+}
+
+TEST(BodyRedefinition, ASensorLetsBodiesInAndASolidKeepsThemOut) {
+  World world;
+  const BodyId floor = world.add_body({.type = BodyType::Static, .shape = Box{{2, 2, 0.5}}});
+  const BodyId ball = world.add_body({.shape = Sphere{0.25}, .position = {0, 0, 0.75}});
+  run(world, 120);
+  ASSERT_NEAR(world.pose(ball).position.z(), 0.75, 2e-3);
+  redefine(world, floor, [](BodyDef& def) { def.sensor = true; });
+  run(world, 24);
+  EXPECT_NEAR(world.pose(ball).position.z(), 0.75 - 9.81 / 2 * 0.01, 5e-3);
+  EXPECT_EQ(world.bodies_in(floor).size(), 1u);
+}
+
+TEST(BodyRedefinition, InertiaCentreOfMassAndLocksAreTheNewOnes) {
+  World world({.gravity = Vector3::Zero()});
+  const BodyId body = world.add_body({.shape = Box{}, .angular_velocity = {0, 0, 3}, .mass = 2});
+  redefine(world, body, [](BodyDef& def) {
+    def.inertia = Matrix3(Vector3(4, 5, 6).asDiagonal());
+    def.centre_of_mass = {0.5, 0, 0};
+  });
+  EXPECT_TRUE(world.centre_of_mass(body).isApprox(Vector3(0.5, 0, 0)));
+  EXPECT_TRUE(world.velocity(body).isApprox(Vector3(0, 1.5, 0))) << "of the point where the centre is now";
+  redefine(world, body, [](BodyDef& def) { def.velocity = def.angular_velocity = Vector3::Zero(); });
+  world.apply_impulse(body, {0, 12, 0}, {1.5, 0, 0});
+  EXPECT_TRUE(world.angular_velocity(body).isApprox(Vector3(0, 0, 2)));
+  redefine(world, body, [](BodyDef& def) { def.locks.angular = {false, false, true}; });
+  EXPECT_EQ(world.angular_velocity(body), Vector3::Zero());
+  EXPECT_TRUE(world.velocity(body).isApprox(Vector3(0, 6, 0)));
+}
+
+// A stack at rest is not disturbed: contacts keep their impulses where nothing that they go by changes.
+TEST(BodyRedefinition, WhatADefinitionSaysAgainChangesNothing) {
+  World world, other;
+  for (World* of : {&world, &other}) {
+    of->add_body(ground());
+    for (int i = 0; i < 4; ++i) of->add_body(box({0, 0, 0.5 + i}));
+    run(*of, 60);
+  }
+  for (const BodyId id : world.bodies()) world.set_definition(id, world.definition(id));
+  EXPECT_EQ(world.state_hash(), other.state_hash());
+  redefine(world, world.bodies()[2], [](BodyDef& def) { def.material.friction = 0.1; });
+  double apart = 0;
+  for (int i = 0; i < 10; ++i) {
+    run(world, 1);
+    apart = std::max(apart, world.velocity(world.bodies()[4]).norm());
+  }
+  EXPECT_LT(apart, 1e-3) << "contacts were not found anew, without their impulses";
+}
+
+TEST(BodyRedefinition, ADefinitionThatCannotBeChangesNothing) {
+  World world;
+  const BodyId wall = world.add_body({.type = BodyType::Static, .shape = HalfSpace{}});
+  const BodyId arm = world.add_body(box({0, 0, 2}));
+  world.add_joint(joint_at(world, HingeJoint{}, wall, arm, {0, 0, 3}));
+  const std::uint64_t hash = world.state_hash();
+  const auto refuse = [&](BodyId id, const auto& change) { EXPECT_THROW(redefine(world, id, change), Error); };
+  refuse(wall, [](BodyDef& def) { def.type = BodyType::Dynamic; });
+  refuse(arm, [](BodyDef& def) { def.type = BodyType::Static; });
+  refuse(arm, [](BodyDef& def) { def.locks = MotionLocks::plane(Axis::Y); });
+  refuse(arm, [](BodyDef& def) { def.position.x() = std::numeric_limits<double>::infinity(); });
+  refuse(arm, [](BodyDef& def) { def.material.friction = -1; });
+  EXPECT_EQ(world.state_hash(), hash);
+}
+
+TEST(EnabledBodies, ADisabledFloorIsNotThereUntilItIsBack) {
+  World world({.settings = {.sleeping = true}});
+  const BodyId floor = world.add_body({.type = BodyType::Static, .shape = Box{{2, 2, 0.5}}});
+  const BodyId ball = world.add_body({.shape = Sphere{0.25}, .position = {0, 0, 0.75}});
+  run(world, 480);
+  ASSERT_TRUE(world.is_asleep(ball));
+  world.set_enabled(floor, false);
+  EXPECT_FALSE(world.is_enabled(floor));
+  EXPECT_FALSE(world.is_asleep(ball));
+  EXPECT_FALSE(Queries(world).is_blocked({.origin = {1, 1, 5}, .direction = {0, 0, -1}, .max_distance = 10}));
+  EXPECT_TRUE(world.quarantined().empty());
+  const double start = world.pose(ball).position.z();
+  run(world, 240);
+  EXPECT_NEAR(world.pose(ball).position.z(), start - 9.81 / 2, 9.81 * dt);
+  world.set_enabled(floor, true);
+  world.set_pose(ball, {{0, 0, 1}});
+  world.set_velocity(ball, Vector3::Zero(), Vector3::Zero());
+  run(world, 480);
+  EXPECT_NEAR(world.pose(ball).position.z(), 0.75, 2e-3);
+  EXPECT_TRUE(Queries(world).is_blocked({.origin = {1, 1, 5}, .direction = {0, 0, -1}, .max_distance = 10}));
+}
+
+TEST(EnabledBodies, JointsIdleAndTheBodyGoesOnAsItMoved) {
+  World world({.gravity = {0, 0, -10}});
+  const BodyId post = world.add_body({.shape = Box{}, .velocity = {0, 0, 1}, .gravity_scale = 0});
+  const BodyId bob = world.add_body({.shape = Sphere{0.2}, .position = {0, 0, -2}, .velocity = {0, 0, 1}});
+  const JointId joint = world.add_joint(joint_at(world, BallJoint{}, post, bob, {0, 0, -0.5}));
+  world.set_enabled(post, false);
+  world.apply_force(post, {1e6, 0, 0});
+  run(world, 60);
+  EXPECT_EQ(world.pose(post).position, Vector3::Zero());
+  EXPECT_NEAR(world.velocity(bob).z(), 1 - 10 * 0.25, 1e-9) << "in free fall";
+  EXPECT_EQ(world.joint_state(joint).force, Vector3::Zero());
+  world.set_pose(bob, {{0, 0, -2}});
+  world.set_velocity(bob, {0, 0, 1}, Vector3::Zero());
+  world.set_enabled(post, true);
+  EXPECT_EQ(world.velocity(post), Vector3(0, 0, 1));
+  run(world, 60);
+  EXPECT_NEAR((world.pose(post).position - world.pose(bob).position).norm(), 2, 1e-3) << "held together again";
+}
+
+TEST(EnabledBodies, QuarantineGoesFirst) {
+  World world;
+  const BodyId lost = world.add_body({.position = {1e13, 0, 0}});
+  const BodyId off = world.add_body({.position = {0, 0, 5}});
+  world.set_enabled(off, false);
+  run(world, 1);
+  ASSERT_TRUE(world.is_quarantined(lost));
+  EXPECT_FALSE(world.is_quarantined(off));
+  EXPECT_THROW(world.set_enabled(lost, false), Error);
+  EXPECT_THROW(world.release(off), Error);
+  world.remove_body(off);
+  EXPECT_EQ(world.body_count(), 1u);
+}
+
+}  // namespace
+}  // namespace atl::test
