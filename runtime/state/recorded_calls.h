@@ -201,6 +201,12 @@ struct SetEnabled {
   void make(World& world) const { world.set_enabled(body, enabled); }
 };
 
+struct Sleep {
+  BodyId body;
+  static auto fields(auto& self) { return std::tie(self.body); }
+  void make(World& world) const { world.sleep(body); }
+};
+
 }  // namespace atl::calls
 
 namespace atl {
@@ -210,7 +216,8 @@ using RecordedCall =
                  calls::ApplyImpulse, calls::Wake, calls::SetFilter, calls::SetCollisionEnabled, calls::Release,
                  calls::AddJoint, calls::RemoveJoint, calls::SetJoint, calls::SetJointEnabled, calls::SetGravity,
                  calls::SetSettings, calls::SetMaterial, calls::SetMass, calls::SetGravityScale, calls::SetDamping,
-                 calls::SetUserData, calls::SetName, calls::Refilter, calls::CountTurnsFrom, calls::SetEnabled>;
+                 calls::SetUserData, calls::SetName, calls::Refilter, calls::CountTurnsFrom, calls::SetEnabled,
+                 calls::Sleep>;
 
 template <typename Archive, typename Field>
 void visit_field(Archive& archive, Field& field) {

@@ -302,6 +302,8 @@ class WorldState {
     if constexpr (!Archive::hashes) {
       archive_.value(world_.clock.last_substep);
       archive_.value(world_.clock.steps);
+      archive_.value(world_.clock.time);
+      archive_.check(world_.clock.time >= 0 && std::isfinite(world_.clock.time), "a time that is none");
     }
   }
 
@@ -656,7 +658,7 @@ class WorldState {
       static_cast<void>(refused);
     }
     {
-      auto& [steps, last_dt, last_substep, /**/ dt] = world_.clock;
+      auto& [steps, last_dt, last_substep, time, /**/ dt] = world_.clock;
       static_cast<void>(steps);
     }
     {

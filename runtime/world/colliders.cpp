@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace atl {
 
@@ -57,6 +58,23 @@ collision::Filter own_filter_of(const Stores& world, std::uint32_t collider) {
   const CheckedCollider& part = world.records.constants[body]->colliders[world.colliders.child[collider]];
   const CollisionFilter& filter = part.filter ? *part.filter : world.records.filter[body];
   return {filter.category, filter.mask, filter.group, body};
+}
+
+BoundingBox bounds_of(const Stores& world, std::uint32_t body) {
+  const Vector3 infinity = Vector3::Constant(std::numeric_limits<double>::infinity());
+  BoundingBox all{infinity, -infinity};
+  world.colliders.for_each_of(body, [&](std::uint32_t collider) {
+    const collision::Shape& shape = world.colliders.shape[collider];
+    if (shape.kind == collision::ShapeKind::HalfSpace) {
+      all = {-infinity, infinity};
+      return;
+    }
+    const collision::Pose pose =
+        world.colliders.pose(collider, {world.bodies.positions.data(), world.bodies.orientations.data()});
+    const collision::Bounds own = collision::bounds_of(shape, pose.position, pose.orientation.toRotationMatrix());
+    all = {all.lower.cwiseMin(own.lower), all.upper.cwiseMax(own.upper)};
+  });
+  return all;
 }
 
 void add_proxies(Stores& world, std::uint32_t body) {

@@ -26,6 +26,9 @@ collision::Filter own_filter_of(const Stores& world, std::uint32_t collider);
 /// The same, as the broadphase wants it: nothing meets a sensor there.
 collision::Filter filter_of(const Stores& world, std::uint32_t collider);
 
+/// See World::bounds().
+BoundingBox bounds_of(const Stores& world, std::uint32_t body);
+
 /// Puts all colliders of a body into the broadphase.
 void add_proxies(Stores& world, std::uint32_t body);
 /// Puts one there whose fat AABB is known.

@@ -17,7 +17,11 @@ namespace {
 
 // All of a body that contacts and the broadphase go by.
 std::uint64_t place_of(const BodyConstants& body) {
-  BodyConstants place{.type = body.type, .continuous = body.continuous, .sensor = body.sensor, .centre = body.centre};
+  BodyConstants place;
+  place.type = body.type;
+  place.continuous = body.continuous;
+  place.sensor = body.sensor;
+  place.centre = body.centre;
   for (CheckedCollider collider : body.colliders) {
     collider.material.reset();
     collider.density_factor = 1;

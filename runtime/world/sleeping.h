@@ -29,11 +29,12 @@ struct Sleeping {
   void wake(std::uint32_t body);
   /// After a step: rest times, and islands (and lone bodies) that fall asleep; their velocities become zero.
   void update(const solver::Islands& islands, solver::BodyTable& bodies, const Settings& settings, double dt);
+  /// Has awake bodies sleep as one island, at zero velocity.
+  void put_to_sleep(std::span<const std::uint32_t> island, solver::BodyTable& bodies);
   auto arrays() const { return std::tie(awake, rest_time, ring, changed); }
 
  private:
   double update_rest_time(const solver::BodyTable& bodies, std::uint32_t body, double speed_limit, double dt);
-  void put_to_sleep(std::span<const std::uint32_t> island, solver::BodyTable& bodies);
 };
 
 }  // namespace atl

@@ -32,6 +32,7 @@ struct StepClock {
   double dt = 0;            ///< s, of the step in progress, or else of the last one; 0 before the first
   double last_dt = 0;       ///< s, of the last one that ended
   double last_substep = 0;  ///< s, of that
+  double time = 0;          ///< s, sum of all steps that ended
 };
 
 /// The changes since the last step.

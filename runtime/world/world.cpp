@@ -31,6 +31,7 @@
 #include "world/joints.h"
 #include "world/left_out.h"
 #include "world/make_joint.h"
+#include "world/put_to_sleep.h"
 #include "world/redefine.h"
 #include "world/refuse.h"
 #include "world/settings_check.h"
@@ -116,6 +117,7 @@ StepReport World::Impl::advance(double dt, int substeps, bool ends_step) {
   pipeline.run(stores, {substeps, ends_step, arena, *kernels, *narrowphase_kernels, asked, report});
   clock.last_substep = dt / substeps;
   clock.last_dt = dt;
+  clock.time += dt;
   note_features(stores, pipeline, rules, recorder != nullptr, report);
   report.ms = jobs::ms_since(start);
   return report;
@@ -282,6 +284,8 @@ bool World::is_asleep(BodyId id) const {
   return impl_->stores.sleeping.is_asleep(index_of(impl_->stores, id, "is_asleep"));
 }
 
+BoundingBox World::bounds(BodyId id) const { return bounds_of(impl_->stores, index_of(impl_->stores, id, "bounds")); }
+
 BodyDef World::definition(BodyId id) const {
   return definition_of(impl_->stores, index_of(impl_->stores, id, "definition"));
 }
@@ -354,6 +358,18 @@ void World::apply_impulse(BodyId id, const Vector3& impulse, const Vector3& poin
 void World::wake(BodyId id) {
   awaken(impl_->stores, impl_->index_to_change(id, "wake"));
   note<calls::Wake>(*impl_, id);
+}
+
+void World::sleep(BodyId id) {
+  const std::uint32_t body = impl_->index_to_change(id, "sleep");
+  if (impl_->stores.records.type[body] != BodyType::Dynamic) {
+    throw Error("World::sleep: the body is static or kinematic; expected a dynamic one");
+  }
+  if (!impl_->stores.settings.sleeping) {
+    throw Error("World::sleep: Settings::sleeping is false; expected it to be set, as nothing sleeps without it");
+  }
+  put_to_sleep(impl_->stores, body);
+  note<calls::Sleep>(*impl_, id);
 }
 
 std::span<const Quarantined> World::quarantined() const { return impl_->stores.quarantine.bodies(); }
@@ -715,6 +731,7 @@ void World::set_settings(const Settings& settings) {
   note<calls::SetSettings>(*impl_, settings);
 }
 
+double World::time() const { return impl_->stores.clock.time; }
 const Settings& World::settings() const { return impl_->stores.settings; }
 const Vector3& World::gravity() const { return impl_->stores.gravity; }
 int World::threads() const { return impl_->arena.threads(); }

@@ -163,28 +163,9 @@ void move_body(Run& run) {
   }
 }
 
-// As another body, or as it is but for a few fields.
-void redefine(Run& run, BodyId id) {
-  const World& world = run.worlds.first();
-  const std::optional<BodyDef> other = chosen([&] { return run.definitions.body(); });
-  if (!other || !world.contains(id)) return;
-  BodyDef def = *other;
-  if (run.bytes.flag()) {
-    def = world.definition(id);
-    const std::uint32_t fields = run.bytes.below(64);
-    if (fields & 1) def.type = other->type;
-    if (fields & 2) def.sensor = !def.sensor;
-    if (fields & 4) def.continuous = !def.continuous;
-    if (fields & 8) def.locks = other->locks;
-    if (fields & 16) def.material = other->material;
-    if (fields & 32) def.mass = def.mass ? 2 * *def.mass : 1;
-  }
-  run.call("set_definition", [&](World& of, std::size_t) { of.set_definition(id, def); });
-}
-
 void change_body(Run& run) {
   const BodyId id = run.body();
-  switch (run.bytes.below(13)) {
+  switch (run.bytes.below(11)) {
     case 0: {
       const CollisionFilter filter = run.definitions.filter();
       run.call("set_filter", [&](World& world, std::size_t) { world.set_filter(id, filter); });
@@ -239,14 +220,6 @@ void change_body(Run& run) {
     }
     case 9:
       run.call("release", [&](World& world, std::size_t) { world.release(id); });
-      break;
-    case 10: {
-      const bool enabled = run.bytes.flag();
-      run.call("set_enabled", [&](World& world, std::size_t) { world.set_enabled(id, enabled); });
-      break;
-    }
-    case 11:
-      redefine(run, id);
       break;
     default:
       run.call("refilter", [&](World& world, std::size_t) { world.refilter(id); });
@@ -389,7 +362,7 @@ constexpr auto first_kinds_of_call =
 constexpr auto other_kinds_of_call =
     std::to_array<Kind>({fall_asleep, change_often, ask_for_some, ask_for_some, keep_views, change_instructions,
                          end_while_recording, use_files_that_cannot_be, overstep, make_a_world, switch_joints,
-                         define_what_cannot_be, break_and_release, change_target});
+                         define_what_cannot_be, break_and_release, change_target, redefine, switch_bodies});
 
 Kind choose_kind(Run& run) {
   constexpr std::size_t first = first_kinds_of_call.size(), other = other_kinds_of_call.size();

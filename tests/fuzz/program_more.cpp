@@ -101,6 +101,37 @@ void make_a_world(Run& run) {
   check_world(*made);
 }
 
+// As another body, or as it is but for a few fields.
+void redefine(Run& run) {
+  const BodyId id = run.body();
+  const World& world = run.worlds.first();
+  const std::optional<BodyDef> other = chosen([&] { return run.definitions.body(); });
+  if (!other || !world.contains(id)) return;
+  BodyDef def = *other;
+  if (run.bytes.flag()) {
+    def = world.definition(id);
+    const std::uint32_t fields = run.bytes.below(64);
+    if ((fields & 1) != 0) def.type = other->type;
+    if ((fields & 2) != 0) def.sensor = !def.sensor;
+    if ((fields & 4) != 0) def.continuous = !def.continuous;
+    if ((fields & 8) != 0) def.locks = other->locks;
+    if ((fields & 16) != 0) def.material = other->material;
+    if ((fields & 32) != 0) def.mass = def.mass ? 2 * *def.mass : 1;
+  }
+  run.call("set_definition", [&](World& of, std::size_t) { of.set_definition(id, def); });
+}
+
+// Out of the world, into it again, or to sleep.
+void switch_bodies(Run& run) {
+  const BodyId id = run.body();
+  const std::uint32_t choice = run.bytes.below(3);
+  if (choice == 2) {
+    run.call("sleep", [&](World& world, std::size_t) { world.sleep(id); });
+  } else {
+    run.call("set_enabled", [&](World& world, std::size_t) { world.set_enabled(id, choice == 1); });
+  }
+}
+
 // Off all at once, and on again.
 void switch_joints(Run& run) {
   for (const bool enabled : {false, true}) {

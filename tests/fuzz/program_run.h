@@ -82,5 +82,7 @@ void define_what_cannot_be(Run& run);
 void break_and_release(Run& run);
 void overstep(Run& run);
 void change_target(Run& run);
+void redefine(Run& run);
+void switch_bodies(Run& run);
 
 }  // namespace atl::fuzz

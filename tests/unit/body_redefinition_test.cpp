@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 
@@ -13,14 +14,14 @@
 namespace atl::test {
 namespace {
 
-constexpr double dt = 1.0 / 240;
+constexpr double short_step = 1.0 / 240;
 
-void run(World& world, int steps) {
-  for (int i = 0; i < steps; ++i) world.step(dt);
+void run_short(World& world, int steps) {
+  for (int i = 0; i < steps; ++i) world.step(short_step);
 }
 
 template <typename Change>
-void redefine(World& world, BodyId id, const Change& change) {
+void change_definition(World& world, BodyId id, const Change& change) {
   BodyDef def = world.definition(id);
   change(def);
   world.set_definition(id, def);
@@ -30,18 +31,18 @@ TEST(BodyRedefinition, AStaticBodyThatBecomesDynamicFallsAndOneThatBecomesStatic
   World world;
   const BodyId body = world.add_body({.type = BodyType::Static, .shape = Box{}, .position = {0, 0, 10}});
   const BodyId rider = world.add_body({.shape = Sphere{0.25}, .position = {0, 0, 10.75}});
-  run(world, 60);
+  run_short(world, 60);
   EXPECT_NEAR(world.pose(rider).position.z(), 10.75, 2e-3);
-  redefine(world, body, [](BodyDef& def) { def.type = BodyType::Dynamic, def.density = 500; });
+  change_definition(world, body, [](BodyDef& def) { def.type = BodyType::Dynamic, def.density = 500; });
   EXPECT_EQ(world.type(body), BodyType::Dynamic);
   EXPECT_NEAR(world.mass(body), 500, 1e-9);
-  run(world, 240);
-  EXPECT_NEAR(world.pose(body).position.z(), 10 - 9.81 / 2, 9.81 * dt);
-  redefine(world, body, [](BodyDef& def) { def.type = BodyType::Static; });
+  run_short(world, 240);
+  EXPECT_NEAR(world.pose(body).position.z(), 10 - 9.81 / 2, 9.81 * short_step);
+  change_definition(world, body, [](BodyDef& def) { def.type = BodyType::Static; });
   EXPECT_EQ(world.velocity(body), Vector3::Zero());
   EXPECT_EQ(world.mass(body), std::numeric_limits<double>::infinity());
   const Pose pose = world.pose(body);
-  run(world, 480);
+  run_short(world, 480);
   EXPECT_EQ(world.pose(body).position, pose.position);
   EXPECT_NEAR(world.pose(rider).position.z(), pose.position.z() + 0.75, 2e-3) << "it still carries what lies on it";
 }
@@ -50,8 +51,8 @@ TEST(BodyRedefinition, AKinematicBodyGoesOnAsItMovedAndPushes) {
   World world({.gravity = Vector3::Zero()});
   const BodyId body = world.add_body({.shape = Box{}, .velocity = {2, 0, 0}});
   const BodyId heavy = world.add_body({.shape = Box{}, .position = {2, 0, 0}, .mass = 1e6});
-  redefine(world, body, [](BodyDef& def) { def.type = BodyType::Kinematic; });
-  run(world, 480);
+  change_definition(world, body, [](BodyDef& def) { def.type = BodyType::Kinematic; });
+  run_short(world, 480);
   EXPECT_NEAR(world.pose(body).position.x(), 4, 1e-9);
   EXPECT_GT(world.pose(heavy).position.x(), 4.99);
 }
@@ -60,10 +61,10 @@ TEST(BodyRedefinition, ASensorLetsBodiesInAndASolidKeepsThemOut) {
   World world;
   const BodyId floor = world.add_body({.type = BodyType::Static, .shape = Box{{2, 2, 0.5}}});
   const BodyId ball = world.add_body({.shape = Sphere{0.25}, .position = {0, 0, 0.75}});
-  run(world, 120);
+  run_short(world, 120);
   ASSERT_NEAR(world.pose(ball).position.z(), 0.75, 2e-3);
-  redefine(world, floor, [](BodyDef& def) { def.sensor = true; });
-  run(world, 24);
+  change_definition(world, floor, [](BodyDef& def) { def.sensor = true; });
+  run_short(world, 24);
   EXPECT_NEAR(world.pose(ball).position.z(), 0.75 - 9.81 / 2 * 0.01, 5e-3);
   EXPECT_EQ(world.bodies_in(floor).size(), 1u);
 }
@@ -71,16 +72,16 @@ TEST(BodyRedefinition, ASensorLetsBodiesInAndASolidKeepsThemOut) {
 TEST(BodyRedefinition, InertiaCentreOfMassAndLocksAreTheNewOnes) {
   World world({.gravity = Vector3::Zero()});
   const BodyId body = world.add_body({.shape = Box{}, .angular_velocity = {0, 0, 3}, .mass = 2});
-  redefine(world, body, [](BodyDef& def) {
+  change_definition(world, body, [](BodyDef& def) {
     def.inertia = Matrix3(Vector3(4, 5, 6).asDiagonal());
     def.centre_of_mass = {0.5, 0, 0};
   });
   EXPECT_TRUE(world.centre_of_mass(body).isApprox(Vector3(0.5, 0, 0)));
   EXPECT_TRUE(world.velocity(body).isApprox(Vector3(0, 1.5, 0))) << "of the point where the centre is now";
-  redefine(world, body, [](BodyDef& def) { def.velocity = def.angular_velocity = Vector3::Zero(); });
+  change_definition(world, body, [](BodyDef& def) { def.velocity = def.angular_velocity = Vector3::Zero(); });
   world.apply_impulse(body, {0, 12, 0}, {1.5, 0, 0});
   EXPECT_TRUE(world.angular_velocity(body).isApprox(Vector3(0, 0, 2)));
-  redefine(world, body, [](BodyDef& def) { def.locks.angular = {false, false, true}; });
+  change_definition(world, body, [](BodyDef& def) { def.locks.angular = {false, false, true}; });
   EXPECT_EQ(world.angular_velocity(body), Vector3::Zero());
   EXPECT_TRUE(world.velocity(body).isApprox(Vector3(0, 6, 0)));
 }
@@ -91,14 +92,14 @@ TEST(BodyRedefinition, WhatADefinitionSaysAgainChangesNothing) {
   for (World* of : {&world, &other}) {
     of->add_body(ground());
     for (int i = 0; i < 4; ++i) of->add_body(box({0, 0, 0.5 + i}));
-    run(*of, 60);
+    run_short(*of, 60);
   }
   for (const BodyId id : world.bodies()) world.set_definition(id, world.definition(id));
   EXPECT_EQ(world.state_hash(), other.state_hash());
-  redefine(world, world.bodies()[2], [](BodyDef& def) { def.material.friction = 0.1; });
+  change_definition(world, world.bodies()[2], [](BodyDef& def) { def.material.friction = 0.1; });
   double apart = 0;
   for (int i = 0; i < 10; ++i) {
-    run(world, 1);
+    run_short(world, 1);
     apart = std::max(apart, world.velocity(world.bodies()[4]).norm());
   }
   EXPECT_LT(apart, 1e-3) << "contacts were not found anew, without their impulses";
@@ -110,7 +111,7 @@ TEST(BodyRedefinition, ADefinitionThatCannotBeChangesNothing) {
   const BodyId arm = world.add_body(box({0, 0, 2}));
   world.add_joint(joint_at(world, HingeJoint{}, wall, arm, {0, 0, 3}));
   const std::uint64_t hash = world.state_hash();
-  const auto refuse = [&](BodyId id, const auto& change) { EXPECT_THROW(redefine(world, id, change), Error); };
+  const auto refuse = [&](BodyId id, const auto& change) { EXPECT_THROW(change_definition(world, id, change), Error); };
   refuse(wall, [](BodyDef& def) { def.type = BodyType::Dynamic; });
   refuse(arm, [](BodyDef& def) { def.type = BodyType::Static; });
   refuse(arm, [](BodyDef& def) { def.locks = MotionLocks::plane(Axis::Y); });
@@ -123,7 +124,7 @@ TEST(EnabledBodies, ADisabledFloorIsNotThereUntilItIsBack) {
   World world({.settings = {.sleeping = true}});
   const BodyId floor = world.add_body({.type = BodyType::Static, .shape = Box{{2, 2, 0.5}}});
   const BodyId ball = world.add_body({.shape = Sphere{0.25}, .position = {0, 0, 0.75}});
-  run(world, 480);
+  run_short(world, 480);
   ASSERT_TRUE(world.is_asleep(ball));
   world.set_enabled(floor, false);
   EXPECT_FALSE(world.is_enabled(floor));
@@ -131,12 +132,12 @@ TEST(EnabledBodies, ADisabledFloorIsNotThereUntilItIsBack) {
   EXPECT_FALSE(Queries(world).is_blocked({.origin = {1, 1, 5}, .direction = {0, 0, -1}, .max_distance = 10}));
   EXPECT_TRUE(world.quarantined().empty());
   const double start = world.pose(ball).position.z();
-  run(world, 240);
-  EXPECT_NEAR(world.pose(ball).position.z(), start - 9.81 / 2, 9.81 * dt);
+  run_short(world, 240);
+  EXPECT_NEAR(world.pose(ball).position.z(), start - 9.81 / 2, 9.81 * short_step);
   world.set_enabled(floor, true);
   world.set_pose(ball, {{0, 0, 1}});
   world.set_velocity(ball, Vector3::Zero(), Vector3::Zero());
-  run(world, 480);
+  run_short(world, 480);
   EXPECT_NEAR(world.pose(ball).position.z(), 0.75, 2e-3);
   EXPECT_TRUE(Queries(world).is_blocked({.origin = {1, 1, 5}, .direction = {0, 0, -1}, .max_distance = 10}));
 }
@@ -148,7 +149,7 @@ TEST(EnabledBodies, JointsIdleAndTheBodyGoesOnAsItMoved) {
   const JointId joint = world.add_joint(joint_at(world, BallJoint{}, post, bob, {0, 0, -0.5}));
   world.set_enabled(post, false);
   world.apply_force(post, {1e6, 0, 0});
-  run(world, 60);
+  run_short(world, 60);
   EXPECT_EQ(world.pose(post).position, Vector3::Zero());
   EXPECT_NEAR(world.velocity(bob).z(), 1 - 10 * 0.25, 1e-9) << "in free fall";
   EXPECT_EQ(world.joint_state(joint).force, Vector3::Zero());
@@ -156,7 +157,7 @@ TEST(EnabledBodies, JointsIdleAndTheBodyGoesOnAsItMoved) {
   world.set_velocity(bob, {0, 0, 1}, Vector3::Zero());
   world.set_enabled(post, true);
   EXPECT_EQ(world.velocity(post), Vector3(0, 0, 1));
-  run(world, 60);
+  run_short(world, 60);
   EXPECT_NEAR((world.pose(post).position - world.pose(bob).position).norm(), 2, 1e-3) << "held together again";
 }
 
@@ -165,13 +166,70 @@ TEST(EnabledBodies, QuarantineGoesFirst) {
   const BodyId lost = world.add_body({.position = {1e13, 0, 0}});
   const BodyId off = world.add_body({.position = {0, 0, 5}});
   world.set_enabled(off, false);
-  run(world, 1);
+  run_short(world, 1);
   ASSERT_TRUE(world.is_quarantined(lost));
   EXPECT_FALSE(world.is_quarantined(off));
   EXPECT_THROW(world.set_enabled(lost, false), Error);
   EXPECT_THROW(world.release(off), Error);
   world.remove_body(off);
   EXPECT_EQ(world.body_count(), 1u);
+}
+
+TEST(BodySleep, AnIslandSleepsAtOnceAndWakesTogether) {
+  World world({.settings = {.sleeping = true}});
+  world.add_body(ground());
+  const BodyId lower = world.add_body(box({0, 0, 0.5}));
+  const BodyId upper = world.add_body(box({0, 0, 1.5}));
+  const BodyId faller = world.add_body({.shape = Sphere{0.2}, .position = {0, 0, 6}});
+  run_short(world, 10);
+  world.sleep(lower);
+  EXPECT_TRUE(world.is_asleep(lower) && world.is_asleep(upper));
+  EXPECT_FALSE(world.is_asleep(faller));
+  world.sleep(faller);
+  EXPECT_EQ(world.velocity(faller), Vector3::Zero());
+  const double height = world.pose(faller).position.z();
+  Snapshot snapshot;
+  world.save(snapshot);
+  run_short(world, 100);
+  EXPECT_EQ(world.pose(faller).position.z(), height) << "nothing touches it";
+  const std::uint64_t hash = world.state_hash();
+  world.restore(snapshot);
+  run_short(world, 100);
+  EXPECT_EQ(world.state_hash(), hash);
+  world.wake(faller);
+  run_short(world, 240);
+  EXPECT_FALSE(world.is_asleep(upper)) << "it was hit";
+  EXPECT_FALSE(world.is_asleep(lower));
+  EXPECT_THROW(world.sleep(world.bodies().front()), Error);
+  world.set_settings({.sleeping = false});
+  EXPECT_THROW(world.sleep(lower), Error);
+}
+
+TEST(BodyBounds, TheyAreThoseOfAllShapesAsTheyArePlaced) {
+  World world;
+  const Quaternion turned(Eigen::AngleAxisd(0.7853981633974483, Vector3::UnitZ()));
+  const BodyId body =
+      world.add_body({.shape = Compound{{{.shape = Box{{1, 1, 2}}}, {.shape = Sphere{0.5}, .position = {0, 0, 3}}}},
+                      .position = {10, 0, 0},
+                      .orientation = turned});
+  const BoundingBox bounds = world.bounds(body);
+  EXPECT_TRUE(bounds.lower.isApprox(Vector3(10 - std::sqrt(2), -std::sqrt(2), -2), 1e-12)) << bounds.lower.transpose();
+  EXPECT_TRUE(bounds.upper.isApprox(Vector3(10 + std::sqrt(2), std::sqrt(2), 3.5), 1e-12)) << bounds.upper.transpose();
+  EXPECT_EQ(world.bounds(world.add_body(ground())).upper.x(), std::numeric_limits<double>::infinity());
+}
+
+TEST(WorldTime, IsTheSumOfStepsAndGoesBackWithTheState) {
+  World world;
+  Snapshot snapshot;
+  world.step(0.25);
+  world.save(snapshot);
+  world.step(0.5);
+  EXPECT_EQ(world.time(), 0.75);
+  world.restore(snapshot);
+  EXPECT_EQ(world.time(), 0.25);
+  World other;
+  other.restore(snapshot);
+  EXPECT_EQ(other.time(), 0.25);
 }
 
 }  // namespace

@@ -141,6 +141,11 @@ inline const std::vector<Change>& changes() {
        }},
       {"a body that is disabled", kind_of<calls::SetEnabled>(),
        [](Yard& yard) { yard.world.set_enabled(yard.ids[0], false); }},
+      {"a body that is put to sleep", kind_of<calls::Sleep>(),
+       [](Yard& yard) {
+         yard.world.set_settings({.sleeping = true});
+         yard.world.sleep(yard.ids[1]);
+       }},
       {"a question again", kind_of<calls::Refilter>(), [](Yard& yard) { yard.world.refilter(yard.ids[0]); }},
       {"what functions say of contacts", RecordKind::ContactAnswers,
        [](Yard& yard) {

@@ -122,6 +122,12 @@ struct UnheldIsland {
   const char* why = "";  ///< what keeps it beyond; static storage
 };
 
+/// A box along the world's axes: m, world frame.
+struct BoundingBox {
+  Vector3 lower = Vector3::Zero();
+  Vector3 upper = Vector3::Zero();
+};
+
 class Snapshot;
 
 struct ContactCandidate;  // see contact_callbacks.h
@@ -179,6 +185,10 @@ class World {
   /// the frame.
   Vector3 centre_of_mass(BodyId id) const;
 
+  /// The smallest box along the world's axes around all shapes of the body as it is placed now. Half-spaces have
+  /// infinite sides.
+  BoundingBox bounds(BodyId id) const;
+
   /// A definition of the body as it is now, that makes another like it: with its present pose, velocities, filter and
   /// whatever was changed of it, and for dynamic bodies mass and inertia, whatever these once followed from.
   BodyDef definition(BodyId id) const;
@@ -198,6 +208,12 @@ class World {
   /// would not be finite after it.
   void apply_impulse(BodyId id, const Vector3& impulse, const Vector3& point);
   void wake(BodyId id);
+  /// Lets a dynamic body sleep at once, however fast it is, with all dynamic bodies that touched it in the last step or
+  /// are joined to it, directly or through others, as they would fall asleep together by themselves: their velocities
+  /// become zero, and forces for the next step are dropped. They wake together, by what wakes any sleeper: an awake or
+  /// moving body that touches one of them, or a call that changes one. Nothing happens to a body that sleeps already or
+  /// is out of the world. Throws Error on a static or kinematic body, and where Settings::sleeping is false.
+  void sleep(BodyId id);
   void set_filter(BodyId id, const CollisionFilter& filter);
 
   // Changes to a body's definition: each throws Error as add_body() does, and wakes the body and what touches it.
@@ -322,6 +338,8 @@ class World {
 
   void set_gravity(const Vector3& gravity);
   void set_settings(const Settings& settings);
+  /// s, of all that was stepped since the world was made: the sum of dt, which snapshots hold and restore() sets back.
+  double time() const;
   const Settings& settings() const;
   const Vector3& gravity() const;
   int threads() const;

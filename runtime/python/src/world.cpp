@@ -91,6 +91,14 @@ void bind_bodies(Class& world) {
       .def("apply_impulse", &World::apply_impulse, nb::arg("body"), nb::arg("impulse"), nb::arg("point"),
            "Changes the velocities at once by an impulse (N s) at a point (m) of the world.")
       .def("wake", &World::wake, nb::arg("body"))
+      .def("sleep", &World::sleep, nb::arg("body"), "At once, with all that touches it or is joined to it.")
+      .def(
+          "bounds",
+          [](const World& self, BodyId body) {
+            const BoundingBox bounds = self.bounds(body);
+            return nb::make_tuple(bounds.lower, bounds.upper);
+          },
+          nb::arg("body"), "m, world frame: the lower and the upper corner of the smallest box around its shapes")
       .def("set_filter", &World::set_filter, nb::arg("body"), nb::arg("filter"))
       .def("material", &World::material, nb::arg("body"))
       .def("set_material", &World::set_material, nb::arg("body"), nb::arg("material"))
@@ -405,6 +413,7 @@ void bind_state(Class& world) {
           "settings", [](const World& self) { return self.settings(); }, &World::set_settings, "a copy")
       .def_prop_rw(
           "gravity", [](const World& self) { return self.gravity(); }, &World::set_gravity, "m/s^2, shape (3,)")
+      .def_prop_ro("time", &World::time, "s, sum of all steps; snapshots hold it")
       .def_prop_ro("threads", &World::threads)
       .def_prop_ro("simd", &World::simd, "the instruction set in use")
       .def(
