@@ -26,6 +26,7 @@
 #include "step/sensors.h"
 #include "world/bodies.h"
 #include "world/body_definition.h"
+#include "world/colliders.h"
 #include "world/containment.h"
 #include "world/joint_definition.h"
 #include "world/joints.h"
