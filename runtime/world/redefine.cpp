@@ -62,6 +62,21 @@ void follow_type(Stores& world, std::uint32_t body) {
   world.control.forget(body);
 }
 
+bool weighs_the_same(const BodyConstants& a, const BodyConstants& b) {
+  return a.type == b.type && a.locks == b.locks && a.inverse_mass == b.inverse_mass && a.inertia == b.inertia &&
+         a.centre == b.centre;
+}
+
+void take_mass_of(const BodyConstants& from, BodyConstants& to) {
+  to.centre = from.centre;
+  to.inverse_mass = from.inverse_mass;
+  to.inertia = from.inertia;
+  to.inverse_inertia = from.inverse_inertia;
+  to.gyroscopic = from.gyroscopic;
+  to.principal_axes = from.principal_axes;
+  to.moments = from.moments;
+}
+
 // Joints need a dynamic body, and know nothing of locks.
 void check_joints(const Stores& world, std::uint32_t body, const BodyConstants& constants) {
   world.joints.for_each_of(body, [&](std::uint32_t joint) {
@@ -106,6 +121,7 @@ BodyConstants redefined(const Stores& world, std::uint32_t body, const BodyDef& 
   BodyConstants after = check(def).constants;
   if constexpr (with_joints) check_joints(world, body, after);
   // A definition rounds masses and frames: what it says again keeps its bits.
+  if (weighs_the_same(before, after)) take_mass_of(present, after);
   if (place_of(before) == place_of(after)) {
     for (std::size_t i = 0; i < after.colliders.size(); ++i) after.colliders[i].local = present.colliders[i].local;
   }
