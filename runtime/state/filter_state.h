@@ -16,7 +16,7 @@ void visit_text(Archive& archive, Text& text) {
     archive.value(static_cast<std::uint32_t>(text.size()));
   }
   archive.values(text.data(), text.size());
-  if constexpr (Archive::reads) archive.check(is_utf8(text), "a name that is not UTF-8");
+  if constexpr (Archive::reads) archive.check(is_name(text), "a name that is not UTF-8 without control characters");
 }
 
 template <typename Archive, typename Filter>

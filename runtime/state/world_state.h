@@ -415,13 +415,7 @@ class WorldState {
       archive_.value(step);
       if constexpr (reads) restore_quarantined(world_, body, reason, step);
     });
-    const auto is_disabled = [&list](std::uint32_t body) { return list.is_disabled(body); };
-    visit_some(archive_, list.disabled().empty() && !reads ? 0 : body_count(), is_disabled, [&](std::uint32_t body) {
-      check_body(body);
-      archive_.check(world_.sleeping.ring[body] == Sleeping::none && !list.contains(body),
-                     "a disabled body that sleeps or is in quarantine");
-      if constexpr (reads) restore_disabled(world_, body);
-    });
+    visit_disabled();
     const auto is_suspect = [&list](std::uint32_t body) { return list.is_suspect(body); };
     visit_some(archive_, body_count(), is_suspect, [&](std::uint32_t body) {
       if constexpr (reads) list.suspect(body);
@@ -440,6 +434,18 @@ class WorldState {
       }
     });
     if constexpr (reads) note_restored_bodies(world_);
+  }
+
+  void visit_disabled() {
+    auto& list = world_.quarantine;
+    if (Archive::hashes && list.disabled().empty()) return;
+    const auto is_disabled = [&list](std::uint32_t body) { return list.is_disabled(body); };
+    visit_some(archive_, body_count(), is_disabled, [&](std::uint32_t body) {
+      check_body(body);
+      archive_.check(world_.sleeping.ring[body] == Sleeping::none && !list.contains(body),
+                     "a disabled body that sleeps or is in quarantine");
+      if constexpr (reads) restore_disabled(world_, body);
+    });
   }
 
   void visit_selection() {

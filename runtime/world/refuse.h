@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <cmath>
 #include <sstream>
+#include <string>
 #include <string_view>
 #include <type_traits>
 
@@ -36,9 +37,10 @@ template <typename Value>
   throw Error(message.str());
 }
 
-/// Refuses a name that is not UTF-8: scene files and pages can't hold it. The message doesn't repeat it either.
+/// Refuses a name that scene files and pages can't hold. The message doesn't repeat it either.
 inline void check_name(std::string_view field, std::string_view name) {
-  if (is_utf8(name)) return;
+  if (is_name(name)) return;
+  if (is_utf8(name)) throw Error(std::string(field) + " has control characters; expected text without them");
   std::ostringstream message;
   message << field << " has " << name.size() << " bytes that are not UTF-8; expected text that is";
   throw Error(message.str());

@@ -27,4 +27,16 @@ inline bool is_utf8(std::string_view text) {
   return true;
 }
 
+/// True if a text is UTF-8 without control characters (U+0000 to U+001F and U+007F to U+009F), with which it could move
+/// a terminal's cursor.
+inline bool is_name(std::string_view text) {
+  if (!is_utf8(text)) return false;
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    const auto byte = static_cast<unsigned char>(text[at]);
+    if (byte < 0x20 || byte == 0x7f) return false;
+    if (byte == 0xc2 && static_cast<unsigned char>(text[at + 1]) < 0xa0) return false;
+  }
+  return true;
+}
+
 }  // namespace atl

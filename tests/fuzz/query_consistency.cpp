@@ -11,6 +11,9 @@
 namespace atl::fuzz {
 namespace {
 
+// Queries don't find it.
+bool is_out(const World& world, BodyId id) { return world.is_quarantined(id) || !world.is_enabled(id); }
+
 // A world of one of the bodies, as it is.
 World alone(const World& world, BodyId id) {
   World one;
@@ -29,7 +32,7 @@ template <typename Ask>
 std::optional<double> nearest_alone(const World& world, const Ask& ask) {
   std::optional<double> nearest;
   for (const BodyId id : world.bodies()) {
-    if (world.is_quarantined(id)) continue;
+    if (is_out(world, id)) continue;
     const World one = alone(world, id);
     const auto hit = ask(Queries(one));
     if (hit && (!nearest || hit->distance < *nearest)) nearest = hit->distance;
@@ -61,7 +64,7 @@ void check_overlaps(const World& world, const QueryShape& query, const std::vect
   const PlacedShape placed{.shape = std::visit([](const auto& solid) { return Shape(solid); }, *query.shape),
                            .pose = {query.position, query.orientation.normalized()}};
   for (const BodyId id : world.bodies()) {
-    if (world.is_quarantined(id)) continue;
+    if (is_out(world, id)) continue;
     const BodyDef def = world.definition(id);
     if (def.sensor || lets_nothing_touch(def)) continue;
     // Meshes have no inside here, and in the audit a solid below a field is deep in it.

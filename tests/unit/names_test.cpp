@@ -29,6 +29,10 @@ TEST(Names, ThatAreNotTextAreRefused) {
   BodyDef def = box({0, 0, 1});
   def.name = "caf\xe9";
   expect_error([&] { world.add_body(def); }, {"BodyDef.name has 4 bytes that are not UTF-8; expected text that is"});
+  for (const char* name : {"a\nb", "\x1b[2J", "\x7f", "\xc2\x9b"}) {
+    def.name = name;
+    expect_error([&] { world.add_body(def); }, {"BodyDef.name has control characters; expected text without them"});
+  }
   def.name = "caf\xc3\xa9";
   const BodyId id = world.add_body(def);
   expect_error([&] { world.set_name(id, "\xff"); },

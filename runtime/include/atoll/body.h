@@ -85,7 +85,8 @@ struct BodyDef {
   /// N, >= 0: with Settings::contact_events, these tell of contacts of this body that go on, too, while they carry at
   /// least this. Of two bodies' values and Settings::contact_event_force, the least counts.
   std::optional<double> contact_event_force = {};
-  std::string name = {};        ///< for people, and World::find_body(), in UTF-8. Bodies may share one.
+  /// For people, and World::find_body(): UTF-8 without control characters. Bodies may share one.
+  std::string name = {};
   std::uint64_t user_data = 0;  ///< yours: World keeps it, and saves it with the body, and never looks at it
 };
 

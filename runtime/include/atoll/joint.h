@@ -194,7 +194,7 @@ struct JointDef {
   bool collide = false;
   double break_force = unlimited;   ///< N, > 0: it breaks after a step at whose end it had to hold more
   double break_torque = unlimited;  ///< N m, > 0
-  std::string name = {};            ///< for people, and World::find_joint(), in UTF-8. Joints may share one.
+  std::string name = {};            ///< for people, and World::find_joint(): as a body's. Joints may share one.
   std::uint64_t user_data = 0;      ///< yours: World keeps it, and saves it with the joint, and never looks at it
 };
 

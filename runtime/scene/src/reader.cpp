@@ -184,7 +184,7 @@ void read_name(const Reader& in, std::string& name) {
   const auto found = in.find("name");
   if (!found) return;
   name = found->string();
-  if (printable(name) != name) found->expected("a name of up to 2000 bytes without control characters");
+  if (has_control_characters(name)) found->expected("a name without control characters");
 }
 
 void get(const Reader& in, std::string_view key, std::uint64_t& target) {

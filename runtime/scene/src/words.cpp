@@ -61,6 +61,8 @@ std::string escaped(std::string_view text) {
 
 }  // namespace
 
+bool has_control_characters(std::string_view text) { return escaped(text) != text; }
+
 std::string printable(std::string_view text) {
   if (text.size() <= longest_message) return escaped(text);
   return escaped(text.substr(0, whole_characters(text, longest_message / 2))) + "..." +

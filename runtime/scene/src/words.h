@@ -9,6 +9,7 @@ namespace atl::scene {
 /// The text on one line, as all that users wrote goes into messages: control characters, with which a text could move
 /// a terminal's cursor, as \xNN, and "..." for the middle of more than 2000 bytes.
 std::string printable(std::string_view text);
+bool has_control_characters(std::string_view text);
 
 /// The text in double quotes, printable, and cut off after 60 bytes.
 std::string quote(std::string_view text);
