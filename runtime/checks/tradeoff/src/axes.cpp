@@ -1,5 +1,6 @@
 #include "checks/tradeoff/axes.h"
 
+#include <atoll/step_length.h>
 #include <atoll/world.h>
 
 #include <algorithm>
@@ -38,7 +39,10 @@ double number(const std::string& text) {
   return value;
 }
 
-bool accepts_seconds(const std::string& text) { return parse_seconds(text) > 0 && parse_seconds(text) <= 1; }
+bool accepts_seconds(const std::string& text) {
+  const double seconds = parse_seconds(text);
+  return seconds >= shortest_step && seconds <= longest_step;
+}
 
 std::string step_label(const Configuration& c) {
   const double rate = 1 / c.dt;
@@ -97,7 +101,7 @@ constexpr std::array table = {
          .help = "s of simulated time a step, as 1/60 or 0.01; the steps change with it, the simulated time stays",
          .numeric = true,
          .changes_result = true,
-         .expected = "a number in (0, 1], as 1/60 or 0.01",
+         .expected = "a number in [1e-12, 1], as 1/60 or 0.01",
          .accepts = accepts_seconds,
          .apply = [](const std::string& value, Configuration& c) { c.dt = parse_seconds(value); },
          .value = [](const Configuration& c) { return shortest(c.dt); },
