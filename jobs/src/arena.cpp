@@ -23,8 +23,11 @@ bool may_be_dynamic() {
 
 }  // namespace
 
-Arena::Arena(int threads, bool dynamic)
-    : threads_(threads), congestion_(dynamic && may_be_dynamic()), tbb_(std::make_unique<Tbb>(threads)) {
+Arena::Arena(int threads, bool dynamic) : congestion_(dynamic && may_be_dynamic()) { set_threads(threads); }
+
+void Arena::set_threads(int threads) {
+  threads_ = threads;
+  tbb_ = std::make_unique<Tbb>(threads);
   // Only to raise the process's limit: the lowest of all such controls holds, for everybody's tasks.
   if (threads > tbb::info::default_concurrency()) {
     tbb_->allowed.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));

@@ -96,6 +96,7 @@ void visit_start(Archive& archive, Body& body) {
   visit_field(archive, body.angular_velocity);
   visit_field(archive, body.surface_velocity);
   visit_field(archive, body.filter);
+  visit_field(archive, body.awake);
   visit_text(archive, body.name);
   visit_field(archive, body.user_data);
 }

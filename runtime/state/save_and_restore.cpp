@@ -91,6 +91,7 @@ void World::Impl::read_state(std::span<const std::byte> state, bool from_file) {
   results.unasked_events = {};
   results.sensor_events.events.clear();
   results.joint_events.clear();
+  results.sleep_events.clear();
   results.selected_solves.clear();
   results.unheld_islands.clear();
   results.captured = false;

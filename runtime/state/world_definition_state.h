@@ -52,6 +52,9 @@ void visit_constants(Archive& archive, Constants& body) {
   archive.value(body.locks);
   archive.check(body.locks <= (body.type == BodyType::Dynamic ? solver::all_locks : 0),
                 "a body with locks that there are none of");
+  archive.value(body.may_sleep);
+  visit_optional(archive, body.max_speed, [&](auto& speed) { archive.value(speed); });
+  visit_optional(archive, body.max_angular_speed, [&](auto& speed) { archive.value(speed); });
   archive.value(body.gravity_scale);
   archive.value(body.linear_damping);
   archive.value(body.angular_damping);

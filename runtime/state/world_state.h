@@ -381,6 +381,17 @@ class WorldState {
     archive_.template rows<1>(sleeping.rest_time, {0});
     archive_.template rows<1>(sleeping.ring, {Sleeping::none});
     if constexpr (reads) check_rings();
+    if constexpr (!Archive::hashes) visit_sleep_news();
+  }
+  void visit_sleep_news() {
+    auto& sleeping = world_.sleeping;
+    if constexpr (reads) sleeping.untold.clear();
+    const std::vector<std::uint32_t> news = sleeping.news();
+    const auto is_new = [&](std::uint32_t body) { return std::binary_search(news.begin(), news.end(), body); };
+    visit_some(archive_, news.empty() && !reads ? 0 : body_count(), is_new, [&](std::uint32_t body) {
+      check_body(body);
+      if constexpr (reads) sleeping.untold.push_back(body);
+    });
   }
   // Each sleeper is dynamic, and the next of just one.
   void check_rings() {
@@ -679,7 +690,7 @@ class WorldState {
       static_cast<void>(disabled_pairs);
     }
     {
-      auto& [rest_time, ring, /**/ awake, asleep, changed] = world_.sleeping;
+      auto& [rest_time, ring, untold, /**/ awake, asleep, changed, wakeful] = world_.sleeping;
       static_cast<void>(rest_time);
     }
     {

@@ -268,6 +268,15 @@ void add_hits(const Stores& world, const ContactPushes& pushes, bool ends_step, 
   }
 }
 
+void note_sleep_events(Stores& world) {
+  std::vector<SleepEvent>& events = world.results.sleep_events;
+  events.clear();
+  for (const std::uint32_t body : world.sleeping.news()) {
+    if (!world.quarantine.contains(body)) events.push_back({id_of(world, body), world.sleeping.is_asleep(body)});
+  }
+  world.sleeping.untold.clear();
+}
+
 void note_contact_events(Stores& world, const ContactPushes& pushes, std::vector<ContactHit>& hits,
                          bool islands_rebuilt, const StepContext& step) {
   const Settings& settings = world.settings;

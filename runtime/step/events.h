@@ -30,6 +30,8 @@ void keep_velocities(const Stores& world, std::vector<BodyVelocity>& velocities)
 /// Adds the contacts that have pushed, but for those that touch as the step ends.
 void add_hits(const Stores& world, const ContactPushes& pushes, bool ends_step, std::vector<ContactHit>& hits);
 /// `hits`: what has touched within the step, however it ended; `pushes` are those of its last substep. Sorts the hits.
+/// Tells which bodies fell asleep or woke since it last did.
+void note_sleep_events(Stores& world);
 void note_contact_events(Stores& world, const ContactPushes& pushes, std::vector<ContactHit>& hits,
                          bool islands_rebuilt, const StepContext& step);
 /// Events of joints that act on awake bodies: a joint breaks, or reaches or leaves an end of its range. Asleep bodies

@@ -38,6 +38,7 @@ void for_each_use(const Stores& world, const StepPipeline& pipeline, const Visit
         std::tuple_cat(std::tie(results.contact_events, results.unasked_events), pipeline.event_arrays(),
                        solve.event_arrays()),
         results.contact_events.events.size(), "events");
+  visit("sleep_events", std::tie(results.sleep_events), results.sleep_events.size(), "events");
   visit("sensors", std::tie(results.sensor_events), results.sensor_events.within.size(), "bodies");
   visit("accelerations", std::tie(results.accelerations), results.accelerations.linear.size() / 3, "bodies");
   visit("contact_problem", solve.capture_arrays(), solve.capture().answers.size(), "contacts");

@@ -53,6 +53,18 @@ void keep_carried_awake(Stores& world, const ContactPhase& contacts) {
   }
 }
 
+void limit_speeds(Stores& world) {
+  const auto limit = [](auto velocity, const std::optional<double>& most) {
+    const double speed = velocity.norm();
+    if (most && speed > *most) velocity *= *most / speed;
+  };
+  for (const std::uint32_t body : world.active.in_order()) {
+    const BodyConstants& constants = *world.records.constants[body];
+    limit(world.bodies.velocity(body), constants.max_speed);
+    limit(world.bodies.angular_velocity(body), constants.max_angular_speed);
+  }
+}
+
 void clear_forces(Stores& world) {
   for (const std::uint32_t body : world.changes.pushed) world.bodies.clear_push(body);
   world.changes.pushed.clear();
@@ -90,6 +102,7 @@ void StepPipeline::run(Stores& world, const StepContext& step) {
 void StepPipeline::plan(Stores& world, const StepContext& step) {
   note_quarantined(quarantine_suspects(world), step.report);
   update_active_bodies(world);
+  if (world.contents.with_speed_limit > 0) limit_speeds(world);
 }
 
 void StepPipeline::build_islands(Stores& world, const StepContext& step) {
@@ -113,6 +126,7 @@ void StepPipeline::follow_fast_bodies(Stores& world, const StepContext& step, St
 
 void StepPipeline::finish(Stores& world, const StepContext& step) {
   world.aabbs.catch_up(world.active.in_order(), motions(world), world.broadphase, step.arena);
+  if (world.contents.with_speed_limit > 0) limit_speeds(world);
   clear_forces(world);
   rebuilt_ |= islands_.rebuilt();
   if (step.ends_step) {
@@ -126,6 +140,7 @@ void StepPipeline::finish(Stores& world, const StepContext& step) {
     keep_carried_awake(world, contacts_);
     world.sleeping.update(islands_.islands(), world.bodies, world.settings, world.clock.dt);
   }
+  if (step.ends_step) note_sleep_events(world);
   StepCounts& counts = step.report.counts;
   if (step.rules != nullptr) {
     counts.filtered_pairs = step.rules->asked_pairs();

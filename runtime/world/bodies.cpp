@@ -78,6 +78,7 @@ void give_constants(Stores& world, std::uint32_t body, const std::shared_ptr<con
   bodies.inverse_inertia.set(body, c.inverse_inertia);
   bodies.gyroscopic[body] = c.gyroscopic;
   bodies.locks[body] = c.locks;
+  world.sleeping.keep_awake(body, !c.may_sleep);
   bodies.principal_axes.set(body, c.principal_axes);
   bodies.moments.set(body, c.moments);
   const double least_moment = least_moment_of(c);
@@ -127,6 +128,10 @@ BodyId add_body(Stores& world, const CheckedBody& start) {
   add_proxies(world, body);
   suspect_new(world, body);
   forget_acceleration(world, body);
+  if (!start.awake && world.settings.sleeping) {
+    world.sleeping.put_to_sleep(std::span(&body, 1), bodies);
+    world.sleeping.tell_nothing_of(body);
+  }
   return {body, records.generation[body]};
 }
 
@@ -140,6 +145,7 @@ void remove_body(Stores& world, std::uint32_t body) {
   } else {
     take_out(world, body);
   }
+  world.sleeping.tell_nothing_of(body);
   remove_colliders(world, body);
   records.constants[body].reset();
   records.names.erase(body);
@@ -233,6 +239,10 @@ BodyDef definition_of(const Stores& world, std::uint32_t body) {
               .linear_damping = constants.linear_damping,
               .angular_damping = constants.angular_damping,
               .locks = locks_of(constants.locks),
+              .max_speed = constants.max_speed,
+              .max_angular_speed = constants.max_angular_speed,
+              .awake = !world.sleeping.is_asleep(body),
+              .may_sleep = constants.may_sleep,
               .filter = world.records.filter[body],
               .continuous = constants.continuous,
               .sensor = constants.sensor,

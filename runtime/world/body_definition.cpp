@@ -291,6 +291,22 @@ void check(const char* field, const Material& material) {
   check_rule(".restitution_rule", material.restitution_rule);
 }
 
+namespace {
+
+void check_sleep_and_speeds(const BodyDef& def) {
+  if (def.max_speed) check_positive("BodyDef.max_speed", *def.max_speed);
+  if (def.max_angular_speed) check_positive("BodyDef.max_angular_speed", *def.max_angular_speed);
+  if (def.awake) return;
+  if (def.type != BodyType::Dynamic) throw Error("BodyDef.awake is false; expected true of a static or kinematic body");
+  if (!def.may_sleep) throw Error("BodyDef.awake is false, and may_sleep is; expected true of one of them");
+  if (!def.velocity.isZero(0)) refuse("BodyDef.velocity", def.velocity, "zero for a body that is not awake");
+  if (!def.angular_velocity.isZero(0)) {
+    refuse("BodyDef.angular_velocity", def.angular_velocity, "zero for a body that is not awake");
+  }
+}
+
+}  // namespace
+
 CheckedBody check(const BodyDef& def) {
   CheckedBody body;
   BodyConstants& constants = body.constants;
@@ -303,6 +319,13 @@ CheckedBody check(const BodyDef& def) {
   constants.contact_event_force = def.contact_event_force;
   constants.material = def.material;
   if (def.type == BodyType::Dynamic) constants.locks = bits_of(def.locks);
+  check_sleep_and_speeds(def);
+  body.awake = def.awake;
+  if (def.type == BodyType::Dynamic) {
+    constants.may_sleep = def.may_sleep;
+    constants.max_speed = def.max_speed;
+    constants.max_angular_speed = def.max_angular_speed;
+  }
   constants.gravity_scale = def.gravity_scale;
   constants.linear_damping = def.linear_damping;
   constants.angular_damping = def.angular_damping;

@@ -39,6 +39,10 @@ struct BodyConstants {
   std::optional<double> contact_event_force = {};  // N
   Material material = {};
   std::uint8_t locks = 0;  // see solver/integrate/motion_locks.h; 0 unless dynamic
+  // Of dynamic bodies.
+  bool may_sleep = true;
+  std::optional<double> max_speed = {};          // m/s
+  std::optional<double> max_angular_speed = {};  // rad/s
   double gravity_scale = 1;
   double linear_damping = 0;               // 1/s
   double angular_damping = 0;              // 1/s
@@ -62,6 +66,7 @@ struct CheckedBody {
   Vector3 angular_velocity = Vector3::Zero();
   Vector3 surface_velocity = Vector3::Zero();
   CollisionFilter filter = {};
+  bool awake = true;
   std::string name;
   std::uint64_t user_data = 0;
 };

@@ -76,6 +76,7 @@ void Contents::count(const solver::BodyTable& bodies, const BodyRecords& records
   add(sensors, constants.sensor);
   add(continuous_sensors, constants.sensor && constants.continuous);
   add(with_event_force, constants.contact_event_force.has_value());
+  add(with_speed_limit, constants.max_speed || constants.max_angular_speed);
   add(gyroscopic, bodies.gyroscopic[body] != 0);
   const auto is_surface = [](const CheckedCollider& collider) { return collision::is_surface(collider.shape.kind); };
   add(surfaces, std::ranges::any_of(constants.colliders, is_surface));

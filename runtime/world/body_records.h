@@ -69,6 +69,7 @@ struct Contents {
   std::size_t sensors = 0;
   std::size_t continuous_sensors = 0;
   std::size_t with_event_force = 0;  ///< bodies that ask for events of contacts that go on
+  std::size_t with_speed_limit = 0;
   std::size_t fixed_colliders = 0;   ///< of static bodies
   std::size_t fixed_with_edges = 0;  ///< of these, those that are no half-space
   std::size_t moving_compounds = 0;  ///< bodies with several shapes that aren't static

@@ -47,6 +47,7 @@ std::vector<std::uint32_t> island_of(const Stores& world, std::uint32_t body) {
 void put_to_sleep(Stores& world, std::uint32_t body) {
   if (!world.sleeping.awake[body]) return;
   const std::vector<std::uint32_t> island = island_of(world, body);
+  if (std::ranges::any_of(island, [&](std::uint32_t member) { return world.sleeping.stays_awake(member); })) return;
   for (const std::uint32_t member : island) {
     world.bodies.clear_push(member);
     world.quarantine.suspect(member);

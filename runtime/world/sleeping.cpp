@@ -11,6 +11,36 @@ void Sleeping::resize(std::size_t count) {
   jobs::append(awake, count, std::uint8_t{0});
   jobs::append(rest_time, count, 0.0);
   jobs::append(ring, count, none);
+  if (!wakeful.empty()) jobs::append(wakeful, count, std::uint8_t{0});
+}
+
+void Sleeping::keep_awake(std::uint32_t body, bool always) {
+  if (wakeful.empty() && !always) return;
+  if (wakeful.empty()) wakeful.resize(awake.size(), std::uint8_t{0});
+  wakeful[body] = always;
+}
+
+void Sleeping::note_change(std::uint32_t body) {
+  changed.push_back(body);
+  untold.push_back(body);
+}
+
+void Sleeping::tell_nothing_of(std::uint32_t body) {
+  untold.resize(static_cast<std::size_t>(std::remove(untold.begin(), untold.end(), body) - untold.begin()));
+}
+
+std::vector<std::uint32_t> Sleeping::news() const {
+  std::vector<std::uint32_t> bodies(untold.begin(), untold.end());
+  std::sort(bodies.begin(), bodies.end());
+  // One that changed an even number of times is as it was.
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < bodies.size();) {
+    const std::size_t begin = i;
+    while (i < bodies.size() && bodies[i] == bodies[begin]) ++i;
+    if ((i - begin) % 2 != 0) bodies[kept++] = bodies[begin];
+  }
+  bodies.resize(kept);
+  return bodies;
 }
 
 void Sleeping::wake(std::uint32_t body) {
@@ -23,7 +53,7 @@ void Sleeping::wake(std::uint32_t body) {
     awake[member] = 1;
     rest_time[member] = 0;
     --asleep;
-    changed.push_back(member);
+    note_change(member);
     member = next;
   } while (member != body);
 }
@@ -40,7 +70,7 @@ void Sleeping::put_to_sleep(std::span<const std::uint32_t> island, solver::BodyT
     const std::uint32_t body = island[i];
     ring[body] = island[(i + 1) % island.size()];
     awake[body] = 0;
-    changed.push_back(body);
+    note_change(body);
     bodies.velocity(body).setZero();
     bodies.angular_velocity(body).setZero();
   }
@@ -52,6 +82,7 @@ void Sleeping::update(const solver::Islands& islands, solver::BodyTable& bodies,
     double rested = std::numeric_limits<double>::infinity();
     for (const std::uint32_t body : island) {
       rested = std::min(rested, update_rest_time(bodies, body, settings.sleep_speed, dt));
+      if (stays_awake(body)) rested = -1;
     }
     if (rested >= settings.time_to_sleep) put_to_sleep(island, bodies);
   };

@@ -22,6 +22,8 @@ struct Sleeping {
   jobs::CompactArray<std::uint32_t> ring;     ///< by body: the next body of its sleeping island
   std::int64_t asleep = 0;                    ///< bodies
   jobs::CompactArray<std::uint32_t> changed;  ///< bodies that fell asleep or woke, in the order in which they did
+  jobs::CompactArray<std::uint32_t> untold;   ///< the same since the last step with events
+  jobs::CompactArray<std::uint8_t> wakeful;   ///< by body: one that may not sleep; empty where all may
 
   void resize(std::size_t count);
   bool is_asleep(std::uint32_t body) const { return ring[body] != none; }
@@ -31,9 +33,16 @@ struct Sleeping {
   void update(const solver::Islands& islands, solver::BodyTable& bodies, const Settings& settings, double dt);
   /// Has awake bodies sleep as one island, at zero velocity.
   void put_to_sleep(std::span<const std::uint32_t> island, solver::BodyTable& bodies);
-  auto arrays() const { return std::tie(awake, rest_time, ring, changed); }
+  /// Whether the body may not sleep.
+  void keep_awake(std::uint32_t body, bool always);
+  bool stays_awake(std::uint32_t body) const { return !wakeful.empty() && wakeful[body] != 0; }
+  /// Bodies that sleep now and didn't, or the reverse, as the last step with events ended; in order.
+  std::vector<std::uint32_t> news() const;
+  void tell_nothing_of(std::uint32_t body);
+  auto arrays() const { return std::tie(awake, rest_time, ring, changed, untold, wakeful); }
 
  private:
+  void note_change(std::uint32_t body);
   double update_rest_time(const solver::BodyTable& bodies, std::uint32_t body, double speed_limit, double dt);
 };
 

@@ -57,6 +57,7 @@ struct StepResults {
   ContactEvents unasked_events;  ///< that nobody asked for, where everything is run
   SensorEvents sensor_events;
   std::vector<JointEvent> joint_events;
+  std::vector<SleepEvent> sleep_events;
   std::vector<SelectedSolve> selected_solves;
   std::vector<UnheldIsland> unheld_islands;
   std::vector<ContactForce> contact_forces;  ///< made when asked for

@@ -41,10 +41,10 @@
 namespace atl {
 namespace {
 
-int checked_threads(int threads) {
+int checked_threads(const char* what, int threads) {
   if (threads >= 1 && threads <= 1024) return threads;
   std::ostringstream message;
-  message << "WorldDef.threads is " << threads << "; expected 1 to 1024";
+  message << what << " is " << threads << "; expected 1 to 1024";
   throw Error(message.str());
 }
 
@@ -77,7 +77,7 @@ void note(const auto& impl, const auto&... arguments) {
 }  // namespace
 
 World::Impl::Impl(const WorldDef& def)
-    : arena(checked_threads(def.threads), def.dynamic_threads), serial(next_serial()) {
+    : arena(checked_threads("WorldDef.threads", def.threads), def.dynamic_threads), serial(next_serial()) {
   stores.gravity = def.gravity;
   stores.settings = checked(def.settings);
   use_kernels(def.settings.simd);
@@ -363,6 +363,9 @@ void World::wake(BodyId id) {
 
 void World::sleep(BodyId id) {
   const std::uint32_t body = impl_->index_to_change(id, "sleep");
+  if (impl_->stores.sleeping.stays_awake(body)) {
+    throw Error("World::sleep: BodyDef::may_sleep is false; expected a body that may sleep");
+  }
   if (impl_->stores.records.type[body] != BodyType::Dynamic) {
     throw Error("World::sleep: the body is static or kinematic; expected a dynamic one");
   }
@@ -736,6 +739,12 @@ double World::time() const { return impl_->stores.clock.time; }
 const Settings& World::settings() const { return impl_->stores.settings; }
 const Vector3& World::gravity() const { return impl_->stores.gravity; }
 int World::threads() const { return impl_->arena.threads(); }
+void World::set_threads(int threads) {
+  impl_->check_idle("set_threads");
+  if (impl_->in_batch)
+    throw Error("World::set_threads: a world of a Batch; expected one by itself, see Batch::threads");
+  impl_->arena.set_threads(checked_threads("World::set_threads: threads", threads));
+}
 Simd World::simd() const { return simd_of(*impl_->kernels); }
 
 StepReport World::step(double dt) {
@@ -799,6 +808,8 @@ std::span<const ContactEvent> World::contact_events() const {
   }
   return impl_->stores.results.contact_events.events;
 }
+
+std::span<const SleepEvent> World::sleep_events() const { return impl_->stores.results.sleep_events; }
 
 std::span<const SensorEvent> World::sensor_events() const { return impl_->stores.results.sensor_events.events; }
 

@@ -212,6 +212,11 @@ BodyDef Definitions::body() {
   def.sensor = bytes_.one_in(12);
   if (def.sensor) def.notices_static = bytes_.flag(), def.notices_sensors = bytes_.flag();
   if (bytes_.one_in(8)) def.contact_event_force = number(0, 100);
+  if (bytes_.one_in(12)) def.max_speed = number(0.1, 20);
+  if (bytes_.one_in(12)) def.max_angular_speed = number(0.1, 20);
+  def.may_sleep = !bytes_.one_in(10);
+  def.awake = def.type != BodyType::Dynamic || !def.may_sleep || !bytes_.one_in(8);
+  if (!def.awake) def.velocity = def.angular_velocity = Vector3::Zero();
   const bool is_solid = !std::holds_alternative<HalfSpace>(def.shape) &&
                         !std::holds_alternative<TriangleMesh>(def.shape) &&
                         !std::holds_alternative<HeightField>(def.shape);

@@ -21,6 +21,8 @@ class Arena {
   Arena& operator=(const Arena&) = delete;
 
   int threads() const { return threads_; }
+  /// Not while a loop runs.
+  void set_threads(int threads);
 
   /// Runs body(begin, end) over the chunks of [0, count). Returns when all have run.
   template <typename Body>
@@ -43,7 +45,7 @@ class Arena {
 
   void run(Function function, const void* context, std::size_t count, std::size_t grain);
 
-  int threads_;
+  int threads_ = 0;
   Congestion congestion_;
   std::unique_ptr<Tbb> tbb_;
 };

@@ -67,6 +67,13 @@ struct BodyDef {
   double linear_damping = 0;   ///< 1/s, >= 0: v' = -c v
   double angular_damping = 0;  ///< 1/s, >= 0: w' = -c w
   MotionLocks locks = {};      ///< of dynamic bodies
+  /// m/s and rad/s, > 0, of dynamic bodies: no faster as a step begins and as it ends. Within a step, forces and
+  /// contacts may add to it.
+  std::optional<double> max_speed = {};
+  std::optional<double> max_angular_speed = {};
+  /// False: with Settings::sleeping, a dynamic body at rest is asleep as it is added, until something wakes it.
+  bool awake = true;
+  bool may_sleep = true;  ///< false: it stays awake, and so does what it touches or is joined to
   CollisionFilter filter = {};
   /// Looks for what the body may have passed through after every step in which it moved at all. Without it that is
   /// done in steps in which it moved farther than three quarters of its inner radius. It ends the step where it first

@@ -92,6 +92,12 @@ struct SensorEvent {
   std::uint32_t child_body = 0;
 };
 
+/// A body that fell asleep or woke, by the last step or by calls before it.
+struct SleepEvent {
+  BodyId body;
+  bool asleep;  ///< else it woke
+};
+
 /// An island whose contacts carry more than the settings' sweeps can hold up, and what a step did about it. See
 /// Settings::contact_solver.
 struct SelectedSolve {
@@ -343,6 +349,9 @@ class World {
   const Settings& settings() const;
   const Vector3& gravity() const;
   int threads() const;
+  /// From the next step on; as WorldDef::threads. No bit of a result depends on it, so recordings don't have it. Throws
+  /// Error for a world of a Batch.
+  void set_threads(int threads);
   Simd simd() const;  ///< the instruction set in use, never Auto
 
   /// Advances by dt seconds. dt in [1e-12, 1], else Error; nothing else is ever thrown from a step but what functions
@@ -400,6 +409,10 @@ class World {
   std::span<const SensorEvent> sensor_events() const;
   /// Which bodies were in a sensor at the end of the last step, in order. Throws Error on a body that isn't one.
   std::vector<BodyId> bodies_in(BodyId sensor) const;
+
+  /// After a step with Settings::sleeping: bodies that sleep and didn't as the step before ended, or the reverse, in
+  /// order. Bodies that were added, removed or disabled since have none.
+  std::span<const SleepEvent> sleep_events() const;
 
   /// After a step: joints that broke, and that left or reached the ends of their ranges, in order of ids. Those of a
   /// joint that sleeps, is not enabled or breaks have nothing to tell.

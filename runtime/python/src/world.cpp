@@ -247,6 +247,10 @@ void bind_results(Class& world) {
       {"child_sensor", "u4", offsetof(SensorEvent, child_sensor)},
       {"child_body", "u4", offsetof(SensorEvent, child_body)},
   };
+  static const std::vector<Member> sleepers = {
+      {"body", "id", offsetof(SleepEvent, body)},
+      {"asleep", "?", offsetof(SleepEvent, asleep)},
+  };
 #define ATOLL_RECORDS(name) nb::sig("def " name "(self) -> numpy.typing.NDArray[numpy.void]")
   world
       .def(
@@ -271,7 +275,10 @@ void bind_results(Class& world) {
           "sensor_events", [](const World& self) { return records_of(self.sensor_events(), sensors); },
           "A structured array of what got into sensors and out of them: sensor, body, entered, child_sensor, "
           "child_body.",
-          ATOLL_RECORDS("sensor_events"));
+          ATOLL_RECORDS("sensor_events"))
+      .def(
+          "sleep_events", [](const World& self) { return records_of(self.sleep_events(), sleepers); },
+          "A structured array of bodies that fell asleep or woke: body, asleep.", ATOLL_RECORDS("sleep_events"));
 #undef ATOLL_RECORDS
   nb::class_<Wrench> wrench(world, "Wrench", "A force and a torque about a body's centre of mass.");
   bind_result(wrench, Field{"force", &Wrench::force, "N, shape (3,)"},
@@ -414,7 +421,7 @@ void bind_state(Class& world) {
       .def_prop_rw(
           "gravity", [](const World& self) { return self.gravity(); }, &World::set_gravity, "m/s^2, shape (3,)")
       .def_prop_ro("time", &World::time, "s, sum of all steps; snapshots hold it")
-      .def_prop_ro("threads", &World::threads)
+      .def_prop_rw("threads", &World::threads, &World::set_threads, "may change between steps; no result depends on it")
       .def_prop_ro("simd", &World::simd, "the instruction set in use")
       .def(
           "record",

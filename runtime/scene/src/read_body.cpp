@@ -169,6 +169,10 @@ SceneBody read_body(const Reader& in, const Library& library) {
                 "linear_damping",
                 "angular_damping",
                 "locks",
+                "max_speed",
+                "max_angular_speed",
+                "awake",
+                "may_sleep",
                 "force",
                 "filter",
                 "continuous",
@@ -207,6 +211,10 @@ SceneBody read_body(const Reader& in, const Library& library) {
   get(in, "linear_damping", def.linear_damping, at_least(0));
   get(in, "angular_damping", def.angular_damping, at_least(0));
   if (const auto locks = in.find("locks")) def.locks = read_locks(*locks);
+  get(in, "max_speed", def.max_speed, above(0));
+  get(in, "max_angular_speed", def.max_angular_speed, above(0));
+  get(in, "awake", def.awake);
+  get(in, "may_sleep", def.may_sleep);
   get(in, "force", body.force);
   if (const auto filter = in.find("filter")) def.filter = read_filter(*filter);
   get(in, "continuous", def.continuous);

@@ -177,6 +177,10 @@ void put_dynamics(Json& out, const SceneBody& body) {
   if (def.linear_damping != 0) out["linear_damping"] = def.linear_damping;
   if (def.angular_damping != 0) out["angular_damping"] = def.angular_damping;
   if (def.locks != MotionLocks{}) out["locks"] = json(def.locks);
+  put(out, "max_speed", def.max_speed);
+  put(out, "max_angular_speed", def.max_angular_speed);
+  if (!def.awake) out["awake"] = false;
+  if (!def.may_sleep) out["may_sleep"] = false;
   put_unless_zero(out, "force", body.force);
 }
 
