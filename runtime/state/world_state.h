@@ -211,6 +211,30 @@ void visit_control(Archive& archive, AnyWorld& world) {
   });
 }
 
+/// Bodies that World::set_enabled() took out.
+template <typename Archive, typename AnyWorld, typename CheckBody>
+void visit_disabled(Archive& archive, AnyWorld& world, const CheckBody& check_body) {
+  const auto is_disabled = [&](std::uint32_t body) { return world.quarantine.is_disabled(body); };
+  visit_some(archive, world.bodies.size(), is_disabled, [&](std::uint32_t body) {
+    check_body(body);
+    archive.check(world.sleeping.ring[body] == Sleeping::none && !world.quarantine.contains(body),
+                  "a disabled body that sleeps or is in quarantine");
+    if constexpr (Archive::reads) restore_disabled(world, body);
+  });
+}
+
+/// Who fell asleep or woke since the last step with events.
+template <typename Archive, typename AnySleeping, typename CheckBody>
+void visit_sleep_news(Archive& archive, AnySleeping& sleeping, std::size_t bodies, const CheckBody& check_body) {
+  const std::vector<std::uint32_t> news = Archive::reads ? std::vector<std::uint32_t>() : sleeping.news();
+  if constexpr (Archive::reads) sleeping.untold.clear();
+  const auto is_new = [&](std::uint32_t body) { return std::binary_search(news.begin(), news.end(), body); };
+  visit_some(archive, news.empty() && !Archive::reads ? 0 : bodies, is_new, [&](std::uint32_t body) {
+    check_body(body);
+    if constexpr (Archive::reads) sleeping.untold.push_back(body);
+  });
+}
+
 /// `AnyWorld` is Stores, const where the archive doesn't read. Before a state is read the world has its world
 /// definition.
 template <typename Archive, typename AnyWorld>
@@ -381,17 +405,9 @@ class WorldState {
     archive_.template rows<1>(sleeping.rest_time, {0});
     archive_.template rows<1>(sleeping.ring, {Sleeping::none});
     if constexpr (reads) check_rings();
-    if constexpr (!Archive::hashes) visit_sleep_news();
-  }
-  void visit_sleep_news() {
-    auto& sleeping = world_.sleeping;
-    if constexpr (reads) sleeping.untold.clear();
-    const std::vector<std::uint32_t> news = sleeping.news();
-    const auto is_new = [&](std::uint32_t body) { return std::binary_search(news.begin(), news.end(), body); };
-    visit_some(archive_, news.empty() && !reads ? 0 : body_count(), is_new, [&](std::uint32_t body) {
-      check_body(body);
-      if constexpr (reads) sleeping.untold.push_back(body);
-    });
+    if constexpr (!Archive::hashes) {
+      visit_sleep_news(archive_, world_.sleeping, body_count(), [this](std::uint32_t body) { check_body(body); });
+    }
   }
   // Each sleeper is dynamic, and the next of just one.
   void check_rings() {
@@ -426,7 +442,9 @@ class WorldState {
       archive_.value(step);
       if constexpr (reads) restore_quarantined(world_, body, reason, step);
     });
-    visit_disabled();
+    if (!Archive::hashes || !list.disabled().empty()) {
+      visit_disabled(archive_, world_, [this](std::uint32_t body) { check_body(body); });
+    }
     const auto is_suspect = [&list](std::uint32_t body) { return list.is_suspect(body); };
     visit_some(archive_, body_count(), is_suspect, [&](std::uint32_t body) {
       if constexpr (reads) list.suspect(body);
@@ -445,18 +463,6 @@ class WorldState {
       }
     });
     if constexpr (reads) note_restored_bodies(world_);
-  }
-
-  void visit_disabled() {
-    auto& list = world_.quarantine;
-    if (Archive::hashes && list.disabled().empty()) return;
-    const auto is_disabled = [&list](std::uint32_t body) { return list.is_disabled(body); };
-    visit_some(archive_, body_count(), is_disabled, [&](std::uint32_t body) {
-      check_body(body);
-      archive_.check(world_.sleeping.ring[body] == Sleeping::none && !list.contains(body),
-                     "a disabled body that sleeps or is in quarantine");
-      if constexpr (reads) restore_disabled(world_, body);
-    });
   }
 
   void visit_selection() {
