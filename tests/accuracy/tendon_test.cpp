@@ -240,6 +240,37 @@ TEST_P(TendonTest, AMimickingGripperHoldsABox) {
   EXPECT_NEAR(world.joint_state(mimic).position[0], 0, direct() ? 1e-5 : 5e-3);
 }
 
+// A rope over two pulleys, the second a tackle of two parts: the length of the one rope and twice the other's is that
+// of the whole. The weights move as F = m a says of both, and a weight that is lifted lets it go slack.
+TEST_P(TendonTest, ARopeOverPulleysMovesTwoWeights) {
+  constexpr double light = 1, heavy = 3;  // kg
+  World world({.settings = {.joint_solver = GetParam()}});
+  const BodyId ceiling = world.add_body(static_box({0, 0, 3.5}, {3, 0.5, 0.5}));
+  std::vector<BodyId> weights;
+  std::vector<TendonTerm> terms;
+  for (const double side : {-1.0, 1.0}) {
+    BodyDef weight = sphere({side, 0, 0}, 0.1);
+    weight.mass = side < 0 ? light : heavy;
+    weights.push_back(world.add_body(weight));
+    const JointId rope = world.add_joint({.kind = DistanceJoint{{.range = {0, unlimited}}},
+                                          .first = ceiling,
+                                          .second = weights.back(),
+                                          .frame_first = {{side, 0, -0.5}, Quaternion::Identity()}});
+    terms.push_back({.joint = rope, .polynomial = {0, side < 0 ? 1.0 : 2.0}});
+  }
+  const JointId rope = world.add_joint({.kind = TendonJoint{.terms = terms, .length = {.range = {-unlimited, 9}}}});
+  run(world, 30);
+  const double falls = g * (heavy - 2 * light) / (heavy + 4 * light);  // m/s^2, the heavy one
+  EXPECT_NEAR(world.velocity(weights[1]).z(), -falls * 0.5, 1e-3);
+  EXPECT_NEAR(world.velocity(weights[0]).z(), 2 * falls * 0.5, 2e-3);
+  EXPECT_NEAR(world.joint_state(rope).force.x(), -light * (g + 2 * falls), 0.02) << "N, along the rope";
+  EXPECT_NEAR(world.joint_state(rope).position[0], 9, 1e-3);
+  world.set_pose(weights[0], {{-1, 0, 1}, Quaternion::Identity()});
+  const double before = world.velocity(weights[1]).z();
+  world.step(dt);
+  EXPECT_NEAR(world.velocity(weights[1]).z(), before - g * dt, 1e-9) << "nothing pulls by a slack rope";
+}
+
 INSTANTIATE_TEST_SUITE_P(Solvers, TendonTest, testing::Values(JointSolver::Iterative, JointSolver::Direct),
                          [](const auto& solver) { return solver_name(solver.param); });
 

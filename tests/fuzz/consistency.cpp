@@ -198,6 +198,10 @@ void check_shape(const Shape& shape) {
 
 void check_same_results(const World& a, const World& b) {
   require(a.sensor_events().size() == b.sensor_events().size(), "sensor events differ");
+  require(std::ranges::equal(
+              a.sleep_events(), b.sleep_events(),
+              [](const SleepEvent& x, const SleepEvent& y) { return x.body == y.body && x.asleep == y.asleep; }),
+          "sleep events differ");
   require(a.joint_events().size() == b.joint_events().size(), "joint events differ");
   require(a.selected_solves().size() == b.selected_solves().size(), "selected solves differ");
   const std::span<const ContactForce> first = a.contact_forces(), second = b.contact_forces();

@@ -216,7 +216,8 @@ void break_and_release(Run& run) {
   const int before = run.result.steps;
   run.step("step", [](World& of) { return of.step(1.0 / 60); });
   const BodyDef def = world.definition(id);
-  const bool is_free = def.type == BodyType::Dynamic && def.locks == MotionLocks{} && world.is_enabled(id) && run.definitions.usual();
+  const bool is_free =
+      def.type == BodyType::Dynamic && def.locks == MotionLocks{} && world.is_enabled(id) && run.definitions.usual();
   require(!is_free || run.result.steps == before || world.is_quarantined(id),
           "a body stays that no world goes on with");
   if (!world.is_quarantined(id) || run.bytes.one_in(4)) return;
