@@ -53,14 +53,10 @@ struct Batch::Impl {
   std::vector<Snapshot> starts;
   std::vector<BodyId> bodies;
   std::vector<JointId> joints;
-  std::vector<std::size_t> moving;   // places of bodies that can have a velocity
-  std::vector<std::size_t> dynamic;  // of those that feel forces
-  bool pushed = false;               // the scene has constant forces
+  bool pushed = false;  // the scene has constant forces
 
   Impl(const Scene& of, int threads) : scene(of), arena(threads) {
     for (std::size_t i = 0; i < of.bodies.size(); ++i) {
-      if (of.bodies[i].def.type != BodyType::Static) moving.push_back(i);
-      if (of.bodies[i].def.type == BodyType::Dynamic) dynamic.push_back(i);
       pushed |= !of.bodies[i].force.isZero(0);
     }
   }
@@ -122,24 +118,27 @@ struct Batch::Impl {
     return joints[number];
   }
 
-  // A bulk call of each world for some of its bodies, from two arrays with a column for each of them all.
+  // A bulk call of each world for those of its bodies that take it, from two arrays with a column for each of them all.
   template <typename Bulk>
   void hand_on(const char* call, const std::array<const char*, 2>& what, std::span<const std::size_t> places,
-               const std::vector<std::size_t>& some, std::span<const double> first, std::span<const double> second,
-               const Bulk& bulk) {
+               BodyType least, std::span<const double> first, std::span<const double> second, const Bulk& bulk) {
     const std::size_t a_world = 3 * bodies.size();
     check_size(call, what[0], first.size(), a_world * count_of(places));
     check_size(call, what[1], second.size(), a_world * count_of(places));
-    std::vector<BodyId> ids;
-    for (const std::size_t body : some) ids.push_back(bodies[body]);
     for_each(worlds, call, places, [&](World& world, std::size_t, std::size_t number) {
-      const auto columns = static_cast<Eigen::Index>(some.size());
-      Eigen::Matrix3Xd a(3, columns), b(3, columns);
-      for (Eigen::Index i = 0; i < columns; ++i) {
-        const std::size_t from = number * a_world + 3 * some[static_cast<std::size_t>(i)];
-        a.col(i) = Vector3(first.data() + from);
-        b.col(i) = Vector3(second.data() + from);
+      std::vector<BodyId> ids;
+      Eigen::Matrix3Xd a(3, bodies.size()), b(3, bodies.size());
+      for (std::size_t body = 0; body < bodies.size(); ++body) {
+        if (world.contains(bodies[body]) && world.type(bodies[body]) < least) continue;
+        const std::size_t from = number * a_world + 3 * body;
+        const auto column = static_cast<Eigen::Index>(ids.size());
+        a.col(column) = Vector3(first.data() + from);
+        b.col(column) = Vector3(second.data() + from);
+        ids.push_back(bodies[body]);
       }
+      const auto columns = static_cast<Eigen::Index>(ids.size());
+      a.conservativeResize(3, columns);
+      b.conservativeResize(3, columns);
       bulk(world, ids, a, b);
     });
   }
@@ -251,13 +250,13 @@ void Batch::set_poses(std::span<const double> origins, std::span<const double> o
 
 void Batch::set_velocities(std::span<const double> linear, std::span<const double> angular,
                            std::span<const std::size_t> places) {
-  impl_->hand_on("set_velocities", {"velocities", "spins"}, places, impl_->moving, linear, angular,
+  impl_->hand_on("set_velocities", {"velocities", "spins"}, places, BodyType::Kinematic, linear, angular,
                  [](World& world, const auto& ids, const auto& v, const auto& w) { world.set_velocities(ids, v, w); });
 }
 
 void Batch::apply_forces(std::span<const double> forces, std::span<const double> torques,
                          std::span<const std::size_t> places) {
-  impl_->hand_on("apply_forces", {"forces", "torques"}, places, impl_->dynamic, forces, torques,
+  impl_->hand_on("apply_forces", {"forces", "torques"}, places, BodyType::Dynamic, forces, torques,
                  [](World& world, const auto& ids, const auto& f, const auto& t) { world.apply_forces(ids, f, t); });
 }
 

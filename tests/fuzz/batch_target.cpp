@@ -120,7 +120,7 @@ class Run {
             const Vector3 velocity(linear[next], linear[next + 1], linear[next + 2]);
             const Vector3 spin(angular[next], angular[next + 1], angular[next + 2]);
             next += 3;
-            if (!alone_[i].contains(id) || alone_[i].definition(id).type == BodyType::Static) continue;
+            if (alone_[i].contains(id) && alone_[i].type(id) == BodyType::Static) continue;
             alone_[i].set_velocity(id, velocity, spin);
           }
         });
