@@ -107,14 +107,14 @@ std::vector<std::uint32_t> JointTable::tendons_over(std::uint32_t joint) const {
   return over;
 }
 
-bool JointTable::may_act(std::uint32_t joint) const {
-  return enabled[joint] && suspended[joint] == 0 && joints[joint].row_count() > 0;
-}
+bool JointTable::takes_part(std::uint32_t joint) const { return enabled[joint] && suspended[joint] == 0; }
 
 void JointTable::update_flags(std::uint32_t joint) {
   const solver::Joint& j = joints[joint];
-  acts[joint] = may_act(joint) && std::all_of(j.term.begin(), j.term.begin() + j.terms,
-                                              [&](const solver::TendonTerm& term) { return may_act(term.joint); });
+  // A tendon's joints need no rows of their own: what is free may hang on a rope.
+  acts[joint] = takes_part(joint) && j.row_count() > 0 &&
+                std::all_of(j.term.begin(), j.term.begin() + j.terms,
+                            [&](const solver::TendonTerm& term) { return takes_part(term.joint); });
   bool may_tell = def[joint]->break_force < unlimited || def[joint]->break_torque < unlimited;
   bool is_driven = false;
   for (std::size_t row = 0; row < j.rows; ++row) {

@@ -76,7 +76,7 @@ struct JointTable {
   // A tendon is found by the joints of its terms.
   void link(std::uint32_t joint);
   void unlink(std::uint32_t joint);
-  bool may_act(std::uint32_t joint) const;
+  bool takes_part(std::uint32_t joint) const;
 
   // See WorldState::check_members().
   static void check_members(JointTable& table) {
