@@ -61,7 +61,7 @@ template <typename Executor>
 void GroupPass<Executor>::prepare() {
   if (setup_.sweeps_joints) prepare_joints();
   prepare_contacts();
-  if (setup_.may_gain) parts_.passive_energy.begin(setup_.input, setup_.group);
+  if (!parts_.contacts.empty()) parts_.passive_energy.begin(setup_.input, setup_.group);
   complete_joints();
   if (setup_.sweeps_tendons) parts_.tendons.begin_step(setup_.joint_step);
   if (setup_.joined) prepare_systems();
@@ -101,7 +101,7 @@ void GroupPass<Executor>::finish() {
     write_back(setup_.input, parts_, setup_.body_ids, setup_.joined, begin, end);
   });
   loops_.each_system([&](DirectJoints& system) { system.finish(setup_.direct_input); });
-  if (setup_.may_gain) parts_.passive_energy.bound(setup_.input);
+  if (!parts_.contacts.empty()) parts_.passive_energy.bound(setup_.input);
   loops_.each_joint_block(
       [&](std::size_t begin, std::size_t end) { parts_.joints.store(setup_.joint_step, begin, end); });
   if (setup_.sweeps_tendons) parts_.tendons.store(setup_.joint_step);

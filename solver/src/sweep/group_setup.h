@@ -29,7 +29,6 @@ struct GroupSetup {
         sweeps_joints(with_joints && !parts.joints.empty()),
         sweeps_tendons(with_joints && !parts.tendons.empty()),
         bounds_joints(sweeps_joints && relaxes),
-        may_gain(!parts.contacts.empty() && (joined || report.gyroscopic_bodies > 0)),
         friction(!report.friction   ? Friction::None
                  : settings.pyramid ? Friction::Pyramid
                                     : Friction::Cone),
@@ -51,7 +50,6 @@ struct GroupSetup {
   const bool sweeps_joints;                       // some are solved one by one
   const bool sweeps_tendons;                      // between these
   const bool bounds_joints;                       // whose velocities end a substep without what pushes
-  const bool may_gain;                            // energy from what only holds: see PassiveEnergy
   const Friction friction;
   const JointStep joint_step;
   const DirectIslandInput direct_input;

@@ -11,15 +11,27 @@
 namespace atl::solver {
 namespace {
 
-// True if contacts may not know a body's inertia for all of a step: as it turns, or as it does once it is struck. A
-// spin that they make about the light axis, where that was, is one about the heavy axes once it has swung by an angle,
-// by so much: its energy grows by their moment over the least times the square of the angle.
-bool turns_blindly(const BodyTable& bodies, std::uint32_t body, double dt) {
+// True if contacts may not know a body's inertia for all of a step: as it turns, or as it does once what it has, and
+// falls by in the step, is struck. A spin that they make about the light axis, where that was, is one about the heavy
+// axes once it has swung by an angle, by so much: its energy grows by their moment over the least times the square of
+// the angle.
+bool turns_blindly(const SolveInput& input, std::uint32_t body) {
+  const BodyTable& bodies = input.bodies;
+  const double dt = input.dt;
   if (!bodies.gyroscopic[body]) return false;
   const double most = bodies.moments[body].maxCoeff(), least = bodies.moments[body].minCoeff();
   const double spin = bodies.angular_velocity(body).norm();
-  const double struck = bodies.velocity(body).norm() / std::sqrt(most * bodies.inverse_mass[body]);
+  const double fall = dt * linear_acceleration(bodies, body, input.gravity).norm();
+  const double struck = (bodies.velocity(body).norm() + fall) / std::sqrt(most * bodies.inverse_mass[body]);
   return dt * (spin + struck) * std::sqrt(most / least) > tuning::blind_turn;
+}
+
+bool overlaps_deeply(const SolveInput& input, const TouchingPair& pair) {
+  const collision::ContactManifold& manifold = input.manifolds[pair.slot];
+  const collision::Contact& contact = input.contacts[pair.slot];
+  float least = 0;
+  for (std::size_t i = 0; i < contact.count; ++i) least = std::min(least, manifold.separation[i]);
+  return least < -tuning::deep_overlap * contact.size;
 }
 
 StoredEnergy stored_in(const SolveInput& input, std::size_t island) {
@@ -91,8 +103,9 @@ void PassiveEnergy::begin(const SolveInput& input, const IslandGroup& group) {
     const bool joined = input.islands.joint_count(island) > 0;
     if (joined && input.islands.contacts(island, island + 1).empty()) continue;
     for (const std::uint32_t body : input.islands.bodies(island, island + 1)) {
-      if (joined || turns_blindly(input.bodies, body, input.dt)) watched_.push_back(body);
+      if (joined || turns_blindly(input, body)) watched_.push_back(body);
     }
+    if (!joined) watch_overlapping(input, island, first);
     if (watched_.size() == first) continue;
     if (is_passive(input, island)) {
       const auto bodies = std::span(watched_).subspan(first);
@@ -105,6 +118,20 @@ void PassiveEnergy::begin(const SolveInput& input, const IslandGroup& group) {
       watched_.resize(first);
     }
   }
+}
+
+void PassiveEnergy::watch_overlapping(const SolveInput& input, std::size_t island, std::size_t first) {
+  const std::size_t watched = watched_.size();
+  for (const TouchingPair& pair : input.islands.contacts(island, island + 1)) {
+    if (!overlaps_deeply(input, pair)) continue;
+    for (const std::uint32_t body : {pair.first, pair.second}) {
+      if (input.bodies.mobility[body] == Mobility::Dynamic) watched_.push_back(body);
+    }
+  }
+  if (watched_.size() == watched) return;
+  const auto begin = watched_.begin() + static_cast<std::ptrdiff_t>(first);
+  std::sort(begin, watched_.end());
+  watched_.erase(std::unique(begin, watched_.end()), watched_.end());
 }
 
 void PassiveEnergy::bound(const SolveInput& input) const {
