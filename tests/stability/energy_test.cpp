@@ -108,6 +108,48 @@ TEST(Energy, LandingNeedlesGainNone) {
   }
 }
 
+// Thirty needles that fall through each other into a heap.
+TEST(Energy, HeapsOfNeedlesGainNone) {
+  for (const double aspect : {100.0, 1000.0, 10000.0}) {
+    SCOPED_TRACE("1:" + std::to_string(aspect));
+    World world;
+    world.add_body(ground());
+    Random random(1);
+    std::vector<BodyId> ids;
+    for (int i = 0; i < 30; ++i) {
+      BodyDef needle{.shape = Box{{0.5 / aspect, 0.5 / aspect, 0.5}}};
+      needle.position = {random.real(-0.5, 0.5), random.real(-0.5, 0.5), 1 + 0.1 * i};
+      needle.orientation = random.rotation();
+      ids.push_back(world.add_body(needle));
+    }
+    double energy = mechanical_energy(world, ids);
+    for (int i = 0; i < 600; ++i) {
+      ASSERT_EQ(world.step(dt).quarantined, 0) << "step " << i;
+      const double now = mechanical_energy(world, ids);
+      ASSERT_LT(now, 1.01 * energy) << "step " << i;
+      energy = std::min(energy, now);
+    }
+  }
+}
+
+// What was put into one place is pushed apart, and is then as slow as it was.
+TEST(Energy, BodiesInOnePlaceGainNone) {
+  for (const int count : {2, 30, 300}) {
+    for (const bool balls : {false, true}) {
+      SCOPED_TRACE(std::to_string(count) + (balls ? " balls" : " cubes"));
+      World world({.gravity = Vector3::Zero()});
+      std::vector<BodyId> ids;
+      for (int i = 0; i < count; ++i) ids.push_back(world.add_body(balls ? sphere({0, 0, 0}) : box({0, 0, 0})));
+      double fastest = 0;
+      for (int i = 0; i < 60; ++i) {
+        ASSERT_EQ(world.step(dt).quarantined, 0) << "step " << i;
+        for (const BodyId id : ids) fastest = std::max(fastest, world.velocity(id).norm());
+      }
+      EXPECT_LT(fastest, world.settings().contact_push_speed);
+    }
+  }
+}
+
 // In flight a needle's spin about its axis goes along with the axis, at any speed.
 TEST(Energy, NeedlesInFlightKeepTheirs) {
   for (const double aspect : {100.0, 1000.0, 10000.0}) {
