@@ -11,11 +11,20 @@
 namespace atl::solver {
 namespace {
 
+// Calls visit(number in the problem, body) with the ends of a joint, those of the joints that a tendon runs over too.
+template <typename Visit>
+bool all_ends(const DirectJoint& joint, const Visit& visit) {
+  return visit(joint.first, joint.first_body) && visit(joint.second, joint.second_body) &&
+         std::all_of(joint.term.begin(), joint.term.begin() + joint.terms, [&](const DirectTerm& term) {
+           return visit(term.first, term.first_body) && visit(term.second, term.second_body);
+         });
+}
+
 // A gear's bearings are elsewhere, and hold it.
 bool floats(const Joint* joints, const IslandProblem& problem) {
   return std::all_of(problem.joints.begin(), problem.joints.end(), [&](const DirectJoint& joint) {
     const Joint& of = joints[joint.joint];
-    return joint.first != no_body && joint.second != no_body &&
+    return all_ends(joint, [](std::uint32_t number, std::uint32_t) { return number != no_body; }) &&
            std::none_of(of.coordinate.begin(), of.coordinate.begin() + of.rows, is_geared);
   });
 }
@@ -61,11 +70,10 @@ bool is_closed(const DirectIslandInput& input, const IslandProblem& problem) {
   for (const DirectBody& body : problem.bodies) {
     if (table.linear_damping[body.body] != 0 || table.angular_damping[body.body] != 0) return false;
   }
-  for (const DirectJoint& joint : problem.joints) {
-    if (joint.first == no_body && !stands(table, joint.first_body)) return false;
-    if (joint.second == no_body && !stands(table, joint.second_body)) return false;
-  }
-  return true;
+  return std::all_of(problem.joints.begin(), problem.joints.end(), [&](const DirectJoint& joint) {
+    return all_ends(joint,
+                    [&](std::uint32_t number, std::uint32_t body) { return number != no_body || stands(table, body); });
+  });
 }
 
 double mass_of(const IslandProblem& problem) {
