@@ -114,15 +114,19 @@ class Run {
     both(
         "set_velocities", [&] { batch_.set_velocities(linear, angular, places_); },
         [&](std::size_t i) {
-          const auto column = std::find(places_.begin(), places_.end(), i) - places_.begin();
-          std::size_t next = 3 * ids_.size() * static_cast<std::size_t>(column);
-          for (const BodyId id : ids_) {
-            const Vector3 velocity(linear[next], linear[next + 1], linear[next + 2]);
-            const Vector3 spin(angular[next], angular[next + 1], angular[next + 2]);
-            next += 3;
-            if (alone_[i].contains(id) && alone_[i].type(id) == BodyType::Static) continue;
-            alone_[i].set_velocity(id, velocity, spin);
+          const auto number = static_cast<std::size_t>(std::find(places_.begin(), places_.end(), i) - places_.begin());
+          std::vector<BodyId> moving;
+          std::vector<double> v, w;
+          for (std::size_t body = 0; body < ids_.size(); ++body) {
+            if (alone_[i].contains(ids_[body]) && alone_[i].type(ids_[body]) == BodyType::Static) continue;
+            moving.push_back(ids_[body]);
+            const auto from = static_cast<std::ptrdiff_t>(3 * (number * ids_.size() + body));
+            v.insert(v.end(), linear.begin() + from, linear.begin() + from + 3);
+            w.insert(w.end(), angular.begin() + from, angular.begin() + from + 3);
           }
+          const auto columns = static_cast<Eigen::Index>(moving.size());
+          alone_[i].set_velocities(moving, Eigen::Map<const Eigen::Matrix3Xd>(v.data(), 3, columns),
+                                   Eigen::Map<const Eigen::Matrix3Xd>(w.data(), 3, columns));
         });
   }
 
