@@ -188,6 +188,13 @@ struct SetName {
   void make(World& world) const { world.set_name(body, name); }
 };
 
+struct SetJointDefinition {
+  JointId joint;
+  JointDef def;
+  static auto fields(auto& self) { return std::tie(self.joint, self.def); }
+  void make(World& world) const { world.set_joint(joint, def); }
+};
+
 struct Refilter {
   BodyId body;
   static auto fields(auto& self) { return std::tie(self.body); }
@@ -217,7 +224,7 @@ using RecordedCall =
                  calls::AddJoint, calls::RemoveJoint, calls::SetJoint, calls::SetJointEnabled, calls::SetGravity,
                  calls::SetSettings, calls::SetMaterial, calls::SetMass, calls::SetGravityScale, calls::SetDamping,
                  calls::SetUserData, calls::SetName, calls::Refilter, calls::CountTurnsFrom, calls::SetEnabled,
-                 calls::Sleep>;
+                 calls::Sleep, calls::SetJointDefinition>;
 
 template <typename Archive, typename Field>
 void visit_field(Archive& archive, Field& field) {

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <sstream>
 
 #include "world/bodies.h"
@@ -25,45 +24,40 @@ std::string text(BodyId id) {
   return out.str();
 }
 
-bool same_terms(const solver::Joint& a, const solver::Joint& b) {
+bool same_coordinates(const solver::Joint& a, const solver::Joint& b) {
   const auto end = a.term.begin() + a.terms;
-  return a.terms == b.terms && std::equal(a.term.begin(), end, b.term.begin(), [](const auto& x, const auto& y) {
-           return x.joint == y.joint && x.coordinate == y.coordinate;
-         });
+  return a.point == b.point && a.rows == b.rows && a.coordinate == b.coordinate && a.terms == b.terms &&
+         std::equal(a.term.begin(), end, b.term.begin(),
+                    [](const auto& x, const auto& y) { return x.joint == y.joint && x.coordinate == y.coordinate; });
 }
 
-// True if the rows obey laws of the same kinds, perhaps with other numbers: then nothing that depends on the kinds of
-// laws needs to be derived anew.
-bool hold_the_same(const solver::Joint& a, const solver::Joint& b) {
-  if (a.point != b.point || a.rows != b.rows || a.coordinate != b.coordinate || a.bounces != b.bounces) return false;
-  if (!same_terms(a, b)) return false;
-  for (std::size_t row = 0; row < a.rows; ++row) {
-    const solver::Law& x = a.law[row];
-    const solver::Law& y = b.law[row];
-    if (x.locked() != y.locked() || x.limited() != y.limited()) return false;
-    if (x.springs() != y.springs() || x.drives() != y.drives()) return false;
-    if ((x.friction > 0) != (y.friction > 0)) return false;
-  }
-  return true;
+// True if what chooses a method for joints that hang together sees no difference. It doesn't look at other numbers.
+bool solved_alike(const solver::Joint& a, const solver::Joint& b) {
+  if (!same_coordinates(a, b) || a.bounces != b.bounces || a.ratio != b.ratio) return false;
+  if (a.anchor_first != b.anchor_first || a.anchor_second != b.anchor_second) return false;
+  if (a.axes_first != b.axes_first || a.axes_second != b.axes_second) return false;
+  return std::equal(a.law.begin(), a.law.begin() + a.rows, b.law.begin(), [](const auto& x, const auto& y) {
+    return x.locked() == y.locked() && x.limited() == y.limited() && x.drives() == y.drives() &&
+           x.is_servo() == y.is_servo() && (x.friction > 0) == (y.friction > 0) &&
+           (x.armature > 0) == (y.armature > 0) && x.spring_hertz == y.spring_hertz &&
+           x.damping_ratio == y.damping_ratio && x.stiffness == y.stiffness && x.damping == y.damping;
+  });
 }
 
-// The row along a coordinate, or rows if there is none.
-std::size_t row_along(const solver::Joint& joint, solver::Coordinate coordinate) {
-  std::size_t row = 0;
-  while (row < joint.rows && joint.coordinate[row] != coordinate) ++row;
-  return row;
-}
-
-// Copies the state of a joint's coordinates (impulses, positions) to a joint with other rows.
+// Copies the state of a joint's coordinates (impulses, positions) to a joint that may have other rows.
 void keep_state(const solver::Joint& from, solver::Joint& to) {
   if (from.point && to.point) to.point_impulse = from.point_impulse;
   to.tension = from.tension;
+  to.force = from.force;
+  to.torque = from.torque;
   for (std::size_t row = 0; row < to.rows; ++row) {
-    const std::size_t old = row_along(from, to.coordinate[row]);
+    const std::size_t old = from.row_along(to.coordinate[row]);
     if (old == from.rows) continue;
     to.impulse[row] = from.impulse[old];
     to.position[row] = from.position[old];
     to.limit[row] = from.limit[old];
+    to.motor_bound[row] = from.motor_bound[old];
+    to.friction_bound[row] = from.friction_bound[old];
   }
 }
 
@@ -144,15 +138,27 @@ void check_bodies(const Stores& world, const JointDef& def) {
   }
 }
 
+namespace {
+
+solver::Joint make_joint(const Stores& world, const JointDef& def) {
+  return make_joint(def, world.records.centre[def.first.index], world.records.centre[def.second.index]);
+}
+
+void check_direction(const Stores& world, const JointDef& def, const solver::Joint& joint) {
+  if (std::holds_alternative<DistanceJoint>(def.kind) && !(frames_of(world, joint).offset.norm() > least_distance)) {
+    throw Error("JointDef: the origins of the frames of a DistanceJoint coincide; expected two points");
+  }
+}
+
+}  // namespace
+
 JointId add_joint(Stores& world, const JointDef& definition) {
   const JointDef joined = with_bodies(world, definition);
   check_bodies(world, joined);
   const JointDef def = checked(joined);
-  solver::Joint joint = make_joint(def, world.records.centre[def.first.index], world.records.centre[def.second.index]);
+  solver::Joint joint = make_joint(world, def);
   bind_tendon(world, def.kind, joint, joint);
-  if (std::holds_alternative<DistanceJoint>(def.kind) && !(frames_of(world, joint).offset.norm() > least_distance)) {
-    throw Error("JointDef: the origins of the frames of a DistanceJoint coincide; expected two points");
-  }
+  check_direction(world, def, joint);
   find_positions(world, joint);
   const std::uint32_t index = world.joints.add(def, joint);
   for (const BodyId body : {def.first, def.second}) {
@@ -206,114 +212,53 @@ solver::JointFrames frames_of(const Stores& world, const solver::Joint& joint) {
 
 namespace {
 
-// kg or kg m^2: of two bodies along a row, if nothing else held them.
-double mass_along(const solver::JointRow& row, const solver::Joint& joint, const solver::BodyTable& bodies) {
-  const auto inverse_inertia = [&](std::uint32_t body) -> Matrix3 {
-    const Matrix3 turn = bodies.orientation(body).toRotationMatrix();
-    return turn * bodies.inverse_inertia[body] * turn.transpose();
-  };
-  return 1 / row.response(bodies.inverse_mass[joint.first] + bodies.inverse_mass[joint.second],
-                          inverse_inertia(joint.first), inverse_inertia(joint.second));
-}
-
-// N or N m: a spring's, of a frequency with the mass along its row.
-double spring_force(const solver::Law& law, double position, double speed, double mass) {
-  if (law.spring_hertz == 0) return -law.stiffness * (position - law.rest) - law.damping * speed;
-  const double omega = 2 * std::numbers::pi * law.spring_hertz;
-  return -mass * omega * (omega * (position - law.rest) + 2 * law.damping_ratio * speed);
-}
-
-// N or N m, in the last substep of so many seconds, with a spring beside it; see JointState::motor.
-double motor_force(const solver::Joint& joint, std::size_t row, double position, double speed, double spring,
-                   double substep) {
-  const solver::Law& law = joint.law[row];
-  if (!law.drives() || substep == 0) return 0;
-  const double most = law.motor_force;
-  if (law.is_servo()) {
-    const double wanted =
-        law.servo_stiffness * (law.servo_target - position) + law.servo_damping * (law.motor_speed - speed);
-    return std::clamp(wanted, -most, most);
+// The definition that a joint is to have after another, with the bits of what it says again.
+JointDef checked_change(const Stores& world, const JointDef& before, const JointDef& definition) {
+  if (definition.kind.index() != before.kind.index()) {
+    throw Error(std::string("World::set_joint: kind is ") + name_of(definition.kind) + "; expected " +
+                name_of(before.kind) + ", as the joint was made with");
   }
-  const double way = law.motor_speed < 0 ? -1 : 1;
-  if (law.motor_speed != 0 && joint.limit[row] * way > 0 && std::isfinite(most)) return way * most;
-  const double all = joint.impulse[row] / substep - spring;
-  // Friction holds back the motor; where both hold the coordinate still, it takes what it can.
-  const double rubs = law.motor_speed != 0 ? -way * law.friction : std::clamp(all, -law.friction, law.friction);
-  return std::clamp(all - rubs, -most, most);
+  JointDef def = checked(with_bodies(world, definition));
+  if (!std::holds_alternative<TendonJoint>(def.kind) && (def.first != before.first || def.second != before.second)) {
+    throw Error("World::set_joint: the bodies are " + text(def.first) + " and " + text(def.second) + "; expected " +
+                text(before.first) + " and " + text(before.second) + ", as the joint was made with");
+  }
+  // Scaled to unit length again, an orientation may differ in its last bits.
+  for (Pose JointDef::*frame : {&JointDef::frame_first, &JointDef::frame_second}) {
+    const Quaternion& held = (before.*frame).orientation;
+    if ((definition.*frame).orientation == held) (def.*frame).orientation = held;
+  }
+  return def;
 }
 
 }  // namespace
 
-JointState joint_state(const Stores& world, std::uint32_t index) {
-  const solver::Joint& joint = world.joints.joints[index];
-  JointState state{.enabled = world.joints.enabled[index] != 0,
-                   .broken = world.joints.broken[index] != 0,
-                   .force = joint.force,
-                   .torque = joint.torque};
-  if (joint.is_tendon()) {
-    const solver::TendonNow now = tendon_now(joint, world.joints.joints.data(), world.bodies);
-    if (std::isfinite(now.length) && std::isfinite(now.rate)) {
-      state.position[0] = now.length;
-      state.speed[0] = now.rate;
-      const double spring = spring_force(joint.law[0], now.length, now.rate, 0);
-      state.motor[0] = motor_force(joint, 0, now.length, now.rate, spring, world.clock.last_substep);
-    }
-    return state;
+void set_joint(Stores& world, std::uint32_t index, const JointDef& definition) {
+  const std::shared_ptr<const JointDef> before = world.joints.def[index];
+  JointDef def = checked_change(world, *before, definition);
+  JointDef renamed = *before;
+  renamed.name = def.name;
+  renamed.user_data = def.user_data;
+  if (def == renamed) {
+    world.joints.def[index] = std::make_shared<const JointDef>(std::move(renamed));
+    return;
   }
-  const std::span<const solver::Coordinate> names = named_coordinates(world.joints.def[index]->kind);
-  solver::Joint named = joint;
-  named.rows = static_cast<std::uint8_t>(names.size());
-  std::copy(names.begin(), names.end(), named.coordinate.begin());
-  const solver::JointFrames frames = frames_of(world, named);
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const solver::JointRow row = joint_row(named, i, frames);
-    const std::size_t kept = row_along(joint, names[i]);
-    const double position = kept == joint.rows ? row.value : continued(names[i], row.value, joint.position[kept]);
-    const double speed = row.rate(world.bodies.velocity(joint.first), world.bodies.angular_velocity(joint.first),
-                                  world.bodies.velocity(joint.second), world.bodies.angular_velocity(joint.second));
-    // Skips joints of quarantined bodies, which may be anywhere.
-    if (!std::isfinite(position) || !std::isfinite(speed)) continue;
-    state.position[i] = position;
-    state.speed[i] = speed;
-    if (kept == joint.rows || !joint.law[kept].drives()) continue;
-    const double spring = spring_force(joint.law[kept], position, speed, mass_along(row, joint, world.bodies));
-    state.motor[i] = motor_force(joint, kept, position, speed, spring, world.clock.last_substep);
+  const solver::Joint was = world.joints.joints[index];
+  solver::Joint joint = make_joint(world, def);
+  bind_tendon(world, def.kind, was, joint);
+  if (def.frame_first != before->frame_first || def.frame_second != before->frame_second) {
+    check_direction(world, def, joint);
   }
-  return state;
-}
-
-void set_joint(Stores& world, std::uint32_t index, const JointKind& kind) {
-  JointDef def = *world.joints.def[index];
-  if (kind.index() != def.kind.index()) {
-    throw Error(std::string("World::set_joint: kind is ") + name_of(kind) + "; expected " + name_of(def.kind) +
-                ", as the joint was made with");
-  }
-  check("World::set_joint: kind", kind);
-  solver::Joint& joint = world.joints.joints[index];
-  const solver::Joint before = joint;
-  solver::Joint laws = make_joint(kind);
-  bind_tendon(world, kind, before, laws);
   wake_joined_by(world, index);
-  def.kind = kind;
-  def = with_bodies(world, def);
-  world.joints.def[index] = std::make_shared<const JointDef>(def);
-  joint.first = def.first.index;
-  joint.second = def.second.index;
-  joint.term = laws.term;
-  joint.terms = laws.terms;
-  joint.point = laws.point;
-  joint.rows = laws.rows;
-  joint.coordinate = laws.coordinate;
-  joint.law = laws.law;
-  joint.ratio = laws.ratio;
-  joint.bounces = laws.bounces;
-  if (!hold_the_same(before, joint)) {
-    forget_impulses(joint);
-    joint.limit = {};
-    find_positions(world, joint);
-    keep_state(before, joint);
-    world.changes.joints = true;
+  if (!same_coordinates(was, joint)) find_positions(world, joint);
+  keep_state(was, joint);
+  world.joints.joints[index] = joint;
+  wake_joined_by(world, index);
+  world.changes.joints |= !solved_alike(was, joint);
+  if (world.joints.enabled[index] && def.collide != before->collide) {
+    def.collide ? let_touch(world, index) : keep_apart(world, index);
   }
+  world.joints.def[index] = std::make_shared<const JointDef>(std::move(def));
   world.joints.update_flags(index);
 }
 
@@ -350,7 +295,7 @@ void count_turns_from(Stores& world, std::uint32_t index, double angle, std::siz
                 "; expected one of the " + std::to_string(names.size()) + " that a " + name_of(kind) + " has");
   }
   solver::Joint& joint = world.joints.joints[index];
-  const std::size_t row = row_along(joint, names[coordinate]);
+  const std::size_t row = joint.row_along(names[coordinate]);
   if (row == joint.rows || !counts_turns(names[coordinate])) return;
   const double value = joint_row(joint, row, frames_of(world, joint)).value;
   if (!std::isfinite(value)) return;  // of bodies in quarantine

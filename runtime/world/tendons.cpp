@@ -70,10 +70,8 @@ void find_length(const Stores& world, solver::Joint& tendon) {
   for (std::size_t i = 0; i < tendon.terms; ++i) {
     solver::TendonTerm& term = tendon.term[i];
     const solver::Joint& of = world.joints.joints[term.joint];
-    term.position = 0;
-    for (std::size_t row = 0; row < of.rows; ++row) {
-      if (of.coordinate[row] == term.coordinate) term.position = of.position[row];
-    }
+    const std::size_t row = of.row_along(term.coordinate);
+    term.position = row < of.rows ? of.position[row] : 0;
   }
   follow_length(world, tendon);
 }

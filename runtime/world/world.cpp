@@ -633,10 +633,41 @@ JointState World::joint_state(JointId id) const {
   return {};
 }
 
+std::uint64_t World::user_data(JointId id) const {
+  return impl_->stores.joints.def[index_of(impl_->stores, id, "user_data")]->user_data;
+}
+
+void World::set_user_data(JointId id, std::uint64_t data) {
+  JointDef def = *impl_->stores.joints.def[impl_->index_to_change(id, "set_user_data")];
+  def.user_data = data;
+  set_joint(id, def);
+}
+
+std::string_view World::name(JointId id) const {
+  return impl_->stores.joints.def[index_of(impl_->stores, id, "name")]->name;
+}
+
+void World::set_name(JointId id, std::string_view name) {
+  JointDef def = *impl_->stores.joints.def[impl_->index_to_change(id, "set_name")];
+  check_name("World::set_name: name", name);
+  def.name = name;
+  set_joint(id, def);
+}
+
+void World::set_joint(JointId id, const JointDef& def) {
+  const std::uint32_t joint = impl_->index_to_change(id, "set_joint");
+  const calls::SetJointDefinition call{id, def};  // that may be the joint's own, which goes
+  if constexpr (with_joints) atl::set_joint(impl_->stores, joint, call.def);
+  note<calls::SetJointDefinition>(*impl_, id, call.def);
+}
+
 void World::set_joint(JointId id, const JointKind& kind) {
   const std::uint32_t joint = impl_->index_to_change(id, "set_joint");
-  if constexpr (with_joints) atl::set_joint(impl_->stores, joint, kind);
-  note<calls::SetJoint>(*impl_, id, kind);
+  JointDef def = *impl_->stores.joints.def[joint];
+  check("World::set_joint: kind", kind);
+  def.kind = kind;
+  if constexpr (with_joints) atl::set_joint(impl_->stores, joint, def);
+  note<calls::SetJoint>(*impl_, id, def.kind);
 }
 
 namespace {

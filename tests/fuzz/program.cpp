@@ -359,10 +359,10 @@ constexpr auto first_kinds_of_call =
                          change_gravity, save,        restore,      record,         set_functions,
                          set_many,       ask,         ask,          write_as_scene, copy_body,
                          move_worlds});
-constexpr auto other_kinds_of_call =
-    std::to_array<Kind>({fall_asleep, change_often, ask_for_some, ask_for_some, keep_views, change_instructions,
-                         end_while_recording, use_files_that_cannot_be, overstep, make_a_world, switch_joints,
-                         define_what_cannot_be, break_and_release, change_target, redefine, switch_bodies});
+constexpr auto other_kinds_of_call = std::to_array<Kind>(
+    {fall_asleep, change_often, ask_for_some, ask_for_some, keep_views, change_instructions, end_while_recording,
+     use_files_that_cannot_be, overstep, make_a_world, switch_joints, define_what_cannot_be, break_and_release,
+     change_target, redefine, switch_bodies, redefine_joint});
 
 Kind choose_kind(Run& run) {
   constexpr std::size_t first = first_kinds_of_call.size(), other = other_kinds_of_call.size();

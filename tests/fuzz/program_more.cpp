@@ -312,4 +312,20 @@ void change_target(Run& run) {
   run.step("step", [](World& world) { return world.step(1.0 / 60); });
 }
 
+// Changes some of a joint's definition, or nothing.
+void redefine_joint(Run& run) {
+  const JointId id = run.joint();
+  if (!run.worlds.first().contains(id)) return;
+  JointDef def = run.worlds.first().joint(id);
+  const std::uint32_t what = run.bytes.byte();
+  if (what & 1) def.frame_first.position += run.definitions.vector(0.3);
+  if (what & 2) def.frame_second = {run.definitions.vector(1), run.definitions.orientation()};
+  if (what & 4) def.collide = !def.collide;
+  if (what & 8) def.break_force = run.bytes.flag() ? unlimited : run.definitions.number(1, 1e5);
+  if (what & 16) def.kind = run.definitions.joint_kind();
+  if (what & 32) def.first = run.body();
+  if (what & 64) def.name = run.definitions.name();
+  run.call("set_joint", [&](World& world, std::size_t) { world.set_joint(id, def); });
+}
+
 }  // namespace atl::fuzz

@@ -84,5 +84,6 @@ void overstep(Run& run);
 void change_target(Run& run);
 void redefine(Run& run);
 void switch_bodies(Run& run);
+void redefine_joint(Run& run);
 
 }  // namespace atl::fuzz

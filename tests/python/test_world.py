@@ -201,6 +201,14 @@ def test_joints_hold_and_tell() -> None:
     world.set_motor_speed(hinge, -1)
     world.steps(60, DT)
     assert world.joint_state(hinge).speed[0] == pytest.approx(-1, rel=1e-3)
+    definition = world.joint(hinge)
+    definition.break_force = 1
+    world.set_joint(hinge, definition)
+    world.set_name(hinge, "elbow")
+    world.set_user_data(hinge, 5)
+    assert (world.name(hinge), world.user_data(hinge)) == ("elbow", 5) and world.find_joint("elbow") == hinge
+    world.step(DT)
+    assert world.joint_state(hinge).broken
     world.remove_joint(hinge)
     assert hinge not in world
 

@@ -127,6 +127,13 @@ inline const std::vector<Change>& changes() {
        [](Yard& yard) {
          yard.world.set_joint(yard.hinge, HingeJoint{{.motor = JointMotor{.speed = 3, .max_force = 10}}});
        }},
+      {"a joint elsewhere", kind_of<calls::SetJointDefinition>(),
+       [](Yard& yard) {
+         JointDef def = yard.world.joint(yard.hinge);
+         def.frame_first.position += Vector3(0.1, 0, 0.2);
+         def.break_torque = 1e6;
+         yard.world.set_joint(yard.hinge, def);
+       }},
       {"a joint that is let go", kind_of<calls::SetJointEnabled>(),
        [](Yard& yard) { yard.world.set_joint_enabled(yard.hinge, false); }},
       {"an angle a turn on", kind_of<calls::CountTurnsFrom>(),

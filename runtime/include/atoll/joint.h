@@ -32,6 +32,8 @@ struct JointRange {
   /// In [0, 1]: the part of its rate with which the coordinate comes back from an end, once bounces last longer than a
   /// substep. Newton's law.
   double restitution = 0;
+
+  bool operator==(const JointRange&) const = default;
 };
 
 /// A damped spring that pulls a coordinate to its rest. Any stiffness is stable; without damping no energy is lost.
@@ -46,6 +48,8 @@ struct JointSpring {
   std::optional<double> damping = {};    ///< N s/m or N m s/rad, >= 0
 
   bool is_linear() const { return stiffness || damping; }
+
+  bool operator==(const JointSpring&) const = default;
 };
 
 /// Turns a motor into a servo. At least one gain must be > 0; the servo is stable for any gains.
@@ -53,6 +57,8 @@ struct JointServo {
   double target = 0;     ///< m or rad, finite
   double stiffness = 0;  ///< N/m or N m/rad, finite and >= 0
   double damping = 0;    ///< N s/m or N m s/rad, finite and >= 0
+
+  bool operator==(const JointServo&) const = default;
 };
 
 /// Drives a coordinate at a speed, by no more than so much force or torque. At speed 0 it is friction, or a brake.
@@ -63,6 +69,8 @@ struct JointMotor {
   double speed = 0;                      ///< m/s or rad/s, finite
   std::optional<double> max_force = {};  ///< N or N m, >= 0, or unlimited. To be given: there is none that suits all.
   std::optional<JointServo> servo = {};
+
+  bool operator==(const JointMotor&) const = default;
 };
 
 /// A coordinate of a joint, and what acts along it. Range, spring, motor and friction may all be there.
@@ -76,6 +84,8 @@ struct JointAxis {
   /// N or N m, finite and >= 0: dry friction, which holds the coordinate where it is until more than that acts along
   /// it, and acts against its rate then. Nothing where the range is locked.
   double friction = 0;
+
+  bool operator==(const JointAxis&) const = default;
 };
 
 // Each kind below says which coordinates it locks, a row of constraints each, and which it leaves free. Ends of
@@ -85,6 +95,8 @@ struct JointAxis {
 struct BallJoint {
   double friction =
       0;  ///< N m, finite and >= 0: the torque that holds back turning, about each axis of the first frame
+
+  bool operator==(const BallJoint&) const = default;
 };
 
 /// Origins together and x axes parallel: 5 rows. The free coordinate is the angle about x by which the second frame has
@@ -92,22 +104,30 @@ struct BallJoint {
 /// it has a range, a spring or a motor; without these nobody counts, and it is in (-pi, pi].
 struct HingeJoint {
   JointAxis angle = {};
+
+  bool operator==(const HingeJoint&) const = default;
 };
 
 /// The second frame slides along the x axis of the first, without turning: 5 rows. The free coordinate is the offset,
 /// m.
 struct SliderJoint {
   JointAxis offset = {};
+
+  bool operator==(const SliderJoint&) const = default;
 };
 
 /// The frames stay together: 6 rows.
-struct FixedJoint {};
+struct FixedJoint {
+  bool operator==(const FixedJoint&) const = default;
+};
 
 /// The distance of the origins, which must be more than 1 nm to start with: 1 row. A rod with equal ends of the range,
 /// a rope with a lower end of 0, at which nothing stops. Neither end is negative, and the upper one is not 0: that is a
 /// BallJoint.
 struct DistanceJoint {
   JointAxis distance = {.range = {1, 1}};
+
+  bool operator==(const DistanceJoint&) const = default;
 };
 
 /// Origins together, the first x axis at right angles to the second y axis: 4 rows, as a cross of two hinges. Angles
@@ -115,6 +135,8 @@ struct DistanceJoint {
 struct UniversalJoint {
   JointAxis first = {};   ///< angle about the first frame's x axis, rad
   JointAxis second = {};  ///< angle about the second frame's y axis, rad
+
+  bool operator==(const UniversalJoint&) const = default;
 };
 
 /// Origins together: 3 rows, and limits of the swing between the x axes and of the twist about them. JointState tells
@@ -124,6 +146,8 @@ struct ConeTwistJoint {
   double swing_limit = unlimited;  ///< rad, in (0, pi), or unlimited
   JointAxis twist = {};            ///< rad; the ends of a range in [-pi, pi]
   double swing_friction = 0;       ///< N m, >= 0: torque against turning with the swing, and as much across it
+
+  bool operator==(const ConeTwistJoint&) const = default;
 };
 
 /// Each of six coordinates is locked (a range of equal ends), limited or free: offsets along the axes of the first
@@ -135,6 +159,8 @@ struct ConeTwistJoint {
 struct SixDofJoint {
   std::array<JointAxis, 3> offset = {};
   std::array<JointAxis, 3> turn = {};
+
+  bool operator==(const SixDofJoint&) const = default;
 };
 
 /// The turning of the first body about its frame's x axis, plus `ratio` times that of the second about its own, stays
@@ -143,6 +169,8 @@ struct SixDofJoint {
 struct GearJoint {
   double ratio = 1;  ///< finite and not 0
   bool rack = false;
+
+  bool operator==(const GearJoint&) const = default;
 };
 
 /// A wheel, the second body, at a chassis: it moves along the z axis of the first frame against the suspension, turns
@@ -152,6 +180,8 @@ struct WheelJoint {
   JointAxis suspension = {.spring = JointSpring{.hertz = 2, .damping_ratio = 0.7}};  ///< m
   JointAxis steering = {.range = {0, 0}};                                            ///< rad
   JointAxis spin = {};                                                               ///< rad
+
+  bool operator==(const WheelJoint&) const = default;
 };
 
 /// A coordinate q of another joint, by a polynomial: a part of the length of a tendon.
@@ -160,6 +190,8 @@ struct TendonTerm {
   std::uint32_t coordinate = 0;  ///< one that the joint's kind names, as World::joint_axis() numbers them
   /// Finite factors of q^0 to q^4, in m, or rad, by powers of that of q; not all of those after the first are 0.
   std::array<double, 5> polynomial = {0, 1};
+
+  bool operator==(const TendonTerm&) const = default;
 };
 
 /// Couples coordinates of other joints: its length, the sum of its terms, is a coordinate as any other. Locked at 0, it
@@ -177,6 +209,8 @@ struct TendonJoint {
 
   std::vector<TendonTerm> terms = {};  ///< 1 to 4
   JointAxis length = {};               ///< m, or rad
+
+  bool operator==(const TendonJoint&) const = default;
 };
 
 using JointKind = std::variant<BallJoint, HingeJoint, SliderJoint, FixedJoint, DistanceJoint, UniversalJoint,
@@ -196,6 +230,8 @@ struct JointDef {
   double break_torque = unlimited;  ///< N m, > 0
   std::string name = {};            ///< for people, and World::find_joint(): as a body's. Joints may share one.
   std::uint64_t user_data = 0;      ///< yours: World keeps it, and saves it with the joint, and never looks at it
+
+  bool operator==(const JointDef&) const = default;
 };
 
 /// The state of a joint at the end of the last step.

@@ -30,6 +30,8 @@ using Quaternion = Eigen::Quaternion<double, Eigen::DontAlign>;
 struct Pose {
   Vector3 position = Vector3::Zero();  ///< m, of the frame's origin
   Quaternion orientation = Quaternion::Identity();
+
+  bool operator==(const Pose&) const = default;
 };
 
 /// How a body moves: what any engine can tell of it.

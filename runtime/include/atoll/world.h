@@ -324,9 +324,18 @@ class World {
   std::optional<JointId> find_joint(std::string_view name) const;
   const JointDef& joint(JointId id) const;
   JointState joint_state(JointId id) const;
-  /// Changes ranges, springs and motors. Throws Error if it is of another kind than the joint was made with. Wakes.
-  /// Other numbers cost nothing; what was free and is no longer, or the reverse, has islands made anew.
-  void set_joint(JointId id, const JointKind& kind);
+  // JointDef::user_data and name, as those of bodies.
+  std::uint64_t user_data(JointId id) const;
+  void set_user_data(JointId id, std::uint64_t data);
+  std::string_view name(JointId id) const;
+  void set_name(JointId id, std::string_view name);
+  /// Changes a joint under its id: frames, what acts along its coordinates, `collide`, break limits, name, user_data.
+  /// Throws Error as add_joint() does, and for a definition of another kind, or between other bodies, than the joint
+  /// was made with: nothing is changed then. Wakes, if anything but name and user_data differs. What stays as it was
+  /// keeps its bits and its warm start; an angle counts on as after set_pose(). Other numbers of ranges, motors and
+  /// breaking cost nothing; other frames or springs, and what becomes free or is no longer, have islands made anew.
+  void set_joint(JointId id, const JointDef& def);
+  void set_joint(JointId id, const JointKind& kind);  ///< the same of the kind alone
   // The same for one of a joint's coordinates, numbered as in JointState; of a ConeTwistJoint the twist, 1, alone. Each
   // throws Error if the joint has no such coordinate, or no motor, servo, along it.
   const JointAxis& joint_axis(JointId id, std::size_t coordinate = 0) const;

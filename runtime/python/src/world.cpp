@@ -112,10 +112,11 @@ void bind_bodies(Class& world) {
       .def("set_enabled", &World::set_enabled, nb::arg("body"), nb::arg("enabled"),
            "A disabled body keeps its id, pose and velocities, and neither moves nor touches anything.")
       .def("is_enabled", &World::is_enabled, nb::arg("body"))
-      .def("user_data", &World::user_data, nb::arg("body"))
-      .def("set_user_data", &World::set_user_data, nb::arg("body"), nb::arg("data"))
-      .def("name", &World::name, nb::arg("body"))
-      .def("set_name", &World::set_name, nb::arg("body"), nb::arg("name"))
+      .def("user_data", nb::overload_cast<BodyId>(&World::user_data, nb::const_), nb::arg("body"))
+      .def("set_user_data", nb::overload_cast<BodyId, std::uint64_t>(&World::set_user_data), nb::arg("body"),
+           nb::arg("data"))
+      .def("name", nb::overload_cast<BodyId>(&World::name, nb::const_), nb::arg("body"))
+      .def("set_name", nb::overload_cast<BodyId, std::string_view>(&World::set_name), nb::arg("body"), nb::arg("name"))
       .def("set_collision_enabled", &World::set_collision_enabled, nb::arg("a"), nb::arg("b"), nb::arg("enabled"),
            "Whether two bodies may touch at all.")
       .def("refilter", &World::refilter, nb::arg("body"), "Has the contact filter asked again of all that is near it.");
@@ -191,7 +192,17 @@ void bind_joints_of(Class& world) {
           "joint", [](const World& self, JointId joint) { return self.joint(joint); }, nb::arg("joint"),
           "A copy of its definition.")
       .def("joint_state", &World::joint_state, nb::arg("joint"))
-      .def("set_joint", &World::set_joint, nb::arg("joint"), nb::arg("kind"), "Changes ranges, springs and motors.")
+      .def("user_data", nb::overload_cast<JointId>(&World::user_data, nb::const_), nb::arg("joint"))
+      .def("set_user_data", nb::overload_cast<JointId, std::uint64_t>(&World::set_user_data), nb::arg("joint"),
+           nb::arg("data"))
+      .def("name", nb::overload_cast<JointId>(&World::name, nb::const_), nb::arg("joint"))
+      .def("set_name", nb::overload_cast<JointId, std::string_view>(&World::set_name), nb::arg("joint"),
+           nb::arg("name"))
+      .def("set_joint", nb::overload_cast<JointId, const JointDef&>(&World::set_joint), nb::arg("joint"),
+           nb::arg("definition"),
+           "Changes all but kind and bodies: frames, what acts, collide, break limits, name, user_data.")
+      .def("set_joint", nb::overload_cast<JointId, const JointKind&>(&World::set_joint), nb::arg("joint"),
+           nb::arg("kind"), "Changes ranges, springs and motors.")
       .def(
           "joint_axis",
           [](const World& self, JointId joint, std::size_t coordinate) { return self.joint_axis(joint, coordinate); },

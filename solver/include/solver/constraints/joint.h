@@ -144,6 +144,11 @@ struct alignas(64) Joint {
 
   bool is_tendon() const { return terms > 0; }
   std::size_t row_count() const { return rows + (point ? 3u : 0u); }
+  /// The row along a coordinate, or `rows` if there is none.
+  std::size_t row_along(Coordinate along) const {
+    return static_cast<std::size_t>(std::find(coordinate.begin(), coordinate.begin() + rows, along) -
+                                    coordinate.begin());
+  }
   /// Tells a joint with springs, servos, motors or armatures.
   bool acts_as_force() const {
     return std::any_of(law.begin(), law.begin() + rows, [](const Law& of) { return of.acts_as_force(); });
