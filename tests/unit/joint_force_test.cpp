@@ -60,6 +60,56 @@ TEST_P(JointForce, AHangingWeightPullsWithItsWeight) {
   }
 }
 
+// A tray that hangs on a joint, with a crate on it or none, in a world of its own.
+struct Tray {
+  World world;
+  JointId joint;
+  double weight;
+
+  Tray(JointSolver solver, int substeps, const JointKind& kind, bool laden, double break_force = unlimited)
+      : world({.settings = {.substeps = substeps, .joint_solver = solver}}) {
+    const BodyId post = world.add_body({.type = BodyType::Static, .shape = Box{}, .position = {0, 0, 3}});
+    const BodyId tray = world.add_body(box({0, 0, 0}, {0.5, 0.5, 0.1}));
+    joint = world.add_joint({.kind = kind,
+                             .first = post,
+                             .second = tray,
+                             .frame_first = {{0, 0, -2}, from_x_to_z},
+                             .frame_second = {{0, 0, 1}, from_x_to_z},
+                             .break_force = break_force});
+    weight = world.mass(tray) * g;
+    if (laden) weight += world.mass(world.add_body(box({0, 0, 0.3}, {0.2, 0.2, 0.2}))) * g;
+  }
+};
+
+// Joints hold alone, at an end of a range, or beside a spring.
+TEST_P(JointForce, AWeightIsToldWholeWithAnyNumberOfSubsteps) {
+  const JointAxis sprung{.spring = JointSpring{}};
+  const JointKind kinds[] = {FixedJoint{}, SliderJoint{{.range = {0, 1}}}, HingeJoint{}, HingeJoint{sprung}};
+  for (const int substeps : {1, 2, 4}) {
+    for (const JointKind& kind : kinds) {
+      for (const bool laden : {false, true}) {
+        Tray tray(GetParam(), substeps, kind, laden);
+        run(tray.world, 120);
+        const Vector3 force = tray.world.joint_state(tray.joint).force;
+        EXPECT_LT((force - Vector3(0, 0, tray.weight)).norm(), 0.01 * tray.weight)
+            << substeps << " substeps, " << (laden ? "laden, " : "empty, ") << kind.index() << ": " << force.transpose()
+            << " of " << tray.weight;
+      }
+    }
+  }
+}
+
+TEST_P(JointForce, AJointBreaksUnderMoreThanItsLimitWithAnyNumberOfSubsteps) {
+  for (const int substeps : {1, 2, 4}) {
+    const double weight = Tray(GetParam(), substeps, FixedJoint{}, false).weight;
+    for (const double part : {0.8, 1.2}) {
+      Tray tray(GetParam(), substeps, FixedJoint{}, false, part * weight);
+      run(tray.world, 60);
+      EXPECT_EQ(tray.world.joint_state(tray.joint).broken, part < 1) << substeps << " substeps, " << part;
+    }
+  }
+}
+
 // A beam that sticks out: about the joint's place on it the torque is that of its weight.
 TEST_P(JointForce, ABeamTurnsWithItsLever) {
   const BodyId beam = world.add_body(box({2, 0.5, 0}));

@@ -107,6 +107,12 @@ void note_held_impulses(IslandProblem& problem) {
   }
 }
 
+void add_last_impulses(IslandProblem& problem) {
+  for (DirectJoint& joint : problem.joints) {
+    for (std::size_t r = 0; r < joint.rows; ++r) joint.lasting[r] += joint.impulse[r];
+  }
+}
+
 bool any_bounces(const IslandProblem& problem) {
   for (const DirectJoint& joint : problem.joints) {
     for (std::size_t r = 0; r < joint.rows; ++r) {
@@ -159,6 +165,9 @@ bool Substeps::solve() {
   const bool closed = settle_joints(input_, bodies_, motions_);
   if (alone_) {
     kick(1);
+    // Joints didn't answer to the forces that were taken back ahead of the first substep: what they held then is known
+    // from those that are taken on, if no substep has come in between.
+    if (substeps == 1 && !rows_.acts) add_last_impulses(problem_);
     conserved_.restore(input_, bodies_, closed && swing_ <= tuning::most_resolved_swing, problem_);
   }
   return true;
@@ -358,9 +367,7 @@ bool Substeps::project() {
     hold_resting_points(problem_, h_);
   }
   if (!solve_held_rows()) return false;
-  for (DirectJoint& joint : problem_.joints) {
-    for (std::size_t r = 0; r < joint.rows; ++r) joint.lasting[r] += joint.impulse[r];
-  }
+  add_last_impulses(problem_);
   for (DirectContact& contact : problem_.contacts) contact.answer = contact.lasting;
   return true;
 }
