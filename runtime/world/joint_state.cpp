@@ -13,14 +13,15 @@
 namespace atl {
 namespace {
 
-// kg or kg m^2: of two bodies along a row, if nothing else held them.
+// kg or kg m^2: of two bodies along a row, if nothing else held them. 0 of bodies that aren't dynamic.
 double mass_along(const solver::JointRow& row, const solver::Joint& joint, const solver::BodyTable& bodies) {
   const auto inverse_inertia = [&](std::uint32_t body) -> Matrix3 {
     const Matrix3 turn = bodies.orientation(body).toRotationMatrix();
     return turn * bodies.inverse_inertia[body] * turn.transpose();
   };
-  return 1 / row.response(bodies.inverse_mass[joint.first] + bodies.inverse_mass[joint.second],
-                          inverse_inertia(joint.first), inverse_inertia(joint.second));
+  const double response = row.response(bodies.inverse_mass[joint.first] + bodies.inverse_mass[joint.second],
+                                       inverse_inertia(joint.first), inverse_inertia(joint.second));
+  return response > 0 ? 1 / response : 0;
 }
 
 // N or N m: a spring's, of a frequency with the mass along its row.

@@ -125,11 +125,6 @@ void check_bodies(const Stores& world, const JointDef& def) {
   if (def.first == def.second) {
     throw Error("JointDef.second is " + text(def.second) + ", as is first; expected another body");
   }
-  if (world.records.type[def.first.index] != BodyType::Dynamic &&
-      world.records.type[def.second.index] != BodyType::Dynamic) {
-    throw Error("JointDef: neither first " + text(def.first) + " nor second " + text(def.second) +
-                " is dynamic; expected at least one that is");
-  }
   // Joints know of masses that are the same in all directions only.
   for (const auto& [name, id] : {std::pair{"first", def.first}, std::pair{"second", def.second}}) {
     if (world.bodies.locks[id.index] == 0) continue;

@@ -230,6 +230,39 @@ TEST(JointWorld, RemovedBodysPairsAreForgotten) {
   EXPECT_EQ(crates.contacts(), 1);
 }
 
+// It leaves no trace in the motion of others, and is told of as one that holds nothing.
+TEST(JointWorld, AJointBetweenBodiesThatAreNotDynamicIsIdle) {
+  for (const JointSolver solver : {JointSolver::Iterative, JointSolver::Direct}) {
+    const auto moved = [&](bool joined) {
+      World world({.settings = {.joint_solver = solver}});
+      const BodyId post = world.add_body(static_box({0, 0, 0}, {0.5, 0.5, 0.5}));
+      const BodyId cart = world.add_body({.type = BodyType::Kinematic, .position = {3, 0, 0}, .velocity = {1, 0, 0}});
+      const BodyId load = world.add_body(box({3, 0, -2}));
+      world.add_joint({.first = cart, .second = load, .frame_second = {{0, 0, 2}}});
+      JointId idle;
+      if (joined) {
+        const JointAxis driven{
+            .range = {0, 1}, .spring = JointSpring{}, .motor = JointMotor{.speed = 1, .max_force = 9}};
+        idle = world.add_joint({.kind = SliderJoint{driven}, .first = post, .second = cart, .break_force = 1e-3});
+      }
+      StepReport report;
+      for (int i = 0; i < 60; ++i) {
+        report = world.step(dt);
+        EXPECT_TRUE(world.joint_events().empty());
+      }
+      EXPECT_EQ(report.counts.joints, 1);
+      if (joined) {
+        const JointState state = world.joint_state(idle);
+        EXPECT_TRUE(state.force.isZero(0) && state.torque.isZero(0));
+        EXPECT_NEAR(state.position[0], 4, 1e-9);
+        EXPECT_EQ(state.motor[0], 0);
+      }
+      return Eigen::Matrix3Xd(world.positions());
+    };
+    EXPECT_EQ(moved(true), moved(false));
+  }
+}
+
 TEST(JointWorld, ReportCountsAndSaysWhy) {
   Crates crates;
   const auto feature = [&] { return crates.world.step(dt).feature(Feature::JointSolver); };

@@ -219,7 +219,7 @@ using JointKind = std::variant<BallJoint, HingeJoint, SliderJoint, FixedJoint, D
 /// Everything a joint starts with.
 struct JointDef {
   JointKind kind = BallJoint{};
-  BodyId first = {};  ///< of two different bodies, at least one of which is dynamic
+  BodyId first = {};  ///< of two different bodies; a joint of which neither is dynamic does nothing
   BodyId second = {};
   Pose frame_first = {};  ///< where the joint is, in the first body's frame
   Pose frame_second = {};

@@ -168,7 +168,9 @@ std::vector<PlacedShape> placed_shapes(const Scene& scene, const World& world, c
 std::vector<PlacedJoint> placed_joints(const Scene& scene) {
   std::vector<PlacedJoint> joints;
   joints.reserve(scene.joints.size());
+  const auto moves = [&](std::size_t body) { return scene.bodies[body].def.type == BodyType::Dynamic; };
   for (const SceneJoint& joint : scene.joints) {
+    if (!moves(joint.first) && !moves(joint.second)) continue;
     joints.push_back({joint.def.kind, joint.first, joint.second, joint.def.frame_first, joint.def.frame_second});
   }
   return joints;
