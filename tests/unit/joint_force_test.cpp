@@ -194,6 +194,26 @@ TEST_P(JointForce, FrictionOfABallSlowsEvenly) {
   EXPECT_NEAR(world.angular_velocity(ball).norm(), 0, 1e-5);
 }
 
+// Driven on one side, a gear turns the other one back, by its ratio and over many turns.
+TEST_P(JointForce, AGearKeepsItsPhase) {
+  const Rotor driver(world, post, {.motor = JointMotor{5, unlimited}});
+  const BodyId wheel = world.add_body(box({3, 0, 2}));
+  const JointId axle = world.add_joint({.kind = HingeJoint{{.range = {-1e3, 1e3}}},
+                                        .first = post,
+                                        .second = wheel,
+                                        .frame_first = {{3, 0, 2}, from_x_to_z},
+                                        .frame_second = {{0, 0, 0}, from_x_to_z}});
+  world.add_joint({.kind = GearJoint{.ratio = 2},
+                   .first = driver.body,
+                   .second = wheel,
+                   .frame_first = {{0, 0, 0}, from_x_to_z},
+                   .frame_second = {{0, 0, 0}, from_x_to_z}});
+  run(world, 300);
+  const double turned = world.joint_state(driver.hinge).position[0];
+  EXPECT_GT(turned, 20);
+  EXPECT_NEAR(turned + 2 * world.joint_state(axle).position[0], 0, 0.02);
+}
+
 std::string solver_name(const testing::TestParamInfo<JointSolver>& info) {
   return info.param == JointSolver::Iterative ? "Iterative" : "Direct";
 }

@@ -1,4 +1,4 @@
-// Sine, cosine and arctangent against the C library in long double.
+// Sine, cosine, arctangent and exp(x) - 1 against the C library, in long double for angles.
 
 #include <gtest/gtest.h>
 #include <solver/integrate/trigonometry.h>
@@ -148,6 +148,16 @@ TEST(Arctangent, UndoesSineAndCosine) {
     const double angle = random.real(-std::numbers::pi, std::numbers::pi);
     const SineCosine direction = sine_cosine(angle);
     EXPECT_NEAR(arctangent(direction.sine, direction.cosine), angle, 2e-15);
+  }
+}
+
+TEST(ExponentialLessOne, IsThatOfTheLibrary) {
+  EXPECT_EQ(exponential_less_one(0), 0);
+  EXPECT_EQ(exponential_less_one(-1e300), -1);
+  EXPECT_TRUE(std::isnan(exponential_less_one(std::nan(""))));
+  for (double x = 1e-20; x < 60; x *= 1.01) {
+    const double expected = std::expm1(-x);
+    ASSERT_NEAR(exponential_less_one(-x), expected, 1e-15 * std::abs(expected)) << x;
   }
 }
 
