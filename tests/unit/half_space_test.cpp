@@ -1,4 +1,4 @@
-// Solids on half-spaces, against closed forms.
+// Solids on half-spaces: corners against closed forms, and the points of what rests.
 
 #include <collision/narrowphase/collide.h>
 #include <collision/narrowphase/feature_id.h>
@@ -11,7 +11,6 @@
 #include <limits>
 #include <numbers>
 #include <set>
-#include <string>
 #include <variant>
 #include <vector>
 
@@ -27,30 +26,6 @@ Pose half_space_seen_from(const Pose& shape) { return relative(shape, {Vector3::
 
 Vector3 corner_of(const Vector3& half, int corner) {
   return {corner & 1 ? -half.x() : half.x(), corner & 2 ? -half.y() : half.y(), corner & 4 ? -half.z() : half.z()};
-}
-
-TEST(SphereOnHalfSpace, MatchesDistanceFromThePlane) {
-  Random random(1);
-  for (int i = 0; i < 2000; ++i) {
-    const Shape plane = Shape::half_space(random.direction(), random.real(-5, 5));
-    const double radius = random.magnitude(0.01, 10);
-    const double separation = random.real(-3, 0.5) * radius;
-    const double margin = random.real(0, 0.4) * radius;
-    const Vector3 along = plane.normal.unitOrthogonal() * random.real(-10, 10);
-    const Pose sphere{(plane.offset + radius + separation) * plane.normal + along, random.rotation()};
-    Manifold manifold;
-    EXPECT_EQ(collide(Shape::sphere(radius), plane, half_space_seen_from(sphere), margin, manifold),
-              Narrowphase::ClosedForm);
-    if (separation > margin) {
-      EXPECT_EQ(manifold.count, 0);
-      continue;
-    }
-    ASSERT_EQ(manifold.count, 1);
-    EXPECT_TRUE(manifold.reference_is_second);
-    EXPECT_EQ(manifold.normal, plane.normal);
-    EXPECT_NEAR(manifold.points[0].separation, separation, 1e-12 * (20 + radius));
-    EXPECT_LT((manifold.points[0].position - sphere.position + radius * plane.normal).norm(), 1e-12 * (20 + radius));
-  }
 }
 
 // Every point is a corner, with that corner's id and height; no corner is deeper than the deepest point; and
@@ -107,79 +82,6 @@ TEST(BoxOnHalfSpace, SunkPlateStandsOnItsLowerFace) {
           manifold);
   ASSERT_EQ(manifold.count, 4);
   for (const Manifold::Point& point : manifold.points) EXPECT_NEAR(point.separation, -0.02, 1e-12);
-}
-
-TEST(BoxOnHalfSpace, FlatFaceHasItsFourCornersWhateverTheNoise) {
-  Random random(3);
-  const Shape plane = Shape::half_space(Vector3::UnitZ(), 0);
-  const std::set<FeatureId> lower = {corner_id(4), corner_id(5), corner_id(6), corner_id(7)};
-  for (int i = 0; i < 1000; ++i) {
-    const Pose box{Vector3(0, 0, 0.5) + random.vector(1e-9), random.rotation(1e-9)};
-    Manifold manifold;
-    collide(Shape::box(Vector3::Constant(0.5)), plane, half_space_seen_from(box), 0.025, manifold);
-    std::set<FeatureId> found;
-    for (int k = 0; k < manifold.count; ++k) found.insert(manifold.points[static_cast<std::size_t>(k)].id);
-    ASSERT_EQ(found, lower);
-  }
-}
-
-TEST(BoxOnHalfSpace, PoseThatIsNotFiniteTouchesNothing) {
-  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-  const Shape plane = Shape::half_space(Vector3::UnitZ(), 0);
-  Manifold manifold;
-  collide_half_space(Shape::box(Vector3::Ones()), plane, {Vector3(0, 0, nan), Quaternion::Identity()}, 0.1, manifold);
-  EXPECT_EQ(manifold.count, 0);
-  collide_half_space(Shape::box(Vector3::Ones()), plane, {Vector3::Zero(), Quaternion(nan, 0, 0, 0)}, 0.1, manifold);
-  EXPECT_EQ(manifold.count, 0);
-}
-
-Hull random_hull(Random& random) {
-  std::vector<Vector3> points;
-  for (int i = 0; i < 20; ++i) points.push_back(random.direction());
-  return std::get<Hull>(build_hull(points));
-}
-
-// The deepest point is the solid's lowest, wherever points are they lie on the solid, and none is beyond the
-// margin.
-TEST(SolidOnHalfSpace, DeepestPointIsTheLowest) {
-  Random random(4);
-  const Hull hull = random_hull(random);
-  const Shape solids[] = {Shape::capsule(0.3, 0.5), Shape::cylinder(0.4, 0.7), Shape::cone(0.5, 0.6),
-                          Shape::convex_hull(hull)};
-  for (const Shape& solid : solids) {
-    for (int i = 0; i < 1000; ++i) {
-      const Shape plane = Shape::half_space(random.direction(), random.real(-5, 5));
-      const double gap = random.real(-0.3, 0.1) * solid.inner_radius;
-      const double margin = random.real(0, 0.15) * solid.inner_radius;
-      const Quaternion turn = random.rotation();
-      const double reach = reach_along(solid, -(turn.conjugate() * plane.normal));
-      const Pose pose{(plane.offset + reach + gap) * plane.normal + plane.normal.unitOrthogonal(), turn};
-      Manifold manifold;
-      EXPECT_EQ(collide(solid, plane, half_space_seen_from(pose), margin, manifold), Narrowphase::ClosedForm);
-      const std::string what = std::to_string(static_cast<int>(solid.kind)) + " #" + std::to_string(i);
-      if (gap > margin) {
-        ASSERT_EQ(manifold.count, 0) << what;
-        continue;
-      }
-      ASSERT_GT(manifold.count, 0) << what;
-      ASSERT_TRUE(manifold.reference_is_second);
-      ASSERT_EQ(manifold.normal, plane.normal);
-      double deepest = 1;
-      std::set<FeatureId> ids;
-      for (int k = 0; k < manifold.count; ++k) {
-        const Manifold::Point& point = manifold.points[static_cast<std::size_t>(k)];
-        ASSERT_LE(point.separation, margin) << what;
-        ASSERT_NEAR(point.separation, plane.normal.dot(point.position) - plane.offset, 1e-12) << what;
-        // A sphere about the point is within the solid's reach.
-        const Vector3 local = turn.conjugate() * (point.position - pose.position);
-        ASSERT_LE(local.norm(), solid.bounding_radius * (1 + 1e-12)) << what;
-        deepest = std::min(deepest, point.separation);
-        ids.insert(point.id);
-      }
-      ASSERT_NEAR(deepest, gap, 1e-4 * solid.inner_radius) << what;
-      ASSERT_EQ(static_cast<int>(ids.size()), manifold.count) << what;
-    }
-  }
 }
 
 TEST(SolidOnHalfSpace, WhatRestsHasAllItsPointsAndTheirIdsLast) {

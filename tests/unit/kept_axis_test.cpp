@@ -6,8 +6,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstddef>
-#include <limits>
 #include <ostream>
 
 #include "random_solids.h"
@@ -71,50 +69,6 @@ TEST_P(KeptAxis, PartsAsWellAsAFreshOne) {
   // Overlapping solids may have two axes that no neighbour is better than. Each way finds the lesser one at times.
   EXPECT_LE(worse, looks / 200);
   EXPECT_EQ(asked, 0);
-}
-
-double separation_along(const Shape& first, const Shape& second, const Pose& pose, const Vector3& normal) {
-  return normal.dot(pose.position) - reach_along(first, normal) -
-         reach_along(second, -(pose.orientation.conjugate() * normal));
-}
-
-// Tests only rims, sides and points: faces stand in for axes near by.
-TEST_P(KeptAxis, IsBetterThanThoseBesideIt) {
-  constexpr int pairs = 100, steps = 5;
-  int points = 0, worse = 0;
-  for (int i = 0; i < pairs; ++i) {
-    test::Solids solids;
-    const Shape first = solids.random(GetParam().first, random_, 24);
-    const Shape second = solids.random(GetParam().second, random_, 24);
-    const double size = std::min(first.inner_radius, second.inner_radius);
-    Pose pose{(first.bounding_radius + second.bounding_radius) * random_.direction(), random_.rotation()};
-    Manifold found;
-    while (found.count == 0) {
-      pose.position *= 1 - 0.01 * size;
-      found = {};
-      collide(first, second, pose, 0.05 * size, found);
-    }
-    for (int step = 0; step < steps && found.count > 0; ++step) {
-      pose.position += 0.005 * size * random_.direction();
-      pose.orientation = (random_.rotation(0.01) * pose.orientation).normalized();
-      found = as_last(found);
-      collide(first, second, pose, 0.05 * size, found);
-      if (found.count != 1) continue;
-      ++points;
-      const Vector3 normal = normal_of(found, pose);
-      EXPECT_NEAR(separation_along(first, second, pose, normal), found.least_separation(), 1e-9 * size);
-      double best = -std::numeric_limits<double>::infinity();
-      for (int k = 0; k < 16; ++k) {
-        const Vector3 beside = (normal + 1e-4 * random_.direction()).normalized();
-        best = std::max(best, separation_along(first, second, pose, beside));
-      }
-      EXPECT_LT(best, found.least_separation() + 1e-3 * size);
-      // The axis of two rims is that of their polygons, so it may be slightly worse.
-      worse += best > found.least_separation() + 1e-8 * size;
-    }
-  }
-  EXPECT_GT(points, pairs);
-  EXPECT_LE(worse, points / 10);
 }
 
 constexpr ShapeKind box = ShapeKind::Box, capsule = ShapeKind::Capsule, cylinder = ShapeKind::Cylinder,

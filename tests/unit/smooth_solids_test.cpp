@@ -1,4 +1,4 @@
-// Ellipsoids and tapered capsules against points all over their surfaces: bounds, rays, points, distances and depths.
+// Ellipsoids and tapered capsules against points all over their surfaces: bounds, rays and points.
 
 #include <collision/narrowphase/distance.h>
 #include <collision/queries/ray.h>
@@ -135,59 +135,6 @@ TEST(SmoothSolids, RaysMeetTheirSurface) {
       ASSERT_LT((hit.normal - at.normal).norm(), 1e-6) << name_of(shape);
       ASSERT_FALSE(cast_ray(shape, {at.point + 1e-3 * at.normal, (direction + 2 * at.normal).normalized(), infinity},
                             Sides::Both, hit));
-    }
-  }
-}
-
-double separation_along(const Shape& a, const Shape& b, const Pose& second, const Vector3& n) {
-  return n.dot(second.position) - reach_along(a, n) - reach_along(b, -(second.orientation.conjugate() * n));
-}
-
-// The best of a fine grid of directions, and of those around it, ever closer ones.
-double best_separation(const Shape& a, const Shape& b, const Pose& second) {
-  Vector3 normal = Vector3::UnitZ();
-  double best = -infinity;
-  const auto offer = [&](const Vector3& n) {
-    const double separation = separation_along(a, b, second, n);
-    if (!(separation > best)) return false;
-    best = separation;
-    normal = n;
-    return true;
-  };
-  Random random(9);
-  for (int i = 0; i < 4000; ++i) offer(random.direction());
-  for (double step = 0.1; step > 1e-9;) {
-    bool higher = false;
-    for (int k = 0; k < 60; ++k) higher |= offer((normal + step * random.direction()).normalized());
-    if (!higher) step *= 0.7;
-  }
-  return best;
-}
-
-// Distances of solids that are apart, and depths of those that overlap by more than an ellipsoid's radius of curvature:
-// the distance is that along the normal, and no direction parts them better.
-TEST(SmoothSolids, PairsAreAsFarAsTheBestDirectionSays) {
-  Random random(4);
-  std::vector<Shape> others = smooth_solids();
-  others.insert(others.end(), {Shape::sphere(0.3), Shape::capsule(0.2, 0.3), Shape::box({0.3, 0.4, 0.5}),
-                               Shape::cylinder(0.3, 0.4), Shape::cone(0.4, 0.4)});
-  for (const Shape& shape : smooth_solids()) {
-    for (const Shape& other : others) {
-      for (int i = 0; i < 6; ++i) {
-        const Vector3 direction = random.direction();
-        Pose second{direction, random.rotation()};
-        const double touching = direction.dot(support_point(shape, direction)) +
-                                reach_along(other, second.orientation.conjugate() * -direction);
-        const double least = std::min(shape.inner_radius, other.inner_radius);
-        second.position = (touching + (i < 3 ? random.real(0, 1) : random.real(-0.15, 0) * least)) * direction;
-        const double best = best_separation(shape, other, second);
-        Distance found;
-        const Pose origin{Vector3::Zero(), Quaternion::Identity()};
-        ASSERT_TRUE(find_signed_distance(shape, origin, other, second, infinity, found));
-        const std::string what = name_of(shape) + " and " + name_of(other) + " #" + std::to_string(i);
-        EXPECT_NEAR(found.distance, separation_along(shape, other, second, found.normal), 1e-6 * least) << what;
-        EXPECT_GE(found.distance, best - 1e-5 * least) << what;
-      }
     }
   }
 }
