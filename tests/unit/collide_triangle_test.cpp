@@ -1,4 +1,4 @@
-// Solids on one triangle: its front, its edges as far as neighbours leave room, and never its back.
+// Solids on one triangle: its edges as far as neighbours leave room, and never its back.
 
 #include <collision/narrowphase/distance.h>
 #include <collision/narrowphase/surface_contacts.h>
@@ -41,11 +41,6 @@ Triangle lone_triangle() {
   return triangle;
 }
 
-Quaternion turned(double angle, const Vector3& axis) {
-  const Vector3 v = std::sin(0.5 * angle) * axis;
-  return {std::cos(0.5 * angle), v.x(), v.y(), v.z()};
-}
-
 Manifold touch(const Shape& solid, const Triangle& triangle, const Pose& pose, double margin) {
   Manifold manifold;
   collide_triangle(solid, triangle, 12345, pose, margin, manifold);
@@ -69,23 +64,6 @@ struct SolidsOfEachKind {
   std::vector<Shape> shapes = {Shape::sphere(0.3),         Shape::capsule(0.15, 0.25), Shape::box({0.3, 0.2, 0.25}),
                                Shape::cylinder(0.25, 0.2), Shape::cone(0.25, 0.3),     Shape::convex_hull(hull)};
 };
-
-TEST(SphereOnTriangle, OverTheFaceItIsOnAPlane) {
-  Random random(1);
-  const Shape sphere = Shape::sphere(0.3);
-  for (const double bend : {-1.0, 0.0, 1.0}) {
-    const Triangle triangle = bent_triangle(bend);
-    for (int i = 0; i < 200; ++i) {
-      const Vector3 at(random.real(-0.5, 0.5), random.real(-0.5, 0.5), random.real(-0.25, 0.35));
-      const Manifold manifold = touch(sphere, triangle, {at, random.rotation()}, 0.1);
-      ASSERT_EQ(manifold.count, 1);
-      EXPECT_TRUE(manifold.reference_is_second);
-      EXPECT_LT((manifold.normal - Vector3::UnitZ()).norm(), 1e-12);
-      EXPECT_NEAR(manifold.points[0].separation, at.z() - 0.3, 1e-12);
-      EXPECT_LT((manifold.points[0].position - (at - 0.3 * Vector3::UnitZ())).norm(), 1e-12);
-    }
-  }
-}
 
 // At an edge whose neighbour bends down by 60 degrees, the normal turns with the sphere, and no farther.
 TEST(SphereOnTriangle, AroundAConvexEdgeTheNormalFollowsTheCentreUpToTheNeighbours) {
@@ -127,29 +105,6 @@ TEST(Triangle, BesideAnEdgeThatIsNotConvexNothingIsTouched) {
       EXPECT_EQ(touch(solid, triangle, pose, 0.2).count, 0) << i % 6;
     }
   }
-}
-
-// The normal is never any but the triangle's own where its edges aren't convex, and depths are the plane's.
-TEST(Triangle, FlatAndConcaveEdgesHaveTheTrianglesNormal) {
-  const SolidsOfEachKind solids;
-  Random random(3);
-  int touching = 0;
-  for (int i = 0; i < 3000; ++i) {
-    const Triangle triangle = bent_triangle(i % 2 == 0 ? 0.0 : -0.7);
-    const Shape& solid = solids.shapes[static_cast<std::size_t>(i % 6)];
-    const Pose pose{{random.real(-2, 2), random.real(-1.2, 2), random.real(-0.2, 0.4)}, random.rotation()};
-    const Manifold manifold = touch(solid, triangle, pose, 0.05);
-    touching += manifold.count > 0;
-    if (manifold.count == 0) continue;
-    EXPECT_LT((manifold.normal - Vector3::UnitZ()).norm(), 1e-15);
-    for (int k = 0; k < manifold.count; ++k) {
-      const Manifold::Point& point = manifold.points[static_cast<std::size_t>(k)];
-      EXPECT_NEAR(point.separation, point.position.z(), 1e-12);
-      EXPECT_LE(point.separation, 0.05);
-    }
-    EXPECT_GE(manifold.least_separation(), lowest(solid, pose, Vector3::UnitZ()) - 1e-12);
-  }
-  EXPECT_GT(touching, 500);
 }
 
 TEST(Triangle, NothingBehindIsTouched) {
@@ -233,44 +188,6 @@ TEST(Triangle, NormalsStayWithinTheNeighbours) {
     EXPECT_LT(ahead, 1e-6);
   }
   EXPECT_GT(touching, 1000);
-}
-
-// A box against the edges and corners of a wedge that it sinks into: out the shallowest way that is the surface's.
-TEST(BoxOnTriangle, LeavesTheShallowestWay) {
-  const Triangle triangle = bent_triangle(3.14159265358979 / 2);
-  const Shape box = Shape::box({0.5, 0.5, 0.5});
-  // Turned by 45 degrees about x, its lower edge is along the triangle's edge.
-  const double s = std::sqrt(0.5);
-  const Pose over_edge{{0, -1 - (s - 0.01) * s, (s - 0.01) * s}, turned(0.01, Vector3::UnitX())};
-  const Manifold manifold = touch(box, triangle, over_edge, 0.02);
-  EXPECT_GT(manifold.count, 0);
-  // Flat on the triangle, and 1 mm in: all four corners of what is over it.
-  const Manifold flat = touch(box, triangle, {{0, 0, 0.499}, {1, 0, 0, 0}}, 0.02);
-  ASSERT_EQ(flat.count, 4);
-  EXPECT_NEAR(flat.least_separation(), -0.001, 1e-12);
-  // Beside it, 1 mm behind the edge: the neighbour's, whose normal is -y.
-  EXPECT_EQ(touch(box, triangle, {{0, -1.499, -0.3}, {1, 0, 0, 0}}, 0.02).count, 0);
-}
-
-TEST(Triangle, ExtremeSizesStayFinite) {
-  Random random(8);
-  const SolidsOfEachKind solids;
-  for (int i = 0; i < 3000; ++i) {
-    Triangle triangle = i % 3 == 0 ? lone_triangle() : bent_triangle(random.real(-1.5, 1.5));
-    const double scale = random.magnitude(1e-4, 1e5);
-    for (Vector3& vertex : triangle.vertices) vertex *= scale;
-    const Shape& solid = solids.shapes[static_cast<std::size_t>(i % 6)];
-    const double reach = std::max(2 * scale, 0.3);
-    const Pose pose{{random.real(-reach, reach), random.real(-reach, reach), random.real(-0.4, 0.4)},
-                    random.rotation()};
-    const Manifold manifold = touch(solid, triangle, pose, 0.05);
-    EXPECT_TRUE(manifold.normal.allFinite());
-    for (int k = 0; k < manifold.count; ++k) {
-      const Manifold::Point& point = manifold.points[static_cast<std::size_t>(k)];
-      EXPECT_TRUE(point.position.allFinite());
-      EXPECT_LE(std::abs(point.separation), 2 * solid.bounding_radius + 0.05);
-    }
-  }
 }
 
 }  // namespace

@@ -77,23 +77,6 @@ TEST(HeightField, TrianglesAreThoseOfTheSameMesh) {
   }
 }
 
-// A level field can be touched at its rim alone, a slope too.
-TEST(HeightField, PlaneHasNoInnerConvexEdges) {
-  std::vector<double> heights;
-  for (int j = 0; j < 4; ++j) {
-    for (int i = 0; i < 5; ++i) heights.push_back(0.3 * i - 0.2 * j);
-  }
-  const HeightField field = field_of(5, 4, 1, 1, heights);
-  const Vector3 normal = Vector3(-0.3, 0.2, 1).normalized();
-  int convex = 0;
-  for (std::uint32_t t = 0; t < field.triangle_count(); ++t) {
-    const Triangle triangle = field.triangle(t);
-    EXPECT_LT((triangle.normal - normal).norm(), 1e-14);
-    for (unsigned e = 0; e < 3; ++e) convex += triangle.convex_edges >> e & 1;
-  }
-  EXPECT_EQ(convex, 2 * (4 + 3));
-}
-
 TEST(HeightField, QueryFindsInOrderWhatOverlaps) {
   Random random(2);
   const HeightField field = random_field(13, 8, 0.3, 0.7, random);

@@ -11,7 +11,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <set>
 #include <vector>
 
@@ -46,12 +45,6 @@ SurfaceManifolds touch(const Shape& solid, const Shape& surface, const Pose& pos
   SurfaceManifolds result;
   collide_surface(solid, surface, pose, margin, result);
   return result;
-}
-
-Vector3 centre(const Manifold& manifold) {
-  Vector3 sum = Vector3::Zero();
-  for (int i = 0; i < manifold.count; ++i) sum += manifold.points[static_cast<std::size_t>(i)].position;
-  return sum / manifold.count;
 }
 
 Hull random_hull(std::uint32_t seed) {
@@ -120,25 +113,6 @@ TEST(FlatMesh, IsAHalfSpaceForEverySolid) {
   }
 }
 
-TEST(FlatMesh, HoldsABoxByItsFourCornersAtEveryYaw) {
-  const TriangleMesh mesh = grid(20, 2, flat);
-  const Shape surface = Shape::triangle_mesh(mesh);
-  const Shape box = Shape::box({0.5, 0.3, 0.4});
-  Random random(2);
-  for (int i = 0; i < 300; ++i) {
-    const double yaw = random.real(-4, 4);
-    const Pose pose{{random.real(-1, 1), random.real(-1, 1), 0.4 + random.real(-1e-3, 1e-3)},
-                    turned(yaw, Vector3::UnitZ())};
-    const SurfaceManifolds found = touch(box, surface, pose, 0.01);
-    ASSERT_EQ(found.count, 1);
-    ASSERT_EQ(found.manifolds[0].count, 4);
-    for (const Manifold::Point& point : found.manifolds[0].points) {
-      const Vector3 local = pose.orientation.conjugate() * (point.position - pose.position);
-      EXPECT_LT((local.cwiseAbs() - Vector3(0.5, 0.3, 0.4)).norm(), 1e-9);
-    }
-  }
-}
-
 // Corners right on the lines and vertices of the grid belong to several triangles, and count once.
 TEST(FlatMesh, HoldsABoxWhoseCornersAreVerticesOfTheMesh) {
   const TriangleMesh mesh = grid(16, 2, flat);
@@ -174,19 +148,6 @@ TEST(FlatMesh, KeepsTheIdsOfABoxThatSlides) {
   }
 }
 
-TEST(FlatMesh, HoldsAStandingCylinderByFourPointsOfItsRim) {
-  const TriangleMesh mesh = grid(20, 2, flat);
-  const Shape cylinder = Shape::cylinder(0.5, 0.7);
-  Random random(3);
-  for (int i = 0; i < 200; ++i) {
-    const Pose pose{{random.real(-1, 1), random.real(-1, 1), 0.699}, turned(random.real(-4, 4), Vector3::UnitZ())};
-    const SurfaceManifolds found = touch(cylinder, Shape::triangle_mesh(mesh), pose, 0.01);
-    ASSERT_EQ(found.count, 1);
-    ASSERT_EQ(found.manifolds[0].count, 4);
-    EXPECT_LT((centre(found.manifolds[0]) - (pose.position - Vector3(0, 0, 0.7))).norm(), 1e-9);
-  }
-}
-
 TEST(FlatField, IsTheSameAsAMesh) {
   const HeightField field =
       std::get<HeightField>(build_height_field(21, 21, 0.2, 0.2, std::vector<double>(21 * 21, 0.0)));
@@ -200,50 +161,6 @@ TEST(FlatField, IsTheSameAsAMesh) {
     ASSERT_EQ(found.count, 1);
     EXPECT_NEAR(found.manifolds[0].least_separation(), lowest(solid, pose), 1e-9);
   }
-}
-
-// One half sunk in, a corner or the whole of it: always pushed to the front. Behind the surface: not at all.
-TEST(FlatMesh, PushesWhatSankInToTheFront) {
-  const TriangleMesh mesh = grid(10, 3, flat);
-  const Solids solids;
-  Random random(5);
-  for (int i = 0; i < 600; ++i) {
-    const Shape& solid = solids.shapes[static_cast<std::size_t>(i % 6)];
-    Pose pose{{random.real(-2, 2), random.real(-2, 2), random.real(-0.15, 0)}, random.rotation()};
-    const SurfaceManifolds found = touch(solid, Shape::triangle_mesh(mesh), pose, 0.02);
-    ASSERT_EQ(found.count, 1);
-    EXPECT_LT((found.manifolds[0].normal - Vector3::UnitZ()).norm(), 1e-12);
-    EXPECT_NEAR(found.manifolds[0].least_separation(), lowest(solid, pose), 1e-9);
-    pose.position.z() = -1.000001 * solid.bounding_radius;
-    EXPECT_EQ(touch(solid, Shape::triangle_mesh(mesh), pose, 0.02).count, 0);
-  }
-}
-
-// A box mesh is a box: its edges and corners push as those of the exact rounded shape.
-TEST(ConvexMesh, PushesASphereAwayFromItsNearestPoint) {
-  const Vector3 half(1, 0.8, 0.6);
-  const TriangleMesh mesh = box_mesh(half);
-  const Shape sphere = Shape::sphere(0.3);
-  Random random(6);
-  int touching = 0;
-  for (int i = 0; i < 4000; ++i) {
-    const Vector3 at = random.vector(1.3);
-    const Vector3 nearest = at.cwiseMax(-half).cwiseMin(half);
-    const double distance = (at - nearest).norm();
-    if (distance < 1e-3) continue;
-    const SurfaceManifolds found = touch(sphere, Shape::triangle_mesh(mesh), {at, random.rotation()}, 0.1);
-    if (distance > 0.4 + 1e-9) {
-      EXPECT_EQ(found.count, 0) << at.transpose();
-      continue;
-    }
-    ++touching;
-    ASSERT_EQ(found.count, 1) << at.transpose();
-    const Manifold& manifold = found.manifolds[0];
-    ASSERT_EQ(manifold.count, 1) << at.transpose();
-    EXPECT_LT((manifold.normal - (at - nearest) / distance).norm(), 1e-6) << at.transpose();
-    EXPECT_NEAR(manifold.points[0].separation, distance - 0.3, 1e-9) << at.transpose();
-  }
-  EXPECT_GT(touching, 1000);
 }
 
 // Apart from a box mesh, every solid's separation is its distance from the box; where it sinks in a little, that along
@@ -286,46 +203,6 @@ TEST(ConvexMesh, SeparationIsTheDistanceFromTheSolidItBounds) {
   EXPECT_GT(shallow, 100);
 }
 
-TEST(ConvexMesh, TurnsTheNormalOfASphereContinuouslyOverARidge) {
-  const TriangleMesh mesh = grid(8, 2, [](double x, double) { return -0.7 * std::abs(x); });
-  const Shape sphere = Shape::sphere(0.25);
-  Vector3 previous = Vector3::Zero();
-  for (int i = 0; i <= 4000; ++i) {
-    const double x = -0.4 + 0.8 * i / 4000.0;
-    // On the surface that runs at 0.25 m from the mesh.
-    const double reach = 0.25 * 0.7 / std::hypot(1, 0.7);
-    const double z = std::abs(x) < reach ? std::sqrt(0.0625 - x * x) : -0.7 * std::abs(x) + 0.25 * std::hypot(1, 0.7);
-    const SurfaceManifolds found = touch(sphere, Shape::triangle_mesh(mesh), {{x, 0.13, z}, {1, 0, 0, 0}}, 0.01);
-    ASSERT_EQ(found.count, 1) << x;
-    EXPECT_NEAR(found.manifolds[0].points[0].separation, 0, 1e-9) << x;
-    if (i > 0) {
-      EXPECT_LT((found.manifolds[0].normal - previous).norm(), 2e-3) << x;
-    }
-    previous = found.manifolds[0].normal;
-  }
-}
-
-// Two slopes that meet in a valley have a manifold each.
-TEST(ConcaveMesh, ValleyHoldsASolidFromBothSides) {
-  const TriangleMesh mesh = grid(8, 2, [](double x, double) { return std::abs(x); });
-  const double s = std::sqrt(0.5);
-  const auto check = [&](const Shape& solid, const Pose& pose, double separation, int points) {
-    const SurfaceManifolds found = touch(solid, Shape::triangle_mesh(mesh), pose, 0.01);
-    ASSERT_EQ(found.count, 2);
-    for (int i = 0; i < 2; ++i) {
-      const Manifold& manifold = found.manifolds[static_cast<std::size_t>(i)];
-      EXPECT_NEAR(std::abs(manifold.normal.x()), s, 1e-12);
-      EXPECT_NEAR(manifold.normal.z(), s, 1e-12);
-      EXPECT_NEAR(manifold.least_separation(), separation, 1e-9);
-      EXPECT_EQ(manifold.count, points);
-    }
-    EXPECT_LT(found.manifolds[0].normal.dot(found.manifolds[1].normal), 0.01);
-  };
-  check(Shape::sphere(0.3), {{0, 0.1, 0.299 / s}, {1, 0, 0, 0}}, -0.001, 1);
-  const double eighth = 0.78539816339744831;
-  check(Shape::box({0.3, 0.3, 0.3}), {{0, 0.1, 0.299 / s}, turned(eighth, Vector3::UnitY())}, -0.001, 4);
-}
-
 TEST(ConcaveMesh, CornerOfFloorAndWallsHoldsABoxFromThreeSides) {
   // The inside of a box.
   TriangleMesh outside = box_mesh({2, 2, 2});
@@ -354,21 +231,6 @@ TEST(ConvexMesh, BoxOverhangingAnEdgeIsHeldByTheTopAlone) {
     EXPECT_LT((found.manifolds[0].normal - Vector3::UnitZ()).norm(), 1e-9) << i;
     EXPECT_NEAR(found.manifolds[0].least_separation(), -depth, 1e-9) << i;
     EXPECT_GE(found.manifolds[0].count, 3) << i;
-  }
-}
-
-// Standing on a floor right by a step, a little inside it: the wall pushes sideways, the step's top not at all.
-TEST(ConvexMesh, StepPushesABoxSideways) {
-  const TriangleMesh mesh = box_mesh({2, 2, 1});
-  const Shape box = Shape::box({0.5, 0.5, 0.5});
-  for (const double y : {-1.3, -0.2, 0.0, 0.4, 1.7}) {
-    for (const double z : {-0.4, 0.2, 0.7}) {
-      const SurfaceManifolds found = touch(box, Shape::triangle_mesh(mesh), {{2.499, y, z}, {1, 0, 0, 0}}, 0.01);
-      ASSERT_EQ(found.count, 1) << y << " " << z;
-      EXPECT_LT((found.manifolds[0].normal - Vector3::UnitX()).norm(), 1e-9);
-      EXPECT_NEAR(found.manifolds[0].least_separation(), -0.001, 1e-9);
-      EXPECT_EQ(found.manifolds[0].count, 4);
-    }
   }
 }
 
@@ -410,16 +272,6 @@ TEST(ConvexMesh, RidgeCarriesABoxAlongItsLine) {
   }
 }
 
-TEST(ConvexMesh, PeakCarriesABoxByItsTip) {
-  const TriangleMesh mesh = grid(2, 1, [](double x, double y) { return -std::abs(x) - std::abs(y); });
-  const Pose pose{{0.05, -0.1, 0.299}, turned(0.4, Vector3::UnitZ())};
-  const SurfaceManifolds found = touch(Shape::box({0.5, 0.4, 0.3}), Shape::triangle_mesh(mesh), pose, 0.01);
-  ASSERT_EQ(found.count, 1);
-  EXPECT_LT((found.manifolds[0].normal - Vector3::UnitZ()).norm(), 1e-9);
-  ASSERT_EQ(found.manifolds[0].count, 1);
-  EXPECT_NEAR(found.manifolds[0].points[0].separation, -0.001, 1e-9);
-}
-
 // Depths are those of the half-space of the mesh's face, whatever the ratio of sizes.
 TEST(FlatMesh, AnyRatioOfSizesWorks) {
   const Solids solids;
@@ -435,40 +287,6 @@ TEST(FlatMesh, AnyRatioOfSizesWorks) {
       EXPECT_NEAR(found.manifolds[0].least_separation(), -0.01, 1e-9) << cell << " " << i % 6;
     }
   }
-}
-
-TEST(RoughMesh, ManifoldsAreSoundAndTheSameEveryTime) {
-  Random random(9);
-  std::vector<double> bumps;
-  for (int i = 0; i < 21 * 21; ++i) bumps.push_back(random.real(-0.3, 0.3));
-  const HeightField field = std::get<HeightField>(build_height_field(21, 21, 0.3, 0.2, bumps));
-  const Shape surface = Shape::height_field(field);
-  const Solids solids;
-  int touching = 0;
-  for (int i = 0; i < 3000; ++i) {
-    const Shape& solid = solids.shapes[static_cast<std::size_t>(i % 6)];
-    const Pose pose{{random.real(-1, 7), random.real(-1, 5), random.real(-0.5, 0.8)}, random.rotation()};
-    const SurfaceManifolds found = touch(solid, surface, pose, 0.05);
-    touching += found.count > 0;
-    expect_sound(solid, pose, found);
-    const SurfaceManifolds again = touch(solid, surface, pose, 0.05);
-    ASSERT_EQ(found.count, again.count);
-    for (int m = 0; m < found.count; ++m) {
-      const auto k = static_cast<std::size_t>(m);
-      EXPECT_EQ(found.manifolds[k].normal, again.manifolds[k].normal);
-      EXPECT_EQ(found.manifolds[k].count, again.manifolds[k].count);
-    }
-  }
-  EXPECT_GT(touching, 1000);
-}
-
-TEST(Surface, PosesThatAreNotFiniteTouchNothing) {
-  const TriangleMesh mesh = grid(2, 3, flat);
-  const Shape box = Shape::box({0.5, 0.5, 0.5});
-  const Pose nowhere{{0, std::nan(""), 0}, {1, 0, 0, 0}};
-  const Pose skewed{{0, 0, 0}, {std::nan(""), 0, 0, 0}};
-  EXPECT_EQ(touch(box, Shape::triangle_mesh(mesh), nowhere, 0.1).count, 0);
-  EXPECT_EQ(touch(box, Shape::triangle_mesh(mesh), skewed, 0.1).count, 0);
 }
 
 // A ridge that bends by less than counts as an edge: the ball's foot on either side lies beyond it.

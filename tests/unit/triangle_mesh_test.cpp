@@ -108,14 +108,6 @@ TEST(TriangleMesh, EdgesAreConvexWhereTheSurfaceBendsOutwards) {
   }
 }
 
-// Two triangles back to back are a plate that can be touched at its rim.
-TEST(TriangleMesh, PlateIsConvexAtItsRim) {
-  const TriangleMesh mesh = mesh_of({{0, 0, 0}, {1, 0.3, 0.2}, {0.1, 1, 0.7}}, {{0, 1, 2}, {1, 0, 2}});
-  EXPECT_TRUE(mesh.closed);
-  EXPECT_EQ(mesh.convex_edges[0], 7);
-  EXPECT_EQ(mesh.convex_edges[1], 7);
-}
-
 TEST(TriangleMesh, NeighboursAreMutualAndShareTheEdge) {
   Random random(1);
   const Surface surface = random_surface(12, random, false);
@@ -199,51 +191,10 @@ TEST(TriangleTree, QueriesMatchBruteForce) {
   }
 }
 
-// Boxes that no split can tell apart, and ones whose sizes span all magnitudes.
-TEST(TriangleTree, DegenerateBoxesAreAllFound) {
-  std::vector<Aabb> equal(5000, Aabb{{0, 0, 0}, {1, 1, 1}});
-  std::vector<Aabb> nested;
-  for (int i = 0; i < 200; ++i) {
-    const float size = std::ldexp(1.0f, i - 100);
-    nested.push_back({{size, 0, 0}, {2 * size, size, size}});
-  }
-  for (const std::vector<Aabb>& boxes : {equal, nested}) {
-    TriangleTree tree;
-    tree.build(boxes);
-    std::size_t found = 0;
-    tree.query({{-1, -1, -1}, {1e38f, 1e38f, 1e38f}}, [&](std::uint32_t) { ++found; });
-    EXPECT_EQ(found, boxes.size());
-  }
-}
-
 std::vector<std::uint32_t> found_in(const TriangleTree& tree, const Aabb& box) {
   std::vector<std::uint32_t> found;
   tree.query(box, [&](std::uint32_t item) { found.push_back(item); });
   return found;
-}
-
-TEST(TriangleTree, FindsAllInInfiniteBoxesAndNothingInNoneOrNan) {
-  constexpr float inf = std::numeric_limits<float>::infinity();
-  constexpr float nan = std::numeric_limits<float>::quiet_NaN();
-  TriangleTree tree;
-  tree.build({});
-  EXPECT_TRUE(found_in(tree, {{-inf, -inf, -inf}, {inf, inf, inf}}).empty());
-  Random random(6);
-  for (const std::size_t count : {1u, 8u, 9u, 500u}) {
-    std::vector<Aabb> boxes;
-    for (std::size_t i = 0; i < count; ++i) {
-      const Vector3 lower = random.vector(i % 7 == 0 ? 1e30 : 10);
-      boxes.push_back(Aabb::around(lower, lower + random.vector(2).cwiseAbs()));
-    }
-    tree.build(boxes);
-    EXPECT_EQ(found_in(tree, {{-inf, -inf, -inf}, {inf, inf, inf}}).size(), count);
-    EXPECT_EQ(found_in(tree, {{-inf, -inf, -inf}, {inf, inf, -inf}}).size(), 0u);
-    EXPECT_EQ(found_in(tree, {{nan, -inf, -inf}, {nan, inf, inf}}).size(), 0u);
-    EXPECT_TRUE(found_in(tree, Aabb::empty()).empty());
-    std::size_t left = 0;
-    for (const Aabb& box : boxes) left += box.lower[0] <= 0;
-    EXPECT_EQ(found_in(tree, {{-inf, -inf, -inf}, {0, inf, inf}}).size(), left);
-  }
 }
 
 // Steps of a node of thin boxes are denormal, and those of one that spans the range of float overflow.
@@ -265,83 +216,6 @@ TEST(TriangleTree, IsExactForBoxesOfAllSizes) {
     std::sort(found.begin(), found.end());
     EXPECT_EQ(found, expected);
   }
-}
-
-// A smaller box finds its triangles in the order in which a larger one finds them.
-TEST(TriangleTree, OrderOfVisitsIsThatOfTheTree) {
-  Random random(7);
-  const Surface surface = random_surface(30, random, false);
-  const TriangleMesh mesh = mesh_of(surface.vertices, surface.triangles);
-  const std::vector<std::uint32_t> all = found_in(mesh.tree, {{-1e9f, -1e9f, -1e9f}, {1e9f, 1e9f, 1e9f}});
-  ASSERT_EQ(all.size(), mesh.triangles.size());
-  for (int trial = 0; trial < 100; ++trial) {
-    const Vector3 lower = random.vector(30);
-    const std::vector<std::uint32_t> some =
-        found_in(mesh.tree, Aabb::around(lower, lower + random.vector(9).cwiseAbs()));
-    std::size_t at = 0;
-    for (const std::uint32_t item : some) {
-      while (at < all.size() && all[at] != item) ++at;
-      EXPECT_LT(at, all.size()) << "triangle " << item << " is out of order";
-    }
-  }
-}
-
-// The nearest comes first, and nothing beyond the limit is visited.
-TEST(TriangleTree, VisitsTheNearestFirst) {
-  Random random(8);
-  std::vector<Aabb> boxes;
-  for (int i = 0; i < 1000; ++i) {
-    const Vector3 lower = random.vector(10);
-    boxes.push_back(Aabb::around(lower, lower + random.vector(1).cwiseAbs()));
-  }
-  TriangleTree tree;
-  tree.build(boxes);
-  for (int trial = 0; trial < 50; ++trial) {
-    const Vector3 from = random.vector(12);
-    const auto apart = [&](const Aabb& box) {
-      double square = 0;
-      for (std::size_t i = 0; i < 3; ++i) {
-        const double at = from[static_cast<Eigen::Index>(i)];
-        const double beside = std::max({0.0, double{box.lower[i]} - at, at - double{box.upper[i]}});
-        square += beside * beside;
-      }
-      return square;
-    };
-    double limit = std::numeric_limits<double>::infinity();
-    std::size_t visits = 0;
-    tree.visit_near(
-        apart, [&] { return limit; },
-        [&](std::uint32_t item) {
-          ++visits;
-          limit = std::min(limit, apart(boxes[item]));
-        });
-    double nearest = limit;
-    for (const Aabb& box : boxes) nearest = std::min(nearest, apart(box));
-    EXPECT_EQ(limit, nearest);
-    EXPECT_LT(visits, 40u);
-  }
-}
-
-// A small query looks at a small part of the tree: of a surface of 20 000 triangles, at few more than it finds.
-TEST(TriangleTree, SmallQueriesVisitFewNodes) {
-  Random random(4);
-  const Surface surface = random_surface(100, random, false);
-  const TriangleMesh mesh = mesh_of(surface.vertices, surface.triangles);
-  std::size_t visited = 0;
-  for (int trial = 0; trial < 100; ++trial) {
-    const Vector3 lower(random.real(0, 98), random.real(0, 98), 0);
-    const Aabb box = Aabb::around(lower, lower + Vector3(1, 1, 1));
-    std::vector<std::uint32_t> open = {0};
-    for (; !open.empty(); ++visited) {
-      const TriangleTree::Node& node = mesh.tree.nodes[open.back()];
-      open.pop_back();
-      const std::uint64_t near = node.near(box);
-      for (std::size_t i = 0; i < node.count; ++i) {
-        if (node.is_inner(i) && (near >> (8 * i + 7) & 1) != 0) open.push_back(node.child(i));
-      }
-    }
-  }
-  EXPECT_LT(visited, 100u * 12u);
 }
 
 TEST(TriangleMesh, RefusesWhatIsNoSurface) {
