@@ -7,7 +7,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <memory>
 #include <set>
 #include <vector>
 
@@ -39,11 +38,6 @@ std::vector<std::uint32_t> expected_in(const Entries& entries, const Aabb& box) 
     if (box_of_item.overlaps(box)) expected.push_back(item);
   }
   return expected;
-}
-
-TEST(AabbTree, EmptyFindsNothing) {
-  const AabbTree tree;
-  EXPECT_TRUE(found_in(tree, {{-1, -1, -1}, {1, 1, 1}}).empty());
 }
 
 TEST(AabbTree, MatchesBruteForceUnderRandomChanges) {
@@ -126,26 +120,6 @@ TEST(AabbTree, FindsWhatIsInsertedLater) {
   }
 }
 
-TEST(AabbTree, IsBuiltAlikeByAnyNumberOfThreads) {
-  std::vector<std::uint32_t> places;
-  for (const int threads : {0, 1, 2, 4}) {
-    Random random(3);
-    AabbTree tree;
-    // Most near each other, some equal, one far off.
-    constexpr std::uint32_t count = 50'000;
-    for (std::uint32_t item = 0; item < count; ++item) {
-      const double reach = item == 7 ? 1e7 : item % 3 == 0 ? 1 : 100;
-      tree.insert_later(item, item % 5 == 0 ? Aabb{{0, 0, 0}, {1, 1, 1}} : random_box(random, reach, 1));
-    }
-    const auto arena = threads > 0 ? std::make_unique<jobs::Arena>(threads) : nullptr;
-    tree.take_in(arena.get());
-    std::vector<std::uint32_t> found;
-    for (std::uint32_t item = 0; item < count; ++item) found.push_back(tree.place(item));
-    if (places.empty()) places = found;
-    EXPECT_EQ(found, places) << threads;
-  }
-}
-
 TEST(AabbTree, SurvivesSortedNestedAndEqualBoxes) {
   const auto expect_all_found = [](std::uint32_t count, auto&& box_of) {
     AabbTree tree;
@@ -173,27 +147,6 @@ TEST(AabbTree, SurvivesSortedNestedAndEqualBoxes) {
     return Aabb{{x, 0, 0}, {1.1f * x, 1, 1}};
   });
   expect_all_found(3000, [](std::uint32_t) { return Aabb{{0, 0, 0}, {1, 1, 1}}; });
-}
-
-TEST(AabbTree, SurvivesBoxesThatAreNotFinite) {
-  constexpr float nan = std::numeric_limits<float>::quiet_NaN();
-  constexpr float infinity = std::numeric_limits<float>::infinity();
-  Random random(2);
-  AabbTree tree;
-  Entries entries;
-  for (std::uint32_t item = 0; item < 500; ++item) {
-    Aabb box = random_box(random, 10, 1);
-    if (item % 7 == 0) box = {{nan, nan, nan}, {nan, nan, nan}};
-    if (item % 11 == 0) box = {{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}};
-    tree.insert(item, entries[item] = box);
-  }
-  for (int round = 0; round < 3; ++round) {
-    for (const auto& [item, box] : entries) tree.move(item, box);
-    tree.rebuild_if_worn();
-  }
-  EXPECT_EQ(tree.size(), entries.size());
-  for (const auto& entry : entries) tree.remove(entry.first);
-  EXPECT_EQ(tree.size(), 0u);
 }
 
 // Also under insertions, refits and a rebuild: a box that isn't finite hides no other.
@@ -302,53 +255,6 @@ TEST(AabbTree, RaysMissNothing) {
   EXPECT_GT(hits, 5000u);
 }
 
-// Cutting the ray at the nearest box so far finds the nearest, and spares most of the others.
-TEST(AabbTree, RaysEndAtTheNearestBox) {
-  Random random(7);
-  AabbTree tree;
-  Entries entries;
-  for (std::uint32_t item = 0; item < 3000; ++item) tree.insert(item, entries[item] = random_box(random, 20, 2));
-  tree.rebuild_if_worn();
-  std::size_t visits = 0, all = 0;
-  for (int i = 0; i < 300; ++i) {
-    const Vector3 origin = random.vector(20);
-    const Vector3 direction = random.direction();
-    double expected = 100;
-    tree.ray_query(origin, direction, 100, [&](std::uint32_t, double t_enter) {
-      ++all;
-      expected = std::min(expected, t_enter);
-      return 100.0;
-    });
-    double nearest = 100;
-    tree.ray_query(origin, direction, 100, [&](std::uint32_t, double t_enter) {
-      ++visits;
-      return nearest = std::min(nearest, t_enter);
-    });
-    EXPECT_EQ(nearest, expected);
-    int stopped = 0;
-    tree.ray_query(origin, direction, 100, [&](std::uint32_t, double) { return ++stopped, -1.0; });
-    EXPECT_LE(stopped, 1);
-  }
-  EXPECT_LT(2 * visits, all);
-}
-
-TEST(AabbTree, RaysThatAreNotFiniteHitNothing) {
-  AabbTree tree;
-  tree.insert(0, {{-1, -1, -1}, {1, 1, 1}});
-  const auto hits = [&](const Vector3& origin, const Vector3& direction, double max_t) {
-    int count = 0;
-    tree.ray_query(origin, direction, max_t, [&](std::uint32_t, double) { return ++count, max_t; });
-    return count;
-  };
-  EXPECT_EQ(hits({0, 0, 0}, {1, 0, 0}, 1), 1);
-  EXPECT_EQ(hits({0, 0, 0}, {0, 0, 0}, 0), 1);
-  EXPECT_EQ(hits({NAN, 0, 0}, {1, 0, 0}, 1), 0);
-  EXPECT_EQ(hits({0, 0, 0}, {1, NAN, 0}, 1), 0);
-  EXPECT_EQ(hits({0, 0, 0}, {INFINITY, 0, 0}, 1), 0);
-  EXPECT_EQ(hits({0, 0, 0}, {1, 0, 0}, NAN), 0);
-  EXPECT_EQ(hits({0, 0, 0}, {1, 0, 0}, -1), 0);
-}
-
 TEST(Aabb, RoundsOutwardsToTheNextFloat) {
   Random random(3);
   for (double scale : {1e-3, 1.0, 1e3, 1e7, 1e12}) {
@@ -371,28 +277,6 @@ TEST(Aabb, RoundsOutwardsToTheNextFloat) {
   const Aabb beyond = Aabb::around(Vector3::Constant(-1e39), Vector3::Constant(1e39));
   EXPECT_LE(beyond.lower[0], -3e38f);
   EXPECT_GE(beyond.upper[0], 3e38f);
-}
-
-TEST(Aabb, BoundsTouchTheShapesFarthestPoints) {
-  Random random(4);
-  for (int i = 0; i < 200; ++i) {
-    const Vector3 half(random.real(0.1, 2), random.real(0.1, 2), random.real(0.1, 2));
-    const Vector3 position = random.vector(100);
-    const Matrix3 rotation = random.rotation().toRotationMatrix();
-    Vector3 lower = Vector3::Constant(INFINITY);
-    Vector3 upper = -lower;
-    for (int corner = 0; corner < 8; ++corner) {
-      const Vector3 sign(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
-      const Vector3 p = position + rotation * sign.cwiseProduct(half);
-      lower = lower.cwiseMin(p);
-      upper = upper.cwiseMax(p);
-    }
-    const Bounds box = bounds_of(Shape::box(half), position, rotation);
-    EXPECT_LT((box.lower - lower).norm() + (box.upper - upper).norm(), 1e-12);
-    const Bounds ball = bounds_of(Shape::sphere(0.7), position, rotation);
-    EXPECT_LT((ball.lower - position + Vector3::Constant(0.7)).norm(), 1e-12);
-    EXPECT_LT((ball.upper - position - Vector3::Constant(0.7)).norm(), 1e-12);
-  }
 }
 
 }  // namespace

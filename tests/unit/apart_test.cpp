@@ -12,7 +12,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
-#include <numbers>
 #include <span>
 #include <vector>
 
@@ -192,44 +191,6 @@ TEST(Apart, ASurfaceThatIsTurnedIsLookedAtAnew) {
   EXPECT_EQ(bodies.result.counts.recomputed, 1);
 }
 
-TEST(Apart, ASurfacesGapIsByTheBallAndTheBoxAround) {
-  const std::array<Vector3, 3> vertices = {Vector3(-5, -5, 0), Vector3(5, -5, 0), Vector3(0, 5, 0)};
-  const std::array<std::array<std::uint32_t, 3>, 1> triangles = {{{0, 1, 2}}};
-  const auto mesh = std::get<TriangleMesh>(build_triangle_mesh(vertices, triangles));
-  const Shape surface = Shape::triangle_mesh(mesh);
-  const Shape box = Shape::box({0.3, 0.4, 1.2});
-  const auto gap = [&](const Vector3& place, double most) {
-    SurfaceManifolds found;
-    collide_surface(box, surface, {place, Quaternion::Identity()}, 0, found, Vector3::Zero(), most);
-    return found.gap;
-  };
-  EXPECT_NEAR(gap({0, 0, 2}, 10), 2 - 1.2, 1e-12);
-  EXPECT_NEAR(gap({0, -8, 4}, 10), std::hypot(3 - 0.4, 4 - 1.2), 1e-12);
-  // Over the box of the triangle, but beside it: the ball is farther off.
-  EXPECT_NEAR(gap({4, 4, 0}, 10), 7 / std::sqrt(5) - 1.3, 1e-12);
-  EXPECT_NEAR(gap({0, -8, 4}, 1), 1, 1e-12);
-  EXPECT_LE(gap({0, 0, 1}, 10), 0);
-}
-
-TEST(Apart, ABallsGapIsToTheNearestTriangle) {
-  Random random(10);
-  const TriangleMesh mesh = hills(random);
-  const Shape surface = Shape::triangle_mesh(mesh);
-  for (int run = 0; run < 300; ++run) {
-    const Vector3 centre = random.vector(random.chance(0.5) ? 3 : 30);
-    const double radius = random.magnitude(0.01, 1);
-    const double gap = gap_of_ball(centre, radius, surface, 1000);
-    double nearest = 1e9;
-    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-      const auto [a, b, c] = mesh.face(i).vertices;
-      nearest = std::min(nearest, closest_points(Shape::sphere(0), {a - centre, b - centre, c - centre}).distance);
-    }
-    EXPECT_NEAR(gap, std::max(0.0, nearest - radius), 1e-12 * nearest);
-    EXPECT_NEAR(gap_of_ball(centre, radius, surface, 0.5 * gap), 0.5 * gap, 1e-12 * nearest);
-  }
-  EXPECT_EQ(gap_of_ball({0, 0, 9}, 1, Shape::box(Vector3::Ones()), 10), 0);
-}
-
 // A child of a compound is tested by the way that it moves itself. Turning in place brings it no nearer, so a child
 // that stays where it is needs no test, however far from the body's centre it is.
 TEST(Apart, AChildThatTurnsWhereItIsCostsNothing) {
@@ -247,23 +208,6 @@ TEST(Apart, AChildThatTurnsWhereItIsCostsNothing) {
     bodies.update();
     ASSERT_EQ(bodies.result.counts.recomputed, 0) << step;
   }
-}
-
-// The boxes' centres stay where they are, and the second's longest axis comes round.
-TEST(Apart, TurningAloneEndsIt) {
-  TwoBodies bodies(Shape::box(Vector3::Constant(0.5)), Shape::box({0.25, 2, 0.25}), centred);
-  const Vector3 beside(1.5, 0, 0);
-  bodies.put(1, beside, Quaternion::Identity());
-  bodies.update();
-  ASSERT_FALSE(bodies.found_touching());
-  for (int degrees = 1; degrees <= 90; ++degrees) {
-    const double half = degrees * std::numbers::pi / 360;
-    bodies.put(1, beside, {std::cos(half), 0, 0, std::sin(half)});
-    bodies.update();
-    if (bodies.touching(0.5)) break;
-  }
-  EXPECT_TRUE(bodies.touching(0.5));
-  EXPECT_TRUE(bodies.found_touching());
 }
 
 // Together through space, as boxes that fall side by side: nothing is asked anew.

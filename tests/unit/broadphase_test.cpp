@@ -264,70 +264,7 @@ TEST(Broadphase, PairsDoNotDependOnThreads) {
   }
 }
 
-TEST(Broadphase, OnlyMovesAreAskedForPartners) {
-  jobs::Arena arena(1);
-  Broadphase broadphase;
-  const Aabb box{{0, 0, 0}, {1, 1, 1}};
-  broadphase.add_box(0, box, false);
-  broadphase.add_box(1, box, false);
-  EXPECT_TRUE(broadphase.has_moved(0));
-  EXPECT_EQ(broadphase.find_new_pairs({}, arena).size(), 1u);
-  broadphase.forget_moves();
-  EXPECT_FALSE(broadphase.has_moved(0));
-  EXPECT_TRUE(broadphase.find_new_pairs({}, arena).empty());
-  broadphase.move_box(1, box);
-  EXPECT_EQ(broadphase.find_new_pairs({}, arena).size(), 1u);
-}
-
 constexpr Aabb unit_box{{0, 0, 0}, {1, 1, 1}};
-
-bool pair_found(const Filter& a, const Filter& b) {
-  jobs::Arena arena(1);
-  Broadphase broadphase;
-  broadphase.add_box(0, unit_box, false, a);
-  broadphase.add_box(1, unit_box, false, b);
-  const bool found = broadphase.find_new_pairs({}, arena).size() == 1;
-  EXPECT_EQ(broadphase.overlap(0, 1), found);
-  EXPECT_EQ(broadphase.overlap(1, 0), found);
-  return found;
-}
-
-TEST(Broadphase, FiltersDecideWhoMayMeet) {
-  EXPECT_TRUE(pair_found({}, {}));
-  EXPECT_TRUE(pair_found({.category = 2, .mask = 4}, {.category = 4, .mask = 2}));
-  EXPECT_FALSE(pair_found({.category = 2, .mask = 4}, {.category = 4, .mask = 1}));
-  EXPECT_FALSE(pair_found({.category = 2, .mask = 1}, {.category = 4, .mask = 2}));
-  EXPECT_TRUE(pair_found({.mask = 0, .group = 3}, {.mask = 0, .group = 3}));
-  EXPECT_FALSE(pair_found({.group = -3}, {.group = -3}));
-  EXPECT_TRUE(pair_found({.group = -3}, {.group = -4}));
-  EXPECT_FALSE(pair_found({.group = 3, .owner = 7}, {.group = 3, .owner = 7}));
-  EXPECT_FALSE(pair_found({.owner = 1}, {}));
-}
-
-// A pair that is no longer allowed doesn't overlap, and is found anew when it is allowed again, with nothing moved.
-TEST(Broadphase, ChangesOfFiltersTakeEffectWithoutMotion) {
-  jobs::Arena arena(1);
-  Broadphase broadphase;
-  broadphase.disable_pair(5, 6);  // before anybody has such an owner
-  broadphase.add_box(0, unit_box, false, {.owner = 5});
-  broadphase.add_box(1, unit_box, false, {.owner = 6});
-  const auto found = [&] {
-    const std::size_t count = broadphase.find_new_pairs({}, arena).size();
-    EXPECT_EQ(broadphase.overlap(0, 1), count == 1);
-    broadphase.forget_moves();
-    return count == 1;
-  };
-  EXPECT_FALSE(found());
-  broadphase.enable_pair(6, 5);
-  EXPECT_TRUE(broadphase.has_moved(0) && broadphase.has_moved(1));
-  EXPECT_TRUE(found());
-  broadphase.set_filter(1, {.mask = 0, .owner = 6});
-  EXPECT_TRUE(broadphase.has_moved(1));
-  EXPECT_FALSE(found());
-  broadphase.set_filter(1, {});
-  EXPECT_TRUE(found());
-  EXPECT_FALSE(broadphase.has_moved(0));
-}
 
 // Takes minutes if removing one shape takes a search of all that moved.
 TEST(Broadphase, RemovesManyShapesAndTheirMoves) {
@@ -367,68 +304,6 @@ TEST(Broadphase, BoxesWithNanMeetNobodyAndInfiniteOnesEverybody) {
   }
   broadphase.move_box(1, unit_box);
   EXPECT_TRUE(broadphase.overlap(1, 4));
-}
-
-TEST(Broadphase, QueriesSeeAllKindsOfShapes) {
-  Random random(11);
-  Broadphase broadphase;
-  std::vector<Aabb> boxes;
-  for (std::uint32_t shape = 0; shape < 300; ++shape) {
-    const Vector3 lower = random.vector(10);
-    boxes.push_back(Aabb::around(lower, lower + Vector3(random.real(0, 2), random.real(0, 2), random.real(0, 2))));
-    broadphase.add_box(shape, boxes.back(), shape % 3 == 0, {.mask = 0});
-  }
-  const Plane plane{Vector3(0.6, 0, 0.8), -6};
-  broadphase.add_half_space(300, plane);
-  const Vector3 half(0.3, 0.1, 0.2);
-  std::size_t plane_hits = 0;
-  for (int i = 0; i < 300; ++i) {
-    const Vector3 centre = random.vector(10);
-    const Aabb probe = Aabb::around(centre - half, centre + half);
-    std::set<std::uint32_t> expected, found, along;
-    for (std::uint32_t shape = 0; shape < 300; ++shape) {
-      if (boxes[shape].overlaps(probe)) expected.insert(shape);
-    }
-    if (Model::below(plane, probe)) expected.insert(300);
-    plane_hits += expected.count(300);
-    broadphase.proxies().query_box(probe, [&](std::uint32_t shape) { EXPECT_TRUE(found.insert(shape).second); });
-    EXPECT_EQ(found, expected);
-    // A sweep that goes nowhere is a query of a box; the float boxes are rounded outwards, so may hold more.
-    broadphase.proxies().query_ray(
-        centre, Vector3::Zero(), 1,
-        [&](std::uint32_t shape, double t_enter) {
-          EXPECT_EQ(t_enter, 0);
-          EXPECT_TRUE(along.insert(shape).second);
-          return 1.0;
-        },
-        half);
-    EXPECT_TRUE(std::includes(expected.begin(), expected.end(), along.begin(), along.end()));
-    EXPECT_GE(along.size() + 1, expected.size());
-  }
-  EXPECT_GT(plane_hits, 10u);
-}
-
-// Against the closed form: the half-space z <= 1 from above, inside and sideways.
-TEST(Broadphase, RaysEnterHalfSpacesWhereTheyShould) {
-  Broadphase broadphase;
-  broadphase.add_half_space(4, {Vector3::UnitZ(), 1});
-  const auto enter = [&](const Vector3& origin, const Vector3& direction, double max_t, const Vector3& half) {
-    double entered = -1;
-    broadphase.proxies().query_ray(
-        origin, direction, max_t,
-        [&](std::uint32_t, double t_enter) {
-          entered = t_enter;
-          return max_t;
-        },
-        half);
-    return entered;
-  };
-  EXPECT_NEAR(enter({3, 4, 5}, {0, 0, -2}, 10, Vector3::Zero()), 2, 1e-12);
-  EXPECT_NEAR(enter({3, 4, 5}, {1, 0, -2}, 10, Vector3::Constant(0.5)), 1.75, 1e-12);
-  EXPECT_EQ(enter({3, 4, 5}, {0, 0, -2}, 1.99, Vector3::Zero()), -1);
-  EXPECT_EQ(enter({3, 4, 5}, {1, 0, 0}, 1e6, Vector3::Zero()), -1);
-  EXPECT_EQ(enter({3, 4, 5}, {0, 0, 1}, 1e6, Vector3::Zero()), -1);
-  EXPECT_EQ(enter({3, 4, 0}, {0, 0, 1}, 1e6, Vector3::Zero()), 0);
 }
 
 // A fat box holds the shape for as many steps as predicted, on its way and with its margin on all sides.

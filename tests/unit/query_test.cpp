@@ -1,4 +1,4 @@
-// Queries of a world: answers against closed forms, filters, batches, and what is refused.
+// Queries of a world: answers against closed forms, and what is refused. Random programs have filters and batches.
 
 #include <atoll/queries.h>
 #include <gtest/gtest.h>
@@ -66,32 +66,6 @@ TEST_F(QueriesTest, RayMeetsBodiesInTurn) {
   ASSERT_TRUE(inside);
   EXPECT_TRUE(inside->started_inside);
   EXPECT_EQ(inside->distance, 0);
-}
-
-TEST_F(QueriesTest, FiltersLeaveBodiesOut) {
-  const auto first = [&](const QueryFilter& filter) {
-    const std::optional<RayHit> hit = queries_.cast_ray(along_x_, filter);
-    return hit ? hit->body : BodyId{};
-  };
-  EXPECT_EQ(first({.dynamic_bodies = false}), wall_);
-  EXPECT_EQ(first({.static_bodies = false, .dynamic_bodies = false}), post_);
-  EXPECT_EQ(first({.static_bodies = false, .kinematic_bodies = false, .dynamic_bodies = false}), BodyId{});
-  EXPECT_EQ(first({.mask = ~2u}), wall_);
-  EXPECT_EQ(first({.mask = 2}), ball_);
-  const std::vector<BodyId> near{wall_, ball_};
-  EXPECT_EQ(first({.ignore = near}), post_);
-  EXPECT_EQ(first({.predicate = [&](BodyId body, std::uint32_t child) { return body == pair_ && child == 1; }}), pair_);
-  // A body that lets only category 4 meet it.
-  world_.set_filter(ball_, {.category = 2, .mask = 4});
-  EXPECT_EQ(first({.category = 3}), wall_);
-  EXPECT_EQ(first({.category = 4}), ball_);
-  // A removed body is hit no more, and its id in a list doesn't stand for a later body with the same index.
-  const std::vector<BodyId> stale{ball_};
-  world_.remove_body(ball_);
-  EXPECT_EQ(first({}), wall_);
-  const BodyId next = world_.add_body(sphere({1, 0, 0}, 0.1));
-  EXPECT_EQ(next.index, stale[0].index);
-  EXPECT_EQ(first({.ignore = stale}), next);
 }
 
 // Among hits at the same distance the lowest body comes first, in whatever order they are found.
@@ -352,65 +326,6 @@ TEST_F(QueriesTest, SurfacesNameTheirTriangles) {
   ASSERT_TRUE(near);
   EXPECT_EQ(near->triangle, 5u);
   EXPECT_NEAR(near->distance, 1, 1e-12);
-}
-
-// Batches give the bits of single questions, in their order, with any number of threads.
-TEST(QueryBatches, MatchSingleQuestions) {
-  for (const int threads : {1, 2, 3}) {
-    World world({.threads = threads});
-    Random random(1);
-    world.add_body(ground());
-    for (int i = 0; i < 200; ++i) {
-      BodyDef def = i % 2 ? box(random.vector(8), {0.3, 0.5, 0.7}) : sphere(random.vector(8), 0.4);
-      def.orientation = random.rotation();
-      world.add_body(def);
-    }
-    const Queries queries(world);
-    std::vector<Ray> rays(500);
-    std::vector<QueryShape> shapes(300);
-    std::vector<ShapeCast> casts(100);
-    for (Ray& ray : rays) ray = {.origin = random.vector(10), .direction = random.vector(1), .max_distance = 15};
-    for (QueryShape& shape : shapes) {
-      shape = {.shape = Capsule{0.5, 1}, .position = random.vector(10), .orientation = random.rotation()};
-    }
-    for (ShapeCast& cast : casts) {
-      cast = {.shape = Box{}, .position = random.vector(10), .translation = random.vector(10)};
-    }
-    const auto hits = queries.cast_rays(rays);
-    const auto blocked = queries.are_blocked(rays);
-    std::size_t found = 0;
-    for (std::size_t i = 0; i < rays.size(); ++i) {
-      const std::optional<RayHit> single = queries.cast_ray(rays[i]);
-      ASSERT_EQ(hits[i].has_value(), single.has_value());
-      EXPECT_EQ(blocked[i] != 0, single.has_value());
-      if (!single) continue;
-      ++found;
-      EXPECT_EQ(hits[i]->body, single->body);
-      EXPECT_EQ(hits[i]->distance, single->distance);
-      EXPECT_EQ(hits[i]->normal, single->normal);
-    }
-    EXPECT_GT(found, 100u);
-    const auto overlaps = queries.overlapping(shapes);
-    const auto closest = queries.closest_points(shapes, 5);
-    for (std::size_t i = 0; i < shapes.size(); ++i) {
-      EXPECT_EQ(overlaps[i], queries.overlapping(shapes[i]));
-      const std::optional<ClosestPoint> single = queries.closest_point(shapes[i], 5);
-      ASSERT_EQ(closest[i].has_value(), single.has_value());
-      if (!single) continue;
-      EXPECT_EQ(closest[i]->body, single->body);
-      EXPECT_EQ(closest[i]->distance, single->distance);
-      EXPECT_EQ(closest[i]->distance <= 0, !overlaps[i].empty());
-    }
-    const auto stops = queries.cast_shapes(casts);
-    for (std::size_t i = 0; i < casts.size(); ++i) {
-      const std::optional<ShapeHit> single = queries.cast_shape(casts[i]);
-      ASSERT_EQ(stops[i].has_value(), single.has_value());
-      if (single) {
-        EXPECT_EQ(stops[i]->distance, single->distance);
-      }
-    }
-    EXPECT_TRUE(queries.cast_rays({}).empty());
-  }
 }
 
 // Answers follow the bodies, wherever steps and calls put them.
