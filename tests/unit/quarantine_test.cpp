@@ -4,9 +4,6 @@
 #include <atoll/snapshot.h>
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <limits>
-#include <string>
 #include <vector>
 
 #include "support/bodies.h"
@@ -31,18 +28,6 @@ struct Lost {
     run(world, 1);
   }
 };
-
-TEST(Quarantine, EveryReasonHasWordsOfItsOwn) {
-  std::vector<std::string> seen;
-  for (const Quarantine reason :
-       {Quarantine::NotFinite, Quarantine::TooFar, Quarantine::TooFast, Quarantine::TooFastSpin,
-        Quarantine::TooFastSurface, Quarantine::TooMuchForce, Quarantine::TooMuchTorque}) {
-    const std::string words = quarantine_reason(reason);
-    EXPECT_FALSE(words.empty());
-    for (const std::string& other : seen) EXPECT_NE(words, other);
-    seen.push_back(words);
-  }
-}
 
 TEST(Quarantine, BoundsAreWhereTheyAreSaidToBe) {
   World world({.gravity = Vector3::Zero()});
@@ -92,42 +77,6 @@ TEST(Quarantine, StepThatCarriesABodyTooFarIsTakenBack) {
   EXPECT_EQ(world.quarantined()[0].reason, Quarantine::TooFar);
   EXPECT_EQ(world.pose(id).position, before);
   EXPECT_EQ(world.velocity(id), Vector3::Zero());
-}
-
-TEST(Quarantine, NothingActsOnABodyThatIsOut) {
-  Lost lost;
-  const BodyState before = lost.world.state(lost.crate);
-  lost.world.apply_force(lost.crate, {0, 0, 100}, {1, 0, 0});
-  lost.world.apply_impulse(lost.crate, {0, 10, 0}, {0, 0, 2});
-  lost.world.wake(lost.crate);
-  lost.world.add_body(box({0.2, 0, 2}));  // falls through where it was
-  const StepReport report = run(lost.world, 120);
-  const BodyState after = lost.world.state(lost.crate);
-  EXPECT_EQ(after.pose.position, before.pose.position);
-  EXPECT_EQ(after.pose.orientation.coeffs(), before.pose.orientation.coeffs());
-  EXPECT_EQ(after.velocity, Vector3::Zero());
-  EXPECT_EQ(after.angular_velocity, Vector3::Zero());
-  EXPECT_EQ(report.counts.pairs, 1);
-  EXPECT_EQ(report.counts.contacts, 1);
-  EXPECT_EQ(lost.world.body_count(), 3u);
-  EXPECT_EQ(Queries(lost.world).overlapping({.shape = Sphere{5}}).size(), 2u);
-}
-
-TEST(Quarantine, ReleasedBodyTakesPartAgain) {
-  Lost lost;
-  lost.world.set_pose(lost.crate, {.position = {3, 0, 2}});
-  lost.world.set_velocity(lost.crate, {1, 0, 0}, {0, 0, 0});
-  lost.world.release(lost.crate);
-  EXPECT_FALSE(lost.world.is_quarantined(lost.crate));
-  EXPECT_TRUE(lost.world.quarantined().empty());
-  const StepReport first = lost.world.step(dt);
-  EXPECT_EQ(first.quarantined, 0);
-  EXPECT_EQ(first.counts.active_bodies, 1);
-  EXPECT_NEAR(lost.world.pose(lost.crate).position.x(), 3 + dt, 1e-9);
-  run(lost.world, 180);
-  EXPECT_NEAR(lost.world.pose(lost.crate).position.z(), 0.5, 1e-3);
-  EXPECT_NEAR(contact_force(lost.world, lost.floor, lost.crate).z(), g * lost.world.mass(lost.crate), 1);
-  EXPECT_EQ(Queries(lost.world).overlapping({.shape = Sphere{20}}).size(), 2u);
 }
 
 TEST(Quarantine, ReleasedBodyKeepsItsLocks) {
@@ -204,18 +153,6 @@ TEST(Quarantine, PoseThatIsTakenBackBeforeTheStepHarmsNothing) {
   world.set_pose(crate, {.position = {1e15, 0, 0}});
   EXPECT_EQ(world.step(dt).quarantined, 1);
   EXPECT_EQ(world.pose(crate).position, Vector3(2, 0, 0.5));
-}
-
-TEST(Quarantine, IndexOfARemovedBodyStartsAfresh) {
-  Lost lost;
-  lost.world.remove_body(lost.crate);
-  EXPECT_TRUE(lost.world.quarantined().empty());
-  EXPECT_EQ(lost.world.body_count(), 1u);
-  const BodyId next = lost.world.add_body(box({0, 0, 0.5}));
-  EXPECT_EQ(next.index, lost.crate.index);
-  EXPECT_FALSE(lost.world.is_quarantined(next));
-  EXPECT_EQ(run(lost.world, 60).counts.contacts, 1);
-  EXPECT_NEAR(lost.world.pose(next).position.z(), 0.5, 1e-3);
 }
 
 TEST(Quarantine, NothingIsLeftAfterManyRounds) {
@@ -305,20 +242,6 @@ TEST(Quarantine, IsPartOfTheStateHash) {
   const std::uint64_t out = same.state_hash();
   same.release(crate);
   EXPECT_NE(same.state_hash(), out);
-}
-
-TEST(Quarantine, KinematicBodyThatIsOutRunsNoStage) {
-  World world;
-  const BodyId lift =
-      world.add_body({.type = BodyType::Kinematic, .shape = Box{{0.5, 0.5, 0.5}}, .velocity = {0, 0, 1}});
-  const auto kinematic_runs = [](const StepReport& report) { return report.feature(Feature::KinematicBodies).run; };
-  EXPECT_TRUE(kinematic_runs(world.step(dt)));
-  world.set_velocity(lift, {0, 0, 1e7}, {0, 0, 0});
-  EXPECT_FALSE(kinematic_runs(world.step(dt)));
-  world.set_velocity(lift, {0, 0, 1}, {0, 0, 0});
-  world.release(lift);
-  EXPECT_TRUE(kinematic_runs(world.step(dt)));
-  EXPECT_NEAR(world.pose(lift).position.z(), 2 * dt, 1e-12);
 }
 
 }  // namespace

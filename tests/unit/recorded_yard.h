@@ -1,5 +1,5 @@
 #pragma once
-/// A small world, and every call that changes one, for recordings.
+/// A small world for snapshots and recordings, and every call that changes one.
 
 #include <atoll/atoll.h>
 #include <gtest/gtest.h>
@@ -37,11 +37,11 @@ struct Yard {
   std::vector<BodyId> ids;
   JointId hinge;
 
-  explicit Yard(const WorldDef& def = {}) : world(def) {
+  explicit Yard(const WorldDef& def = {}, double ball = 0.4, double hull = 1) : world(def) {
     ids.push_back(world.add_body(ground()));
     for (const BodyId id : add_stack(world, 2)) ids.push_back(id);
-    ids.push_back(world.add_body(sphere({1.2, 0, 1.5}, 0.4)));
-    ids.push_back(world.add_body({.shape = wedge(1), .position = {4, 4, 1}}));
+    ids.push_back(world.add_body(sphere({1.2, 0, 1.5}, ball)));
+    ids.push_back(world.add_body({.shape = wedge(hull), .position = {4, 4, 1}}));
     hinge = world.add_joint({.kind = HingeJoint{{.range = {-1, 1}}},
                              .first = ids[2],
                              .second = ids[3],

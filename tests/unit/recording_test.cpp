@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
@@ -98,17 +97,6 @@ TEST(Recording, IsReplayedOnAnyMachine) {
   }
 }
 
-TEST(Recording, BeginsWithAnEmptyWorldToo) {
-  const TemporaryFile file(".recording");
-  World world({.gravity = {0, 0, -3}, .settings = {.substeps = 7}});
-  world.record(file.path());
-  world.add_body({.type = BodyType::Static, .shape = slab()});
-  world.add_body({.shape = wedge(0.5), .position = {0, 0, 1}});
-  run(world, 40);
-  world.stop_recording();
-  expect_same(replay(file.path()), 40, world.state_hash(), "from the world's making on");
-}
-
 TEST(Recording, GoesBackToBeforeTheFirstJoint) {
   const TemporaryFile file(".recording");
   World world;
@@ -123,22 +111,6 @@ TEST(Recording, GoesBackToBeforeTheFirstJoint) {
   run(world, 5);
   world.stop_recording();
   expect_same(replay(file.path()), 10, world.state_hash(), "a joint came and went");
-}
-
-TEST(Recording, StoresGeometryOnce) {
-  const TemporaryFile file(".recording");
-  Yard yard;
-  yard.world.record(file.path());
-  for (int i = 0; i < 3; ++i)
-    yard.world.add_body({.shape = wedge(1), .position = {0, 9.0 + 3 * i, 1}, .density = 500.0 + i});
-  yard.world.stop_recording();
-  const std::vector<Record> records = read_records(file.path());
-  const auto count = [&](RecordKind kind) {
-    return std::count_if(records.begin(), records.end(), [kind](const Record& record) { return record.kind == kind; });
-  };
-  EXPECT_EQ(count(RecordKind::Geometry), 1);
-  EXPECT_EQ(count(RecordKind::BodyKind), 3);
-  EXPECT_EQ(count(RecordKind::AddBody), 3);
 }
 
 TEST(Recording, LeavesOutCallsThatThrow) {
@@ -160,20 +132,6 @@ TEST(Recording, LeavesOutCallsThatThrow) {
   EXPECT_FALSE(holds(file.path(), kind_of<calls::ApplyForce>()));
   EXPECT_FALSE(holds(file.path(), kind_of<calls::SetGravity>()));
   expect_same(replay(file.path()), 3, yard.world.state_hash(), "calls that throw");
-}
-
-TEST(Recording, ChangesNoBit) {
-  const TemporaryFile file(".recording");
-  Yard recorded;
-  Yard plain;
-  recorded.world.record(file.path());
-  EXPECT_TRUE(recorded.world.is_recording());
-  run(recorded.world, 30);
-  run(plain.world, 30);
-  EXPECT_EQ(recorded.world.state_hash(), plain.world.state_hash());
-  recorded.world.stop_recording();
-  EXPECT_FALSE(recorded.world.is_recording());
-  EXPECT_EQ(recorded.world.state_hash(), plain.world.state_hash());
 }
 
 TEST(Recording, EndsWithItsWorldAndIsThereOnlyThen) {
@@ -416,24 +374,6 @@ TEST(Replay, RefusesRecordsThatDoNotFit) {
         content[content.size() - upper_from_end] ^= std::byte{1};
       },
       "a hull that its vertices and faces don't make");
-}
-
-TEST(Recording, AReplayEndsWhereItIsToldTo) {
-  const TemporaryFile file(".recording");
-  Yard yard;
-  yard.world.record(file.path());
-  std::uint64_t hash = 0;
-  for (int step = 1; step <= 20; ++step) {
-    yard.world.step(1.0 / 60);
-    if (step == 7) hash = yard.world.state_hash();
-  }
-  yard.world.stop_recording();
-  int asked = 0;
-  const ReplayResult result = replay(file.path(), {.stop = [&] { return ++asked == 7; }});
-  EXPECT_EQ(result.steps, 7);
-  EXPECT_EQ(result.recorded_steps, 20);
-  EXPECT_EQ(result.hash, hash);
-  EXPECT_FALSE(result.divergence.has_value());
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 #include <jobs/hash.h>
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -16,6 +15,7 @@
 #include <string_view>
 #include <vector>
 
+#include "recorded_yard.h"
 #include "state/checksum.h"
 #include "support/bodies.h"
 #include "support/expect_error.h"
@@ -26,31 +26,6 @@ namespace atl::test {
 namespace {
 
 namespace fs = std::filesystem;
-
-ConvexHull wedge(double size) {
-  const std::array<Vector3, 6> corners = {Vector3(0, 0, 0),    Vector3(size, 0, 0),    Vector3(0, size, 0),
-                                          Vector3(0, 0, size), Vector3(size, 0, size), Vector3(0, size, size)};
-  return ConvexHull(corners);
-}
-
-/// Two crates, a ball that is hinged to the upper one, and a hull.
-struct Yard {
-  World world;
-  std::vector<BodyId> ids;
-  JointId hinge;
-
-  explicit Yard(const WorldDef& def = {}, double ball = 0.4, double hull = 1) : world(def) {
-    ids.push_back(world.add_body(ground()));
-    for (const BodyId id : add_stack(world, 2)) ids.push_back(id);
-    ids.push_back(world.add_body(sphere({1.2, 0, 1.5}, ball)));
-    ids.push_back(world.add_body({.shape = wedge(hull), .position = {4, 4, 1}}));
-    hinge = world.add_joint({.kind = HingeJoint{{.range = {-1, 1}}},
-                             .first = ids[2],
-                             .second = ids[3],
-                             .frame_first = {{0.6, 0, 0}},
-                             .frame_second = {{-0.6, 0, 0}}});
-  }
-};
 
 std::vector<std::uint64_t> hashes(World& world, int steps) {
   std::vector<std::uint64_t> all = {world.state_hash()};
@@ -229,18 +204,6 @@ TEST(Snapshot, GivesOutTheSameIdsAfterwards) {
   EXPECT_EQ(hashes(fresh.world, 5), trail);
 }
 
-TEST(Snapshot, MakesBodiesThatTheWorldLacks) {
-  Yard yard;
-  run(yard.world, 10);
-  Snapshot snapshot;
-  yard.world.save(snapshot);
-  const std::vector<std::uint64_t> expected = hashes(yard.world, 10);
-  World empty;
-  empty.restore(snapshot);
-  EXPECT_EQ(empty.body_count(), yard.ids.size());
-  EXPECT_EQ(hashes(empty, 10), expected);
-}
-
 TEST(Snapshot, IsRefusedByAWorldWithOtherBodies) {
   Yard yard;
   Snapshot snapshot;
@@ -289,72 +252,6 @@ TEST(Snapshot, TellsAZeroFromWhatIsLeftOut) {
   EXPECT_EQ(world.settings().restitution_threshold, 0);
 }
 
-TEST(Snapshot, HoldsSleepersAndWhatTheyStandOn) {
-  const auto make = [] {
-    World world({.settings = {.sleeping = true, .sleep_speed = 1, .time_to_sleep = 0.1, .contact_events = true}});
-    world.add_body(ground());
-    add_stack(world, 3);
-    return world;
-  };
-  World world = make();
-  run(world, 60);
-  Snapshot snapshot;
-  world.save(snapshot);
-  ASSERT_TRUE(world.is_asleep({3, 0}));
-  // Woken in the middle of a step, by what hits it.
-  const auto hit = [](World& hit_world) {
-    BodyDef ball = sphere({0, -2, 2.5}, 0.3);
-    ball.velocity = {0, 20, 0};
-    hit_world.add_body(ball);
-    std::vector<std::uint64_t> trail;
-    for (int i = 0; i < 30; ++i) {
-      hit_world.step(dt);
-      trail.push_back(hit_world.state_hash());
-      trail.push_back(hit_world.is_asleep({3, 0}));
-    }
-    return trail;
-  };
-  const std::vector<std::uint64_t> expected = hit(world);
-  EXPECT_NE(std::find(expected.begin(), expected.end(), 0), expected.end()) << "it was never woken";
-  world.restore(snapshot);
-  EXPECT_TRUE(world.is_asleep({3, 0}));
-  EXPECT_EQ(hit(world), expected);
-  World fresh = make();
-  fresh.restore(snapshot);
-  EXPECT_EQ(hit(fresh), expected);
-}
-
-// Contact points of sleepers aren't saved: they follow from the poses.
-TEST(Snapshot, SleepersTouchWhereTheyDid) {
-  const auto make = [] {
-    World world({.settings = {.sleeping = true, .sleep_speed = 1, .time_to_sleep = 0.1}});
-    world.add_body(ground());
-    add_stack(world, 3);
-    return world;
-  };
-  World world = make();
-  run(world, 60);
-  ASSERT_TRUE(world.is_asleep({3, 0}));
-  Snapshot snapshot;
-  world.save(snapshot);
-  World fresh = make();
-  fresh.restore(snapshot);
-  world.step(dt);
-  fresh.step(dt);
-  const auto expected = world.contact_forces();
-  const auto found = fresh.contact_forces();
-  ASSERT_EQ(expected.size(), 12u);
-  ASSERT_EQ(found.size(), expected.size());
-  for (std::size_t i = 0; i < expected.size(); ++i) {
-    EXPECT_EQ(found[i].position, expected[i].position) << i;
-    EXPECT_EQ(found[i].normal, expected[i].normal) << i;
-    EXPECT_EQ(found[i].separation, expected[i].separation) << i;
-    EXPECT_EQ(found[i].normal_force, expected[i].normal_force) << i;
-    EXPECT_EQ(found[i].friction, expected[i].friction) << i;
-    EXPECT_NEAR(found[i].position.z(), static_cast<double>(i / 4), 0.01) << i;
-  }
-}
-
 TEST(Snapshot, ReportsAreEmptyUntilTheNextStep) {
   Yard yard;
   run(yard.world, 30);
@@ -366,22 +263,6 @@ TEST(Snapshot, ReportsAreEmptyUntilTheNextStep) {
   EXPECT_TRUE(yard.world.contact_problem().patches.empty());
   yard.world.step(dt);
   EXPECT_FALSE(yard.world.contact_forces().empty());
-}
-
-TEST(Snapshot, IsAValue) {
-  Yard yard;
-  Snapshot early;
-  EXPECT_TRUE(early.empty());
-  yard.world.save(early);
-  const std::uint64_t first = yard.world.state_hash();
-  Snapshot copy = early;
-  run(yard.world, 10);
-  yard.world.save(early);
-  const std::uint64_t second = yard.world.state_hash();
-  yard.world.restore(copy);
-  EXPECT_EQ(yard.world.state_hash(), first);
-  yard.world.restore(early);
-  EXPECT_EQ(yard.world.state_hash(), second);
 }
 
 // Geometry isn't in a file: a body with a hull that has gone is made of another's.
@@ -479,43 +360,6 @@ TEST(SnapshotFile, RefusesEveryCutAndEveryFlippedByte) {
   }
   file.set_content(whole + "x");
   EXPECT_THROW(Snapshot::read(file.path()), Error);
-}
-
-// Tests content that a faulty program could write with a valid checksum: a restore may take it if it fits together, and
-// must never follow it out of the world.
-TEST(SnapshotFile, IsCheckedBeyondItsChecksum) {
-  const TemporaryFile file(".snapshot");
-  Yard yard({.settings = {.sleeping = true, .sleep_speed = 1, .time_to_sleep = 0.1, .contact_events = true}});
-  run(yard.world, 40);
-  Snapshot snapshot;
-  yard.world.save(snapshot);
-  snapshot.write(file.path());
-  const std::string whole = file.content();
-  constexpr std::size_t header = 32;
-  constexpr std::size_t checksum_at = 24;
-  int refused = 0;
-  for (std::size_t at = header; at < whole.size(); at += 7) {
-    for (const unsigned flip : {0x01u, 0xffu}) {
-      std::string bytes = whole;
-      bytes[at] = static_cast<char>(static_cast<unsigned char>(bytes[at]) ^ flip);
-      jobs::Hash hash;
-      hash.add(std::uint64_t{bytes.size() - header});
-      for (std::size_t word_at = header; word_at < bytes.size(); word_at += 8) {
-        std::uint64_t word = 0;
-        std::memcpy(&word, bytes.data() + word_at, std::min<std::size_t>(8, bytes.size() - word_at));
-        hash.add(word);
-      }
-      const std::uint64_t checksum = hash.value();
-      std::memcpy(bytes.data() + checksum_at, &checksum, sizeof checksum);
-      file.set_content(bytes);
-      try {
-        Snapshot::read(file.path());
-      } catch (const Error&) {
-        ++refused;
-      }
-    }
-  }
-  EXPECT_GT(refused, 50);
 }
 
 // The same bytes as of a number, in all places where they are.
