@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numeric>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -28,52 +27,6 @@ void vary(World& world, std::size_t number) {
     world.set_material(body, {.friction = 0.2 + 0.05 * x});
   }
 }
-
-std::vector<std::uint64_t> alone(const Scene& scene, std::size_t number, int steps) {
-  World world({.gravity = scene.gravity, .settings = scene.settings});
-  const std::vector<BodyId> ids = build_scene(scene, world);
-  vary(world, number);
-  std::vector<std::uint64_t> hashes = {world.state_hash()};
-  for (int i = 0; i < steps; ++i) {
-    apply_forces(scene, world, ids);
-    world.step(dt);
-    hashes.push_back(world.state_hash());
-  }
-  return hashes;
-}
-
-class BatchOf : public testing::TestWithParam<const char*> {};
-
-TEST_P(BatchOf, WorldsIsEachOfThemByItself) {
-  const Scene scene = load_scene(GetParam());
-  constexpr int steps = 24;
-  constexpr std::size_t kinds = 5;
-  std::vector<std::vector<std::uint64_t>> expected;
-  for (std::size_t kind = 0; kind < kinds; ++kind) expected.push_back(alone(scene, kind, steps));
-  for (const std::size_t size : {1, 7, 64}) {
-    for (const int threads : {1, 2, 3}) {
-      for (const std::size_t shift : {0, 3}) {  // other places for the same
-        Batch batch(scene, size, threads);
-        const auto kind_of = [&](std::size_t place) { return (place + shift) % kinds; };
-        batch.for_each([&](World& world, std::size_t place) { vary(world, kind_of(place)); });
-        int made = 0;
-        for (const int count : {1, 0, 7, 16}) {
-          batch.step(dt, count);
-          made += count;
-          const std::vector<std::uint64_t> hashes = batch.hashes();
-          for (std::size_t place = 0; place < size; ++place) {
-            ASSERT_EQ(hashes[place], expected[kind_of(place)][static_cast<std::size_t>(made)])
-                << "world " << place << " of " << size << ", step " << made << ", threads " << threads;
-          }
-        }
-      }
-    }
-  }
-}
-
-INSTANTIATE_TEST_SUITE_P(Scenes, BatchOf,
-                         testing::Values("pile:bodies=12", "ragdolls:count=1", "vehicle", "pushed-box",
-                                         "rocks:bodies=10"));
 
 TEST(Batch, ResetsSomeAndLeavesOthers) {
   const Scene scene = load_scene("pile:bodies=10");
@@ -150,22 +103,6 @@ TEST(Batch, ArraysAreTheWorldsOwn) {
   EXPECT_TRUE(std::equal(linear.begin(), linear.end() - static_cast<std::ptrdiff_t>(3 * bodies), again.begin()));
 }
 
-TEST(Batch, DrivesAJointInEachWorld) {
-  const Scene scene = load_scene("slider-crank");
-  Batch batch(scene, 6, 2);
-  std::vector<double> positions(6), speeds(6), wanted(6);
-  std::iota(wanted.begin(), wanted.end(), 1.0);
-  std::size_t motor = 0;
-  while (!std::holds_alternative<HingeJoint>(scene.joints[motor].def.kind) ||
-         !std::get<HingeJoint>(scene.joints[motor].def.kind).angle.motor) {
-    ++motor;
-  }
-  batch.set_motor_speeds(motor, wanted);
-  batch.step(dt, 2);
-  batch.read_joint(motor, positions, speeds);
-  for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(speeds[i], wanted[i], 0.02 * wanted[i]);
-}
-
 TEST(Batch, ColumnsOfJointsAreTheWorldsOwn) {
   Batch batch(load_scene("vehicle"), 3, 2);
   batch.for_each([&](World& world, std::size_t place) { vary(world, place); });
@@ -187,33 +124,6 @@ TEST(Batch, ColumnsOfJointsAreTheWorldsOwn) {
     }
   }
   EXPECT_GT(moved, 1);
-}
-
-TEST(Batch, ArraysChangeWorldsAsTheirOwnCallsDo) {
-  const Scene scene = load_scene("pile:bodies=6");
-  Batch batch(scene, 4, 2);
-  const std::size_t body = batch.bodies().size() - 1;
-  const std::vector<std::size_t> places = {3, 1};
-  const std::vector<double> gravities = {0, 0, -3, 1, 0, -5}, masses = {2, 700}, frictions = {0.1, 0.9};
-  set_gravities(batch, gravities, places);
-  set_masses(batch, body, masses, places);
-  set_frictions(batch, body, frictions, places);
-  batch.step(dt, 30);
-  const std::vector<std::uint64_t> hashes = batch.hashes();
-  for (std::size_t place = 0; place < 4; ++place) {
-    World world({.gravity = scene.gravity, .settings = scene.settings});
-    const BodyId changed = build_scene(scene, world)[body];
-    for (std::size_t i = 0; i < 2; ++i) {
-      if (places[i] != place) continue;
-      world.set_gravity(Vector3(gravities.data() + 3 * i));
-      world.set_mass(changed, masses[i]);
-      Material material = world.material(changed);
-      material.friction = frictions[i];
-      world.set_material(changed, material);
-    }
-    run(world, 30);
-    EXPECT_EQ(hashes[place], world.state_hash()) << place;
-  }
 }
 
 TEST(Batch, TellsWhatItCannotDo) {

@@ -127,31 +127,6 @@ TEST(Rollout, IsTheCallsOfEachWorld) {
   }
 }
 
-TEST(Rollout, BeginsWhereItIsTold) {
-  const Scene scene = arm_and_box();
-  const std::vector<double> values = values_for(1);
-  const std::vector<std::uint64_t> expected = alone(scene, values.data()).hashes;
-  Batch batch(scene, 3, 2);
-  // In two parts, with the same values for all.
-  Rollout half = {.controls = controls, .steps = 2, .count = count, .dt = dt};
-  const std::span<const double> first = std::span(values).first(2 * width), second = std::span(values).last(2 * width);
-  roll_out(batch, half, first);
-  EXPECT_EQ(batch.hashes(), std::vector<std::uint64_t>(3, expected[1]));
-  std::vector<Snapshot> there(3);
-  batch.for_each([&](World& world, std::size_t place) { world.save(there[place]); });
-  roll_out(batch, half, second);
-  EXPECT_EQ(batch.hashes(), std::vector<std::uint64_t>(3, expected[3]));
-  for (const std::size_t snapshots : {1, 3}) {
-    half.start = std::span(there).first(snapshots);
-    roll_out(batch, half, second);
-    EXPECT_EQ(batch.hashes(), std::vector<std::uint64_t>(3, expected[3]));
-  }
-  half.start = {};
-  half.reset = true;
-  roll_out(batch, half, first, std::vector<std::size_t>{1});
-  EXPECT_EQ(batch.hashes(), std::vector<std::uint64_t>({expected[3], expected[1], expected[3]}));
-}
-
 TEST(Rollout, ChecksAllAheadOfTheFirstStep) {
   Batch batch(arm_and_box(), 3, 2);
   const Rollout good = {.controls = controls, .steps = steps, .count = count, .dt = dt};
