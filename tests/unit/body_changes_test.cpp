@@ -7,7 +7,6 @@
 #include <cmath>
 #include <filesystem>
 #include <functional>
-#include <string>
 #include <vector>
 
 #include "support/bodies.h"
@@ -116,7 +115,6 @@ TEST(BodyChanges, AChangeIsAsGoodAsADefinition) {
         const Settings settings{.contact_solver = solver};
         Scene defined = scene(settings, threads, change.in_definition);
         Scene changed = scene(settings, threads, [](BodyDef&) {});
-        const Scene plain = scene(settings, threads, [](BodyDef&) {});
         change_later(changed, change);
         run(defined.world, 150);
         run(changed.world, 150);
@@ -174,18 +172,6 @@ TEST(BodyChanges, FrictionThatGoesLetsABlockSlide) {
   run(world, 60);
   EXPECT_NEAR(world.velocity(block).norm(), 9.81 * std::sin(slope), 0.02 * 9.81 * std::sin(slope));
   EXPECT_EQ(world.material(ground).friction, 0);
-}
-
-TEST(BodyChanges, AMassTakesItsInertiaWithIt) {
-  World world({.gravity = Vector3::Zero()});
-  const BodyId body = world.add_body({.shape = Box{{0.5, 0.3, 0.2}}});
-  world.set_mass(body, 3 * world.mass(body));
-  const double mass = 3 * 1000 * 1 * 0.6 * 0.4;
-  EXPECT_NEAR(world.mass(body), mass, 1e-9 * mass);
-  world.apply_impulse(body, {0, 0, mass}, {0.1, 0, 0});
-  EXPECT_NEAR(world.velocity(body).z(), 1, 1e-12);
-  const double moment = mass / 12 * (1 * 1 + 0.4 * 0.4);
-  EXPECT_NEAR(world.angular_velocity(body).y(), -0.1 * mass / moment, 1e-12);
 }
 
 TEST(BodyChanges, AShapeLeavesTheFrameAndTheMotionOfTheBody) {
@@ -294,24 +280,6 @@ TEST(BodyChanges, NamesStayWithTheirBodies) {
   EXPECT_EQ(world.find_joint("hook"), std::nullopt);
   world.restore(again);
   EXPECT_EQ(world.find_joint("hook"), joint);
-}
-
-TEST(BodyChanges, UserDataStaysWithItsBody) {
-  World world;
-  const BodyId a = world.add_body({.user_data = 7});
-  const BodyId b = world.add_body({.position = {3, 0, 0}});
-  EXPECT_EQ(world.user_data(a), 7u);
-  EXPECT_EQ(world.user_data(b), 0u);
-  Snapshot snapshot;
-  world.save(snapshot);
-  const std::uint64_t hash = world.state_hash();
-  world.set_user_data(b, ~std::uint64_t{0});
-  EXPECT_EQ(world.state_hash(), hash) << "nothing follows from it";
-  EXPECT_EQ(world.user_data(b), ~std::uint64_t{0});
-  world.restore(snapshot);
-  EXPECT_EQ(world.user_data(b), 0u);
-  world.remove_body(a);
-  EXPECT_EQ(world.user_data(world.add_body({})), 0u) << "an index that is used again starts anew";
 }
 
 TEST(BodyChanges, ManyBodiesAtOnceAreAsOneByOne) {

@@ -53,23 +53,6 @@ TEST(ContactModifier, WhatIsSwitchedOffAsAnotherContactEndsFalls) {
   }
 }
 
-TEST(ContactFilter, WhatItRefusesFallsThrough) {
-  World world;
-  const BodyId floor = world.add_body(ground());
-  const BodyId ghost = world.add_body(box({0, 0, 0.6}));
-  const BodyId crate = world.add_body(box({3, 0, 0.6}));
-  std::vector<Asked> questions;
-  world.set_contact_filter([&](const ContactCandidate& of) {
-    EXPECT_EQ(&of.world, &world);
-    questions.push_back(asked(of));
-    return of.a != ghost && of.b != ghost;
-  });
-  run(world, 60);
-  EXPECT_NEAR(world.pose(crate).position.z(), 0.5, 1e-3);
-  EXPECT_NEAR(world.pose(ghost).position.z(), 0.6 - g / 2, 1e-9) << "as if nothing were there";
-  EXPECT_EQ(questions, (std::vector<Asked>{{floor, ghost, 0, 0}, {floor, crate, 0, 0}})) << "once each, in order";
-}
-
 TEST(ContactFilter, TellsChildrenApart) {
   World world;
   world.add_body(ground());
@@ -81,45 +64,6 @@ TEST(ContactFilter, TellsChildrenApart) {
   world.set_contact_filter([&](const ContactCandidate& of) { return of.child_b == 1; });
   run(world, 180);
   EXPECT_NEAR(world.pose(body).position.z(), -0.3, 2e-3);
-}
-
-// Bodies' numbers and those of their shapes are in other orders.
-TEST(ContactFilter, IsAskedInOrderOfBodiesAndChildrenOnAnyNumberOfThreads) {
-  const auto questions_with = [](int threads) {
-    World world({.threads = threads});
-    std::vector<BodyId> early;
-    for (int i = 0; i < 3; ++i) early.push_back(world.add_body(box({0, 0, 50.0 + 5 * i})));
-    for (int i = 0; i < 12; ++i) {
-      world.add_body({.shape = Compound{{{.shape = Sphere{0.3}, .position = {-0.3, 0, 0}},
-                                         {.shape = Box{{0.3, 0.3, 0.3}}, .position = {0.3, 0, 0}}}},
-                      .position = {0.4 * (i % 4), 0.4 * (i / 4), 1}});
-    }
-    for (const BodyId id : early) world.remove_body(id);
-    for (int i = 0; i < 2; ++i) world.add_body(box({0.5 * i, 0, 2}));
-    world.add_body(ground());
-    std::vector<Asked> filtered;
-    std::vector<std::tuple<BodyId, BodyId, std::uint32_t, std::uint32_t, std::uint32_t>> modified;
-    world.set_contact_filter([&](const ContactCandidate& of) {
-      filtered.push_back(asked(of));
-      return true;
-    });
-    world.set_contact_modifier([&](ModifiableContact& of) {
-      modified.emplace_back(of.a, of.b, of.child_a, of.child_b, of.part);
-      EXPECT_LT(of.a.index, of.b.index);
-    });
-    for (int i = 0; i < 20; ++i) {
-      const std::size_t pairs = filtered.size(), contacts = modified.size();
-      world.step(dt);
-      EXPECT_TRUE(std::is_sorted(filtered.begin() + static_cast<std::ptrdiff_t>(pairs), filtered.end()));
-      EXPECT_TRUE(std::is_sorted(modified.begin() + static_cast<std::ptrdiff_t>(contacts), modified.end()));
-      if (i == 0) {
-        EXPECT_GT(filtered.size(), 30u);
-      }
-    }
-    EXPECT_GT(modified.size(), 100u);
-    return std::tuple(filtered, modified, world.state_hash());
-  };
-  EXPECT_EQ(questions_with(1), questions_with(2));
 }
 
 TEST(ContactFilter, IsAskedAgainWhereItsMindChanged) {

@@ -8,7 +8,6 @@
 #include <numbers>
 #include <set>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "support/bodies.h"
@@ -32,22 +31,6 @@ struct Crates {
   /// Pairs of bodies that have contacts after a step.
   std::int64_t contacts() { return world.step(dt).counts.contacts; }
 };
-
-TEST(JointWorld, IdsAreUsedAgainWithAnotherGeneration) {
-  Crates crates;
-  const JointId first = crates.add(crates.a, crates.b);
-  const JointId second = crates.add(crates.b, crates.c);
-  EXPECT_EQ(crates.world.joint_count(), 2u);
-  crates.world.remove_joint(first);
-  EXPECT_FALSE(crates.world.contains(first));
-  EXPECT_TRUE(crates.world.contains(second));
-  const JointId third = crates.add(crates.a, crates.c);
-  EXPECT_EQ(third.index, first.index);
-  EXPECT_NE(third.generation, first.generation);
-  EXPECT_FALSE(crates.world.contains(first));
-  EXPECT_TRUE(crates.world.contains(third));
-  EXPECT_EQ(crates.world.joint_count(), 2u);
-}
 
 TEST(JointWorld, StaleIdsAreCaughtByEveryCall) {
   Crates crates;
@@ -171,24 +154,6 @@ TEST(JointWorld, IndicesComeFreeInOrder) {
   for (std::uint32_t i = 4; i-- > 0;) EXPECT_EQ(crates.add(crates.b, crates.c).index, i);
 }
 
-TEST(JointWorld, JoinedBodiesDoNotTouchUnlessTheyMay) {
-  for (const bool collide : {false, true}) {
-    Crates crates;
-    crates.add(crates.a, crates.b, collide);
-    EXPECT_EQ(crates.contacts(), collide ? 1 : 0);
-  }
-}
-
-TEST(JointWorld, ContactsOfAJoinedPairGoAway) {
-  Crates crates;
-  EXPECT_EQ(crates.contacts(), 1);
-  const JointId joint = crates.add(crates.a, crates.b, false, FixedJoint{});
-  EXPECT_EQ(crates.contacts(), 0);
-  EXPECT_TRUE(crates.world.contact_forces().empty());
-  crates.world.remove_joint(joint);
-  EXPECT_EQ(crates.contacts(), 1);
-}
-
 TEST(JointWorld, WhatKeepsAPairApartIsCounted) {
   Crates crates;
   const JointId one = crates.add(crates.a, crates.b, false, FixedJoint{});
@@ -261,23 +226,6 @@ TEST(JointWorld, AJointBetweenBodiesThatAreNotDynamicIsIdle) {
     };
     EXPECT_EQ(moved(true), moved(false));
   }
-}
-
-TEST(JointWorld, ReportCountsAndSaysWhy) {
-  Crates crates;
-  const auto feature = [&] { return crates.world.step(dt).feature(Feature::JointSolver); };
-  EXPECT_FALSE(feature().run);
-  EXPECT_STREQ(feature().why, "there are no joints");
-  const JointId joint = crates.add(crates.a, crates.c);
-  EXPECT_TRUE(feature().run);
-  const StepReport report = crates.world.step(dt);
-  EXPECT_EQ(report.counts.joints, 1);
-  EXPECT_EQ(report.counts.direct_joints, 0) << "one joint of equal masses";
-  EXPECT_EQ(report.counts.islands, 1);
-  crates.world.set_joint_enabled(joint, false);
-  EXPECT_FALSE(feature().run);
-  EXPECT_STREQ(feature().why, "no joint acts on a body that is awake");
-  EXPECT_EQ(crates.world.step(dt).counts.joints, 0);
 }
 
 TEST(JointWorld, SettingsChooseWhichJointsAreSolvedAtOnce) {

@@ -7,7 +7,6 @@
 #include <functional>
 #include <limits>
 #include <numbers>
-#include <set>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -20,22 +19,6 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double infinity = std::numeric_limits<double>::infinity();
-
-TEST(World, ExampleOfTheDesignCompilesAndSettles) {
-  World world({.gravity = {0, 0, -9.81}, .threads = 2});
-  world.add_body({.type = BodyType::Static, .shape = HalfSpace{.normal = {0, 0, 1}}});
-  const BodyId crate = world.add_body({.shape = Box{.half_extents = {0.5, 0.5, 0.5}},
-                                       .position = {0, 0, 3},
-                                       .density = 600,
-                                       .material = {.friction = 0.6}});
-  for (int i = 0; i < 600; ++i) {
-    [[maybe_unused]] StepReport report = world.step(1.0 / 60);
-  }
-  EXPECT_NEAR(world.pose(crate).position.z(), 0.5, 1e-3);
-  double force = 0;
-  for (const ContactForce& f : world.contact_forces()) force += f.normal_force;
-  EXPECT_NEAR(force, 600 * 9.81, 0.01 * 600 * 9.81);
-}
 
 TEST(World, DefinitionOutOfRangeIsRefusedByName) {
   const auto expect_refused = [](const WorldDef& def, std::string_view field, std::string_view value) {
@@ -99,25 +82,6 @@ TEST(World, SettingsOutOfRangeAreRefusedByName) {
   }
 }
 
-TEST(World, SolverTimesAreTheProfilesAlone) {
-  for (const bool profile : {false, true}) {
-    World world({.settings = {.profile = profile}});
-    world.add_body(ground());
-    add_stack(world, 3);
-    const StepReport report = run(world, 5);
-    double all = 0;
-    for (const double ms : report.solver_ms) all += ms;
-    EXPECT_EQ(all > 0, profile);
-  }
-}
-
-TEST(World, SolverStagesHaveNamesOfTheirOwn) {
-  std::set<std::string_view> names;
-  for (std::size_t i = 0; i < solver_phase_count; ++i) names.insert(solver_phase_name(static_cast<SolverPhase>(i)));
-  EXPECT_EQ(names.size(), solver_phase_count);
-  EXPECT_FALSE(names.contains(""));
-}
-
 TEST(World, SettingsGravityAndThreadsReadBack) {
   World world({.gravity = {1, 2, 3}, .threads = 3, .settings = {.substeps = 7}});
   EXPECT_EQ(world.gravity(), Vector3(1, 2, 3));
@@ -143,16 +107,6 @@ TEST(World, StepNeedsAPositiveTimeOfAtMostASecond) {
   expect_error([&] { world.step(-1); }, {"dt", "-1"});
   EXPECT_NO_THROW(world.step(1));
   EXPECT_LT(world.pose(id).position.z(), 5);
-}
-
-TEST(World, EmptyWorldSteps) {
-  World world;
-  const StepReport report = run(world, 3);
-  EXPECT_EQ(report.counts.pairs, 0);
-  EXPECT_EQ(report.first_quarantined, -1);
-  EXPECT_EQ(world.body_count(), 0u);
-  EXPECT_EQ(world.positions().cols(), 0);
-  EXPECT_TRUE(world.contact_forces().empty());
 }
 
 TEST(World, StaleIdIsCaughtByEveryCall) {
@@ -192,48 +146,6 @@ TEST(World, StaleIdIsCaughtByEveryCall) {
   EXPECT_TRUE(world.contains(reused));
 }
 
-TEST(World, IndexIsUsedAgainWithAnotherGeneration) {
-  World world;
-  const BodyId first = world.add_body(box({0, 0, 0}));
-  const BodyId second = world.add_body(box({2, 0, 0}));
-  world.remove_body(first);
-  EXPECT_EQ(world.body_count(), 1u);
-  const BodyId third = world.add_body(sphere({4, 0, 0}));
-  EXPECT_EQ(third.index, first.index);
-  EXPECT_NE(third.generation, first.generation);
-  EXPECT_EQ(world.body_count(), 2u);
-  EXPECT_EQ(world.pose(second).position, Vector3(2, 0, 0));
-  EXPECT_EQ(world.pose(third).position, Vector3(4, 0, 0));
-}
-
-TEST(World, BulkViewsAgreeWithTheSingleCalls) {
-  World world;
-  std::vector<BodyId> ids = {world.add_body(ground())};
-  for (BodyId id : add_stack(world, 3)) ids.push_back(id);
-  ids.push_back(world.add_body(
-      {.type = BodyType::Kinematic, .position = {9, 0, 0}, .velocity = {1, 0, 0}, .angular_velocity = {0, 1, 0}}));
-  ids.push_back(world.add_body({.position = {-9, 0, 5}, .angular_velocity = {3, 2, 1}}));
-  const auto expect_agreement = [&] {
-    ASSERT_EQ(world.positions().cols(), static_cast<Eigen::Index>(ids.size()));
-    for (BodyId id : ids) {
-      const auto column = static_cast<Eigen::Index>(id.index);
-      EXPECT_EQ(world.positions().col(column), world.pose(id).position);
-      EXPECT_EQ(world.orientations().col(column), world.pose(id).orientation.coeffs());
-      EXPECT_EQ(world.velocities().col(column), world.velocity(id));
-      EXPECT_EQ(world.angular_velocities().col(column), world.angular_velocity(id));
-    }
-  };
-  expect_agreement();
-  run(world, 20);
-  expect_agreement();
-  world.set_pose(ids[1], {.position = {5, 5, 5}, .orientation = Quaternion(0, 1, 0, 0)});
-  world.set_velocity(ids[2], {1, 2, 3}, {4, 5, 6});
-  world.apply_impulse(ids[3], {100, 0, 0}, {0, 0, 0});
-  expect_agreement();
-  EXPECT_EQ(world.pose(ids[1]).position, Vector3(5, 5, 5));
-  EXPECT_EQ(world.velocity(ids[2]), Vector3(1, 2, 3));
-}
-
 TEST(World, UnusableStateIsRefusedAndChangesNothing) {
   World world;
   const BodyId id = world.add_body(box({0, 0, 5}));
@@ -247,54 +159,6 @@ TEST(World, UnusableStateIsRefusedAndChangesNothing) {
   expect_error([&] { world.apply_impulse(id, {nan, 0, 0}, {0, 0, 0}); }, {"impulse", "nan"});
   expect_error([&] { world.apply_impulse(id, {1, 0, 0}, {0, 0, nan}); }, {"point", "nan"});
   EXPECT_EQ(world.state_hash(), hash);
-}
-
-TEST(World, BodyThatStopsBeingFiniteIsNamed) {
-  World world;
-  world.add_body(ground());
-  const std::vector<BodyId> stack = add_stack(world, 2);
-  const BodyId lost = world.add_body({.shape = Sphere{0.5}, .position = {9, 0, 5}, .mass = 1e-3});
-  EXPECT_EQ(run(world, 10).first_quarantined, -1);
-  world.apply_force(lost, {std::numeric_limits<double>::max(), 0, 0});
-  EXPECT_EQ(world.step(dt).first_quarantined, static_cast<std::int64_t>(lost.index));
-  EXPECT_NO_THROW(run(world, 10));
-  for (BodyId id : stack) EXPECT_TRUE(world.pose(id).position.allFinite());
-}
-
-TEST(World, ReportNamesEveryStageAndSaysWhy) {
-  World world;
-  world.add_body(ground());
-  add_stack(world, 2);
-  const StepReport report = run(world, 10);
-  ASSERT_FALSE(report.features.empty());
-  for (const FeatureReport& feature : report.features) {
-    EXPECT_GT(std::string_view(feature.name).size(), 0u);
-    EXPECT_GT(std::string_view(feature.why).size(), 0u) << feature.name;
-  }
-  EXPECT_EQ(report.counts.contacts, 2);
-  EXPECT_EQ(report.counts.points, 8);
-  EXPECT_EQ(report.counts.islands, 1);
-  EXPECT_EQ(report.counts.joints, 0);
-  EXPECT_GE(report.counts.pairs, 2);
-}
-
-TEST(World, BodiesComeAndGoWhileItRuns) {
-  World world;
-  world.add_body(ground());
-  std::vector<BodyId> ids;
-  for (int i = 0; i < 200; ++i) {
-    if (i % 2 == 0) ids.push_back(world.add_body(box({0.3 * (i % 7), 0.3 * (i % 5), 2.0 + i % 3})));
-    if (i % 5 == 4) {
-      const std::size_t victim = static_cast<std::size_t>(i * 7) % ids.size();
-      world.remove_body(ids[victim]);
-      ids.erase(ids.begin() + static_cast<std::ptrdiff_t>(victim));
-    }
-    ASSERT_EQ(world.step(dt).first_quarantined, -1) << i;
-    ASSERT_EQ(world.body_count(), ids.size() + 1);
-    for (const ContactForce& point : world.contact_forces()) {
-      ASSERT_TRUE(world.contains(point.a) && world.contains(point.b)) << i;
-    }
-  }
 }
 
 TEST(World, MoveTakesTheBodiesAlong) {
