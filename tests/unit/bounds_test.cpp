@@ -7,6 +7,7 @@
 #include <collision/shapes/triangle_mesh.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <vector>
 
 #include "support/random.h"
@@ -100,6 +101,17 @@ TEST(Bounds, OfAHeightFieldHoldIt) {
     EXPECT_LE((bounds.lower - least.lower).maxCoeff(), 1e-12);
     EXPECT_GE((bounds.upper - least.upper).minCoeff(), -1e-12);
   }
+}
+
+TEST(Bounds, RadiiEncloseAndInscribe) {
+  const Shape box = Shape::box({0.2, 3, 0.7});
+  EXPECT_DOUBLE_EQ(box.bounding_radius, std::sqrt(0.04 + 9 + 0.49));
+  EXPECT_DOUBLE_EQ(box.inner_radius, 0.2);
+  EXPECT_DOUBLE_EQ(Shape::capsule(0.4, 1).bounding_radius, 1.4);
+  EXPECT_DOUBLE_EQ(Shape::cylinder(0.3, 0.4).bounding_radius, 0.5);
+  EXPECT_DOUBLE_EQ(Shape::cylinder(0.3, 0.4).inner_radius, 0.3);
+  // Base 6, height 4, slant 5: a sphere of radius 1.5 touches the base and the side.
+  EXPECT_DOUBLE_EQ(Shape::cone(3, 2).inner_radius, 1.5);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-// Mass properties: closed forms, integration, polyhedra that approach round solids, and how they transform.
+// Mass properties of polyhedra: closed forms, how they transform, and what contacts rely on. Those of round shapes are
+// in shapes_test.cpp.
 
 #include <collision/shapes/hull.h>
 #include <collision/shapes/shape.h>
@@ -6,7 +7,6 @@
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
 #include "support/random.h"
@@ -30,45 +30,6 @@ void expect_near(const MassProperties& found, const MassProperties& expected, do
   EXPECT_LT((found.unit_inertia - expected.unit_inertia).norm(), tolerance * expected.unit_inertia.norm());
 }
 
-// Midpoint rule over a grid of cells in a box about the origin.
-template <typename Inside>
-MassProperties integrate(const Vector3& half, const Inside& inside) {
-  constexpr int cells = 100;
-  const Vector3 cell = 2 * half / cells;
-  double count = 0;
-  Vector3 first = Vector3::Zero();
-  Matrix3 second = Matrix3::Zero();
-  for (int i = 0; i < cells; ++i) {
-    for (int j = 0; j < cells; ++j) {
-      for (int k = 0; k < cells; ++k) {
-        const Vector3 p = Vector3(i + 0.5, j + 0.5, k + 0.5).cwiseProduct(cell) - half;
-        if (!inside(p)) continue;
-        ++count;
-        first += p;
-        second += p * p.transpose();
-      }
-    }
-  }
-  const Vector3 centre = first / count;
-  const Matrix3 covariance = second / count - centre * centre.transpose();
-  return {count * cell.prod(), centre, covariance.trace() * Matrix3::Identity() - covariance};
-}
-
-TEST(MassProperties, OfRoundSolidsMatchIntegration) {
-  const double r = 0.7;
-  const double h = 1.1;
-  const auto across = [](const Vector3& p) { return std::hypot(p.x(), p.y()); };
-  expect_near(
-      mass_properties(Shape::capsule(r, h)),
-      integrate({r, r, h + r},
-                [&](const Vector3& p) { return std::hypot(across(p), std::max(0.0, std::abs(p.z()) - h)) < r; }),
-      3e-3);
-  expect_near(mass_properties(Shape::cylinder(r, h)),
-              integrate({r, r, h}, [&](const Vector3& p) { return across(p) < r; }), 3e-3);
-  expect_near(mass_properties(Shape::cone(r, h)),
-              integrate({r, r, h}, [&](const Vector3& p) { return across(p) < r * (h - p.z()) / (2 * h); }), 3e-3);
-}
-
 TEST(MassProperties, OfABoxAsAHullAreTheBoxes) {
   const Vector3 half(0.2, 1.5, 0.9);
   expect_near(box_hull(half).mass, mass_properties(Shape::box(half)), 1e-14);
@@ -89,25 +50,6 @@ TEST(MassProperties, OfATetrahedronAreTheClosedForms) {
   Matrix3 inertia;  // of a right corner with legs a, b, c: 3/80 (b^2 + c^2), off the diagonal ab / 80, per mass
   inertia << 34 * 3, 6, 10, 6, 29 * 3, 15, 10, 15, 13 * 3;
   expect_near(mass_of(corners), {5, {0.5, 0.75, 1.25}, inertia / 80}, 1e-14);
-}
-
-// n-gons in a circle: area sin(2 pi / n) / (2 pi / n) of the disc's, so the error falls with 1 / n^2.
-TEST(MassProperties, OfSampledCylindersConvergeToTheCylinders) {
-  const MassProperties cylinder = mass_properties(Shape::cylinder(0.5, 0.8));
-  double last = 1;
-  for (const int n : {15, 30, 60, 120}) {
-    Cloud cloud;
-    for (int i = 0; i < n; ++i) {
-      const double angle = 2 * std::numbers::pi * i / n;
-      for (const double z : {-0.8, 0.8}) cloud.emplace_back(0.5 * std::cos(angle), 0.5 * std::sin(angle), z);
-    }
-    const MassProperties prism = mass_of(cloud);
-    EXPECT_NEAR(prism.volume / cylinder.volume, std::sin(2 * std::numbers::pi / n) * n / (2 * std::numbers::pi), 1e-12);
-    const double error = (prism.unit_inertia - cylinder.unit_inertia).norm() / cylinder.unit_inertia.norm();
-    EXPECT_LT(error, 0.26 * last);
-    last = error;
-  }
-  EXPECT_LT(last, 1e-3);
 }
 
 TEST(MassProperties, MoveAndTurnWithTheSolid) {
@@ -137,29 +79,6 @@ TEST(MassProperties, ScaleWithTheSolid) {
         {std::pow(factor, 3) * original.volume, factor * original.centre, factor * factor * original.unit_inertia},
         1e-11);
   }
-}
-
-// Cut by a plane, a solid's parts add up to it.
-TEST(MassProperties, OfPartsAddUp) {
-  const double cut = 0.3;
-  Cloud lower, upper;
-  for (const double x : {-1.0, 1.0}) {
-    for (const double y : {-0.5, 0.5}) {
-      lower.insert(lower.end(), {{x, y, -1}, {x, y, cut}});
-      upper.insert(upper.end(), {{x, y, cut}, {x, y, 1}});
-    }
-  }
-  const MassProperties a = mass_of(lower);
-  const MassProperties b = mass_of(upper);
-  const MassProperties whole = mass_properties(Shape::box({1, 0.5, 1}));
-  EXPECT_NEAR(a.volume + b.volume, whole.volume, 1e-14);
-  Matrix3 inertia = Matrix3::Zero();
-  for (const MassProperties& part : {a, b}) {
-    const Vector3 arm = part.centre;
-    inertia += part.volume / whole.volume *
-               (part.unit_inertia + arm.squaredNorm() * Matrix3::Identity() - arm * arm.transpose());
-  }
-  EXPECT_LT((inertia - whole.unit_inertia).norm(), 1e-14);
 }
 
 // Contacts see no less than a third of this of a body, which so never shows of what is of one density.
