@@ -101,7 +101,8 @@ TEST(OverlapOfCompounds, DeepestChildCounts) {
   for (const double x : {-0.9, 0.9}) {
     table.children.push_back({.shape = Cylinder{0.1, 0.5}, .position = {x, 0, 0.4}});
   }
-  table.children.push_back({.shape = Cylinder{0.1, 0.5}, .position = {0, 0.9, 0.38}, .orientation = turn(pi, Vector3::UnitX())});
+  table.children.push_back(
+      {.shape = Cylinder{0.1, 0.5}, .position = {0, 0.9, 0.38}, .orientation = turn(pi, Vector3::UnitX())});
   EXPECT_NEAR(overlap(place(table, {0, 0, 0.09}), slab()), 0.03, 1e-15) << "the third leg is longer by 2 cm";
   const PlacedShape turned = place(table, {0, 0, 0}, turn(pi / 2, {0, 0, 1}));
   EXPECT_NEAR(overlap(turned, place(Sphere{0.5}, {-1.4, 0, 0.3})), 0.1, 1e-14) << "the third leg has turned to -x";

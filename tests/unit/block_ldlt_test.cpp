@@ -109,18 +109,6 @@ TEST(BlockLdlt, SolvesGraphsWithLoops) {
   }
 }
 
-// A chain's factor has a block a link, whatever the numbers of its nodes; a ring's two.
-TEST(BlockLdlt, FillsLittleOfARing) {
-  constexpr std::uint32_t count = 100;
-  Couplings ring;
-  for (std::uint32_t node = 0; node < count; ++node) ring.push_back({node * 37 % count, (node + 1) * 37 % count});
-  BlockLdlt blocks;
-  ASSERT_TRUE(blocks.analyse(std::vector<std::uint8_t>(count, 3), std::span(ring).first(count - 1)));
-  EXPECT_EQ(blocks.factor_blocks(), count - 1);
-  ASSERT_TRUE(blocks.analyse(std::vector<std::uint8_t>(count, 3), ring));
-  EXPECT_EQ(blocks.factor_blocks(), 2 * count - 3);
-}
-
 TEST(BlockLdlt, RefusesWhatIsNotPositiveDefinite) {
   BlockLdlt blocks;
   const std::vector<std::uint8_t> sizes = {2, 2};
@@ -132,21 +120,6 @@ TEST(BlockLdlt, RefusesWhatIsNotPositiveDefinite) {
   EXPECT_FALSE(blocks.factor());
 }
 
-// Joints between a hub and many others share the hub, so each is coupled with each: nothing is left to fill in.
-TEST(BlockLdlt, SolvesStars) {
-  Random random(3);
-  for (const std::uint32_t count : {1u, 2u, 7u, 25u}) {
-    const std::vector<std::uint8_t> sizes = any_sizes(random, count);
-    Couplings couplings;
-    for (std::uint32_t a = 0; a < count; ++a) {
-      for (std::uint32_t b = 0; b < a; ++b) couplings.push_back({a, b});
-    }
-    System system(random, sizes, couplings);
-    EXPECT_EQ(system.blocks.factor_blocks(), couplings.size());
-    expect_solved(system, random);
-  }
-}
-
 // Every size of node under every other, and all of one size, which have code of their own.
 TEST(BlockLdlt, SolvesEveryPairOfSizes) {
   Random random(4);
@@ -156,38 +129,6 @@ TEST(BlockLdlt, SolvesEveryPairOfSizes) {
       System system(random, {a, b, a, b, a, b}, couplings);
       expect_solved(system, random);
     }
-  }
-}
-
-TEST(BlockLdlt, SolvesNothing) {
-  BlockLdlt blocks;
-  ASSERT_TRUE(blocks.analyse({}, {}));
-  EXPECT_EQ(blocks.rows(), 0u);
-  EXPECT_TRUE(blocks.factor());
-  blocks.solve({});
-}
-
-// Writing through block_index() and adding by add() and diagonal() reach the same blocks.
-TEST(BlockLdlt, BlocksAreWhereTheirIndexSays) {
-  Random random(6);
-  const std::vector<std::uint8_t> sizes = {2, 5, 3, 6};
-  const Couplings couplings = {{0, 1}, {2, 1}, {3, 2}, {0, 3}, {0, 2}};
-  BlockLdlt blocks;
-  ASSERT_TRUE(blocks.analyse(sizes, couplings));
-  blocks.clear();
-  for (const auto& [row, column] : couplings) {
-    const Eigen::MatrixXd value =
-        Eigen::MatrixXd::NullaryExpr(sizes[row], sizes[column], [&] { return random.real(-1, 1); });
-    blocks.add(row, column, value);
-    ASSERT_NE(blocks.is_earlier(row, column), blocks.is_earlier(column, row));
-    const Eigen::MatrixXd stored = blocks.is_earlier(column, row) ? value : Eigen::MatrixXd(value.transpose());
-    ASSERT_EQ(blocks.block_index(row, column), blocks.block_index(column, row));
-    const double* const at = blocks.values(blocks.block_index(row, column));
-    EXPECT_EQ((Eigen::Map<const Eigen::MatrixXd>(at, stored.rows(), stored.cols())), stored);
-  }
-  for (std::uint32_t node = 0; node < sizes.size(); ++node) {
-    EXPECT_EQ(blocks.values(blocks.block_index(node, node)), blocks.diagonal(node).data());
-    EXPECT_TRUE(blocks.diagonal(node).isZero(0));
   }
 }
 

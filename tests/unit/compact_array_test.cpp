@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 #include <jobs/compact_array.h>
 
-#include <cstdint>
 #include <random>
 #include <string>
 #include <utility>
@@ -9,34 +8,6 @@
 
 namespace atl::jobs {
 namespace {
-
-struct alignas(64) Line {
-  double numbers[8];
-};
-
-TEST(CompactArray, AnEmptyOneTakesAPointer) {
-  EXPECT_EQ(sizeof(CompactArray<double>), sizeof(void*));
-  const CompactArray<std::string> none;
-  EXPECT_TRUE(none.empty());
-  EXPECT_EQ(none.capacity(), 0u);
-  EXPECT_EQ(none.begin(), none.end());
-}
-
-TEST(CompactArray, EntriesAreAligned) {
-  CompactArray<Line> lines(3);
-  EXPECT_EQ(reinterpret_cast<std::uintptr_t>(lines.data()) % alignof(Line), 0u);
-  EXPECT_EQ(lines[2].numbers[7], 0);
-}
-
-TEST(CompactArray, TakesNoMoreThanIsReserved) {
-  CompactArray<int> numbers;
-  numbers.reserve(7);
-  EXPECT_EQ(numbers.capacity(), 7u);
-  const int* const place = numbers.data();
-  for (int i = 0; i < 7; ++i) numbers.push_back(i);
-  EXPECT_EQ(numbers.data(), place);
-  EXPECT_EQ(numbers.capacity(), 7u);
-}
 
 TEST(CompactArray, AnEntryMayBeAppendedToItsOwnArray) {
   CompactArray<std::string> names;

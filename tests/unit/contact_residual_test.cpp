@@ -101,13 +101,6 @@ TEST(ContactResidual, ACubeAtRestOnFourPointsIsASolution) {
   EXPECT_LT(measure_contact_residual(resting_cube()).relative, 1e-12);
 }
 
-// Four points carry a weight in many ways.
-TEST(ContactResidual, AnotherShareOfTheSameWeightIsASolutionToo) {
-  ContactProblem problem = cube_on_ground();
-  problem.patches[0].points[0].impulse = problem.patches[0].points[3].impulse = weight / 2;
-  EXPECT_LT(measure_contact_residual(problem).relative, 1e-12);
-}
-
 // Friction acts below the centre of mass, so the front carries more: the moment about y is 1/2 mu N - 1/2 (F - B) = 0.
 TEST(ContactResidual, ACubeThatSlidesWithFrictionAgainstItIsASolution) {
   ContactProblem problem = cube_on_ground();
@@ -186,12 +179,6 @@ TEST(ContactResidual, IsTheNumberWorkedOutOnPaper) {
   EXPECT_EQ(report.by_patch, std::vector<double>{report.absolute});
 }
 
-TEST(ContactResidual, IsAboutOneWhereNothingWasDone) {
-  const double relative = measure_contact_residual(cube_on_ground()).relative;
-  EXPECT_GT(relative, 0.3);
-  EXPECT_LT(relative, 3);
-}
-
 TEST(ContactResidual, GrowsInProportionToASmallChangeAndNeverFalls) {
   for (const bool along_normal : {true, false}) {
     const auto residual = [&](double change) {
@@ -245,46 +232,6 @@ TEST(ContactResidual, IsTheSameInATurnedWorld) {
     const double expected = measure_contact_residual(problem).relative;
     EXPECT_GT(expected, 1e-3);
     EXPECT_NEAR(measure_contact_residual(turned).relative, expected, 1e-12 * expected);
-  }
-}
-
-TEST(ContactResidual, IsTheSameWithOtherTangents) {
-  Random random(2);
-  for (int i = 0; i < 100; ++i) {
-    const ContactProblem problem = random_problem(random);
-    ContactProblem other = problem;
-    for (ContactProblem::Patch& patch : other.patches) {
-      const double angle = random.real(-3, 3);
-      const Vector3 across = patch.normal.cross(patch.tangent);
-      patch.tangent = std::cos(angle) * patch.tangent + std::sin(angle) * across;
-      for (ContactProblem::Point& point : patch.points) {
-        const double x = point.x, y = point.y;
-        point.x = std::cos(angle) * x + std::sin(angle) * y;
-        point.y = std::cos(angle) * y - std::sin(angle) * x;
-      }
-    }
-    const double expected = measure_contact_residual(problem).relative;
-    EXPECT_NEAR(measure_contact_residual(other).relative, expected, 1e-12 * expected);
-  }
-}
-
-TEST(ContactResidual, IsTheSameForHeavierBodies) {
-  Random random(3);
-  for (int i = 0; i < 100; ++i) {
-    const ContactProblem problem = random_problem(random);
-    const double factor = random.magnitude(1e-6, 1e6);
-    ContactProblem heavier = problem;
-    for (ContactProblem::Body& body : heavier.bodies) {
-      body.inverse_mass /= factor;
-      body.inverse_inertia /= factor;
-    }
-    for (ContactProblem::Patch& patch : heavier.patches) {
-      for (ContactProblem::Point& point : patch.points) point.impulse *= factor;
-      patch.friction_impulse *= factor;
-      patch.torsional_impulse *= factor;
-    }
-    const double expected = measure_contact_residual(problem).absolute;
-    EXPECT_NEAR(measure_contact_residual(heavier).absolute, expected, 1e-12 * expected);
   }
 }
 
@@ -357,38 +304,6 @@ TEST(FrictionCone, ProjectionObeysMoreausDecomposition) {
       ASSERT_LE(rest.normal[k] + friction_part, tolerance);
     }
     ASSERT_NEAR(dot(p, rest), 0, tolerance);
-  }
-}
-
-TEST(FrictionCone, NoMemberIsNearerThanTheProjection) {
-  Random random(5);
-  for (int i = 0; i < 300; ++i) {
-    const PatchVector z = random_vector(random);
-    const auto bound = [&] { return random.magnitude(0.1, 10); };
-    const FrictionBounds friction = {bound(), bound(), bound()};
-    const PatchVector p = project_on_cone(z, friction);
-    const double nearest = (z - p).squared_norm();
-    // Members near the projection and far from it.
-    double least = nearest + 1;
-    for (int k = 0; k < 2000; ++k) {
-      const double reach = random.magnitude(1e-4, 1);
-      PatchVector member = p;
-      for (std::size_t n = 0; n < z.points; ++n) {
-        member.normal[n] = std::max(0.0, member.normal[n] + random.real(-reach, reach));
-      }
-      const auto move_within = [&](Eigen::Vector2d& part, double mu) {
-        part += reach * random.vector(1).head<2>();
-        part *= std::min(1.0, mu * sum(member) / part.norm());
-      };
-      move_within(member.tangential, friction.tangential);
-      move_within(member.rolling, friction.rolling);
-      const double most_twist = friction.torsional * sum(member);
-      member.torsional = std::clamp(member.torsional + random.real(-reach, reach), -most_twist, most_twist);
-      const double distance = (z - member).squared_norm();
-      ASSERT_GE(distance, nearest - 1e-14);
-      least = std::min(least, distance);
-    }
-    EXPECT_NEAR(least, nearest, 0.01);  // the search has come close, so it could have found a nearer one
   }
 }
 

@@ -205,18 +205,6 @@ TEST(JointCoordinate, TwistAndSwingTellATurnApart) {
   }
 }
 
-TEST(JointCoordinate, TurnsAreTwiceTheSineOfHalfTheAngle) {
-  Random random(8);
-  for (int i = 0; i < 200; ++i) {
-    const double angle = random.real(0, 3.1);
-    const Vector3 axis = random.direction();
-    const JointFrames frames = frames_of(random.rotation().toRotationMatrix(), about(axis, angle));
-    const Vector3 turn(value(Coordinate::TurnX, frames), value(Coordinate::TurnY, frames),
-                       value(Coordinate::TurnZ, frames));
-    EXPECT_LT((turn - 2 * std::sin(angle / 2) * axis).norm(), 1e-13);
-  }
-}
-
 // A hinge's two are zero for parallel axes alone: their size is that of twice the sine of half the swing, up to
 // opposed.
 TEST(JointCoordinate, SwingsAreZeroForParallelAxesAlone) {
@@ -229,18 +217,6 @@ TEST(JointCoordinate, SwingsAreZeroForParallelAxesAlone) {
                                          about(across, swung) * about(Vector3::UnitX(), random.real(-3, 3)));
     const double size = std::hypot(value(Coordinate::SwingAlongY, frames), value(Coordinate::SwingAlongZ, frames));
     EXPECT_NEAR(size, 2 * std::sin(swung / 2), 1e-12);
-  }
-}
-
-// At any angle but none, and of a direction that is there even where the axes are parallel.
-TEST(JointCoordinate, SkewIsTheAngleThatARightOneLacks) {
-  for (const double angle : {0.0, 1e-9, 0.3, pi / 2, 2.0, pi}) {
-    const JointFrames frames = frames_of(Eigen::Matrix3d::Identity(), about(Vector3::UnitX(), pi / 2 - angle));
-    EXPECT_NEAR(value(Coordinate::SkewZY, frames), pi / 2 - angle, 1e-12) << angle;
-    Joint joint;
-    joint.rows = 1;
-    joint.coordinate[0] = Coordinate::SkewZY;
-    EXPECT_NEAR(joint_row(joint, 0, frames).angular_second.norm(), 1, 1e-12) << angle;
   }
 }
 

@@ -3,9 +3,7 @@
 #include <gtest/gtest.h>
 #include <jobs/worker_team.h>
 
-#include <algorithm>
 #include <array>
-#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <string>
@@ -54,30 +52,6 @@ TEST_P(Team, LoopSeesWhatTheLoopBeforeItWrote) {
     expected.swap(expected_fresh);
   }
   EXPECT_EQ(cell, expected);
-}
-
-TEST_P(Team, ChunksAreWholeGrains) {
-  Arena arena(GetParam());
-  WorkerTeam team(arena);
-  std::atomic<int> odd_chunks{0};
-  for (std::size_t count : {2u, 7u, 64u, 1000u}) {
-    for (std::size_t grain : {1u, 3u, 64u}) {
-      team.parallel_for(count, grain, [&](std::size_t begin, std::size_t end) {
-        const bool whole = begin == 0 && end == count;
-        const bool grains = begin % grain == 0 && end == std::min(count, begin + grain);
-        if (!whole && !grains) ++odd_chunks;
-      });
-    }
-  }
-  EXPECT_EQ(odd_chunks, 0);
-}
-
-TEST_P(Team, EmptyLoopRunsNothing) {
-  Arena arena(GetParam());
-  WorkerTeam team(arena);
-  bool ran = false;
-  team.parallel_for(0, 8, [&](std::size_t, std::size_t) { ran = true; });
-  EXPECT_FALSE(ran);
 }
 
 // Helpers may come after the last loop, or never: most of these teams are gone before one arrives.
