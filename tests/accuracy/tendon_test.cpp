@@ -264,11 +264,11 @@ TEST_P(TendonTest, ARopeOverPulleysMovesTwoWeights) {
   EXPECT_NEAR(world.velocity(weights[1]).z(), -falls * 0.5, 1e-3);
   EXPECT_NEAR(world.velocity(weights[0]).z(), 2 * falls * 0.5, 2e-3);
   EXPECT_NEAR(world.joint_state(rope).force.x(), -light * (g + 2 * falls), 0.02) << "N, along the rope";
-  EXPECT_NEAR(world.joint_state(rope).position[0], 9, 1e-3);
+  EXPECT_NEAR(world.joint_state(rope).position[0], 9, direct() ? 1e-6 : 2e-3);
   world.set_pose(weights[0], {{-1, 0, 1}, Quaternion::Identity()});
   const double before = world.velocity(weights[1]).z();
   world.step(dt);
-  EXPECT_NEAR(world.velocity(weights[1]).z(), before - g * dt, 1e-9) << "nothing pulls by a slack rope";
+  EXPECT_NEAR(world.velocity(weights[1]).z(), before - g * dt, 1e-7) << "nothing pulls by a slack rope";
 }
 
 INSTANTIATE_TEST_SUITE_P(Solvers, TendonTest, testing::Values(JointSolver::Iterative, JointSolver::Direct),
