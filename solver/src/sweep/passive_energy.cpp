@@ -26,12 +26,16 @@ bool turns_blindly(const SolveInput& input, std::uint32_t body) {
   return dt * (spin + struck) * std::sqrt(most / least) > tuning::blind_turn;
 }
 
-bool overlaps_deeply(const SolveInput& input, const TouchingPair& pair) {
-  const collision::ContactManifold& manifold = input.manifolds[pair.slot];
-  const collision::Contact& contact = input.contacts[pair.slot];
-  float least = 0;
-  for (std::size_t i = 0; i < contact.count; ++i) least = std::min(least, manifold.separation[i]);
-  return least < -tuning::deep_overlap * contact.size;
+// What Baumgarte's pushes give is what was asked for.
+bool is_deep(const SolveInput& input, std::size_t island) {
+  const auto contacts = input.islands.contacts(island, island + 1);
+  return input.settings.stabilisation != Stabilisation::Baumgarte &&
+         std::any_of(contacts.begin(), contacts.end(), [&](const TouchingPair& pair) {
+           const float* const separation = input.manifolds[pair.slot].separation;
+           const collision::Contact& contact = input.contacts[pair.slot];
+           const float deepest = *std::min_element(separation, separation + contact.count);
+           return deepest < -tuning::deep_overlap * contact.size;
+         });
 }
 
 StoredEnergy stored_in(const SolveInput& input, std::size_t island) {
@@ -44,13 +48,23 @@ StoredEnergy stored_in(const SolveInput& input, std::size_t island) {
   return sum;
 }
 
-// J: of motion, in springs, and in the forces on bodies, which are the same for all of a step.
+// J: in the forces on a body, which are the same for all of a step.
+double height_of(const SolveInput& input, std::uint32_t body) {
+  const Vector3 force = linear_acceleration(input.bodies, body, input.gravity) / input.bodies.inverse_mass[body];
+  return -force.dot(input.bodies.position(body));
+}
+
+double height_of(const SolveInput& input, std::span<const std::uint32_t> bodies) {
+  double sum = 0;
+  for (const std::uint32_t body : bodies) sum += height_of(input, body);
+  return sum;
+}
+
+// J: of motion, in springs, rotors and heights.
 double energy_of(const SolveInput& input, std::size_t island, const StoredEnergy& stored) {
-  const BodyTable& bodies = input.bodies;
   double sum = stored.potential + stored.rotors;
   for (const std::uint32_t body : input.islands.bodies(island, island + 1)) {
-    const Vector3 force = linear_acceleration(bodies, body, input.gravity) / bodies.inverse_mass[body];
-    sum += kinetic_energy(bodies, body) - force.dot(bodies.position(body));
+    sum += kinetic_energy(input.bodies, body) + height_of(input, body);
   }
   return sum;
 }
@@ -102,36 +116,30 @@ void PassiveEnergy::begin(const SolveInput& input, const IslandGroup& group) {
     const std::size_t first = watched_.size();
     const bool joined = input.islands.joint_count(island) > 0;
     if (joined && input.islands.contacts(island, island + 1).empty()) continue;
-    for (const std::uint32_t body : input.islands.bodies(island, island + 1)) {
+    const auto bodies = input.islands.bodies(island, island + 1);
+    for (const std::uint32_t body : bodies) {
       if (joined || turns_blindly(input, body)) watched_.push_back(body);
     }
-    if (!joined) watch_overlapping(input, island, first);
+    const bool overlaps = watched_.size() == first && is_deep(input, island);
+    if (overlaps) watched_.insert(watched_.end(), bodies.begin(), bodies.end());
     if (watched_.size() == first) continue;
     if (is_passive(input, island)) {
-      const auto bodies = std::span(watched_).subspan(first);
       const StoredEnergy stored = stored_in(input, island);
-      const double moving = kinetic_energy(input.bodies, bodies) + stored.rotors;
+      const double moving = kinetic_energy(input.bodies, std::span(watched_).subspan(first)) + stored.rotors;
       const double more = joined ? tuning::energy_tolerance * moving : 0;
       const double most = energy_of(input, island, stored) + more;
-      islands_.push_back({island, most, moving, stored.potential, first, watched_.size()});
+      islands_.push_back({.island = island,
+                          .overlaps = overlaps,
+                          .most = most,
+                          .height = overlaps ? height_of(input, bodies) : 0,
+                          .moving = moving,
+                          .springs = stored.potential,
+                          .first = first,
+                          .end = watched_.size()});
     } else {
       watched_.resize(first);
     }
   }
-}
-
-void PassiveEnergy::watch_overlapping(const SolveInput& input, std::size_t island, std::size_t first) {
-  const std::size_t watched = watched_.size();
-  for (const TouchingPair& pair : input.islands.contacts(island, island + 1)) {
-    if (!overlaps_deeply(input, pair)) continue;
-    for (const std::uint32_t body : {pair.first, pair.second}) {
-      if (input.bodies.mobility[body] == Mobility::Dynamic) watched_.push_back(body);
-    }
-  }
-  if (watched_.size() == watched) return;
-  const auto begin = watched_.begin() + static_cast<std::ptrdiff_t>(first);
-  std::sort(begin, watched_.end());
-  watched_.erase(std::unique(begin, watched_.end()), watched_.end());
 }
 
 void PassiveEnergy::bound(const SolveInput& input) const {
@@ -140,7 +148,11 @@ void PassiveEnergy::bound(const SolveInput& input) const {
     const auto watched = std::span(watched_).subspan(of.first, of.end - of.first);
     const double moving = kinetic_energy(input.bodies, watched) + stored.rotors;
     const double passed_on = exchanged(moving - of.moving, stored.potential - of.springs);
-    const double gained = energy_of(input, of.island, stored) - of.most - tuning::exchange_tolerance * passed_on;
+    // Who is pushed out of an overlap is lifted for nothing.
+    const double lifted =
+        of.overlaps ? std::max(0.0, height_of(input, input.islands.bodies(of.island, of.island + 1)) - of.height) : 0;
+    const double gained =
+        energy_of(input, of.island, stored) - of.most - tuning::exchange_tolerance * passed_on - lifted;
     if (!(gained > 0)) continue;
     const Momentum momentum = is_alone(input, of.island) ? Momentum::Keep : Momentum::Take;
     slow_down(input.bodies, watched, momentum, gained, stored.rotors);

@@ -15,10 +15,9 @@ namespace atl::solver {
 /// - those that may turn by more than tuning::blind_turn in the step. Contacts know a body's inertia and points where
 ///   they are as a step begins: a rod that turns on from there would take from their impulses what they had for another
 ///   direction.
-/// - those that overlap another body by more than tuning::deep_overlap of the smaller one's inner radius, as only what
-/// is
-///   put into one place does. Each of many overlaps in a row pushes apart at its own speed, which the sweeps that take
-///   that back don't get to the end of.
+/// - all in an island in which none of these are, and two overlap by more than tuning::deep_overlap of the smaller
+///   one's inner radius. Each of many overlaps in a row pushes apart at its own speed, which the sweeps that take that
+///   back don't get to the end of. What they lift, they lift for nothing. Baumgarte's pushes are left as they are.
 /// - all in islands with joints that touch something. What an impact took to stop a heavy link is carried over into the
 ///   next substep, in which nothing is to be stopped, and the few sweeps of that don't take all of it back.
 class PassiveEnergy {
@@ -32,11 +31,11 @@ class PassiveEnergy {
   auto arrays() const { return std::tie(islands_, watched_); }
 
  private:
-  void watch_overlapping(const SolveInput& input, std::size_t island, std::size_t first);
-
   struct Island {
     std::size_t island;
+    bool overlaps;           // which is all that it is watched for
     double most;             // J, as its step may end
+    double height;           // J, in forces on its bodies, as it began; if it overlaps
     double moving, springs;  // J, of motion and in springs and servos, as it began
     std::size_t first, end;  // of its bodies that are watched
   };
