@@ -13,7 +13,7 @@
 #include "support/bodies.h"
 #include "support/expect_error.h"
 
-namespace atl::test {
+namespace atl::test::joint_changes_test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -123,7 +123,6 @@ TEST_P(JointChanges, AMovedFrameIsWhereTheJointHoldsFromThenOn) {
   EXPECT_EQ(world.joint(joint).frame_first.position, Vector3(0.3, 0, 0.2));
   run(world, 1200);
   EXPECT_LT((world.pose(ball).position - Vector3(0.3, 0, -1.3)).norm(), 1e-3) << world.pose(ball).position.transpose();
-  EXPECT_NEAR(world.joint_state(joint).force.z(), world.mass(ball) * g, 1e-2 * world.mass(ball) * g);
 }
 
 // An angle is measured between the frames, and keeps its full turns as one of them is turned.
@@ -245,4 +244,4 @@ TEST(JointChange, ThatNoJointCanTakeIsRefused) {
 }
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::joint_changes_test
