@@ -263,6 +263,7 @@ void move_anchors(Stores& world, std::uint32_t body) {
     solver::Joint& joint = world.joints.joints[index];
     joint.anchor_first = def.frame_first.position - world.records.centre[def.first.index];
     joint.anchor_second = def.frame_second.position - world.records.centre[def.second.index];
+    if (!world.records.dynamic[def.first.index] && !world.records.dynamic[def.second.index]) let_go(world, index);
     joint_changed(world, index);
   });
 }

@@ -77,18 +77,10 @@ void take_mass_of(const BodyConstants& from, BodyConstants& to) {
   to.moments = from.moments;
 }
 
-// Joints need a dynamic body, and know nothing of locks.
 void check_joints(const Stores& world, std::uint32_t body, const BodyConstants& constants) {
-  world.joints.for_each_of(body, [&](std::uint32_t joint) {
-    const JointDef& def = *world.joints.def[joint];
-    const std::uint32_t other = def.first.index == body ? def.second.index : def.first.index;
-    if (constants.locks != 0) {
-      throw Error("World::set_definition: locks are given to a body with joints; expected none, or no joints");
-    }
-    if (constants.type == BodyType::Dynamic || world.records.type[other] == BodyType::Dynamic) return;
-    throw Error(
-        "World::set_definition: type is not Dynamic, and a joint connects the body to another that is not; "
-        "expected one of the two that is, or the joint to be removed before");
+  if (constants.locks == 0) return;
+  world.joints.for_each_of(body, [](std::uint32_t) {
+    throw Error("World::set_definition: locks are given to a body with joints; expected none, or no joints");
   });
 }
 

@@ -105,6 +105,27 @@ TEST(BodyRedefinition, WhatADefinitionSaysAgainChangesNothing) {
   EXPECT_LT(apart, 1e-3) << "contacts were not found anew, without their impulses";
 }
 
+TEST(BodyRedefinition, AJointIsIdleWhileNeitherOfItsBodiesIsDynamic) {
+  World world({.gravity = {0, 0, -10}});
+  const BodyId post = world.add_body({.type = BodyType::Static, .shape = Box{}});
+  const BodyId bob = world.add_body({.shape = Sphere{0.2}, .position = {0, 0, -2}, .mass = 3});
+  const JointId joint = world.add_joint(joint_at(world, BallJoint{}, post, bob, {0, 0, -0.5}));
+  const auto force = [&] {
+    run_short(world, 60);
+    return world.joint_state(joint).force.z();
+  };
+  EXPECT_NEAR(force(), 30, 0.03);
+  change_definition(world, bob, [](BodyDef& def) { def.type = BodyType::Static; });
+  EXPECT_EQ(force(), 0);
+  EXPECT_EQ(world.step(short_step).counts.joints, 0);
+  change_definition(world, bob, [](BodyDef& def) {
+    def.type = BodyType::Dynamic;
+    def.mass = 3;
+  });
+  EXPECT_NEAR(force(), 30, 0.03);
+  EXPECT_LT((world.pose(bob).position - Vector3(0, 0, -2)).norm(), 1e-3);
+}
+
 TEST(BodyRedefinition, ADefinitionThatCannotBeChangesNothing) {
   World world;
   const BodyId wall = world.add_body({.type = BodyType::Static, .shape = HalfSpace{}});
@@ -113,7 +134,6 @@ TEST(BodyRedefinition, ADefinitionThatCannotBeChangesNothing) {
   const std::uint64_t hash = world.state_hash();
   const auto refuse = [&](BodyId id, const auto& change) { EXPECT_THROW(change_definition(world, id, change), Error); };
   refuse(wall, [](BodyDef& def) { def.type = BodyType::Dynamic; });
-  refuse(arm, [](BodyDef& def) { def.type = BodyType::Static; });
   refuse(arm, [](BodyDef& def) { def.locks = MotionLocks::plane(Axis::Y); });
   refuse(arm, [](BodyDef& def) { def.position.x() = std::numeric_limits<double>::infinity(); });
   refuse(arm, [](BodyDef& def) { def.material.friction = -1; });

@@ -131,7 +131,7 @@ std::vector<ContactLoad> contact_loads(const World& world, const std::vector<Bod
 std::vector<PlacedShape> placed_shapes(const Scene& scene);
 std::vector<PlacedShape> placed_shapes(const Scene& scene, const World& world, const std::vector<BodyId>& ids);
 
-/// The joints, for the error measures.
+/// The joints of dynamic bodies, for the error measures.
 std::vector<PlacedJoint> placed_joints(const Scene& scene);
 
 /// Which of the bodies may touch, by their filters and joints. Keeps a copy of these.
