@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 #include <vector>
@@ -160,6 +161,87 @@ TEST(FlatField, IsTheSameAsAMesh) {
     const SurfaceManifolds found = touch(solid, Shape::height_field(field), pose, 0.02);
     ASSERT_EQ(found.count, 1);
     EXPECT_NEAR(found.manifolds[0].least_separation(), lowest(solid, pose), 1e-9);
+  }
+}
+
+// A box mesh is a box: its edges and corners push as those of the exact rounded shape.
+TEST(ConvexMesh, PushesASphereAwayFromItsNearestPoint) {
+  const Vector3 half(1, 0.8, 0.6);
+  const TriangleMesh mesh = box_mesh(half);
+  const Shape sphere = Shape::sphere(0.3);
+  Random random(6);
+  int touching = 0;
+  for (int i = 0; i < 4000; ++i) {
+    const Vector3 at = random.vector(1.3);
+    const Vector3 nearest = at.cwiseMax(-half).cwiseMin(half);
+    const double distance = (at - nearest).norm();
+    if (distance < 1e-3) continue;
+    const SurfaceManifolds found = touch(sphere, Shape::triangle_mesh(mesh), {at, random.rotation()}, 0.1);
+    if (distance > 0.4 + 1e-9) {
+      EXPECT_EQ(found.count, 0) << at.transpose();
+      continue;
+    }
+    ++touching;
+    ASSERT_EQ(found.count, 1) << at.transpose();
+    const Manifold& manifold = found.manifolds[0];
+    ASSERT_EQ(manifold.count, 1) << at.transpose();
+    EXPECT_LT((manifold.normal - (at - nearest) / distance).norm(), 1e-6) << at.transpose();
+    EXPECT_NEAR(manifold.points[0].separation, distance - 0.3, 1e-9) << at.transpose();
+  }
+  EXPECT_GT(touching, 1000);
+}
+
+// One that has no neighbours can be touched at all its edges and corners, from the front.
+TriangleMesh lone_triangle() {
+  const std::vector<Vector3> vertices = {{-2, -1, 0}, {2, -1, 0}, {0, 2, 0}};
+  const std::vector<std::array<std::uint32_t, 3>> triangles = {{0, 1, 2}};
+  return std::get<TriangleMesh>(build_triangle_mesh(vertices, triangles));
+}
+
+// Apart from it, the separation is the distance wherever the nearest point can be touched, and never more.
+TEST(LoneTriangle, SeparationIsTheDistance) {
+  const Solids solids;
+  const TriangleMesh mesh = lone_triangle();
+  Random random(5);
+  int at_vertex_or_edge = 0;
+  int at_face = 0;
+  for (int i = 0; i < 6000; ++i) {
+    const Shape& solid = solids.shapes[static_cast<std::size_t>(i % 6)];
+    const Pose pose{{random.real(-2.5, 2.5), random.real(-1.5, 2.5), random.real(0, 0.6)}, random.rotation()};
+    std::array<Vector3, 3> seen;
+    for (std::size_t v = 0; v < 3; ++v) seen[v] = pose.orientation.conjugate() * (mesh.vertices[v] - pose.position);
+    const ClosestPoints closest = closest_points(solid, seen);
+    if (closest.distance < 1e-6) continue;
+    const Vector3 normal = -(pose.orientation * closest.normal);
+    const SurfaceManifolds found = touch(solid, Shape::triangle_mesh(mesh), pose, 0.1);
+    if (closest.distance > 0.1 + 1e-9) {
+      EXPECT_EQ(found.count, 0) << i;
+      continue;
+    }
+    if (normal.z() < 1e-6) continue;  // from below the plane
+    ASSERT_EQ(found.count, 1) << i << " solid " << i % 6 << " normal " << normal.transpose();
+    const Manifold& manifold = found.manifolds[0];
+    (normal.z() > 1 - 1e-9 ? at_face : at_vertex_or_edge) += 1;
+    // Within 8 degrees, a face may stand in, up to 2% of the size.
+    EXPECT_NEAR(manifold.least_separation(), closest.distance, 0.02 * solid.inner_radius + 1e-6)
+        << i << " solid " << i % 6;
+    if (normal.z() < 0.98) {
+      EXPECT_LT((manifold.normal - normal).norm(), 1e-3) << i << " solid " << i % 6;
+    }
+  }
+  EXPECT_GT(at_face, 200);
+  EXPECT_GT(at_vertex_or_edge, 200);
+}
+
+TEST(LoneTriangle, NothingBehindIsTouched) {
+  const Solids solids;
+  const TriangleMesh mesh = lone_triangle();
+  Random random(4);
+  for (int i = 0; i < 1000; ++i) {
+    const Shape& solid = solids.shapes[static_cast<std::size_t>(i % 6)];
+    Pose pose{{random.real(-2, 2), random.real(-1, 2), 0}, random.rotation()};
+    pose.position.z() = -1e-6 - reach_along(solid, pose.orientation.conjugate() * Vector3::UnitZ());
+    EXPECT_EQ(touch(solid, Shape::triangle_mesh(mesh), pose, 0.2).count, 0);
   }
 }
 

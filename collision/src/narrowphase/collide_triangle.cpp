@@ -3,7 +3,6 @@
 
 #include <collision/narrowphase/feature_id.h>
 #include <collision/narrowphase/support_feature.h>
-#include <collision/narrowphase/surface_contacts.h>
 
 #include <algorithm>
 #include <cmath>
@@ -317,21 +316,6 @@ void touch_triangle(const SurfaceSolid& solid, const Triangle& triangle, double 
   } else {
     touch_vertex(solid, triangle, axis, number, contact);
   }
-}
-
-void collide_triangle(const Shape& solid, const Triangle& triangle, std::uint32_t number, const Pose& solid_pose,
-                      double margin, Manifold& manifold) {
-  manifold.count = 0;
-  manifold.axis = 0;
-  manifold.reference_is_second = true;
-  if (!is_convex_solid(solid.kind)) return;
-  if (!solid_pose.position.allFinite() || !solid_pose.orientation.coeffs().allFinite()) return;
-  const SurfaceSolid placed(solid, solid_pose);
-  TriangleContact contact;
-  double height = 0;
-  if (comes_near(placed, triangle, margin, height)) touch_triangle(placed, triangle, height, number, margin, contact);
-  manifold.normal = contact.normal;
-  reduce_points(contact.points.data(), contact.count, manifold);
 }
 
 }  // namespace atl::collision

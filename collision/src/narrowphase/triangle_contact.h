@@ -38,7 +38,14 @@ struct TriangleContact {
 /// distance from the triangle's plane.
 bool comes_near(const SurfaceSolid& solid, const Triangle& face, double margin, double& height);
 
-/// Finds the points no farther apart than `margin` (m), of what comes near. `number` is the triangle's.
+/// Finds the points no farther apart than `margin` (m), of what comes near. `number` is the triangle's, part of the
+/// points' ids.
+///
+/// Over the triangle the normal is its own, and separations are those from its plane. At a convex edge or at a vertex
+/// of one the normal is the best one between the triangle's and the neighbours'; what is nearer along a neighbour's
+/// own is left to the neighbour. At edges that aren't convex the normal stays the triangle's, and there are points
+/// only over the triangle. A solid wholly behind has none; one that is partly behind is pushed to the front, never to
+/// the back.
 void touch_triangle(const SurfaceSolid& solid, const Triangle& triangle, double height, std::uint32_t number,
                     double margin, TriangleContact& contact);
 

@@ -3,7 +3,6 @@
 #include <collision/narrowphase/manifold.h>
 #include <collision/shapes/pose.h>
 #include <collision/shapes/shape.h>
-#include <collision/shapes/triangle.h>
 
 #include <array>
 #include <cstdint>
@@ -19,18 +18,6 @@ struct SurfaceManifolds {
   double gap = 0;  ///< m: without manifolds, how far the two are apart at least, if that was asked for
   std::array<Manifold, max_surface_manifolds> manifolds;
 };
-
-/// Contact points of a convex solid (Sphere to Hull) with the front of one triangle, no farther apart than `margin`
-/// (m, >= 0). `solid_pose` is in the frame of the triangle's surface, which is always the reference, so the normal
-/// points out of the front. `number` is the triangle's, part of the points' ids.
-///
-/// Over the triangle the normal is its own, and separations are those from its plane. At a convex edge or at a vertex
-/// of one the normal is the best one between the triangle's and the neighbours'; what is nearer along a neighbour's
-/// own is left to the neighbour. At edges that aren't convex the normal stays the triangle's, and there are points
-/// only over the triangle. A solid wholly behind has none; one that is partly behind is pushed to the front, never to
-/// the back. A pose that isn't finite has none.
-void collide_triangle(const Shape& solid, const Triangle& triangle, std::uint32_t number, const Pose& solid_pose,
-                      double margin, Manifold& manifold);
 
 /// Contact points of a convex solid with a triangle mesh or height field. `solid_pose` is in the frame of the
 /// surface, which is the reference of all manifolds. Triangles that look the same way (within a degree) make one
