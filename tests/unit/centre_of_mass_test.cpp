@@ -51,18 +51,6 @@ TEST(CentreOfMass, IsWhatAFreeBodyTurnsAbout) {
   EXPECT_LT((world.pose(bell).position - (world.centre_of_mass(bell) - arm)).norm(), 1e-6);
 }
 
-// Two balls of 3 m and m at 0.5 and 1.5 m from the centre, and their own moments.
-TEST(CentreOfMass, CompoundsHaveTheInertiaOfTheirParts) {
-  const MassProperties mass = mass_properties(dumbbell());
-  const double ball = 4.0 / 3 * std::numbers::pi * 0.008;
-  EXPECT_NEAR(mass.mass, 4 * ball, 1e-12);
-  EXPECT_NEAR(mass.volume, 2 * ball, 1e-12);
-  const double own = 4 * ball * 0.4 * 0.04;
-  EXPECT_NEAR(mass.inertia(0, 0), own, 1e-12);
-  EXPECT_NEAR(mass.inertia(1, 1), own + 3 * ball * 0.25 + ball * 2.25, 1e-12);
-  EXPECT_NEAR(mass.inertia(0, 1), 0, 1e-15);
-}
-
 // The heavy end goes down: a dumbbell on a ridge under its frame's origin tips over it.
 TEST(CentreOfMass, DecidesWhichWayABodyTips) {
   World world;

@@ -1,4 +1,4 @@
-// Ellipsoids and tapered capsules against points all over their surfaces: bounds, rays and points.
+// Ellipsoids and tapered capsules against points all over their surfaces: bounds and points.
 
 #include <collision/narrowphase/distance.h>
 #include <collision/queries/ray.h>
@@ -117,26 +117,6 @@ TEST(SmoothSolids, PointsOnPlanesOfSymmetryAreMeasured) {
   EXPECT_NEAR(depth(Shape::ellipsoid({1, 2, 3}), {0, 0, 0}), 1, 1e-15);
   EXPECT_NEAR(depth(Shape::tapered_capsule(0.3, 0.1, 0.5), {0, 0, -0.5}), 0.3, 1e-15);
   EXPECT_NEAR(depth(Shape::tapered_capsule(0.3, 0.1, 0.5), {0, 0, 0}), 0.2, 1e-15);
-}
-
-// A ray at a point of the surface, from its front, hits there unless it does before.
-TEST(SmoothSolids, RaysMeetTheirSurface) {
-  Random random(3);
-  for (const Shape& shape : smooth_solids()) {
-    for (int i = 0; i < 20000; ++i) {
-      const SurfacePoint at = test::random_surface_point(shape, random);
-      Vector3 direction = random.direction();
-      if (direction.dot(at.normal) > 0) direction = -direction;
-      if (direction.dot(at.normal) > -0.01) continue;
-      const double away = random.magnitude(0.01, 100);
-      RayHit hit;
-      ASSERT_TRUE(cast_ray(shape, {at.point - away * direction, direction, infinity}, Sides::Both, hit));
-      ASSERT_NEAR(hit.t, away, 1e-10 * (1 + away)) << name_of(shape);
-      ASSERT_LT((hit.normal - at.normal).norm(), 1e-6) << name_of(shape);
-      ASSERT_FALSE(cast_ray(shape, {at.point + 1e-3 * at.normal, (direction + 2 * at.normal).normalized(), infinity},
-                            Sides::Both, hit));
-    }
-  }
 }
 
 }  // namespace
