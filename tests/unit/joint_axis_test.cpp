@@ -172,22 +172,5 @@ TEST(JointAxes, AMotorSaysHowHardItMayPush) {
             "unlimited");
 }
 
-TEST(JointEvents, TellWhatBrokeTheJoint) {
-  World world;
-  const BodyId hook = world.add_body({.type = BodyType::Static, .shape = Sphere{0.1}});
-  const BodyId load = world.add_body({.shape = Sphere{0.1}, .position = {0, 0, -1}, .mass = 10});
-  const JointId rope = world.add_joint(
-      {.kind = BallJoint{}, .first = hook, .second = load, .frame_second = {{0, 0, 1}}, .break_force = 200});
-  for (int i = 0; i < 30; ++i) world.step(dt);
-  EXPECT_TRUE(world.joint_events().empty());
-  world.apply_force(load, {0, 0, -300});
-  world.step(dt);
-  ASSERT_EQ(world.joint_events().size(), 1u);
-  const JointEvent& event = world.joint_events()[0];
-  EXPECT_EQ(event.joint, rope);
-  EXPECT_EQ(event.kind, JointEventKind::Broke);
-  EXPECT_NEAR(event.force.z(), 300 + 10 * 9.81, 5);
-}
-
 }  // namespace
 }  // namespace atl

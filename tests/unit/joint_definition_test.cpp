@@ -1,10 +1,9 @@
-// Every unusable definition of a joint is refused with the field and the value, and changes nothing; and what the
-// usable ones mean to the solver.
+// Every unusable definition of a joint is refused with the field and the value, and changes nothing; and what is locked
+// is that alone.
 
 #include <gtest/gtest.h>
 
 #include <limits>
-#include <numbers>
 #include <string_view>
 #include <vector>
 
@@ -166,41 +165,6 @@ TEST(JointDefinition, EveryKindWithItsDefaultsIsUsable) {
   }
 }
 
-// Rows of a kind with nothing along its free coordinates, and with something along each.
-struct RowsOfKind {
-  const char* name;
-  JointKind bare;
-  std::size_t rows;
-  JointKind full;
-  std::size_t all_rows;
-};
-
-TEST(JointDefinition, KindsLockAsManyRowsAsTheySay) {
-  const JointAxis stop = ranged(-1, 1);
-  const JointAxis hold = ranged(0, 0);
-  const RowsOfKind kinds[] = {
-      {"ball", BallJoint{}, 3, BallJoint{.friction = 1}, 6},
-      {"hinge", HingeJoint{}, 5, HingeJoint{stop}, 6},
-      {"slider", SliderJoint{}, 5, SliderJoint{sprung(1, 1, 0)}, 6},
-      {"fixed", FixedJoint{}, 6, FixedJoint{}, 6},
-      {"distance", DistanceJoint{.distance = {}}, 0, DistanceJoint{}, 1},
-      {"universal", UniversalJoint{}, 4, UniversalJoint{stop, driven(1, 1)}, 6},
-      {"cone", ConeTwistJoint{}, 3, ConeTwistJoint{1.0, stop}, 5},
-      {"cone with friction", ConeTwistJoint{}, 3, ConeTwistJoint{1.0, stop, 2.0}, 6},
-      {"six", SixDofJoint{}, 0, SixDofJoint{{stop, hold, hold}, {stop, hold, stop}}, 6},
-      {"six at a point", SixDofJoint{{hold, hold, hold}, {}}, 3, SixDofJoint{{hold, hold, hold}, {stop, hold, stop}},
-       6},
-      {"gear", GearJoint{}, 1, GearJoint{.rack = true}, 1},
-      {"wheel", WheelJoint{.suspension = {}, .steering = {}}, 3, WheelJoint{.spin = driven(1, 1)}, 6},
-  };
-  for (const RowsOfKind& kind : kinds) {
-    EXPECT_EQ(make_joint(kind.bare).row_count(), kind.rows) << kind.name;
-    EXPECT_EQ(make_joint(kind.full).row_count(), kind.all_rows) << kind.name;
-  }
-  EXPECT_TRUE(make_joint(JointKind(SixDofJoint{{hold, hold, hold}, {}})).point);
-  EXPECT_FALSE(make_joint(JointKind(SixDofJoint{{hold, hold, ranged(1, 1)}, {}})).point) << "held, but not at 0";
-}
-
 TEST(JointDefinition, WhatIsLockedHasNeitherSpringNorMotor) {
   JointAxis axis = sprung(1, 1, 0.5);
   axis.motor = JointMotor{1, unlimited};
@@ -211,15 +175,6 @@ TEST(JointDefinition, WhatIsLockedHasNeitherSpringNorMotor) {
   EXPECT_EQ(law.lower, 0.25);
   EXPECT_EQ(law.spring_hertz, 0);
   EXPECT_EQ(law.motor_force, 0);
-}
-
-TEST(JointDefinition, FramesAreGivenInTheBodysAndHeldFromTheCentreOfMass) {
-  const Quaternion turn(Eigen::AngleAxisd(0.5, Vector3::UnitY()));
-  JointDef def{.frame_first = {{1, 2, 3}, turn}, .frame_second = {{4, 5, 6}, Quaternion::Identity()}};
-  const solver::Joint joint = make_joint(def, {0.5, 0, 0}, {0, 0.25, 0});
-  EXPECT_EQ(joint.anchor_first, Vector3(0.5, 2, 3));
-  EXPECT_EQ(joint.anchor_second, Vector3(4, 4.75, 6));
-  EXPECT_EQ(joint.axes_first.coeffs(), turn.coeffs());
 }
 
 }  // namespace

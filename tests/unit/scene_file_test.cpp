@@ -111,24 +111,14 @@ TEST(SceneFile, ReadsEveryErrorThatATargetMayLimit) {
   EXPECT_FALSE(target("").is_set());
 }
 
-TEST(SceneFile, ReadsEveryStabilisation) {
-  const auto stabilisation = [](const std::string& name) {
-    return parse(R"("settings": {"stabilisation": ")" + name + R"("}, "bodies": [{)" + std::string(the_ball) + "}]")
-        .settings.stabilisation;
+TEST(SceneFile, ReadsEveryWayToSolve) {
+  const auto settings = [](const std::string& key, const std::string& name) {
+    return parse("\"settings\": {\"" + key + "\": \"" + name + "\"}, \"bodies\": [{" + the_ball + "}]").settings;
   };
-  EXPECT_EQ(stabilisation("soft"), Stabilisation::Soft);
-  EXPECT_EQ(stabilisation("baumgarte"), Stabilisation::Baumgarte);
-  EXPECT_EQ(stabilisation("split_impulse"), Stabilisation::SplitImpulse);
-}
-
-TEST(SceneFile, ReadsEveryJointSolver) {
-  const auto solver = [](const std::string& name) {
-    return parse(R"("settings": {"joint_solver": ")" + name + R"("}, "bodies": [{)" + std::string(the_ball) + "}]")
-        .settings.joint_solver;
-  };
-  EXPECT_EQ(solver("auto"), JointSolver::Auto);
-  EXPECT_EQ(solver("iterative"), JointSolver::Iterative);
-  EXPECT_EQ(solver("direct"), JointSolver::Direct);
+  EXPECT_EQ(settings("stabilisation", "soft").stabilisation, Stabilisation::Soft);
+  EXPECT_EQ(settings("stabilisation", "split_impulse").stabilisation, Stabilisation::SplitImpulse);
+  EXPECT_EQ(settings("joint_solver", "auto").joint_solver, JointSolver::Auto);
+  EXPECT_EQ(settings("joint_solver", "iterative").joint_solver, JointSolver::Iterative);
 }
 
 TEST(SceneFile, ReadsEveryFieldOfABody) {
