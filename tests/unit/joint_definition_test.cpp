@@ -11,7 +11,7 @@
 #include "support/expect_error.h"
 #include "world/make_joint.h"
 
-namespace atl::test {
+namespace atl::test::joint_definition_test {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -178,4 +178,4 @@ TEST(JointDefinition, WhatIsLockedHasNeitherSpringNorMotor) {
 }
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::joint_definition_test

@@ -12,7 +12,7 @@
 
 #include "support/expect_error.h"
 
-namespace atl::test {
+namespace atl::test::joint_drift_test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -280,4 +280,4 @@ TEST(JointErrors, EnergyInSpringsAndMotorsIsNotAnError) {
 }
 
 }  // namespace
-}  // namespace atl::test
+}  // namespace atl::test::joint_drift_test
