@@ -98,7 +98,9 @@ void bind_bodies(Class& world) {
             const BoundingBox bounds = self.bounds(body);
             return nb::make_tuple(bounds.lower, bounds.upper);
           },
-          nb::arg("body"), "m, world frame: the lower and the upper corner of the smallest box around its shapes")
+          nb::arg("body"), "m, world frame: the lower and the upper corner of the smallest box around its shapes",
+          nb::sig("def bounds(self, body: BodyId) -> tuple[numpy.typing.NDArray[numpy.float64], "
+                  "numpy.typing.NDArray[numpy.float64]]"))
       .def("set_filter", &World::set_filter, nb::arg("body"), nb::arg("filter"))
       .def("material", &World::material, nb::arg("body"))
       .def("set_material", &World::set_material, nb::arg("body"), nb::arg("material"))
