@@ -95,7 +95,8 @@ void bind_column(nb::class_<Batch>& batch, const char* name, const char* doc) {
           const nb::gil_scoped_release release;
           self.read(column, numbers);
         }
-        return array_owning(std::move(numbers), {self.size(), count, rows});
+        const nb::object array = array_owning(std::move(numbers), {self.size(), count, rows});
+        return nb::module_::import_("atoll._arrays").attr("copied")(array);
       },
       doc, nb::sig(signature.c_str()));
 }

@@ -2,6 +2,7 @@
 /// Structs of named values as Python classes: keyword arguments with the struct's own defaults, attributes, a repr that
 /// tells what is not as it is by default, and pickling.
 
+#include <atoll/error.h>
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/function.h>
@@ -43,13 +44,32 @@ std::string words_of(const char* name, const T& values, const Field<T, M>&... fi
   return words + ")";
 }
 
+/// Throws Error if an object is about to be freed, as in world.settings.substeps = 8: attributes and calls hand out
+/// copies, so such a line would change nothing. Newer interpreters also lend what a variable holds, uncounted.
+inline void refuse_if_lost(nb::handle object, const std::string& name) {
+#if PY_VERSION_HEX >= 0x030E0000
+  const bool lost = PyUnstable_Object_IsUniqueReferencedTemporary(object.ptr()) != 0;
+#else
+  const bool lost = Py_REFCNT(object.ptr()) == 1;
+#endif
+  if (!lost) return;
+  throw Error(name + ": set on a copy that nobody keeps, so nothing would change; expected copy = ...; copy." +
+              name.substr(name.find('.') + 1) +
+              " = ...; and the copy put back as a whole, as by world.settings = copy");
+}
+
 /// Attributes and pickling.
 template <typename T, typename... M>
 void bind_values(nb::class_<T>& type, const Field<T, M>&... fields) {
+  const std::string name = nb::cast<std::string>(type.attr("__name__")) + ".";
   // By value: a reference into an optional or a variant would outlive what it refers to.
   (type.def_prop_rw(
        fields.name, [member = fields.member](const T& self) -> M { return self.*member; },
-       [member = fields.member](T& self, M value) { self.*member = std::move(value); }, fields.doc),
+       [member = fields.member, name = name + fields.name](nb::handle_t<T> self, M value) {
+         refuse_if_lost(self, name);
+         nb::cast<T&>(self).*member = std::move(value);
+       },
+       fields.doc),
    ...);
   type.def("__getstate__", [=](const T& self) { return std::tuple<M...>(self.*(fields.member)...); });
   type.def("__setstate__", [=](T& self, const std::tuple<M...>& state) {
