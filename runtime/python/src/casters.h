@@ -1,6 +1,6 @@
 #pragma once
 /// How Python hands over vectors, quaternions and matrices: as any sequence of numbers, and back as arrays that can't
-/// be written to, as they are copies.
+/// be written to, as they are copies. Enums are taken by name, too.
 
 #include <atoll/types.h>
 #include <nanobind/nanobind.h>
@@ -8,10 +8,31 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <string>
+#include <type_traits>
 
 namespace atl::python {
 
 namespace nb = nanobind;
+
+/// Why an argument of the call under way was refused, where more can be said than its type.
+inline std::string& refusal() {
+  thread_local std::string words;
+  return words;
+}
+
+/// The member of an enum that a text names, in any case and with '-' for '_'; None, and a refusal, if none has the
+/// name.
+inline nb::object member_named(nb::handle type, nb::handle text) {
+  const nb::object members = type.attr("__members__");
+  nb::object found = members.attr("get")(text.attr("upper")().attr("replace")("-", "_"));
+  if (found.is_none()) {
+    const nb::object known = nb::str(", ").attr("join")(members).attr("lower")();
+    refusal() = nb::cast<std::string>(
+        nb::str("found {!r} for {}; expected of {}").attr("format")(text, type.attr("__name__"), known));
+  }
+  return found;
+}
 
 /// Fills `numbers` from a sequence of exactly so many. False, and no exception set, if that is not one.
 inline bool read_numbers(PyObject* from, double* numbers, Py_ssize_t count) noexcept {
@@ -99,5 +120,29 @@ struct type_caster<atl::Matrix3> {
 
 #undef ATOLL_ARRAY_IN
 #undef ATOLL_ARRAY_OUT
+
+template <typename Enum>
+requires std::is_enum_v<Enum>
+struct type_caster<Enum, enable_if_t<std::is_enum_v<Enum>>> {
+  NB_TYPE_CASTER(Enum, const_name<Enum>() + const_name("@ | str@@"))
+
+  bool from_python(handle src, std::uint32_t flags, cleanup_list* cleanup) noexcept {
+    object member = borrow(src);
+    if (PyUnicode_Check(src.ptr())) {
+      try {
+        member = atl::python::member_named(nanobind::type<Enum>(), src);
+      } catch (python_error&) {
+        return false;
+      }
+    }
+    std::int64_t number = 0;
+    const bool fits = NB_CALL(enum_from_python)(NB_CTX_C(cleanup), &typeid(Enum), member.ptr(), &number, flags);
+    if (fits) value = static_cast<Enum>(number);
+    return fits;
+  }
+  static handle from_cpp(Enum from, rv_policy, cleanup_list* cleanup) noexcept {
+    return NB_CALL(enum_from_cpp)(NB_CTX_C(cleanup), &typeid(Enum), static_cast<std::int64_t>(from));
+  }
+};
 
 }  // namespace nanobind::detail

@@ -18,4 +18,5 @@ NB_MODULE(_core, module) {
   bind_films(module);
   bind_sweeps(module);
   bind_batch(module);
+  explain_arguments(module);
 }

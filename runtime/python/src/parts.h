@@ -19,5 +19,6 @@ void bind_scenes(nanobind::module_& module);
 void bind_films(nanobind::module_& module);  // views of worlds and recordings
 void bind_sweeps(nanobind::module_& module);
 void bind_batch(nanobind::module_& module);
+void explain_arguments(nanobind::module_& module);  // of all functions that there are by then
 
 }  // namespace atl::python
