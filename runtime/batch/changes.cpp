@@ -3,7 +3,9 @@
 #include <atoll/batch.h>
 #include <atoll/error.h>
 
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "columns.h"
 
@@ -23,16 +25,80 @@ void for_each(Batch& batch, std::span<const std::size_t> places, const Change& c
   batch.for_each([&](World& world, std::size_t place) { change(world, numbers[place]); }, places);
 }
 
-// Gives a body of each world a number, by set(world, body, number).
-template <typename Set>
-void set_numbers(const char* call, const char* what, Batch& batch, std::size_t body, std::span<const double> numbers,
-                 std::span<const std::size_t> places, const Set& set) {
-  if (body >= batch.bodies().size()) {
-    throw Error(std::string(call) + ": found body " + std::to_string(body) + "; expected one below " +
-                std::to_string(batch.bodies().size()));
+// Gives each world its numbers of these bodies or joints, by set(world, id, number).
+template <typename Id, typename Set>
+void set_each(const char* what, Batch& batch, const std::vector<Id>& ids, std::span<const std::size_t> some,
+              std::span<const double> numbers, std::span<const std::size_t> places, const Set& set) {
+  for (const std::size_t place : some) {
+    if (place < ids.size()) continue;
+    throw Error(std::string("set_numbers: found ") + what + " " + std::to_string(place) + "; expected one below " +
+                std::to_string(ids.size()));
   }
-  check_count(call, what, numbers.size(), places.empty() ? batch.size() : places.size());
-  for_each(batch, places, [&](World& world, std::size_t i) { set(world, batch.bodies()[body], numbers[i]); });
+  check_count("set_numbers", what, numbers.size(), some.size() * (places.empty() ? batch.size() : places.size()));
+  for_each(batch, places, [&](World& world, std::size_t i) {
+    for (std::size_t k = 0; k < some.size(); ++k) set(world, ids[some[k]], numbers[i * some.size() + k]);
+  });
+}
+
+void set_number(World& world, BodyId id, BodyNumber what, double number) {
+  Material material = world.material(id);
+  switch (what) {
+    case BodyNumber::Mass:
+      return world.set_mass(id, number);
+    case BodyNumber::GravityScale:
+      return world.set_gravity_scale(id, number);
+    case BodyNumber::LinearDamping:
+      return world.set_damping(id, number, world.definition(id).angular_damping);
+    case BodyNumber::AngularDamping:
+      return world.set_damping(id, world.definition(id).linear_damping, number);
+    case BodyNumber::Friction:
+      material.friction = number;
+      break;
+    case BodyNumber::Restitution:
+      material.restitution = number;
+      break;
+    case BodyNumber::RollingFriction:
+      material.rolling_friction = number;
+      break;
+    case BodyNumber::TorsionalFriction:
+      material.torsional_friction = number;
+      break;
+  }
+  world.set_material(id, material);
+}
+
+template <typename Part>
+Part& part_of(std::optional<Part>& part, const char* what) {
+  if (!part) throw Error(std::string("set_numbers: found no ") + what + " along the coordinate; expected one");
+  return *part;
+}
+
+void set_number(World& world, JointId id, JointNumber what, std::size_t coordinate, double number) {
+  JointAxis axis = world.joint_axis(id, coordinate);
+  switch (what) {
+    case JointNumber::ServoStiffness:
+      part_of(part_of(axis.motor, "motor").servo, "servo").stiffness = number;
+      break;
+    case JointNumber::ServoDamping:
+      part_of(part_of(axis.motor, "motor").servo, "servo").damping = number;
+      break;
+    case JointNumber::MaxForce:
+      part_of(axis.motor, "motor").max_force = number;
+      break;
+    case JointNumber::SpringStiffness:
+      part_of(axis.spring, "spring").stiffness = number;
+      break;
+    case JointNumber::SpringDamping:
+      part_of(axis.spring, "spring").damping = number;
+      break;
+    case JointNumber::Friction:
+      axis.friction = number;
+      break;
+    case JointNumber::Armature:
+      axis.armature = number;
+      break;
+  }
+  world.set_joint_axis(id, axis, coordinate);
 }
 
 }  // namespace
@@ -42,19 +108,16 @@ void set_gravities(Batch& batch, std::span<const double> gravities, std::span<co
   for_each(batch, places, [&](World& world, std::size_t i) { world.set_gravity(Vector3(gravities.data() + 3 * i)); });
 }
 
-void set_masses(Batch& batch, std::size_t body, std::span<const double> masses, std::span<const std::size_t> places) {
-  set_numbers("set_masses", "masses", batch, body, masses, places,
-              [](World& world, BodyId id, double mass) { world.set_mass(id, mass); });
+void set_numbers(Batch& batch, BodyNumber what, std::span<const std::size_t> bodies, std::span<const double> numbers,
+                 std::span<const std::size_t> places) {
+  set_each("body", batch, batch.bodies(), bodies, numbers, places,
+           [&](World& world, BodyId id, double number) { set_number(world, id, what, number); });
 }
 
-void set_frictions(Batch& batch, std::size_t body, std::span<const double> frictions,
-                   std::span<const std::size_t> places) {
-  set_numbers("set_frictions", "frictions", batch, body, frictions, places,
-              [](World& world, BodyId id, double friction) {
-                Material material = world.material(id);
-                material.friction = friction;
-                world.set_material(id, material);
-              });
+void set_numbers(Batch& batch, JointNumber what, std::span<const std::size_t> joints, std::span<const double> numbers,
+                 std::size_t coordinate, std::span<const std::size_t> places) {
+  set_each("joint", batch, batch.joints(), joints, numbers, places,
+           [&](World& world, JointId id, double number) { set_number(world, id, what, coordinate, number); });
 }
 
 }  // namespace atl

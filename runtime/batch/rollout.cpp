@@ -18,7 +18,7 @@ namespace {
 constexpr double largest_target = 1e15;
 
 [[noreturn]] void fail(const std::string& found, const std::string& expected) {
-  throw Error("Rollout: found " + found + "; expected " + expected);
+  throw Error("Batch: found " + found + "; expected " + expected);
 }
 
 std::size_t width_of(const Control& control) {
@@ -145,6 +145,32 @@ void check_places(const Batch& batch, std::span<const std::size_t> places) {
   }
 }
 
+// The values of all worlds, which are checked.
+struct Values {
+  std::span<const double> all;
+  std::size_t width = 0;    // of a control step
+  std::size_t a_world = 0;  // 0 if those of one are for all
+  std::vector<std::size_t> numbers;
+
+  Values(Batch& batch, const Rollout& rollout, std::span<const double> values, std::span<const std::size_t> places)
+      : all(values), width(width_of(rollout.controls)) {
+    const std::size_t worlds = places.empty() ? batch.size() : places.size();
+    check_sizes(rollout, values.size(), worlds, width);
+    check_names(batch, rollout);
+    check_places(batch, places);
+    numbers = numbers_of(batch, places);
+    const bool alike = values.size() == rollout.steps * width;
+    a_world = alike ? 0 : rollout.steps * width;
+    batch.for_each(
+        [&](World&, std::size_t place) {
+          check_values(rollout, of(place), alike ? "" : "[" + std::to_string(numbers[place]) + "]");
+        },
+        places);
+  }
+
+  const double* of(std::size_t place) const { return all.data() + numbers[place] * a_world; }
+};
+
 // Puts worlds to where they begin, and checks that they have what the controls act on. If one hasn't, all go back.
 void begin(Batch& batch, const Rollout& rollout, std::span<const std::size_t> places,
            const std::vector<std::size_t>& numbers) {
@@ -215,37 +241,36 @@ std::size_t width_of(std::span<const Control> controls) {
   return width;
 }
 
-std::vector<std::vector<double>> roll_out(Batch& batch, const Rollout& rollout, std::span<const double> values,
-                                          std::span<const std::size_t> places) {
-  const std::size_t worlds = places.empty() ? batch.size() : places.size();
-  const std::size_t width = width_of(rollout.controls);
-  check_sizes(rollout, values.size(), worlds, width);
-  check_names(batch, rollout);
-  check_places(batch, places);
-  const std::vector<std::size_t> numbers = numbers_of(batch, places);
-  const bool alike = values.size() == rollout.steps * width;
-  const auto values_of = [&](std::size_t place) {
-    return values.data() + (alike ? 0 : numbers[place] * rollout.steps * width);
-  };
+void set_controls(Batch& batch, std::span<const Control> controls, std::span<const double> values,
+                  std::span<const std::size_t> places) {
+  const Rollout once{.controls = {controls.begin(), controls.end()}, .steps = 1};
+  const Values given(batch, once, values, places);
+  begin(batch, once, places, given.numbers);
   batch.for_each(
-      [&](World&, std::size_t place) {
-        check_values(rollout, values_of(place), alike ? "" : "[" + std::to_string(numbers[place]) + "]");
+      [&](World& world, std::size_t place) {
+        set_motors(batch, once, given.of(place), world);
+        push(batch, once, given.of(place), world);
       },
       places);
+}
 
+std::vector<std::vector<double>> roll_out(Batch& batch, const Rollout& rollout, std::span<const double> values,
+                                          std::span<const std::size_t> places) {
+  const Values given(batch, rollout, values, places);
+  const std::size_t worlds = places.empty() ? batch.size() : places.size();
   std::vector<std::vector<double>> kept;
   for (const Batch::Column column : rollout.keep) {
     kept.emplace_back(worlds * rollout.steps * Batch::rows_of(column) * count_in(column, batch));
   }
-  begin(batch, rollout, places, numbers);
+  begin(batch, rollout, places, given.numbers);
   batch.for_each(
       [&](World& world, std::size_t place) {
-        const double* now = values_of(place);
-        for (std::size_t step = 0; step < rollout.steps; ++step, now += width) {
+        const double* now = given.of(place);
+        for (std::size_t step = 0; step < rollout.steps; ++step, now += given.width) {
           make_step(batch, rollout, now, world);
           for (std::size_t i = 0; i < kept.size(); ++i) {
             const std::size_t size = Batch::rows_of(rollout.keep[i]) * count_in(rollout.keep[i], batch);
-            const std::size_t before = numbers[place] * rollout.steps + step;
+            const std::size_t before = given.numbers[place] * rollout.steps + step;
             read_column(world, batch, rollout.keep[i], kept[i].data() + before * size);
           }
         }

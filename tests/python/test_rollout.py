@@ -98,6 +98,24 @@ def test_rollout_is_the_calls_one_by_one(worlds: int, threads: int) -> None:
     assert np.array_equal(batch.hashes(), hashes)
 
 
+def test_controls_of_all_worlds_are_set_in_one_call() -> None:
+    scene = arm_and_crate()
+    set_at_once, rolled_out = atoll.Batch(scene, 7), atoll.Batch(scene, 7)
+    values = random_values(7)
+    for now in np.moveaxis(values, 1, 0):
+        set_at_once.set_controls(CONTROLS, now[[2, 5]], worlds=[2, 5])
+        set_at_once.set_controls(CONTROLS, now[[0, 1, 3, 4, 6]], worlds=[0, 1, 3, 4, 6])
+        set_at_once.step()
+    rolled_out.rollout(CONTROLS, values)
+    assert np.array_equal(set_at_once.hashes(), rolled_out.hashes())
+    before = set_at_once.hashes()
+    set_at_once[6].remove_joint(set_at_once.joints[1])
+    for controls, words in ((CONTROLS, "without a servo there in world 6"), (CONTROLS[:1], "7 worlds x 1 control")):
+        with pytest.raises(atoll.Error, match=words):
+            set_at_once.set_controls(controls, values[:, 0])
+    assert np.array_equal(set_at_once.hashes()[:6], before[:6])
+
+
 def test_all_worlds_may_have_the_same_values() -> None:
     values = random_values(1)
     batch = atoll.Batch(arm_and_crate(), 3)
@@ -190,7 +208,7 @@ def test_errors_leave_worlds_as_they_were() -> None:
     expect("World::restore", CONTROLS, values, start=[snapshot, snapshot, other])
     expect("count of 0", CONTROLS, values, count=0)
     expect("dt of 2", CONTROLS, values, dt=2)
-    expect("Rollout: found place 3", CONTROLS, values[:1], worlds=[3])
+    expect("Batch: found place 3", CONTROLS, values[:1], worlds=[3])
     batch[1].remove_body(batch.bodies[2])
     before = batch.hashes()
     expect("joint 1, without a servo there in world 1", CONTROLS, values)

@@ -141,8 +141,8 @@ TEST(Batch, TellsWhatItCannotDo) {
   expect_error([&] { batch.read(Batch::Column::Positions, few); }, {"Batch::read: found 5 numbers"});
   expect_error([&] { batch.set_velocities(few, few); }, {"Batch::set_velocities"});
   expect_error([&] { set_gravities(batch, few); }, {"set_gravities: found 5 numbers of gravities", "9"});
-  expect_error([&] { set_masses(batch, 1000, few); }, {"set_masses: found body 1000"});
-  expect_error([&] { set_frictions(batch, 0, few); }, {"set_frictions: found 5 numbers of frictions", "3"});
+  expect_error([&] { set_masses(batch, 1000, few); }, {"set_numbers: found body 1000"});
+  expect_error([&] { set_frictions(batch, 0, few); }, {"set_numbers: found 5 numbers of body", "3"});
   const std::size_t last = batch.bodies().size() - 1;
   expect_error([&] { set_masses(batch, last, std::vector<double>{1, -1, 1}); }, {"World::set_mass: mass", "-1"});
   batch.reset();

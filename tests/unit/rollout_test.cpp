@@ -141,7 +141,7 @@ TEST(Rollout, ChecksAllAheadOfTheFirstStep) {
     expect_error([&] { roll_out(batch, rollout, values); }, words);
     EXPECT_EQ(batch.hashes(), before);
   };
-  expect([](Rollout& r) { r.dt = 0; }, {"Rollout: found dt of 0"});
+  expect([](Rollout& r) { r.dt = 0; }, {"Batch: found dt of 0"});
   expect([](Rollout& r) { r.count = 0; }, {"a count of 0", "1 or more"});
   expect([](Rollout& r) { r.steps = 5; }, {"found 72 values", "3 worlds x 5 control steps x 6 numbers = 90"});
   expect([](Rollout& r) { r.controls[0] = MotorSpeed{.joint = 2}; }, {"controls[0]", "of joint 2", "below 2"});

@@ -26,8 +26,8 @@ namespace atl {
 /// One thread at a time may use a batch.
 class Batch {
  public:
-  /// `threads`: workers, in [1, 1024]; 0 for as many as the machine has. Throws Error on these, if `worlds` is 0 or more
-  /// than there is memory for, and SceneError as build_scene() does.
+  /// `threads`: workers, in [1, 1024]; 0 for as many as the machine has. Throws Error on these, if `worlds` is 0 or
+  /// more than there is memory for, and SceneError as build_scene() does.
   Batch(const Scene& scene, std::size_t worlds, int threads = 0);
   ~Batch();
   Batch(Batch&&) noexcept;
@@ -111,12 +111,47 @@ class Batch {
 
 /// m/s^2, 3 numbers a world.
 void set_gravities(Batch& batch, std::span<const double> gravities, std::span<const std::size_t> places = {});
+
+/// Numbers of bodies that may differ from world to world: as BodyDef and Material have them.
+enum class BodyNumber {
+  Mass,
+  Friction,
+  Restitution,
+  RollingFriction,
+  TorsionalFriction,
+  GravityScale,
+  LinearDamping,
+  AngularDamping,
+};
+/// Likewise those along a coordinate of a joint, as JointAxis has them. It must have the servo, motor or spring.
+enum class JointNumber {
+  ServoStiffness,
+  ServoDamping,
+  MaxForce,
+  SpringStiffness,
+  SpringDamping,
+  Friction,
+  Armature,
+};
+
+/// A number for each of these bodies, world by world. Surfaces: of the body's own material, as shapes that have a
+/// material of their own keep it. Masses are those of dynamic bodies.
+void set_numbers(Batch& batch, BodyNumber what, std::span<const std::size_t> bodies, std::span<const double> numbers,
+                 std::span<const std::size_t> places = {});
+/// A number for each of these joints, given by their places in joints(), world by world.
+void set_numbers(Batch& batch, JointNumber what, std::span<const std::size_t> joints, std::span<const double> numbers,
+                 std::size_t coordinate = 0, std::span<const std::size_t> places = {});
+
 /// kg, a number a world.
-void set_masses(Batch& batch, std::size_t body, std::span<const double> masses,
-                std::span<const std::size_t> places = {});
-/// Sets the friction of the body's own material, one number per world: shapes that have their own material keep it.
-void set_frictions(Batch& batch, std::size_t body, std::span<const double> frictions,
-                   std::span<const std::size_t> places = {});
+inline void set_masses(Batch& batch, std::size_t body, std::span<const double> masses,
+                       std::span<const std::size_t> places = {}) {
+  set_numbers(batch, BodyNumber::Mass, {&body, 1}, masses, places);
+}
+/// Sets the friction of the body's own material, one number per world.
+inline void set_frictions(Batch& batch, std::size_t body, std::span<const double> frictions,
+                          std::span<const std::size_t> places = {}) {
+  set_numbers(batch, BodyNumber::Friction, {&body, 1}, frictions, places);
+}
 
 /// True if a column belongs to joints, false if to bodies.
 constexpr bool is_of_joints(Batch::Column column) { return column >= Batch::Column::JointPositions; }

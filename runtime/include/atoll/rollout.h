@@ -71,4 +71,10 @@ struct Rollout {
 std::vector<std::vector<double>> roll_out(Batch& batch, const Rollout& rollout, std::span<const double> values,
                                           std::span<const std::size_t> places = {});
 
+/// Sets all of these at once, as a control step of roll_out() does ahead of its steps: motors and servos keep their
+/// numbers, forces and torques add to those of the next step. `values`: width_of(controls) numbers world by world, in
+/// the order of `places`, or of one world for all alike. Throws Error as roll_out() does, with all worlds as they were.
+void set_controls(Batch& batch, std::span<const Control> controls, std::span<const double> values,
+                  std::span<const std::size_t> places = {});
+
 }  // namespace atl

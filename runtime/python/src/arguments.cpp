@@ -65,7 +65,7 @@ void explain(PyObject* function, PyObject* keywords) noexcept {
 }
 
 template <std::size_t way>
-PyObject* call(PyObject* function, PyObject* const* arguments, std::size_t count, PyObject* keywords) {
+PyObject* call_and_explain(PyObject* function, PyObject* const* arguments, std::size_t count, PyObject* keywords) {
   std::string outer;  // of a call that this one is made within
   outer.swap(refusal());
   PyObject* result = ways[way](function, arguments, count, keywords);
@@ -76,7 +76,7 @@ PyObject* call(PyObject* function, PyObject* const* arguments, std::size_t count
 
 template <std::size_t... way>
 constexpr std::array<vectorcallfunc, sizeof...(way)> calls_of(std::index_sequence<way...>) {
-  return {&call<way>...};
+  return {&call_and_explain<way>...};
 }
 
 void watch(nb::handle function, const std::string& name) {

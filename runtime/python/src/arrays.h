@@ -2,6 +2,7 @@
 /// Many bodies at once: arrays of a row each.
 
 #include <atoll/types.h>
+#include <atoll/world.h>
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 
@@ -36,6 +37,23 @@ struct Member {
   const char* format;
   std::size_t offset;
 };
+
+/// The members of a contact's record.
+inline const std::vector<Member>& contact_force_members() {
+  static const std::vector<Member> members = {
+      {"a", "id", offsetof(ContactForce, a)},
+      {"b", "id", offsetof(ContactForce, b)},
+      {"position", "(3,)f8", offsetof(ContactForce, position)},
+      {"normal", "(3,)f8", offsetof(ContactForce, normal)},
+      {"normal_force", "f8", offsetof(ContactForce, normal_force)},
+      {"friction", "(3,)f8", offsetof(ContactForce, friction)},
+      {"separation", "f8", offsetof(ContactForce, separation)},
+      {"feature_id", "u8", offsetof(ContactForce, feature_id)},
+      {"child_a", "u4", offsetof(ContactForce, child_a)},
+      {"child_b", "u4", offsetof(ContactForce, child_b)},
+  };
+  return members;
+}
 
 /// numpy's type of records of so many bytes.
 inline nb::object record_type(const std::vector<Member>& members, std::size_t bytes) {

@@ -15,7 +15,7 @@
 #include <variant>
 #include <vector>
 
-#include "arrays.h"
+#include "batches.h"
 #include "callbacks.h"
 #include "fields.h"
 #include "parts.h"
@@ -23,186 +23,6 @@
 
 namespace atl::python {
 namespace {
-
-using Mask = nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-using Places = nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-using Numbers = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-template <int columns>
-using Cube = nb::ndarray<const double, nb::shape<-1, -1, columns>, nb::c_contig, nb::device::cpu>;
-
-#define ATOLL_WORLDS \
-  "numpy.typing.NDArray[numpy.bool_] | numpy.typing.NDArray[numpy.int64] | collections.abc.Sequence[int] | None"
-
-// Which worlds are meant: those that a mask has, or that are listed. None: all.
-struct Chosen {
-  std::vector<std::size_t> places;
-  bool any = true;
-
-  Chosen(const Batch& batch, const nb::object& worlds) {
-    if (worlds.is_none()) return;
-    Mask mask;
-    if (nb::try_cast(worlds, mask, false)) {
-      if (mask.shape(0) != batch.size()) {
-        throw Error("Batch: found a mask of " + std::to_string(mask.shape(0)) + "; expected one of " +
-                    std::to_string(batch.size()) + ", a bool a world");
-      }
-      for (std::size_t i = 0; i < mask.shape(0); ++i) {
-        if (mask.data()[i]) places.push_back(i);
-      }
-    } else {
-      const nb::object listed = nb::module_::import_("numpy").attr("asarray")(worlds, "int64");
-      const Places numbers = nb::cast<Places>(listed);
-      for (std::size_t i = 0; i < numbers.shape(0); ++i) {
-        const std::int64_t place = numbers.data()[i];
-        if (place < 0) throw Error("Batch: found place " + std::to_string(place) + "; expected 0 or more");
-        places.push_back(static_cast<std::size_t>(place));
-      }
-    }
-    any = !places.empty();
-  }
-};
-
-// Calls `make` of the worlds that are meant, without Python's lock.
-template <typename Make>
-void call(Batch& batch, const nb::object& worlds, const Make& make) {
-  const Chosen chosen(batch, worlds);
-  if (!chosen.any) return;
-  const nb::gil_scoped_release release;
-  make(std::span<const std::size_t>(chosen.places));
-}
-
-template <typename Array>
-std::span<const double> span_of(const Array& array) {
-  return {array.data(), array.size()};
-}
-
-nb::object array_owning(std::vector<double> numbers, const std::vector<std::size_t>& shape) {
-  auto* kept = new std::vector<double>(std::move(numbers));
-  const nb::capsule owner(kept, [](void* memory) noexcept { delete static_cast<std::vector<double>*>(memory); });
-  return nb::ndarray<nb::numpy, double>(kept->data(), shape.size(), shape.data(), owner).cast();
-}
-
-template <Batch::Column column>
-void bind_column(nb::class_<Batch>& batch, const char* name, const char* doc) {
-  const std::string signature = std::string("def ") + name + "(self) -> numpy.typing.NDArray[numpy.float64]";
-  batch.def_prop_ro(
-      name,
-      [](const Batch& self) {
-        const std::size_t rows = Batch::rows_of(column);
-        const std::size_t count = is_of_joints(column) ? self.joints().size() : self.bodies().size();
-        std::vector<double> numbers(self.size() * count * rows);
-        {
-          const nb::gil_scoped_release release;
-          self.read(column, numbers);
-        }
-        const nb::object array = array_owning(std::move(numbers), {self.size(), count, rows});
-        return nb::module_::import_("atoll._arrays").attr("copied")(array);
-      },
-      doc, nb::sig(signature.c_str()));
-}
-
-void bind_arrays(nb::class_<Batch>& batch) {
-  bind_column<Batch::Column::Positions>(batch, "positions", "m, shape (worlds, bodies, 3), of centres of mass; a copy");
-  bind_column<Batch::Column::Origins>(batch, "origins", "m, shape (worlds, bodies, 3), of the bodies' frames; a copy");
-  bind_column<Batch::Column::Orientations>(batch, "orientations", "shape (worlds, bodies, 4): x, y, z, w; a copy");
-  bind_column<Batch::Column::Velocities>(batch, "velocities", "m/s, shape (worlds, bodies, 3); a copy");
-  bind_column<Batch::Column::AngularVelocities>(batch, "angular_velocities",
-                                                "rad/s, shape (worlds, bodies, 3); a copy");
-  bind_column<Batch::Column::Accelerations>(batch, "accelerations",
-                                            "m/s^2, shape (worlds, bodies, 3), with Settings.accelerations; a copy");
-  bind_column<Batch::Column::AngularAccelerations>(batch, "angular_accelerations",
-                                                   "rad/s^2, shape (worlds, bodies, 3), likewise; a copy");
-  bind_column<Batch::Column::ContactForces>(
-      batch, "contact_forces",
-      "N, shape (worlds, bodies, 3): what contacts exert on bodies in the last substep; a copy");
-  bind_column<Batch::Column::ContactTorques>(batch, "contact_torques",
-                                             "N m, shape (worlds, bodies, 3), likewise, about centres of mass; a copy");
-  bind_column<Batch::Column::JointPositions>(batch, "joint_positions",
-                                             "m or rad, shape (worlds, joints, 6), of the coordinates as "
-                                             "JointState.position has them; a copy");
-  bind_column<Batch::Column::JointSpeeds>(batch, "joint_speeds",
-                                          "m/s or rad/s, shape (worlds, joints, 6), likewise; a copy");
-  bind_column<Batch::Column::JointMotors>(batch, "joint_motors",
-                                          "N or N m, shape (worlds, joints, 6): JointState.motor; a copy");
-  bind_column<Batch::Column::JointForces>(batch, "joint_forces",
-                                          "N, shape (worlds, joints, 3): JointState.force; a copy");
-  bind_column<Batch::Column::JointTorques>(batch, "joint_torques",
-                                           "N m, shape (worlds, joints, 3): JointState.torque; a copy");
-  batch
-      .def(
-          "set_poses",
-          [](Batch& self, const Cube<3>& origins, const Cube<4>& orientations, const nb::object& worlds) {
-            call(self, worlds, [&](auto places) { self.set_poses(span_of(origins), span_of(orientations), places); });
-          },
-          nb::arg("origins"), nb::arg("orientations"), nb::arg("worlds") = nb::none(),
-          "m, shape (worlds, bodies, 3), and x, y, z, w, shape (worlds, bodies, 4); a row a world that is meant.")
-      .def(
-          "set_velocities",
-          [](Batch& self, const Cube<3>& linear, const Cube<3>& angular, const nb::object& worlds) {
-            call(self, worlds, [&](auto places) { self.set_velocities(span_of(linear), span_of(angular), places); });
-          },
-          nb::arg("linear"), nb::arg("angular"), nb::arg("worlds") = nb::none(),
-          "m/s and rad/s, shape (worlds, bodies, 3)")
-      .def(
-          "apply_forces",
-          [](Batch& self, const Cube<3>& forces, const std::optional<Cube<3>>& torques, const nb::object& worlds) {
-            const std::vector<double> none(torques ? 0 : forces.size(), 0.0);
-            const std::span<const double> turning = torques ? span_of(*torques) : std::span<const double>(none);
-            call(self, worlds, [&](auto places) { self.apply_forces(span_of(forces), turning, places); });
-          },
-          nb::arg("forces"), nb::arg("torques") = nb::none(), nb::arg("worlds") = nb::none(),
-          "N and N m, shape (worlds, bodies, 3), of the next step");
-}
-
-void bind_joints_of(nb::class_<Batch>& batch) {
-  batch
-      .def(
-          "set_motor_speeds",
-          [](Batch& self, std::size_t joint, const Numbers& speeds, std::size_t coordinate, const nb::object& worlds) {
-            call(self, worlds, [&](auto places) { self.set_motor_speeds(joint, span_of(speeds), coordinate, places); });
-          },
-          nb::arg("joint"), nb::arg("speeds"), nb::arg("coordinate") = 0, nb::arg("worlds") = nb::none(),
-          "Of a joint by its place in `joints`: m/s or rad/s, shape (worlds,).")
-      .def(
-          "set_servo_targets",
-          [](Batch& self, std::size_t joint, const Numbers& targets, std::size_t coordinate, const nb::object& worlds) {
-            call(self, worlds,
-                 [&](auto places) { self.set_servo_targets(joint, span_of(targets), coordinate, places); });
-          },
-          nb::arg("joint"), nb::arg("targets"), nb::arg("coordinate") = 0, nb::arg("worlds") = nb::none(),
-          "m or rad, shape (worlds,)")
-      .def(
-          "set_gravities",
-          [](Batch& self, const Rows<3>& gravities, const nb::object& worlds) {
-            call(self, worlds, [&](auto places) { atl::set_gravities(self, span_of(gravities), places); });
-          },
-          nb::arg("gravities"), nb::arg("worlds") = nb::none(), "m/s^2, shape (worlds, 3)")
-      .def(
-          "set_masses",
-          [](Batch& self, std::size_t body, const Numbers& masses, const nb::object& worlds) {
-            call(self, worlds, [&](auto places) { atl::set_masses(self, body, span_of(masses), places); });
-          },
-          nb::arg("body"), nb::arg("masses"), nb::arg("worlds") = nb::none(),
-          "Of a dynamic body by its place in `bodies`: kg, shape (worlds,).")
-      .def(
-          "set_frictions",
-          [](Batch& self, std::size_t body, const Numbers& frictions, const nb::object& worlds) {
-            call(self, worlds, [&](auto places) { atl::set_frictions(self, body, span_of(frictions), places); });
-          },
-          nb::arg("body"), nb::arg("frictions"), nb::arg("worlds") = nb::none(),
-          "Of a body's own material, shape (worlds,); shapes that have a material of their own keep it.")
-      .def(
-          "read_joint",
-          [](const Batch& self, std::size_t joint, std::size_t coordinate) {
-            std::vector<double> positions(self.size()), speeds(self.size());
-            self.read_joint(joint, positions, speeds, coordinate);
-            return nb::make_tuple(array_owning(std::move(positions), {self.size()}),
-                                  array_owning(std::move(speeds), {self.size()}));
-          },
-          nb::arg("joint"), nb::arg("coordinate") = 0, "Positions and speeds of a coordinate, shape (worlds,) each.",
-          nb::sig("def read_joint(self, joint: int, coordinate: int = 0) -> tuple[numpy.typing.NDArray[numpy.float64], "
-                  "numpy.typing.NDArray[numpy.float64]]"));
-}
 
 // Some steps at a time, so that a signal is noticed soon, and all worlds have made as many when it ends the call.
 void take_steps(Batch& batch, double dt, int count, std::span<const std::size_t> places) {
@@ -255,28 +75,6 @@ void bind_steps(nb::class_<Batch>& batch) {
       .def("quarantined", &Batch::quarantined, "How many bodies of each world are in quarantine.");
 }
 
-// Columns that rollouts can keep, by the names of their arrays.
-constexpr std::array<std::pair<const char*, Batch::Column>, 7> columns = {{
-    {"positions", Batch::Column::Positions},
-    {"origins", Batch::Column::Origins},
-    {"orientations", Batch::Column::Orientations},
-    {"velocities", Batch::Column::Velocities},
-    {"angular_velocities", Batch::Column::AngularVelocities},
-    {"joint_positions", Batch::Column::JointPositions},
-    {"joint_speeds", Batch::Column::JointSpeeds},
-}};
-
-Batch::Column column_named(const std::string& name) {
-  std::string known;
-  for (const auto& [of, column] : columns) {
-    if (name == of) return column;
-    known += (known.empty() ? "" : ", ") + std::string(of);
-  }
-  throw Error("Batch.rollout: keep has \"" + name + "\"; expected of " + known);
-}
-
-using Values = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
-
 // The control steps in values for so many worlds, of so many numbers each, or for all alike.
 std::size_t steps_in(const Values& values, std::size_t worlds, std::size_t width) {
   const std::size_t dimensions = values.ndim();
@@ -311,7 +109,7 @@ nb::dict roll_out(Batch& self, std::vector<Control> controls, const Values& valu
   const std::size_t of = !chosen.any ? 0 : chosen.places.empty() ? self.size() : chosen.places.size();
   Rollout rollout{.controls = std::move(controls), .count = count, .dt = dt.value_or(self.scene().dt)};
   rollout.steps = steps_in(values, of, width_of(rollout.controls));
-  for (const std::string& name : keep) rollout.keep.push_back(column_named(name));
+  for (const std::string& name : keep) rollout.keep.push_back(column_named("Batch.rollout: keep has", name));
   const std::vector<Snapshot> snapshots = take_start(start, rollout);
   rollout.start = snapshots;
   std::vector<std::vector<double>> kept(keep.size());
@@ -347,6 +145,17 @@ void bind_rollouts(nb::module_& module, nb::class_<Batch>& batch) {
               Field{"axis", &BodyTorque::axis, "or None"});
 
   batch.def(
+      "set_controls",
+      [](Batch& self, const std::vector<Control>& controls, const Values& values, const nb::object& worlds) {
+        call(self, worlds, [&](auto places) { atl::set_controls(self, controls, span_of(values), places); });
+      },
+      nb::arg("controls"), nb::arg("values"), nb::arg("worlds") = nb::none(),
+      "Sets motors, servos, forces and torques of all worlds in one call, as a control step of rollout() does ahead of "
+      "its "
+      "steps. values: shape (worlds, numbers), or (numbers,) for all alike. Motors and servos keep their numbers, "
+      "forces "
+      "and torques are of the next step. Raises Error as rollout() does, with all worlds as they were.");
+  batch.def(
       "rollout", &roll_out, nb::arg("controls"), nb::arg("values"), nb::kw_only(), nb::arg("dt") = nb::none(),
       nb::arg("count") = 1, nb::arg("start") = nb::none(),
       nb::arg("keep") = std::vector<std::string>{"positions", "velocities"}, nb::arg("worlds") = nb::none(),
@@ -356,9 +165,8 @@ void bind_rollouts(nb::module_& module, nb::class_<Batch>& batch) {
       "the scene's if None: motors and servos keep it, forces act in each.\n"
       "start: None for where the worlds are, \"reset\" for where they started, as reset() puts them, or a Snapshot for "
       "all, or a list of one a world. They stay where the last step takes them.\n"
-      "keep: which of the arrays positions, origins, orientations, velocities, angular_velocities, joint_positions and "
-      "joint_speeds to return, by name: those of the batch with an axis for the control steps, (worlds, steps, bodies, "
-      "3) and the like.\n\n"
+      "keep: which of the arrays of the batch to return, by the names that read() takes, with an axis for the control "
+      "steps: (worlds, steps, bodies, 3) and the like.\n\n"
       "The bits are those of the same calls one by one. Raises Error on a wrong shape, a number that isn't finite, a "
       "joint without the motor or servo, a body that isn't dynamic, or a snapshot of other bodies, before the first "
       "step and with all worlds as they were.",
@@ -418,8 +226,8 @@ void bind_batch(nb::module_& module) {
         return "<Batch of " + std::to_string(self.size()) + " worlds of " + std::to_string(self.bodies().size()) +
                " bodies>";
       });
-  bind_arrays(batch);
-  bind_joints_of(batch);
+  bind_batch_arrays(batch);
+  bind_batch_changes(module, batch);
   bind_steps(batch);
   bind_rollouts(module, batch);
 }

@@ -221,18 +221,6 @@ void bind_joints_of(Class& world) {
 }
 
 void bind_results(Class& world) {
-  static const std::vector<Member> forces = {
-      {"a", "id", offsetof(ContactForce, a)},
-      {"b", "id", offsetof(ContactForce, b)},
-      {"position", "(3,)f8", offsetof(ContactForce, position)},
-      {"normal", "(3,)f8", offsetof(ContactForce, normal)},
-      {"normal_force", "f8", offsetof(ContactForce, normal_force)},
-      {"friction", "(3,)f8", offsetof(ContactForce, friction)},
-      {"separation", "f8", offsetof(ContactForce, separation)},
-      {"feature_id", "u8", offsetof(ContactForce, feature_id)},
-      {"child_a", "u4", offsetof(ContactForce, child_a)},
-      {"child_b", "u4", offsetof(ContactForce, child_b)},
-  };
   static const std::vector<Member> pairs = {
       {"a", "id", offsetof(PairForce, a)},
       {"b", "id", offsetof(PairForce, b)},
@@ -267,7 +255,8 @@ void bind_results(Class& world) {
 #define ATOLL_RECORDS(name) nb::sig("def " name "(self) -> numpy.typing.NDArray[numpy.void]")
   world
       .def(
-          "contact_forces", [](const World& self) { return records_of(self.contact_forces(), forces); },
+          "contact_forces",
+          [](const World& self) { return records_of(self.contact_forces(), contact_force_members()); },
           "A structured array: one record a manifold point that carries force, by body ids. a, b: index and "
           "generation; "
           "position (m), normal (from a to b), normal_force (N), friction (N, on b), separation (m), feature_id, "

@@ -67,11 +67,10 @@ class BodyTerms:
     def contact(self, batch: _core.Batch, motion: Motion) -> Floats:
         """cfrc_ext, shape (worlds, bodies, 6): N m and N, of contacts at the end of the last step."""
         total = np.zeros((len(batch), len(self.places), 6))
-        found = [world.contact_forces() for world in batch]
-        worlds = np.repeat(np.arange(len(batch)), [len(forces) for forces in found])
+        forces = batch.contact_points()
+        worlds = forces["world"]
         if worlds.size == 0:
             return total
-        forces = np.concatenate(found)
         on_b = forces["normal"] * forces["normal_force"][:, None] + forces["friction"]
         arms = forces["position"] - self.centre(motion)[worlds]
         for side, sign in (("a", -1), ("b", 1)):

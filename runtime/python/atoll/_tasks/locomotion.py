@@ -69,12 +69,14 @@ class Locomotion(Task):
         grip(robot, model)
         if self.rules.planar:
             join_planar_root(robot, model)
-        self._stiffness = drive(robot)
+        stiffness = drive(robot)
         self._actuators = robot.actuators
+        self._drives = np.array([[*of.range, of.gain, of.bias, stiffness[of.coordinate]] for of in self._actuators]).T
         self._start = np.array(m.qpos0)
         self._counts = int(m.nq), int(m.nv)
         root = robot.bodies[model.name("BODY", 1)]
         self.coordinates = Coordinates(robot, root, self._start[:2] if self.rules.planar else None)
+        self._servos = [_core.ServoTarget(self.coordinates.places[of.coordinate]) for of in self._actuators]
         self.terms = BodyTerms(robot, model, len(robot.scene.bodies))
         self.steps_an_action = self.rules.steps
         self.scene = robot.scene
@@ -108,10 +110,9 @@ class Locomotion(Task):
         self._places[places] = self._along(self.coordinates.set(batch, places, q, v))
 
     def act(self, batch: _core.Batch, actions: Array) -> None:
-        for actuator, controls in zip(self._actuators, actions.T, strict=True):
-            torques = actuator.gain * np.clip(controls, *actuator.range) + actuator.bias
-            stiffness = self._stiffness[actuator.coordinate]
-            batch.set_servo_targets(self.coordinates.places[actuator.coordinate], torques / stiffness)
+        low, high, gains, biases, stiffnesses = self._drives.astype(actions.dtype)
+        torques = gains * np.clip(actions, low, high) + biases
+        batch.set_controls(self._servos, torques / stiffnesses)
 
     def observe(self, batch: _core.Batch) -> Seen:
         return np.hstack(self._seen(self.coordinates.read(batch)))
