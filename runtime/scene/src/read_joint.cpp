@@ -315,15 +315,11 @@ void read_terms(const Reader& in, const Scene& scene, const Places& joints, Scen
   tendon.def.collide = true;
 }
 
-void read_bodies(const Reader& in, const Scene& scene, const Places& places, SceneJoint& joint) {
+void read_bodies(const Reader& in, const Places& places, SceneJoint& joint) {
   constexpr const char* body = "the name of a body or its place among the bodies";
   joint.first = places.read(in.at("first", body));
   joint.second = places.read(in.at("second", body));
   if (joint.first == joint.second) in.fail_at("second", "the first body again", "another one");
-  const auto is_dynamic = [&](std::size_t place) { return scene.bodies[place].def.type == BodyType::Dynamic; };
-  if (!is_dynamic(joint.first) && !is_dynamic(joint.second)) {
-    in.fail_at("second", "two bodies that do not move under forces", "at least one dynamic body in a joint");
-  }
 }
 
 }  // namespace
@@ -342,7 +338,7 @@ SceneJoint read_joint(const Reader& in, const Scene& scene, const Places& bodies
 
   SceneJoint joint;
   read_name(in, joint.name);
-  if (!tendon) read_bodies(in, scene, bodies, joint);
+  if (!tendon) read_bodies(in, bodies, joint);
   joint.def.kind = kind.read(in);
   if (tendon) {
     read_terms(in, scene, joints, joint);
