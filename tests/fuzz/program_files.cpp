@@ -3,6 +3,7 @@
 #include <atoll/recording.h>
 #include <atoll/snapshot.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <optional>
@@ -62,10 +63,18 @@ void record(Run& run) {
   run.worlds.first().record(run.recording.path(), {.body_hash_interval = 1 + static_cast<int>(run.bytes.below(4))});
 }
 
+// Bodies may have come to where a distance joint has no direction; neither worlds nor files take one that starts so.
+bool has_closed_distance(const World& world) {
+  const std::vector<JointId> joints = world.joints();
+  return std::any_of(joints.begin(), joints.end(), [&](JointId id) {
+    return std::holds_alternative<DistanceJoint>(world.joint(id).kind) && world.joint_state(id).position[0] < 1e-8;
+  });
+}
+
 // A scene file of any world is read again, and bodies are as they were.
 void write_as_scene(Run& run) {
   const World& world = run.worlds.first();
-  if (world.body_count() == 0) return;  // which no scene file is of
+  if (world.body_count() == 0 || has_closed_distance(world)) return;  // of which there are no scene files
   const std::optional<std::string> written = chosen([&] { return scene_text(scene_of(world)); });
   require(written || !run.definitions.usual(), "a world can't be written as a scene file");
   if (!written) return;

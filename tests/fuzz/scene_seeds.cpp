@@ -105,7 +105,6 @@ void write_wrong_files(const fs::path& folder) {
          "angle": {"motor": {"max_force": 1, "servo": {}}})",
       R"("kind": "universal", "first": "a", "second": "b", "at": [0, 0, 0], "axis": [0, 1, 0], "across": [0, 2, 0])",
       R"("kind": "distance", "first": "a", "second": "b", "at": [0, 0, 0], "at_second": [0, 0, 0])",
-      R"("kind": "ball", "first": "b", "second": 2, "at": [0, 0, 0])",
       R"("kind": "ball", "first": "a", "second": "bb", "at": [0, 0, 0])",
       R"("name": "j", "kind": "ball", "first": "a", "second": "b", "at": [0, 0, 0]}, {"name": "j", "kind": "ball",
          "first": "a", "second": 2, "at": [0, 0, 0])"};
