@@ -257,6 +257,22 @@ void set_joint(Stores& world, std::uint32_t index, const JointDef& definition) {
   world.joints.update_flags(index);
 }
 
+void drive(Stores& world, std::uint32_t index, std::size_t coordinate, const JointMotor& motor) {
+  const JointKind& before = world.joints.def[index]->kind;
+  if (named_axis(before, coordinate)->motor == motor) return;
+  solver::Joint& joint = world.joints.joints[index];
+  const std::size_t row = joint.row_along(named_coordinates(before)[coordinate]);
+  auto def = std::make_shared<JointDef>(*world.joints.def[index]);
+  named_axis(def->kind, coordinate)->motor = motor;
+  world.joints.def[index] = std::move(def);
+  if (row < joint.rows && joint.law[row].drives()) {
+    joint.law[row].motor_speed = motor.speed;
+    if (motor.servo) joint.law[row].servo_target = motor.servo->target;
+  }
+  wake_joined_by(world, index);
+  world.joints.update_flags(index);
+}
+
 void move_anchors(Stores& world, std::uint32_t body) {
   world.joints.for_each_of(body, [&](std::uint32_t index) {
     const JointDef& def = *world.joints.def[index];

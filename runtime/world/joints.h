@@ -27,6 +27,9 @@ std::uint32_t index_of(const Stores& world, JointId id, const char* call);
 JointState joint_state(const Stores& world, std::uint32_t joint);
 /// Throws Error, and changes nothing, if the definition is of another kind, between other bodies, or unusable.
 void set_joint(Stores& world, std::uint32_t joint, const JointDef& definition);
+/// Does as set_joint() with another speed or target of a coordinate's motor: the only thing that a controller changes,
+/// in every step.
+void drive(Stores& world, std::uint32_t joint, std::size_t coordinate, const JointMotor& motor);
 /// After a body got another centre of mass, or type: its joints stay where they are in its frame.
 void move_anchors(Stores& world, std::uint32_t body);
 void set_joint_enabled(Stores& world, std::uint32_t joint, bool enabled);

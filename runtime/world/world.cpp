@@ -678,19 +678,18 @@ const JointAxis& checked_axis(const char* call, const JointDef& joint, std::size
               std::to_string(coordinate) + "; expected one that its definition names");
 }
 
-// A kind of which change(axis) changed the axis along one coordinate.
-template <typename Change>
-JointKind changed_along(const char* call, const JointDef& joint, std::size_t coordinate, const Change& change) {
-  JointKind kind = joint.kind;
-  checked_axis(call, joint, coordinate);
-  change(*named_axis(kind, coordinate));
-  return kind;
-}
-
-JointMotor& motor_of(const char* call, JointAxis& axis, bool as_servo) {
-  if (axis.motor && (axis.motor->servo || !as_servo)) return *axis.motor;
+// The motor along a coordinate.
+JointMotor checked_motor(const char* call, const JointDef& joint, std::size_t coordinate, bool as_servo) {
+  const std::optional<JointMotor>& motor = checked_axis(call, joint, coordinate).motor;
+  if (motor && (motor->servo || !as_servo)) return *motor;
   throw Error(std::string(call) + ": the joint has no " + (as_servo ? "servo" : "motor") +
               " along that coordinate; expected one, see World::set_joint_axis");
+}
+
+void drive(auto& impl, JointId id, std::size_t coordinate, const JointMotor& motor, const char* call) {
+  const std::uint32_t joint = impl.index_to_change(id, call);
+  if constexpr (with_joints) atl::drive(impl.stores, joint, coordinate, motor);
+  note<calls::SetJoint>(impl, id, impl.stores.joints.def[joint]->kind);
 }
 
 }  // namespace
@@ -700,21 +699,26 @@ const JointAxis& World::joint_axis(JointId id, std::size_t coordinate) const {
 }
 
 void World::set_joint_axis(JointId id, const JointAxis& axis, std::size_t coordinate) {
-  set_joint(id, changed_along("World::set_joint_axis", joint(id), coordinate, [&](JointAxis& of) { of = axis; }));
+  JointKind kind = joint(id).kind;
+  checked_axis("World::set_joint_axis", joint(id), coordinate);
+  *named_axis(kind, coordinate) = axis;
+  set_joint(id, kind);
 }
 
 void World::set_motor_speed(JointId id, double speed, std::size_t coordinate) {
   constexpr const char* call = "World::set_motor_speed";
   check_finite("World::set_motor_speed: speed", speed);
-  set_joint(id, changed_along(call, joint(id), coordinate,
-                              [&](JointAxis& axis) { motor_of(call, axis, false).speed = speed; }));
+  JointMotor motor = checked_motor(call, joint(id), coordinate, false);
+  motor.speed = speed;
+  drive(*impl_, id, coordinate, motor, "set_motor_speed");
 }
 
 void World::set_servo_target(JointId id, double target, std::size_t coordinate) {
   constexpr const char* call = "World::set_servo_target";
   check_number("World::set_servo_target: target", target);
-  set_joint(id, changed_along(call, joint(id), coordinate,
-                              [&](JointAxis& axis) { motor_of(call, axis, true).servo->target = target; }));
+  JointMotor motor = checked_motor(call, joint(id), coordinate, true);
+  motor.servo->target = target;
+  drive(*impl_, id, coordinate, motor, "set_servo_target");
 }
 
 void World::set_joint_enabled(JointId id, bool enabled) {

@@ -3,6 +3,7 @@
 #include <atoll/snapshot.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
 #include <initializer_list>
 #include <numbers>
@@ -241,6 +242,44 @@ TEST(JointChange, ThatNoJointCanTakeIsRefused) {
   pair.world.remove_joint(rod);
   expect_error([&] { pair.world.set_name(rod, "gone"); }, {"World::set_name", "no joint has the id"});
   expect_error([&] { pair.world.set_user_data(rod, 1); }, {"World::set_user_data", "no joint has the id"});
+}
+
+// set_motor_speed() and set_servo_target() are a short way to what set_joint_axis() does.
+TEST(JointChanges, AControlIsAChangeOfTheAxis) {
+  for (const JointSolver solver : {JointSolver::Iterative, JointSolver::Direct}) {
+    Yard by_control(solver, true), by_axis(solver, true);
+    const auto controls = [](Yard& yard, const auto& control) {
+      for (const JointId id : {yard.joints[1], yard.joints[2], yard.joints[5]}) control(id, 0);
+      for (const std::size_t turn : {3, 4, 5}) control(yard.joints[7], turn);
+      control(yard.joints[9], 2);
+      control(yard.joints[10], 0);
+    };
+    const JointMotor servo{.max_force = 30, .servo = JointServo{.stiffness = 40, .damping = 2}};
+    for (Yard* yard : {&by_control, &by_axis}) {
+      controls(*yard, [&](JointId id, std::size_t coordinate) {
+        JointAxis axis = yard->world.joint_axis(id, coordinate);
+        if (coordinate != 4) axis.motor = servo;
+        yard->world.set_joint_axis(id, axis, coordinate);
+      });
+    }
+    for (int step = 0; step < 60; ++step) {
+      const double to = 0.2 * std::floor(step / 7.0);
+      controls(by_control, [&](JointId id, std::size_t coordinate) {
+        if (coordinate == 4) return by_control.world.set_motor_speed(id, to, coordinate);
+        by_control.world.set_servo_target(id, to, coordinate);
+      });
+      controls(by_axis, [&](JointId id, std::size_t coordinate) {
+        JointAxis axis = by_axis.world.joint_axis(id, coordinate);
+        (coordinate == 4 ? axis.motor->speed : axis.motor->servo->target) = to;
+        by_axis.world.set_joint_axis(id, axis, coordinate);
+      });
+      ASSERT_EQ(by_control.world.state_hash(), by_axis.world.state_hash()) << step;
+      by_control.world.step(dt);
+      by_axis.world.step(dt);
+    }
+    controls(by_control,
+             [&](JointId id, std::size_t) { EXPECT_EQ(by_control.world.joint(id), by_axis.world.joint(id)); });
+  }
 }
 
 }  // namespace
