@@ -4,6 +4,7 @@
 #include <solver/sweep/group_contacts.h>
 
 #include <algorithm>
+#include <array>
 
 #include "integrate/rows3.h"
 
@@ -93,6 +94,18 @@ void GroupContacts::find_rims(const SolveInput& input, const SolverBodies& bodie
       find(lane, true);
     }
   }
+}
+
+float GroupContacts::deepest() const {
+  std::array<float, block_lanes> least = {};  // which compilers make lanes of
+  for (const ContactBlock& block : std::span(blocks_).first(block_count())) {
+    for (std::size_t i = 0; i < block.traits.points; ++i) {
+      for (std::size_t lane = 0; lane < block_lanes; ++lane) {
+        least[lane] = std::min(least[lane], block.start_separation[i][lane]);
+      }
+    }
+  }
+  return *std::min_element(least.begin(), least.end());
 }
 
 void GroupContacts::begin_pushes() {

@@ -61,7 +61,9 @@ template <typename Executor>
 void GroupPass<Executor>::prepare() {
   if (setup_.sweeps_joints) prepare_joints();
   prepare_contacts();
-  if (!parts_.contacts.empty()) parts_.passive_energy.begin(setup_.input, setup_.group);
+  if (!parts_.contacts.empty()) {
+    parts_.passive_energy.begin(setup_.input, setup_.group, parts_.contacts.deepest());
+  }
   complete_joints();
   if (setup_.sweeps_tendons) parts_.tendons.begin_step(setup_.joint_step);
   if (setup_.joined) prepare_systems();

@@ -26,6 +26,8 @@ class GroupContacts {
   bool restitution() const { return restitution_; }
   std::span<const Colour> colours() const { return colouring_.colours(); }
   std::size_t block_count() const { return colouring_.block_count(); }
+  /// m: the least separation as the step begins, once blocks are prepared; 0 where nothing overlaps.
+  float deepest() const;
   std::span<const ContactBlock> blocks() const { return std::span(blocks_).first(block_count()); }
   std::span<const PlanarBlock> planar_blocks() const { return planar_blocks_; }
   std::span<const SurfaceBlock> surface_blocks() const { return surface_blocks_; }

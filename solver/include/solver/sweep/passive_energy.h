@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace atl::solver {
@@ -22,8 +23,9 @@ namespace atl::solver {
 ///   next substep, in which nothing is to be stopped, and the few sweeps of that don't take all of it back.
 class PassiveEnergy {
  public:
-  /// Records the energies before a group's step.
-  void begin(const SolveInput& input, const IslandGroup& group);
+  /// Records the energies before a group's step. `deepest` (m): no contact's separation is below, if that is known.
+  void begin(const SolveInput& input, const IslandGroup& group,
+             float deepest = -std::numeric_limits<float>::infinity());
   /// Bounds them after it, once bodies have their new poses and velocities.
   void bound(const SolveInput& input) const;
 
