@@ -218,7 +218,8 @@ class World {
   /// are joined to it, directly or through others, as they would fall asleep together by themselves: their velocities
   /// become zero, and forces for the next step are dropped. They wake together, by what wakes any sleeper: an awake or
   /// moving body that touches one of them, or a call that changes one. Nothing happens to a body that sleeps already or
-  /// is out of the world. Throws Error on a static or kinematic body, and where Settings::sleeping is false.
+  /// is out of the world, or if one of the others may not sleep. Throws Error on a static or kinematic body, on one
+  /// that may not sleep, and where Settings::sleeping is false.
   void sleep(BodyId id);
   void set_filter(BodyId id, const CollisionFilter& filter);
 
@@ -232,7 +233,7 @@ class World {
   /// Its frame, mass and rigid motion stay; inertia and centre of mass become those of the new shape at this mass,
   /// whatever the definition gave. What touched it is found anew, without warm start.
   void set_shape(BodyId id, const Shape& shape);
-  /// Makes of a body, under its id, what a definition says: another type, sensor or not, continuous or not, other
+  /// Makes a body, under its id, what a definition says: another type, sensor or not, continuous or not, other
   /// locks, mass, inertia, centre of mass, materials of a compound's children, or anything else that add_body() takes.
   /// Begin with definition(): what is as there stays to the bit, rounding of a mass that goes with other changes aside.
   /// A body that moves as it did keeps the rigid motion of its frame; one that becomes static stops. Static and
