@@ -39,7 +39,7 @@ struct BodyConstants {
   std::optional<double> contact_event_force = {};  // N
   Material material = {};
   std::uint8_t locks = 0;  // see solver/integrate/motion_locks.h; 0 unless dynamic
-  // Of dynamic bodies.
+  // Dynamic bodies alone have these three.
   bool may_sleep = true;
   std::optional<double> max_speed = {};          // m/s
   std::optional<double> max_angular_speed = {};  // rad/s

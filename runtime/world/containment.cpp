@@ -114,7 +114,7 @@ void restrain_broken(Stores& world, solver::FastBodies& moved, std::vector<Quara
 
 namespace {
 
-// What a step goes through has nothing of the body any more; it can come back.
+// Takes the body out of all that a step goes through. It can come back.
 void leave(Stores& world, std::uint32_t body) {
   if constexpr (with_joints) suspend_joints_of(world, body);
   take_out(world, body);
@@ -126,7 +126,7 @@ void leave(Stores& world, std::uint32_t body) {
   world.aabbs.swept_margins()[body] = 0;
 }
 
-// As it is now: it may have been given another mass or shape while it was out.
+// Puts the body back as it is now: it may have been given another mass or shape while it was out.
 void come_back(Stores& world, std::uint32_t body) {
   const BodyConstants& constants = *world.records.constants[body];
   world.quarantine.remove(body);

@@ -1,4 +1,4 @@
-// What a joint does, as of the end of the last step.
+// Positions, speeds and forces of a joint at the end of the last step.
 
 #include <solver/constraints/tendon.h>
 

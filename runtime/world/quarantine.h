@@ -22,7 +22,7 @@ class QuarantineList {
   /// For a world of so many bodies.
   void resize(std::size_t count) { jobs::append(suspected_, count, std::uint8_t{0}); }
 
-  /// Whether the body is out of the world, for either reason.
+  /// True if the body is out of the world, in quarantine or disabled.
   bool contains(std::uint32_t body) const { return is_quarantined(body) || is_disabled(body); }
   bool is_quarantined(std::uint32_t body) const { return !bodies_.empty() && find(body) < bodies_.size(); }
   bool is_disabled(std::uint32_t body) const { return std::binary_search(disabled_.begin(), disabled_.end(), body); }
@@ -31,7 +31,7 @@ class QuarantineList {
   const Quarantined& entry(std::uint32_t body) const { return bodies_[find(body)]; }
   void add(const Quarantined& body);
   void disable(std::uint32_t body);
-  /// Of either list.
+  /// Takes the body off the list that has it.
   void remove(std::uint32_t body);
   void clear();  ///< suspects too
 

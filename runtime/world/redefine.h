@@ -10,7 +10,8 @@
 
 namespace atl {
 
-/// Of a body, once it follows the definition. Throws Error if that is unusable, or if joints of the body forbid it.
+/// Constants of a body that follows the definition. Throws Error if that is unusable, or if joints of the body forbid
+/// it.
 BodyConstants redefined(const Stores& world, std::uint32_t body, const BodyDef& def);
 /// Gives a body these constants, and all stores what follows from them. Its frame moves on as it did. What touches it
 /// is found anew if its type, shapes, centre of mass or what it collides with changed.

@@ -123,7 +123,7 @@ enum class BodyNumber {
   LinearDamping,
   AngularDamping,
 };
-/// Likewise those along a coordinate of a joint, as JointAxis has them. It must have the servo, motor or spring.
+/// Numbers along a coordinate of a joint, as JointAxis has them, likewise. It must have the servo, motor or spring.
 enum class JointNumber {
   ServoStiffness,
   ServoDamping,

@@ -16,7 +16,7 @@ namespace {
 // How nanobind calls functions: the few ways that there are, each kept at a place of its own.
 std::array<vectorcallfunc, 8> ways{};
 
-// What functions are called by those who use them: "World.add_body".
+// Names of functions as users write them: "World.add_body".
 std::unordered_map<PyObject*, std::string> names;
 
 nb::list arguments_of(nb::handle function) {
@@ -28,7 +28,7 @@ nb::list arguments_of(nb::handle function) {
   return arguments;
 }
 
-// Of the first keyword that is no argument; nothing if all are.
+// Names the first keyword that is no argument, and the one that may be meant. Empty if all keywords are arguments.
 std::string words_of_misspelt(nb::handle function, nb::handle keywords) {
   const nb::list arguments = arguments_of(function);
   for (const nb::handle keyword : keywords) {

@@ -1,5 +1,5 @@
 #pragma once
-/// What calls of many worlds share: which worlds are meant, and arrays over them.
+/// Parts of calls on many worlds: the choice of worlds, and arrays over them.
 
 #include <atoll/batch.h>
 #include <atoll/error.h>

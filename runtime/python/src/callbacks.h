@@ -38,7 +38,8 @@ inline std::multimap<const World*, const nb::object*>& held_functions() {
   return held;
 }
 
-/// What Python's collector asks of worlds and batches, so that it can end rings of them and of their functions.
+/// Slots by which Python's collector goes through worlds and batches, so that it can end rings of them and of their
+/// functions.
 extern PyType_Slot world_slots[3];
 extern PyType_Slot batch_slots[3];
 
