@@ -19,6 +19,10 @@ std::vector<std::uint32_t> island_of(const Stores& world, std::uint32_t body) {
     found[other] = 1;
     island.push_back(other);
   };
+  const auto add_both = [&](const solver::Joint& joint) {
+    add(joint.first);
+    add(joint.second);
+  };
   for (std::size_t next = 0; next < island.size(); ++next) {
     const std::uint32_t member = island[next];
     world.cache.for_each_contact_of(member, [&](std::uint32_t slot) {
@@ -29,13 +33,10 @@ std::vector<std::uint32_t> island_of(const Stores& world, std::uint32_t body) {
     });
     if constexpr (!with_joints) continue;
     world.joints.for_each_of(member, [&](std::uint32_t joint) {
-      if (!world.joints.acts[joint]) return;
-      solver::for_each_term(world.joints.joints.data(), joint, [&](const solver::Joint& of) {
-        add(of.first);
-        add(of.second);
-      });
-      add(world.joints.joints[joint].first);
-      add(world.joints.joints[joint].second);
+      if (world.joints.acts[joint]) add_both(world.joints.joints[joint]);
+      for (const std::uint32_t tendon : world.joints.tendons_over(joint)) {
+        if (world.joints.acts[tendon]) solver::for_each_term(world.joints.joints.data(), tendon, add_both);
+      }
     });
   }
   std::sort(island.begin(), island.end());

@@ -106,6 +106,30 @@ TEST(SleepControl, EventsTellWhoFellAsleepAndWhoWoke) {
   }
 }
 
+// A rope over two pulleys whose parts have no rows of their own holds two weights; so does one over two sliders.
+TEST(SleepControl, BodiesThatATendonJoinsSleepTogether) {
+  for (const bool hangs : {true, false}) {
+    World world = sleeping_world();
+    const BodyId ceiling = world.add_body(static_box({0, 0, 3.5}, {3, 0.5, 0.5}));
+    std::vector<BodyId> weights;
+    std::vector<TendonTerm> terms;
+    for (const double side : {-1.0, 1.0}) {
+      weights.push_back(world.add_body(sphere({side, 0, 0}, 0.1)));
+      JointDef part = {.first = ceiling, .second = weights.back()};
+      part.frame_first.position = {side, 0, hangs ? -0.5 : -3.5};
+      part.kind = hangs ? JointKind(DistanceJoint{{.range = {0, unlimited}}}) : JointKind(SliderJoint{});
+      terms.push_back({.joint = world.add_joint(part)});
+    }
+    world.add_joint({.kind = TendonJoint{.terms = terms, .length = {.range = {-unlimited, hangs ? 6.0 : 0.0}}}});
+    run(world, 2);
+    world.sleep(weights[0]);
+    EXPECT_TRUE(world.is_asleep(weights[0]));
+    EXPECT_TRUE(world.is_asleep(weights[1]));
+    world.wake(weights[1]);
+    EXPECT_FALSE(world.is_asleep(weights[0]));
+  }
+}
+
 TEST(SleepControl, DefinitionsThatContradictThemselvesAreRefused) {
   World world = sleeping_world();
   BodyDef def = asleep(box({0, 0, 1}));
