@@ -223,15 +223,21 @@ void visit_disabled(Archive& archive, AnyWorld& world, const CheckBody& check_bo
   });
 }
 
-/// Who fell asleep or woke since the last step with events.
+/// Who fell asleep or woke since events were reported.
 template <typename Archive, typename AnySleeping, typename CheckBody>
 void visit_sleep_news(Archive& archive, AnySleeping& sleeping, std::size_t bodies, const CheckBody& check_body) {
   const std::vector<std::uint32_t> news = Archive::reads ? std::vector<std::uint32_t>() : sleeping.news();
-  if constexpr (Archive::reads) sleeping.untold.clear();
+  if constexpr (Archive::reads) {
+    sleeping.unreported.clear();
+    for (std::uint32_t body = 0; body < bodies; ++body) sleeping.mark_reported(body);
+  }
   const auto is_new = [&](std::uint32_t body) { return std::binary_search(news.begin(), news.end(), body); };
   visit_some(archive, news.empty() && !Archive::reads ? 0 : bodies, is_new, [&](std::uint32_t body) {
     check_body(body);
-    if constexpr (Archive::reads) sleeping.untold.push_back(body);
+    if constexpr (Archive::reads) {
+      sleeping.unreported.push_back(body);
+      sleeping.reported_asleep[body] ^= 1;
+    }
   });
 }
 
@@ -696,7 +702,7 @@ class WorldState {
       static_cast<void>(disabled_pairs);
     }
     {
-      auto& [rest_time, ring, untold, /**/ awake, asleep, changed, wakeful] = world_.sleeping;
+      auto& [rest_time, ring, unreported, reported_asleep, /**/ awake, asleep, changed, wakeful] = world_.sleeping;
       static_cast<void>(rest_time);
     }
     {

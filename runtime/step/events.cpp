@@ -274,7 +274,7 @@ void note_sleep_events(Stores& world) {
   for (const std::uint32_t body : world.sleeping.news()) {
     if (!world.quarantine.contains(body)) events.push_back({id_of(world, body), world.sleeping.is_asleep(body)});
   }
-  world.sleeping.untold.clear();
+  world.sleeping.mark_all_reported();
 }
 
 void note_contact_events(Stores& world, const ContactPushes& pushes, std::vector<ContactHit>& hits,

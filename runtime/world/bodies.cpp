@@ -130,7 +130,7 @@ BodyId add_body(Stores& world, const CheckedBody& start) {
   forget_acceleration(world, body);
   if (!start.awake && world.settings.sleeping) {
     world.sleeping.put_to_sleep(std::span(&body, 1), bodies);
-    world.sleeping.tell_nothing_of(body);
+    world.sleeping.mark_reported(body);
   }
   return {body, records.generation[body]};
 }
@@ -145,7 +145,7 @@ void remove_body(Stores& world, std::uint32_t body) {
   } else {
     take_out(world, body);
   }
-  world.sleeping.tell_nothing_of(body);
+  world.sleeping.mark_reported(body);
   remove_colliders(world, body);
   records.constants[body].reset();
   records.names.erase(body);

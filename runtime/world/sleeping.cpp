@@ -3,6 +3,7 @@
 #include <jobs/append.h>
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 
 namespace atl {
@@ -11,6 +12,7 @@ void Sleeping::resize(std::size_t count) {
   jobs::append(awake, count, std::uint8_t{0});
   jobs::append(rest_time, count, 0.0);
   jobs::append(ring, count, none);
+  jobs::append(reported_asleep, count, std::uint8_t{0});
   if (!wakeful.empty()) jobs::append(wakeful, count, std::uint8_t{0});
 }
 
@@ -20,27 +22,24 @@ void Sleeping::keep_awake(std::uint32_t body, bool always) {
   wakeful[body] = always;
 }
 
-void Sleeping::note_change(std::uint32_t body) {
+void Sleeping::record_change(std::uint32_t body) {
   changed.push_back(body);
-  untold.push_back(body);
-}
-
-void Sleeping::tell_nothing_of(std::uint32_t body) {
-  untold.resize(static_cast<std::size_t>(std::remove(untold.begin(), untold.end(), body) - untold.begin()));
+  unreported.push_back(body);
 }
 
 std::vector<std::uint32_t> Sleeping::news() const {
-  std::vector<std::uint32_t> bodies(untold.begin(), untold.end());
-  std::sort(bodies.begin(), bodies.end());
-  // One that changed an even number of times is as it was.
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < bodies.size();) {
-    const std::size_t begin = i;
-    while (i < bodies.size() && bodies[i] == bodies[begin]) ++i;
-    if ((i - begin) % 2 != 0) bodies[kept++] = bodies[begin];
-  }
-  bodies.resize(kept);
+  std::vector<std::uint32_t> bodies;
+  std::ranges::copy_if(unreported, std::back_inserter(bodies),
+                       [&](std::uint32_t body) { return is_asleep(body) != (reported_asleep[body] != 0); });
+  std::ranges::sort(bodies);
+  const auto again = std::ranges::unique(bodies);
+  bodies.erase(again.begin(), again.end());
   return bodies;
+}
+
+void Sleeping::mark_all_reported() {
+  for (const std::uint32_t body : unreported) mark_reported(body);
+  unreported.clear();
 }
 
 void Sleeping::wake(std::uint32_t body) {
@@ -53,7 +52,7 @@ void Sleeping::wake(std::uint32_t body) {
     awake[member] = 1;
     rest_time[member] = 0;
     --asleep;
-    note_change(member);
+    record_change(member);
     member = next;
   } while (member != body);
 }
@@ -70,7 +69,7 @@ void Sleeping::put_to_sleep(std::span<const std::uint32_t> island, solver::BodyT
     const std::uint32_t body = island[i];
     ring[body] = island[(i + 1) % island.size()];
     awake[body] = 0;
-    note_change(body);
+    record_change(body);
     bodies.velocity(body).setZero();
     bodies.angular_velocity(body).setZero();
   }

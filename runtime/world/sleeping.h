@@ -17,13 +17,14 @@ namespace atl {
 struct Sleeping {
   static constexpr std::uint32_t none = ~0u;
 
-  jobs::CompactArray<std::uint8_t> awake;     ///< by body; 1 for every dynamic body that is not asleep
-  jobs::CompactArray<double> rest_time;       ///< s, by body
-  jobs::CompactArray<std::uint32_t> ring;     ///< by body: the next body of its sleeping island
-  std::int64_t asleep = 0;                    ///< bodies
-  jobs::CompactArray<std::uint32_t> changed;  ///< bodies that fell asleep or woke, in the order in which they did
-  jobs::CompactArray<std::uint32_t> untold;   ///< the same since the last step with events
-  jobs::CompactArray<std::uint8_t> wakeful;   ///< by body: one that may not sleep; empty where all may
+  jobs::CompactArray<std::uint8_t> awake;        ///< by body; 1 for every dynamic body that is not asleep
+  jobs::CompactArray<double> rest_time;          ///< s, by body
+  jobs::CompactArray<std::uint32_t> ring;        ///< by body: the next body of its sleeping island
+  std::int64_t asleep = 0;                       ///< bodies
+  jobs::CompactArray<std::uint32_t> changed;     ///< bodies that fell asleep or woke, in the order in which they did
+  jobs::CompactArray<std::uint32_t> unreported;  ///< the same since events were reported; some more than once
+  jobs::CompactArray<std::uint8_t> reported_asleep;  ///< by body: 1 for one that slept when events were last reported
+  jobs::CompactArray<std::uint8_t> wakeful;          ///< by body: one that may not sleep; empty where all may
 
   void resize(std::size_t count);
   bool is_asleep(std::uint32_t body) const { return ring[body] != none; }
@@ -36,13 +37,15 @@ struct Sleeping {
   /// Whether the body may not sleep.
   void keep_awake(std::uint32_t body, bool always);
   bool stays_awake(std::uint32_t body) const { return !wakeful.empty() && wakeful[body] != 0; }
-  /// Bodies that sleep now and didn't, or the reverse, as the last step with events ended; in order.
+  /// Bodies that sleep now and didn't, or the reverse, when events were last reported; in order.
   std::vector<std::uint32_t> news() const;
-  void tell_nothing_of(std::uint32_t body);
-  auto arrays() const { return std::tie(awake, rest_time, ring, changed, untold, wakeful); }
+  /// Whether the body sleeps is no news any more.
+  void mark_reported(std::uint32_t body) { reported_asleep[body] = is_asleep(body); }
+  void mark_all_reported();
+  auto arrays() const { return std::tie(awake, rest_time, ring, changed, unreported, reported_asleep, wakeful); }
 
  private:
-  void note_change(std::uint32_t body);
+  void record_change(std::uint32_t body);
   double update_rest_time(const solver::BodyTable& bodies, std::uint32_t body, double speed_limit, double dt);
 };
 
