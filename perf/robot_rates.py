@@ -78,6 +78,8 @@ MODELS = [
     Model("Humanoid", "humanoid.xml", part=1),
     Model("Ant", "ant.xml", part=1),
     Model("HalfCheetah", "half_cheetah.xml", part=1),
+    Model("Hopper", "hopper.xml", part=1),
+    Model("Walker2d", "walker2d.xml", part=1),
 ]
 TOLD = {"date": datetime.date.today().isoformat(), "atoll": atoll.__version__, "mujoco": mujoco.__version__}
 TOLD["machine"] = f"{os.cpu_count()} x {robot_table.processor()}"
