@@ -20,7 +20,8 @@ usage: bash tests/run.sh [--label LABEL] [--preset PRESET] [--long]
   --long           also what takes long or rarely fails: the heavier matrix of scenes, threads and settings, pages in
                    Chromium, ensembles on Ray and by Slurm's scripts, and Atoll built as a part of another project; with
                    CI=true the benchmarks are built
-  --fuzz MINUTES   libFuzzer on each of these, or those given, for so long: api, scene, snapshot, recording
+  --fuzz MINUTES   libFuzzer on each of these, or those given, for so long: api, batch, geometry, mechanism, scene,
+                   snapshot, recording
   --aarch64        golden hashes and the layers' unit tests on 64-bit ARM, emulated; takes an hour
   --wheel          a wheel of the Python package for other machines, built and tried where there is nothing but Python;
                    needs root
