@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <sstream>
 
 #include "world/bodies.h"
@@ -139,6 +140,24 @@ solver::Joint make_joint(const Stores& world, const JointDef& def) {
   return make_joint(def, world.records.centre[def.first.index], world.records.centre[def.second.index]);
 }
 
+// A wheel weighs a tenth of its load or less. By its mass, as other springs count, a spring that turns a few times a
+// second would not carry the chassis.
+JointDef with_suspension(const Stores& world, JointDef def) {
+  auto* wheel = std::get_if<WheelJoint>(&def.kind);
+  const std::uint32_t chassis = def.first.index;
+  if (wheel == nullptr || !wheel->suspension.spring || !world.records.dynamic[chassis]) return def;
+  JointSpring& spring = *wheel->suspension.spring;
+  if (spring.is_linear()) return def;
+  const Vector3 along = def.frame_first.orientation * Vector3::UnitZ();
+  const Vector3 moment = (def.frame_first.position - world.records.centre[chassis]).cross(along);
+  const Matrix3& inverse_inertia = world.bodies.inverse_inertia[chassis];
+  const double mass = 1 / (world.bodies.inverse_mass[chassis] + moment.dot(inverse_inertia * moment));
+  const double omega = 2 * std::numbers::pi * spring.hertz;
+  spring = {.rest = spring.rest, .stiffness = mass * omega * omega, .damping = 2 * mass * omega * spring.damping_ratio};
+  check("JointDef.kind", def.kind);  // a stiffness may be beyond bounds where a frequency is not
+  return def;
+}
+
 void check_direction(const Stores& world, const JointDef& def, const solver::Joint& joint) {
   if (std::holds_alternative<DistanceJoint>(def.kind) && !(frames_of(world, joint).offset.norm() > least_distance)) {
     throw Error("JointDef: the origins of the frames of a DistanceJoint coincide; expected two points");
@@ -150,7 +169,7 @@ void check_direction(const Stores& world, const JointDef& def, const solver::Joi
 JointId add_joint(Stores& world, const JointDef& definition) {
   const JointDef joined = with_bodies(world, definition);
   check_bodies(world, joined);
-  const JointDef def = checked(joined);
+  const JointDef def = with_suspension(world, checked(joined));
   solver::Joint joint = make_joint(world, def);
   bind_tendon(world, def.kind, joint, joint);
   check_direction(world, def, joint);
@@ -223,7 +242,7 @@ JointDef checked_change(const Stores& world, const JointDef& before, const Joint
     const Quaternion& held = (before.*frame).orientation;
     if ((definition.*frame).orientation == held) (def.*frame).orientation = held;
   }
-  return def;
+  return with_suspension(world, std::move(def));
 }
 
 }  // namespace

@@ -27,9 +27,8 @@ struct ParkedVehicle {
     BodyDef body = box(centre, {1, 0.5, 0.15});
     body.mass = 800;
     chassis = world.add_body(body);
-    // Stiff for a spring that counts by the mass of a wheel: it gives by 2 cm.
     const WheelJoint brake = {
-        .suspension = {.range = {-0.1, 0.1}, .spring = JointSpring{.hertz = 12, .damping_ratio = 0.7}},
+        .suspension = {.range = {-0.1, 0.1}, .spring = JointSpring{.hertz = 5, .damping_ratio = 0.7}},
         .spin = {.motor = JointMotor{.speed = 0, .max_force = 1e5}}};
     for (const double x : {-0.9, 0.9}) {
       for (const double y : {-0.6, 0.6}) {

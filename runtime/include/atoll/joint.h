@@ -176,6 +176,10 @@ struct GearJoint {
 /// A wheel, the second body, at a chassis: it moves along the z axis of the first frame against the suspension, turns
 /// about that axis to steer, and spins about the y axis of its own frame: 3 rows, and 1 where steering is locked.
 /// Angles are counted over full turns as a hinge's is.
+///
+/// A spring of the suspension that is given as a frequency is that of a dynamic chassis on it: its stiffness counts by
+/// the mass that the chassis shows at the wheel, along the suspension, as the joint is added or set. It is replaced by
+/// that stiffness and damping in the joint's definition. At 2 Hz a box on a wheel at each corner sinks by about 0.1 m.
 struct WheelJoint {
   JointAxis suspension = {.spring = JointSpring{.hertz = 2, .damping_ratio = 0.7}};  ///< m
   JointAxis steering = {.range = {0, 0}};                                            ///< rad

@@ -49,15 +49,10 @@ SceneBody terrain(const Vector3& centre) {
   return body;
 }
 
-// A spring's rate is given by its frequency with the effective mass along it, which is nearly that of the wheel.
 JointSpring suspension_spring() {
   const double load = chassis_mass / 4;
-  const double effective = 1 / (1 / wheel_mass + 1 / load);
   const double stiffness = load * standard_gravity / sag;
-  const double rate = std::sqrt(stiffness / effective);
-  return {.hertz = rate / (2 * std::numbers::pi),
-          .damping_ratio = damping * std::sqrt(stiffness * load) / (effective * rate),
-          .rest = -sag};
+  return {.rest = -sag, .stiffness = stiffness, .damping = 2 * damping * std::sqrt(stiffness * load)};
 }
 
 }  // namespace vehicle
