@@ -69,12 +69,19 @@ JointState joint_state(const Stores& world, std::uint32_t index) {
     return state;
   }
   const std::span<const solver::Coordinate> names = named_coordinates(world.joints.def[index]->kind);
-  solver::Joint named = joint;
+  // Without the joint's laws: to copy those costs more than all the rest.
+  solver::Joint named;
+  named.first = joint.first;
+  named.second = joint.second;
+  named.anchor_first = joint.anchor_first;
+  named.anchor_second = joint.anchor_second;
+  named.axes_first = joint.axes_first;
+  named.axes_second = joint.axes_second;
   named.rows = static_cast<std::uint8_t>(names.size());
   std::copy(names.begin(), names.end(), named.coordinate.begin());
   const solver::JointFrames frames = frames_of(world, named);
   for (std::size_t i = 0; i < names.size(); ++i) {
-    const solver::JointRow row = joint_row(named, i, frames);
+    const solver::JointRow row = coordinate_row(names[i], frames, joint.ratio);
     const std::size_t kept = joint.row_along(names[i]);
     const double position = kept == joint.rows ? row.value : continued(names[i], row.value, joint.position[kept]);
     const double speed = row.rate(world.bodies.velocity(joint.first), world.bodies.angular_velocity(joint.first),
@@ -84,7 +91,8 @@ JointState joint_state(const Stores& world, std::uint32_t index) {
     state.position[i] = position;
     state.speed[i] = speed;
     if (kept == joint.rows || !joint.law[kept].drives()) continue;
-    const double spring = spring_force(joint.law[kept], position, speed, mass_along(row, joint, world.bodies));
+    const double mass = joint.law[kept].spring_hertz > 0 ? mass_along(row, joint, world.bodies) : 0;
+    const double spring = spring_force(joint.law[kept], position, speed, mass);
     state.motor[i] = motor_force(joint, kept, position, speed, spring, world.clock.last_substep);
   }
   return state;
