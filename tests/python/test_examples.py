@@ -22,6 +22,7 @@ WORDS = {
     "error_of_a_scene.py": "8 substeps",
     "learn_to_balance.py": "learned: ",
     "learn_to_hop.py": "it hops",
+    "follow_a_path.py": "within a centimetre: True",
     "falling_crate.py": "it rests with 1471 N",
     "lidar.py": "rays met",
     "one_way_platform.py": "it rose to",
