@@ -78,7 +78,7 @@ void visit_ids(Archive& archive, Contact& contact, std::size_t count, bool near)
   }
 }
 
-/// Returns true if all numbers of a contact with points are finite and in bounds.
+/// Returns true if all numbers of a contact with points are finite, and places in bounds.
 template <typename Contact, typename Manifold>
 bool is_sound_contact(const Contact& contact, const Manifold& manifold) {
   // Two shapes as large as they may be overlap by twice that, and by what their bodies are off.
@@ -86,10 +86,15 @@ bool is_sound_contact(const Contact& contact, const Manifold& manifold) {
   const auto sound = [](const auto& values) {
     return std::ranges::all_of(values, [](auto x) { return std::abs(x) <= most; });
   };
-  return sound(std::array{contact.margin, manifold.torsional_impulse}) && sound(contact.orientation) &&
-         sound(contact.normal) && sound(contact.centre_incident) && sound(contact.centre_reference) &&
+  // Impulses are as large as masses and speeds make them.
+  const auto finite = [](const auto& values) {
+    return std::ranges::all_of(values, [](auto x) { return std::isfinite(x); });
+  };
+  return sound(std::array{contact.margin}) && sound(contact.orientation) && sound(contact.normal) &&
+         sound(contact.centre_incident) && sound(contact.centre_reference) &&
          std::all_of(contact.points.begin(), contact.points.begin() + contact.count, sound) &&
-         sound(manifold.normal_impulse) && sound(manifold.friction_impulse);
+         finite(std::array{manifold.torsional_impulse}) && finite(manifold.normal_impulse) &&
+         finite(manifold.friction_impulse);
 }
 
 /// A contact but for its pair and what follows from that, and where its points are: of bodies that move the next step

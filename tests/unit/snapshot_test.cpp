@@ -311,6 +311,28 @@ TEST(SnapshotFile, IsTheSameInMemory) {
   expect_error([] { Snapshot().to_bytes(); }, {"Snapshot::to_bytes", "empty"});
 }
 
+// It pushes with more than any number of a definition may be.
+TEST(SnapshotFile, BringsBackTheHeaviestOfBodies) {
+  const WorldDef def = {.gravity = {0, 0, -1e4}};
+  World world(def), restored(def);
+  for (World* each : {&world, &restored}) {
+    each->add_body(ground());
+    BodyDef heavy = box({0, 0, 0.5});
+    heavy.mass = 1e15;
+    each->add_body(heavy);
+  }
+  double largest = 0;
+  for (int step = 0; step < 10; ++step) {
+    world.step(dt);
+    for (const ContactForce& each : world.contact_forces()) largest = std::max(largest, each.normal_force * dt);
+    Snapshot saved;
+    world.save(saved);
+    restored.restore(Snapshot::from_bytes(saved.to_bytes()));
+    EXPECT_EQ(restored.state_hash(), world.state_hash());
+  }
+  EXPECT_GT(largest, 1e16) << "N s";
+}
+
 TEST(SnapshotFile, SaysWhyItCannotBeReadOrWritten) {
   const TemporaryFile file(".snapshot");
   expect_error([&] { Snapshot::read(file.path()); }, {"Snapshot::read", file.path().string(), "No such file"});
