@@ -5,7 +5,6 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
-#include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -270,49 +269,6 @@ TEST(BlockLdlt, RefusesMoreBlocksThanAllowed) {
   const Couplings large = net(100, joints);
   BlockLdlt blocks;
   EXPECT_FALSE(blocks.analyse(std::vector<std::uint8_t>(joints, 3), large, 4 * joints));
-}
-
-// The same bits again, from an object that was used otherwise before, and with couplings in any order, either way
-// round and repeated.
-TEST(BlockLdlt, ResultFollowsFromTheMatrixAlone) {
-  std::uint32_t joints = 0;
-  Couplings couplings = net(6, joints);
-  Random random(10);
-  const std::vector<std::uint8_t> sizes = any_sizes(random, joints);
-  const auto value = [&](std::uint32_t row, std::uint32_t column) {
-    return Eigen::MatrixXd(Eigen::MatrixXd::NullaryExpr(sizes[row], sizes[column], [&](auto r, auto c) {
-      return std::sin(1.0 + row + 2.0 * column + 3.0 * static_cast<double>(r) + 5.0 * static_cast<double>(c));
-    }));
-  };
-  BlockLdlt blocks;
-  const auto solution = [&] {
-    EXPECT_TRUE(blocks.analyse(sizes, couplings));
-    blocks.clear();
-    Couplings once = couplings;
-    for (auto& [a, b] : once) {
-      if (a > b) std::swap(a, b);
-    }
-    std::sort(once.begin(), once.end());
-    once.erase(std::unique(once.begin(), once.end()), once.end());
-    for (std::uint32_t node = 0; node < joints; ++node) {
-      blocks.diagonal(node) += 100 * Eigen::MatrixXd::Identity(sizes[node], sizes[node]);
-    }
-    for (const auto& [a, b] : once) blocks.add(a, b, value(a, b));
-    EXPECT_TRUE(blocks.factor());
-    std::vector<double> x(blocks.rows(), 1.0);
-    blocks.solve(x);
-    return x;
-  };
-  const std::vector<double> first = solution();
-  EXPECT_EQ(solution(), first);
-  for (int run = 0; run < 10; ++run) {
-    for (std::size_t i = couplings.size(); i-- > 1;) {
-      std::swap(couplings[i], couplings[random.below(static_cast<std::uint32_t>(i + 1))]);
-      if (random.chance(0.5)) std::swap(couplings[i].first, couplings[i].second);
-    }
-    couplings.push_back(couplings.front());
-    EXPECT_EQ(solution(), first);
-  }
 }
 
 }  // namespace
