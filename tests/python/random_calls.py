@@ -138,34 +138,32 @@ class Caller:
         finally:
             signal.alarm(0)
 
-    def call(self, function: Any, name: str) -> None:
+    def call(self, name: str, function: Any, bound: Callable[[], Any] | None = None) -> None:
+        """`bound` gets what is called, if that isn't the function whose signature counts."""
         places, names = self.arguments(function)
         words = f"{name} {places!r:.300} {names!r:.300}"
         print(words.encode("utf-8", "replace"), file=sys.stderr, flush=True)
-        self.attempt(words, lambda: function(*places, **names))
+        self.attempt(words, lambda: (bound() if bound else function)(*places, **names))
 
     def step(self) -> None:
         choice = self.random.random()
         if choice < 0.25:
             of = self.random.choice(CLASSES)
-            self.call(of.__init__ if self.random.random() < 0.1 else of, of.__name__)
+            self.call(of.__name__, of.__init__ if self.random.random() < 0.1 else of)
         elif choice < 0.3:
             function = self.random.choice(FUNCTIONS)
-            self.call(function, getattr(function, "__name__", "function"))
+            self.call(getattr(function, "__name__", "function"), function)
         else:
             of = self.random.choice(self.pool)
             name = self.random.choice([each for each in dir(of) if each not in dir(object)] or ["__repr__"])
+            words, found = f"{type(of).__name__}.{name}", getattr(type(of), name, None)
             if self.random.random() < 0.2:
                 value = self.anything()
-                self.attempt(f"{type(of).__name__}.{name} = {value!r:.300}", lambda: setattr(of, name, value))
+                self.attempt(f"{words} = {value!r:.300}", lambda: setattr(of, name, value))
                 return
-            self.attempt(f"{type(of).__name__}.{name}", lambda: getattr(of, name))
-            found = getattr(type(of), name, None)
+            self.attempt(words, lambda: getattr(of, name))
             if callable(found):
-                places, names = self.arguments(found)
-                words = f"{type(of).__name__}.{name} {places!r:.300} {names!r:.300}"
-                print(words.encode("utf-8", "replace"), file=sys.stderr, flush=True)
-                self.attempt(words, lambda: getattr(of, name)(*places, **names))
+                self.call(words, found, lambda: getattr(of, name))
         if len(self.pool) > POOL:
             self.pool = self.random.sample(self.pool, POOL // 2)
             self.begin()
