@@ -39,7 +39,7 @@ struct Sleeping {
   bool stays_awake(std::uint32_t body) const { return !wakeful.empty() && wakeful[body] != 0; }
   /// Bodies that sleep now and didn't, or the reverse, when events were last reported; in order.
   std::vector<std::uint32_t> news() const;
-  /// Whether the body sleeps is no news any more.
+  /// Takes what the body does now, sleep or not, as reported: news() leaves it out until that changes.
   void mark_reported(std::uint32_t body) { reported_asleep[body] = is_asleep(body); }
   void mark_all_reported();
   auto arrays() const { return std::tie(awake, rest_time, ring, changed, unreported, reported_asleep, wakeful); }
