@@ -131,7 +131,6 @@ void StepPipeline::finish(Stores& world, const StepContext& step) {
   rebuilt_ |= islands_.rebuilt();
   if (step.ends_step) {
     note_contact_events(world, {solve_.pushed(), velocities_}, hits_, std::exchange(rebuilt_, false), step);
-    hits_.clear();
     note_sensor_events(world, step.arena);
   }
   if (with_joints && world.joints.size() > 0) note_joint_events(world, islands_.acting_joints(), broken_);

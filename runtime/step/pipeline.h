@@ -25,6 +25,8 @@ struct StepMemory {
 /// The phases of a step, with what they keep for the next one. Nothing of that is part of a world's state.
 class StepPipeline {
  public:
+  /// Ahead of a step's first substep. A law that threw may have ended the last step before its contacts were told.
+  void begin_step() { hits_.clear(); }
   /// A step of world.clock.dt seconds, maybe one substep of a step under a force law.
   void run(Stores& world, const StepContext& step);
   /// Drops what is kept from step to step, after the state was replaced.

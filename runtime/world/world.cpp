@@ -97,6 +97,7 @@ StepReport World::Impl::step(double dt) {
 void World::Impl::begin_step() {
   ++stores.clock.steps;
   stores.results.joint_events.clear();
+  pipeline.begin_step();
 }
 
 StepReport World::Impl::advance(double dt, int substeps, bool ends_step) {

@@ -146,6 +146,34 @@ TEST(ForceLaw, WhatItThrowsGoesThroughAndLeavesWholeSubsteps) {
   EXPECT_NEAR(world.velocity(id).z(), -g * (fallen + dt), 1e-12);
 }
 
+// They were told with the next step, unless the world was restored in between.
+TEST(ForceLaw, ContactsOfAStepThatItBrokeOffAreNotToldLater) {
+  World world, restored;
+  BodyId ball;
+  for (World* each : {&world, &restored}) {
+    each->add_body(ground());
+    BodyDef bouncing = sphere({0, 0, 0.501});
+    bouncing.velocity = {0, 0, -5};
+    bouncing.material.restitution = 1;
+    ball = each->add_body(bouncing);
+  }
+  int calls = 0;
+  const auto law = [&](Forces&) {
+    if (++calls == 4) throw std::runtime_error("enough");
+  };
+  EXPECT_THROW(world.step(dt, law), std::runtime_error);
+  ASSERT_GT(world.velocity(ball).z(), 4) << "it has bounced";
+  world.set_pose(ball, {{0, 0, 5}, Quaternion::Identity()});
+  Snapshot saved;
+  world.save(saved);
+  restored.restore(Snapshot::from_bytes(saved.to_bytes()));
+  for (World* each : {&world, &restored}) {
+    each->step(dt);
+    EXPECT_TRUE(each->contact_events().empty());
+  }
+  EXPECT_EQ(world.state_hash(), restored.state_hash());
+}
+
 TEST(ForceLaw, ARecordingOfOneThatThrewIsReplayed) {
   const TemporaryFile file(".thrown");
   World world;
