@@ -148,7 +148,8 @@ TEST(ForceLaw, WhatItThrowsGoesThroughAndLeavesWholeSubsteps) {
 
 // They were told with the next step, unless the world was restored in between.
 TEST(ForceLaw, ContactsOfAStepThatItBrokeOffAreNotToldLater) {
-  World world, restored;
+  const WorldDef events = {.settings = {.contact_events = true}};
+  World world(events), restored(events);
   BodyId ball;
   for (World* each : {&world, &restored}) {
     each->add_body(ground());
