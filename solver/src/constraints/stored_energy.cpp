@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <span>
 
 namespace atl::solver {
 namespace {
@@ -49,10 +51,19 @@ StoredEnergy StoredEnergy::of(std::uint32_t index, const Joint* joints, const Bo
   return stored;
 }
 
-bool only_stores(const Joint& joint) {
-  return std::all_of(joint.law.begin(), joint.law.begin() + joint.rows, [](const Law& law) {
-    const bool is_led = law.drives() && law.motor_speed != 0;
-    return law.locked() || (law.spring_hertz == 0 && !is_led);
+double most_given(const Joint& joint, double dt) {
+  double sum = 0;
+  for (const Law& law : std::span(joint.law).first(joint.rows)) {
+    if (law.locked()) continue;
+    if (law.spring_hertz != 0) return std::numeric_limits<double>::infinity();
+    if (law.drives() && law.motor_speed != 0) sum += law.motor_force * std::abs(law.motor_speed) * dt;
+  }
+  return sum;
+}
+
+bool gives_back(const Joint& joint) {
+  return std::any_of(joint.law.begin(), joint.law.begin() + joint.rows, [](const Law& law) {
+    return !law.locked() && (law.springs() || law.is_servo() || law.restitution > 0);
   });
 }
 

@@ -38,10 +38,10 @@ class GroupPass {
   void solve_velocities(int number, bool carries);
   void solve_systems(int number);
   void split_off_corrections(int number);
-  void note_pushes();
-  void add_impulses();
+  void note_pushes(bool ends);
   void integrate_positions();
   void relax(int number);
+  void bound_joints(int number, double speed);
   void note_joint_impacts();
   void bounce_joints();
   void finish_contacts();
@@ -61,9 +61,7 @@ template <typename Executor>
 void GroupPass<Executor>::prepare() {
   if (setup_.sweeps_joints) prepare_joints();
   prepare_contacts();
-  if (!parts_.contacts.empty()) {
-    parts_.passive_energy.begin(setup_.input, setup_.group, parts_.contacts.deepest());
-  }
+  if (setup_.watches_energy) parts_.passive_energy.begin(setup_.input, setup_.group, parts_.contacts.deepest());
   complete_joints();
   if (setup_.sweeps_tendons) parts_.tendons.begin_step(setup_.joint_step);
   if (setup_.joined) prepare_systems();
@@ -82,13 +80,13 @@ void GroupPass<Executor>::substep(int number) {
   warm_start(number);
   clock_.lap(SolverPhase::WarmStart);
   solve_velocities(number, carries);
-  note_pushes();
+  bound_joints(number, tuning::most_closing_speed);
+  note_pushes(false);
   clock_.lap(SolverPhase::Solve);
   integrate_positions();
   clock_.lap(SolverPhase::Integrate);
   relax(number);
-  note_pushes();
-  add_impulses();
+  note_pushes(true);
   clock_.lap(SolverPhase::Relax);
   if (last && setup_.input.capture != nullptr) capture_answers(setup_.input, parts_, report_, setup_.body_ids);
   if (joint_impacts_) bounce_joints();
@@ -103,7 +101,7 @@ void GroupPass<Executor>::finish() {
     write_back(setup_.input, parts_, setup_.body_ids, setup_.joined, begin, end);
   });
   loops_.each_system([&](DirectJoints& system) { system.finish(setup_.direct_input); });
-  if (!parts_.contacts.empty()) parts_.passive_energy.bound(setup_.input);
+  if (setup_.watches_energy) parts_.passive_energy.bound(setup_.input);
   loops_.each_joint_block(
       [&](std::size_t begin, std::size_t end) { parts_.joints.store(setup_.joint_step, begin, end); });
   if (setup_.sweeps_tendons) parts_.tendons.store(setup_.joint_step);
@@ -243,17 +241,14 @@ void GroupPass<Executor>::split_off_corrections(int number) {
   parts_.bodies.velocity.swap(parts_.bodies.correction);
 }
 
-// Both before and after they are relaxed: what stops in a substep may need no push in the other.
+// Both before and after they are relaxed, which ends the substep: what stops in it may need no push in the other.
 template <typename Executor>
-void GroupPass<Executor>::note_pushes() {
+void GroupPass<Executor>::note_pushes(bool ends) {
   if (setup_.input.pushed == nullptr) return;
-  loops_.each_contact_block([&](std::size_t begin, std::size_t end) { parts_.contacts.note_pushes(begin, end); });
-}
-
-template <typename Executor>
-void GroupPass<Executor>::add_impulses() {
-  if (setup_.input.pushed == nullptr) return;
-  loops_.each_contact_block([&](std::size_t begin, std::size_t end) { parts_.contacts.add_impulses(begin, end); });
+  loops_.each_contact_block([&](std::size_t begin, std::size_t end) {
+    parts_.contacts.note_pushes(begin, end);
+    if (ends) parts_.contacts.add_impulses(begin, end);
+  });
 }
 
 template <typename Executor>
@@ -274,12 +269,17 @@ void GroupPass<Executor>::relax(int number) {
     rise(how, number + 1, number + 1);
     sweep(how, {.refresh = true, .moved = true}, setup_.settings.relax_iterations, number);
   }
-  // A group larger than the caches is checked once a step only: each check would take a tenth of a net's time.
-  if (setup_.bounds_joints && (!setup_.group.large || number + 1 == setup_.settings.substeps)) {
-    parts_.joint_energy.bound(parts_.joined_motion, setup_.joint_step, setup_.kernels, parts_.numbers.first_dynamic(),
-                              parts_.bodies, parts_.joints, parts_.tendons);
-  }
+  bound_joints(number, 0);
   loops_.each_system([&](DirectJoints& system) { system.relax(setup_.direct_input, number, parts_.bodies); });
+}
+
+// A group larger than the caches is checked once a step only: each check would take a tenth of a net's time.
+template <typename Executor>
+void GroupPass<Executor>::bound_joints(int number, double speed) {
+  const bool last = number + 1 == setup_.settings.substeps;
+  if (!setup_.bounds_joints || (setup_.group.large && !last)) return;
+  parts_.joint_energy.bound(parts_.joined_motion, setup_.joint_step, setup_.kernels, parts_.numbers.first_dynamic(),
+                            speed, parts_.bodies, parts_.joints, parts_.tendons);
 }
 
 template <typename Executor>

@@ -29,6 +29,7 @@ struct GroupSetup {
         sweeps_joints(with_joints && !parts.joints.empty()),
         sweeps_tendons(with_joints && !parts.tendons.empty()),
         bounds_joints(sweeps_joints && relaxes),
+        watches_energy(sweeps_joints || block_count > 0),
         friction(!report.friction   ? Friction::None
                  : settings.pyramid ? Friction::Pyramid
                                     : Friction::Cone),
@@ -50,6 +51,7 @@ struct GroupSetup {
   const bool sweeps_joints;                       // some are solved one by one
   const bool sweeps_tendons;                      // between these
   const bool bounds_joints;                       // whose velocities end a substep without what pushes
+  const bool watches_energy;                      // of islands that only hold, over the step
   const Friction friction;
   const JointStep joint_step;
   const DirectIslandInput direct_input;

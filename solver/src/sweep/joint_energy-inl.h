@@ -44,7 +44,7 @@ inline void find_work(const SolverBodies& bodies, const VelocityRows* forced, Wo
     const V linear = hn::Add(dot(before, momentum), dot(before_spin, angular_momentum));
     const V square = hn::Mul(half, hn::Add(dot(gained, momentum), dot(gained_spin, angular_momentum)));
     store_rows(
-        {energy, linear, square, zero()}, [&](std::size_t k) { return &work[i + k].before; }, ~0u);
+        {energy, linear, square, hn::Mul(half, mass)}, [&](std::size_t k) { return &work[i + k].before; }, ~0u);
   }
 }
 

@@ -2,6 +2,7 @@
 #include <solver/tuning.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "integrate/matrix3.h"
 #include "integrate/rows3.h"
@@ -22,7 +23,13 @@ void JointEnergy::find_forced(const JointStep& step, const GroupJoints& joints, 
   tendons.each_force(step, add);
 }
 
-bool JointEnergy::find_scales(const JoinedMotion& motion, std::uint32_t first_dynamic) {
+// The root of linear s + square s^2 = allowed, by the form without a difference of what may be alike.
+double JointEnergy::Change::greatest_scale() const {
+  const double root = std::sqrt(linear * linear + 4 * square * allowed);
+  return std::clamp(linear > 0 ? 2 * allowed / (linear + root) : (root - linear) / (2 * square), 0.0, 1.0);
+}
+
+bool JointEnergy::find_scales(const JoinedMotion& motion, std::uint32_t first_dynamic, double speed) {
   components_.assign(motion.component_count(), {});
   for (std::size_t i = 0; i < motion.body_count(); ++i) {
     if (!motion.is_joined(i)) continue;
@@ -31,13 +38,15 @@ bool JointEnergy::find_scales(const JoinedMotion& motion, std::uint32_t first_dy
     change.before += work.before;
     change.linear += work.linear;
     change.square += work.square;
+    change.allowed += work.half_mass * speed * speed;
   }
   bool any = false;
   for (std::size_t c = 0; c < components_.size(); ++c) {
     Change& change = components_[c];
     if (!motion.is_closed(c)) continue;
-    if (!(change.linear + change.square > tuning::energy_tolerance * change.before)) continue;
-    change.scale = static_cast<float>(std::clamp(-change.linear / change.square, 0.0, 1.0));
+    const double tolerance = tuning::energy_tolerance * change.before;
+    if (!(change.linear + change.square > tolerance + change.allowed)) continue;
+    change.scale = static_cast<float>(change.greatest_scale());
     any = true;
   }
   return any;
@@ -60,12 +69,13 @@ void JointEnergy::scale(const JoinedMotion& motion, std::uint32_t first_dynamic,
 }
 
 void JointEnergy::bound(const JoinedMotion& motion, const JointStep& step, const Kernels& kernels,
-                        std::uint32_t first_dynamic, SolverBodies& bodies, GroupJoints& joints, GroupTendons& tendons) {
+                        std::uint32_t first_dynamic, double speed, SolverBodies& bodies, GroupJoints& joints,
+                        GroupTendons& tendons) {
   if (!motion.has_closed()) return;
   find_forced(step, joints, tendons);
   work_.resize(bodies.padded_count());
   kernels.find_work(bodies, forced_.empty() ? nullptr : forced_.data(), work_.data(), 0, bodies.padded_count());
-  if (!find_scales(motion, first_dynamic)) return;
+  if (!find_scales(motion, first_dynamic, speed)) return;
   scale(motion, first_dynamic, bodies);
   const auto scale_at = [&](std::int32_t body) {
     return scale_of(motion, static_cast<std::size_t>(body) - first_dynamic);

@@ -58,51 +58,6 @@ StoredEnergy stored_in(const SolveInput& input, std::size_t island) {
   return sum;
 }
 
-// J: in the forces on a body, which are the same for all of a step.
-double height_of(const SolveInput& input, std::uint32_t body) {
-  const Vector3 force = linear_acceleration(input.bodies, body, input.gravity) / input.bodies.inverse_mass[body];
-  return -force.dot(input.bodies.position(body));
-}
-
-double height_of(const SolveInput& input, std::span<const std::uint32_t> bodies) {
-  double sum = 0;
-  for (const std::uint32_t body : bodies) sum += height_of(input, body);
-  return sum;
-}
-
-// J: of motion, in springs, rotors and heights.
-double energy_of(const SolveInput& input, std::size_t island, const StoredEnergy& stored) {
-  double sum = stored.potential + stored.rotors;
-  for (const std::uint32_t body : input.islands.bodies(island, island + 1)) {
-    sum += kinetic_energy(input.bodies, body) + height_of(input, body);
-  }
-  return sum;
-}
-
-// J: what motion and springs have given each other, by what each has gained.
-double exchanged(double moving, double springs) {
-  return moving * springs < 0 ? std::min(std::abs(moving), std::abs(springs)) : 0;
-}
-
-// An island is passive if nothing in it gives energy that it hasn't: no torque, belt or motor, and no body that is led.
-bool is_passive(const SolveInput& input, std::size_t island) {
-  const BodyTable& bodies = input.bodies;
-  const auto ids = input.islands.bodies(island, island + 1);
-  const auto contacts = input.islands.contacts(island, island + 1);
-  const auto links = input.islands.joints(island, island + 1);
-  const auto is_led = [&](std::uint32_t body) {
-    return bodies.mobility[body] == Mobility::Kinematic ||
-           (!bodies.surfaces.empty() && !bodies.surfaces[body].velocity.isZero(0));
-  };
-  const auto is_led_pair = [&](const auto& pair) { return is_led(pair.first) || is_led(pair.second); };
-  return input.added_slips == nullptr &&
-         std::all_of(ids.begin(), ids.end(), [&](std::uint32_t body) { return bodies.torque(body).isZero(0); }) &&
-         std::none_of(contacts.begin(), contacts.end(), is_led_pair) &&
-         std::none_of(links.begin(), links.end(), [&](const JointLink& link) {
-           return is_led_pair(link) || !only_stores(input.joints[link.joint]);
-         });
-}
-
 // An island is alone if nothing takes its momentum: neither what doesn't respond, nor locks.
 bool is_alone(const SolveInput& input, std::size_t island) {
   const auto is_fixed = [&](const auto& pair) {
@@ -117,6 +72,71 @@ bool is_alone(const SolveInput& input, std::size_t island) {
          std::all_of(ids.begin(), ids.end(), [&](std::uint32_t body) { return input.bodies.locks[body] == 0; });
 }
 
+// J: in the forces on bodies, which are the same for all of a step, `lag` seconds ago.
+double height_of(const SolveInput& input, std::span<const std::uint32_t> bodies, double lag) {
+  double sum = 0;
+  for (const std::uint32_t body : bodies) {
+    const Vector3 force = linear_acceleration(input.bodies, body, input.gravity) / input.bodies.inverse_mass[body];
+    sum -= force.dot(input.bodies.position(body) - lag * input.bodies.velocity(body));
+  }
+  return sum;
+}
+
+// J: of motion, in springs, rotors and heights. What swings on joints alone keeps the energy that it has with heights
+// of half a substep ago, by semi-implicit Euler's leapfrog; what they take along in its fall is moved at second order.
+double energy_of(const SolveInput& input, std::size_t island, const StoredEnergy& stored) {
+  const auto bodies = input.islands.bodies(island, island + 1);
+  const bool swings = input.islands.contacts(island, island + 1).empty() && !is_alone(input, island);
+  const double lag = swings ? input.dt / input.settings.substeps / 2 : 0;
+  double sum = stored.potential + stored.rotors + height_of(input, bodies, lag);
+  for (const std::uint32_t body : bodies) sum += kinetic_energy(input.bodies, body);
+  return sum;
+}
+
+// J: what motion and springs have given each other, by what each has gained.
+double exchanged(double moving, double springs) {
+  return moving * springs < 0 ? std::min(std::abs(moving), std::abs(springs)) : 0;
+}
+
+// Tells an island in which nothing but joints gives energy that it hasn't: no torque, belt or body that is led.
+bool is_passive(const SolveInput& input, std::size_t island) {
+  const BodyTable& bodies = input.bodies;
+  const auto ids = input.islands.bodies(island, island + 1);
+  const auto contacts = input.islands.contacts(island, island + 1);
+  const auto links = input.islands.joints(island, island + 1);
+  const auto is_led = [&](std::uint32_t body) {
+    return bodies.mobility[body] == Mobility::Kinematic ||
+           (!bodies.surfaces.empty() && !bodies.surfaces[body].velocity.isZero(0));
+  };
+  const auto is_led_pair = [&](const auto& pair) { return is_led(pair.first) || is_led(pair.second); };
+  return input.added_slips == nullptr &&
+         std::all_of(ids.begin(), ids.end(), [&](std::uint32_t body) { return bodies.torque(body).isZero(0); }) &&
+         std::none_of(contacts.begin(), contacts.end(), is_led_pair) &&
+         std::none_of(links.begin(), links.end(), is_led_pair);
+}
+
+// J: the most that may be given to an island in the step; infinite if that isn't known.
+double most_given(const SolveInput& input, std::size_t island) {
+  if (!is_passive(input, island)) return std::numeric_limits<double>::infinity();
+  double sum = 0;
+  for (const JointLink& link : input.islands.joints(island, island + 1)) {
+    sum += most_given(input.joints[link.joint], input.dt);
+  }
+  return sum;
+}
+
+// Tells an island whose joints are swept, and take motion up as they hold: none of them gives it back, for which energy
+// would have to be known to the order to which springs are integrated.
+bool only_holds(const SolveInput& input, std::size_t island) {
+  const auto links = input.islands.joints(island, island + 1);
+  return std::any_of(links.begin(), links.end(),
+                     [&](const JointLink& link) {
+                       return !input.solves_directly(input.joint_graph->component_of(link.joint));
+                     }) &&
+         std::none_of(links.begin(), links.end(),
+                      [&](const JointLink& link) { return gives_back(input.joints[link.joint]); });
+}
+
 }  // namespace
 
 void PassiveEnergy::begin(const SolveInput& input, const IslandGroup& group, float deepest) {
@@ -126,7 +146,7 @@ void PassiveEnergy::begin(const SolveInput& input, const IslandGroup& group, flo
   for (std::size_t island = group.begin; island < group.end; ++island) {
     const std::size_t first = watched_.size();
     const bool joined = input.islands.joint_count(island) > 0;
-    if (joined && input.islands.contacts(island, island + 1).empty()) continue;
+    if (joined && input.islands.contacts(island, island + 1).empty() && !only_holds(input, island)) continue;
     const auto bodies = input.islands.bodies(island, island + 1);
     for (const std::uint32_t body : bodies) {
       if (joined || turns_blindly(input, body)) watched_.push_back(body);
@@ -134,22 +154,22 @@ void PassiveEnergy::begin(const SolveInput& input, const IslandGroup& group, flo
     const bool overlaps = any_deep && watched_.size() == first && is_deep(input, island);
     if (overlaps) watched_.insert(watched_.end(), bodies.begin(), bodies.end());
     if (watched_.size() == first) continue;
-    if (is_passive(input, island)) {
-      const StoredEnergy stored = stored_in(input, island);
-      const double moving = kinetic_energy(input.bodies, std::span(watched_).subspan(first)) + stored.rotors;
-      const double more = joined ? tuning::energy_tolerance * moving : 0;
-      const double most = energy_of(input, island, stored) + more;
-      islands_.push_back({.island = island,
-                          .overlaps = overlaps,
-                          .most = most,
-                          .height = overlaps ? height_of(input, bodies) : 0,
-                          .moving = moving,
-                          .springs = stored.potential,
-                          .first = first,
-                          .end = watched_.size()});
-    } else {
+    const double given = most_given(input, island);
+    if (!(given < std::numeric_limits<double>::infinity())) {
       watched_.resize(first);
+      continue;
     }
+    const StoredEnergy stored = stored_in(input, island);
+    const double moving = kinetic_energy(input.bodies, std::span(watched_).subspan(first)) + stored.rotors;
+    const double more = joined ? tuning::held_tolerance * moving : 0;
+    islands_.push_back({.island = island,
+                        .overlaps = overlaps,
+                        .most = energy_of(input, island, stored) + more + given,
+                        .height = overlaps ? height_of(input, bodies, 0) : 0,
+                        .moving = moving,
+                        .springs = stored.potential,
+                        .first = first,
+                        .end = watched_.size()});
   }
 }
 
@@ -161,7 +181,8 @@ void PassiveEnergy::bound(const SolveInput& input) const {
     const double passed_on = exchanged(moving - of.moving, stored.potential - of.springs);
     // Who is pushed out of an overlap is lifted for nothing.
     const double lifted =
-        of.overlaps ? std::max(0.0, height_of(input, input.islands.bodies(of.island, of.island + 1)) - of.height) : 0;
+        of.overlaps ? std::max(0.0, height_of(input, input.islands.bodies(of.island, of.island + 1), 0) - of.height)
+                    : 0;
     const double gained =
         energy_of(input, of.island, stored) - of.most - tuning::exchange_tolerance * passed_on - lifted;
     if (!(gained > 0)) continue;

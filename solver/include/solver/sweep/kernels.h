@@ -78,9 +78,9 @@ struct JointSweep {
 };
 
 /// J, of a body whose velocity impulses have changed: its kinetic energy before, and what is added to that if they are
-/// scaled by s: linear s + square s^2.
+/// scaled by s: linear s + square s^2. kg: half its mass.
 struct alignas(16) WorkRow {
-  float before, linear, square, unused;
+  float before, linear, square, half_mass;
 };
 
 /// The wide kernels for one instruction set. Each runs over [begin, end): of blocks, or of body indices in

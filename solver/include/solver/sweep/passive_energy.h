@@ -9,9 +9,9 @@
 
 namespace atl::solver {
 
-/// Keeps what only holds from making energy, over a step. An island in which nothing gives any (no torque, belt or
-/// motor with a speed, and no body that is led) ends its step with no more than it began with, what springs, servos and
-/// rotors store included, or bodies move slower by as much:
+/// Keeps what only holds from making energy, over a step. An island in which nothing gives any but motors (no torque or
+/// belt, and no body that is led) ends its step with no more than it began with and motors can have given, what
+/// springs, servos and rotors store included, or bodies move slower by as much:
 ///
 /// - those that may turn by more than tuning::blind_turn in the step. Contacts know a body's inertia and points where
 ///   they are as a step begins: a rod that turns on from there would take from their impulses what they had for another
@@ -21,6 +21,8 @@ namespace atl::solver {
 ///   back don't get to the end of. What they lift, they lift for nothing. Baumgarte's pushes are left as they are.
 /// - all in islands with joints that touch something. What an impact took to stop a heavy link is carried over into the
 ///   next substep, in which nothing is to be stopped, and the few sweeps of that don't take all of it back.
+/// - all in islands of swept joints that only hold. Bodies turn after joints have seen their inertia, and gaps close at
+///   speeds that lift what they move.
 class PassiveEnergy {
  public:
   /// Records the energies before a group's step. `deepest` (m): no contact's separation is below, if that is known.
