@@ -148,14 +148,22 @@ void SolvePhase::choose_modes(Stores& world, const StepContext& step, IslandPhas
   }
   if (!changed && !islands.rebuilt()) return;
   modes_.assign(modes.begin(), modes.end());
-  company_.assign(std::max(modes_.size(), substeps_.size()), 0);
-  std::copy(substeps_.begin(), substeps_.end(), company_.begin());
-  for (std::size_t island = 0; island < modes_.size(); ++island) {
-    if (modes_[island] != SolveMode::Sweep) company_[island] = solver::Islands::none;
-  }
+  choose_company(world, islands.islands());
   solver::pack_groups(islands.islands(), islands.one_each(), company_, groups_);
   // Which islands are large follows from the islands alone.
   regrouped_ |= islands.rebuilt();
+}
+
+// In a substep in which a swept joint bounces, its whole group is swept more often, so an island that has one is alone.
+void SolvePhase::choose_company(const Stores& world, const solver::Islands& islands) {
+  company_.assign(islands.count(), 0);
+  std::copy(substeps_.begin(), substeps_.end(), company_.begin());
+  for (std::size_t island = 0; island < islands.count(); ++island) {
+    const bool bounces = std::ranges::any_of(islands.joints(island, island + 1), [&](const solver::JointLink& link) {
+      return world.joints.joints[link.joint].bounces;
+    });
+    if (bounces || (!modes_.empty() && modes_[island] != SolveMode::Sweep)) company_[island] = solver::Islands::none;
+  }
 }
 
 SolveMode SolvePhase::mode_of(const solver::IslandGroup& group) const {

@@ -66,6 +66,7 @@ class SolvePhase {
   };
 
   bool choose_substeps(Stores& world, const StepContext& step, const IslandPhase& islands);
+  void choose_company(const Stores& world, const solver::Islands& islands);
   void choose_settings(const Stores& world, int asked);
   const GroupSettings* find_settings(const solver::IslandGroup& group, int asked) const;
   void solve_groups(Stores& world, const StepContext& step, const solver::AddedSlip* added_slips, IslandPhase& islands,
@@ -81,7 +82,7 @@ class SolvePhase {
   jobs::CompactArray<std::unique_ptr<solver::GroupSolver>> large_solvers_;  // of large groups, in order
   jobs::CompactArray<solver::SolveMode> modes_;                             // by island, or empty
   jobs::CompactArray<std::uint16_t> substeps_;                              // likewise
-  jobs::CompactArray<std::uint32_t> company_;                               // likewise: see pack_groups()
+  jobs::CompactArray<std::uint32_t> company_;                               // by island: see pack_groups()
   jobs::CompactArray<GroupSettings> settings_;                              // one for each that some group has
   bool regrouped_ = false;                                                  // since the last solve
   DirectGroups direct_;

@@ -3,7 +3,9 @@
 #include <atoll/atoll.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
+#include <utility>
 
 #include "support/bodies.h"
 
@@ -72,6 +74,25 @@ const Guest guests[] = {
 
 INSTANTIATE_TEST_SUITE_P(Guests, Locality, testing::ValuesIn(guests),
                          [](const testing::TestParamInfo<Guest>& guest) { return std::string(guest.param.name); });
+
+// A swept joint that bounces is swept more often, and with it none of another island, whose bits that would change.
+TEST(JointBounce, ChangesNoOtherIsland) {
+  const auto swing = [](double restitution) {
+    World world({.settings = {.joint_solver = JointSolver::Iterative}});
+    const BodyId base = world.add_body(static_box({0, 0, 0}, {0.1, 0.1, 0.1}));
+    const BodyId pendulum = world.add_body(sphere({1.5, 0, -1}, 0.2));
+    world.add_joint(joint_at(world, HingeJoint{}, base, pendulum, {0, 0, 0}, Vector3::UnitY()));
+    const BodyId slide = world.add_body(sphere({5, 0, 0}, 0.2));
+    const SliderJoint down = {.offset = {.range = {-0.3, 0.3, restitution}}};
+    world.add_joint(joint_at(world, down, base, slide, {5, 0, 0}, Vector3::UnitZ()));
+    run(world, 60);
+    return std::pair(world.body_hash(pendulum).velocity, world.velocity(slide).z());
+  };
+  const auto [resting, rest] = swing(0);
+  const auto [bouncing, bounce] = swing(0.9);
+  ASSERT_GT(std::abs(bounce), std::abs(rest) + 0.1);
+  EXPECT_EQ(bouncing, resting);
+}
 
 }  // namespace
 }  // namespace atl::test
