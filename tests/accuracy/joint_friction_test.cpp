@@ -51,6 +51,23 @@ TEST_P(JointFrictionTest, OfAConeIsWithItsSwingAndAcross) {
   EXPECT_NEAR(speed_after(0.3, cone, swing, twist, 0.4), 0.4, 1e-5);
 }
 
+// Hit through its middle, 1 m below the joint, by what makes 1 rad/s of its 7 kg m^2.
+TEST_P(JointFrictionTest, TakesUpNoMoreOfABlowThanItsTorque) {
+  const JointKind kinds[] = {BallJoint{.friction = torque}, HingeJoint{{.friction = torque}},
+                             HingeJoint{{.motor = JointMotor{.max_force = torque}}}};
+  for (const JointKind& kind : kinds) {
+    World world({.gravity = Vector3::Zero(), .settings = {.joint_solver = GetParam()}});
+    const BodyId post = world.add_body({.type = BodyType::Static, .shape = Sphere{0.1}});
+    BodyDef def = box({0, 0, -1});
+    def.mass = 6;
+    const BodyId cube = world.add_body(def);
+    world.add_joint(joint_at(world, kind, post, cube, Vector3::Zero(), Vector3::UnitY()));
+    world.apply_impulse(cube, {7, 0, 0}, world.centre_of_mass(cube));
+    world.step(dt);
+    EXPECT_NEAR(world.angular_velocity(cube).norm(), 1 - torque * dt / 7, 2e-3) << kind.index();
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Solvers, JointFrictionTest, testing::Values(JointSolver::Iterative, JointSolver::Direct),
                          [](const auto& solver) { return solver_name(solver.param); });
 

@@ -68,9 +68,10 @@ double bend_of_tendon(const DirectIslandInput& input, double time, double h, std
   return (length - (tendon.at[0].value + change)) / h;
 }
 
-// Velocities are late in a kick that takes back, and rows that are held or driven go at the rates they have.
+// Velocities are late in a kick that takes back, and rows that are held or driven go at the rates they have. A motor
+// drives by no more than its force: the velocities may be those of a blow, which it can't take up.
 void hold_late(RowLaw& law, double rate, int limit) {
-  const bool driven = law.motor_impulse > 0 && law.motor_slope == 0;
+  const bool driven = law.motor_impulse >= Law::unlimited && law.motor_slope == 0;
   if (limit == 0 && !driven) return;
   const double lock_rate = limit != 0 ? rate : law.motor_speed;
   law = {.locked = true, .stiffness = law.stiffness, .lock_rate = lock_rate};
