@@ -8,7 +8,7 @@ root=$(dirname "$(dirname "$(dirname "$(realpath "${BASH_SOURCE[0]}")")")")
 minutes=$1
 shift
 targets=("$@")
-((${#targets[@]})) || targets=(api batch geometry mechanism scene snapshot recording direct solids)
+((${#targets[@]})) || targets=(api batch geometry mechanism scene snapshot recording direct queries solids)
 
 build=$root/build/fuzz
 bin=$build/bin
