@@ -9,7 +9,7 @@ minutes=$1
 shift
 targets=("$@")
 ((${#targets[@]})) || targets=(api batch geometry mechanism scene snapshot recording contacts direct forces
-                               queries solids)
+                               joints queries solids)
 
 build=$root/build/fuzz
 bin=$build/bin

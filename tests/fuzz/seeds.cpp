@@ -217,6 +217,6 @@ int main(int argc, char** argv) {
   write_snapshots(folder / "snapshot");
   write_recordings(folder / "recording");
   for (const char* const target :
-       {"api", "batch", "contacts", "direct", "forces", "geometry", "mechanism", "queries", "solids"})
+       {"api", "batch", "contacts", "direct", "forces", "geometry", "joints", "mechanism", "queries", "solids"})
     write_programs(folder / target);
 }
