@@ -21,7 +21,7 @@ usage: bash tests/run.sh [--label LABEL] [--preset PRESET] [--long]
                    Chromium, ensembles on Ray and by Slurm's scripts, and Atoll built as a part of another project; with
                    CI=true the benchmarks are built
   --fuzz MINUTES   libFuzzer on each of these, or those given, for so long: api, batch, geometry, mechanism, scene,
-                   snapshot, recording, contacts, direct, forces, joints, queries, solids
+                   snapshot, recording, changes, contacts, direct, forces, joints, queries, solids
   --aarch64        golden hashes and the layers' unit tests on 64-bit ARM, emulated; takes an hour
   --wheel          a wheel of the Python package for other machines, built and tried where there is nothing but Python;
                    needs root

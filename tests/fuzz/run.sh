@@ -8,8 +8,8 @@ root=$(dirname "$(dirname "$(dirname "$(realpath "${BASH_SOURCE[0]}")")")")
 minutes=$1
 shift
 targets=("$@")
-((${#targets[@]})) || targets=(api batch geometry mechanism scene snapshot recording contacts direct forces
-                               joints queries solids)
+((${#targets[@]})) || targets=(api batch geometry mechanism scene snapshot recording changes contacts direct
+                               forces joints queries solids)
 
 build=$root/build/fuzz
 bin=$build/bin

@@ -216,7 +216,7 @@ int main(int argc, char** argv) {
   write_scenes(folder / "scene", std::span(argv + 2, static_cast<std::size_t>(argc - 2)));
   write_snapshots(folder / "snapshot");
   write_recordings(folder / "recording");
-  for (const char* const target :
-       {"api", "batch", "contacts", "direct", "forces", "geometry", "joints", "mechanism", "queries", "solids"})
+  for (const char* const target : {"api", "batch", "changes", "contacts", "direct", "forces", "geometry", "joints",
+                                   "mechanism", "queries", "solids"})
     write_programs(folder / target);
 }
